@@ -1,0 +1,1 @@
+//! Systems with known truth, and the conformance suites that every reader and every estimator must pass.
