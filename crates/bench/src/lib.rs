@@ -1,1 +1,19 @@
-//! bench
+//! The dynamometer test bench: what its signals mean, what its parts are, and how they are estimated, assembled and
+//! judged.
+//!
+//! Raw channel names and units end here (`channels`, `units`); after that everything is SI with a [`Role`]. The crate
+//! reads no file, knows no path, no clock, no web, no command line: it turns decoded [`recording::Recording`]s and a
+//! [`BenchFile`] into a [`Study`], which is plain data that others write down.
+//!
+//! Notation follows Glans & Kärnell, *Development of a Method on how to Model a Dynamometer for Driveline Testing*,
+//! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
+
+pub mod diagnostics;
+pub mod experiment;
+pub mod role;
+pub mod study;
+
+pub use diagnostics::{Diagnostic, Finding, Place, Severity};
+pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
+pub use role::Role;
+pub use study::Study;

@@ -1,0 +1,188 @@
+//! What is usable but with doubts: structured findings, each with its place. Their wording belongs to the report.
+
+use serde::Serialize;
+
+use crate::Role;
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Severity {
+    /// Worth knowing; nothing to do.
+    Note,
+    /// A result is weaker than it could be.
+    Warning,
+    /// Something was left out, or a result must not be used.
+    Error,
+}
+
+/// Where a finding was made; what does not apply is `None`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Place {
+    /// File, as the user knows it.
+    pub file: Option<String>,
+    /// Channel by its source name.
+    pub channel: Option<String>,
+    /// Time in the recording, s.
+    pub time_s: Option<f64>,
+}
+
+/// One doubt about the data or a result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diagnostic {
+    /// How much it matters.
+    pub severity: Severity,
+    /// Where it is.
+    pub place: Place,
+    /// What it is.
+    pub finding: Finding,
+}
+
+/// What can be found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Finding {
+    /// The recording could not be decoded; the reader's own words are given.
+    UnreadableRecording {
+        /// The reader's error.
+        reason: String,
+    },
+    /// The reader returned data, with a reservation.
+    ReaderDoubt {
+        /// The reader's finding.
+        reason: String,
+    },
+    /// Neither file name nor bench file gives the experiment's label.
+    NoLabel,
+    /// Two recordings have the same file name or the same content.
+    DuplicateRecording {
+        /// The other one.
+        other: String,
+    },
+    /// A channel the bench file names is not in the recording.
+    MissingChannel {
+        /// Its role.
+        role: Role,
+        /// Channels of the recording with the closest names.
+        closest: Vec<String>,
+    },
+    /// A unit is unknown or belongs to another quantity than the role's.
+    UnfitUnit {
+        /// The role.
+        role: Role,
+        /// The unit found.
+        unit: String,
+    },
+    /// Samples that are NaN or infinite.
+    NotANumber {
+        /// How many.
+        count: usize,
+        /// Whether they were few enough to be interpolated.
+        mended: bool,
+    },
+    /// Time stamps are missing for a while.
+    Gap {
+        /// Length, s.
+        duration_s: f64,
+        /// Whether the gap was short enough to be interpolated.
+        mended: bool,
+    },
+    /// Time stamps go backwards or repeat.
+    TimeNotIncreasing,
+    /// Time stamps jitter by more than a tenth of the sample time.
+    Jitter {
+        /// Largest deviation from a uniform clock, s.
+        largest_s: f64,
+        /// Sample time, s.
+        sample_time_s: f64,
+    },
+    /// The signal never changes although its role says it should.
+    Constant {
+        /// Its value in SI.
+        value: f64,
+    },
+    /// The signal rests at its largest or smallest value.
+    Clipped {
+        /// Value in SI.
+        value: f64,
+        /// Share of the samples, 0…1.
+        share: f64,
+    },
+    /// The recording is shorter than the estimate needs.
+    TooShort {
+        /// Its length, s.
+        duration_s: f64,
+        /// What is needed, s.
+        needed_s: f64,
+    },
+    /// T_d brakes with a negative sign, against the convention.
+    WrongTorqueSign {
+        /// Correlation of −J_d·dω_d/dt with T_d at frequencies where inertia dominates.
+        correlation: f64,
+    },
+    /// The inertia in the bench file does not fit the measured torque and acceleration.
+    ImplausibleInertia {
+        /// Value in the bench file, kg m².
+        given_kg_m2: f64,
+        /// What the data say, kg m².
+        estimated_kg_m2: f64,
+        /// Standard error, kg m².
+        standard_error_kg_m2: f64,
+    },
+    /// Torque or demand is at the inverter's limit; these stretches are left out of the estimates.
+    Saturated {
+        /// Share of the samples, 0…1.
+        share: f64,
+        /// The limit, Nm.
+        limit_nm: f64,
+    },
+    /// A signal is later than T_d* by more than the method can use.
+    LateSignal {
+        /// Its role.
+        role: Role,
+        /// Delay, s.
+        delay_s: f64,
+    },
+    /// The demand changes too little to say anything.
+    WeakExcitation {
+        /// Which role.
+        role: Role,
+        /// Its standard deviation in SI.
+        standard_deviation: f64,
+    },
+    /// Narrow bands of frequency were left out because the model does not hold there.
+    ExcludedLines {
+        /// Centre frequencies, Hz.
+        frequencies_hz: Vec<f64>,
+    },
+    /// The residuals of a submodel are correlated with its input beyond the 99 % region.
+    ResidualsCorrelated {
+        /// Which submodel.
+        submodel: String,
+        /// Share of the lags outside, 0…1.
+        share_outside: f64,
+    },
+    /// A fit did not converge.
+    NotConverged {
+        /// Which submodel.
+        submodel: String,
+    },
+    /// Two routes to one number disagree by more than their uncertainty allows.
+    RoutesDisagree {
+        /// What was estimated twice.
+        quantity: String,
+        /// First value and standard error.
+        first: (f64, f64),
+        /// Second value and standard error.
+        second: (f64, f64),
+    },
+    /// A limit of the bench is exceeded by the model's prediction.
+    BeyondLimit {
+        /// Which limit.
+        limit: String,
+        /// Predicted value in SI.
+        value: f64,
+        /// The limit in SI.
+        allowed: f64,
+    },
+}

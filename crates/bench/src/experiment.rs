@@ -1,0 +1,114 @@
+//! An experiment: one labelled recording, in SI, by role, each signal still on its own clock.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+use signal::Signal;
+
+use crate::Role;
+
+/// What is excited: the letter after the test's name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum Excitation {
+    /// Torque (`T`).
+    Torque,
+    /// Speed (`N`).
+    Speed,
+}
+
+/// Which quantity each side controls: the label's last two letters, dynamometer first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum ControlMode {
+    /// The dynamometer controls speed, the engine torque (or throttle).
+    Nt,
+    /// The dynamometer controls torque, the engine speed.
+    Tn,
+}
+
+/// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1).
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct ExperimentLabel {
+    /// The test's name, e.g. `BS`, `WhiteNoise`, `Step`, `Ramp`, `Levels`, `Unfired`, `Sine`, `NoShaft`.
+    pub test: String,
+    /// What is excited.
+    pub excitation: Excitation,
+    /// Who controls what.
+    pub mode: ControlMode,
+}
+
+impl fmt::Display for ExperimentLabel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let excitation = match self.excitation {
+            Excitation::Torque => "T",
+            Excitation::Speed => "N",
+        };
+        let mode = match self.mode {
+            ControlMode::Nt => "NT",
+            ControlMode::Tn => "TN",
+        };
+        write!(f, "{}_{excitation}_{mode}", self.test)
+    }
+}
+
+/// A text is not an experiment label.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{text}` holds no experiment label of the form {{test}}_{{T|N}}_{{NT|TN}}, such as BS_T_NT")]
+pub struct LabelError {
+    /// The text that was searched.
+    pub text: String,
+}
+
+impl FromStr for ExperimentLabel {
+    type Err = LabelError;
+
+    /// Finds the label in a text such as a file's name: `BS_T_NT`, `BS_T_NT_1200`, `2018-05-03 BS_T_NT 1200rpm`.
+    fn from_str(text: &str) -> Result<Self, LabelError> {
+        let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
+        words.windows(3).find_map(label_from_words).ok_or_else(|| LabelError { text: text.to_owned() })
+    }
+}
+
+fn label_from_words(words: &[&str]) -> Option<ExperimentLabel> {
+    let [test, excitation, mode] = words else { return None };
+    let excitation = match *excitation {
+        "T" => Excitation::Torque,
+        "N" => Excitation::Speed,
+        _ => return None,
+    };
+    let mode = match *mode {
+        "NT" => ControlMode::Nt,
+        "TN" => ControlMode::Tn,
+        _ => return None,
+    };
+    test.starts_with(|c: char| c.is_ascii_alphabetic()).then(|| ExperimentLabel {
+        test: (*test).to_owned(),
+        excitation,
+        mode,
+    })
+}
+
+/// One labelled recording in SI. Every signal is uniformly sampled on its own clock and free of gaps and NaN; what was
+/// mended to make it so stands in the diagnostics.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Experiment {
+    /// The file the recording came from, as the user knows it.
+    pub file: String,
+    /// The experiment's label.
+    pub label: ExperimentLabel,
+    /// Signals by role: rad/s, Nm, 1.
+    pub signals: BTreeMap<Role, Signal>,
+}
+
+impl Experiment {
+    /// The signal of a role, if it was recorded.
+    pub fn signal(&self, role: Role) -> Option<&Signal> {
+        self.signals.get(&role)
+    }
+
+    /// Whether the label's test is `test` (case does not matter).
+    pub fn is_test(&self, test: &str) -> bool {
+        self.label.test.eq_ignore_ascii_case(test)
+    }
+}
