@@ -9,6 +9,7 @@
 //! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
 
 pub mod diagnostics;
+pub mod estimate;
 pub mod experiment;
 pub mod role;
 pub mod study;
