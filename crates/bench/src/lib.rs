@@ -13,6 +13,7 @@ pub mod estimate;
 pub mod experiment;
 pub mod role;
 pub mod study;
+pub mod units;
 
 pub use diagnostics::{Diagnostic, Finding, Place, Severity};
 pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};

@@ -45,15 +45,28 @@ fn batched_middle(fit: &Fit, batches: usize) -> Result<Mat<f64>, IdentError> {
     Ok(faer::Scale(batches as f64 / (batches as f64 - 1.0)) * middle)
 }
 
-/// Variance of g(θ) by the delta method: ∇gᵀ P ∇g, with the gradient by central differences whose steps are a small
-/// part of each parameter's standard error.
+/// The batched sandwich, but for no parameter less than the covariance under white residuals: a parameter whose data lie
+/// in one batch, such as an initial state, has no scatter between batches to be judged by.
 ///
-/// # Source
-/// Ljung 1999, (9.56) and appendix II; thesis (2.4).
-pub fn delta_variance(parameters: &[f64], covariance: &Mat<f64>, function: impl Fn(&[f64]) -> f64) -> f64 {
-    let n = parameters.len();
+/// Returns the covariance and the degrees of freedom to use with it.
+///
+/// # Errors
+/// Those of [`batched_sandwich`].
+pub fn at_least_white(fit: &Fit, batches: usize) -> Result<(Mat<f64>, f64), IdentError> {
+    let (robust, degrees_of_freedom) = batched_sandwich(fit, batches)?;
+    let white = fit.covariance();
+    let n = white.nrows();
+    let inflation: Vec<f64> = (0..n)
+        .map(|i| if white[(i, i)] > 0.0 { (robust[(i, i)] / white[(i, i)]).sqrt().max(1.0) } else { 1.0 })
+        .collect();
+    Ok((Mat::from_fn(n, n, |i, j| white[(i, j)] * inflation[i] * inflation[j]), degrees_of_freedom))
+}
+
+/// Gradient of g(θ) by central differences whose steps are a small part of each parameter's standard error; zero for
+/// parameters without uncertainty.
+pub fn gradient(parameters: &[f64], covariance: &Mat<f64>, function: impl Fn(&[f64]) -> f64) -> Vec<f64> {
     let mut point = parameters.to_vec();
-    let gradient: Vec<f64> = (0..n)
+    (0..parameters.len())
         .map(|j| {
             let step = 1e-2 * covariance[(j, j)].sqrt();
             if step <= 1e-12 * parameters[j].abs() {
@@ -66,12 +79,15 @@ pub fn delta_variance(parameters: &[f64], covariance: &Mat<f64>, function: impl 
             point[j] = parameters[j];
             (above - below) / (2.0 * step)
         })
-        .collect();
-    let mut variance = 0.0;
-    for i in 0..n {
-        for j in 0..n {
-            variance += gradient[i] * covariance[(i, j)] * gradient[j];
-        }
-    }
-    variance
+        .collect()
+}
+
+/// Variance of g(θ) by the delta method: ∇gᵀ P ∇g.
+///
+/// # Source
+/// Ljung 1999, (9.56) and appendix II; thesis (2.4).
+pub fn delta_variance(parameters: &[f64], covariance: &Mat<f64>, function: impl Fn(&[f64]) -> f64) -> f64 {
+    let slope = gradient(parameters, covariance, function);
+    let n = parameters.len();
+    (0..n).map(|i| (0..n).map(|j| slope[i] * covariance[(i, j)] * slope[j]).sum::<f64>()).sum()
 }

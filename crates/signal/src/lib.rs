@@ -18,6 +18,7 @@ pub mod resample;
 mod series;
 mod sinc;
 pub mod spectrum;
+pub mod spline;
 
 pub use error::SignalError;
 pub use filter::Sos;

@@ -5,5 +5,16 @@
 
 mod error;
 mod parameter;
+pub mod speed_controller;
+mod stretch;
 
 pub use error::EstimateError;
+
+/// Standard uncertainty of the instant a time stamp stands for, s.
+///
+/// A sample is dated no better than to a twentieth of the fastest raster either way (when in its cycle a controller
+/// latches a value is not recorded); taken as uniform, that is T/(20 √3). It bounds what any delay or skew can claim,
+/// however long the recording.
+pub(crate) fn timing_floor_s(sample_time_s: f64) -> f64 {
+    sample_time_s / (20.0 * 3f64.sqrt())
+}
