@@ -15,6 +15,8 @@ pub(super) struct Layout {
     pub(super) start_time: Option<StartTime>,
     pub(super) groups: Vec<DataGroup>,
     big_endian: bool,
+    /// Where the last of the blocks that describe the channels begins.
+    last_block: u64,
 }
 
 /// A stream of records and the channel groups in it.
@@ -98,10 +100,12 @@ impl Layout {
             start_time: walk.start_time(head),
             groups,
             big_endian: walk.big_endian,
+            last_block: walk.seen.iter().copied().max().unwrap_or(0),
         })
     }
 
-    /// Lowers announced record counts to what the file can hold, here and in `bytes`, where that is unambiguous.
+    /// Lowers announced record counts to what the file can hold, here and in `bytes`, where a group's records are the
+    /// last thing in a file that was cut off.
     pub(super) fn limit_counts(
         &mut self,
         file: &str,
@@ -122,12 +126,12 @@ impl Layout {
             let [only] = group.groups.as_mut_slice() else {
                 return Err(missing);
             };
+            if self.last_block > group.data || only.record_bytes == 0 {
+                return Err(missing);
+            }
             let stride = only.record_bytes + group.id_bytes;
-            only.cycles = match only.record_bytes {
-                0 => 0,
-                _ => available / stride,
-            };
-            if only.cycles == 0 && only.announced > 0 {
+            only.cycles = available / stride;
+            if only.cycles == 0 {
                 return Err(missing);
             }
             write_count(bytes, only.offset + 22, only.cycles, self.big_endian);
@@ -262,7 +266,7 @@ impl<'a> Walk<'a> {
                 return Some(StartTime {
                     nanoseconds,
                     is_local: true,
-                    utc_offset_min: (hours.abs() <= 14).then_some(i32::from(hours) * 60),
+                    utc_offset_min: (-14..=14).contains(&hours).then_some(i32::from(hours) * 60),
                 });
             }
         }

@@ -16,6 +16,8 @@ pub(super) struct Layout {
     pub(super) start_time: Option<StartTime>,
     groups: HashMap<u64, Declared>,
     data: Vec<u64>,
+    /// Where the last of the blocks that describe the channels begins.
+    last_block: u64,
 }
 
 /// What a channel group announces.
@@ -38,6 +40,7 @@ impl Layout {
             start_time: start_time(&head),
             groups: HashMap::new(),
             data: Vec::new(),
+            last_block: 0,
         };
         let mut next = head.link(0);
         while next != 0 {
@@ -46,6 +49,7 @@ impl Layout {
             walk.channel_groups(group.link(1), &mut layout.groups)?;
             next = group.link(0);
         }
+        layout.last_block = walk.seen.iter().copied().max().unwrap_or(0);
         Ok(layout)
     }
 
@@ -53,11 +57,11 @@ impl Layout {
         self.groups.get(&offset).copied()
     }
 
-    /// Gives data blocks that run past the end of the file the length that is there, so that the samples before the
-    /// cut can be read. The counts announced by the groups tell that some are missing.
+    /// Gives a data block that runs past the end of a file that was cut off the length that is there, so that the samples
+    /// before the cut can be read. The counts announced by the groups tell that some are missing.
     pub(super) fn shorten_cut_blocks(&self, bytes: &mut [u8]) {
         let length = bytes.len() as u64;
-        for &offset in &self.data {
+        for &offset in self.data.iter().filter(|&&o| o > self.last_block) {
             let Some(rest) = usize::try_from(offset)
                 .ok()
                 .and_then(|o| bytes.get_mut(o..))

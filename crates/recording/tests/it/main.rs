@@ -6,4 +6,8 @@
     clippy::print_stderr
 )]
 
+mod bench_files;
 mod csv;
+mod damage;
+mod mdf;
+mod round_trip;
