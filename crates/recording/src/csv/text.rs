@@ -24,6 +24,7 @@ impl<'a> Text<'a> {
             return known(Cow::Owned(utf16));
         }
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        let bytes = without_end_mark(bytes);
         match std::str::from_utf8(bytes) {
             Ok(text) => known(Cow::Borrowed(text)),
             Err(_) => Self {
@@ -32,6 +33,11 @@ impl<'a> Text<'a> {
             },
         }
     }
+}
+
+/// Content without the end-of-file mark of DOS.
+fn without_end_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_suffix(b"\x1A").unwrap_or(bytes)
 }
 
 fn utf16(bytes: &[u8]) -> Option<String> {
@@ -57,7 +63,7 @@ pub(crate) fn is_text(bytes: &[u8]) -> bool {
         return true;
     }
     let control = |b: &u8| b.is_ascii_control() && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0C);
-    !bytes.iter().take(4096).any(control)
+    !without_end_mark(bytes).iter().take(4096).any(control)
 }
 
 /// The first of tab, semicolon and comma that occurs, outside quotes, in at least half of the lines.

@@ -72,6 +72,7 @@ impl Source {
             ..OpenOptions::default()
         };
         let file = Mf4File::from_bytes_with_options(copy, options).map_err(|e| failure(name, e))?;
+        refuse_repeated_blocks(name, &file, bytes.len() as u64)?;
         Ok(Self {
             file,
             layout,
@@ -147,6 +148,26 @@ impl Source {
             *sample = f64::NAN;
         }
         Ok(samples)
+    }
+}
+
+/// Data blocks that together are larger than the file are the same block over and over.
+fn refuse_repeated_blocks(name: &str, file: &Mf4File, length: u64) -> Result<(), RecordingError> {
+    let stored = |dg: &DataGroup| {
+        let sizes = dg
+            .block_index()
+            .iter()
+            .map(|(_, block)| block.compressed_size);
+        sizes.fold(0, u64::saturating_add)
+    };
+    let groups = file.data_groups();
+    match groups.iter().find(|dg| stored(dg) > length) {
+        None => Ok(()),
+        Some(dg) => Err(RecordingError::Damaged {
+            file: name.into(),
+            offset: Some(dg.data_block_offset()),
+            detail: "a list of data names the same blocks repeatedly".into(),
+        }),
     }
 }
 

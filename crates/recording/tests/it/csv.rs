@@ -156,3 +156,16 @@ fn exact_missing_names_are_errors_with_a_suggestion() {
         "a.csv: there is no channel \"dynospeed\"; did you mean \"DynoSpeed\"?"
     );
 }
+
+#[test]
+fn regress_dos_end_mark_and_trailing_blanks() {
+    let r = read("Time[usec],CH1(msr)\n0,2.000000e+000 \n40,3.000000e+000 \n\n\u{1A}");
+    assert_eq!(
+        (r.channels[0].name.as_str(), r.channels[0].unit.as_str()),
+        ("CH1", "msr")
+    );
+    assert_eq!(
+        (&r.rasters[0].time_s[..], r.findings),
+        (&[0.0, 40e-6][..], vec![])
+    );
+}

@@ -203,3 +203,23 @@ fn exact_shared_blocks_are_refused() {
         "{error}"
     );
 }
+
+#[test]
+fn exact_repeated_data_blocks_are_refused() {
+    let small = made(&[100], &[("a", 0, 0.0)]);
+    let mut bytes = encode_mdf4(&small).unwrap();
+    let block = find(&bytes, b"##DZ") as u64;
+    let group = find(&bytes, b"##DG");
+    let count = 10_000_u64;
+    let list = bytes.len() as u64;
+    bytes[group + 40..group + 48].copy_from_slice(&list.to_le_bytes());
+    bytes.extend_from_slice(b"##DL\0\0\0\0");
+    for field in [24 + 8 * (count + 1) + 16, count + 1, 0] {
+        bytes.extend_from_slice(&field.to_le_bytes());
+    }
+    (0..count).for_each(|_| bytes.extend_from_slice(&block.to_le_bytes()));
+    bytes.extend_from_slice(&(1 | (count << 32)).to_le_bytes());
+    bytes.extend_from_slice(&1600_u64.to_le_bytes());
+    let error = decode("a.mf4", &bytes, &Selection::All).unwrap_err();
+    assert!(error.to_string().contains("repeatedly"), "{error}");
+}
