@@ -15,7 +15,8 @@ use crate::state_space::StateSpace;
 /// Made by [`StateSpace::to_discrete_delayed`].
 ///
 /// # Source
-/// Åström, K. J. and Wittenmark, B. (1997), *Computer-Controlled Systems*, sec. 2.3, eq. 2.13 and 2.14.
+/// Åström, K. J. and Wittenmark, B. (1997), *Computer-Controlled Systems*, ch. 2: sampling a system
+/// with a delay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DelayedStateSpace {
     a: Mat<f64>,

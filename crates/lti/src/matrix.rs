@@ -51,7 +51,9 @@ pub(crate) fn inverse(m: MatRef<'_, f64>) -> Option<Mat<f64>> {
     }
     let inverse = m.partial_piv_lu().inverse();
     let reciprocal_condition = 1.0 / (norm_1(m) * norm_1(inverse.as_ref()));
-    (reciprocal_condition >= f64::EPSILON).then_some(inverse)
+    let usable =
+        reciprocal_condition >= f64::EPSILON && elements(inverse.as_ref()).all(f64::is_finite);
+    usable.then_some(inverse)
 }
 
 /// Eigenvalues, after balancing.

@@ -59,8 +59,8 @@ impl StateSpace {
     /// ```
     ///
     /// # Source
-    /// Franklin, G. F., Powell, J. D. and Workman, M. (1998), *Digital Control of Dynamic Systems*, sec. 6.3.2
-    /// (triangle hold).
+    /// Franklin, G. F., Powell, J. D. and Workman, M. (1998), *Digital Control of Dynamic Systems*: the
+    /// triangle hold.
     pub fn to_discrete_foh(&self, sample_time_s: f64) -> Result<FirstOrderHold, LtiError> {
         check_sample_time(sample_time_s)?;
         if self.sample_time_s.is_some() {
