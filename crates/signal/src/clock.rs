@@ -49,7 +49,8 @@ impl ClockCheck {
 ///
 /// The typical interval is the median of the positive ones. An interval of more than one and a half of it is a gap, one
 /// of zero or less a break in order; the others are regular, and their mean is the sample time. So stamps rounded to
-/// a coarse step give the true sample time, not a multiple of that step.
+/// a step somewhat finer than the sample time give the true sample time, not a multiple of that step; a step so
+/// coarse that stamps repeat biases it upwards.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than two stamps, or none that rises; [`SignalError::NonFinite`].

@@ -52,7 +52,7 @@ impl Correlation {
 /// ```
 ///
 /// # Source
-/// Ljung, L. (1999), *System Identification*, eq. 6.10 (there for the covariance, biased as here).
+/// Ljung, L. (1999), *System Identification*, ch. 6.
 pub fn cross_correlation(x: &[f64], y: &[f64], max_lag: usize) -> Result<Correlation, SignalError> {
     check_same_length(x.len(), y.len())?;
     check_at_least(max_lag + 1, x.len())?;

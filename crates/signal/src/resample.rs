@@ -102,10 +102,10 @@ pub fn hold(x: &Signal, times_s: &[f64]) -> Result<Vec<f64>, SignalError> {
 /// Every `factor`-th sample, after a zero-phase anti-alias filter.
 ///
 /// The filter is an eighth-order Butterworth low-pass at 0.8 of the new Nyquist frequency, run both ways: −6 dB there,
-/// about −36 dB at the new Nyquist frequency. The first sample is kept in place; a factor of one changes nothing.
+/// at least −31 dB at the new Nyquist frequency. The first sample is kept in place; a factor of one changes nothing.
 ///
 /// # Errors
-/// [`SignalError::Parameter`] for a factor of zero, [`SignalError::TooShort`] for 51 samples or fewer.
+/// [`SignalError::Parameter`] for a factor of zero, [`SignalError::TooShort`] for 27 samples or fewer.
 pub fn decimate(x: &Signal, factor: usize) -> Result<Signal, SignalError> {
     check_range("factor", factor as f64, 1.0, f64::INFINITY)?;
     if factor == 1 {

@@ -92,7 +92,7 @@ impl Sos {
     /// outside 1 ..= 20, [`SignalError::SampleTime`].
     ///
     /// # Source
-    /// Oppenheim and Schafer, *Discrete-Time Signal Processing* (2010), sec. 7.2: bilinear transform, pre-warped.
+    /// Oppenheim and Schafer, *Discrete-Time Signal Processing* (2010), ch. 7: bilinear transform, pre-warped.
     pub fn butterworth_lowpass(
         order: usize,
         cutoff_hz: f64,
