@@ -9,6 +9,7 @@
 pub mod covariance;
 pub mod distributions;
 mod error;
+pub mod frequency;
 pub mod least_squares;
 pub mod nonlinear;
 mod triangle;

@@ -289,3 +289,33 @@ pub fn power_spectrum(
         density: both.pxx,
     })
 }
+
+/// The real signal of `length` samples whose one-sided transform, as [`fft_real`] gives it, is `spectrum`:
+/// `x[t] = 1/N Σ_k X[k] e^{j2πkt/N}`.
+///
+/// # Errors
+/// [`SignalError::TooShort`] for a length of zero, [`SignalError::Transform`] where `spectrum` does not hold
+/// `length/2 + 1` values.
+///
+/// # Example
+/// ```
+/// let x = [1.0, 3.0, -2.0, 0.5];
+/// let back = signal::spectrum::inverse_fft_real(signal::spectrum::fft_real(&x)?, 4)?;
+/// assert!(back.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-12));
+/// # Ok::<(), signal::SignalError>(())
+/// ```
+pub fn inverse_fft_real(mut spectrum: Vec<Complex64>, length: usize) -> Result<Vec<f64>, SignalError> {
+    check_at_least(1, length)?;
+    let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
+    // The transform of a real signal is real at zero and at the Nyquist frequency; rounding may say otherwise.
+    if let Some(first) = spectrum.first_mut() {
+        first.im = 0.0;
+    }
+    if let (true, Some(last)) = (length % 2 == 0, spectrum.last_mut()) {
+        last.im = 0.0;
+    }
+    let mut output = plan.make_output_vec();
+    plan.process(&mut spectrum, &mut output).map_err(|_| SignalError::Transform { length })?;
+    output.iter_mut().for_each(|x| *x /= length as f64);
+    Ok(output)
+}

@@ -5,6 +5,7 @@
 
 mod error;
 mod parameter;
+pub mod shaft;
 pub mod speed_controller;
 mod stretch;
 
