@@ -113,7 +113,7 @@ fn read_uncertainty(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<
     bench.number_between("dynamometer_inertia_uncertainty_percent", (0.0, 100.0), remedy, faults)
 }
 
-/// A number with a unit as text, or a bare number in SI. Also returns the number as it was written.
+/// A number with a unit as text, or a bare number in SI.
 fn read_value(
     section: &Section<'_, '_>,
     key: &str,
@@ -125,7 +125,7 @@ fn read_value(
     if let Some(number) = place.number() {
         return Some(number);
     }
-    let Some(text) = place.value.as_str() else {
+    let Some(text) = place.value.as_str().filter(|_| !place.is_placeholder()) else {
         faults.add(place.offset, section.path_of(key), place.wrong_type("a number with its unit", example));
         return None;
     };
@@ -211,7 +211,7 @@ fn read_channels(
 }
 
 /// The roles without which nothing of a bench can be identified.
-fn required_roles(variant: BenchVariant) -> &'static [Role] {
+pub(super) fn required_roles(variant: BenchVariant) -> &'static [Role] {
     match variant {
         BenchVariant::LoadCell => &[Role::DynoSpeed, Role::EngineSpeed, Role::AirGapTorque],
         BenchVariant::TorqueFlange => &[Role::DynoSpeed, Role::EngineSpeed, Role::AirGapTorque, Role::FlangeTorque],

@@ -95,8 +95,10 @@ pub enum Reason {
         /// Difference over the other's mean.
         relative: f64,
     },
-    /// Fluctuates more than another channel, as the engine's speed does beside the dynamometer's.
-    FluctuatesMore {
+    /// Fluctuates more or less than another channel, as the engine's speed does beside the dynamometer's.
+    Fluctuates {
+        /// More rather than less.
+        more: bool,
         /// The other channel.
         than: String,
     },
@@ -109,8 +111,6 @@ pub enum Reason {
         /// Delay, s.
         delay_s: f64,
     },
-    /// No other channel is left for the role.
-    OnlyOneLeft,
 }
 
 /// What a word in a name means.
@@ -209,11 +209,11 @@ impl fmt::Display for Reason {
             Reason::MeanDisagrees { with, relative } => {
                 write!(f, "its mean differs from {with} by {:.1} %", 100.0 * relative)
             }
-            Reason::FluctuatesMore { than } => write!(f, "it fluctuates more than {than}"),
+            Reason::Fluctuates { more: true, than } => write!(f, "it fluctuates more than {than}"),
+            Reason::Fluctuates { more: false, than } => write!(f, "it fluctuates less than {than}"),
             Reason::FollowsDemand { demand, correlation, delay_s } => {
                 write!(f, "it follows {demand} {:.0} ms later with correlation {correlation:.2}", 1e3 * delay_s)
             }
-            Reason::OnlyOneLeft => write!(f, "no other channel is left for the role"),
         }
     }
 }
