@@ -4,7 +4,8 @@
 /// `wanted`, or is held by it, is closer than the number of edits says.
 pub(crate) fn closest<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>, count: usize) -> Vec<String> {
     let wanted = wanted.to_lowercase();
-    let mut ranked: Vec<(usize, &str)> = candidates.map(|name| (distance(&wanted, &name.to_lowercase()), name)).collect();
+    let mut ranked: Vec<(usize, &str)> =
+        candidates.map(|name| (distance(&wanted, &name.to_lowercase()), name)).collect();
     ranked.sort_by_key(|(distance, _)| *distance);
     ranked.into_iter().take(count).map(|(_, name)| name.to_owned()).collect()
 }

@@ -80,7 +80,11 @@ fn read_variant(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Benc
         "torque-flange" => Some(BenchVariant::TorqueFlange),
         other => {
             let possible = ["\"load-cell\"", "\"torque-flange\""].map(str::to_owned).to_vec();
-            faults.add(place.offset, bench.path_of("variant"), FaultKind::NotOneOf { found: other.to_owned(), possible });
+            faults.add(
+                place.offset,
+                bench.path_of("variant"),
+                FaultKind::NotOneOf { found: other.to_owned(), possible },
+            );
             None
         }
     }

@@ -135,7 +135,13 @@ impl<'v, 'i> Section<'v, 'i> {
     }
 
     /// The text of a value.
-    pub(super) fn text(&self, key: &str, place: Place<'v, 'i>, example: &str, faults: &mut Faults<'_>) -> Option<String> {
+    pub(super) fn text(
+        &self,
+        key: &str,
+        place: Place<'v, 'i>,
+        example: &str,
+        faults: &mut Faults<'_>,
+    ) -> Option<String> {
         let text = place.value.as_str().map(str::to_owned);
         if text.is_none() {
             faults.add(place.offset, self.path_of(key), place.wrong_type("a text", example));
@@ -144,7 +150,13 @@ impl<'v, 'i> Section<'v, 'i> {
     }
 
     /// A number between two others, if the key is there.
-    pub(super) fn number_between(&self, key: &str, (low, high): (f64, f64), remedy: &str, faults: &mut Faults<'_>) -> Option<f64> {
+    pub(super) fn number_between(
+        &self,
+        key: &str,
+        (low, high): (f64, f64),
+        remedy: &str,
+        faults: &mut Faults<'_>,
+    ) -> Option<f64> {
         let place = self.get(key)?;
         let Some(value) = place.number() else {
             faults.add(place.offset, self.path_of(key), place.wrong_type("a number", &format!("{key} = {low}")));

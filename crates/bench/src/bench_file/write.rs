@@ -133,9 +133,18 @@ fn write_role(text: &mut String, guess: &Guess, role: Role) {
         return;
     };
     let reasons: Vec<String> = choice.reasons.iter().map(|reason| on_one_line(&reason.to_string())).collect();
-    let _ = writeln!(text, "# {symbol}, guessed with {:.0} % confidence: {}.", 100.0 * choice.confidence, reasons.join("; "));
+    let _ = writeln!(
+        text,
+        "# {symbol}, guessed with {:.0} % confidence: {}.",
+        100.0 * choice.confidence,
+        reasons.join("; ")
+    );
     if let Some(Ambiguity { channels, .. }) = guess.ambiguous.iter().find(|ambiguity| ambiguity.role == role) {
-        let _ = writeln!(text, "# PLEASE CHECK: these would fit about as well: {}.", on_one_line(&channels[1..].join(", ")));
+        let _ = writeln!(
+            text,
+            "# PLEASE CHECK: these would fit about as well: {}.",
+            on_one_line(&channels[1..].join(", "))
+        );
     }
     let mapping = ChannelMapping { unit: choice.unit, ..ChannelMapping::named(&choice.channel) };
     let _ = writeln!(text, "{key} = {}", mapping_value(&mapping));
@@ -153,7 +162,11 @@ files = [{}]
         quoted_list(draft.files)
     );
     for file in draft.unlabelled {
-        let _ = writeln!(text, "\n[[recordings.label]]\nfile = {}\nlabel = \"{PLACEHOLDER}\" # e.g. \"BS_T_NT\"", quoted(file));
+        let _ = writeln!(
+            text,
+            "\n[[recordings.label]]\nfile = {}\nlabel = \"{PLACEHOLDER}\" # e.g. \"BS_T_NT\"",
+            quoted(file)
+        );
     }
 }
 

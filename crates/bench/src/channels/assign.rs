@@ -176,7 +176,9 @@ fn compare_speeds(candidates: &mut [Candidate<'_>]) {
     let mut ranked: Vec<(usize, f64)> = speeds.iter().filter_map(fluctuation).collect();
     ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
     let [(calmest, _), .., (liveliest, _)] = ranked[..] else { return };
-    let hint = |role, other: usize| (role, 1.0, Reason::Fluctuates { more: role == Role::EngineSpeed, than: candidates[other].name.to_owned() });
+    let hint = |role, other: usize| {
+        (role, 1.0, Reason::Fluctuates { more: role == Role::EngineSpeed, than: candidates[other].name.to_owned() })
+    };
     let (engine, dyno) = (hint(Role::EngineSpeed, calmest), hint(Role::DynoSpeed, liveliest));
     candidates[liveliest].hints.push(engine);
     candidates[calmest].hints.push(dyno);
@@ -412,7 +414,8 @@ fn compare_means(guess: &mut Guess, candidates: &[Candidate<'_>]) {
 fn mean_difference(candidates: &[Candidate<'_>], name: &str, other: &str) -> Option<f64> {
     let find = |wanted: &str| candidates.iter().find(|candidate| candidate.name == wanted);
     let (candidate, other) = (find(name)?, find(other)?);
-    let factor = |c: &Candidate<'_>| c.override_unit.or_else(|| units::parse_unit(c.recorded_unit).ok()).map(|u| u.factor);
+    let factor =
+        |c: &Candidate<'_>| c.override_unit.or_else(|| units::parse_unit(c.recorded_unit).ok()).map(|u| u.factor);
     let (recording, samples) = candidate.samples.iter().find(|(index, _)| other.samples_in(*index).is_some())?;
     let mean = samples.mean()? * factor(candidate)?;
     let other_mean = other.samples_in(*recording)?.mean()? * factor(other)?;

@@ -147,11 +147,7 @@ pub enum Meaning {
 impl Guess {
     /// The bench variant that the channels speak for.
     pub fn variant(&self) -> BenchVariant {
-        if self.choices.contains_key(&Role::FlangeTorque) {
-            BenchVariant::TorqueFlange
-        } else {
-            BenchVariant::LoadCell
-        }
+        if self.choices.contains_key(&Role::FlangeTorque) { BenchVariant::TorqueFlange } else { BenchVariant::LoadCell }
     }
 
     /// The proposal as the channel table of a bench file.

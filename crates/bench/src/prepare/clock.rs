@@ -77,7 +77,8 @@ fn stretch(time_s: &[f64], values: &[f64], typical_s: f64) -> Option<Signal> {
     }
     let sample_time_s = (last - first) / intervals;
     let count = intervals as usize + 1;
-    let is_whole = count == values.len() && largest_deviation(time_s, first, sample_time_s) <= JITTER_SHARE * sample_time_s;
+    let is_whole =
+        count == values.len() && largest_deviation(time_s, first, sample_time_s) <= JITTER_SHARE * sample_time_s;
     let samples = if is_whole { values.to_vec() } else { interpolated(time_s, values, first, sample_time_s, count) };
     Signal::new(first, sample_time_s, samples).ok()
 }

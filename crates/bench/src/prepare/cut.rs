@@ -12,14 +12,17 @@ use crate::role::Role;
 /// Each role's signal. Without long gaps that is all of it; with them, what lies in the longest common stretch.
 pub(super) fn longest_common(mended: BTreeMap<Role, Stretches>, log: &mut Log) -> Option<BTreeMap<Role, Signal>> {
     if mended.values().all(|stretches| stretches.len() == 1) {
-        return Some(mended.into_iter().filter_map(|(role, stretches)| Some((role, stretches.into_iter().next()?))).collect());
+        return Some(
+            mended.into_iter().filter_map(|(role, stretches)| Some((role, stretches.into_iter().next()?))).collect(),
+        );
     }
     let whole = (start_of(&mended)?, end_of(&mended)?);
     let (start_s, end_s) = longest(common(mended.values()))?;
-    log.file(Severity::Warning, Some(start_s), Finding::Cut {
-        kept_s: (start_s, end_s),
-        lost_s: (whole.1 - whole.0) - (end_s - start_s),
-    });
+    log.file(
+        Severity::Warning,
+        Some(start_s),
+        Finding::Cut { kept_s: (start_s, end_s), lost_s: (whole.1 - whole.0) - (end_s - start_s) },
+    );
     let kept = |stretches: &Stretches| stretches.iter().map(|s| cut(s, start_s, end_s)).find(|s| s.len() >= 2);
     let signals: BTreeMap<Role, Signal> =
         mended.iter().filter_map(|(role, stretches)| Some((*role, kept(stretches)?))).collect();
