@@ -264,8 +264,8 @@ fn read_unit(section: &Section<'_, '_>, quantity: Quantity, faults: &mut Faults<
 fn read_inverted(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> bool {
     let Some(place) = section.get("sign") else { return false };
     match place.number() {
-        Some(sign) if sign == 1.0 => return false,
-        Some(sign) if sign == -1.0 => return true,
+        Some(1.0) => return false,
+        Some(-1.0) => return true,
         _ => {}
     }
     let found = place.number().map_or_else(|| place.value.type_str().to_owned(), |number| number.to_string());

@@ -136,7 +136,7 @@ fn write_role(text: &mut String, guess: &Guess, role: Role) {
     let _ = writeln!(
         text,
         "# {symbol}, guessed with {:.0} % confidence: {}.",
-        100.0 * choice.confidence,
+        100.0 * choice.confidence.min(0.99),
         reasons.join("; ")
     );
     if let Some(Ambiguity { channels, .. }) = guess.ambiguous.iter().find(|ambiguity| ambiguity.role == role) {

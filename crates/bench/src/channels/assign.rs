@@ -151,7 +151,7 @@ fn quantity_of(
 
 /// The unit of a channel that states none: the one in its name, or the one its magnitude leaves no doubt about.
 fn unit_by_magnitude(name: &str, quantity: Quantity, samples: Option<Samples<'_>>) -> Option<Unit> {
-    let parts = name.split(|c: char| c == '_' || c == ' ' || c == '[' || c == ']' || c == '(' || c == ')' || c == '\\');
+    let parts = name.split(['_', ' ', '[', ']', '(', ')', '\\']);
     let in_name = parts.filter(|part| part.len() > 1).find_map(|part| units::parse_unit_of(part, quantity).ok());
     let by_magnitude = || {
         let mean = samples?.mean()?.abs();
@@ -219,7 +219,7 @@ fn compare_torques(candidates: &mut [Candidate<'_>]) {
 /// The channel that is most likely the torque demand, and the recording in which it is held best.
 fn torque_demand(candidates: &[Candidate<'_>]) -> Option<(usize, usize)> {
     let scored = (0..candidates.len()).filter_map(|i| Some((i, score(&candidates[i], Role::DynoTorqueDemand)?)));
-    let (demand, _) = scored.filter(|(_, score)| *score > 1.5).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (demand, _) = scored.filter(|(_, score)| *score >= THRESHOLD).max_by(|a, b| a.1.total_cmp(&b.1))?;
     let shares = candidates[demand].samples.iter().map(|(recording, samples)| (recording, samples.noise_free_share()));
     let (recording, _) = shares.filter(|(_, share)| *share < 1.0).max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some((demand, *recording))
@@ -242,7 +242,8 @@ fn score(candidate: &Candidate<'_>, role: Role) -> Option<f64> {
         })
         .sum();
     let shown = match (role.is_demand(), candidate.is_noise_free()) {
-        (true, Some(true)) => 2.0,
+        (true, Some(true)) if candidate.says(Meaning::Demand) => 2.0,
+        (true, Some(true)) => 1.0,
         (true, Some(false)) if role == Role::DynoSpeedDemand => -3.0,
         (false, Some(true)) => -2.0,
         _ => 0.0,

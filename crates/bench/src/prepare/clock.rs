@@ -14,6 +14,8 @@ const SHORT_GAP_SAMPLES: usize = 5;
 const MOST_NOT_A_NUMBER: f64 = 0.1;
 /// Time stamps further from a uniform clock than this share of the sample time are interpolated onto one.
 const JITTER_SHARE: f64 = 0.1;
+/// Time stamps closer to a uniform clock than this share of the sample time are rounded, not jittering.
+const EXACT_SHARE: f64 = 1e-6;
 
 /// The channel on a uniform clock, in SI, or `None` if it is refused.
 pub(super) fn uniform_stretches(source: &Source<'_>, log: &mut Log) -> Option<Stretches> {
@@ -75,25 +77,44 @@ fn stretch(time_s: &[f64], values: &[f64], typical_s: f64) -> Option<Signal> {
     if intervals < 1.0 {
         return None;
     }
-    let sample_time_s = (last - first) / intervals;
+    let mut clock = (first, (last - first) / intervals);
     let count = intervals as usize + 1;
-    let is_whole =
-        count == values.len() && largest_deviation(time_s, first, sample_time_s) <= JITTER_SHARE * sample_time_s;
-    let samples = if is_whole { values.to_vec() } else { interpolated(time_s, values, first, sample_time_s, count) };
-    Signal::new(first, sample_time_s, samples).ok()
+    if largest_deviation(time_s, clock) > EXACT_SHARE * clock.1 {
+        clock = fitted_clock(time_s, clock).unwrap_or(clock);
+    }
+    let is_whole = count == values.len() && largest_deviation(time_s, clock) <= JITTER_SHARE * clock.1;
+    let samples = if is_whole { values.to_vec() } else { interpolated(time_s, values, clock, count) };
+    Signal::new(clock.0, clock.1, samples).ok()
 }
 
-/// Largest distance of time stamps from a uniform clock, s.
-fn largest_deviation(time_s: &[f64], start_s: f64, sample_time_s: f64) -> f64 {
-    let deviation = |(i, time): (usize, &f64)| (time - start_s - i as f64 * sample_time_s).abs();
-    time_s.iter().enumerate().map(deviation).fold(0.0, f64::max)
+/// Number of the tick of a clock, (start, sample time) in s, that is closest to an instant.
+fn tick(time_s: f64, clock: (f64, f64)) -> f64 {
+    ((time_s - clock.0) / clock.1).round()
+}
+
+/// Largest distance of time stamps from the nearest tick of a clock, s.
+fn largest_deviation(time_s: &[f64], clock: (f64, f64)) -> f64 {
+    let deviation = |time: &f64| (time - clock.0 - tick(*time, clock) * clock.1).abs();
+    time_s.iter().map(deviation).fold(0.0, f64::max)
+}
+
+/// The clock closest to the time stamps in the sense of least squares, so that jitter of the first and the last stamp does
+/// not move it.
+fn fitted_clock(time_s: &[f64], rough: (f64, f64)) -> Option<(f64, f64)> {
+    let count = time_s.len() as f64;
+    let ticks = || time_s.iter().map(|&time| tick(time, rough));
+    let (mean_tick, mean_time) = (ticks().sum::<f64>() / count, time_s.iter().map(|t| t / count).sum::<f64>());
+    let spread: f64 = ticks().map(|tick| (tick - mean_tick).powi(2)).sum();
+    let common: f64 = ticks().zip(time_s).map(|(tick, time)| (tick - mean_tick) * (time - mean_time)).sum();
+    let sample_time_s = common / spread;
+    (sample_time_s > 0.0).then_some((mean_time - mean_tick * sample_time_s, sample_time_s))
 }
 
 /// Values on a uniform clock, on straight lines between the samples. The time stamps rise.
-fn interpolated(time_s: &[f64], values: &[f64], start_s: f64, sample_time_s: f64, count: usize) -> Vec<f64> {
+fn interpolated(time_s: &[f64], values: &[f64], clock: (f64, f64), count: usize) -> Vec<f64> {
     let mut left = 0;
     let value = |i: usize| {
-        let time = start_s + i as f64 * sample_time_s;
+        let time = clock.0 + i as f64 * clock.1;
         while left + 2 < time_s.len() && time_s[left + 1] <= time {
             left += 1;
         }
@@ -136,8 +157,7 @@ fn report_gaps(
 fn report_jitter(source: &Source<'_>, stretches: &[Signal], time_s: &[f64], sample_time_s: f64, log: &mut Log) {
     let deviation = |time: f64| {
         let stretch = stretches.iter().find(|stretch| time <= stretch.end_s() + 0.5 * stretch.sample_time_s)?;
-        let position = (time - stretch.start_s) / stretch.sample_time_s;
-        Some((position - position.round()).abs() * stretch.sample_time_s)
+        Some(largest_deviation(&[time], (stretch.start_s, stretch.sample_time_s)))
     };
     let deviations = time_s.iter().map(|&time| (time, deviation(time).unwrap_or(0.0)));
     let Some((time, largest_s)) = deviations.max_by(|a, b| a.1.total_cmp(&b.1)) else { return };

@@ -40,5 +40,5 @@ fn exact_split_and_within() {
     let part = experiment().within((3.0, 3.3));
     assert_eq!(part.signals.len(), 3);
     assert!(part.signals.values().all(|signal| signal.start_s >= 3.0 - 1e-9 && signal.end_s() <= 3.3 + 1e-9));
-    assert!(experiment().within((3.6, 3.7)).signals.is_empty());
+    assert!(experiment().within((3.8, 3.9)).signals.is_empty());
 }

@@ -219,7 +219,7 @@ fn exact_commented_file_is_refused_until_filled_in() {
     let text = BenchFile::to_commented_toml(&draft);
     let error = parse(&text).unwrap_err();
     let placeholders = error.faults.iter().filter(|fault| matches!(fault.kind, FaultKind::Placeholder { .. })).count();
-    assert_eq!((placeholders, error.faults.len()), (3, 4), "{error}\n{text}");
+    assert_eq!((placeholders, error.faults.len()), (4, 4), "{error}\n{text}");
     let filled = text
         .replace(&format!("cylinders = \"{PLACEHOLDER}\""), "cylinders = 4")
         .replace(&format!("label = \"{PLACEHOLDER}\""), "label = \"BS_T_NT\"")

@@ -42,7 +42,7 @@ fn exact_names_of_two_benches() {
         "N.m",
     );
     assert!(guess.ambiguous.is_empty(), "{:?}", guess.ambiguous);
-    assert!(guess.choices.values().all(|choice| choice.confidence > 0.8), "{guess:#?}");
+    assert!(guess.choices.values().all(|choice| choice.confidence > 0.7), "{guess:#?}");
 }
 
 #[test]
@@ -180,7 +180,7 @@ fn regress_names_that_say_nothing_are_told_by_samples_with_low_confidence() {
     assert_eq!(channel(Role::EngineSpeed), Some("n2"));
     assert_eq!(channel(Role::DynoSpeedDemand), Some("n3"));
     assert_eq!(channel(Role::DynoTorqueDemand), Some("T1"));
-    assert_eq!(channel(Role::AirGapTorque), Some("T2"));
+    assert_eq!(channel(Role::AirGapTorque), Some("T2"), "{guess:#?}");
     assert!(guess.choices[&Role::DynoSpeed].confidence < 0.8, "{guess:#?}");
     assert!(!guess.ambiguous.is_empty());
 }

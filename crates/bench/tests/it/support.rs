@@ -29,11 +29,12 @@ pub(crate) fn recording(start_s: f64, channels: &[(&str, &str, f64, Vec<f64>)]) 
     }
 }
 
-/// Noise without a generator: deterministic, zero mean, about uniform in ±1.
+/// Noise without a generator's state: uniform in ±1, by the finaliser of SplitMix64.
 pub(crate) fn noise(i: usize, seed: usize) -> f64 {
-    let x = ((i * 2_654_435_761 + seed * 40_503 + 12_345) % 1_000_003) as f64 / 1_000_003.0;
-    let y = (x * 7919.0).fract();
-    2.0 * y - 1.0
+    let mut z = (i as u64 + ((seed as u64) << 32)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
 /// A simulated torque-controlled test: held random demand, stiff train, firing ripple on the engine's side.
