@@ -1,6 +1,6 @@
 //! Integration tests of the bench: from bench files and recordings to experiments.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod align;
 mod bench_file;
