@@ -1,0 +1,11 @@
+//! Integration tests of the bench: from bench files and recordings to experiments.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+mod align;
+mod bench_file;
+mod channels;
+mod prepare;
+mod recorded;
+mod support;
+mod units;
