@@ -12,6 +12,7 @@ pub mod diagnostics;
 pub mod experiment;
 pub mod role;
 pub mod study;
+pub mod virtual_bench;
 
 pub use diagnostics::{Diagnostic, Finding, Place, Severity};
 pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};

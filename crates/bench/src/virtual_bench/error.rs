@@ -15,6 +15,9 @@ pub enum VirtualBenchError {
         /// What it must be.
         requirement: &'static str,
     },
+    /// The equations cannot be discretised.
+    #[error("virtual bench: {0}")]
+    Discretisation(#[from] lti::LtiError),
     /// The state left the finite numbers: parameters and step size do not fit each other.
     #[error("virtual bench: the simulation diverged at {time_s} s; a gain is too high or the step too long")]
     Diverged {

@@ -1,6 +1,11 @@
 //! Two masses and a shaft, discretised exactly for torques that vary linearly over a step.
 
-use super::expm::{Matrix, expm};
+use std::array;
+
+use faer::{Mat, mat};
+use lti::StateSpace;
+
+use super::error::VirtualBenchError;
 use super::parameters::MechanicsParameters;
 
 /// Speed below which Coulomb friction falls linearly to zero, rad/s; it keeps the friction law single-valued.
@@ -8,7 +13,6 @@ const COULOMB_TRANSITION_RAD_S: f64 = 0.1;
 
 const STATES: usize = 5;
 const INPUTS: usize = 2;
-const AUGMENTED: usize = STATES + 2 * INPUTS;
 
 /// State of the two masses.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,17 +32,16 @@ pub(super) struct DrivingTorques {
     pub(super) engine_nm: f64,
 }
 
-/// x_{k+1} = Φ x_k + Γ_0 u_k + Γ_1 (u_{k+1} − u_k) for u linear within the step, exact up to rounding.
+/// x_{k+1} = Φ x_k + Γ_0 u_k + Γ_1 u_{k+1} for u linear within the step, exact up to rounding.
 ///
 /// # Source
 ///
-/// Franklin, Powell & Workman, *Digital Control of Dynamic Systems*, 3rd ed. 1998, §6.3.2 (triangle hold); the three
-/// matrices from one matrix exponential: Van Loan, IEEE Trans. Automatic Control 23 (1978) 395.
+/// Franklin, Powell & Workman, *Digital Control of Dynamic Systems*, 3rd ed. 1998, §6.3.2 (triangle hold).
 #[derive(Debug, Clone)]
 pub(super) struct TwoMasses {
     transition: [[f64; STATES]; STATES],
-    hold: [[f64; INPUTS]; STATES],
-    slope: [[f64; INPUTS]; STATES],
+    from_start: [[f64; INPUTS]; STATES],
+    from_end: [[f64; INPUTS]; STATES],
     stiffness: f64,
     damping: f64,
     dyno_inertia: f64,
@@ -49,12 +52,20 @@ pub(super) struct TwoMasses {
 
 impl TwoMasses {
     /// The masses, connected by the shaft or not, at a step size.
-    pub(super) fn new(parameters: &MechanicsParameters, is_connected: bool, step_s: f64) -> Self {
+    ///
+    /// # Errors
+    ///
+    /// [`VirtualBenchError::Discretisation`] where the matrix exponential overflows.
+    pub(super) fn new(
+        parameters: &MechanicsParameters,
+        is_connected: bool,
+        step_s: f64,
+    ) -> Result<Self, VirtualBenchError> {
         let connection = if is_connected { 1.0 } else { 0.0 };
         let mut masses = Self {
             transition: [[0.0; STATES]; STATES],
-            hold: [[0.0; INPUTS]; STATES],
-            slope: [[0.0; INPUTS]; STATES],
+            from_start: [[0.0; INPUTS]; STATES],
+            from_end: [[0.0; INPUTS]; STATES],
             stiffness: connection * parameters.shaft_stiffness_nm_per_rad,
             damping: connection * parameters.shaft_damping_nm_s_per_rad,
             dyno_inertia: parameters.dyno_inertia_kg_m2,
@@ -62,41 +73,34 @@ impl TwoMasses {
             coulomb_nm: parameters.coulomb_friction_nm,
             viscous: parameters.viscous_friction_nm_s_per_rad,
         };
-        masses.discretise(step_s);
-        masses
+        masses.discretise(step_s)?;
+        Ok(masses)
     }
 
-    fn discretise(&mut self, step_s: f64) {
-        let exponential = expm(&self.augmented(step_s));
-        for row in 0..STATES {
-            for column in 0..STATES {
-                self.transition[row][column] = exponential[row][column];
-            }
-            for input in 0..INPUTS {
-                self.hold[row][input] = exponential[row][STATES + input];
-                self.slope[row][input] = exponential[row][STATES + INPUTS + input];
-            }
-        }
+    fn discretise(&mut self, step_s: f64) -> Result<(), VirtualBenchError> {
+        let hold = self.state_space()?.to_discrete_foh(step_s)?;
+        self.transition = array::from_fn(|i| array::from_fn(|j| hold.a()[(i, j)]));
+        self.from_start = array::from_fn(|i| array::from_fn(|j| hold.b0()[(i, j)]));
+        self.from_end = array::from_fn(|i| array::from_fn(|j| hold.b1()[(i, j)]));
+        Ok(())
     }
 
-    /// [[A h, B h, 0], [0, 0, I], [0, 0, 0]]: state, torques, and the torques' change over the step.
-    fn augmented(&self, step_s: f64) -> Matrix<AUGMENTED> {
+    /// ẋ = A x + B u with x = (ω_d, ω_e, φ, θ_d, θ_e), u = (T_d + T_Coulomb, T_e).
+    fn state_space(&self) -> Result<StateSpace, lti::LtiError> {
         let (k, b, jd, je) = (self.stiffness, self.damping, self.dyno_inertia, self.engine_inertia);
-        let mut a = [[0.0; AUGMENTED]; AUGMENTED];
-        a[0][..3].copy_from_slice(&[-(b + self.viscous) / jd, b / jd, k / jd]);
-        a[1][..3].copy_from_slice(&[b / je, -b / je, -k / je]);
-        a[2][..2].copy_from_slice(&[-1.0, 1.0]);
-        a[3][0] = 1.0;
-        a[4][1] = 1.0;
-        a[0][STATES] = -1.0 / jd;
-        a[1][STATES + 1] = 1.0 / je;
-        for value in a.iter_mut().flatten() {
-            *value *= step_s;
-        }
-        for input in 0..INPUTS {
-            a[STATES + input][STATES + INPUTS + input] = 1.0;
-        }
-        a
+        let a = mat![
+            [-(b + self.viscous) / jd, b / jd, k / jd, 0.0, 0.0],
+            [b / je, -b / je, -k / je, 0.0, 0.0],
+            [-1.0, 1.0, 0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0, 0.0_f64],
+        ];
+        let b = Mat::from_fn(STATES, INPUTS, |i, j| match (i, j) {
+            (0, 0) => -1.0 / jd,
+            (1, 1) => 1.0 / je,
+            _ => 0.0,
+        });
+        StateSpace::new(a, b, Mat::identity(STATES, STATES), Mat::zeros(STATES, INPUTS), None)
     }
 
     /// One step with torques linear from `start` to `end`.
@@ -107,18 +111,16 @@ impl TwoMasses {
         end: DrivingTorques,
     ) -> MechanicalState {
         let x = state.to_array();
-        let (braking, engine) = (start.braking_nm, start.engine_nm);
-        let (braking_change, engine_change) = (end.braking_nm - braking, end.engine_nm - engine);
         let mut next = [0.0; STATES];
         for row in 0..STATES {
             let free: f64 = self.transition[row].iter().zip(&x).map(|(m, x)| m * x).sum();
-            let [hold_braking, hold_engine] = self.hold[row];
-            let [slope_braking, slope_engine] = self.slope[row];
+            let [start_braking, start_engine] = self.from_start[row];
+            let [end_braking, end_engine] = self.from_end[row];
             next[row] = free
-                + hold_braking * braking
-                + hold_engine * engine
-                + slope_braking * braking_change
-                + slope_engine * engine_change;
+                + start_braking * start.braking_nm
+                + start_engine * start.engine_nm
+                + end_braking * end.braking_nm
+                + end_engine * end.engine_nm;
         }
         MechanicalState::from_array(next)
     }

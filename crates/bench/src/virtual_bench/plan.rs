@@ -18,7 +18,7 @@ pub struct ExperimentPlan {
     pub duration_s: f64,
     /// How long the bench runs at the plan's first demands before the recording starts, s.
     pub settling_s: f64,
-    /// ω_d*, speed demand of the dynamometer (NT), rad/s. In TN its first value is the engine's speed demand.
+    /// ω_d*, speed demand of the dynamometer (NT), rad/s. In TN it is the engine's.
     pub speed_rad_s: Waveform,
     /// T_d*, air-gap torque demand (TN), Nm.
     pub dyno_torque_nm: Waveform,
@@ -123,7 +123,7 @@ impl ExperimentPlan {
     /// [`VirtualBenchError::Parameter`] naming the first impossible value.
     pub fn check(&self) -> Result<(), VirtualBenchError> {
         require_positive("plan.duration_s", self.duration_s)?;
-        require("plan.duration_s", self.duration_s, self.duration_s <= 1e5, "at most 100 000 s")?;
+        require("plan.duration_s", self.duration_s, self.duration_s <= 1e4, "at most 10 000 s")?;
         require_not_negative("plan.settling_s", self.settling_s)?;
         require("plan.settling_s", self.settling_s, self.settling_s <= 1e4, "at most 10 000 s")?;
         self.speed_rad_s.check("plan.speed_rad_s")?;
