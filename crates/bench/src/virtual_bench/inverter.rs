@@ -40,7 +40,8 @@ impl Inverter {
     /// Torque without ripple at `end_s`, Nm, where the last call ended at `start_s`.
     pub(super) fn advance(&mut self, start_s: f64, end_s: f64) -> f64 {
         let mut now_s = start_s;
-        while let Some(next) = self.on_the_way.pop_front_if(|next| next.time_s < end_s) {
+        while let Some(&next) = self.on_the_way.front().filter(|next| next.time_s < end_s) {
+            self.on_the_way.pop_front();
             self.relax((next.time_s - now_s).max(0.0));
             now_s = next.time_s.max(now_s);
             self.held_nm = next.torque_nm;

@@ -198,7 +198,7 @@ impl Bench {
     /// From one update to the next, step by step.
     fn advance(&mut self, numerics: &Numerics, is_recorded: bool) {
         for _ in 0..numerics.steps_per_update {
-            if is_recorded && self.step as usize % numerics.steps_per_hidden_sample == 0 {
+            if is_recorded && (self.step as usize).is_multiple_of(numerics.steps_per_hidden_sample) {
                 self.show();
             }
             self.advance_one_step();
@@ -211,8 +211,7 @@ impl Bench {
         let torque_nm = self.inverter.advance(start_s, end_s);
         let end_air_gap_nm = self.inverter.with_ripple_nm(torque_nm, end_s);
         let engine = self.engine.step(&self.masses, &self.state, self.step_s, self.engine_level_nm);
-        let start =
-            DrivingTorques { braking_nm: self.air_gap_torque_nm + coulomb_nm, engine_nm: engine.start_nm };
+        let start = DrivingTorques { braking_nm: self.air_gap_torque_nm + coulomb_nm, engine_nm: engine.start_nm };
         let end = DrivingTorques { braking_nm: end_air_gap_nm + coulomb_nm, engine_nm: engine.end_nm };
         self.state = self.masses.advance(&self.state, start, end);
         if let Some(firing) = engine.firing {

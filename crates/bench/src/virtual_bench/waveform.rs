@@ -98,7 +98,7 @@ impl Waveform {
                 times.map(|t| values[ticks_at(t, *clock_s).min(ticks)]).collect()
             }
             Self::Square { first, second, dwell_s } => {
-                times.map(|t| if ticks_at(t, *dwell_s) % 2 == 0 { *first } else { *second }).collect()
+                times.map(|t| if ticks_at(t, *dwell_s).is_multiple_of(2) { *first } else { *second }).collect()
             }
             Self::Ramps { low, high, first_s, ramp_s, dwell_s } => {
                 times.map(|t| low + (high - low) * ramp_at(t - first_s, *ramp_s, *dwell_s)).collect()
@@ -197,7 +197,7 @@ fn ramp_at(time_s: f64, ramp_s: f64, dwell_s: f64) -> f64 {
     let half_s = ramp_s + dwell_s;
     let half = ticks_at(time_s, half_s);
     let progress = ((time_s - half as f64 * half_s) / ramp_s).clamp(0.0, 1.0);
-    if half % 2 == 0 { progress } else { 1.0 - progress }
+    if half.is_multiple_of(2) { progress } else { 1.0 - progress }
 }
 
 fn ladder_at(time_s: f64, frequencies_hz: &[f64], dwell_s: f64) -> f64 {
