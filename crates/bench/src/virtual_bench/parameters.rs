@@ -181,8 +181,9 @@ impl Default for EngineParameters {
 
 /// Sensors. An encoder reads the mean speed over a gate that ends at the time stamp:
 /// N = (θ̃(t) − θ̃(t − gate))/gate with θ̃ = θ + ε sin θ, plus white noise, rounded. The load cell reads the air-gap
-/// torque late and through ω_0²/(s² + 2ζω_0 s + ω_0²). The system's shaft torque is the moving average over the last N
-/// updates (1 ms each) of J_d ΔN_d/Δt + T_d,calc, hence late by (N − 1)/2 ms.
+/// torque late and through ω_0²/(s² + 2ζω_0 s + ω_0²). The system's shaft torque is
+/// T_d,calc + J_d dN̄_d/dt, with N̄_d the moving average of N_d over N updates (1 ms each) and a backward difference for
+/// its derivative: the inertia part is late by (N − 1)/2 ms, T_d,calc is not (thesis, figure 3.3 and the text below it).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorParameters {

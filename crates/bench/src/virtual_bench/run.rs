@@ -275,7 +275,7 @@ impl Sensors {
             cell: LoadCell::new(sensors, step_s, air_gap_nm)?,
             cell_noise_nm: sensors.cell_noise_nm,
             cell_random: Random::new(seed, Source::LoadCell),
-            system_shaft: SystemShaftTorque::new(inertia, UPDATE_S, sensors.moving_average),
+            system_shaft: SystemShaftTorque::new(inertia, UPDATE_S, sensors.moving_average, state.dyno_speed_rad_s),
         })
     }
 

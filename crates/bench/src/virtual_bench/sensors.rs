@@ -146,30 +146,27 @@ impl LoadCell {
     }
 }
 
-/// The system's own shaft torque: the mean over the last N updates of J_d ΔN_d/Δt + T_d,calc.
+/// The system's own shaft torque: J_d times the difference quotient of the moving average of N_d, plus T_d,calc.
 #[derive(Debug, Clone)]
 pub(super) struct SystemShaftTorque {
     dyno_inertia_kg_m2: f64,
     update_s: f64,
-    last_speed_rad_s: Option<f64>,
-    window_nm: VecDeque<f64>,
     length: usize,
+    /// Measured speeds of the last N updates before now, the newest last.
+    speeds_rad_s: VecDeque<f64>,
 }
 
 impl SystemShaftTorque {
-    pub(super) fn new(dyno_inertia_kg_m2: f64, update_s: f64, length: usize) -> Self {
-        let window_nm = VecDeque::with_capacity(length + 1);
-        Self { dyno_inertia_kg_m2, update_s, last_speed_rad_s: None, window_nm, length }
+    pub(super) fn new(dyno_inertia_kg_m2: f64, update_s: f64, length: usize, speed_rad_s: f64) -> Self {
+        Self { dyno_inertia_kg_m2, update_s, length, speeds_rad_s: VecDeque::from(vec![speed_rad_s; length]) }
     }
 
-    /// One update with the measured speed and T_d,calc; returns the moving average, Nm.
+    /// One update with the measured speed and T_d,calc; returns the shaft torque, Nm. The average changes by
+    /// (N_d,k − N_d,k−N)/N from one update to the next.
     pub(super) fn update(&mut self, speed_rad_s: f64, calc_torque_nm: f64) -> f64 {
-        let change_rad_s = speed_rad_s - self.last_speed_rad_s.unwrap_or(speed_rad_s);
-        self.last_speed_rad_s = Some(speed_rad_s);
-        self.window_nm.push_back(self.dyno_inertia_kg_m2 * change_rad_s / self.update_s + calc_torque_nm);
-        if self.window_nm.len() > self.length {
-            self.window_nm.pop_front();
-        }
-        self.window_nm.iter().sum::<f64>() / self.window_nm.len() as f64
+        let oldest_rad_s = self.speeds_rad_s.pop_front().unwrap_or(speed_rad_s);
+        self.speeds_rad_s.push_back(speed_rad_s);
+        let acceleration_rad_s2 = (speed_rad_s - oldest_rad_s) / (self.length as f64 * self.update_s);
+        self.dyno_inertia_kg_m2 * acceleration_rad_s2 + calc_torque_nm
     }
 }

@@ -178,7 +178,7 @@ fn exact_step_error_is_of_second_order() {
 }
 
 #[test]
-fn exact_moving_average_delays_the_system_s_shaft_torque() {
+fn exact_moving_average_delays_the_inertia_part_of_the_shaft_torque() {
     let mut parameters = smooth();
     parameters.clocks.torque_decimation = 1;
     let mut plan = ExperimentPlan::sine_t_tn(1200.0, 20.0);
@@ -186,7 +186,14 @@ fn exact_moving_average_delays_the_system_s_shaft_torque() {
     let mut lag_s = |length| {
         parameters.sensors.moving_average = length;
         let recording = simulate(&parameters, &plan, 5).expect("runs");
-        phase(samples(&recording, "ShaftTorqueCalc"), 2.0) / (TAU * 2.0)
+        let (shaft, air_gap) = (samples(&recording, "ShaftTorqueCalc"), samples(&recording, "DynoTorqueCalc"));
+        let inertia_part: Vec<f64> = shaft.iter().zip(air_gap).map(|(shaft, air_gap)| shaft - air_gap).collect();
+        let speed = samples(&recording, "DynoSpeed");
+        for k in length..speed.len() {
+            let expected = 0.6 * (speed[k] - speed[k - length]) * RAD_S_PER_RPM / (0.001 * length as f64);
+            assert!((inertia_part[k] - expected).abs() < 1e-8, "update {k}");
+        }
+        phase(&inertia_part, 2.0) / (TAU * 2.0)
     };
     let late_s = lag_s(16) - lag_s(1);
     assert!((late_s - 0.0075).abs() < 1e-6, "late by {late_s} s");
