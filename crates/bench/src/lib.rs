@@ -19,6 +19,7 @@ pub mod prepare;
 pub mod role;
 pub mod study;
 pub mod units;
+pub mod virtual_bench;
 
 pub use bench_file::BenchFile;
 pub use diagnostics::{Diagnostic, Finding, Place, Severity};

@@ -2,8 +2,8 @@
 
 use signal::Signal;
 
+use crate::align::{common_window, cut};
 use crate::estimate::EstimateError;
-use crate::study::Stretch;
 use crate::{Experiment, Role};
 
 /// Within this part of the limit a torque counts as limited.
@@ -19,17 +19,6 @@ pub(crate) fn need(experiment: &Experiment, role: Role) -> Result<&Signal, Estim
         .ok_or_else(|| EstimateError::MissingSignal { file: experiment.file.clone(), role })
 }
 
-/// Start and end common to all signals of an experiment, s. The end is one sample after the last of the shortest.
-pub(crate) fn common_window(experiment: &Experiment, roles: &[Role]) -> Result<(f64, f64), EstimateError> {
-    let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
-    for role in roles {
-        let signal = need(experiment, *role)?;
-        from = from.max(signal.start_s);
-        to = to.min(signal.start_s + signal.len() as f64 * signal.sample_time_s);
-    }
-    Ok((from, to))
-}
-
 /// The longest stretch in which T_d* stays below the limit and every signal of the speed controller is there.
 ///
 /// # Errors
@@ -40,11 +29,14 @@ pub(crate) fn longest_unsaturated(
     shortest_s: f64,
 ) -> Result<(f64, f64), EstimateError> {
     let roles = [Role::DynoTorqueDemand, Role::DynoSpeedDemand, Role::DynoSpeed];
-    let (from, to) = common_window(experiment, &roles)?;
+    for role in roles {
+        need(experiment, role)?;
+    }
+    let (from, to) = common_window(experiment, &roles).unwrap_or((0.0, 0.0));
     if to - from < shortest_s {
         return Err(EstimateError::TooShort { file: experiment.file.clone(), duration_s: to - from, needed_s: shortest_s });
     }
-    let demand = need(experiment, Role::DynoTorqueDemand)?.slice(from, to);
+    let demand = cut(need(experiment, Role::DynoTorqueDemand)?, from, to);
     let limit = AT_LIMIT * torque_limit_nm.unwrap_or(f64::INFINITY);
     let (first, length) = longest_run(&demand.samples, |torque| torque.abs() < limit);
     let longest = length as f64 * demand.sample_time_s;
@@ -70,10 +62,4 @@ fn longest_run(values: &[f64], condition: impl Fn(f64) -> bool) -> (usize, usize
         }
     }
     best
-}
-
-/// A stretch cut in two: what is estimated from, and what judges.
-pub(crate) fn split(stretch: &Stretch, share: f64) -> ((f64, f64), (f64, f64)) {
-    let middle = stretch.start_s + share * (stretch.end_s - stretch.start_s);
-    ((stretch.start_s, middle), (middle, stretch.end_s))
 }

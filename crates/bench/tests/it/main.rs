@@ -1,4 +1,4 @@
-//! Integration tests of the bench: from bench files and recordings to experiments.
+//! Integration tests of the bench: bench files, recordings, estimators, the virtual bench.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
@@ -9,3 +9,4 @@ mod prepare;
 mod recorded;
 mod support;
 mod units;
+mod virtual_bench;

@@ -8,8 +8,8 @@ use signal::Signal;
 use super::equation::{self, COUNT, ShaftEquation, ShaftTorque};
 use super::response::{measured_response, validate};
 use super::spectra::Spectra;
+use crate::align::split_window;
 use crate::estimate::parameter::{Label, transformed};
-use crate::estimate::stretch::split;
 use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
 
@@ -95,7 +95,7 @@ impl ShaftInputs<'_> {
 /// Signals that do not overlap long enough, or data that do not determine the parameters.
 pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
     let stretch = inputs.stretch()?;
-    let (estimation, validation) = split(&stretch, ESTIMATION_SHARE);
+    let (estimation, validation) = split_window((stretch.start_s, stretch.end_s), ESTIMATION_SHARE);
     let known = Stretch { end_s: estimation.1, ..stretch };
     let solution = Solution::of(inputs, &known, Timing::Estimated)?;
     let naive = Solution::of(inputs, &known, Timing::Ignored)?;
@@ -139,7 +139,7 @@ impl Solution {
     fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, timing: Timing) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s)?;
-        let mut excluded_hz = vec![(spectra.turn_band_hz.0 + spectra.turn_band_hz.1) / 2.0];
+        let mut excluded_hz = vec![spectra.turn_centre_hz];
         let mut fit = solve(inputs, &spectra, inputs.torque_kind(), timing).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if timing == Timing::Estimated {

@@ -7,7 +7,7 @@ use signal::Complex64;
 
 use super::equation::{self, ShaftTorque};
 use super::estimate::ShaftInputs;
-use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered};
+use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
 use crate::estimate::EstimateError;
 use crate::study::{MeasuredResponse, Stretch, Trace, Validation};
 
@@ -75,7 +75,7 @@ fn difference_and_torque(spectra: &Spectra, torque: ShaftTorque, theta: &[f64], 
 }
 
 /// T_shaft over time, from torque and acceleration on one side and from twist and its rate on the other, both limited to
-/// the band of the estimate.
+/// the band of the estimate, the line of the once-a-turn encoder error left out.
 pub(super) fn validate(
     inputs: &ShaftInputs<'_>,
     torque: ShaftTorque,
@@ -96,7 +96,8 @@ pub(super) fn validate(
     let length = (window.duration_s / dt).round() as usize;
     let (mut measured, mut modelled) =
         (vec![Complex64::default(); length / 2 + 1], vec![Complex64::default(); length / 2 + 1]);
-    for k in used {
+    let turn = turn_band_hz(&inputs.dyno_speed.slice(from_s, to_s));
+    for k in used.filter(|k| !turn.contains(&window.frequency_hz(*k))) {
         let s = Complex64::new(0.0, TAU * window.frequency_hz(k));
         let factor = Corrections::at(s, theta);
         let inertia = match torque {

@@ -1,6 +1,7 @@
 //! From records on three clocks to transforms on one grid of frequencies.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use ident::frequency::{Modulated, NoisySpectrum, Window};
 use signal::{Complex64, Signal};
@@ -25,8 +26,8 @@ pub(super) struct Spectra {
     pub(super) signals: Vec<NoisySpectrum>,
     /// Bins that may be used.
     pub(super) bins: Vec<usize>,
-    /// Frequencies left out beforehand, Hz: lowest and highest rotational frequency with their margin.
-    pub(super) turn_band_hz: (f64, f64),
+    /// Centre of the band about the rotational frequency that is left out, Hz.
+    pub(super) turn_centre_hz: f64,
 }
 
 impl Spectra {
@@ -44,8 +45,8 @@ impl Spectra {
         let density = |noise: f64, signal: &Signal| noise * noise * signal.sample_time_s;
         let encoder = inputs.encoder_noise_rad_s;
         let torque_density = inputs.torque.iter().map(|t| density(t.noise_nm, &t.signal)).sum();
-        let turn_band_hz = turn_band(&inputs.dyno_speed.slice(from_s, to_s));
-        let used = |k: &usize| !(turn_band_hz.0..=turn_band_hz.1).contains(&window.frequency_hz(*k));
+        let turn = turn_band_hz(&inputs.dyno_speed.slice(from_s, to_s));
+        let used = |k: &usize| !turn.contains(&window.frequency_hz(*k));
         Ok(Spectra {
             window,
             signals: vec![
@@ -60,7 +61,7 @@ impl Spectra {
                 NoisySpectrum { modulated: torque, noise_density: torque_density },
             ],
             bins: bins.filter(used).collect(),
-            turn_band_hz,
+            turn_centre_hz: (turn.start() + turn.end()) / 2.0,
         })
     }
 }
@@ -97,12 +98,12 @@ fn is_smooth(mut n: usize) -> bool {
 }
 
 /// Lowest and highest rotational frequency of the shaft, Hz, with the margin.
-fn turn_band(speed: &Signal) -> (f64, f64) {
+pub(super) fn turn_band_hz(speed: &Signal) -> RangeInclusive<f64> {
     let length = ((TURN_MEAN_S / speed.sample_time_s) as usize).clamp(1, speed.len().max(1));
     let means = speed.samples.chunks(length).filter(|c| 2 * c.len() > length);
     let hertz = means.map(|c| c.iter().sum::<f64>() / c.len() as f64 / TAU);
     let (low, high) = hertz.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), f| (l.min(f), h.max(f)));
-    (low - TURN_MARGIN_HZ, high + TURN_MARGIN_HZ)
+    low - TURN_MARGIN_HZ..=high + TURN_MARGIN_HZ
 }
 
 /// Fourier transform of a signal over a window with cosine edges, bins 0…`last_bin`; its mean is removed.

@@ -9,9 +9,10 @@ use signal::spline::UniformSpline;
 
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT, InverseController};
+use crate::align::split_window;
 use crate::estimate::EstimateError;
 use crate::estimate::parameter::Label;
-use crate::estimate::stretch::{longest_unsaturated, need, split};
+use crate::estimate::stretch::{longest_unsaturated, need};
 use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
@@ -89,6 +90,10 @@ impl Data {
         Data::cut(experiment, (&self.demand, &self.reference, &self.speed), &self.phase_rad, window)
     }
 
+    fn window(&self) -> (f64, f64) {
+        (self.stretch.start_s, self.stretch.end_s)
+    }
+
     fn model(&self, reference_lag: usize) -> InverseController {
         InverseController::new(&self.demand, &self.reference, &self.speed, &self.phase_rad, reference_lag)
     }
@@ -111,7 +116,7 @@ fn phase_of(speed: &Signal) -> Vec<f64> {
 /// A missing signal, too short a stretch below the torque limit, or data that do not determine the parameters.
 pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<SpeedControllerFit, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?;
-    let (estimation, validation) = split(&data.stretch, ESTIMATION_SHARE);
+    let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
     let (known, unseen) = (data.part(experiment, estimation), data.part(experiment, validation));
     let free = |j: usize| !matches!(j, inverse::K | inverse::K_A);
     let (fit, lag) = fit_with_lag(&known, free)?;
@@ -150,7 +155,7 @@ pub fn estimate_feed_forward(
     let (known, unseen) = match experiments.get(1) {
         Some(second) => (data, Data::of(second, torque_limit_nm)?),
         None => {
-            let (estimation, validation) = split(&data.stretch, ESTIMATION_SHARE);
+            let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
             (data.part(first, estimation), data.part(first, validation))
         }
     };
