@@ -1,1 +1,17 @@
-//! report
+//! Turns a [`bench::Study`] into what people and programs read: one self-contained HTML file, one JSON document, and
+//! the plain words both the report and the command line use.
+//!
+//! This crate may know the bench's data types and nothing of how they were estimated: it computes no estimate, reads
+//! and writes no file, and returns strings. Every text that comes from outside (file names, channel names, the bench
+//! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
+//! text and `null` in JSON.
+
+mod figure;
+mod html;
+mod json;
+pub mod verdict;
+pub mod wording;
+
+pub use html::html;
+pub use json::{FORMAT_VERSION, json};
+pub use verdict::verdict;

@@ -1,0 +1,134 @@
+// Data of a figure: decoding, searching, thinning to the pixels at hand.
+
+/** Turns a figure's JSON into one with typed arrays; null becomes NaN. */
+function decodeFigure(json) {
+  for (const panel of json.panels) {
+    for (const layer of panel.layers) {
+      for (const key of ["y", "low", "high"]) {
+        if (Array.isArray(layer[key])) layer[key] = Float64Array.from(layer[key], numberOrNaN);
+      }
+      const values = layer.y || layer.low;
+      if (layer.x && values && values.length !== undefined) layer.x = decodeX(layer.x, values.length);
+      else if (layer.type === "vertical_marks") layer.x = Float64Array.from(layer.x, numberOrNaN);
+    }
+  }
+  return json;
+}
+
+const numberOrNaN = (value) => (value === null ? NaN : value);
+
+/** The x values: given one by one, or as start, step and the samples skipped. */
+function decodeX(x, length) {
+  if (Array.isArray(x)) return Float64Array.from(x, numberOrNaN);
+  let index = 0;
+  return Float64Array.from({ length }, (_, n) => {
+    index = x.skip ? index + x.skip[n] : n;
+    return x.start + x.step * index;
+  });
+}
+
+const isSeries = (layer) => ["line", "points", "stems"].includes(layer.type);
+
+/** First position in ascending x whose value is not below `value`. */
+function lowerBound(x, value) {
+  let [low, high] = [0, x.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (x[middle] < value) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/** Position of the sample nearest to `value`, on the screen's scale. */
+function nearest(x, value, scale) {
+  const after = lowerBound(x, value);
+  if (after === 0 || after >= x.length) return Math.min(after, x.length - 1);
+  const distance = (n) => Math.abs(scale.toPixel(x[n]) - scale.toPixel(value));
+  return distance(after - 1) <= distance(after) ? after - 1 : after;
+}
+
+/** The samples in view, with one more on each side so that lines reach the edge. */
+function visibleRange(x, low, high) {
+  return [Math.max(0, lowerBound(x, low) - 1), Math.min(x.length, lowerBound(x, high) + 1)];
+}
+
+/** SVG path of a line; where samples are denser than pixels, the smallest and largest of each column are joined. */
+function linePath(layer, sx, sy) {
+  const [first, end] = visibleRange(layer.x, sx.low, sx.high);
+  const pixels = Math.abs(sx.toPixel(sx.high) - sx.toPixel(sx.low));
+  return end - first > 3 * pixels
+    ? columnPath(layer, first, end, sx, sy)
+    : samplePath(layer.x, layer.y, first, end, sx, sy);
+}
+
+function samplePath(x, y, first, end, sx, sy) {
+  let path = "";
+  let pen = "M";
+  for (let n = first; n < end; n++) {
+    const [px, py] = [sx.toPixel(x[n]), sy.toPixel(y[n])];
+    if (!Number.isFinite(px) || !Number.isFinite(py)) {
+      pen = "M";
+      continue;
+    }
+    path += pen + px.toFixed(1) + " " + py.toFixed(1);
+    pen = "L";
+  }
+  return path;
+}
+
+function columnPath(layer, first, end, sx, sy) {
+  const kept = [];
+  let n = first;
+  while (n < end) {
+    const column = Math.floor(sx.toPixel(layer.x[n]));
+    let [low, high] = [n, n];
+    for (; n < end && Math.floor(sx.toPixel(layer.x[n])) === column; n++) {
+      if (layer.y[n] < layer.y[low]) low = n;
+      if (layer.y[n] > layer.y[high]) high = n;
+    }
+    kept.push(Math.min(low, high));
+    if (low !== high) kept.push(Math.max(low, high));
+  }
+  const pick = (values) => kept.map((at) => values[at]);
+  return samplePath(pick(layer.x), pick(layer.y), 0, kept.length, sx, sy);
+}
+
+/** Smallest and largest x of all series. */
+function xExtent(figure) {
+  if (figure.x.range) return figure.x.range;
+  const log = figure.x.scale === "log";
+  let [low, high] = [Infinity, -Infinity];
+  for (const layer of figure.panels.flatMap((panel) => panel.layers)) {
+    if (!isSeries(layer)) continue;
+    for (const value of layer.x) {
+      if (!Number.isFinite(value) || (log && value <= 0)) continue;
+      low = Math.min(low, value);
+      high = Math.max(high, value);
+    }
+  }
+  return low < high ? [low, high] : Number.isFinite(low) ? [low * 0.9 - 1e-9, low * 1.1 + 1] : [log ? 1 : 0, log ? 10 : 1];
+}
+
+/** Range of y for what is in view and not hidden, with a little air. */
+function yExtent(panel, domain, hidden) {
+  if (panel.y.range) return panel.y.range;
+  let [low, high] = [Infinity, -Infinity];
+  const take = (value) => {
+    if (!Number.isFinite(value)) return;
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  };
+  for (const layer of panel.layers) {
+    if (layer.type === "y_region") [layer.low, layer.high].forEach((v) => take(v === null ? NaN : v));
+    if (!layer.x || layer.type === "vertical_marks" || layer.type === "x_region" || hidden.has(layer.name)) continue;
+    const [first, end] = visibleRange(layer.x, domain[0], domain[1]);
+    for (const key of ["y", "low", "high"]) {
+      if (layer[key]) for (let n = first; n < end; n++) take(layer[key][n]);
+    }
+    if (layer.type === "stems") take(0);
+  }
+  if (!(low <= high)) return [0, 1];
+  const air = 0.07 * (high - low) || Math.abs(high) * 0.1 || 1;
+  return [low - air, high + air];
+}

@@ -1,0 +1,145 @@
+//! The figures of the report, built from the study's curves.
+
+use bench::study::{ResidualTest, Trace, Validation};
+
+use super::markup::{Markup, markup, script_json};
+use super::parts::unbroken;
+use super::typeset::prose;
+use crate::figure::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, drawn_of, rounded};
+use crate::wording::number;
+
+/// The element the script draws a figure into.
+pub(crate) fn figure(figure: &Figure) -> Markup {
+    markup!(
+        "<figure class=\"plot\"><p class=\"plot-title\">{}</p><script type=\"application/json\">{}</script>\
+         <figcaption>{}</figcaption></figure>\n",
+        prose(&figure.title),
+        script_json(figure),
+        prose(&figure.caption)
+    )
+}
+
+/// Figures next to each other, where the page is wide enough.
+pub(crate) fn side_by_side(figures: &[Figure]) -> Markup {
+    let figures: Markup = figures.iter().map(self::figure).collect();
+    markup!("<div class=\"pair\">{}</div>\n", figures)
+}
+
+/// Measured and modelled above, their difference below. `rival` is a second model's curve on the same data.
+pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&str, &Validation)>) -> Figure {
+    let mut layers = vec![Layer::trace("measured", Style::Measured, &validation.measured)];
+    let mut differences = Vec::new();
+    if let Some((name, rival)) = rival {
+        layers.push(Layer::trace(name, Style::Other, &rival.modelled));
+        differences.push(Layer::trace(&format!("residual, {name}"), Style::Other, &difference(rival)));
+    }
+    layers.push(Layer::trace("modelled", Style::Modelled, &validation.modelled));
+    differences.push(Layer::trace("residual", Style::Residual, &difference(validation)));
+    let residual = format!("{} − model", validation.quantity);
+    Figure {
+        title: title.to_owned(),
+        caption: comparison_caption(validation),
+        x: Axis::time(),
+        panels: vec![
+            Panel { y: Axis::linear(&validation.quantity, &validation.unit), height: 190, layers },
+            Panel { y: Axis::linear(&residual, &validation.unit), height: 90, layers: differences },
+        ],
+    }
+}
+
+/// Measured minus modelled, for the plot of what is left over.
+pub(crate) fn difference(validation: &Validation) -> Trace {
+    let pairs = validation.measured.values.iter().zip(&validation.modelled.values);
+    Trace { values: pairs.map(|(measured, modelled)| measured - modelled).collect(), ..validation.measured.clone() }
+}
+
+fn comparison_caption(validation: &Validation) -> String {
+    let fit = number::fit(validation.fit_percent);
+    let stretch = &validation.stretch;
+    format!("Fit {fit}. {}, {}–{} s. {}", stretch.file, whole(stretch.start_s), whole(stretch.end_s), thinned(&validation.measured))
+        .trim_end()
+        .to_owned()
+}
+
+fn whole(seconds: f64) -> String {
+    if seconds.is_finite() { format!("{seconds:.1}") } else { "?".to_owned() }
+}
+
+/// Says so when not every sample is drawn.
+pub(crate) fn thinned(trace: &Trace) -> String {
+    match drawn_of(trace) {
+        Some(drawn) => format!("Drawn from {drawn} of {} samples; every peak is kept.", trace.values.len()),
+        None => String::new(),
+    }
+}
+
+/// Auto- and cross-correlation of residuals. Tests that share the y-range can be compared by eye.
+pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: f64) -> Figure {
+    let level = number::share(test.level);
+    let own = test.autocorrelation.get(1..).unwrap_or_default();
+    let half = test.cross_correlation.len() as f64 / 2.0;
+    let first_lag = -half.floor();
+    let stems = |style: Style, first: f64, values: &[f64]| Layer::Stems {
+        name: "correlation".to_owned(),
+        style,
+        x: lags(first, test.sample_time_s, values.len()),
+        y: rounded(values),
+    };
+    let region = |bound: f64| Layer::YRegion { low: Rounded(-bound), high: Rounded(bound), label: format!("{level} region") };
+    let panel = |label: String, layers: Vec<Layer>| Panel {
+        y: Axis::linear(&label, "").within(-extent, extent),
+        height: 110,
+        layers,
+    };
+    let counts = (outside(own, test.autocorrelation_bound), outside(&test.cross_correlation, test.cross_correlation_bound));
+    Figure {
+        title: title.to_owned(),
+        caption: format!(
+            "Outside the {level} region: {} of {} lags of the residual with itself, {} of {} with {}. Positive lags: the \
+             input comes first.",
+            counts.0,
+            own.len(),
+            counts.1,
+            test.cross_correlation.len(),
+            test.input
+        ),
+        x: Axis::linear("lag", "ms"),
+        panels: vec![
+            panel("residual with itself".to_owned(), vec![region(test.autocorrelation_bound), stems(Style::Modelled, 1.0, own)]),
+            panel(
+                format!("residual with {}", test.input),
+                vec![region(test.cross_correlation_bound), stems(Style::Other, first_lag, &test.cross_correlation)],
+            ),
+        ],
+    }
+}
+
+/// A y-range that holds the correlations of all tests.
+pub(crate) fn correlation_extent(tests: &[&ResidualTest]) -> f64 {
+    let values = tests.iter().flat_map(|test| {
+        let own = test.autocorrelation.iter().skip(1);
+        own.chain(&test.cross_correlation).chain([&test.autocorrelation_bound, &test.cross_correlation_bound])
+    });
+    let largest = values.filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    (1.15 * largest).max(0.02)
+}
+
+fn outside(values: &[f64], bound: f64) -> usize {
+    values.iter().filter(|value| value.abs() > bound).count()
+}
+
+fn lags(first: f64, sample_time_s: f64, count: usize) -> Abscissa {
+    Abscissa::Values((0..count).map(|n| Rounded(1e3 * sample_time_s * (first + n as f64))).collect())
+}
+
+/// A figure of a residual test on its own, or nothing where there is none.
+pub(crate) fn residual_test(validation: &Validation) -> Markup {
+    match &validation.residuals {
+        Some(test) => figure(&correlations("Correlation of the residuals", test, correlation_extent(&[test]))),
+        None => markup!(
+            "<p class=\"note\">No correlation test: the sampling of {} makes it meaningless here ({}).</p>\n",
+            prose(&validation.quantity),
+            unbroken(&number::duration(validation.measured.sample_time_s))
+        ),
+    }
+}

@@ -1,0 +1,112 @@
+//! Recordings replayed on the assembled model.
+
+use bench::Study;
+use bench::study::Replay;
+
+use super::markup::{Markup, markup};
+use super::parts::{stretch, table};
+use super::plots::{difference, figure, thinned};
+use super::typeset::{prose, symbol};
+use crate::figure::{Axis, Figure, Layer, Panel, Style};
+use crate::wording::{experiment, mode, number};
+
+/// The section on replays.
+pub(crate) fn section(study: &Study) -> Markup {
+    let what = "The whole model is driven with the recorded demand and with the engine torque reconstructed from N_e and \
+                T_shaft; what it answers is compared with what was measured.";
+    if study.replays.is_empty() {
+        return markup!(
+            "<p class=\"lead\">{}</p>\n<div class=\"missing\"><p><strong>No recording was replayed.</strong> \
+             The model as a whole has not been held against a measurement.</p></div>\n",
+            prose(what)
+        );
+    }
+    let replays: Markup = study.replays.iter().map(replay).collect();
+    markup!("<p class=\"lead\">{}</p>\n{}{}", prose(what), overview(&study.replays), replays)
+}
+
+fn overview(replays: &[Replay]) -> Markup {
+    let rows = replays.iter().map(|replay| {
+        let fits: Vec<Markup> = replay
+            .signals
+            .iter()
+            .map(|s| markup!("<span class=\"n pairing\">{} {}</span>", symbol(&s.quantity), number::fit(s.fit_percent)))
+            .collect();
+        vec![
+            markup!("<strong>{}</strong><br><span class=\"file\">{}</span>", replay.label, replay.stretch.file),
+            seen(replay.seen_in_estimation),
+            fits.into_iter().collect(),
+        ]
+    });
+    table("overview", &["Recording", "Used in estimation?", "Fit"], rows)
+}
+
+fn seen(seen_in_estimation: bool) -> Markup {
+    if seen_in_estimation {
+        markup!("<span class=\"tag seen\">seen</span> part of the model comes from this recording")
+    } else {
+        markup!("<span class=\"tag unseen\">unseen</span> no part of the model has seen it")
+    }
+}
+
+fn replay(replay: &Replay) -> Markup {
+    let described = experiment(&replay.label).map(|words| format!("{words}. ")).unwrap_or_default();
+    markup!(
+        "<h3>{}</h3>\n<p>{}{}. {}. {}.</p>\n{}",
+        replay.label,
+        prose(&capitalised(&described)),
+        capitalised(mode(replay.mode)),
+        stretch(&replay.stretch),
+        seen(replay.seen_in_estimation),
+        figure(&signals(replay)),
+    )
+}
+
+/// All signals below each other on one time axis, each with its fit.
+fn signals(replay: &Replay) -> Figure {
+    let panels = replay
+        .signals
+        .iter()
+        .map(|signal| Panel {
+            y: Axis::linear(&format!("{} – fit {}", signal.quantity, number::fit(signal.fit_percent)), &signal.unit),
+            height: 120,
+            layers: vec![
+                Layer::trace("measured", Style::Measured, &signal.measured),
+                Layer::trace("modelled", Style::Modelled, &signal.modelled),
+            ],
+        })
+        .chain(worst_residual(replay))
+        .collect();
+    let thinned = replay.signals.iter().map(|signal| thinned(&signal.measured)).find(|text| !text.is_empty());
+    Figure {
+        title: format!("{} replayed on the whole model", replay.label),
+        caption: format!(
+            "Measured against modelled. {} {}",
+            if replay.seen_in_estimation {
+                "Part of the model was estimated from this recording."
+            } else {
+                "No part of the model was estimated from this recording."
+            },
+            thinned.unwrap_or_default()
+        )
+        .trim_end()
+        .to_owned(),
+        x: Axis::time(),
+        panels,
+    }
+}
+
+/// What is left of the signal the model explains least.
+fn worst_residual(replay: &Replay) -> Option<Panel> {
+    let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
+    Some(Panel {
+        y: Axis::linear(&format!("{} − model, the signal with the lowest fit", worst.quantity), &worst.unit),
+        height: 80,
+        layers: vec![Layer::trace("residual", Style::Residual, &difference(worst))],
+    })
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}

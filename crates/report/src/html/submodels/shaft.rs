@@ -1,0 +1,129 @@
+//! The shaft: stiffness and damping, and why to believe them.
+
+use bench::study::{Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft, Study};
+
+use crate::figure::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use crate::html::markup::{Markup, markup};
+use crate::html::parts::{fit_line, lead, not_estimated, parameter_rows, parameters, table, unbroken};
+use crate::html::plots::{comparison, figure, residual_test};
+use crate::html::typeset::{prose, symbol};
+use crate::wording::number;
+
+/// The section on the shaft.
+pub(crate) fn shaft(study: &Study) -> Markup {
+    let what = "The elastic connection between engine and dynamometer: it carries torque when the two are twisted against \
+                each other.";
+    let part = match &study.shaft {
+        Part::Estimated(part) => part,
+        Part::NotEstimated { needs } => return not_estimated(what, needs),
+    };
+    let equation = "<i>T</i><sub>shaft</sub> = <i>K</i> ∫(<i>ω</i><sub>e</sub> − <i>ω</i><sub>d</sub>) d<i>t</i> + \
+                    <i>B</i> (<i>ω</i><sub>e</sub> − <i>ω</i><sub>d</sub>)";
+    [
+        lead(what, equation),
+        parameters(&part.estimate),
+        parameter_rows(&[&part.zero]),
+        fit_line(&part.validation),
+        figure(&comparison("Shaft torque on the held-out stretch", &part.validation, None)),
+        residual_test(&part.validation),
+        figure(&response(&part.frequency_response)),
+        figure(&spectrum(&part.residual_spectrum)),
+        ignoring_timing(part),
+        cross_checks(part),
+    ]
+    .into_iter()
+    .collect()
+}
+
+fn response(response: &MeasuredResponse) -> Figure {
+    let hz = &response.frequencies_hz;
+    let panel = |label: &str, unit: &str, measured: &[f64], modelled: &[f64]| Panel {
+        y: Axis::linear(label, unit),
+        height: 150,
+        layers: vec![
+            Layer::dots("measured", Style::Measured, hz, measured),
+            Layer::curve("modelled", Style::Modelled, hz, modelled),
+        ],
+    };
+    Figure {
+        title: "Frequency response from twist speed to shaft torque".to_owned(),
+        caption: "Δω = ω_e − ω_d to T_shaft, gain relative to 1 Nm s/rad. The falling part is the stiffness; where it \
+                  levels off, the damping takes over."
+            .to_owned(),
+        x: Axis::frequency(),
+        panels: vec![
+            panel("gain", "dB", &response.measured_gain_db, &response.modelled_gain_db),
+            panel("phase", "°", &response.measured_phase_deg, &response.modelled_phase_deg),
+        ],
+    }
+}
+
+fn spectrum(spectrum: &ResidualSpectrum) -> Figure {
+    let above = spectrum.normalised_magnitude.iter().filter(|magnitude| **magnitude > spectrum.bound).count();
+    let mut layers = vec![Layer::YRegion {
+        low: Rounded(0.0),
+        high: Rounded(spectrum.bound),
+        label: "99 % if the model is right".to_owned(),
+    }];
+    if !spectrum.excluded_hz.is_empty() {
+        layers.push(Layer::VerticalMarks { x: rounded(&spectrum.excluded_hz), label: "left out".to_owned() });
+    }
+    layers.push(Layer::dots("|error|/σ", Style::Residual, &spectrum.frequencies_hz, &spectrum.normalised_magnitude));
+    Figure {
+        title: "What the shaft model leaves over, by frequency".to_owned(),
+        caption: format!(
+            "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound. Dashed lines: \
+             {} left out of the fit.",
+            spectrum.normalised_magnitude.len(),
+            match spectrum.excluded_hz.len() {
+                1 => "one frequency".to_owned(),
+                n => format!("{n} frequencies"),
+            }
+        ),
+        x: Axis::linear("frequency", "Hz"),
+        panels: vec![Panel { y: Axis::linear("|error|/σ", ""), height: 150, layers }],
+    }
+}
+
+/// The fit that takes the signals' timing as given, beside the one that estimates it.
+fn ignoring_timing(part: &Shaft) -> Markup {
+    let rows = part.ignoring_timing.parameters.iter().map(|plain| {
+        let honest = part.estimate.parameter(&plain.symbol).or_else(|| {
+            let is_zero = plain.symbol == part.zero.symbol;
+            is_zero.then_some(&part.zero)
+        });
+        vec![
+            symbol(&plain.symbol),
+            markup!("{}", plain.name),
+            honest.map(|p| unbroken(&number::parameter(p))).unwrap_or_default(),
+            unbroken(&number::parameter(plain)),
+        ]
+    });
+    markup!(
+        "<h3>What ignoring the timing would give</h3>\n<p>{}</p>\n{}",
+        prose(
+            "Speed and torque arrive through different gates and at different times. A fit that takes their time stamps \
+             at their word puts the difference into the damping; its intervals do not show that."
+        ),
+        table("parameters", &["", "Parameter", "With gate and skew", "Ignoring them"], rows)
+    )
+}
+
+fn cross_checks(part: &Shaft) -> Markup {
+    if part.cross_checks.is_empty() {
+        return markup!("<p class=\"note\">No other recording or route was there to check this estimate.</p>\n");
+    }
+    let value = |estimate: &Estimate, symbol: &str| match estimate.parameter(symbol) {
+        Some(parameter) => unbroken(&number::parameter(parameter)),
+        None => markup!("<span class=\"none\">–</span>"),
+    };
+    let this = vec![markup!("<strong>this estimate</strong>"), value(&part.estimate, "K"), value(&part.estimate, "B")];
+    let others = part
+        .cross_checks
+        .iter()
+        .map(|(name, estimate)| vec![prose(name), value(estimate, "K"), value(estimate, "B")]);
+    markup!(
+        "<h3>Other recordings and routes</h3>\n{}",
+        table("parameters", &["Route", "K", "B"], std::iter::once(this).chain(others))
+    )
+}

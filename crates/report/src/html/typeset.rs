@@ -1,0 +1,65 @@
+//! Typesets the thesis's symbols: `T_d*` becomes T with a subscript d.
+
+use super::markup::{Markup, markup};
+
+/// Symbols that are typeset where they stand in a sentence.
+const SYMBOLS: [&str; 30] = [
+    "T_d,shaft,calc", "T_shaft,meas", "T_d,calc", "T_d,meas", "T_shaft", "T_d*", "T_d", "T_e", "N_d*", "N_d", "N_e",
+    "ω_d", "ω_e", "K_p", "K_i", "k_a", "J_d", "J_e", "H_d", "H_e", "H_s", "x_0", "b_0", "b_1", "α_e", "I_d", "τ_total",
+    "τ_g", "dω_d", "dN_d*",
+];
+
+/// A symbol such as `T_d,shaft,calc` or `τ_total`; what has no underscore stays as it is.
+pub(crate) fn symbol(text: &str) -> Markup {
+    let Some((base, rest)) = text.split_once('_') else {
+        return markup!("{}", text);
+    };
+    let end = rest.find(|c: char| !c.is_alphanumeric() && c != ',' && c != '_').unwrap_or(rest.len());
+    let (below, after) = rest.split_at(end);
+    markup!("{}<sub>{}</sub>{}", base, below, after)
+}
+
+/// A sentence in which known symbols are typeset and everything else is plain text.
+pub(crate) fn prose(text: &str) -> Markup {
+    let mut set = Markup::default();
+    let mut rest = text;
+    while let Some((at, found)) = next_symbol(rest) {
+        let (before, behind) = rest.split_at(at);
+        set.push(markup!("{}", before));
+        set.push(symbol(found));
+        rest = behind.get(found.len()..).unwrap_or_default();
+    }
+    set.push(markup!("{}", rest));
+    set
+}
+
+/// The first known symbol that stands as a word of its own, and where.
+fn next_symbol(text: &str) -> Option<(usize, &'static str)> {
+    text.char_indices().find_map(|(at, _)| {
+        let (before, behind) = text.split_at(at);
+        let starts_word = !before.chars().next_back().is_some_and(|c| c.is_alphanumeric() || "_-./\\".contains(c));
+        let found = SYMBOLS.iter().find(|symbol| is_word(behind, symbol)).filter(|_| starts_word)?;
+        Some((at, *found))
+    })
+}
+
+fn is_word(text: &str, symbol: &str) -> bool {
+    text.strip_prefix(symbol).is_some_and(|after| {
+        let mut after = after.chars();
+        match after.next() {
+            Some('.') => !after.next().is_some_and(char::is_alphanumeric),
+            Some(next) => !(next.is_alphanumeric() || next == '_' || next == '-'),
+            None => true,
+        }
+    })
+}
+
+/// A symbol inside an SVG `text` element.
+pub(crate) fn symbol_svg(text: &str) -> Markup {
+    let Some((base, rest)) = text.split_once('_') else {
+        return markup!("{}", text);
+    };
+    let end = rest.find(|c: char| !c.is_alphanumeric() && c != ',').unwrap_or(rest.len());
+    let (below, after) = rest.split_at(end);
+    markup!("{}<tspan class=\"sub\" dy=\"3\">{}</tspan><tspan dy=\"-3\">{}\u{200b}</tspan>", base, below, after)
+}

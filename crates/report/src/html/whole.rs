@@ -1,0 +1,199 @@
+//! The assembled model: resonance, Bode curves, sine tests, margins.
+
+use bench::ControlMode;
+use bench::study::{BodeCurve, Margins, Parameter, Part, SinePoint, Study, WholeModel};
+
+use super::markup::{Markup, markup};
+use super::parts::{lead, not_estimated, parameter_rows, table, unbroken};
+use super::plots::figure;
+use super::typeset::prose;
+use crate::figure::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use crate::wording::{mode_short, number};
+
+/// Normal quantile of the error bars.
+const QUANTILE_95: f64 = 1.96;
+
+/// The section on the whole model.
+pub(crate) fn section(study: &Study) -> Markup {
+    let what = "All parts connected: what the bench does to a demand, and where it resonates.";
+    let whole = match &study.whole {
+        Part::Estimated(whole) => whole,
+        Part::NotEstimated { needs } => return not_estimated(what, needs),
+    };
+    let equation = "<span class=\"frac\"><span><i>T</i><sub>shaft</sub></span><span><i>T</i><sub>d</sub></span></span> = \
+                    <span class=\"frac\"><span><i>H</i><sub>d</sub> <i>H</i><sub>s</sub></span><span>1 + \
+                    <i>H</i><sub>s</sub> (<i>H</i><sub>d</sub> + <i>H</i><sub>e</sub>)</span></span>, &nbsp; \
+                    <i>H</i><sub>d</sub> = 1/(<i>J</i><sub>d</sub> <i>s</i>), <i>H</i><sub>e</sub> = \
+                    1/(<i>J</i><sub>e</sub> <i>s</i>), <i>H</i><sub>s</sub> = (<i>K</i> + <i>B s</i>)/<i>s</i>";
+    let parameters =
+        [&whole.resonance_hz, &whole.firing_meets_resonance_rpm, &whole.resonance_gain, &whole.damping_ratio];
+    let mut all = lead(what, equation);
+    all.push(parameter_rows(&parameters));
+    all.push(notes(study, whole));
+    all.push(bode_figures(whole));
+    all.push(sine_table(&whole.sine_points));
+    all
+}
+
+fn notes(study: &Study, whole: &WholeModel) -> Markup {
+    let gain = format!(
+        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque.",
+        number::significant(whole.static_gain, 3)
+    );
+    markup!("<p>{} {}</p>\n{}", prose(&gain), firing(study, whole), margins(whole.speed_loop_margins.as_ref()))
+}
+
+/// The engine speeds to avoid: firing, and its half and quarter orders from unequal cylinders (2.1).
+fn firing(study: &Study, whole: &WholeModel) -> Markup {
+    let full = whole.firing_meets_resonance_rpm.value;
+    let speed = |times: f64| number::significant_with_unit(times * full, 3, "rpm");
+    let text = format!(
+        "With {} cylinders and {} strokes, firing excites the resonance at {} engine speed; unequal cylinders excite it at \
+         half the firing frequency at {}, and at a quarter at {}.",
+        study.bench.cylinders,
+        study.bench.strokes,
+        speed(1.0),
+        speed(2.0),
+        speed(4.0)
+    );
+    prose(&text)
+}
+
+fn margins(margins: Option<&Margins>) -> Markup {
+    match margins {
+        Some(margins) => markup!(
+            "<p>The speed loop crosses unit gain at {}, with a phase margin of {} and a gain margin of {}.</p>\n",
+            unbroken(&number::significant_with_unit(margins.crossover_hz, 3, "Hz")),
+            unbroken(&number::significant_with_unit(margins.phase_margin_deg, 2, "°").replace(" °", "°")),
+            unbroken(&number::significant_with_unit(margins.gain_margin_db, 3, "dB")),
+        ),
+        None => markup!("<p class=\"note\">Margins of the speed loop are not known: the speed control was not estimated.</p>\n"),
+    }
+}
+
+/// One figure for each pair of input and output; curves of the same pair share it.
+fn bode_figures(whole: &WholeModel) -> Markup {
+    let mut pairs: Vec<(&str, &str)> = Vec::new();
+    for curve in &whole.bode {
+        let pair = (curve.input.as_str(), curve.output.as_str());
+        if !pairs.contains(&pair) {
+            pairs.push(pair);
+        }
+    }
+    pairs.iter().map(|(input, output)| figure(&bode(whole, input, output))).collect()
+}
+
+fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
+    let curves: Vec<&BodeCurve> = whole.bode.iter().filter(|c| c.input == input && c.output == output).collect();
+    let unit = curves.first().map(|curve| curve.unit.as_str()).unwrap_or_default();
+    let resonates = output == "T_shaft" && curves.iter().any(|curve| curve.mode == ControlMode::Tn);
+    let points: &[SinePoint] = if resonates && input == "T_d" { &whole.sine_points } else { &[] };
+    let mut gain: Vec<Layer> = if resonates { resonance_layers(&whole.resonance_hz) } else { Vec::new() };
+    gain.extend(curves.iter().enumerate().map(|(n, curve)| band(curve, style(n))));
+    gain.extend(curves.iter().enumerate().map(|(n, curve)| {
+        Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.gain_db)
+    }));
+    if resonates && input == "T_d" {
+        let label = format!("static gain {}", number::significant(whole.static_gain, 3));
+        gain.push(Layer::HorizontalMark { y: decibel(whole.static_gain), label });
+    }
+    if !points.is_empty() {
+        gain.push(sine_layer(points));
+    }
+    let phase = curves.iter().enumerate().map(|(n, curve)| {
+        Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg)
+    });
+    Figure {
+        title: format!("From {input} to {output}"),
+        caption: bode_caption(unit, !points.is_empty(), resonates.then_some(&whole.resonance_hz)),
+        x: Axis::frequency(),
+        panels: vec![
+            Panel { y: Axis::linear("gain", "dB"), height: 190, layers: gain },
+            Panel { y: Axis::linear("phase", "°"), height: 110, layers: phase.collect() },
+        ],
+    }
+}
+
+fn style(number: usize) -> Style {
+    [Style::Modelled, Style::Other, Style::Residual, Style::Measured][number % 4]
+}
+
+fn curve_name(curve: &BodeCurve) -> String {
+    match &curve.variant {
+        Some(variant) => format!("{variant} ({})", mode_short(curve.mode)),
+        None => mode_short(curve.mode).to_owned(),
+    }
+}
+
+fn band(curve: &BodeCurve, style: Style) -> Layer {
+    Layer::Band {
+        name: curve_name(curve),
+        style,
+        x: Abscissa::Values(rounded(&curve.frequencies_hz)),
+        low: rounded(&curve.gain_band_db.0),
+        high: rounded(&curve.gain_band_db.1),
+    }
+}
+
+fn resonance_layers(resonance: &Parameter) -> Vec<Layer> {
+    let (low, high) = resonance.interval;
+    vec![
+        Layer::XRegion { low: Rounded(low), high: Rounded(high), label: String::new() },
+        Layer::VerticalMarks { x: vec![Rounded(resonance.value)], label: format!("resonance {}", number::parameter(resonance)) },
+    ]
+}
+
+fn sine_layer(points: &[SinePoint]) -> Layer {
+    let at = |errors: f64| points.iter().map(|p| decibel(p.gain + errors * p.standard_error)).collect();
+    Layer::Points {
+        name: "sine tests".to_owned(),
+        style: Style::Measured,
+        x: Abscissa::Values(points.iter().map(|p| Rounded(p.frequency_hz)).collect()),
+        y: at(0.0),
+        low: Some(at(-QUANTILE_95)),
+        high: Some(at(QUANTILE_95)),
+    }
+}
+
+fn decibel(gain: f64) -> Rounded {
+    Rounded(20.0 * gain.log10())
+}
+
+fn bode_caption(unit: &str, with_sines: bool, resonance: Option<&Parameter>) -> String {
+    let mut caption = format!("Gain relative to 1 {unit}; shaded: 95 % band of the model.");
+    if with_sines {
+        caption.push_str(" Points: gains measured by sine tests with 95 % error bars.");
+    }
+    if let Some(resonance) = resonance {
+        caption.push_str(&format!(" Dashed: resonance at {}.", number::parameter(resonance)));
+    }
+    caption
+}
+
+fn sine_table(points: &[SinePoint]) -> Markup {
+    if points.is_empty() {
+        return markup!("<p class=\"note\">No sine tests were recorded (Sine_T_TN), so the gain is not checked frequency by frequency.</p>\n");
+    }
+    let rows = points.iter().map(|point| {
+        vec![
+            unbroken(&number::significant_with_unit(point.frequency_hz, 3, "Hz")),
+            unbroken(&number::plus_minus(point.gain, QUANTILE_95 * point.standard_error, "")),
+            unbroken(&number::significant(point.model_gain, 3)),
+            unbroken(&deviation(point)),
+            markup!("<span class=\"file\">{}</span>", point.file),
+        ]
+    });
+    markup!(
+        "<h3>Sine tests</h3>\n{}",
+        table("numbers", &["Frequency", "Measured gain, ± 95 %", "Model", "Measured over model", "Recording"], rows)
+    )
+}
+
+fn deviation(point: &SinePoint) -> String {
+    let percent = 100.0 * (point.gain / point.model_gain - 1.0);
+    match percent {
+        p if !p.is_finite() => number::NOT_KNOWN.to_owned(),
+        p if p > 0.0 => format!("+{} %", number::significant(p, 2)),
+        p => format!("{} %", number::significant(p, 2)),
+    }
+}

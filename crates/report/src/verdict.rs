@@ -1,0 +1,215 @@
+//! The verdict on a study, by rules that are stated and shown with their outcome.
+//!
+//! Nothing is estimated here: every rule compares numbers the study holds with a threshold that stands in the rule's
+//! own words. The headline is the worst outcome of all rules.
+
+use bench::study::{Parameter, Part, Study, Validation};
+use bench::{Finding, Severity};
+
+use crate::wording::{self, number};
+
+/// How far the model can be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// Good for use.
+    Good,
+    /// Usable, with the reservations the rules name.
+    Reservations,
+    /// Not to be used for decisions.
+    Insufficient,
+}
+
+impl Level {
+    /// The level as a headline.
+    pub fn headline(self) -> &'static str {
+        match self {
+            Level::Good => "The model is good",
+            Level::Reservations => "The model is usable, with reservations",
+            Level::Insufficient => "The data are insufficient for a model",
+        }
+    }
+
+    /// The outcome of one rule in a word.
+    pub fn outcome(self) -> &'static str {
+        match self {
+            Level::Good => "met",
+            Level::Reservations => "reservation",
+            Level::Insufficient => "not met",
+        }
+    }
+}
+
+/// One rule with what the study says to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rule {
+    /// What is asked for, with its thresholds.
+    pub asks: &'static str,
+    /// What the study has.
+    pub found: String,
+    /// How the rule came out.
+    pub level: Level,
+}
+
+/// The verdict with the rules it rests on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// The worst outcome of all rules.
+    pub level: Level,
+    /// Every rule, in the order they are asked.
+    pub rules: Vec<Rule>,
+}
+
+/// Judges a study.
+pub fn verdict(study: &Study) -> Verdict {
+    let rules = vec![parts(study), uncertainty(study), held_out(study), replays(study), residuals(study), findings(study)];
+    let level = rules.iter().map(|rule| rule.level).max().unwrap_or(Level::Insufficient);
+    Verdict { level, rules }
+}
+
+/// Every part of the study by field name, with whether it was estimated, in the order of the report.
+pub(crate) fn part_states(study: &Study) -> [(&'static str, bool); 6] {
+    [
+        ("timing", study.timing.estimated().is_some()),
+        ("speed_controller", study.speed_controller.estimated().is_some()),
+        ("feed_forward", study.feed_forward.estimated().is_some()),
+        ("torque_control", study.torque_control.estimated().is_some()),
+        ("shaft", study.shaft.estimated().is_some()),
+        ("whole", study.whole.estimated().is_some()),
+    ]
+}
+
+fn parts(study: &Study) -> Rule {
+    let states = part_states(study);
+    let missing: Vec<String> =
+        states.iter().filter(|(_, there)| !there).map(|(name, _)| wording::part(name).to_owned()).collect();
+    let core_missing = states.iter().any(|(name, there)| !there && matches!(*name, "shaft" | "torque_control" | "whole"));
+    let level = match (core_missing, missing.is_empty()) {
+        (true, _) => Level::Insufficient,
+        (false, false) => Level::Reservations,
+        (false, true) => Level::Good,
+    };
+    let found = match missing.as_slice() {
+        [] => "all six are estimated".to_owned(),
+        _ => format!("not estimated: {}", wording::join(&missing, "and")),
+    };
+    Rule { asks: "Every part is estimated; shaft, torque control and whole model must be.", found, level }
+}
+
+fn uncertainty(study: &Study) -> Rule {
+    let shaft = study.shaft.estimated().and_then(|shaft| shaft.estimate.parameter("K"));
+    let resonance = study.whole.estimated().map(|whole| &whole.resonance_hz);
+    let relative = [("K", shaft), ("resonance", resonance)]
+        .into_iter()
+        .filter_map(|(name, parameter)| Some((name, relative_half_width(parameter?))))
+        .collect::<Vec<_>>();
+    let asks = "95 % intervals of shaft stiffness and resonance are within ±10 %; beyond ±30 % is not met.";
+    let Some(worst) = relative.iter().map(|(_, width)| *width).reduce(worse_width) else {
+        return Rule { asks, found: "neither is estimated".to_owned(), level: Level::Insufficient };
+    };
+    let level = match worst {
+        w if w <= 0.10 => Level::Good,
+        w if w <= 0.30 => Level::Reservations,
+        _ => Level::Insufficient,
+    };
+    let found = relative.iter().map(|(name, width)| format!("{name} ±{}", number::share(*width))).collect::<Vec<_>>();
+    Rule { asks, found: found.join(", "), level }
+}
+
+fn relative_half_width(parameter: &Parameter) -> f64 {
+    let (low, high) = parameter.interval;
+    ((high - low) / 2.0 / parameter.value).abs()
+}
+
+/// The larger of two widths, where one that is not a number is the largest of all.
+fn worse_width(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+fn held_out(study: &Study) -> Rule {
+    let fits = held_out_fits(study);
+    let asks = "Each part explains its held-out stretch with a fit of 80 % or more; below 50 % is not met.";
+    let Some((name, worst)) = fits.iter().copied().reduce(worse_fit) else {
+        return Rule { asks, found: "there is no held-out stretch".to_owned(), level: Level::Insufficient };
+    };
+    let level = match worst {
+        f if f >= 80.0 => Level::Good,
+        f if f >= 50.0 => Level::Reservations,
+        _ => Level::Insufficient,
+    };
+    Rule { asks, found: format!("lowest: {} {}", wording::part(name), number::fit(worst)), level }
+}
+
+/// Fit of each estimated part on its held-out stretch.
+pub(crate) fn held_out_fits(study: &Study) -> Vec<(&'static str, f64)> {
+    fn fit<'a, T>(part: &'a Part<T>, validation: impl Fn(&'a T) -> &'a Validation) -> Option<f64> {
+        part.estimated().map(|estimated| validation(estimated).fit_percent)
+    }
+    [
+        ("speed_controller", fit(&study.speed_controller, |part| &part.validation)),
+        ("feed_forward", fit(&study.feed_forward, |part| &part.validation)),
+        ("torque_control", fit(&study.torque_control, |part| &part.delay_and_lag_validation)),
+        ("shaft", fit(&study.shaft, |part| &part.validation)),
+    ]
+    .into_iter()
+    .filter_map(|(name, fit)| Some((name, fit?)))
+    .collect()
+}
+
+fn worse_fit<'a>(a: (&'a str, f64), b: (&'a str, f64)) -> (&'a str, f64) {
+    if a.1.is_nan() || a.1 <= b.1 { a } else { b }
+}
+
+fn replays(study: &Study) -> Rule {
+    let asks = "Replays of recordings that no part was estimated from: half of the signals fit with 70 % or more and \
+                none below 40 %; if half of them are below 40 %, not met.";
+    let mut fits: Vec<f64> = study
+        .replays
+        .iter()
+        .filter(|replay| !replay.seen_in_estimation)
+        .flat_map(|replay| replay.signals.iter().map(|signal| signal.fit_percent))
+        .map(|fit| if fit.is_nan() { f64::NEG_INFINITY } else { fit })
+        .collect();
+    fits.sort_by(f64::total_cmp);
+    let (Some(lowest), Some(middle)) = (fits.first().copied(), fits.get((fits.len().max(1) - 1) / 2).copied()) else {
+        return Rule { asks, found: "no such replay".to_owned(), level: Level::Reservations };
+    };
+    let level = match (middle, lowest) {
+        (m, l) if m >= 70.0 && l >= 40.0 => Level::Good,
+        (m, _) if m >= 40.0 => Level::Reservations,
+        _ => Level::Insufficient,
+    };
+    let found = format!("median {}, lowest {} of {} signals", number::fit(middle), number::fit(lowest), fits.len());
+    Rule { asks, found, level }
+}
+
+fn residuals(study: &Study) -> Rule {
+    let mut doubted: Vec<String> = study.diagnostics.iter().filter_map(|found| doubted_part(&found.finding)).collect();
+    doubted.sort();
+    doubted.dedup();
+    let level = if doubted.is_empty() { Level::Good } else { Level::Reservations };
+    let found = match doubted.as_slice() {
+        [] => "none".to_owned(),
+        _ => wording::join(&doubted, "and"),
+    };
+    let asks = "No part has residuals correlated with its input, failed to converge, or disagrees with a second route.";
+    Rule { asks, found, level }
+}
+
+fn doubted_part(finding: &Finding) -> Option<String> {
+    match finding {
+        Finding::ResidualsCorrelated { submodel, .. } | Finding::NotConverged { submodel } => {
+            Some(wording::part(submodel).to_owned())
+        }
+        Finding::RoutesDisagree { quantity, .. } => Some(quantity.clone()),
+        _ => None,
+    }
+}
+
+fn findings(study: &Study) -> Rule {
+    let count = |severity: Severity| study.diagnostics.iter().filter(|found| found.severity == severity).count();
+    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
+    let level = if errors == 0 { Level::Good } else { Level::Reservations };
+    let plural = |n: usize, word: &str| if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") };
+    let found = format!("{}, {}", plural(errors, "error"), plural(warnings, "warning"));
+    Rule { asks: "No finding is an error. Warnings are listed and do not count here.", found, level }
+}

@@ -1,0 +1,146 @@
+//! Each finding in plain words: what was found, and what to do about it.
+
+use bench::{Diagnostic, Finding};
+
+use super::number::{NOT_KNOWN, duration, measure, plus_minus, share, significant};
+use super::{join, part, place, role, severity};
+
+/// A diagnostic on one line: severity, place, what was found, what to do.
+pub fn diagnostic(found: &Diagnostic) -> String {
+    let place = place(&found.place).map(|place| format!("{place}: ")).unwrap_or_default();
+    format!("{}: {place}{} {}", severity(found.severity), finding(&found.finding), advice(&found.finding))
+}
+
+/// What was found, as a sentence.
+pub fn finding(finding: &Finding) -> String {
+    match finding {
+        Finding::UnreadableRecording { reason } => format!("The recording cannot be read: {}.", phrase(reason)),
+        Finding::ReaderDoubt { reason } => format!("The recording was read with a reservation: {}.", phrase(reason)),
+        Finding::NoLabel => "Neither the file name nor the bench file says which experiment this is.".to_owned(),
+        Finding::DuplicateRecording { other } => format!("The recording is there twice: the same as {other}."),
+        Finding::MissingChannel { role: missing, closest } => missing_channel(&role(*missing), closest),
+        Finding::UnfitUnit { role: of, unit } => format!("The unit “{unit}” does not fit the {}.", role(*of)),
+        Finding::NotANumber { count, mended } => not_a_number(*count, *mended),
+        Finding::Gap { duration_s, mended } => gap(*duration_s, *mended),
+        Finding::TimeNotIncreasing => "Time stamps go backwards or repeat.".to_owned(),
+        Finding::Jitter { largest_s, sample_time_s } => jitter(*largest_s, *sample_time_s),
+        Finding::Constant { value } => format!("The signal never changes; it rests at {} (SI).", si(*value)),
+        Finding::Clipped { value, share: of } => {
+            format!("The signal rests at its extreme value {} (SI) in {} of the samples.", si(*value), share(*of))
+        }
+        Finding::TooShort { duration_s, needed_s } => {
+            format!("The recording lasts {}; the estimate needs {}.", duration(*duration_s), duration(*needed_s))
+        }
+        Finding::WrongTorqueSign { correlation } => {
+            let found = significant(*correlation, 2);
+            format!("T_d appears to brake with a negative sign (correlation with −J_d·dω_d/dt: {found}).")
+        }
+        Finding::ImplausibleInertia { given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
+            inertia(*given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
+        }
+        Finding::Saturated { share: of, limit_nm } => {
+            let limit = measure(*limit_nm, "Nm");
+            format!("The torque is at the inverter’s limit of {limit} in {} of the samples.", share(*of))
+        }
+        Finding::LateSignal { role: late, delay_s } => {
+            format!("The {} is {} later than the torque demand T_d*.", role(*late), duration(*delay_s))
+        }
+        Finding::WeakExcitation { role: weak, standard_deviation } => {
+            let spread = si(*standard_deviation);
+            format!("The {} hardly moves (standard deviation {spread} in SI), too little to learn from.", role(*weak))
+        }
+        Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
+        Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
+        Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
+        Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
+        Finding::BeyondLimit { limit, value, allowed } => {
+            format!("The model predicts {} (SI) for the {limit}; the limit is {}.", si(*value), si(*allowed))
+        }
+    }
+}
+
+/// What to do about a finding, as a sentence.
+pub fn advice(finding: &Finding) -> &'static str {
+    match finding {
+        Finding::UnreadableRecording { .. } => "Export the recording again and check that the copy is complete.",
+        Finding::ReaderDoubt { .. } => "Compare the affected channels with the original in the measuring system.",
+        Finding::NoLabel => "Put the label, such as BS_T_NT, into the file name or into the bench file.",
+        Finding::DuplicateRecording { .. } => "Remove one of the two; only the first was used.",
+        Finding::MissingChannel { .. } => "Correct the channel’s name in the bench file, or record the channel.",
+        Finding::UnfitUnit { .. } => "Correct the unit in the recording, or state it in the bench file.",
+        Finding::NotANumber { mended: true, .. } => "Nothing to do, unless it happens often: then check the sensor.",
+        Finding::NotANumber { mended: false, .. } => "Check sensor and cable, and record again.",
+        Finding::Gap { mended: true, .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
+        Finding::Gap { mended: false, .. } => "Record again; a stretch with a gap cannot be used.",
+        Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
+        Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
+        Finding::Constant { .. } => "Check that the sensor is connected and that the right channel is named in the bench file.",
+        Finding::Clipped { .. } => "Widen the measuring range, or lower the excitation, and record again.",
+        Finding::TooShort { .. } => "Record for longer.",
+        Finding::WrongTorqueSign { .. } => "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer.",
+        Finding::ImplausibleInertia { .. } => "Check J_d in the bench file, and the scaling of torque and speed.",
+        Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
+        Finding::LateSignal { .. } => "Use a faster source for this signal, or compute it from N_d and T_d,calc.",
+        Finding::WeakExcitation { .. } => "Repeat the experiment with a larger amplitude.",
+        Finding::ExcludedLines { .. } => "Nothing to do; the figure of the residual spectrum shows where they are.",
+        Finding::ResidualsCorrelated { .. } => "Do not trust the intervals of this part: the model lacks something. Look at its residual plots.",
+        Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
+        Finding::RoutesDisagree { .. } => "Find out which route is disturbed before using the number; the truth may lie outside both intervals.",
+        Finding::BeyondLimit { .. } => "Do not run this test as it is; lower the demand or move it away from the resonance.",
+    }
+}
+
+fn missing_channel(role: &str, closest: &[String]) -> String {
+    let quoted: Vec<String> = closest.iter().map(|name| format!("“{name}”")).collect();
+    let hint = if quoted.is_empty() { String::new() } else { format!(" The closest names are {}.", join(&quoted, "and")) };
+    format!("The channel the bench file names for the {role} is not in the recording.{hint}")
+}
+
+fn not_a_number(count: usize, mended: bool) -> String {
+    let what = if count == 1 { "One sample is".to_owned() } else { format!("{count} samples are") };
+    format!("{what} not a number; {}.", if mended { "interpolated" } else { "too many to interpolate" })
+}
+
+fn gap(duration_s: f64, mended: bool) -> String {
+    let fate = if mended { "it was interpolated" } else { "too long to interpolate" };
+    format!("Time stamps are missing for {}; {fate}.", duration(duration_s))
+}
+
+fn jitter(largest_s: f64, sample_time_s: f64) -> String {
+    let (largest, clock) = (duration(largest_s), duration(sample_time_s));
+    format!("Time stamps deviate by up to {largest} from a uniform clock of {clock}.")
+}
+
+fn inertia(given_kg_m2: f64, estimated_kg_m2: f64, standard_error_kg_m2: f64) -> String {
+    let given = measure(given_kg_m2, "kg m²");
+    let estimated = plus_minus(estimated_kg_m2, 2.0 * standard_error_kg_m2, "kg m²");
+    format!("The inertia of {given} in the bench file does not fit the data, which say {estimated}.")
+}
+
+fn residuals(submodel: &str, share_outside: f64) -> String {
+    let outside = share(share_outside);
+    format!(
+        "What the model of the {submodel} leaves unexplained is correlated with its input: \
+         {outside} of the lags lie outside the 99 % region."
+    )
+}
+
+fn routes(quantity: &str, first: (f64, f64), second: (f64, f64)) -> String {
+    let [first, second] = [first, second].map(|(value, error)| plus_minus(value, 2.0 * error, ""));
+    format!("Two ways to {quantity} disagree: {first} and {second} (± two standard errors).")
+}
+
+fn excluded_lines(frequencies_hz: &[f64]) -> String {
+    let listed: Vec<String> = frequencies_hz.iter().map(|f| significant(*f, 4)).collect();
+    format!("Narrow bands around {} Hz were left out, because the model does not hold there.", join(&listed, "and"))
+}
+
+fn si(value: f64) -> String {
+    if value.is_finite() { significant(value, 3) } else { NOT_KNOWN.to_owned() }
+}
+
+/// A reader's own words as part of a sentence: trimmed, without a closing full stop.
+fn phrase(reason: &str) -> &str {
+    let trimmed = reason.trim().trim_end_matches('.');
+    if trimmed.is_empty() { "no reason given" } else { trimmed }
+}

@@ -1,0 +1,124 @@
+//! Plain words for everything a study can say: findings, needs, parts, roles, numbers with their uncertainty.
+//!
+//! All texts are plain Unicode without markup, fit for a terminal. Symbols are written as in the thesis (`T_d*`,
+//! `K_p`); the HTML report typesets them.
+
+mod experiment;
+mod finding;
+mod need;
+pub mod number;
+
+pub use experiment::experiment;
+pub use finding::{advice, diagnostic, finding};
+pub use need::{need, needs};
+
+use bench::study::{BenchVariant, IntegrationRule};
+use bench::{ControlMode, Place, Role, Severity};
+
+/// The severity as one word: `error`, `warning`, `note`.
+pub fn severity(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Note => "note",
+    }
+}
+
+/// What a severity means for the reader of a result.
+pub fn severity_meaning(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "something was left out, or a result must not be used",
+        Severity::Warning => "a result is weaker than it could be",
+        Severity::Note => "worth knowing; nothing to do",
+    }
+}
+
+/// A part of the study in plain words, from its field name (`speed_controller` → `speed control`). A name that is not
+/// one of the study's fields is returned as it is.
+pub fn part(name: &str) -> &str {
+    match name {
+        "timing" => "timing of the signals",
+        "speed_controller" => "speed control",
+        "feed_forward" => "feed-forward",
+        "torque_control" => "torque control",
+        "shaft" => "shaft",
+        "whole" => "whole model",
+        "replays" | "replay" => "replay",
+        other => other,
+    }
+}
+
+/// A role in plain words without its symbol, e.g. `dynamometer speed`.
+pub fn role_name(role: Role) -> &'static str {
+    match role {
+        Role::DynoSpeed => "dynamometer speed",
+        Role::EngineSpeed => "engine speed",
+        Role::DynoSpeedDemand => "dynamometer speed demand",
+        Role::DynoTorqueDemand => "dynamometer torque demand",
+        Role::AirGapTorque => "air-gap torque from the inverter",
+        Role::LoadCellTorque => "air-gap torque from the load cell",
+        Role::SystemShaftTorque => "shaft torque as the bench system computes it",
+        Role::FlangeTorque => "shaft torque from the torque flange",
+        Role::Throttle => "engine throttle",
+    }
+}
+
+/// A role in plain words with its symbol, e.g. `dynamometer speed N_d`.
+pub fn role(role: Role) -> String {
+    format!("{} {}", role_name(role), role.symbol())
+}
+
+/// What the two sides of the bench control.
+pub fn mode(mode: ControlMode) -> &'static str {
+    match mode {
+        ControlMode::Nt => "speed control (NT): the dynamometer holds speed, the engine torque",
+        ControlMode::Tn => "torque control (TN): the dynamometer holds torque, the engine speed",
+    }
+}
+
+/// The mode in two words.
+pub fn mode_short(mode: ControlMode) -> &'static str {
+    match mode {
+        ControlMode::Nt => "speed control",
+        ControlMode::Tn => "torque control",
+    }
+}
+
+/// How the bench measures torque.
+pub fn variant(variant: BenchVariant) -> &'static str {
+    match variant {
+        BenchVariant::LoadCell => "load cell on the dynamometer (DTB): shaft torque is computed, two masses",
+        BenchVariant::TorqueFlange => "torque flange in the shaft (TB): air-gap torque is computed, dual-mass flywheel",
+    }
+}
+
+/// The controller's integration rule.
+pub fn integration_rule(rule: IntegrationRule) -> &'static str {
+    match rule {
+        IntegrationRule::ForwardEuler => "forward Euler, I(k) = I(k−1) + T e(k−1)",
+        IntegrationRule::BackwardEuler => "backward Euler, I(k) = I(k−1) + T e(k)",
+        IntegrationRule::Trapezoidal => "trapezoidal, I(k) = I(k−1) + T (e(k) + e(k−1))/2",
+    }
+}
+
+/// Where a finding was made, e.g. `bs.mf4, channel "Torque", at 12.35 s`; `None` when it concerns the study as a whole.
+pub fn place(place: &Place) -> Option<String> {
+    let parts: Vec<String> = [
+        place.file.clone(),
+        place.channel.as_ref().map(|channel| format!("channel “{channel}”")),
+        place.time_s.map(|time| format!("at {}", number::time(time))),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// Joins words as a sentence does: `a`, `a or b`, `a, b or c`.
+pub fn join(words: &[String], last: &str) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.clone(),
+        [rest @ .., end] => format!("{} {last} {end}", rest.join(", ")),
+    }
+}
