@@ -5,5 +5,6 @@
 
 mod error;
 mod parameter;
+pub mod torque_control;
 
 pub use error::EstimateError;
