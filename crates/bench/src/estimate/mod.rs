@@ -5,6 +5,7 @@
 
 mod error;
 mod parameter;
+pub mod timing;
 pub mod torque_control;
 
 pub use error::EstimateError;
