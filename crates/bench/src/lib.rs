@@ -8,10 +8,14 @@
 //! Notation follows Glans & Kärnell, *Development of a Method on how to Model a Dynamometer for Driveline Testing*,
 //! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
 
+pub mod analysis;
 pub mod diagnostics;
 pub mod estimate;
 pub mod experiment;
+pub mod model;
+pub mod replay;
 pub mod role;
+pub mod simulate;
 pub mod study;
 
 pub use diagnostics::{Diagnostic, Finding, Place, Severity};

@@ -7,3 +7,4 @@ mod error;
 mod parameter;
 
 pub use error::EstimateError;
+pub(crate) use parameter::Label;
