@@ -46,9 +46,7 @@ pub fn whole_model(inputs: &WholeInputs<'_>) -> Result<WholeModel, EstimateError
         resonance_hz: number(RESONANCE, &|m| m.mechanics.resonance().frequency_hz),
         resonance_gain: number(GAIN, &|m| m.mechanics.resonance().gain),
         static_gain: inputs.model.mechanics.static_gain(),
-        firing_meets_resonance_rpm: number(FIRING, &|m| {
-            engine.firing_speed_rpm(m.mechanics.resonance().frequency_hz)
-        }),
+        firing_meets_resonance_rpm: number(FIRING, &|m| engine.firing_speed_rpm(m.mechanics.resonance().frequency_hz)),
         damping_ratio: number(DAMPING, &|m| m.mechanics.resonance().damping_ratio),
         bode: bode::curves(inputs.model, inputs.uncertainty),
         sine_points: sine,

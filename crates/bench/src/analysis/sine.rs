@@ -46,9 +46,10 @@ pub struct SineTest<'a> {
 
 /// Gains T_shaft/T_d at each steady sine of T_d*, with what (7.2) says and what the engine did.
 ///
-/// Amplitudes are by least squares on cos, sin, constant and slope over whole periods; T_shaft = J_d dω_d/dt + T_d (6.1)
+/// Amplitudes are by least squares on cos, sin, constant and slope over whole periods, and on cos and sin of the engine
+/// orders that can be told from the sine, which would leak into it; T_shaft = J_d dω_d/dt + T_d (6.1)
 /// with N_d freed of its gate, or the flange's torque where there is one. The standard error comes from the noise of
-/// T_shaft − G T_d at frequencies beside the sine.
+/// T_shaft − G T_d at frequencies beside the sine (its median, so that a stray line does no harm).
 ///
 /// (7.2) takes T_e as constant. It is not when the engine's governor answers the changing speed or when the sine meets
 /// an engine order. T_e = J_e dω_e/dt + T_shaft (6.4) tells what acted, and
@@ -58,11 +59,7 @@ pub struct SineTest<'a> {
 ///
 /// # Errors
 /// N_d, T_d* or T_d is missing, or a signal cannot be processed.
-pub fn sine_points(
-    model: &BenchModel,
-    engine: Engine,
-    test: &SineTest<'_>,
-) -> Result<Vec<SinePoint>, EstimateError> {
+pub fn sine_points(model: &BenchModel, engine: Engine, test: &SineTest<'_>) -> Result<Vec<SinePoint>, EstimateError> {
     let signals = Signals::new(model, test)?;
     let demand = needed(test.experiment, Role::DynoTorqueDemand)?;
     let mut points = Vec::new();
@@ -131,21 +128,24 @@ impl<'a> Signals<'a> {
         let (f, resolution) = (stretch.frequency_hz, 1.0 / (stretch.end_s - stretch.start_s));
         let omega = TAU * f;
         let cut = self.cut(stretch);
-        let at = cut.amplitudes(self, &|x| fitted_amplitude(x, f).map_err(|source| self.ident(source)), omega)?;
+        let turns_hz = cut.dyno.mean().unwrap_or(0.0) / TAU;
+        let mut waves = vec![f];
+        let (near, lines): (Vec<f64>, Vec<f64>) =
+            engine.orders().iter().map(|order| order * turns_hz).partition(|l| (f - l).abs() < ORDER_BINS * resolution);
+        waves.extend(lines);
+        let at = cut.amplitudes(self, &|x| fitted_amplitude(x, &waves).map_err(|source| self.ident(source)), omega)?;
         let ratio = at.shaft / at.torque;
         let plain = self.model.mechanics.torque_to_shaft(omega);
         let through_engine = at.engine_torque.map(|e| self.model.mechanics.engine_to_shaft(omega) * e / at.torque);
-        let turns_hz = cut.dyno.mean().unwrap_or(0.0) / TAU;
-        let at_order = |order: f64| (f - order * turns_hz).abs() < ORDER_BINS * resolution;
         Ok(SinePoint {
             frequency_hz: f,
             gain: ratio.norm(),
-            standard_error: self.standard_error(&cut, stretch, ratio)? / at.torque.norm(),
+            standard_error: self.standard_error(&cut, stretch, &waves, ratio)? / at.torque.norm(),
             band_pass_gain: self.band_pass_gain(segment, stretch)?,
             model_gain: plain.norm(),
             model_gain_with_engine: through_engine.map(|q| (plain + q).norm()),
             gain_corrected_for_engine: through_engine.map(|q| (ratio - q).norm()),
-            at_engine_order: engine.orders().into_iter().any(at_order),
+            at_engine_order: !near.is_empty(),
             file: self.file.to_owned(),
         })
     }
@@ -160,21 +160,29 @@ impl<'a> Signals<'a> {
         }
     }
 
-    /// √(half the mean of |T_shaft − G T_d|²) at the neighbouring frequencies, Nm.
-    fn standard_error(&self, cut: &Cut, stretch: &Segment, ratio: Complex64) -> Result<f64, EstimateError> {
-        let residual = cut.without_sine(stretch.frequency_hz).map_err(|source| self.ident(source))?;
+    /// √(half the mean of |T_shaft − G T_d|²) at the neighbouring frequencies, Nm. The squares are exponentially
+    /// distributed, so their mean is their median over ln 2.
+    fn standard_error(
+        &self,
+        cut: &Cut,
+        stretch: &Segment,
+        waves: &[f64],
+        ratio: Complex64,
+    ) -> Result<f64, EstimateError> {
+        let residual = cut.without_waves(waves).map_err(|source| self.ident(source))?;
         let resolution = 1.0 / (stretch.end_s - stretch.start_s);
-        let (mut sum, mut count) = (0.0, 0.0);
+        let mut squares = Vec::new();
         for bin in NEIGHBOURS.flat_map(|k| [-k, k]) {
             let f = stretch.frequency_hz + f64::from(bin) * resolution;
             if f < 0.5 * resolution {
                 continue;
             }
             let beside = residual.amplitudes(self, &|x| Ok(fourier_amplitude(x, f)), TAU * f)?;
-            sum += (beside.shaft - ratio * beside.torque).norm_sqr();
-            count += 1.0;
+            squares.push((beside.shaft - ratio * beside.torque).norm_sqr());
         }
-        Ok((0.5 * sum / count).sqrt())
+        squares.sort_by(f64::total_cmp);
+        let median = 0.5 * (squares[(squares.len() - 1) / 2] + squares[squares.len() / 2]);
+        Ok((0.5 * median / std::f64::consts::LN_2).sqrt())
     }
 
     /// The thesis's way: both torques through a zero-phase band-pass, A = √2·RMS (7.1), ratio of amplitudes.
@@ -182,13 +190,20 @@ impl<'a> Signals<'a> {
         let signal_error = |source| EstimateError::Signal { file: self.file.to_owned(), source };
         let filtered = |x: &Signal| {
             let x = x.slice(segment.start_s, segment.end_s);
-            let band = Sos::butterworth_bandpass(2, segment.frequency_hz / BAND, segment.frequency_hz * BAND, x.sample_time_s)?;
+            let band = Sos::butterworth_bandpass(
+                2,
+                segment.frequency_hz / BAND,
+                segment.frequency_hz * BAND,
+                x.sample_time_s,
+            )?;
             Ok(x.with_samples(band.filtfilt(&x.samples)?))
         };
         let speed = filtered(self.dyno).map_err(signal_error)?;
         let torque = filtered(self.torque).map_err(signal_error)?;
-        let torque = fractional_delay(&torque, -self.skews.torque_s, Interpolation::BandLimited).map_err(signal_error)?;
-        let slope = signal::derivative::central_difference(&speed.samples, speed.sample_time_s).map_err(signal_error)?;
+        let torque =
+            fractional_delay(&torque, -self.skews.torque_s, Interpolation::BandLimited).map_err(signal_error)?;
+        let slope =
+            signal::derivative::central_difference(&speed.samples, speed.sample_time_s).map_err(signal_error)?;
         let used: Vec<usize> = (0..speed.len())
             .filter(|i| speed.time_s(*i) >= stretch.start_s && speed.time_s(*i) < stretch.end_s.min(torque.end_s()))
             .collect();
@@ -241,12 +256,12 @@ impl Cut {
         Ok(Amplitudes { torque, shaft, engine_torque })
     }
 
-    /// What is left when sine, constant and slope are taken away.
-    fn without_sine(&self, frequency_hz: f64) -> Result<Cut, ident::IdentError> {
+    /// What is left when the waves, constant and slope are taken away.
+    fn without_waves(&self, waves: &[f64]) -> Result<Cut, ident::IdentError> {
         let rest = |x: &Signal| {
-            let regressors = regressors(x, frequency_hz);
+            let regressors = regressors(x, waves);
             let fit = ident::least_squares(regressors.as_ref(), &x.samples)?;
-            let value = |i: usize| (0..4).map(|j| regressors[(i, j)] * fit.parameters[j]).sum::<f64>();
+            let value = |i: usize| fit.parameters.iter().enumerate().map(|(j, p)| regressors[(i, j)] * p).sum::<f64>();
             Ok(x.with_samples((0..x.len()).map(|i| x.samples[i] - value(i)).collect()))
         };
         Ok(Cut {
@@ -258,23 +273,24 @@ impl Cut {
     }
 }
 
-/// cos ωt, −sin ωt, 1, t − t̄: the first two coefficients are real and imaginary part of Y in Re(Y e^{jωt}).
-fn regressors(x: &Signal, frequency_hz: f64) -> Mat<f64> {
+/// cos ωt and −sin ωt of each wave below the Nyquist frequency, 1, t − t̄: the first two coefficients are real and
+/// imaginary part of Y in Re(Y e^{jωt}) of the first wave.
+fn regressors(x: &Signal, waves_hz: &[f64]) -> Mat<f64> {
     let middle = 0.5 * (x.start_s + x.end_s());
-    Mat::from_fn(x.len(), 4, |i, j| {
+    let waves: Vec<f64> = waves_hz.iter().copied().filter(|f| *f < 0.9 * x.nyquist_hz()).collect();
+    Mat::from_fn(x.len(), 2 * waves.len() + 2, |i, j| {
         let t = x.time_s(i);
-        let phase = TAU * frequency_hz * t;
-        match j {
-            0 => phase.cos(),
-            1 => -phase.sin(),
-            2 => 1.0,
-            _ => t - middle,
+        match waves.get(j / 2) {
+            Some(f) if j % 2 == 0 => (TAU * f * t).cos(),
+            Some(f) => -(TAU * f * t).sin(),
+            None if j % 2 == 0 => 1.0,
+            None => t - middle,
         }
     })
 }
 
-fn fitted_amplitude(x: &Signal, frequency_hz: f64) -> Result<Complex64, ident::IdentError> {
-    let fit = ident::least_squares(regressors(x, frequency_hz).as_ref(), &x.samples)?;
+fn fitted_amplitude(x: &Signal, waves_hz: &[f64]) -> Result<Complex64, ident::IdentError> {
+    let fit = ident::least_squares(regressors(x, waves_hz).as_ref(), &x.samples)?;
     Ok(Complex64::new(fit.parameters[0], fit.parameters[1]))
 }
 

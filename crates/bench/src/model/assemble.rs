@@ -36,8 +36,7 @@ const FEED_FORWARD: Names = &[
     ("k", ModelParameter::SpeedFeedForward, 1.0 / RAD_S_PER_RPM),
     ("k_a", ModelParameter::AccelerationFeedForward, 1.0 / RAD_S_PER_RPM),
 ];
-const INVERTER: Names =
-    &[("τ", ModelParameter::InverterDelay, 1.0), ("a", ModelParameter::InverterBandwidth, 1.0)];
+const INVERTER: Names = &[("τ", ModelParameter::InverterDelay, 1.0), ("a", ModelParameter::InverterBandwidth, 1.0)];
 
 /// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
 /// one of its numbers is left out. Inertias and gate are taken as exact.

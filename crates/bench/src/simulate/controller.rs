@@ -20,11 +20,7 @@ pub(super) struct Pi {
 }
 
 impl Pi {
-    pub(super) fn new(
-        model: &BenchModel,
-        start: &InitialState,
-        sample_time_s: f64,
-    ) -> Result<Self, SimulationError> {
+    pub(super) fn new(model: &BenchModel, start: &InitialState, sample_time_s: f64) -> Result<Self, SimulationError> {
         let gains = model.speed_controller.ok_or(SimulationError::MissingPart { part: "speed controller" })?;
         if (gains.sample_time_s - sample_time_s).abs() > SAME_CLOCK * sample_time_s {
             return Err(SimulationError::Clock { inputs_s: sample_time_s, controller_s: gains.sample_time_s });

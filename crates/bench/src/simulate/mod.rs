@@ -17,13 +17,8 @@ use plant::{Plant, Streams};
 /// What drives the dynamometer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Drive<'a> {
-    /// Speed control: ω_d*, one value an update of the controller.
-    SpeedDemand {
-        /// ω_d*, rad/s.
-        demand_rad_s: &'a [f64],
-        /// What the encoder reads beyond the true mean speed, such as its once-a-turn error; the controller sees it.
-        encoder_error_rad_s: Option<&'a [f64]>,
-    },
+    /// Speed control: ω_d*, rad/s, one value an update of the controller.
+    SpeedDemand(&'a [f64]),
     /// Torque control: T_d*, Nm, each value held until the next.
     TorqueDemand(&'a [f64]),
     /// The air-gap torque itself, Nm, straight between the samples; inverter and limit play no part.
@@ -73,7 +68,7 @@ impl InitialState {
 /// What the bench did, one value a sample.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Response {
-    /// N_d as the encoder reads it, rad/s: the mean over the gate that ends at the sample, and the encoder's error.
+    /// N_d as the encoder reads it, rad/s: the mean over the gate that ends at the sample.
     pub dyno_speed_rad_s: Vec<f64>,
     /// N_e as an encoder with the same gate reads it, rad/s.
     pub engine_speed_rad_s: Vec<f64>,
@@ -155,11 +150,7 @@ pub enum SimulationError {
 /// assert!((response.dyno_speed_rad_s[1000] - 110.0).abs() < 0.02);
 /// # Ok::<(), bench::simulate::SimulationError>(())
 /// ```
-pub fn simulate(
-    model: &BenchModel,
-    inputs: &Inputs<'_>,
-    start: &InitialState,
-) -> Result<Response, SimulationError> {
+pub fn simulate(model: &BenchModel, inputs: &Inputs<'_>, start: &InitialState) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
     let mut plant = Plant::new(model, inputs, start)?;
     let samples = inputs.engine_torque_nm.len();
@@ -168,18 +159,17 @@ pub fn simulate(
     let mut engine = dyno.clone();
     let mut streams = Streams::new(samples, start, model.torque_limit_nm);
     let mut pi = match inputs.drive {
-        Drive::SpeedDemand { .. } => Some(Pi::new(model, start, inputs.sample_time_s)?),
+        Drive::SpeedDemand(_) => Some(Pi::new(model, start, inputs.sample_time_s)?),
         Drive::TorqueDemand(_) | Drive::AirGapTorque(_) => None,
     };
     let mut limited = 0_usize;
     for k in 0..samples {
         let state = plant.state();
-        let error = encoder_error(inputs, k);
-        let reading = dyno.read(state.dyno_angle_rad, state.dyno_speed_rad_s) + error;
+        let reading = dyno.read(state.dyno_angle_rad, state.dyno_speed_rad_s);
         response.dyno_speed_rad_s.push(reading);
         response.engine_speed_rad_s.push(engine.read(state.engine_angle_rad, state.engine_speed_rad_s));
         let demand = match (inputs.drive, pi.as_mut()) {
-            (Drive::SpeedDemand { demand_rad_s, .. }, Some(pi)) => pi.update(reading, demand_rad_s[k], &mut streams),
+            (Drive::SpeedDemand(demand), Some(pi)) => pi.update(reading, demand[k], &mut streams),
             (Drive::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
             _ => None,
         };
@@ -209,13 +199,6 @@ impl Response {
     }
 }
 
-fn encoder_error(inputs: &Inputs<'_>, k: usize) -> f64 {
-    match inputs.drive {
-        Drive::SpeedDemand { encoder_error_rad_s: Some(error), .. } => error[k],
-        _ => 0.0,
-    }
-}
-
 fn check_lengths(inputs: &Inputs<'_>) -> Result<(), SimulationError> {
     let expected = inputs.engine_torque_nm.len();
     let same = |what, found: usize| {
@@ -225,10 +208,7 @@ fn check_lengths(inputs: &Inputs<'_>) -> Result<(), SimulationError> {
         return Err(SimulationError::Length { what: "engine torque", expected: 1, found: 0 });
     }
     match inputs.drive {
-        Drive::SpeedDemand { demand_rad_s, encoder_error_rad_s } => {
-            same("speed demand", demand_rad_s.len())?;
-            encoder_error_rad_s.map_or(Ok(()), |error| same("encoder error", error.len()))
-        }
+        Drive::SpeedDemand(demand) => same("speed demand", demand.len()),
         Drive::TorqueDemand(demand) => same("torque demand", demand.len()),
         Drive::AirGapTorque(torque) => same("air-gap torque", torque.len()),
     }

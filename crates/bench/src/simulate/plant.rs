@@ -88,11 +88,7 @@ pub(super) struct Motion {
 }
 
 impl Plant {
-    pub(super) fn new(
-        model: &BenchModel,
-        inputs: &Inputs<'_>,
-        start: &InitialState,
-    ) -> Result<Self, SimulationError> {
+    pub(super) fn new(model: &BenchModel, inputs: &Inputs<'_>, start: &InitialState) -> Result<Self, SimulationError> {
         let step = inputs.sample_time_s;
         let inverter = match inputs.drive {
             Drive::AirGapTorque(_) => None,
@@ -105,14 +101,7 @@ impl Plant {
             .windows(2)
             .map(|w| Substep::new(&system, step, (w[0], w[1]), (delayed, immediate)))
             .collect::<Result<Vec<_>, _>>()?;
-        let x = [
-            start.dyno_speed_rad_s,
-            start.engine_speed_rad_s,
-            start.twist_rad,
-            start.air_gap_torque_nm,
-            0.0,
-            0.0,
-        ];
+        let x = [start.dyno_speed_rad_s, start.engine_speed_rad_s, start.twist_rad, start.air_gap_torque_nm, 0.0, 0.0];
         Ok(Plant { substeps, mechanics: model.mechanics, has_lag: bandwidth.is_some(), x })
     }
 
@@ -126,8 +115,7 @@ impl Plant {
     }
 
     pub(super) fn shaft_torque_nm(&self) -> f64 {
-        self.mechanics.stiffness_nm_per_rad * self.x[2]
-            + self.mechanics.damping_nm_s_per_rad * (self.x[1] - self.x[0])
+        self.mechanics.stiffness_nm_per_rad * self.x[2] + self.mechanics.damping_nm_s_per_rad * (self.x[1] - self.x[0])
     }
 
     /// T_d at sample `k`: the lag's state, or what stands in for it.
