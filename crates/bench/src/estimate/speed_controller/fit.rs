@@ -23,6 +23,8 @@ const ESTIMATION_SHARE: f64 = 0.7;
 const BATCHES: usize = 30;
 /// Shortest usable stretch, s.
 const SHORTEST_S: f64 = 2.0;
+/// A once-a-turn error larger than this part of the speed is no encoder's.
+const LARGEST_ECCENTRICITY: f64 = 2e-3;
 /// Lags of the residual tests.
 const LAGS: usize = 25;
 /// Level of the residual tests' regions.
@@ -99,13 +101,12 @@ impl Data {
     }
 }
 
-/// Shaft angle at each sample of a speed, zero at the first.
+/// Shaft angle turned by the end of each sample's gate, zero before the first.
 fn phase_of(speed: &Signal) -> Vec<f64> {
     let mut angle = 0.0;
     let advance = |w: &f64| {
-        let here = angle;
         angle += w * speed.sample_time_s;
-        here
+        angle
     };
     speed.samples.iter().map(advance).collect()
 }
@@ -168,6 +169,18 @@ pub fn estimate_feed_forward(
         validation: validate(&unseen, &fit.parameters, controller.reference_lag)?,
         pi_alone: validate(&unseen, &pi_alone, controller.reference_lag)?,
     })
+}
+
+impl SpeedControllerFit {
+    /// Once-a-turn error of N_d in another recording in speed control, as far as the controller does not answer it:
+    /// coefficients of cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording
+    /// cannot tell.
+    pub fn once_a_turn_in(&self, experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(f64, f64)> {
+        let data = Data::of(experiment, torque_limit_nm).ok()?;
+        let fit = refit_stretch(&data, &self.theta, self.reference_lag).ok()?;
+        let found = (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]);
+        (found.0.hypot(found.1) < LARGEST_ECCENTRICITY).then_some(found)
+    }
 }
 
 fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
@@ -342,10 +355,7 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
 }
 
 fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest, EstimateError> {
-    let mut start = theta.to_vec();
-    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
-    // Only what belongs to the stretch itself is fitted again: its initial state and the angle's zero.
-    let fit = run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))?;
+    let fit = refit_stretch(data, theta, lag)?;
     let positions = data.model(lag).kept();
     let input = demand_at_speed(data, positions);
     let test = residual_correlations(&fit.residuals, &input, LAGS, TEST_LEVEL).map_err(|e| ident_error(data, e))?;
@@ -358,6 +368,13 @@ fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest,
         cross_correlation_bound: test.cross_bound,
         input: Role::DynoTorqueDemand.symbol().to_owned(),
     })
+}
+
+/// Fits what belongs to a stretch itself, its initial state and the angle's zero, and leaves the controller as it is.
+fn refit_stretch(data: &Data, theta: &[f64], lag: usize) -> Result<Fit, EstimateError> {
+    let mut start = theta.to_vec();
+    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
+    run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))
 }
 
 /// T_d* held at the instants of N_d.
