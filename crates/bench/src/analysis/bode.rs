@@ -8,8 +8,8 @@ use signal::Complex64;
 
 use crate::ControlMode;
 use crate::model::{BenchModel, ModelUncertainty};
-use crate::units::RPM_RAD_S;
 use crate::study::BodeCurve;
+use crate::units::RPM_RAD_S;
 
 const LOWEST_HZ: f64 = 0.1;
 const HIGHEST_HZ: f64 = 200.0;

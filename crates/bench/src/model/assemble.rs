@@ -4,8 +4,8 @@ use super::{
     BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
     PiController,
 };
-use crate::units::RPM_RAD_S;
 use crate::study::{BenchFacts, Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
+use crate::units::RPM_RAD_S;
 
 /// Parts of a study that make up a model. Only the shaft is indispensable.
 #[derive(Debug, Clone, Copy)]

@@ -16,7 +16,6 @@ pub use parameter::ModelParameter;
 pub use resonance::Resonance;
 pub use uncertainty::{Derived, ModelUncertainty, PartCovariance, UncertaintyError};
 
-
 /// Two masses and a shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Mechanics {

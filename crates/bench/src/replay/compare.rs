@@ -8,9 +8,9 @@ use super::ReplayInputs;
 use super::reconstruct::Acted;
 use super::zero_phase::{Wanted, ZeroPhase};
 use crate::estimate::EstimateError;
-use crate::units::RPM_RAD_S;
 use crate::simulate::Response;
 use crate::study::{Stretch, Trace, Validation};
+use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
 
 /// Compared signals keep off the ends of the simulation by this, s, so that skews can be undone.

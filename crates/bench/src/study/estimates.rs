@@ -2,8 +2,8 @@
 
 use crate::estimate::shaft::{self, NoisyTorque, ShaftInputs};
 use crate::estimate::speed_controller::{self, Encoder, SpeedControllerFit};
-use crate::estimate::torque_control::{self, InverterModel, TorqueControlFit};
 use crate::estimate::stretch::need;
+use crate::estimate::torque_control::{self, InverterModel, TorqueControlFit};
 use crate::estimate::{EstimateError, noise_floor, timing};
 use crate::study::whole::{self, Pieces};
 use crate::study::{
@@ -132,9 +132,8 @@ pub(super) fn needs_part(name: &str) -> Vec<Need> {
 /// Estimates every part the recordings allow.
 pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
     let limit = findings.bench.limits.torque_nm;
-    let controller = findings.first("speed controller", &findings.of_test("BS"), &["BS_T_NT"], |e| {
-        speed_controller::estimate(e, limit)
-    });
+    let controller = findings
+        .first("speed controller", &findings.of_test("BS"), &["BS_T_NT"], |e| speed_controller::estimate(e, limit));
     let feed_forward = feed_forward(findings, controller.as_ref().ok());
     let torque_control = torque_control(findings);
     let timing = timing(findings, torque_control.as_ref().ok());
@@ -220,12 +219,7 @@ fn shaft(
     Ok(shaft)
 }
 
-fn doubt_shaft(
-    findings: &mut Findings<'_>,
-    experiment: &Experiment,
-    shaft: &Shaft,
-    inertia: Option<(f64, f64)>,
-) {
+fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
     let excluded = &shaft.residual_spectrum.excluded_hz;
     let finding = Finding::ExcludedLines { frequencies_hz: excluded.clone() };
     findings.doubt(&experiment.file, Severity::Note, finding);
@@ -281,9 +275,7 @@ impl ShaftRecords {
         let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
         let (torque, inertia_kg_m2) = match bench.variant {
             BenchVariant::TorqueFlange => (vec![sampled_torque(need(experiment, Role::FlangeTorque)?)], None),
-            BenchVariant::LoadCell => {
-                (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty)))
-            }
+            BenchVariant::LoadCell => (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty))),
         };
         Ok(ShaftRecords {
             torque,
@@ -323,7 +315,9 @@ fn air_gap_torque(
     torque_control: Option<&TorqueControlFit>,
 ) -> Result<Vec<NoisyTorque>, EstimateError> {
     let measured = need(experiment, Role::AirGapTorque)?;
-    let Some((torque, inverter)) = modelled_torque(experiment, torque_control) else { return Ok(vec![sampled_torque(measured)]) };
+    let Some((torque, inverter)) = modelled_torque(experiment, torque_control) else {
+        return Ok(vec![sampled_torque(measured)]);
+    };
     let noise = inverter.residual.standard_deviation_nm;
     let mut records = vec![NoisyTorque { signal: torque, noise_nm: noise / MODEL_ADVANTAGE }];
     if !inverter.residual.white {

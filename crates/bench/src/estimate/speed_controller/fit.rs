@@ -10,9 +10,9 @@ use signal::spline::UniformSpline;
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT, InverseController};
 use crate::align::split_window;
-use crate::estimate::{EstimateError, timing_floor_s};
 use crate::estimate::parameter::{Label, transformed};
 use crate::estimate::stretch::{longest_unsaturated, need};
+use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
@@ -212,8 +212,7 @@ fn fit_with_lag(data: &Data, free: impl Fn(usize) -> bool) -> Result<(Fit, usize
 fn fit_without_delay(data: &Data, lag: usize) -> Result<Fit, EstimateError> {
     let mut start = starting_point(data)?;
     (start[inverse::LEAD], start[inverse::GATE_SQUARED]) = (0.0, 0.0);
-    let free =
-        |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
+    let free = |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
     run(data, lag, &start, free)
 }
 
@@ -333,7 +332,9 @@ fn trace(clock: &Signal, values: Vec<f64>) -> Trace {
 
 /// Simulates T_d* from the measured speed, the integrator's initial state fitted.
 fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateError> {
-    let turn = |(w, angle): (&f64, &f64)| w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin());
+    let turn = |(w, angle): (&f64, &f64)| {
+        w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin())
+    };
     let seen = data.speed.samples.iter().zip(&data.phase_rad).map(turn).collect();
     let spline = UniformSpline::new(seen).map_err(|e| signal_error(data, e))?;
     let (k_p, step) = (1.0 / theta[inverse::P], theta[inverse::Q] / theta[inverse::P]);
@@ -344,8 +345,8 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
         let instant = data.demand.time_s(k) - theta[inverse::LEAD] * data.demand.sample_time_s;
         let at = ((instant - data.speed.start_s) / data.speed.sample_time_s).clamp(0.0, data.speed.len() as f64 - 1.0);
         let error = spline.value(at) - reference[k.saturating_sub(lag)];
-        let feed = theta[inverse::K] * reference[k]
-            + theta[inverse::K_A] * (reference[k] - reference[k.saturating_sub(1)]);
+        let feed =
+            theta[inverse::K] * reference[k] + theta[inverse::K_A] * (reference[k] - reference[k.saturating_sub(1)]);
         output.push(k_p * error + integral + feed);
         integral += step * error;
     }
