@@ -5,7 +5,7 @@ use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
 use signal::Signal;
 
-use super::equation::{self, COUNT, ShaftEquation};
+use super::equation::{self, COUNT, Dating, ShaftEquation};
 use super::response::{measured_response, validate};
 use super::spectra::Spectra;
 use crate::align::split_window;
@@ -29,8 +29,10 @@ const SHORTEST_S: f64 = 4.0;
 const OUTLIER: f64 = 20.0;
 /// Bins about an outlier that its line reaches.
 const OUTLIER_REACH: usize = 4;
+/// Times that outliers are looked for.
+const OUTLIER_ROUNDS: usize = 3;
 /// Largest skew looked for, s.
-const LARGEST_SKEW_S: f64 = 0.02;
+pub(super) const LARGEST_SKEW_S: f64 = 0.02;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
 
@@ -147,13 +149,27 @@ struct Solution {
 
 impl Solution {
     fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
+        let first = Self::dated(inputs, stretch, unknowns, Dating::default())?;
+        match unknowns {
+            Unknowns::ShaftWithoutTiming => Ok(first),
+            _ => Self::dated(inputs, stretch, unknowns, Dating::of(&first.fit.fit.parameters)),
+        }
+    }
+
+    /// A fit on signals dated earlier by `dating`.
+    fn dated(
+        inputs: &ShaftInputs<'_>,
+        stretch: &Stretch,
+        unknowns: Unknowns,
+        dating: Dating,
+    ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
-        let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s)?;
+        let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s, dating)?;
         let mut excluded_hz = vec![spectra.turn_centre_hz];
         let mut fit = solve(inputs, &spectra, unknowns).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if unknowns != Unknowns::ShaftWithoutTiming {
-            for _ in 0..3 {
+            for _ in 0..OUTLIER_ROUNDS {
                 let lines = drop_outliers(&mut spectra, &fit);
                 if lines.is_empty() {
                     break;
@@ -227,7 +243,8 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
         }
         Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
     }
-    ErrorsInVariables::new(&ShaftEquation, &spectra.signals, spectra.window, &spectra.bins, &priors)
+    let equation = ShaftEquation { dating: spectra.dating };
+    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors)
         .fit(&start, &bounds)
 }
 
