@@ -30,21 +30,16 @@ impl Content {
     #[must_use]
     pub fn same_data(&self, other: &Self) -> bool {
         let equal = |a: &[f64], b: &[f64]| {
-            a.len() == b.len()
-                && a.iter()
-                    .zip(b)
-                    .all(|(x, y)| x == y || (x.is_nan() && y.is_nan()))
+            a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x == y || (x.is_nan() && y.is_nan()))
         };
         self.clocks.len() == other.clocks.len()
             && self.channels.len() == other.channels.len()
+            && self.clocks.iter().zip(&other.clocks).all(|(a, b)| equal(a, b))
             && self
-                .clocks
+                .channels
                 .iter()
-                .zip(&other.clocks)
-                .all(|(a, b)| equal(a, b))
-            && self.channels.iter().zip(&other.channels).all(|(a, b)| {
-                a.name == b.name && a.clock == b.clock && equal(&a.samples, &b.samples)
-            })
+                .zip(&other.channels)
+                .all(|(a, b)| a.name == b.name && a.clock == b.clock && equal(&a.samples, &b.samples))
     }
 
     /// Numbers held in memory.
@@ -103,10 +98,7 @@ pub fn conform<Read: Fn(&[u8]) -> Result<Content, String>>(case: &Case<'_, Read>
 pub fn reads_the_samples<Read: Fn(&[u8]) -> Result<Content, String>>(case: &Case<'_, Read>) {
     let content = (case.read)(case.small);
     let good = |c: &Content| c.is_consistent() && c.numbers() > 0 && !c.reports_loss;
-    assert!(
-        content.as_ref().is_ok_and(good),
-        "undamaged file: {content:?}"
-    );
+    assert!(content.as_ref().is_ok_and(good), "undamaged file: {content:?}");
 }
 
 /// No bytes are an error, with a text.
@@ -116,10 +108,7 @@ pub fn reads_the_samples<Read: Fn(&[u8]) -> Result<Content, String>>(case: &Case
 /// Where they are not.
 pub fn refuses_empty_input<Read: Fn(&[u8]) -> Result<Content, String>>(case: &Case<'_, Read>) {
     let content = (case.read)(&[]);
-    assert!(
-        content.as_ref().is_err_and(|e| !e.is_empty()),
-        "empty input: {content:?}"
-    );
+    assert!(content.as_ref().is_err_and(|e| !e.is_empty()), "empty input: {content:?}");
 }
 
 /// Bytes of no known format are an error.
@@ -128,12 +117,7 @@ pub fn refuses_empty_input<Read: Fn(&[u8]) -> Result<Content, String>>(case: &Ca
 ///
 /// Where they are not.
 pub fn refuses_a_wrong_magic<Read: Fn(&[u8]) -> Result<Content, String>>(case: &Case<'_, Read>) {
-    for magic in [
-        &b"\x00\x01\x02\x03"[..],
-        b"\x89HDF\r\n\x1a\n",
-        b"PAR1\x15\x04",
-        b"\x7fELF",
-    ] {
+    for magic in [&b"\x00\x01\x02\x03"[..], b"\x89HDF\r\n\x1a\n", b"PAR1\x15\x04", b"\x7fELF"] {
         let mut bytes = magic.to_vec();
         bytes.extend_from_slice(case.small);
         let content = (case.read)(&bytes);
@@ -157,11 +141,7 @@ pub fn reports_every_truncation<Read: Fn(&[u8]) -> Result<Content, String>>(case
         assert!(content.is_consistent(), "cut at {length}: {content:?}");
         let silent = !content.reports_loss && !content.same_data(&whole);
         let excused = case.unrecognisable_cuts.contains(&length);
-        assert!(
-            !silent || excused,
-            "cut at {length} of {}: samples missing silently",
-            case.small.len()
-        );
+        assert!(!silent || excused, "cut at {length} of {}: samples missing silently", case.small.len());
     }
 }
 
@@ -170,36 +150,18 @@ pub fn reports_every_truncation<Read: Fn(&[u8]) -> Result<Content, String>>(case
 /// # Panics
 ///
 /// Where one does.
-pub fn survives_every_corrupted_byte<Read: Fn(&[u8]) -> Result<Content, String>>(
-    case: &Case<'_, Read>,
-) {
+pub fn survives_every_corrupted_byte<Read: Fn(&[u8]) -> Result<Content, String>>(case: &Case<'_, Read>) {
     let most = case.small.len() * case.numbers_per_byte;
     let mut bytes = case.small.to_vec();
     for at in 0..bytes.len() {
         let original = bytes[at];
-        for value in [
-            0x00,
-            0x01,
-            0x7F,
-            0x80,
-            0xFF,
-            original ^ 0x01,
-            original ^ 0x20,
-            original.wrapping_add(8),
-        ] {
+        for value in [0x00, 0x01, 0x7F, 0x80, 0xFF, original ^ 0x01, original ^ 0x20, original.wrapping_add(8)] {
             bytes[at] = value;
             let Ok(content) = (case.read)(&bytes) else {
                 continue;
             };
-            assert!(
-                content.is_consistent(),
-                "byte {at} set to {value:#x}: {content:?}"
-            );
-            assert!(
-                content.numbers() <= most,
-                "byte {at} set to {value:#x}: {} numbers",
-                content.numbers()
-            );
+            assert!(content.is_consistent(), "byte {at} set to {value:#x}: {content:?}");
+            assert!(content.numbers() <= most, "byte {at} set to {value:#x}: {} numbers", content.numbers());
         }
         bytes[at] = original;
     }
@@ -216,10 +178,7 @@ pub fn keeps_duplicate_names<Read: Fn(&[u8]) -> Result<Content, String>>(case: &
         [a, b] => a.name == b.name && a.samples != b.samples,
         _ => false,
     };
-    assert!(
-        content.as_ref().is_ok_and(kept),
-        "two channels of one name: {content:?}"
-    );
+    assert!(content.as_ref().is_ok_and(kept), "two channels of one name: {content:?}");
 }
 
 /// Channels keep clocks of their own.

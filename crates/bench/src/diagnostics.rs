@@ -199,6 +199,11 @@ pub enum Finding {
         /// Which submodel.
         submodel: String,
     },
+    /// A recording could not be replayed on the model.
+    NotReplayed {
+        /// The replay's own words.
+        reason: String,
+    },
     /// Two routes to one number disagree by more than their uncertainty allows.
     RoutesDisagree {
         /// What was estimated twice.

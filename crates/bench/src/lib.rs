@@ -9,14 +9,18 @@
 //! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
 
 pub mod align;
+pub mod analysis;
 pub mod bench_file;
 pub mod channels;
 pub mod diagnostics;
 pub mod estimate;
 pub mod experiment;
+pub mod model;
 mod names;
 pub mod prepare;
+pub mod replay;
 pub mod role;
+pub mod simulate;
 pub mod study;
 pub mod units;
 pub mod virtual_bench;

@@ -88,8 +88,8 @@ impl Modulated {
                 dt * (part.samples[i] - mean) * window_derivative(order, angle, TAU / window.duration_s)
             };
             let weighted: Vec<f64> = (0..count).map(weigh).collect();
-            let mut spectrum = signal::spectrum::fft_real(&weighted)
-                .map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
+            let mut spectrum =
+                signal::spectrum::fft_real(&weighted).map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
             spectrum.truncate(last_bin + 1);
             for (k, value) in spectrum.iter_mut().enumerate() {
                 *value *= Complex64::cis(-TAU * k as f64 * offset / window.duration_s);
@@ -209,7 +209,8 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
     pub fn fit(mut self, start: &[f64], bounds: &[Bounds]) -> Result<FrequencyFit, IdentError> {
         let fit = minimise(&mut self, start, bounds, NonlinearOptions::default())?;
         let bins = self.bins;
-        let normalised: Vec<f64> = (0..bins.len()).map(|k| fit.residuals[2 * k].hypot(fit.residuals[2 * k + 1])).collect();
+        let normalised: Vec<f64> =
+            (0..bins.len()).map(|k| fit.residuals[2 * k].hypot(fit.residuals[2 * k + 1])).collect();
         let degrees_of_freedom = (2.0 * bins.len() as f64 / OVERLAP - E::PARAMETERS as f64).max(1.0);
         let power = normalised.iter().map(|q| q * q).sum::<f64>();
         let scale = power / bins.len() as f64;

@@ -47,15 +47,9 @@ impl Lag {
             return Err(LtiError::Delay { delay_s });
         }
         if (samples - samples.round()).abs() < 1e-9 {
-            return Ok(Self {
-                whole: samples.round() as usize,
-                fraction: 0.0,
-            });
+            return Ok(Self { whole: samples.round() as usize, fraction: 0.0 });
         }
-        Ok(Self {
-            whole: samples.floor() as usize,
-            fraction: samples.fract(),
-        })
+        Ok(Self { whole: samples.floor() as usize, fraction: samples.fract() })
     }
 
     /// Samples back to the value seen at a sample instant.
@@ -83,39 +77,20 @@ impl StateSpace {
     /// assert!((y[(10, 0)] - 0.75).abs() < 1e-14 && (y[(3, 0)] - 0.05).abs() < 1e-14);
     /// # Ok::<(), lti::LtiError>(())
     /// ```
-    pub fn to_discrete_delayed(
-        &self,
-        delays_s: &[f64],
-        sample_time_s: f64,
-    ) -> Result<DelayedStateSpace, LtiError> {
+    pub fn to_discrete_delayed(&self, delays_s: &[f64], sample_time_s: f64) -> Result<DelayedStateSpace, LtiError> {
         check_sample_time(sample_time_s)?;
         check_shape("delays", (self.inputs(), 1), (delays_s.len(), 1))?;
-        let lags = delays_s
-            .iter()
-            .map(|d| Lag::new(*d, sample_time_s))
-            .collect::<Result<Vec<Lag>, LtiError>>()?;
+        let lags = delays_s.iter().map(|d| Lag::new(*d, sample_time_s)).collect::<Result<Vec<Lag>, LtiError>>()?;
         let (a, mut now) = self.transition(sample_time_s)?;
         let mut before = Mat::zeros(self.states(), self.inputs());
-        for (j, lag) in lags
-            .iter()
-            .enumerate()
-            .filter(|(_, lag)| lag.fraction > 0.0)
-        {
+        for (j, lag) in lags.iter().enumerate().filter(|(_, lag)| lag.fraction > 0.0) {
             let (rest, late) = self.transition((1.0 - lag.fraction) * sample_time_s)?;
             let (_, early) = self.transition(lag.fraction * sample_time_s)?;
             now.col_mut(j).copy_from(late.col(j));
             before.col_mut(j).copy_from(&rest * early.col(j));
         }
         let (c, d) = (self.c().to_owned(), self.d().to_owned());
-        Ok(DelayedStateSpace {
-            a,
-            now,
-            before,
-            c,
-            d,
-            lags,
-            sample_time_s,
-        })
+        Ok(DelayedStateSpace { a, now, before, c, d, lags, sample_time_s })
     }
 }
 
@@ -131,30 +106,16 @@ impl DelayedStateSpace {
     ///
     /// # Errors
     /// [`LtiError::Shape`], [`LtiError::NonFinite`] for `x0`.
-    pub fn simulate(
-        &self,
-        u: MatRef<'_, f64>,
-        x0: &[f64],
-        u_before: &[f64],
-    ) -> Result<Mat<f64>, LtiError> {
+    pub fn simulate(&self, u: MatRef<'_, f64>, x0: &[f64], u_before: &[f64]) -> Result<Mat<f64>, LtiError> {
         let inputs = self.lags.len();
         check_shape("input", (u.nrows(), inputs), u.shape())?;
         check_shape("input before the record", (inputs, 1), (u_before.len(), 1))?;
         check_state(x0, self.a.nrows())?;
         let rows = |m: &Mat<f64>| RowMajor::new(m.as_ref());
-        let (a, now, before, c, d) = (
-            rows(&self.a),
-            rows(&self.now),
-            rows(&self.before),
-            rows(&self.c),
-            rows(&self.d),
-        );
-        let past = |k: usize, back: usize, j: usize| {
-            k.checked_sub(back).map_or(u_before[j], |i| u[(i, j)])
-        };
+        let (a, now, before, c, d) = (rows(&self.a), rows(&self.now), rows(&self.before), rows(&self.c), rows(&self.d));
+        let past = |k: usize, back: usize, j: usize| k.checked_sub(back).map_or(u_before[j], |i| u[(i, j)]);
         let (mut state, mut next) = (x0.to_vec(), vec![0.0; x0.len()]);
-        let (mut seen, mut newer, mut older) =
-            (vec![0.0; inputs], vec![0.0; inputs], vec![0.0; inputs]);
+        let (mut seen, mut newer, mut older) = (vec![0.0; inputs], vec![0.0; inputs], vec![0.0; inputs]);
         let mut k = 0;
         Ok(run(u, self.d.nrows(), |_, output| {
             for (j, lag) in self.lags.iter().enumerate() {
@@ -189,15 +150,8 @@ impl DelayedStateSpace {
         let mut first = n;
         for (j, lag) in self.lags.iter().enumerate() {
             // Adds a column of gains on the input `back` samples ago.
-            let place = |gain: faer::ColRef<'_, f64>,
-                         back: usize,
-                         state: &mut Mat<f64>,
-                         input: &mut Mat<f64>| {
-                let column = if back == 0 {
-                    input.col_mut(j)
-                } else {
-                    state.col_mut(first + back - 1)
-                };
+            let place = |gain: faer::ColRef<'_, f64>, back: usize, state: &mut Mat<f64>, input: &mut Mat<f64>| {
+                let column = if back == 0 { input.col_mut(j) } else { state.col_mut(first + back - 1) };
                 let mut top = column.subrows_mut(0, gain.nrows());
                 top += gain;
             };

@@ -102,44 +102,17 @@ pub enum LtiError {
 }
 
 pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), LtiError> {
-    if sample_time_s.is_finite() && sample_time_s > 0.0 {
-        Ok(())
-    } else {
-        Err(LtiError::SampleTime { sample_time_s })
-    }
+    if sample_time_s.is_finite() && sample_time_s > 0.0 { Ok(()) } else { Err(LtiError::SampleTime { sample_time_s }) }
 }
 
 pub(crate) fn check_delay(delay_s: f64) -> Result<(), LtiError> {
-    if delay_s.is_finite() && delay_s >= 0.0 {
-        Ok(())
-    } else {
-        Err(LtiError::Delay { delay_s })
-    }
+    if delay_s.is_finite() && delay_s >= 0.0 { Ok(()) } else { Err(LtiError::Delay { delay_s }) }
 }
 
-pub(crate) fn check_shape(
-    what: &'static str,
-    expected: (usize, usize),
-    got: (usize, usize),
-) -> Result<(), LtiError> {
-    if expected == got {
-        Ok(())
-    } else {
-        Err(LtiError::Shape {
-            what,
-            expected,
-            got,
-        })
-    }
+pub(crate) fn check_shape(what: &'static str, expected: (usize, usize), got: (usize, usize)) -> Result<(), LtiError> {
+    if expected == got { Ok(()) } else { Err(LtiError::Shape { what, expected, got }) }
 }
 
-pub(crate) fn check_finite(
-    what: &'static str,
-    mut values: impl Iterator<Item = f64>,
-) -> Result<(), LtiError> {
-    if values.all(f64::is_finite) {
-        Ok(())
-    } else {
-        Err(LtiError::NonFinite { what })
-    }
+pub(crate) fn check_finite(what: &'static str, mut values: impl Iterator<Item = f64>) -> Result<(), LtiError> {
+    if values.all(f64::is_finite) { Ok(()) } else { Err(LtiError::NonFinite { what }) }
 }

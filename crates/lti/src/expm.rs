@@ -65,13 +65,9 @@ fn pade(a: Mat<f64>) -> Mat<f64> {
     let a2 = &a * &a;
     let a4 = &a2 * &a2;
     let a6 = &a4 * &a2;
-    let high =
-        |k: usize| &a6 * Scale(PADE[k + 5]) + &a4 * Scale(PADE[k + 3]) + &a2 * Scale(PADE[k + 1]);
+    let high = |k: usize| &a6 * Scale(PADE[k + 5]) + &a4 * Scale(PADE[k + 3]) + &a2 * Scale(PADE[k + 1]);
     let low = |k: usize| {
-        &a6 * Scale(PADE[k + 6])
-            + &a4 * Scale(PADE[k + 4])
-            + &a2 * Scale(PADE[k + 2])
-            + &one * Scale(PADE[k])
+        &a6 * Scale(PADE[k + 6]) + &a4 * Scale(PADE[k + 4]) + &a2 * Scale(PADE[k + 2]) + &one * Scale(PADE[k])
     };
     let odd = &a * (&a6 * high(8) + low(1));
     let even = &a6 * high(7) + low(0);

@@ -26,11 +26,7 @@ struct Parts {
 impl From<FrequencyResponse> for Parts {
     fn from(whole: FrequencyResponse) -> Self {
         let (real, imaginary) = whole.response.iter().map(|h| (h.re, h.im)).unzip();
-        Self {
-            omega_rad_s: whole.omega_rad_s,
-            real,
-            imaginary,
-        }
+        Self { omega_rad_s: whole.omega_rad_s, real, imaginary }
     }
 }
 
@@ -38,17 +34,8 @@ impl TryFrom<Parts> for FrequencyResponse {
     type Error = LtiError;
 
     fn try_from(parts: Parts) -> Result<Self, LtiError> {
-        check_shape(
-            "imaginary part",
-            (parts.real.len(), 1),
-            (parts.imaginary.len(), 1),
-        )?;
-        let response = parts
-            .real
-            .iter()
-            .zip(&parts.imaginary)
-            .map(|(&re, &im)| Complex64::new(re, im))
-            .collect();
+        check_shape("imaginary part", (parts.real.len(), 1), (parts.imaginary.len(), 1))?;
+        let response = parts.real.iter().zip(&parts.imaginary).map(|(&re, &im)| Complex64::new(re, im)).collect();
         Self::new(parts.omega_rad_s, response)
     }
 }
@@ -68,34 +55,21 @@ impl FrequencyResponse {
     /// # Errors
     /// [`LtiError::Shape`] where the lengths differ, [`LtiError::NonFinite`] for a frequency. Gains may be infinite.
     pub fn new(omega_rad_s: Vec<f64>, response: Vec<Complex64>) -> Result<Self, LtiError> {
-        check_shape(
-            "frequency response",
-            (omega_rad_s.len(), 1),
-            (response.len(), 1),
-        )?;
+        check_shape("frequency response", (omega_rad_s.len(), 1), (response.len(), 1))?;
         check_finite("frequency", omega_rad_s.iter().copied())?;
-        Ok(Self {
-            omega_rad_s,
-            response,
-        })
+        Ok(Self { omega_rad_s, response })
     }
 
     /// Frequencies in hertz.
     #[must_use]
     pub fn freq_hz(&self) -> Vec<f64> {
-        self.omega_rad_s
-            .iter()
-            .map(|w| w / std::f64::consts::TAU)
-            .collect()
+        self.omega_rad_s.iter().map(|w| w / std::f64::consts::TAU).collect()
     }
 
     /// `20 log10 |H|`, in decibels.
     #[must_use]
     pub fn magnitude_db(&self) -> Vec<f64> {
-        self.response
-            .iter()
-            .map(|h| 20.0 * h.norm().log10())
-            .collect()
+        self.response.iter().map(|h| 20.0 * h.norm().log10()).collect()
     }
 
     /// Phase in degrees, unwrapped: no step between neighbouring frequencies is larger than half a turn. The first lies
@@ -105,9 +79,7 @@ impl FrequencyResponse {
         let mut before: Option<f64> = None;
         let unwrap = |h: &Complex64| {
             let wrapped = h.arg().to_degrees();
-            let phase = before.map_or(wrapped, |b| {
-                wrapped - 360.0 * ((wrapped - b) / 360.0).round()
-            });
+            let phase = before.map_or(wrapped, |b| wrapped - 360.0 * ((wrapped - b) / 360.0).round());
             if phase.is_finite() {
                 before = Some(phase);
             }
@@ -135,25 +107,16 @@ impl FrequencyResponse {
     pub fn peak(&self, low_rad_s: f64, high_rad_s: f64) -> Option<Peak> {
         let magnitude = |i: usize| self.response[i].norm();
         let best = (0..self.response.len())
-            .filter(|&i| {
-                (low_rad_s..=high_rad_s).contains(&self.omega_rad_s[i]) && magnitude(i).is_finite()
-            })
+            .filter(|&i| (low_rad_s..=high_rad_s).contains(&self.omega_rad_s[i]) && magnitude(i).is_finite())
             .max_by(|&i, &j| magnitude(i).total_cmp(&magnitude(j)))?;
-        let on_grid = Peak {
-            omega_rad_s: self.omega_rad_s[best],
-            magnitude: magnitude(best),
-        };
+        let on_grid = Peak { omega_rad_s: self.omega_rad_s[best], magnitude: magnitude(best) };
         Some(self.refined(best).unwrap_or(on_grid))
     }
 
     /// The top of the parabola through three points, if the middle one is the highest.
     fn refined(&self, middle: usize) -> Option<Peak> {
         let point = |i: usize| Some((*self.omega_rad_s.get(i)?, self.response.get(i)?.norm().ln()));
-        let ((x0, y0), (x1, y1), (x2, y2)) = (
-            point(middle.checked_sub(1)?)?,
-            point(middle)?,
-            point(middle + 1)?,
-        );
+        let ((x0, y0), (x1, y1), (x2, y2)) = (point(middle.checked_sub(1)?)?, point(middle)?, point(middle + 1)?);
         let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
         let curvature = (right - left) / (x2 - x0);
         if !(left > 0.0 && right < 0.0 && curvature.is_finite()) {
@@ -161,9 +124,6 @@ impl FrequencyResponse {
         }
         let slope = left + curvature * (x1 - x0);
         let offset = -slope / (2.0 * curvature);
-        Some(Peak {
-            omega_rad_s: x1 + offset,
-            magnitude: (y1 + 0.5 * slope * offset).exp(),
-        })
+        Some(Peak { omega_rad_s: x1 + offset, magnitude: (y1 + 0.5 * slope * offset).exp() })
     }
 }

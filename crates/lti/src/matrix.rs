@@ -19,9 +19,7 @@ pub(crate) fn blocks<const R: usize, const C: usize>(parts: [[MatRef<'_, f64>; C
     for row in parts {
         let mut left = 0;
         for block in row {
-            whole
-                .submatrix_mut(top, left, block.nrows(), block.ncols())
-                .copy_from(block);
+            whole.submatrix_mut(top, left, block.nrows(), block.ncols()).copy_from(block);
             left += block.ncols();
         }
         top += row[0].nrows();
@@ -35,9 +33,7 @@ pub(crate) fn elements(m: MatRef<'_, f64>) -> impl Iterator<Item = f64> + '_ {
 
 /// Largest column sum of magnitudes.
 pub(crate) fn norm_1(m: MatRef<'_, f64>) -> f64 {
-    (0..m.ncols())
-        .map(|j| (0..m.nrows()).map(|i| m[(i, j)].abs()).sum())
-        .fold(0.0, f64::max)
+    (0..m.ncols()).map(|j| (0..m.nrows()).map(|i| m[(i, j)].abs()).sum()).fold(0.0, f64::max)
 }
 
 pub(crate) fn norm_2(m: MatRef<'_, f64>) -> f64 {
@@ -51,8 +47,7 @@ pub(crate) fn inverse(m: MatRef<'_, f64>) -> Option<Mat<f64>> {
     }
     let inverse = m.partial_piv_lu().inverse();
     let reciprocal_condition = 1.0 / (norm_1(m) * norm_1(inverse.as_ref()));
-    let usable =
-        reciprocal_condition >= f64::EPSILON && elements(inverse.as_ref()).all(f64::is_finite);
+    let usable = reciprocal_condition >= f64::EPSILON && elements(inverse.as_ref()).all(f64::is_finite);
     usable.then_some(inverse)
 }
 
@@ -63,9 +58,7 @@ pub(crate) fn eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<Complex64>, LtiError
     }
     let (balanced, _) = balance(m);
     if !elements(balanced.as_ref()).all(f64::is_finite) {
-        return Err(LtiError::NonFinite {
-            what: "matrix of an eigenvalue problem",
-        });
+        return Err(LtiError::NonFinite { what: "matrix of an eigenvalue problem" });
     }
     balanced.eigenvalues().map_err(|_| LtiError::NoConvergence)
 }
@@ -112,15 +105,8 @@ fn balancing_factor(column: f64, row: f64) -> f64 {
     if !usable(column) || !usable(row) {
         return 1.0;
     }
-    let factor = (0.5 * (row / column).log2())
-        .round()
-        .clamp(-500.0, 500.0)
-        .exp2();
-    if column * factor + row / factor < 0.95 * (column + row) {
-        factor
-    } else {
-        1.0
-    }
+    let factor = (0.5 * (row / column).log2()).round().clamp(-500.0, 500.0).exp2();
+    if column * factor + row / factor < 0.95 * (column + row) { factor } else { 1.0 }
 }
 
 /// A matrix laid out by rows, for products with short vectors in a time loop.
@@ -132,13 +118,8 @@ pub(crate) struct RowMajor {
 
 impl RowMajor {
     pub(crate) fn new(m: MatRef<'_, f64>) -> Self {
-        let values = (0..m.nrows())
-            .flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)]))
-            .collect();
-        Self {
-            columns: m.ncols(),
-            values,
-        }
+        let values = (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect();
+        Self { columns: m.ncols(), values }
     }
 
     /// `y += M x`

@@ -9,9 +9,7 @@ use crate::matrix::eigenvalues;
 /// The value at a complex point, by Horner's rule; zero for no coefficients.
 #[must_use]
 pub fn evaluate(coefficients: &[f64], at: Complex64) -> Complex64 {
-    coefficients
-        .iter()
-        .fold(Complex64::ZERO, |value, c| value * at + c)
+    coefficients.iter().fold(Complex64::ZERO, |value, c| value * at + c)
 }
 
 /// The product of two polynomials; empty where either is.

@@ -107,11 +107,7 @@ impl StateSpace {
 }
 
 /// Calls `step(input, output)` for every row.
-pub(crate) fn run(
-    u: MatRef<'_, f64>,
-    outputs: usize,
-    mut step: impl FnMut(&[f64], &mut [f64]),
-) -> Mat<f64> {
+pub(crate) fn run(u: MatRef<'_, f64>, outputs: usize, mut step: impl FnMut(&[f64], &mut [f64])) -> Mat<f64> {
     let mut y = Mat::zeros(u.nrows(), outputs);
     let (mut input, mut output) = (vec![0.0; u.ncols()], vec![0.0; outputs]);
     for k in 0..u.nrows() {

@@ -57,22 +57,12 @@ impl TransferFunction {
         check_finite("numerator", num.iter().copied())?;
         check_finite("denominator", den.iter().copied())?;
         sample_time_s.map_or(Ok(()), check_sample_time)?;
-        let (num, den) = (
-            without_leading_zeros(&num).to_vec(),
-            without_leading_zeros(&den).to_vec(),
-        );
+        let (num, den) = (without_leading_zeros(&num).to_vec(), without_leading_zeros(&den).to_vec());
         if den.is_empty() {
-            return Err(LtiError::ZeroPolynomial {
-                what: "denominator",
-            });
+            return Err(LtiError::ZeroPolynomial { what: "denominator" });
         }
         let num = if num.is_empty() { vec![0.0] } else { num };
-        Ok(Self {
-            num,
-            den,
-            delay_s: 0.0,
-            sample_time_s,
-        })
+        Ok(Self { num, den, delay_s: 0.0, sample_time_s })
     }
 
     /// A continuous transfer function; see [`TransferFunction::new`].
@@ -142,8 +132,7 @@ impl TransferFunction {
     pub fn frequency_response(&self, omega_rad_s: &[f64]) -> Result<FrequencyResponse, LtiError> {
         let gain = |w: &f64| {
             let point = frequency_point(*w, self.sample_time_s);
-            evaluate(&self.num, point) / evaluate(&self.den, point)
-                * Complex64::cis(-w * self.delay_s)
+            evaluate(&self.num, point) / evaluate(&self.den, point) * Complex64::cis(-w * self.delay_s)
         };
         FrequencyResponse::new(omega_rad_s.to_vec(), omega_rad_s.iter().map(gain).collect())
     }
@@ -177,12 +166,8 @@ impl TransferFunction {
     /// [`LtiError::SampleTimesDiffer`].
     pub fn series(&self, next: &Self) -> Result<Self, LtiError> {
         check_same_clock(self.sample_time_s, next.sample_time_s)?;
-        Self::new(
-            multiply(&self.num, &next.num),
-            multiply(&self.den, &next.den),
-            self.sample_time_s,
-        )?
-        .with_delay(self.delay_s + next.delay_s)
+        Self::new(multiply(&self.num, &next.num), multiply(&self.den, &next.den), self.sample_time_s)?
+            .with_delay(self.delay_s + next.delay_s)
     }
 
     /// The loop closed through `back` with a negative sign, `H / (1 + H·H_back)`; nothing is cancelled.
@@ -194,15 +179,10 @@ impl TransferFunction {
         check_same_clock(self.sample_time_s, back.sample_time_s)?;
         self.check_no_delay()?;
         back.check_no_delay()?;
-        let den = add(
-            &multiply(&self.den, &back.den),
-            &multiply(&self.num, &back.num),
-        );
-        Self::new(multiply(&self.num, &back.den), den, self.sample_time_s).map_err(|error| {
-            match error {
-                LtiError::ZeroPolynomial { .. } => LtiError::AlgebraicLoop,
-                other => other,
-            }
+        let den = add(&multiply(&self.den, &back.den), &multiply(&self.num, &back.num));
+        Self::new(multiply(&self.num, &back.den), den, self.sample_time_s).map_err(|error| match error {
+            LtiError::ZeroPolynomial { .. } => LtiError::AlgebraicLoop,
+            other => other,
         })
     }
 
@@ -219,16 +199,11 @@ impl TransferFunction {
         self.check_no_delay()?;
         let n = self.den.len() - 1;
         let Some(missing) = self.den.len().checked_sub(self.num.len()) else {
-            return Err(LtiError::Improper {
-                numerator: self.num.len() - 1,
-                denominator: n,
-            });
+            return Err(LtiError::Improper { numerator: self.num.len() - 1, denominator: n });
         };
         let monic = |c: &f64| c / self.den[0];
         let den: Vec<f64> = self.den.iter().map(monic).collect();
-        let num: Vec<f64> = std::iter::repeat_n(0.0, missing)
-            .chain(self.num.iter().map(monic))
-            .collect();
+        let num: Vec<f64> = std::iter::repeat_n(0.0, missing).chain(self.num.iter().map(monic)).collect();
         let companion = Mat::from_fn(n, n, |i, j| match i {
             0 => -den[j + 1],
             _ => f64::from(u8::from(i == j + 1)),
@@ -246,12 +221,6 @@ impl TransferFunction {
     }
 
     fn check_no_delay(&self) -> Result<(), LtiError> {
-        if self.delay_s == 0.0 {
-            Ok(())
-        } else {
-            Err(LtiError::DelayPresent {
-                delay_s: self.delay_s,
-            })
-        }
+        if self.delay_s == 0.0 { Ok(()) } else { Err(LtiError::DelayPresent { delay_s: self.delay_s }) }
     }
 }

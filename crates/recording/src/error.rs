@@ -61,9 +61,7 @@ pub enum RecordingError {
         detail: String,
     },
     /// The samples of one channel cannot be decoded.
-    #[error(
-        "{file}: channel \"{channel}\" cannot be decoded: {detail}; copy the file again, or leave the channel out"
-    )]
+    #[error("{file}: channel \"{channel}\" cannot be decoded: {detail}; copy the file again, or leave the channel out")]
     DamagedChannel {
         /// The file.
         file: String,
@@ -73,9 +71,7 @@ pub enum RecordingError {
         detail: String,
     },
     /// The file uses a feature of its format that cannot be read.
-    #[error(
-        "{file}: {feature} cannot be read; open the file in the recording software and save it as MDF 4.10"
-    )]
+    #[error("{file}: {feature} cannot be read; open the file in the recording software and save it as MDF 4.10")]
     Unsupported {
         /// The file.
         file: String,
@@ -200,9 +196,7 @@ pub enum CsvProblem {
     #[error("there are values but no time stamp")]
     NoTimeStamp,
     /// A raster goes on after empty lines.
-    #[error(
-        "values follow after empty cells; a shorter block of columns may only be empty to its end"
-    )]
+    #[error("values follow after empty cells; a shorter block of columns may only be empty to its end")]
     Gap,
     /// The quotes or the characters are damaged.
     #[error("the text cannot be split into columns: {detail}")]

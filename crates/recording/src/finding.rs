@@ -77,29 +77,25 @@ impl fmt::Display for Finding {
             Self::SkippedChannel { channel, reason } => {
                 write!(f, "channel \"{channel}\" was skipped: {reason}")
             }
-            Self::MissingSamples { raster, announced, found } => write!(
-                f,
-                "samples are missing: raster {raster} announces {announced}, the file holds {found}"
-            ),
-            Self::UnannouncedSamples { raster, announced, found } => write!(
-                f,
-                "raster {raster} announces {announced} samples, the file holds {found}; all were read"
-            ),
-            Self::NotFinalised => f.write_str(
-                "the file was not closed by the program that recorded it; the last samples may be missing",
-            ),
+            Self::MissingSamples { raster, announced, found } => {
+                write!(f, "samples are missing: raster {raster} announces {announced}, the file holds {found}")
+            }
+            Self::UnannouncedSamples { raster, announced, found } => {
+                write!(f, "raster {raster} announces {announced} samples, the file holds {found}; all were read")
+            }
+            Self::NotFinalised => {
+                f.write_str("the file was not closed by the program that recorded it; the last samples may be missing")
+            }
             Self::DuplicateName { name, count } => {
                 write!(f, "{count} channels are named \"{name}\"")
             }
             Self::AssumedLatin1 => f.write_str("the text is not UTF-8 and was read as Latin-1"),
-            Self::IncompleteLastLine { line } => write!(
-                f,
-                "line {line}, the last, is incomplete and was left out; the file seems to be cut off"
-            ),
-            Self::NoFinalLineEnd { line } => write!(
-                f,
-                "line {line}, the last, has no line end; if the file was cut off, its last number is wrong"
-            ),
+            Self::IncompleteLastLine { line } => {
+                write!(f, "line {line}, the last, is incomplete and was left out; the file seems to be cut off")
+            }
+            Self::NoFinalLineEnd { line } => {
+                write!(f, "line {line}, the last, has no line end; if the file was cut off, its last number is wrong")
+            }
         }
     }
 }
@@ -129,9 +125,7 @@ impl fmt::Display for SkipReason {
         match self {
             Self::NotNumeric { kind } => write!(f, "it holds {kind}, not numbers"),
             Self::NoTime => f.write_str("its group has no time channel"),
-            Self::NotOverTime => {
-                f.write_str("its group is recorded over something other than time")
-            }
+            Self::NotOverTime => f.write_str("its group is recorded over something other than time"),
             Self::Unsupported { detail } => {
                 write!(f, "it is stored in a way not supported: {detail}")
             }
@@ -146,10 +140,5 @@ pub(crate) fn duplicate_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<F
         *counts.entry(name).or_insert(0_usize) += 1;
     }
     let doubles = counts.into_iter().filter(|&(_, count)| count > 1);
-    doubles
-        .map(|(name, count)| Finding::DuplicateName {
-            name: name.to_owned(),
-            count,
-        })
-        .collect()
+    doubles.map(|(name, count)| Finding::DuplicateName { name: name.to_owned(), count }).collect()
 }

@@ -25,9 +25,7 @@ pub use csv::encode_csv;
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
 pub use mdf4::encode_mdf4;
-pub use model::{
-    Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime,
-};
+pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime};
 
 /// Decodes the bytes of a measurement file.
 ///
@@ -53,11 +51,7 @@ pub use model::{
 /// assert_eq!(recording.rasters[0].time_s, [0.0, 0.1]);
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
-pub fn decode(
-    name: &str,
-    bytes: &[u8],
-    selection: &Selection,
-) -> Result<Recording, RecordingError> {
+pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
     let mut recording = match Kind::detect(name, bytes)? {
         Kind::Mdf4 => mdf4::decode(name, bytes, selection)?,
         Kind::Mdf3 => mdf3::decode(name, bytes, selection)?,
@@ -111,8 +105,7 @@ impl Kind {
             return Err(RecordingError::Empty { file: name.into() });
         }
         if bytes.starts_with(b"MDF     ") || bytes.starts_with(b"UnFinMF ") {
-            return mdf::version(name, bytes)
-                .map(|v| if v >= 400 { Self::Mdf4 } else { Self::Mdf3 });
+            return mdf::version(name, bytes).map(|v| if v >= 400 { Self::Mdf4 } else { Self::Mdf3 });
         }
         if csv::is_text(bytes) {
             return Ok(Self::Csv);

@@ -40,10 +40,7 @@ impl Recording {
     /// The list of channels without their samples.
     #[must_use]
     pub fn catalogue(&self) -> Catalogue {
-        let raster = |r: &Raster| RasterInfo {
-            name: r.name.clone(),
-            samples: r.time_s.len(),
-        };
+        let raster = |r: &Raster| RasterInfo { name: r.name.clone(), samples: r.time_s.len() };
         let channel = |c: &Channel| ChannelInfo {
             name: c.name.clone(),
             unit: c.unit.clone(),

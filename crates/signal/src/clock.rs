@@ -39,9 +39,7 @@ impl ClockCheck {
     /// fraction of it.
     #[must_use]
     pub fn is_uniform(&self, tolerance: f64) -> bool {
-        self.gaps.is_empty()
-            && self.non_monotonic.is_empty()
-            && self.worst_jitter_s <= tolerance * self.sample_time_s
+        self.gaps.is_empty() && self.non_monotonic.is_empty() && self.worst_jitter_s <= tolerance * self.sample_time_s
     }
 }
 
@@ -68,11 +66,7 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     let intervals: Vec<f64> = times_s.windows(2).map(|w| w[1] - w[0]).collect();
     let typical = median_positive(&intervals).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
     let is_gap = |d: f64| d > 1.5 * typical;
-    let regular: Vec<f64> = intervals
-        .iter()
-        .copied()
-        .filter(|&d| d > 0.0 && !is_gap(d))
-        .collect();
+    let regular: Vec<f64> = intervals.iter().copied().filter(|&d| d > 0.0 && !is_gap(d)).collect();
     let count = regular.len() as f64;
     let sample_time_s = regular.iter().sum::<f64>() / count;
     let departure = |d: &f64| (d - sample_time_s).abs();
@@ -90,9 +84,7 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
         sample_time_s,
         jitter_s: (regular.iter().map(|d| departure(d).powi(2)).sum::<f64>() / count).sqrt(),
         worst_jitter_s: regular.iter().map(departure).fold(0.0, f64::max),
-        non_monotonic: (1..times_s.len())
-            .filter(|&i| intervals[i - 1] <= 0.0)
-            .collect(),
+        non_monotonic: (1..times_s.len()).filter(|&i| intervals[i - 1] <= 0.0).collect(),
         missing_samples: gaps.iter().map(|g| g.missing).sum(),
         gaps,
     })

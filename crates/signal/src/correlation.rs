@@ -3,9 +3,7 @@
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{
-    SignalError, check_at_least, check_finite, check_same_length, check_sample_time,
-};
+use crate::error::{SignalError, check_at_least, check_finite, check_same_length, check_sample_time};
 use crate::series::mean;
 use crate::sinc;
 
@@ -28,11 +26,7 @@ impl Correlation {
     #[must_use]
     pub fn at(&self, lag: i64) -> f64 {
         let index = lag + self.max_lag as i64;
-        usize::try_from(index)
-            .ok()
-            .and_then(|i| self.values.get(i))
-            .copied()
-            .unwrap_or(0.0)
+        usize::try_from(index).ok().and_then(|i| self.values.get(i)).copied().unwrap_or(0.0)
     }
 }
 
@@ -66,9 +60,7 @@ pub fn cross_correlation(x: &[f64], y: &[f64], max_lag: usize) -> Result<Correla
         let mut padded = vec![0.0; n];
         padded[..v.len()].copy_from_slice(v);
         let mut spectrum = forward.make_output_vec();
-        forward
-            .process(&mut padded, &mut spectrum)
-            .map(|()| spectrum)
+        forward.process(&mut padded, &mut spectrum).map(|()| spectrum)
     };
     let sx = transform(x).map_err(failed)?;
     let mut product = transform(y).map_err(failed)?;
@@ -79,15 +71,10 @@ pub fn cross_correlation(x: &[f64], y: &[f64], max_lag: usize) -> Result<Correla
     product[0].im = 0.0;
     product[n / 2].im = 0.0;
     let mut circular = inverse.make_output_vec();
-    inverse
-        .process(&mut product, &mut circular)
-        .map_err(failed)?;
+    inverse.process(&mut product, &mut circular).map_err(failed)?;
     let scale = 1.0 / (n as f64 * x.len() as f64);
     let negative = circular[n - max_lag..].iter();
-    let values = negative
-        .chain(&circular[..=max_lag])
-        .map(|v| v * scale)
-        .collect();
+    let values = negative.chain(&circular[..=max_lag]).map(|v| v * scale).collect();
     Ok(Correlation { max_lag, values })
 }
 
@@ -144,18 +131,12 @@ pub fn delay_by_correlation(
     let (x, y) = (centred(earlier), centred(later));
     let r = cross_correlation(&x, &y, range as usize + sinc::HALF_WIDTH + 1)?;
     let power = (mean_square(&x) * mean_square(&y)).sqrt();
-    let coarse = (-range..=range)
-        .max_by(|a, b| r.at(*a).abs().total_cmp(&r.at(*b).abs()))
-        .unwrap_or(0);
+    let coarse = (-range..=range).max_by(|a, b| r.at(*a).abs().total_cmp(&r.at(*b).abs())).unwrap_or(0);
     let at_edge = range > 0 && coarse.abs() == range;
     let sign = r.at(coarse).signum();
     let value = |lag: f64| sign * sinc::interpolate(|k| r.at(k), lag);
     let lag = golden_maximum(value, coarse as f64 - 1.0, coarse as f64 + 1.0);
-    Ok(CorrelationDelay {
-        delay_s: lag * sample_time_s,
-        coefficient: sign * value(lag) / power,
-        at_edge,
-    })
+    Ok(CorrelationDelay { delay_s: lag * sample_time_s, coefficient: sign * value(lag) / power, at_edge })
 }
 
 fn is_constant(x: &[f64]) -> bool {

@@ -55,26 +55,15 @@ pub fn central_difference(x: &[f64], sample_time_s: f64) -> Result<Vec<f64>, Sig
 ///
 /// # Source
 /// Fornberg, B. (1988), Math. Comput. 51, 699–706 (central differences of any order).
-pub fn smoothed_derivative(
-    x: &Signal,
-    cutoff_hz: f64,
-    order: usize,
-) -> Result<Signal, SignalError> {
+pub fn smoothed_derivative(x: &Signal, cutoff_hz: f64, order: usize) -> Result<Signal, SignalError> {
     let filter = Sos::butterworth_lowpass(order, cutoff_hz, x.sample_time_s)?;
     // The line from end to end passes both filters unchanged; without it the filter starts with less of a transient.
     let rise = chord(&x.samples);
-    let level: Vec<f64> = x
-        .samples
-        .iter()
-        .enumerate()
-        .map(|(i, v)| v - rise * i as f64)
-        .collect();
+    let level: Vec<f64> = x.samples.iter().enumerate().map(|(i, v)| v - rise * i as f64).collect();
     let smooth = filter.filtfilt(&level)?;
     let taps = differentiator(x.sample_time_s);
     let slope = |t: i64| -> f64 {
-        let pair = |(k, tap): (i64, &f64)| {
-            tap * (odd_extended(&smooth, t + k) - odd_extended(&smooth, t - k))
-        };
+        let pair = |(k, tap): (i64, &f64)| tap * (odd_extended(&smooth, t + k) - odd_extended(&smooth, t - k));
         rise / x.sample_time_s + (1..).zip(&taps).map(pair).sum::<f64>()
     };
     Ok(x.with_samples((0..smooth.len() as i64).map(slope).collect()))
@@ -111,11 +100,7 @@ fn differentiator(sample_time_s: f64) -> Vec<f64> {
 /// assert_eq!(y, vec![1.0, 1.25, 2.0]);
 /// # Ok::<(), signal::SignalError>(())
 /// ```
-pub fn integral_trapezoid(
-    x: &[f64],
-    sample_time_s: f64,
-    initial: f64,
-) -> Result<Vec<f64>, SignalError> {
+pub fn integral_trapezoid(x: &[f64], sample_time_s: f64, initial: f64) -> Result<Vec<f64>, SignalError> {
     check_sample_time(sample_time_s)?;
     let mut sum = initial;
     let mut y: Vec<f64> = x.first().map(|_| initial).into_iter().collect();

@@ -97,36 +97,14 @@ pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), SignalError> {
 }
 
 pub(crate) fn check_same_length(expected: usize, got: usize) -> Result<(), SignalError> {
-    if expected == got {
-        Ok(())
-    } else {
-        Err(SignalError::LengthMismatch { expected, got })
-    }
+    if expected == got { Ok(()) } else { Err(SignalError::LengthMismatch { expected, got }) }
 }
 
 pub(crate) fn check_at_least(needed: usize, got: usize) -> Result<(), SignalError> {
-    if got >= needed {
-        Ok(())
-    } else {
-        Err(SignalError::TooShort { needed, got })
-    }
+    if got >= needed { Ok(()) } else { Err(SignalError::TooShort { needed, got }) }
 }
 
 /// Checks `low <= value <= high`; NaN fails.
-pub(crate) fn check_range(
-    name: &'static str,
-    value: f64,
-    low: f64,
-    high: f64,
-) -> Result<(), SignalError> {
-    if value >= low && value <= high {
-        Ok(())
-    } else {
-        Err(SignalError::Parameter {
-            name,
-            value,
-            low,
-            high,
-        })
-    }
+pub(crate) fn check_range(name: &'static str, value: f64, low: f64, high: f64) -> Result<(), SignalError> {
+    if value >= low && value <= high { Ok(()) } else { Err(SignalError::Parameter { name, value, low, high }) }
 }

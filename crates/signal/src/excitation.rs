@@ -36,9 +36,7 @@ impl Random {
             let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
             z ^ (z >> 31)
         };
-        Self {
-            state: [splitmix(), splitmix(), splitmix(), splitmix()],
-        }
+        Self { state: [splitmix(), splitmix(), splitmix(), splitmix()] }
     }
 
     fn next(&mut self) -> u64 {
@@ -177,12 +175,7 @@ pub fn levels(sample_time_s: f64, steps: &[Step]) -> Result<Signal, SignalError>
 /// assert!((x.samples[1] - 3.0).abs() < 1e-12 && x.len() == 100);
 /// # Ok::<(), signal::SignalError>(())
 /// ```
-pub fn stepped_sine(
-    sample_time_s: f64,
-    offset: f64,
-    amplitude: f64,
-    steps: &[Step],
-) -> Result<Signal, SignalError> {
+pub fn stepped_sine(sample_time_s: f64, offset: f64, amplitude: f64, steps: &[Step]) -> Result<Signal, SignalError> {
     check_finite(&[offset, amplitude])?;
     check_sample_time(sample_time_s)?;
     for step in steps {
@@ -194,18 +187,12 @@ pub fn stepped_sine(
         turns = (turns + freq_hz * sample_time_s).fract();
         value
     };
-    let samples = expand(sample_time_s, steps)?
-        .into_iter()
-        .map(sample)
-        .collect();
+    let samples = expand(sample_time_s, steps)?.into_iter().map(sample).collect();
     Signal::new(0.0, sample_time_s, samples)
 }
 
 fn expand(sample_time_s: f64, steps: &[Step]) -> Result<Vec<f64>, SignalError> {
-    let timing = Timing {
-        sample_time_s,
-        length: 0,
-    };
+    let timing = Timing { sample_time_s, length: 0 };
     let mut samples = Vec::new();
     for (index, step) in steps.iter().enumerate() {
         check_finite(&[step.value]).map_err(|_| SignalError::NonFinite { index })?;
@@ -243,8 +230,7 @@ pub struct Corner {
 pub fn ramps(timing: Timing, corners: &[Corner]) -> Result<Signal, SignalError> {
     check_at_least(1, corners.len())?;
     for (index, corner) in corners.iter().enumerate() {
-        check_finite(&[corner.time_s, corner.value])
-            .map_err(|_| SignalError::NonFinite { index })?;
+        check_finite(&[corner.time_s, corner.value]).map_err(|_| SignalError::NonFinite { index })?;
         if index > 0 {
             check_range("time_s", corner.time_s, corners[index - 1].time_s, f64::MAX)?;
         }
@@ -253,9 +239,7 @@ pub fn ramps(timing: Timing, corners: &[Corner]) -> Result<Signal, SignalError> 
         let time_s = i as f64 * timing.sample_time_s;
         let next = corners.partition_point(|c| c.time_s <= time_s);
         match (next.checked_sub(1).map(|i| corners[i]), corners.get(next)) {
-            (Some(a), Some(b)) => {
-                a.value + (b.value - a.value) * (time_s - a.time_s) / (b.time_s - a.time_s)
-            }
+            (Some(a), Some(b)) => a.value + (b.value - a.value) * (time_s - a.time_s) / (b.time_s - a.time_s),
             (Some(corner), None) => corner.value,
             (None, _) => corners[0].value,
         }
@@ -296,12 +280,7 @@ pub fn schroeder_multisine(
     check_at_least(1, harmonics.len())?;
     check_range("rms", rms, 0.0, f64::MAX)?;
     for &harmonic in harmonics {
-        check_range(
-            "harmonic",
-            harmonic as f64,
-            1.0,
-            (period as f64 - 1.0) / 2.0,
-        )?;
+        check_range("harmonic", harmonic as f64, 1.0, (period as f64 - 1.0) / 2.0)?;
     }
     let count = harmonics.len() as f64;
     let amplitude = rms * (2.0 / count).sqrt();
@@ -309,8 +288,7 @@ pub fn schroeder_multisine(
     let value = |t: usize| {
         // Whole turns are taken off in integers.
         let turns = |h: usize| (h * t) % period;
-        let wave =
-            |(k, &h): (usize, &usize)| (TAU * turns(h) as f64 / period as f64 + phase(k)).cos();
+        let wave = |(k, &h): (usize, &usize)| (TAU * turns(h) as f64 / period as f64 + phase(k)).cos();
         amplitude * harmonics.iter().enumerate().map(wave).sum::<f64>()
     };
     let one_period: Vec<f64> = (0..period.min(timing.length)).map(value).collect();

@@ -22,12 +22,7 @@ pub struct QualityOptions {
 impl Default for QualityOptions {
     /// Runs of 5; medians over 7 samples; 10 standard deviations; at most 1 % of the samples.
     fn default() -> Self {
-        Self {
-            clip_run: 5,
-            spike_half_window: 3,
-            spike_threshold: 10.0,
-            spike_max_fraction: 0.01,
-        }
+        Self { clip_run: 5, spike_half_window: 3, spike_threshold: 10.0, spike_max_fraction: 0.01 }
     }
 }
 
@@ -78,29 +73,15 @@ impl Quality {
 /// Spikes: Hampel, F. R. (1974), J. Am. Stat. Assoc. 69, 383–393 (median and median absolute deviation).
 pub fn check_quality(x: &[f64], options: &QualityOptions) -> Result<Quality, SignalError> {
     check_range("clip_run", options.clip_run as f64, 2.0, f64::INFINITY)?;
-    check_range(
-        "spike_half_window",
-        options.spike_half_window as f64,
-        1.0,
-        f64::INFINITY,
-    )?;
-    check_range(
-        "spike_threshold",
-        options.spike_threshold,
-        0.0,
-        f64::INFINITY,
-    )?;
+    check_range("spike_half_window", options.spike_half_window as f64, 1.0, f64::INFINITY)?;
+    check_range("spike_threshold", options.spike_threshold, 0.0, f64::INFINITY)?;
     check_range("spike_max_fraction", options.spike_max_fraction, 0.0, 1.0)?;
     let finite = || x.iter().copied().filter(|v| v.is_finite());
     let low = finite().fold(f64::INFINITY, f64::min);
     let high = finite().fold(f64::NEG_INFINITY, f64::max);
     let constant = low >= high;
     let runs_at = |level: f64| {
-        if constant {
-            vec![]
-        } else {
-            runs(x, options.clip_run, |v| v == level)
-        }
+        if constant { vec![] } else { runs(x, options.clip_run, |v| v == level) }
     };
     Ok(Quality {
         non_finite: runs(x, 1, |v| !v.is_finite()),
@@ -132,20 +113,10 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
     let sizes = || departures.iter().map(|d| d.abs()).filter(|d| d.is_finite());
     let deviation = 1.4826 * median(&mut sizes().collect::<Vec<f64>>());
     // Held signals depart nowhere but at spikes: there the plain deviation has to serve.
-    let threshold = if deviation > 0.0 {
-        options.spike_threshold * deviation
-    } else {
-        3.0 * standard_deviation(x)
-    };
-    let found: Vec<usize> = (0..x.len())
-        .filter(|&i| departures[i].abs() > threshold)
-        .collect();
+    let threshold = if deviation > 0.0 { options.spike_threshold * deviation } else { 3.0 * standard_deviation(x) };
+    let found: Vec<usize> = (0..x.len()).filter(|&i| departures[i].abs() > threshold).collect();
     let most = (options.spike_max_fraction * x.len() as f64).max(1.0);
-    if found.len() as f64 > most {
-        vec![]
-    } else {
-        found
-    }
+    if found.len() as f64 > most { vec![] } else { found }
 }
 
 /// Each sample less the median of its window; NaN where it is not finite. The window shrinks, symmetrically, at the ends.
@@ -157,12 +128,7 @@ fn departures(x: &[f64], half_window: usize) -> Vec<f64> {
         }
         let half = half_window.min(i).min(x.len() - 1 - i);
         window.clear();
-        window.extend(
-            x[i - half..=i + half]
-                .iter()
-                .copied()
-                .filter(|v| v.is_finite()),
-        );
+        window.extend(x[i - half..=i + half].iter().copied().filter(|v| v.is_finite()));
         x[i] - median(&mut window)
     };
     (0..x.len()).map(departure).collect()

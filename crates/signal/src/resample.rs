@@ -34,11 +34,7 @@ pub enum Interpolation {
 /// assert!((y[0] - 0.5).abs() < 1e-12 && (y[1] - 2.5).abs() < 1e-12);
 /// # Ok::<(), signal::SignalError>(())
 /// ```
-pub fn interpolate_at(
-    x: &Signal,
-    times_s: &[f64],
-    method: Interpolation,
-) -> Result<Vec<f64>, SignalError> {
+pub fn interpolate_at(x: &Signal, times_s: &[f64], method: Interpolation) -> Result<Vec<f64>, SignalError> {
     let value = |&time_s: &f64| Ok(value_at(&x.samples, position(x, time_s)?, method));
     times_s.iter().map(value).collect()
 }
@@ -58,11 +54,7 @@ pub fn interpolate_at(
 /// assert_eq!(y.samples, vec![0.0, 0.5, 1.5, 2.5]);
 /// # Ok::<(), signal::SignalError>(())
 /// ```
-pub fn fractional_delay(
-    x: &Signal,
-    delay_s: f64,
-    method: Interpolation,
-) -> Result<Signal, SignalError> {
+pub fn fractional_delay(x: &Signal, delay_s: f64, method: Interpolation) -> Result<Signal, SignalError> {
     check_at_least(1, x.len())?;
     check_finite(&[delay_s])?;
     let shift = delay_s / x.sample_time_s;
@@ -90,11 +82,7 @@ pub fn hold(x: &Signal, times_s: &[f64]) -> Result<Vec<f64>, SignalError> {
     let last = x.len() - 1;
     let value = |&time_s: &f64| {
         let position = (time_s - x.start_s) / x.sample_time_s + TIME_TOLERANCE_SAMPLES;
-        if position >= 0.0 {
-            Ok(x.samples[(position as usize).min(last)])
-        } else {
-            Err(outside(x, time_s))
-        }
+        if position >= 0.0 { Ok(x.samples[(position as usize).min(last)]) } else { Err(outside(x, time_s)) }
     };
     times_s.iter().map(value).collect()
 }
@@ -130,11 +118,7 @@ fn position(x: &Signal, time_s: f64) -> Result<f64, SignalError> {
 }
 
 fn outside(x: &Signal, time_s: f64) -> SignalError {
-    SignalError::OutsideRecord {
-        time_s,
-        start_s: x.start_s,
-        end_s: x.end_s(),
-    }
+    SignalError::OutsideRecord { time_s, start_s: x.start_s, end_s: x.end_s() }
 }
 
 /// `position` must lie within the samples, which must not be empty.

@@ -38,11 +38,7 @@ impl Signal {
         if !start_s.is_finite() {
             return Err(SignalError::NonFinite { index: 0 });
         }
-        Ok(Self {
-            start_s,
-            sample_time_s,
-            samples,
-        })
+        Ok(Self { start_s, sample_time_s, samples })
     }
 
     /// Number of samples.
@@ -112,11 +108,7 @@ impl Signal {
     /// Other samples on this signal's clock.
     #[must_use]
     pub fn with_samples(&self, samples: Vec<f64>) -> Self {
-        Self {
-            start_s: self.start_s,
-            sample_time_s: self.sample_time_s,
-            samples,
-        }
+        Self { start_s: self.start_s, sample_time_s: self.sample_time_s, samples }
     }
 
     /// Arithmetic mean of the samples, `None` where there is none.

@@ -31,11 +31,7 @@ pub(crate) fn interpolate(at: impl Fn(i64) -> f64, position: f64) -> f64 {
 /// The Kaiser window at `u` in −1 ..= 1, zero outside, one at its centre.
 pub(crate) fn kaiser(u: f64) -> f64 {
     let inside = 1.0 - u * u;
-    if inside < 0.0 {
-        0.0
-    } else {
-        bessel_i0(BETA * inside.sqrt()) / bessel_i0(BETA)
-    }
+    if inside < 0.0 { 0.0 } else { bessel_i0(BETA * inside.sqrt()) / bessel_i0(BETA) }
 }
 
 /// Modified Bessel function of the first kind, order zero, by its power series.

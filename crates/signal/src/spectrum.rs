@@ -8,9 +8,7 @@ use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
 use crate::Complex64;
-use crate::error::{
-    SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time,
-};
+use crate::error::{SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time};
 use crate::series::mean;
 
 /// One-sided discrete Fourier transform, `X[k] = Σ_t x[t] e^{−j2πkt/N}`, `k = 0 ..= N/2`.
@@ -31,34 +29,24 @@ pub fn fft_real(x: &[f64]) -> Result<Vec<Complex64>, SignalError> {
     let plan = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
     let mut input = x.to_vec();
     let mut output = plan.make_output_vec();
-    plan.process(&mut input, &mut output)
-        .map_err(|_| SignalError::Transform { length: x.len() })?;
+    plan.process(&mut input, &mut output).map_err(|_| SignalError::Transform { length: x.len() })?;
     Ok(output)
 }
 
 /// The frequencies of [`fft_real`]'s values, in hertz, for `length` samples.
 #[must_use]
 pub fn fft_frequencies_hz(length: usize, sample_time_s: f64) -> Vec<f64> {
-    (0..=length / 2)
-        .map(|k| k as f64 / (length as f64 * sample_time_s))
-        .collect()
+    (0..=length / 2).map(|k| k as f64 / (length as f64 * sample_time_s)).collect()
 }
 
 /// The Fourier sum at arbitrary frequencies, `X(f) = Σ_t x[t] e^{−j2πftT}`; costs one pass a frequency.
 ///
 /// # Errors
 /// [`SignalError::SampleTime`], [`SignalError::NonFinite`] for a frequency that is not finite.
-pub fn dft_at(
-    x: &[f64],
-    sample_time_s: f64,
-    freqs_hz: &[f64],
-) -> Result<Vec<Complex64>, SignalError> {
+pub fn dft_at(x: &[f64], sample_time_s: f64, freqs_hz: &[f64]) -> Result<Vec<Complex64>, SignalError> {
     check_sample_time(sample_time_s)?;
     check_finite(freqs_hz)?;
-    Ok(freqs_hz
-        .iter()
-        .map(|f| fourier_sum(x, TAU * f * sample_time_s))
-        .collect())
+    Ok(freqs_hz.iter().map(|f| fourier_sum(x, TAU * f * sample_time_s)).collect())
 }
 
 /// Turns by multiplication, restarted every few hundred samples so that rounding does not build up.
@@ -89,20 +77,12 @@ impl Welch {
     /// Segments of this length that overlap by half.
     #[must_use]
     pub fn half_overlapping(segment: usize) -> Self {
-        Self {
-            segment,
-            overlap: segment / 2,
-        }
+        Self { segment, overlap: segment / 2 }
     }
 
     fn check(self, length: usize) -> Result<(), SignalError> {
         check_range("segment", self.segment as f64, 2.0, f64::INFINITY)?;
-        check_range(
-            "overlap",
-            self.overlap as f64,
-            0.0,
-            self.segment as f64 - 1.0,
-        )?;
+        check_range("overlap", self.overlap as f64, 0.0, self.segment as f64 - 1.0)?;
         check_at_least(self.segment, length)
     }
 }
@@ -131,11 +111,7 @@ impl CrossSpectrum {
     pub fn coherence(&self) -> Vec<f64> {
         let value = |i: usize| {
             let power = self.pxx[i] * self.pyy[i];
-            if power > 0.0 {
-                self.pxy[i].norm_sqr() / power
-            } else {
-                0.0
-            }
+            if power > 0.0 { self.pxy[i].norm_sqr() / power } else { 0.0 }
         };
         (0..self.pxy.len()).map(value).collect()
     }
@@ -143,11 +119,7 @@ impl CrossSpectrum {
     /// The frequency response estimate `H1 = Pxy / Pxx`, right under noise on the output; NaN where `x` has no power.
     #[must_use]
     pub fn response_h1(&self) -> Vec<Complex64> {
-        self.pxy
-            .iter()
-            .zip(&self.pxx)
-            .map(|(xy, xx)| xy / xx)
-            .collect()
+        self.pxy.iter().zip(&self.pxx).map(|(xy, xx)| xy / xx).collect()
     }
 }
 
@@ -162,21 +134,14 @@ impl CrossSpectrum {
 ///
 /// # Source
 /// Welch, P. D. (1967), IEEE Trans. Audio Electroacoust. 15, 70–73. Scaling as `scipy.signal.csd`.
-pub fn cross_spectrum(
-    x: &[f64],
-    y: &[f64],
-    sample_time_s: f64,
-    welch: Welch,
-) -> Result<CrossSpectrum, SignalError> {
+pub fn cross_spectrum(x: &[f64], y: &[f64], sample_time_s: f64, welch: Welch) -> Result<CrossSpectrum, SignalError> {
     check_same_length(x.len(), y.len())?;
     check_sample_time(sample_time_s)?;
     welch.check(x.len())?;
     check_finite(x)?;
     check_finite(y)?;
     let n = welch.segment;
-    let window: Vec<f64> = (0..n)
-        .map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos())
-        .collect();
+    let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos()).collect();
     let mut sum = CrossSpectrum {
         freq_hz: fft_frequencies_hz(n, sample_time_s),
         pxx: vec![0.0; n / 2 + 1],
@@ -204,11 +169,7 @@ pub fn cross_spectrum(
 /// Doubles all but rest and, for an even length, half the sample rate: their negative twin is missing.
 fn scale_one_sided(sum: &mut CrossSpectrum, scale: f64, n: usize) {
     for k in 0..sum.pxx.len() {
-        let factor = if k == 0 || 2 * k == n {
-            scale
-        } else {
-            2.0 * scale
-        };
+        let factor = if k == 0 || 2 * k == n { scale } else { 2.0 * scale };
         sum.pxx[k] *= factor;
         sum.pyy[k] *= factor;
         sum.pxy[k] *= factor;
@@ -226,18 +187,8 @@ struct SegmentTransform<'a> {
 impl<'a> SegmentTransform<'a> {
     fn new(window: &'a [f64]) -> Self {
         let plan = RealFftPlanner::<f64>::new().plan_fft_forward(window.len());
-        let (input, output, scratch) = (
-            plan.make_input_vec(),
-            plan.make_output_vec(),
-            plan.make_scratch_vec(),
-        );
-        Self {
-            window,
-            plan,
-            input,
-            output,
-            scratch,
-        }
+        let (input, output, scratch) = (plan.make_input_vec(), plan.make_output_vec(), plan.make_scratch_vec());
+        Self { window, plan, input, output, scratch }
     }
 
     fn apply(&mut self, segment: &[f64]) -> Result<&[Complex64], SignalError> {
@@ -247,9 +198,7 @@ impl<'a> SegmentTransform<'a> {
         }
         self.plan
             .process_with_scratch(&mut self.input, &mut self.output, &mut self.scratch)
-            .map_err(|_| SignalError::Transform {
-                length: segment.len(),
-            })?;
+            .map_err(|_| SignalError::Transform { length: segment.len() })?;
         Ok(&self.output)
     }
 }
@@ -278,16 +227,9 @@ pub struct PowerSpectrum {
 /// assert!((power - 2.0).abs() < 0.02);
 /// # Ok::<(), signal::SignalError>(())
 /// ```
-pub fn power_spectrum(
-    x: &[f64],
-    sample_time_s: f64,
-    welch: Welch,
-) -> Result<PowerSpectrum, SignalError> {
+pub fn power_spectrum(x: &[f64], sample_time_s: f64, welch: Welch) -> Result<PowerSpectrum, SignalError> {
     let both = cross_spectrum(x, x, sample_time_s, welch)?;
-    Ok(PowerSpectrum {
-        freq_hz: both.freq_hz,
-        density: both.pxx,
-    })
+    Ok(PowerSpectrum { freq_hz: both.freq_hz, density: both.pxx })
 }
 
 /// The real signal of `length` samples whose one-sided transform, as [`fft_real`] gives it, is `spectrum`:

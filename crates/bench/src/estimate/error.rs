@@ -59,4 +59,12 @@ pub enum EstimateError {
         /// The reason.
         source: signal::SignalError,
     },
+    /// The model cannot be simulated on the recording.
+    #[error("{file}: {source}")]
+    Simulation {
+        /// File.
+        file: String,
+        /// The reason.
+        source: crate::simulate::SimulationError,
+    },
 }

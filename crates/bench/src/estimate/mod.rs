@@ -12,6 +12,7 @@ pub mod timing;
 pub mod torque_control;
 
 pub use error::EstimateError;
+pub(crate) use parameter::Label;
 
 /// Standard deviation of the white noise on a signal's samples, from the median of its spectrum between 0.6 and 0.95 of
 /// half its rate, where motion of the bench has died away; zero for a signal too short to tell.

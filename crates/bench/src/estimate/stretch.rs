@@ -14,9 +14,7 @@ const AT_LIMIT: f64 = 0.995;
 /// # Errors
 /// It was not recorded.
 pub(crate) fn need(experiment: &Experiment, role: Role) -> Result<&Signal, EstimateError> {
-    experiment
-        .signal(role)
-        .ok_or_else(|| EstimateError::MissingSignal { file: experiment.file.clone(), role })
+    experiment.signal(role).ok_or_else(|| EstimateError::MissingSignal { file: experiment.file.clone(), role })
 }
 
 /// The longest stretch in which T_d* stays below the limit and every signal of the speed controller is there.
@@ -34,7 +32,11 @@ pub(crate) fn longest_unsaturated(
     }
     let (from, to) = common_window(experiment, &roles).unwrap_or((0.0, 0.0));
     if to - from < shortest_s {
-        return Err(EstimateError::TooShort { file: experiment.file.clone(), duration_s: to - from, needed_s: shortest_s });
+        return Err(EstimateError::TooShort {
+            file: experiment.file.clone(),
+            duration_s: to - from,
+            needed_s: shortest_s,
+        });
     }
     let demand = cut(need(experiment, Role::DynoTorqueDemand)?, from, to);
     let limit = AT_LIMIT * torque_limit_nm.unwrap_or(f64::INFINITY);

@@ -2,9 +2,10 @@
 
 use crate::estimate::shaft::{self, NoisyTorque, ShaftInputs};
 use crate::estimate::speed_controller::{self, Encoder, SpeedControllerFit};
-use crate::estimate::torque_control::{self, TorqueControlFit};
 use crate::estimate::stretch::need;
+use crate::estimate::torque_control::{self, InverterModel, TorqueControlFit};
 use crate::estimate::{EstimateError, noise_floor, timing};
+use crate::study::whole::{self, Pieces};
 use crate::study::{
     BenchVariant, FeedForward, Need, Part, Progress, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
 };
@@ -63,7 +64,7 @@ impl<'a> Findings<'a> {
         self.uses.push((file.to_owned(), part));
     }
 
-    fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {
+    pub(super) fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {
         let place = Place { file: Some(file.to_owned()), ..Place::default() };
         self.diagnostics.push(Diagnostic { severity, place, finding });
     }
@@ -75,7 +76,7 @@ impl<'a> Findings<'a> {
         found
     }
 
-    fn of_tests(&self, tests: &[&str]) -> Vec<&'a Experiment> {
+    pub(super) fn of_tests(&self, tests: &[&str]) -> Vec<&'a Experiment> {
         tests.iter().flat_map(|test| self.of_test(test)).collect()
     }
 
@@ -124,28 +125,39 @@ fn part<T>(outcome: Result<T, Vec<Need>>) -> Part<T> {
     }
 }
 
-fn needs_part(name: &str) -> Vec<Need> {
+pub(super) fn needs_part(name: &str) -> Vec<Need> {
     vec![Need::Part { name: name.to_owned() }]
 }
 
 /// Estimates every part the recordings allow.
 pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
     let limit = findings.bench.limits.torque_nm;
-    let controller = findings.first("speed controller", &findings.of_test("BS"), &["BS_T_NT"], |e| {
-        speed_controller::estimate(e, limit)
-    });
+    let controller = findings
+        .first("speed controller", &findings.of_test("BS"), &["BS_T_NT"], |e| speed_controller::estimate(e, limit));
     let feed_forward = feed_forward(findings, controller.as_ref().ok());
     let torque_control = torque_control(findings);
     let timing = timing(findings, torque_control.as_ref().ok());
     let shaft = shaft(findings, controller.as_ref().ok(), torque_control.as_ref().ok());
+    let (whole, replays) = match &shaft {
+        Err(_) => (Err(needs_part("shaft")), Vec::new()),
+        Ok(shaft) => whole::assemble(
+            findings,
+            &Pieces {
+                shaft,
+                controller: controller.as_ref().ok(),
+                feed_forward: feed_forward.as_ref().ok(),
+                torque_control: torque_control.as_ref().ok(),
+            },
+        ),
+    };
     Estimates {
         timing: part(timing),
         speed_controller: part(controller.map(|c| c.result)),
         feed_forward: part(feed_forward),
         torque_control: part(torque_control.map(|t| t.result)),
         shaft: part(shaft),
-        whole: Part::NotEstimated { needs: needs_part("shaft") },
-        replays: Vec::new(),
+        whole: part(whole),
+        replays,
     }
 }
 
@@ -207,12 +219,7 @@ fn shaft(
     Ok(shaft)
 }
 
-fn doubt_shaft(
-    findings: &mut Findings<'_>,
-    experiment: &Experiment,
-    shaft: &Shaft,
-    inertia: Option<(f64, f64)>,
-) {
+fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
     let excluded = &shaft.residual_spectrum.excluded_hz;
     let finding = Finding::ExcludedLines { frequencies_hz: excluded.clone() };
     findings.doubt(&experiment.file, Severity::Note, finding);
@@ -268,9 +275,7 @@ impl ShaftRecords {
         let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
         let (torque, inertia_kg_m2) = match bench.variant {
             BenchVariant::TorqueFlange => (vec![sampled_torque(need(experiment, Role::FlangeTorque)?)], None),
-            BenchVariant::LoadCell => {
-                (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty)))
-            }
+            BenchVariant::LoadCell => (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty))),
         };
         Ok(ShaftRecords {
             torque,
@@ -310,17 +315,26 @@ fn air_gap_torque(
     torque_control: Option<&TorqueControlFit>,
 ) -> Result<Vec<NoisyTorque>, EstimateError> {
     let measured = need(experiment, Role::AirGapTorque)?;
-    let model = torque_control.zip(experiment.signal(Role::DynoTorqueDemand)).and_then(|(fit, demand)| {
-        let inverter = fit.inverter.refit_ripple(demand, measured).ok()?;
-        Some((inverter.air_gap_torque(demand), inverter))
-    });
-    let Some((torque, inverter)) = model else { return Ok(vec![sampled_torque(measured)]) };
+    let Some((torque, inverter)) = modelled_torque(experiment, torque_control) else {
+        return Ok(vec![sampled_torque(measured)]);
+    };
     let noise = inverter.residual.standard_deviation_nm;
     let mut records = vec![NoisyTorque { signal: torque, noise_nm: noise / MODEL_ADVANTAGE }];
     if !inverter.residual.white {
         records.push(NoisyTorque { signal: difference(measured, &records[0].signal), noise_nm: noise });
     }
     Ok(records)
+}
+
+/// T_d on the clock of T_d*, from the inverter's model with the ripple of this recording.
+pub(super) fn modelled_torque(
+    experiment: &Experiment,
+    torque_control: Option<&TorqueControlFit>,
+) -> Option<(signal::Signal, InverterModel)> {
+    let demand = experiment.signal(Role::DynoTorqueDemand)?;
+    let measured = experiment.signal(Role::AirGapTorque)?;
+    let inverter = torque_control?.inverter.refit_ripple(demand, measured).ok()?;
+    Some((inverter.air_gap_torque(demand), inverter))
 }
 
 /// A sampled signal less another, held, at its own instants.

@@ -4,6 +4,7 @@ mod estimates;
 mod gather;
 mod result;
 mod run;
+mod whole;
 
 pub use gather::Source;
 pub use result::*;

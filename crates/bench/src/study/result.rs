@@ -421,17 +421,27 @@ pub struct BodeCurve {
     pub unit: String,
 }
 
-/// Gain measured at one sine, by band-pass and A = √2·RMS (7.1).
+/// Gain measured at one sine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SinePoint {
     /// Frequency, Hz.
     pub frequency_hz: f64,
-    /// Measured gain T_shaft/T_d.
+    /// Measured gain T_shaft/T_d, amplitudes by least squares over whole periods.
     pub gain: f64,
-    /// Its standard error.
+    /// Its standard error, from the noise at neighbouring frequencies.
     pub standard_error: f64,
-    /// Gain of the model at that frequency.
+    /// The same gain the thesis's way: band-pass and A = √2·RMS (7.1).
+    pub band_pass_gain: f64,
+    /// Gain of the model at that frequency, for a constant engine torque (7.2).
     pub model_gain: f64,
+    /// Gain of the model with the engine torque that acted, T_e = J_e dω_e/dt + T_shaft; to be held against `gain`.
+    /// `None` where N_e was not recorded.
+    pub model_gain_with_engine: Option<f64>,
+    /// Measured gain without the part that the engine torque caused; to be held against `model_gain`, and to be drawn on
+    /// the curve of (7.2). `None` where N_e was not recorded.
+    pub gain_corrected_for_engine: Option<f64>,
+    /// Whether the sine meets an engine order, where the fired engine excites the shaft by itself: not to be relied on.
+    pub at_engine_order: bool,
     /// File.
     pub file: String,
 }

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::{ControlMode, Excitation, ExperimentLabel};
 
 use super::error::{VirtualBenchError, require, require_not_negative, require_positive};
-use crate::units::RPM_RAD_S;
 use super::waveform::Waveform;
+use crate::units::RPM_RAD_S;
 
 /// What is done to the bench, and for how long. The constructors give the experiments of the method with the levels
 /// and times of the thesis' bench; every field may be changed afterwards.

@@ -4,9 +4,9 @@ use recording::{Channel, Format, Raster, Recording};
 
 use super::UPDATE_S;
 use super::parameters::{BenchParameters, ClockParameters};
-use crate::units::RPM_RAD_S;
 use super::plan::ExperimentPlan;
 use super::run::Registers;
+use crate::units::RPM_RAD_S;
 
 /// The recording of a run, with the channel names of a DTB bench: speeds in rpm, torques in Nm.
 pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, registers: &Registers) -> Recording {

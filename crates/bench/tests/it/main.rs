@@ -1,12 +1,15 @@
-//! Integration tests of the bench: bench files, recordings, estimators, the virtual bench.
+//! Integration tests of the bench: bench files, recordings, estimators, model, the virtual bench.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 mod align;
+mod analysis;
 mod bench_file;
 mod channels;
+mod model;
 mod prepare;
 mod recorded;
+mod replay;
 mod support;
 mod timing;
 mod torque_bench;

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use bench::virtual_bench::{
-    BenchParameters, ExperimentPlan, HiddenTruth, Numerics, VirtualBenchError, VirtualRun, Waveform,
-    simulate, simulate_hidden,
+    BenchParameters, ExperimentPlan, HiddenTruth, Numerics, VirtualBenchError, VirtualRun, Waveform, simulate,
+    simulate_hidden,
 };
 use recording::Recording;
 

@@ -14,11 +14,7 @@ impl StateSpace {
     /// [`LtiError::SampleTimesDiffer`].
     pub fn series(&self, next: &Self) -> Result<Self, LtiError> {
         self.check_same_clock(next)?;
-        check_shape(
-            "second system's D",
-            (next.outputs(), self.outputs()),
-            next.d.shape(),
-        )?;
+        check_shape("second system's D", (next.outputs(), self.outputs()), next.d.shape())?;
         let zero = Mat::zeros(self.states(), next.states());
         let (coupling, through) = (&next.b * &self.c, &next.d * &self.c);
         Self::new(
@@ -64,11 +60,7 @@ impl StateSpace {
     /// ```
     pub fn feedback(&self, back: &Self) -> Result<Self, LtiError> {
         self.check_same_clock(back)?;
-        check_shape(
-            "feedback system's D",
-            (self.inputs(), self.outputs()),
-            back.d.shape(),
-        )?;
+        check_shape("feedback system's D", (self.inputs(), self.outputs()), back.d.shape())?;
         let loop_gain = identity(self.inputs()) + &back.d * &self.d;
         let e = inverse(loop_gain.as_ref()).ok_or(LtiError::AlgebraicLoop)?;
         // The forward system's input is E u − e1 x₁ − e2 x₂.
@@ -95,13 +87,7 @@ impl StateSpace {
     /// [`LtiError::NonFinite`], [`LtiError::SampleTime`].
     pub fn gain(d: Mat<f64>, sample_time_s: Option<f64>) -> Result<Self, LtiError> {
         let (outputs, inputs) = d.shape();
-        Self::new(
-            Mat::zeros(0, 0),
-            Mat::zeros(0, inputs),
-            Mat::zeros(outputs, 0),
-            d,
-            sample_time_s,
-        )
+        Self::new(Mat::zeros(0, 0), Mat::zeros(0, inputs), Mat::zeros(outputs, 0), d, sample_time_s)
     }
 
     fn check_same_clock(&self, other: &Self) -> Result<(), LtiError> {
@@ -110,9 +96,5 @@ impl StateSpace {
 }
 
 pub(crate) fn check_same_clock(first: Option<f64>, second: Option<f64>) -> Result<(), LtiError> {
-    if first == second {
-        Ok(())
-    } else {
-        Err(LtiError::SampleTimesDiffer { first, second })
-    }
+    if first == second { Ok(()) } else { Err(LtiError::SampleTimesDiffer { first, second }) }
 }

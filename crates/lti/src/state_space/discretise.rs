@@ -33,10 +33,7 @@ impl StateSpace {
         let (zero_left, zero) = (Mat::zeros(m, n), Mat::zeros(m, m));
         let generator = blocks([[self.a(), self.b()], [zero_left.as_ref(), zero.as_ref()]]);
         let e = expm((generator * Scale(time_s)).as_ref())?;
-        Ok((
-            e.submatrix(0, 0, n, n).to_owned(),
-            e.submatrix(0, n, n, m).to_owned(),
-        ))
+        Ok((e.submatrix(0, 0, n, n).to_owned(), e.submatrix(0, n, n, m).to_owned()))
     }
 
     /// The discrete system that equals this continuous one at the samples when inputs run straight between them.
@@ -67,16 +64,8 @@ impl StateSpace {
             return Err(LtiError::NotContinuous);
         }
         let (n, m) = (self.states(), self.inputs());
-        let (at, bt) = (
-            &self.a * Scale(sample_time_s),
-            &self.b * Scale(sample_time_s),
-        );
-        let (nm, mn, mm, one) = (
-            Mat::zeros(n, m),
-            Mat::zeros(m, n),
-            Mat::zeros(m, m),
-            identity(m),
-        );
+        let (at, bt) = (&self.a * Scale(sample_time_s), &self.b * Scale(sample_time_s));
+        let (nm, mn, mm, one) = (Mat::zeros(n, m), Mat::zeros(m, n), Mat::zeros(m, m), identity(m));
         let e = expm(
             blocks([
                 [at.as_ref(), bt.as_ref(), nm.as_ref()],
@@ -145,13 +134,7 @@ impl FirstOrderHold {
         check_shape("input", (u.nrows(), self.d.ncols()), u.shape())?;
         check_state(x0, self.a.nrows())?;
         let rows = |m: &Mat<f64>| RowMajor::new(m.as_ref());
-        let (a, b0, b1, c, d) = (
-            rows(&self.a),
-            rows(&self.b0),
-            rows(&self.b1),
-            rows(&self.c),
-            rows(&self.d),
-        );
+        let (a, b0, b1, c, d) = (rows(&self.a), rows(&self.b0), rows(&self.b1), rows(&self.c), rows(&self.d));
         // `carried` is A x + B₀ u of the sample before: the state but for the input that has not been seen yet.
         let (mut state, mut carried, mut first) = (x0.to_vec(), vec![0.0; x0.len()], true);
         Ok(run(u, self.d.nrows(), |input, output| {

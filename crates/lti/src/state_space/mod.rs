@@ -57,11 +57,7 @@ struct Rows {
 
 impl From<StateSpace> for Rows {
     fn from(system: StateSpace) -> Self {
-        let rows = |m: &Mat<f64>| {
-            (0..m.nrows())
-                .map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect())
-                .collect()
-        };
+        let rows = |m: &Mat<f64>| (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect();
         Self {
             states: system.states(),
             inputs: system.inputs(),
@@ -86,12 +82,7 @@ impl TryFrom<Rows> for StateSpace {
             }
             Ok(Mat::from_fn(count, columns, |i, j| rows[i][j]))
         };
-        let Rows {
-            states,
-            inputs,
-            outputs,
-            ..
-        } = parts;
+        let Rows { states, inputs, outputs, .. } = parts;
         Self::new(
             matrix("A", &parts.a, states, states)?,
             matrix("B", &parts.b, states, inputs)?,
@@ -122,25 +113,14 @@ impl StateSpace {
         for (what, m) in [("A", &a), ("B", &b), ("C", &c), ("D", &d)] {
             check_matrix(what, m.as_ref())?;
         }
-        Ok(Self {
-            a,
-            b,
-            c,
-            d,
-            sample_time_s,
-        })
+        Ok(Self { a, b, c, d, sample_time_s })
     }
 
     /// A continuous system; see [`StateSpace::new`].
     ///
     /// # Errors
     /// Those of [`StateSpace::new`].
-    pub fn continuous(
-        a: Mat<f64>,
-        b: Mat<f64>,
-        c: Mat<f64>,
-        d: Mat<f64>,
-    ) -> Result<Self, LtiError> {
+    pub fn continuous(a: Mat<f64>, b: Mat<f64>, c: Mat<f64>, d: Mat<f64>) -> Result<Self, LtiError> {
         Self::new(a, b, c, d, None)
     }
 
@@ -148,13 +128,7 @@ impl StateSpace {
     ///
     /// # Errors
     /// Those of [`StateSpace::new`].
-    pub fn discrete(
-        a: Mat<f64>,
-        b: Mat<f64>,
-        c: Mat<f64>,
-        d: Mat<f64>,
-        sample_time_s: f64,
-    ) -> Result<Self, LtiError> {
+    pub fn discrete(a: Mat<f64>, b: Mat<f64>, c: Mat<f64>, d: Mat<f64>, sample_time_s: f64) -> Result<Self, LtiError> {
         Self::new(a, b, c, d, Some(sample_time_s))
     }
 
@@ -220,10 +194,7 @@ impl StateSpace {
     /// [`LtiError::NoConvergence`].
     pub fn is_stable(&self) -> Result<bool, LtiError> {
         let discrete = self.sample_time_s.is_some();
-        Ok(self
-            .poles()?
-            .iter()
-            .all(|p| if discrete { p.norm() < 1.0 } else { p.re < 0.0 }))
+        Ok(self.poles()?.iter().all(|p| if discrete { p.norm() < 1.0 } else { p.re < 0.0 }))
     }
 
     /// The gain at rest, outputs × inputs: `D − C A⁻¹ B`, or `D + C (I − A)⁻¹ B` for a discrete system.
@@ -235,9 +206,7 @@ impl StateSpace {
             None => -&self.a,
             Some(_) => identity(self.states()) - &self.a,
         };
-        let inverse = inverse(resolvent.as_ref()).ok_or(LtiError::Singular {
-            what: "A (or I − A) at rest",
-        })?;
+        let inverse = inverse(resolvent.as_ref()).ok_or(LtiError::Singular { what: "A (or I − A) at rest" })?;
         Ok(&self.d + &self.c * (inverse * &self.b))
     }
 
@@ -246,26 +215,17 @@ impl StateSpace {
     pub fn evaluate(&self, point: Complex64) -> Mat<Complex64> {
         let n = self.states();
         let complex = |v: f64| Complex64::new(v, 0.0);
-        let mut gain = Mat::from_fn(self.outputs(), self.inputs(), |i, j| {
-            complex(self.d[(i, j)])
-        });
+        let mut gain = Mat::from_fn(self.outputs(), self.inputs(), |i, j| complex(self.d[(i, j)]));
         if n == 0 {
             return gain;
         }
-        let resolvent = Mat::from_fn(n, n, |i, j| {
-            if i == j {
-                point - self.a[(i, j)]
-            } else {
-                complex(-self.a[(i, j)])
-            }
-        });
+        let resolvent =
+            Mat::from_fn(n, n, |i, j| if i == j { point - self.a[(i, j)] } else { complex(-self.a[(i, j)]) });
         let b = Mat::from_fn(n, self.inputs(), |i, j| complex(self.b[(i, j)]));
         let x = resolvent.partial_piv_lu().solve(b);
         for i in 0..self.outputs() {
             for j in 0..self.inputs() {
-                gain[(i, j)] += (0..n)
-                    .map(|k| x[(k, j)] * self.c[(i, k)])
-                    .sum::<Complex64>();
+                gain[(i, j)] += (0..n).map(|k| x[(k, j)] * self.c[(i, k)]).sum::<Complex64>();
             }
         }
         gain
@@ -274,10 +234,7 @@ impl StateSpace {
     /// The gains at angular frequencies in rad/s, one matrix (outputs × inputs) each, at `jω` or `e^{jωT}`.
     #[must_use]
     pub fn gains(&self, omega_rad_s: &[f64]) -> Vec<Mat<Complex64>> {
-        omega_rad_s
-            .iter()
-            .map(|w| self.evaluate(frequency_point(*w, self.sample_time_s)))
-            .collect()
+        omega_rad_s.iter().map(|w| self.evaluate(frequency_point(*w, self.sample_time_s))).collect()
     }
 
     /// The frequency response from one input to one output.
@@ -291,11 +248,7 @@ impl StateSpace {
         omega_rad_s: &[f64],
     ) -> Result<FrequencyResponse, LtiError> {
         let channel = self.channel(output, input)?;
-        let response = channel
-            .gains(omega_rad_s)
-            .iter()
-            .map(|gain| gain[(0, 0)])
-            .collect();
+        let response = channel.gains(omega_rad_s).iter().map(|gain| gain[(0, 0)]).collect();
         FrequencyResponse::new(omega_rad_s.to_vec(), response)
     }
 
@@ -325,11 +278,7 @@ impl StateSpace {
 }
 
 fn check_index(what: &'static str, index: usize, count: usize) -> Result<(), LtiError> {
-    if index < count {
-        Ok(())
-    } else {
-        Err(LtiError::Index { what, index, count })
-    }
+    if index < count { Ok(()) } else { Err(LtiError::Index { what, index, count }) }
 }
 
 /// Where a system is evaluated for an angular frequency: `jω`, or `e^{jωT}`.

@@ -54,17 +54,9 @@ impl StateSpace {
         let (a, scale) = balance(self.a());
         let b = Mat::from_fn(self.states(), 1, |i, _| self.b[(i, 0)] / scale[i]);
         let c = Mat::from_fn(1, self.states(), |_, j| self.c[(0, j)] * scale[j]);
-        let mut system = Reduced {
-            a,
-            b,
-            c,
-            d: self.d[(0, 0)],
-        };
+        let mut system = Reduced { a, b, c, d: self.d[(0, 0)] };
         let rounding = 10.0 * f64::EPSILON * self.states() as f64;
-        let (small_d, small_c) = (
-            rounding * norm_2(system.b.as_ref()),
-            rounding * norm_2(system.a.as_ref()),
-        );
+        let (small_d, small_c) = (rounding * norm_2(system.b.as_ref()), rounding * norm_2(system.a.as_ref()));
         let mut gain = 1.0;
         if system.d == 0.0 {
             if norm_2(system.c.as_ref()) == 0.0 {

@@ -12,10 +12,7 @@ fn assert_close(got: MatRef<'_, f64>, expected: MatRef<'_, f64>, tolerance: f64)
     for i in 0..got.nrows() {
         for j in 0..got.ncols() {
             let (a, b) = (got[(i, j)], expected[(i, j)]);
-            assert!(
-                (a - b).abs() <= tolerance,
-                "at ({i}, {j}): {a} instead of {b}"
-            );
+            assert!((a - b).abs() <= tolerance, "at ({i}, {j}): {a} instead of {b}");
         }
     }
 }

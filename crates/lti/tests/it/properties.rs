@@ -8,24 +8,17 @@ use proptest::prelude::*;
 fn transfer_functions() -> impl Strategy<Value = TransferFunction> {
     let poles = prop::collection::vec((1.0_f64..1000.0, 0.05_f64..1.5), 1..3);
     (poles, prop::collection::vec(0.2_f64..2.0, 1..4)).prop_map(|(modes, numerator)| {
-        let den = modes.iter().fold(vec![1.0], |p, (w, zeta)| {
-            polynomial::multiply(&p, &[1.0 / (w * w), 2.0 * zeta / w, 1.0])
-        });
-        let keep = numerator.len().min(den.len());
-        let num = numerator[..keep]
+        let den = modes
             .iter()
-            .zip(&den[den.len() - keep..])
-            .map(|(n, d)| n * d)
-            .collect();
+            .fold(vec![1.0], |p, (w, zeta)| polynomial::multiply(&p, &[1.0 / (w * w), 2.0 * zeta / w, 1.0]));
+        let keep = numerator.len().min(den.len());
+        let num = numerator[..keep].iter().zip(&den[den.len() - keep..]).map(|(n, d)| n * d).collect();
         TransferFunction::continuous(num, den).unwrap()
     })
 }
 
 fn nearest(points: &[Complex64], wanted: Complex64) -> f64 {
-    points
-        .iter()
-        .map(|p| (p - wanted).norm())
-        .fold(f64::INFINITY, f64::min)
+    points.iter().map(|p| (p - wanted).norm()).fold(f64::INFINITY, f64::min)
 }
 
 proptest! {

@@ -43,11 +43,7 @@ impl Header {
         let before = unit_row.unwrap_or(above.len() - 1);
         let mut columns = headings(rows, names, units)?;
         mark_time(rows, line(names), &mut columns)?;
-        Ok(Self {
-            columns,
-            comment: comment(&above[..before]),
-            rows: above.len(),
-        })
+        Ok(Self { columns, comment: comment(&above[..before]), rows: above.len() })
     }
 }
 
@@ -64,29 +60,19 @@ fn rows_above(rows: &Rows<'_>) -> Result<Vec<StringRecord>, RecordingError> {
     }
     let last = above.last().map_or(1, line);
     // A table in which a line mixes numbers and text is better explained by that cell.
-    above
-        .iter()
-        .skip(1)
-        .try_for_each(|row| refuse_numbers(rows, row))?;
+    above.iter().skip(1).try_for_each(|row| refuse_numbers(rows, row))?;
     Err(rows.error(last, None, CsvProblem::NoData))
 }
 
 fn is_numeric(row: &StringRecord) -> bool {
-    let mut filled = row
-        .iter()
-        .map(str::trim)
-        .filter(|c| !c.is_empty())
-        .peekable();
+    let mut filled = row.iter().map(str::trim).filter(|c| !c.is_empty()).peekable();
     filled.peek().is_some() && filled.all(|c| plain_number(c).is_some())
 }
 
 /// A row that begins with a number is one of samples, and everything in it has to be a number.
 fn refuse_numbers(rows: &Rows<'_>, row: &StringRecord) -> Result<(), RecordingError> {
     let is_text = |c: &str| !c.trim().is_empty() && plain_number(c.trim()).is_none();
-    let numbers = row
-        .iter()
-        .filter(|c| plain_number(c.trim()).is_some())
-        .count();
+    let numbers = row.iter().filter(|c| plain_number(c.trim()).is_some()).count();
     let texts = row.iter().filter(|c| is_text(c)).count();
     let starts = row.get(0).is_some_and(|c| plain_number(c.trim()).is_some());
     let Some(column) = row.iter().position(is_text) else {
@@ -109,26 +95,16 @@ fn headings(
     names: &StringRecord,
     units: Option<&StringRecord>,
 ) -> Result<Vec<Column>, RecordingError> {
-    let width = (0..names.len())
-        .rfind(|&c| !names[c].trim().is_empty())
-        .map_or(0, |c| c + 1);
+    let width = (0..names.len()).rfind(|&c| !names[c].trim().is_empty()).map_or(0, |c| c + 1);
     let heading = |(index, cell): (usize, &str)| {
         let (name, unit) = match units {
-            Some(units) => (
-                cell.trim(),
-                unbracketed(units.get(index).unwrap_or_default()),
-            ),
+            Some(units) => (cell.trim(), unbracketed(units.get(index).unwrap_or_default())),
             None => name_and_unit(cell.trim()),
         };
         if name.is_empty() {
             return Err(rows.error(line(names), Some(index), CsvProblem::NoName));
         }
-        Ok(Column {
-            name: name.into(),
-            unit: unit.into(),
-            is_time: false,
-            factor: (1.0, 1.0),
-        })
+        Ok(Column { name: name.into(), unit: unit.into(), is_time: false, factor: (1.0, 1.0) })
     };
     names.iter().take(width).enumerate().map(heading).collect()
 }
@@ -160,24 +136,14 @@ fn mark_time(rows: &Rows<'_>, line: u64, columns: &mut [Column]) -> Result<(), R
 /// `time`, `t`, `Zeit`, `timestamp(s)`, also numbered or with a rate (`time_2`, `time 100 Hz`).
 pub(super) fn is_time_name(name: &str) -> bool {
     let name = name.trim().to_lowercase();
-    let words = [
-        "timestamps",
-        "timestamp",
-        "zeitstempel",
-        "time stamp",
-        "time",
-        "zeit",
-        "t",
-    ];
+    let words = ["timestamps", "timestamp", "zeitstempel", "time stamp", "time", "zeit", "t"];
     let rest = words.iter().find_map(|w| name.strip_prefix(w));
     let Some(rest) = rest else {
         return false;
     };
     let number = rest.trim_start_matches(['_', ' ', '.', '-', '#']);
     let rate = number.trim_start_matches(|c: char| c.is_ascii_digit());
-    rest.is_empty()
-        || (rate.len() < number.len()
-            && matches!(rate.trim(), "" | "hz" | "khz" | "ms" | "us" | "s"))
+    rest.is_empty() || (rate.len() < number.len() && matches!(rate.trim(), "" | "hz" | "khz" | "ms" | "us" | "s"))
 }
 
 /// Seconds per unit as a fraction; no unit means seconds.
@@ -209,26 +175,15 @@ fn name_and_unit(cell: &str) -> (&str, &str) {
 fn unbracketed(cell: &str) -> &str {
     let cell = cell.trim();
     let inner = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
-    inner('[', ']')
-        .or_else(|| inner('(', ')'))
-        .unwrap_or(cell)
-        .trim()
+    inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(cell).trim()
 }
 
 /// What stands above the names.
 fn comment(rows: &[StringRecord]) -> Option<String> {
     let text = |row: &StringRecord| {
-        let cells: Vec<&str> = row
-            .iter()
-            .map(str::trim)
-            .filter(|c| !c.is_empty())
-            .collect();
+        let cells: Vec<&str> = row.iter().map(str::trim).filter(|c| !c.is_empty()).collect();
         cells.join(" ")
     };
-    let lines: Vec<String> = rows
-        .iter()
-        .map(text)
-        .filter(|l| !l.starts_with("sep="))
-        .collect();
+    let lines: Vec<String> = rows.iter().map(text).filter(|l| !l.starts_with("sep=")).collect();
     some_text(&lines.join("\n"))
 }

@@ -13,11 +13,7 @@ pub(crate) use text::is_text;
 use text::{Text, number};
 pub use write::encode_csv;
 
-pub(crate) fn decode(
-    name: &str,
-    bytes: &[u8],
-    selection: &Selection,
-) -> Result<Recording, RecordingError> {
+pub(crate) fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
     let text = Text::decode(bytes);
     let rows = Rows::new(name, &text.content)?;
     let header = Header::find(&rows)?;
@@ -27,21 +23,10 @@ pub(crate) fn decode(
         findings.push(Finding::AssumedLatin1);
     }
     findings.extend(table.fill(&rows, &header)?);
-    require_names(
-        name,
-        selection,
-        header
-            .columns
-            .iter()
-            .filter(|c| !c.is_time)
-            .map(|c| c.name.as_str()),
-    )?;
+    require_names(name, selection, header.columns.iter().filter(|c| !c.is_time).map(|c| c.name.as_str()))?;
     let (rasters, channels) = table.finish(header.columns, selection);
     Ok(Recording {
-        format: Format::Csv {
-            delimiter: char::from(rows.delimiter),
-            decimal_comma: table.decimal == Some(','),
-        },
+        format: Format::Csv { delimiter: char::from(rows.delimiter), decimal_comma: table.decimal == Some(',') },
         comment: header.comment,
         start_time: None,
         rasters,
@@ -65,11 +50,7 @@ impl<'a> Rows<'a> {
             column: None,
             problem: CsvProblem::NoDelimiter,
         })?;
-        Ok(Self {
-            file,
-            content,
-            delimiter,
-        })
+        Ok(Self { file, content, delimiter })
     }
 
     fn reader(&self) -> ::csv::Reader<&'a [u8]> {
@@ -81,11 +62,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Reads the next row; false at the end.
-    fn next(
-        &self,
-        reader: &mut ::csv::Reader<&[u8]>,
-        row: &mut StringRecord,
-    ) -> Result<bool, RecordingError> {
+    fn next(&self, reader: &mut ::csv::Reader<&[u8]>, row: &mut StringRecord) -> Result<bool, RecordingError> {
         reader.read_record(row).map_err(|error| {
             let line = error.position().map_or(1, ::csv::Position::line);
             let detail = error.to_string();
@@ -94,12 +71,7 @@ impl<'a> Rows<'a> {
     }
 
     fn error(&self, line: u64, column: Option<usize>, problem: CsvProblem) -> RecordingError {
-        RecordingError::Csv {
-            file: self.file.into(),
-            line,
-            column: column.map(|c| c + 1),
-            problem,
-        }
+        RecordingError::Csv { file: self.file.into(), line, column: column.map(|c| c + 1), problem }
     }
 }
 
@@ -124,18 +96,10 @@ impl Table {
         for b in 1..blocks.len() {
             blocks[b - 1].1 = blocks[b].0;
         }
-        Self {
-            columns: vec![Vec::new(); width],
-            blocks,
-            decimal: None,
-        }
+        Self { columns: vec![Vec::new(); width], blocks, decimal: None }
     }
 
-    fn fill(
-        &mut self,
-        rows: &Rows<'_>,
-        header: &Header,
-    ) -> Result<Option<Finding>, RecordingError> {
+    fn fill(&mut self, rows: &Rows<'_>, header: &Header) -> Result<Option<Finding>, RecordingError> {
         let mut reader = rows.reader();
         let mut row = StringRecord::new();
         for _ in 0..header.rows {
@@ -173,12 +137,7 @@ impl Table {
     }
 
     /// Takes over one line of one block of columns.
-    fn block(
-        &mut self,
-        rows: &Rows<'_>,
-        row: &StringRecord,
-        block: usize,
-    ) -> Result<(), RecordingError> {
+    fn block(&mut self, rows: &Rows<'_>, row: &StringRecord, block: usize) -> Result<(), RecordingError> {
         let (start, end, has_ended) = self.blocks[block];
         let filled = (start..end).find(|&c| !row[c].trim().is_empty());
         let Some(filled) = filled else {
@@ -199,22 +158,13 @@ impl Table {
         Ok(())
     }
 
-    fn finish(
-        &mut self,
-        header: Vec<header::Column>,
-        selection: &Selection,
-    ) -> (Vec<Raster>, Vec<Channel>) {
+    fn finish(&mut self, header: Vec<header::Column>, selection: &Selection) -> (Vec<Raster>, Vec<Channel>) {
         let (mut rasters, mut channels) = (Vec::new(), Vec::new());
         let mut time: Option<Raster> = None;
         for (column, samples) in header.into_iter().zip(std::mem::take(&mut self.columns)) {
             if column.is_time {
-                let time_s = samples
-                    .into_iter()
-                    .map(|t| t * column.factor.0 / column.factor.1);
-                time = Some(Raster {
-                    time_s: time_s.collect(),
-                    name: None,
-                });
+                let time_s = samples.into_iter().map(|t| t * column.factor.0 / column.factor.1);
+                time = Some(Raster { time_s: time_s.collect(), name: None });
             } else if selection.takes(&column.name) {
                 // The first channel of a block brings its clock along.
                 rasters.extend(time.take());

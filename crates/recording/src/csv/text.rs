@@ -16,10 +16,7 @@ pub(crate) struct Text<'a> {
 impl<'a> Text<'a> {
     /// Decodes UTF-8, UTF-16 with a byte order mark, or else Latin-1.
     pub(crate) fn decode(bytes: &'a [u8]) -> Self {
-        let known = |content| Self {
-            content,
-            assumed_latin1: false,
-        };
+        let known = |content| Self { content, assumed_latin1: false };
         if let Some(utf16) = utf16(bytes) {
             return known(Cow::Owned(utf16));
         }
@@ -27,10 +24,9 @@ impl<'a> Text<'a> {
         let bytes = without_end_mark(bytes);
         match std::str::from_utf8(bytes) {
             Ok(text) => known(Cow::Borrowed(text)),
-            Err(_) => Self {
-                content: Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()),
-                assumed_latin1: true,
-            },
+            Err(_) => {
+                Self { content: Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()), assumed_latin1: true }
+            }
         }
     }
 }
@@ -50,11 +46,7 @@ fn utf16(bytes: &[u8]) -> Option<String> {
         [a, b] => decode([*a, *b]),
         _ => 0xFFFD,
     });
-    Some(
-        char::decode_utf16(units)
-            .map(|c| c.unwrap_or('\u{FFFD}'))
-            .collect(),
-    )
+    Some(char::decode_utf16(units).map(|c| c.unwrap_or('\u{FFFD}')).collect())
 }
 
 /// Whether content may be text: no control characters other than white space in its first bytes.
@@ -68,11 +60,7 @@ pub(crate) fn is_text(bytes: &[u8]) -> bool {
 
 /// The first of tab, semicolon and comma that occurs, outside quotes, in at least half of the lines.
 pub(crate) fn delimiter(content: &str) -> Option<u8> {
-    let lines: Vec<&str> = content
-        .lines()
-        .filter(|l| !l.trim().is_empty())
-        .take(SAMPLE_LINES)
-        .collect();
+    let lines: Vec<&str> = content.lines().filter(|l| !l.trim().is_empty()).take(SAMPLE_LINES).collect();
     [b'\t', b';', b','].into_iter().find(|&d| {
         let with = lines.iter().filter(|l| occurs(l, d)).count();
         with > 0 && with * 2 >= lines.len()

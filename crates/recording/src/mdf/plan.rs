@@ -4,8 +4,7 @@ use falcon_mdf::Mf4Error;
 
 use super::{failure, plausible};
 use crate::{
-    Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason,
-    error::require_names,
+    Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason, error::require_names,
 };
 
 /// Where a channel is in the file: data group, channel group, channel.
@@ -44,9 +43,9 @@ pub(crate) enum ReadFailure {
 impl From<Mf4Error> for ReadFailure {
     fn from(error: Mf4Error) -> Self {
         match error {
-            Mf4Error::Unsupported { feature, detail } => Self::Skip(SkipReason::Unsupported {
-                detail: format!("{feature} ({detail})"),
-            }),
+            Mf4Error::Unsupported { feature, detail } => {
+                Self::Skip(SkipReason::Unsupported { detail: format!("{feature} ({detail})") })
+            }
             other => Self::Mdf(other),
         }
     }
@@ -71,13 +70,7 @@ impl<'a> Assembly<'a> {
     ) -> Result<Self, RecordingError> {
         let names = groups.iter().flat_map(|g| &g.channels);
         require_names(file, selection, names.map(|c| c.name.as_str()))?;
-        let mut assembly = Self {
-            file,
-            selection,
-            rasters: Vec::new(),
-            channels: Vec::new(),
-            findings: Vec::new(),
-        };
+        let mut assembly = Self { file, selection, rasters: Vec::new(), channels: Vec::new(), findings: Vec::new() };
         for group in groups {
             assembly.group(group, &read)?;
         }
@@ -104,15 +97,8 @@ impl<'a> Assembly<'a> {
             self.channel(item, count, read)?;
         }
         if self.channels.len() > first {
-            self.findings.extend(count_finding(
-                self.rasters.len(),
-                group.announced,
-                count as u64,
-            ));
-            self.rasters.push(Raster {
-                time_s,
-                name: group.name.clone(),
-            });
+            self.findings.extend(count_finding(self.rasters.len(), group.announced, count as u64));
+            self.rasters.push(Raster { time_s, name: group.name.clone() });
         }
         Ok(())
     }
@@ -145,14 +131,11 @@ impl<'a> Assembly<'a> {
         };
         match read(item.key) {
             Err(ReadFailure::Skip(reason)) => self.skip(item, reason),
-            Err(ReadFailure::Mdf(error @ Mf4Error::TruncatedFile { .. })) => {
-                Err(failure(self.file, error))
-            }
+            Err(ReadFailure::Mdf(error @ Mf4Error::TruncatedFile { .. })) => Err(failure(self.file, error)),
             Err(ReadFailure::Mdf(error)) => Err(damaged(error.to_string())),
-            Ok(samples) if samples.len() != count => Err(damaged(format!(
-                "it has {} samples, its clock {count}",
-                samples.len()
-            ))),
+            Ok(samples) if samples.len() != count => {
+                Err(damaged(format!("it has {} samples, its clock {count}", samples.len())))
+            }
             Ok(samples) => {
                 self.channels.push(Channel {
                     name: item.name.clone(),
@@ -167,23 +150,14 @@ impl<'a> Assembly<'a> {
     }
 
     fn skip_all(&mut self, items: &[&Item], reason: &SkipReason) -> Result<(), RecordingError> {
-        items
-            .iter()
-            .try_for_each(|item| self.skip(item, reason.clone()))
+        items.iter().try_for_each(|item| self.skip(item, reason.clone()))
     }
 
     fn skip(&mut self, item: &Item, reason: SkipReason) -> Result<(), RecordingError> {
         if let Selection::Names(_) = self.selection {
-            return Err(RecordingError::UnusableChannel {
-                file: self.file.into(),
-                channel: item.name.clone(),
-                reason,
-            });
+            return Err(RecordingError::UnusableChannel { file: self.file.into(), channel: item.name.clone(), reason });
         }
-        self.findings.push(Finding::SkippedChannel {
-            channel: item.name.clone(),
-            reason,
-        });
+        self.findings.push(Finding::SkippedChannel { channel: item.name.clone(), reason });
         Ok(())
     }
 }
@@ -195,10 +169,9 @@ pub(crate) fn list(groups: &[Group]) -> (Vec<RasterInfo>, Vec<ChannelInfo>, Vec<
         let first = channels.len();
         for item in &group.channels {
             match item.obstacle.as_ref().or(group.time.as_ref().err()) {
-                Some(reason) => findings.push(Finding::SkippedChannel {
-                    channel: item.name.clone(),
-                    reason: reason.clone(),
-                }),
+                Some(reason) => {
+                    findings.push(Finding::SkippedChannel { channel: item.name.clone(), reason: reason.clone() })
+                }
                 None => channels.push(ChannelInfo {
                     name: item.name.clone(),
                     unit: item.unit.clone(),
@@ -221,16 +194,8 @@ pub(crate) fn list(groups: &[Group]) -> (Vec<RasterInfo>, Vec<ChannelInfo>, Vec<
 fn count_finding(raster: usize, announced: u64, found: u64) -> Option<Finding> {
     match announced.cmp(&found) {
         std::cmp::Ordering::Equal => None,
-        std::cmp::Ordering::Greater => Some(Finding::MissingSamples {
-            raster,
-            announced,
-            found,
-        }),
-        std::cmp::Ordering::Less => Some(Finding::UnannouncedSamples {
-            raster,
-            announced,
-            found,
-        }),
+        std::cmp::Ordering::Greater => Some(Finding::MissingSamples { raster, announced, found }),
+        std::cmp::Ordering::Less => Some(Finding::UnannouncedSamples { raster, announced, found }),
     }
 }
 

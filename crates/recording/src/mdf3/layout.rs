@@ -77,12 +77,7 @@ impl DataGroup {
 impl Layout {
     pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Self, RecordingError> {
         let id = slice(file, bytes, 0, 64)?;
-        let mut walk = Walk {
-            file,
-            bytes,
-            big_endian: id[24] != 0 || id[25] != 0,
-            seen: HashSet::new(),
-        };
+        let mut walk = Walk { file, bytes, big_endian: id[24] != 0 || id[25] != 0, seen: HashSet::new() };
         let head = walk.block(64, b"HD", 164)?;
         let mut groups = Vec::new();
         let mut next = walk.link(head, 4);
@@ -106,20 +101,11 @@ impl Layout {
 
     /// Lowers announced record counts to what the file can hold, here and in `bytes`, where a group's records are the
     /// last thing in a file that was cut off.
-    pub(super) fn limit_counts(
-        &mut self,
-        file: &str,
-        bytes: &mut [u8],
-    ) -> Result<(), RecordingError> {
+    pub(super) fn limit_counts(&mut self, file: &str, bytes: &mut [u8]) -> Result<(), RecordingError> {
         let length = bytes.len() as u64;
         for group in &mut self.groups {
             let available = length.saturating_sub(group.data);
-            if group.size() <= available
-                && group
-                    .groups
-                    .iter()
-                    .all(|g| g.record_bytes > 0 || g.cycles == 0)
-            {
+            if group.size() <= available && group.groups.iter().all(|g| g.record_bytes > 0 || g.cycles == 0) {
                 continue;
             }
             let missing = truncated(file, group.data, group.size(), length);
@@ -143,15 +129,9 @@ impl Layout {
 fn write_count(bytes: &mut [u8], offset: u64, count: u64, big_endian: bool) {
     // Only ever lowered from a count of 32 bits.
     let count = u32::try_from(count).unwrap_or(u32::MAX);
-    let field = usize::try_from(offset)
-        .ok()
-        .and_then(|o| bytes.get_mut(o..o + 4));
+    let field = usize::try_from(offset).ok().and_then(|o| bytes.get_mut(o..o + 4));
     if let Some(field) = field {
-        field.copy_from_slice(&if big_endian {
-            count.to_be_bytes()
-        } else {
-            count.to_le_bytes()
-        });
+        field.copy_from_slice(&if big_endian { count.to_be_bytes() } else { count.to_le_bytes() });
     }
 }
 
@@ -165,11 +145,7 @@ struct Walk<'a> {
 impl<'a> Walk<'a> {
     /// The bytes from a block's start to the end of the file, at least `size` of them.
     fn block(&mut self, offset: u64, id: &[u8], size: u64) -> Result<&'a [u8], RecordingError> {
-        let damaged = |detail: String| RecordingError::Damaged {
-            file: self.file.into(),
-            offset: Some(offset),
-            detail,
-        };
+        let damaged = |detail: String| RecordingError::Damaged { file: self.file.into(), offset: Some(offset), detail };
         slice(self.file, self.bytes, offset, size)?;
         let length = self.bytes.len() as u64;
         let block = slice(self.file, self.bytes, offset, length - offset)?;
@@ -240,10 +216,7 @@ impl<'a> Walk<'a> {
         if offset == 0 || !block.starts_with(b"CC") {
             return (String::new(), u16::MAX);
         }
-        (
-            latin1(&block[22..42]).trim().to_owned(),
-            self.u16(block, 42),
-        )
+        (latin1(&block[22..42]).trim().to_owned(), self.u16(block, 42))
     }
 
     /// The text of a TX block; empty where there is none.
@@ -308,14 +281,9 @@ fn local_time(date: &str, time: &str) -> Option<StartTime> {
         parts.ok()?.try_into().ok()
     };
     let ([day, month, year], [hour, minute, second]) = (numbers(date)?, numbers(time)?);
-    let in_range =
-        (1..=31).contains(&day) && (1..=12).contains(&month) && (1900..2200).contains(&year);
+    let in_range = (1..=31).contains(&day) && (1..=12).contains(&month) && (1900..2200).contains(&year);
     let seconds = days_since_1970(year, month, day) * 86_400 + hour * 3600 + minute * 60 + second;
-    in_range.then_some(StartTime {
-        nanoseconds: seconds * 1_000_000_000,
-        is_local: true,
-        utc_offset_min: None,
-    })
+    in_range.then_some(StartTime { nanoseconds: seconds * 1_000_000_000, is_local: true, utc_offset_min: None })
 }
 
 /// Days since 1970-01-01 in the Gregorian calendar.

@@ -12,17 +12,12 @@ use crate::mdf::{failure, numbers, version};
 use crate::{Catalogue, Format, Recording, RecordingError, Selection, SkipReason};
 use layout::{DataGroup, Layout};
 
-pub(crate) fn decode(
-    name: &str,
-    bytes: &[u8],
-    selection: &Selection,
-) -> Result<Recording, RecordingError> {
+pub(crate) fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
     let version = version(name, bytes)?;
     let mut layout = Layout::read(name, bytes)?;
     let mut copy = bytes.to_vec();
     layout.limit_counts(name, &mut copy)?;
-    let file =
-        Mdf3File::from_source(Arc::new(MemorySource::new(copy))).map_err(|e| failure(name, e))?;
+    let file = Mdf3File::from_source(Arc::new(MemorySource::new(copy))).map_err(|e| failure(name, e))?;
     let groups = groups(&layout);
     let read = |key| read(&file, key);
     let built = Assembly::build(name, selection, &groups, read)?;
@@ -58,8 +53,7 @@ fn read(file: &Mdf3File, (dg, cg, channel): Key) -> Result<Vec<f64>, ReadFailure
 
 fn groups(layout: &Layout) -> Vec<Group> {
     let all = layout.groups.iter().enumerate();
-    all.flat_map(|(index, dg)| (0..dg.groups.len()).map(move |cg| group(dg, (index, cg))))
-        .collect()
+    all.flat_map(|(index, dg)| (0..dg.groups.len()).map(move |cg| group(dg, (index, cg)))).collect()
 }
 
 fn group(dg: &DataGroup, (index, cg): (usize, usize)) -> Group {

@@ -30,18 +30,10 @@ pub(super) struct Declared {
 
 impl Layout {
     pub(super) fn read(file: &str, bytes: &[u8]) -> Result<Self, RecordingError> {
-        let mut walk = Walk {
-            file,
-            bytes,
-            seen: HashSet::new(),
-        };
+        let mut walk = Walk { file, bytes, seen: HashSet::new() };
         let head = walk.block(64, b"##HD")?;
-        let mut layout = Self {
-            start_time: start_time(&head),
-            groups: HashMap::new(),
-            data: Vec::new(),
-            last_block: 0,
-        };
+        let mut layout =
+            Self { start_time: start_time(&head), groups: HashMap::new(), data: Vec::new(), last_block: 0 };
         let mut next = head.link(0);
         while next != 0 {
             let group = walk.block(next, b"##DG")?;
@@ -62,10 +54,7 @@ impl Layout {
     pub(super) fn shorten_cut_blocks(&self, bytes: &mut [u8]) {
         let length = bytes.len() as u64;
         for &offset in self.data.iter().filter(|&&o| o > self.last_block) {
-            let Some(rest) = usize::try_from(offset)
-                .ok()
-                .and_then(|o| bytes.get_mut(o..))
-            else {
+            let Some(rest) = usize::try_from(offset).ok().and_then(|o| bytes.get_mut(o..)) else {
                 continue;
             };
             let available = length - offset;
@@ -100,11 +89,7 @@ struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     fn block(&mut self, offset: u64, id: &[u8]) -> Result<Block<'a>, RecordingError> {
-        let damaged = |detail: String| RecordingError::Damaged {
-            file: self.file.into(),
-            offset: Some(offset),
-            detail,
-        };
+        let damaged = |detail: String| RecordingError::Damaged { file: self.file.into(), offset: Some(offset), detail };
         let header = slice(self.file, self.bytes, offset, HEADER)?;
         if !header.starts_with(id) {
             return Err(damaged(format!(
@@ -127,11 +112,7 @@ impl<'a> Walk<'a> {
         Ok(Block { links, data })
     }
 
-    fn channel_groups(
-        &mut self,
-        first: u64,
-        groups: &mut HashMap<u64, Declared>,
-    ) -> Result<(), RecordingError> {
+    fn channel_groups(&mut self, first: u64, groups: &mut HashMap<u64, Declared>) -> Result<(), RecordingError> {
         let mut next = first;
         while next != 0 {
             let group = self.block(next, b"##CG")?;

@@ -18,11 +18,7 @@ pub use write::encode_mdf4;
 /// Deflate cannot expand more than this.
 const MAX_EXPANSION: u64 = 1032;
 
-pub(crate) fn decode(
-    name: &str,
-    bytes: &[u8],
-    selection: &Selection,
-) -> Result<Recording, RecordingError> {
+pub(crate) fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
     let source = Source::open(name, bytes)?;
     let groups = source.groups();
     let built = Assembly::build(name, selection, &groups, |key| source.read(key))?;
@@ -73,11 +69,7 @@ impl Source {
         };
         let file = Mf4File::from_bytes_with_options(copy, options).map_err(|e| failure(name, e))?;
         refuse_repeated_blocks(name, &file, bytes.len() as u64)?;
-        Ok(Self {
-            file,
-            layout,
-            format: Format::Mdf { version },
-        })
+        Ok(Self { file, layout, format: Format::Mdf { version } })
     }
 
     fn findings(&self) -> Vec<Finding> {
@@ -106,18 +98,13 @@ impl Source {
             found: cg.sample_count,
             stream_bytes: dg.block_index().total_size(),
             time: self.time(dg, cg),
-            channels: channels
-                .map(|c| item(c, (dg.index, cg.index, c.index)))
-                .collect(),
+            channels: channels.map(|c| item(c, (dg.index, cg.index, c.index))).collect(),
         }
     }
 
     /// The clock of a group: a channel of its own, or that of the group it refers to.
     fn time(&self, dg: &DataGroup, cg: &ChannelGroup) -> Result<Key, SkipReason> {
-        let remote = self
-            .layout
-            .group(cg.block_offset())
-            .and_then(|g| g.remote_master);
+        let remote = self.layout.group(cg.block_offset()).and_then(|g| g.remote_master);
         let (dg, cg) = match remote {
             None => (dg, cg),
             Some(offset) => self.group_at(offset).ok_or(SkipReason::NoTime)?,
@@ -131,8 +118,7 @@ impl Source {
 
     fn group_at(&self, offset: u64) -> Option<(&DataGroup, &ChannelGroup)> {
         let all = self.file.data_groups().iter();
-        all.flat_map(|dg| dg.channel_groups.iter().map(move |cg| (dg, cg)))
-            .find(|(_, cg)| cg.block_offset() == offset)
+        all.flat_map(|dg| dg.channel_groups.iter().map(move |cg| (dg, cg))).find(|(_, cg)| cg.block_offset() == offset)
     }
 
     fn read(&self, (dg, cg, channel): Key) -> Result<Vec<f64>, ReadFailure> {
@@ -154,10 +140,7 @@ impl Source {
 /// Data blocks that together are larger than the file are the same block over and over.
 fn refuse_repeated_blocks(name: &str, file: &Mf4File, length: u64) -> Result<(), RecordingError> {
     let stored = |dg: &DataGroup| {
-        let sizes = dg
-            .block_index()
-            .iter()
-            .map(|(_, block)| block.compressed_size);
+        let sizes = dg.block_index().iter().map(|(_, block)| block.compressed_size);
         sizes.fold(0, u64::saturating_add)
     };
     let groups = file.data_groups();
@@ -184,9 +167,7 @@ fn item(channel: &falcon_mdf::Channel, key: Key) -> Item {
 /// What can be told against a channel without reading it.
 fn obstacle(channel: &falcon_mdf::Channel) -> Option<SkipReason> {
     if let Some(reason) = channel.unreadable() {
-        return Some(SkipReason::Unsupported {
-            detail: reason.detail().into(),
-        });
+        return Some(SkipReason::Unsupported { detail: reason.detail().into() });
     }
     let kind = channel.value_kind();
     let kind = match channel.channel_type {

@@ -45,13 +45,7 @@ pub fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
 fn check_rasters(recording: &Recording) -> Result<(), RecordingError> {
     let rasters = recording.rasters.len();
     let stray = recording.channels.iter().find(|c| c.raster >= rasters);
-    stray.map_or(Ok(()), |c| {
-        Err(RecordingError::NoSuchRaster {
-            channel: c.name.clone(),
-            raster: c.raster,
-            rasters,
-        })
-    })
+    stray.map_or(Ok(()), |c| Err(RecordingError::NoSuchRaster { channel: c.name.clone(), raster: c.raster, rasters }))
 }
 
 struct Out {
@@ -114,35 +108,19 @@ impl Out {
     }
 
     /// A raster with its channels and records; `next` is the data group that follows.
-    fn raster(
-        &mut self,
-        recording: &Recording,
-        index: usize,
-        next: u64,
-    ) -> Result<u64, RecordingError> {
+    fn raster(&mut self, recording: &Recording, index: usize, next: u64) -> Result<u64, RecordingError> {
         let raster = &recording.rasters[index];
-        let channels: Vec<_> = recording
-            .channels
-            .iter()
-            .filter(|c| c.raster == index)
-            .collect();
+        let channels: Vec<_> = recording.channels.iter().filter(|c| c.raster == index).collect();
         check_lengths(raster, &channels)?;
         let name = raster.name.as_deref().unwrap_or_default();
         let record = (channels.len() + 1) * SAMPLE;
-        let record_bytes =
-            u32::try_from(record).map_err(|_| cannot(name, "the number of channels"))?;
+        let record_bytes = u32::try_from(record).map_err(|_| cannot(name, "the number of channels"))?;
 
         let mut chain = 0;
         for (place, channel) in channels.iter().enumerate().rev() {
             chain = self.channel(channel, (place + 1) * SAMPLE, chain)?;
         }
-        let time = Column {
-            name: "time",
-            unit: "s",
-            comment: "",
-            place: 0,
-            is_time: true,
-        };
+        let time = Column { name: "time", unit: "s", comment: "", place: 0, is_time: true };
         let first = self.column(&time, chain)?;
         let name = self.text(name, name)?;
         let mut data = [0; 32];
@@ -153,19 +131,9 @@ impl Out {
         Ok(self.block(b"##DG", &[next, group, records, 0], &[0; 8]))
     }
 
-    fn channel(
-        &mut self,
-        channel: &Channel,
-        place: usize,
-        next: u64,
-    ) -> Result<u64, RecordingError> {
-        let column = Column {
-            name: &channel.name,
-            unit: &channel.unit,
-            comment: &channel.comment,
-            place,
-            is_time: false,
-        };
+    fn channel(&mut self, channel: &Channel, place: usize, next: u64) -> Result<u64, RecordingError> {
+        let column =
+            Column { name: &channel.name, unit: &channel.unit, comment: &channel.comment, place, is_time: false };
         self.column(&column, next)
     }
 
@@ -176,11 +144,7 @@ impl Out {
         let place = u32::try_from(column.place).map_err(|_| cannot(column.name, "the place"))?;
         let mut data = [0; 72];
         // Type 2 and synchronisation 1 are a time master; data type 4 is a little-endian float.
-        data[..3].copy_from_slice(if column.is_time {
-            &[2, 1, 4]
-        } else {
-            &[0, 0, 4]
-        });
+        data[..3].copy_from_slice(if column.is_time { &[2, 1, 4] } else { &[0, 0, 4] });
         data[4..8].copy_from_slice(&place.to_le_bytes());
         data[8..12].copy_from_slice(&64_u32.to_le_bytes());
         Ok(self.block(b"##CN", &[next, 0, name, 0, 0, 0, unit, comment], &data))
@@ -202,11 +166,7 @@ impl Out {
         let mut data = [0; 16];
         data[0] = 1;
         // At most as many chunks as fit in memory; the count is 32 bits wide by definition of the format.
-        data[4..8].copy_from_slice(
-            &u32::try_from(links.len() - 1)
-                .unwrap_or(u32::MAX)
-                .to_le_bytes(),
-        );
+        data[4..8].copy_from_slice(&u32::try_from(links.len() - 1).unwrap_or(u32::MAX).to_le_bytes());
         data[8..16].copy_from_slice(&(chunk as u64).to_le_bytes());
         let list = self.block(b"##DL", &links, &data);
         self.block(b"##HL", &[list], &[1, 0, 1, 0, 0, 0, 0, 0])
@@ -222,22 +182,14 @@ struct Column<'a> {
 }
 
 fn cannot(name: &str, what: &str) -> RecordingError {
-    RecordingError::CannotExpress {
-        format: "MDF 4.10".into(),
-        name: name.into(),
-        what: what.into(),
-    }
+    RecordingError::CannotExpress { format: "MDF 4.10".into(), name: name.into(), what: what.into() }
 }
 
 fn check_lengths(raster: &Raster, channels: &[&Channel]) -> Result<(), RecordingError> {
     let times = raster.time_s.len();
     let wrong = channels.iter().find(|c| c.samples.len() != times);
     wrong.map_or(Ok(()), |c| {
-        Err(RecordingError::LengthMismatch {
-            channel: c.name.clone(),
-            samples: c.samples.len(),
-            times,
-        })
+        Err(RecordingError::LengthMismatch { channel: c.name.clone(), samples: c.samples.len(), times })
     })
 }
 
@@ -248,9 +200,7 @@ fn block(id: &[u8; 4], links: &[u64], data: &[u8]) -> Vec<u8> {
     block.extend_from_slice(&[0; 4]);
     block.extend_from_slice(&(length as u64).to_le_bytes());
     block.extend_from_slice(&(links.len() as u64).to_le_bytes());
-    links
-        .iter()
-        .for_each(|link| block.extend_from_slice(&link.to_le_bytes()));
+    links.iter().for_each(|link| block.extend_from_slice(&link.to_le_bytes()));
     block.extend_from_slice(data);
     block
 }

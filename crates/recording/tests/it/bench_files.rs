@@ -11,9 +11,7 @@ use recording::{Selection, decode};
 /// FNV-1a over the little-endian bytes.
 fn checksum(samples: &[f64]) -> u64 {
     let bytes = samples.iter().flat_map(|s| s.to_le_bytes());
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 /// The folder of recordings beside the workspace, or the one named by the environment.
@@ -25,9 +23,7 @@ fn shared() -> PathBuf {
 #[test]
 fn ref_bench_files_equal_asammdf() {
     let folder = shared().join("recordings");
-    let expected = include_str!("data/bench_files.txt")
-        .lines()
-        .filter(|l| !l.starts_with('#'));
+    let expected = include_str!("data/bench_files.txt").lines().filter(|l| !l.starts_with('#'));
     let mut files: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for line in expected {
         let (file, rest) = line.split_once('\t').unwrap();
@@ -46,12 +42,7 @@ fn ref_bench_files_equal_asammdf() {
             .map(|c| {
                 let time_s = recording.time_s(c).unwrap();
                 let (time, samples) = (checksum(time_s), checksum(&c.samples));
-                format!(
-                    "{}\t{}\t{}\t{time:016x}\t{samples:016x}",
-                    c.name,
-                    c.unit,
-                    time_s.len()
-                )
+                format!("{}\t{}\t{}\t{time:016x}\t{samples:016x}", c.name, c.unit, time_s.len())
             })
             .collect();
         assert_eq!(read, channels, "{file}");

@@ -1,8 +1,7 @@
 //! The readers on the conformance suite of `testkit`, and damage particular to a format.
 
 use recording::{
-    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, decode, encode_csv,
-    encode_mdf4,
+    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, decode, encode_csv, encode_mdf4,
 };
 use testkit::reader::{Case, Content, Signal, conform};
 
@@ -18,19 +17,12 @@ fn read(name: &'static str) -> impl Fn(&[u8]) -> Result<Content, String> {
 }
 
 fn signal(channel: Channel) -> Signal {
-    Signal {
-        name: channel.name,
-        clock: channel.raster,
-        samples: channel.samples,
-    }
+    Signal { name: channel.name, clock: channel.raster, samples: channel.samples }
 }
 
 /// Channels `(name, raster, samples)` on rasters of these lengths at 100 Hz.
 fn made(lengths: &[usize], channels: &[(&str, usize, f64)]) -> Recording {
-    let raster = |&n: &usize| Raster {
-        time_s: (0..n).map(|i| i as f64 / 100.0).collect(),
-        name: None,
-    };
+    let raster = |&n: &usize| Raster { time_s: (0..n).map(|i| i as f64 / 100.0).collect(), name: None };
     let channel = |&(name, raster, offset): &(&str, usize, f64)| Channel {
         name: name.into(),
         unit: "Nm".into(),
@@ -128,16 +120,9 @@ fn exact_samples_before_a_cut_are_kept_mdf4() {
     let link = find(&bytes, b"##DG") + 24 + 16;
     let bytes = records_last(&bytes, find(&bytes, b"##DT"), 24 + 10 * 16, link..link + 8);
     let whole = decode("a.mf4", &bytes, &Selection::All).unwrap();
-    assert_eq!(
-        (whole.findings, whole.channels[0].samples[9]),
-        (vec![], 9.0)
-    );
+    assert_eq!((whole.findings, whole.channels[0].samples[9]), (vec![], 9.0));
     let cut = decode("a.mf4", &bytes[..bytes.len() - 40], &Selection::All).unwrap();
-    let missing = Finding::MissingSamples {
-        raster: 0,
-        announced: 10,
-        found: 7,
-    };
+    let missing = Finding::MissingSamples { raster: 0, announced: 10, found: 7 };
     assert_eq!(cut.findings, [missing]);
     assert_eq!(cut.channels[0].samples, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
 }
@@ -154,26 +139,16 @@ fn mdf3_records_last() -> Vec<u8> {
 fn exact_samples_before_a_cut_are_kept_mdf3() {
     let bytes = mdf3_records_last();
     let whole = decode("a.mdf", &bytes, &Selection::All).unwrap();
-    assert_eq!(
-        (whole.findings, whole.channels[1].samples[5]),
-        (vec![], 60.0)
-    );
+    assert_eq!((whole.findings, whole.channels[1].samples[5]), (vec![], 60.0));
     let cut = decode("a.mdf", &bytes[..bytes.len() - 40], &Selection::All).unwrap();
-    let missing = Finding::MissingSamples {
-        raster: 0,
-        announced: 6,
-        found: 3,
-    };
+    let missing = Finding::MissingSamples { raster: 0, announced: 6, found: 3 };
     assert_eq!(cut.findings, [missing]);
     assert_eq!(cut.channels[1].samples, [10.0, 20.0, 30.0]);
 }
 
 #[test]
 fn exact_announced_counts_are_not_believed_mdf3() {
-    for mut bytes in [
-        mdf3_records_last(),
-        include_bytes!("data/small.mdf").to_vec(),
-    ] {
+    for mut bytes in [mdf3_records_last(), include_bytes!("data/small.mdf").to_vec()] {
         let group = find(&bytes, b"CG");
         bytes[group + 22..group + 26].copy_from_slice(&u32::MAX.to_le_bytes());
         match decode("a.mdf", &bytes, &Selection::All) {
@@ -192,16 +167,7 @@ fn exact_shared_blocks_are_refused() {
     let itself = u32::try_from(group).unwrap();
     bytes[group + 4..group + 8].copy_from_slice(&itself.to_le_bytes());
     let error = decode("a.mdf", &bytes, &Selection::All).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            RecordingError::Damaged {
-                offset: Some(_),
-                ..
-            }
-        ),
-        "{error}"
-    );
+    assert!(matches!(error, RecordingError::Damaged { offset: Some(_), .. }), "{error}");
 }
 
 #[test]

@@ -3,8 +3,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use recording::{
-    Channel, Format, Raster, Recording, RecordingError, Selection, StartTime, decode, encode_csv,
-    encode_mdf4,
+    Channel, Format, Raster, Recording, RecordingError, Selection, StartTime, decode, encode_csv, encode_mdf4,
 };
 
 /// Any number, NaN and infinities included; time stamps need not increase.
@@ -36,24 +35,17 @@ fn raster(index: usize) -> impl Strategy<Value = (Raster, Vec<Channel>)> {
 }
 
 fn recording() -> impl Strategy<Value = Recording> {
-    let start = (1_i64.., any::<bool>(), proptest::option::of(-840..840)).prop_map(
-        |(nanoseconds, is_local, utc_offset_min)| StartTime {
-            nanoseconds,
-            is_local,
-            utc_offset_min,
-        },
-    );
+    let start = (1_i64.., any::<bool>(), proptest::option::of(-840..840))
+        .prop_map(|(nanoseconds, is_local, utc_offset_min)| StartTime { nanoseconds, is_local, utc_offset_min });
     let comment = proptest::option::of("[!-~][ -~]{0,20}[!-~]");
-    (raster(0), raster(1), comment, proptest::option::of(start)).prop_map(
-        |(a, b, comment, start_time)| Recording {
-            format: Format::Mdf { version: 410 },
-            comment,
-            start_time,
-            rasters: vec![a.0, b.0],
-            channels: [a.1, b.1].concat(),
-            findings: vec![],
-        },
-    )
+    (raster(0), raster(1), comment, proptest::option::of(start)).prop_map(|(a, b, comment, start_time)| Recording {
+        format: Format::Mdf { version: 410 },
+        comment,
+        start_time,
+        rasters: vec![a.0, b.0],
+        channels: [a.1, b.1].concat(),
+        findings: vec![],
+    })
 }
 
 fn bits(samples: &[f64]) -> Vec<u64> {
@@ -62,10 +54,7 @@ fn bits(samples: &[f64]) -> Vec<u64> {
 
 /// NaN of any kind is the same.
 fn values(samples: &[f64]) -> Vec<u64> {
-    samples
-        .iter()
-        .map(|s| if s.is_nan() { u64::MAX } else { s.to_bits() })
-        .collect()
+    samples.iter().map(|s| if s.is_nan() { u64::MAX } else { s.to_bits() }).collect()
 }
 
 proptest! {
@@ -103,13 +92,8 @@ proptest! {
 
 #[test]
 fn exact_contradictions_are_not_written() {
-    let channel = Channel {
-        name: "n".into(),
-        unit: String::new(),
-        comment: String::new(),
-        raster: 0,
-        samples: vec![1.0],
-    };
+    let channel =
+        Channel { name: "n".into(), unit: String::new(), comment: String::new(), raster: 0, samples: vec![1.0] };
     let mut recording = Recording {
         format: Format::Mdf { version: 410 },
         comment: None,
@@ -119,19 +103,10 @@ fn exact_contradictions_are_not_written() {
         findings: vec![],
     };
     for encode in [encode_mdf4, encode_csv] {
-        assert!(matches!(
-            encode(&recording),
-            Err(RecordingError::NoSuchRaster { .. })
-        ));
+        assert!(matches!(encode(&recording), Err(RecordingError::NoSuchRaster { .. })));
     }
-    recording.rasters.push(Raster {
-        time_s: vec![],
-        name: None,
-    });
+    recording.rasters.push(Raster { time_s: vec![], name: None });
     for encode in [encode_mdf4, encode_csv] {
-        assert!(matches!(
-            encode(&recording),
-            Err(RecordingError::LengthMismatch { .. })
-        ));
+        assert!(matches!(encode(&recording), Err(RecordingError::LengthMismatch { .. })));
     }
 }

@@ -43,7 +43,8 @@ fn blocks(study: &Study) -> [Block; 5] {
     let (speed, speed_known) = speed_control(study);
     let (torque, torque_known) = torque_control(study);
     let (shaft, shaft_known) = shaft(study);
-    let block = |x, y, width, link, title, lines, estimated| Block { x, y, width, height: 96, link, title, lines, estimated };
+    let block =
+        |x, y, width, link, title, lines, estimated| Block { x, y, width, height: 96, link, title, lines, estimated };
     [
         block(110, 36, 330, "speed-control", "Speed control", speed, speed_known),
         block(550, 36, 250, "torque-control", "Torque control", torque, torque_known),

@@ -56,9 +56,15 @@ pub(crate) fn difference(validation: &Validation) -> Trace {
 fn comparison_caption(validation: &Validation) -> String {
     let fit = number::fit(validation.fit_percent);
     let stretch = &validation.stretch;
-    format!("Fit {fit}. {}, {}–{} s. {}", stretch.file, whole(stretch.start_s), whole(stretch.end_s), thinned(&validation.measured))
-        .trim_end()
-        .to_owned()
+    format!(
+        "Fit {fit}. {}, {}–{} s. {}",
+        stretch.file,
+        whole(stretch.start_s),
+        whole(stretch.end_s),
+        thinned(&validation.measured)
+    )
+    .trim_end()
+    .to_owned()
 }
 
 fn whole(seconds: f64) -> String {
@@ -85,13 +91,15 @@ pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: f64) -> Fig
         x: lags(first, test.sample_time_s, values.len()),
         y: rounded(values),
     };
-    let region = |bound: f64| Layer::YRegion { low: Rounded(-bound), high: Rounded(bound), label: format!("{level} region") };
+    let region =
+        |bound: f64| Layer::YRegion { low: Rounded(-bound), high: Rounded(bound), label: format!("{level} region") };
     let panel = |label: String, layers: Vec<Layer>| Panel {
         y: Axis::linear(&label, "").within(-extent, extent),
         height: 110,
         layers,
     };
-    let counts = (outside(own, test.autocorrelation_bound), outside(&test.cross_correlation, test.cross_correlation_bound));
+    let counts =
+        (outside(own, test.autocorrelation_bound), outside(&test.cross_correlation, test.cross_correlation_bound));
     Figure {
         title: title.to_owned(),
         caption: format!(
@@ -105,7 +113,10 @@ pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: f64) -> Fig
         ),
         x: Axis::linear("lag", "ms"),
         panels: vec![
-            panel("residual with itself".to_owned(), vec![region(test.autocorrelation_bound), stems(Style::Modelled, 1.0, own)]),
+            panel(
+                "residual with itself".to_owned(),
+                vec![region(test.autocorrelation_bound), stems(Style::Modelled, 1.0, own)],
+            ),
             panel(
                 format!("residual with {}", test.input),
                 vec![region(test.cross_correlation_bound), stems(Style::Other, first_lag, &test.cross_correlation)],

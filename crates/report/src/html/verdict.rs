@@ -163,7 +163,10 @@ fn missing(study: &Study) -> Markup {
         .iter()
         .filter(|(_, _, there)| !there)
         .map(|(name, needs, _)| {
-            vec![markup!("<strong>{}</strong>", wording::part(name)), prose(&format!("needs {}", wording::needs(needs)))]
+            vec![
+                markup!("<strong>{}</strong>", wording::part(name)),
+                prose(&format!("needs {}", wording::needs(needs))),
+            ]
         })
         .collect();
     if rows.is_empty() {
@@ -181,7 +184,9 @@ fn findings(study: &Study) -> Markup {
     let shown: Markup = grave.iter().take(SHOWN_FINDINGS).map(|found| entry(&[*found])).collect();
     let rest = match study.diagnostics.len().saturating_sub(SHOWN_FINDINGS.min(grave.len())) {
         0 => Markup::default(),
-        n => markup!("<p class=\"note\"><a href=\"#findings\">All findings ({} more)</a></p>", unbroken(&n.to_string())),
+        n => {
+            markup!("<p class=\"note\"><a href=\"#findings\">All findings ({} more)</a></p>", unbroken(&n.to_string()))
+        }
     };
     markup!("<h3>Most important findings</h3>\n<ul class=\"findings\">{}</ul>\n{}\n", shown, rest)
 }

@@ -67,7 +67,9 @@ fn margins(margins: Option<&Margins>) -> Markup {
             unbroken(&number::significant_with_unit(margins.phase_margin_deg, 2, "°").replace(" °", "°")),
             unbroken(&number::significant_with_unit(margins.gain_margin_db, 3, "dB")),
         ),
-        None => markup!("<p class=\"note\">Margins of the speed loop are not known: the speed control was not estimated.</p>\n"),
+        None => markup!(
+            "<p class=\"note\">Margins of the speed loop are not known: the speed control was not estimated.</p>\n"
+        ),
     }
 }
 
@@ -90,9 +92,12 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
     let points: &[SinePoint] = if resonates && input == "T_d" { &whole.sine_points } else { &[] };
     let mut gain: Vec<Layer> = if resonates { resonance_layers(&whole.resonance_hz) } else { Vec::new() };
     gain.extend(curves.iter().enumerate().map(|(n, curve)| band(curve, style(n))));
-    gain.extend(curves.iter().enumerate().map(|(n, curve)| {
-        Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.gain_db)
-    }));
+    gain.extend(
+        curves
+            .iter()
+            .enumerate()
+            .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.gain_db)),
+    );
     if resonates && input == "T_d" {
         let label = format!("static gain {}", number::significant(whole.static_gain, 3));
         gain.push(Layer::HorizontalMark { y: decibel(whole.static_gain), label });
@@ -100,9 +105,10 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
     if !points.is_empty() {
         gain.push(sine_layer(points));
     }
-    let phase = curves.iter().enumerate().map(|(n, curve)| {
-        Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg)
-    });
+    let phase = curves
+        .iter()
+        .enumerate()
+        .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg));
     Figure {
         title: format!("From {input} to {output}"),
         caption: bode_caption(unit, !points.is_empty(), resonates.then_some(&whole.resonance_hz)),
@@ -139,7 +145,10 @@ fn resonance_layers(resonance: &Parameter) -> Vec<Layer> {
     let (low, high) = resonance.interval;
     vec![
         Layer::XRegion { low: Rounded(low), high: Rounded(high), label: String::new() },
-        Layer::VerticalMarks { x: vec![Rounded(resonance.value)], label: format!("resonance {}", number::parameter(resonance)) },
+        Layer::VerticalMarks {
+            x: vec![Rounded(resonance.value)],
+            label: format!("resonance {}", number::parameter(resonance)),
+        },
     ]
 }
 
@@ -172,7 +181,9 @@ fn bode_caption(unit: &str, with_sines: bool, resonance: Option<&Parameter>) -> 
 
 fn sine_table(points: &[SinePoint]) -> Markup {
     if points.is_empty() {
-        return markup!("<p class=\"note\">No sine tests were recorded (Sine_T_TN), so the gain is not checked frequency by frequency.</p>\n");
+        return markup!(
+            "<p class=\"note\">No sine tests were recorded (Sine_T_TN), so the gain is not checked frequency by frequency.</p>\n"
+        );
     }
     let rows = points.iter().map(|point| {
         vec![

@@ -25,14 +25,22 @@ pub fn finding(finding: &Finding) -> String {
         Finding::ShortGaps { count, longest_s, share: of } => short_gaps(*count, *longest_s, *of),
         Finding::Cut { kept_s: (from, to), lost_s } => {
             let lost = duration(*lost_s);
-            format!("Gaps too long to interpolate: only the stretch from {} to {} is used, {lost} are not.", time(*from), time(*to))
+            format!(
+                "Gaps too long to interpolate: only the stretch from {} to {} is used, {lost} are not.",
+                time(*from),
+                time(*to)
+            )
         }
         Finding::ImplausibleMagnitude { role: of, largest, looks_like } => {
             let hint = looks_like.as_ref().map(|unit| format!(" They look like {unit}.")).unwrap_or_default();
             format!("The values of the {} reach {} (SI), more than a bench can do.{hint}", role(*of), si(*largest))
         }
         Finding::SpeedsDisagree { role: of, ratio_to_dyno_speed } => {
-            format!("The mean of the {} is {} times that of the dynamometer speed.", role(*of), si(*ratio_to_dyno_speed))
+            format!(
+                "The mean of the {} is {} times that of the dynamometer speed.",
+                role(*of),
+                si(*ratio_to_dyno_speed)
+            )
         }
         Finding::TimeNotIncreasing => "Time stamps go backwards or repeat.".to_owned(),
         Finding::Jitter { largest_s, sample_time_s } => jitter(*largest_s, *sample_time_s),
@@ -64,6 +72,7 @@ pub fn finding(finding: &Finding) -> String {
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
         Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
         Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
+        Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
         Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
         Finding::BeyondLimit { limit, value, allowed } => {
             format!("The model predicts {} (SI) for the {limit}; the limit is {}.", si(*value), si(*allowed))
@@ -79,36 +88,56 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::NoLabel => "Put the label, such as BS_T_NT, into the file name or into the bench file.",
         Finding::DuplicateRecording { .. } => "Remove one of the two; only the first was used.",
         Finding::MissingChannel { .. } => "Correct the channel’s name in the bench file, or record the channel.",
-        Finding::UnfitUnit { .. } => "State the unit in the bench file, for instance dyno_speed = { name = \"…\", unit = \"rpm\" }.",
+        Finding::UnfitUnit { .. } => {
+            "State the unit in the bench file, for instance dyno_speed = { name = \"…\", unit = \"rpm\" }."
+        }
         Finding::NotANumber { mended: true, .. } => "Nothing to do, unless it happens often: then check the sensor.",
         Finding::NotANumber { mended: false, .. } => "Check sensor and cable, and record again.",
-        Finding::Gap { mended: true, .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
+        Finding::Gap { mended: true, .. } => {
+            "Nothing to do, unless it happens often: then check the measuring system’s load."
+        }
         Finding::Gap { mended: false, .. } => "Record again; a stretch with a gap cannot be used.",
         Finding::ShortGaps { .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
         Finding::Cut { .. } => "Record again without interruption to use the whole recording.",
-        Finding::ImplausibleMagnitude { .. } => "State the true unit in the bench file, for instance dyno_speed = { name = \"…\", unit = \"rpm\" }.",
-        Finding::SpeedsDisagree { .. } => "Check unit and channel in the bench file; a ratio of 9.55 or 0.105 means rpm taken for rad/s or the reverse.",
+        Finding::ImplausibleMagnitude { .. } => {
+            "State the true unit in the bench file, for instance dyno_speed = { name = \"…\", unit = \"rpm\" }."
+        }
+        Finding::SpeedsDisagree { .. } => {
+            "Check unit and channel in the bench file; a ratio of 9.55 or 0.105 means rpm taken for rad/s or the reverse."
+        }
         Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
         Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
-        Finding::Constant { .. } => "Check that the sensor is connected and that the right channel is named in the bench file.",
+        Finding::Constant { .. } => {
+            "Check that the sensor is connected and that the right channel is named in the bench file."
+        }
         Finding::Clipped { .. } => "Widen the measuring range, or lower the excitation, and record again.",
         Finding::TooShort { .. } => "Record for longer.",
-        Finding::WrongTorqueSign { .. } => "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer.",
+        Finding::WrongTorqueSign { .. } => {
+            "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer."
+        }
         Finding::ImplausibleInertia { .. } => "Check J_d in the bench file, and the scaling of torque and speed.",
         Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
         Finding::LateSignal { .. } => "Use a faster source for this signal, or compute it from N_d and T_d,calc.",
         Finding::WeakExcitation { .. } => "Repeat the experiment with a larger amplitude.",
         Finding::ExcludedLines { .. } => "Nothing to do; the figure of the residual spectrum shows where they are.",
-        Finding::ResidualsCorrelated { .. } => "Do not trust the intervals of this part: the model lacks something. Look at its residual plots.",
+        Finding::ResidualsCorrelated { .. } => {
+            "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
+        }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
-        Finding::RoutesDisagree { .. } => "Find out which route is disturbed before using the number; the truth may lie outside both intervals.",
-        Finding::BeyondLimit { .. } => "Do not run this test as it is; lower the demand or move it away from the resonance.",
+        Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
+        Finding::RoutesDisagree { .. } => {
+            "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
+        }
+        Finding::BeyondLimit { .. } => {
+            "Do not run this test as it is; lower the demand or move it away from the resonance."
+        }
     }
 }
 
 fn missing_channel(role: &str, closest: &[String]) -> String {
     let quoted: Vec<String> = closest.iter().map(|name| format!("“{name}”")).collect();
-    let hint = if quoted.is_empty() { String::new() } else { format!(" The closest names are {}.", join(&quoted, "and")) };
+    let hint =
+        if quoted.is_empty() { String::new() } else { format!(" The closest names are {}.", join(&quoted, "and")) };
     format!("The channel the bench file names for the {role} is not in the recording.{hint}")
 }
 

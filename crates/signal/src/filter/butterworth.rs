@@ -58,11 +58,7 @@ fn warp(band: Band, sample_time_s: f64) -> Result<Warped, SignalError> {
         if cutoff_hz > low_hz && cutoff_hz < nyquist_hz {
             Ok((PI * cutoff_hz * sample_time_s).tan())
         } else {
-            Err(SignalError::Cutoff {
-                cutoff_hz,
-                low_hz,
-                high_hz: nyquist_hz,
-            })
+            Err(SignalError::Cutoff { cutoff_hz, low_hz, high_hz: nyquist_hz })
         }
     };
     let edges = |low: f64, high: f64| -> Result<(f64, f64), SignalError> {
@@ -74,17 +70,11 @@ fn warp(band: Band, sample_time_s: f64) -> Result<Warped, SignalError> {
         Band::High(cutoff) => Warped::High(edge(cutoff, 0.0)?),
         Band::Pass(low, high) => {
             let (centre_squared, width) = edges(low, high)?;
-            Warped::Pass {
-                centre_squared,
-                width,
-            }
+            Warped::Pass { centre_squared, width }
         }
         Band::Stop(low, high) => {
             let (centre_squared, width) = edges(low, high)?;
-            Warped::Stop {
-                centre_squared,
-                width,
-            }
+            Warped::Stop { centre_squared, width }
         }
     })
 }
@@ -94,14 +84,8 @@ fn transform(pole: Complex64, band: Warped) -> (Complex64, Option<Complex64>) {
     match band {
         Warped::Low(edge) => (pole * edge, None),
         Warped::High(edge) => (pole.inv() * edge, None),
-        Warped::Pass {
-            centre_squared,
-            width,
-        } => split(pole * width / 2.0, centre_squared),
-        Warped::Stop {
-            centre_squared,
-            width,
-        } => split(pole.inv() * width / 2.0, centre_squared),
+        Warped::Pass { centre_squared, width } => split(pole * width / 2.0, centre_squared),
+        Warped::Stop { centre_squared, width } => split(pole.inv() * width / 2.0, centre_squared),
     }
 }
 
@@ -121,17 +105,12 @@ fn zeros(band: Warped) -> [f64; 2] {
         Warped::Low(_) => [2.0, 1.0],
         Warped::High(_) => [-2.0, 1.0],
         Warped::Pass { .. } => [0.0, -1.0],
-        Warped::Stop { centre_squared, .. } => {
-            [-2.0 * (1.0 - centre_squared) / (1.0 + centre_squared), 1.0]
-        }
+        Warped::Stop { centre_squared, .. } => [-2.0 * (1.0 - centre_squared) / (1.0 + centre_squared), 1.0],
     }
 }
 
 fn section(zeros: [f64; 2], a: [f64; 2]) -> Section {
-    Section {
-        b: [1.0, zeros[0], zeros[1]],
-        a,
-    }
+    Section { b: [1.0, zeros[0], zeros[1]], a }
 }
 
 /// The section of the prototype's real pole: first order, or second for the two poles of a band.
@@ -141,10 +120,7 @@ fn real_section(band: Warped, zeros: [f64; 2]) -> Section {
             let (p, q) = (bilinear(one), bilinear(two));
             section(zeros, [-(p + q).re, (p * q).re])
         }
-        (one, None) => Section {
-            b: [1.0, zeros[0] / 2.0, 0.0],
-            a: [-bilinear(one).re, 0.0],
-        },
+        (one, None) => Section { b: [1.0, zeros[0] / 2.0, 0.0], a: [-bilinear(one).re, 0.0] },
     }
 }
 

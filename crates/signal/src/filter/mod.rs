@@ -79,10 +79,7 @@ impl Sos {
                 return Err(SignalError::UnstableSection { section: index });
             }
         }
-        Ok(Self {
-            sections,
-            sample_time_s,
-        })
+        Ok(Self { sections, sample_time_s })
     }
 
     /// Butterworth low-pass of the given order: −3 dB at `cutoff_hz`, gain one at rest.
@@ -93,11 +90,7 @@ impl Sos {
     ///
     /// # Source
     /// Oppenheim and Schafer, *Discrete-Time Signal Processing* (2010), ch. 7: bilinear transform, pre-warped.
-    pub fn butterworth_lowpass(
-        order: usize,
-        cutoff_hz: f64,
-        sample_time_s: f64,
-    ) -> Result<Self, SignalError> {
+    pub fn butterworth_lowpass(order: usize, cutoff_hz: f64, sample_time_s: f64) -> Result<Self, SignalError> {
         butterworth::design(order, butterworth::Band::Low(cutoff_hz), sample_time_s)
     }
 
@@ -105,11 +98,7 @@ impl Sos {
     ///
     /// # Errors
     /// As [`Sos::butterworth_lowpass`].
-    pub fn butterworth_highpass(
-        order: usize,
-        cutoff_hz: f64,
-        sample_time_s: f64,
-    ) -> Result<Self, SignalError> {
+    pub fn butterworth_highpass(order: usize, cutoff_hz: f64, sample_time_s: f64) -> Result<Self, SignalError> {
         butterworth::design(order, butterworth::Band::High(cutoff_hz), sample_time_s)
     }
 
@@ -124,11 +113,7 @@ impl Sos {
         high_hz: f64,
         sample_time_s: f64,
     ) -> Result<Self, SignalError> {
-        butterworth::design(
-            order,
-            butterworth::Band::Pass(low_hz, high_hz),
-            sample_time_s,
-        )
+        butterworth::design(order, butterworth::Band::Pass(low_hz, high_hz), sample_time_s)
     }
 
     /// Butterworth band-stop: −3 dB at `low_hz` and `high_hz`, gain one at rest; `order` is the prototype's.
@@ -141,11 +126,7 @@ impl Sos {
         high_hz: f64,
         sample_time_s: f64,
     ) -> Result<Self, SignalError> {
-        butterworth::design(
-            order,
-            butterworth::Band::Stop(low_hz, high_hz),
-            sample_time_s,
-        )
+        butterworth::design(order, butterworth::Band::Stop(low_hz, high_hz), sample_time_s)
     }
 
     /// The sections, in the order they are applied.
@@ -167,9 +148,7 @@ impl Sos {
     }
 
     fn at(&self, z: Complex64) -> Complex64 {
-        self.sections
-            .iter()
-            .fold(Complex64::new(1.0, 0.0), |gain, s| gain * s.at(z))
+        self.sections.iter().fold(Complex64::new(1.0, 0.0), |gain, s| gain * s.at(z))
     }
 
     /// The state of a filter that has seen only zeros.
@@ -194,10 +173,7 @@ impl Sos {
     ///
     /// `state` must come from this filter; sections without a state are left out.
     pub fn step(&self, state: &mut SosState, x: f64) -> f64 {
-        self.sections
-            .iter()
-            .zip(&mut state.0)
-            .fold(x, |value, (section, s)| section.step(s, value))
+        self.sections.iter().zip(&mut state.0).fold(x, |value, (section, s)| section.step(s, value))
     }
 
     /// Filters `x` causally from `state`, which is left where the record ends, so that a next block continues it.

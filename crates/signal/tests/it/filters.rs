@@ -121,37 +121,17 @@ fn exact_filtering_in_blocks_equals_filtering_at_once() {
     let x = record();
     let whole = filter.filter(&x, &mut filter.state_at_rest());
     let mut state = filter.state_at_rest();
-    let parts = [&x[..17], &x[17..]]
-        .map(|part| filter.filter(part, &mut state))
-        .concat();
+    let parts = [&x[..17], &x[17..]].map(|part| filter.filter(part, &mut state)).concat();
     assert_eq!(whole, parts);
 }
 
 #[test]
 fn exact_impossible_filters_are_refused() {
-    assert!(matches!(
-        Sos::butterworth_lowpass(2, 500.0, T),
-        Err(SignalError::Cutoff { .. })
-    ));
-    assert!(matches!(
-        Sos::butterworth_lowpass(2, f64::NAN, T),
-        Err(SignalError::Cutoff { .. })
-    ));
-    assert!(matches!(
-        Sos::butterworth_bandpass(2, 50.0, 40.0, T),
-        Err(SignalError::Cutoff { .. })
-    ));
-    assert!(matches!(
-        Sos::butterworth_lowpass(0, 50.0, T),
-        Err(SignalError::Parameter { .. })
-    ));
-    assert!(matches!(
-        Sos::butterworth_lowpass(2, 50.0, 0.0),
-        Err(SignalError::SampleTime { .. })
-    ));
+    assert!(matches!(Sos::butterworth_lowpass(2, 500.0, T), Err(SignalError::Cutoff { .. })));
+    assert!(matches!(Sos::butterworth_lowpass(2, f64::NAN, T), Err(SignalError::Cutoff { .. })));
+    assert!(matches!(Sos::butterworth_bandpass(2, 50.0, 40.0, T), Err(SignalError::Cutoff { .. })));
+    assert!(matches!(Sos::butterworth_lowpass(0, 50.0, T), Err(SignalError::Parameter { .. })));
+    assert!(matches!(Sos::butterworth_lowpass(2, 50.0, 0.0), Err(SignalError::SampleTime { .. })));
     let low = Sos::butterworth_lowpass(2, 50.0, T).unwrap();
-    assert_eq!(
-        low.filtfilt(&[0.0; 9]),
-        Err(SignalError::TooShort { needed: 10, got: 9 })
-    );
+    assert_eq!(low.filtfilt(&[0.0; 9]), Err(SignalError::TooShort { needed: 10, got: 9 }));
 }

@@ -9,10 +9,7 @@ mod spectra;
 /// The record the reference values were computed from:
 /// `sin(0.3 t) + 0.5 cos(1.7 t) + 0.02 t`, `t = 0 .. 60`.
 fn record() -> Vec<f64> {
-    (0..60)
-        .map(f64::from)
-        .map(|t| (0.3 * t).sin() + 0.5 * (1.7 * t).cos() + 0.02 * t)
-        .collect()
+    (0..60).map(f64::from).map(|t| (0.3 * t).sin() + 0.5 * (1.7 * t).cos() + 0.02 * t).collect()
 }
 
 fn assert_close(got: &[f64], expected: &[f64], tolerance: f64) {

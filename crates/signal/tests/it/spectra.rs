@@ -16,9 +16,7 @@ use crate::{assert_close, record};
 #[test]
 fn ref_welch_spectra() {
     let x = record();
-    let y: Vec<f64> = (0..60)
-        .map(|t| 0.7 * x[(t + 59) % 60] + 0.3 * (0.9 * t as f64).cos())
-        .collect();
+    let y: Vec<f64> = (0..60).map(|t| 0.7 * x[(t + 59) % 60] + 0.3 * (0.9 * t as f64).cos()).collect();
     let s = cross_spectrum(&x, &y, 1e-3, Welch::half_overlapping(16)).unwrap();
     let pxx = [
         0.000881716386138639,
@@ -84,10 +82,8 @@ fn exact_correlation_equals_its_definition() {
     let y: Vec<f64> = x.iter().rev().copied().collect();
     let r = cross_correlation(&x, &y, 7).unwrap();
     for (lag, value) in r.lags().zip(&r.values) {
-        let sum: f64 = (0..60_i64)
-            .filter(|t| (0..60).contains(&(t + lag)))
-            .map(|t| x[t as usize] * y[(t + lag) as usize])
-            .sum();
+        let sum: f64 =
+            (0..60_i64).filter(|t| (0..60).contains(&(t + lag))).map(|t| x[t as usize] * y[(t + lag) as usize]).sum();
         assert!((value - sum / 60.0).abs() < 1e-12, "lag {lag}");
     }
     let own = auto_correlation(&x, 5).unwrap();
@@ -98,47 +94,21 @@ fn exact_correlation_equals_its_definition() {
 #[test]
 fn exact_sub_sample_delay_is_found_by_correlation() {
     let mut random = Random::new(3);
-    let tones: Vec<[f64; 3]> = (0..60)
-        .map(|_| {
-            [
-                0.3 * random.uniform(),
-                random.normal(),
-                TAU * random.uniform(),
-            ]
-        })
-        .collect();
-    let at = |t: f64| {
-        tones
-            .iter()
-            .map(|[f, a, p]| a * (TAU * f * t + p).sin())
-            .sum::<f64>()
-    };
+    let tones: Vec<[f64; 3]> =
+        (0..60).map(|_| [0.3 * random.uniform(), random.normal(), TAU * random.uniform()]).collect();
+    let at = |t: f64| tones.iter().map(|[f, a, p]| a * (TAU * f * t + p).sin()).sum::<f64>();
     let x: Vec<f64> = (0..20_000).map(|t| at(f64::from(t))).collect();
     for delay in [-4.75, 0.0, 0.31, 6.5] {
-        let y: Vec<f64> = (0..20_000)
-            .map(|t| -2.0 * at(f64::from(t) - delay))
-            .collect();
+        let y: Vec<f64> = (0..20_000).map(|t| -2.0 * at(f64::from(t) - delay)).collect();
         let found = delay_by_correlation(&x, &y, 1e-3, 0.02).unwrap();
-        assert!(
-            (found.delay_s * 1e3 - delay).abs() < 2e-3,
-            "{} for {delay}",
-            found.delay_s * 1e3
-        );
+        assert!((found.delay_s * 1e3 - delay).abs() < 2e-3, "{} for {delay}", found.delay_s * 1e3);
         assert!(found.coefficient < -0.99 && !found.at_edge);
     }
-    assert_eq!(
-        delay_by_correlation(&x, &vec![1.0; 20_000], 1e-3, 0.02),
-        Err(SignalError::Constant)
-    );
+    assert_eq!(delay_by_correlation(&x, &vec![1.0; 20_000], 1e-3, 0.02), Err(SignalError::Constant));
 }
 
 fn tone(freq: f64, length: usize) -> Signal {
-    Signal::new(
-        0.0,
-        1.0,
-        (0..length).map(|t| (TAU * freq * t as f64).sin()).collect(),
-    )
-    .unwrap()
+    Signal::new(0.0, 1.0, (0..length).map(|t| (TAU * freq * t as f64).sin()).collect()).unwrap()
 }
 
 #[test]
@@ -166,9 +136,7 @@ fn exact_instants_outside_the_record_are_refused() {
 #[test]
 fn exact_decimation_keeps_low_tones_and_drops_high_ones() {
     let low = decimate(&tone(0.01, 2000), 5).unwrap();
-    let truth: Vec<f64> = (0..400)
-        .map(|t| (TAU * 0.05 * f64::from(t)).sin())
-        .collect();
+    let truth: Vec<f64> = (0..400).map(|t| (TAU * 0.05 * f64::from(t)).sin()).collect();
     assert_eq!(low.sample_time_s, 5.0);
     assert_close(&low.samples[50..350], &truth[50..350], 1e-6);
     let high = decimate(&tone(0.2, 2000), 5).unwrap();
@@ -178,31 +146,20 @@ fn exact_decimation_keeps_low_tones_and_drops_high_ones() {
 #[test]
 fn exact_smoothed_derivative_of_a_tone_in_the_pass_band() {
     let slope = smoothed_derivative(&tone(0.02, 2000), 0.2, 6).unwrap();
-    let truth: Vec<f64> = (0..2000)
-        .map(|t| TAU * 0.02 * (TAU * 0.02 * f64::from(t)).cos())
-        .collect();
-    assert_close(
-        &slope.samples[200..1800],
-        &truth[200..1800],
-        1e-4 * TAU * 0.02,
-    );
+    let truth: Vec<f64> = (0..2000).map(|t| TAU * 0.02 * (TAU * 0.02 * f64::from(t)).cos()).collect();
+    assert_close(&slope.samples[200..1800], &truth[200..1800], 1e-4 * TAU * 0.02);
 }
 
 #[test]
 fn stat_response_estimate_finds_the_filter() {
-    let timing = Timing {
-        sample_time_s: 1e-3,
-        length: 200_000,
-    };
+    let timing = Timing { sample_time_s: 1e-3, length: 200_000 };
     let u = held_noise(&mut Random::new(11), timing, 0.0, 1.0, 1e-3).unwrap();
     let filter = Sos::butterworth_lowpass(2, 100.0, 1e-3).unwrap();
     let y = filter.filter(&u.samples, &mut filter.state_at_rest());
     let s = cross_spectrum(&u.samples, &y, 1e-3, Welch::half_overlapping(1024)).unwrap();
     let response = s.response_h1();
     let worst = response.iter().zip(&s.freq_hz).filter(|(_, f)| **f < 200.0);
-    let worst = worst
-        .map(|(h, f)| (h - filter.response(*f)).norm())
-        .fold(0.0, f64::max);
+    let worst = worst.map(|(h, f)| (h - filter.response(*f)).norm()).fold(0.0, f64::max);
     assert!(worst < 0.02, "{worst}");
     assert!(Complex64::norm(filter.response(100.0)) < 0.71);
 }

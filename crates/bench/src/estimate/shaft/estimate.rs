@@ -202,11 +202,7 @@ impl Solution {
     }
 }
 
-fn solve(
-    inputs: &ShaftInputs<'_>,
-    spectra: &Spectra,
-    unknowns: Unknowns,
-) -> Result<FrequencyFit, ident::IdentError> {
+fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Result<FrequencyFit, ident::IdentError> {
     let (gate, gate_uncertainty) = inputs.gate_s;
     let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
     let mut start = [starting_stiffness(spectra, inertia), 0.0, 0.0, 0.0, gate, inertia];

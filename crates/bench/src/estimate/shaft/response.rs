@@ -110,11 +110,7 @@ pub(super) fn validate(
     let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
     let trace = |values| Trace { start_s, sample_time_s: dt, values };
     Ok(Validation {
-        stretch: Stretch {
-            file: inputs.file.to_owned(),
-            start_s,
-            end_s: start_s + (length - 2 * edge) as f64 * dt,
-        },
+        stretch: Stretch { file: inputs.file.to_owned(), start_s, end_s: start_s + (length - 2 * edge) as f64 * dt },
         quantity: "T_shaft".to_owned(),
         unit: "Nm".to_owned(),
         fit_percent: fit_percent(&measured, &modelled).map_err(of)?,

@@ -10,9 +10,9 @@ use signal::spline::UniformSpline;
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT, InverseController};
 use crate::align::split_window;
-use crate::estimate::{EstimateError, timing_floor_s};
 use crate::estimate::parameter::{Label, transformed};
 use crate::estimate::stretch::{longest_unsaturated, need};
+use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
@@ -23,6 +23,8 @@ const ESTIMATION_SHARE: f64 = 0.7;
 const BATCHES: usize = 30;
 /// Shortest usable stretch, s.
 const SHORTEST_S: f64 = 2.0;
+/// A once-a-turn error larger than this part of the speed is no encoder's.
+const LARGEST_ECCENTRICITY: f64 = 2e-3;
 /// Lags of the residual tests.
 const LAGS: usize = 25;
 /// Level of the residual tests' regions.
@@ -99,13 +101,12 @@ impl Data {
     }
 }
 
-/// Shaft angle at each sample of a speed, zero at the first.
+/// Shaft angle turned by the end of each sample's gate, zero before the first.
 fn phase_of(speed: &Signal) -> Vec<f64> {
     let mut angle = 0.0;
     let advance = |w: &f64| {
-        let here = angle;
         angle += w * speed.sample_time_s;
-        here
+        angle
     };
     speed.samples.iter().map(advance).collect()
 }
@@ -170,6 +171,18 @@ pub fn estimate_feed_forward(
     })
 }
 
+impl SpeedControllerFit {
+    /// Once-a-turn error of N_d in another recording in speed control, as far as the controller does not answer it:
+    /// coefficients of cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording
+    /// cannot tell.
+    pub fn once_a_turn_in(&self, experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(f64, f64)> {
+        let data = Data::of(experiment, torque_limit_nm).ok()?;
+        let fit = refit_stretch(&data, &self.theta, self.reference_lag).ok()?;
+        let found = (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]);
+        (found.0.hypot(found.1) < LARGEST_ECCENTRICITY).then_some(found)
+    }
+}
+
 fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
     let mean = reference.mean().unwrap_or(0.0);
     let spread = (reference.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / reference.len() as f64).sqrt();
@@ -199,8 +212,7 @@ fn fit_with_lag(data: &Data, free: impl Fn(usize) -> bool) -> Result<(Fit, usize
 fn fit_without_delay(data: &Data, lag: usize) -> Result<Fit, EstimateError> {
     let mut start = starting_point(data)?;
     (start[inverse::LEAD], start[inverse::GATE_SQUARED]) = (0.0, 0.0);
-    let free =
-        |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
+    let free = |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
     run(data, lag, &start, free)
 }
 
@@ -320,7 +332,9 @@ fn trace(clock: &Signal, values: Vec<f64>) -> Trace {
 
 /// Simulates T_d* from the measured speed, the integrator's initial state fitted.
 fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateError> {
-    let turn = |(w, angle): (&f64, &f64)| w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin());
+    let turn = |(w, angle): (&f64, &f64)| {
+        w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin())
+    };
     let seen = data.speed.samples.iter().zip(&data.phase_rad).map(turn).collect();
     let spline = UniformSpline::new(seen).map_err(|e| signal_error(data, e))?;
     let (k_p, step) = (1.0 / theta[inverse::P], theta[inverse::Q] / theta[inverse::P]);
@@ -331,8 +345,8 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
         let instant = data.demand.time_s(k) - theta[inverse::LEAD] * data.demand.sample_time_s;
         let at = ((instant - data.speed.start_s) / data.speed.sample_time_s).clamp(0.0, data.speed.len() as f64 - 1.0);
         let error = spline.value(at) - reference[k.saturating_sub(lag)];
-        let feed = theta[inverse::K] * reference[k]
-            + theta[inverse::K_A] * (reference[k] - reference[k.saturating_sub(1)]);
+        let feed =
+            theta[inverse::K] * reference[k] + theta[inverse::K_A] * (reference[k] - reference[k.saturating_sub(1)]);
         output.push(k_p * error + integral + feed);
         integral += step * error;
     }
@@ -342,10 +356,7 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
 }
 
 fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest, EstimateError> {
-    let mut start = theta.to_vec();
-    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
-    // Only what belongs to the stretch itself is fitted again: its initial state and the angle's zero.
-    let fit = run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))?;
+    let fit = refit_stretch(data, theta, lag)?;
     let positions = data.model(lag).kept();
     let input = demand_at_speed(data, positions);
     let test = residual_correlations(&fit.residuals, &input, LAGS, TEST_LEVEL).map_err(|e| ident_error(data, e))?;
@@ -358,6 +369,13 @@ fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest,
         cross_correlation_bound: test.cross_bound,
         input: Role::DynoTorqueDemand.symbol().to_owned(),
     })
+}
+
+/// Fits what belongs to a stretch itself, its initial state and the angle's zero, and leaves the controller as it is.
+fn refit_stretch(data: &Data, theta: &[f64], lag: usize) -> Result<Fit, EstimateError> {
+    let mut start = theta.to_vec();
+    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
+    run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))
 }
 
 /// T_d* held at the instants of N_d.

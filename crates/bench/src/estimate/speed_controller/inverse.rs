@@ -65,8 +65,8 @@ impl InverseController {
         let inside = |p: &f64| *p >= EDGE as f64 && *p <= n as f64 - EDGE as f64;
         let first = positions.iter().position(inside).unwrap_or(0);
         let count = positions.iter().filter(|p| inside(p)).count();
-        let turn = [f64::cos, f64::sin]
-            .map(|f| speed.samples.iter().zip(phase_rad).map(|(w, angle)| w * f(*angle)).collect());
+        let turn =
+            [f64::cos, f64::sin].map(|f| speed.samples.iter().zip(phase_rad).map(|(w, angle)| w * f(*angle)).collect());
         InverseController {
             demand: demand.samples[..n].to_vec(),
             reference: reference.samples[..n].to_vec(),

@@ -58,7 +58,10 @@ fn delay_evidence(part: &SpeedController) -> Markup {
     markup!(
         "<p>{}</p>\n{}",
         prose(&text),
-        side_by_side(&[correlations("With the delay", with, extent), correlations("Without the delay", without, extent)])
+        side_by_side(&[
+            correlations("With the delay", with, extent),
+            correlations("Without the delay", without, extent)
+        ])
     )
 }
 
@@ -69,7 +72,8 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
         Part::Estimated(part) => part,
         Part::NotEstimated { needs } => return not_estimated(what, needs),
     };
-    let equation = "FF = <i>k</i> <i>N</i><sub>d</sub>* + <i>m</i> + <i>k</i><sub>a</sub> d<i>N</i><sub>d</sub>*/d<i>t</i>";
+    let equation =
+        "FF = <i>k</i> <i>N</i><sub>d</sub>* + <i>m</i> + <i>k</i><sub>a</sub> d<i>N</i><sub>d</sub>*/d<i>t</i>";
     let note = format!(
         "m cannot be told apart from the integrator’s initial state and is not reported. Without feed-forward, PI alone \
          fits the same stretch with {}.",
@@ -90,7 +94,8 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
 
 /// Inverter and machine: delay alone, and delay with lag.
 pub(crate) fn torque_control(study: &Study) -> Markup {
-    let what = "Inverter and machine with their field-oriented control: how the air-gap torque T_d follows its demand T_d*.";
+    let what =
+        "Inverter and machine with their field-oriented control: how the air-gap torque T_d follows its demand T_d*.";
     let part: &TorqueControl = match &study.torque_control {
         Part::Estimated(part) => part,
         Part::NotEstimated { needs } => return not_estimated(what, needs),

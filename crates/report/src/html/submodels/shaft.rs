@@ -118,10 +118,8 @@ fn cross_checks(part: &Shaft) -> Markup {
         None => markup!("<span class=\"none\">–</span>"),
     };
     let this = vec![markup!("<strong>this estimate</strong>"), value(&part.estimate, "K"), value(&part.estimate, "B")];
-    let others = part
-        .cross_checks
-        .iter()
-        .map(|(name, estimate)| vec![prose(name), value(estimate, "K"), value(estimate, "B")]);
+    let others =
+        part.cross_checks.iter().map(|(name, estimate)| vec![prose(name), value(estimate, "K"), value(estimate, "B")]);
     markup!(
         "<h3>Other recordings and routes</h3>\n{}",
         table("parameters", &["Route", "K", "B"], std::iter::once(this).chain(others))

@@ -17,7 +17,8 @@ pub(crate) fn timing(study: &Study) -> Markup {
         Part::NotEstimated { needs } => return not_estimated(WHAT, needs),
     };
     let rows = timing.delays.iter().map(row);
-    let heads = ["", "Signal", "Behind T_d*", "Behind the bend of N_d", "The same delay by other routes", "Measured in"];
+    let heads =
+        ["", "Signal", "Behind T_d*", "Behind the bend of N_d", "The same delay by other routes", "Measured in"];
     markup!(
         "<p class=\"lead\">{}</p>\n{}<p class=\"note\">{}</p>\n",
         prose(WHAT),
@@ -53,9 +54,7 @@ fn routes(routes: &[(String, f64)]) -> Markup {
     }
     let listed: Vec<Markup> = routes
         .iter()
-        .map(|(name, delay_s)| {
-            markup!("{} <span class=\"n\">{}</span>", prose(name), number::duration(*delay_s))
-        })
+        .map(|(name, delay_s)| markup!("{} <span class=\"n\">{}</span>", prose(name), number::duration(*delay_s)))
         .collect();
     let mut all = Markup::default();
     for (at, item) in listed.iter().enumerate() {

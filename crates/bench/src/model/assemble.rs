@@ -1,0 +1,116 @@
+//! From the parts of a study to one model and its uncertainty. Gains per rpm become SI here and nowhere else.
+
+use super::{
+    BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
+    PiController,
+};
+use crate::study::{BenchFacts, Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
+use crate::units::RPM_RAD_S;
+
+/// Parts of a study that make up a model. Only the shaft is indispensable.
+#[derive(Debug, Clone, Copy)]
+pub struct StudyParts<'a> {
+    /// Inertias and torque limit.
+    pub facts: &'a BenchFacts,
+    /// K and B.
+    pub shaft: &'a Shaft,
+    /// K_p, K_i, τ.
+    pub speed_controller: Option<&'a SpeedController>,
+    /// k, k_a.
+    pub feed_forward: Option<&'a FeedForward>,
+    /// τ and a of delay and lag.
+    pub torque_control: Option<&'a TorqueControl>,
+    /// Time over which an encoder averages the speed, s.
+    pub encoder_gate_s: f64,
+}
+
+/// The symbols a part's parameters have in its [`Estimate`], what they are in the model, and SI per unit of the estimate.
+type Names = &'static [(&'static str, ModelParameter, f64)];
+
+const SHAFT: Names = &[("K", ModelParameter::Stiffness, 1.0), ("B", ModelParameter::Damping, 1.0)];
+const CONTROLLER: Names = &[
+    ("K_p", ModelParameter::Proportional, 1.0 / RPM_RAD_S),
+    ("K_i", ModelParameter::Integral, 1.0 / RPM_RAD_S),
+    ("τ", ModelParameter::ControllerDelay, 1.0),
+];
+const FEED_FORWARD: Names = &[
+    ("k", ModelParameter::SpeedFeedForward, 1.0 / RPM_RAD_S),
+    ("k_a", ModelParameter::AccelerationFeedForward, 1.0 / RPM_RAD_S),
+];
+const INVERTER: Names = &[("τ", ModelParameter::InverterDelay, 1.0), ("a", ModelParameter::InverterBandwidth, 1.0)];
+
+/// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
+/// one of its numbers is left out. Inertias and gate are taken as exact.
+pub fn assemble(parts: &StudyParts<'_>) -> Option<(BenchModel, ModelUncertainty)> {
+    let shaft = &parts.shaft.estimate;
+    let mechanics = Mechanics {
+        dyno_inertia_kg_m2: parts.facts.dynamometer_inertia_kg_m2,
+        engine_inertia_kg_m2: parts.facts.engine_inertia_kg_m2,
+        stiffness_nm_per_rad: shaft.parameter("K")?.value,
+        damping_nm_s_per_rad: shaft.parameter("B")?.value,
+    };
+    let model = BenchModel {
+        mechanics,
+        speed_controller: parts.speed_controller.and_then(controller),
+        feed_forward: parts.feed_forward.and_then(feed_forward),
+        inverter: parts.torque_control.and_then(inverter),
+        torque_limit_nm: parts.facts.torque_limit_nm,
+        encoder_gate_s: parts.encoder_gate_s,
+    };
+    let blocks: Vec<PartCovariance> = [
+        Some((shaft, SHAFT)),
+        parts.speed_controller.map(|c| (&c.estimate, CONTROLLER)),
+        parts.feed_forward.map(|f| (&f.estimate, FEED_FORWARD)),
+        parts.torque_control.map(|t| (&t.delay_and_lag, INVERTER)),
+    ]
+    .into_iter()
+    .flatten()
+    .filter_map(|(estimate, names)| block(estimate, names))
+    .collect();
+    Some((model, ModelUncertainty::new(&blocks).ok()?))
+}
+
+fn si(estimate: &Estimate, names: Names, which: ModelParameter) -> Option<f64> {
+    let (symbol, _, scale) = names.iter().find(|(_, parameter, _)| *parameter == which)?;
+    Some(estimate.parameter(symbol)?.value * scale)
+}
+
+fn controller(part: &SpeedController) -> Option<PiController> {
+    let value = |which| si(&part.estimate, CONTROLLER, which);
+    Some(PiController {
+        proportional_nm_s_per_rad: value(ModelParameter::Proportional)?,
+        integral_nm_per_rad: value(ModelParameter::Integral)?,
+        delay_s: value(ModelParameter::ControllerDelay)?.max(0.0),
+        sample_time_s: part.sample_time_s,
+    })
+}
+
+fn feed_forward(part: &FeedForward) -> Option<FeedForwardGains> {
+    Some(FeedForwardGains {
+        speed_nm_s_per_rad: si(&part.estimate, FEED_FORWARD, ModelParameter::SpeedFeedForward)?,
+        acceleration_nm_s2_per_rad: si(&part.estimate, FEED_FORWARD, ModelParameter::AccelerationFeedForward)?,
+    })
+}
+
+fn inverter(part: &TorqueControl) -> Option<InverterModel> {
+    Some(InverterModel {
+        delay_s: si(&part.delay_and_lag, INVERTER, ModelParameter::InverterDelay)?.max(0.0),
+        bandwidth_rad_s: Some(si(&part.delay_and_lag, INVERTER, ModelParameter::InverterBandwidth)?),
+    })
+}
+
+/// The rows and columns of an estimate's covariance that belong to the model, in SI.
+fn block(estimate: &Estimate, names: Names) -> Option<PartCovariance> {
+    let place = |symbol: &str| estimate.parameters.iter().position(|p| p.symbol == symbol);
+    let places = names.iter().map(|(symbol, ..)| place(symbol)).collect::<Option<Vec<usize>>>()?;
+    let entry = |i: usize, j: usize| {
+        let value = estimate.covariance.get(places[i])?.get(places[j])?;
+        Some(value * names[i].2 * names[j].2)
+    };
+    let row = |i: usize| (0..names.len()).map(|j| entry(i, j)).collect::<Option<Vec<f64>>>();
+    Some(PartCovariance {
+        parameters: names.iter().map(|(_, parameter, _)| *parameter).collect(),
+        covariance: (0..names.len()).map(row).collect::<Option<Vec<_>>>()?,
+        degrees_of_freedom: estimate.parameters.get(*places.first()?)?.degrees_of_freedom,
+    })
+}

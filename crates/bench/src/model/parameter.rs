@@ -1,0 +1,69 @@
+//! The numbers of a bench model, each by its name, so that uncertainty can be passed through any function of them.
+
+use serde::{Deserialize, Serialize};
+
+use super::BenchModel;
+
+/// One number of a [`BenchModel`], in SI.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelParameter {
+    /// J_d, kg m².
+    DynoInertia,
+    /// J_e, kg m².
+    EngineInertia,
+    /// K, Nm/rad.
+    Stiffness,
+    /// B, Nm s/rad.
+    Damping,
+    /// K_p, Nm s/rad.
+    Proportional,
+    /// K_i, Nm/rad.
+    Integral,
+    /// τ, s.
+    ControllerDelay,
+    /// k, Nm s/rad.
+    SpeedFeedForward,
+    /// k_a, Nm s²/rad.
+    AccelerationFeedForward,
+    /// d, s.
+    InverterDelay,
+    /// a, rad/s.
+    InverterBandwidth,
+}
+
+impl BenchModel {
+    /// A parameter's value; `None` where the model lacks the part.
+    pub fn value(&self, parameter: ModelParameter) -> Option<f64> {
+        self.clone().slot(parameter).map(|slot| *slot)
+    }
+
+    /// The model with one parameter changed; unchanged where it lacks the part.
+    #[must_use]
+    pub fn with(&self, parameter: ModelParameter, value: f64) -> Self {
+        let mut changed = self.clone();
+        if let Some(slot) = changed.slot(parameter) {
+            *slot = value;
+        }
+        changed
+    }
+
+    fn slot(&mut self, parameter: ModelParameter) -> Option<&mut f64> {
+        let mechanics = &mut self.mechanics;
+        let (pi, inverter) = (self.speed_controller.as_mut(), self.inverter.as_mut());
+        let feed_forward = self.feed_forward.as_mut();
+        match parameter {
+            ModelParameter::DynoInertia => Some(&mut mechanics.dyno_inertia_kg_m2),
+            ModelParameter::EngineInertia => Some(&mut mechanics.engine_inertia_kg_m2),
+            ModelParameter::Stiffness => Some(&mut mechanics.stiffness_nm_per_rad),
+            ModelParameter::Damping => Some(&mut mechanics.damping_nm_s_per_rad),
+            ModelParameter::Proportional => pi.map(|p| &mut p.proportional_nm_s_per_rad),
+            ModelParameter::Integral => pi.map(|p| &mut p.integral_nm_per_rad),
+            ModelParameter::ControllerDelay => pi.map(|p| &mut p.delay_s),
+            ModelParameter::SpeedFeedForward => feed_forward.map(|f| &mut f.speed_nm_s_per_rad),
+            ModelParameter::AccelerationFeedForward => feed_forward.map(|f| &mut f.acceleration_nm_s2_per_rad),
+            ModelParameter::InverterDelay => inverter.map(|i| &mut i.delay_s),
+            ModelParameter::InverterBandwidth => inverter.and_then(|i| i.bandwidth_rad_s.as_mut()),
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Inverter and mechanics between two samples.
+
+use faer::Mat;
+use lti::StateSpace;
+
+use super::{Drive, InitialState, Inputs, SimulationError};
+use crate::model::{BenchModel, InverterModel, Mechanics};
+
+/// ω_d, ω_e, Δθ, T_d, θ_d, θ_e.
+const STATES: usize = 6;
+/// Torque demand at the lag (or T_d itself), T_e.
+const INPUTS: usize = 2;
+
+/// Part of a sample below which two instants count as one.
+const INSTANT: f64 = 1e-9;
+
+/// The controller's two outputs, v before its delay τ and the feed-forward, or in torque control T_d* as the latter.
+pub(super) struct Streams {
+    delayed_nm: Vec<f64>,
+    immediate_nm: Vec<f64>,
+    before_delayed_nm: f64,
+    limit_nm: f64,
+}
+
+impl Streams {
+    pub(super) fn new(samples: usize, start: &InitialState, limit_nm: Option<f64>) -> Self {
+        Streams {
+            delayed_nm: Vec::with_capacity(samples),
+            immediate_nm: Vec::with_capacity(samples),
+            before_delayed_nm: start.integrator_nm,
+            limit_nm: limit_nm.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    /// Appends the outputs of an update; returns T_d* now, with v as old as `updates`.
+    pub(super) fn push_controller(&mut self, pi_nm: f64, feed_forward_nm: f64, updates: f64) -> Option<f64> {
+        self.delayed_nm.push(pi_nm);
+        self.immediate_nm.push(feed_forward_nm);
+        Some(self.demand(self.delayed_nm.len() - 1, samples_back(updates, 0.0), 0))
+    }
+
+    /// Appends a torque demand; returns it, limited.
+    pub(super) fn push_demand(&mut self, demand_nm: f64) -> Option<f64> {
+        self.before_delayed_nm = 0.0;
+        self.delayed_nm.push(0.0);
+        self.immediate_nm.push(demand_nm);
+        Some(demand_nm.clamp(-self.limit_nm, self.limit_nm))
+    }
+
+    fn demand(&self, k: usize, delayed_back: usize, immediate_back: usize) -> f64 {
+        let delayed = k.checked_sub(delayed_back).map_or(self.before_delayed_nm, |i| self.delayed_nm[i]);
+        let immediate = self.immediate_nm[k.saturating_sub(immediate_back)];
+        (delayed + immediate).clamp(-self.limit_nm, self.limit_nm)
+    }
+}
+
+/// Which sample of a stream, counted back from the present one, is in force `position` samples after it when each takes
+/// effect `delay` samples after its own.
+fn samples_back(delay: f64, position: f64) -> usize {
+    (delay - position - INSTANT).ceil().max(0.0) as usize
+}
+
+/// A part of the sample interval within which the demand at the lag does not change.
+struct Substep {
+    from: f64,
+    to: f64,
+    delayed_back: usize,
+    immediate_back: usize,
+    transition: [[f64; STATES]; STATES],
+    first: [[f64; INPUTS]; STATES],
+    last: [[f64; INPUTS]; STATES],
+}
+
+/// The bench between samples.
+pub(super) struct Plant {
+    substeps: Vec<Substep>,
+    mechanics: Mechanics,
+    has_lag: bool,
+    x: [f64; STATES],
+}
+
+/// What the encoders look at.
+pub(super) struct Motion {
+    pub(super) dyno_speed_rad_s: f64,
+    pub(super) engine_speed_rad_s: f64,
+    pub(super) dyno_angle_rad: f64,
+    pub(super) engine_angle_rad: f64,
+}
+
+impl Plant {
+    pub(super) fn new(model: &BenchModel, inputs: &Inputs<'_>, start: &InitialState) -> Result<Self, SimulationError> {
+        let step = inputs.sample_time_s;
+        let inverter = match inputs.drive {
+            Drive::AirGapTorque(_) => None,
+            _ => Some(model.inverter.ok_or(SimulationError::MissingPart { part: "inverter" })?),
+        };
+        let bandwidth = inverter.and_then(|i| i.bandwidth_rad_s);
+        let system = continuous(&model.mechanics, bandwidth)?;
+        let (delayed, immediate) = stream_delays(model, inverter, step);
+        let substeps = boundaries(delayed, immediate)
+            .windows(2)
+            .map(|w| Substep::new(&system, step, (w[0], w[1]), (delayed, immediate)))
+            .collect::<Result<Vec<_>, _>>()?;
+        let x = [start.dyno_speed_rad_s, start.engine_speed_rad_s, start.twist_rad, start.air_gap_torque_nm, 0.0, 0.0];
+        Ok(Plant { substeps, mechanics: model.mechanics, has_lag: bandwidth.is_some(), x })
+    }
+
+    pub(super) fn state(&self) -> Motion {
+        Motion {
+            dyno_speed_rad_s: self.x[0],
+            engine_speed_rad_s: self.x[1],
+            dyno_angle_rad: self.x[4],
+            engine_angle_rad: self.x[5],
+        }
+    }
+
+    pub(super) fn shaft_torque_nm(&self) -> f64 {
+        self.mechanics.stiffness_nm_per_rad * self.x[2] + self.mechanics.damping_nm_s_per_rad * (self.x[1] - self.x[0])
+    }
+
+    /// T_d at sample `k`: the lag's state, or what stands in for it.
+    pub(super) fn air_gap_torque_nm(&self, inputs: &Inputs<'_>, streams: &Streams, k: usize) -> f64 {
+        match (inputs.drive, self.substeps.first()) {
+            (Drive::AirGapTorque(torque), _) => torque[k],
+            (_, Some(first)) if !self.has_lag => streams.demand(k, first.delayed_back, first.immediate_back),
+            _ => self.x[3],
+        }
+    }
+
+    /// Moves on from sample `k` to the next; beyond the last sample inputs stay.
+    pub(super) fn advance(&mut self, inputs: &Inputs<'_>, streams: &Streams, k: usize) {
+        let next = (k + 1).min(inputs.engine_torque_nm.len() - 1);
+        let between = |series: &[f64], x: f64| series[k] + (series[next] - series[k]) * x;
+        for substep in &self.substeps {
+            let braking = |x: f64| match inputs.drive {
+                Drive::AirGapTorque(torque) => between(torque, x),
+                _ => streams.demand(k, substep.delayed_back, substep.immediate_back),
+            };
+            let input = |x: f64| [braking(x), between(inputs.engine_torque_nm, x)];
+            self.x = substep.apply(&self.x, input(substep.from), input(substep.to));
+        }
+    }
+}
+
+impl Substep {
+    fn new(
+        system: &StateSpace,
+        step_s: f64,
+        (from, to): (f64, f64),
+        (delayed, immediate): (f64, f64),
+    ) -> Result<Self, SimulationError> {
+        let exact = system.to_discrete_foh((to - from) * step_s)?;
+        Ok(Substep {
+            from,
+            to,
+            delayed_back: samples_back(delayed, from),
+            immediate_back: samples_back(immediate, from),
+            transition: std::array::from_fn(|i| std::array::from_fn(|j| exact.a()[(i, j)])),
+            first: std::array::from_fn(|i| std::array::from_fn(|j| exact.b0()[(i, j)])),
+            last: std::array::from_fn(|i| std::array::from_fn(|j| exact.b1()[(i, j)])),
+        })
+    }
+
+    fn apply(&self, x: &[f64; STATES], u0: [f64; INPUTS], u1: [f64; INPUTS]) -> [f64; STATES] {
+        std::array::from_fn(|i| {
+            let free: f64 = (0..STATES).map(|j| self.transition[i][j] * x[j]).sum();
+            let forced: f64 = (0..INPUTS).map(|j| self.first[i][j] * u0[j] + self.last[i][j] * u1[j]).sum();
+            free + forced
+        })
+    }
+}
+
+/// Delays from the controller's streams to the lag, in samples: τ + d and d.
+fn stream_delays(model: &BenchModel, inverter: Option<InverterModel>, step_s: f64) -> (f64, f64) {
+    let immediate = inverter.map_or(0.0, |i| i.delay_s.max(0.0));
+    let delayed = immediate + model.speed_controller.map_or(0.0, |pi| pi.delay_s.max(0.0));
+    (delayed / step_s, immediate / step_s)
+}
+
+/// Instants within a sample interval at which the demand at the lag may change, in samples, with both ends.
+fn boundaries(delayed: f64, immediate: f64) -> Vec<f64> {
+    let mut instants = vec![0.0, 1.0];
+    for delay in [delayed, immediate] {
+        let instant = delay - delay.floor();
+        if instants.iter().all(|other: &f64| (other - instant).abs() > INSTANT) {
+            instants.push(instant);
+        }
+    }
+    instants.sort_by(f64::total_cmp);
+    instants
+}
+
+/// The continuous system; without a lag the first input is T_d itself.
+fn continuous(mechanics: &Mechanics, bandwidth_rad_s: Option<f64>) -> Result<StateSpace, lti::LtiError> {
+    let (jd, je) = (mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2);
+    let (k, b) = (mechanics.stiffness_nm_per_rad, mechanics.damping_nm_s_per_rad);
+    let mut a = Mat::zeros(STATES, STATES);
+    let mut input = Mat::zeros(STATES, INPUTS);
+    for (row, sign, inertia) in [(0, 1.0, jd), (1, -1.0, je)] {
+        a[(row, 0)] = -sign * b / inertia;
+        a[(row, 1)] = sign * b / inertia;
+        a[(row, 2)] = sign * k / inertia;
+    }
+    a[(2, 0)] = -1.0;
+    a[(2, 1)] = 1.0;
+    a[(4, 0)] = 1.0;
+    a[(5, 1)] = 1.0;
+    input[(1, 1)] = 1.0 / je;
+    match bandwidth_rad_s {
+        Some(bandwidth) => {
+            a[(0, 3)] = -1.0 / jd;
+            a[(3, 3)] = -bandwidth;
+            input[(3, 0)] = bandwidth;
+        }
+        None => input[(0, 0)] = -1.0 / jd,
+    }
+    StateSpace::continuous(a, input, Mat::identity(STATES, STATES), Mat::zeros(STATES, INPUTS))
+}

@@ -1,0 +1,117 @@
+//! The assembled model: analysed, and replayed on recordings.
+
+use crate::analysis::{SignalSkews, SineTest, WholeInputs, whole_model};
+use crate::estimate::speed_controller::SpeedControllerFit;
+use crate::estimate::torque_control::TorqueControlFit;
+use crate::model::{BenchModel, Engine, StudyParts, assemble as assemble_model};
+use crate::replay::{EncoderError, ReplayInputs, replay};
+use crate::study::estimates::{Findings, modelled_torque, needs_part};
+use crate::study::{FeedForward, Need, Progress, Replay, Shaft, WholeModel};
+use crate::{ControlMode, Experiment, Finding, Severity};
+
+/// Tests worth replaying in each control mode, best first.
+const REPLAYED_NT: [&str; 4] = ["BS", "Ramp", "Levels", "Unfired"];
+const REPLAYED_TN: [&str; 3] = ["Step", "WhiteNoise", "Sine"];
+/// Recordings replayed in each mode.
+const REPLAYS_PER_MODE: usize = 2;
+/// Longest stretch that is replayed, s: enough to judge, and quick to draw.
+const REPLAYED_S: f64 = 20.0;
+
+/// The parts that were estimated.
+pub(super) struct Pieces<'a> {
+    pub(super) shaft: &'a Shaft,
+    pub(super) controller: Option<&'a SpeedControllerFit>,
+    pub(super) feed_forward: Option<&'a FeedForward>,
+    pub(super) torque_control: Option<&'a TorqueControlFit>,
+}
+
+impl Pieces<'_> {
+    fn skews(&self) -> SignalSkews {
+        let value = |symbol: &str| self.shaft.estimate.parameter(symbol).map_or(0.0, |p| p.value);
+        SignalSkews { engine_speed_s: value("δ_e"), torque_s: value("δ_T") - self.gate_s() / 2.0 }
+    }
+
+    fn gate_s(&self) -> f64 {
+        self.shaft.estimate.parameter("T_g").map_or(0.0, |p| p.value)
+    }
+}
+
+/// Analysis and replays of the model that the parts make up.
+pub(super) fn assemble(
+    findings: &mut Findings<'_>,
+    pieces: &Pieces<'_>,
+) -> (Result<WholeModel, Vec<Need>>, Vec<Replay>) {
+    (findings.progress)(Progress::Estimating { part: "whole model" });
+    let facts = findings.bench.facts();
+    let parts = StudyParts {
+        facts: &facts,
+        shaft: pieces.shaft,
+        speed_controller: pieces.controller.map(|c| &c.result),
+        feed_forward: pieces.feed_forward,
+        torque_control: pieces.torque_control.map(|t| &t.result),
+        encoder_gate_s: pieces.gate_s(),
+    };
+    let Some((model, uncertainty)) = assemble_model(&parts) else {
+        return (Err(needs_part("shaft")), Vec::new());
+    };
+    let sines = findings.of_tests(&["Sine"]);
+    let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
+    let skews = pieces.skews();
+    let sine_tests: Vec<SineTest<'_>> = sines
+        .iter()
+        .zip(&torques)
+        .map(|(experiment, torque)| SineTest { experiment, air_gap_torque: torque.as_ref(), skews })
+        .collect();
+    let engine = Engine { cylinders: facts.cylinders, strokes: facts.strokes };
+    let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine, sine_tests: &sine_tests };
+    let whole = whole_model(&inputs).map_err(|error| {
+        let file = sines.first().map_or_else(String::new, |e| e.file.clone());
+        vec![Need::UsableData { file, reason: error.to_string() }]
+    });
+    (whole, replays(findings, pieces, &model))
+}
+
+/// Replays recordings in both modes, those first that nothing was estimated from.
+fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &BenchModel) -> Vec<Replay> {
+    let mut done = Vec::new();
+    for (mode, tests) in [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])] {
+        let mut candidates: Vec<&Experiment> =
+            findings.of_tests(tests).into_iter().filter(|e| e.label.mode == mode).collect();
+        candidates.sort_by_key(|e| findings.is_seen(&e.file));
+        for experiment in candidates.into_iter().take(REPLAYS_PER_MODE) {
+            (findings.progress)(Progress::Replaying { file: experiment.file.clone() });
+            match replay_one(findings, pieces, model, experiment) {
+                Ok(replay) => done.push(replay),
+                Err(error) => {
+                    let finding = Finding::NotReplayed { reason: error.to_string() };
+                    findings.doubt(&experiment.file, Severity::Note, finding);
+                }
+            }
+        }
+    }
+    done
+}
+
+fn replay_one(
+    findings: &Findings<'_>,
+    pieces: &Pieces<'_>,
+    model: &BenchModel,
+    experiment: &Experiment,
+) -> Result<Replay, crate::estimate::EstimateError> {
+    let torque = modelled_torque(experiment, pieces.torque_control).map(|(torque, _)| torque);
+    let once_a_turn = match experiment.label.mode {
+        ControlMode::Nt => {
+            pieces.controller.and_then(|c| c.once_a_turn_in(experiment, findings.bench.limits.torque_nm))
+        }
+        ControlMode::Tn => None,
+    };
+    let inputs = ReplayInputs {
+        air_gap_torque: torque.as_ref(),
+        skews: pieces.skews(),
+        encoder_error: once_a_turn.map(|(cosine, sine)| EncoderError { cosine, sine }),
+        stretch_s: experiment.signals.values().next().map(|s| (s.start_s, s.start_s + REPLAYED_S)),
+        seen_in_estimation: findings.is_seen(&experiment.file),
+        ..ReplayInputs::default()
+    };
+    replay(experiment, model, &inputs)
+}
