@@ -1,1 +1,50 @@
-fn main() {}
+//! The program: recordings of a dynamometer test bench in, a validated bench model out.
+//!
+//! This crate opens and writes files, talks to the person at the terminal, and calls the other crates; it holds no
+//! formulas. One module a command; [`terminal`] alone prints, [`output`] alone writes files, [`input`] alone finds and
+//! reads them.
+
+#![warn(missing_docs)]
+
+mod cli;
+mod commands;
+mod error;
+mod input;
+mod output;
+mod summary;
+mod table;
+mod terminal;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::cli::{Cli, Command, StudyCommand};
+use crate::error::{CliError, Outcome};
+use crate::terminal::Terminal;
+
+fn main() -> ExitCode {
+    let outcome = std::panic::catch_unwind(|| run(Cli::parse()));
+    outcome.unwrap_or(ExitCode::from(error::INTERNAL))
+}
+
+fn run(cli: Cli) -> ExitCode {
+    let mut terminal = Terminal::new(&cli.global);
+    let outcome = dispatch(&cli.command, &mut terminal).and_then(|outcome| terminal.finish().map(|()| outcome));
+    match outcome {
+        Ok(outcome) => ExitCode::from(outcome.code()),
+        Err(error) => {
+            terminal.error(&error.to_string());
+            ExitCode::from(error.code())
+        }
+    }
+}
+
+fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    match command {
+        Command::Demo(arguments) => commands::demo::run(arguments, terminal),
+        Command::Study { command: StudyCommand::Run(arguments) } => commands::study::run(arguments, terminal),
+        Command::Init(arguments) => commands::init::run(arguments, terminal),
+        Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
+    }
+}

@@ -28,6 +28,7 @@ mod parameters;
 mod plan;
 mod run;
 mod sensors;
+mod truth;
 mod waveform;
 mod write;
 
@@ -40,6 +41,7 @@ pub use parameters::{
     MechanicsParameters, SensorParameters,
 };
 pub use plan::ExperimentPlan;
+pub use truth::Truth;
 pub use waveform::Waveform;
 
 /// Time from one update of controllers, sensors and registers to the next, s.

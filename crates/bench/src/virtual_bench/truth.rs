@@ -1,0 +1,65 @@
+//! What a study of a virtual bench would find if it were exact.
+
+use std::f64::consts::TAU;
+
+use serde::Serialize;
+
+use super::parameters::BenchParameters;
+use crate::units::RPM_RAD_S;
+
+/// The true values of what a study estimates, in the study's units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Truth {
+    /// K, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// B, Nm s/rad.
+    pub damping_nm_s_per_rad: f64,
+    /// K_p, Nm/rpm.
+    pub proportional_nm_per_rpm: f64,
+    /// K_i, Nm/(rpm s).
+    pub integral_nm_per_rpm_s: f64,
+    /// τ of the speed controller, s.
+    pub controller_delay_s: f64,
+    /// k, Nm/rpm.
+    pub speed_feed_forward_nm_per_rpm: f64,
+    /// k_a, Nm/(rpm/s).
+    pub acceleration_feed_forward_nm_s_per_rpm: f64,
+    /// Delay and lag of the torque control together, d + 1/a, s.
+    pub torque_control_delay_s: f64,
+    /// Frequency of the largest gain of T_d → T_shaft in torque control, Hz.
+    pub resonance_hz: f64,
+}
+
+impl BenchParameters {
+    /// What a study of this bench would find if it were exact.
+    ///
+    /// # Example
+    /// ```
+    /// let truth = bench::virtual_bench::BenchParameters::default().truth();
+    /// assert!((truth.proportional_nm_per_rpm - 0.9385).abs() < 1e-12);
+    /// assert!((truth.resonance_hz - 17.68).abs() < 0.01);
+    /// ```
+    pub fn truth(&self) -> Truth {
+        let (mechanics, controller) = (&self.mechanics, &self.controller);
+        Truth {
+            stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
+            damping_nm_s_per_rad: mechanics.shaft_damping_nm_s_per_rad,
+            proportional_nm_per_rpm: controller.proportional_nm_s_per_rad * RPM_RAD_S,
+            integral_nm_per_rpm_s: controller.integral_nm_per_rad * RPM_RAD_S,
+            controller_delay_s: controller.delay_s,
+            speed_feed_forward_nm_per_rpm: controller.speed_feed_forward_nm_s_per_rad * RPM_RAD_S,
+            acceleration_feed_forward_nm_s_per_rpm: controller.acceleration_feed_forward_nm_s2_per_rad * RPM_RAD_S,
+            torque_control_delay_s: self.inverter.delay_s + 1.0 / self.inverter.bandwidth_rad_s,
+            resonance_hz: self.resonance_hz(),
+        }
+    }
+
+    /// The peak of |(K + Bs)/J_d / (s² + Bμs + Kμ)| at s = iω, μ = 1/J_d + 1/J_e (7.2): its square has the derivative zero
+    /// where B²x² + 2K²x − 2K³μ = 0 with x = ω².
+    fn resonance_hz(&self) -> f64 {
+        let mechanics = &self.mechanics;
+        let (k, b) = (mechanics.shaft_stiffness_nm_per_rad, mechanics.shaft_damping_nm_s_per_rad);
+        let mobility = 1.0 / mechanics.dyno_inertia_kg_m2 + 1.0 / mechanics.engine_inertia_kg_m2;
+        (2.0 * k * mobility / (1.0 + (1.0 + 2.0 * b * b * mobility / k).sqrt())).sqrt() / TAU
+    }
+}

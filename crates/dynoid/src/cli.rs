@@ -1,0 +1,152 @@
+//! The command line: commands, options, help.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+const EXIT_CODES: &str = "\
+Exit codes:
+  0  done
+  1  a study was made, but its verdict is that the data are insufficient for a model
+  2  the command line is wrong
+  3  an input cannot be read or understood
+  4  an output cannot be written
+  5  a fault in dynoid itself
+
+A new bench, in three steps:
+  dynoid init recordings/        proposes bench.toml; fill in cylinders and inertias
+  dynoid study run bench.toml    estimates, judges and writes study/report.html
+  dynoid inspect FILE            looks into a recording that causes trouble
+
+To see what comes out, without recordings of your own: dynoid demo";
+
+/// Turns the recordings of a dynamometer test bench into a validated simulation model of that bench
+#[derive(Debug, Parser)]
+#[command(name = "dynoid", version, after_help = EXIT_CODES, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) global: Global,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Global {
+    /// Shows no progress and no summary; warnings and errors stay
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+    /// When to use colour; NO_COLOR is respected
+    #[arg(long, global = true, value_enum, default_value_t = ColorWhen::Auto, value_name = "WHEN")]
+    pub(crate) color: ColorWhen,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ColorWhen {
+    /// On a terminal
+    Auto,
+    /// Always
+    Always,
+    /// Never
+    Never,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Simulates a bench whose every parameter is known, studies its recordings, and compares
+    Demo(DemoArguments),
+    /// Studies a campaign of recordings
+    Study {
+        #[command(subcommand)]
+        command: StudyCommand,
+    },
+    /// Proposes a bench file from recordings: which channel plays which role
+    Init(InitArguments),
+    /// Shows what recordings hold: channels, units, clocks, gaps, values
+    Inspect(InspectArguments),
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum StudyCommand {
+    /// Estimates every part of the bench that the recordings allow, judges it, and writes the report
+    Run(StudyRunArguments),
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid demo
+  dynoid demo --out /tmp/bench --seed 7
+  dynoid demo --json | jq '.comparison[] | select(.contains_truth | not)'
+
+The folder then holds recordings/*.mf4, bench.toml, report.html and study.json; bench.toml is a good place to start
+trying things out: leave recordings away, change an inertia, and run `dynoid study run` on it.")]
+pub(crate) struct DemoArguments {
+    /// Folder to write to; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "dynoid-demo")]
+    pub(crate) out: PathBuf,
+    /// Seed of the simulation's randomness; the same seed gives the same recordings
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Prints the comparison as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid study run bench.toml
+  dynoid study run cell4/bench.toml --out results/2026-05-03
+  dynoid study run bench.toml --json | jq .verdict.level
+
+Writes report.html (one file, opens in any browser) and study.json (every number, for programs). Results that are
+already there are replaced only when the new ones are complete. A bench file is proposed by `dynoid init`.")]
+pub(crate) struct StudyRunArguments {
+    /// The bench file: what is known of the bench, its channels, and its recordings
+    #[arg(value_name = "BENCH.toml")]
+    pub(crate) bench: PathBuf,
+    /// Folder for the results [default: study/ beside the bench file]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Prints verdict, estimates and findings as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid init recordings/
+  dynoid init monday/*.mf4 tuesday/*.mf4 --out cell4.toml
+
+Nothing in a study rests on a guess: look the proposal over, and fill in what no recording can tell (cylinders and
+inertias).")]
+pub(crate) struct InitArguments {
+    /// Recordings, or folders of recordings (MDF 2 to 4: .mf4, .mdf, .dat; .csv)
+    #[arg(value_name = "RECORDINGS", required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// The bench file to write
+    #[arg(long, value_name = "FILE", default_value = "bench.toml")]
+    pub(crate) out: PathBuf,
+    /// Replaces a bench file that is already there
+    #[arg(long)]
+    pub(crate) force: bool,
+    /// Prints the proposal as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid inspect BS_T_NT_1200.mf4
+  dynoid inspect recordings/ | less
+  dynoid inspect run.mf4 --json | jq '.[].rasters[].channels[].name'")]
+pub(crate) struct InspectArguments {
+    /// Recordings, or folders of recordings
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// Prints everything as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,100 @@
+//! The demo's experiments and their simulation.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use bench::bench_file::{ChannelMapping, Limits, RecordingList};
+use bench::study::BenchVariant;
+use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+use bench::{BenchFile, Role};
+use recording::encode_mdf4;
+
+use crate::error::CliError;
+use crate::terminal::Progress;
+
+/// The channels of a virtual bench.
+const CHANNELS: [(Role, &str); 7] = [
+    (Role::DynoSpeed, "DynoSpeed"),
+    (Role::EngineSpeed, "EngineSpeed"),
+    (Role::DynoSpeedDemand, "DynoSpeedDemand"),
+    (Role::DynoTorqueDemand, "DynoTorqueDemand"),
+    (Role::AirGapTorque, "DynoTorqueCalc"),
+    (Role::LoadCellTorque, "DynoTorqueMeas"),
+    (Role::SystemShaftTorque, "ShaftTorqueCalc"),
+];
+
+/// An experiment and the file its recording goes to.
+pub(super) struct Planned {
+    pub(super) file_name: String,
+    plan: ExperimentPlan,
+}
+
+/// The experiments, the longest first, so that two cores finish together.
+pub(super) fn plans() -> Vec<Planned> {
+    let planned = |speed_rpm: f64, duration_s: f64, plan: fn(f64, f64) -> ExperimentPlan| {
+        let plan = plan(speed_rpm, duration_s);
+        Planned { file_name: format!("{}_{speed_rpm:.0}.mf4", plan.label), plan }
+    };
+    vec![
+        planned(1200.0, 60.0, ExperimentPlan::sine_t_tn),
+        planned(1200.0, 40.0, ExperimentPlan::bs_t_nt),
+        planned(1200.0, 40.0, ExperimentPlan::white_noise_t_tn),
+        planned(1200.0, 40.0, ExperimentPlan::levels_n_nt),
+        planned(1200.0, 32.0, ExperimentPlan::ramp_n_nt),
+        planned(1200.0, 30.0, ExperimentPlan::unfired_n_nt),
+        planned(3000.0, 20.0, ExperimentPlan::bs_t_nt),
+        planned(1200.0, 20.0, ExperimentPlan::step_t_tn),
+        planned(1200.0, 18.0, ExperimentPlan::no_shaft_n_nt),
+    ]
+}
+
+/// Simulates the experiments on all cores; returns the recordings' bytes in their order. Every experiment has a seed of
+/// its own, counted from `seed`.
+pub(super) fn simulate_all(
+    parameters: &BenchParameters,
+    plans: &[Planned],
+    seed: u64,
+    progress: &Progress,
+) -> Result<Vec<Vec<u8>>, CliError> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(planned) = plans.get(index) else { return done };
+            done.push((index, record(parameters, &planned.plan, seed.wrapping_add(index as u64))));
+            progress.step();
+        }
+    };
+    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(plans.len());
+    let results = std::thread::scope(|scope| {
+        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        handles.into_iter().map(|handle| handle.join()).collect::<Vec<_>>()
+    });
+    let mut recordings = BTreeMap::new();
+    for result in results {
+        recordings.extend(result.map_err(|_| CliError::internal("the simulation stopped"))?);
+    }
+    recordings.into_values().collect()
+}
+
+fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Result<Vec<u8>, CliError> {
+    let recording = simulate(parameters, plan, seed).map_err(CliError::internal)?;
+    encode_mdf4(&recording).map_err(CliError::internal)
+}
+
+/// What the user of a real bench would state about it.
+pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> BenchFile {
+    BenchFile {
+        name: "Virtual bench".to_owned(),
+        variant: BenchVariant::LoadCell,
+        cylinders: parameters.engine.cylinder_factors.len() as u32,
+        strokes: 4,
+        dynamometer_inertia_kg_m2: parameters.mechanics.dyno_inertia_kg_m2,
+        dynamometer_inertia_uncertainty_percent: None,
+        engine_inertia_kg_m2: parameters.mechanics.engine_inertia_kg_m2,
+        limits: Limits { torque_nm: Some(parameters.inverter.torque_limit_nm), ..Limits::default() },
+        channels: CHANNELS.iter().map(|(role, name)| (*role, ChannelMapping::named(*name))).collect(),
+        recordings: RecordingList { files: vec![recordings.to_owned()], labels: Vec::new() },
+    }
+}

@@ -1,0 +1,101 @@
+//! `dynoid demo`: a bench whose every parameter is known, its recordings, and a study of them beside the truth.
+
+mod campaign;
+mod comparison;
+
+use std::path::{Path, PathBuf};
+
+use bench::BenchFile;
+use bench::virtual_bench::BenchParameters;
+
+use crate::cli::DemoArguments;
+use crate::commands::study::{self, Written};
+use crate::error::{CliError, Outcome};
+use crate::output::{self, OutputFolder};
+use crate::summary::{self, shown};
+use crate::table::Style;
+use crate::terminal::Terminal;
+
+const RECORDINGS: &str = "recordings";
+const BENCH_FILE: &str = "bench.toml";
+/// The first line of the bench file the demo writes, by which it knows its own folder.
+const FIRST_LINE: &str = "# The bench file of the dynoid demo: a simulated bench.";
+
+pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let out = &arguments.out;
+    let parameters = BenchParameters::default();
+    let plans = campaign::plans();
+    let names: Vec<String> = plans.iter().map(|plan| plan.file_name.clone()).collect();
+    check_folder(out, &names)?;
+    let progress = terminal.progress(plans.len() as u64);
+    progress.say("simulating the bench");
+    let recordings = campaign::simulate_all(&parameters, &plans, arguments.seed, &progress)?;
+    drop(progress);
+    let folder = out.join(RECORDINGS);
+    let files: Vec<(&str, &[u8])> =
+        names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
+    OutputFolder::check(&folder)?.write(&files)?;
+    let bench = out.join(BENCH_FILE);
+    output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
+    let written = study::study(&bench, out, Some(arguments.seed), terminal)?;
+    let rows = comparison::rows(&written.study, &parameters);
+    if arguments.json {
+        terminal.json(&comparison::Document::new(arguments.seed, &written, &bench, &rows))?;
+    } else if !terminal.is_quiet() {
+        print(&written, &bench, &rows, terminal);
+    }
+    Ok(summary::outcome(&written.study))
+}
+
+/// The bench file, as text.
+fn bench_file(parameters: &BenchParameters) -> String {
+    let file: BenchFile = campaign::bench_file(parameters, &format!("{RECORDINGS}/*.mf4"));
+    format!(
+        "{FIRST_LINE}\n# Change what you like and run `dynoid study run {BENCH_FILE}`; the next demo in this folder \
+         writes it anew.\n\n{}",
+        file.to_toml()
+    )
+}
+
+/// Refuses a folder with things in it that are not the demo's.
+fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
+    OutputFolder::check(out)?;
+    let refuse = |found: PathBuf| CliError::NotADemoFolder { path: out.to_owned(), found: shown(&found) };
+    if let Ok(text) = std::fs::read_to_string(out.join(BENCH_FILE))
+        && !text.starts_with(FIRST_LINE)
+    {
+        return Err(refuse(out.join(BENCH_FILE)));
+    }
+    let own = |name: &str| [RECORDINGS, BENCH_FILE, "report.html", "study.json", "study"].contains(&name);
+    let foreign = stranger(out, own).or_else(|| {
+        stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name))
+    });
+    foreign.map_or(Ok(()), |found| Err(refuse(found)))
+}
+
+/// Something in the folder that is neither hidden nor expected.
+fn stranger(folder: &Path, expected: impl Fn(&str) -> bool) -> Option<PathBuf> {
+    let entries = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
+    let mut strangers = entries.filter(|entry| {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        !name.starts_with('.') && !expected(&name)
+    });
+    strangers.next().map(|entry| entry.path())
+}
+
+fn print(written: &Written, bench: &Path, rows: &[comparison::Row<'_>], terminal: &mut Terminal) {
+    terminal.line("A bench was simulated, recorded and studied. The estimates beside the truth:");
+    terminal.gap();
+    terminal.table(&comparison::table(rows));
+    terminal.gap();
+    terminal.paragraph(&comparison::remark(rows));
+    terminal.gap();
+    summary::print(written, terminal);
+    terminal.gap();
+    terminal.heading("Next", Style::Bold);
+    terminal.line(&format!("  open {} in a browser", shown(&written.report)));
+    terminal.line(&format!("  dynoid inspect {}", shown(&written.report.with_file_name(RECORDINGS))));
+    terminal.line(&format!("  change {} and: dynoid study run {0}", shown(bench)));
+    terminal.line("  your own recordings: dynoid init FOLDER");
+}

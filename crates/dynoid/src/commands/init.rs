@@ -1,0 +1,232 @@
+//! `dynoid init`: from recordings to a proposed bench file.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use bench::bench_file::{Draft, PLACEHOLDER};
+use bench::channels::{Choice, Guess, guess_roles};
+use bench::{BenchFile, ExperimentLabel, Role};
+use recording::Recording;
+use report::wording;
+use serde::Serialize;
+
+use crate::cli::InitArguments;
+use crate::error::{CliError, Outcome};
+use crate::input::{self, InputFile};
+use crate::output;
+use crate::summary::shown;
+use crate::table::{Align, Cell, Style, Table};
+use crate::terminal::Terminal;
+
+/// A guess below this is worth a second look.
+const DOUBTFUL: f64 = 0.8;
+
+pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let out = &arguments.out;
+    if out.is_dir() {
+        return Err(CliError::InTheWay { path: out.clone(), what: "a folder" });
+    }
+    if out.exists() && !arguments.force {
+        return Err(CliError::BenchFileExists { path: out.clone() });
+    }
+    let files = input::named(&arguments.recordings)?;
+    let recordings = decode_all(&files, terminal)?;
+    let pairs: Vec<(&str, &Recording)> = recordings.iter().map(|(file, r)| (file.name.as_str(), r)).collect();
+    let guess = guess_roles(&pairs);
+    let folder = input::folder_of(out);
+    let unlabelled = unlabelled(&recordings, &folder);
+    let draft = Draft {
+        name: &bench_name(&files),
+        guess: &guess,
+        files: &patterns(&arguments.recordings, &folder)?,
+        unlabelled: &unlabelled,
+    };
+    let text = BenchFile::to_commented_toml(&draft);
+    match arguments.force {
+        true => output::replace_file(out, text.as_bytes())?,
+        false => output::create_file(out, text.as_bytes())?,
+    }
+    let gaps = gaps_in(&text);
+    if arguments.json {
+        terminal.json(&proposal(&guess, out, &gaps, &unlabelled))?;
+    } else if !terminal.is_quiet() {
+        print(&guess, out, &gaps, terminal);
+    }
+    Ok(if recordings.len() < files.len() { Outcome::SomeUnreadable } else { Outcome::Done })
+}
+
+/// Every recording that can be decoded; of the others a warning says why not.
+fn decode_all(files: &[InputFile], terminal: &mut Terminal) -> Result<Vec<(InputFile, Recording)>, CliError> {
+    let progress = terminal.progress(files.len() as u64);
+    let mut recordings = Vec::new();
+    let mut faults = Vec::new();
+    for file in files {
+        progress.say(&format!("reading {}", file.name));
+        match input::read_source(file)?.recording {
+            Ok(recording) => recordings.push((file.clone(), recording)),
+            Err(error) => faults.push(error.to_string()),
+        }
+        progress.step();
+    }
+    drop(progress);
+    for fault in faults {
+        terminal.warning(&fault);
+    }
+    if recordings.is_empty() { Err(CliError::NoneReadable { count: files.len() }) } else { Ok(recordings) }
+}
+
+fn unlabelled(recordings: &[(InputFile, Recording)], folder: &Path) -> Vec<String> {
+    let has_no_label = |file: &InputFile| {
+        let name = file.path.file_name().unwrap_or_default().to_string_lossy();
+        name.parse::<ExperimentLabel>().is_err()
+    };
+    let files = recordings.iter().map(|(file, _)| file).filter(|file| has_no_label(file));
+    files.map(|file| input::with_slashes(&input::relative_to(&file.path, folder))).collect()
+}
+
+/// The bench is called like the folder its recordings are in.
+fn bench_name(files: &[InputFile]) -> String {
+    let folder = files.first().and_then(|file| file.path.canonicalize().ok()).and_then(|path| path.parent().map(Path::to_owned));
+    let named = folder.iter().flat_map(|folder| folder.ancestors()).find_map(|folder| {
+        let name = folder.file_name()?.to_string_lossy().into_owned();
+        let says_nothing = ["recordings", "measurements", "data"].contains(&name.to_lowercase().as_str());
+        (!says_nothing).then_some(name)
+    });
+    named.unwrap_or_else(|| "My bench".to_owned())
+}
+
+/// What to list in the bench file: for a folder a pattern of each kind of recording in it, a file by its name.
+fn patterns(arguments: &[PathBuf], folder: &Path) -> Result<Vec<String>, CliError> {
+    let mut patterns = Vec::new();
+    for argument in arguments {
+        let path = input::with_slashes(&input::relative_to(argument, folder));
+        if !argument.is_dir() {
+            patterns.push(path);
+            continue;
+        }
+        let files = input::recordings_in(argument)?;
+        let endings: BTreeSet<&str> = files.iter().filter_map(|file| input::ending(file)).collect();
+        let prefix = if path.is_empty() { String::new() } else { format!("{}/", glob::Pattern::escape(&path)) };
+        patterns.extend(endings.iter().map(|ending| format!("{prefix}*.{ending}")));
+    }
+    Ok(patterns)
+}
+
+/// The keys of the bench file that still have to be filled in, with their lines.
+fn gaps_in(text: &str) -> Vec<(usize, String)> {
+    let placeholder = format!("\"{PLACEHOLDER}\"");
+    let gap = |(index, line): (usize, &str)| {
+        let (key, value) = line.split_once('=')?;
+        (!key.starts_with('#') && value.trim_start().starts_with(&placeholder)).then(|| (index + 1, key.trim().to_owned()))
+    };
+    text.lines().enumerate().filter_map(gap).collect()
+}
+
+fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Terminal) {
+    terminal.heading("Channels", Style::Bold);
+    terminal.table(&channels(guess));
+    for ambiguity in &guess.ambiguous {
+        let others = wording::join(&ambiguity.channels[1..], "and");
+        let text = format!("{}: {others} would fit about as well.", wording::role(ambiguity.role));
+        terminal.item(("please check:", Style::Caution), &text);
+    }
+    if !guess.missing.is_empty() {
+        let roles: Vec<String> = guess.missing.iter().map(|role| wording::role(*role)).collect();
+        terminal.item(("no channel found:", Style::Faint), &format!("{}.", wording::join(&roles, "and")));
+    }
+    terminal.gap();
+    terminal.heading(&format!("Written: {}", shown(out)), Style::Bold);
+    if !gaps.is_empty() {
+        terminal.line(&format!("  To be filled in, where it says \"{PLACEHOLDER}\":"));
+    }
+    for (line, key) in gaps {
+        terminal.line(&format!("    line {line}: {key}{}", hint(key)));
+    }
+    terminal.gap();
+    terminal.line(&format!("Next: look the file over, then `dynoid study run {}`", shown(out)));
+}
+
+fn hint(key: &str) -> &'static str {
+    match key {
+        "cylinders" => " (a number, e.g. 4)",
+        "dynamometer_inertia" => " (of all that turns on the dynamometer's side of the shaft, e.g. \"0.6 kg m²\")",
+        "engine_inertia" => " (flywheel included, e.g. \"0.2 kg m²\")",
+        "label" => " (which experiment the recording above it is, e.g. \"BS_T_NT\")",
+        _ => " (the channel's name in the recordings)",
+    }
+}
+
+fn channels(guess: &Guess) -> Table {
+    use Align::{Left, Right};
+    let mut table = Table::new(&[("role", Left), ("", Left), ("channel", Left), ("unit", Left), ("sure", Right), ("because", Left)]);
+    for (role, choice) in &guess.choices {
+        let style = if choice.confidence < DOUBTFUL { Style::Caution } else { Style::Good };
+        table.row([
+            role.symbol().into(),
+            Cell::styled(wording::role_name(*role), Style::Faint),
+            (&choice.channel).into(),
+            unit(choice).into(),
+            Cell::styled(format!("{} %", percent(choice.confidence)), style),
+            Cell::styled(reasons(choice).join("; "), Style::Faint),
+        ]);
+    }
+    table
+}
+
+fn unit(choice: &Choice) -> &str {
+    choice.unit.map_or(&choice.recorded_unit, |unit| unit.spelling)
+}
+
+/// Whole per cent, never 100: it is a guess.
+fn percent(confidence: f64) -> u32 {
+    (100.0 * confidence).round().clamp(0.0, 99.0) as u32
+}
+
+fn reasons(choice: &Choice) -> Vec<String> {
+    choice.reasons.iter().map(ToString::to_string).collect()
+}
+
+#[derive(Serialize)]
+struct Proposal<'a> {
+    bench_file: &'a Path,
+    channels: Vec<ProposedChannel<'a>>,
+    ambiguous: Vec<Alternatives<'a>>,
+    missing: &'a [Role],
+    unlabelled: &'a [String],
+    to_fill_in: Vec<&'a str>,
+}
+
+#[derive(Serialize)]
+struct ProposedChannel<'a> {
+    role: Role,
+    symbol: &'static str,
+    channel: &'a str,
+    unit: &'a str,
+    confidence: f64,
+    reasons: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Alternatives<'a> {
+    role: Role,
+    channels: &'a [String],
+}
+
+fn proposal<'a>(guess: &'a Guess, out: &'a Path, gaps: &'a [(usize, String)], unlabelled: &'a [String]) -> Proposal<'a> {
+    let channel = |(role, choice): (&Role, &'a Choice)| ProposedChannel {
+        role: *role,
+        symbol: role.symbol(),
+        channel: &choice.channel,
+        unit: unit(choice),
+        confidence: choice.confidence,
+        reasons: reasons(choice),
+    };
+    Proposal {
+        bench_file: out,
+        channels: guess.choices.iter().map(channel).collect(),
+        ambiguous: guess.ambiguous.iter().map(|a| Alternatives { role: a.role, channels: &a.channels }).collect(),
+        missing: &guess.missing,
+        unlabelled,
+        to_fill_in: gaps.iter().map(|(_, key)| key.as_str()).collect(),
+    }
+}

@@ -1,0 +1,137 @@
+//! The facts about a recording, as they are printed and as JSON.
+
+use std::ops::Range;
+
+use bench::ExperimentLabel;
+use recording::{Channel, Raster, Recording};
+use serde::Serialize;
+use signal::clock::{ClockCheck, check_clock};
+use signal::quality::{Quality, QualityOptions, check_quality};
+
+use super::start_time;
+
+/// A recording.
+#[derive(Debug, Serialize)]
+pub(super) struct File {
+    pub(super) file: String,
+    pub(super) sha256: String,
+    pub(super) format: String,
+    pub(super) comment: Option<String>,
+    pub(super) start: Option<String>,
+    /// The experiment's label in the file's name.
+    pub(super) label: Option<String>,
+    pub(super) rasters: Vec<Clock>,
+    /// What the reader has to say.
+    pub(super) findings: Vec<String>,
+}
+
+/// One clock with its channels.
+#[derive(Debug, Serialize)]
+pub(super) struct Clock {
+    pub(super) name: Option<String>,
+    pub(super) samples: usize,
+    pub(super) from_s: Option<f64>,
+    pub(super) to_s: Option<f64>,
+    pub(super) sample_time_s: Option<f64>,
+    pub(super) worst_jitter_s: Option<f64>,
+    pub(super) gaps: usize,
+    pub(super) missing_samples: usize,
+    pub(super) longest_gap: Option<LongestGap>,
+    pub(super) stamps_not_later_than_the_one_before: usize,
+    pub(super) stamps_not_a_number: usize,
+    pub(super) channels: Vec<Values>,
+}
+
+/// The longest gap of a clock.
+#[derive(Debug, Serialize)]
+pub(super) struct LongestGap {
+    pub(super) at_s: f64,
+    pub(super) duration_s: f64,
+}
+
+/// A channel and its samples' values.
+#[derive(Debug, Serialize)]
+pub(super) struct Values {
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) comment: String,
+    pub(super) minimum: Option<f64>,
+    pub(super) maximum: Option<f64>,
+    pub(super) mean: Option<f64>,
+    pub(super) not_a_number: usize,
+    pub(super) is_constant: bool,
+    /// Share of the samples in runs at the smallest value.
+    pub(super) share_at_minimum: f64,
+    /// Share of the samples in runs at the largest value.
+    pub(super) share_at_maximum: f64,
+    pub(super) spikes: usize,
+}
+
+impl File {
+    pub(super) fn of(name: &str, sha256: String, recording: &Recording) -> Self {
+        let clocks = recording.rasters.iter().enumerate().map(|(index, raster)| {
+            let channels = recording.channels.iter().filter(|channel| channel.raster == index);
+            Clock::of(raster, channels.map(Values::of).collect())
+        });
+        let file_name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        File {
+            file: name.to_owned(),
+            sha256,
+            format: recording.format.to_string(),
+            comment: recording.comment.clone(),
+            start: recording.start_time.map(|start| start_time::words(&start)),
+            label: file_name.parse().ok().map(|label: ExperimentLabel| label.to_string()),
+            rasters: clocks.collect(),
+            findings: recording.findings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+impl Clock {
+    fn of(raster: &Raster, channels: Vec<Values>) -> Self {
+        let finite = || raster.time_s.iter().copied().filter(|time| time.is_finite());
+        let finite_stamps: Vec<f64> = finite().collect();
+        let check: Option<ClockCheck> = check_clock(&finite_stamps).ok();
+        let longest = check.iter().flat_map(|c| &c.gaps).max_by(|a, b| a.duration_s.total_cmp(&b.duration_s));
+        Clock {
+            name: raster.name.clone().filter(|name| !name.trim().is_empty()),
+            samples: raster.time_s.len(),
+            from_s: finite().reduce(f64::min),
+            to_s: finite().reduce(f64::max),
+            sample_time_s: check.as_ref().map(|check| check.sample_time_s),
+            worst_jitter_s: check.as_ref().map(|check| check.worst_jitter_s),
+            gaps: check.as_ref().map_or(0, |check| check.gaps.len()),
+            missing_samples: check.as_ref().map_or(0, |check| check.missing_samples),
+            longest_gap: longest
+                .map(|gap| LongestGap { at_s: finite_stamps[gap.between.start], duration_s: gap.duration_s }),
+            stamps_not_later_than_the_one_before: check.as_ref().map_or(0, |check| check.non_monotonic.len()),
+            stamps_not_a_number: raster.time_s.len() - finite_stamps.len(),
+            channels,
+        }
+    }
+}
+
+impl Values {
+    fn of(channel: &Channel) -> Self {
+        let finite = || channel.samples.iter().copied().filter(|value| value.is_finite());
+        let count = finite().count();
+        let quality = check_quality(&channel.samples, &QualityOptions::default()).ok();
+        let share = |runs: fn(&Quality) -> &[Range<usize>]| {
+            let samples: usize = quality.iter().flat_map(runs).map(ExactSizeIterator::len).sum();
+            samples as f64 / channel.samples.len().max(1) as f64
+        };
+        Values {
+            name: channel.name.clone(),
+            unit: channel.unit.clone(),
+            comment: channel.comment.clone(),
+            minimum: finite().reduce(f64::min),
+            maximum: finite().reduce(f64::max),
+            mean: (count > 0).then(|| finite().map(|value| value / count as f64).sum()),
+            not_a_number: channel.samples.len() - count,
+            is_constant: count > 0 && quality.as_ref().is_some_and(|quality| quality.constant),
+            share_at_minimum: share(|quality| &quality.clipped_low),
+            share_at_maximum: share(|quality| &quality.clipped_high),
+            spikes: quality.as_ref().map_or(0, |quality| quality.spikes.len()),
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! The facts about a recording as text.
+
+use report::wording::{experiment, number};
+
+use super::facts::{Clock, File, Values};
+use crate::table::{Align, Cell, Style, Table};
+use crate::terminal::Terminal;
+
+/// Deviations of time stamps smaller than this share of the sample time are not worth a word.
+const SMALL_JITTER: f64 = 0.01;
+/// Shares of the samples at an extreme value smaller than this are not worth a word.
+const SMALL_SHARE: f64 = 0.001;
+
+pub(super) fn file(facts: &File, terminal: &mut Terminal) {
+    terminal.heading(&facts.file, Style::Bold);
+    let start = facts.start.as_ref().map(|start| format!(", started {start}")).unwrap_or_default();
+    terminal.line(&format!("  {}{start}", facts.format));
+    let label = match facts.label.as_deref().map(|label| (label, experiment(label))) {
+        Some((label, Some(words))) => format!("{label}: {words}"),
+        Some((label, None)) => label.to_owned(),
+        None => "no label in the file name (such as BS_T_NT); the bench file can give one".to_owned(),
+    };
+    terminal.item(("experiment", Style::Plain), &label);
+    if let Some(comment) = facts.comment.as_ref().filter(|comment| !comment.trim().is_empty()) {
+        terminal.item(("comment", Style::Plain), &comment.split_whitespace().collect::<Vec<_>>().join(" "));
+    }
+    for finding in &facts.findings {
+        terminal.item(("please note:", Style::Caution), finding);
+    }
+    for (index, clock) in facts.rasters.iter().enumerate() {
+        raster(index, clock, terminal);
+    }
+    if facts.rasters.is_empty() {
+        terminal.line("  It holds no numeric channel over time.");
+    }
+}
+
+fn raster(index: usize, clock: &Clock, terminal: &mut Terminal) {
+    terminal.gap();
+    let every = match clock.sample_time_s {
+        Some(sample_time_s) => format!("every {}", number::duration(sample_time_s)),
+        None => "without a clock".to_owned(),
+    };
+    let span = match (clock.from_s, clock.to_s) {
+        (Some(from), Some(to)) => format!(", from {} to {}", number::time(from), number::time(to)),
+        _ => String::new(),
+    };
+    let name = clock.name.as_ref().map(|name| format!(" ({name})")).unwrap_or_default();
+    let samples = if clock.samples == 1 { "1 sample".to_owned() } else { format!("{} samples", clock.samples) };
+    terminal.line(&format!("  raster {index}{name}: {samples} {every}{span}"));
+    for remark in clock_remarks(clock) {
+        terminal.item(("please note:", Style::Caution), &remark);
+    }
+    use Align::{Left, Right};
+    let mut table =
+        Table::new(&[("channel", Left), ("unit", Left), ("min", Right), ("max", Right), ("mean", Right), ("", Left)]);
+    for channel in &clock.channels {
+        table.row([
+            (&channel.name).into(),
+            (&channel.unit).into(),
+            value(channel.minimum).into(),
+            value(channel.maximum).into(),
+            value(channel.mean).into(),
+            Cell::styled(remarks(channel).join(", "), Style::Caution),
+        ]);
+    }
+    terminal.table(&table);
+}
+
+fn value(value: Option<f64>) -> String {
+    value.map_or_else(|| "–".to_owned(), |value| number::significant_with_unit(value, 5, ""))
+}
+
+fn clock_remarks(clock: &Clock) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if let Some(gap) = &clock.longest_gap {
+        let (count, longest) = if clock.gaps == 1 { ("1 gap".to_owned(), "it") } else { (format!("{} gaps", clock.gaps), "the longest") };
+        remarks.push(format!(
+            "{count} in the time stamps, {} samples missing; {longest} lasts {} after {}",
+            clock.missing_samples,
+            number::duration(gap.duration_s),
+            number::time(gap.at_s),
+        ));
+    }
+    if clock.stamps_not_later_than_the_one_before > 0 {
+        remarks.push(format!("{} time stamps go back or repeat", clock.stamps_not_later_than_the_one_before));
+    }
+    if clock.stamps_not_a_number > 0 {
+        remarks.push(format!("{} time stamps are not a number", clock.stamps_not_a_number));
+    }
+    if let (Some(jitter_s), Some(sample_time_s)) = (clock.worst_jitter_s, clock.sample_time_s)
+        && jitter_s > SMALL_JITTER * sample_time_s
+    {
+        remarks.push(format!("time stamps jitter by up to {}", number::duration(jitter_s)));
+    }
+    remarks
+}
+
+fn remarks(channel: &Values) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if channel.is_constant {
+        remarks.push("constant".to_owned());
+    }
+    if channel.not_a_number > 0 {
+        remarks.push(format!("{} not a number", channel.not_a_number));
+    }
+    for (share, extreme) in [(channel.share_at_minimum, "minimum"), (channel.share_at_maximum, "maximum")] {
+        if share > SMALL_SHARE {
+            remarks.push(format!("{} at its {extreme}", number::share(share)));
+        }
+    }
+    match channel.spikes {
+        0 => {}
+        1 => remarks.push("1 spike".to_owned()),
+        spikes => remarks.push(format!("{spikes} spikes")),
+    }
+    remarks
+}

@@ -1,0 +1,6 @@
+//! The commands, one module each.
+
+pub(crate) mod demo;
+pub(crate) mod init;
+pub(crate) mod inspect;
+pub(crate) mod study;

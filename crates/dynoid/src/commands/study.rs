@@ -1,0 +1,95 @@
+//! `dynoid study run`: from a bench file to a report.
+
+use std::path::{Path, PathBuf};
+
+use bench::study::{Campaign, Progress as StudyProgress, Source, StudyError};
+use bench::{BenchFile, Study};
+use report::wording;
+
+use crate::cli::StudyRunArguments;
+use crate::error::{CliError, Outcome};
+use crate::input;
+use crate::output::OutputFolder;
+use crate::summary;
+use crate::terminal::{Progress, Terminal};
+
+/// A study and the files it was written to.
+pub(crate) struct Written {
+    pub(crate) study: Study,
+    pub(crate) report: PathBuf,
+    pub(crate) data: PathBuf,
+}
+
+pub(crate) fn run(arguments: &StudyRunArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let out = arguments.out.clone().unwrap_or_else(|| input::folder_of(&arguments.bench).join("study"));
+    let written = study(&arguments.bench, &out, None, terminal)?;
+    if arguments.json {
+        terminal.json(&summary::short(&written))?;
+    } else if !terminal.is_quiet() {
+        summary::print(&written, terminal);
+    }
+    Ok(summary::outcome(&written.study))
+}
+
+/// Reads a bench file and its recordings, studies them, and writes the results.
+pub(crate) fn study(
+    bench: &Path,
+    out: &Path,
+    seed: Option<u64>,
+    terminal: &mut Terminal,
+) -> Result<Written, CliError> {
+    let text = bench_text(bench)?;
+    let file: BenchFile =
+        text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
+    let files = input::listed(bench, &file.recordings.files)?;
+    let folder = OutputFolder::check(out)?;
+    let progress = terminal.progress(2 * files.len() as u64 + 6);
+    let mut sources: Vec<Source> = Vec::with_capacity(files.len());
+    for file in &files {
+        progress.say(&format!("reading {}", file.name));
+        sources.push(input::read_source(file)?);
+        progress.step();
+    }
+    let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
+    let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
+    let study = bench::study::run(campaign, &mut |step| show(&progress, &step));
+    let study = study.map_err(|error| no_study(bench, error))?;
+    progress.say("writing the report");
+    let (html, json) = (report::html(&study), report::json(&study));
+    let paths = folder.write(&[("study.json", json.as_bytes()), ("report.html", html.as_bytes())])?;
+    drop(progress);
+    let [data, report] = <[PathBuf; 2]>::try_from(paths).map_err(|_| CliError::internal("results without a path"))?;
+    Ok(Written { study, report, data })
+}
+
+fn bench_text(bench: &Path) -> Result<String, CliError> {
+    if bench.is_dir() {
+        let inside = bench.join("bench.toml");
+        let remedy = match inside.is_file() {
+            true => format!("did you mean {}?", inside.display()),
+            false => "name a bench file, or have one proposed with `dynoid init`".into(),
+        };
+        return Err(CliError::IsFolder { path: bench.to_owned(), remedy });
+    }
+    input::read_text(bench)
+}
+
+fn show(progress: &Progress, step: &StudyProgress) {
+    match step {
+        StudyProgress::Preparing { file } => progress.say(&format!("checking {file}")),
+        StudyProgress::Estimating { part } => progress.say(&format!("estimating: {}", wording::part(part))),
+        StudyProgress::Replaying { file } => progress.say(&format!("replaying {file}")),
+    }
+    progress.step();
+}
+
+fn no_study(bench: &Path, error: StudyError) -> CliError {
+    match error {
+        StudyError::NoRecordings => CliError::NoRecordingsListed { path: bench.to_owned() },
+        StudyError::NothingUsable { count, diagnostics } => CliError::NothingUsable {
+            bench: bench.to_owned(),
+            count,
+            reasons: diagnostics.iter().map(|found| format!("  {}", wording::diagnostic(found))).collect(),
+        },
+    }
+}

@@ -1,0 +1,150 @@
+//! What can go wrong between the files and the terminal, each with its remedy, and the program's exit codes.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use bench::bench_file::BenchFileError;
+
+/// An input cannot be read or understood.
+const INPUT: u8 = 3;
+/// An output cannot be written.
+const OUTPUT: u8 = 4;
+/// A fault in dynoid itself.
+pub(crate) const INTERNAL: u8 = 5;
+
+/// How a command ended that did what it was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// All is well.
+    Done,
+    /// The study is there, and says that the data are insufficient for a model.
+    Insufficient,
+    /// The command went on past inputs that cannot be read; each was named.
+    SomeUnreadable,
+}
+
+impl Outcome {
+    pub(crate) fn code(self) -> u8 {
+        match self {
+            Outcome::Done => 0,
+            Outcome::Insufficient => 1,
+            Outcome::SomeUnreadable => INPUT,
+        }
+    }
+}
+
+/// Why a command cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CliError {
+    /// A file or folder that cannot be read.
+    #[error("{}: {}", .path.display(), read_words(.source))]
+    Read { path: PathBuf, source: io::Error },
+    /// A folder where a file is needed.
+    #[error("{}: this is a folder, not a file; {remedy}", .path.display())]
+    IsFolder { path: PathBuf, remedy: String },
+    /// A bench file that is not text.
+    #[error("{}: this is not text in UTF-8; give a bench file such as `dynoid init` writes, saved as UTF-8", .path.display())]
+    NotText { path: PathBuf },
+    /// A bench file with faults.
+    #[error("{}: {}", .path.display(), bench_file_words(.source))]
+    BenchFile { path: PathBuf, source: BenchFileError },
+    /// The bench file lists no recordings.
+    #[error("{}: no recordings are listed; add [recordings] with files = [\"recordings/*.mf4\"]", .path.display())]
+    NoRecordingsListed { path: PathBuf },
+    /// A pattern that is none.
+    #[error("{}: `{pattern}` in [recordings] is no valid pattern: {reason}; write it like \"recordings/*.mf4\"", .bench.display())]
+    BadPattern { bench: PathBuf, pattern: String, reason: &'static str },
+    /// A pattern, or a file name, of the bench file that matches nothing.
+    #[error(
+        "{}: `{pattern}` in [recordings] matches no file in {}; correct it, or put the recordings there",
+        .bench.display(), .folder.display()
+    )]
+    NothingMatches { bench: PathBuf, pattern: String, folder: PathBuf },
+    /// A folder without recordings.
+    #[error("{}: there are no recordings in this folder (looked for {}); name the files, or another folder", .path.display(), .endings)]
+    EmptyFolder { path: PathBuf, endings: String },
+    /// None of the recordings given can be decoded.
+    #[error("none of the {count} recordings can be read; see above what is wrong with each")]
+    NoneReadable { count: usize },
+    /// No recording can be used for a study.
+    #[error("none of the {count} recordings of {} can be used, so there is no study:\n{}", .bench.display(), .reasons.join("\n"))]
+    NothingUsable { bench: PathBuf, count: usize, reasons: Vec<String> },
+    /// A file or folder that cannot be written.
+    #[error("{}: {}", .path.display(), write_words(.source))]
+    Write { path: PathBuf, source: io::Error },
+    /// Something else stands where a file or folder is to be written.
+    #[error("{}: {what} of this name is already there; remove it, or choose another place with --out", .path.display())]
+    InTheWay { path: PathBuf, what: &'static str },
+    /// A bench file that must not be overwritten.
+    #[error("{}: the bench file is already there and was left as it is; write another with --out, or replace it with --force", .path.display())]
+    BenchFileExists { path: PathBuf },
+    /// The demo's folder holds other things.
+    #[error(
+        "{}: the folder holds something that is not the demo's ({found}), and the demo would mix with it; choose another folder with --out",
+        .path.display()
+    )]
+    NotADemoFolder { path: PathBuf, found: String },
+    /// Standard output cannot be written.
+    #[error("the standard output cannot be written: {source}; is the disk full?")]
+    StandardOutput { source: io::Error },
+    /// Something that cannot happen did.
+    #[error("a fault in dynoid itself: {what}; please report it with this message")]
+    Internal { what: String },
+}
+
+impl CliError {
+    pub(crate) fn read(path: &Path, source: io::Error) -> Self {
+        CliError::Read { path: path.to_owned(), source }
+    }
+
+    pub(crate) fn write(path: &Path, source: io::Error) -> Self {
+        CliError::Write { path: path.to_owned(), source }
+    }
+
+    pub(crate) fn internal(what: impl ToString) -> Self {
+        CliError::Internal { what: what.to_string() }
+    }
+
+    pub(crate) fn code(&self) -> u8 {
+        match self {
+            CliError::Write { .. }
+            | CliError::InTheWay { .. }
+            | CliError::BenchFileExists { .. }
+            | CliError::NotADemoFolder { .. }
+            | CliError::StandardOutput { .. } => OUTPUT,
+            CliError::Internal { .. } => INTERNAL,
+            _ => INPUT,
+        }
+    }
+}
+
+fn read_words(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::NotFound => "there is no such file or folder; check the name, and the folder it is relative to".into(),
+        io::ErrorKind::PermissionDenied => {
+            "you may not read this; ask for read access, or copy it to a place of your own".into()
+        }
+        _ => format!("this cannot be read: {error}; check the disk or the network drive, or copy the file to a local disk"),
+    }
+}
+
+fn write_words(error: &io::Error) -> String {
+    match error.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
+            "you may not write here; choose another place with --out".into()
+        }
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
+            "the disk is full; free some space, or choose another place with --out".into()
+        }
+        io::ErrorKind::NotADirectory => "part of this path is a file, not a folder; choose another place with --out".into(),
+        io::ErrorKind::NotFound => "the folder to write to is not there; make it, or choose another place with --out".into(),
+        _ => format!("this cannot be written: {error}; choose another place with --out"),
+    }
+}
+
+fn bench_file_words(error: &BenchFileError) -> String {
+    let count = error.faults.len();
+    let head = if count == 1 { "one thing has to be corrected".into() } else { format!("{count} things have to be corrected") };
+    let lines: Vec<String> = error.faults.iter().map(|fault| format!("  {fault}")).collect();
+    format!("{head}:\n{}", lines.join("\n"))
+}

@@ -1,0 +1,177 @@
+//! Finding and reading files.
+
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
+use std::fmt::Write as _;
+use std::path::{Component, Path, PathBuf};
+
+use bench::study::Source;
+use recording::{Selection, decode};
+use sha2::{Digest, Sha256};
+
+use crate::error::CliError;
+
+/// Endings of files that are taken for recordings in a folder.
+const ENDINGS: [&str; 4] = ["mf4", "mdf", "dat", "csv"];
+
+/// A recording that was found.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct InputFile {
+    /// Where it is.
+    pub(crate) path: PathBuf,
+    /// What the user calls it.
+    pub(crate) name: String,
+}
+
+/// The bytes of a file.
+pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
+    if path.is_dir() {
+        return Err(CliError::IsFolder { path: path.to_owned(), remedy: "name a file in it".into() });
+    }
+    std::fs::read(path).map_err(|source| CliError::read(path, source))
+}
+
+/// The text of a file, without a byte order mark.
+pub(crate) fn read_text(path: &Path) -> Result<String, CliError> {
+    let text = String::from_utf8(read_bytes(path)?).map_err(|_| CliError::NotText { path: path.to_owned() })?;
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// Reads and decodes a recording. One that cannot be decoded is a source too: it holds the reason.
+pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
+    let bytes = read_bytes(&file.path)?;
+    Ok(Source {
+        file: file.name.clone(),
+        sha256: hexadecimal(&Sha256::digest(&bytes)),
+        recording: decode(&file.name, &bytes, &Selection::All),
+    })
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+/// The recordings a bench file lists, each once, in the order of its patterns; names are relative to the bench file.
+pub(crate) fn listed(bench: &Path, patterns: &[String]) -> Result<Vec<InputFile>, CliError> {
+    if patterns.is_empty() {
+        return Err(CliError::NoRecordingsListed { path: bench.to_owned() });
+    }
+    let folder = folder_of(bench);
+    let mut seen = BTreeSet::new();
+    let mut files = Vec::new();
+    for pattern in patterns {
+        let found = matches(bench, &folder, pattern)?;
+        if found.is_empty() {
+            let folder = folder.join(fixed_part(pattern));
+            return Err(CliError::NothingMatches { bench: bench.to_owned(), pattern: pattern.clone(), folder });
+        }
+        for path in found {
+            if seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())) {
+                let name = with_slashes(path.strip_prefix(&folder).unwrap_or(&path));
+                files.push(InputFile { path, name });
+            }
+        }
+    }
+    Ok(files)
+}
+
+/// The files a pattern of a bench file stands for: a file of exactly this name, the recordings of a folder, or else what
+/// the pattern matches.
+fn matches(bench: &Path, folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, CliError> {
+    let literal = folder.join(pattern);
+    if literal.is_file() {
+        return Ok(vec![literal]);
+    }
+    if literal.is_dir() {
+        return recordings_in(&literal);
+    }
+    let full = match Path::new(pattern).is_absolute() {
+        true => pattern.to_owned(),
+        false => format!("{}/{pattern}", glob::Pattern::escape(&folder.to_string_lossy())),
+    };
+    let bad = |error: glob::PatternError| CliError::BadPattern {
+        bench: bench.to_owned(),
+        pattern: pattern.to_owned(),
+        reason: error.msg,
+    };
+    let mut files = Vec::new();
+    for entry in glob::glob(&full).map_err(bad)? {
+        let path = entry.map_err(|error| CliError::read(error.path(), error.into()))?;
+        if path.is_file() {
+            files.push(path);
+        }
+    }
+    Ok(files)
+}
+
+/// The folders of a pattern that hold no wildcard.
+fn fixed_part(pattern: &str) -> PathBuf {
+    let is_fixed = |part: &Component<'_>| !part.as_os_str().to_string_lossy().contains(['*', '?', '[']);
+    let mut parts: Vec<Component<'_>> = Path::new(pattern).components().collect();
+    parts.pop();
+    parts.iter().take_while(|part| is_fixed(part)).collect()
+}
+
+/// The recordings named on the command line: files as they are, folders for the recordings in them.
+pub(crate) fn named(arguments: &[PathBuf]) -> Result<Vec<InputFile>, CliError> {
+    let mut files = Vec::new();
+    for argument in arguments {
+        let found = match std::fs::metadata(argument) {
+            Ok(kind) if kind.is_dir() => recordings_in(argument)?,
+            Ok(_) => vec![argument.clone()],
+            Err(source) => return Err(CliError::read(argument, source)),
+        };
+        files.extend(found.into_iter().map(|path| InputFile { name: with_slashes(&path), path }));
+    }
+    Ok(files)
+}
+
+/// The recordings in a folder, by their endings, in order; an error if there is none.
+pub(crate) fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
+    let unreadable = |source| CliError::read(folder, source);
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        if ending(&path).is_some_and(|e| ENDINGS.contains(&e.to_lowercase().as_str())) && path.is_file() {
+            files.push(path);
+        }
+    }
+    if files.is_empty() {
+        let endings = ENDINGS.map(|ending| format!("*.{ending}")).join(", ");
+        return Err(CliError::EmptyFolder { path: folder.to_owned(), endings });
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// A file's ending, as it is spelled.
+pub(crate) fn ending(path: &Path) -> Option<&str> {
+    path.extension().and_then(OsStr::to_str)
+}
+
+/// The absolute folder a file is in.
+pub(crate) fn folder_of(file: &Path) -> PathBuf {
+    let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+    absolute.parent().map(Path::to_owned).unwrap_or_default()
+}
+
+/// A path written with `/`, as bench files write them everywhere.
+pub(crate) fn with_slashes(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    if std::path::MAIN_SEPARATOR == '/' { text.into_owned() } else { text.replace(std::path::MAIN_SEPARATOR, "/") }
+}
+
+/// A path as seen from a folder, with `..` where needed; the absolute path where there is no way (another drive). Both
+/// must exist.
+pub(crate) fn relative_to(path: &Path, folder: &Path) -> PathBuf {
+    let (Ok(path), Ok(folder)) = (path.canonicalize(), folder.canonicalize()) else { return path.to_owned() };
+    let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        return path;
+    }
+    let up = folder.components().skip(common).map(|_| Component::ParentDir);
+    up.chain(path.components().skip(common)).collect()
+}

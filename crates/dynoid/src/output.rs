@@ -1,0 +1,118 @@
+//! Writing files whole or not at all.
+//!
+//! A file is written under a temporary name in the folder where it belongs, brought to the disk, and only then given its
+//! name: whoever looks finds the old file or the new one, never a part.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+
+use crate::error::CliError;
+
+/// A folder for results.
+#[derive(Debug)]
+pub(crate) struct OutputFolder {
+    path: PathBuf,
+}
+
+impl OutputFolder {
+    /// Checks that results can be written to the folder, before any work is done. A folder that is not there is made
+    /// only when there are results.
+    pub(crate) fn check(path: &Path) -> Result<Self, CliError> {
+        let path = std::path::absolute(path).map_err(|source| CliError::write(path, source))?;
+        if path.exists() && !path.is_dir() {
+            return Err(CliError::InTheWay { path, what: "a file" });
+        }
+        let existing = path.ancestors().find(|folder| folder.exists()).unwrap_or(&path);
+        stage(existing, &[]).map_err(|source| CliError::write(&path, source))?;
+        Ok(OutputFolder { path })
+    }
+
+    /// Writes files into the folder: all of them, or, if one cannot be written, none. Returns their paths.
+    pub(crate) fn write(&self, files: &[(&str, &[u8])]) -> Result<Vec<PathBuf>, CliError> {
+        std::fs::create_dir_all(&self.path).map_err(|source| CliError::write(&self.path, source))?;
+        let mut staged = Vec::new();
+        for (name, content) in files {
+            let target = self.path.join(name);
+            if target.is_dir() {
+                return Err(CliError::InTheWay { path: target, what: "a folder" });
+            }
+            let failed = |source| CliError::write(&target, source);
+            let backup = if target.exists() { Some(backup(&target).map_err(failed)?) } else { None };
+            let file = stage(&self.path, content).map_err(failed)?;
+            staged.push((file, backup, target));
+        }
+        let paths = staged.iter().map(|(_, _, target)| target.clone()).collect();
+        put_in_place(staged)?;
+        sync_folder(&self.path);
+        Ok(paths)
+    }
+}
+
+/// Writes one file, replacing an existing one.
+pub(crate) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
+    let failed = |source| CliError::write(path, source);
+    let folder = crate::input::folder_of(path);
+    stage(&folder, content).map_err(failed)?.persist(path).map_err(|error| failed(error.error))?;
+    sync_folder(&folder);
+    Ok(())
+}
+
+/// Writes one file, unless there is one of this name: then it says so.
+pub(crate) fn create_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
+    let failed = |source: io::Error| match source.kind() {
+        io::ErrorKind::AlreadyExists => CliError::BenchFileExists { path: path.to_owned() },
+        _ => CliError::write(path, source),
+    };
+    let folder = crate::input::folder_of(path);
+    stage(&folder, content).map_err(failed)?.persist_noclobber(path).map_err(|error| failed(error.error))?;
+    sync_folder(&folder);
+    Ok(())
+}
+
+/// A temporary file with the content on the disk.
+fn stage(folder: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
+    let mut builder = Builder::new();
+    builder.prefix(".dynoid-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // What the user's mask leaves of it, as for any other file.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+fn backup(target: &Path) -> io::Result<NamedTempFile> {
+    stage(target.parent().unwrap_or(Path::new(".")), &std::fs::read(target)?)
+}
+
+/// Gives every file its name; if that fails for one, gives the earlier ones their old content back.
+fn put_in_place(staged: Vec<(NamedTempFile, Option<NamedTempFile>, PathBuf)>) -> Result<(), CliError> {
+    let mut done: Vec<(Option<NamedTempFile>, PathBuf)> = Vec::new();
+    for (file, backup, target) in staged {
+        if let Err(error) = file.persist(&target) {
+            for (backup, target) in done {
+                let _ = match backup {
+                    Some(backup) => backup.persist(&target).map(|_| ()).map_err(|error| error.error),
+                    None => std::fs::remove_file(&target),
+                };
+            }
+            return Err(CliError::write(&target, error.error));
+        }
+        done.push((backup, target));
+    }
+    Ok(())
+}
+
+/// Brings the names to the disk too, where the system can.
+fn sync_folder(folder: &Path) {
+    if cfg!(unix) {
+        let _ = File::open(folder).and_then(|folder| folder.sync_all());
+    }
+}

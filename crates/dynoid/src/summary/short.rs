@@ -1,0 +1,118 @@
+//! A study in short, as JSON for programs.
+
+use std::path::Path;
+
+use bench::study::{Need, Parameter, RecordingSummary};
+use bench::Diagnostic;
+use report::verdict::{Level, Rule, verdict};
+use report::wording;
+use serde::Serialize;
+
+use super::{key_numbers, missing};
+use crate::commands::study::Written;
+
+/// A study in short, for programs.
+#[derive(Serialize)]
+pub(crate) struct Short<'a> {
+    bench: &'a str,
+    verdict: ShortVerdict,
+    estimates: Vec<ShortEstimate<'a>>,
+    not_estimated: Vec<ShortNeed>,
+    findings: Vec<ShortFinding>,
+    recordings: Vec<ShortRecording<'a>>,
+    report: &'a Path,
+    data: &'a Path,
+}
+
+#[derive(Serialize)]
+struct ShortVerdict {
+    level: &'static str,
+    headline: &'static str,
+    rules: Vec<ShortRule>,
+}
+
+#[derive(Serialize)]
+struct ShortRule {
+    asks: &'static str,
+    found: String,
+    outcome: &'static str,
+}
+
+#[derive(Serialize)]
+struct ShortEstimate<'a> {
+    part: &'static str,
+    #[serde(flatten)]
+    parameter: &'a Parameter,
+}
+
+#[derive(Serialize)]
+struct ShortNeed {
+    part: &'static str,
+    needs: String,
+}
+
+#[derive(Serialize)]
+struct ShortFinding {
+    severity: &'static str,
+    file: Option<String>,
+    channel: Option<String>,
+    time_s: Option<f64>,
+    text: String,
+    advice: &'static str,
+}
+
+#[derive(Serialize)]
+struct ShortRecording<'a> {
+    file: &'a str,
+    sha256: &'a str,
+    label: Option<&'a str>,
+    used_for: &'a [String],
+}
+
+/// A study in short, for programs.
+pub(crate) fn short(written: &Written) -> Short<'_> {
+    let study = &written.study;
+    let verdict = verdict(study);
+    let rule = |rule: &Rule| ShortRule { asks: rule.asks, found: rule.found.clone(), outcome: rule.level.outcome() };
+    let level = match verdict.level {
+        Level::Good => "good",
+        Level::Reservations => "reservations",
+        Level::Insufficient => "insufficient",
+    };
+    let estimate = |(part, parameter)| ShortEstimate { part, parameter };
+    let need = |(part, needs): (&'static str, &[Need])| ShortNeed { part, needs: wording::needs(needs) };
+    Short {
+        bench: &study.bench.name,
+        verdict: ShortVerdict {
+            level,
+            headline: verdict.level.headline(),
+            rules: verdict.rules.iter().map(rule).collect(),
+        },
+        estimates: key_numbers(study).into_iter().map(estimate).collect(),
+        not_estimated: missing(study).into_iter().map(need).collect(),
+        findings: study.diagnostics.iter().map(short_finding).collect(),
+        recordings: study.recordings.iter().map(short_recording).collect(),
+        report: &written.report,
+        data: &written.data,
+    }
+}
+
+fn short_finding(found: &Diagnostic) -> ShortFinding {
+    ShortFinding {
+        severity: wording::severity(found.severity),
+        file: found.place.file.clone(),
+        channel: found.place.channel.clone(),
+        time_s: found.place.time_s,
+        text: wording::finding(&found.finding),
+        advice: wording::advice(&found.finding),
+    }
+}
+
+fn short_recording(recording: &RecordingSummary) -> ShortRecording<'_> {
+    ShortRecording {
+        file: &recording.file,
+        sha256: &recording.sha256,
+        label: recording.label.as_deref(),
+        used_for: &recording.used_for,
+    }
+}

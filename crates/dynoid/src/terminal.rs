@@ -1,0 +1,193 @@
+//! All that is printed: results on standard output, warnings, errors and progress on standard error.
+
+use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use crate::cli::{ColorWhen, Global};
+use crate::error::CliError;
+use crate::table::{Style, Table, safe, wrap};
+
+/// Line length where the terminal's is not known.
+const USUAL_WIDTH: usize = 100;
+/// Lines longer than this are hard to read.
+const WIDEST: usize = 120;
+const NARROWEST: usize = 60;
+
+/// Where a command prints. Texts may come from anywhere: escape codes in them are taken out.
+pub(crate) struct Terminal {
+    out: BufWriter<Stdout>,
+    /// Why standard output takes no more. Of a reader that has gone away nothing is said.
+    failure: Option<io::Error>,
+    quiet: bool,
+    colour_out: bool,
+    colour_err: bool,
+    width: usize,
+}
+
+impl Terminal {
+    pub(crate) fn new(global: &Global) -> Self {
+        let colour = |is_terminal: bool| match global.color {
+            ColorWhen::Always => true,
+            ColorWhen::Never => false,
+            ColorWhen::Auto => is_terminal && colour_is_welcome(),
+        };
+        let columns = terminal_size::terminal_size().map(|(width, _)| usize::from(width.0));
+        Terminal {
+            out: BufWriter::new(io::stdout()),
+            failure: None,
+            quiet: global.quiet,
+            colour_out: colour(io::stdout().is_terminal()),
+            colour_err: colour(io::stderr().is_terminal()),
+            width: columns.map_or(USUAL_WIDTH, |columns| columns.clamp(NARROWEST, WIDEST)),
+        }
+    }
+
+    /// Whether nothing but warnings and errors is to be shown.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
+    /// A line.
+    pub(crate) fn line(&mut self, text: &str) {
+        self.put(&safe(text));
+    }
+
+    /// An empty line.
+    pub(crate) fn gap(&mut self) {
+        self.put("");
+    }
+
+    /// A line that stands out.
+    pub(crate) fn heading(&mut self, text: &str, style: Style) {
+        let text = self.painted(style, &safe(text));
+        self.put(&text);
+    }
+
+    /// A text broken into lines, indented, after a mark such as `warning:`.
+    pub(crate) fn item(&mut self, (mark, style): (&str, Style), text: &str) {
+        let indent = 2;
+        let mut lines = wrap(&safe(&format!("{mark} {text}")), self.width - indent).into_iter();
+        let first = lines.next().unwrap_or_default();
+        let rest = first.strip_prefix(mark).unwrap_or(&first);
+        let first = format!("{}{}{rest}", " ".repeat(indent), self.painted(style, mark));
+        self.put(&first);
+        for line in lines {
+            self.put(&format!("{}{line}", " ".repeat(2 * indent)));
+        }
+    }
+
+    /// A paragraph, broken into lines.
+    pub(crate) fn paragraph(&mut self, text: &str) {
+        for line in wrap(&safe(text), self.width) {
+            self.put(&line);
+        }
+    }
+
+    /// A table, indented.
+    pub(crate) fn table(&mut self, table: &Table) {
+        for line in table.lines(2, self.width, self.colour_out) {
+            self.put(&line);
+        }
+    }
+
+    /// A value as JSON.
+    pub(crate) fn json(&mut self, value: &impl Serialize) -> Result<(), CliError> {
+        let text = serde_json::to_string_pretty(value).map_err(CliError::internal)?;
+        self.put(&text);
+        Ok(())
+    }
+
+    /// A warning, on standard error.
+    pub(crate) fn warning(&mut self, text: &str) {
+        self.complain("warning:", Style::Caution, text);
+    }
+
+    /// An error, on standard error.
+    pub(crate) fn error(&mut self, text: &str) {
+        self.complain("error:", Style::Bad, text);
+    }
+
+    /// A display of progress over a number of steps, on standard error; nothing where that is no terminal.
+    pub(crate) fn progress(&self, steps: u64) -> Progress {
+        if self.quiet || !io::stderr().is_terminal() {
+            return Progress(None);
+        }
+        let bar = ProgressBar::new(steps);
+        let colour = if self.colour_err { ".cyan" } else { "" };
+        let template = format!("{{spinner{colour}}} [{{bar:24{colour}}}] {{wide_msg}}");
+        if let Ok(style) = ProgressStyle::with_template(&template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.enable_steady_tick(Duration::from_millis(100));
+        Progress(Some(bar))
+    }
+
+    /// Writes out what is left, and says whether all could be written.
+    pub(crate) fn finish(&mut self) -> Result<(), CliError> {
+        self.flush();
+        match self.failure.take() {
+            Some(source) if source.kind() != io::ErrorKind::BrokenPipe => Err(CliError::StandardOutput { source }),
+            _ => Ok(()),
+        }
+    }
+
+    fn painted(&self, style: Style, text: &str) -> String {
+        if self.colour_out { style.paint(text) } else { text.to_owned() }
+    }
+
+    fn put(&mut self, line: &str) {
+        if self.failure.is_none() {
+            self.failure = writeln!(self.out, "{line}").err();
+        }
+    }
+
+    fn flush(&mut self) {
+        if self.failure.is_none() {
+            self.failure = self.out.flush().err();
+        }
+    }
+
+    fn complain(&mut self, mark: &str, style: Style, text: &str) {
+        self.flush();
+        let mark = if self.colour_err { style.paint(mark) } else { mark.to_owned() };
+        let lines: Vec<String> = text.lines().map(safe).collect();
+        // Nobody is left to be told if standard error is gone.
+        let _ = writeln!(io::stderr(), "{mark} {}", lines.join("\n"));
+    }
+}
+
+/// NO_COLOR (no-color.org) and terminals that know no colour.
+fn colour_is_welcome() -> bool {
+    let is_unset_or_empty = |value: Option<std::ffi::OsString>| value.is_none_or(|value| value.is_empty());
+    is_unset_or_empty(std::env::var_os("NO_COLOR")) && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+}
+
+/// A display of progress, gone when dropped.
+pub(crate) struct Progress(Option<ProgressBar>);
+
+impl Progress {
+    /// Says what is being done.
+    pub(crate) fn say(&self, what: &str) {
+        if let Some(bar) = &self.0 {
+            bar.set_message(safe(what));
+        }
+    }
+
+    /// One step is done.
+    pub(crate) fn step(&self) {
+        if let Some(bar) = &self.0 {
+            bar.inc(1);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
