@@ -61,7 +61,8 @@ pub struct Verdict {
 
 /// Judges a study.
 pub fn verdict(study: &Study) -> Verdict {
-    let rules = vec![parts(study), uncertainty(study), held_out(study), replays(study), residuals(study), findings(study)];
+    let rules =
+        vec![parts(study), uncertainty(study), held_out(study), replays(study), residuals(study), findings(study)];
     let level = rules.iter().map(|rule| rule.level).max().unwrap_or(Level::Insufficient);
     Verdict { level, rules }
 }
@@ -82,7 +83,8 @@ fn parts(study: &Study) -> Rule {
     let states = part_states(study);
     let missing: Vec<String> =
         states.iter().filter(|(_, there)| !there).map(|(name, _)| wording::part(name).to_owned()).collect();
-    let core_missing = states.iter().any(|(name, there)| !there && matches!(*name, "shaft" | "torque_control" | "whole"));
+    let core_missing =
+        states.iter().any(|(name, there)| !there && matches!(*name, "shaft" | "torque_control" | "whole"));
     let level = match (core_missing, missing.is_empty()) {
         (true, _) => Level::Insufficient,
         (false, false) => Level::Reservations,

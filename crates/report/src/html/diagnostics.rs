@@ -62,7 +62,7 @@ pub(crate) fn entry(same: &[&Diagnostic]) -> Markup {
         _ => markup!("<span class=\"where\">{}</span>", places.join(" · ")),
     };
     markup!(
-        "<li class=\"{}\"><span class=\"tag\">{}</span><div><p>{}</p><p class=\"todo\">{}</p>{}</div></li>\n",
+        "<li class=\"severity-{}\"><span class=\"tag\">{}</span><div><p>{}</p><p class=\"todo\">{}</p>{}</div></li>\n",
         wording::severity(first.severity),
         wording::severity(first.severity),
         prose(&wording::finding(&first.finding)),

@@ -9,7 +9,7 @@ use crate::wording::{join, number};
 
 /// The diagram's own coordinates; the page scales it.
 const WIDTH: i32 = 880;
-const HEIGHT: i32 = 392;
+const HEIGHT: i32 = 356;
 
 /// A block: where it is, what it is, and what stands in it.
 struct Block {
@@ -28,7 +28,7 @@ struct Block {
 pub(crate) fn section(study: &Study) -> Markup {
     let blocks: Markup = blocks(study).iter().map(draw).collect();
     markup!(
-        "<figure class=\"diagram\"><div class=\"wide\"><svg viewBox=\"0 0 {} {}\" role=\"img\" \
+        "<figure class=\"diagram\"><div class=\"wide\"><svg viewBox=\"0 24 {} {}\" role=\"img\" \
          aria-label=\"Block diagram of the bench\">{}{}{}</svg></div><figcaption>{}</figcaption></figure>\n",
         Markup::raw(WIDTH.to_string()),
         Markup::raw(HEIGHT.to_string()),
@@ -43,7 +43,8 @@ fn blocks(study: &Study) -> [Block; 5] {
     let (speed, speed_known) = speed_control(study);
     let (torque, torque_known) = torque_control(study);
     let (shaft, shaft_known) = shaft(study);
-    let block = |x, y, width, link, title, lines, estimated| Block { x, y, width, height: 96, link, title, lines, estimated };
+    let block =
+        |x, y, width, link, title, lines, estimated| Block { x, y, width, height: 96, link, title, lines, estimated };
     [
         block(110, 36, 330, "speed-control", "Speed control", speed, speed_known),
         block(550, 36, 250, "torque-control", "Torque control", torque, torque_known),
@@ -86,14 +87,11 @@ fn shaft(study: &Study) -> (Vec<Markup>, bool) {
     match &study.shaft {
         Part::Estimated(part) => {
             let [k, b] = ["K", "B"].map(|symbol| digits(&part.estimate, symbol));
-            (vec![markup!("({} + {} s)/s", k, b), markup!("zero at {} rad/s", rounded_zero(part.zero.value))], true)
+            let zero = number::significant(part.zero.value, 3);
+            (vec![markup!("({} + {} s)/s", k, b), markup!("zero at {} rad/s", zero)], true)
         }
         Part::NotEstimated { needs } => (absent(needs), false),
     }
-}
-
-fn rounded_zero(value: f64) -> String {
-    number::significant(value, 3)
 }
 
 fn inertia(name: &str, kg_m2: f64) -> Vec<Markup> {
@@ -107,15 +105,10 @@ fn delay(estimate: &Estimate, symbol: &str) -> Markup {
     markup!("e<tspan class=\"power\" dy=\"-6\">−{} s</tspan><tspan dy=\"6\">\u{200b}</tspan>", seconds)
 }
 
-/// A parameter's value with the digits its uncertainty allows, without unit.
+/// A parameter's value, short enough for a block and without unit.
 fn digits(estimate: &Estimate, symbol: &str) -> String {
-    let Some(parameter) = estimate.parameter(symbol) else { return "?".to_owned() };
-    let half = (parameter.interval.1 - parameter.interval.0) / 2.0;
-    let text = number::plus_minus(parameter.value, half, "");
-    if text.starts_with('(') || !text.contains(" ± ") {
-        return number::significant(parameter.value, 3);
-    }
-    text.split(" ± ").next().unwrap_or_default().to_owned()
+    let value = estimate.parameter(symbol).map(|parameter| number::significant(parameter.value, 4));
+    value.unwrap_or_else(|| "?".to_owned())
 }
 
 fn absent(needs: &[Need]) -> Vec<Markup> {

@@ -41,8 +41,8 @@ pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&s
         caption: comparison_caption(validation),
         x: Axis::time(),
         panels: vec![
-            Panel { y: Axis::linear(&validation.quantity, &validation.unit), height: 190, layers },
-            Panel { y: Axis::linear(&residual, &validation.unit), height: 90, layers: differences },
+            Panel::new(Axis::linear(&validation.quantity, &validation.unit), 190, layers),
+            Panel::new(Axis::linear(&residual, &validation.unit), 90, differences),
         ],
     }
 }
@@ -56,9 +56,15 @@ pub(crate) fn difference(validation: &Validation) -> Trace {
 fn comparison_caption(validation: &Validation) -> String {
     let fit = number::fit(validation.fit_percent);
     let stretch = &validation.stretch;
-    format!("Fit {fit}. {}, {}–{} s. {}", stretch.file, whole(stretch.start_s), whole(stretch.end_s), thinned(&validation.measured))
-        .trim_end()
-        .to_owned()
+    format!(
+        "Fit {fit}. {}, {}–{} s. {}",
+        stretch.file,
+        whole(stretch.start_s),
+        whole(stretch.end_s),
+        thinned(&validation.measured)
+    )
+    .trim_end()
+    .to_owned()
 }
 
 fn whole(seconds: f64) -> String {
@@ -68,7 +74,7 @@ fn whole(seconds: f64) -> String {
 /// Says so when not every sample is drawn.
 pub(crate) fn thinned(trace: &Trace) -> String {
     match drawn_of(trace) {
-        Some(drawn) => format!("Drawn from {drawn} of {} samples; every peak is kept.", trace.values.len()),
+        Some(drawn) => format!("Drawn with {drawn} of {} samples; every peak is kept.", trace.values.len()),
         None => String::new(),
     }
 }
@@ -85,13 +91,12 @@ pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: f64) -> Fig
         x: lags(first, test.sample_time_s, values.len()),
         y: rounded(values),
     };
-    let region = |bound: f64| Layer::YRegion { low: Rounded(-bound), high: Rounded(bound), label: format!("{level} region") };
-    let panel = |label: String, layers: Vec<Layer>| Panel {
-        y: Axis::linear(&label, "").within(-extent, extent),
-        height: 110,
-        layers,
-    };
-    let counts = (outside(own, test.autocorrelation_bound), outside(&test.cross_correlation, test.cross_correlation_bound));
+    let region =
+        |bound: f64| Layer::YRegion { low: Rounded(-bound), high: Rounded(bound), label: format!("{level} region") };
+    let panel =
+        |label: String, layers: Vec<Layer>| Panel::new(Axis::linear(&label, "").within(-extent, extent), 110, layers);
+    let counts =
+        (outside(own, test.autocorrelation_bound), outside(&test.cross_correlation, test.cross_correlation_bound));
     Figure {
         title: title.to_owned(),
         caption: format!(
@@ -105,7 +110,10 @@ pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: f64) -> Fig
         ),
         x: Axis::linear("lag", "ms"),
         panels: vec![
-            panel("residual with itself".to_owned(), vec![region(test.autocorrelation_bound), stems(Style::Modelled, 1.0, own)]),
+            panel(
+                "residual with itself".to_owned(),
+                vec![region(test.autocorrelation_bound), stems(Style::Modelled, 1.0, own)],
+            ),
             panel(
                 format!("residual with {}", test.input),
                 vec![region(test.cross_correlation_bound), stems(Style::Other, first_lag, &test.cross_correlation)],

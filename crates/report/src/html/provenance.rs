@@ -11,7 +11,8 @@ use crate::wording::{experiment, number, part, variant};
 /// The section on provenance.
 pub(crate) fn section(study: &Study) -> Markup {
     let provenance = &study.provenance;
-    let seed = provenance.seed.map(|seed| format!(" The recordings were simulated with seed {seed}.")).unwrap_or_default();
+    let seed =
+        provenance.seed.map(|seed| format!(" The recordings were simulated with seed {seed}.")).unwrap_or_default();
     markup!(
         "<h3>Recordings</h3>\n{}<h3>Bench</h3>\n{}<p>Made with dynoid {}.{}</p>\n\
          <h3>Bench file <span class=\"file\">{}</span></h3>\n<pre class=\"bench-file\">{}</pre>\n",
@@ -34,7 +35,8 @@ fn recording(recording: &RecordingSummary) -> Vec<Markup> {
         None => markup!("<em>no label</em><br>"),
     };
     let used: Vec<String> = recording.used_for.iter().map(|name| part(name).to_owned()).collect();
-    let used = if used.is_empty() { markup!("<span class=\"none\">not used</span>") } else { markup!("{}", used.join(", ")) };
+    let used =
+        if used.is_empty() { markup!("<span class=\"none\">not used</span>") } else { markup!("{}", used.join(", ")) };
     let short: String = recording.sha256.chars().take(12).collect();
     vec![
         markup!("{}<span class=\"file\">{}</span>", label, recording.file),
@@ -54,7 +56,7 @@ fn rasters(recording: &RecordingSummary) -> Markup {
     let line = |time: f64| -> Markup {
         let roles = recording.sample_times_s.iter().filter(|(_, other)| other.total_cmp(&time).is_eq());
         let roles: Markup = roles.map(|(role, _)| markup!(" {}", symbol(role.symbol()))).collect();
-        markup!("<div class=\"raster\"><span class=\"n\">{}</span>{}</div>", number::duration(time), roles)
+        markup!("<div class=\"raster\"><span class=\"n\">{}</span><span>{}</span></div>", number::duration(time), roles)
     };
     times.into_iter().map(line).collect()
 }

@@ -4,9 +4,36 @@ use super::markup::{Markup, markup};
 
 /// Symbols that are typeset where they stand in a sentence.
 const SYMBOLS: [&str; 30] = [
-    "T_d,shaft,calc", "T_shaft,meas", "T_d,calc", "T_d,meas", "T_shaft", "T_d*", "T_d", "T_e", "N_d*", "N_d", "N_e",
-    "ω_d", "ω_e", "K_p", "K_i", "k_a", "J_d", "J_e", "H_d", "H_e", "H_s", "x_0", "b_0", "b_1", "α_e", "I_d", "τ_total",
-    "τ_g", "dω_d", "dN_d*",
+    "T_d,shaft,calc",
+    "T_shaft,meas",
+    "T_d,calc",
+    "T_d,meas",
+    "T_shaft",
+    "T_d*",
+    "T_d",
+    "T_e",
+    "N_d*",
+    "N_d",
+    "N_e",
+    "ω_d",
+    "ω_e",
+    "K_p",
+    "K_i",
+    "k_a",
+    "J_d",
+    "J_e",
+    "H_d",
+    "H_e",
+    "H_s",
+    "x_0",
+    "b_0",
+    "b_1",
+    "α_e",
+    "I_d",
+    "τ_total",
+    "τ_g",
+    "dω_d",
+    "dN_d*",
 ];
 
 /// A symbol such as `T_d,shaft,calc` or `τ_total`; what has no underscore stays as it is.
@@ -21,8 +48,9 @@ pub(crate) fn symbol(text: &str) -> Markup {
 
 /// A sentence in which known symbols are typeset and everything else is plain text.
 pub(crate) fn prose(text: &str) -> Markup {
+    let text = text.replace(" %", "\u{a0}%");
     let mut set = Markup::default();
-    let mut rest = text;
+    let mut rest = text.as_str();
     while let Some((at, found)) = next_symbol(rest) {
         let (before, behind) = rest.split_at(at);
         set.push(markup!("{}", before));

@@ -70,29 +70,42 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::UnfitUnit { .. } => "Correct the unit in the recording, or state it in the bench file.",
         Finding::NotANumber { mended: true, .. } => "Nothing to do, unless it happens often: then check the sensor.",
         Finding::NotANumber { mended: false, .. } => "Check sensor and cable, and record again.",
-        Finding::Gap { mended: true, .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
+        Finding::Gap { mended: true, .. } => {
+            "Nothing to do, unless it happens often: then check the measuring system’s load."
+        }
         Finding::Gap { mended: false, .. } => "Record again; a stretch with a gap cannot be used.",
         Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
         Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
-        Finding::Constant { .. } => "Check that the sensor is connected and that the right channel is named in the bench file.",
+        Finding::Constant { .. } => {
+            "Check that the sensor is connected and that the right channel is named in the bench file."
+        }
         Finding::Clipped { .. } => "Widen the measuring range, or lower the excitation, and record again.",
         Finding::TooShort { .. } => "Record for longer.",
-        Finding::WrongTorqueSign { .. } => "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer.",
+        Finding::WrongTorqueSign { .. } => {
+            "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer."
+        }
         Finding::ImplausibleInertia { .. } => "Check J_d in the bench file, and the scaling of torque and speed.",
         Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
         Finding::LateSignal { .. } => "Use a faster source for this signal, or compute it from N_d and T_d,calc.",
         Finding::WeakExcitation { .. } => "Repeat the experiment with a larger amplitude.",
         Finding::ExcludedLines { .. } => "Nothing to do; the figure of the residual spectrum shows where they are.",
-        Finding::ResidualsCorrelated { .. } => "Do not trust the intervals of this part: the model lacks something. Look at its residual plots.",
+        Finding::ResidualsCorrelated { .. } => {
+            "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
+        }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
-        Finding::RoutesDisagree { .. } => "Find out which route is disturbed before using the number; the truth may lie outside both intervals.",
-        Finding::BeyondLimit { .. } => "Do not run this test as it is; lower the demand or move it away from the resonance.",
+        Finding::RoutesDisagree { .. } => {
+            "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
+        }
+        Finding::BeyondLimit { .. } => {
+            "Do not run this test as it is; lower the demand or move it away from the resonance."
+        }
     }
 }
 
 fn missing_channel(role: &str, closest: &[String]) -> String {
     let quoted: Vec<String> = closest.iter().map(|name| format!("“{name}”")).collect();
-    let hint = if quoted.is_empty() { String::new() } else { format!(" The closest names are {}.", join(&quoted, "and")) };
+    let hint =
+        if quoted.is_empty() { String::new() } else { format!(" The closest names are {}.", join(&quoted, "and")) };
     format!("The channel the bench file names for the {role} is not in the recording.{hint}")
 }
 
@@ -102,7 +115,7 @@ fn not_a_number(count: usize, mended: bool) -> String {
 }
 
 fn gap(duration_s: f64, mended: bool) -> String {
-    let fate = if mended { "it was interpolated" } else { "too long to interpolate" };
+    let fate = if mended { "interpolated" } else { "too long to interpolate" };
     format!("Time stamps are missing for {}; {fate}.", duration(duration_s))
 }
 
@@ -127,7 +140,7 @@ fn residuals(submodel: &str, share_outside: f64) -> String {
 
 fn routes(quantity: &str, first: (f64, f64), second: (f64, f64)) -> String {
     let [first, second] = [first, second].map(|(value, error)| plus_minus(value, 2.0 * error, ""));
-    format!("Two ways to {quantity} disagree: {first} and {second} (± two standard errors).")
+    format!("Two ways of finding {quantity} disagree: {first} and {second} (± two standard errors).")
 }
 
 fn excluded_lines(frequencies_hz: &[f64]) -> String {

@@ -21,7 +21,7 @@ pub(crate) fn speed_controller(study: &Study) -> Markup {
     let title = "Speed control on the held-out stretch";
     [
         lead(what, equation),
-        parameters(&part.estimate),
+        parameters(&part.estimate, &[]),
         discrete(part),
         fit_line(&part.validation),
         figure(&comparison(title, &part.validation, None)),
@@ -59,7 +59,10 @@ fn delay_evidence(part: &SpeedController) -> Markup {
     markup!(
         "<p>{}</p>\n{}",
         prose(&text),
-        side_by_side(&[correlations("With the delay", with, extent), correlations("Without the delay", without, extent)])
+        side_by_side(&[
+            correlations("With the delay", with, extent),
+            correlations("Without the delay", without, extent)
+        ])
     )
 }
 
@@ -70,7 +73,8 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
         Part::Estimated(part) => part,
         Part::NotEstimated { needs } => return not_estimated(what, needs),
     };
-    let equation = "FF = <i>k</i> <i>N</i><sub>d</sub>* + <i>m</i> + <i>k</i><sub>a</sub> d<i>N</i><sub>d</sub>*/d<i>t</i>";
+    let equation =
+        "FF = <i>k</i> <i>N</i><sub>d</sub>* + <i>m</i> + <i>k</i><sub>a</sub> d<i>N</i><sub>d</sub>*/d<i>t</i>";
     let note = format!(
         "m cannot be told apart from the integrator’s initial state and is not reported. Without feed-forward, PI alone \
          fits the same stretch with {}.",
@@ -79,7 +83,7 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
     let title = "PI with feed-forward, and PI alone, on the held-out stretch";
     [
         lead(what, equation),
-        parameters(&part.estimate),
+        parameters(&part.estimate, &[]),
         fit_line(&part.validation),
         markup!("<p>{}</p>\n", prose(&note)),
         figure(&comparison(title, &part.validation, Some(("PI alone", &part.pi_alone)))),
@@ -91,7 +95,8 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
 
 /// Inverter and machine: delay alone, and delay with lag.
 pub(crate) fn torque_control(study: &Study) -> Markup {
-    let what = "Inverter and machine with their field-oriented control: how the air-gap torque T_d follows its demand T_d*.";
+    let what =
+        "Inverter and machine with their field-oriented control: how the air-gap torque T_d follows its demand T_d*.";
     let part: &TorqueControl = match &study.torque_control {
         Part::Estimated(part) => part,
         Part::NotEstimated { needs } => return not_estimated(what, needs),
@@ -107,9 +112,9 @@ pub(crate) fn torque_control(study: &Study) -> Markup {
     [
         lead(what, equation),
         markup!("<h3>Delay and lag</h3>\n"),
-        parameters(&part.delay_and_lag),
+        parameters(&part.delay_and_lag, &[]),
         markup!("<h3>Delay alone</h3>\n"),
-        parameters(&part.pure_delay),
+        parameters(&part.pure_delay, &[]),
         fit_line(&part.delay_and_lag_validation),
         markup!("<p>{}</p>\n", prose(&bar)),
         figure(&comparison(title, &part.delay_and_lag_validation, Some(("delay alone", &part.pure_delay_validation)))),

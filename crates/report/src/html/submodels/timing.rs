@@ -17,7 +17,8 @@ pub(crate) fn timing(study: &Study) -> Markup {
         Part::NotEstimated { needs } => return not_estimated(WHAT, needs),
     };
     let rows = timing.delays.iter().map(row);
-    let heads = ["", "Signal", "Behind T_d*", "Behind the bend of N_d", "Largest disagreement of the routes", "Measured in"];
+    let heads =
+        ["", "Signal", "Behind T_d*", "Behind the bend of N_d", "Largest disagreement of the routes", "Measured in"];
     markup!(
         "<p class=\"lead\">{}</p>\n{}<p class=\"note\">{}</p>\n",
         prose(WHAT),
