@@ -42,8 +42,11 @@ function logTicks(low, high, count) {
 /** Ticks of a scale; a few more than fit comfortably where there would be only one. */
 function makeTicks(scale, count) {
   if (scale.kind === "log") return logTicks(scale.low, scale.high, count);
-  const sparse = linearTicks(scale.low, scale.high, count);
-  return sparse.ticks.length > 1 ? sparse : linearTicks(scale.low, scale.high, count * 1.6);
+  let found = linearTicks(scale.low, scale.high, count);
+  for (let more = 1.4; found.ticks.length < 2 && more < 3; more *= 1.4) {
+    found = linearTicks(scale.low, scale.high, count * more);
+  }
+  return found;
 }
 
 /** A number with a fixed number of decimals, a true minus sign, and no minus zero. */

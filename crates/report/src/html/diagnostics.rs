@@ -23,7 +23,7 @@ fn group(study: &Study, severity: Severity) -> Markup {
     markup!(
         "<h3>{}</h3>\n<p class=\"note\">{}.</p>\n<ul class=\"findings\">{}</ul>\n",
         title(severity, found.len()),
-        capital(wording::severity_meaning(severity)),
+        wording::capitalised(wording::severity_meaning(severity)),
         entries
     )
 }
@@ -34,11 +34,6 @@ fn title(severity: Severity, count: usize) -> String {
         1 => format!("1 {word}"),
         n => format!("{n} {word}s"),
     }
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 /// Findings that say the same of several places, together.

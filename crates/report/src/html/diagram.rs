@@ -48,9 +48,9 @@ fn blocks(study: &Study) -> [Block; 5] {
     [
         block(110, 36, 330, "speed-control", "Speed control", speed, speed_known),
         block(550, 36, 250, "torque-control", "Torque control", torque, torque_known),
-        block(110, 212, 180, "provenance", "Dynamometer", inertia("H_d", study.bench.dynamometer_inertia_kg_m2), true),
+        block(110, 212, 180, "provenance", "Dynamometer", inertia("J_d", study.bench.dynamometer_inertia_kg_m2), true),
         block(390, 212, 180, "shaft", "Shaft", shaft, shaft_known),
-        block(660, 212, 150, "provenance", "Engine", inertia("H_e", study.bench.engine_inertia_kg_m2), true),
+        block(660, 212, 150, "provenance", "Engine", inertia("J_e", study.bench.engine_inertia_kg_m2), true),
     ]
 }
 
@@ -95,7 +95,7 @@ fn shaft(study: &Study) -> (Vec<Markup>, bool) {
 }
 
 fn inertia(name: &str, kg_m2: f64) -> Vec<Markup> {
-    vec![markup!("1/({} s)", number::significant(kg_m2, 4)), markup!("{}, given", symbol_svg(name))]
+    vec![markup!("1/({} s)", number::significant(kg_m2, 4)), markup!("{} as given", symbol_svg(name))]
 }
 
 /// The factor e^(−τ s) with its number.

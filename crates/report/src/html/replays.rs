@@ -8,7 +8,7 @@ use super::parts::{stretch, table};
 use super::plots::{difference, figure, thinned};
 use super::typeset::{prose, symbol};
 use crate::figure::{Axis, Figure, Layer, Panel, Style};
-use crate::wording::{experiment, mode, number};
+use crate::wording::{capitalised, experiment, mode, number};
 
 /// The section on replays.
 pub(crate) fn section(study: &Study) -> Markup {
@@ -97,9 +97,4 @@ fn worst_residual(replay: &Replay) -> Option<Panel> {
     let left_over = vec![Layer::trace("residual", Style::Residual, &difference(worst))];
     let panel = Panel::new(Axis::linear(&format!("{} − model", worst.quantity), &worst.unit), 80, left_over);
     Some(panel.noted("of the signal with the lowest fit".to_owned()))
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }

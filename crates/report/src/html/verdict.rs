@@ -37,16 +37,20 @@ fn class(level: Level) -> &'static str {
     }
 }
 
-/// The rules that decided, in a sentence.
+/// The rules that are not met, the gravest first.
 fn because(rules: &[Rule]) -> Markup {
-    let decisive: Markup = rules
-        .iter()
-        .filter(|rule| rule.level != Level::Good)
-        .map(|rule| markup!("<li>{} <em>{}.</em></li>", prose(rule.asks), prose(&rule.found)))
+    let mut decisive: Vec<&Rule> = rules.iter().filter(|rule| rule.level != Level::Good).collect();
+    decisive.sort_by_key(|rule| std::cmp::Reverse(rule.level));
+    let decisive: Markup = decisive
+        .into_iter()
+        .map(|rule| {
+            let found = wording::capitalised(&rule.found);
+            markup!("<li><em>{}.</em> <span class=\"asked\">{}</span></li>", prose(&found), prose(rule.asks))
+        })
         .collect();
     match decisive.is_empty() {
         true => markup!("<p>All {} rules of the verdict are met.</p>", rules.len()),
-        false => markup!("<p>Not all rules of the verdict are met:</p><ul>{}</ul>", decisive),
+        false => markup!("<p>These rules of the verdict are not met:</p><ul>{}</ul>", decisive),
     }
 }
 

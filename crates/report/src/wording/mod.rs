@@ -114,6 +114,12 @@ pub fn place(place: &Place) -> Option<String> {
     (!parts.is_empty()).then(|| parts.join(", "))
 }
 
+/// The text with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
 /// Joins words as a sentence does: `a`, `a or b`, `a, b or c`.
 pub fn join(words: &[String], last: &str) -> String {
     match words {
