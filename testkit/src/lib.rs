@@ -1,1 +1,3 @@
 //! Systems with known truth, and the conformance suites that every reader and every estimator must pass.
+
+pub mod reader;

@@ -1,1 +1,58 @@
-fn main() {}
+//! Tasks of the project: `cargo xtask check` runs everything a change must pass.
+#![allow(clippy::print_stdout, clippy::print_stderr)]
+
+mod layers;
+
+use std::process::{Command, ExitCode};
+use std::time::Instant;
+
+const USAGE: &str = "usage: cargo xtask <task>
+
+  check    format, clippy with warnings as errors, layers, tests, slow tests, docs
+  layers   hold the crates' dependencies to the table in ARCHITECTURE.md";
+
+fn main() -> ExitCode {
+    let task = std::env::args().nth(1).unwrap_or_default();
+    let result = match task.as_str() {
+        "check" => check(),
+        "layers" => layers::check(),
+        _ => Err(USAGE.to_owned()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn check() -> Result<(), String> {
+    cargo("format", &["fmt", "--all", "--check"])?;
+    step("layers", layers::check)?;
+    cargo("clippy", &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
+    // One optimised build serves the tests, the slow statistical suites among them (`--include-ignored`).
+    cargo("tests", &["test", "--workspace", "--profile", "test-fast", "--quiet", "--", "--include-ignored"])?;
+    cargo("docs", &["doc", "--workspace", "--no-deps", "--quiet"])?;
+    println!("all checks passed");
+    Ok(())
+}
+
+fn step(name: &str, action: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+    println!("== {name}");
+    let start = Instant::now();
+    action()?;
+    println!("== {name}: passed in {:.1} s", start.elapsed().as_secs_f64());
+    Ok(())
+}
+
+fn cargo(name: &str, arguments: &[&str]) -> Result<(), String> {
+    step(name, || {
+        let status = Command::new(env!("CARGO"))
+            .args(arguments)
+            .env("RUSTDOCFLAGS", "-D warnings")
+            .status()
+            .map_err(|error| format!("cargo could not be started: {error}"))?;
+        if status.success() { Ok(()) } else { Err(format!("{name} failed: cargo {}", arguments.join(" "))) }
+    })
+}

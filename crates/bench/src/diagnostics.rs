@@ -87,6 +87,22 @@ pub enum Finding {
         /// Whether the gap was short enough to be interpolated.
         mended: bool,
     },
+    /// Several short gaps, all interpolated.
+    ShortGaps {
+        /// How many.
+        count: usize,
+        /// Length of the longest, s.
+        longest_s: f64,
+        /// Share of the samples that were missing, 0…1.
+        share: f64,
+    },
+    /// Gaps too long to be interpolated: only one stretch of the recording is used.
+    Cut {
+        /// Start and end of the stretch that is used, s.
+        kept_s: (f64, f64),
+        /// How much of the recording is not used, s.
+        lost_s: f64,
+    },
     /// Time stamps go backwards or repeat.
     TimeNotIncreasing,
     /// Time stamps jitter by more than a tenth of the sample time.
@@ -108,6 +124,22 @@ pub enum Finding {
         /// Share of the samples, 0…1.
         share: f64,
     },
+    /// The values are larger than the role and the unit allow.
+    ImplausibleMagnitude {
+        /// The role.
+        role: Role,
+        /// Largest magnitude in SI.
+        largest: f64,
+        /// The unit the values seem to have, if one explains them.
+        looks_like: Option<String>,
+    },
+    /// A speed that should have the dynamometer speed's mean has another: wrong unit, wrong channel, or a gear between.
+    SpeedsDisagree {
+        /// The speed that is compared with the dynamometer's.
+        role: Role,
+        /// Its mean over that of the dynamometer speed. 9.55 or 0.105 betrays rpm against rad/s.
+        ratio_to_dyno_speed: f64,
+    },
     /// The recording is shorter than the estimate needs.
     TooShort {
         /// Its length, s.
@@ -117,7 +149,7 @@ pub enum Finding {
     },
     /// T_d brakes with a negative sign, against the convention.
     WrongTorqueSign {
-        /// Correlation of −J_d·dω_d/dt with T_d at frequencies where inertia dominates.
+        /// Correlation of T_d with −dω_d/dt at frequencies where inertia dominates, or with ω_d under speed control.
         correlation: f64,
     },
     /// The inertia in the bench file does not fit the measured torque and acceleration.

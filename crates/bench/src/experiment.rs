@@ -70,6 +70,13 @@ impl FromStr for ExperimentLabel {
     }
 }
 
+impl ExperimentLabel {
+    /// Whether the shaft is off: the dynamometer turns alone.
+    pub fn is_without_shaft(&self) -> bool {
+        self.test.eq_ignore_ascii_case("NoShaft")
+    }
+}
+
 fn label_from_words(words: &[&str]) -> Option<ExperimentLabel> {
     let [test, excitation, mode] = words else { return None };
     let excitation = match *excitation {

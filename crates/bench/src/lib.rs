@@ -8,12 +8,22 @@
 //! Notation follows Glans & Kärnell, *Development of a Method on how to Model a Dynamometer for Driveline Testing*,
 //! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
 
+pub mod align;
+pub mod bench_file;
+pub mod channels;
 pub mod diagnostics;
+pub mod estimate;
 pub mod experiment;
+mod names;
+pub mod prepare;
 pub mod role;
 pub mod study;
+pub mod units;
+pub mod virtual_bench;
 
+pub use bench_file::BenchFile;
 pub use diagnostics::{Diagnostic, Finding, Place, Severity};
 pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
+pub use prepare::{PrepareError, prepare};
 pub use role::Role;
 pub use study::Study;

@@ -1,5 +1,7 @@
 //! The roles a channel can play at a bench.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 /// What a channel measures, whatever its name in the recording. Inside the crate every role is in SI: speeds in rad/s,
@@ -39,6 +41,23 @@ pub enum Quantity {
     Ratio,
     /// Moment of inertia, SI unit kg m².
     Inertia,
+    /// Torsional stiffness, SI unit Nm/rad.
+    Stiffness,
+    /// Torsional damping, SI unit Nm s/rad.
+    Damping,
+}
+
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Quantity::AngularSpeed => "speed",
+            Quantity::Torque => "torque",
+            Quantity::Ratio => "ratio",
+            Quantity::Inertia => "inertia",
+            Quantity::Stiffness => "stiffness",
+            Quantity::Damping => "damping",
+        })
+    }
 }
 
 impl Role {
@@ -68,6 +87,11 @@ impl Role {
             Role::FlangeTorque => "flange_torque",
             Role::Throttle => "throttle",
         }
+    }
+
+    /// The role with this key in a bench file.
+    pub fn from_key(key: &str) -> Option<Role> {
+        Role::ALL.into_iter().find(|role| role.key() == key)
     }
 
     /// The symbol of the thesis, e.g. `N_d`.

@@ -1,1 +1,21 @@
-//! ident
+//! System identification: estimators and their judgement.
+//!
+//! Notation follows Ljung, *System Identification: Theory for the User*, 2nd ed., 1999; the frequency-domain part
+//! follows Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed., 2012. Rows are time,
+//! columns are channels or parameters.
+//!
+//! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
+
+pub mod covariance;
+pub mod distributions;
+mod error;
+pub mod frequency;
+pub mod least_squares;
+pub mod nonlinear;
+mod triangle;
+pub mod validate;
+
+pub use error::IdentError;
+pub use least_squares::{LinearFit, least_squares};
+pub use nonlinear::{Bounds, Fit, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use triangle::Triangle;

@@ -1,1 +1,26 @@
-//! lti
+//! Linear time-invariant systems: transfer functions, state space, frequency responses, their conversion,
+//! discretisation and simulation.
+//!
+//! This crate knows systems whose numbers are given. It may not know how they are estimated, nor files.
+//!
+//! Conventions: rows are time and columns are channels in every table of signals; polynomial coefficients stand in
+//! descending powers; angular frequencies are in rad/s; a system without a sample time is continuous.
+
+mod delayed;
+mod error;
+mod expm;
+mod frequency_response;
+mod matrix;
+pub mod polynomial;
+mod simulation;
+mod state_space;
+mod transfer_function;
+
+pub use delayed::DelayedStateSpace;
+pub use error::LtiError;
+pub use expm::expm;
+pub use frequency_response::{FrequencyResponse, Peak};
+pub use signal::Complex64;
+pub use simulation::Simulator;
+pub use state_space::{FirstOrderHold, StateSpace};
+pub use transfer_function::TransferFunction;

@@ -1,1 +1,125 @@
-//! recording
+//! Measurement files as plain data: decodes bytes into a [`Recording`], and a [`Recording`] back into bytes.
+//!
+//! A recording holds channels with the names, units and comments found in the file, each on one of the file's clocks
+//! ([`Raster`]). Nothing is resampled, renamed, converted to other units or repaired: time stamps that run backwards,
+//! NaN and missing samples are handed on as they are, and what could not be taken over is listed as a [`Finding`].
+//!
+//! This crate knows no SI units (time alone is in seconds), no torque, no resampling, no models, and no paths: its
+//! input and output are bytes.
+//!
+//! | format | read | written |
+//! | --- | --- | --- |
+//! | MDF 2.x and 3.x (`.mdf`, `.dat`) | yes | – |
+//! | MDF 4.x (`.mf4`) | yes | 4.10, deflated ([`encode_mdf4`]) |
+//! | CSV | yes | yes ([`encode_csv`]) |
+
+mod csv;
+mod error;
+mod finding;
+mod mdf;
+mod mdf3;
+mod mdf4;
+mod model;
+
+pub use csv::encode_csv;
+pub use error::{CsvProblem, RecordingError};
+pub use finding::{Finding, SkipReason};
+pub use mdf4::encode_mdf4;
+pub use model::{
+    Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime,
+};
+
+/// Decodes the bytes of a measurement file.
+///
+/// The format is recognised from the content. `name` is the file's name as the user knows it: it appears in error
+/// messages, and its ending decides only whether content that is no known binary format may be read as CSV.
+///
+/// Samples that the file marks invalid, and empty CSV cells, are NaN. Only rasters that carry a selected channel are
+/// returned; channels keep the order of the file.
+///
+/// # Errors
+///
+/// [`RecordingError`] where the content is not understood, damaged, or lacks a channel that was named in
+/// `selection`. A file with samples missing at its end gives either an error or the samples that are there with a
+/// [`Finding`] saying what is missing.
+///
+/// # Example
+///
+/// ```
+/// let bytes = b"time [s];speed [rpm]\n0;1200\n0,1;1201,5\n";
+/// let recording = recording::decode("run.csv", bytes, &recording::Selection::All)?;
+/// assert_eq!(recording.channels[0].unit, "rpm");
+/// assert_eq!(recording.channels[0].samples, [1200.0, 1201.5]);
+/// assert_eq!(recording.rasters[0].time_s, [0.0, 0.1]);
+/// # Ok::<(), recording::RecordingError>(())
+/// ```
+pub fn decode(
+    name: &str,
+    bytes: &[u8],
+    selection: &Selection,
+) -> Result<Recording, RecordingError> {
+    let mut recording = match Kind::detect(name, bytes)? {
+        Kind::Mdf4 => mdf4::decode(name, bytes, selection)?,
+        Kind::Mdf3 => mdf3::decode(name, bytes, selection)?,
+        Kind::Csv => csv::decode(name, bytes, selection)?,
+    };
+    let names = recording.channels.iter().map(|c| c.name.as_str());
+    let doubles = finding::duplicate_names(names);
+    recording.findings.extend(doubles);
+    Ok(recording)
+}
+
+/// Lists the channels of a measurement file without their samples.
+///
+/// For MDF only the structure is read; a CSV file is read whole.
+///
+/// # Errors
+///
+/// As [`decode`].
+///
+/// # Example
+///
+/// ```
+/// let list = recording::catalogue("run.csv", b"time,speed (rpm)\n0,1200\n")?;
+/// assert_eq!(list.channels[0].name, "speed");
+/// assert_eq!(list.rasters[list.channels[0].raster].samples, 1);
+/// # Ok::<(), recording::RecordingError>(())
+/// ```
+pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> {
+    let mut catalogue = match Kind::detect(name, bytes)? {
+        Kind::Mdf4 => mdf4::catalogue(name, bytes)?,
+        Kind::Mdf3 => mdf3::catalogue(name, bytes)?,
+        Kind::Csv => csv::decode(name, bytes, &Selection::All)?.catalogue(),
+    };
+    let names = catalogue.channels.iter().map(|c| c.name.as_str());
+    let doubles = finding::duplicate_names(names);
+    catalogue.findings.extend(doubles);
+    Ok(catalogue)
+}
+
+/// The reader that content calls for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Mdf3,
+    Mdf4,
+    Csv,
+}
+
+impl Kind {
+    fn detect(name: &str, bytes: &[u8]) -> Result<Self, RecordingError> {
+        if bytes.is_empty() {
+            return Err(RecordingError::Empty { file: name.into() });
+        }
+        if bytes.starts_with(b"MDF     ") || bytes.starts_with(b"UnFinMF ") {
+            return mdf::version(name, bytes)
+                .map(|v| if v >= 400 { Self::Mdf4 } else { Self::Mdf3 });
+        }
+        if csv::is_text(bytes) {
+            return Ok(Self::Csv);
+        }
+        Err(RecordingError::UnknownFormat {
+            file: name.into(),
+            start: bytes[..bytes.len().min(8)].escape_ascii().to_string(),
+        })
+    }
+}

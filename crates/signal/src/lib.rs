@@ -1,12 +1,26 @@
-//! Uniformly sampled data on one clock.
+//! Uniformly sampled data on one clock: filters, resampling, derivatives, spectra, correlations and delays, clock and
+//! quality checks, excitation signals.
+//!
+//! This crate knows numbers and their sample time, and nothing else. It may not know files, unit strings, models of
+//! systems, or the words of a test bench.
+//!
+//! Conventions: `f64` and SI throughout, frequencies named `_hz` are in hertz, a positive delay means *later*.
 
-/// A uniformly sampled signal.
-#[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct Signal {
-    /// Time of the first sample, s.
-    pub start_s: f64,
-    /// Sample time, s.
-    pub sample_time_s: f64,
-    /// Samples.
-    pub samples: Vec<f64>,
-}
+pub mod clock;
+pub mod correlation;
+pub mod derivative;
+mod error;
+pub mod excitation;
+mod extend;
+pub mod filter;
+pub mod quality;
+pub mod resample;
+mod series;
+mod sinc;
+pub mod spectrum;
+pub mod spline;
+
+pub use error::SignalError;
+pub use filter::Sos;
+pub use realfft::num_complex::Complex64;
+pub use series::Signal;

@@ -277,10 +277,9 @@ pub struct SignalDelay {
 /// PI with delay: T_d* = e^{−sτ}(K_p + K_i/s)(N_d − N_d*) + x_0.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedController {
-    /// K_p in Nm/rpm, K_i in Nm/(rpm s), τ in s, x_0 (initial integrator state) in Nm.
+    /// K_p in Nm/rpm, K_i in Nm/(rpm s), τ in s, I_0 (initial integrator state) in Nm, T_g (encoder gate) in s.
+    /// K_p is that of integration by forward Euler; backward Euler has the same sequence with K_p less by K_i T.
     pub estimate: Estimate,
-    /// Which integration rule the controller uses.
-    pub integration: IntegrationRule,
     /// Sample time of the controller, s.
     pub sample_time_s: f64,
     /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error in rpm.
@@ -289,18 +288,6 @@ pub struct SpeedController {
     pub validation: Validation,
     /// On the same data, with τ = 0 but re-estimated: the residuals that betray the delay.
     pub without_delay: Validation,
-}
-
-/// How the controller integrates.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum IntegrationRule {
-    /// I(k) = I(k−1) + T e(k−1).
-    ForwardEuler,
-    /// I(k) = I(k−1) + T e(k).
-    BackwardEuler,
-    /// I(k) = I(k−1) + T (e(k) + e(k−1))/2.
-    Trapezoidal,
 }
 
 /// Feed-forward k N_d* + m + k_a dN_d*/dt; m is not separable from the integrator's initial state.

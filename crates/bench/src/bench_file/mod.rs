@@ -1,0 +1,179 @@
+//! The bench file: what the user states about a bench, and which channel plays which role.
+//!
+//! ```
+//! let file: bench::BenchFile = r#"
+//! [bench]
+//! name = "Cell 4"
+//! variant = "load-cell"
+//! cylinders = 4
+//! dynamometer_inertia = "0.6 kg m²"
+//! engine_inertia = "0.2 kg m²"
+//!
+//! [channels]
+//! dyno_speed = "DynoSpeed"
+//! engine_speed = { name = "EngineSpeed", unit = "rpm" }
+//! air_gap_torque = { name = "TorqueCalc", sign = -1 }
+//! "#
+//! .parse()?;
+//! assert_eq!(file.dynamometer_inertia_kg_m2, 0.6);
+//! # Ok::<(), bench::bench_file::BenchFileError>(())
+//! ```
+
+mod fault;
+mod read;
+mod sections;
+mod write;
+
+use std::collections::BTreeMap;
+use std::str::FromStr;
+
+pub use fault::{BenchFileError, Fault, FaultKind};
+pub use write::{Draft, PLACEHOLDER};
+
+use crate::role::Role;
+use crate::study::{BenchFacts, BenchVariant};
+use crate::units::{self, Unit};
+use crate::{Experiment, ExperimentLabel};
+
+/// A bench file, checked and in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchFile {
+    /// The bench's name.
+    pub name: String,
+    /// Load cell or torque flange.
+    pub variant: BenchVariant,
+    /// Cylinders of the engine.
+    pub cylinders: u32,
+    /// Strokes of the engine, 2 or 4.
+    pub strokes: u32,
+    /// J_d, kg m².
+    pub dynamometer_inertia_kg_m2: f64,
+    /// Standard uncertainty of J_d, % of it, if stated.
+    pub dynamometer_inertia_uncertainty_percent: Option<f64>,
+    /// J_e, flywheel included, kg m².
+    pub engine_inertia_kg_m2: f64,
+    /// What the bench must not exceed.
+    pub limits: Limits,
+    /// Channel of each role.
+    pub channels: BTreeMap<Role, ChannelMapping>,
+    /// Which recordings belong to the campaign.
+    pub recordings: RecordingList,
+}
+
+/// Limits of the bench; what is not stated is not checked.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Limits {
+    /// Inverter's torque limit, Nm.
+    pub torque_nm: Option<f64>,
+    /// Shaft torque limit, Nm.
+    pub shaft_torque_nm: Option<f64>,
+    /// Speed limit, rad/s.
+    pub speed_rad_s: Option<f64>,
+}
+
+/// How a role is recorded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelMapping {
+    /// Name of the channel in the recordings.
+    pub name: String,
+    /// Unit of its samples, in place of the one the recording states.
+    pub unit: Option<Unit>,
+    /// Whether its samples have the opposite sign of the role's convention (`sign = -1`).
+    pub inverted: bool,
+    /// Length of the encoder's gate over which a speed is averaged, s, if known.
+    pub gate_s: Option<f64>,
+}
+
+impl ChannelMapping {
+    /// A channel recorded in its own unit and with the role's sign.
+    pub fn named(name: impl Into<String>) -> ChannelMapping {
+        ChannelMapping { name: name.into(), unit: None, inverted: false, gate_s: None }
+    }
+
+    /// +1, or −1 if the samples have the opposite sign of the role's convention.
+    pub fn sign(&self) -> f64 {
+        if self.inverted { -1.0 } else { 1.0 }
+    }
+}
+
+/// The recordings of the campaign, as text: who reads files expands the patterns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RecordingList {
+    /// File names or patterns such as `*.mf4`.
+    pub files: Vec<String>,
+    /// Labels of recordings whose names hold none, or the wrong one.
+    pub labels: Vec<LabelOverride>,
+}
+
+/// The label of one recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LabelOverride {
+    /// The recording's file.
+    pub file: String,
+    /// Its label.
+    pub label: ExperimentLabel,
+}
+
+impl BenchFile {
+    /// The label of a recording: the bench file's own, or else the one in the file's name.
+    pub fn label_of(&self, file: &str) -> Option<ExperimentLabel> {
+        let stated = self.recordings.labels.iter().find(|stated| names_same_file(file, &stated.file));
+        stated.map(|stated| stated.label.clone()).or_else(|| file_name(file).parse().ok())
+    }
+
+    /// What the file states about the bench, for the study.
+    pub fn facts(&self) -> BenchFacts {
+        BenchFacts {
+            name: self.name.clone(),
+            variant: self.variant,
+            cylinders: self.cylinders,
+            strokes: self.strokes,
+            dynamometer_inertia_kg_m2: self.dynamometer_inertia_kg_m2,
+            engine_inertia_kg_m2: self.engine_inertia_kg_m2,
+            torque_limit_nm: self.limits.torque_nm,
+            shaft_torque_limit_nm: self.limits.shaft_torque_nm,
+            speed_limit_rad_s: self.limits.speed_rad_s,
+        }
+    }
+
+    /// Stretches of an experiment in which the torque demand, or the air-gap torque where no demand was recorded, is at
+    /// the inverter's limit. Empty if the bench file states none.
+    pub fn saturated_stretches(&self, experiment: &Experiment) -> Vec<(f64, f64)> {
+        self.limits.torque_nm.map_or_else(Vec::new, |limit| crate::prepare::saturated_stretches(experiment, limit))
+    }
+}
+
+impl FromStr for BenchFile {
+    type Err = BenchFileError;
+
+    /// Reads a bench file's text.
+    ///
+    /// # Errors
+    ///
+    /// [`BenchFileError`] with every fault found, each with its line, key and remedy.
+    fn from_str(text: &str) -> Result<Self, BenchFileError> {
+        read::read(text)
+    }
+}
+
+/// The last part of a path written with either kind of slash.
+fn file_name(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
+}
+
+/// Whether two paths mean one file: equal, or one is the other's last part.
+fn names_same_file(file: &str, stated: &str) -> bool {
+    let (file, stated) = (file.replace('\\', "/"), stated.replace('\\', "/"));
+    file == stated || file.ends_with(&format!("/{stated}")) || stated.ends_with(&format!("/{file}"))
+}
+
+/// The smallest and the largest inertia of a bench that is believed, kg m².
+const PLAUSIBLE_INERTIA_KG_M2: (f64, f64) = (0.001, 100.0);
+
+/// Inertia units in which `value`, written without one or with the wrong one, would be plausible.
+fn plausible_inertia_units(value: f64) -> Vec<String> {
+    let (low, high) = PLAUSIBLE_INERTIA_KG_M2;
+    let candidates = ["kg cm²", "g m²"].into_iter().filter_map(|spelling| units::parse_unit(spelling).ok());
+    let fitting = candidates.filter(|unit| (low..=high).contains(&unit.to_si(value)));
+    fitting.map(|unit| unit.spelling.to_owned()).collect()
+}

@@ -1,0 +1,186 @@
+//! Walking a TOML document key by key, so that every fault knows its line.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::fault::{BenchFileError, Fault, FaultKind};
+use super::write::PLACEHOLDER;
+use crate::names::likely_meant;
+
+/// The text and the faults found in it so far.
+pub(super) struct Faults<'t> {
+    text: &'t str,
+    found: Vec<(usize, Fault)>,
+}
+
+impl<'t> Faults<'t> {
+    pub(super) fn new(text: &'t str) -> Self {
+        Faults { text, found: Vec::new() }
+    }
+
+    /// Notes a fault at a byte of the text.
+    pub(super) fn add(&mut self, offset: usize, key: impl Into<String>, kind: FaultKind) {
+        let offset = offset.min(self.text.len());
+        let line = 1 + self.text.as_bytes()[..offset].iter().filter(|byte| **byte == b'\n').count();
+        self.found.push((offset, Fault { line, key: key.into(), kind }));
+    }
+
+    /// The faults in the order of the text.
+    pub(super) fn into_error(mut self) -> BenchFileError {
+        self.found.sort_by_key(|(offset, _)| *offset);
+        BenchFileError { faults: self.found.into_iter().map(|(_, fault)| fault).collect() }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.found.is_empty()
+    }
+}
+
+/// A value with its place.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'v, 'i> {
+    pub(super) value: &'v DeValue<'i>,
+    pub(super) offset: usize,
+}
+
+impl<'v, 'i> Place<'v, 'i> {
+    fn of(value: &'v Spanned<DeValue<'i>>) -> Self {
+        Place { value: value.get_ref(), offset: value.span().start }
+    }
+
+    /// Whether `init` left the value to be filled in.
+    pub(super) fn is_placeholder(self) -> bool {
+        self.value.as_str().is_some_and(|text| text.trim().eq_ignore_ascii_case(PLACEHOLDER))
+    }
+
+    /// The number, if the value is one.
+    pub(super) fn number(self) -> Option<f64> {
+        match self.value {
+            DeValue::Float(number) => number.as_str().parse().ok(),
+            DeValue::Integer(number) => i64::from_str_radix(number.as_str(), number.radix()).ok().map(|n| n as f64),
+            _ => None,
+        }
+    }
+
+    /// The elements, if the value is an array.
+    pub(super) fn elements(self) -> Option<Vec<Place<'v, 'i>>> {
+        Some(self.value.as_array()?.iter().map(Place::of).collect())
+    }
+
+    /// The fault of a value of the wrong type.
+    pub(super) fn wrong_type(self, expected: &'static str, example: &str) -> FaultKind {
+        if self.is_placeholder() {
+            return FaultKind::Placeholder { example: example.to_owned() };
+        }
+        FaultKind::WrongType { found: self.value.type_str(), expected, example: example.to_owned() }
+    }
+}
+
+/// One table of the document.
+#[derive(Clone)]
+pub(super) struct Section<'v, 'i> {
+    table: Option<&'v DeTable<'i>>,
+    path: String,
+    offset: usize,
+}
+
+impl<'v, 'i> Section<'v, 'i> {
+    /// The document itself.
+    pub(super) fn root(table: &'v DeTable<'i>) -> Self {
+        Section { table: Some(table), path: String::new(), offset: 0 }
+    }
+
+    /// The table a value holds.
+    pub(super) fn of(place: Place<'v, 'i>, path: String) -> Option<Self> {
+        Some(Section { table: Some(place.value.as_table()?), path, offset: place.offset })
+    }
+
+    /// The table of a key; an absent one is an empty table at the end of this one's head.
+    pub(super) fn section(&self, key: &str, faults: &mut Faults<'_>) -> Self {
+        let empty = Section { table: None, path: self.path_of(key), offset: self.offset };
+        let Some(place) = self.get(key) else { return empty };
+        Section::of(place, self.path_of(key)).unwrap_or_else(|| {
+            faults.add(place.offset, self.path_of(key), place.wrong_type("a table", &format!("[{key}]")));
+            empty
+        })
+    }
+
+    /// The value of a key.
+    pub(super) fn get(&self, key: &str) -> Option<Place<'v, 'i>> {
+        self.table?.iter().find(|(name, _)| name.get_ref() == key).map(|(_, value)| Place::of(value))
+    }
+
+    /// The key with its tables.
+    pub(super) fn path_of(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    /// The value of a key that must be there.
+    pub(super) fn require(&self, key: &str, example: &str, faults: &mut Faults<'_>) -> Option<Place<'v, 'i>> {
+        let place = self.get(key);
+        match place {
+            None => self.missing(key, example, faults),
+            Some(place) if place.is_placeholder() => {
+                faults.add(place.offset, self.path_of(key), FaultKind::Placeholder { example: example.to_owned() });
+                return None;
+            }
+            Some(_) => {}
+        }
+        place
+    }
+
+    /// Notes that a key is missing.
+    pub(super) fn missing(&self, key: &str, example: &str, faults: &mut Faults<'_>) {
+        faults.add(self.offset, self.path_of(key), FaultKind::Missing { example: format!("{key} = {example}") });
+    }
+
+    /// The text of a value.
+    pub(super) fn text(
+        &self,
+        key: &str,
+        place: Place<'v, 'i>,
+        example: &str,
+        faults: &mut Faults<'_>,
+    ) -> Option<String> {
+        let text = place.value.as_str().map(str::to_owned);
+        if text.is_none() {
+            faults.add(place.offset, self.path_of(key), place.wrong_type("a text", example));
+        }
+        text
+    }
+
+    /// A number between two others, if the key is there.
+    pub(super) fn number_between(
+        &self,
+        key: &str,
+        (low, high): (f64, f64),
+        remedy: &str,
+        faults: &mut Faults<'_>,
+    ) -> Option<f64> {
+        let place = self.get(key)?;
+        let Some(value) = place.number() else {
+            faults.add(place.offset, self.path_of(key), place.wrong_type("a number", &format!("{key} = {low}")));
+            return None;
+        };
+        if (low..=high).contains(&value) {
+            return Some(value);
+        }
+        let kind = FaultKind::OutOfRange { value, low, high, remedy: remedy.to_owned() };
+        faults.add(place.offset, self.path_of(key), kind);
+        None
+    }
+
+    /// Notes every key that is not one of `known`.
+    pub(super) fn only(&self, known: &[&str], faults: &mut Faults<'_>) {
+        for (name, _) in self.table.into_iter().flatten() {
+            let key: &str = name.get_ref();
+            if !known.contains(&key) {
+                let kind = FaultKind::UnknownKey {
+                    closest: likely_meant(key, known.iter().copied()),
+                    known: known.iter().map(|&key| key.to_owned()).collect(),
+                };
+                faults.add(name.span().start, self.path_of(key), kind);
+            }
+        }
+    }
+}

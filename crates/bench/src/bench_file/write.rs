@@ -1,0 +1,192 @@
+//! Writing bench files: a proposal to be filled in, and one that reads back as it was.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use super::{BenchFile, ChannelMapping, Limits};
+use crate::channels::{Ambiguity, Guess};
+use crate::role::Role;
+use crate::study::BenchVariant;
+
+/// What stands where a person must write something. A bench file that still holds it is refused.
+pub const PLACEHOLDER: &str = "FILL IN";
+
+/// What a commented bench file is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct Draft<'a> {
+    /// The bench's name.
+    pub name: &'a str,
+    /// The proposed channels.
+    pub guess: &'a Guess,
+    /// The recordings' names or patterns.
+    pub files: &'a [String],
+    /// Recordings whose names hold no label.
+    pub unlabelled: &'a [String],
+}
+
+impl BenchFile {
+    /// A commented bench file with the channels proposed by a guess, each with its reasons. What a recording cannot tell
+    /// (inertias, cylinders) is left as [`PLACEHOLDER`], which is refused until a person has filled it in.
+    pub fn to_commented_toml(draft: &Draft<'_>) -> String {
+        let variant = variant_key(draft.guess.variant());
+        let mut text = String::new();
+        let _ = write!(
+            text,
+            r#"# Bench file of dynoid. Fill in what says "{PLACEHOLDER}", and check what was guessed.
+
+[bench]
+name = {name}
+# "load-cell": T_d is measured by a load cell; "torque-flange": the shaft torque is measured by a flange.
+variant = "{variant}"
+cylinders = "{PLACEHOLDER}" # a number, e.g. 4
+strokes = 4
+# Inertia of the dynamometer's rotor with everything on its side of the shaft, e.g. "0.6 kg m²".
+dynamometer_inertia = "{PLACEHOLDER}"
+# How well it is known, if it is: standard uncertainty in % of it.
+# dynamometer_inertia_uncertainty_percent = 2
+# Inertia of the engine, flywheel included, e.g. "0.2 kg m²".
+engine_inertia = "{PLACEHOLDER}"
+
+# What the bench must not exceed. Leave out what you do not know.
+[limits]
+# torque = "400 Nm"       # the inverter's limit; demands that reach it are not used to identify anything
+# shaft_torque = "500 Nm"
+# speed = "6000 rpm"
+
+# role = "channel name", or {{ name = "channel name", unit = "rpm", sign = -1, gate_ms = 1.0 }}.
+# Torques of the dynamometer are positive when they brake; if yours are negative then, write sign = -1.
+[channels]
+"#,
+            name = quoted(draft.name),
+        );
+        for role in Role::ALL {
+            write_role(&mut text, draft.guess, role);
+        }
+        write_recordings(&mut text, draft);
+        text
+    }
+
+    /// The bench file as TOML without comments; reading it gives the same bench file.
+    pub fn to_toml(&self) -> String {
+        let mut text = format!(
+            "[bench]\nname = {}\nvariant = \"{}\"\ncylinders = {}\nstrokes = {}\n",
+            quoted(&self.name),
+            variant_key(self.variant),
+            self.cylinders,
+            self.strokes
+        );
+        let _ = writeln!(text, "dynamometer_inertia = \"{} kg m²\"", self.dynamometer_inertia_kg_m2);
+        if let Some(percent) = self.dynamometer_inertia_uncertainty_percent {
+            let _ = writeln!(text, "dynamometer_inertia_uncertainty_percent = {percent}");
+        }
+        let _ = writeln!(text, "engine_inertia = \"{} kg m²\"", self.engine_inertia_kg_m2);
+        write_limits(&mut text, self.limits);
+        write_channels(&mut text, &self.channels);
+        let _ = writeln!(text, "\n[recordings]\nfiles = [{}]", quoted_list(&self.recordings.files));
+        for stated in &self.recordings.labels {
+            let label = quoted(&stated.label.to_string());
+            let _ = writeln!(text, "\n[[recordings.label]]\nfile = {}\nlabel = {label}", quoted(&stated.file));
+        }
+        text
+    }
+}
+
+fn write_limits(text: &mut String, limits: Limits) {
+    text.push_str("\n[limits]\n");
+    let values = [
+        ("torque", limits.torque_nm, "Nm"),
+        ("shaft_torque", limits.shaft_torque_nm, "Nm"),
+        ("speed", limits.speed_rad_s, "rad/s"),
+    ];
+    for (key, value, unit) in values {
+        if let Some(value) = value {
+            let _ = writeln!(text, "{key} = \"{value} {unit}\"");
+        }
+    }
+}
+
+fn write_channels(text: &mut String, channels: &BTreeMap<Role, ChannelMapping>) {
+    text.push_str("\n[channels]\n");
+    for (role, mapping) in channels {
+        let _ = writeln!(text, "{} = {}", role.key(), mapping_value(mapping));
+    }
+}
+
+/// A mapping as the value of its key: the name alone where nothing else is stated.
+fn mapping_value(mapping: &ChannelMapping) -> String {
+    let mut parts = vec![format!("name = {}", quoted(&mapping.name))];
+    parts.extend(mapping.unit.map(|unit| format!("unit = \"{}\"", unit.spelling)));
+    parts.extend(mapping.inverted.then(|| "sign = -1".to_owned()));
+    parts.extend(mapping.gate_s.map(|gate_s| format!("gate_ms = {}", gate_s * 1e3)));
+    if parts.len() == 1 { quoted(&mapping.name) } else { format!("{{ {} }}", parts.join(", ")) }
+}
+
+fn write_role(text: &mut String, guess: &Guess, role: Role) {
+    let (key, symbol) = (role.key(), role.symbol());
+    let Some(choice) = guess.choices.get(&role) else {
+        let _ = writeln!(text, "# {symbol}: no channel was found.");
+        let needed = super::read::required_roles(guess.variant()).contains(&role);
+        let _ = match needed {
+            true => writeln!(text, "{key} = \"{PLACEHOLDER}\""),
+            false => writeln!(text, "# {key} = \"\""),
+        };
+        return;
+    };
+    let reasons: Vec<String> = choice.reasons.iter().map(|reason| on_one_line(&reason.to_string())).collect();
+    let _ = writeln!(
+        text,
+        "# {symbol}, guessed with {:.0} % confidence: {}.",
+        100.0 * choice.confidence.min(0.99),
+        reasons.join("; ")
+    );
+    if let Some(Ambiguity { channels, .. }) = guess.ambiguous.iter().find(|ambiguity| ambiguity.role == role) {
+        let _ = writeln!(
+            text,
+            "# PLEASE CHECK: these would fit about as well: {}.",
+            on_one_line(&channels[1..].join(", "))
+        );
+    }
+    let mapping = ChannelMapping { unit: choice.unit, ..ChannelMapping::named(&choice.channel) };
+    let _ = writeln!(text, "{key} = {}", mapping_value(&mapping));
+}
+
+fn write_recordings(text: &mut String, draft: &Draft<'_>) {
+    let _ = write!(
+        text,
+        r#"
+# Files or patterns, relative to this file. A recording's name holds its label, {{test}}_{{T|N}}_{{NT|TN}}, such as BS_T_NT:
+# the test, what is excited (torque or speed), and who controls what (dynamometer first).
+[recordings]
+files = [{}]
+"#,
+        quoted_list(draft.files)
+    );
+    for file in draft.unlabelled {
+        let _ = writeln!(
+            text,
+            "\n[[recordings.label]]\nfile = {}\nlabel = \"{PLACEHOLDER}\" # e.g. \"BS_T_NT\"",
+            quoted(file)
+        );
+    }
+}
+
+fn variant_key(variant: BenchVariant) -> &'static str {
+    match variant {
+        BenchVariant::LoadCell => "load-cell",
+        BenchVariant::TorqueFlange => "torque-flange",
+    }
+}
+
+/// A text as a TOML string.
+fn quoted(text: &str) -> String {
+    toml::Value::String(text.to_owned()).to_string()
+}
+
+fn quoted_list(texts: &[String]) -> String {
+    texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", ")
+}
+
+/// A text from a recording made safe for a comment.
+fn on_one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}

@@ -1,0 +1,94 @@
+//! The shaft's differential equation with the timing of its signals.
+
+use ident::frequency::{Equation, ORDERS};
+use signal::Complex64;
+
+pub(super) const K: usize = 0;
+pub(super) const B: usize = 1;
+/// Skew of N_e, s: positive when it is dated later than N_d.
+pub(super) const SKEW_ENGINE: usize = 2;
+/// Skew of the torque, s: positive when it is dated later than N_d.
+pub(super) const SKEW_TORQUE: usize = 3;
+/// Gate of both encoders, s.
+pub(super) const GATE: usize = 4;
+pub(super) const COUNT: usize = 5;
+
+/// How the shaft torque is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum ShaftTorque {
+    /// From J_d dω_d/dt + T_d.
+    Computed {
+        /// J_d, kg m².
+        inertia_kg_m2: f64,
+    },
+    /// Measured by a flange.
+    Measured,
+}
+
+/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + s T_d when it is computed.
+///
+/// Signals: N_d, N_e, torque. A logged speed is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
+/// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ShaftEquation {
+    pub(super) torque: ShaftTorque,
+}
+
+/// A correction factor with its derivative by the gate.
+struct Factor {
+    value: Complex64,
+    by_gate: Complex64,
+}
+
+/// 1/sinc of a gate: sT/2 / sinh(sT/2).
+fn gate_correction(s: Complex64, gate: f64) -> Factor {
+    let x = s * gate / 2.0;
+    if x.norm() < 1e-6 {
+        return Factor { value: Complex64::from(1.0), by_gate: -s * x / 6.0 };
+    }
+    let value = x / x.sinh();
+    Factor { value, by_gate: s / 2.0 * value * (1.0 / x - x.cosh() / x.sinh()) }
+}
+
+impl Equation for ShaftEquation {
+    const SIGNALS: usize = 3;
+    const PARAMETERS: usize = COUNT;
+
+    fn coefficients(
+        &self,
+        s: Complex64,
+        theta: &[f64],
+        polynomials: &mut [[Complex64; ORDERS]],
+        derivatives: &mut [Vec<[Complex64; ORDERS]>],
+    ) {
+        let gate = gate_correction(s, theta[GATE]);
+        let engine = (s * theta[SKEW_ENGINE]).exp();
+        let torque = (s * (theta[SKEW_TORQUE] - theta[GATE] / 2.0)).exp();
+        let dyno = self.dyno_polynomial(theta);
+        let spring = [theta[K], theta[B], 0.0];
+        polynomials[0] = dyno.map(|c| gate.value * c);
+        polynomials[1] = spring.map(|c| -gate.value * engine * c);
+        polynomials[2] = [0.0, 1.0, 0.0].map(|c| torque * c);
+        for row in derivatives.iter_mut() {
+            row.fill([Complex64::default(); ORDERS]);
+        }
+        for (parameter, order) in [(K, 0), (B, 1)] {
+            derivatives[parameter][0][order] = gate.value;
+            derivatives[parameter][1][order] = -gate.value * engine;
+        }
+        derivatives[SKEW_ENGINE][1] = polynomials[1].map(|c| s * c);
+        derivatives[SKEW_TORQUE][2] = polynomials[2].map(|c| s * c);
+        derivatives[GATE][0] = dyno.map(|c| gate.by_gate * c);
+        derivatives[GATE][1] = spring.map(|c| -gate.by_gate * engine * c);
+        derivatives[GATE][2] = polynomials[2].map(|c| -0.5 * s * c);
+    }
+}
+
+impl ShaftEquation {
+    fn dyno_polynomial(&self, theta: &[f64]) -> [f64; ORDERS] {
+        match self.torque {
+            ShaftTorque::Computed { inertia_kg_m2 } => [theta[K], theta[B], inertia_kg_m2],
+            ShaftTorque::Measured => [theta[K], theta[B], 0.0],
+        }
+    }
+}

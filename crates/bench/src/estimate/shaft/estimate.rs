@@ -1,0 +1,272 @@
+//! Estimating the shaft and saying how sure that is.
+
+use faer::Mat;
+use ident::Bounds;
+use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
+use signal::Signal;
+
+use super::equation::{self, COUNT, ShaftEquation, ShaftTorque};
+use super::response::{measured_response, validate};
+use super::spectra::Spectra;
+use crate::align::split_window;
+use crate::estimate::parameter::{Label, transformed};
+use crate::estimate::{EstimateError, timing_floor_s};
+use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
+
+const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
+const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
+const SKEW_ENGINE: Label = Label { symbol: "δ_e", name: "skew of N_e against N_d (positive: later)", unit: "s" };
+const SKEW_TORQUE: Label = Label { symbol: "δ_T", name: "skew of T_d,calc against N_d (positive: later)", unit: "s" };
+const GATE: Label = Label { symbol: "T_g", name: "gate of the speed encoders", unit: "s" };
+const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: "rad/s" };
+
+/// Share of the recording that is estimated from; the rest judges.
+const ESTIMATION_SHARE: f64 = 0.7;
+/// Shortest usable recording, s.
+const SHORTEST_S: f64 = 4.0;
+/// A bin whose |error|²/σ² exceeds this many times the mean is taken for a line the model does not know: under the model
+/// that happens once in e^20 bins.
+const OUTLIER: f64 = 20.0;
+/// Bins about an outlier that its line reaches.
+const OUTLIER_REACH: usize = 4;
+/// Largest skew looked for, s.
+const LARGEST_SKEW_S: f64 = 0.02;
+/// Level of the residual spectrum's bound.
+const BOUND_LEVEL: f64 = 0.99;
+/// Relative step of J_d for the sensitivity of the estimate.
+const INERTIA_STEP: f64 = 1e-3;
+
+/// A torque record and the noise on its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoisyTorque {
+    /// Torque, Nm.
+    pub signal: Signal,
+    /// Standard deviation of its white noise, Nm.
+    pub noise_nm: f64,
+}
+
+/// What the shaft is estimated from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShaftInputs<'a> {
+    /// File, for messages.
+    pub file: &'a str,
+    /// N_d, rad/s.
+    pub dyno_speed: &'a Signal,
+    /// N_e, rad/s.
+    pub engine_speed: &'a Signal,
+    /// T_d, or T_shaft where a flange measures it, as a sum of records.
+    pub torque: Vec<NoisyTorque>,
+    /// J_d and its standard uncertainty, kg m²; `None` where the torque is that of a flange.
+    pub inertia_kg_m2: Option<(f64, f64)>,
+    /// Standard deviation of the encoders' noise, rad/s.
+    pub encoder_noise_rad_s: f64,
+    /// Gate of the encoders and its standard uncertainty, s.
+    pub gate_s: (f64, f64),
+}
+
+impl ShaftInputs<'_> {
+    pub(super) fn signals(&self) -> impl Iterator<Item = &Signal> {
+        [self.dyno_speed, self.engine_speed].into_iter().chain(self.torque.iter().map(|t| &t.signal))
+    }
+
+    fn torque_kind(&self) -> ShaftTorque {
+        match self.inertia_kg_m2 {
+            Some((inertia_kg_m2, _)) => ShaftTorque::Computed { inertia_kg_m2 },
+            None => ShaftTorque::Measured,
+        }
+    }
+
+    /// From the first instant all signals share to the last.
+    fn stretch(&self) -> Result<Stretch, EstimateError> {
+        let start_s = self.signals().map(|s| s.start_s).fold(f64::NEG_INFINITY, f64::max);
+        let end = |s: &Signal| s.start_s + s.len() as f64 * s.sample_time_s;
+        let end_s = self.signals().map(end).fold(f64::INFINITY, f64::min);
+        if self.torque.is_empty() || !(end_s - start_s >= SHORTEST_S) {
+            let duration_s = (end_s - start_s).max(0.0);
+            return Err(EstimateError::TooShort { file: self.file.to_owned(), duration_s, needed_s: SHORTEST_S });
+        }
+        Ok(Stretch { file: self.file.to_owned(), start_s, end_s })
+    }
+}
+
+/// Estimates the shaft from the first part of a recording and judges it on the rest.
+///
+/// # Errors
+/// Signals that do not overlap long enough, or data that do not determine the parameters.
+pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let (estimation, validation) = split_window((stretch.start_s, stretch.end_s), ESTIMATION_SHARE);
+    let known = Stretch { end_s: estimation.1, ..stretch };
+    let solution = Solution::of(inputs, &known, Timing::Estimated)?;
+    let naive = Solution::of(inputs, &known, Timing::Ignored)?;
+    let (theta, torque) = (&solution.fit.fit.parameters, inputs.torque_kind());
+    Ok(Shaft {
+        estimate: solution.estimate(&known),
+        zero: solution.zero(&known)?,
+        ignoring_timing: naive.estimate(&known),
+        residual_spectrum: solution.residual_spectrum(),
+        frequency_response: measured_response(&solution.spectra, torque, theta),
+        validation: validate(inputs, torque, theta, validation)?,
+        cross_checks: Vec::new(),
+    })
+}
+
+/// The parameters alone, from the whole of a recording: to compare recordings with one another.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_parameters(inputs: &ShaftInputs<'_>) -> Result<Estimate, EstimateError> {
+    let stretch = inputs.stretch()?;
+    Ok(Solution::of(inputs, &stretch, Timing::Estimated)?.estimate(&stretch))
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Timing {
+    Estimated,
+    Ignored,
+}
+
+/// A fit with what it was made from.
+struct Solution {
+    spectra: Spectra,
+    fit: FrequencyFit,
+    /// Covariance with systematic parts.
+    covariance: Mat<f64>,
+    excluded_hz: Vec<f64>,
+}
+
+impl Solution {
+    fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, timing: Timing) -> Result<Self, EstimateError> {
+        let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
+        let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s)?;
+        let mut excluded_hz = vec![spectra.turn_centre_hz];
+        let mut fit = solve(inputs, &spectra, inputs.torque_kind(), timing).map_err(error)?;
+        // Outliers of a model known to be wrong say nothing about the data.
+        if timing == Timing::Estimated {
+            for _ in 0..3 {
+                let lines = drop_outliers(&mut spectra, &fit);
+                if lines.is_empty() {
+                    break;
+                }
+                excluded_hz.extend(lines);
+                fit = solve(inputs, &spectra, inputs.torque_kind(), timing).map_err(error)?;
+            }
+        }
+        let mut covariance = fit.covariance.clone();
+        add_timing_floor(&mut covariance, inputs);
+        if let Some((inertia, uncertainty)) = inputs.inertia_kg_m2
+            && uncertainty > 0.0
+        {
+            let nearby = ShaftTorque::Computed { inertia_kg_m2: inertia * (1.0 + INERTIA_STEP) };
+            let moved = solve(inputs, &spectra, nearby, timing).map_err(error)?;
+            let per_unit = |j: usize| (moved.fit.parameters[j] - fit.fit.parameters[j]) / (INERTIA_STEP * inertia);
+            add_outer(&mut covariance, per_unit, uncertainty);
+        }
+        Ok(Solution { spectra, fit, covariance, excluded_hz })
+    }
+
+    fn outputs(&self, outputs: &[(Label, &dyn Fn(&[f64]) -> f64)], stretch: &Stretch) -> Estimate {
+        transformed(outputs, &self.fit.fit, &self.covariance, self.fit.degrees_of_freedom, stretch)
+    }
+
+    fn estimate(&self, stretch: &Stretch) -> Estimate {
+        let labels: [(Label, &dyn Fn(&[f64]) -> f64); COUNT] = [
+            (K, &|t| t[equation::K]),
+            (B, &|t| t[equation::B]),
+            (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
+            (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
+            (GATE, &|t| t[equation::GATE]),
+        ];
+        self.outputs(&labels, stretch)
+    }
+
+    fn zero(&self, stretch: &Stretch) -> Result<Parameter, EstimateError> {
+        let mut zero = self.outputs(&[(ZERO, &|t| -t[equation::K] / t[equation::B])], stretch);
+        zero.parameters.pop().ok_or_else(|| EstimateError::Ident {
+            file: stretch.file.clone(),
+            source: ident::IdentError::TooFewSamples { samples: 0, parameters: 1 },
+        })
+    }
+
+    fn residual_spectrum(&self) -> ResidualSpectrum {
+        let scale = self.fit.scale.sqrt();
+        ResidualSpectrum {
+            frequencies_hz: self.spectra.bins.iter().map(|k| self.spectra.window.frequency_hz(*k)).collect(),
+            normalised_magnitude: self.fit.normalised.iter().map(|q| q / scale).collect(),
+            // |e|²/σ² is exponentially distributed with mean one.
+            bound: (-(1.0 - BOUND_LEVEL).ln()).sqrt(),
+            excluded_hz: self.excluded_hz.clone(),
+        }
+    }
+}
+
+fn solve(
+    inputs: &ShaftInputs<'_>,
+    spectra: &Spectra,
+    torque: ShaftTorque,
+    timing: Timing,
+) -> Result<FrequencyFit, ident::IdentError> {
+    let equation = ShaftEquation { torque };
+    let (gate, gate_uncertainty) = inputs.gate_s;
+    let prior = [Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
+    let positive = Bounds::new(0.0, f64::INFINITY);
+    let skew = Bounds::new(-LARGEST_SKEW_S, LARGEST_SKEW_S);
+    let (bounds, priors, gate): ([Bounds; COUNT], &[Prior], f64) = match timing {
+        Timing::Estimated => ([positive, positive, skew, skew, Bounds::new(0.0, LARGEST_SKEW_S)], &prior, gate),
+        Timing::Ignored => {
+            let none = Bounds::new(0.0, 0.0);
+            ([positive, positive, none, none, none], &[], 0.0)
+        }
+    };
+    let start = [starting_stiffness(spectra, torque), 0.0, 0.0, 0.0, gate];
+    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, priors).fit(&start, &bounds)
+}
+
+/// K of a shaft without damping or skew, by least squares over the lowest third of the bins.
+fn starting_stiffness(spectra: &Spectra, torque: ShaftTorque) -> f64 {
+    let inertia = match torque {
+        ShaftTorque::Computed { inertia_kg_m2 } => inertia_kg_m2,
+        ShaftTorque::Measured => 0.0,
+    };
+    let (mut product, mut power) = (0.0, f64::MIN_POSITIVE);
+    for k in &spectra.bins[..spectra.bins.len().div_ceil(3)] {
+        let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][*k];
+        let twist = of(1, 0) - of(0, 0);
+        let rate = inertia * of(0, 2) + of(2, 1);
+        product += (rate * twist.conj()).re;
+        power += twist.norm_sqr();
+    }
+    (product / power).max(1.0)
+}
+
+/// Removes bins that hold lines the model does not know, with their neighbours; returns the lines' frequencies.
+fn drop_outliers(spectra: &mut Spectra, fit: &FrequencyFit) -> Vec<f64> {
+    let limit = OUTLIER * fit.scale;
+    let outliers: Vec<usize> =
+        spectra.bins.iter().zip(&fit.normalised).filter(|(_, q)| **q * **q > limit).map(|(k, _)| *k).collect();
+    spectra.bins.retain(|k| !outliers.iter().any(|o| k.abs_diff(*o) <= OUTLIER_REACH));
+    let lines = outliers.chunk_by(|a, b| b - a <= 2 * OUTLIER_REACH);
+    lines.map(|line| spectra.window.frequency_hz(line[line.len() / 2])).collect()
+}
+
+/// The instants that time stamps stand for are uncertain by a floor that no amount of data lowers. The skew of N_e takes
+/// it up, and with it everything that hangs on that skew.
+fn add_timing_floor(covariance: &mut Mat<f64>, inputs: &ShaftInputs<'_>) {
+    let floor = timing_floor_s(inputs.signals().map(|s| s.sample_time_s).fold(f64::INFINITY, f64::min));
+    for skew in [equation::SKEW_ENGINE, equation::SKEW_TORQUE] {
+        let variance = covariance[(skew, skew)];
+        if variance > 0.0 {
+            let column: Vec<f64> = (0..COUNT).map(|j| covariance[(j, skew)] / variance).collect();
+            add_outer(covariance, |j| column[j], floor);
+        }
+    }
+}
+
+/// Adds u² g gᵀ.
+fn add_outer(covariance: &mut Mat<f64>, gradient: impl Fn(usize) -> f64, uncertainty: f64) {
+    for i in 0..COUNT {
+        for j in 0..COUNT {
+            covariance[(i, j)] += uncertainty * uncertainty * gradient(i) * gradient(j);
+        }
+    }
+}

@@ -1,0 +1,16 @@
+//! The shaft: stiffness and damping, estimated together with the encoder's gate and the skew of the rasters.
+//!
+//! A shift of one raster against another by a fraction of a millisecond looks like damping: e^{sδ}(K + Bs) ≈ K +
+//! (B + Kδ)s. Timing is therefore part of the model. Errors of all three signals are part of it too, since none of them is
+//! free of noise, and engine torque, which is not measured, does not enter: the equation holds on the dynamometer's side
+//! of the shaft, whatever the engine does and however the loop is closed.
+//!
+//! # Source
+//! Thesis (6.1), (6.10), §6.3.5.2; Pintelon & Schoukens 2012, ch. 9.
+
+mod equation;
+mod estimate;
+mod response;
+mod spectra;
+
+pub use estimate::{NoisyTorque, ShaftInputs, estimate, estimate_parameters};

@@ -1,0 +1,134 @@
+//! From records on three clocks to transforms on one grid of frequencies.
+
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
+
+use ident::frequency::{Modulated, NoisySpectrum, Window};
+use signal::{Complex64, Signal};
+
+use super::estimate::ShaftInputs;
+use crate::estimate::EstimateError;
+
+/// Lowest frequency used, Hz: below it the recording holds too few periods.
+pub(super) const LOWEST_HZ: f64 = 1.0;
+/// Highest frequency used, Hz: above it the equation weighs encoder noise more than motion.
+pub(super) const HIGHEST_HZ: f64 = 110.0;
+/// Part of the slowest sample rate that is free of folding.
+const CLEAN_PART: f64 = 0.44;
+/// Half-width of the band left out about the rotational frequency, Hz: the encoders' once-a-turn error.
+const TURN_MARGIN_HZ: f64 = 3.0;
+/// Length of the moving mean that follows the rotational frequency, s.
+const TURN_MEAN_S: f64 = 0.5;
+
+/// Transforms of N_d, N_e and torque over one window.
+pub(super) struct Spectra {
+    pub(super) window: Window,
+    pub(super) signals: Vec<NoisySpectrum>,
+    /// Bins that may be used.
+    pub(super) bins: Vec<usize>,
+    /// Centre of the band about the rotational frequency that is left out, Hz.
+    pub(super) turn_centre_hz: f64,
+}
+
+impl Spectra {
+    /// Transforms the part of the inputs from `from_s` to `to_s`.
+    pub(super) fn new(inputs: &ShaftInputs<'_>, from_s: f64, to_s: f64) -> Result<Self, EstimateError> {
+        let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
+        let window = even_window(inputs, from_s, to_s);
+        let bins = window.bins(LOWEST_HZ, highest_hz(inputs));
+        let last = *bins.end();
+        let transform = |signal: &Signal| Modulated::new(signal, window, last).map_err(of);
+        let mut torque = transform(&inputs.torque[0].signal)?;
+        for part in &inputs.torque[1..] {
+            torque = torque.plus(&transform(&part.signal)?);
+        }
+        let density = |noise: f64, signal: &Signal| noise * noise * signal.sample_time_s;
+        let encoder = inputs.encoder_noise_rad_s;
+        let torque_density = inputs.torque.iter().map(|t| density(t.noise_nm, &t.signal)).sum();
+        let turn = turn_band_hz(&inputs.dyno_speed.slice(from_s, to_s));
+        let used = |k: &usize| !turn.contains(&window.frequency_hz(*k));
+        Ok(Spectra {
+            window,
+            signals: vec![
+                NoisySpectrum {
+                    modulated: transform(inputs.dyno_speed)?,
+                    noise_density: density(encoder, inputs.dyno_speed),
+                },
+                NoisySpectrum {
+                    modulated: transform(inputs.engine_speed)?,
+                    noise_density: density(encoder, inputs.engine_speed),
+                },
+                NoisySpectrum { modulated: torque, noise_density: torque_density },
+            ],
+            bins: bins.filter(used).collect(),
+            turn_centre_hz: (turn.start() + turn.end()) / 2.0,
+        })
+    }
+}
+
+/// Highest frequency at which every signal is free of folding.
+pub(super) fn highest_hz(inputs: &ShaftInputs<'_>) -> f64 {
+    HIGHEST_HZ.min(CLEAN_PART / slowest_sample_time(inputs))
+}
+
+fn slowest_sample_time(inputs: &ShaftInputs<'_>) -> f64 {
+    inputs.signals().map(|s| s.sample_time_s).fold(0.0, f64::max)
+}
+
+/// The longest window between two instants that holds a whole number of samples of the slowest signal, a number without
+/// large prime factors (which would slow the transform).
+pub(super) fn even_window(inputs: &ShaftInputs<'_>, from_s: f64, to_s: f64) -> Window {
+    let start = inputs.signals().map(|s| s.start_s).fold(from_s, f64::max);
+    let end = inputs.signals().map(|s| s.start_s + s.len() as f64 * s.sample_time_s).fold(to_s, f64::min);
+    let slowest = slowest_sample_time(inputs);
+    // One sample less, so that a raster that starts late in the window still fills it.
+    let most = ((end - start) / slowest + 1e-6).floor().max(1.0) as usize;
+    let most = most.saturating_sub(1).max(1);
+    let count = (1..=most).rev().find(|n| is_smooth(*n)).unwrap_or(most);
+    Window { start_s: start, duration_s: count as f64 * slowest }
+}
+
+fn is_smooth(mut n: usize) -> bool {
+    for prime in [2, 3, 5] {
+        while n.is_multiple_of(prime) {
+            n /= prime;
+        }
+    }
+    n == 1
+}
+
+/// Lowest and highest rotational frequency of the shaft, Hz, with the margin.
+pub(super) fn turn_band_hz(speed: &Signal) -> RangeInclusive<f64> {
+    let length = ((TURN_MEAN_S / speed.sample_time_s) as usize).clamp(1, speed.len().max(1));
+    let means = speed.samples.chunks(length).filter(|c| 2 * c.len() > length);
+    let hertz = means.map(|c| c.iter().sum::<f64>() / c.len() as f64 / TAU);
+    let (low, high) = hertz.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), f| (l.min(f), h.max(f)));
+    low - TURN_MARGIN_HZ..=high + TURN_MARGIN_HZ
+}
+
+/// Fourier transform of a signal over a window with cosine edges, bins 0…`last_bin`; its mean is removed.
+pub(super) fn tapered(signal: &Signal, window: Window, last_bin: usize) -> Result<Vec<Complex64>, signal::SignalError> {
+    let dt = signal.sample_time_s;
+    let count = (window.duration_s / dt).round() as usize;
+    let part = signal.slice(window.start_s, window.start_s + (count as f64 - 0.5) * dt);
+    let mean = part.mean().unwrap_or(0.0);
+    let offset = part.start_s - window.start_s;
+    let weigh = |i: usize| {
+        let value = part.samples.get(i).map_or(0.0, |x| x - mean);
+        dt * value * taper((offset + i as f64 * dt) / window.duration_s)
+    };
+    let mut spectrum = ::signal::spectrum::fft_real(&(0..count).map(weigh).collect::<Vec<_>>())?;
+    spectrum.truncate(last_bin + 1);
+    for (k, value) in spectrum.iter_mut().enumerate() {
+        *value *= Complex64::cis(-TAU * window.frequency_hz(k) * offset);
+    }
+    Ok(spectrum)
+}
+
+/// Part of a tapered window at each end in which the taper acts.
+pub(super) const TAPERED_PART: f64 = 0.1;
+
+fn taper(position: f64) -> f64 {
+    let edge = position.min(1.0 - position) / TAPERED_PART;
+    if edge >= 1.0 { 1.0 } else { 0.5 * (1.0 - (std::f64::consts::PI * edge.max(0.0)).cos()) }
+}

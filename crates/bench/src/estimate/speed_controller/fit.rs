@@ -1,0 +1,366 @@
+//! Fitting the inverted controller, and judging it the way it is used: T_d* from measured speed.
+
+use faer::Mat;
+use ident::covariance::at_least_white;
+use ident::validate::{fit_percent, residual_correlations, rms_error};
+use ident::{Bounds, Fit, NonlinearOptions, minimise};
+use signal::Signal;
+use signal::spline::UniformSpline;
+
+use super::encoder::Encoder;
+use super::inverse::{self, COUNT, InverseController};
+use crate::align::split_window;
+use crate::estimate::EstimateError;
+use crate::estimate::parameter::Label;
+use crate::estimate::stretch::{longest_unsaturated, need};
+use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
+use crate::units::RPM_RAD_S;
+use crate::{Experiment, Role};
+
+/// Share of a recording that is estimated from; the rest judges.
+const ESTIMATION_SHARE: f64 = 0.7;
+/// Stretches the robust covariance is built from.
+const BATCHES: usize = 30;
+/// Shortest usable stretch, s.
+const SHORTEST_S: f64 = 2.0;
+/// Lags of the residual tests.
+const LAGS: usize = 25;
+/// Level of the residual tests' regions.
+const TEST_LEVEL: f64 = 0.99;
+
+const K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm/rpm" };
+const K_I: Label = Label { symbol: "K_i", name: "integral gain", unit: "Nm/(rpm s)" };
+const TAU: Label = Label { symbol: "τ", name: "delay of the controller", unit: "s" };
+const I_0: Label = Label { symbol: "I_0", name: "initial state of the integrator", unit: "Nm" };
+const T_G: Label = Label { symbol: "T_g", name: "gate of the speed encoder", unit: "s" };
+const K_SPEED: Label = Label { symbol: "k", name: "feed-forward of speed", unit: "Nm/rpm" };
+const K_ACCELERATION: Label = Label { symbol: "k_a", name: "feed-forward of acceleration", unit: "Nm/(rpm/s)" };
+
+/// The estimated speed controller, for people and for the estimators that follow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeedControllerFit {
+    /// For the study.
+    pub result: SpeedController,
+    /// What was learnt of the encoder.
+    pub encoder: Encoder,
+    /// Internal parameters, by the positions in [`inverse`].
+    theta: Vec<f64>,
+    /// Samples by which N_d* enters the speed error late.
+    reference_lag: usize,
+}
+
+/// One stretch of a recording with the signals the controller sees.
+struct Data {
+    demand: Signal,
+    reference: Signal,
+    speed: Signal,
+    phase_rad: Vec<f64>,
+    stretch: Stretch,
+}
+
+impl Data {
+    fn of(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Self, EstimateError> {
+        let demand = need(experiment, Role::DynoTorqueDemand)?;
+        let reference = need(experiment, Role::DynoSpeedDemand)?;
+        let speed = need(experiment, Role::DynoSpeed)?;
+        let (from, to) = longest_unsaturated(experiment, torque_limit_nm, SHORTEST_S)?;
+        let phase = phase_of(speed);
+        Ok(Data::cut(experiment, (demand, reference, speed), &phase, (from, to)))
+    }
+
+    fn cut(
+        experiment: &Experiment,
+        (demand, reference, speed): (&Signal, &Signal, &Signal),
+        phase_rad: &[f64],
+        (from, to): (f64, f64),
+    ) -> Self {
+        let cut = speed.slice(from, to);
+        let first = ((cut.start_s - speed.start_s) / speed.sample_time_s).round() as usize;
+        Data {
+            demand: demand.slice(from, to),
+            reference: reference.slice(from, to),
+            phase_rad: phase_rad[first..first + cut.len()].to_vec(),
+            speed: cut,
+            stretch: Stretch { file: experiment.file.clone(), start_s: from, end_s: to },
+        }
+    }
+
+    /// The part of this stretch from `from` to `to`.
+    fn part(&self, experiment: &Experiment, window: (f64, f64)) -> Self {
+        Data::cut(experiment, (&self.demand, &self.reference, &self.speed), &self.phase_rad, window)
+    }
+
+    fn window(&self) -> (f64, f64) {
+        (self.stretch.start_s, self.stretch.end_s)
+    }
+
+    fn model(&self, reference_lag: usize) -> InverseController {
+        InverseController::new(&self.demand, &self.reference, &self.speed, &self.phase_rad, reference_lag)
+    }
+}
+
+/// Shaft angle at each sample of a speed, zero at the first.
+fn phase_of(speed: &Signal) -> Vec<f64> {
+    let mut angle = 0.0;
+    let advance = |w: &f64| {
+        let here = angle;
+        angle += w * speed.sample_time_s;
+        here
+    };
+    speed.samples.iter().map(advance).collect()
+}
+
+/// Estimates PI and delay from a recording in speed control with constant N_d* (BS_T_NT).
+///
+/// # Errors
+/// A missing signal, too short a stretch below the torque limit, or data that do not determine the parameters.
+pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<SpeedControllerFit, EstimateError> {
+    let data = Data::of(experiment, torque_limit_nm)?;
+    let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
+    let (known, unseen) = (data.part(experiment, estimation), data.part(experiment, validation));
+    let free = |j: usize| !matches!(j, inverse::K | inverse::K_A);
+    let (fit, lag) = fit_with_lag(&known, free)?;
+    let (estimate, encoder) = describe(&known, &fit)?;
+    let without = fit_without_delay(&known, lag)?;
+    let k_p = 1.0 / fit.parameters[inverse::P];
+    let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
+    Ok(SpeedControllerFit {
+        result: SpeedController {
+            estimate,
+            sample_time_s: data.demand.sample_time_s,
+            discrete: (discrete.0 * RPM_RAD_S, discrete.1 * RPM_RAD_S),
+            validation: validate(&unseen, &fit.parameters, lag)?,
+            without_delay: validate(&unseen, &without.parameters, lag)?,
+        },
+        encoder,
+        theta: fit.parameters,
+        reference_lag: lag,
+    })
+}
+
+/// Estimates the feed-forward from recordings in which N_d* moves (Levels_N_NT, Ramp_N_NT), together with the PI.
+///
+/// The first recording is estimated from; the second judges. With one recording its last part judges.
+///
+/// # Errors
+/// A missing signal, a constant N_d*, too short a stretch below the torque limit, or data that do not determine the
+/// parameters.
+pub fn estimate_feed_forward(
+    experiments: &[&Experiment],
+    controller: &SpeedControllerFit,
+    torque_limit_nm: Option<f64>,
+) -> Result<Option<FeedForward>, EstimateError> {
+    let Some(first) = experiments.first() else { return Ok(None) };
+    let data = Data::of(first, torque_limit_nm)?;
+    let (known, unseen) = match experiments.get(1) {
+        Some(second) => (data, Data::of(second, torque_limit_nm)?),
+        None => {
+            let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
+            (data.part(first, estimation), data.part(first, validation))
+        }
+    };
+    check_moves(first, &known.reference)?;
+    let fit = fit_feed_forward(&known, controller)?;
+    let alone = |j: usize| if matches!(j, inverse::K | inverse::K_A) { 0.0 } else { controller.theta[j] };
+    let pi_alone: Vec<f64> = (0..COUNT).map(alone).collect();
+    Ok(Some(FeedForward {
+        estimate: describe_feed_forward(&known, &fit)?,
+        validation: validate(&unseen, &fit.parameters, controller.reference_lag)?,
+        pi_alone: validate(&unseen, &pi_alone, controller.reference_lag)?,
+    }))
+}
+
+fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
+    let mean = reference.mean().unwrap_or(0.0);
+    let spread = (reference.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / reference.len() as f64).sqrt();
+    if spread > 1.0 {
+        return Ok(());
+    }
+    Err(EstimateError::WeakExcitation {
+        file: experiment.file.clone(),
+        role: Role::DynoSpeedDemand,
+        standard_deviation: spread,
+    })
+}
+
+/// Fits with the lag of N_d* in the speed error made consistent with the delay found.
+fn fit_with_lag(data: &Data, free: impl Fn(usize) -> bool) -> Result<(Fit, usize), EstimateError> {
+    let start = starting_point(data)?;
+    let mut lag = 1;
+    let mut fit = run(data, lag, &start, &free)?;
+    let found = (fit.parameters[inverse::LEAD] + fit.parameters[inverse::GATE_SQUARED].sqrt() / 2.0).round();
+    if found.max(0.0) as usize != lag {
+        lag = found.max(0.0) as usize;
+        fit = run(data, lag, &start, &free)?;
+    }
+    Ok((fit, lag))
+}
+
+fn fit_without_delay(data: &Data, lag: usize) -> Result<Fit, EstimateError> {
+    let mut start = starting_point(data)?;
+    (start[inverse::LEAD], start[inverse::GATE_SQUARED]) = (0.0, 0.0);
+    let free =
+        |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
+    run(data, lag, &start, free)
+}
+
+fn fit_feed_forward(data: &Data, controller: &SpeedControllerFit) -> Result<Fit, EstimateError> {
+    let mut start = controller.theta.clone();
+    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
+    (start[inverse::COSINE], start[inverse::SINE]) = (0.0, 0.0);
+    run(data, controller.reference_lag, &start, |j| j != inverse::GATE_SQUARED)
+}
+
+fn run(data: &Data, lag: usize, start: &[f64], free: impl Fn(usize) -> bool) -> Result<Fit, EstimateError> {
+    let unbounded = |j: usize| match j {
+        inverse::P => Bounds::new(1e-9, 1e9),
+        inverse::Q => Bounds::new(0.0, 1.0),
+        inverse::LEAD => Bounds::new(-5.0, 15.0),
+        inverse::GATE_SQUARED => Bounds::new(0.0, 100.0),
+        _ => Bounds::NONE,
+    };
+    let bounds: Vec<Bounds> =
+        (0..COUNT).map(|j| if free(j) { unbounded(j) } else { Bounds::new(start[j], start[j]) }).collect();
+    let mut model = data.model(lag);
+    minimise(&mut model, start, &bounds, NonlinearOptions::default()).map_err(|source| ident_error(data, source))
+}
+
+fn ident_error(data: &Data, source: ident::IdentError) -> EstimateError {
+    EstimateError::Ident { file: data.stretch.file.clone(), source }
+}
+
+fn signal_error(data: &Data, source: signal::SignalError) -> EstimateError {
+    EstimateError::Signal { file: data.stretch.file.clone(), source }
+}
+
+/// T_d* regressed on the speed error and its integral: biased by the encoder's noise, good enough to start from.
+fn starting_point(data: &Data) -> Result<Vec<f64>, EstimateError> {
+    let spline = UniformSpline::new(data.speed.samples.clone()).map_err(|e| signal_error(data, e))?;
+    let n = data.demand.len();
+    let mut integral = 0.0;
+    let mut regressors = Mat::zeros(n, 3);
+    for k in 0..n {
+        let at = (data.demand.time_s(k) - data.speed.start_s) / data.speed.sample_time_s;
+        let error = spline.value(at) - data.reference.samples[k.saturating_sub(1)];
+        (regressors[(k, 0)], regressors[(k, 1)], regressors[(k, 2)]) = (error, integral, 1.0);
+        integral += error * data.demand.sample_time_s;
+    }
+    let rough =
+        ident::least_squares(regressors.as_ref(), &data.demand.samples).map_err(|source| ident_error(data, source))?;
+    let mut start = vec![0.0; COUNT];
+    let k_p = rough.parameters[0].max(1e-3);
+    start[inverse::P] = 1.0 / k_p;
+    start[inverse::Q] = (rough.parameters[1] * data.demand.sample_time_s / k_p).clamp(1e-6, 0.5);
+    start[inverse::FIRST_ERROR] = regressors[(0, 0)];
+    start[inverse::LEAD] = 0.5;
+    start[inverse::GATE_SQUARED] = 1.0;
+    Ok(start)
+}
+
+/// Gains, delay and gate with their covariance, from the internal parameters.
+fn describe(data: &Data, fit: &Fit) -> Result<(Estimate, Encoder), EstimateError> {
+    let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
+    let t = data.demand.sample_time_s;
+    let first_demand = data.demand.samples[0];
+    let gate = |g: &[f64]| g[inverse::GATE_SQUARED].max(0.0).sqrt() * t;
+    let outputs: [(Label, &dyn Fn(&[f64]) -> f64); 5] = [
+        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
+        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
+        (TAU, &|g| g[inverse::LEAD] * t + gate(g) / 2.0),
+        (I_0, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
+        (T_G, &gate),
+    ];
+    let mut estimate = super::super::parameter::transformed(&outputs, fit, &covariance, dof, &data.stretch);
+    estimate.add_systematic("τ", crate::estimate::timing_floor_s(t), dof);
+    let gate_standard_error_s = estimate.parameter(T_G.symbol).map_or(0.0, |p| p.standard_error);
+    let encoder = Encoder {
+        gate_s: gate(&fit.parameters),
+        gate_standard_error_s,
+        noise_rad_s: fit.noise_variance().sqrt(),
+        once_a_turn: (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]),
+    };
+    Ok((estimate, encoder))
+}
+
+fn describe_feed_forward(data: &Data, fit: &Fit) -> Result<Estimate, EstimateError> {
+    let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
+    let t = data.demand.sample_time_s;
+    let outputs: [(Label, &dyn Fn(&[f64]) -> f64); 4] = [
+        (K_SPEED, &|g| RPM_RAD_S * g[inverse::K]),
+        (K_ACCELERATION, &|g| RPM_RAD_S * t * g[inverse::K_A]),
+        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
+        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
+    ];
+    Ok(super::super::parameter::transformed(&outputs, fit, &covariance, dof, &data.stretch))
+}
+
+/// T_d* computed from measured speed, against T_d* recorded; residual tests on the inverted form, whose residual is the
+/// encoder's noise if the model is right.
+fn validate(data: &Data, theta: &[f64], lag: usize) -> Result<Validation, EstimateError> {
+    let modelled = forward(data, theta, lag)?;
+    let measured = &data.demand.samples;
+    let of = |e| ident_error(data, e);
+    Ok(Validation {
+        stretch: data.stretch.clone(),
+        quantity: Role::DynoTorqueDemand.symbol().to_owned(),
+        unit: "Nm".to_owned(),
+        fit_percent: fit_percent(measured, &modelled).map_err(of)?,
+        rms_error: rms_error(measured, &modelled).map_err(of)?,
+        measured: trace(&data.demand, measured.clone()),
+        modelled: trace(&data.demand, modelled),
+        residuals: Some(residual_test(data, theta, lag)?),
+    })
+}
+
+fn trace(clock: &Signal, values: Vec<f64>) -> Trace {
+    Trace { start_s: clock.start_s, sample_time_s: clock.sample_time_s, values }
+}
+
+/// Simulates T_d* from the measured speed, the integrator's initial state fitted.
+fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateError> {
+    let turn = |(w, angle): (&f64, &f64)| w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin());
+    let seen = data.speed.samples.iter().zip(&data.phase_rad).map(turn).collect();
+    let spline = UniformSpline::new(seen).map_err(|e| signal_error(data, e))?;
+    let (k_p, step) = (1.0 / theta[inverse::P], theta[inverse::Q] / theta[inverse::P]);
+    let reference = &data.reference.samples;
+    let mut integral = 0.0;
+    let mut output = Vec::with_capacity(data.demand.len());
+    for k in 0..data.demand.len() {
+        let instant = data.demand.time_s(k) - theta[inverse::LEAD] * data.demand.sample_time_s;
+        let at = ((instant - data.speed.start_s) / data.speed.sample_time_s).clamp(0.0, data.speed.len() as f64 - 1.0);
+        let error = spline.value(at) - reference[k.saturating_sub(lag)];
+        let feed = theta[inverse::K] * reference[k]
+            + theta[inverse::K_A] * (reference[k] - reference[k.saturating_sub(1)]);
+        output.push(k_p * error + integral + feed);
+        integral += step * error;
+    }
+    let offset = data.demand.samples.iter().zip(&output).map(|(m, s)| m - s).sum::<f64>() / output.len() as f64;
+    output.iter_mut().for_each(|v| *v += offset);
+    Ok(output)
+}
+
+fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest, EstimateError> {
+    let mut start = theta.to_vec();
+    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
+    // Only what belongs to the stretch itself is fitted again: its initial state and the angle's zero.
+    let fit = run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))?;
+    let positions = data.model(lag).kept();
+    let input = demand_at_speed(data, positions);
+    let test = residual_correlations(&fit.residuals, &input, LAGS, TEST_LEVEL).map_err(|e| ident_error(data, e))?;
+    Ok(ResidualTest {
+        sample_time_s: data.speed.sample_time_s,
+        level: TEST_LEVEL,
+        autocorrelation: test.auto,
+        autocorrelation_bound: test.auto_bound,
+        cross_correlation: test.cross,
+        cross_correlation_bound: test.cross_bound,
+        input: Role::DynoTorqueDemand.symbol().to_owned(),
+    })
+}
+
+/// T_d* held at the instants of N_d.
+fn demand_at_speed(data: &Data, samples: std::ops::Range<usize>) -> Vec<f64> {
+    let last = data.demand.len() - 1;
+    let index = |i: usize| (data.speed.time_s(i) - data.demand.start_s) / data.demand.sample_time_s;
+    samples.map(|i| data.demand.samples[(index(i).round().max(0.0) as usize).min(last)]).collect()
+}

@@ -1,0 +1,70 @@
+//! From roles to the channels of a recording.
+
+use recording::Recording;
+
+use super::{Log, Source};
+use crate::bench_file::{BenchFile, ChannelMapping};
+use crate::diagnostics::{Finding, Severity};
+use crate::experiment::ExperimentLabel;
+use crate::names::closest;
+use crate::role::Role;
+use crate::units::{self, Unit};
+
+/// Channel names suggested in place of a missing one.
+const SUGGESTIONS: usize = 3;
+
+/// The channels of the roles that are there and have a fitting unit.
+pub(super) fn sources<'r>(
+    recording: &'r Recording,
+    bench_file: &BenchFile,
+    label: &ExperimentLabel,
+    log: &mut Log,
+) -> Vec<Source<'r>> {
+    let roles = bench_file.channels.iter();
+    roles.filter_map(|(role, mapping)| source(recording, *role, mapping, label, log)).collect()
+}
+
+fn source<'r>(
+    recording: &'r Recording,
+    role: Role,
+    mapping: &ChannelMapping,
+    label: &ExperimentLabel,
+    log: &mut Log,
+) -> Option<Source<'r>> {
+    let Some(channel) = recording.channel(&mapping.name) else {
+        let names = recording.channels.iter().map(|channel| channel.name.as_str());
+        let finding = Finding::MissingChannel { role, closest: closest(&mapping.name, names, SUGGESTIONS) };
+        let severity = if is_dispensable(role, label) { Severity::Note } else { Severity::Warning };
+        log.channel(severity, &mapping.name, None, finding);
+        return None;
+    };
+    let unit = unit(role, mapping, &channel.unit, log)?;
+    Some(Source {
+        role,
+        channel: &channel.name,
+        time_s: recording.time_s(channel).unwrap_or(&[]),
+        samples: &channel.samples,
+        unit,
+        factor: unit.factor * mapping.sign(),
+    })
+}
+
+/// Whether an experiment can do without a role: with the shaft off there is no engine to measure.
+fn is_dispensable(role: Role, label: &ExperimentLabel) -> bool {
+    let beyond_shaft = matches!(role, Role::EngineSpeed | Role::SystemShaftTorque | Role::FlangeTorque);
+    role == Role::Throttle || (beyond_shaft && label.is_without_shaft())
+}
+
+fn unit(role: Role, mapping: &ChannelMapping, recorded: &str, log: &mut Log) -> Option<Unit> {
+    if let Some(unit) = mapping.unit {
+        return Some(unit);
+    }
+    match units::parse_unit_of(recorded, role.quantity()) {
+        Ok(unit) => Some(unit),
+        Err(_) => {
+            let finding = Finding::UnfitUnit { role, unit: recorded.to_owned() };
+            log.channel(Severity::Error, &mapping.name, None, finding);
+            None
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! A virtual bench: simulates the experiments of the method on a dynamometer bench whose every parameter is known, and
+//! records them as a real bench would.
+//!
+//! Speed controller (PI with transport delay and anti-windup, feed-forward) → inverter (limit, delay, lag, ripple) →
+//! two masses and a shaft ← four-stroke engine over crank angle; encoders, load cell and the automation system's own
+//! torques on top. It exists to test estimators against known truth and to try an experiment before it is run.
+//!
+//! # Numerical scheme
+//!
+//! Controllers and sensors work every millisecond, the mechanics in steps of 50 µs (see [`Numerics`]). Within a step
+//! the mechanics and the load cell are exact for torques that are linear in time; the inverter's delay and lag are
+//! exact whatever the delays; the step in which a cylinder fires is split at the firing. What remains is the curvature of
+//! engine torque and ripple within a step: the error is of second order in the step size.
+//!
+//! Randomness comes from ChaCha streams, one for each source: equal parameters, plan and seed give equal bits.
+//!
+//! # Source
+//!
+//! Glans & Kärnell, Chalmers EX112/2018, chapters 2, 5 and 6 for the bench and its equations.
+
+mod controller;
+mod engine;
+mod error;
+mod inverter;
+mod mechanics;
+mod noise;
+mod parameters;
+mod plan;
+mod run;
+mod sensors;
+mod waveform;
+mod write;
+
+use recording::Recording;
+use serde::Serialize;
+
+pub use error::VirtualBenchError;
+pub use parameters::{
+    BenchParameters, ClockParameters, ControllerParameters, EngineParameters, Harmonic, InverterParameters,
+    MechanicsParameters, SensorParameters,
+};
+pub use plan::ExperimentPlan;
+pub use waveform::Waveform;
+
+/// Time from one update of controllers, sensors and registers to the next, s.
+pub const UPDATE_S: f64 = 0.001;
+
+/// How finely the bench is simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Numerics {
+    /// Steps of the mechanics in one update of the controllers (1 ms).
+    pub steps_per_update: usize,
+    /// Steps from one sample of [`HiddenTruth`] to the next.
+    pub steps_per_hidden_sample: usize,
+}
+
+impl Default for Numerics {
+    /// Steps of 50 µs, hidden truth every 1 ms.
+    fn default() -> Self {
+        Self { steps_per_update: 20, steps_per_hidden_sample: 20 }
+    }
+}
+
+impl Numerics {
+    fn check(self) -> Result<(), VirtualBenchError> {
+        let (steps, hidden) = (self.steps_per_update, self.steps_per_hidden_sample);
+        let requirement = "between 1 and 10 000";
+        error::require("numerics.steps_per_update", steps as f64, (1..=10_000).contains(&steps), requirement)?;
+        error::require("numerics.steps_per_hidden_sample", hidden as f64, hidden > 0, "at least 1")
+    }
+}
+
+/// The bench as it really is, without any sensor, at uniform instants from the recording's start on. SI.
+///
+/// J_d dω_d/dt = T_shaft − T_d − T_fric and J_e dω_e/dt = T_e − T_shaft hold between these signals. Without a shaft
+/// the engine does not run: T_e is zero and ω_e stays where it was.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct HiddenTruth {
+    /// Time between samples, s.
+    pub sample_time_s: f64,
+    /// ω_d, rad/s.
+    pub dyno_speed_rad_s: Vec<f64>,
+    /// ω_e, rad/s.
+    pub engine_speed_rad_s: Vec<f64>,
+    /// T_shaft, Nm.
+    pub shaft_torque_nm: Vec<f64>,
+    /// T_e, Nm.
+    pub engine_torque_nm: Vec<f64>,
+    /// T_d with its ripple, Nm.
+    pub air_gap_torque_nm: Vec<f64>,
+    /// T_fric, bearing friction of the dynamometer, Nm.
+    pub friction_torque_nm: Vec<f64>,
+}
+
+impl HiddenTruth {
+    fn new(sample_time_s: f64) -> Self {
+        Self {
+            sample_time_s,
+            dyno_speed_rad_s: Vec::new(),
+            engine_speed_rad_s: Vec::new(),
+            shaft_torque_nm: Vec::new(),
+            engine_torque_nm: Vec::new(),
+            air_gap_torque_nm: Vec::new(),
+            friction_torque_nm: Vec::new(),
+        }
+    }
+}
+
+/// A recording together with what really happened.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VirtualRun {
+    /// What the bench recorded.
+    pub recording: Recording,
+    /// What really happened.
+    pub hidden: HiddenTruth,
+}
+
+/// Runs an experiment on a virtual bench and returns its recording.
+///
+/// Channels: `DynoSpeed`, `DynoSpeedDemand` (rpm), `DynoTorqueDemand` (Nm) every 1 ms, `EngineSpeed` (rpm) every 2 ms,
+/// `DynoTorqueCalc`, `DynoTorqueMeas`, `ShaftTorqueCalc` (Nm) every 4 ms with default clocks. Without a shaft there is
+/// no `EngineSpeed`.
+///
+/// # Errors
+///
+/// [`VirtualBenchError`] where parameters or plan are impossible or the bench is unstable.
+///
+/// # Example
+///
+/// ```
+/// use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+///
+/// let recording = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 2.0), 1)?;
+/// let speed = &recording.channels[0];
+/// assert_eq!((speed.name.as_str(), speed.unit.as_str(), speed.samples.len()), ("DynoSpeed", "rpm", 2000));
+/// assert!(speed.samples.iter().all(|n| (n - 1200.0).abs() < 50.0));
+/// # Ok::<(), bench::virtual_bench::VirtualBenchError>(())
+/// ```
+pub fn simulate(
+    parameters: &BenchParameters,
+    plan: &ExperimentPlan,
+    seed: u64,
+) -> Result<Recording, VirtualBenchError> {
+    simulate_hidden(parameters, plan, seed, Numerics::default()).map(|run| run.recording)
+}
+
+/// As [`simulate`], with a choice of the step size, and with the hidden truth.
+///
+/// # Errors
+///
+/// As [`simulate`]; also where `numerics` is impossible.
+pub fn simulate_hidden(
+    parameters: &BenchParameters,
+    plan: &ExperimentPlan,
+    seed: u64,
+    numerics: Numerics,
+) -> Result<VirtualRun, VirtualBenchError> {
+    parameters.check()?;
+    plan.check()?;
+    numerics.check()?;
+    let (registers, hidden) = run::run(parameters, plan, seed, &numerics)?;
+    Ok(VirtualRun { recording: write::recording(parameters, plan, &registers), hidden })
+}

@@ -1,0 +1,207 @@
+//! Demands over time.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::{VirtualBenchError, require, require_positive};
+use super::noise::Random;
+
+/// Guards the division of times against rounding, as a part of the divisor.
+const ROUNDING: f64 = 1e-9;
+
+/// A demand over time, in the unit of the demanded quantity.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Waveform {
+    /// Always the same.
+    Constant {
+        /// The value.
+        value: f64,
+    },
+    /// One of two values at random, drawn anew at every tick of a clock.
+    RandomBinary {
+        /// One value.
+        low: f64,
+        /// The other.
+        high: f64,
+        /// Time between draws, s.
+        clock_s: f64,
+    },
+    /// Independent normal values, drawn anew whenever the demand may change.
+    WhiteNoise {
+        /// Mean.
+        mean: f64,
+        /// Standard deviation.
+        standard_deviation: f64,
+    },
+    /// Two values in turn.
+    Square {
+        /// The first.
+        first: f64,
+        /// The second.
+        second: f64,
+        /// Time at each, s.
+        dwell_s: f64,
+    },
+    /// Ramps up and down between two values, again and again.
+    Ramps {
+        /// Lower value, at the start.
+        low: f64,
+        /// Upper value.
+        high: f64,
+        /// Start of the first ramp, s.
+        first_s: f64,
+        /// Length of a ramp, s.
+        ramp_s: f64,
+        /// Rest between ramps, s.
+        dwell_s: f64,
+    },
+    /// Random levels, approached with random slopes.
+    RandomLevels {
+        /// Lowest level.
+        low: f64,
+        /// Highest level.
+        high: f64,
+        /// Time from the start of one approach to that of the next, s.
+        dwell_s: f64,
+        /// Lowest slope, per s.
+        lowest_slope_per_s: f64,
+        /// Highest slope, per s.
+        highest_slope_per_s: f64,
+    },
+    /// Sines, one after another, the last one to the end.
+    SineLadder {
+        /// Mean.
+        mean: f64,
+        /// Amplitude.
+        amplitude: f64,
+        /// Their frequencies, Hz.
+        frequencies_hz: Vec<f64>,
+        /// Time for each, s.
+        dwell_s: f64,
+    },
+}
+
+impl Waveform {
+    /// The values at k · `update_s`, k = 0 … `updates` − 1.
+    pub(super) fn sample(&self, random: &mut Random, update_s: f64, updates: usize) -> Vec<f64> {
+        let times = (0..updates).map(|k| k as f64 * update_s);
+        match self {
+            Self::Constant { value } => vec![*value; updates],
+            Self::WhiteNoise { mean, standard_deviation } => {
+                times.map(|_| mean + standard_deviation * random.normal()).collect()
+            }
+            Self::RandomBinary { low, high, clock_s } => {
+                let ticks = ticks_at(update_s * updates as f64, *clock_s);
+                let values: Vec<f64> = (0..=ticks).map(|_| random.either(*low, *high)).collect();
+                times.map(|t| values[ticks_at(t, *clock_s).min(ticks)]).collect()
+            }
+            Self::Square { first, second, dwell_s } => {
+                times.map(|t| if ticks_at(t, *dwell_s).is_multiple_of(2) { *first } else { *second }).collect()
+            }
+            Self::Ramps { low, high, first_s, ramp_s, dwell_s } => {
+                times.map(|t| low + (high - low) * ramp_at(t - first_s, *ramp_s, *dwell_s)).collect()
+            }
+            Self::RandomLevels { .. } => self.sample_levels(random, update_s, updates),
+            Self::SineLadder { mean, amplitude, frequencies_hz, dwell_s } => {
+                times.map(|t| mean + amplitude * ladder_at(t, frequencies_hz, *dwell_s)).collect()
+            }
+        }
+    }
+
+    fn sample_levels(&self, random: &mut Random, update_s: f64, updates: usize) -> Vec<f64> {
+        let Self::RandomLevels { low, high, dwell_s, lowest_slope_per_s, highest_slope_per_s } = self else {
+            return Vec::new();
+        };
+        let mut value = random.between(*low, *high);
+        let (mut level, mut slope, mut last_tick) = (value, 0.0, 0);
+        let mut values = Vec::with_capacity(updates);
+        for k in 0..updates {
+            let tick = ticks_at(k as f64 * update_s, *dwell_s);
+            if tick > last_tick {
+                level = random.between(*low, *high);
+                slope = random.between(*lowest_slope_per_s, *highest_slope_per_s);
+                last_tick = tick;
+            }
+            value += (level - value).clamp(-slope * update_s, slope * update_s);
+            values.push(value);
+        }
+        values
+    }
+
+    pub(super) fn check(&self, name: &'static str) -> Result<(), VirtualBenchError> {
+        let finite = |value: f64| require(name, value, true, "finite");
+        match self {
+            Self::Constant { value } => finite(*value),
+            Self::RandomBinary { low, high, clock_s } => {
+                finite(*low)?;
+                finite(*high)?;
+                require_time(name, *clock_s)
+            }
+            Self::WhiteNoise { mean, standard_deviation } => {
+                finite(*mean)?;
+                finite(*standard_deviation)
+            }
+            Self::Square { first, second, dwell_s } => {
+                finite(*first)?;
+                finite(*second)?;
+                require_time(name, *dwell_s)
+            }
+            Self::Ramps { low, high, first_s, ramp_s, dwell_s } => {
+                finite(*low)?;
+                finite(*high)?;
+                finite(*first_s)?;
+                require_time(name, *ramp_s)?;
+                require_time(name, *dwell_s)
+            }
+            Self::RandomLevels { low, high, dwell_s, lowest_slope_per_s, highest_slope_per_s } => {
+                finite(*low)?;
+                finite(*high)?;
+                require_time(name, *dwell_s)?;
+                require_positive(name, *lowest_slope_per_s)?;
+                require_positive(name, *highest_slope_per_s)
+            }
+            Self::SineLadder { mean, amplitude, frequencies_hz, dwell_s } => {
+                finite(*mean)?;
+                finite(*amplitude)?;
+                frequencies_hz.iter().try_for_each(|&f| finite(f))?;
+                require_time(name, *dwell_s)
+            }
+        }
+    }
+}
+
+fn require_time(name: &'static str, time_s: f64) -> Result<(), VirtualBenchError> {
+    require(name, time_s, time_s >= 0.001, "a time of at least 1 ms")
+}
+
+/// Keeps a demand for `hold` updates at a time.
+pub(super) fn hold(values: &mut [f64], hold: usize) {
+    for chunk in values.chunks_mut(hold.max(1)) {
+        let first = chunk[0];
+        chunk.fill(first);
+    }
+}
+
+/// Whole clock times in a time.
+fn ticks_at(time_s: f64, clock_s: f64) -> usize {
+    (time_s / clock_s + ROUNDING).floor() as usize
+}
+
+/// 0 … 1: up, rest, down, rest, again and again from time zero on.
+fn ramp_at(time_s: f64, ramp_s: f64, dwell_s: f64) -> f64 {
+    if time_s <= 0.0 {
+        return 0.0;
+    }
+    let half_s = ramp_s + dwell_s;
+    let half = ticks_at(time_s, half_s);
+    let progress = ((time_s - half as f64 * half_s) / ramp_s).clamp(0.0, 1.0);
+    if half.is_multiple_of(2) { progress } else { 1.0 - progress }
+}
+
+fn ladder_at(time_s: f64, frequencies_hz: &[f64], dwell_s: f64) -> f64 {
+    let rung = ticks_at(time_s, dwell_s).min(frequencies_hz.len().saturating_sub(1));
+    let frequency_hz = frequencies_hz.get(rung).copied().unwrap_or(0.0);
+    (TAU * frequency_hz * (time_s - rung as f64 * dwell_s)).sin()
+}

@@ -1,0 +1,12 @@
+//! Integration tests of the bench: bench files, recordings, estimators, the virtual bench.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+mod align;
+mod bench_file;
+mod channels;
+mod prepare;
+mod recorded;
+mod support;
+mod units;
+mod virtual_bench;

@@ -1,0 +1,331 @@
+//! Continuous-time models from sampled records, in the frequency domain, with noise on every signal.
+//!
+//! A linear differential equation Σ_i P_i(p) x_i(t) = 0 (p = d/dt) between signals that were each sampled on a clock of
+//! their own is multiplied by a smooth window h that vanishes at both ends together with its derivatives, and
+//! transformed. Integration by parts moves every derivative from the data to the window, so initial conditions, leakage
+//! and numerical differentiation do not arise, and no signal needs resampling:
+//!
+//! L_n[x](s) = ∫ h x⁽ⁿ⁾ e^{−st} dt = Σ_m (n over m) (−1)^m s^{n−m} ∫ h⁽ᵐ⁾ x e^{−st} dt,  s = jω.
+//!
+//! # Source
+//! Shinbrot, *On the analysis of linear and nonlinear systems*, 1957 (modulating functions); Pintelon & Schoukens 2012,
+//! ch. 9 (errors in variables, maximum likelihood).
+
+use std::f64::consts::TAU;
+
+use faer::MatMut;
+use signal::{Complex64, Signal};
+
+use crate::{Bounds, Fit, IdentError, NonlinearOptions, ResidualModel, minimise};
+
+/// Highest order of derivative used.
+pub const ORDERS: usize = 3;
+
+/// Correlation of neighbouring bins under the window h = ((1 − cos)/2)²: T ∫h⁴/(∫h²)². The information in n bins is
+/// that of n over this number.
+const OVERLAP: f64 = 2.6268;
+
+/// Bins over which the window spreads a line, each way.
+const REACH: usize = 4;
+
+/// The stretch of time that is transformed, and its frequencies k/T.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// Start, s.
+    pub start_s: f64,
+    /// Length T, s.
+    pub duration_s: f64,
+}
+
+impl Window {
+    /// Frequency of bin `k`, Hz.
+    pub fn frequency_hz(&self, k: usize) -> f64 {
+        k as f64 / self.duration_s
+    }
+
+    /// Bins from `low_hz` to `high_hz`.
+    pub fn bins(&self, low_hz: f64, high_hz: f64) -> std::ops::RangeInclusive<usize> {
+        let first = (low_hz * self.duration_s).ceil().max(1.0) as usize;
+        first..=(high_hz * self.duration_s).floor() as usize
+    }
+
+    /// ∫h² dt, s: what turns the variance of white samples, times their sample time, into that of a bin.
+    pub fn energy_s(&self) -> f64 {
+        35.0 / 128.0 * self.duration_s
+    }
+}
+
+/// L_0, L_1, L_2 of one signal at bins 0…`bins`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modulated {
+    /// `orders[n][k]` is L_n at bin k.
+    pub orders: [Vec<Complex64>; ORDERS],
+}
+
+impl Modulated {
+    /// Transforms `signal` over `window`, up to bin `last_bin`.
+    ///
+    /// The signal's mean over the window is removed first: a constant has no part in any bin but the lowest two.
+    ///
+    /// # Errors
+    /// The signal does not cover the window, its samples do not divide the window evenly, or `last_bin` is beyond its
+    /// Nyquist frequency.
+    pub fn new(signal: &Signal, window: Window, last_bin: usize) -> Result<Self, IdentError> {
+        let dt = signal.sample_time_s;
+        let count = (window.duration_s / dt).round() as usize;
+        let part = signal.slice(window.start_s, window.start_s + (count as f64 - 0.5) * dt);
+        if part.len() < count || (count as f64 * dt - window.duration_s).abs() > 1e-3 * dt {
+            return Err(IdentError::Length { what: "samples in the window", expected: count, found: part.len() });
+        }
+        if 2 * last_bin >= count {
+            return Err(IdentError::TooFewSamples { samples: count, parameters: 2 * last_bin });
+        }
+        let mean = part.samples[..count].iter().sum::<f64>() / count as f64;
+        let offset = part.start_s - window.start_s;
+        let moment = |order: usize| -> Result<Vec<Complex64>, IdentError> {
+            let weigh = |i: usize| {
+                let angle = TAU * (offset + i as f64 * dt) / window.duration_s;
+                dt * (part.samples[i] - mean) * window_derivative(order, angle, TAU / window.duration_s)
+            };
+            let weighted: Vec<f64> = (0..count).map(weigh).collect();
+            let mut spectrum = signal::spectrum::fft_real(&weighted)
+                .map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
+            spectrum.truncate(last_bin + 1);
+            for (k, value) in spectrum.iter_mut().enumerate() {
+                *value *= Complex64::cis(-TAU * k as f64 * offset / window.duration_s);
+            }
+            Ok(spectrum)
+        };
+        let (h0, h1, h2) = (moment(0)?, moment(1)?, moment(2)?);
+        let s = |k: usize| Complex64::new(0.0, TAU * window.frequency_hz(k));
+        let first = (0..=last_bin).map(|k| s(k) * h0[k] - h1[k]).collect();
+        let second = (0..=last_bin).map(|k| s(k) * (s(k) * h0[k] - 2.0 * h1[k]) + h2[k]).collect();
+        Ok(Modulated { orders: [h0, first, second] })
+    }
+
+    /// The transform of a sum of signals.
+    pub fn plus(mut self, other: &Modulated) -> Self {
+        for (mine, theirs) in self.orders.iter_mut().zip(&other.orders) {
+            mine.iter_mut().zip(theirs).for_each(|(a, b)| *a += b);
+        }
+        self
+    }
+}
+
+/// Derivatives of h(t) = (1 − cos θ)²/4, θ = 2πt/T, with `rate` = dθ/dt.
+fn window_derivative(order: usize, angle: f64, rate: f64) -> f64 {
+    let (sin, cos) = angle.sin_cos();
+    match order {
+        0 => (1.0 - cos).powi(2) / 4.0,
+        1 => rate * (1.0 - cos) * sin / 2.0,
+        _ => rate * rate * (sin * sin + (1.0 - cos) * cos) / 2.0,
+    }
+}
+
+/// One signal of the equation: its transform, and the noise on its samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NoisySpectrum {
+    /// Transform.
+    pub modulated: Modulated,
+    /// Variance of white noise on the samples times their sample time: its spectral density.
+    pub noise_density: f64,
+}
+
+/// A linear differential equation Σ_i P_i(s, θ) x_i = 0.
+pub trait Equation {
+    /// Signals.
+    const SIGNALS: usize;
+    /// Parameters.
+    const PARAMETERS: usize;
+
+    /// Writes the coefficient of s^n of P_i at s into `polynomials[i][n]`, and its derivative by θ_j into
+    /// `derivatives[j][i][n]`. Coefficients may themselves depend on s (delays, gates).
+    fn coefficients(
+        &self,
+        s: Complex64,
+        theta: &[f64],
+        polynomials: &mut [[Complex64; ORDERS]],
+        derivatives: &mut [Vec<[Complex64; ORDERS]>],
+    );
+}
+
+/// What is known of a parameter from elsewhere: value and standard uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Prior {
+    /// Position of the parameter.
+    pub parameter: usize,
+    /// Value.
+    pub value: f64,
+    /// Standard uncertainty.
+    pub standard_uncertainty: f64,
+}
+
+/// Maximum likelihood under white noise of known relative level on every signal: minimises Σ_k |e_k|²/σ_k²(θ), with e
+/// the equation's error and σ_k² = ∫h² Σ_i |P_i(jω_k, θ)|² S_i the variance the noise gives it.
+#[derive(Debug)]
+pub struct ErrorsInVariables<'a, E> {
+    equation: &'a E,
+    signals: &'a [NoisySpectrum],
+    window: Window,
+    bins: &'a [usize],
+    priors: &'a [Prior],
+    polynomials: Vec<[Complex64; ORDERS]>,
+    derivatives: Vec<Vec<[Complex64; ORDERS]>>,
+}
+
+/// The estimate, with a covariance that counts overlapping bins once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrequencyFit {
+    /// The minimum. Residuals come in pairs, real and imaginary part, one a bin; priors follow.
+    pub fit: Fit,
+    /// Covariance of the parameters.
+    pub covariance: faer::Mat<f64>,
+    /// Degrees of freedom of the scale.
+    pub degrees_of_freedom: f64,
+    /// Mean of |e|²/σ²: one where model and noise levels are right.
+    pub scale: f64,
+    /// |e|/σ at each bin.
+    pub normalised: Vec<f64>,
+}
+
+impl<'a, E: Equation> ErrorsInVariables<'a, E> {
+    /// The problem on the given bins.
+    pub fn new(
+        equation: &'a E,
+        signals: &'a [NoisySpectrum],
+        window: Window,
+        bins: &'a [usize],
+        priors: &'a [Prior],
+    ) -> Self {
+        let polynomials = vec![[Complex64::default(); ORDERS]; E::SIGNALS];
+        let derivatives = vec![polynomials.clone(); E::PARAMETERS];
+        ErrorsInVariables { equation, signals, window, bins, priors, polynomials, derivatives }
+    }
+
+    /// Minimises from `start` within `bounds`.
+    ///
+    /// # Errors
+    /// Those of [`minimise`].
+    pub fn fit(mut self, start: &[f64], bounds: &[Bounds]) -> Result<FrequencyFit, IdentError> {
+        let fit = minimise(&mut self, start, bounds, NonlinearOptions::default())?;
+        let bins = self.bins;
+        let normalised: Vec<f64> = (0..bins.len()).map(|k| fit.residuals[2 * k].hypot(fit.residuals[2 * k + 1])).collect();
+        let degrees_of_freedom = (2.0 * bins.len() as f64 / OVERLAP - E::PARAMETERS as f64).max(1.0);
+        let power = normalised.iter().map(|q| q * q).sum::<f64>();
+        let scale = power / bins.len() as f64;
+        let covariance = covariance(&fit, bins, scale);
+        Ok(FrequencyFit { fit, covariance, degrees_of_freedom, scale, normalised })
+    }
+}
+
+/// (JᵀJ)⁻¹ times half the scale (a complex residual of unit variance has parts of half) times the overlap of bins; and
+/// for no parameter less than the sandwich whose middle sums products of neighbouring bins.
+fn covariance(fit: &Fit, bins: &[usize], scale: f64) -> faer::Mat<f64> {
+    let n = fit.parameters.len();
+    let model = faer::Scale(0.5 * scale.max(1e-300) * OVERLAP) * &fit.unscaled_covariance;
+    let middle = neighbour_products(fit, bins);
+    let sandwich = &fit.unscaled_covariance * middle * &fit.unscaled_covariance;
+    let inflation = |i: usize| {
+        if model[(i, i)] > 0.0 { (sandwich[(i, i)] / model[(i, i)]).max(1.0).sqrt() } else { 1.0 }
+    };
+    faer::Mat::from_fn(n, n, |i, j| model[(i, j)] * inflation(i) * inflation(j))
+}
+
+fn neighbour_products(fit: &Fit, bins: &[usize]) -> faer::Mat<f64> {
+    let n = fit.parameters.len();
+    let contribution = |k: usize, j: usize| {
+        fit.jacobian[(2 * k, j)] * fit.residuals[2 * k] + fit.jacobian[(2 * k + 1, j)] * fit.residuals[2 * k + 1]
+    };
+    let scores = faer::Mat::from_fn(bins.len(), n, contribution);
+    let mut middle = scores.transpose() * &scores;
+    for lag in 1..=REACH {
+        for k in lag..bins.len() {
+            if bins[k] - bins[k - lag] != lag {
+                continue;
+            }
+            for i in 0..n {
+                for j in 0..n {
+                    middle[(i, j)] += scores[(k, i)] * scores[(k - lag, j)] + scores[(k - lag, i)] * scores[(k, j)];
+                }
+            }
+        }
+    }
+    middle
+}
+
+impl<E: Equation> ErrorsInVariables<'_, E> {
+    /// e and σ² at one bin; with the polynomials of the last call to `coefficients`.
+    fn error_and_variance(&self, bin: usize, s: Complex64) -> (Complex64, f64) {
+        let (mut error, mut variance) = (Complex64::default(), 0.0);
+        for (polynomial, signal) in self.polynomials.iter().zip(self.signals) {
+            error += apply(polynomial, &signal.modulated, bin);
+            variance += horner(polynomial, s).norm_sqr() * signal.noise_density;
+        }
+        (error, variance * self.window.energy_s())
+    }
+
+    /// Derivatives of e and σ² by θ_j at one bin.
+    fn derivative(&self, bin: usize, s: Complex64, j: usize) -> (Complex64, f64) {
+        let (mut error, mut variance) = (Complex64::default(), 0.0);
+        for (i, signal) in self.signals.iter().enumerate() {
+            error += apply(&self.derivatives[j][i], &signal.modulated, bin);
+            let product = horner(&self.polynomials[i], s).conj() * horner(&self.derivatives[j][i], s);
+            variance += 2.0 * product.re * signal.noise_density;
+        }
+        (error, variance * self.window.energy_s())
+    }
+}
+
+fn apply(polynomial: &[Complex64; ORDERS], signal: &Modulated, bin: usize) -> Complex64 {
+    (0..ORDERS).map(|n| polynomial[n] * signal.orders[n][bin]).sum()
+}
+
+fn horner(polynomial: &[Complex64; ORDERS], s: Complex64) -> Complex64 {
+    polynomial.iter().rev().fold(Complex64::default(), |sum, c| sum * s + c)
+}
+
+impl<E: Equation> ResidualModel for ErrorsInVariables<'_, E> {
+    fn parameter_count(&self) -> usize {
+        E::PARAMETERS
+    }
+
+    fn residual_count(&self) -> usize {
+        2 * self.bins.len() + self.priors.len()
+    }
+
+    fn evaluate(
+        &mut self,
+        theta: &[f64],
+        residuals: &mut [f64],
+        mut jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        for (k, bin) in self.bins.iter().enumerate() {
+            let s = Complex64::new(0.0, TAU * self.window.frequency_hz(*bin));
+            self.equation.coefficients(s, theta, &mut self.polynomials, &mut self.derivatives);
+            let (error, variance) = self.error_and_variance(*bin, s);
+            let deviation = variance.sqrt();
+            let residual = error / deviation;
+            (residuals[2 * k], residuals[2 * k + 1]) = (residual.re, residual.im);
+            if let Some(jacobian) = jacobian.as_mut() {
+                for j in 0..E::PARAMETERS {
+                    let (by_error, by_variance) = self.derivative(*bin, s, j);
+                    let slope = by_error / deviation - residual * (by_variance / (2.0 * variance));
+                    (jacobian[(2 * k, j)], jacobian[(2 * k + 1, j)]) = (slope.re, slope.im);
+                }
+            }
+        }
+        // Scaled so that the covariance, which counts each bin as 1/OVERLAP of one and each part as half of one, gives
+        // the prior its own uncertainty back.
+        let base = 2 * self.bins.len();
+        for (row, prior) in self.priors.iter().enumerate() {
+            let weight = (0.5 * OVERLAP).sqrt() / prior.standard_uncertainty;
+            residuals[base + row] = (theta[prior.parameter] - prior.value) * weight;
+            if let Some(jacobian) = jacobian.as_mut() {
+                for j in 0..E::PARAMETERS {
+                    jacobian[(base + row, j)] = if j == prior.parameter { weight } else { 0.0 };
+                }
+            }
+        }
+        Ok(())
+    }
+}

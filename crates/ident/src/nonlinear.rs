@@ -1,0 +1,385 @@
+//! Nonlinear least squares: Levenberg–Marquardt with bounds, by QR of the Jacobian.
+
+use faer::linalg::solvers::SolveLstsq;
+use faer::{Mat, MatMut};
+
+use crate::least_squares::checked_condition;
+use crate::{IdentError, Triangle};
+
+/// Residuals ε(θ) and their Jacobian ∂ε/∂θ.
+pub trait ResidualModel {
+    /// Number of parameters.
+    fn parameter_count(&self) -> usize;
+
+    /// Number of residuals.
+    fn residual_count(&self) -> usize;
+
+    /// Writes ε(θ) into `residuals` and, when asked, ∂ε_i/∂θ_j into row i, column j of `jacobian`.
+    ///
+    /// # Errors
+    /// θ at which the model cannot be evaluated; the step towards it is then shortened.
+    fn evaluate(
+        &mut self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError>;
+}
+
+/// Lower and upper bound of one parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Smallest value allowed.
+    pub lower: f64,
+    /// Largest value allowed.
+    pub upper: f64,
+}
+
+impl Bounds {
+    /// No bounds.
+    pub const NONE: Bounds = Bounds { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+
+    /// From `lower` to `upper`.
+    pub fn new(lower: f64, upper: f64) -> Self {
+        Bounds { lower, upper }
+    }
+
+    fn clamp(&self, value: f64) -> f64 {
+        value.max(self.lower).min(self.upper)
+    }
+}
+
+/// How far and how exactly to iterate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NonlinearOptions {
+    /// Most iterations.
+    pub iteration_limit: usize,
+    /// Converged when a step changes no scaled parameter by more than this fraction.
+    pub step_tolerance: f64,
+    /// Converged when the cost is expected to fall by less than this fraction.
+    pub cost_tolerance: f64,
+}
+
+impl Default for NonlinearOptions {
+    fn default() -> Self {
+        NonlinearOptions { iteration_limit: 100, step_tolerance: 1e-10, cost_tolerance: 1e-14 }
+    }
+}
+
+/// How an iteration ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Termination {
+    /// The step became negligible.
+    SmallStep,
+    /// The cost can no longer fall noticeably.
+    SmallDecrease,
+    /// No damping makes the cost fall: as good as the arithmetic allows.
+    NoDescent,
+    /// The iteration limit was reached first.
+    IterationLimit,
+}
+
+impl Termination {
+    /// Whether the iteration reached a minimum.
+    pub fn converged(self) -> bool {
+        self != Termination::IterationLimit
+    }
+}
+
+/// The minimum of ‖ε(θ)‖².
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// θ at the minimum.
+    pub parameters: Vec<f64>,
+    /// ε at the minimum.
+    pub residuals: Vec<f64>,
+    /// ∂ε/∂θ at the minimum: rows are residuals, columns parameters.
+    pub jacobian: Mat<f64>,
+    /// (JᵀJ)⁻¹ over the free parameters, zero in the rows and columns of those that rest on a bound.
+    pub unscaled_covariance: Mat<f64>,
+    /// ‖ε‖².
+    pub cost: f64,
+    /// Parameters that rest on a bound.
+    pub at_bound: Vec<bool>,
+    /// Iterations taken.
+    pub iterations: usize,
+    /// How it ended.
+    pub termination: Termination,
+    /// Condition number of the Jacobian with its columns scaled to one.
+    pub condition: f64,
+}
+
+impl Fit {
+    /// Residuals less free parameters.
+    pub fn degrees_of_freedom(&self) -> f64 {
+        let free = self.at_bound.iter().filter(|b| !**b).count();
+        self.residuals.len() as f64 - free as f64
+    }
+
+    /// Variance of ε: cost over degrees of freedom.
+    pub fn noise_variance(&self) -> f64 {
+        self.cost / self.degrees_of_freedom()
+    }
+
+    /// Covariance of θ when ε is white with the variance the fit found.
+    pub fn covariance(&self) -> Mat<f64> {
+        faer::Scale(self.noise_variance()) * &self.unscaled_covariance
+    }
+}
+
+/// Minimises ‖ε(θ)‖² from `start`, within `bounds`.
+///
+/// # Errors
+/// Start outside its bounds, fewer residuals than parameters, a model that cannot be evaluated at the start, residuals
+/// that are not finite there, or a Jacobian of deficient rank at the minimum.
+///
+/// # Source
+/// Moré, *The Levenberg–Marquardt algorithm: implementation and theory*, 1978 (scaling); Nielsen, *Damping parameter in
+/// Marquardt's method*, 1999 (damping); Ljung 1999, §10.2.
+pub fn minimise<M: ResidualModel>(
+    model: &mut M,
+    start: &[f64],
+    bounds: &[Bounds],
+    options: NonlinearOptions,
+) -> Result<Fit, IdentError> {
+    check_start(model, start, bounds)?;
+    let mut search = Search::new(model, start, bounds)?;
+    let termination = search.run(options)?;
+    search.finish(termination)
+}
+
+fn check_start<M: ResidualModel>(model: &M, start: &[f64], bounds: &[Bounds]) -> Result<(), IdentError> {
+    let n = model.parameter_count();
+    if start.len() != n || bounds.len() != n {
+        let found = if start.len() == n { bounds.len() } else { start.len() };
+        return Err(IdentError::Length { what: "starting values or bounds", expected: n, found });
+    }
+    if model.residual_count() <= n {
+        return Err(IdentError::TooFewSamples { samples: model.residual_count(), parameters: n });
+    }
+    for (index, (value, b)) in start.iter().zip(bounds).enumerate() {
+        if !(*value >= b.lower && *value <= b.upper) {
+            return Err(IdentError::StartOutsideBounds { index, start: *value, lower: b.lower, upper: b.upper });
+        }
+    }
+    Ok(())
+}
+
+/// State of one search: the current point, its factor, and the damping.
+struct Search<'a, M> {
+    model: &'a mut M,
+    bounds: &'a [Bounds],
+    parameters: Vec<f64>,
+    residuals: Vec<f64>,
+    jacobian: Mat<f64>,
+    cost: f64,
+    /// Largest column norms of the Jacobian met so far (Moré's scaling).
+    scale: Vec<f64>,
+    damping: f64,
+    iterations: usize,
+}
+
+/// What one attempted step led to.
+enum Attempt {
+    Accepted { relative_step: f64, relative_decrease: f64 },
+    Rejected { predicted_decrease: f64, relative_step: f64 },
+}
+
+impl<'a, M: ResidualModel> Search<'a, M> {
+    fn new(model: &'a mut M, start: &[f64], bounds: &'a [Bounds]) -> Result<Self, IdentError> {
+        let (rows, columns) = (model.residual_count(), model.parameter_count());
+        let mut residuals = vec![0.0; rows];
+        let mut jacobian = Mat::zeros(rows, columns);
+        model.evaluate(start, &mut residuals, Some(jacobian.as_mut()))?;
+        if let Some(index) = residuals.iter().position(|r| !r.is_finite()) {
+            return Err(IdentError::NotFinite { what: "residuals at the starting point", index });
+        }
+        let cost = squared_norm(&residuals);
+        let mut search = Search {
+            model,
+            bounds,
+            parameters: start.to_vec(),
+            residuals,
+            jacobian,
+            cost,
+            scale: vec![0.0; columns],
+            damping: 1e-3,
+            iterations: 0,
+        };
+        search.update_scale();
+        Ok(search)
+    }
+
+    fn run(&mut self, options: NonlinearOptions) -> Result<Termination, IdentError> {
+        while self.iterations < options.iteration_limit {
+            self.iterations += 1;
+            let free = self.free_parameters();
+            let factor = self.factor(&free);
+            if let Some(end) = self.descend(&free, &factor, options)? {
+                return Ok(end);
+            }
+        }
+        Ok(Termination::IterationLimit)
+    }
+
+    /// Tries growing damping until a step is accepted; `Some` when the search is over.
+    fn descend(
+        &mut self,
+        free: &[usize],
+        factor: &Mat<f64>,
+        options: NonlinearOptions,
+    ) -> Result<Option<Termination>, IdentError> {
+        let mut growth = 2.0;
+        loop {
+            match self.attempt(free, factor)? {
+                Attempt::Accepted { relative_step, relative_decrease } => {
+                    if relative_step <= options.step_tolerance {
+                        return Ok(Some(Termination::SmallStep));
+                    }
+                    let small = relative_decrease <= options.cost_tolerance;
+                    return Ok(small.then_some(Termination::SmallDecrease));
+                }
+                Attempt::Rejected { predicted_decrease, relative_step } => {
+                    if predicted_decrease <= options.cost_tolerance {
+                        return Ok(Some(Termination::SmallDecrease));
+                    }
+                    if relative_step <= options.step_tolerance {
+                        return Ok(Some(Termination::SmallStep));
+                    }
+                    self.damping *= growth;
+                    growth *= 2.0;
+                    if self.damping > 1e20 {
+                        return Ok(Some(Termination::NoDescent));
+                    }
+                }
+            }
+        }
+    }
+
+    fn attempt(&mut self, free: &[usize], factor: &Mat<f64>) -> Result<Attempt, IdentError> {
+        let step = self.damped_step(free, factor);
+        let mut trial = self.parameters.clone();
+        for (position, j) in free.iter().enumerate() {
+            trial[*j] = self.bounds[*j].clamp(trial[*j] + step[position]);
+        }
+        let moved: Vec<f64> = free.iter().map(|j| trial[*j] - self.parameters[*j]).collect();
+        let predicted = predicted_decrease(factor, &moved).max(0.0);
+        let relative_step = self.relative_step(free, &moved);
+        let mut residuals = vec![0.0; self.residuals.len()];
+        let evaluated = self.model.evaluate(&trial, &mut residuals, None);
+        let cost = if evaluated.is_ok() { squared_norm(&residuals) } else { f64::INFINITY };
+        if !(cost < self.cost) {
+            return Ok(Attempt::Rejected {
+                predicted_decrease: predicted / self.cost.max(f64::MIN_POSITIVE),
+                relative_step,
+            });
+        }
+        let ratio = (self.cost - cost) / predicted.max(f64::MIN_POSITIVE);
+        self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
+        let relative_decrease = (self.cost - cost) / self.cost;
+        self.model.evaluate(&trial, &mut residuals, Some(self.jacobian.as_mut()))?;
+        (self.parameters, self.residuals, self.cost) = (trial, residuals, cost);
+        self.update_scale();
+        Ok(Attempt::Accepted { relative_step, relative_decrease })
+    }
+
+    /// Triangular factor of [J ε] over the free parameters.
+    fn factor(&self, free: &[usize]) -> Mat<f64> {
+        let mut triangle = Triangle::new(free.len() + 1);
+        let mut row = vec![0.0; free.len() + 1];
+        for (i, residual) in self.residuals.iter().enumerate() {
+            for (position, j) in free.iter().enumerate() {
+                row[position] = self.jacobian[(i, *j)];
+            }
+            row[free.len()] = *residual;
+            triangle.push_row(&row);
+        }
+        triangle.finish()
+    }
+
+    /// Minimiser of ‖J δ + ε‖² + λ‖D δ‖².
+    fn damped_step(&self, free: &[usize], factor: &Mat<f64>) -> Vec<f64> {
+        let n = free.len();
+        let root = self.damping.sqrt();
+        let stacked = Mat::from_fn(2 * n, n, |i, j| match i.checked_sub(n) {
+            None => factor[(i, j)] / self.scale[free[j]],
+            Some(k) if k == j => root,
+            Some(_) => 0.0,
+        });
+        let right = Mat::from_fn(2 * n, 1, |i, _| if i < n { -factor[(i, n)] } else { 0.0 });
+        let solution = stacked.qr().solve_lstsq(&right);
+        (0..n).map(|j| solution[(j, 0)] / self.scale[free[j]]).collect()
+    }
+
+    /// Parameters not pressed against a bound by the descent direction.
+    fn free_parameters(&self) -> Vec<usize> {
+        (0..self.parameters.len())
+            .filter(|j| {
+                let gradient: f64 = (0..self.residuals.len()).map(|i| self.jacobian[(i, *j)] * self.residuals[i]).sum();
+                let Bounds { lower, upper } = self.bounds[*j];
+                let pressed_down = self.parameters[*j] <= lower && gradient > 0.0;
+                let pressed_up = self.parameters[*j] >= upper && gradient < 0.0;
+                !(pressed_down || pressed_up || lower == upper)
+            })
+            .collect()
+    }
+
+    fn relative_step(&self, free: &[usize], moved: &[f64]) -> f64 {
+        let size = |j: usize, value: f64| self.scale[j] * value;
+        let step: f64 = free.iter().zip(moved).map(|(j, m)| size(*j, *m).powi(2)).sum::<f64>().sqrt();
+        let point: f64 = free.iter().map(|j| size(*j, self.parameters[*j]).powi(2)).sum::<f64>().sqrt();
+        step / point.max(f64::MIN_POSITIVE)
+    }
+
+    fn update_scale(&mut self) {
+        for (j, scale) in self.scale.iter_mut().enumerate() {
+            *scale = scale.max(self.jacobian.col(j).norm_l2());
+            if *scale == 0.0 {
+                *scale = 1.0;
+            }
+        }
+    }
+
+    fn finish(self, termination: Termination) -> Result<Fit, IdentError> {
+        let free = self.free_parameters();
+        let factor = self.factor(&free);
+        let (n, total) = (free.len(), self.parameters.len());
+        let norms: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).collect();
+        let scaled = Mat::from_fn(n, n, |i, j| if norms[j] > 0.0 { factor[(i, j)] / norms[j] } else { 0.0 });
+        let condition = if n == 0 { 1.0 } else { checked_condition(&scaled)? };
+        let inverse = scaled.qr().solve_lstsq(Mat::<f64>::identity(n, n));
+        let product = &inverse * inverse.transpose();
+        let mut unscaled_covariance = Mat::zeros(total, total);
+        for (a, i) in free.iter().enumerate() {
+            for (b, j) in free.iter().enumerate() {
+                unscaled_covariance[(*i, *j)] = product[(a, b)] / (norms[a] * norms[b]);
+            }
+        }
+        Ok(Fit {
+            at_bound: (0..total).map(|j| !free.contains(&j)).collect(),
+            parameters: self.parameters,
+            residuals: self.residuals,
+            jacobian: self.jacobian,
+            unscaled_covariance,
+            cost: self.cost,
+            iterations: self.iterations,
+            termination,
+            condition,
+        })
+    }
+}
+
+/// ‖ε‖² − ‖ε + J δ‖², from the factor of [J ε].
+fn predicted_decrease(factor: &Mat<f64>, step: &[f64]) -> f64 {
+    let n = step.len();
+    let mut decrease = 0.0;
+    for i in 0..n {
+        let along: f64 = (i..n).map(|j| factor[(i, j)] * step[j]).sum();
+        decrease -= along * (along + 2.0 * factor[(i, n)]);
+    }
+    decrease
+}
+
+fn squared_norm(values: &[f64]) -> f64 {
+    values.iter().map(|v| v * v).sum()
+}

@@ -1,0 +1,34 @@
+use ident::distributions::{chi_squared_quantile, interval, normal_quantile, student_t_quantile};
+
+fn close(a: f64, b: f64, relative: f64) {
+    assert!((a - b).abs() <= relative * b.abs(), "{a} is not {b}");
+}
+
+/// scipy.stats.t.ppf(p, n), SciPy 1.x.
+#[test]
+fn ref_student_t_quantiles_equal_scipy() {
+    close(student_t_quantile(0.975, 1.0), 12.706204736174694, 1e-12);
+    close(student_t_quantile(0.975, 5.0), 2.5705818356363146, 1e-12);
+    close(student_t_quantile(0.995, 39.0), 2.707913183517662, 1e-12);
+    close(student_t_quantile(0.975, 1e3), 1.9623390808264078, 1e-12);
+    close(student_t_quantile(0.975, 1e5), 1.9599877075346095, 1e-12);
+    close(student_t_quantile(0.975, 1e7), 1.959964221767205, 1e-12);
+}
+
+#[test]
+fn ref_normal_and_chi_squared_quantiles_equal_scipy() {
+    close(normal_quantile(0.995), 2.5758293035489004, 1e-12);
+    close(chi_squared_quantile(0.99, 2.0), 9.210340371976182, 1e-10);
+}
+
+#[test]
+fn prop_student_t_is_continuous_where_the_method_changes() {
+    close(student_t_quantile(0.975, 9.999e3), student_t_quantile(0.975, 1.0001e4), 1e-7);
+}
+
+#[test]
+fn exact_interval_is_symmetric() {
+    let (low, high) = interval(3.0, 0.5, 1e9, 0.95);
+    close(3.0 - low, high - 3.0, 1e-12);
+    close(high - 3.0, 0.5 * 1.959963984540054, 1e-8);
+}

@@ -1,0 +1,9 @@
+//! Integration tests of `ident`.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod covariance;
+mod distributions;
+mod least_squares;
+mod noise;
+mod nonlinear;
+mod validate;

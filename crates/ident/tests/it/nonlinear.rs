@@ -1,0 +1,104 @@
+use faer::{Mat, MatMut};
+use ident::{Bounds, IdentError, NonlinearOptions, ResidualModel, Termination, minimise};
+
+/// y = a exp(−b t) + c.
+struct Decay {
+    times: Vec<f64>,
+    data: Vec<f64>,
+}
+
+impl ResidualModel for Decay {
+    fn parameter_count(&self) -> usize {
+        3
+    }
+
+    fn residual_count(&self) -> usize {
+        self.times.len()
+    }
+
+    fn evaluate(
+        &mut self,
+        p: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        for (i, t) in self.times.iter().enumerate() {
+            residuals[i] = p[0] * (-p[1] * t).exp() + p[2] - self.data[i];
+        }
+        if let Some(mut j) = jacobian {
+            for (i, t) in self.times.iter().enumerate() {
+                let decay = (-p[1] * t).exp();
+                (j[(i, 0)], j[(i, 1)], j[(i, 2)]) = (decay, -p[0] * t * decay, 1.0);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn decay() -> Decay {
+    let times: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.05).collect();
+    let data = times.iter().map(|t| 4.0 * (-0.7 * t).exp() - 1.5).collect();
+    Decay { times, data }
+}
+
+/// Rosenbrock's valley as residuals.
+struct Valley;
+
+impl ResidualModel for Valley {
+    fn parameter_count(&self) -> usize {
+        2
+    }
+
+    fn residual_count(&self) -> usize {
+        3
+    }
+
+    fn evaluate(
+        &mut self,
+        p: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        residuals.copy_from_slice(&[10.0 * (p[1] - p[0] * p[0]), 1.0 - p[0], 0.0]);
+        if let Some(mut j) = jacobian {
+            j.copy_from(Mat::from_fn(3, 2, |i, k| [[-20.0 * p[0], 10.0], [-1.0, 0.0], [0.0, 0.0]][i][k]));
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn exact_noise_free_decay_is_found_from_afar() {
+    let fit = minimise(&mut decay(), &[1.0, 5.0, 0.0], &[Bounds::NONE; 3], NonlinearOptions::default()).unwrap();
+    for (estimate, truth) in fit.parameters.iter().zip([4.0, 0.7, -1.5]) {
+        assert!((estimate - truth).abs() < 1e-9, "{:?}", fit.parameters);
+    }
+    assert!(fit.termination.converged());
+}
+
+#[test]
+fn exact_valley_is_followed_to_its_end() {
+    let fit = minimise(&mut Valley, &[-1.2, 1.0], &[Bounds::NONE; 2], NonlinearOptions::default()).unwrap();
+    assert!((fit.parameters[0] - 1.0).abs() < 1e-8 && (fit.parameters[1] - 1.0).abs() < 1e-8);
+}
+
+#[test]
+fn exact_active_bound_is_kept_and_reported() {
+    let bounds = [Bounds::NONE, Bounds::new(1.0, 10.0), Bounds::NONE];
+    let fit = minimise(&mut decay(), &[1.0, 5.0, 0.0], &bounds, NonlinearOptions::default()).unwrap();
+    assert_eq!(fit.parameters[1], 1.0);
+    assert_eq!(fit.at_bound, [false, true, false]);
+    assert_eq!(fit.unscaled_covariance[(1, 1)], 0.0);
+    assert!(fit.unscaled_covariance[(0, 0)] > 0.0);
+}
+
+#[test]
+fn regress_bad_starts_and_limits_are_reported() {
+    let outside = minimise(&mut decay(), &[1.0, -1.0, 0.0], &[Bounds::new(0.0, 9.0); 3], NonlinearOptions::default());
+    assert!(matches!(outside, Err(IdentError::StartOutsideBounds { index: 1, .. })));
+    let options = NonlinearOptions { iteration_limit: 1, ..Default::default() };
+    let fit = minimise(&mut decay(), &[1.0, 5.0, 0.0], &[Bounds::NONE; 3], options).unwrap();
+    assert_eq!(fit.termination, Termination::IterationLimit);
+    let wrong = minimise(&mut decay(), &[1.0, 5.0], &[Bounds::NONE; 2], NonlinearOptions::default());
+    assert!(matches!(wrong, Err(IdentError::Length { .. })));
+}

@@ -1,0 +1,145 @@
+//! The one error type of the crate.
+
+/// Why an operation on a system cannot proceed.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LtiError {
+    /// A matrix or table does not have the rows and columns it must.
+    #[error("{what} is {got:?}, expected {expected:?} (rows, columns)")]
+    Shape {
+        /// Which matrix.
+        what: &'static str,
+        /// Rows and columns it must have.
+        expected: (usize, usize),
+        /// Rows and columns given.
+        got: (usize, usize),
+    },
+    /// A number is NaN or infinite.
+    #[error("{what} holds a number that is not finite")]
+    NonFinite {
+        /// Where it was found.
+        what: &'static str,
+    },
+    /// The sample time is not a positive finite number.
+    #[error("sample time {sample_time_s} s is not a positive finite number")]
+    SampleTime {
+        /// The value given.
+        sample_time_s: f64,
+    },
+    /// A continuous system where a discrete one is needed.
+    #[error("the system is continuous, a discrete one is needed")]
+    NotDiscrete,
+    /// A discrete system where a continuous one is needed.
+    #[error("the system is discrete, a continuous one is needed")]
+    NotContinuous,
+    /// Two systems with different sample times, or one continuous and one discrete.
+    #[error("sample times {first:?} and {second:?} differ")]
+    SampleTimesDiffer {
+        /// The first system's sample time in seconds, `None` for a continuous one.
+        first: Option<f64>,
+        /// The second system's.
+        second: Option<f64>,
+    },
+    /// A system with one input and one output is needed.
+    #[error("{inputs} inputs and {outputs} outputs, one of each is needed")]
+    NotSiso {
+        /// Number of inputs.
+        inputs: usize,
+        /// Number of outputs.
+        outputs: usize,
+    },
+    /// A polynomial without a coefficient other than zero.
+    #[error("{what} is the zero polynomial")]
+    ZeroPolynomial {
+        /// Which polynomial.
+        what: &'static str,
+    },
+    /// A numerator of higher degree than its denominator has no state-space form.
+    #[error("numerator of degree {numerator} over denominator of degree {denominator}")]
+    Improper {
+        /// Degree of the numerator.
+        numerator: usize,
+        /// Degree of the denominator.
+        denominator: usize,
+    },
+    /// A delay is negative, not finite, or of more samples than can be handled.
+    #[error("delay {delay_s} s is out of range")]
+    Delay {
+        /// The value given.
+        delay_s: f64,
+    },
+    /// The operation has no finite-dimensional result for a system with a delay.
+    #[error("the system has a delay of {delay_s} s")]
+    DelayPresent {
+        /// The system's delay.
+        delay_s: f64,
+    },
+    /// A matrix that must be inverted is singular, such as `A` of an integrator for the gain at rest.
+    #[error("{what} is singular")]
+    Singular {
+        /// Which matrix.
+        what: &'static str,
+    },
+    /// A loop closed without a delay or a state in it has no solution: `I + D₂D₁` is singular.
+    #[error("the loop is algebraic and has no solution")]
+    AlgebraicLoop,
+    /// The transfer function is zero, so it has no zeros.
+    #[error("the output does not depend on the input")]
+    ZeroSystem,
+    /// The eigenvalue iteration did not converge.
+    #[error("the eigenvalue iteration did not converge")]
+    NoConvergence,
+    /// An index of an input or output outside the system.
+    #[error("{what} {index} of {count}")]
+    Index {
+        /// `"input"` or `"output"`.
+        what: &'static str,
+        /// The index asked for.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+}
+
+pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), LtiError> {
+    if sample_time_s.is_finite() && sample_time_s > 0.0 {
+        Ok(())
+    } else {
+        Err(LtiError::SampleTime { sample_time_s })
+    }
+}
+
+pub(crate) fn check_delay(delay_s: f64) -> Result<(), LtiError> {
+    if delay_s.is_finite() && delay_s >= 0.0 {
+        Ok(())
+    } else {
+        Err(LtiError::Delay { delay_s })
+    }
+}
+
+pub(crate) fn check_shape(
+    what: &'static str,
+    expected: (usize, usize),
+    got: (usize, usize),
+) -> Result<(), LtiError> {
+    if expected == got {
+        Ok(())
+    } else {
+        Err(LtiError::Shape {
+            what,
+            expected,
+            got,
+        })
+    }
+}
+
+pub(crate) fn check_finite(
+    what: &'static str,
+    mut values: impl Iterator<Item = f64>,
+) -> Result<(), LtiError> {
+    if values.all(f64::is_finite) {
+        Ok(())
+    } else {
+        Err(LtiError::NonFinite { what })
+    }
+}

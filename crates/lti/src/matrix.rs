@@ -1,0 +1,153 @@
+//! Small dense helpers on faer matrices.
+
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, MatRef};
+
+use crate::Complex64;
+use crate::error::LtiError;
+
+pub(crate) fn identity(n: usize) -> Mat<f64> {
+    Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)))
+}
+
+/// Puts blocks together; block rows and columns must fit each other.
+pub(crate) fn blocks<const R: usize, const C: usize>(parts: [[MatRef<'_, f64>; C]; R]) -> Mat<f64> {
+    let rows = parts.iter().map(|row| row[0].nrows()).sum();
+    let columns = parts[0].iter().map(|block| block.ncols()).sum();
+    let mut whole = Mat::zeros(rows, columns);
+    let mut top = 0;
+    for row in parts {
+        let mut left = 0;
+        for block in row {
+            whole
+                .submatrix_mut(top, left, block.nrows(), block.ncols())
+                .copy_from(block);
+            left += block.ncols();
+        }
+        top += row[0].nrows();
+    }
+    whole
+}
+
+pub(crate) fn elements(m: MatRef<'_, f64>) -> impl Iterator<Item = f64> + '_ {
+    (0..m.ncols()).flat_map(move |j| (0..m.nrows()).map(move |i| m[(i, j)]))
+}
+
+/// Largest column sum of magnitudes.
+pub(crate) fn norm_1(m: MatRef<'_, f64>) -> f64 {
+    (0..m.ncols())
+        .map(|j| (0..m.nrows()).map(|i| m[(i, j)].abs()).sum())
+        .fold(0.0, f64::max)
+}
+
+pub(crate) fn norm_2(m: MatRef<'_, f64>) -> f64 {
+    elements(m).map(|v| v * v).sum::<f64>().sqrt()
+}
+
+/// The inverse, or `None` where the matrix is singular to working precision.
+pub(crate) fn inverse(m: MatRef<'_, f64>) -> Option<Mat<f64>> {
+    if m.nrows() == 0 {
+        return Some(Mat::zeros(0, 0));
+    }
+    let inverse = m.partial_piv_lu().inverse();
+    let reciprocal_condition = 1.0 / (norm_1(m) * norm_1(inverse.as_ref()));
+    let usable =
+        reciprocal_condition >= f64::EPSILON && elements(inverse.as_ref()).all(f64::is_finite);
+    usable.then_some(inverse)
+}
+
+/// Eigenvalues, after balancing.
+pub(crate) fn eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<Complex64>, LtiError> {
+    if m.nrows() == 0 {
+        return Ok(Vec::new());
+    }
+    let (balanced, _) = balance(m);
+    if !elements(balanced.as_ref()).all(f64::is_finite) {
+        return Err(LtiError::NonFinite {
+            what: "matrix of an eigenvalue problem",
+        });
+    }
+    balanced.eigenvalues().map_err(|_| LtiError::NoConvergence)
+}
+
+/// Balances a matrix: `D⁻¹ M D` and the diagonal of `D`, powers of two chosen to make the norms of rows and columns
+/// alike. Nothing is rounded.
+///
+/// # Source
+/// Parlett, B. N. and Reinsch, C. (1969), Numer. Math. 13, 293–304; without permutation.
+pub(crate) fn balance(m: MatRef<'_, f64>) -> (Mat<f64>, Vec<f64>) {
+    const MAX_SWEEPS: usize = 100;
+    let n = m.nrows();
+    let mut scaled = m.to_owned();
+    let mut diagonal = vec![1.0; n];
+    for _ in 0..MAX_SWEEPS {
+        let mut changed = false;
+        for k in 0..n {
+            let others = || (0..n).filter(|&i| i != k);
+            let column: f64 = others().map(|i| scaled[(i, k)].abs()).sum();
+            let row: f64 = others().map(|i| scaled[(k, i)].abs()).sum();
+            let factor = balancing_factor(column, row);
+            if factor == 1.0 {
+                continue;
+            }
+            changed = true;
+            diagonal[k] *= factor;
+            for i in 0..n {
+                scaled[(i, k)] *= factor;
+            }
+            for i in 0..n {
+                scaled[(k, i)] /= factor;
+            }
+        }
+        if !changed {
+            break;
+        }
+    }
+    (scaled, diagonal)
+}
+
+/// The power of two that brings `column · f` and `row / f` together, one where there is little to gain.
+fn balancing_factor(column: f64, row: f64) -> f64 {
+    let usable = |v: f64| v > 0.0 && v.is_finite();
+    if !usable(column) || !usable(row) {
+        return 1.0;
+    }
+    let factor = (0.5 * (row / column).log2())
+        .round()
+        .clamp(-500.0, 500.0)
+        .exp2();
+    if column * factor + row / factor < 0.95 * (column + row) {
+        factor
+    } else {
+        1.0
+    }
+}
+
+/// A matrix laid out by rows, for products with short vectors in a time loop.
+#[derive(Debug, Clone)]
+pub(crate) struct RowMajor {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl RowMajor {
+    pub(crate) fn new(m: MatRef<'_, f64>) -> Self {
+        let values = (0..m.nrows())
+            .flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)]))
+            .collect();
+        Self {
+            columns: m.ncols(),
+            values,
+        }
+    }
+
+    /// `y += M x`
+    pub(crate) fn add_product(&self, x: &[f64], y: &mut [f64]) {
+        if self.columns == 0 {
+            return;
+        }
+        for (row, out) in self.values.chunks_exact(self.columns).zip(y) {
+            *out += row.iter().zip(x).map(|(m, v)| m * v).sum::<f64>();
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! Why a file cannot be read or written.
+
+use thiserror::Error;
+
+use crate::SkipReason;
+
+/// Why a file cannot be read or written. `file` is the name that was passed in.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum RecordingError {
+    /// There are no bytes.
+    #[error("{file}: the file is empty; copy it again from the measurement computer")]
+    Empty {
+        /// The file.
+        file: String,
+    },
+    /// The content is no format that can be read.
+    #[error(
+        "{file}: not a format that can be read (it starts with \"{start}\"); export the measurement as MDF 4 or CSV"
+    )]
+    UnknownFormat {
+        /// The file.
+        file: String,
+        /// Its first bytes.
+        start: String,
+    },
+    /// The MDF version is not known.
+    #[error("{file}: MDF version {version} is not supported; export the measurement as MDF 4.10")]
+    UnsupportedVersion {
+        /// The file.
+        file: String,
+        /// The version as stored.
+        version: String,
+    },
+    /// The file ends too early.
+    #[error(
+        "{file}: the file ends too early: {expected} bytes are needed at byte {offset}, {available} are there; \
+         copy the file again, or open it in the recording software and save it anew"
+    )]
+    Truncated {
+        /// The file.
+        file: String,
+        /// Where the missing part begins.
+        offset: u64,
+        /// Bytes that should be there.
+        expected: u64,
+        /// Bytes that are there.
+        available: u64,
+    },
+    /// The structure contradicts itself.
+    #[error(
+        "{file}: the file is damaged{}: {detail}; copy the file again, or open it in the recording software and save it anew",
+        offset.map(|o| format!(" at byte {o}")).unwrap_or_default()
+    )]
+    Damaged {
+        /// The file.
+        file: String,
+        /// Where, if known.
+        offset: Option<u64>,
+        /// What is wrong there.
+        detail: String,
+    },
+    /// The samples of one channel cannot be decoded.
+    #[error(
+        "{file}: channel \"{channel}\" cannot be decoded: {detail}; copy the file again, or leave the channel out"
+    )]
+    DamagedChannel {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// What is wrong with it.
+        detail: String,
+    },
+    /// The file uses a feature of its format that cannot be read.
+    #[error(
+        "{file}: {feature} cannot be read; open the file in the recording software and save it as MDF 4.10"
+    )]
+    Unsupported {
+        /// The file.
+        file: String,
+        /// The feature.
+        feature: String,
+    },
+    /// A channel that was asked for is not in the file.
+    #[error("{file}: there is no channel \"{channel}\"{}", did_you_mean(similar))]
+    NoSuchChannel {
+        /// The file.
+        file: String,
+        /// The name that was asked for.
+        channel: String,
+        /// Names in the file that resemble it.
+        similar: Vec<String>,
+    },
+    /// A channel that was asked for cannot be had as numbers over time.
+    #[error("{file}: channel \"{channel}\" cannot be used: {reason}")]
+    UnusableChannel {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// Why.
+        reason: SkipReason,
+    },
+    /// A text file is not understood.
+    #[error("{file}, line {line}{}: {problem}", column.map(|c| format!(", column {c}")).unwrap_or_default())]
+    Csv {
+        /// The file.
+        file: String,
+        /// Line number, from 1.
+        line: u64,
+        /// Column number, from 1.
+        column: Option<usize>,
+        /// What is wrong there.
+        problem: CsvProblem,
+    },
+    /// A recording to be written names a raster it does not have.
+    #[error("channel \"{channel}\" refers to raster {raster}, the recording has {rasters}")]
+    NoSuchRaster {
+        /// The channel.
+        channel: String,
+        /// Its raster.
+        raster: usize,
+        /// How many there are.
+        rasters: usize,
+    },
+    /// A channel to be written does not have one sample per time stamp.
+    #[error("channel \"{channel}\" has {samples} samples on {times} time stamps")]
+    LengthMismatch {
+        /// The channel.
+        channel: String,
+        /// Its samples.
+        samples: usize,
+        /// Time stamps of its raster.
+        times: usize,
+    },
+    /// The format to be written cannot express this.
+    #[error("{what} of \"{name}\" cannot be written to {format}")]
+    CannotExpress {
+        /// The format.
+        format: String,
+        /// Name of the channel or raster.
+        name: String,
+        /// What about it.
+        what: String,
+    },
+}
+
+/// What is wrong in a line of a text file.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum CsvProblem {
+    /// Not a table.
+    #[error("no commas, semicolons or tabs that would separate columns")]
+    NoDelimiter,
+    /// No line of numbers.
+    #[error("no line of numbers follows; the file holds no samples")]
+    NoData,
+    /// The first line is numbers.
+    #[error("the columns have no names; add a first line such as \"time [s];speed [rpm]\"")]
+    NoHeader,
+    /// The first column is not time.
+    #[error(
+        "the first column, \"{name}\", is not recognised as time; name it \"time\" and give its unit, as in \"time [s]\""
+    )]
+    NoTime {
+        /// Its name.
+        name: String,
+    },
+    /// A time column in a unit that is not known.
+    #[error("time in \"{unit}\" is not understood; use s, ms, us, ns, min or h")]
+    TimeUnit {
+        /// The unit.
+        unit: String,
+    },
+    /// A column holds values but has no name.
+    #[error("the column has no name")]
+    NoName,
+    /// A cell is not a number.
+    #[error("\"{text}\" is not a number")]
+    NotANumber {
+        /// The cell.
+        text: String,
+    },
+    /// Decimal commas and points in one file.
+    #[error("\"{text}\" has another decimal sign than the numbers before it")]
+    MixedDecimalSigns {
+        /// The cell.
+        text: String,
+    },
+    /// A line is too short or too long.
+    #[error("the line has {found} columns, the header has {expected}")]
+    ColumnCount {
+        /// Columns of this line.
+        found: usize,
+        /// Columns of the header.
+        expected: usize,
+    },
+    /// Values without a time stamp.
+    #[error("there are values but no time stamp")]
+    NoTimeStamp,
+    /// A raster goes on after empty lines.
+    #[error(
+        "values follow after empty cells; a shorter block of columns may only be empty to its end"
+    )]
+    Gap,
+    /// The quotes or the characters are damaged.
+    #[error("the text cannot be split into columns: {detail}")]
+    Unreadable {
+        /// Why.
+        detail: String,
+    },
+}
+
+fn did_you_mean(similar: &[String]) -> String {
+    if similar.is_empty() {
+        return String::from("; list the file's channels and correct the name");
+    }
+    let names: Vec<_> = similar.iter().map(|n| format!("\"{n}\"")).collect();
+    format!("; did you mean {}?", names.join(" or "))
+}
+
+/// Fails where a channel that was asked for by name is not among `present`.
+pub(crate) fn require_names<'a>(
+    file: &str,
+    selection: &crate::Selection,
+    present: impl Iterator<Item = &'a str> + Clone,
+) -> Result<(), RecordingError> {
+    let crate::Selection::Names(names) = selection else {
+        return Ok(());
+    };
+    let missing = names.iter().find(|n| !present.clone().any(|p| p == *n));
+    match missing {
+        None => Ok(()),
+        Some(name) => Err(RecordingError::NoSuchChannel {
+            file: file.into(),
+            channel: name.clone(),
+            similar: similar(name, present),
+        }),
+    }
+}
+
+/// Up to three names that differ only in case, or contain the other.
+fn similar<'a>(name: &str, present: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let wanted = name.to_lowercase();
+    let resembles = |p: &&str| {
+        let p = p.to_lowercase();
+        !wanted.is_empty() && !p.is_empty() && (p.contains(&wanted) || wanted.contains(&p))
+    };
+    present.filter(resembles).take(3).map(Into::into).collect()
+}

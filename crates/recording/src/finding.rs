@@ -1,0 +1,155 @@
+//! What a reader has to say about a file that could be read.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// Something the user should know about a file that was read. Displayed as a sentence.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Finding {
+    /// A channel is in the file but not in the recording.
+    SkippedChannel {
+        /// Its name.
+        channel: String,
+        /// Why.
+        reason: SkipReason,
+    },
+    /// The file announces more samples than it holds.
+    MissingSamples {
+        /// Index of the raster in the recording.
+        raster: usize,
+        /// How many samples the file announces.
+        announced: u64,
+        /// How many it holds.
+        found: u64,
+    },
+    /// The file holds more records than it announces; all of them were read.
+    UnannouncedSamples {
+        /// Index of the raster in the recording.
+        raster: usize,
+        /// How many samples the file announces.
+        announced: u64,
+        /// How many it holds.
+        found: u64,
+    },
+    /// The program that recorded the file did not close it.
+    NotFinalised,
+    /// More than one channel has this name.
+    DuplicateName {
+        /// The name.
+        name: String,
+        /// How many channels have it.
+        count: usize,
+    },
+    /// A text file that is not UTF-8 was read as Latin-1.
+    AssumedLatin1,
+    /// The last line of a text file has too few columns and was left out.
+    IncompleteLastLine {
+        /// Its number, from 1.
+        line: u64,
+    },
+    /// A text file ends without a line end: it may have been cut off, even within its last number.
+    NoFinalLineEnd {
+        /// Number of the last line, from 1.
+        line: u64,
+    },
+}
+
+impl Finding {
+    /// Whether samples are, or may be, missing or cut off.
+    #[must_use]
+    pub fn is_loss(&self) -> bool {
+        matches!(
+            self,
+            Self::MissingSamples { .. }
+                | Self::NotFinalised
+                | Self::IncompleteLastLine { .. }
+                | Self::NoFinalLineEnd { .. }
+        )
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SkippedChannel { channel, reason } => {
+                write!(f, "channel \"{channel}\" was skipped: {reason}")
+            }
+            Self::MissingSamples { raster, announced, found } => write!(
+                f,
+                "samples are missing: raster {raster} announces {announced}, the file holds {found}"
+            ),
+            Self::UnannouncedSamples { raster, announced, found } => write!(
+                f,
+                "raster {raster} announces {announced} samples, the file holds {found}; all were read"
+            ),
+            Self::NotFinalised => f.write_str(
+                "the file was not closed by the program that recorded it; the last samples may be missing",
+            ),
+            Self::DuplicateName { name, count } => {
+                write!(f, "{count} channels are named \"{name}\"")
+            }
+            Self::AssumedLatin1 => f.write_str("the text is not UTF-8 and was read as Latin-1"),
+            Self::IncompleteLastLine { line } => write!(
+                f,
+                "line {line}, the last, is incomplete and was left out; the file seems to be cut off"
+            ),
+            Self::NoFinalLineEnd { line } => write!(
+                f,
+                "line {line}, the last, has no line end; if the file was cut off, its last number is wrong"
+            ),
+        }
+    }
+}
+
+/// Why a channel was skipped.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum SkipReason {
+    /// It holds text, bytes, arrays, or dates.
+    NotNumeric {
+        /// What it holds.
+        kind: String,
+    },
+    /// Its group has no time channel.
+    NoTime,
+    /// Its group runs over an angle, a distance or an index.
+    NotOverTime,
+    /// It uses a feature of the format that this reader does not know.
+    Unsupported {
+        /// The feature.
+        detail: String,
+    },
+}
+
+impl fmt::Display for SkipReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotNumeric { kind } => write!(f, "it holds {kind}, not numbers"),
+            Self::NoTime => f.write_str("its group has no time channel"),
+            Self::NotOverTime => {
+                f.write_str("its group is recorded over something other than time")
+            }
+            Self::Unsupported { detail } => {
+                write!(f, "it is stored in a way not supported: {detail}")
+            }
+        }
+    }
+}
+
+/// One finding for each name that occurs more than once.
+pub(crate) fn duplicate_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<Finding> {
+    let mut counts = BTreeMap::new();
+    for name in names {
+        *counts.entry(name).or_insert(0_usize) += 1;
+    }
+    let doubles = counts.into_iter().filter(|&(_, count)| count > 1);
+    doubles
+        .map(|(name, count)| Finding::DuplicateName {
+            name: name.to_owned(),
+            count,
+        })
+        .collect()
+}

@@ -1,0 +1,188 @@
+//! The plain data a measurement file is decoded into.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Finding;
+
+/// A decoded measurement file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Recording {
+    /// What the bytes were.
+    pub format: Format,
+    /// The file's own comment.
+    pub comment: Option<String>,
+    /// When the measurement started, as the file states it.
+    pub start_time: Option<StartTime>,
+    /// The clocks of the file.
+    pub rasters: Vec<Raster>,
+    /// The channels in the order of the file. Names are not necessarily unique.
+    pub channels: Vec<Channel>,
+    /// What could not be taken over, or should be known about the file.
+    pub findings: Vec<Finding>,
+}
+
+impl Recording {
+    /// The first channel of this name.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|c| c.name == name)
+    }
+
+    /// The time stamps in seconds of a channel of this recording.
+    #[must_use]
+    pub fn time_s(&self, channel: &Channel) -> Option<&[f64]> {
+        let raster = self.rasters.get(channel.raster)?;
+        Some(&raster.time_s)
+    }
+
+    /// The list of channels without their samples.
+    #[must_use]
+    pub fn catalogue(&self) -> Catalogue {
+        let raster = |r: &Raster| RasterInfo {
+            name: r.name.clone(),
+            samples: r.time_s.len(),
+        };
+        let channel = |c: &Channel| ChannelInfo {
+            name: c.name.clone(),
+            unit: c.unit.clone(),
+            comment: c.comment.clone(),
+            raster: c.raster,
+        };
+        Catalogue {
+            format: self.format,
+            comment: self.comment.clone(),
+            start_time: self.start_time,
+            rasters: self.rasters.iter().map(raster).collect(),
+            channels: self.channels.iter().map(channel).collect(),
+            findings: self.findings.clone(),
+        }
+    }
+}
+
+/// One clock: the time stamps that a group of channels shares.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Raster {
+    /// Time stamps in seconds, as recorded: they need not start at zero, be evenly spaced, nor even increase.
+    pub time_s: Vec<f64>,
+    /// The name or comment that the file gives the group.
+    pub name: Option<String>,
+}
+
+/// One measured signal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// The name in the file.
+    pub name: String,
+    /// The unit as spelled in the file; empty where it gives none.
+    pub unit: String,
+    /// The description in the file; empty where it gives none.
+    pub comment: String,
+    /// Index into [`Recording::rasters`].
+    pub raster: usize,
+    /// One sample per time stamp of the raster; NaN where missing or marked invalid.
+    pub samples: Vec<f64>,
+}
+
+/// What a file holds, without the samples.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Catalogue {
+    /// What the bytes are.
+    pub format: Format,
+    /// The file's own comment.
+    pub comment: Option<String>,
+    /// When the measurement started, as the file states it.
+    pub start_time: Option<StartTime>,
+    /// The clocks of the file.
+    pub rasters: Vec<RasterInfo>,
+    /// The channels in the order of the file.
+    pub channels: Vec<ChannelInfo>,
+    /// What could not be taken over, or should be known about the file.
+    pub findings: Vec<Finding>,
+}
+
+/// A [`Raster`] without its time stamps.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RasterInfo {
+    /// The name or comment that the file gives the group.
+    pub name: Option<String>,
+    /// How many samples each of its channels has.
+    pub samples: usize,
+}
+
+/// A [`Channel`] without its samples.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ChannelInfo {
+    /// The name in the file.
+    pub name: String,
+    /// The unit as spelled in the file.
+    pub unit: String,
+    /// The description in the file.
+    pub comment: String,
+    /// Index into [`Catalogue::rasters`].
+    pub raster: usize,
+}
+
+/// The format of a file, displayed as "MDF 4.10" or "CSV".
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Format {
+    /// ASAM MDF.
+    Mdf {
+        /// Version times one hundred: 410 is 4.10.
+        version: u16,
+    },
+    /// Text with delimiters.
+    Csv {
+        /// What separates the columns.
+        delimiter: char,
+        /// Whether numbers are written `1,5`.
+        decimal_comma: bool,
+    },
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mdf { version } => write!(f, "MDF {}.{:02}", version / 100, version % 100),
+            Self::Csv { .. } => f.write_str("CSV"),
+        }
+    }
+}
+
+/// When a measurement started, as stored in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StartTime {
+    /// Nanoseconds since 1970-01-01 00:00, in UTC or, where `is_local`, on the clock of the test bench.
+    pub nanoseconds: i64,
+    /// The count is on the local clock.
+    pub is_local: bool,
+    /// Minutes by which the local clock was ahead of UTC, daylight saving included, where the file says so.
+    pub utc_offset_min: Option<i32>,
+}
+
+/// Which channels to decode.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub enum Selection {
+    /// Every numeric channel.
+    #[default]
+    All,
+    /// The channels of these names (all of them, where a name occurs more than once); a name that is not in the
+    /// file is an error.
+    Names(Vec<String>),
+}
+
+impl Selection {
+    /// Selects channels by name.
+    pub fn names<S: Into<String>>(names: impl IntoIterator<Item = S>) -> Self {
+        Self::Names(names.into_iter().map(Into::into).collect())
+    }
+
+    pub(crate) fn takes(&self, name: &str) -> bool {
+        match self {
+            Self::All => true,
+            Self::Names(names) => names.iter().any(|n| n == name),
+        }
+    }
+}

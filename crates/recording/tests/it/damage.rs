@@ -1,0 +1,225 @@
+//! The readers on the conformance suite of `testkit`, and damage particular to a format.
+
+use recording::{
+    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, decode, encode_csv,
+    encode_mdf4,
+};
+use testkit::reader::{Case, Content, Signal, conform};
+
+fn read(name: &'static str) -> impl Fn(&[u8]) -> Result<Content, String> {
+    move |bytes| {
+        let recording = decode(name, bytes, &Selection::All).map_err(|e| e.to_string())?;
+        Ok(Content {
+            reports_loss: recording.findings.iter().any(Finding::is_loss),
+            clocks: recording.rasters.into_iter().map(|r| r.time_s).collect(),
+            channels: recording.channels.into_iter().map(signal).collect(),
+        })
+    }
+}
+
+fn signal(channel: Channel) -> Signal {
+    Signal {
+        name: channel.name,
+        clock: channel.raster,
+        samples: channel.samples,
+    }
+}
+
+/// Channels `(name, raster, samples)` on rasters of these lengths at 100 Hz.
+fn made(lengths: &[usize], channels: &[(&str, usize, f64)]) -> Recording {
+    let raster = |&n: &usize| Raster {
+        time_s: (0..n).map(|i| i as f64 / 100.0).collect(),
+        name: None,
+    };
+    let channel = |&(name, raster, offset): &(&str, usize, f64)| Channel {
+        name: name.into(),
+        unit: "Nm".into(),
+        comment: String::new(),
+        raster,
+        samples: (0..lengths[raster]).map(|i| offset + i as f64).collect(),
+    };
+    Recording {
+        format: Format::Mdf { version: 410 },
+        comment: None,
+        start_time: None,
+        rasters: lengths.iter().map(raster).collect(),
+        channels: channels.iter().map(channel).collect(),
+        findings: vec![],
+    }
+}
+
+fn duplicates() -> Recording {
+    made(&[4], &[("n", 0, 0.0), ("n", 0, 10.0)])
+}
+
+fn mixed() -> Recording {
+    made(&[4, 7], &[("a", 0, 0.0), ("b", 1, 10.0)])
+}
+
+#[test]
+fn exact_mdf3_conforms() {
+    conform(&Case {
+        read: read("small.mdf"),
+        small: include_bytes!("data/small.mdf"),
+        duplicates: include_bytes!("data/duplicates.mdf"),
+        mixed_rates: include_bytes!("data/mixed.mdf"),
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 300,
+    });
+}
+
+#[test]
+fn exact_mdf4_of_asammdf_conforms() {
+    conform(&Case {
+        read: read("small.mf4"),
+        small: include_bytes!("data/small.mf4"),
+        duplicates: &encode_mdf4(&duplicates()).unwrap(),
+        mixed_rates: &encode_mdf4(&mixed()).unwrap(),
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 300,
+    });
+}
+
+#[test]
+fn exact_deflated_mdf4_of_ours_conforms() {
+    let small = made(&[40, 100], &[("a", 0, 0.0), ("b", 1, 5.0)]);
+    conform(&Case {
+        read: read("small.mf4"),
+        small: &encode_mdf4(&small).unwrap(),
+        duplicates: &encode_mdf4(&duplicates()).unwrap(),
+        mixed_rates: &encode_mdf4(&mixed()).unwrap(),
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    });
+}
+
+#[test]
+fn exact_csv_conforms() {
+    let small = encode_csv(&mixed()).unwrap();
+    let line_ends = small.iter().enumerate().filter(|(_, b)| **b == b'\n');
+    conform(&Case {
+        read: read("small.csv"),
+        small: &small,
+        duplicates: &encode_csv(&duplicates()).unwrap(),
+        mixed_rates: &small,
+        unrecognisable_cuts: line_ends.map(|(at, _)| at + 1).collect(),
+        numbers_per_byte: 1,
+    });
+}
+
+/// The file with its records moved to the end, as a logger writes them; `link` is where their address is kept.
+fn records_last(bytes: &[u8], at: usize, length: usize, link: std::ops::Range<usize>) -> Vec<u8> {
+    let mut moved = bytes.to_vec();
+    moved[at..at + length].fill(0xAA);
+    let end = (moved.len() as u64).to_le_bytes();
+    let width = link.len();
+    moved[link].copy_from_slice(&end[..width]);
+    moved.extend_from_slice(&bytes[at..at + length]);
+    moved
+}
+
+fn find(bytes: &[u8], what: &[u8]) -> usize {
+    bytes.windows(what.len()).position(|w| w == what).unwrap()
+}
+
+#[test]
+fn exact_samples_before_a_cut_are_kept_mdf4() {
+    let bytes = encode_mdf4(&made(&[10], &[("a", 0, 0.0)])).unwrap();
+    let link = find(&bytes, b"##DG") + 24 + 16;
+    let bytes = records_last(&bytes, find(&bytes, b"##DT"), 24 + 10 * 16, link..link + 8);
+    let whole = decode("a.mf4", &bytes, &Selection::All).unwrap();
+    assert_eq!(
+        (whole.findings, whole.channels[0].samples[9]),
+        (vec![], 9.0)
+    );
+    let cut = decode("a.mf4", &bytes[..bytes.len() - 40], &Selection::All).unwrap();
+    let missing = Finding::MissingSamples {
+        raster: 0,
+        announced: 10,
+        found: 7,
+    };
+    assert_eq!(cut.findings, [missing]);
+    assert_eq!(cut.channels[0].samples, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
+}
+
+/// Small MDF 3 file, its records at the end: six of 18 bytes.
+fn mdf3_records_last() -> Vec<u8> {
+    let bytes = include_bytes!("data/small.mdf");
+    let group = find(bytes, b"DG");
+    let at = u32::from_le_bytes(bytes[group + 16..group + 20].try_into().unwrap());
+    records_last(bytes, at as usize, 6 * 18, group + 16..group + 20)
+}
+
+#[test]
+fn exact_samples_before_a_cut_are_kept_mdf3() {
+    let bytes = mdf3_records_last();
+    let whole = decode("a.mdf", &bytes, &Selection::All).unwrap();
+    assert_eq!(
+        (whole.findings, whole.channels[1].samples[5]),
+        (vec![], 60.0)
+    );
+    let cut = decode("a.mdf", &bytes[..bytes.len() - 40], &Selection::All).unwrap();
+    let missing = Finding::MissingSamples {
+        raster: 0,
+        announced: 6,
+        found: 3,
+    };
+    assert_eq!(cut.findings, [missing]);
+    assert_eq!(cut.channels[1].samples, [10.0, 20.0, 30.0]);
+}
+
+#[test]
+fn exact_announced_counts_are_not_believed_mdf3() {
+    for mut bytes in [
+        mdf3_records_last(),
+        include_bytes!("data/small.mdf").to_vec(),
+    ] {
+        let group = find(&bytes, b"CG");
+        bytes[group + 22..group + 26].copy_from_slice(&u32::MAX.to_le_bytes());
+        match decode("a.mdf", &bytes, &Selection::All) {
+            Ok(r) => {
+                assert!(r.findings.iter().any(Finding::is_loss) && r.channels[0].samples.len() == 6)
+            }
+            Err(error) => assert!(matches!(error, RecordingError::Truncated { .. }), "{error}"),
+        }
+    }
+}
+
+#[test]
+fn exact_shared_blocks_are_refused() {
+    let mut bytes = include_bytes!("data/small.mdf").to_vec();
+    let group = bytes.windows(2).position(|w| w == b"DG").unwrap();
+    let itself = u32::try_from(group).unwrap();
+    bytes[group + 4..group + 8].copy_from_slice(&itself.to_le_bytes());
+    let error = decode("a.mdf", &bytes, &Selection::All).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            RecordingError::Damaged {
+                offset: Some(_),
+                ..
+            }
+        ),
+        "{error}"
+    );
+}
+
+#[test]
+fn exact_repeated_data_blocks_are_refused() {
+    let small = made(&[100], &[("a", 0, 0.0)]);
+    let mut bytes = encode_mdf4(&small).unwrap();
+    let block = find(&bytes, b"##DZ") as u64;
+    let group = find(&bytes, b"##DG");
+    let count = 10_000_u64;
+    let list = bytes.len() as u64;
+    bytes[group + 40..group + 48].copy_from_slice(&list.to_le_bytes());
+    bytes.extend_from_slice(b"##DL\0\0\0\0");
+    for field in [24 + 8 * (count + 1) + 16, count + 1, 0] {
+        bytes.extend_from_slice(&field.to_le_bytes());
+    }
+    (0..count).for_each(|_| bytes.extend_from_slice(&block.to_le_bytes()));
+    bytes.extend_from_slice(&(1 | (count << 32)).to_le_bytes());
+    bytes.extend_from_slice(&1600_u64.to_le_bytes());
+    let error = decode("a.mf4", &bytes, &Selection::All).unwrap_err();
+    assert!(error.to_string().contains("repeatedly"), "{error}");
+}

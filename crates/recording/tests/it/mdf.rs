@@ -1,0 +1,131 @@
+//! Small MDF files with known content.
+
+use recording::{Finding, Recording, RecordingError, Selection, SkipReason, catalogue, decode};
+
+fn small(name: &str) -> &'static [u8] {
+    match name {
+        "small.mdf" => include_bytes!("data/small.mdf"),
+        _ => include_bytes!("data/small.mf4"),
+    }
+}
+
+fn read(name: &str) -> Recording {
+    decode(name, small(name), &Selection::All).unwrap()
+}
+
+const TIME: [f64; 6] = [0.0, 0.01, 0.02, 0.03, 0.04, 0.05];
+
+#[test]
+fn ref_small_mdf3_is_as_written() {
+    let recording = read("small.mdf");
+    assert_eq!(recording.format.to_string(), "MDF 3.30");
+    assert_eq!(recording.rasters.len(), 1);
+    assert_eq!(recording.rasters[0].time_s, TIME);
+    assert_eq!(recording.rasters[0].name.as_deref(), Some("grp"));
+    let torque = recording.channel("Drehmoment").unwrap();
+    assert_eq!(
+        (torque.unit.as_str(), &torque.samples[..]),
+        ("Nm", &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0][..])
+    );
+    assert_eq!(recording.findings, []);
+}
+
+#[test]
+fn regress_mdf3_texts_are_latin1() {
+    let oil = read("small.mdf").channel("Öltemperatur").cloned().unwrap();
+    assert_eq!((oil.unit.as_str(), oil.samples[1]), ("°C", 20.0));
+}
+
+#[test]
+fn ref_small_mdf4_is_as_written() {
+    let recording = read("small.mf4");
+    assert_eq!(recording.format.to_string(), "MDF 4.10");
+    assert_eq!(recording.rasters[0].time_s, TIME);
+    let names: Vec<_> = recording
+        .channels
+        .iter()
+        .map(|c| (c.name.as_str(), c.unit.as_str()))
+        .collect();
+    assert_eq!(names, [("Torque", "Nm"), ("Count", "-")]);
+    assert_eq!(
+        recording.channels[1].samples,
+        [10.0, 20.0, 30.0, 40.0, 50.0, 60.0]
+    );
+    assert!(recording.start_time.is_some());
+}
+
+#[test]
+fn exact_catalogue_is_the_recording_without_samples() {
+    for name in ["small.mdf", "small.mf4"] {
+        assert_eq!(
+            catalogue(name, small(name)).unwrap(),
+            read(name).catalogue(),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn exact_selection_takes_names_only() {
+    let some = decode(
+        "small.mf4",
+        small("small.mf4"),
+        &Selection::names(["Count"]),
+    )
+    .unwrap();
+    assert_eq!(
+        (some.channels.len(), some.channels[0].name.as_str()),
+        (1, "Count")
+    );
+    let error = decode(
+        "small.mf4",
+        small("small.mf4"),
+        &Selection::names(["count"]),
+    )
+    .unwrap_err();
+    assert!(matches!(error, RecordingError::NoSuchChannel { .. }));
+    assert_eq!(
+        error.to_string(),
+        "small.mf4: there is no channel \"count\"; did you mean \"Count\"?"
+    );
+}
+
+#[test]
+fn exact_duplicates_are_kept_and_reported() {
+    let bytes = include_bytes!("data/duplicates.mdf");
+    let recording = decode("duplicates.mdf", bytes, &Selection::names(["n"])).unwrap();
+    assert_eq!(recording.channels.len(), 2);
+    assert_eq!(
+        recording.findings,
+        [Finding::DuplicateName {
+            name: "n".into(),
+            count: 2
+        }]
+    );
+}
+
+#[test]
+fn exact_groups_without_a_clock_are_skipped() {
+    // The time channel of the only group made an ordinary one.
+    let mut bytes = small("small.mf4").to_vec();
+    let master = bytes
+        .windows(8)
+        .enumerate()
+        .position(|(at, w)| w.starts_with(b"##CN") && bytes[at + 88] == 2)
+        .unwrap();
+    bytes[master + 88..master + 90].copy_from_slice(&[0, 0]);
+    let recording = decode("a.mf4", &bytes, &Selection::All).unwrap();
+    assert_eq!((recording.rasters.len(), recording.channels.len()), (0, 0));
+    let reason = SkipReason::NoTime;
+    let channel = String::from("Torque");
+    assert!(
+        recording
+            .findings
+            .contains(&Finding::SkippedChannel { channel, reason })
+    );
+    let error = decode("a.mf4", &bytes, &Selection::names(["Torque"])).unwrap_err();
+    assert!(
+        error.to_string().ends_with("its group has no time channel"),
+        "{error}"
+    );
+}

@@ -1,0 +1,137 @@
+//! What is written is read back, number for number.
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+use recording::{
+    Channel, Format, Raster, Recording, RecordingError, Selection, StartTime, decode, encode_csv,
+    encode_mdf4,
+};
+
+/// Any number, NaN and infinities included; time stamps need not increase.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![any::<f64>(), Just(f64::NAN), -1e3..1e3, Just(-0.0)]
+}
+
+fn channel(raster: usize, samples: usize) -> impl Strategy<Value = Channel> {
+    let texts = (
+        "[a-zA-Z][A-Za-z0-9_°ä ,.\"()\\[\\]]{0,12}[A-Za-z0-9\\])]",
+        "[a-zA-Z/°µ%^0-9]{0,6}",
+        "([!-~][ -~]{0,20}[!-~])?",
+    );
+    (texts, vec(number(), samples)).prop_map(move |((name, unit, comment), samples)| Channel {
+        name: format!("x{name}"),
+        unit,
+        comment,
+        raster,
+        samples,
+    })
+}
+
+fn raster(index: usize) -> impl Strategy<Value = (Raster, Vec<Channel>)> {
+    (1_usize..200, 1_usize..4).prop_flat_map(move |(samples, channels)| {
+        let raster = (vec(number(), samples), proptest::option::of("[a-z]{1,8}"));
+        let raster = raster.prop_map(|(time_s, name)| Raster { time_s, name });
+        (raster, vec(channel(index, samples), channels))
+    })
+}
+
+fn recording() -> impl Strategy<Value = Recording> {
+    let start = (1_i64.., any::<bool>(), proptest::option::of(-840..840)).prop_map(
+        |(nanoseconds, is_local, utc_offset_min)| StartTime {
+            nanoseconds,
+            is_local,
+            utc_offset_min,
+        },
+    );
+    let comment = proptest::option::of("[!-~][ -~]{0,20}[!-~]");
+    (raster(0), raster(1), comment, proptest::option::of(start)).prop_map(
+        |(a, b, comment, start_time)| Recording {
+            format: Format::Mdf { version: 410 },
+            comment,
+            start_time,
+            rasters: vec![a.0, b.0],
+            channels: [a.1, b.1].concat(),
+            findings: vec![],
+        },
+    )
+}
+
+fn bits(samples: &[f64]) -> Vec<u64> {
+    samples.iter().map(|s| s.to_bits()).collect()
+}
+
+/// NaN of any kind is the same.
+fn values(samples: &[f64]) -> Vec<u64> {
+    samples
+        .iter()
+        .map(|s| if s.is_nan() { u64::MAX } else { s.to_bits() })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn prop_mdf4_is_read_back_bit_for_bit(written in recording()) {
+        let read = decode("a.mf4", &encode_mdf4(&written).unwrap(), &Selection::All).unwrap();
+        prop_assert_eq!(&read.comment, &written.comment);
+        prop_assert_eq!(read.start_time, written.start_time);
+        prop_assert_eq!(read.channels.len(), written.channels.len());
+        for (r, w) in read.rasters.iter().zip(&written.rasters) {
+            prop_assert_eq!(&r.name, &w.name);
+            prop_assert_eq!(bits(&r.time_s), bits(&w.time_s));
+        }
+        for (r, w) in read.channels.iter().zip(&written.channels) {
+            prop_assert_eq!((&r.name, &r.unit, &r.comment, r.raster), (&w.name, &w.unit, &w.comment, w.raster));
+            prop_assert_eq!(bits(&r.samples), bits(&w.samples));
+        }
+    }
+
+    #[test]
+    fn prop_csv_is_read_back_number_for_number(written in recording()) {
+        let read = decode("a.csv", &encode_csv(&written).unwrap(), &Selection::All).unwrap();
+        prop_assert_eq!(read.channels.len(), written.channels.len());
+        for (r, w) in read.rasters.iter().zip(&written.rasters) {
+            prop_assert_eq!(values(&r.time_s), values(&w.time_s));
+        }
+        for (r, w) in read.channels.iter().zip(&written.channels) {
+            prop_assert_eq!((&r.name, &r.unit, r.raster), (&w.name, &w.unit, w.raster));
+            prop_assert_eq!(values(&r.samples), values(&w.samples));
+        }
+    }
+}
+
+#[test]
+fn exact_contradictions_are_not_written() {
+    let channel = Channel {
+        name: "n".into(),
+        unit: String::new(),
+        comment: String::new(),
+        raster: 0,
+        samples: vec![1.0],
+    };
+    let mut recording = Recording {
+        format: Format::Mdf { version: 410 },
+        comment: None,
+        start_time: None,
+        rasters: vec![],
+        channels: vec![channel],
+        findings: vec![],
+    };
+    for encode in [encode_mdf4, encode_csv] {
+        assert!(matches!(
+            encode(&recording),
+            Err(RecordingError::NoSuchRaster { .. })
+        ));
+    }
+    recording.rasters.push(Raster {
+        time_s: vec![],
+        name: None,
+    });
+    for encode in [encode_mdf4, encode_csv] {
+        assert!(matches!(
+            encode(&recording),
+            Err(RecordingError::LengthMismatch { .. })
+        ));
+    }
+}

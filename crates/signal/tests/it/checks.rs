@@ -1,0 +1,136 @@
+//! Clocks, quality, hold and excitation.
+
+use signal::clock::check_clock;
+use signal::excitation::{Random, Step, Timing, held_noise, levels, random_binary};
+use signal::quality::{QualityOptions, check_quality};
+use signal::resample::hold;
+use signal::{Signal, SignalError};
+
+#[test]
+fn exact_rounded_stamps_give_the_true_sample_time() {
+    // 300 Hz stamped to the millisecond: intervals of 3 and 4 ms.
+    let stamps: Vec<f64> = (0..5000)
+        .map(|i| (f64::from(i) / 0.3).round() / 1e3)
+        .collect();
+    let check = check_clock(&stamps).unwrap();
+    assert!((check.sample_time_s - 1.0 / 300.0).abs() < 1e-6);
+    assert!(check.gaps.is_empty() && check.non_monotonic.is_empty());
+    assert!(check.is_uniform(0.21) && !check.is_uniform(0.1));
+}
+
+#[test]
+fn exact_gaps_and_steps_back_are_located() {
+    let stamps = [0.0, 0.1, 0.2, 0.3, 0.3, 0.4, 0.9, 0.85, 0.95, 1.05, 1.15];
+    let check = check_clock(&stamps).unwrap();
+    assert_eq!(check.non_monotonic, vec![4, 7]);
+    assert_eq!(
+        (check.gaps[0].between.clone(), check.gaps[0].missing),
+        (5..6, 4)
+    );
+    assert_eq!(check.missing_samples, 4);
+    assert!(!check.is_uniform(0.1));
+    assert!(matches!(
+        check_clock(&[1.0]),
+        Err(SignalError::TooShort { .. })
+    ));
+    assert!(matches!(
+        check_clock(&[1.0, 1.0]),
+        Err(SignalError::TooShort { .. })
+    ));
+}
+
+#[test]
+fn exact_clipping_and_constancy_are_found() {
+    let x: Vec<f64> = (0..200)
+        .map(|i| (0.1 * f64::from(i)).sin().min(0.9))
+        .collect();
+    let found = check_quality(&x, &QualityOptions::default()).unwrap();
+    assert_eq!(found.clipped_high.len(), 3);
+    assert!(
+        found
+            .clipped_high
+            .iter()
+            .all(|run| x[run.clone()].iter().all(|v| *v == 0.9))
+    );
+    assert!(found.clipped_low.is_empty() && found.spikes.is_empty());
+    assert!(
+        check_quality(&[2.0; 50], &QualityOptions::default())
+            .unwrap()
+            .constant
+    );
+    assert!(
+        check_quality(&[], &QualityOptions::default())
+            .unwrap()
+            .constant
+    );
+}
+
+#[test]
+fn exact_commands_of_levels_have_no_spikes() {
+    let timing = Timing {
+        sample_time_s: 1.0,
+        length: 2000,
+    };
+    let x = random_binary(&mut Random::new(5), timing, [0.0, 1.0], 1.0, 0.5).unwrap();
+    assert!(
+        check_quality(&x.samples, &QualityOptions::default())
+            .unwrap()
+            .spikes
+            .is_empty()
+    );
+}
+
+#[test]
+fn exact_hold_takes_the_last_sample_despite_rounding() {
+    let x = Signal::new(0.0, 0.1, (0..100).map(f64::from).collect()).unwrap();
+    let times: Vec<f64> = (0..100).map(|i| x.time_s(i)).collect();
+    assert_eq!(hold(&x, &times).unwrap(), x.samples);
+    assert!(matches!(
+        hold(&x, &[-0.01]),
+        Err(SignalError::OutsideRecord { .. })
+    ));
+}
+
+#[test]
+fn exact_slices_side_by_side_share_and_lose_nothing() {
+    let x = Signal::new(5.0, 0.1, (0..50).map(f64::from).collect()).unwrap();
+    let (left, right) = (x.slice(0.0, 7.3), x.slice(7.3, 100.0));
+    assert_eq!([left.samples, right.samples].concat(), x.samples);
+    assert!((right.start_s - 7.3).abs() < 1e-12);
+    assert!(x.slice(7.0, 6.0).is_empty() && x.slice(f64::NAN, f64::NAN).is_empty());
+}
+
+/// The first numbers after seeding with zero, from the test of `Xoshiro256PlusPlus` in the `rand` crate.
+#[test]
+fn ref_generator_numbers() {
+    let mut random = Random::new(0);
+    for expected in [
+        5_987_356_902_031_041_503_u64,
+        7_051_070_477_665_621_255,
+        6_633_766_593_972_829_180,
+    ] {
+        assert_eq!(random.uniform(), (expected >> 11) as f64 / 2.0_f64.powi(53));
+    }
+}
+
+#[test]
+fn stat_noise_has_the_moments_asked_for() {
+    let timing = Timing {
+        sample_time_s: 1e-3,
+        length: 200_000,
+    };
+    let x = held_noise(&mut Random::new(9), timing, 3.0, 2.0, 2e-3).unwrap();
+    let mean = x.mean().unwrap();
+    let variance = x.map(|v| (v - mean).powi(2)).mean().unwrap();
+    // Four standard deviations of each estimate for 100 000 independent values.
+    assert!((mean - 3.0).abs() < 4.0 * 2.0 / 1e5_f64.sqrt());
+    assert!((variance - 4.0).abs() < 4.0 * 4.0 * (2.0 / 1e5_f64).sqrt());
+}
+
+#[test]
+fn exact_levels_last_as_long_as_asked() {
+    let step = |value, duration_s| Step { value, duration_s };
+    let x = levels(0.5, &[step(1.0, 1.0), step(4.0, 1.5)]).unwrap();
+    assert_eq!(x.samples, vec![1.0, 1.0, 4.0, 4.0, 4.0]);
+    assert!(levels(0.5, &[step(1.0, -1.0)]).is_err());
+}

@@ -1,0 +1,208 @@
+//! Spectra, correlations and delays.
+
+use std::f64::consts::TAU;
+
+use signal::correlation::{auto_correlation, cross_correlation, delay_by_correlation};
+use signal::derivative::smoothed_derivative;
+use signal::excitation::{Random, Timing, held_noise};
+use signal::resample::{Interpolation, decimate, fractional_delay, interpolate_at};
+use signal::spectrum::{Welch, cross_spectrum, dft_at, fft_frequencies_hz, fft_real};
+use signal::{Complex64, Signal, SignalError, Sos};
+
+use crate::{assert_close, record};
+
+/// SciPy 1.17: `x` the common record, `y[t] = 0.7 x[t−1] + 0.3 cos(0.9 t)` (circular);
+/// `welch(x, 1000, nperseg=16)`, `csd(x, y, …)`, `coherence(x, y, …)`.
+#[test]
+fn ref_welch_spectra() {
+    let x = record();
+    let y: Vec<f64> = (0..60)
+        .map(|t| 0.7 * x[(t + 59) % 60] + 0.3 * (0.9 * t as f64).cos())
+        .collect();
+    let s = cross_spectrum(&x, &y, 1e-3, Welch::half_overlapping(16)).unwrap();
+    let pxx = [
+        0.000881716386138639,
+        0.0035167492408390275,
+        0.0005632463902562846,
+        9.214240254432228e-05,
+        0.0011655473906355266,
+        0.0007306824483367027,
+        1.1250867519937469e-05,
+        3.91804542954771e-07,
+        4.792813526761819e-08,
+    ];
+    let re = [
+        0.0006143048360426449,
+        0.002387587335503323,
+        0.0004653601134777612,
+        0.00012445719552212601,
+        -5.10812952114799e-05,
+        -7.426719201053333e-05,
+        -6.275031883301156e-07,
+        -5.121750942173655e-10,
+        1.531100123640521e-09,
+    ];
+    let im = [
+        0.0,
+        -0.0007618136201141444,
+        -0.00016724946936740536,
+        -0.00012052231280804379,
+        -0.0008293301020445446,
+        -0.0005045274205624646,
+        -7.910248315974837e-06,
+        -2.662934337043046e-07,
+        0.0,
+    ];
+    let coherence = [
+        0.9338535586316541,
+        0.9750754672168476,
+        0.5023381504916453,
+        0.9475191168217011,
+        0.9994576636381933,
+        0.9998732676135881,
+        0.997529879926928,
+        0.8924232929830165,
+        0.001892303397933194,
+    ];
+    assert_close(&s.pxx, &pxx, 1e-16);
+    assert_close(&s.pxy.iter().map(|v| v.re).collect::<Vec<_>>(), &re, 1e-16);
+    assert_close(&s.pxy.iter().map(|v| v.im).collect::<Vec<_>>(), &im, 1e-16);
+    assert_close(&s.coherence(), &coherence, 1e-10);
+}
+
+#[test]
+fn exact_fourier_sum_equals_the_fast_transform() {
+    let x: Vec<f64> = record().repeat(20);
+    let fast = fft_real(&x).unwrap();
+    let slow = dft_at(&x, 0.01, &fft_frequencies_hz(x.len(), 0.01)).unwrap();
+    assert!(fast.iter().zip(&slow).all(|(a, b)| (a - b).norm() < 1e-9));
+}
+
+#[test]
+fn exact_correlation_equals_its_definition() {
+    let x = record();
+    let y: Vec<f64> = x.iter().rev().copied().collect();
+    let r = cross_correlation(&x, &y, 7).unwrap();
+    for (lag, value) in r.lags().zip(&r.values) {
+        let sum: f64 = (0..60_i64)
+            .filter(|t| (0..60).contains(&(t + lag)))
+            .map(|t| x[t as usize] * y[(t + lag) as usize])
+            .sum();
+        assert!((value - sum / 60.0).abs() < 1e-12, "lag {lag}");
+    }
+    let own = auto_correlation(&x, 5).unwrap();
+    assert!((own.at(3) - own.at(-3)).abs() < 1e-14);
+}
+
+/// Noise of limited band; the second record is delayed exactly, in the frequency domain, by the sum of its tones.
+#[test]
+fn exact_sub_sample_delay_is_found_by_correlation() {
+    let mut random = Random::new(3);
+    let tones: Vec<[f64; 3]> = (0..60)
+        .map(|_| {
+            [
+                0.3 * random.uniform(),
+                random.normal(),
+                TAU * random.uniform(),
+            ]
+        })
+        .collect();
+    let at = |t: f64| {
+        tones
+            .iter()
+            .map(|[f, a, p]| a * (TAU * f * t + p).sin())
+            .sum::<f64>()
+    };
+    let x: Vec<f64> = (0..20_000).map(|t| at(f64::from(t))).collect();
+    for delay in [-4.75, 0.0, 0.31, 6.5] {
+        let y: Vec<f64> = (0..20_000)
+            .map(|t| -2.0 * at(f64::from(t) - delay))
+            .collect();
+        let found = delay_by_correlation(&x, &y, 1e-3, 0.02).unwrap();
+        assert!(
+            (found.delay_s * 1e3 - delay).abs() < 2e-3,
+            "{} for {delay}",
+            found.delay_s * 1e3
+        );
+        assert!(found.coefficient < -0.99 && !found.at_edge);
+    }
+    assert_eq!(
+        delay_by_correlation(&x, &vec![1.0; 20_000], 1e-3, 0.02),
+        Err(SignalError::Constant)
+    );
+}
+
+fn tone(freq: f64, length: usize) -> Signal {
+    Signal::new(
+        0.0,
+        1.0,
+        (0..length).map(|t| (TAU * freq * t as f64).sin()).collect(),
+    )
+    .unwrap()
+}
+
+#[test]
+fn exact_band_limited_interpolation_of_tones() {
+    for (freq, tolerance) in [(0.05, 1e-5), (0.4, 1e-5), (0.45, 1e-4)] {
+        let x = tone(freq, 400);
+        let times: Vec<f64> = (0..200).map(|i| 100.0 + 0.937 * f64::from(i)).collect();
+        let y = interpolate_at(&x, &times, Interpolation::BandLimited).unwrap();
+        let truth: Vec<f64> = times.iter().map(|t| (TAU * freq * t).sin()).collect();
+        assert_close(&y, &truth, tolerance);
+    }
+    let delayed = fractional_delay(&tone(0.1, 300), 2.5, Interpolation::BandLimited).unwrap();
+    assert!((delayed.samples[150] - (TAU * 0.1 * 147.5).sin()).abs() < 1e-5);
+}
+
+#[test]
+fn exact_instants_outside_the_record_are_refused() {
+    let x = tone(0.1, 10);
+    for time_s in [-0.1, 9.1, f64::NAN] {
+        let result = interpolate_at(&x, &[time_s], Interpolation::Linear);
+        assert!(matches!(result, Err(SignalError::OutsideRecord { .. })));
+    }
+}
+
+#[test]
+fn exact_decimation_keeps_low_tones_and_drops_high_ones() {
+    let low = decimate(&tone(0.01, 2000), 5).unwrap();
+    let truth: Vec<f64> = (0..400)
+        .map(|t| (TAU * 0.05 * f64::from(t)).sin())
+        .collect();
+    assert_eq!(low.sample_time_s, 5.0);
+    assert_close(&low.samples[50..350], &truth[50..350], 1e-6);
+    let high = decimate(&tone(0.2, 2000), 5).unwrap();
+    assert!(high.samples[50..350].iter().all(|v| v.abs() < 1e-6));
+}
+
+#[test]
+fn exact_smoothed_derivative_of_a_tone_in_the_pass_band() {
+    let slope = smoothed_derivative(&tone(0.02, 2000), 0.2, 6).unwrap();
+    let truth: Vec<f64> = (0..2000)
+        .map(|t| TAU * 0.02 * (TAU * 0.02 * f64::from(t)).cos())
+        .collect();
+    assert_close(
+        &slope.samples[200..1800],
+        &truth[200..1800],
+        1e-4 * TAU * 0.02,
+    );
+}
+
+#[test]
+fn stat_response_estimate_finds_the_filter() {
+    let timing = Timing {
+        sample_time_s: 1e-3,
+        length: 200_000,
+    };
+    let u = held_noise(&mut Random::new(11), timing, 0.0, 1.0, 1e-3).unwrap();
+    let filter = Sos::butterworth_lowpass(2, 100.0, 1e-3).unwrap();
+    let y = filter.filter(&u.samples, &mut filter.state_at_rest());
+    let s = cross_spectrum(&u.samples, &y, 1e-3, Welch::half_overlapping(1024)).unwrap();
+    let response = s.response_h1();
+    let worst = response.iter().zip(&s.freq_hz).filter(|(_, f)| **f < 200.0);
+    let worst = worst
+        .map(|(h, f)| (h - filter.response(*f)).norm())
+        .fold(0.0, f64::max);
+    assert!(worst < 0.02, "{worst}");
+    assert!(Complex64::norm(filter.response(100.0)) < 0.71);
+}

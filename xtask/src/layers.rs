@@ -1,0 +1,65 @@
+//! The rule of rooms: which of our crates each crate may use, read from `cargo metadata`.
+
+use std::process::Command;
+
+use serde_json::Value;
+
+/// Crate, and the crates of ours it may use. The table of ARCHITECTURE.md.
+const MAY_USE: &[(&str, &[&str])] = &[
+    ("signal", &[]),
+    ("lti", &["signal"]),
+    ("ident", &["signal", "lti"]),
+    ("recording", &[]),
+    ("bench", &["recording", "signal", "lti", "ident"]),
+    ("report", &["bench"]),
+    ("dynoid", &["signal", "lti", "ident", "recording", "bench", "report"]),
+    ("testkit", &[]),
+    ("xtask", &[]),
+];
+
+/// Crates that write files, print, or serve, and who alone may use them.
+const RESERVED: &[(&str, &[&str])] = &[
+    ("clap", &["dynoid"]),
+    ("indicatif", &["dynoid"]),
+    ("tempfile", &["dynoid"]),
+    ("falcon_mdf", &["recording"]),
+    ("csv", &["recording"]),
+];
+
+/// Checks every crate of the workspace against both tables. Dependencies of tests are free.
+pub(crate) fn check() -> Result<(), String> {
+    let metadata = metadata()?;
+    let packages = metadata["packages"].as_array().ok_or("cargo metadata lists no packages")?;
+    let mut faults = Vec::new();
+    for package in packages {
+        let name = package["name"].as_str().unwrap_or_default();
+        let Some((_, allowed)) = MAY_USE.iter().find(|(room, _)| *room == name) else {
+            faults.push(format!("crate `{name}` has no row in the table of rooms"));
+            continue;
+        };
+        for used in dependencies(package) {
+            let ours = MAY_USE.iter().any(|(room, _)| *room == used);
+            if ours && !allowed.contains(&used) {
+                faults.push(format!("`{name}` may not use `{used}`"));
+            }
+            if RESERVED.iter().any(|(library, owners)| *library == used && !owners.contains(&name)) {
+                faults.push(format!("`{name}` may not use the library `{used}`"));
+            }
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+}
+
+fn metadata() -> Result<Value, String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--format-version", "1"])
+        .output()
+        .map_err(|error| format!("cargo metadata could not be started: {error}"))?;
+    serde_json::from_slice(&output.stdout).map_err(|error| format!("cargo metadata is not JSON: {error}"))
+}
+
+fn dependencies(package: &Value) -> Vec<&str> {
+    let all = package["dependencies"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let is_dev = |d: &Value| d["kind"].as_str() == Some("dev");
+    all.iter().filter(|d| !is_dev(d)).filter_map(|d| d["name"].as_str()).collect()
+}
