@@ -76,7 +76,7 @@ fn torque_control(study: &Study) -> (Vec<Markup>, bool) {
         Part::Estimated(part) => {
             let a = digits(&part.delay_and_lag, "a");
             let lag = markup!("{} · {}/(s + {})", delay(&part.delay_and_lag, "τ"), a, a);
-            let total = part.delay_and_lag.parameter("τ_total").map(number::parameter);
+            let total = part.delay_and_lag.parameter("τ + 1/a").map(number::parameter);
             (vec![lag, total.map(|total| markup!("total delay {}", total)).unwrap_or_default()], true)
         }
         Part::NotEstimated { needs } => (absent(needs), false),

@@ -101,7 +101,7 @@ fn collect_key_numbers(study: &Study) -> Vec<KeyNumber<'_>> {
         number("K_p", "speed control, proportional", controller("K_p"), of_controller),
         number("K_i", "speed control, integral", controller("K_i"), of_controller),
         number("τ", "speed control, delay", controller("τ"), of_controller),
-        number("τ_total", "torque control, total delay", torque("τ_total"), of_torque),
+        number("τ + 1/a", "torque control, total delay", torque("τ + 1/a"), of_torque),
     ]
 }
 

@@ -2,7 +2,7 @@
 
 use bench::{Diagnostic, Finding};
 
-use super::number::{NOT_KNOWN, duration, measure, plus_minus, share, significant};
+use super::number::{NOT_KNOWN, duration, measure, plus_minus, share, significant, time};
 use super::{join, part, place, role, severity};
 
 /// A diagnostic on one line: severity, place, what was found, what to do.
@@ -22,18 +22,33 @@ pub fn finding(finding: &Finding) -> String {
         Finding::UnfitUnit { role: of, unit } => format!("The unit “{unit}” does not fit the {}.", role(*of)),
         Finding::NotANumber { count, mended } => not_a_number(*count, *mended),
         Finding::Gap { duration_s, mended } => gap(*duration_s, *mended),
+        Finding::ShortGaps { count, longest_s, share: lost } => short_gaps(*count, *longest_s, *lost),
+        Finding::Cut { kept_s, lost_s } => format!(
+            "Gaps are too long to interpolate: only the stretch from {} to {} is used, {} are not.",
+            time(kept_s.0),
+            time(kept_s.1),
+            duration(*lost_s)
+        ),
         Finding::TimeNotIncreasing => "Time stamps go backwards or repeat.".to_owned(),
         Finding::Jitter { largest_s, sample_time_s } => jitter(*largest_s, *sample_time_s),
         Finding::Constant { value } => format!("The signal never changes; it rests at {} (SI).", si(*value)),
         Finding::Clipped { value, share: of } => {
             format!("The signal rests at its extreme value {} (SI) in {} of the samples.", si(*value), share(*of))
         }
+        Finding::ImplausibleMagnitude { role: of, largest, looks_like } => {
+            magnitude(&role(*of), *largest, looks_like.as_deref())
+        }
+        Finding::SpeedsDisagree { role: of, ratio_to_dyno_speed } => format!(
+            "The mean of the {} is {} times that of the dynamometer speed.",
+            role(*of),
+            significant(*ratio_to_dyno_speed, 3)
+        ),
         Finding::TooShort { duration_s, needed_s } => {
             format!("The recording lasts {}; the estimate needs {}.", duration(*duration_s), duration(*needed_s))
         }
         Finding::WrongTorqueSign { correlation } => {
             let found = significant(*correlation, 2);
-            format!("T_d appears to brake with a negative sign (correlation with −J_d·dω_d/dt: {found}).")
+            format!("T_d appears to brake with a negative sign (its correlation with the motion it causes is {found}).")
         }
         Finding::ImplausibleInertia { given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
             inertia(*given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
@@ -74,12 +89,20 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Nothing to do, unless it happens often: then check the measuring system’s load."
         }
         Finding::Gap { mended: false, .. } => "Record again; a stretch with a gap cannot be used.",
+        Finding::ShortGaps { .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
+        Finding::Cut { .. } => "Record again to use the whole length; check the measuring system’s load.",
         Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
         Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
         Finding::Constant { .. } => {
             "Check that the sensor is connected and that the right channel is named in the bench file."
         }
         Finding::Clipped { .. } => "Widen the measuring range, or lower the excitation, and record again.",
+        Finding::ImplausibleMagnitude { .. } => {
+            "Check the channel’s unit and scaling, and state the unit in the bench file."
+        }
+        Finding::SpeedsDisagree { .. } => {
+            "Check the unit (rpm or rad/s), the channel, and whether there is a gear between."
+        }
         Finding::TooShort { .. } => "Record for longer.",
         Finding::WrongTorqueSign { .. } => {
             "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer."
@@ -141,6 +164,16 @@ fn residuals(submodel: &str, share_outside: f64) -> String {
 fn routes(quantity: &str, first: (f64, f64), second: (f64, f64)) -> String {
     let [first, second] = [first, second].map(|(value, error)| plus_minus(value, 2.0 * error, ""));
     format!("Two ways of finding {quantity} disagree: {first} and {second} (± two standard errors).")
+}
+
+fn short_gaps(count: usize, longest_s: f64, lost: f64) -> String {
+    let (longest, lost) = (duration(longest_s), share(lost));
+    format!("{count} short gaps were interpolated, the longest of {longest}; {lost} of the samples were missing.")
+}
+
+fn magnitude(role: &str, largest: f64, looks_like: Option<&str>) -> String {
+    let hint = looks_like.map(|unit| format!(" They look like {unit}.")).unwrap_or_default();
+    format!("The values of the {role} reach {} (SI), more than can be.{hint}", si(largest))
 }
 
 fn excluded_lines(frequencies_hz: &[f64]) -> String {

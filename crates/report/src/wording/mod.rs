@@ -12,7 +12,7 @@ pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding};
 pub use need::{need, needs};
 
-use bench::study::{BenchVariant, IntegrationRule};
+use bench::study::BenchVariant;
 use bench::{ControlMode, Place, Role, Severity};
 
 /// The severity as one word: `error`, `warning`, `note`.
@@ -89,15 +89,6 @@ pub fn variant(variant: BenchVariant) -> &'static str {
     match variant {
         BenchVariant::LoadCell => "load cell on the dynamometer (DTB): shaft torque is computed, two masses",
         BenchVariant::TorqueFlange => "torque flange in the shaft (TB): air-gap torque is computed, dual-mass flywheel",
-    }
-}
-
-/// The controller's integration rule.
-pub fn integration_rule(rule: IntegrationRule) -> &'static str {
-    match rule {
-        IntegrationRule::ForwardEuler => "forward Euler, I(k) = I(k−1) + T e(k−1)",
-        IntegrationRule::BackwardEuler => "backward Euler, I(k) = I(k−1) + T e(k)",
-        IntegrationRule::Trapezoidal => "trapezoidal, I(k) = I(k−1) + T (e(k) + e(k−1))/2",
     }
 }
 

@@ -6,7 +6,7 @@ use crate::html::markup::{Markup, markup};
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, unbroken};
 use crate::html::plots::{comparison, correlation_extent, correlations, figure, residual_test, side_by_side};
 use crate::html::typeset::prose;
-use crate::wording::{integration_rule, number};
+use crate::wording::number;
 
 /// PI with delay.
 pub(crate) fn speed_controller(study: &Study) -> Markup {
@@ -17,7 +17,7 @@ pub(crate) fn speed_controller(study: &Study) -> Markup {
         Part::NotEstimated { needs } => return not_estimated(what, needs),
     };
     let equation = "<i>T</i><sub>d</sub>* = e<sup>−<i>sτ</i></sup> (<i>K</i><sub>p</sub> + <i>K</i><sub>i</sub>/<i>s</i>) \
-                    (<i>N</i><sub>d</sub> − <i>N</i><sub>d</sub>*) + <i>x</i><sub>0</sub>";
+                    (<i>N</i><sub>d</sub> − <i>N</i><sub>d</sub>*) + <i>I</i><sub>0</sub>";
     let title = "Speed control on the held-out stretch";
     [
         lead(what, equation),
@@ -34,11 +34,12 @@ pub(crate) fn speed_controller(study: &Study) -> Markup {
 fn discrete(part: &SpeedController) -> Markup {
     let coefficient = |value: f64| unbroken(&number::significant(value, 6));
     markup!(
-        "<p>As the controller computes it, every {}: {}; on the speed error in rpm \
+        "<p>As the controller computes it, every {}, on the speed error in rpm: \
          (<i>b</i><sub>0</sub> + <i>b</i><sub>1</sub> q<sup>−1</sup>)/(1 − q<sup>−1</sup>) with \
-         <i>b</i><sub>0</sub> = {}, <i>b</i><sub>1</sub> = {}.</p>\n",
+         <i>b</i><sub>0</sub> = {}, <i>b</i><sub>1</sub> = {}. <i>K</i><sub>p</sub> is that of integration by forward \
+         Euler; backward Euler has the same sequence with a <i>K</i><sub>p</sub> that is less by <i>K</i><sub>i</sub> \
+         times the sample time.</p>\n",
         unbroken(&number::duration(part.sample_time_s)),
-        integration_rule(part.integration),
         coefficient(part.discrete.0),
         coefficient(part.discrete.1),
     )
