@@ -1,5 +1,10 @@
-//! The study: everything that was learnt from a campaign of recordings, as plain data.
+//! The study: everything that can be learnt from a campaign of recordings, in one call.
 
+mod estimates;
+mod gather;
 mod result;
+mod run;
 
+pub use gather::Source;
 pub use result::*;
+pub use run::{Campaign, Progress, StudyError, run};

@@ -3,7 +3,8 @@
 use recording::{Channel, Format, Raster, Recording};
 
 use super::UPDATE_S;
-use super::parameters::{BenchParameters, ClockParameters, RPM_RAD_S};
+use super::parameters::{BenchParameters, ClockParameters};
+use crate::units::RPM_RAD_S;
 use super::plan::ExperimentPlan;
 use super::run::Registers;
 

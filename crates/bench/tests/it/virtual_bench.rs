@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use bench::virtual_bench::{
-    BenchParameters, ExperimentPlan, HiddenTruth, Numerics, RPM_RAD_S, VirtualBenchError, VirtualRun, Waveform,
+    BenchParameters, ExperimentPlan, HiddenTruth, Numerics, VirtualBenchError, VirtualRun, Waveform,
     simulate, simulate_hidden,
 };
 use recording::Recording;

@@ -11,28 +11,17 @@ pub(super) const SKEW_ENGINE: usize = 2;
 pub(super) const SKEW_TORQUE: usize = 3;
 /// Gate of both encoders, s.
 pub(super) const GATE: usize = 4;
-pub(super) const COUNT: usize = 5;
+/// J_d, kg m²; zero where the torque is the shaft's own, measured by a flange.
+pub(super) const INERTIA: usize = 5;
+pub(super) const COUNT: usize = 6;
 
-/// How the shaft torque is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum ShaftTorque {
-    /// From J_d dω_d/dt + T_d.
-    Computed {
-        /// J_d, kg m².
-        inertia_kg_m2: f64,
-    },
-    /// Measured by a flange.
-    Measured,
-}
-
-/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + s T_d when it is computed.
+/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + s T_d when it is computed and J_d = 0 when a
+/// flange measures it.
 ///
 /// Signals: N_d, N_e, torque. A logged speed is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
 /// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ShaftEquation {
-    pub(super) torque: ShaftTorque,
-}
+pub(super) struct ShaftEquation;
 
 /// A correction factor with its derivative by the gate.
 struct Factor {
@@ -64,7 +53,7 @@ impl Equation for ShaftEquation {
         let gate = gate_correction(s, theta[GATE]);
         let engine = (s * theta[SKEW_ENGINE]).exp();
         let torque = (s * (theta[SKEW_TORQUE] - theta[GATE] / 2.0)).exp();
-        let dyno = self.dyno_polynomial(theta);
+        let dyno = [theta[K], theta[B], theta[INERTIA]];
         let spring = [theta[K], theta[B], 0.0];
         polynomials[0] = dyno.map(|c| gate.value * c);
         polynomials[1] = spring.map(|c| -gate.value * engine * c);
@@ -72,6 +61,7 @@ impl Equation for ShaftEquation {
         for row in derivatives.iter_mut() {
             row.fill([Complex64::default(); ORDERS]);
         }
+        derivatives[INERTIA][0][2] = gate.value;
         for (parameter, order) in [(K, 0), (B, 1)] {
             derivatives[parameter][0][order] = gate.value;
             derivatives[parameter][1][order] = -gate.value * engine;
@@ -81,14 +71,5 @@ impl Equation for ShaftEquation {
         derivatives[GATE][0] = dyno.map(|c| gate.by_gate * c);
         derivatives[GATE][1] = spring.map(|c| -gate.by_gate * engine * c);
         derivatives[GATE][2] = polynomials[2].map(|c| -0.5 * s * c);
-    }
-}
-
-impl ShaftEquation {
-    fn dyno_polynomial(&self, theta: &[f64]) -> [f64; ORDERS] {
-        match self.torque {
-            ShaftTorque::Computed { inertia_kg_m2 } => [theta[K], theta[B], inertia_kg_m2],
-            ShaftTorque::Measured => [theta[K], theta[B], 0.0],
-        }
     }
 }

@@ -5,7 +5,7 @@ use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
 use signal::Signal;
 
-use super::equation::{self, COUNT, ShaftEquation, ShaftTorque};
+use super::equation::{self, COUNT, ShaftEquation};
 use super::response::{measured_response, validate};
 use super::spectra::Spectra;
 use crate::align::split_window;
@@ -33,8 +33,6 @@ const OUTLIER_REACH: usize = 4;
 const LARGEST_SKEW_S: f64 = 0.02;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
-/// Relative step of J_d for the sensitivity of the estimate.
-const INERTIA_STEP: f64 = 1e-3;
 
 /// A torque record and the noise on its samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,13 +67,6 @@ impl ShaftInputs<'_> {
         [self.dyno_speed, self.engine_speed].into_iter().chain(self.torque.iter().map(|t| &t.signal))
     }
 
-    fn torque_kind(&self) -> ShaftTorque {
-        match self.inertia_kg_m2 {
-            Some((inertia_kg_m2, _)) => ShaftTorque::Computed { inertia_kg_m2 },
-            None => ShaftTorque::Measured,
-        }
-    }
-
     /// From the first instant all signals share to the last.
     fn stretch(&self) -> Result<Stretch, EstimateError> {
         let start_s = self.signals().map(|s| s.start_s).fold(f64::NEG_INFINITY, f64::max);
@@ -97,16 +88,16 @@ pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
     let stretch = inputs.stretch()?;
     let (estimation, validation) = split_window((stretch.start_s, stretch.end_s), ESTIMATION_SHARE);
     let known = Stretch { end_s: estimation.1, ..stretch };
-    let solution = Solution::of(inputs, &known, Timing::Estimated)?;
-    let naive = Solution::of(inputs, &known, Timing::Ignored)?;
-    let (theta, torque) = (&solution.fit.fit.parameters, inputs.torque_kind());
+    let solution = Solution::of(inputs, &known, Unknowns::Shaft)?;
+    let naive = Solution::of(inputs, &known, Unknowns::ShaftWithoutTiming)?;
+    let theta = &solution.fit.fit.parameters;
     Ok(Shaft {
         estimate: solution.estimate(&known),
         zero: solution.zero(&known)?,
         ignoring_timing: naive.estimate(&known),
         residual_spectrum: solution.residual_spectrum(),
-        frequency_response: measured_response(&solution.spectra, torque, theta),
-        validation: validate(inputs, torque, theta, validation)?,
+        frequency_response: measured_response(&solution.spectra, theta),
+        validation: validate(inputs, theta, validation)?,
         cross_checks: Vec::new(),
     })
 }
@@ -117,13 +108,32 @@ pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
 /// Those of [`estimate`].
 pub fn estimate_parameters(inputs: &ShaftInputs<'_>) -> Result<Estimate, EstimateError> {
     let stretch = inputs.stretch()?;
-    Ok(Solution::of(inputs, &stretch, Timing::Estimated)?.estimate(&stretch))
+    Ok(Solution::of(inputs, &stretch, Unknowns::Shaft)?.estimate(&stretch))
 }
 
+/// J_d as the data see it, with its standard error, kg m²: a check on the value in the bench file. `None` where the
+/// torque is that of a flange, which does not depend on J_d.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, EstimateError> {
+    if inputs.inertia_kg_m2.is_none() {
+        return Ok(None);
+    }
+    let solution = Solution::of(inputs, &inputs.stretch()?, Unknowns::ShaftAndInertia)?;
+    let variance = solution.covariance[(equation::INERTIA, equation::INERTIA)];
+    Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
+}
+
+/// What a fit is to find.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Timing {
-    Estimated,
-    Ignored,
+enum Unknowns {
+    /// K, B, gate and skews; J_d within its stated uncertainty.
+    Shaft,
+    /// K and B alone, as if time stamps were exact and speeds momentary.
+    ShaftWithoutTiming,
+    /// J_d too, as if nothing were known of it.
+    ShaftAndInertia,
 }
 
 /// A fit with what it was made from.
@@ -136,32 +146,24 @@ struct Solution {
 }
 
 impl Solution {
-    fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, timing: Timing) -> Result<Self, EstimateError> {
+    fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s)?;
         let mut excluded_hz = vec![spectra.turn_centre_hz];
-        let mut fit = solve(inputs, &spectra, inputs.torque_kind(), timing).map_err(error)?;
+        let mut fit = solve(inputs, &spectra, unknowns).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
-        if timing == Timing::Estimated {
+        if unknowns != Unknowns::ShaftWithoutTiming {
             for _ in 0..3 {
                 let lines = drop_outliers(&mut spectra, &fit);
                 if lines.is_empty() {
                     break;
                 }
                 excluded_hz.extend(lines);
-                fit = solve(inputs, &spectra, inputs.torque_kind(), timing).map_err(error)?;
+                fit = solve(inputs, &spectra, unknowns).map_err(error)?;
             }
         }
         let mut covariance = fit.covariance.clone();
         add_timing_floor(&mut covariance, inputs);
-        if let Some((inertia, uncertainty)) = inputs.inertia_kg_m2
-            && uncertainty > 0.0
-        {
-            let nearby = ShaftTorque::Computed { inertia_kg_m2: inertia * (1.0 + INERTIA_STEP) };
-            let moved = solve(inputs, &spectra, nearby, timing).map_err(error)?;
-            let per_unit = |j: usize| (moved.fit.parameters[j] - fit.fit.parameters[j]) / (INERTIA_STEP * inertia);
-            add_outer(&mut covariance, per_unit, uncertainty);
-        }
         Ok(Solution { spectra, fit, covariance, excluded_hz })
     }
 
@@ -170,7 +172,7 @@ impl Solution {
     }
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
-        let labels: [(Label, &dyn Fn(&[f64]) -> f64); COUNT] = [
+        let labels: [(Label, &dyn Fn(&[f64]) -> f64); 5] = [
             (K, &|t| t[equation::K]),
             (B, &|t| t[equation::B]),
             (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
@@ -203,31 +205,38 @@ impl Solution {
 fn solve(
     inputs: &ShaftInputs<'_>,
     spectra: &Spectra,
-    torque: ShaftTorque,
-    timing: Timing,
+    unknowns: Unknowns,
 ) -> Result<FrequencyFit, ident::IdentError> {
-    let equation = ShaftEquation { torque };
     let (gate, gate_uncertainty) = inputs.gate_s;
-    let prior = [Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
+    let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
+    let mut start = [starting_stiffness(spectra, inertia), 0.0, 0.0, 0.0, gate, inertia];
     let positive = Bounds::new(0.0, f64::INFINITY);
     let skew = Bounds::new(-LARGEST_SKEW_S, LARGEST_SKEW_S);
-    let (bounds, priors, gate): ([Bounds; COUNT], &[Prior], f64) = match timing {
-        Timing::Estimated => ([positive, positive, skew, skew, Bounds::new(0.0, LARGEST_SKEW_S)], &prior, gate),
-        Timing::Ignored => {
-            let none = Bounds::new(0.0, 0.0);
-            ([positive, positive, none, none, none], &[], 0.0)
+    let mut bounds = [positive, positive, skew, skew, Bounds::new(0.0, LARGEST_SKEW_S), Bounds::new(inertia, inertia)];
+    let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
+    match unknowns {
+        Unknowns::Shaft if inertia_uncertainty > 0.0 => {
+            bounds[equation::INERTIA] = positive;
+            priors.push(Prior {
+                parameter: equation::INERTIA,
+                value: inertia,
+                standard_uncertainty: inertia_uncertainty,
+            });
         }
-    };
-    let start = [starting_stiffness(spectra, torque), 0.0, 0.0, 0.0, gate];
-    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, priors).fit(&start, &bounds)
+        Unknowns::Shaft => (),
+        Unknowns::ShaftWithoutTiming => {
+            start[equation::GATE] = 0.0;
+            bounds[equation::SKEW_ENGINE..=equation::GATE].fill(Bounds::new(0.0, 0.0));
+            priors.clear();
+        }
+        Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
+    }
+    ErrorsInVariables::new(&ShaftEquation, &spectra.signals, spectra.window, &spectra.bins, &priors)
+        .fit(&start, &bounds)
 }
 
 /// K of a shaft without damping or skew, by least squares over the lowest third of the bins.
-fn starting_stiffness(spectra: &Spectra, torque: ShaftTorque) -> f64 {
-    let inertia = match torque {
-        ShaftTorque::Computed { inertia_kg_m2 } => inertia_kg_m2,
-        ShaftTorque::Measured => 0.0,
-    };
+fn starting_stiffness(spectra: &Spectra, inertia: f64) -> f64 {
     let (mut product, mut power) = (0.0, f64::MIN_POSITIVE);
     for k in &spectra.bins[..spectra.bins.len().div_ceil(3)] {
         let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][*k];
@@ -256,17 +265,8 @@ fn add_timing_floor(covariance: &mut Mat<f64>, inputs: &ShaftInputs<'_>) {
     for skew in [equation::SKEW_ENGINE, equation::SKEW_TORQUE] {
         let variance = covariance[(skew, skew)];
         if variance > 0.0 {
-            let column: Vec<f64> = (0..COUNT).map(|j| covariance[(j, skew)] / variance).collect();
-            add_outer(covariance, |j| column[j], floor);
-        }
-    }
-}
-
-/// Adds u² g gᵀ.
-fn add_outer(covariance: &mut Mat<f64>, gradient: impl Fn(usize) -> f64, uncertainty: f64) {
-    for i in 0..COUNT {
-        for j in 0..COUNT {
-            covariance[(i, j)] += uncertainty * uncertainty * gradient(i) * gradient(j);
+            let moves: Vec<f64> = (0..COUNT).map(|j| covariance[(j, skew)] / variance).collect();
+            *covariance += Mat::from_fn(COUNT, COUNT, |i, j| floor * floor * moves[i] * moves[j]);
         }
     }
 }

@@ -13,4 +13,4 @@ mod estimate;
 mod response;
 mod spectra;
 
-pub use estimate::{NoisyTorque, ShaftInputs, estimate, estimate_parameters};
+pub use estimate::{NoisyTorque, ShaftInputs, estimate, estimate_inertia, estimate_parameters};

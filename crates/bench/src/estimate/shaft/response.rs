@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use ident::validate::{fit_percent, rms_error};
 use signal::Complex64;
 
-use super::equation::{self, ShaftTorque};
+use super::equation;
 use super::estimate::ShaftInputs;
 use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
 use crate::estimate::EstimateError;
@@ -34,7 +34,7 @@ impl Corrections {
 }
 
 /// Δω → T_shaft, averaged over bands, beside (K + Bs)/s.
-pub(super) fn measured_response(spectra: &Spectra, torque: ShaftTorque, theta: &[f64]) -> MeasuredResponse {
+pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredResponse {
     let mut response = MeasuredResponse {
         frequencies_hz: Vec::new(),
         measured_gain_db: Vec::new(),
@@ -46,7 +46,7 @@ pub(super) fn measured_response(spectra: &Spectra, torque: ShaftTorque, theta: &
     for bins in spectra.bins.chunk_by(|a, b| band_of(*a) == band_of(*b)) {
         let (mut cross, mut power, mut centre) = (Complex64::default(), 0.0, 0.0);
         for k in bins {
-            let (difference, shaft_torque) = difference_and_torque(spectra, torque, theta, *k);
+            let (difference, shaft_torque) = difference_and_torque(spectra, theta, *k);
             cross += shaft_torque * difference.conj();
             power += difference.norm_sqr();
             centre += spectra.window.frequency_hz(*k) * difference.norm_sqr();
@@ -63,22 +63,18 @@ pub(super) fn measured_response(spectra: &Spectra, torque: ShaftTorque, theta: &
     response
 }
 
-fn difference_and_torque(spectra: &Spectra, torque: ShaftTorque, theta: &[f64], k: usize) -> (Complex64, Complex64) {
+fn difference_and_torque(spectra: &Spectra, theta: &[f64], k: usize) -> (Complex64, Complex64) {
     let factor = Corrections::at(Complex64::new(0.0, TAU * spectra.window.frequency_hz(k)), theta);
     let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][k];
     let difference = factor.engine * of(1, 0) - factor.speed * of(0, 0);
-    let measured = factor.torque * of(2, 0);
-    match torque {
-        ShaftTorque::Computed { inertia_kg_m2 } => (difference, measured + inertia_kg_m2 * factor.speed * of(0, 1)),
-        ShaftTorque::Measured => (difference, measured),
-    }
+    let acceleration = factor.speed * of(0, 1);
+    (difference, factor.torque * of(2, 0) + theta[equation::INERTIA] * acceleration)
 }
 
 /// T_shaft over time, from torque and acceleration on one side and from twist and its rate on the other, both limited to
 /// the band of the estimate, the line of the once-a-turn encoder error left out.
 pub(super) fn validate(
     inputs: &ShaftInputs<'_>,
-    torque: ShaftTorque,
     theta: &[f64],
     (from_s, to_s): (f64, f64),
 ) -> Result<Validation, EstimateError> {
@@ -100,11 +96,7 @@ pub(super) fn validate(
     for k in used.filter(|k| !turn.contains(&window.frequency_hz(*k))) {
         let s = Complex64::new(0.0, TAU * window.frequency_hz(k));
         let factor = Corrections::at(s, theta);
-        let inertia = match torque {
-            ShaftTorque::Computed { inertia_kg_m2 } => inertia_kg_m2,
-            ShaftTorque::Measured => 0.0,
-        };
-        measured[k] = (inertia * s * factor.speed * speed[k] + factor.torque * torques[k]) / dt;
+        measured[k] = (theta[equation::INERTIA] * s * factor.speed * speed[k] + factor.torque * torques[k]) / dt;
         let difference = factor.engine * engine[k] - factor.speed * speed[k];
         modelled[k] = (theta[equation::K] / s + theta[equation::B]) * difference / dt;
     }

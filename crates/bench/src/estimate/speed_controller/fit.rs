@@ -10,8 +10,8 @@ use signal::spline::UniformSpline;
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT, InverseController};
 use crate::align::split_window;
-use crate::estimate::EstimateError;
-use crate::estimate::parameter::Label;
+use crate::estimate::{EstimateError, timing_floor_s};
+use crate::estimate::parameter::{Label, transformed};
 use crate::estimate::stretch::{longest_unsaturated, need};
 use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
@@ -138,36 +138,36 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     })
 }
 
-/// Estimates the feed-forward from recordings in which N_d* moves (Levels_N_NT, Ramp_N_NT), together with the PI.
+/// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), together with the PI.
 ///
-/// The first recording is estimated from; the second judges. With one recording its last part judges.
+/// `judge` is another such recording, on which the estimate is judged; without one the last part of the first serves.
 ///
 /// # Errors
 /// A missing signal, a constant N_d*, too short a stretch below the torque limit, or data that do not determine the
 /// parameters.
 pub fn estimate_feed_forward(
-    experiments: &[&Experiment],
+    experiment: &Experiment,
+    judge: Option<&Experiment>,
     controller: &SpeedControllerFit,
     torque_limit_nm: Option<f64>,
-) -> Result<Option<FeedForward>, EstimateError> {
-    let Some(first) = experiments.first() else { return Ok(None) };
-    let data = Data::of(first, torque_limit_nm)?;
-    let (known, unseen) = match experiments.get(1) {
-        Some(second) => (data, Data::of(second, torque_limit_nm)?),
-        None => {
+) -> Result<FeedForward, EstimateError> {
+    let data = Data::of(experiment, torque_limit_nm)?;
+    let (known, unseen) = match judge.map(|other| Data::of(other, torque_limit_nm)) {
+        Some(Ok(other)) => (data, other),
+        Some(Err(_)) | None => {
             let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
-            (data.part(first, estimation), data.part(first, validation))
+            (data.part(experiment, estimation), data.part(experiment, validation))
         }
     };
-    check_moves(first, &known.reference)?;
+    check_moves(experiment, &known.reference)?;
     let fit = fit_feed_forward(&known, controller)?;
     let alone = |j: usize| if matches!(j, inverse::K | inverse::K_A) { 0.0 } else { controller.theta[j] };
     let pi_alone: Vec<f64> = (0..COUNT).map(alone).collect();
-    Ok(Some(FeedForward {
+    Ok(FeedForward {
         estimate: describe_feed_forward(&known, &fit)?,
         validation: validate(&unseen, &fit.parameters, controller.reference_lag)?,
         pi_alone: validate(&unseen, &pi_alone, controller.reference_lag)?,
-    }))
+    })
 }
 
 fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
@@ -270,8 +270,10 @@ fn describe(data: &Data, fit: &Fit) -> Result<(Estimate, Encoder), EstimateError
         (I_0, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
         (T_G, &gate),
     ];
-    let mut estimate = super::super::parameter::transformed(&outputs, fit, &covariance, dof, &data.stretch);
-    estimate.add_systematic("τ", crate::estimate::timing_floor_s(t), dof);
+    // Without a gate of its own the logged speed is the one the controller sees: nothing to report.
+    let reported = if fit.at_bound[inverse::GATE_SQUARED] { &outputs[..4] } else { &outputs[..] };
+    let mut estimate = transformed(reported, fit, &covariance, dof, &data.stretch);
+    estimate.add_systematic("τ", timing_floor_s(t), dof);
     let gate_standard_error_s = estimate.parameter(T_G.symbol).map_or(0.0, |p| p.standard_error);
     let encoder = Encoder {
         gate_s: gate(&fit.parameters),
@@ -291,7 +293,7 @@ fn describe_feed_forward(data: &Data, fit: &Fit) -> Result<Estimate, EstimateErr
         (K_P, &|g| RPM_RAD_S / g[inverse::P]),
         (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
     ];
-    Ok(super::super::parameter::transformed(&outputs, fit, &covariance, dof, &data.stretch))
+    Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
 }
 
 /// T_d* computed from measured speed, against T_d* recorded; residual tests on the inverted form, whose residual is the

@@ -1,0 +1,61 @@
+//! A model of the torque against samples it has not seen.
+
+use ident::IdentError;
+use ident::validate::{fit_percent, residual_correlations, rms_error};
+
+use super::held::HeldDemand;
+use super::model::{LAGS, LEVEL};
+use super::observed::{Observed, demand_at};
+use crate::study::{ResidualTest, Stretch, Trace, Validation};
+use crate::{Experiment, Role};
+
+/// Fit, traces and residual tests of `modelled` on `seen`, a stretch without missing samples.
+///
+/// # Errors
+/// No samples.
+pub(super) fn judge(
+    experiment: &Experiment,
+    held: &HeldDemand,
+    seen: &Observed,
+    modelled: &[f64],
+) -> Result<Validation, IdentError> {
+    let trace = |values: &[f64]| Trace {
+        start_s: seen.times_s.first().copied().unwrap_or(0.0),
+        sample_time_s: seen.sample_time_s,
+        values: values.to_vec(),
+    };
+    Ok(Validation {
+        stretch: Stretch {
+            file: experiment.file.clone(),
+            start_s: seen.times_s.first().copied().unwrap_or(0.0),
+            end_s: seen.times_s.last().copied().unwrap_or(0.0),
+        },
+        quantity: Role::AirGapTorque.symbol().to_owned(),
+        unit: "Nm".to_owned(),
+        fit_percent: fit_percent(&seen.values, modelled)?,
+        rms_error: rms_error(&seen.values, modelled)?,
+        measured: trace(&seen.values),
+        modelled: trace(modelled),
+        residuals: residual_test(held, seen, modelled),
+    })
+}
+
+fn residual_test(held: &HeldDemand, seen: &Observed, modelled: &[f64]) -> Option<ResidualTest> {
+    let residuals: Vec<f64> = seen.values.iter().zip(modelled).map(|(y, m)| y - m).collect();
+    let found = residual_correlations(&residuals, &demand_at(held, &seen.times_s), LAGS, LEVEL).ok()?;
+    Some(ResidualTest {
+        sample_time_s: seen.sample_time_s,
+        level: LEVEL,
+        autocorrelation: found.auto,
+        autocorrelation_bound: found.auto_bound,
+        cross_correlation: found.cross,
+        cross_correlation_bound: found.cross_bound,
+        input: Role::DynoTorqueDemand.symbol().to_owned(),
+    })
+}
+
+/// Share of the lags 0…M at which the residual depends on present and past input beyond the region.
+pub(super) fn share_outside(test: &ResidualTest) -> f64 {
+    let past = &test.cross_correlation[test.cross_correlation.len() / 2..];
+    past.iter().filter(|c| c.abs() > test.cross_correlation_bound).count() as f64 / past.len().max(1) as f64
+}
