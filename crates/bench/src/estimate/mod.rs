@@ -8,6 +8,7 @@ mod parameter;
 pub mod shaft;
 pub mod speed_controller;
 pub(crate) mod stretch;
+pub mod timing;
 pub mod torque_control;
 
 pub use error::EstimateError;

@@ -4,7 +4,7 @@ use crate::estimate::shaft::{self, NoisyTorque, ShaftInputs};
 use crate::estimate::speed_controller::{self, Encoder, SpeedControllerFit};
 use crate::estimate::torque_control::{self, TorqueControlFit};
 use crate::estimate::stretch::need;
-use crate::estimate::{EstimateError, noise_floor};
+use crate::estimate::{EstimateError, noise_floor, timing};
 use crate::study::{
     BenchVariant, FeedForward, Need, Part, Progress, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
 };
@@ -136,9 +136,10 @@ pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
     });
     let feed_forward = feed_forward(findings, controller.as_ref().ok());
     let torque_control = torque_control(findings);
+    let timing = timing(findings, torque_control.as_ref().ok());
     let shaft = shaft(findings, controller.as_ref().ok(), torque_control.as_ref().ok());
     Estimates {
-        timing: Part::NotEstimated { needs: needs_part("torque control") },
+        timing: part(timing),
         speed_controller: part(controller.map(|c| c.result)),
         feed_forward: part(feed_forward),
         torque_control: part(torque_control.map(|t| t.result)),
@@ -170,6 +171,14 @@ fn torque_control(findings: &mut Findings<'_>) -> Result<TorqueControlFit, Vec<N
     })?;
     findings.diagnostics.extend(fit.diagnostics.iter().cloned());
     Ok(fit)
+}
+
+fn timing(findings: &mut Findings<'_>, torque_control: Option<&TorqueControlFit>) -> Result<Timing, Vec<Need>> {
+    let inertia = findings.bench.dynamometer_inertia_kg_m2;
+    let candidates = findings.of_tests(&["WhiteNoise", "Step"]);
+    findings.first("timing", &candidates, &["WhiteNoise_T_TN", "Step_T_TN"], |e| {
+        timing::estimate(&[e], torque_control, inertia)
+    })
 }
 
 fn shaft(

@@ -268,8 +268,13 @@ pub struct SignalDelay {
     pub against_demand: Option<Parameter>,
     /// Against the bend in N_d (the mechanical effect of T_d).
     pub against_speed_bend: Option<Parameter>,
-    /// Agreement of the routes: largest difference over its standard error.
+    /// The same delay by each route that applies: name, and value in s. Routes without a model see the mean delay over
+    /// the demand's spectrum, so that they agree to about a tenth of a millisecond at best.
     pub routes: Vec<(String, f64)>,
+    /// Length of the moving average that reproduces the signal from N_d and T_d,calc, in samples of N_d.
+    pub moving_average_length: Option<usize>,
+    /// Dynamics of a load cell: its own delay τ_cell in s, ω_n in rad/s, ζ.
+    pub dynamics: Option<Estimate>,
     /// Where it was measured.
     pub stretch: Stretch,
 }

@@ -8,5 +8,8 @@ mod channels;
 mod prepare;
 mod recorded;
 mod support;
+mod timing;
+mod torque_bench;
+mod torque_control;
 mod units;
 mod virtual_bench;

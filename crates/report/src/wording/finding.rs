@@ -22,27 +22,32 @@ pub fn finding(finding: &Finding) -> String {
         Finding::UnfitUnit { role: of, unit } => format!("The unit “{unit}” does not fit the {}.", role(*of)),
         Finding::NotANumber { count, mended } => not_a_number(*count, *mended),
         Finding::Gap { duration_s, mended } => gap(*duration_s, *mended),
-        Finding::ShortGaps { count, longest_s, share: lost } => short_gaps(*count, *longest_s, *lost),
-        Finding::Cut { kept_s, lost_s } => format!(
-            "Gaps are too long to interpolate: only the stretch from {} to {} is used, {} are not.",
-            time(kept_s.0),
-            time(kept_s.1),
-            duration(*lost_s)
-        ),
+        Finding::ShortGaps { count, longest_s, share: of } => short_gaps(*count, *longest_s, *of),
+        Finding::Cut { kept_s: (from, to), lost_s } => {
+            let lost = duration(*lost_s);
+            format!(
+                "Gaps too long to interpolate: only the stretch from {} to {} is used, {lost} are not.",
+                time(*from),
+                time(*to)
+            )
+        }
+        Finding::ImplausibleMagnitude { role: of, largest, looks_like } => {
+            let hint = looks_like.as_ref().map(|unit| format!(" They look like {unit}.")).unwrap_or_default();
+            format!("The values of the {} reach {} (SI), more than a bench can do.{hint}", role(*of), si(*largest))
+        }
+        Finding::SpeedsDisagree { role: of, ratio_to_dyno_speed } => {
+            format!(
+                "The mean of the {} is {} times that of the dynamometer speed.",
+                role(*of),
+                si(*ratio_to_dyno_speed)
+            )
+        }
         Finding::TimeNotIncreasing => "Time stamps go backwards or repeat.".to_owned(),
         Finding::Jitter { largest_s, sample_time_s } => jitter(*largest_s, *sample_time_s),
         Finding::Constant { value } => format!("The signal never changes; it rests at {} (SI).", si(*value)),
         Finding::Clipped { value, share: of } => {
             format!("The signal rests at its extreme value {} (SI) in {} of the samples.", si(*value), share(*of))
         }
-        Finding::ImplausibleMagnitude { role: of, largest, looks_like } => {
-            magnitude(&role(*of), *largest, looks_like.as_deref())
-        }
-        Finding::SpeedsDisagree { role: of, ratio_to_dyno_speed } => format!(
-            "The mean of the {} is {} times that of the dynamometer speed.",
-            role(*of),
-            significant(*ratio_to_dyno_speed, 3)
-        ),
         Finding::TooShort { duration_s, needed_s } => {
             format!("The recording lasts {}; the estimate needs {}.", duration(*duration_s), duration(*needed_s))
         }
@@ -82,7 +87,9 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::NoLabel => "Put the label, such as BS_T_NT, into the file name or into the bench file.",
         Finding::DuplicateRecording { .. } => "Remove one of the two; only the first was used.",
         Finding::MissingChannel { .. } => "Correct the channel’s name in the bench file, or record the channel.",
-        Finding::UnfitUnit { .. } => "Correct the unit in the recording, or state it in the bench file.",
+        Finding::UnfitUnit { .. } => {
+            "State the unit in the bench file, for instance dyno_speed = { name = \"…\", unit = \"rpm\" }."
+        }
         Finding::NotANumber { mended: true, .. } => "Nothing to do, unless it happens often: then check the sensor.",
         Finding::NotANumber { mended: false, .. } => "Check sensor and cable, and record again.",
         Finding::Gap { mended: true, .. } => {
@@ -90,19 +97,19 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::Gap { mended: false, .. } => "Record again; a stretch with a gap cannot be used.",
         Finding::ShortGaps { .. } => "Nothing to do, unless it happens often: then check the measuring system’s load.",
-        Finding::Cut { .. } => "Record again to use the whole length; check the measuring system’s load.",
+        Finding::Cut { .. } => "Record again without interruption to use the whole recording.",
+        Finding::ImplausibleMagnitude { .. } => {
+            "State the true unit in the bench file, for instance dyno_speed = { name = \"…\", unit = \"rpm\" }."
+        }
+        Finding::SpeedsDisagree { .. } => {
+            "Check unit and channel in the bench file; a ratio of 9.55 or 0.105 means rpm taken for rad/s or the reverse."
+        }
         Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
         Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
         Finding::Constant { .. } => {
             "Check that the sensor is connected and that the right channel is named in the bench file."
         }
         Finding::Clipped { .. } => "Widen the measuring range, or lower the excitation, and record again.",
-        Finding::ImplausibleMagnitude { .. } => {
-            "Check the channel’s unit and scaling, and state the unit in the bench file."
-        }
-        Finding::SpeedsDisagree { .. } => {
-            "Check the unit (rpm or rad/s), the channel, and whether there is a gear between."
-        }
         Finding::TooShort { .. } => "Record for longer.",
         Finding::WrongTorqueSign { .. } => {
             "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer."
@@ -137,6 +144,11 @@ fn not_a_number(count: usize, mended: bool) -> String {
     format!("{what} not a number; {}.", if mended { "interpolated" } else { "too many to interpolate" })
 }
 
+fn short_gaps(count: usize, longest_s: f64, of: f64) -> String {
+    let what = if count == 1 { "One short gap was".to_owned() } else { format!("{count} short gaps were") };
+    format!("{what} interpolated: the longest lasts {}, together {} of the samples.", duration(longest_s), share(of))
+}
+
 fn gap(duration_s: f64, mended: bool) -> String {
     let fate = if mended { "interpolated" } else { "too long to interpolate" };
     format!("Time stamps are missing for {}; {fate}.", duration(duration_s))
@@ -164,16 +176,6 @@ fn residuals(submodel: &str, share_outside: f64) -> String {
 fn routes(quantity: &str, first: (f64, f64), second: (f64, f64)) -> String {
     let [first, second] = [first, second].map(|(value, error)| plus_minus(value, 2.0 * error, ""));
     format!("Two ways of finding {quantity} disagree: {first} and {second} (± two standard errors).")
-}
-
-fn short_gaps(count: usize, longest_s: f64, lost: f64) -> String {
-    let (longest, lost) = (duration(longest_s), share(lost));
-    format!("{count} short gaps were interpolated, the longest of {longest}; {lost} of the samples were missing.")
-}
-
-fn magnitude(role: &str, largest: f64, looks_like: Option<&str>) -> String {
-    let hint = looks_like.map(|unit| format!(" They look like {unit}.")).unwrap_or_default();
-    format!("The values of the {role} reach {} (SI), more than can be.{hint}", si(largest))
 }
 
 fn excluded_lines(frequencies_hz: &[f64]) -> String {

@@ -33,12 +33,12 @@ pub fn severity_meaning(severity: Severity) -> &'static str {
     }
 }
 
-/// A part of the study in plain words, from its field name (`speed_controller` → `speed control`). A name that is not
-/// one of the study's fields is returned as it is.
+/// A part of the study in plain words, from its field name (`speed_controller` → `speed control`). Another name is
+/// returned as it is.
 pub fn part(name: &str) -> &str {
     match name {
         "timing" => "timing of the signals",
-        "speed_controller" => "speed control",
+        "speed_controller" | "speed controller" => "speed control",
         "feed_forward" => "feed-forward",
         "torque_control" => "torque control",
         "shaft" => "shaft",

@@ -33,7 +33,7 @@ impl HeldDemand {
     /// Index of the sample in force, and the time since it came into force; before the first sample: 0 and 0.
     fn locate(&self, time_s: f64) -> (usize, f64) {
         let position = (time_s - self.start_s) / self.sample_time_s;
-        if !(position > 0.0) {
+        if position.is_nan() || position <= 0.0 {
             return (0, 0.0);
         }
         // The float-to-integer cast saturates.
@@ -91,7 +91,8 @@ impl<'a> Mode<'a> {
         self.rate = rate;
         let step = self.demand.sample_time_s;
         let keep = (-rate * step).exp();
-        let (mut x, mut by_rate) = (Complex64::from(self.demand.values.first().copied().unwrap_or(0.0)), Complex64::ZERO);
+        let (mut x, mut by_rate) =
+            (Complex64::from(self.demand.values.first().copied().unwrap_or(0.0)), Complex64::ZERO);
         for (n, u) in self.demand.values.iter().enumerate() {
             (self.state[n], self.state_by_rate[n]) = (x, by_rate);
             by_rate = keep * (by_rate - (x - *u) * step);

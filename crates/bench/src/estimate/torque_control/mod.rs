@@ -103,7 +103,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let delay_and_lag = lagged.estimate(&stretch);
     let (pure_delay, delayed) = pure_delay::fit(&held, &observed, &lagged.model, &stretch).map_err(failed)?;
     let held_out = Observed::new(torque, &usable, split..torque.len());
-    let judge = |modelled: &[f64], seen: &Observed| validation::judge(experiment, &held, seen, modelled).map_err(failed);
+    let judge =
+        |modelled: &[f64], seen: &Observed| validation::judge(experiment, &held, seen, modelled).map_err(failed);
     let seen = held_out.part(held_out.longest_run());
     let delay_and_lag_validation = judge(&lagged.model.torque_at(&held, &seen.times_s), &seen)?;
     let pure_delay_validation = judge(&delayed.torque_at(&held, &seen.times_s), &seen)?;
@@ -121,7 +122,7 @@ fn signals(experiment: &Experiment) -> Result<(&Signal, &Signal), EstimateError>
     let demand = usable_signal(experiment, Role::DynoTorqueDemand)?;
     let torque = usable_signal(experiment, Role::AirGapTorque)?;
     let standard_deviation = standard_deviation(&demand.samples);
-    if !(standard_deviation >= WEAK_NM) {
+    if standard_deviation.is_nan() || standard_deviation < WEAK_NM {
         let role = Role::DynoTorqueDemand;
         return Err(EstimateError::WeakExcitation { file: experiment.file.clone(), role, standard_deviation });
     }
@@ -205,7 +206,8 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
         torque_limit_nm: limit,
         residual: model::statistics(&fit.residuals, observed)?,
     };
-    let covariance = Mat::from_fn(2, 2, |i, j| if fit.at_bound[i] && i == j { f64::INFINITY } else { covariance[(i, j)] });
+    let covariance =
+        Mat::from_fn(2, 2, |i, j| if fit.at_bound[i] && i == j { f64::INFINITY } else { covariance[(i, j)] });
     Ok(Lagged { model: inverter, covariance, freedom, gain, fit })
 }
 

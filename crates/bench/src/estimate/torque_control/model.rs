@@ -92,7 +92,7 @@ impl InverterModel {
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
         errors.iter_mut().for_each(|e| *e -= mean);
         let span = observed.times_s.last().unwrap_or(&0.0) - observed.times_s.first().unwrap_or(&0.0);
-        if !(span > 0.0) {
+        if span.is_nan() || span <= 0.0 {
             return Err(IdentError::TooFewSamples { samples: observed.len(), parameters: 1 });
         }
         Ok(self.ripple.iter().map(|line| strongest_near(&errors, observed, line.frequency_hz, span)).collect())

@@ -79,7 +79,7 @@ fn noise_variance(held: &HeldDemand, observed: &Observed, model: &PureDelay) -> 
     let jacobian = Mat::from_fn(observed.len(), 1, |i, _| -(later[i] - earlier[i]) / (2.0 * step));
     let residuals: Vec<f64> = observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
     let information = jacobian.col(0).squared_norm_l2();
-    if !(information > 0.0) {
+    if information.is_nan() || information <= 0.0 {
         return Err(IdentError::Constant { what: "the demand" });
     }
     let fit = Fit {

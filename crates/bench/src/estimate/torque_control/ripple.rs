@@ -76,10 +76,8 @@ pub(in crate::estimate) fn strongest_line(
 fn floor(power: &[f64], peak: usize, bin_hz: f64, width_hz: f64) -> f64 {
     let reach = (NEIGHBOURHOOD_HZ / bin_hz) as usize;
     let beside = |k: &usize| k.abs_diff(peak) as f64 * bin_hz > width_hz;
-    let mut around: Vec<f64> = (peak.saturating_sub(reach)..(peak + reach).min(power.len()))
-        .filter(beside)
-        .map(|k| power[k])
-        .collect();
+    let mut around: Vec<f64> =
+        (peak.saturating_sub(reach)..(peak + reach).min(power.len())).filter(beside).map(|k| power[k]).collect();
     let middle = around.len() / 2;
     if around.is_empty() {
         return f64::INFINITY;

@@ -221,3 +221,38 @@ impl<R: Response> ResidualModel for RippledModel<'_, R> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use signal::Signal;
+
+    /// The trait's methods are private to the crate, so this test lives here.
+    #[test]
+    fn prop_jacobian_is_the_finite_difference() {
+        let levels = (0..400).map(|i: i32| f64::from((i / 10) * 37 % 11) * 3.0 + 20.0);
+        let demand = Signal { start_s: 0.3, sample_time_s: 1e-3, samples: levels.collect() };
+        let torque = Signal { start_s: 0.3004, sample_time_s: 4e-3, samples: vec![30.0; 95] };
+        let observed = Observed::new(&torque, &[true; 95], 0..95);
+        let held = HeldDemand::new(&demand, None);
+        let mut model = RippledModel::new(DelayAndLag::new(&held), &observed);
+        model.set_lines(2);
+        let point = [2.13e-3, 431.0, 1.02, 0.4, 71.3, 0.5, -0.3, 0.02, 0.03, 100.2, -0.2, 0.7, 0.01, -0.02];
+        let (mut residuals, mut jacobian) = (vec![0.0; 95], Mat::zeros(95, point.len()));
+        assert!(model.evaluate(&point, &mut residuals, Some(jacobian.as_mut())).is_ok());
+        let (mut above, mut below) = (vec![0.0; 95], vec![0.0; 95]);
+        for j in 0..point.len() {
+            let step = 1e-5 * point[j].abs();
+            let mut moved = point;
+            moved[j] = point[j] + step;
+            assert!(model.evaluate(&moved, &mut above, None).is_ok());
+            moved[j] = point[j] - step;
+            assert!(model.evaluate(&moved, &mut below, None).is_ok());
+            let size = jacobian.col(j).norm_max();
+            for i in 0..95 {
+                let slope = (above[i] - below[i]) / (2.0 * step);
+                assert!((slope - jacobian[(i, j)]).abs() < 1e-5 * size, "parameter {j}, sample {i}");
+            }
+        }
+    }
+}

@@ -4,8 +4,8 @@ use faer::Mat;
 use ident::covariance::batched_sandwich;
 use ident::{Bounds, Fit, IdentError, NonlinearOptions, minimise};
 
-use super::rippled::{Response, RippledModel};
 use super::ripple::{lowers_cost, strongest_line};
+use super::rippled::{Response, RippledModel};
 
 /// Most ripple lines looked for.
 const MOST_LINES: usize = 4;
