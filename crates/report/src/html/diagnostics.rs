@@ -37,7 +37,7 @@ fn title(severity: Severity, count: usize) -> String {
 }
 
 /// Findings that say the same of several places, together.
-fn alike<'a>(found: &[&'a Diagnostic]) -> Vec<Vec<&'a Diagnostic>> {
+pub(crate) fn alike<'a>(found: &[&'a Diagnostic]) -> Vec<Vec<&'a Diagnostic>> {
     let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
     for diagnostic in found {
         match groups.iter_mut().find(|group| group.first().is_some_and(|first| first.finding == diagnostic.finding)) {

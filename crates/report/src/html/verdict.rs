@@ -3,7 +3,7 @@
 use bench::study::{Need, Parameter, Part, Study};
 use bench::{Diagnostic, Severity};
 
-use super::diagnostics::entry;
+use super::diagnostics::{alike, entry};
 use super::markup::{Markup, markup};
 use super::parts::{table, unbroken};
 use super::typeset::{prose, symbol};
@@ -50,7 +50,7 @@ fn because(rules: &[Rule]) -> Markup {
         .collect();
     match decisive.is_empty() {
         true => markup!("<p>All {} rules of the verdict are met.</p>", rules.len()),
-        false => markup!("<p>These rules of the verdict are not met:</p><ul>{}</ul>", decisive),
+        false => markup!("<p>These rules of the verdict are not, or not fully, met:</p><ul>{}</ul>", decisive),
     }
 }
 
@@ -186,8 +186,10 @@ fn findings(study: &Study) -> Markup {
         return markup!("<p class=\"note\">There is no finding beyond notes.</p>\n");
     }
     grave.sort_by_key(|found| std::cmp::Reverse(found.severity));
-    let shown: Markup = grave.iter().take(SHOWN_FINDINGS).map(|found| entry(&[*found])).collect();
-    let rest = match study.diagnostics.len().saturating_sub(SHOWN_FINDINGS.min(grave.len())) {
+    let groups = alike(&grave);
+    let shown: Markup = groups.iter().take(SHOWN_FINDINGS).map(|same| entry(same)).collect();
+    let count: usize = groups.iter().take(SHOWN_FINDINGS).map(Vec::len).sum();
+    let rest = match study.diagnostics.len().saturating_sub(count) {
         0 => Markup::default(),
         n => {
             markup!("<p class=\"note\"><a href=\"#findings\">All findings ({} more)</a></p>", unbroken(&n.to_string()))

@@ -42,6 +42,7 @@ pub fn digits(parameter: &Parameter) -> Option<Digits> {
 pub fn parameter(parameter: &Parameter) -> String {
     match digits(parameter) {
         Some(Digits { value, spread, unit, .. }) => with_unit(format!("{value} {spread}"), &unit),
+        None if is_fixed(parameter) => format!("{}, held fixed", measure(parameter.value, &parameter.unit)),
         None => plus_minus(parameter.value, f64::NAN, &parameter.unit),
     }
 }
@@ -50,8 +51,15 @@ pub fn parameter(parameter: &Parameter) -> String {
 pub fn interval(parameter: &Parameter) -> String {
     match digits(parameter) {
         Some(Digits { interval, unit, .. }) => with_unit(interval, &unit),
+        None if is_fixed(parameter) => "–".to_owned(),
         None => NOT_KNOWN.to_owned(),
     }
+}
+
+/// Whether the parameter was given to the estimate rather than estimated.
+fn is_fixed(parameter: &Parameter) -> bool {
+    let (low, high) = parameter.interval;
+    parameter.value.is_finite() && parameter.standard_error == 0.0 && low == high
 }
 
 /// A value with an uncertainty, the latter to two significant digits and the value to the same place:

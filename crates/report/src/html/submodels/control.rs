@@ -4,7 +4,7 @@ use bench::study::{FeedForward, Part, SpeedController, Study, TorqueControl};
 
 use crate::html::markup::{Markup, markup};
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, unbroken};
-use crate::html::plots::{comparison, correlation_extent, correlations, figure, residual_test, side_by_side};
+use crate::html::plots::{Extent, comparison, correlations, cross_outside, figure, residual_test, side_by_side};
 use crate::html::typeset::prose;
 use crate::wording::number;
 
@@ -50,12 +50,16 @@ fn delay_evidence(part: &SpeedController) -> Markup {
     let (Some(with), Some(without)) = (&part.validation.residuals, &part.without_delay.residuals) else {
         return residual_test(&part.validation);
     };
-    let extent = correlation_extent(&[with, without]);
+    let extent = Extent::of(&[with, without]);
     let text = format!(
         "Leaving the delay out and estimating K_p and K_i anew gives a fit of {}; with the delay it is {}. The residuals \
-         tell more than the fit: without the delay they stay correlated with the speed error.",
+         tell more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
+         with it.",
         number::fit(part.without_delay.fit_percent),
-        number::fit(part.validation.fit_percent)
+        number::fit(part.validation.fit_percent),
+        with.input,
+        cross_outside(without),
+        cross_outside(with)
     );
     markup!(
         "<p>{}</p>\n{}",

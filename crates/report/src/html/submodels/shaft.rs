@@ -90,7 +90,7 @@ fn ignoring_timing(part: &Shaft) -> Markup {
         });
         vec![
             symbol(&plain.symbol),
-            markup!("{}", plain.name),
+            prose(&plain.name),
             honest.map(|p| unbroken(&number::parameter(p))).unwrap_or_default(),
             unbroken(&number::parameter(plain)),
         ]
