@@ -63,8 +63,8 @@ fn speed_control(study: &Study) -> (Vec<Markup>, bool) {
     let law = markup!("{} ({} + {}/s) (N − N*)", delay(&part.estimate, "τ"), k_p, k_i);
     let feed_forward = match &study.feed_forward {
         Part::Estimated(part) => {
-            let [k, k_a] = ["k", "k_a"].map(|symbol| digits(&part.estimate, symbol));
-            markup!("+ {} N* + {} dN*/dt", k, k_a)
+            let [k, k_a] = ["k", "k_a"].map(|symbol| signed(&digits(&part.estimate, symbol)));
+            markup!("{} N* {} dN*/dt", k, k_a)
         }
         Part::NotEstimated { needs } => markup!("<tspan class=\"absent\">feed-forward {}</tspan>", short(needs)),
     };
@@ -109,6 +109,14 @@ fn delay(estimate: &Estimate, symbol: &str) -> Markup {
 fn digits(estimate: &Estimate, symbol: &str) -> String {
     let value = estimate.parameter(symbol).map(|parameter| number::significant(parameter.value, 4));
     value.unwrap_or_else(|| "?".to_owned())
+}
+
+/// A number as a further summand: `+ 2`, `− 2`.
+fn signed(digits: &str) -> String {
+    match digits.strip_prefix('−') {
+        Some(magnitude) => format!("− {magnitude}"),
+        None => format!("+ {digits}"),
+    }
 }
 
 fn absent(needs: &[Need]) -> Vec<Markup> {
