@@ -53,7 +53,7 @@ pub fn finding(finding: &Finding) -> String {
         }
         Finding::WrongTorqueSign { correlation } => {
             let found = significant(*correlation, 2);
-            format!("T_d appears to brake with a negative sign (correlation with −J_d·dω_d/dt: {found}).")
+            format!("T_d appears to brake with a negative sign (its correlation with the motion it causes is {found}).")
         }
         Finding::ImplausibleInertia { given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
             inertia(*given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
@@ -72,7 +72,6 @@ pub fn finding(finding: &Finding) -> String {
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
         Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
         Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
-        Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
         Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
         Finding::BeyondLimit { limit, value, allowed } => {
             format!("The model predicts {} (SI) for the {limit}; the limit is {}.", si(*value), si(*allowed))
@@ -124,7 +123,6 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
         }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
-        Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
         Finding::RoutesDisagree { .. } => {
             "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
         }
@@ -152,7 +150,7 @@ fn short_gaps(count: usize, longest_s: f64, of: f64) -> String {
 }
 
 fn gap(duration_s: f64, mended: bool) -> String {
-    let fate = if mended { "it was interpolated" } else { "too long to interpolate" };
+    let fate = if mended { "interpolated" } else { "too long to interpolate" };
     format!("Time stamps are missing for {}; {fate}.", duration(duration_s))
 }
 
@@ -177,7 +175,7 @@ fn residuals(submodel: &str, share_outside: f64) -> String {
 
 fn routes(quantity: &str, first: (f64, f64), second: (f64, f64)) -> String {
     let [first, second] = [first, second].map(|(value, error)| plus_minus(value, 2.0 * error, ""));
-    format!("Two ways to {quantity} disagree: {first} and {second} (± two standard errors).")
+    format!("Two ways of finding {quantity} disagree: {first} and {second} (± two standard errors).")
 }
 
 fn excluded_lines(frequencies_hz: &[f64]) -> String {
