@@ -104,7 +104,7 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
         gain.push(Layer::HorizontalMark { y: decibel(whole.static_gain), label });
     }
     if !points.is_empty() {
-        gain.push(sine_layer(points, decibel));
+        gain.extend(sine_layers(points, decibel));
     }
     let phase = curves
         .iter()
@@ -153,17 +153,28 @@ fn resonance_layers(resonance: &Parameter) -> Vec<Layer> {
     ]
 }
 
-/// The sine tests as points; `scale` turns a gain into what the axis shows.
-fn sine_layer(points: &[SinePoint], scale: impl Fn(f64) -> Rounded) -> Layer {
-    let at = |errors: f64| points.iter().map(|p| scale(p.gain + errors * p.standard_error)).collect();
-    Layer::Points {
-        name: "sine tests".to_owned(),
-        style: Style::Measured,
-        x: Abscissa::Values(points.iter().map(|p| Rounded(p.frequency_hz)).collect()),
-        y: at(0.0),
-        low: Some(at(-QUANTILE_95)),
-        high: Some(at(QUANTILE_95)),
-    }
+/// The sine tests as points, freed of what the engine did; those at an engine order, where that cannot be told apart, as a
+/// series of their own. `scale` turns a gain into what the axis shows.
+fn sine_layers(points: &[SinePoint], scale: impl Fn(f64) -> Rounded) -> Vec<Layer> {
+    let (at_order, clear): (Vec<&SinePoint>, Vec<&SinePoint>) = points.iter().partition(|p| p.at_engine_order);
+    let series = |name: &str, style: Style, points: &[&SinePoint]| {
+        let at = |errors: f64| points.iter().map(|p| scale(shown_gain(p) + errors * p.standard_error)).collect();
+        Layer::Points {
+            name: name.to_owned(),
+            style,
+            x: Abscissa::Values(points.iter().map(|p| Rounded(p.frequency_hz)).collect()),
+            y: at(0.0),
+            low: Some(at(-QUANTILE_95)),
+            high: Some(at(QUANTILE_95)),
+        }
+    };
+    let all = [("sine tests", Style::Other, clear), ("sine tests at an engine order", Style::Measured, at_order)];
+    all.iter().filter(|(.., points)| !points.is_empty()).map(|(name, style, p)| series(name, *style, p)).collect()
+}
+
+/// The gain to set against (7.2): without the part that engine torque caused, where that is known.
+fn shown_gain(point: &SinePoint) -> f64 {
+    point.gain_corrected_for_engine.unwrap_or(point.gain)
 }
 
 fn decibel(gain: f64) -> Rounded {
@@ -173,7 +184,7 @@ fn decibel(gain: f64) -> Rounded {
 fn bode_caption(unit: &str, with_sines: bool) -> String {
     let mut caption = format!("Gain relative to 1 {unit}; shaded: 95 % band of the model.");
     if with_sines {
-        caption.push_str(" Points: gains measured by sine tests with 95 % error bars.");
+        caption.push_str(" Points: gains measured by sine tests, the engine’s part removed, with 95 % error bars.");
     }
     caption
 }
@@ -200,10 +211,13 @@ fn sine_figure(whole: &WholeModel) -> Figure {
         layers.push(Layer::Band { name: name.clone(), style: Style::Modelled, x: x.clone(), low, high });
         layers.push(Layer::Line { name, style: Style::Modelled, x, y: ratio(&curve.gain_db) });
     }
-    layers.push(sine_layer(points, Rounded));
+    layers.extend(sine_layers(points, Rounded));
     Figure {
         title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
-        caption: "Points: measured, with 95 % error bars. Shaded: 95 % band of the model.".to_owned(),
+        caption:
+            "Points: measured, the engine’s part removed, with 95 % error bars. Grey: at an engine order, where the \
+                  engine cannot be told from the dynamometer. Shaded: 95 % band of the model."
+                .to_owned(),
         x: Axis::linear("frequency", "Hz").within(0.0, 1.1 * highest),
         panels: vec![Panel::new(Axis::linear("gain", ""), 190, layers)],
     }
@@ -211,19 +225,24 @@ fn sine_figure(whole: &WholeModel) -> Figure {
 
 fn sine_table(points: &[SinePoint]) -> Markup {
     let rows = points.iter().map(|point| {
+        let error = QUANTILE_95 * point.standard_error;
         vec![
             unbroken(&number::significant_with_unit(point.frequency_hz, 3, "Hz")),
-            unbroken(&number::plus_minus(point.gain, QUANTILE_95 * point.standard_error, "")),
-            unbroken(&number::to_place_of(point.model_gain, QUANTILE_95 * point.standard_error)),
+            unbroken(&number::plus_minus(point.gain, error, "")),
+            unbroken(&number::to_place_of(shown_gain(point), error)),
+            unbroken(&number::to_place_of(point.model_gain, error)),
             unbroken(&deviation(point)),
+            markup!("{}", if point.at_engine_order { "at an engine order" } else { "" }),
             markup!("<span class=\"file\">{}</span>", point.file),
         ]
     });
-    table("numbers", &["Frequency", "Measured gain, ± 95 %", "Model", "Measured over model", "Recording"], rows)
+    let heads =
+        ["Frequency", "Measured gain, ± 95 %", "Without the engine’s part", "Model", "Over model", "", "Recording"];
+    table("numbers", &heads, rows)
 }
 
 fn deviation(point: &SinePoint) -> String {
-    let percent = 100.0 * (point.gain / point.model_gain - 1.0);
+    let percent = 100.0 * (shown_gain(point) / point.model_gain - 1.0);
     match percent {
         p if !p.is_finite() => number::NOT_KNOWN.to_owned(),
         p if p > 0.0 => format!("+{} %", number::significant(p, 2)),

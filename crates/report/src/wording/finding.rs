@@ -72,6 +72,7 @@ pub fn finding(finding: &Finding) -> String {
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
         Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
         Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
+        Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
         Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
         Finding::BeyondLimit { limit, value, allowed } => {
             format!("The model predicts {} (SI) for the {limit}; the limit is {}.", si(*value), si(*allowed))
@@ -123,6 +124,7 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
         }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
+        Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
         Finding::RoutesDisagree { .. } => {
             "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
         }
