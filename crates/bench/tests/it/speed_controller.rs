@@ -52,7 +52,8 @@ struct Speed {
 impl Speed {
     fn new(case: Case) -> Self {
         let mut random = Random::new(case.seed);
-        let tones = (0..30).map(|k| (TAU * (0.3 + 1.1 * f64::from(k)), 1.0 / (2.0 + f64::from(k)), TAU * random.uniform()));
+        let tones =
+            (0..30).map(|k| (TAU * (0.3 + 1.1 * f64::from(k)), 1.0 / (2.0 + f64::from(k)), TAU * random.uniform()));
         Speed { tones: tones.collect(), case }
     }
 
@@ -186,10 +187,7 @@ fn regress_unusable_recordings_are_refused_with_their_reason() {
     let whole = record(Case::default());
     let mut headless = whole.clone();
     headless.signals.remove(&Role::DynoSpeedDemand);
-    assert!(matches!(
-        estimate(&headless, None),
-        Err(EstimateError::MissingSignal { role: Role::DynoSpeedDemand, .. })
-    ));
+    assert!(matches!(estimate(&headless, None), Err(EstimateError::MissingSignal { role: Role::DynoSpeedDemand, .. })));
     assert!(matches!(estimate(&whole.within((3.0, 4.0)), None), Err(EstimateError::TooShort { .. })));
     assert!(matches!(estimate(&whole, Some(20.0)), Err(EstimateError::Saturated { .. })));
     let controller = estimate(&whole, None).unwrap();

@@ -42,8 +42,9 @@ impl Equation for Lag {
 
 /// A sum of sines that do not fit the window, with y computed in closed form: u at 100 Hz, y at 250 Hz.
 fn records(noise: &mut Noise, sd: f64) -> [Signal; 2] {
-    let tones: Vec<(f64, f64)> =
-        (0..40).map(|k| (2.0 + 0.47 * f64::from(k) + 0.1 * noise.uniform(), 6.28 * noise.uniform())).collect();
+    let tones: Vec<(f64, f64)> = (0..40)
+        .map(|k| (2.0 + 0.47 * f64::from(k) + 0.1 * noise.uniform(), std::f64::consts::TAU * noise.uniform()))
+        .collect();
     let mut sample = |rate: f64, gain: &dyn Fn(f64) -> Complex64| {
         let value =
             |t: f64| -> f64 { tones.iter().map(|(w, phase)| (gain(*w) * Complex64::cis(w * t + phase)).re).sum() };
