@@ -204,14 +204,14 @@ fn shaft(
     let labels = ["BS_T_NT", "WhiteNoise_T_TN"];
     let mut shaft = findings.first("shaft", &candidates, &labels, |e| {
         let records = ShaftRecords::of(e, bench, controller, torque_control)?;
-        let estimate = shaft::estimate(&records.inputs(e))?;
-        used = Some((e, shaft::estimate_inertia(&records.inputs(e))?));
+        let estimate = shaft::estimate(&records.inputs())?;
+        used = Some((e, shaft::estimate_inertia(&records.inputs())?));
         Ok(estimate)
     })?;
     let Some((experiment, inertia)) = used else { return Ok(shaft) };
     for other in candidates.iter().filter(|e| e.file != experiment.file) {
         let records = ShaftRecords::of(other, bench, controller, torque_control);
-        if let Ok(estimate) = records.and_then(|r| shaft::estimate_parameters(&r.inputs(other))) {
+        if let Ok(estimate) = records.and_then(|r| shaft::estimate_parameters(&r.inputs())) {
             shaft.cross_checks.push((other.file.clone(), estimate));
         }
     }
@@ -255,21 +255,25 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
 }
 
 /// What the shaft's estimator needs of one recording, with the torque between its samples.
-struct ShaftRecords {
+struct ShaftRecords<'a> {
+    experiment: &'a Experiment,
+    dyno_speed: &'a signal::Signal,
+    engine_speed: &'a signal::Signal,
     torque: Vec<NoisyTorque>,
     inertia_kg_m2: Option<(f64, f64)>,
     encoder_noise_rad_s: f64,
     gate_s: (f64, f64),
 }
 
-impl ShaftRecords {
+impl<'a> ShaftRecords<'a> {
     fn of(
-        experiment: &Experiment,
+        experiment: &'a Experiment,
         bench: &BenchFile,
         controller: Option<&SpeedControllerFit>,
         torque_control: Option<&TorqueControlFit>,
     ) -> Result<Self, EstimateError> {
         let speed = need(experiment, Role::DynoSpeed)?;
+        let engine_speed = need(experiment, Role::EngineSpeed)?;
         let encoder = Encoder::known_or_assumed(controller.map(|c| c.encoder), speed, stated_gate(bench));
         let inertia = bench.dynamometer_inertia_kg_m2;
         let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
@@ -278,6 +282,9 @@ impl ShaftRecords {
             BenchVariant::LoadCell => (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty))),
         };
         Ok(ShaftRecords {
+            experiment,
+            dyno_speed: speed,
+            engine_speed,
             torque,
             inertia_kg_m2,
             encoder_noise_rad_s: encoder.noise_rad_s,
@@ -285,11 +292,11 @@ impl ShaftRecords {
         })
     }
 
-    fn inputs<'a>(&self, experiment: &'a Experiment) -> ShaftInputs<'a> {
+    fn inputs(&self) -> ShaftInputs<'a> {
         ShaftInputs {
-            file: &experiment.file,
-            dyno_speed: &experiment.signals[&Role::DynoSpeed],
-            engine_speed: &experiment.signals[&Role::EngineSpeed],
+            file: &self.experiment.file,
+            dyno_speed: self.dyno_speed,
+            engine_speed: self.engine_speed,
             torque: self.torque.clone(),
             inertia_kg_m2: self.inertia_kg_m2,
             encoder_noise_rad_s: self.encoder_noise_rad_s,

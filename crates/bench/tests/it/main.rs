@@ -11,6 +11,8 @@ mod model;
 mod prepare;
 mod recorded;
 mod replay;
+mod study;
+mod study_recorded;
 mod support;
 mod timing;
 mod torque_bench;

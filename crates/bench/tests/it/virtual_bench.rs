@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{
     BenchParameters, ExperimentPlan, HiddenTruth, Numerics, VirtualBenchError, VirtualRun, Waveform, simulate,
     simulate_hidden,
 };
-use bench::units::RPM_RAD_S;
 use recording::Recording;
 
 /// The default bench with ideal sensors and no ripple.

@@ -244,8 +244,7 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
         Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
     }
     let equation = ShaftEquation { dating: spectra.dating };
-    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors)
-        .fit(&start, &bounds)
+    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(&start, &bounds)
 }
 
 /// K of a shaft without damping or skew, by least squares over the lowest third of the bins.
