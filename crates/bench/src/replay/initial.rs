@@ -39,10 +39,16 @@ impl Run<'_> {
             dyno_speed_rad_s: dyno,
             engine_speed_rad_s: engine,
             twist_rad: (acted.shaft_torque[0] - damping_torque) / mechanics.stiffness_nm_per_rad,
-            air_gap_torque_nm: acted.air_gap_torque[0],
+            air_gap_torque_nm: self.smooth_torque_guess(),
             integrator_nm: self.integrator_guess()?,
         };
         Ok(Start { state, engine_torque_error_nm: 0.0 })
+    }
+
+    /// T_d at the first sample without its ripple.
+    fn smooth_torque_guess(&self) -> f64 {
+        let first = |series: &[f64]| series.first().copied().unwrap_or(0.0);
+        (self.acted.air_gap_torque[0] - first(&self.ripple.1)) / (1.0 + first(&self.ripple.0))
     }
 
     /// T_d* less proportional part and feed-forward at the first sample; zero in torque control.

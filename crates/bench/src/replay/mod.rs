@@ -10,8 +10,9 @@ use signal::resample::hold;
 
 use crate::analysis::SignalSkews;
 use crate::estimate::EstimateError;
+use crate::estimate::torque_control::InverterModel;
 use crate::model::{BenchModel, ModelParameter};
-use crate::simulate::{Drive, InitialState, Inputs, Response, simulate};
+use crate::simulate::{Drive, InitialState, Inputs, Response, Ripple, simulate_with_ripple};
 use crate::study::{Replay, Stretch};
 use crate::{ControlMode, Experiment, Role};
 use compare::Comparison;
@@ -33,6 +34,9 @@ pub struct EncoderError {
 pub struct ReplayInputs<'a> {
     /// T_d at 1 kHz, on the clock of T_d,calc; T_d,calc itself, band-limited, where `None`.
     pub air_gap_torque: Option<&'a Signal>,
+    /// The inverter with offset and ripple as they were in this recording, on the clock of T_d,calc. They are put upon
+    /// the modelled T_d; without it the replay has none. Delay and lag are those of the bench model.
+    pub ripple: Option<&'a InverterModel>,
     /// Skews of N_e and T_d against N_d.
     pub skews: SignalSkews,
     /// Once-a-turn error of the recorded N_d. It is taken out of the reconstruction and put onto the modelled N_d before
@@ -50,6 +54,7 @@ impl Default for ReplayInputs<'_> {
     fn default() -> Self {
         ReplayInputs {
             air_gap_torque: None,
+            ripple: None,
             skews: SignalSkews::default(),
             encoder_error: None,
             band_hz: 120.0,
@@ -71,6 +76,10 @@ impl Default for ReplayInputs<'_> {
 /// ω_d, ω_e, Δθ at the start and a constant error of T_e are fitted to the speeds of the whole stretch. A linear drift of
 /// the speeds is therefore no test of the model in torque control. Torque control is driven by T_d* where the model has
 /// an inverter, else by T_d.
+///
+/// The ripple of the drive is a known disturbance: its amplitudes, phases and frequencies are taken from the recording's
+/// own T_d,calc, not predicted, while the torque it is relative to is the modelled one; N_d and T_shaft answer it. So the
+/// comparison of T_d says how well controller and inverter are modelled, and nothing of how well ripple can be foretold.
 ///
 /// T_d* is taken to stand on the clock of N_d; the inverter's delay, which was estimated on the clock of T_d,calc, is
 /// corrected by what that is late.
@@ -106,6 +115,8 @@ struct Run<'a> {
     inputs: &'a ReplayInputs<'a>,
     model: BenchModel,
     acted: Acted,
+    /// Ripple of T_d: relative, and added with the offset, Nm; empty where none is known.
+    ripple: (Vec<f64>, Vec<f64>),
     /// N_d* in speed control, T_d* in torque control.
     demand: Option<Vec<f64>>,
 }
@@ -125,7 +136,9 @@ impl<'a> Run<'a> {
             ControlMode::Tn => model.inverter.map(|_| Role::DynoTorqueDemand),
         };
         let demand = role.map(|role| held(experiment, &acted, role)).transpose()?;
-        Ok(Run { experiment, inputs, model, acted, demand })
+        let stamps = (0..acted.len()).map(|i| acted.start_s + i as f64 * acted.step_s + late);
+        let ripple = inputs.ripple.map_or_else(Default::default, |r| stamps.map(|t| r.ripple_at(t)).unzip());
+        Ok(Run { experiment, inputs, model, acted, ripple, demand })
     }
 
     fn simulate(&self, start: &Start) -> Result<Response, EstimateError> {
@@ -137,7 +150,8 @@ impl<'a> Run<'a> {
             (None, _) => Drive::AirGapTorque(&self.acted.air_gap_torque),
         };
         let inputs = Inputs { sample_time_s: self.acted.step_s, engine_torque_nm: &engine_torque, drive };
-        simulate(&self.model, &inputs, &start.state)
+        let ripple = Ripple { relative: &self.ripple.0, added_nm: &self.ripple.1 };
+        simulate_with_ripple(&self.model, &inputs, ripple, &start.state)
             .map_err(|source| EstimateError::Simulation { file: self.experiment.file.clone(), source })
     }
 }

@@ -8,11 +8,13 @@
 mod controller;
 mod encoder;
 mod plant;
+mod ripple;
 
 use crate::model::BenchModel;
 use controller::Pi;
 use encoder::Encoder;
 use plant::{Plant, Streams};
+pub use ripple::Ripple;
 
 /// What drives the dynamometer.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -151,8 +153,24 @@ pub enum SimulationError {
 /// # Ok::<(), bench::simulate::SimulationError>(())
 /// ```
 pub fn simulate(model: &BenchModel, inputs: &Inputs<'_>, start: &InitialState) -> Result<Response, SimulationError> {
+    simulate_with_ripple(model, inputs, Ripple::NONE, start)
+}
+
+/// Simulates the bench under a known ripple of its drive: T_d = m (1 + r) + w, where m is what inverter and machine make
+/// of T_d*. The ripple brakes the dynamometer as all of T_d does. An air-gap torque that is given holds its own ripple,
+/// so then `ripple` plays no part.
+///
+/// # Errors
+/// Those of [`simulate`]; a ripple of another length than the inputs.
+pub fn simulate_with_ripple(
+    model: &BenchModel,
+    inputs: &Inputs<'_>,
+    ripple: Ripple<'_>,
+    start: &InitialState,
+) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
-    let mut plant = Plant::new(model, inputs, start)?;
+    ripple.check_length(inputs.engine_torque_nm.len())?;
+    let mut plant = Plant::new(model, inputs, ripple, start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
     let mut dyno = Encoder::new(model.encoder_gate_s / inputs.sample_time_s, inputs.sample_time_s, samples);

@@ -3,13 +3,16 @@
 use faer::Mat;
 use lti::StateSpace;
 
+use super::ripple::{Ripple, between};
 use super::{Drive, InitialState, Inputs, SimulationError};
 use crate::model::{BenchModel, InverterModel, Mechanics};
 
 /// ω_d, ω_e, Δθ, T_d, θ_d, θ_e.
 const STATES: usize = 6;
-/// Torque demand at the lag (or T_d itself), T_e.
-const INPUTS: usize = 2;
+/// Torque demand at the lag (or T_d itself), T_e, ripple of T_d.
+const INPUTS: usize = 3;
+/// T_d among the states.
+const TORQUE: usize = 3;
 
 /// Part of a sample below which two instants count as one.
 const INSTANT: f64 = 1e-9;
@@ -72,8 +75,9 @@ struct Substep {
 }
 
 /// The bench between samples.
-pub(super) struct Plant {
+pub(super) struct Plant<'a> {
     substeps: Vec<Substep>,
+    ripple: Ripple<'a>,
     mechanics: Mechanics,
     has_lag: bool,
     x: [f64; STATES],
@@ -87,8 +91,14 @@ pub(super) struct Motion {
     pub(super) engine_angle_rad: f64,
 }
 
-impl Plant {
-    pub(super) fn new(model: &BenchModel, inputs: &Inputs<'_>, start: &InitialState) -> Result<Self, SimulationError> {
+impl<'a> Plant<'a> {
+    pub(super) fn new(
+        model: &BenchModel,
+        inputs: &Inputs<'_>,
+        ripple: Ripple<'a>,
+        start: &InitialState,
+    ) -> Result<Self, SimulationError> {
+        let ripple = if matches!(inputs.drive, Drive::AirGapTorque(_)) { Ripple::NONE } else { ripple };
         let step = inputs.sample_time_s;
         let inverter = match inputs.drive {
             Drive::AirGapTorque(_) => None,
@@ -102,7 +112,7 @@ impl Plant {
             .map(|w| Substep::new(&system, step, (w[0], w[1]), (delayed, immediate)))
             .collect::<Result<Vec<_>, _>>()?;
         let x = [start.dyno_speed_rad_s, start.engine_speed_rad_s, start.twist_rad, start.air_gap_torque_nm, 0.0, 0.0];
-        Ok(Plant { substeps, mechanics: model.mechanics, has_lag: bandwidth.is_some(), x })
+        Ok(Plant { substeps, ripple, mechanics: model.mechanics, has_lag: bandwidth.is_some(), x })
     }
 
     pub(super) fn state(&self) -> Motion {
@@ -118,26 +128,31 @@ impl Plant {
         self.mechanics.stiffness_nm_per_rad * self.x[2] + self.mechanics.damping_nm_s_per_rad * (self.x[1] - self.x[0])
     }
 
-    /// T_d at sample `k`: the lag's state, or what stands in for it.
+    /// T_d at sample `k`: the lag's state, or what stands in for it, with the ripple.
     pub(super) fn air_gap_torque_nm(&self, inputs: &Inputs<'_>, streams: &Streams, k: usize) -> f64 {
-        match (inputs.drive, self.substeps.first()) {
+        let smooth = match (inputs.drive, self.substeps.first()) {
             (Drive::AirGapTorque(torque), _) => torque[k],
             (_, Some(first)) if !self.has_lag => streams.demand(k, first.delayed_back, first.immediate_back),
-            _ => self.x[3],
-        }
+            _ => self.x[TORQUE],
+        };
+        smooth + self.ripple.upon(smooth, k, 0.0)
     }
 
     /// Moves on from sample `k` to the next; beyond the last sample inputs stay.
     pub(super) fn advance(&mut self, inputs: &Inputs<'_>, streams: &Streams, k: usize) {
-        let next = (k + 1).min(inputs.engine_torque_nm.len() - 1);
-        let between = |series: &[f64], x: f64| series[k] + (series[next] - series[k]) * x;
         for substep in &self.substeps {
             let braking = |x: f64| match inputs.drive {
-                Drive::AirGapTorque(torque) => between(torque, x),
+                Drive::AirGapTorque(torque) => between(torque, k, x),
                 _ => streams.demand(k, substep.delayed_back, substep.immediate_back),
             };
-            let input = |x: f64| [braking(x), between(inputs.engine_torque_nm, x)];
-            self.x = substep.apply(&self.x, input(substep.from), input(substep.to));
+            let (from, to) = (substep.from, substep.to);
+            let smooth = |state: f64, x: f64| if self.has_lag { state } else { braking(x) };
+            let ripple = [
+                self.ripple.upon(smooth(self.x[TORQUE], from), k, from),
+                self.ripple.upon(smooth(substep.torque_after(self.x[TORQUE], braking(to)), to), k, to),
+            ];
+            let input = |x: f64, ripple: f64| [braking(x), between(inputs.engine_torque_nm, k, x), ripple];
+            self.x = substep.apply(&self.x, input(from, ripple[0]), input(to, ripple[1]));
         }
     }
 }
@@ -159,6 +174,11 @@ impl Substep {
             first: std::array::from_fn(|i| std::array::from_fn(|j| exact.b0()[(i, j)])),
             last: std::array::from_fn(|i| std::array::from_fn(|j| exact.b1()[(i, j)])),
         })
+    }
+
+    /// The lag's torque at the end, which depends on nothing but itself and a demand that stays.
+    fn torque_after(&self, torque_nm: f64, demand_nm: f64) -> f64 {
+        self.transition[TORQUE][TORQUE] * torque_nm + (self.first[TORQUE][0] + self.last[TORQUE][0]) * demand_nm
     }
 
     fn apply(&self, x: &[f64; STATES], u0: [f64; INPUTS], u1: [f64; INPUTS]) -> [f64; STATES] {
@@ -206,6 +226,7 @@ fn continuous(mechanics: &Mechanics, bandwidth_rad_s: Option<f64>) -> Result<Sta
     a[(4, 0)] = 1.0;
     a[(5, 1)] = 1.0;
     input[(1, 1)] = 1.0 / je;
+    input[(0, 2)] = -1.0 / jd;
     match bandwidth_rad_s {
         Some(bandwidth) => {
             a[(0, 3)] = -1.0 / jd;

@@ -71,14 +71,24 @@ pub(super) fn assemble(
     (whole, replays(findings, pieces, &model))
 }
 
-/// Replays recordings in both modes, those first that nothing was estimated from.
+/// The recordings of a mode to replay: one of each test, those first that nothing was estimated from.
+fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[&str]) -> Vec<&'a Experiment> {
+    let unseen_first = |mut found: Vec<&'a Experiment>| {
+        found.retain(|e| e.label.mode == mode);
+        found.sort_by_key(|e| findings.is_seen(&e.file));
+        found
+    };
+    let of_each = tests.iter().filter_map(|test| unseen_first(findings.of_tests(&[test])).first().copied());
+    let mut chosen = unseen_first(of_each.collect());
+    chosen.truncate(REPLAYS_PER_MODE);
+    chosen
+}
+
+/// Replays recordings in both modes.
 fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &BenchModel) -> Vec<Replay> {
     let mut done = Vec::new();
     for (mode, tests) in [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])] {
-        let mut candidates: Vec<&Experiment> =
-            findings.of_tests(tests).into_iter().filter(|e| e.label.mode == mode).collect();
-        candidates.sort_by_key(|e| findings.is_seen(&e.file));
-        for experiment in candidates.into_iter().take(REPLAYS_PER_MODE) {
+        for experiment in replayed(findings, mode, tests) {
             (findings.progress)(Progress::Replaying { file: experiment.file.clone() });
             match replay_one(findings, pieces, model, experiment) {
                 Ok(replay) => done.push(replay),
@@ -98,7 +108,7 @@ fn replay_one(
     model: &BenchModel,
     experiment: &Experiment,
 ) -> Result<Replay, crate::estimate::EstimateError> {
-    let torque = modelled_torque(experiment, pieces.torque_control).map(|(torque, _)| torque);
+    let (torque, inverter) = modelled_torque(experiment, pieces.torque_control).unzip();
     let once_a_turn = match experiment.label.mode {
         ControlMode::Nt => {
             pieces.controller.and_then(|c| c.once_a_turn_in(experiment, findings.bench.limits.torque_nm))
@@ -107,6 +117,7 @@ fn replay_one(
     };
     let inputs = ReplayInputs {
         air_gap_torque: torque.as_ref(),
+        ripple: inverter.as_ref(),
         skews: pieces.skews(),
         encoder_error: once_a_turn.map(|(cosine, sine)| EncoderError { cosine, sine }),
         stretch_s: experiment.signals.values().next().map(|s| (s.start_s, s.start_s + REPLAYED_S)),

@@ -12,6 +12,8 @@ mod prepare;
 mod recorded;
 mod replay;
 mod speed_controller;
+mod study;
+mod study_recorded;
 mod support;
 mod timing;
 mod torque_bench;

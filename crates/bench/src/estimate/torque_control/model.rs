@@ -107,13 +107,14 @@ impl InverterModel {
 
     /// Offset and ripple upon a torque without them.
     pub(super) fn with_ripple(&self, torque_nm: f64, time_s: f64) -> f64 {
-        let (mut factor, mut added) = (1.0, self.offset_nm);
-        for line in &self.ripple {
-            let parts = line.parts(time_s - self.reference_s);
-            factor += parts.0;
-            added += parts.1;
-        }
-        added + torque_nm * factor
+        let (relative, added_nm) = self.ripple_at(time_s);
+        torque_nm + (added_nm + torque_nm * relative)
+    }
+
+    /// Ripple at an instant of the recording's clock: r and w in T_d = m (1 + r) + w, the offset being part of w.
+    pub(crate) fn ripple_at(&self, time_s: f64) -> (f64, f64) {
+        let parts = self.ripple.iter().map(|line| line.parts(time_s - self.reference_s));
+        parts.fold((0.0, self.offset_nm), |sum, part| (sum.0 + part.0, sum.1 + part.1))
     }
 }
 

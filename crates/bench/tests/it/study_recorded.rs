@@ -1,0 +1,116 @@
+//! The study of two simulated benches, recorded by a simulator that shares no code with the project, where their
+//! recordings are present beside it.
+
+use std::path::{Path, PathBuf};
+
+use bench::study::{Estimate, Parameter, Replay, Source, Study};
+use recording::Selection;
+
+use crate::study::{bench_file, studied};
+
+fn sources(bench: &str) -> Vec<Source> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let folder = std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from).join("recordings").join(bench);
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        println!("skipped: {} is not there", folder.display());
+        return Vec::new();
+    };
+    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    files.retain(|path| path.extension().is_some_and(|ending| ending == "mf4" || ending == "mdf"));
+    files.sort();
+    let read = |path: &PathBuf| {
+        let file = path.file_name().unwrap().to_string_lossy().into_owned();
+        let recording = recording::decode(&file, &std::fs::read(path).unwrap(), &Selection::All);
+        Source { sha256: file.clone(), file, recording }
+    };
+    files.iter().map(read).collect()
+}
+
+fn parameter<'a>(estimate: &'a Estimate, symbol: &str) -> &'a Parameter {
+    let found = estimate.parameter(symbol).unwrap_or_else(|| panic!("{symbol} is missing"));
+    println!("{symbol} = {} ± {} {:?}", found.value, found.standard_error, found.interval);
+    found
+}
+
+/// A parameter within `tolerance` of the truth.
+fn near(estimate: &Estimate, symbol: &str, truth: f64, tolerance: f64) {
+    let found = parameter(estimate, symbol);
+    assert!((found.value - truth).abs() < tolerance, "{found:?}");
+}
+
+/// A parameter within `tolerance` of the truth, which lies in its interval.
+fn covered(estimate: &Estimate, symbol: &str, truth: f64, tolerance: f64) {
+    near(estimate, symbol, truth, tolerance);
+    let (low, high) = parameter(estimate, symbol).interval;
+    assert!(low <= truth && truth <= high, "{symbol}: {truth} is not in {low} … {high}");
+}
+
+fn fit_percent(replay: &Replay, quantity: &str) -> f64 {
+    replay.signals.iter().find(|v| v.quantity == quantity).unwrap().fit_percent
+}
+
+fn print_replays(study: &Study) {
+    for replay in &study.replays {
+        let fits: Vec<String> =
+            replay.signals.iter().map(|v| format!("{} {:.1} %", v.quantity, v.fit_percent)).collect();
+        println!("{} (seen: {}): {}", replay.stretch.file, replay.seen_in_estimation, fits.join(", "));
+    }
+}
+
+#[test]
+fn ref_bench_a_is_found_as_it_was_simulated() {
+    let sources = sources("bench-a");
+    if sources.is_empty() {
+        return;
+    }
+    let study = studied(&bench_file("0.6", "0.28", "400 Nm", crate::support::BENCH_A), sources);
+    print_replays(&study);
+    let shaft = &study.shaft.estimated().unwrap().estimate;
+    covered(shaft, "K", 2437.7, 0.01 * 2437.7);
+    covered(shaft, "B", 5.8, 0.05 * 5.8);
+    covered(shaft, "δ_e", 0.0, 1e-4);
+    covered(shaft, "δ_T", 0.0, 1e-4);
+    let controller = &study.speed_controller.estimated().unwrap().estimate;
+    near(controller, "K_p", 0.9385, 1e-3);
+    near(controller, "K_i", 1.865, 1e-2);
+    near(controller, "τ", 1e-3, 5e-5);
+    let feed_forward = &study.feed_forward.estimated().unwrap().estimate;
+    near(feed_forward, "k", 0.012, 0.02 * 0.012);
+    near(feed_forward, "k_a", -0.085, 0.02 * 0.085);
+    let torque_control = &study.torque_control.estimated().unwrap().delay_and_lag;
+    near(torque_control, "τ + 1/a", 3.018e-3, 3e-4);
+}
+
+#[test]
+fn ref_bench_a_replays_what_it_has_not_seen() {
+    let sources = sources("bench-a");
+    if sources.is_empty() {
+        return;
+    }
+    let study = studied(&bench_file("0.6", "0.28", "400 Nm", crate::support::BENCH_A), sources);
+    print_replays(&study);
+    let files: Vec<&str> = study.replays.iter().map(|r| r.stretch.file.as_str()).collect();
+    assert_eq!(&files[..2], ["BS_T_NT_3000.mf4", "Ramp_N_NT_1200.mf4"]);
+    assert!(fit_percent(&study.replays[0], "T_d") > 95.0);
+}
+
+#[test]
+fn ref_bench_b_agrees_with_itself() {
+    let sources = sources("bench-b");
+    if sources.is_empty() {
+        return;
+    }
+    let names = ["nBremse", "nMotor", "nBremse_Soll", "MdBremse_Soll", "MdLuftspalt", "MdKraftdose", "MdWelle"];
+    let study = studied(&bench_file("0.41", "0.19", "260 Nm", names), sources);
+    print_replays(&study);
+    near(&study.speed_controller.estimated().unwrap().estimate, "K_p", 1.22, 0.0122);
+    let shaft = study.shaft.estimated().unwrap();
+    let own = parameter(&shaft.estimate, "K");
+    for (file, other) in &shaft.cross_checks {
+        println!("{file}");
+        let other = parameter(other, "K");
+        let spread = own.standard_error.hypot(other.standard_error);
+        assert!((own.value - other.value).abs() < 4.0 * spread, "{file}: {other:?} against {own:?}");
+    }
+    assert!(!shaft.cross_checks.is_empty());
+}
