@@ -21,15 +21,22 @@ pub fn interval(parameter: &Parameter) -> String {
         return NOT_KNOWN.to_owned();
     }
     let scale = Scale::fitting(low.abs().max(high.abs()), &parameter.unit);
+    if low == high {
+        return measure(low, &parameter.unit);
+    }
     let decimals = decimals_for((high - low) / 2.0 / scale.divisor);
     scale.finish(format!("{} … {}", fixed(low / scale.divisor, decimals), fixed(high / scale.divisor, decimals)), true)
 }
 
 /// A value with an uncertainty, the latter to two significant digits and the value to the same place:
-/// `2438 ± 12 Nm/rad`, `1.021 ± 0.024 ms`, `(1.84 ± 0.31)·10⁻⁵ Nm`.
+/// `2438 ± 12 Nm/rad`, `1.021 ± 0.024 ms`, `(1.84 ± 0.31)·10⁻⁵ Nm`. Without any uncertainty, as noise-free data give it,
+/// the value is said to be exact.
 pub fn plus_minus(value: f64, uncertainty: f64, unit: &str) -> String {
     if !value.is_finite() {
         return NOT_KNOWN.to_owned();
+    }
+    if uncertainty == 0.0 {
+        return format!("{}, exact", measure(value, unit));
     }
     if !(uncertainty.is_finite() && uncertainty > 0.0) {
         return format!("{}, uncertainty {NOT_KNOWN}", measure(value, unit));
