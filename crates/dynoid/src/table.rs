@@ -17,6 +17,7 @@ impl Style {
     /// The text with the terminal's codes around it.
     pub(crate) fn paint(self, text: &str) -> String {
         let code = match self {
+            _ if text.is_empty() => return String::new(),
             Style::Plain => return text.to_owned(),
             Style::Bold => "1",
             Style::Faint => "2",

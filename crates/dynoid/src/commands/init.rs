@@ -141,8 +141,14 @@ fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Ter
     if !gaps.is_empty() {
         terminal.line(&format!("  To be filled in, where it says \"{PLACEHOLDER}\":"));
     }
-    for (line, key) in gaps {
-        terminal.line(&format!("    line {line}: {key}{}", hint(key)));
+    for (index, (_, key)) in gaps.iter().enumerate() {
+        let is_first = gaps.iter().position(|(_, other)| other == key) == Some(index);
+        let lines: Vec<String> =
+            gaps.iter().filter(|(_, other)| other == key).map(|(line, _)| line.to_string()).collect();
+        let word = if lines.len() == 1 { "line" } else { "lines" };
+        if is_first {
+            terminal.item((key, Style::Bold), &format!("({word} {}): {}", wording::join(&lines, "and"), hint(key)));
+        }
     }
     terminal.gap();
     terminal.line(&format!("Next: look the file over, then `dynoid study run {}`", shown(out)));
@@ -150,11 +156,11 @@ fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Ter
 
 fn hint(key: &str) -> &'static str {
     match key {
-        "cylinders" => " (a number, e.g. 4)",
-        "dynamometer_inertia" => " (of all that turns on the dynamometer's side of the shaft, e.g. \"0.6 kg m²\")",
-        "engine_inertia" => " (flywheel included, e.g. \"0.2 kg m²\")",
-        "label" => " (which experiment the recording above it is, e.g. \"BS_T_NT\")",
-        _ => " (the channel's name in the recordings)",
+        "cylinders" => "a number, e.g. 4",
+        "dynamometer_inertia" => "of all that turns on the dynamometer's side of the shaft, e.g. \"0.6 kg m²\"",
+        "engine_inertia" => "flywheel included, e.g. \"0.2 kg m²\"",
+        "label" => "which experiment the recording above it is, e.g. \"BS_T_NT\"",
+        _ => "the channel's name in the recordings",
     }
 }
 
