@@ -7,6 +7,9 @@
 //!
 //! L_n[x](s) = ∫ h x⁽ⁿ⁾ e^{−st} dt = Σ_m (n over m) (−1)^m s^{n−m} ∫ h⁽ᵐ⁾ x e^{−st} dt,  s = jω.
 //!
+//! A delay is e^{−sδ} only as far as the window does not change over δ. Where that matters, date the signals by a first
+//! estimate of their delays and fit what is left.
+//!
 //! # Source
 //! Shinbrot, *On the analysis of linear and nonlinear systems*, 1957 (modulating functions); Pintelon & Schoukens 2012,
 //! ch. 9 (errors in variables, maximum likelihood).
@@ -73,7 +76,7 @@ impl Modulated {
     pub fn new(signal: &Signal, window: Window, last_bin: usize) -> Result<Self, IdentError> {
         let dt = signal.sample_time_s;
         let count = (window.duration_s / dt).round() as usize;
-        let part = signal.slice(window.start_s, window.start_s + (count as f64 - 0.5) * dt);
+        let part = signal.slice(window.start_s, window.start_s + (count as f64 + 1.0) * dt);
         if part.len() < count || (count as f64 * dt - window.duration_s).abs() > 1e-3 * dt {
             return Err(IdentError::Length { what: "samples in the window", expected: count, found: part.len() });
         }
@@ -182,7 +185,7 @@ pub struct FrequencyFit {
     pub covariance: faer::Mat<f64>,
     /// Degrees of freedom of the scale.
     pub degrees_of_freedom: f64,
-    /// Mean of |e|²/σ²: one where model and noise levels are right.
+    /// Mean of |e|²/σ², freed of what the parameters take up: one where model and noise levels are right.
     pub scale: f64,
     /// |e|/σ at each bin.
     pub normalised: Vec<f64>,
@@ -211,9 +214,10 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
         let bins = self.bins;
         let normalised: Vec<f64> =
             (0..bins.len()).map(|k| fit.residuals[2 * k].hypot(fit.residuals[2 * k + 1])).collect();
-        let degrees_of_freedom = (2.0 * bins.len() as f64 / OVERLAP - E::PARAMETERS as f64).max(1.0);
-        let power = normalised.iter().map(|q| q * q).sum::<f64>();
-        let scale = power / bins.len() as f64;
+        let information = 2.0 * bins.len() as f64 / OVERLAP;
+        let degrees_of_freedom = (information - E::PARAMETERS as f64).max(1.0);
+        let power = normalised.iter().map(|q| q * q).sum::<f64>() / bins.len() as f64;
+        let scale = power * information / degrees_of_freedom;
         let covariance = covariance(&fit, bins, scale);
         Ok(FrequencyFit { fit, covariance, degrees_of_freedom, scale, normalised })
     }

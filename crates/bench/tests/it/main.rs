@@ -1,6 +1,7 @@
 //! Integration tests of the bench: bench files, recordings, estimators, model, the virtual bench.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
 
 mod align;
 mod analysis;
@@ -10,6 +11,7 @@ mod model;
 mod prepare;
 mod recorded;
 mod replay;
+mod speed_controller;
 mod support;
 mod timing;
 mod torque_bench;

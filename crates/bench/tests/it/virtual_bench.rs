@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{
     BenchParameters, ExperimentPlan, HiddenTruth, Numerics, VirtualBenchError, VirtualRun, Waveform, simulate,
     simulate_hidden,

@@ -3,6 +3,7 @@
 
 mod covariance;
 mod distributions;
+mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;

@@ -21,7 +21,26 @@ pub(super) const COUNT: usize = 6;
 /// Signals: N_d, N_e, torque. A logged speed is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
 /// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct ShaftEquation;
+pub(super) struct ShaftEquation {
+    pub(super) dating: Dating,
+}
+
+/// By how much N_e and torque were dated earlier than recorded before they were transformed, s.
+///
+/// A delay is e^{−sδ} in the transform of a whole signal; under a window it is so only as far as the window does not
+/// change over δ. Signals are therefore dated by the skews of a first fit, which leaves the second nothing to err about.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Dating {
+    pub(super) engine_s: f64,
+    pub(super) torque_s: f64,
+}
+
+impl Dating {
+    /// What takes a fit's skews out.
+    pub(super) fn of(theta: &[f64]) -> Self {
+        Dating { engine_s: theta[SKEW_ENGINE], torque_s: theta[SKEW_TORQUE] - theta[GATE] / 2.0 }
+    }
+}
 
 /// A correction factor with its derivative by the gate.
 struct Factor {
@@ -51,8 +70,9 @@ impl Equation for ShaftEquation {
         derivatives: &mut [Vec<[Complex64; ORDERS]>],
     ) {
         let gate = gate_correction(s, theta[GATE]);
-        let engine = (s * theta[SKEW_ENGINE]).exp();
-        let torque = (s * (theta[SKEW_TORQUE] - theta[GATE] / 2.0)).exp();
+        let rest = Dating::of(theta);
+        let engine = (s * (rest.engine_s - self.dating.engine_s)).exp();
+        let torque = (s * (rest.torque_s - self.dating.torque_s)).exp();
         let dyno = [theta[K], theta[B], theta[INERTIA]];
         let spring = [theta[K], theta[B], 0.0];
         polynomials[0] = dyno.map(|c| gate.value * c);

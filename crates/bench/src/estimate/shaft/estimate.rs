@@ -5,11 +5,11 @@ use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
 use signal::Signal;
 
-use super::equation::{self, COUNT, ShaftEquation};
+use super::equation::{self, COUNT, Dating, ShaftEquation};
 use super::response::{measured_response, validate};
 use super::spectra::Spectra;
 use crate::align::split_window;
-use crate::estimate::parameter::{Label, transformed};
+use crate::estimate::parameter::{Label, ReadOut, transformed};
 use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
 
@@ -29,8 +29,10 @@ const SHORTEST_S: f64 = 4.0;
 const OUTLIER: f64 = 20.0;
 /// Bins about an outlier that its line reaches.
 const OUTLIER_REACH: usize = 4;
+/// Times that outliers are looked for.
+const OUTLIER_ROUNDS: usize = 3;
 /// Largest skew looked for, s.
-const LARGEST_SKEW_S: f64 = 0.02;
+pub(super) const LARGEST_SKEW_S: f64 = 0.02;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
 
@@ -72,8 +74,8 @@ impl ShaftInputs<'_> {
         let start_s = self.signals().map(|s| s.start_s).fold(f64::NEG_INFINITY, f64::max);
         let end = |s: &Signal| s.start_s + s.len() as f64 * s.sample_time_s;
         let end_s = self.signals().map(end).fold(f64::INFINITY, f64::min);
-        if self.torque.is_empty() || !(end_s - start_s >= SHORTEST_S) {
-            let duration_s = (end_s - start_s).max(0.0);
+        let duration_s = (end_s - start_s).max(0.0);
+        if self.torque.is_empty() || duration_s < SHORTEST_S {
             return Err(EstimateError::TooShort { file: self.file.to_owned(), duration_s, needed_s: SHORTEST_S });
         }
         Ok(Stretch { file: self.file.to_owned(), start_s, end_s })
@@ -147,13 +149,27 @@ struct Solution {
 
 impl Solution {
     fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
+        let first = Self::dated(inputs, stretch, unknowns, Dating::default())?;
+        match unknowns {
+            Unknowns::ShaftWithoutTiming => Ok(first),
+            _ => Self::dated(inputs, stretch, unknowns, Dating::of(&first.fit.fit.parameters)),
+        }
+    }
+
+    /// A fit on signals dated earlier by `dating`.
+    fn dated(
+        inputs: &ShaftInputs<'_>,
+        stretch: &Stretch,
+        unknowns: Unknowns,
+        dating: Dating,
+    ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
-        let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s)?;
+        let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s, dating)?;
         let mut excluded_hz = vec![spectra.turn_centre_hz];
         let mut fit = solve(inputs, &spectra, unknowns).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if unknowns != Unknowns::ShaftWithoutTiming {
-            for _ in 0..3 {
+            for _ in 0..OUTLIER_ROUNDS {
                 let lines = drop_outliers(&mut spectra, &fit);
                 if lines.is_empty() {
                     break;
@@ -167,12 +183,12 @@ impl Solution {
         Ok(Solution { spectra, fit, covariance, excluded_hz })
     }
 
-    fn outputs(&self, outputs: &[(Label, &dyn Fn(&[f64]) -> f64)], stretch: &Stretch) -> Estimate {
+    fn outputs(&self, outputs: &[ReadOut<'_>], stretch: &Stretch) -> Estimate {
         transformed(outputs, &self.fit.fit, &self.covariance, self.fit.degrees_of_freedom, stretch)
     }
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
-        let labels: [(Label, &dyn Fn(&[f64]) -> f64); 5] = [
+        let labels: [ReadOut<'_>; 5] = [
             (K, &|t| t[equation::K]),
             (B, &|t| t[equation::B]),
             (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
@@ -227,8 +243,8 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
         }
         Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
     }
-    ErrorsInVariables::new(&ShaftEquation, &spectra.signals, spectra.window, &spectra.bins, &priors)
-        .fit(&start, &bounds)
+    let equation = ShaftEquation { dating: spectra.dating };
+    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(&start, &bounds)
 }
 
 /// K of a shaft without damping or skew, by least squares over the lowest third of the bins.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use ident::validate::{fit_percent, rms_error};
 use signal::Complex64;
 
-use super::equation;
+use super::equation::{self, Dating};
 use super::estimate::ShaftInputs;
 use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
 use crate::estimate::EstimateError;
@@ -22,13 +22,14 @@ struct Corrections {
 }
 
 impl Corrections {
-    fn at(s: Complex64, theta: &[f64]) -> Self {
+    fn at(s: Complex64, theta: &[f64], dating: Dating) -> Self {
+        let rest = Dating::of(theta);
         let x = s * theta[equation::GATE] / 2.0;
         let gate = if x.norm() < 1e-9 { Complex64::from(1.0) } else { x / x.sinh() };
         Corrections {
             speed: gate,
-            engine: gate * (s * theta[equation::SKEW_ENGINE]).exp(),
-            torque: (s * (theta[equation::SKEW_TORQUE] - theta[equation::GATE] / 2.0)).exp(),
+            engine: gate * (s * (rest.engine_s - dating.engine_s)).exp(),
+            torque: (s * (rest.torque_s - dating.torque_s)).exp(),
         }
     }
 }
@@ -64,7 +65,7 @@ pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredRes
 }
 
 fn difference_and_torque(spectra: &Spectra, theta: &[f64], k: usize) -> (Complex64, Complex64) {
-    let factor = Corrections::at(Complex64::new(0.0, TAU * spectra.window.frequency_hz(k)), theta);
+    let factor = Corrections::at(Complex64::new(0.0, TAU * spectra.window.frequency_hz(k)), theta, spectra.dating);
     let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][k];
     let difference = factor.engine * of(1, 0) - factor.speed * of(0, 0);
     let acceleration = factor.speed * of(0, 1);
@@ -95,7 +96,7 @@ pub(super) fn validate(
     let turn = turn_band_hz(&inputs.dyno_speed.slice(from_s, to_s));
     for k in used.filter(|k| !turn.contains(&window.frequency_hz(*k))) {
         let s = Complex64::new(0.0, TAU * window.frequency_hz(k));
-        let factor = Corrections::at(s, theta);
+        let factor = Corrections::at(s, theta, Dating::default());
         measured[k] = (theta[equation::INERTIA] * s * factor.speed * speed[k] + factor.torque * torques[k]) / dt;
         let difference = factor.engine * engine[k] - factor.speed * speed[k];
         modelled[k] = (theta[equation::K] / s + theta[equation::B]) * difference / dt;

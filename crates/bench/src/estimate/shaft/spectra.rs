@@ -6,7 +6,8 @@ use std::ops::RangeInclusive;
 use ident::frequency::{Modulated, NoisySpectrum, Window};
 use signal::{Complex64, Signal};
 
-use super::estimate::ShaftInputs;
+use super::equation::Dating;
+use super::estimate::{LARGEST_SKEW_S, ShaftInputs};
 use crate::estimate::EstimateError;
 
 /// Lowest frequency used, Hz: below it the recording holds too few periods.
@@ -28,19 +29,24 @@ pub(super) struct Spectra {
     pub(super) bins: Vec<usize>,
     /// Centre of the band about the rotational frequency that is left out, Hz.
     pub(super) turn_centre_hz: f64,
+    /// How the signals were dated.
+    pub(super) dating: Dating,
 }
 
 impl Spectra {
-    /// Transforms the part of the inputs from `from_s` to `to_s`.
-    pub(super) fn new(inputs: &ShaftInputs<'_>, from_s: f64, to_s: f64) -> Result<Self, EstimateError> {
+    /// Transforms the part of the inputs from `from_s` to `to_s`, with N_e and torque dated earlier by `dating`.
+    pub(super) fn new(inputs: &ShaftInputs<'_>, from_s: f64, to_s: f64, dating: Dating) -> Result<Self, EstimateError> {
         let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let window = even_window(inputs, from_s, to_s);
         let bins = window.bins(LOWEST_HZ, highest_hz(inputs));
         let last = *bins.end();
-        let transform = |signal: &Signal| Modulated::new(signal, window, last).map_err(of);
-        let mut torque = transform(&inputs.torque[0].signal)?;
+        let transform = |signal: &Signal, earlier_s: f64| {
+            let dated = Signal { start_s: signal.start_s - earlier_s, ..signal.clone() };
+            Modulated::new(&dated, window, last).map_err(of)
+        };
+        let mut torque = transform(&inputs.torque[0].signal, dating.torque_s)?;
         for part in &inputs.torque[1..] {
-            torque = torque.plus(&transform(&part.signal)?);
+            torque = torque.plus(&transform(&part.signal, dating.torque_s)?);
         }
         let density = |noise: f64, signal: &Signal| noise * noise * signal.sample_time_s;
         let encoder = inputs.encoder_noise_rad_s;
@@ -51,17 +57,18 @@ impl Spectra {
             window,
             signals: vec![
                 NoisySpectrum {
-                    modulated: transform(inputs.dyno_speed)?,
+                    modulated: transform(inputs.dyno_speed, 0.0)?,
                     noise_density: density(encoder, inputs.dyno_speed),
                 },
                 NoisySpectrum {
-                    modulated: transform(inputs.engine_speed)?,
+                    modulated: transform(inputs.engine_speed, dating.engine_s)?,
                     noise_density: density(encoder, inputs.engine_speed),
                 },
                 NoisySpectrum { modulated: torque, noise_density: torque_density },
             ],
             bins: bins.filter(used).collect(),
             turn_centre_hz: (turn.start() + turn.end()) / 2.0,
+            dating,
         })
     }
 }
@@ -78,12 +85,12 @@ fn slowest_sample_time(inputs: &ShaftInputs<'_>) -> f64 {
 /// The longest window between two instants that holds a whole number of samples of the slowest signal, a number without
 /// large prime factors (which would slow the transform).
 pub(super) fn even_window(inputs: &ShaftInputs<'_>, from_s: f64, to_s: f64) -> Window {
-    let start = inputs.signals().map(|s| s.start_s).fold(from_s, f64::max);
+    // The margins leave room for dating the signals anew.
+    let start = inputs.signals().map(|s| s.start_s).fold(from_s, f64::max) + LARGEST_SKEW_S;
     let end = inputs.signals().map(|s| s.start_s + s.len() as f64 * s.sample_time_s).fold(to_s, f64::min);
     let slowest = slowest_sample_time(inputs);
     // One sample less, so that a raster that starts late in the window still fills it.
-    let most = ((end - start) / slowest + 1e-6).floor().max(1.0) as usize;
-    let most = most.saturating_sub(1).max(1);
+    let most = ((end - LARGEST_SKEW_S - start) / slowest - 1.0 + 1e-6).floor().max(1.0) as usize;
     let count = (1..=most).rev().find(|n| is_smooth(*n)).unwrap_or(most);
     Window { start_s: start, duration_s: count as f64 * slowest }
 }
@@ -110,7 +117,7 @@ pub(super) fn turn_band_hz(speed: &Signal) -> RangeInclusive<f64> {
 pub(super) fn tapered(signal: &Signal, window: Window, last_bin: usize) -> Result<Vec<Complex64>, signal::SignalError> {
     let dt = signal.sample_time_s;
     let count = (window.duration_s / dt).round() as usize;
-    let part = signal.slice(window.start_s, window.start_s + (count as f64 - 0.5) * dt);
+    let part = signal.slice(window.start_s, window.start_s + (count as f64 + 1.0) * dt);
     let mean = part.mean().unwrap_or(0.0);
     let offset = part.start_s - window.start_s;
     let weigh = |i: usize| {
