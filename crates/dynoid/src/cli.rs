@@ -33,20 +33,17 @@ pub(crate) struct Cli {
 #[derive(Debug, Args)]
 pub(crate) struct Global {
     /// Shows no progress and no summary; warnings and errors stay
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, help_heading = "Global options")]
     pub(crate) quiet: bool,
-    /// When to use colour; NO_COLOR is respected
-    #[arg(long, global = true, value_enum, default_value_t = ColorWhen::Auto, value_name = "WHEN")]
+    /// When to use colour; `auto`: on a terminal, unless NO_COLOR is set
+    #[arg(long, global = true, value_enum, default_value_t = ColorWhen::Auto, value_name = "WHEN", help_heading = "Global options")]
     pub(crate) color: ColorWhen,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum ColorWhen {
-    /// On a terminal
     Auto,
-    /// Always
     Always,
-    /// Never
     Never,
 }
 
@@ -78,8 +75,7 @@ Examples:
   dynoid demo --out /tmp/bench --seed 7
   dynoid demo --json | jq '.comparison[] | select(.contains_truth | not)'
 
-The folder then holds recordings/*.mf4, bench.toml, report.html and study.json; bench.toml is a good place to start
-trying things out: leave recordings away, change an inertia, and run `dynoid study run` on it.")]
+The folder then holds recordings/*.mf4, bench.toml, report.html and study.json; try things out in bench.toml: leave recordings away, change an inertia, and run `dynoid study run` on it.")]
 pub(crate) struct DemoArguments {
     /// Folder to write to; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "dynoid-demo")]
@@ -99,8 +95,7 @@ Examples:
   dynoid study run cell4/bench.toml --out results/2026-05-03
   dynoid study run bench.toml --json | jq .verdict.level
 
-Writes report.html (one file, opens in any browser) and study.json (every number, for programs). Results that are
-already there are replaced only when the new ones are complete. A bench file is proposed by `dynoid init`.")]
+Writes report.html (one file, opens in any browser) and study.json (every number, for programs). Results already there are replaced only when the new ones are complete. A bench file is proposed by `dynoid init`.")]
 pub(crate) struct StudyRunArguments {
     /// The bench file: what is known of the bench, its channels, and its recordings
     #[arg(value_name = "BENCH.toml")]
@@ -119,8 +114,7 @@ Examples:
   dynoid init recordings/
   dynoid init monday/*.mf4 tuesday/*.mf4 --out cell4.toml
 
-Nothing in a study rests on a guess: look the proposal over, and fill in what no recording can tell (cylinders and
-inertias).")]
+Nothing in a study rests on a guess: look the proposal over, and fill in what no recording can tell (cylinders and inertias).")]
 pub(crate) struct InitArguments {
     /// Recordings, or folders of recordings (MDF 2 to 4: .mf4, .mdf, .dat; .csv)
     #[arg(value_name = "RECORDINGS", required = true)]

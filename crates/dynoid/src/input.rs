@@ -99,7 +99,7 @@ fn matches(bench: &Path, folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, C
     };
     let mut files = Vec::new();
     for entry in glob::glob(&full).map_err(bad)? {
-        let path = entry.map_err(|error| CliError::read(error.path(), error.into()))?;
+        let path = entry.map_err(|error| CliError::Read { path: error.path().to_owned(), source: error.into() })?;
         if path.is_file() {
             files.push(path);
         }

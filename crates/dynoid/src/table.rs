@@ -17,6 +17,7 @@ impl Style {
     /// The text with the terminal's codes around it.
     pub(crate) fn paint(self, text: &str) -> String {
         let code = match self {
+            _ if text.is_empty() => return String::new(),
             Style::Plain => return text.to_owned(),
             Style::Bold => "1",
             Style::Faint => "2",
@@ -59,20 +60,28 @@ pub(crate) enum Align {
 pub(crate) struct Table {
     columns: Vec<(&'static str, Align)>,
     rows: Vec<Vec<Cell>>,
+    /// What stands below a row, by the row's index.
+    notes: Vec<(usize, String)>,
 }
 
 const GAP: usize = 2;
+const NOTE_INDENT: usize = 4;
 /// The last column gets at least this much, even if the line then is too long.
 const NARROWEST: usize = 24;
 
 impl Table {
     /// A table with headings; without a line of headings if all are empty.
     pub(crate) fn new(columns: &[(&'static str, Align)]) -> Self {
-        Table { columns: columns.to_vec(), rows: Vec::new() }
+        Table { columns: columns.to_vec(), rows: Vec::new(), notes: Vec::new() }
     }
 
     pub(crate) fn row<const N: usize>(&mut self, cells: [Cell; N]) {
         self.rows.push(cells.into());
+    }
+
+    /// A remark below the last row.
+    pub(crate) fn note(&mut self, text: &str) {
+        self.notes.push((self.rows.len().saturating_sub(1), safe(text)));
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -88,8 +97,13 @@ impl Table {
                 self.columns.iter().map(|(heading, _)| Cell::styled(heading, Style::Faint)).collect();
             self.push_row(&cells, &widths, (indent, width), colour, &mut lines);
         }
-        for row in &self.rows {
+        for (index, row) in self.rows.iter().enumerate() {
             self.push_row(row, &widths, (indent, width), colour, &mut lines);
+            for (_, note) in self.notes.iter().filter(|(of, _)| *of == index) {
+                let parts = wrap(note, width.saturating_sub(indent + NOTE_INDENT));
+                let painted = parts.iter().map(|part| if colour { Style::Faint.paint(part) } else { part.clone() });
+                lines.extend(painted.map(|part| format!("{}{part}", " ".repeat(indent + NOTE_INDENT))));
+            }
         }
         lines
     }

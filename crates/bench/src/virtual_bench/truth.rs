@@ -1,10 +1,9 @@
 //! What a study of a virtual bench would find if it were exact.
 
-use std::f64::consts::TAU;
-
 use serde::Serialize;
 
 use super::parameters::BenchParameters;
+use crate::model::Mechanics;
 use crate::units::RPM_RAD_S;
 
 /// The true values of what a study estimates, in the study's units.
@@ -41,6 +40,12 @@ impl BenchParameters {
     /// ```
     pub fn truth(&self) -> Truth {
         let (mechanics, controller) = (&self.mechanics, &self.controller);
+        let masses = Mechanics {
+            dyno_inertia_kg_m2: mechanics.dyno_inertia_kg_m2,
+            engine_inertia_kg_m2: mechanics.engine_inertia_kg_m2,
+            stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
+            damping_nm_s_per_rad: mechanics.shaft_damping_nm_s_per_rad,
+        };
         Truth {
             stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
             damping_nm_s_per_rad: mechanics.shaft_damping_nm_s_per_rad,
@@ -50,16 +55,7 @@ impl BenchParameters {
             speed_feed_forward_nm_per_rpm: controller.speed_feed_forward_nm_s_per_rad * RPM_RAD_S,
             acceleration_feed_forward_nm_s_per_rpm: controller.acceleration_feed_forward_nm_s2_per_rad * RPM_RAD_S,
             torque_control_delay_s: self.inverter.delay_s + 1.0 / self.inverter.bandwidth_rad_s,
-            resonance_hz: self.resonance_hz(),
+            resonance_hz: masses.resonance().frequency_hz,
         }
-    }
-
-    /// The peak of |(K + Bs)/J_d / (s² + Bμs + Kμ)| at s = iω, μ = 1/J_d + 1/J_e (7.2): its square has the derivative zero
-    /// where B²x² + 2K²x − 2K³μ = 0 with x = ω².
-    fn resonance_hz(&self) -> f64 {
-        let mechanics = &self.mechanics;
-        let (k, b) = (mechanics.shaft_stiffness_nm_per_rad, mechanics.shaft_damping_nm_s_per_rad);
-        let mobility = 1.0 / mechanics.dyno_inertia_kg_m2 + 1.0 / mechanics.engine_inertia_kg_m2;
-        (2.0 * k * mobility / (1.0 + (1.0 + 2.0 * b * b * mobility / k).sqrt())).sqrt() / TAU
     }
 }

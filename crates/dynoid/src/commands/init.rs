@@ -141,8 +141,14 @@ fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Ter
     if !gaps.is_empty() {
         terminal.line(&format!("  To be filled in, where it says \"{PLACEHOLDER}\":"));
     }
-    for (line, key) in gaps {
-        terminal.line(&format!("    line {line}: {key}{}", hint(key)));
+    for (index, (_, key)) in gaps.iter().enumerate() {
+        let is_first = gaps.iter().position(|(_, other)| other == key) == Some(index);
+        let lines: Vec<String> =
+            gaps.iter().filter(|(_, other)| other == key).map(|(line, _)| line.to_string()).collect();
+        let word = if lines.len() == 1 { "line" } else { "lines" };
+        if is_first {
+            terminal.item((key, Style::Bold), &format!("({word} {}): {}", wording::join(&lines, "and"), hint(key)));
+        }
     }
     terminal.gap();
     terminal.line(&format!("Next: look the file over, then `dynoid study run {}`", shown(out)));
@@ -150,24 +156,17 @@ fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Ter
 
 fn hint(key: &str) -> &'static str {
     match key {
-        "cylinders" => " (a number, e.g. 4)",
-        "dynamometer_inertia" => " (of all that turns on the dynamometer's side of the shaft, e.g. \"0.6 kg m²\")",
-        "engine_inertia" => " (flywheel included, e.g. \"0.2 kg m²\")",
-        "label" => " (which experiment the recording above it is, e.g. \"BS_T_NT\")",
-        _ => " (the channel's name in the recordings)",
+        "cylinders" => "a number, e.g. 4",
+        "dynamometer_inertia" => "of all that turns on the dynamometer's side of the shaft, e.g. \"0.6 kg m²\"",
+        "engine_inertia" => "flywheel included, e.g. \"0.2 kg m²\"",
+        "label" => "which experiment the recording above it is, e.g. \"BS_T_NT\"",
+        _ => "the channel's name in the recordings",
     }
 }
 
 fn channels(guess: &Guess) -> Table {
     use Align::{Left, Right};
-    let mut table = Table::new(&[
-        ("role", Left),
-        ("", Left),
-        ("channel", Left),
-        ("unit", Left),
-        ("sure", Right),
-        ("because", Left),
-    ]);
+    let mut table = Table::new(&[("role", Left), ("", Left), ("channel", Left), ("unit", Left), ("sure", Right)]);
     for (role, choice) in &guess.choices {
         let style = if choice.confidence < DOUBTFUL { Style::Caution } else { Style::Good };
         table.row([
@@ -176,8 +175,8 @@ fn channels(guess: &Guess) -> Table {
             (&choice.channel).into(),
             unit(choice).into(),
             Cell::styled(format!("{} %", percent(choice.confidence)), style),
-            Cell::styled(reasons(choice).join("; "), Style::Faint),
         ]);
+        table.note(&reasons(choice).join("; "));
     }
     table
 }

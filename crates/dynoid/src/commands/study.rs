@@ -13,6 +13,10 @@ use crate::output::OutputFolder;
 use crate::summary;
 use crate::terminal::{Progress, Terminal};
 
+/// Parts that are estimated, and replays there usually are: steps of the progress display.
+const PARTS: u64 = 6;
+const REPLAYS: u64 = 4;
+
 /// A study and the files it was written to.
 pub(crate) struct Written {
     pub(crate) study: Study,
@@ -37,7 +41,7 @@ pub(crate) fn study(bench: &Path, out: &Path, seed: Option<u64>, terminal: &mut 
     let file: BenchFile = text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
     let files = input::listed(bench, &file.recordings.files)?;
     let folder = OutputFolder::check(out)?;
-    let progress = terminal.progress(2 * files.len() as u64 + 6);
+    let progress = terminal.progress(2 * files.len() as u64 + PARTS + REPLAYS);
     let mut sources: Vec<Source> = Vec::with_capacity(files.len());
     for file in &files {
         progress.say(&format!("reading {}", file.name));

@@ -40,6 +40,14 @@ pub(crate) fn print(written: &Written, terminal: &mut Terminal) {
     print_places(written, terminal);
 }
 
+/// Prints what a study says about itself, without its numbers.
+pub(crate) fn print_judgement(written: &Written, terminal: &mut Terminal) {
+    print_verdict(&written.study, terminal);
+    print_missing(&written.study, terminal);
+    print_findings(&written.study.diagnostics, terminal);
+    print_places(written, terminal);
+}
+
 fn print_verdict(study: &Study, terminal: &mut Terminal) {
     let verdict = verdict(study);
     terminal.heading(&format!("Verdict: {}", verdict.level.headline()), style_of(verdict.level));
@@ -159,14 +167,17 @@ fn print_findings(diagnostics: &[Diagnostic], terminal: &mut Terminal) {
         terminal.line(&format!("  {rest} more are in the report."));
     }
     if notes > 0 {
-        let (count, verb) = if notes == 1 { ("1 note".to_owned(), "is") } else { (format!("{notes} notes"), "are") };
-        terminal.line(&format!("  {count} that ask for nothing {verb} in the report."));
+        let notes = if notes == 1 {
+            "1 note that asks for nothing is".to_owned()
+        } else {
+            format!("{notes} notes that ask for nothing are")
+        };
+        terminal.line(&format!("  {notes} in the report."));
     }
     terminal.gap();
 }
 
-/// Prints where the results are.
-pub(crate) fn print_places(written: &Written, terminal: &mut Terminal) {
+fn print_places(written: &Written, terminal: &mut Terminal) {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["report".into(), shown(&written.report).into()]);
     table.row(["data".into(), shown(&written.data).into()]);

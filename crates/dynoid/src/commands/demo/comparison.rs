@@ -12,11 +12,15 @@ use crate::commands::study::Written;
 use crate::summary;
 use crate::table::{Align, Cell, Style, Table};
 
+/// Relative difference of numbers that are the same but for rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// One quantity, estimated or not, beside its true value.
 #[derive(Debug, Serialize)]
 pub(super) struct Row<'a> {
     quantity: &'static str,
     symbol: &'static str,
+    unit: &'static str,
     truth: f64,
     estimate: Option<&'a Parameter>,
     contains_truth: Option<bool>,
@@ -30,21 +34,33 @@ pub(super) fn rows<'a>(study: &'a Study, parameters: &BenchParameters) -> Vec<Ro
     let shaft = |symbol| study.shaft.estimated().and_then(|part| part.estimate.parameter(symbol));
     let torque_delay = study.torque_control.estimated().and_then(|part| part.delay_and_lag.parameter("τ + 1/a"));
     let resonance = study.whole.estimated().map(|part| &part.resonance_hz);
-    let row = |quantity, symbol, truth: f64, estimate: Option<&'a Parameter>| {
-        let contains_truth = estimate.map(|estimate| estimate.interval.0 <= truth && truth <= estimate.interval.1);
-        Row { quantity, symbol, truth, estimate, contains_truth }
+    let row = |quantity, symbol, unit, truth: f64, estimate: Option<&'a Parameter>| {
+        let contains_truth = estimate.map(|estimate| contains(estimate.interval, truth));
+        Row { quantity, symbol, unit, truth, estimate, contains_truth }
     };
     vec![
-        row("shaft stiffness", "K", truth.stiffness_nm_per_rad, shaft("K")),
-        row("shaft damping", "B", truth.damping_nm_s_per_rad, shaft("B")),
-        row("proportional gain", "K_p", truth.proportional_nm_per_rpm, controller("K_p")),
-        row("integral gain", "K_i", truth.integral_nm_per_rpm_s, controller("K_i")),
-        row("controller delay", "τ", truth.controller_delay_s, controller("τ")),
-        row("feed-forward of speed", "k", truth.speed_feed_forward_nm_per_rpm, feed_forward("k")),
-        row("feed-forward of acceleration", "k_a", truth.acceleration_feed_forward_nm_s_per_rpm, feed_forward("k_a")),
-        row("torque control, total delay", "τ + 1/a", truth.torque_control_delay_s, torque_delay),
-        row("resonance of T_d → T_shaft", "f_r", truth.resonance_hz, resonance),
+        row("shaft stiffness", "K", "Nm/rad", truth.stiffness_nm_per_rad, shaft("K")),
+        row("shaft damping", "B", "Nm s/rad", truth.damping_nm_s_per_rad, shaft("B")),
+        row("proportional gain", "K_p", "Nm/rpm", truth.proportional_nm_per_rpm, controller("K_p")),
+        row("integral gain", "K_i", "Nm/(rpm s)", truth.integral_nm_per_rpm_s, controller("K_i")),
+        row("controller delay", "τ", "s", truth.controller_delay_s, controller("τ")),
+        row("feed-forward of speed", "k", "Nm/rpm", truth.speed_feed_forward_nm_per_rpm, feed_forward("k")),
+        row(
+            "feed-forward of acceleration",
+            "k_a",
+            "Nm/(rpm/s)",
+            truth.acceleration_feed_forward_nm_s_per_rpm,
+            feed_forward("k_a"),
+        ),
+        row("torque control, total delay", "τ + 1/a", "s", truth.torque_control_delay_s, torque_delay),
+        row("resonance of T_d → T_shaft", "f_r", "Hz", truth.resonance_hz, resonance),
     ]
+}
+
+/// Whether the interval contains the value, but for the rounding of computed numbers.
+fn contains((low, high): (f64, f64), value: f64) -> bool {
+    let rounding = ROUNDING * value.abs();
+    low - rounding <= value && value <= high + rounding
 }
 
 /// The rows as a table.
@@ -52,16 +68,16 @@ pub(super) fn table(rows: &[Row<'_>]) -> Table {
     let headings = ["", "", "estimated", "95 % interval", "true value", "inside"];
     let mut table = Table::new(&headings.map(|heading| (heading, Align::Left)));
     for row in rows {
-        let (estimated, interval, unit) = match row.estimate {
-            Some(parameter) => (number::parameter(parameter), number::interval(parameter), parameter.unit.as_str()),
-            None => ("not estimated".to_owned(), String::new(), ""),
+        let (estimated, interval) = match row.estimate {
+            Some(parameter) => (number::parameter(parameter), number::interval(parameter)),
+            None => ("not estimated".to_owned(), String::new()),
         };
         table.row([
             row.quantity.into(),
             row.symbol.into(),
             estimated.into(),
             interval.into(),
-            number::measure(row.truth, unit).into(),
+            number::significant_with_unit(row.truth, 5, row.unit).into(),
             match row.contains_truth {
                 Some(true) => Cell::styled("yes", Style::Good),
                 Some(false) => Cell::styled("NO", Style::Bad),

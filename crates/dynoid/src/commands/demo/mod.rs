@@ -90,7 +90,7 @@ fn print(written: &Written, bench: &Path, rows: &[comparison::Row<'_>], terminal
     terminal.gap();
     terminal.paragraph(&comparison::remark(rows));
     terminal.gap();
-    summary::print(written, terminal);
+    summary::print_judgement(written, terminal);
     terminal.gap();
     terminal.heading("Next", Style::Bold);
     terminal.line(&format!("  open {} in a browser", shown(&written.report)));

@@ -20,9 +20,9 @@ pub(super) fn file(facts: &File, terminal: &mut Terminal) {
         Some((label, None)) => label.to_owned(),
         None => "no label in the file name (such as BS_T_NT); the bench file can give one".to_owned(),
     };
-    terminal.item(("experiment", Style::Plain), &label);
+    terminal.item(("experiment:", Style::Plain), &label);
     if let Some(comment) = facts.comment.as_ref().filter(|comment| !comment.trim().is_empty()) {
-        terminal.item(("comment", Style::Plain), &comment.split_whitespace().collect::<Vec<_>>().join(" "));
+        terminal.item(("comment:", Style::Plain), &comment.split_whitespace().collect::<Vec<_>>().join(" "));
     }
     for finding in &facts.findings {
         terminal.item(("please note:", Style::Caution), finding);

@@ -1,0 +1,42 @@
+//! The help texts.
+
+use crate::support::dynoid;
+
+fn help(arguments: &[&str]) -> String {
+    let ran = dynoid(&std::env::temp_dir(), arguments);
+    assert_eq!(ran.code, Some(0));
+    // The program's file name ends in .exe on Windows.
+    ran.stdout.replace("dynoid.exe", "dynoid")
+}
+
+#[test]
+fn snap_help() {
+    insta::assert_snapshot!("help", help(&["--help"]));
+}
+
+#[test]
+fn snap_help_demo() {
+    insta::assert_snapshot!("help_demo", help(&["demo", "--help"]));
+}
+
+#[test]
+fn snap_help_study_run() {
+    insta::assert_snapshot!("help_study_run", help(&["study", "run", "--help"]));
+}
+
+#[test]
+fn snap_help_init() {
+    insta::assert_snapshot!("help_init", help(&["init", "--help"]));
+}
+
+#[test]
+fn snap_help_inspect() {
+    insta::assert_snapshot!("help_inspect", help(&["inspect", "--help"]));
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_code_2() {
+    for arguments in [&[][..], &["estimate"], &["study", "run"], &["demo", "--seed", "many"]] {
+        assert_eq!(dynoid(&std::env::temp_dir(), arguments).code, Some(2), "{arguments:?}");
+    }
+}

@@ -1,0 +1,67 @@
+//! `dynoid inspect`.
+
+use recording::Recording;
+
+use crate::support::{Campaign, bs, channel};
+
+/// A second of a recording.
+fn short() -> Recording {
+    let mut recording = bs();
+    for channel in &mut recording.channels {
+        let keep = recording.rasters[channel.raster].time_s.iter().filter(|time| **time < 1.0).count();
+        channel.samples.truncate(keep);
+    }
+    for raster in &mut recording.rasters {
+        raster.time_s.retain(|time| *time < 1.0);
+    }
+    recording
+}
+
+#[test]
+fn snap_inspect() {
+    let mut recording = short();
+    channel(&mut recording, "DynoTorqueCalc").samples[10] = f64::NAN;
+    let raster = channel(&mut recording, "EngineSpeed").raster;
+    for time in &mut recording.rasters[raster].time_s[100..] {
+        *time += 0.05;
+    }
+    let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &recording);
+    let ran = campaign.run(&["inspect", "recordings/BS_T_NT_1200.mf4"]);
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""));
+    insta::assert_snapshot!("inspect", ran.stdout);
+}
+
+#[test]
+fn json_holds_what_was_recorded() {
+    let mut recording = short();
+    channel(&mut recording, "DynoTorqueCalc").samples[10] = f64::NAN;
+    let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &recording);
+    let facts = campaign.run(&["inspect", "--json", "recordings"]).json();
+    let file = &facts[0];
+    assert_eq!((&file["format"], &file["label"]), (&"MDF 4.10".into(), &"BS_T_NT".into()));
+    let fast = &file["rasters"][0];
+    assert_eq!((&fast["samples"], &fast["gaps"]), (&1000.into(), &0.into()));
+    assert!((fast["sample_time_s"].as_f64().unwrap() - 1e-3).abs() < 1e-9);
+    let torque = &file["rasters"][2]["channels"][0];
+    assert_eq!(
+        (&torque["name"], &torque["unit"], &torque["not_a_number"]),
+        (&"DynoTorqueCalc".into(), &"Nm".into(), &1.into())
+    );
+}
+
+#[test]
+fn the_readable_files_are_shown_although_one_is_not() {
+    let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &short());
+    campaign.write("recordings/A.mf4", b"MDF     4.10    ");
+    let ran = campaign.run(&["inspect", "recordings"]);
+    assert_eq!(ran.code, Some(3));
+    assert!(ran.stderr.contains("recordings/A.mf4"), "{}", ran.stderr);
+    assert!(ran.stdout.contains("DynoSpeed"), "{}", ran.stdout);
+}
+
+#[test]
+fn nothing_to_inspect() {
+    let campaign = Campaign::empty();
+    campaign.run(&["inspect", "nowhere.mf4"]).assert_refused(3, &["nowhere.mf4", "no such file"]);
+    campaign.run(&["inspect", "recordings"]).assert_refused(3, &["recordings", "no recordings in this folder"]);
+}

@@ -1,0 +1,12 @@
+//! The program as its users meet it: run on files, looked at from outside.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod bad_input;
+mod demo;
+mod help;
+mod init;
+mod inspect;
+mod study;
+mod support;
+mod terminal;
