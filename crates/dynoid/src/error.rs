@@ -120,11 +120,15 @@ impl CliError {
 
 fn read_words(error: &io::Error) -> String {
     match error.kind() {
-        io::ErrorKind::NotFound => "there is no such file or folder; check the name, and the folder it is relative to".into(),
+        io::ErrorKind::NotFound => {
+            "there is no such file or folder; check the name, and the folder it is relative to".into()
+        }
         io::ErrorKind::PermissionDenied => {
             "you may not read this; ask for read access, or copy it to a place of your own".into()
         }
-        _ => format!("this cannot be read: {error}; check the disk or the network drive, or copy the file to a local disk"),
+        _ => format!(
+            "this cannot be read: {error}; check the disk or the network drive, or copy the file to a local disk"
+        ),
     }
 }
 
@@ -136,15 +140,23 @@ fn write_words(error: &io::Error) -> String {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
             "the disk is full; free some space, or choose another place with --out".into()
         }
-        io::ErrorKind::NotADirectory => "part of this path is a file, not a folder; choose another place with --out".into(),
-        io::ErrorKind::NotFound => "the folder to write to is not there; make it, or choose another place with --out".into(),
+        io::ErrorKind::NotADirectory => {
+            "part of this path is a file, not a folder; choose another place with --out".into()
+        }
+        io::ErrorKind::NotFound => {
+            "the folder to write to is not there; make it, or choose another place with --out".into()
+        }
         _ => format!("this cannot be written: {error}; choose another place with --out"),
     }
 }
 
 fn bench_file_words(error: &BenchFileError) -> String {
     let count = error.faults.len();
-    let head = if count == 1 { "one thing has to be corrected".into() } else { format!("{count} things have to be corrected") };
+    let head = if count == 1 {
+        "one thing has to be corrected".into()
+    } else {
+        format!("{count} things have to be corrected")
+    };
     let lines: Vec<String> = error.faults.iter().map(|fault| format!("  {fault}")).collect();
     format!("{head}:\n{}", lines.join("\n"))
 }

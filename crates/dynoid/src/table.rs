@@ -84,7 +84,8 @@ impl Table {
         let widths = self.widths();
         let mut lines = Vec::new();
         if self.columns.iter().any(|(heading, _)| !heading.is_empty()) {
-            let cells: Vec<Cell> = self.columns.iter().map(|(heading, _)| Cell::styled(heading, Style::Faint)).collect();
+            let cells: Vec<Cell> =
+                self.columns.iter().map(|(heading, _)| Cell::styled(heading, Style::Faint)).collect();
             self.push_row(&cells, &widths, (indent, width), colour, &mut lines);
         }
         for row in &self.rows {

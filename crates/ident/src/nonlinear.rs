@@ -268,7 +268,7 @@ impl<'a, M: ResidualModel> Search<'a, M> {
         let mut residuals = vec![0.0; self.residuals.len()];
         let evaluated = self.model.evaluate(&trial, &mut residuals, None);
         let cost = if evaluated.is_ok() { squared_norm(&residuals) } else { f64::INFINITY };
-        if !(cost < self.cost) {
+        if cost.is_nan() || cost >= self.cost {
             return Ok(Attempt::Rejected {
                 predicted_decrease: predicted / self.cost.max(f64::MIN_POSITIVE),
                 relative_step,

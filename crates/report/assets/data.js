@@ -107,6 +107,9 @@ function xExtent(figure) {
       high = Math.max(high, value);
     }
   }
+  if (figure.panels.some((panel) => panel.layers.some((layer) => layer.type === "stems"))) {
+    [low, high] = [low - 0.015 * (high - low), high + 0.015 * (high - low)];
+  }
   return low < high ? [low, high] : Number.isFinite(low) ? [low * 0.9 - 1e-9, low * 1.1 + 1] : [log ? 1 : 0, log ? 10 : 1];
 }
 

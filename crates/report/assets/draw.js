@@ -47,7 +47,7 @@ function drawFigure(plot, width) {
   let top = MARGIN.top;
   const panels = figure.panels.map((panel, number) => {
     const [low, high] = yExtent(panel, domain, hidden);
-    const bottom = top + panel.height;
+    const bottom = top + panel.height * plot.stretch;
     const sy = makeScale(panel.y.scale, low, high, bottom, top);
     const last = number === figure.panels.length - 1;
     const frame = { panel, sx, sy, left, right, top, bottom, last, clip: `${plot.id}-${number}` };
@@ -77,11 +77,12 @@ function drawPanel(root, frame, figure, hidden) {
     if (!hidden.has(layer.name)) LAYERS[layer.type](inside, layer, frame);
   }
   const unit = panel.y.unit ? ` [${panel.y.unit}]` : "";
-  svgText(group, panel.y.label + unit, { class: "axis-name", x: left, y: top - 9 });
+  const name = svgText(group, panel.y.label + unit, { class: "axis-name", x: left, y: top - 9 });
+  if (panel.note) svg(name, "tspan", { class: "tick", dx: 8 }).textContent = panel.note;
 }
 
 function drawYAxis(group, { sy, left, right, top, bottom }) {
-  const { ticks, format } = makeTicks(sy, (bottom - top) / 34);
+  const { ticks, format } = makeTicks(sy, (bottom - top) / 30);
   for (const value of ticks) {
     const y = sy.toPixel(value);
     svg(group, "line", { class: "grid", x1: left, x2: right, y1: y, y2: y });
@@ -137,7 +138,7 @@ const LAYERS = {
     if (layer.y === null) return;
     const y = sy.toPixel(layer.y);
     svg(group, "line", { class: "mark", x1: left, x2: right, y1: y, y2: y });
-    svgText(group, layer.label, { class: "mark-name", x: right - 4, y: y - 4, "text-anchor": "end" });
+    svgText(group, layer.label, { class: "mark-name", x: left + 6, y: y - 6 });
   },
   vertical_marks(group, layer, { sx, left, right, top, bottom }) {
     const inView = layer.x.filter((x) => x >= sx.low && x <= sx.high).map((x) => sx.toPixel(x));

@@ -77,7 +77,7 @@ function readPanel(plot, { panel, sx, sy }, value) {
     const [cx, cy] = [sx.toPixel(layer.x[at]), sy.toPixel(layer.y[at])];
     const seen = layer.x[at] >= sx.low && layer.x[at] <= sx.high && Number.isFinite(cy);
     if (seen) svg(plot.cursorLayer, "circle", { class: `ring s-${layer.style}`, cx, cy, r: 3.5 });
-    return { layer, label: panel.y.label.split(" – ")[0], unit: panel.y.unit, value: seen ? layer.y[at] : NaN };
+    return { layer, label: panel.y.label, unit: panel.y.unit, value: seen ? layer.y[at] : NaN };
   });
 }
 
@@ -85,7 +85,7 @@ function fillReadout(plot, value, rows) {
   const { label, unit } = plot.figure.x;
   plot.readout.replaceChildren();
   const head = document.createElement("div");
-  head.textContent = `${label} ${plainNumber(value)} ${unit}`;
+  head.textContent = `${label} ${positionText(plot, value)} ${unit}`;
   head.className = "at";
   plot.readout.append(head);
   for (const row of rows) {
@@ -93,11 +93,17 @@ function fillReadout(plot, value, rows) {
     line.append(swatch(row.layer), " ");
     htmlText(line, rows.some((other) => other.label !== row.label) ? `${row.label}, ${row.layer.name}` : row.layer.name);
     const number = document.createElement("b");
-    number.textContent = ` ${plainNumber(row.value)} ${row.unit}`;
+    number.textContent = ` ${plainNumber(row.value, 5)} ${row.unit}`;
     line.append(number);
     plot.readout.append(line);
   }
   plot.readout.hidden = false;
+}
+
+/** The cursor's x to a thousandth of what is in view. */
+function positionText({ figure, domain }, value) {
+  if (figure.x.scale === "log") return plainNumber(value, 4);
+  return fixedNumber(value, Math.max(0, 3 - decades(domain[1] - domain[0])));
 }
 
 /** Puts the read-out beside the cursor, on the side with more room. */

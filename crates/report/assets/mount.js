@@ -1,6 +1,7 @@
 // Start: every figure of the page gets its plot, on the screen and on paper.
 
 const PAPER_WIDTH = 680; // CSS pixels of A4 between the margins
+const PAPER_STRETCH = 0.78; // panels are lower on paper, so that fewer pages stay half empty
 const plots = [];
 
 function mount(box, number) {
@@ -16,7 +17,7 @@ function mount(box, number) {
   const root = svg(null, "svg", { tabindex: 0, role: "img", "aria-label": `${figure.title}. Arrow keys read values, plus zooms, Escape resets.` });
   stage.append(root, readout);
   source.replaceWith(legend, stage);
-  const plot = { id: `plot-${number}`, box, stage, svg: root, readout, figure, hidden: new Set(), cursor: null, width: 0 };
+  const plot = { id: `plot-${number}`, box, stage, svg: root, readout, figure, hidden: new Set(), cursor: null, width: 0, stretch: 1 };
   plot.domain = xExtent(figure);
   fillLegend(plot, legend);
   fit(plot, stage.clientWidth);
@@ -36,11 +37,17 @@ function fit(plot, width) {
 function fitToPaper() {
   for (const plot of plots) {
     hideCursor(plot);
+    plot.stretch = PAPER_STRETCH;
     fit(plot, plot.box.parentElement.classList.contains("pair") ? (PAPER_WIDTH - 24) / 2 : PAPER_WIDTH);
   }
 }
 
-const fitToScreen = () => plots.forEach((plot) => fit(plot, plot.stage.clientWidth));
+function fitToScreen() {
+  for (const plot of plots) {
+    plot.stretch = 1;
+    fit(plot, plot.stage.clientWidth);
+  }
+}
 
 document.querySelectorAll("figure.plot").forEach(mount);
 window.addEventListener("beforeprint", fitToPaper);

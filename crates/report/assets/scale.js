@@ -36,11 +36,17 @@ function logTicks(low, high, count) {
       if (value >= low * 0.9999 && value <= high * 1.0001) ticks.push(value);
     }
   }
-  return ticks.length > 1 ? { ticks, format: plainNumber } : linearTicks(low, high, count);
+  return ticks.length > 1 ? { ticks, format: (value) => plainNumber(value, 4) } : linearTicks(low, high, count);
 }
 
+/** Ticks of a scale; a few more than fit comfortably where there would be only one. */
 function makeTicks(scale, count) {
-  return scale.kind === "log" ? logTicks(scale.low, scale.high, count) : linearTicks(scale.low, scale.high, count);
+  if (scale.kind === "log") return logTicks(scale.low, scale.high, count);
+  let found = linearTicks(scale.low, scale.high, count);
+  for (let more = 1.4; found.ticks.length < 2 && more < 3; more *= 1.4) {
+    found = linearTicks(scale.low, scale.high, count * more);
+  }
+  return found;
 }
 
 /** A number with a fixed number of decimals, a true minus sign, and no minus zero. */
@@ -50,10 +56,10 @@ function fixedNumber(value, decimals) {
   return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "−");
 }
 
-/** A number to four significant digits, for the read-out. */
-function plainNumber(value) {
+/** A number to a few significant digits, for the read-out and for logarithmic axes. */
+function plainNumber(value, digits) {
   if (!Number.isFinite(value)) return "–";
-  const rounded = Number(value.toPrecision(4));
+  const rounded = Number(value.toPrecision(digits));
   const large = Math.abs(rounded) >= 1e6 || (rounded !== 0 && Math.abs(rounded) < 1e-4);
   return (large ? rounded.toExponential(2) : String(rounded)).replace("-", "−");
 }

@@ -3,6 +3,7 @@
 #[path = "../tests/it/fixture/mod.rs"]
 mod fixture;
 
+#[allow(clippy::disallowed_methods)] // an example is a program
 fn main() -> std::io::Result<()> {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
     std::fs::create_dir_all(&folder)?;

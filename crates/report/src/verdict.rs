@@ -25,7 +25,7 @@ impl Level {
         match self {
             Level::Good => "The model is good",
             Level::Reservations => "The model is usable, with reservations",
-            Level::Insufficient => "The data are insufficient for a model",
+            Level::Insufficient => "Insufficient for a model to rely on",
         }
     }
 
@@ -106,7 +106,11 @@ fn uncertainty(study: &Study) -> Rule {
         .collect::<Vec<_>>();
     let asks = "95 % intervals of shaft stiffness and resonance are within ±10 %; beyond ±30 % is not met.";
     let Some(worst) = relative.iter().map(|(_, width)| *width).reduce(worse_width) else {
-        return Rule { asks, found: "neither is estimated".to_owned(), level: Level::Insufficient };
+        return Rule {
+            asks,
+            found: "neither stiffness nor resonance is estimated".to_owned(),
+            level: Level::Insufficient,
+        };
     };
     let level = match worst {
         w if w <= 0.10 => Level::Good,
@@ -138,7 +142,7 @@ fn held_out(study: &Study) -> Rule {
         f if f >= 50.0 => Level::Reservations,
         _ => Level::Insufficient,
     };
-    Rule { asks, found: format!("lowest: {} {}", wording::part(name), number::fit(worst)), level }
+    Rule { asks, found: format!("lowest fit: {}, {}", wording::part(name), number::fit(worst)), level }
 }
 
 /// Fit of each estimated part on its held-out stretch.
@@ -173,14 +177,19 @@ fn replays(study: &Study) -> Rule {
         .collect();
     fits.sort_by(f64::total_cmp);
     let (Some(lowest), Some(middle)) = (fits.first().copied(), fits.get((fits.len().max(1) - 1) / 2).copied()) else {
-        return Rule { asks, found: "no such replay".to_owned(), level: Level::Reservations };
+        return Rule {
+            asks,
+            found: "no recording was replayed that the estimates have not seen".to_owned(),
+            level: Level::Reservations,
+        };
     };
     let level = match (middle, lowest) {
         (m, l) if m >= 70.0 && l >= 40.0 => Level::Good,
         (m, _) if m >= 40.0 => Level::Reservations,
         _ => Level::Insufficient,
     };
-    let found = format!("median {}, lowest {} of {} signals", number::fit(middle), number::fit(lowest), fits.len());
+    let found =
+        format!("median fit {}, lowest {}, of {} signals", number::fit(middle), number::fit(lowest), fits.len());
     Rule { asks, found, level }
 }
 
@@ -190,8 +199,8 @@ fn residuals(study: &Study) -> Rule {
     doubted.dedup();
     let level = if doubted.is_empty() { Level::Good } else { Level::Reservations };
     let found = match doubted.as_slice() {
-        [] => "none".to_owned(),
-        _ => wording::join(&doubted, "and"),
+        [] => "no part is in doubt".to_owned(),
+        _ => format!("in doubt: {}", wording::join(&doubted, "and")),
     };
     let asks = "No part has residuals correlated with its input, failed to converge, or disagrees with a second route.";
     Rule { asks, found, level }

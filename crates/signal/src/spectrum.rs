@@ -253,7 +253,7 @@ pub fn inverse_fft_real(mut spectrum: Vec<Complex64>, length: usize) -> Result<V
     if let Some(first) = spectrum.first_mut() {
         first.im = 0.0;
     }
-    if let (true, Some(last)) = (length % 2 == 0, spectrum.last_mut()) {
+    if let (true, Some(last)) = (length.is_multiple_of(2), spectrum.last_mut()) {
         last.im = 0.0;
     }
     let mut output = plan.make_output_vec();

@@ -17,6 +17,9 @@ pub(crate) struct Label {
     pub(crate) unit: &'static str,
 }
 
+/// A quantity people read, as a function of a fit's internal parameters.
+pub(crate) type ReadOut<'a> = (Label, &'a dyn Fn(&[f64]) -> f64);
+
 impl Parameter {
     /// A parameter with its 95 % Student-t interval.
     pub(crate) fn new(label: Label, value: f64, standard_error: f64, degrees_of_freedom: f64) -> Self {
@@ -45,7 +48,7 @@ impl Estimate {
 
 /// The quantities people read, as functions of a fit's internal parameters, with their covariance by the delta method.
 pub(crate) fn transformed(
-    outputs: &[(Label, &dyn Fn(&[f64]) -> f64)],
+    outputs: &[ReadOut<'_>],
     fit: &Fit,
     covariance: &Mat<f64>,
     degrees_of_freedom: f64,
@@ -58,7 +61,7 @@ pub(crate) fn transformed(
         (0..n).map(|i| (0..n).map(|j| a[i] * covariance[(i, j)] * b[j]).sum::<f64>()).sum::<f64>()
     };
     let matrix: Vec<Vec<f64>> = gradients.iter().map(|a| gradients.iter().map(|b| joint(a, b)).collect()).collect();
-    let parameter = |(i, (label, g)): (usize, &(Label, &dyn Fn(&[f64]) -> f64))| {
+    let parameter = |(i, (label, g)): (usize, &ReadOut<'_>)| {
         Parameter::new(*label, g(&fit.parameters), matrix[i][i].max(0.0).sqrt(), degrees_of_freedom)
     };
     Estimate {

@@ -203,15 +203,15 @@ fn shaft(
     let mut used = None;
     let labels = ["BS_T_NT", "WhiteNoise_T_TN"];
     let mut shaft = findings.first("shaft", &candidates, &labels, |e| {
-        let records = ShaftRecords::of(e, bench, controller, torque_control)?;
-        let estimate = shaft::estimate(&records.inputs())?;
-        used = Some((e, shaft::estimate_inertia(&records.inputs())?));
+        let inputs = shaft_inputs(e, bench, controller, torque_control)?;
+        let estimate = shaft::estimate(&inputs)?;
+        used = Some((e, shaft::estimate_inertia(&inputs)?));
         Ok(estimate)
     })?;
     let Some((experiment, inertia)) = used else { return Ok(shaft) };
     for other in candidates.iter().filter(|e| e.file != experiment.file) {
-        let records = ShaftRecords::of(other, bench, controller, torque_control);
-        if let Ok(estimate) = records.and_then(|r| shaft::estimate_parameters(&r.inputs())) {
+        let inputs = shaft_inputs(other, bench, controller, torque_control);
+        if let Ok(estimate) = inputs.and_then(|inputs| shaft::estimate_parameters(&inputs)) {
             shaft.cross_checks.push((other.file.clone(), estimate));
         }
     }
@@ -255,54 +255,29 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
 }
 
 /// What the shaft's estimator needs of one recording, with the torque between its samples.
-struct ShaftRecords<'a> {
+fn shaft_inputs<'a>(
     experiment: &'a Experiment,
-    dyno_speed: &'a signal::Signal,
-    engine_speed: &'a signal::Signal,
-    torque: Vec<NoisyTorque>,
-    inertia_kg_m2: Option<(f64, f64)>,
-    encoder_noise_rad_s: f64,
-    gate_s: (f64, f64),
-}
-
-impl<'a> ShaftRecords<'a> {
-    fn of(
-        experiment: &'a Experiment,
-        bench: &BenchFile,
-        controller: Option<&SpeedControllerFit>,
-        torque_control: Option<&TorqueControlFit>,
-    ) -> Result<Self, EstimateError> {
-        let speed = need(experiment, Role::DynoSpeed)?;
-        let engine_speed = need(experiment, Role::EngineSpeed)?;
-        let encoder = Encoder::known_or_assumed(controller.map(|c| c.encoder), speed, stated_gate(bench));
-        let inertia = bench.dynamometer_inertia_kg_m2;
-        let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
-        let (torque, inertia_kg_m2) = match bench.variant {
-            BenchVariant::TorqueFlange => (vec![sampled_torque(need(experiment, Role::FlangeTorque)?)], None),
-            BenchVariant::LoadCell => (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty))),
-        };
-        Ok(ShaftRecords {
-            experiment,
-            dyno_speed: speed,
-            engine_speed,
-            torque,
-            inertia_kg_m2,
-            encoder_noise_rad_s: encoder.noise_rad_s,
-            gate_s: (encoder.gate_s, encoder.gate_standard_error_s),
-        })
-    }
-
-    fn inputs(&self) -> ShaftInputs<'a> {
-        ShaftInputs {
-            file: &self.experiment.file,
-            dyno_speed: self.dyno_speed,
-            engine_speed: self.engine_speed,
-            torque: self.torque.clone(),
-            inertia_kg_m2: self.inertia_kg_m2,
-            encoder_noise_rad_s: self.encoder_noise_rad_s,
-            gate_s: self.gate_s,
-        }
-    }
+    bench: &BenchFile,
+    controller: Option<&SpeedControllerFit>,
+    torque_control: Option<&TorqueControlFit>,
+) -> Result<ShaftInputs<'a>, EstimateError> {
+    let dyno_speed = need(experiment, Role::DynoSpeed)?;
+    let encoder = Encoder::known_or_assumed(controller.map(|c| c.encoder), dyno_speed, stated_gate(bench));
+    let inertia = bench.dynamometer_inertia_kg_m2;
+    let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
+    let (torque, inertia_kg_m2) = match bench.variant {
+        BenchVariant::TorqueFlange => (vec![sampled_torque(need(experiment, Role::FlangeTorque)?)], None),
+        BenchVariant::LoadCell => (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty))),
+    };
+    Ok(ShaftInputs {
+        file: &experiment.file,
+        dyno_speed,
+        engine_speed: need(experiment, Role::EngineSpeed)?,
+        torque,
+        inertia_kg_m2,
+        encoder_noise_rad_s: encoder.noise_rad_s,
+        gate_s: (encoder.gate_s, encoder.gate_standard_error_s),
+    })
 }
 
 fn stated_gate(bench: &BenchFile) -> Option<f64> {

@@ -77,7 +77,7 @@ pub fn run(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result
         recording.used_for = findings.uses_of(&recording.file);
     }
     let mut diagnostics = findings.diagnostics;
-    diagnostics.sort_by(|a, b| b.severity.cmp(&a.severity));
+    diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
     Ok(Study {
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),

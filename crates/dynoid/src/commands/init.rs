@@ -86,7 +86,8 @@ fn unlabelled(recordings: &[(InputFile, Recording)], folder: &Path) -> Vec<Strin
 
 /// The bench is called like the folder its recordings are in.
 fn bench_name(files: &[InputFile]) -> String {
-    let folder = files.first().and_then(|file| file.path.canonicalize().ok()).and_then(|path| path.parent().map(Path::to_owned));
+    let folder =
+        files.first().and_then(|file| file.path.canonicalize().ok()).and_then(|path| path.parent().map(Path::to_owned));
     let named = folder.iter().flat_map(|folder| folder.ancestors()).find_map(|folder| {
         let name = folder.file_name()?.to_string_lossy().into_owned();
         let says_nothing = ["recordings", "measurements", "data"].contains(&name.to_lowercase().as_str());
@@ -117,7 +118,8 @@ fn gaps_in(text: &str) -> Vec<(usize, String)> {
     let placeholder = format!("\"{PLACEHOLDER}\"");
     let gap = |(index, line): (usize, &str)| {
         let (key, value) = line.split_once('=')?;
-        (!key.starts_with('#') && value.trim_start().starts_with(&placeholder)).then(|| (index + 1, key.trim().to_owned()))
+        (!key.starts_with('#') && value.trim_start().starts_with(&placeholder))
+            .then(|| (index + 1, key.trim().to_owned()))
     };
     text.lines().enumerate().filter_map(gap).collect()
 }
@@ -158,7 +160,14 @@ fn hint(key: &str) -> &'static str {
 
 fn channels(guess: &Guess) -> Table {
     use Align::{Left, Right};
-    let mut table = Table::new(&[("role", Left), ("", Left), ("channel", Left), ("unit", Left), ("sure", Right), ("because", Left)]);
+    let mut table = Table::new(&[
+        ("role", Left),
+        ("", Left),
+        ("channel", Left),
+        ("unit", Left),
+        ("sure", Right),
+        ("because", Left),
+    ]);
     for (role, choice) in &guess.choices {
         let style = if choice.confidence < DOUBTFUL { Style::Caution } else { Style::Good };
         table.row([
@@ -212,7 +221,12 @@ struct Alternatives<'a> {
     channels: &'a [String],
 }
 
-fn proposal<'a>(guess: &'a Guess, out: &'a Path, gaps: &'a [(usize, String)], unlabelled: &'a [String]) -> Proposal<'a> {
+fn proposal<'a>(
+    guess: &'a Guess,
+    out: &'a Path,
+    gaps: &'a [(usize, String)],
+    unlabelled: &'a [String],
+) -> Proposal<'a> {
     let channel = |(role, choice): (&Role, &'a Choice)| ProposedChannel {
         role: *role,
         symbol: role.symbol(),

@@ -32,15 +32,9 @@ pub(crate) fn run(arguments: &StudyRunArguments, terminal: &mut Terminal) -> Res
 }
 
 /// Reads a bench file and its recordings, studies them, and writes the results.
-pub(crate) fn study(
-    bench: &Path,
-    out: &Path,
-    seed: Option<u64>,
-    terminal: &mut Terminal,
-) -> Result<Written, CliError> {
+pub(crate) fn study(bench: &Path, out: &Path, seed: Option<u64>, terminal: &mut Terminal) -> Result<Written, CliError> {
     let text = bench_text(bench)?;
-    let file: BenchFile =
-        text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
+    let file: BenchFile = text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
     let files = input::listed(bench, &file.recordings.files)?;
     let folder = OutputFolder::check(out)?;
     let progress = terminal.progress(2 * files.len() as u64 + 6);

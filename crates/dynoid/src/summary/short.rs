@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use bench::study::{Need, Parameter, RecordingSummary};
 use bench::Diagnostic;
+use bench::study::{Need, Parameter, RecordingSummary};
 use report::verdict::{Level, Rule, verdict};
 use report::wording;
 use serde::Serialize;

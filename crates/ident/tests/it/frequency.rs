@@ -42,20 +42,18 @@ impl Equation for Lag {
 
 /// A sum of sines that do not fit the window, with y computed in closed form: u at 100 Hz, y at 250 Hz.
 fn records(noise: &mut Noise, sd: f64) -> [Signal; 2] {
-    let tones: Vec<(f64, f64)> =
-        (0..40).map(|k| (2.0 + 0.47 * f64::from(k) + 0.1 * noise.uniform(), 6.28 * noise.uniform())).collect();
+    let tones: Vec<(f64, f64)> = (0..40)
+        .map(|k| (2.0 + 0.47 * f64::from(k) + 0.1 * noise.uniform(), std::f64::consts::TAU * noise.uniform()))
+        .collect();
     let mut sample = |rate: f64, gain: &dyn Fn(f64) -> Complex64| {
-        let value = |t: f64| -> f64 {
-            tones.iter().map(|(w, phase)| (gain(*w) * Complex64::cis(w * t + phase)).re).sum()
-        };
+        let value =
+            |t: f64| -> f64 { tones.iter().map(|(w, phase)| (gain(*w) * Complex64::cis(w * t + phase)).re).sum() };
         // A little more than the window on both sides leaves room for dating.
         let (start_s, count) = (-0.1, ((WINDOW.duration_s + 0.2) * rate) as usize);
         let samples = (0..count).map(|i| value(start_s + i as f64 / rate) + sd * noise.normal()).collect();
         Signal::new(start_s, 1.0 / rate, samples).unwrap()
     };
-    let response = |w: f64| {
-        TRUTH[1] * Complex64::cis(-w * TRUTH[2]) / (Complex64::new(TRUTH[0], w))
-    };
+    let response = |w: f64| TRUTH[1] * Complex64::cis(-w * TRUTH[2]) / (Complex64::new(TRUTH[0], w));
     [sample(250.0, &response), sample(100.0, &|_| Complex64::from(1.0))]
 }
 
@@ -94,9 +92,8 @@ fn exact_noise_free_records_on_two_clocks_return_the_truth() {
 #[test]
 fn exact_transform_of_a_derivative_is_the_derivative_of_the_transform() {
     let omega = 7.3;
-    let sample = |f: &dyn Fn(f64) -> f64| {
-        Signal::new(0.0, 0.005, (0..3200).map(|i| f(f64::from(i) * 0.005)).collect()).unwrap()
-    };
+    let sample =
+        |f: &dyn Fn(f64) -> f64| Signal::new(0.0, 0.005, (0..3200).map(|i| f(f64::from(i) * 0.005)).collect()).unwrap();
     let sine = Modulated::new(&sample(&|t| (omega * t).sin()), WINDOW, 60).unwrap();
     let cosine = Modulated::new(&sample(&|t| omega * (omega * t).cos()), WINDOW, 60).unwrap();
     for k in 3..60 {

@@ -1,5 +1,6 @@
 //! Tests of `recording`; the prefix of a name says what a test proves.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stderr)]
+#![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
 
 mod bench_files;
 mod csv;

@@ -34,6 +34,8 @@ pub(crate) struct Figure {
 pub(crate) struct Panel {
     /// The y-axis.
     pub(crate) y: Axis,
+    /// A remark behind the axis' name.
+    pub(crate) note: String,
     /// Height of the drawing area, CSS pixels.
     pub(crate) height: u32,
     /// What is drawn, first at the bottom.
@@ -140,6 +142,18 @@ impl Axis {
     pub(crate) fn within(mut self, low: f64, high: f64) -> Self {
         self.range = (low < high && (high - low).is_finite()).then_some([Rounded(low), Rounded(high)]);
         self
+    }
+}
+
+impl Panel {
+    /// A panel without remark.
+    pub(crate) fn new(y: Axis, height: u32, layers: Vec<Layer>) -> Self {
+        Panel { y, note: String::new(), height, layers }
+    }
+
+    /// The same panel with a remark behind the axis' name.
+    pub(crate) fn noted(self, note: String) -> Self {
+        Panel { note, ..self }
     }
 }
 

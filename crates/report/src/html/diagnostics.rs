@@ -23,7 +23,7 @@ fn group(study: &Study, severity: Severity) -> Markup {
     markup!(
         "<h3>{}</h3>\n<p class=\"note\">{}.</p>\n<ul class=\"findings\">{}</ul>\n",
         title(severity, found.len()),
-        capital(wording::severity_meaning(severity)),
+        wording::capitalised(wording::severity_meaning(severity)),
         entries
     )
 }
@@ -36,13 +36,8 @@ fn title(severity: Severity, count: usize) -> String {
     }
 }
 
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
-}
-
 /// Findings that say the same of several places, together.
-fn alike<'a>(found: &[&'a Diagnostic]) -> Vec<Vec<&'a Diagnostic>> {
+pub(crate) fn alike<'a>(found: &[&'a Diagnostic]) -> Vec<Vec<&'a Diagnostic>> {
     let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
     for diagnostic in found {
         match groups.iter_mut().find(|group| group.first().is_some_and(|first| first.finding == diagnostic.finding)) {
@@ -62,7 +57,7 @@ pub(crate) fn entry(same: &[&Diagnostic]) -> Markup {
         _ => markup!("<span class=\"where\">{}</span>", places.join(" · ")),
     };
     markup!(
-        "<li class=\"{}\"><span class=\"tag\">{}</span><div><p>{}</p><p class=\"todo\">{}</p>{}</div></li>\n",
+        "<li class=\"severity-{}\"><span class=\"tag\">{}</span><div><p>{}</p><p class=\"todo\">{}</p>{}</div></li>\n",
         wording::severity(first.severity),
         wording::severity(first.severity),
         prose(&wording::finding(&first.finding)),

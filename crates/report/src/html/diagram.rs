@@ -9,7 +9,7 @@ use crate::wording::{join, number};
 
 /// The diagram's own coordinates; the page scales it.
 const WIDTH: i32 = 880;
-const HEIGHT: i32 = 392;
+const HEIGHT: i32 = 356;
 
 /// A block: where it is, what it is, and what stands in it.
 struct Block {
@@ -28,7 +28,7 @@ struct Block {
 pub(crate) fn section(study: &Study) -> Markup {
     let blocks: Markup = blocks(study).iter().map(draw).collect();
     markup!(
-        "<figure class=\"diagram\"><div class=\"wide\"><svg viewBox=\"0 0 {} {}\" role=\"img\" \
+        "<figure class=\"diagram\"><div class=\"wide\"><svg viewBox=\"0 24 {} {}\" role=\"img\" \
          aria-label=\"Block diagram of the bench\">{}{}{}</svg></div><figcaption>{}</figcaption></figure>\n",
         Markup::raw(WIDTH.to_string()),
         Markup::raw(HEIGHT.to_string()),
@@ -48,9 +48,9 @@ fn blocks(study: &Study) -> [Block; 5] {
     [
         block(110, 36, 330, "speed-control", "Speed control", speed, speed_known),
         block(550, 36, 250, "torque-control", "Torque control", torque, torque_known),
-        block(110, 212, 180, "provenance", "Dynamometer", inertia("H_d", study.bench.dynamometer_inertia_kg_m2), true),
+        block(110, 212, 180, "provenance", "Dynamometer", inertia("J_d", study.bench.dynamometer_inertia_kg_m2), true),
         block(390, 212, 180, "shaft", "Shaft", shaft, shaft_known),
-        block(660, 212, 150, "provenance", "Engine", inertia("H_e", study.bench.engine_inertia_kg_m2), true),
+        block(660, 212, 150, "provenance", "Engine", inertia("J_e", study.bench.engine_inertia_kg_m2), true),
     ]
 }
 
@@ -63,8 +63,8 @@ fn speed_control(study: &Study) -> (Vec<Markup>, bool) {
     let law = markup!("{} ({} + {}/s) (N − N*)", delay(&part.estimate, "τ"), k_p, k_i);
     let feed_forward = match &study.feed_forward {
         Part::Estimated(part) => {
-            let [k, k_a] = ["k", "k_a"].map(|symbol| digits(&part.estimate, symbol));
-            markup!("+ {} N* + {} dN*/dt", k, k_a)
+            let [k, k_a] = ["k", "k_a"].map(|symbol| signed(&digits(&part.estimate, symbol)));
+            markup!("{} N* {} dN*/dt", k, k_a)
         }
         Part::NotEstimated { needs } => markup!("<tspan class=\"absent\">feed-forward {}</tspan>", short(needs)),
     };
@@ -76,7 +76,7 @@ fn torque_control(study: &Study) -> (Vec<Markup>, bool) {
         Part::Estimated(part) => {
             let a = digits(&part.delay_and_lag, "a");
             let lag = markup!("{} · {}/(s + {})", delay(&part.delay_and_lag, "τ"), a, a);
-            let total = part.delay_and_lag.parameter("τ_total").map(number::parameter);
+            let total = part.delay_and_lag.parameter("τ + 1/a").map(number::parameter);
             (vec![lag, total.map(|total| markup!("total delay {}", total)).unwrap_or_default()], true)
         }
         Part::NotEstimated { needs } => (absent(needs), false),
@@ -87,18 +87,15 @@ fn shaft(study: &Study) -> (Vec<Markup>, bool) {
     match &study.shaft {
         Part::Estimated(part) => {
             let [k, b] = ["K", "B"].map(|symbol| digits(&part.estimate, symbol));
-            (vec![markup!("({} + {} s)/s", k, b), markup!("zero at {} rad/s", rounded_zero(part.zero.value))], true)
+            let zero = number::significant(part.zero.value, 3);
+            (vec![markup!("({} + {} s)/s", k, b), markup!("zero at {} rad/s", zero)], true)
         }
         Part::NotEstimated { needs } => (absent(needs), false),
     }
 }
 
-fn rounded_zero(value: f64) -> String {
-    number::significant(value, 3)
-}
-
 fn inertia(name: &str, kg_m2: f64) -> Vec<Markup> {
-    vec![markup!("1/({} s)", number::significant(kg_m2, 4)), markup!("{}, given", symbol_svg(name))]
+    vec![markup!("1/({} s)", number::significant(kg_m2, 4)), markup!("{} as given", symbol_svg(name))]
 }
 
 /// The factor e^(−τ s) with its number.
@@ -108,15 +105,18 @@ fn delay(estimate: &Estimate, symbol: &str) -> Markup {
     markup!("e<tspan class=\"power\" dy=\"-6\">−{} s</tspan><tspan dy=\"6\">\u{200b}</tspan>", seconds)
 }
 
-/// A parameter's value with the digits its uncertainty allows, without unit.
+/// A parameter's value, short enough for a block and without unit.
 fn digits(estimate: &Estimate, symbol: &str) -> String {
-    let Some(parameter) = estimate.parameter(symbol) else { return "?".to_owned() };
-    let half = (parameter.interval.1 - parameter.interval.0) / 2.0;
-    let text = number::plus_minus(parameter.value, half, "");
-    if text.starts_with('(') || !text.contains(" ± ") {
-        return number::significant(parameter.value, 3);
+    let value = estimate.parameter(symbol).map(|parameter| number::significant(parameter.value, 4));
+    value.unwrap_or_else(|| "?".to_owned())
+}
+
+/// A number as a further summand: `+ 2`, `− 2`.
+fn signed(digits: &str) -> String {
+    match digits.strip_prefix('−') {
+        Some(magnitude) => format!("− {magnitude}"),
+        None => format!("+ {digits}"),
     }
-    text.split(" ± ").next().unwrap_or_default().to_owned()
 }
 
 fn absent(needs: &[Need]) -> Vec<Markup> {

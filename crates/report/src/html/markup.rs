@@ -121,8 +121,9 @@ fn is_hidden(c: char) -> bool {
         || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// JSON fit for a `<script>` element: no `<`, so neither `</script>` nor `<!--` can occur in it.
+/// JSON fit for a `<script>` element: no `<`, so neither `</script>` nor `<!--` can occur in it, and none of the
+/// characters [`escape`] hides.
 pub(crate) fn script_json(value: &impl serde::Serialize) -> Markup {
     let json = serde_json::to_string(value).unwrap_or_else(|_| "null".to_owned());
-    Markup::raw(json.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029"))
+    Markup::raw(json.replace('<', "\\u003c").replace(is_hidden, "\u{fffd}"))
 }

@@ -29,9 +29,9 @@ pub(crate) fn table(class: &str, heads: &[&str], rows: impl IntoIterator<Item = 
     )
 }
 
-/// The parameters of an estimate with their 95 % intervals, and below what they rest on.
-pub(crate) fn parameters(estimate: &Estimate) -> Markup {
-    let mut all = parameter_rows(&estimate.parameters.iter().collect::<Vec<_>>());
+/// The parameters of an estimate and numbers derived from them with their 95 % intervals, and below what they rest on.
+pub(crate) fn parameters(estimate: &Estimate, derived: &[&Parameter]) -> Markup {
+    let mut all = parameter_rows(&estimate.parameters.iter().chain(derived.iter().copied()).collect::<Vec<_>>());
     all.push(basis(estimate));
     all
 }
@@ -41,7 +41,7 @@ pub(crate) fn parameter_rows(parameters: &[&Parameter]) -> Markup {
     let rows = parameters.iter().map(|parameter| {
         vec![
             symbol(&parameter.symbol),
-            markup!("{}", parameter.name),
+            prose(&parameter.name),
             unbroken(&number::parameter(parameter)),
             unbroken(&number::interval(parameter)),
         ]
@@ -56,13 +56,13 @@ fn basis(estimate: &Estimate) -> Markup {
         n => format!("{n} iterations"),
     };
     let freedom = estimate.parameters.first().map(|p| p.degrees_of_freedom).filter(|f| f.is_finite());
-    let freedom = freedom.map(|f| format!("{} degrees of freedom, ", number::significant(f, 3))).unwrap_or_default();
+    let freedom = freedom.map(|f| format!("{f:.0} degrees of freedom, ")).unwrap_or_default();
     markup!(
         "<p class=\"basis\">Estimated from {}. {}{}, condition number {}.</p>\n",
         stretches(&estimate.stretches),
         freedom,
         solution,
-        unbroken(&number::significant_with_unit(estimate.condition, 2, "")),
+        unbroken(&number::significant_with_unit(estimate.condition, 3, "")),
     )
 }
 

@@ -41,8 +41,8 @@ pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&s
         caption: comparison_caption(validation),
         x: Axis::time(),
         panels: vec![
-            Panel { y: Axis::linear(&validation.quantity, &validation.unit), height: 190, layers },
-            Panel { y: Axis::linear(&residual, &validation.unit), height: 90, layers: differences },
+            Panel::new(Axis::linear(&validation.quantity, &validation.unit), 190, layers),
+            Panel::new(Axis::linear(&residual, &validation.unit), 90, differences),
         ],
     }
 }
@@ -74,69 +74,74 @@ fn whole(seconds: f64) -> String {
 /// Says so when not every sample is drawn.
 pub(crate) fn thinned(trace: &Trace) -> String {
     match drawn_of(trace) {
-        Some(drawn) => format!("Drawn from {drawn} of {} samples; every peak is kept.", trace.values.len()),
+        Some(drawn) => format!("Drawn with {drawn} of {} samples; every peak is kept.", trace.values.len()),
         None => String::new(),
     }
 }
 
-/// Auto- and cross-correlation of residuals. Tests that share the y-range can be compared by eye.
-pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: f64) -> Figure {
+/// Half the height of the two panels of a correlation plot. Tests drawn with the same can be compared by eye.
+#[derive(Clone, Copy)]
+pub(crate) struct Extent {
+    own: f64,
+    cross: f64,
+}
+
+impl Extent {
+    /// Holds the correlations of all tests.
+    pub(crate) fn of(tests: &[&ResidualTest]) -> Self {
+        let own = tests.iter().flat_map(|test| own_lags(test).iter().chain([&test.autocorrelation_bound]));
+        let cross = tests.iter().flat_map(|test| test.cross_correlation.iter().chain([&test.cross_correlation_bound]));
+        Extent { own: height(own), cross: height(cross) }
+    }
+}
+
+/// A little more than the largest magnitude.
+fn height<'a>(values: impl Iterator<Item = &'a f64>) -> f64 {
+    let largest = values.filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    (1.15 * largest).max(1e-3)
+}
+
+/// The autocorrelation without lag 0, where it is one by definition.
+fn own_lags(test: &ResidualTest) -> &[f64] {
+    test.autocorrelation.get(1..).unwrap_or_default()
+}
+
+/// Auto- and cross-correlation of residuals.
+pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: Extent) -> Figure {
     let level = number::share(test.level);
-    let own = test.autocorrelation.get(1..).unwrap_or_default();
-    let half = test.cross_correlation.len() as f64 / 2.0;
-    let first_lag = -half.floor();
-    let stems = |style: Style, first: f64, values: &[f64]| Layer::Stems {
-        name: "correlation".to_owned(),
-        style,
-        x: lags(first, test.sample_time_s, values.len()),
-        y: rounded(values),
+    let first_lag = -(test.cross_correlation.len() as f64 / 2.0).floor();
+    let panel = |label: String, style: Style, height: f64, bound: f64, first: f64, values: &[f64]| {
+        let region = Layer::YRegion { low: Rounded(-bound), high: Rounded(bound), label: format!("{level} region") };
+        let (name, x) = ("correlation".to_owned(), lags(first, test.sample_time_s, values.len()));
+        let stems = Layer::Stems { name, style, x, y: rounded(values) };
+        Panel::new(Axis::linear(&label, "").within(-height, height), 110, vec![region, stems])
     };
-    let region =
-        |bound: f64| Layer::YRegion { low: Rounded(-bound), high: Rounded(bound), label: format!("{level} region") };
-    let panel = |label: String, layers: Vec<Layer>| Panel {
-        y: Axis::linear(&label, "").within(-extent, extent),
-        height: 110,
-        layers,
-    };
-    let counts =
-        (outside(own, test.autocorrelation_bound), outside(&test.cross_correlation, test.cross_correlation_bound));
+    let (own, cross) = (own_lags(test), test.cross_correlation.as_slice());
+    let (own_label, cross_label) = ("residual with itself".to_owned(), format!("residual with {}", test.input));
     Figure {
         title: title.to_owned(),
         caption: format!(
-            "Outside the {level} region: {} of {} lags of the residual with itself, {} of {} with {}. Positive lags: the \
-             input comes first.",
-            counts.0,
-            own.len(),
-            counts.1,
-            test.cross_correlation.len(),
+            "Outside the {level} region: {} with itself, {} with {}. Positive lags: the input comes first.",
+            outside(own, test.autocorrelation_bound),
+            outside(cross, test.cross_correlation_bound),
             test.input
         ),
         x: Axis::linear("lag", "ms"),
         panels: vec![
-            panel(
-                "residual with itself".to_owned(),
-                vec![region(test.autocorrelation_bound), stems(Style::Modelled, 1.0, own)],
-            ),
-            panel(
-                format!("residual with {}", test.input),
-                vec![region(test.cross_correlation_bound), stems(Style::Other, first_lag, &test.cross_correlation)],
-            ),
+            panel(own_label, Style::Modelled, extent.own, test.autocorrelation_bound, 1.0, own),
+            panel(cross_label, Style::Other, extent.cross, test.cross_correlation_bound, first_lag, cross),
         ],
     }
 }
 
-/// A y-range that holds the correlations of all tests.
-pub(crate) fn correlation_extent(tests: &[&ResidualTest]) -> f64 {
-    let values = tests.iter().flat_map(|test| {
-        let own = test.autocorrelation.iter().skip(1);
-        own.chain(&test.cross_correlation).chain([&test.autocorrelation_bound, &test.cross_correlation_bound])
-    });
-    let largest = values.filter(|value| value.is_finite()).fold(0.0, |largest: f64, value| largest.max(value.abs()));
-    (1.15 * largest).max(0.02)
+/// How many lags of the cross-correlation lie outside its region, e.g. `3 of 61 lags`.
+pub(crate) fn cross_outside(test: &ResidualTest) -> String {
+    outside(&test.cross_correlation, test.cross_correlation_bound)
 }
 
-fn outside(values: &[f64], bound: f64) -> usize {
-    values.iter().filter(|value| value.abs() > bound).count()
+fn outside(values: &[f64], bound: f64) -> String {
+    let count = values.iter().filter(|value| value.abs() > bound).count();
+    format!("{count} of {} lags", values.len())
 }
 
 fn lags(first: f64, sample_time_s: f64, count: usize) -> Abscissa {
@@ -146,7 +151,7 @@ fn lags(first: f64, sample_time_s: f64, count: usize) -> Abscissa {
 /// A figure of a residual test on its own, or nothing where there is none.
 pub(crate) fn residual_test(validation: &Validation) -> Markup {
     match &validation.residuals {
-        Some(test) => figure(&correlations("Correlation of the residuals", test, correlation_extent(&[test]))),
+        Some(test) => figure(&correlations("Correlation of the residuals", test, Extent::of(&[test]))),
         None => markup!(
             "<p class=\"note\">No correlation test: the sampling of {} makes it meaningless here ({}).</p>\n",
             prose(&validation.quantity),

@@ -56,7 +56,7 @@ fn rasters(recording: &RecordingSummary) -> Markup {
     let line = |time: f64| -> Markup {
         let roles = recording.sample_times_s.iter().filter(|(_, other)| other.total_cmp(&time).is_eq());
         let roles: Markup = roles.map(|(role, _)| markup!(" {}", symbol(role.symbol()))).collect();
-        markup!("<div class=\"raster\"><span class=\"n\">{}</span>{}</div>", number::duration(time), roles)
+        markup!("<div class=\"raster\"><span class=\"n\">{}</span><span>{}</span></div>", number::duration(time), roles)
     };
     times.into_iter().map(line).collect()
 }

@@ -1,14 +1,14 @@
 //! Recordings replayed on the assembled model.
 
 use bench::Study;
-use bench::study::Replay;
+use bench::study::{Replay, Validation};
 
 use super::markup::{Markup, markup};
 use super::parts::{stretch, table};
 use super::plots::{difference, figure, thinned};
 use super::typeset::{prose, symbol};
 use crate::figure::{Axis, Figure, Layer, Panel, Style};
-use crate::wording::{experiment, mode, number};
+use crate::wording::{capitalised, experiment, mode, number};
 
 /// The section on replays.
 pub(crate) fn section(study: &Study) -> Markup {
@@ -64,24 +64,12 @@ fn replay(replay: &Replay) -> Markup {
 
 /// All signals below each other on one time axis, each with its fit.
 fn signals(replay: &Replay) -> Figure {
-    let panels = replay
-        .signals
-        .iter()
-        .map(|signal| Panel {
-            y: Axis::linear(&format!("{} – fit {}", signal.quantity, number::fit(signal.fit_percent)), &signal.unit),
-            height: 120,
-            layers: vec![
-                Layer::trace("measured", Style::Measured, &signal.measured),
-                Layer::trace("modelled", Style::Modelled, &signal.modelled),
-            ],
-        })
-        .chain(worst_residual(replay))
-        .collect();
+    let panels = replay.signals.iter().map(signal).chain(worst_residual(replay)).collect();
     let thinned = replay.signals.iter().map(|signal| thinned(&signal.measured)).find(|text| !text.is_empty());
     Figure {
-        title: format!("{} replayed on the whole model", replay.label),
+        title: "Measured and modelled".to_owned(),
         caption: format!(
-            "Measured against modelled. {} {}",
+            "{} {}",
             if replay.seen_in_estimation {
                 "Part of the model was estimated from this recording."
             } else {
@@ -96,17 +84,17 @@ fn signals(replay: &Replay) -> Figure {
     }
 }
 
+fn signal(signal: &Validation) -> Panel {
+    let measured = Layer::trace("measured", Style::Measured, &signal.measured);
+    let modelled = Layer::trace("modelled", Style::Modelled, &signal.modelled);
+    Panel::new(Axis::linear(&signal.quantity, &signal.unit), 120, vec![measured, modelled])
+        .noted(format!("fit {}", number::fit(signal.fit_percent)))
+}
+
 /// What is left of the signal the model explains least.
 fn worst_residual(replay: &Replay) -> Option<Panel> {
     let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
-    Some(Panel {
-        y: Axis::linear(&format!("{} − model, the signal with the lowest fit", worst.quantity), &worst.unit),
-        height: 80,
-        layers: vec![Layer::trace("residual", Style::Residual, &difference(worst))],
-    })
-}
-
-fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+    let left_over = vec![Layer::trace("residual", Style::Residual, &difference(worst))];
+    let panel = Panel::new(Axis::linear(&format!("{} − model", worst.quantity), &worst.unit), 80, left_over);
+    Some(panel.noted("of the signal with the lowest fit".to_owned()))
 }

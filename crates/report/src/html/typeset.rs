@@ -2,8 +2,8 @@
 
 use super::markup::{Markup, markup};
 
-/// Symbols that are typeset where they stand in a sentence.
-const SYMBOLS: [&str; 30] = [
+/// Symbols that are typeset where they stand in a sentence; a longer one before one it begins with.
+const SYMBOLS: &[&str] = &[
     "T_d,shaft,calc",
     "T_shaft,meas",
     "T_d,calc",
@@ -12,44 +12,70 @@ const SYMBOLS: [&str; 30] = [
     "T_d*",
     "T_d",
     "T_e",
+    "T_g",
     "N_d*",
     "N_d",
     "N_e",
     "ω_d",
     "ω_e",
+    "ω_n",
     "K_p",
     "K_i",
     "k_a",
+    "I_0",
     "J_d",
     "J_e",
     "H_d",
     "H_e",
     "H_s",
-    "x_0",
     "b_0",
     "b_1",
     "α_e",
-    "I_d",
+    "δ_e",
+    "δ_T",
     "τ_total",
-    "τ_g",
+    "τ_cell",
+    "τ_bend",
     "dω_d",
+    "dω_e",
     "dN_d*",
 ];
 
 /// A symbol such as `T_d,shaft,calc` or `τ_total`; what has no underscore stays as it is.
 pub(crate) fn symbol(text: &str) -> Markup {
-    let Some((base, rest)) = text.split_once('_') else {
-        return markup!("{}", text);
+    let set = |(piece, below)| if below { markup!("<sub>{}</sub>", piece) } else { markup!("{}", piece) };
+    pieces(text).into_iter().map(set).collect()
+}
+
+/// A symbol inside an SVG `text` element.
+pub(crate) fn symbol_svg(text: &str) -> Markup {
+    let set = |(piece, below)| match below {
+        true => markup!("<tspan class=\"sub\" dy=\"3\">{}</tspan><tspan dy=\"-3\">\u{200b}</tspan>", piece),
+        false => markup!("{}", piece),
     };
-    let end = rest.find(|c: char| !c.is_alphanumeric() && c != ',' && c != '_').unwrap_or(rest.len());
-    let (below, after) = rest.split_at(end);
-    markup!("{}<sub>{}</sub>{}", base, below, after)
+    pieces(text).into_iter().map(set).collect()
+}
+
+/// The text in pieces, each with whether it stands below the line: what follows an underscore does, up to the next
+/// character that is neither letter, digit nor comma.
+fn pieces(text: &str) -> Vec<(&str, bool)> {
+    let mut all = Vec::new();
+    let mut rest = text;
+    while let Some((before, behind)) = rest.split_once('_') {
+        let end = behind.find(|c: char| !c.is_alphanumeric() && c != ',').unwrap_or(behind.len());
+        let (below, after) = behind.split_at(end);
+        all.extend([(before, false), (below, true)]);
+        rest = after;
+    }
+    all.push((rest, false));
+    all
 }
 
 /// A sentence in which known symbols are typeset and everything else is plain text.
 pub(crate) fn prose(text: &str) -> Markup {
+    let text = text.replace(" %", "\u{a0}%");
     let mut set = Markup::default();
-    let mut rest = text;
+    let mut rest = text.as_str();
     while let Some((at, found)) = next_symbol(rest) {
         let (before, behind) = rest.split_at(at);
         set.push(markup!("{}", before));
@@ -79,14 +105,4 @@ fn is_word(text: &str, symbol: &str) -> bool {
             None => true,
         }
     })
-}
-
-/// A symbol inside an SVG `text` element.
-pub(crate) fn symbol_svg(text: &str) -> Markup {
-    let Some((base, rest)) = text.split_once('_') else {
-        return markup!("{}", text);
-    };
-    let end = rest.find(|c: char| !c.is_alphanumeric() && c != ',').unwrap_or(rest.len());
-    let (below, after) = rest.split_at(end);
-    markup!("{}<tspan class=\"sub\" dy=\"3\">{}</tspan><tspan dy=\"-3\">{}\u{200b}</tspan>", base, below, after)
 }

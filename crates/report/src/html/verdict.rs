@@ -3,7 +3,7 @@
 use bench::study::{Need, Parameter, Part, Study};
 use bench::{Diagnostic, Severity};
 
-use super::diagnostics::entry;
+use super::diagnostics::{alike, entry};
 use super::markup::{Markup, markup};
 use super::parts::{table, unbroken};
 use super::typeset::{prose, symbol};
@@ -17,7 +17,7 @@ const SHOWN_FINDINGS: usize = 4;
 pub(crate) fn section(study: &Study) -> Markup {
     let verdict = verdict(study);
     let mut all = markup!(
-        "<div class=\"verdict {}\"><p class=\"kicker\">Verdict</p><h2>{}</h2><p>{}</p></div>\n",
+        "<div class=\"verdict {}\"><p class=\"kicker\">Verdict</p><h2>{}</h2>{}</div>\n",
         class(verdict.level),
         verdict.level.headline(),
         because(&verdict.rules),
@@ -37,16 +37,20 @@ fn class(level: Level) -> &'static str {
     }
 }
 
-/// The rules that decided, in a sentence.
+/// The rules that are not met, the gravest first.
 fn because(rules: &[Rule]) -> Markup {
-    let decisive: Markup = rules
-        .iter()
-        .filter(|rule| rule.level != Level::Good)
-        .map(|rule| markup!("<li>{} <em>{}.</em></li>", prose(rule.asks), prose(&rule.found)))
+    let mut decisive: Vec<&Rule> = rules.iter().filter(|rule| rule.level != Level::Good).collect();
+    decisive.sort_by_key(|rule| std::cmp::Reverse(rule.level));
+    let decisive: Markup = decisive
+        .into_iter()
+        .map(|rule| {
+            let found = wording::capitalised(&rule.found);
+            markup!("<li><em>{}.</em> <span class=\"asked\">{}</span></li>", prose(&found), prose(rule.asks))
+        })
         .collect();
     match decisive.is_empty() {
-        true => markup!("All {} rules of the verdict are met.", rules.len()),
-        false => markup!("Not all rules of the verdict are met:</p><ul>{}</ul><p class=\"after\">", decisive),
+        true => markup!("<p>All {} rules of the verdict are met.</p>", rules.len()),
+        false => markup!("<p>These rules of the verdict are not, or not fully, met:</p><ul>{}</ul>", decisive),
     }
 }
 
@@ -97,7 +101,7 @@ fn collect_key_numbers(study: &Study) -> Vec<KeyNumber<'_>> {
         number("K_p", "speed control, proportional", controller("K_p"), of_controller),
         number("K_i", "speed control, integral", controller("K_i"), of_controller),
         number("τ", "speed control, delay", controller("τ"), of_controller),
-        number("τ_total", "torque control, total delay", torque("τ_total"), of_torque),
+        number("τ + 1/a", "torque control, total delay", torque("τ + 1/a"), of_torque),
     ]
 }
 
@@ -125,16 +129,17 @@ fn card(number: &KeyNumber<'_>) -> Markup {
     }
 }
 
-/// Value and unit large, the interval small below.
+/// Value and unit large, the uncertainty small below.
 fn big_number(parameter: &Parameter) -> Markup {
-    let text = number::parameter(parameter);
-    let (digits, spread) = text.split_once(" ± ").map_or((text.as_str(), ""), |(digits, spread)| (digits, spread));
-    let spread = if spread.is_empty() { Markup::default() } else { markup!(" <small>± {}</small>", spread) };
+    let Some(digits) = number::digits(parameter) else {
+        return markup!("<p class=\"value\">{}</p>", number::parameter(parameter));
+    };
     markup!(
-        "<p class=\"value\"><span class=\"n\">{}{}</span></p><p class=\"range\">{}</p>",
-        digits,
-        spread,
-        number::interval(parameter)
+        "<p class=\"value\">{} <small>{}</small></p><p class=\"range\">{} &ensp;{}</p>",
+        digits.value,
+        digits.unit,
+        unbroken(&digits.spread),
+        unbroken(&digits.interval)
     )
 }
 
@@ -163,26 +168,28 @@ fn missing(study: &Study) -> Markup {
         .iter()
         .filter(|(_, _, there)| !there)
         .map(|(name, needs, _)| {
-            vec![
-                markup!("<strong>{}</strong>", wording::part(name)),
-                prose(&format!("needs {}", wording::needs(needs))),
-            ]
+            vec![markup!("<strong>{}</strong>", wording::part(name)), prose(&wording::needs(needs))]
         })
         .collect();
     if rows.is_empty() {
         return Markup::default();
     }
-    markup!("<h3>What could not be estimated, and what would give it</h3>\n{}", table("needs", &["Part", "It"], rows))
+    markup!(
+        "<h3>What could not be estimated, and what would give it</h3>\n{}",
+        table("needs", &["Part", "Needs"], rows)
+    )
 }
 
 fn findings(study: &Study) -> Markup {
     let mut grave: Vec<&Diagnostic> = study.diagnostics.iter().filter(|d| d.severity > Severity::Note).collect();
     if grave.is_empty() {
-        return markup!("<p class=\"note\">{}</p>\n", "There is no finding beyond notes.");
+        return markup!("<p class=\"note\">There is no finding beyond notes.</p>\n");
     }
     grave.sort_by_key(|found| std::cmp::Reverse(found.severity));
-    let shown: Markup = grave.iter().take(SHOWN_FINDINGS).map(|found| entry(&[*found])).collect();
-    let rest = match study.diagnostics.len().saturating_sub(SHOWN_FINDINGS.min(grave.len())) {
+    let groups = alike(&grave);
+    let shown: Markup = groups.iter().take(SHOWN_FINDINGS).map(|same| entry(same)).collect();
+    let count: usize = groups.iter().take(SHOWN_FINDINGS).map(Vec::len).sum();
+    let rest = match study.diagnostics.len().saturating_sub(count) {
         0 => Markup::default(),
         n => {
             markup!("<p class=\"note\"><a href=\"#findings\">All findings ({} more)</a></p>", unbroken(&n.to_string()))

@@ -1,7 +1,7 @@
 //! The assembled model: resonance, Bode curves, sine tests, margins.
 
 use bench::ControlMode;
-use bench::study::{BodeCurve, Margins, Parameter, Part, SinePoint, Study, WholeModel};
+use bench::study::{BenchFacts, BodeCurve, Margins, Parameter, Part, SinePoint, Study, WholeModel};
 
 use super::markup::{Markup, markup};
 use super::parts::{lead, not_estimated, parameter_rows, table, unbroken};
@@ -31,7 +31,7 @@ pub(crate) fn section(study: &Study) -> Markup {
     all.push(parameter_rows(&parameters));
     all.push(notes(study, whole));
     all.push(bode_figures(whole));
-    all.push(sine_table(&whole.sine_points));
+    all.push(sine_tests(whole));
     all
 }
 
@@ -47,16 +47,17 @@ fn notes(study: &Study, whole: &WholeModel) -> Markup {
 fn firing(study: &Study, whole: &WholeModel) -> Markup {
     let full = whole.firing_meets_resonance_rpm.value;
     let speed = |times: f64| number::significant_with_unit(times * full, 3, "rpm");
-    let text = format!(
-        "With {} cylinders and {} strokes, firing excites the resonance at {} engine speed; unequal cylinders excite it at \
-         half the firing frequency at {}, and at a quarter at {}.",
-        study.bench.cylinders,
-        study.bench.strokes,
-        speed(1.0),
-        speed(2.0),
-        speed(4.0)
-    );
-    prose(&text)
+    let BenchFacts { cylinders, strokes, .. } = study.bench;
+    let mut text =
+        format!("With {cylinders} cylinders and {strokes} strokes, firing meets the resonance at {}", speed(1.0));
+    if strokes == 4 {
+        text.push_str(&format!(
+            "; unequal cylinders excite it with half the firing frequency at {}, with a quarter of it at {}",
+            speed(2.0),
+            speed(4.0)
+        ));
+    }
+    prose(&(text + "."))
 }
 
 fn margins(margins: Option<&Margins>) -> Markup {
@@ -103,7 +104,7 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
         gain.push(Layer::HorizontalMark { y: decibel(whole.static_gain), label });
     }
     if !points.is_empty() {
-        gain.push(sine_layer(points));
+        gain.extend(sine_layers(points, decibel));
     }
     let phase = curves
         .iter()
@@ -111,11 +112,11 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
         .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg));
     Figure {
         title: format!("From {input} to {output}"),
-        caption: bode_caption(unit, !points.is_empty(), resonates.then_some(&whole.resonance_hz)),
+        caption: bode_caption(unit, !points.is_empty()),
         x: Axis::frequency(),
         panels: vec![
-            Panel { y: Axis::linear("gain", "dB"), height: 190, layers: gain },
-            Panel { y: Axis::linear("phase", "°"), height: 110, layers: phase.collect() },
+            Panel::new(Axis::linear("gain", "dB"), 190, gain),
+            Panel::new(Axis::linear("phase", "°"), 110, phase.collect()),
         ],
     }
 }
@@ -152,56 +153,96 @@ fn resonance_layers(resonance: &Parameter) -> Vec<Layer> {
     ]
 }
 
-fn sine_layer(points: &[SinePoint]) -> Layer {
-    let at = |errors: f64| points.iter().map(|p| decibel(p.gain + errors * p.standard_error)).collect();
-    Layer::Points {
-        name: "sine tests".to_owned(),
-        style: Style::Measured,
-        x: Abscissa::Values(points.iter().map(|p| Rounded(p.frequency_hz)).collect()),
-        y: at(0.0),
-        low: Some(at(-QUANTILE_95)),
-        high: Some(at(QUANTILE_95)),
-    }
+/// The sine tests as points, freed of what the engine did; those at an engine order, where that cannot be told apart, as a
+/// series of their own. `scale` turns a gain into what the axis shows.
+fn sine_layers(points: &[SinePoint], scale: impl Fn(f64) -> Rounded) -> Vec<Layer> {
+    let (at_order, clear): (Vec<&SinePoint>, Vec<&SinePoint>) = points.iter().partition(|p| p.at_engine_order);
+    let series = |name: &str, style: Style, points: &[&SinePoint]| {
+        let at = |errors: f64| points.iter().map(|p| scale(shown_gain(p) + errors * p.standard_error)).collect();
+        Layer::Points {
+            name: name.to_owned(),
+            style,
+            x: Abscissa::Values(points.iter().map(|p| Rounded(p.frequency_hz)).collect()),
+            y: at(0.0),
+            low: Some(at(-QUANTILE_95)),
+            high: Some(at(QUANTILE_95)),
+        }
+    };
+    let all = [("sine tests", Style::Other, clear), ("sine tests at an engine order", Style::Measured, at_order)];
+    all.iter().filter(|(.., points)| !points.is_empty()).map(|(name, style, p)| series(name, *style, p)).collect()
+}
+
+/// The gain to set against (7.2): without the part that engine torque caused, where that is known.
+fn shown_gain(point: &SinePoint) -> f64 {
+    point.gain_corrected_for_engine.unwrap_or(point.gain)
 }
 
 fn decibel(gain: f64) -> Rounded {
     Rounded(20.0 * gain.log10())
 }
 
-fn bode_caption(unit: &str, with_sines: bool, resonance: Option<&Parameter>) -> String {
+fn bode_caption(unit: &str, with_sines: bool) -> String {
     let mut caption = format!("Gain relative to 1 {unit}; shaded: 95 % band of the model.");
     if with_sines {
-        caption.push_str(" Points: gains measured by sine tests with 95 % error bars.");
-    }
-    if let Some(resonance) = resonance {
-        caption.push_str(&format!(" Dashed: resonance at {}.", number::parameter(resonance)));
+        caption.push_str(" Points: gains measured by sine tests, the engine’s part removed, with 95 % error bars.");
     }
     caption
 }
 
-fn sine_table(points: &[SinePoint]) -> Markup {
-    if points.is_empty() {
+fn sine_tests(whole: &WholeModel) -> Markup {
+    if whole.sine_points.is_empty() {
         return markup!(
-            "<p class=\"note\">No sine tests were recorded (Sine_T_TN), so the gain is not checked frequency by frequency.</p>\n"
+            "<p class=\"note\">No sine tests were recorded (Sine_T_TN), so the gain is not checked frequency by \
+             frequency.</p>\n"
         );
     }
+    markup!("<h3>Sine tests</h3>\n{}{}", figure(&sine_figure(whole)), sine_table(&whole.sine_points))
+}
+
+/// Gain as a ratio over the tested frequencies, where a Bode plot is too coarse to show the error bars.
+fn sine_figure(whole: &WholeModel) -> Figure {
+    let points = &whole.sine_points;
+    let highest = points.iter().map(|point| point.frequency_hz).fold(0.0, f64::max);
+    let mut layers = Vec::new();
+    if let Some(curve) = whole.bode.iter().find(|curve| curve.input == "T_d" && curve.output == "T_shaft") {
+        let ratio = |db: &[f64]| db.iter().map(|db| Rounded(10f64.powf(db / 20.0))).collect::<Vec<_>>();
+        let (name, x) = ("model".to_owned(), Abscissa::Values(rounded(&curve.frequencies_hz)));
+        let (low, high) = (ratio(&curve.gain_band_db.0), ratio(&curve.gain_band_db.1));
+        layers.push(Layer::Band { name: name.clone(), style: Style::Modelled, x: x.clone(), low, high });
+        layers.push(Layer::Line { name, style: Style::Modelled, x, y: ratio(&curve.gain_db) });
+    }
+    layers.extend(sine_layers(points, Rounded));
+    Figure {
+        title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
+        caption:
+            "Points: measured, the engine’s part removed, with 95 % error bars. Grey: at an engine order, where the \
+                  engine cannot be told from the dynamometer. Shaded: 95 % band of the model."
+                .to_owned(),
+        x: Axis::linear("frequency", "Hz").within(0.0, 1.1 * highest),
+        panels: vec![Panel::new(Axis::linear("gain", ""), 190, layers)],
+    }
+}
+
+fn sine_table(points: &[SinePoint]) -> Markup {
     let rows = points.iter().map(|point| {
+        let error = QUANTILE_95 * point.standard_error;
         vec![
             unbroken(&number::significant_with_unit(point.frequency_hz, 3, "Hz")),
-            unbroken(&number::plus_minus(point.gain, QUANTILE_95 * point.standard_error, "")),
-            unbroken(&number::significant(point.model_gain, 3)),
+            unbroken(&number::plus_minus(point.gain, error, "")),
+            unbroken(&number::to_place_of(shown_gain(point), error)),
+            unbroken(&number::to_place_of(point.model_gain, error)),
             unbroken(&deviation(point)),
+            markup!("{}", if point.at_engine_order { "at an engine order" } else { "" }),
             markup!("<span class=\"file\">{}</span>", point.file),
         ]
     });
-    markup!(
-        "<h3>Sine tests</h3>\n{}",
-        table("numbers", &["Frequency", "Measured gain, ± 95 %", "Model", "Measured over model", "Recording"], rows)
-    )
+    let heads =
+        ["Frequency", "Measured gain, ± 95 %", "Without the engine’s part", "Model", "Over model", "", "Recording"];
+    table("numbers", &heads, rows)
 }
 
 fn deviation(point: &SinePoint) -> String {
-    let percent = 100.0 * (point.gain / point.model_gain - 1.0);
+    let percent = 100.0 * (shown_gain(point) / point.model_gain - 1.0);
     match percent {
         p if !p.is_finite() => number::NOT_KNOWN.to_owned(),
         p if p > 0.0 => format!("+{} %", number::significant(p, 2)),

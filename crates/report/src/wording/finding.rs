@@ -53,7 +53,7 @@ pub fn finding(finding: &Finding) -> String {
         }
         Finding::WrongTorqueSign { correlation } => {
             let found = significant(*correlation, 2);
-            format!("T_d appears to brake with a negative sign (correlation with −J_d·dω_d/dt: {found}).")
+            format!("T_d appears to brake with a negative sign (its correlation with the motion it causes is {found}).")
         }
         Finding::ImplausibleInertia { given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
             inertia(*given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
@@ -152,7 +152,7 @@ fn short_gaps(count: usize, longest_s: f64, of: f64) -> String {
 }
 
 fn gap(duration_s: f64, mended: bool) -> String {
-    let fate = if mended { "it was interpolated" } else { "too long to interpolate" };
+    let fate = if mended { "interpolated" } else { "too long to interpolate" };
     format!("Time stamps are missing for {}; {fate}.", duration(duration_s))
 }
 
@@ -177,7 +177,7 @@ fn residuals(submodel: &str, share_outside: f64) -> String {
 
 fn routes(quantity: &str, first: (f64, f64), second: (f64, f64)) -> String {
     let [first, second] = [first, second].map(|(value, error)| plus_minus(value, 2.0 * error, ""));
-    format!("Two ways to {quantity} disagree: {first} and {second} (± two standard errors).")
+    format!("Two ways of finding {quantity} disagree: {first} and {second} (± two standard errors).")
 }
 
 fn excluded_lines(frequencies_hz: &[f64]) -> String {

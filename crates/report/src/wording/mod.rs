@@ -33,12 +33,12 @@ pub fn severity_meaning(severity: Severity) -> &'static str {
     }
 }
 
-/// A part of the study in plain words, from its field name (`speed_controller` → `speed control`). A name that is not
-/// one of the study's fields is returned as it is.
+/// A part of the study in plain words, from its field name (`speed_controller` → `speed control`). Another name is
+/// returned as it is.
 pub fn part(name: &str) -> &str {
     match name {
         "timing" => "timing of the signals",
-        "speed_controller" => "speed control",
+        "speed_controller" | "speed controller" => "speed control",
         "feed_forward" => "feed-forward",
         "torque_control" => "torque control",
         "shaft" => "shaft",
@@ -103,6 +103,12 @@ pub fn place(place: &Place) -> Option<String> {
     .flatten()
     .collect();
     (!parts.is_empty()).then(|| parts.join(", "))
+}
+
+/// The text with a capital first letter.
+pub fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 /// Joins words as a sentence does: `a`, `a or b`, `a, b or c`.

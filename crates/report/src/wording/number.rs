@@ -5,24 +5,61 @@ use bench::study::Parameter;
 /// What stands where a number is NaN or infinite.
 pub const NOT_KNOWN: &str = "not known";
 
-/// The estimate with half of its 95 % interval, e.g. `2438 ± 12 Nm/rad`; the whole interval where it is lopsided, e.g.
-/// `2438 (2410 … 2490) Nm/rad`.
+/// An estimate in pieces, all with the same unit and the digits that the uncertainty allows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Digits {
+    /// The estimate.
+    pub value: String,
+    /// Half of the 95 % interval: `± 12`; where the interval is lopsided, its two arms: `+28 −12`.
+    pub spread: String,
+    /// The bounds of the interval, `2426 … 2450`.
+    pub interval: String,
+    /// Power of ten, if there is one, and unit: `Nm/rad`, `·10⁻⁵ Nm`.
+    pub unit: String,
+}
+
+/// The estimate in pieces; `None` where it or its interval is not a finite number.
+pub fn digits(parameter: &Parameter) -> Option<Digits> {
+    let (value, (low, high)) = (parameter.value, parameter.interval);
+    let half_width = (high - low) / 2.0;
+    if !(value.is_finite() && half_width.is_finite() && half_width > 0.0) {
+        return None;
+    }
+    let scale = Scale::fitting(value.abs().max(half_width), &parameter.unit);
+    let decimals = decimals_for(half_width / scale.divisor);
+    let digits = |number: f64| fixed(number / scale.divisor, decimals);
+    let (below, above) = (value - low, high - value);
+    let spread = match (above - below).abs() > 0.2 * half_width {
+        true => format!("+{} −{}", digits(above), digits(below)),
+        false => format!("± {}", digits(half_width)),
+    };
+    let interval = format!("{} … {}", digits(low), digits(high));
+    Some(Digits { value: digits(value), spread, interval, unit: scale.suffix() })
+}
+
+/// The estimate with half of its 95 % interval, e.g. `2438 ± 12 Nm/rad`; with both arms where the interval is lopsided,
+/// e.g. `2438 +52 −28 Nm/rad`.
 pub fn parameter(parameter: &Parameter) -> String {
-    let (low, high) = parameter.interval;
-    let (below, above) = (parameter.value - low, high - parameter.value);
-    let lopsided = below.is_finite() && above.is_finite() && (above - below).abs() > 0.1 * (above + below).abs();
-    if lopsided { with_interval(parameter) } else { plus_minus(parameter.value, (high - low) / 2.0, &parameter.unit) }
+    match digits(parameter) {
+        Some(Digits { value, spread, unit, .. }) => with_unit(format!("{value} {spread}"), &unit),
+        None if is_fixed(parameter) => format!("{}, held fixed", measure(parameter.value, &parameter.unit)),
+        None => plus_minus(parameter.value, f64::NAN, &parameter.unit),
+    }
 }
 
 /// The bounds of the 95 % interval with their unit, e.g. `2426 … 2450 Nm/rad`.
 pub fn interval(parameter: &Parameter) -> String {
-    let (low, high) = parameter.interval;
-    if !(low.is_finite() && high.is_finite()) {
-        return NOT_KNOWN.to_owned();
+    match digits(parameter) {
+        Some(Digits { interval, unit, .. }) => with_unit(interval, &unit),
+        None if is_fixed(parameter) => "–".to_owned(),
+        None => NOT_KNOWN.to_owned(),
     }
-    let scale = Scale::fitting(low.abs().max(high.abs()), &parameter.unit);
-    let decimals = decimals_for((high - low) / 2.0 / scale.divisor);
-    scale.finish(format!("{} … {}", fixed(low / scale.divisor, decimals), fixed(high / scale.divisor, decimals)), true)
+}
+
+/// Whether the parameter was given to the estimate rather than estimated.
+fn is_fixed(parameter: &Parameter) -> bool {
+    let (low, high) = parameter.interval;
+    parameter.value.is_finite() && parameter.standard_error == 0.0 && low == high
 }
 
 /// A value with an uncertainty, the latter to two significant digits and the value to the same place:
@@ -37,7 +74,12 @@ pub fn plus_minus(value: f64, uncertainty: f64, unit: &str) -> String {
     let scale = Scale::fitting(value.abs().max(uncertainty), unit);
     let (value, uncertainty) = (value / scale.divisor, uncertainty / scale.divisor);
     let decimals = decimals_for(uncertainty);
-    scale.finish(format!("{} ± {}", fixed(value, decimals), fixed(uncertainty, decimals)), true)
+    with_unit(format!("{} ± {}", fixed(value, decimals), fixed(uncertainty, decimals)), &scale.suffix())
+}
+
+/// A value to the decimal place to which a number with this uncertainty is written.
+pub fn to_place_of(value: f64, uncertainty: f64) -> String {
+    if value.is_finite() { fixed(value, decimals_for(uncertainty)) } else { NOT_KNOWN.to_owned() }
 }
 
 /// A value without uncertainty, to four significant digits, with its unit.
@@ -51,7 +93,8 @@ pub fn significant_with_unit(value: f64, digits: i32, unit: &str) -> String {
         return NOT_KNOWN.to_owned();
     }
     let scale = Scale::fitting(value.abs(), unit);
-    scale.finish(significant(value / scale.divisor, digits), false)
+    let (number, suffix) = (significant(value / scale.divisor, digits), scale.suffix());
+    if suffix.starts_with('·') { number + &suffix } else { with_unit(number, &suffix) }
 }
 
 /// A value to `digits` significant digits; zeros behind the point that say nothing are dropped.
@@ -67,7 +110,7 @@ pub fn significant(value: f64, digits: i32) -> String {
 /// A share of one as a percentage, e.g. `0.4 %`; a share above zero is never written as zero.
 pub fn share(share: f64) -> String {
     match share {
-        s if !s.is_finite() => NOT_KNOWN.to_owned(),
+        s if !(100.0 * s).is_finite() => NOT_KNOWN.to_owned(),
         s if s > 0.0 && s < 0.001 => "less than 0.1 %".to_owned(),
         s => format!("{} %", fixed(100.0 * s, if s < 0.1 { 1 } else { 0 })),
     }
@@ -105,12 +148,13 @@ pub fn rpm(rad_s: f64) -> String {
     if value.is_finite() { format!("{} rpm", fixed(value, 0)) } else { NOT_KNOWN.to_owned() }
 }
 
-fn with_interval(parameter: &Parameter) -> String {
-    let (low, high) = parameter.interval;
-    let scale = Scale::fitting(low.abs().max(high.abs()), &parameter.unit);
-    let decimals = decimals_for((high - low) / 2.0 / scale.divisor);
-    let digits = |value: f64| fixed(value / scale.divisor, decimals);
-    scale.finish(format!("{} ({} … {})", digits(parameter.value), digits(low), digits(high)), false)
+/// Several numbers with what they share: a unit behind them, or a power of ten behind brackets.
+fn with_unit(numbers: String, suffix: &str) -> String {
+    match suffix {
+        "" => numbers,
+        power if power.starts_with('·') => format!("({numbers}){power}"),
+        unit => format!("{numbers} {unit}"),
+    }
 }
 
 /// A unit of fitting size, or a power of ten, for one number and its uncertainty.
@@ -133,15 +177,12 @@ impl Scale {
         }
     }
 
-    fn finish(&self, digits: String, compound: bool) -> String {
-        let number = match self.power {
-            Some(power) if compound => format!("({digits})·10{}", superscript(power)),
-            Some(power) => format!("{digits}·10{}", superscript(power)),
-            None => digits,
-        };
-        match self.unit.as_str() {
-            "" | "1" => number,
-            unit => format!("{number} {unit}"),
+    /// What stands behind the number: a power of ten, a unit, both or nothing.
+    fn suffix(&self) -> String {
+        let unit = if self.unit == "1" { "" } else { &self.unit };
+        match self.power {
+            Some(power) => format!("·10{} {unit}", superscript(power)).trim_end().to_owned(),
+            None => unit.to_owned(),
         }
     }
 }
@@ -152,10 +193,10 @@ fn decimals_for(uncertainty: f64) -> i32 {
     exponent_of(rounded).map_or(3, |exponent| 1 - exponent)
 }
 
-/// Floor of log10 of a magnitude; `None` for zero and what is not finite.
+/// Floor of log10 of a magnitude; `None` for what is not finite, and for zero and all that is as good as zero.
 fn exponent_of(value: f64) -> Option<i32> {
     let exponent = value.abs().log10().floor();
-    exponent.is_finite().then_some(exponent as i32)
+    (exponent.is_finite() && exponent > -300.0).then_some(exponent as i32)
 }
 
 /// The value rounded to a decimal place, with a true minus sign and never as minus zero.

@@ -9,7 +9,7 @@ use super::equation::{self, COUNT, Dating, ShaftEquation};
 use super::response::{measured_response, validate};
 use super::spectra::Spectra;
 use crate::align::split_window;
-use crate::estimate::parameter::{Label, transformed};
+use crate::estimate::parameter::{Label, ReadOut, transformed};
 use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
 
@@ -74,8 +74,8 @@ impl ShaftInputs<'_> {
         let start_s = self.signals().map(|s| s.start_s).fold(f64::NEG_INFINITY, f64::max);
         let end = |s: &Signal| s.start_s + s.len() as f64 * s.sample_time_s;
         let end_s = self.signals().map(end).fold(f64::INFINITY, f64::min);
-        if self.torque.is_empty() || !(end_s - start_s >= SHORTEST_S) {
-            let duration_s = (end_s - start_s).max(0.0);
+        let duration_s = (end_s - start_s).max(0.0);
+        if self.torque.is_empty() || duration_s < SHORTEST_S {
             return Err(EstimateError::TooShort { file: self.file.to_owned(), duration_s, needed_s: SHORTEST_S });
         }
         Ok(Stretch { file: self.file.to_owned(), start_s, end_s })
@@ -183,12 +183,12 @@ impl Solution {
         Ok(Solution { spectra, fit, covariance, excluded_hz })
     }
 
-    fn outputs(&self, outputs: &[(Label, &dyn Fn(&[f64]) -> f64)], stretch: &Stretch) -> Estimate {
+    fn outputs(&self, outputs: &[ReadOut<'_>], stretch: &Stretch) -> Estimate {
         transformed(outputs, &self.fit.fit, &self.covariance, self.fit.degrees_of_freedom, stretch)
     }
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
-        let labels: [(Label, &dyn Fn(&[f64]) -> f64); 5] = [
+        let labels: [ReadOut<'_>; 5] = [
             (K, &|t| t[equation::K]),
             (B, &|t| t[equation::B]),
             (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),

@@ -10,7 +10,7 @@ use signal::spline::UniformSpline;
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT, InverseController};
 use crate::align::split_window;
-use crate::estimate::parameter::{Label, transformed};
+use crate::estimate::parameter::{Label, ReadOut, transformed};
 use crate::estimate::stretch::{longest_unsaturated, need};
 use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
@@ -275,7 +275,7 @@ fn describe(data: &Data, fit: &Fit) -> Result<(Estimate, Encoder), EstimateError
     let t = data.demand.sample_time_s;
     let first_demand = data.demand.samples[0];
     let gate = |g: &[f64]| g[inverse::GATE_SQUARED].max(0.0).sqrt() * t;
-    let outputs: [(Label, &dyn Fn(&[f64]) -> f64); 5] = [
+    let outputs: [ReadOut<'_>; 5] = [
         (K_P, &|g| RPM_RAD_S / g[inverse::P]),
         (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
         (TAU, &|g| g[inverse::LEAD] * t + gate(g) / 2.0),
@@ -299,7 +299,7 @@ fn describe(data: &Data, fit: &Fit) -> Result<(Estimate, Encoder), EstimateError
 fn describe_feed_forward(data: &Data, fit: &Fit) -> Result<Estimate, EstimateError> {
     let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
     let t = data.demand.sample_time_s;
-    let outputs: [(Label, &dyn Fn(&[f64]) -> f64); 4] = [
+    let outputs: [ReadOut<'_>; 4] = [
         (K_SPEED, &|g| RPM_RAD_S * g[inverse::K]),
         (K_ACCELERATION, &|g| RPM_RAD_S * t * g[inverse::K_A]),
         (K_P, &|g| RPM_RAD_S / g[inverse::P]),

@@ -74,7 +74,8 @@ fn value(value: Option<f64>) -> String {
 fn clock_remarks(clock: &Clock) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(gap) = &clock.longest_gap {
-        let (count, longest) = if clock.gaps == 1 { ("1 gap".to_owned(), "it") } else { (format!("{} gaps", clock.gaps), "the longest") };
+        let (count, longest) =
+            if clock.gaps == 1 { ("1 gap".to_owned(), "it") } else { (format!("{} gaps", clock.gaps), "the longest") };
         remarks.push(format!(
             "{count} in the time stamps, {} samples missing; {longest} lasts {} after {}",
             clock.missing_samples,

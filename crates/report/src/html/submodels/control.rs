@@ -4,7 +4,7 @@ use bench::study::{FeedForward, Part, SpeedController, Study, TorqueControl};
 
 use crate::html::markup::{Markup, markup};
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, unbroken};
-use crate::html::plots::{comparison, correlation_extent, correlations, figure, residual_test, side_by_side};
+use crate::html::plots::{Extent, comparison, correlations, cross_outside, figure, residual_test, side_by_side};
 use crate::html::typeset::prose;
 use crate::wording::number;
 
@@ -17,11 +17,11 @@ pub(crate) fn speed_controller(study: &Study) -> Markup {
         Part::NotEstimated { needs } => return not_estimated(what, needs),
     };
     let equation = "<i>T</i><sub>d</sub>* = e<sup>−<i>sτ</i></sup> (<i>K</i><sub>p</sub> + <i>K</i><sub>i</sub>/<i>s</i>) \
-                    (<i>N</i><sub>d</sub> − <i>N</i><sub>d</sub>*) + <i>x</i><sub>0</sub>";
+                    (<i>N</i><sub>d</sub> − <i>N</i><sub>d</sub>*) + <i>I</i><sub>0</sub>";
     let title = "Speed control on the held-out stretch";
     [
         lead(what, equation),
-        parameters(&part.estimate),
+        parameters(&part.estimate, &[]),
         discrete(part),
         fit_line(&part.validation),
         figure(&comparison(title, &part.validation, None)),
@@ -34,9 +34,11 @@ pub(crate) fn speed_controller(study: &Study) -> Markup {
 fn discrete(part: &SpeedController) -> Markup {
     let coefficient = |value: f64| unbroken(&number::significant(value, 6));
     markup!(
-        "<p>As the controller computes it, every {}, on the speed error in rpm \
+        "<p>As the controller computes it, every {}, on the speed error in rpm: \
          (<i>b</i><sub>0</sub> + <i>b</i><sub>1</sub> q<sup>−1</sup>)/(1 − q<sup>−1</sup>) with \
-         <i>b</i><sub>0</sub> = {}, <i>b</i><sub>1</sub> = {}.</p>\n",
+         <i>b</i><sub>0</sub> = {}, <i>b</i><sub>1</sub> = {}. <i>K</i><sub>p</sub> is that of integration by forward \
+         Euler; backward Euler has the same sequence with a <i>K</i><sub>p</sub> that is less by <i>K</i><sub>i</sub> \
+         times the sample time.</p>\n",
         unbroken(&number::duration(part.sample_time_s)),
         coefficient(part.discrete.0),
         coefficient(part.discrete.1),
@@ -48,12 +50,16 @@ fn delay_evidence(part: &SpeedController) -> Markup {
     let (Some(with), Some(without)) = (&part.validation.residuals, &part.without_delay.residuals) else {
         return residual_test(&part.validation);
     };
-    let extent = correlation_extent(&[with, without]);
+    let extent = Extent::of(&[with, without]);
     let text = format!(
         "Leaving the delay out and estimating K_p and K_i anew gives a fit of {}; with the delay it is {}. The residuals \
-         tell more than the fit: without the delay they stay correlated with the speed error.",
+         tell more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
+         with it.",
         number::fit(part.without_delay.fit_percent),
-        number::fit(part.validation.fit_percent)
+        number::fit(part.validation.fit_percent),
+        with.input,
+        cross_outside(without),
+        cross_outside(with)
     );
     markup!(
         "<p>{}</p>\n{}",
@@ -82,7 +88,7 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
     let title = "PI with feed-forward, and PI alone, on the held-out stretch";
     [
         lead(what, equation),
-        parameters(&part.estimate),
+        parameters(&part.estimate, &[]),
         fit_line(&part.validation),
         markup!("<p>{}</p>\n", prose(&note)),
         figure(&comparison(title, &part.validation, Some(("PI alone", &part.pi_alone)))),
@@ -111,9 +117,9 @@ pub(crate) fn torque_control(study: &Study) -> Markup {
     [
         lead(what, equation),
         markup!("<h3>Delay and lag</h3>\n"),
-        parameters(&part.delay_and_lag),
+        parameters(&part.delay_and_lag, &[]),
         markup!("<h3>Delay alone</h3>\n"),
-        parameters(&part.pure_delay),
+        parameters(&part.pure_delay, &[]),
         fit_line(&part.delay_and_lag_validation),
         markup!("<p>{}</p>\n", prose(&bar)),
         figure(&comparison(title, &part.delay_and_lag_validation, Some(("delay alone", &part.pure_delay_validation)))),

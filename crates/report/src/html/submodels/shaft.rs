@@ -4,7 +4,7 @@ use bench::study::{Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft, St
 
 use crate::figure::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 use crate::html::markup::{Markup, markup};
-use crate::html::parts::{fit_line, lead, not_estimated, parameter_rows, parameters, table, unbroken};
+use crate::html::parts::{fit_line, lead, not_estimated, parameters, table, unbroken};
 use crate::html::plots::{comparison, figure, residual_test};
 use crate::html::typeset::{prose, symbol};
 use crate::wording::number;
@@ -21,8 +21,7 @@ pub(crate) fn shaft(study: &Study) -> Markup {
                     <i>B</i> (<i>ω</i><sub>e</sub> − <i>ω</i><sub>d</sub>)";
     [
         lead(what, equation),
-        parameters(&part.estimate),
-        parameter_rows(&[&part.zero]),
+        parameters(&part.estimate, &[&part.zero]),
         fit_line(&part.validation),
         figure(&comparison("Shaft torque on the held-out stretch", &part.validation, None)),
         residual_test(&part.validation),
@@ -37,13 +36,10 @@ pub(crate) fn shaft(study: &Study) -> Markup {
 
 fn response(response: &MeasuredResponse) -> Figure {
     let hz = &response.frequencies_hz;
-    let panel = |label: &str, unit: &str, measured: &[f64], modelled: &[f64]| Panel {
-        y: Axis::linear(label, unit),
-        height: 150,
-        layers: vec![
-            Layer::dots("measured", Style::Measured, hz, measured),
-            Layer::curve("modelled", Style::Modelled, hz, modelled),
-        ],
+    let panel = |label: &str, unit: &str, measured: &[f64], modelled: &[f64]| {
+        let measured = Layer::dots("measured", Style::Measured, hz, measured);
+        let modelled = Layer::curve("modelled", Style::Modelled, hz, modelled);
+        Panel::new(Axis::linear(label, unit), 150, vec![measured, modelled])
     };
     Figure {
         title: "Frequency response from twist speed to shaft torque".to_owned(),
@@ -81,7 +77,7 @@ fn spectrum(spectrum: &ResidualSpectrum) -> Figure {
             }
         ),
         x: Axis::linear("frequency", "Hz"),
-        panels: vec![Panel { y: Axis::linear("|error|/σ", ""), height: 150, layers }],
+        panels: vec![Panel::new(Axis::linear("|error|/σ", ""), 150, layers)],
     }
 }
 
@@ -94,7 +90,7 @@ fn ignoring_timing(part: &Shaft) -> Markup {
         });
         vec![
             symbol(&plain.symbol),
-            markup!("{}", plain.name),
+            prose(&plain.name),
             honest.map(|p| unbroken(&number::parameter(p))).unwrap_or_default(),
             unbroken(&number::parameter(plain)),
         ]
@@ -122,6 +118,6 @@ fn cross_checks(part: &Shaft) -> Markup {
         part.cross_checks.iter().map(|(name, estimate)| vec![prose(name), value(estimate, "K"), value(estimate, "B")]);
     markup!(
         "<h3>Other recordings and routes</h3>\n{}",
-        table("parameters", &["Route", "K", "B"], std::iter::once(this).chain(others))
+        table("routes", &["Route", "K", "B"], std::iter::once(this).chain(others))
     )
 }

@@ -1,0 +1,180 @@
+//! The page as a whole: self-contained, small, and closed against text from outside.
+
+use std::ops::ControlFlow;
+
+use bench::study::{Part, Study};
+
+use crate::fixture;
+
+/// The text of each element opened by `open`, up to `close`.
+fn elements<'a>(page: &'a str, open: &str, close: &str) -> Vec<&'a str> {
+    page.split(open).skip(1).filter_map(|rest| rest.split(close).next()).collect()
+}
+
+fn figures(page: &str) -> Vec<&str> {
+    elements(page, "<script type=\"application/json\">", "</script>")
+}
+
+#[test]
+fn exact_every_figure_is_valid_json() {
+    let page = report::html(&fixture::complete());
+    let figures = figures(&page);
+    assert!(figures.len() >= 15, "{} figures", figures.len());
+    for figure in figures {
+        let parsed: serde_json::Value = serde_json::from_str(figure).unwrap();
+        assert!(parsed["panels"].as_array().is_some_and(|panels| !panels.is_empty()));
+    }
+}
+
+#[test]
+fn exact_page_needs_no_network() {
+    let page = report::html(&fixture::complete());
+    let without_namespaces = page.replace("http://www.w3.org/2000/svg", "");
+    for word in ["http://", "https://", "src=", "@import", "url(//", "fetch(", "XMLHttpRequest"] {
+        assert!(!without_namespaces.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn exact_page_of_a_large_study_stays_small() {
+    let size = report::html(&fixture::complete()).len();
+    assert!(size < 4_000_000, "{size} bytes");
+}
+
+#[test]
+fn exact_links_lead_somewhere() {
+    for study in [fixture::complete(), fixture::bare()] {
+        let page = report::html(&study);
+        for target in elements(&page, "href=\"#", "\"") {
+            assert!(page.contains(&format!("id=\"{target}\"")), "{target}");
+        }
+    }
+}
+
+/// Every tag that is opened is closed in order; `script` and `style` are taken as they are.
+fn is_well_formed(page: &str) -> bool {
+    const EMPTY: [&str; 8] = ["meta", "br", "!DOCTYPE", "path", "rect", "circle", "line", "hr"];
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = page;
+    while let Some((_, behind)) = rest.split_once('<') {
+        let Some((tag, after)) = behind.split_once('>') else { return false };
+        let name = tag.trim_start_matches('/').split([' ', '\n', '/']).next().unwrap_or_default();
+        rest = after;
+        if tag.starts_with('/') {
+            if open.pop() != Some(name) {
+                return false;
+            }
+        } else if name == "script" || name == "style" {
+            let Some((_, after)) = rest.split_once(&format!("</{name}>")) else { return false };
+            rest = after;
+        } else if !EMPTY.contains(&name) {
+            open.push(name);
+        }
+    }
+    open.is_empty()
+}
+
+#[test]
+fn exact_tags_are_balanced() {
+    assert!(is_well_formed(&report::html(&fixture::complete())));
+    assert!(is_well_formed(&report::html(&fixture::bare())));
+}
+
+const HOSTILE: [&str; 6] = [
+    "</script><script>alert(1)</script>",
+    "\"><img src=x onerror=alert(1)>",
+    "' onmouseover='alert(1)",
+    "<!--<script>",
+    "]]></style></pre><b>",
+    "\u{202e}4fm.gnp\u{0}\u{7}",
+];
+
+#[test]
+fn exact_outside_text_cannot_leave_its_place() {
+    let harmless = skeleton(&report::html(&fixture::hostile("x")));
+    for text in HOSTILE {
+        let page = report::html(&fixture::hostile(text));
+        assert!(is_well_formed(&page), "{text}");
+        assert_eq!(skeleton(&page), harmless, "{text}");
+        assert!(!page.contains('\u{202e}') && !page.contains('\u{0}'));
+        figures(&page).iter().for_each(|figure| assert!(serde_json::from_str::<serde_json::Value>(figure).is_ok()));
+    }
+}
+
+/// The names of the page's tags in order: what hostile text would change.
+fn skeleton(page: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut rest = page;
+    let _ = std::iter::repeat(()).try_for_each(|()| {
+        let Some((_, behind)) = rest.split_once('<') else { return ControlFlow::Break(()) };
+        let name: String = behind.chars().take_while(|c| c.is_alphanumeric() || "/!".contains(*c)).collect();
+        rest = match name.as_str() {
+            "script" => behind.split_once("</script>").map_or("", |(_, after)| after),
+            _ => behind,
+        };
+        names.push(name);
+        ControlFlow::Continue(())
+    });
+    names
+}
+
+/// A study with NaN or infinity wherever a curve or a number can hold one.
+fn with_non_finite(mut study: Study) -> Study {
+    if let Part::Estimated(shaft) = &mut study.shaft {
+        shaft.validation.fit_percent = f64::NAN;
+        shaft.validation.measured.values[100] = f64::NAN;
+        shaft.validation.modelled.values[5000] = f64::INFINITY;
+        shaft.frequency_response.measured_gain_db[3] = f64::NEG_INFINITY;
+        shaft.residual_spectrum.bound = f64::NAN;
+        shaft.estimate.parameters[0].value = f64::NAN;
+        shaft.estimate.parameters[1].interval = (f64::NEG_INFINITY, f64::INFINITY);
+    }
+    if let Part::Estimated(whole) = &mut study.whole {
+        whole.resonance_hz.value = f64::INFINITY;
+        whole.resonance_hz.interval = (f64::NAN, f64::NAN);
+        whole.sine_points[0].gain = 0.0;
+        whole.bode[0].gain_db[0] = f64::NAN;
+    }
+    study
+}
+
+#[test]
+fn exact_numbers_that_are_not_finite_are_null_or_not_known() {
+    let study = with_non_finite(fixture::complete());
+    let page = report::html(&study);
+    let body = page.split("<script>").next().unwrap_or_default();
+    assert!(!body.contains("NaN") && !body.contains("inf "));
+    assert!(body.contains("not known"));
+    figures(&page).iter().for_each(|figure| assert!(serde_json::from_str::<serde_json::Value>(figure).is_ok()));
+    let json: serde_json::Value = serde_json::from_str(&report::json(&study)).unwrap();
+    assert!(json["study"]["shaft"]["validation"]["fit_percent"].is_null());
+}
+
+#[test]
+fn exact_json_names_its_format_and_keeps_full_precision() {
+    let study = fixture::complete();
+    let json: serde_json::Value = serde_json::from_str(&report::json(&study)).unwrap();
+    assert_eq!(json["format"], "dynoid-study");
+    assert_eq!(json["format_version"], report::FORMAT_VERSION);
+    assert_eq!(json["study"]["speed_controller"]["estimate"]["parameters"][0]["value"], 0.93841);
+    assert_eq!(json["study"]["shaft"]["status"], "estimated");
+}
+
+#[test]
+fn exact_thinned_traces_keep_their_peaks_and_times() {
+    let mut study = fixture::complete();
+    if let Part::Estimated(shaft) = &mut study.shaft {
+        shaft.validation.measured.values[12_345] = 4321.0;
+    }
+    let page = report::html(&study);
+    let figure = figures(&page).into_iter().find(|figure| figure.contains(",4321,")).unwrap();
+    let figure: serde_json::Value = serde_json::from_str(figure).unwrap();
+    let layer = &figure["panels"][0]["layers"][0];
+    let skips: Vec<u64> = layer["x"]["skip"].as_array().unwrap().iter().filter_map(serde_json::Value::as_u64).collect();
+    let values = layer["y"].as_array().unwrap();
+    assert_eq!(skips.len(), values.len());
+    assert!(values.len() <= 4010, "{}", values.len());
+    let peak = values.iter().position(|value| *value == 4321).unwrap();
+    assert_eq!(skips[..=peak].iter().sum::<u64>(), 12_345);
+    assert_eq!(skips.iter().sum::<u64>(), 19_999);
+}

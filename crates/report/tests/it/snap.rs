@@ -1,0 +1,143 @@
+//! Wording and structure, word for word.
+
+use bench::study::{Need, Parameter};
+use bench::{Diagnostic, Finding, Place, Role, Severity};
+use report::wording::{self, number};
+
+use crate::fixture;
+
+fn findings() -> Vec<Finding> {
+    vec![
+        Finding::UnreadableRecording { reason: "block DT at offset 4096 is cut off.".into() },
+        Finding::ReaderDoubt { reason: "".into() },
+        Finding::NoLabel,
+        Finding::DuplicateRecording { other: "bs.mf4".into() },
+        Finding::MissingChannel { role: Role::DynoSpeed, closest: vec!["N_dyn".into(), "Ndyno".into()] },
+        Finding::MissingChannel { role: Role::Throttle, closest: Vec::new() },
+        Finding::UnfitUnit { role: Role::AirGapTorque, unit: "kg".into() },
+        Finding::NotANumber { count: 1, mended: true },
+        Finding::NotANumber { count: 300, mended: false },
+        Finding::Gap { duration_s: 0.012, mended: true },
+        Finding::Gap { duration_s: 3.5, mended: false },
+        Finding::ShortGaps { count: 7, longest_s: 0.012, share: 0.0004 },
+        Finding::Cut { kept_s: (4.0, 31.5), lost_s: 12.25 },
+        Finding::TimeNotIncreasing,
+        Finding::Jitter { largest_s: 0.00031, sample_time_s: 0.001 },
+        Finding::Constant { value: -0.0 },
+        Finding::Clipped { value: 400.04, share: 0.0312 },
+        Finding::ImplausibleMagnitude { role: Role::EngineSpeed, largest: 15_000.0, looks_like: Some("rpm".into()) },
+        Finding::SpeedsDisagree { role: Role::EngineSpeed, ratio_to_dyno_speed: 9.549 },
+        Finding::TooShort { duration_s: 0.4, needed_s: 12.0 },
+        Finding::WrongTorqueSign { correlation: -0.934 },
+        Finding::ImplausibleInertia { given_kg_m2: 0.3, estimated_kg_m2: 0.412, standard_error_kg_m2: 0.006 },
+        Finding::Saturated { share: 0.00004, limit_nm: 400.0 },
+        Finding::LateSignal { role: Role::LoadCellTorque, delay_s: 0.0214 },
+        Finding::WeakExcitation { role: Role::DynoTorqueDemand, standard_deviation: 0.31 },
+        Finding::ExcludedLines { frequencies_hz: vec![25.0, 50.0, 74.8] },
+        Finding::ResidualsCorrelated { submodel: "speed_controller".into(), share_outside: 0.21 },
+        Finding::NotConverged { submodel: "shaft".into() },
+        Finding::RoutesDisagree { quantity: "K".into(), first: (2438.0, 6.0), second: (2391.0, 5.2) },
+        Finding::BeyondLimit { limit: "shaft torque".into(), value: 412.4, allowed: 350.0 },
+    ]
+}
+
+#[test]
+fn snap_findings() {
+    let place = Place { file: Some("bs.mf4".into()), channel: Some("T_loadcell".into()), time_s: Some(12.348) };
+    let lines: Vec<String> = findings()
+        .into_iter()
+        .map(|finding| wording::diagnostic(&Diagnostic { severity: Severity::Warning, place: place.clone(), finding }))
+        .collect();
+    insta::assert_snapshot!(lines.join("\n"));
+}
+
+#[test]
+fn snap_needs() {
+    let needs = [
+        Need::Recording { any_of: vec!["BS_T_NT".into(), "WhiteNoise_T_TN".into()] },
+        Need::Recording { any_of: vec!["Custom_T_NT".into()] },
+        Need::Recording { any_of: Vec::new() },
+        Need::Channel { file: "bs.mf4".into(), role: Role::AirGapTorque },
+        Need::Part { name: "speed_controller".into() },
+        Need::UsableData { file: "bs.mf4".into(), reason: "the regressors are linearly dependent.".into() },
+    ];
+    let lines: Vec<String> = needs.iter().map(|need| format!("needs {}", wording::need(need))).collect();
+    insta::assert_snapshot!(lines.join("\n"));
+}
+
+fn parameter(unit: &str, value: f64, below: f64, above: f64) -> String {
+    let parameter = Parameter {
+        symbol: "K".into(),
+        name: "stiffness".into(),
+        unit: unit.into(),
+        value,
+        standard_error: below / 1.96,
+        degrees_of_freedom: 100.0,
+        interval: (value - below, value + above),
+    };
+    format!("{} | {}", number::parameter(&parameter), number::interval(&parameter))
+}
+
+#[test]
+fn snap_numbers() {
+    let lines = [
+        parameter("Nm/rad", 2438.3, 12.2, 12.2),
+        parameter("Nm/rad", 24_383.0, 1234.0, 1234.0),
+        parameter("Nm/rad", 2438.0, 28.0, 52.0),
+        parameter("s", 0.001_021, 0.000_025, 0.000_025),
+        parameter("s", 0.000_051, 0.000_009_96, 0.000_009_96),
+        parameter("s", 1.25, 0.03, 0.03),
+        parameter("Nm/(rpm/s)", 0.000_018_4, 0.000_003_1, 0.000_003_1),
+        parameter("", -0.004, 0.099_6, 0.099_6),
+        parameter("Nm", 3.2e7, 4.1e5, 4.1e5),
+        parameter("Nm", f64::NAN, 1.0, 1.0),
+        parameter("Nm", 12.345_67, f64::INFINITY, f64::INFINITY),
+        parameter("Nm", 12.345_67, 0.0, 0.0),
+        [0.0, 0.000_4, 0.0312, 0.5, f64::NAN].map(number::share).join(", "),
+        [99.412, 95.36, -12.0, f64::NAN].map(number::fit).join(", "),
+        [0.000_000_25, 0.0004, 0.012, 12.34, 119.96, 725.2, f64::NAN].map(number::duration).join(", "),
+        [157.0796, 0.0].map(number::rpm).join(", "),
+    ];
+    insta::assert_snapshot!(lines.join("\n"));
+}
+
+#[test]
+fn snap_every_role_and_mode_has_words() {
+    let mut lines: Vec<String> = Role::ALL.iter().map(|role| wording::role(*role)).collect();
+    lines.extend([bench::ControlMode::Nt, bench::ControlMode::Tn].map(|mode| wording::mode(mode).to_owned()));
+    insta::assert_snapshot!(lines.join("\n"));
+}
+
+/// The page as a reader hears it: text without tags, figures and the pieces that do not depend on the study.
+fn plain_text(page: &str) -> String {
+    let body = page.split("<main>").nth(1).and_then(|rest| rest.split("<section id=\"methods\">").next());
+    let mut text = String::new();
+    let mut rest = body.unwrap_or_default();
+    while let Some((before, behind)) = rest.split_once('<') {
+        text.push_str(before);
+        if behind.starts_with("script") {
+            rest = behind.split_once("</script>").map_or("", |(_, after)| after);
+            continue;
+        }
+        let (tag, after) = behind.split_once('>').unwrap_or((behind, ""));
+        let inline = ["span", "/span", "sub", "/sub", "b>", "i>", "tspan", "/tspan", "small", "strong", "/strong"];
+        if !inline.iter().any(|name| tag.starts_with(name.trim_end_matches('>'))) {
+            text.push('\n');
+        }
+        rest = after;
+    }
+    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    lines.collect::<Vec<_>>().join("\n").replace('\u{a0}', " ").replace('\u{200b}', "")
+}
+
+#[test]
+fn snap_text_of_a_study_without_estimates() {
+    insta::assert_snapshot!(plain_text(&report::html(&fixture::bare())));
+}
+
+#[test]
+fn snap_first_page_of_a_complete_study() {
+    let page = report::html(&fixture::complete());
+    let text = plain_text(&page);
+    insta::assert_snapshot!(text.split("Speed control\nThe controller").next().unwrap_or_default());
+}

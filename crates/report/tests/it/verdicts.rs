@@ -1,0 +1,70 @@
+//! The verdict's rules.
+
+use bench::study::Part;
+use bench::{Finding, Severity};
+use report::verdict::{Level, verdict};
+
+use crate::fixture;
+
+fn without_errors() -> bench::Study {
+    let mut study = fixture::complete();
+    study.diagnostics.retain(|found| found.severity != Severity::Error);
+    study
+}
+
+#[test]
+fn exact_a_study_without_errors_is_good() {
+    let verdict = verdict(&without_errors());
+    assert_eq!(verdict.level, Level::Good, "{verdict:#?}");
+}
+
+#[test]
+fn exact_an_error_is_a_reservation() {
+    assert_eq!(verdict(&fixture::complete()).level, Level::Reservations);
+}
+
+#[test]
+fn exact_no_shaft_is_insufficient_and_no_feed_forward_a_reservation() {
+    let mut study = without_errors();
+    study.feed_forward = Part::NotEstimated { needs: Vec::new() };
+    assert_eq!(verdict(&study).level, Level::Reservations);
+    study.shaft = Part::NotEstimated { needs: Vec::new() };
+    assert_eq!(verdict(&study).level, Level::Insufficient);
+}
+
+#[test]
+fn exact_poor_or_unknown_fits_lower_the_verdict() {
+    for (fit, level) in [(79.9, Level::Reservations), (49.0, Level::Insufficient), (f64::NAN, Level::Insufficient)] {
+        let mut study = without_errors();
+        if let Part::Estimated(shaft) = &mut study.shaft {
+            shaft.validation.fit_percent = fit;
+        }
+        assert_eq!(verdict(&study).level, level, "{fit}");
+    }
+}
+
+#[test]
+fn exact_wide_or_unknown_intervals_lower_the_verdict() {
+    for (half, level) in [(0.2, Level::Reservations), (0.5, Level::Insufficient), (f64::NAN, Level::Insufficient)] {
+        let mut study = without_errors();
+        if let Part::Estimated(whole) = &mut study.whole {
+            let value = whole.resonance_hz.value;
+            whole.resonance_hz.interval = (value * (1.0 - half), value * (1.0 + half));
+        }
+        assert_eq!(verdict(&study).level, level, "{half}");
+    }
+}
+
+#[test]
+fn exact_only_unseen_replays_count() {
+    let mut study = without_errors();
+    study.replays.iter_mut().for_each(|replay| replay.seen_in_estimation = true);
+    assert_eq!(verdict(&study).level, Level::Reservations);
+}
+
+#[test]
+fn exact_correlated_residuals_are_a_reservation() {
+    let mut study = without_errors();
+    study.diagnostics[0].finding = Finding::ResidualsCorrelated { submodel: "shaft".into(), share_outside: 0.3 };
+    assert_eq!(verdict(&study).level, Level::Reservations);
+}
