@@ -21,6 +21,8 @@ pub(super) struct Comparison<'a> {
     pub(super) inputs: &'a ReplayInputs<'a>,
     pub(super) acted: &'a Acted,
     pub(super) gate_s: f64,
+    /// Once-a-turn error in the reading of N_e, on the clock of the simulation.
+    pub(super) engine_encoder_error: Vec<f64>,
 }
 
 impl Comparison<'_> {
@@ -60,7 +62,9 @@ impl Comparison<'_> {
         response: &Response,
         measured: Option<&Signal>,
     ) -> Result<Vec<f64>, EstimateError> {
-        let modelled = |m| self.late(&response.engine_speed_rad_s, m, self.inputs.skews.engine_speed_s);
+        let shown = response.engine_speed_rad_s.iter().zip(&self.engine_encoder_error);
+        let shown: Vec<f64> = shown.map(|(n, e)| n + e).collect();
+        let modelled = |m| self.late(&shown, m, self.inputs.skews.engine_speed_s);
         measured.map_or(Ok(Vec::new()), modelled)
     }
 

@@ -2,26 +2,25 @@
 
 use faer::Mat;
 
-use super::compare::Comparison;
 use super::{Run, Start, held};
 use crate::estimate::EstimateError;
-use crate::simulate::{InitialState, Response};
+use crate::simulate::InitialState;
 use crate::{ControlMode, Role};
 
 /// In speed control the start is fitted on this much, s.
-const FITTED_S: f64 = 3.0;
+const FITTED_S: f64 = 10.0;
 /// Steps of the numerical derivatives; the response is linear, so their size hardly matters.
-const STEPS: [f64; 4] = [1.0, 1.0, 1e-2, 1.0];
+const STEPS: [f64; 6] = [1.0, 1.0, 1e-2, 1e-3, 1e-3, 1.0];
 
 impl Run<'_> {
     /// The start by least squares on N_d and N_e, from a first guess read off the reconstruction.
     pub(super) fn fitted_start(&self) -> Result<Start, EstimateError> {
         let guess = self.guess()?;
-        let reference = self.speeds(&self.simulate(&guess)?)?;
-        let measured = self.measured_speeds();
+        let reference = self.speeds(&guess)?;
+        let measured = self.measured_speeds(&guess);
         let mut columns = Vec::with_capacity(STEPS.len());
         for (which, step) in STEPS.iter().enumerate() {
-            let moved = self.speeds(&self.simulate(&self.moved(&guess, which, *step))?)?;
+            let moved = self.speeds(&self.moved(&guess, which, *step))?;
             columns.push(moved.iter().zip(&reference).map(|(m, r)| (m - r) / step).collect::<Vec<f64>>());
         }
         let target: Vec<f64> = measured.iter().zip(&reference).map(|(m, r)| m - r).collect();
@@ -42,7 +41,7 @@ impl Run<'_> {
             air_gap_torque_nm: self.smooth_torque_guess(),
             integrator_nm: self.integrator_guess()?,
         };
-        Ok(Start { state, engine_torque_error_nm: 0.0 })
+        Ok(Start { state, engine_encoder: [0.0; 2], engine_torque_error_nm: 0.0 })
     }
 
     /// T_d at the first sample without its ripple.
@@ -70,6 +69,8 @@ impl Run<'_> {
             (0, _) => moved.state.dyno_speed_rad_s += by,
             (1, _) => moved.state.engine_speed_rad_s += by,
             (2, _) => moved.state.twist_rad += by,
+            (3, _) => moved.engine_encoder[0] += by,
+            (4, _) => moved.engine_encoder[1] += by,
             (_, ControlMode::Nt) => moved.state.integrator_nm += by,
             (_, ControlMode::Tn) => moved.engine_torque_error_nm += by,
         }
@@ -77,29 +78,25 @@ impl Run<'_> {
     }
 
     /// N_d, then N_e, as the model has them, over the stretch the start is fitted on.
-    fn speeds(&self, response: &Response) -> Result<Vec<f64>, EstimateError> {
-        let comparison = self.comparison();
-        let mut speeds = comparison.dyno_speed_of(response);
+    fn speeds(&self, start: &Start) -> Result<Vec<f64>, EstimateError> {
+        let response = self.simulate(start)?;
+        let comparison = self.comparison(start);
+        let mut speeds = comparison.dyno_speed_of(&response);
         speeds.truncate(self.fitted_samples(self.acted.step_s));
         let measured = comparison.engine_speed();
-        let mut engine = comparison.engine_speed_of(response, measured.as_ref())?;
+        let mut engine = comparison.engine_speed_of(&response, measured.as_ref())?;
         engine.truncate(self.fitted_samples(measured.map_or(self.acted.step_s, |m| m.sample_time_s)));
         speeds.extend(engine);
         Ok(speeds)
     }
 
-    fn measured_speeds(&self) -> Vec<f64> {
+    fn measured_speeds(&self, start: &Start) -> Vec<f64> {
         let mut speeds = self.acted.recorded_speed.clone();
         speeds.truncate(self.fitted_samples(self.acted.step_s));
-        if let Some(engine) = self.comparison().engine_speed() {
+        if let Some(engine) = self.comparison(start).engine_speed() {
             speeds.extend(engine.samples.iter().take(self.fitted_samples(engine.sample_time_s)));
         }
         speeds
-    }
-
-    fn comparison(&self) -> Comparison<'_> {
-        let gate_s = self.model.encoder_gate_s;
-        Comparison { experiment: self.experiment, inputs: self.inputs, acted: &self.acted, gate_s }
     }
 
     fn fitted_samples(&self, step_s: f64) -> usize {

@@ -2,6 +2,7 @@
 
 mod compare;
 mod initial;
+mod once_a_turn;
 mod reconstruct;
 mod zero_phase;
 
@@ -16,6 +17,7 @@ use crate::simulate::{Drive, InitialState, Inputs, Response, Ripple, simulate_wi
 use crate::study::{Replay, Stretch};
 use crate::{ControlMode, Experiment, Role};
 use compare::Comparison;
+use once_a_turn::OnceATurn;
 use reconstruct::{Acted, reconstruct};
 
 /// Once-a-turn error of the dynamometer's speed as recorded, as far as the speed controller does not answer it (that is
@@ -72,7 +74,7 @@ impl Default for ReplayInputs<'_> {
 /// them, the controller, and the inverter.
 ///
 /// Speed control: ω_d, ω_e, Δθ and the integrator at the start are refined by least squares on the speeds of the first
-/// three seconds. Torque control: nothing holds the speed, so the smallest error of the mean torque grows into a drift;
+/// ten seconds. Torque control: nothing holds the speed, so the smallest error of the mean torque grows into a drift;
 /// ω_d, ω_e, Δθ at the start and a constant error of T_e are fitted to the speeds of the whole stretch. A linear drift of
 /// the speeds is therefore no test of the model in torque control. Torque control is driven by T_d* where the model has
 /// an inverter, else by T_d.
@@ -80,6 +82,10 @@ impl Default for ReplayInputs<'_> {
 /// The ripple of the drive is a known disturbance: its amplitudes, phases and frequencies are taken from the recording's
 /// own T_d,calc, not predicted, while the torque it is relative to is the modelled one; N_d and T_shaft answer it. So the
 /// comparison of T_d says how well controller and inverter are modelled, and nothing of how well ripple can be foretold.
+///
+/// The engine's encoder has a once-a-turn error too, which makes a torque appear in T_e that never was; near the resonance
+/// it would drown all else. Its two amplitudes are fitted with the start, so at order 1 of the speed agreement is partly
+/// built in.
 ///
 /// T_d* is taken to stand on the clock of N_d; the inverter's delay, which was estimated on the clock of T_d,calc, is
 /// corrected by what that is late.
@@ -92,20 +98,22 @@ pub fn replay(experiment: &Experiment, model: &BenchModel, inputs: &ReplayInputs
     let run = Run::new(experiment, model, inputs, acted)?;
     let start = run.fitted_start()?;
     let response = run.simulate(&start)?;
-    let acted = &run.acted;
+    let (acted, comparison) = (&run.acted, run.comparison(&start));
     Ok(Replay {
         stretch: Stretch { file: experiment.file.clone(), start_s: acted.start_s, end_s: acted.end_s() },
         label: experiment.label.to_string(),
         mode: experiment.label.mode,
         seen_in_estimation: inputs.seen_in_estimation,
-        signals: Comparison { experiment, inputs, acted, gate_s: model.encoder_gate_s }.all(response)?,
+        signals: comparison.all(response)?,
     })
 }
 
-/// What is fitted: the bench at the start, and a constant error of T_e.
+/// What is fitted: the bench at the start, the once-a-turn error of N_e, and a constant error of T_e.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Start {
     state: InitialState,
+    /// Once-a-turn error of the recorded N_e: cosine and sine.
+    engine_encoder: [f64; 2],
     engine_torque_error_nm: f64,
 }
 
@@ -115,6 +123,7 @@ struct Run<'a> {
     inputs: &'a ReplayInputs<'a>,
     model: BenchModel,
     acted: Acted,
+    engine_turn: OnceATurn,
     /// Ripple of T_d: relative, and added with the offset, Nm; empty where none is known.
     ripple: (Vec<f64>, Vec<f64>),
     /// N_d* in speed control, T_d* in torque control.
@@ -138,12 +147,26 @@ impl<'a> Run<'a> {
         let demand = role.map(|role| held(experiment, &acted, role)).transpose()?;
         let stamps = (0..acted.len()).map(|i| acted.start_s + i as f64 * acted.step_s + late);
         let ripple = inputs.ripple.map_or_else(Default::default, |r| stamps.map(|t| r.ripple_at(t)).unzip());
-        Ok(Run { experiment, inputs, model, acted, ripple, demand })
+        let engine_turn = OnceATurn::new(&acted.engine_speed, acted.step_s, model.encoder_gate_s);
+        Ok(Run { experiment, inputs, model, acted, engine_turn, ripple, demand })
+    }
+
+    fn comparison(&self, start: &Start) -> Comparison<'_> {
+        Comparison {
+            experiment: self.experiment,
+            inputs: self.inputs,
+            acted: &self.acted,
+            gate_s: self.model.encoder_gate_s,
+            engine_encoder_error: self.engine_turn.reading(start.engine_encoder),
+        }
     }
 
     fn simulate(&self, start: &Start) -> Result<Response, EstimateError> {
         let error = start.engine_torque_error_nm;
-        let engine_torque: Vec<f64> = self.acted.engine_torque.iter().map(|t| t + error).collect();
+        let inertia = self.model.mechanics.engine_inertia_kg_m2;
+        let apparent = self.engine_turn.slope(start.engine_encoder);
+        let torques = self.acted.engine_torque.iter().zip(&apparent);
+        let engine_torque: Vec<f64> = torques.map(|(t, slope)| t - inertia * slope + error).collect();
         let drive = match (&self.demand, self.experiment.label.mode) {
             (Some(demand), ControlMode::Nt) => Drive::SpeedDemand(demand),
             (Some(demand), ControlMode::Tn) => Drive::TorqueDemand(demand),

@@ -6,7 +6,7 @@ use bench::model::{
     BenchModel, Engine, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
     PiController,
 };
-use bench::simulate::{Drive, InitialState, Inputs, SimulationError, simulate};
+use bench::simulate::{Drive, InitialState, Inputs, Ripple, SimulationError, simulate, simulate_with_ripple};
 use proptest::prelude::*;
 
 const RPM: f64 = TAU / 60.0;
@@ -249,4 +249,26 @@ proptest! {
             prop_assert!((coarse.shaft_torque_nm[k] - fine.shaft_torque_nm[2 * k]).abs() < 1e-8);
         }
     }
+}
+
+#[test]
+fn exact_ripple_brakes_the_dynamometer_as_all_of_its_torque_does() {
+    let model = bench_a();
+    let (demand, engine) = (vec![60.0; 4000], vec![60.0; 4000]);
+    let wave: Vec<f64> = grid(4000).map(|t| (TAU * 18.0 * t).sin()).collect();
+    let (relative, added_nm): (Vec<f64>, Vec<f64>) = wave.iter().map(|w| (0.01 * w, 0.4 * w)).unzip();
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, drive: Drive::TorqueDemand(&demand) };
+    let start = InitialState::steady(&model, 125.0, 60.0);
+    let ripple = Ripple { relative: &relative, added_nm: &added_nm };
+    let rippled = simulate_with_ripple(&model, &inputs, ripple, &start).unwrap();
+    let given: Vec<f64> = wave.iter().map(|w| 60.0 + w).collect();
+    let inputs_given = Inputs { drive: Drive::AirGapTorque(&given), ..inputs };
+    let expected = simulate(&model, &inputs_given, &start).unwrap();
+    for k in 0..given.len() {
+        assert!((rippled.air_gap_torque_nm[k] - given[k]).abs() < 1e-9);
+        assert!((rippled.shaft_torque_nm[k] - expected.shaft_torque_nm[k]).abs() < 1e-7);
+    }
+    let short = Ripple { relative: &[0.0], added_nm: &[] };
+    let error = simulate_with_ripple(&model, &inputs, short, &start).unwrap_err();
+    assert_eq!(error, SimulationError::Length { what: "ripple", expected: 4000, found: 1 });
 }

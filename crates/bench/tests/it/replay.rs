@@ -116,3 +116,21 @@ fn exact_a_known_encoder_error_does_no_harm() {
     assert!(known > 98.5, "{known}");
     assert!(fit(None) < known - 3.0);
 }
+
+#[test]
+fn exact_once_a_turn_error_of_the_engine_encoder_is_found() {
+    let model = bench_a();
+    for clean in [speed_control(), torque_control()] {
+        let mut experiment = clean;
+        let engine = experiment.signals.get_mut(&Role::EngineSpeed).unwrap();
+        let mut angle = 1.1;
+        for n in &mut engine.samples {
+            angle += 2e-3 * *n;
+            *n *= 1.0 + 5e-4 * f64::sin(angle);
+        }
+        let inputs = ReplayInputs { skews: SKEWS, ..ReplayInputs::default() };
+        for signal in replay(&experiment, &model, &inputs).unwrap().signals {
+            assert!(signal.fit_percent > 97.0, "{} {} {}", experiment.label, signal.quantity, signal.fit_percent);
+        }
+    }
+}

@@ -201,7 +201,7 @@ fn stat_one_recording_of_each_test_is_replayed_the_unseen_first() {
             println!("{} {} {:.2} %", replay.label, signal.quantity, signal.fit_percent);
         }
         let torque = replay.signals.iter().find(|v| v.quantity == "T_d").unwrap();
-        assert!(torque.fit_percent > 90.0, "{} {}", replay.label, torque.fit_percent);
+        assert!(torque.fit_percent > 97.0, "{} {}", replay.label, torque.fit_percent);
     }
 }
 
