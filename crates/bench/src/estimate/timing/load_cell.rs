@@ -4,6 +4,7 @@ use ident::{Bounds, IdentError};
 use signal::{Complex64, Signal};
 
 use crate::estimate::parameter::Label;
+use crate::estimate::timing_floor_s;
 use crate::estimate::torque_control::{
     HeldDemand, InverterModel, LONGEST_DELAY_S, Mode, Observed, Response, RippledModel, fit_with_ripple,
     robust_covariance, usable_samples,
@@ -122,6 +123,7 @@ pub(super) fn fit(
     let gradient = [1.0, -2.0 * damping / (natural * natural), 2.0 / natural];
     let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
     let variance: f64 = pairs.map(|(i, j)| gradient[i] * p[(i, j)] * gradient[j]).sum();
+    let dated = timing_floor_s(demand.sample_time_s);
     let total = late + 1.0 / inverter.lag_rad_s + 2.0 * damping / natural;
     let mut covariance: Vec<Vec<f64>> = (0..3).map(|i| (0..3).map(|j| p[(i, j)]).collect()).collect();
     covariance[0][0] += delay_variance;
@@ -136,7 +138,7 @@ pub(super) fn fit(
             iterations: fit.iterations,
             condition: fit.condition,
         },
-        total: Parameter::new(TOTAL, total, variance.sqrt(), freedom),
+        total: Parameter::new(TOTAL, total, variance.sqrt().hypot(dated), freedom),
         usable: fit.termination.converged() && !fit.at_bound[..3].contains(&true),
     })
 }
