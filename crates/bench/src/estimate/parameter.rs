@@ -36,13 +36,21 @@ impl Parameter {
 }
 
 impl Estimate {
-    /// Adds a systematic uncertainty, independent of the rest, to one parameter.
-    pub(crate) fn add_systematic(&mut self, symbol: &str, standard_uncertainty: f64, degrees_of_freedom: f64) {
-        let Some(index) = self.parameters.iter().position(|p| p.symbol == symbol) else { return };
-        self.covariance[index][index] += standard_uncertainty * standard_uncertainty;
-        let parameter = &mut self.parameters[index];
-        parameter.standard_error = self.covariance[index][index].sqrt();
-        parameter.interval = interval(parameter.value, parameter.standard_error, degrees_of_freedom, INTERVAL_LEVEL);
+    /// Adds a systematic uncertainty that moves the named parameters together and nothing else.
+    pub(crate) fn add_systematic(&mut self, symbols: &[&str], standard_uncertainty: f64) {
+        let moved: Vec<usize> =
+            (0..self.parameters.len()).filter(|i| symbols.contains(&self.parameters[*i].symbol.as_str())).collect();
+        for i in &moved {
+            for j in &moved {
+                self.covariance[*i][*j] += standard_uncertainty * standard_uncertainty;
+            }
+        }
+        for i in moved {
+            let parameter = &mut self.parameters[i];
+            parameter.standard_error = self.covariance[i][i].sqrt();
+            let (error, dof) = (parameter.standard_error, parameter.degrees_of_freedom);
+            parameter.interval = interval(parameter.value, error, dof, INTERVAL_LEVEL);
+        }
     }
 }
 

@@ -195,8 +195,8 @@ pub struct SensorParameters {
     pub speed_noise_rad_s: f64,
     /// Measured speeds are rounded to multiples of this, rad/s; zero: not rounded.
     pub speed_resolution_rad_s: f64,
-    /// T_d* is recorded in multiples of this, Nm; zero: not rounded. The inverter gets it as it is.
-    pub torque_demand_resolution_nm: f64,
+    /// The recorded T_d* is rounded to multiples of this, Nm; zero: not rounded. The inverter gets it unrounded.
+    pub demand_resolution_nm: f64,
     /// Standard deviation of the white noise of T_d,calc, Nm.
     pub calc_noise_nm: f64,
     /// Delay of the load cell, s.
@@ -219,7 +219,7 @@ impl Default for SensorParameters {
             engine_eccentricity: 0.0003,
             speed_noise_rad_s: 0.03 * RPM_RAD_S,
             speed_resolution_rad_s: 0.01 * RPM_RAD_S,
-            torque_demand_resolution_nm: 0.0,
+            demand_resolution_nm: 0.01,
             calc_noise_nm: 0.15,
             cell_delay_s: 0.008,
             cell_resonance_hz: 75.0,
@@ -239,7 +239,7 @@ impl SensorParameters {
             engine_eccentricity: 0.0,
             speed_noise_rad_s: 0.0,
             speed_resolution_rad_s: 0.0,
-            torque_demand_resolution_nm: 0.0,
+            demand_resolution_nm: 0.0,
             calc_noise_nm: 0.0,
             cell_noise_nm: 0.0,
             ..self
@@ -363,7 +363,7 @@ impl SensorParameters {
         require("sensors.engine_eccentricity", self.engine_eccentricity, true, "finite")?;
         require_not_negative("sensors.speed_noise_rad_s", self.speed_noise_rad_s)?;
         require_not_negative("sensors.speed_resolution_rad_s", self.speed_resolution_rad_s)?;
-        require_not_negative("sensors.torque_demand_resolution_nm", self.torque_demand_resolution_nm)?;
+        require_not_negative("sensors.demand_resolution_nm", self.demand_resolution_nm)?;
         require_not_negative("sensors.calc_noise_nm", self.calc_noise_nm)?;
         let delay = self.cell_delay_s;
         require("sensors.cell_delay_s", delay, (0.0..=1.0).contains(&delay), "between 0 and 1 s")?;

@@ -10,7 +10,7 @@ use super::mechanics::{DrivingTorques, MechanicalState, TwoMasses};
 use super::noise::{Random, Source};
 use super::parameters::BenchParameters;
 use super::plan::ExperimentPlan;
-use super::sensors::{Encoder, LoadCell, Rotation, SystemShaftTorque};
+use super::sensors::{Encoder, LoadCell, Rotation, SystemShaftTorque, rounded};
 use super::waveform::hold;
 use super::{HiddenTruth, Numerics, UPDATE_S};
 
@@ -96,6 +96,8 @@ struct Bench {
     step: i64,
     sensors: Sensors,
     registers: Registers,
+    /// The recorded T_d* is rounded to this.
+    demand_resolution_nm: f64,
     hidden: HiddenTruth,
 }
 
@@ -152,6 +154,7 @@ impl Bench {
             step: -((settling * numerics.steps_per_update) as i64),
             sensors: Sensors::new(parameters, &state, air_gap_nm, step_s, seed)?,
             registers: Registers::default(),
+            demand_resolution_nm: parameters.sensors.demand_resolution_nm,
             hidden: HiddenTruth::new(numerics.steps_per_hidden_sample as f64 * step_s),
         })
     }
@@ -182,7 +185,8 @@ impl Bench {
             };
         }
         if k.is_some() {
-            self.registers.push(&readings, speed_demand_rad_s, torque_demand_nm);
+            let recorded_nm = rounded(torque_demand_nm, self.demand_resolution_nm);
+            self.registers.push(&readings, speed_demand_rad_s, recorded_nm);
         }
     }
 

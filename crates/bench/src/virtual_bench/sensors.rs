@@ -78,12 +78,13 @@ impl Encoder {
         let error_rad = self.eccentricity * (end_rad.sin() - start_rad.sin());
         let mean_rad_s = (end_rad - start_rad + error_rad) / self.gate_s;
         let reading_rad_s = mean_rad_s + self.noise_rad_s * self.random.normal();
-        if self.resolution_rad_s > 0.0 {
-            (reading_rad_s / self.resolution_rad_s).round() * self.resolution_rad_s
-        } else {
-            reading_rad_s
-        }
+        rounded(reading_rad_s, self.resolution_rad_s)
     }
+}
+
+/// The nearest multiple of a resolution; the value itself where the resolution is zero.
+pub(super) fn rounded(value: f64, resolution: f64) -> f64 {
+    if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
 }
 
 /// The load cell: e^{−s d} ω_0²/(s² + 2ζω_0 s + ω_0²), exact for torques that are linear within a step.

@@ -14,8 +14,7 @@ pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, reg
     let mut writer = Writer { rasters: Vec::new(), channels: Vec::new(), updates: registers.dyno_speed_rad_s.len() };
     writer.raster(clocks, 1, clocks.fast_skew_s);
     writer.speed("DynoSpeed", &registers.dyno_speed_rad_s, 1);
-    let resolution_nm = parameters.sensors.torque_demand_resolution_nm;
-    writer.torque("DynoTorqueDemand", &rounded(&registers.dyno_torque_demand_nm, resolution_nm), 1);
+    writer.torque("DynoTorqueDemand", &registers.dyno_torque_demand_nm, 1);
     writer.speed("DynoSpeedDemand", &registers.dyno_speed_demand_rad_s, 1);
     if plan.has_shaft {
         let decimation = clocks.engine_speed_decimation;
@@ -35,12 +34,6 @@ pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, reg
         channels: writer.channels,
         findings: Vec::new(),
     }
-}
-
-/// Multiples of the resolution; zero leaves the values as they are.
-fn rounded(values: &[f64], resolution: f64) -> Vec<f64> {
-    let round = |value: &f64| if resolution > 0.0 { (value / resolution).round() * resolution } else { *value };
-    values.iter().map(round).collect()
 }
 
 struct Writer {

@@ -109,7 +109,9 @@ fn exact_energy_balance_of_the_shaft() {
 
 #[test]
 fn exact_pi_relation_between_recorded_channels() {
-    let recording = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 3.0), 3).expect("runs");
+    let mut parameters = BenchParameters::default();
+    parameters.sensors.demand_resolution_nm = 0.0;
+    let recording = simulate(&parameters, &ExperimentPlan::bs_t_nt(1200.0, 3.0), 3).expect("runs");
     let (speed, torque) = (samples(&recording, "DynoSpeed"), samples(&recording, "DynoTorqueDemand"));
     let (kp, ki) = (0.9385, 1.865);
     // T_d*[k+1] = K_p e[k] + I[k] + constant with I[k+1] = I[k] + K_i T e[k].

@@ -23,6 +23,9 @@ const ESTIMATION_SHARE: f64 = 0.7;
 const BATCHES: usize = 30;
 /// Shortest usable stretch, s.
 const SHORTEST_S: f64 = 2.0;
+/// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what was
+/// found is then noise, and its root would bias the delay.
+const SHORTEST_GATE: f64 = 0.5;
 /// A once-a-turn error larger than this part of the speed is no encoder's.
 const LARGEST_ECCENTRICITY: f64 = 2e-3;
 /// Lags of the residual tests.
@@ -196,14 +199,22 @@ fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), Estima
     })
 }
 
-/// Fits with the lag of N_d* in the speed error made consistent with the delay found.
+/// Fits with the lag of N_d* in the speed error made consistent with the delay found, and without a gate where there is
+/// none.
 fn fit_with_lag(data: &Data, free: impl Fn(usize) -> bool) -> Result<(Fit, usize), EstimateError> {
-    let start = starting_point(data)?;
+    let mut start = starting_point(data)?;
     let mut lag = 1;
     let mut fit = run(data, lag, &start, &free)?;
-    let found = (fit.parameters[inverse::LEAD] + fit.parameters[inverse::GATE_SQUARED].sqrt() / 2.0).round();
-    if found.max(0.0) as usize != lag {
-        lag = found.max(0.0) as usize;
+    let gate = fit.parameters[inverse::GATE_SQUARED].sqrt();
+    let is_gated = gate >= SHORTEST_GATE;
+    if !is_gated {
+        start[inverse::GATE_SQUARED] = 0.0;
+    }
+    let free = |j: usize| free(j) && (is_gated || j != inverse::GATE_SQUARED);
+    let found = fit.parameters[inverse::LEAD] + if is_gated { gate / 2.0 } else { 0.0 };
+    let right_lag = found.round().max(0.0) as usize;
+    if right_lag != lag || !is_gated {
+        lag = right_lag;
         fit = run(data, lag, &start, &free)?;
     }
     Ok((fit, lag))
@@ -285,7 +296,7 @@ fn describe(data: &Data, fit: &Fit) -> Result<(Estimate, Encoder), EstimateError
     // Without a gate of its own the logged speed is the one the controller sees: nothing to report.
     let reported = if fit.at_bound[inverse::GATE_SQUARED] { &outputs[..4] } else { &outputs[..] };
     let mut estimate = transformed(reported, fit, &covariance, dof, &data.stretch);
-    estimate.add_systematic("τ", timing_floor_s(t), dof);
+    estimate.add_systematic(&[TAU.symbol], timing_floor_s(t));
     let gate_standard_error_s = estimate.parameter(T_G.symbol).map_or(0.0, |p| p.standard_error);
     let encoder = Encoder {
         gate_s: gate(&fit.parameters),

@@ -19,8 +19,8 @@ use ident::{Bounds, Fit, IdentError};
 use serde::Serialize;
 use signal::Signal;
 
-use crate::estimate::EstimateError;
 use crate::estimate::parameter::Label;
+use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, Stretch, TorqueControl};
 use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
 
@@ -100,8 +100,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
     let lagged = fit_lagged(&held, &observed, torque_limit_nm).map_err(failed)?;
     let stretch = stretch_of(experiment, torque, 0..split);
-    let delay_and_lag = lagged.estimate(&stretch);
-    let (pure_delay, delayed) = pure_delay::fit(&held, &observed, &lagged.model, &stretch).map_err(failed)?;
+    let mut delay_and_lag = lagged.estimate(&stretch);
+    let (mut pure_delay, delayed) = pure_delay::fit(&held, &observed, &lagged.model, &stretch).map_err(failed)?;
     let held_out = Observed::new(torque, &usable, split..torque.len());
     let judge =
         |modelled: &[f64], seen: &Observed| validation::judge(experiment, &held, seen, modelled).map_err(failed);
@@ -109,6 +109,10 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let delay_and_lag_validation = judge(&lagged.model.torque_at(&held, &seen.times_s), &seen)?;
     let pure_delay_validation = judge(&delayed.torque_at(&held, &seen.times_s), &seen)?;
     diagnostics.extend(doubts(experiment, &lagged, &delay_and_lag_validation));
+    // Both delays are read off the same two clocks.
+    let floor = timing_floor_s(demand.sample_time_s);
+    delay_and_lag.add_systematic(&["τ", "τ + 1/a"], floor);
+    pure_delay.add_systematic(&["τ"], floor);
     Ok(TorqueControlFit {
         result: TorqueControl { pure_delay, delay_and_lag, pure_delay_validation, delay_and_lag_validation },
         inverter: lagged.model,
