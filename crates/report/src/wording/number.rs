@@ -42,7 +42,7 @@ pub fn digits(parameter: &Parameter) -> Option<Digits> {
 pub fn parameter(parameter: &Parameter) -> String {
     match digits(parameter) {
         Some(Digits { value, spread, unit, .. }) => with_unit(format!("{value} {spread}"), &unit),
-        None if is_fixed(parameter) => format!("{}, held fixed", measure(parameter.value, &parameter.unit)),
+        None if is_fixed(parameter) => format!("{}, without uncertainty", measure(parameter.value, &parameter.unit)),
         None => plus_minus(parameter.value, f64::NAN, &parameter.unit),
     }
 }
@@ -56,7 +56,7 @@ pub fn interval(parameter: &Parameter) -> String {
     }
 }
 
-/// Whether the parameter was given to the estimate rather than estimated.
+/// Whether the parameter has no uncertainty at all: it was given to the estimate, or follows exactly from noise-free data.
 fn is_fixed(parameter: &Parameter) -> bool {
     let (low, high) = parameter.interval;
     parameter.value.is_finite() && parameter.standard_error == 0.0 && low == high
