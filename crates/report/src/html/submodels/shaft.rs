@@ -5,7 +5,7 @@ use bench::study::{Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft, St
 use crate::figure::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 use crate::html::markup::{Markup, markup};
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, table, unbroken};
-use crate::html::plots::{comparison, figure, residual_test};
+use crate::html::plots::{comparison, figure};
 use crate::html::typeset::{prose, symbol};
 use crate::wording::number;
 
@@ -24,9 +24,8 @@ pub(crate) fn shaft(study: &Study) -> Markup {
         parameters(&part.estimate, &[&part.zero]),
         fit_line(&part.validation),
         figure(&comparison("Shaft torque on the held-out stretch", &part.validation, None)),
-        residual_test(&part.validation),
         figure(&response(&part.frequency_response)),
-        figure(&spectrum(&part.residual_spectrum)),
+        residuals(&part.residual_spectrum),
         ignoring_timing(part),
         cross_checks(part),
     ]
@@ -54,7 +53,21 @@ fn response(response: &MeasuredResponse) -> Figure {
     }
 }
 
-fn spectrum(spectrum: &ResidualSpectrum) -> Figure {
+/// The residual's test: by frequency, since that is how the shaft is fitted.
+fn residuals(spectrum: &ResidualSpectrum) -> Markup {
+    markup!(
+        "<p class=\"note\">{}</p>\n{}",
+        prose(
+            "The shaft is fitted frequency by frequency, with the noise of all three signals known as a function of \
+             frequency. So is its residual tested: where the model is right, every frequency is as likely as any other to \
+             lie above the bound, and one in a hundred does. A stretch of frequencies above it would be what a correlation \
+             outside its region is over time."
+        ),
+        figure(&spectrum_figure(spectrum))
+    )
+}
+
+fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
     let above = spectrum.normalised_magnitude.iter().filter(|magnitude| **magnitude > spectrum.bound).count();
     let mut layers = vec![Layer::YRegion {
         low: Rounded(0.0),
