@@ -215,7 +215,7 @@ fn fit_with_lag(data: &Data, free: impl Fn(usize) -> bool) -> Result<(Fit, usize
     let right_lag = found.round().max(0.0) as usize;
     if right_lag != lag || !is_gated {
         lag = right_lag;
-        fit = run(data, lag, &start, &free)?;
+        fit = run(data, lag, &start, free)?;
     }
     Ok((fit, lag))
 }
