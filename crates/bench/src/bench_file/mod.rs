@@ -30,10 +30,10 @@ use std::str::FromStr;
 pub use fault::{BenchFileError, Fault, FaultKind};
 pub use write::{Draft, PLACEHOLDER};
 
+use crate::ExperimentLabel;
 use crate::role::Role;
 use crate::study::{BenchFacts, BenchVariant};
 use crate::units::{self, Unit};
-use crate::{Experiment, ExperimentLabel};
 
 /// A bench file, checked and in SI.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,12 +134,6 @@ impl BenchFile {
             shaft_torque_limit_nm: self.limits.shaft_torque_nm,
             speed_limit_rad_s: self.limits.speed_rad_s,
         }
-    }
-
-    /// Stretches of an experiment in which the torque demand, or the air-gap torque where no demand was recorded, is at
-    /// the inverter's limit. Empty if the bench file states none.
-    pub fn saturated_stretches(&self, experiment: &Experiment) -> Vec<(f64, f64)> {
-        self.limits.torque_nm.map_or_else(Vec::new, |limit| crate::prepare::saturated_stretches(experiment, limit))
     }
 }
 

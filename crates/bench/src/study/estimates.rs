@@ -1,24 +1,22 @@
 //! Which recording serves which estimate, and what is missing where none does.
 
-use crate::estimate::shaft::{self, NoisyTorque, ShaftInputs};
+use crate::estimate::shaft::{self, ShaftInputs};
 use crate::estimate::speed_controller::{self, Encoder, SpeedControllerFit};
 use crate::estimate::stretch::need;
-use crate::estimate::torque_control::{self, InverterModel, TorqueControlFit};
-use crate::estimate::{EstimateError, noise_floor, timing};
+use crate::estimate::torque_control::{self, TorqueControlFit};
+use crate::estimate::{EstimateError, timing};
+use crate::study::findings::{Findings, needs_part};
+use crate::study::torque::{air_gap_torque, sampled_torque};
 use crate::study::whole::{self, Pieces};
 use crate::study::{
-    BenchVariant, FeedForward, Need, Part, Progress, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
+    BenchVariant, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
 };
-use crate::{BenchFile, Diagnostic, Experiment, Finding, Place, Role, Severity};
+use crate::{BenchFile, Experiment, Finding, Role, Severity};
 
 /// Tests the shaft can be estimated from, best first.
 const SHAFT_TESTS: [&str; 5] = ["BS", "WhiteNoise", "Levels", "Ramp", "Step"];
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.05);
-/// A torque model whose residual is white is taken for this many times cleaner than the samples it was fitted to: its
-/// errors are those of a handful of parameters.
-const MODEL_ADVANTAGE: f64 = 30.0;
-
 /// Everything that was estimated.
 pub(super) struct Estimates {
     pub(super) timing: Part<Timing>,
@@ -30,103 +28,12 @@ pub(super) struct Estimates {
     pub(super) replays: Vec<Replay>,
 }
 
-/// The data of a study and the doubts about it, as they grow.
-pub(super) struct Findings<'a> {
-    pub(super) bench: &'a BenchFile,
-    pub(super) experiments: &'a [Experiment],
-    pub(super) diagnostics: Vec<Diagnostic>,
-    pub(super) progress: &'a mut dyn FnMut(Progress),
-    /// File and what it was used for.
-    uses: Vec<(String, &'static str)>,
-}
-
-impl<'a> Findings<'a> {
-    pub(super) fn new(
-        bench: &'a BenchFile,
-        experiments: &'a [Experiment],
-        diagnostics: Vec<Diagnostic>,
-        progress: &'a mut dyn FnMut(Progress),
-    ) -> Self {
-        Findings { bench, experiments, diagnostics, progress, uses: Vec::new() }
-    }
-
-    /// What a file was used for.
-    pub(super) fn uses_of(&self, file: &str) -> Vec<String> {
-        self.uses.iter().filter(|(f, _)| f == file).map(|(_, use_)| (*use_).to_owned()).collect()
-    }
-
-    /// Whether any part was estimated from a file.
-    pub(super) fn is_seen(&self, file: &str) -> bool {
-        self.uses.iter().any(|(f, _)| f == file)
-    }
-
-    fn note_use(&mut self, file: &str, part: &'static str) {
-        self.uses.push((file.to_owned(), part));
-    }
-
-    pub(super) fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {
-        let place = Place { file: Some(file.to_owned()), ..Place::default() };
-        self.diagnostics.push(Diagnostic { severity, place, finding });
-    }
-
-    /// Experiments of a test, the longest first.
-    fn of_test(&self, test: &str) -> Vec<&'a Experiment> {
-        let mut found: Vec<&Experiment> = self.experiments.iter().filter(|e| e.is_test(test)).collect();
-        found.sort_by(|a, b| duration_s(b).total_cmp(&duration_s(a)));
-        found
-    }
-
-    pub(super) fn of_tests(&self, tests: &[&str]) -> Vec<&'a Experiment> {
-        tests.iter().flat_map(|test| self.of_test(test)).collect()
-    }
-
-    /// The first success among candidates; otherwise what would have been needed.
-    fn first<T>(
-        &mut self,
-        part: &'static str,
-        candidates: &[&'a Experiment],
-        labels: &[&str],
-        mut estimate: impl FnMut(&'a Experiment) -> Result<T, EstimateError>,
-    ) -> Result<T, Vec<Need>> {
-        (self.progress)(Progress::Estimating { part });
-        let mut needs = Vec::new();
-        for candidate in candidates {
-            match estimate(candidate) {
-                Ok(value) => {
-                    self.note_use(&candidate.file, part);
-                    return Ok(value);
-                }
-                Err(error) => needs.push(need_of(&error, &candidate.file)),
-            }
-        }
-        if needs.is_empty() {
-            needs.push(Need::Recording { any_of: labels.iter().map(|l| (*l).to_owned()).collect() });
-        }
-        Err(needs)
-    }
-}
-
-fn duration_s(experiment: &Experiment) -> f64 {
-    experiment.signals.values().map(signal::Signal::duration_s).fold(0.0, f64::max)
-}
-
-fn need_of(error: &EstimateError, file: &str) -> Need {
-    match error {
-        EstimateError::MissingSignal { role, .. } => Need::Channel { file: file.to_owned(), role: *role },
-        other => Need::UsableData { file: file.to_owned(), reason: other.to_string() },
-    }
-}
-
 /// A part from the outcome of its estimate.
 fn part<T>(outcome: Result<T, Vec<Need>>) -> Part<T> {
     match outcome {
         Ok(value) => Part::Estimated(value),
         Err(needs) => Part::NotEstimated { needs },
     }
-}
-
-pub(super) fn needs_part(name: &str) -> Vec<Need> {
-    vec![Need::Part { name: name.to_owned() }]
 }
 
 /// Estimates every part the recordings allow.
@@ -282,47 +189,4 @@ fn shaft_inputs<'a>(
 
 fn stated_gate(bench: &BenchFile) -> Option<f64> {
     bench.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s)
-}
-
-/// T_d as a sampled record, its noise read from the top of its spectrum.
-fn sampled_torque(torque: &signal::Signal) -> NoisyTorque {
-    NoisyTorque { noise_nm: noise_floor(torque), signal: torque.clone() }
-}
-
-/// T_d between the samples of T_d,calc: the inverter's response to T_d*, which is known every millisecond, with the
-/// ripple found in T_d,calc. T_d,calc itself folds everything above half its rate; it is used alone where there is no
-/// model, and its difference from the model is added where that is not white.
-fn air_gap_torque(
-    experiment: &Experiment,
-    torque_control: Option<&TorqueControlFit>,
-) -> Result<Vec<NoisyTorque>, EstimateError> {
-    let measured = need(experiment, Role::AirGapTorque)?;
-    let Some((torque, inverter)) = modelled_torque(experiment, torque_control) else {
-        return Ok(vec![sampled_torque(measured)]);
-    };
-    let noise = inverter.residual.standard_deviation_nm;
-    let mut records = vec![NoisyTorque { signal: torque, noise_nm: noise / MODEL_ADVANTAGE }];
-    if !inverter.residual.white {
-        records.push(NoisyTorque { signal: difference(measured, &records[0].signal), noise_nm: noise });
-    }
-    Ok(records)
-}
-
-/// T_d on the clock of T_d*, from the inverter's model with the ripple of this recording.
-pub(super) fn modelled_torque(
-    experiment: &Experiment,
-    torque_control: Option<&TorqueControlFit>,
-) -> Option<(signal::Signal, InverterModel)> {
-    let demand = experiment.signal(Role::DynoTorqueDemand)?;
-    let measured = experiment.signal(Role::AirGapTorque)?;
-    let inverter = torque_control?.inverter.refit_ripple(demand, measured).ok()?;
-    Some((inverter.air_gap_torque(demand), inverter))
-}
-
-/// A sampled signal less another, held, at its own instants.
-fn difference(measured: &signal::Signal, modelled: &signal::Signal) -> signal::Signal {
-    let last = modelled.len().saturating_sub(1) as f64;
-    let at = |i: usize| ((measured.time_s(i) - modelled.start_s) / modelled.sample_time_s).round().clamp(0.0, last);
-    let values = measured.samples.iter().enumerate().map(|(i, m)| m - modelled.samples[at(i) as usize]).collect();
-    measured.with_samples(values)
 }

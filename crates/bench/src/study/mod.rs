@@ -1,9 +1,11 @@
 //! The study: everything that can be learnt from a campaign of recordings, in one call.
 
 mod estimates;
+mod findings;
 mod gather;
 mod result;
 mod run;
+mod torque;
 mod whole;
 
 pub use gather::Source;

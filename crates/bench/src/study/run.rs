@@ -1,6 +1,7 @@
 //! The one function that sees the whole chain, from decoded recordings to the study.
 
-use crate::study::estimates::{self, Findings};
+use crate::study::estimates;
+use crate::study::findings::Findings;
 use crate::study::gather::{Gathered, Source, gather};
 use crate::study::{Provenance, Study};
 use crate::{BenchFile, Diagnostic};

@@ -5,7 +5,8 @@ use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
 use crate::model::{BenchModel, Engine, StudyParts, assemble as assemble_model};
 use crate::replay::{EncoderError, ReplayInputs, replay};
-use crate::study::estimates::{Findings, modelled_torque, needs_part};
+use crate::study::findings::{Findings, needs_part};
+use crate::study::torque::modelled_torque;
 use crate::study::{FeedForward, Need, Progress, Replay, Shaft, WholeModel};
 use crate::{ControlMode, Experiment, Finding, Severity};
 

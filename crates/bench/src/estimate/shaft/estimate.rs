@@ -1,17 +1,16 @@
 //! Estimating the shaft and saying how sure that is.
 
-use faer::Mat;
-use ident::Bounds;
-use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
-use signal::Signal;
-
 use super::equation::{self, COUNT, Dating, ShaftEquation};
+use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use super::response::{measured_response, validate};
 use super::spectra::Spectra;
 use crate::align::split_window;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
 use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
+use faer::Mat;
+use ident::Bounds;
+use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
 
 const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
@@ -22,8 +21,6 @@ const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: 
 
 /// Share of the recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;
-/// Shortest usable recording, s.
-const SHORTEST_S: f64 = 4.0;
 /// A bin whose |error|²/σ² exceeds this many times the mean is taken for a line the model does not know: under the model
 /// that happens once in e^20 bins.
 const OUTLIER: f64 = 20.0;
@@ -31,56 +28,8 @@ const OUTLIER: f64 = 20.0;
 const OUTLIER_REACH: usize = 4;
 /// Times that outliers are looked for.
 const OUTLIER_ROUNDS: usize = 3;
-/// Largest skew looked for, s.
-pub(super) const LARGEST_SKEW_S: f64 = 0.02;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
-
-/// A torque record and the noise on its samples.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NoisyTorque {
-    /// Torque, Nm.
-    pub signal: Signal,
-    /// Standard deviation of its white noise, Nm.
-    pub noise_nm: f64,
-}
-
-/// What the shaft is estimated from.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShaftInputs<'a> {
-    /// File, for messages.
-    pub file: &'a str,
-    /// N_d, rad/s.
-    pub dyno_speed: &'a Signal,
-    /// N_e, rad/s.
-    pub engine_speed: &'a Signal,
-    /// T_d, or T_shaft where a flange measures it, as a sum of records.
-    pub torque: Vec<NoisyTorque>,
-    /// J_d and its standard uncertainty, kg m²; `None` where the torque is that of a flange.
-    pub inertia_kg_m2: Option<(f64, f64)>,
-    /// Standard deviation of the encoders' noise, rad/s.
-    pub encoder_noise_rad_s: f64,
-    /// Gate of the encoders and its standard uncertainty, s.
-    pub gate_s: (f64, f64),
-}
-
-impl ShaftInputs<'_> {
-    pub(super) fn signals(&self) -> impl Iterator<Item = &Signal> {
-        [self.dyno_speed, self.engine_speed].into_iter().chain(self.torque.iter().map(|t| &t.signal))
-    }
-
-    /// From the first instant all signals share to the last.
-    fn stretch(&self) -> Result<Stretch, EstimateError> {
-        let start_s = self.signals().map(|s| s.start_s).fold(f64::NEG_INFINITY, f64::max);
-        let end = |s: &Signal| s.start_s + s.len() as f64 * s.sample_time_s;
-        let end_s = self.signals().map(end).fold(f64::INFINITY, f64::min);
-        let duration_s = (end_s - start_s).max(0.0);
-        if self.torque.is_empty() || duration_s < SHORTEST_S {
-            return Err(EstimateError::TooShort { file: self.file.to_owned(), duration_s, needed_s: SHORTEST_S });
-        }
-        Ok(Stretch { file: self.file.to_owned(), start_s, end_s })
-    }
-}
 
 /// Estimates the shaft from the first part of a recording and judges it on the rest.
 ///

@@ -10,7 +10,9 @@
 
 mod equation;
 mod estimate;
+mod inputs;
 mod response;
 mod spectra;
 
-pub use estimate::{NoisyTorque, ShaftInputs, estimate, estimate_inertia, estimate_parameters};
+pub use estimate::{estimate, estimate_inertia, estimate_parameters};
+pub use inputs::{NoisyTorque, ShaftInputs};

@@ -6,7 +6,7 @@ use ident::validate::{fit_percent, rms_error};
 use signal::Complex64;
 
 use super::equation::{self, Dating};
-use super::estimate::ShaftInputs;
+use super::inputs::ShaftInputs;
 use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
 use crate::estimate::EstimateError;
 use crate::study::{MeasuredResponse, Stretch, Trace, Validation};

@@ -7,7 +7,7 @@ use ident::frequency::{Modulated, NoisySpectrum, Window};
 use signal::{Complex64, Signal};
 
 use super::equation::Dating;
-use super::estimate::{LARGEST_SKEW_S, ShaftInputs};
+use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use crate::estimate::EstimateError;
 
 /// Lowest frequency used, Hz: below it the recording holds too few periods.

@@ -1,0 +1,54 @@
+//! T_d of a recording, as finely as it can be known.
+
+use crate::estimate::shaft::NoisyTorque;
+use crate::estimate::stretch::need;
+use crate::estimate::torque_control::{InverterModel, TorqueControlFit};
+use crate::estimate::{EstimateError, noise_floor};
+use crate::{Experiment, Role};
+
+/// A torque model whose residual is white is taken for this many times cleaner than the samples it was fitted to: its
+/// errors are those of a handful of parameters.
+const MODEL_ADVANTAGE: f64 = 30.0;
+
+/// T_d as a sampled record, its noise read from the top of its spectrum.
+pub(super) fn sampled_torque(torque: &signal::Signal) -> NoisyTorque {
+    NoisyTorque { noise_nm: noise_floor(torque), signal: torque.clone() }
+}
+
+/// T_d between the samples of T_d,calc: the inverter's response to T_d*, which is known every millisecond, with the
+/// ripple found in T_d,calc. T_d,calc itself folds everything above half its rate; it is used alone where there is no
+/// model, and its difference from the model is added where that is not white.
+pub(super) fn air_gap_torque(
+    experiment: &Experiment,
+    torque_control: Option<&TorqueControlFit>,
+) -> Result<Vec<NoisyTorque>, EstimateError> {
+    let measured = need(experiment, Role::AirGapTorque)?;
+    let Some((torque, inverter)) = modelled_torque(experiment, torque_control) else {
+        return Ok(vec![sampled_torque(measured)]);
+    };
+    let noise = inverter.residual.standard_deviation_nm;
+    let mut records = vec![NoisyTorque { signal: torque, noise_nm: noise / MODEL_ADVANTAGE }];
+    if !inverter.residual.white {
+        records.push(NoisyTorque { signal: difference(measured, &records[0].signal), noise_nm: noise });
+    }
+    Ok(records)
+}
+
+/// T_d on the clock of T_d*, from the inverter's model with the ripple of this recording.
+pub(super) fn modelled_torque(
+    experiment: &Experiment,
+    torque_control: Option<&TorqueControlFit>,
+) -> Option<(signal::Signal, InverterModel)> {
+    let demand = experiment.signal(Role::DynoTorqueDemand)?;
+    let measured = experiment.signal(Role::AirGapTorque)?;
+    let inverter = torque_control?.inverter.refit_ripple(demand, measured).ok()?;
+    Some((inverter.air_gap_torque(demand), inverter))
+}
+
+/// A sampled signal less another, held, at its own instants.
+fn difference(measured: &signal::Signal, modelled: &signal::Signal) -> signal::Signal {
+    let last = modelled.len().saturating_sub(1) as f64;
+    let at = |i: usize| ((measured.time_s(i) - modelled.start_s) / modelled.sample_time_s).round().clamp(0.0, last);
+    let values = measured.samples.iter().enumerate().map(|(i, m)| m - modelled.samples[at(i) as usize]).collect();
+    measured.with_samples(values)
+}
