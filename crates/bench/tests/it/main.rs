@@ -11,6 +11,7 @@ mod model;
 mod prepare;
 mod recorded;
 mod replay;
+mod shaft;
 mod speed_controller;
 mod study;
 mod study_recorded;
