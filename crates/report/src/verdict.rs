@@ -168,28 +168,29 @@ fn worse_fit<'a>(a: (&'a str, f64), b: (&'a str, f64)) -> (&'a str, f64) {
 fn replays(study: &Study) -> Rule {
     let asks = "Replays of recordings that no part was estimated from: half of the signals fit with 70 % or more and \
                 none below 40 %; if half of them are below 40 %, not met.";
-    let mut fits: Vec<f64> = study
-        .replays
-        .iter()
-        .filter(|replay| !replay.seen_in_estimation)
-        .flat_map(|replay| replay.signals.iter().map(|signal| signal.fit_percent))
-        .map(|fit| if fit.is_nan() { f64::NEG_INFINITY } else { fit })
+    let unseen = study.replays.iter().filter(|replay| !replay.seen_in_estimation);
+    let mut fits: Vec<(f64, String)> = unseen
+        .flat_map(|replay| replay.signals.iter().map(move |signal| (replay, signal)))
+        .map(|(replay, signal)| {
+            let fit = if signal.fit_percent.is_nan() { f64::NEG_INFINITY } else { signal.fit_percent };
+            (fit, format!("{} of {}", signal.quantity, replay.stretch.file))
+        })
         .collect();
-    fits.sort_by(f64::total_cmp);
-    let (Some(lowest), Some(middle)) = (fits.first().copied(), fits.get((fits.len().max(1) - 1) / 2).copied()) else {
+    fits.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (Some((lowest, which)), Some((middle, _))) = (fits.first(), fits.get((fits.len().max(1) - 1) / 2)) else {
         return Rule {
             asks,
             found: "no recording was replayed that the estimates have not seen".to_owned(),
             level: Level::Reservations,
         };
     };
-    let level = match (middle, lowest) {
+    let level = match (*middle, *lowest) {
         (m, l) if m >= 70.0 && l >= 40.0 => Level::Good,
         (m, _) if m >= 40.0 => Level::Reservations,
         _ => Level::Insufficient,
     };
-    let found =
-        format!("median fit {}, lowest {}, of {} signals", number::fit(middle), number::fit(lowest), fits.len());
+    let (middle, lowest) = (number::fit(*middle), number::fit(*lowest));
+    let found = format!("median fit of {} signals {middle}, lowest {lowest}: {which}", fits.len());
     Rule { asks, found, level }
 }
 
