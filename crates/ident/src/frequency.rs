@@ -5,7 +5,7 @@
 //! transformed. Integration by parts moves every derivative from the data to the window, so initial conditions, leakage
 //! and numerical differentiation do not arise, and no signal needs resampling:
 //!
-//! L_n[x](s) = ∫ h x⁽ⁿ⁾ e^{−st} dt = Σ_m (n over m) (−1)^m s^{n−m} ∫ h⁽ᵐ⁾ x e^{−st} dt,  s = jω.
+//! L_n{x}(s) = ∫ h x⁽ⁿ⁾ e^{−st} dt = Σ_m (n over m) (−1)^m s^{n−m} ∫ h⁽ᵐ⁾ x e^{−st} dt,  s = jω.
 //!
 //! A delay is e^{−sδ} only as far as the window does not change over δ. Where that matters, date the signals by a first
 //! estimate of their delays and fit what is left.
