@@ -56,15 +56,6 @@ pub struct ResidualCorrelations {
     pub cross_bound: f64,
 }
 
-impl ResidualCorrelations {
-    /// Share of the lags 0…M at which the residual depends on present and past input beyond the bound.
-    pub fn share_outside_past(&self) -> f64 {
-        let lags = self.cross.len() / 2;
-        let past = &self.cross[lags..];
-        past.iter().filter(|c| c.abs() > self.cross_bound).count() as f64 / past.len() as f64
-    }
-}
-
 /// Tests residuals for whiteness and for independence of the input, at lags up to `lags` and the given `level`
 /// (e.g. 0.99).
 ///

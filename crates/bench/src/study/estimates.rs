@@ -41,7 +41,13 @@ pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
     let limit = findings.bench.limits.torque_nm;
     let controller = findings
         .first("speed controller", &findings.of_test("BS"), &["BS_T_NT"], |e| speed_controller::estimate(e, limit));
+    if let Ok(controller) = &controller {
+        findings.doubt_residuals("speed_controller", &controller.result.validation);
+    }
     let feed_forward = feed_forward(findings, controller.as_ref().ok());
+    if let Ok(feed_forward) = &feed_forward {
+        findings.doubt_residuals("feed_forward", &feed_forward.validation);
+    }
     let torque_control = torque_control(findings);
     let timing = timing(findings, torque_control.as_ref().ok());
     let shaft = shaft(findings, controller.as_ref().ok(), torque_control.as_ref().ok());

@@ -1,7 +1,7 @@
 //! A study's data, the doubts about them, and what was used for what, as they grow.
 
 use crate::estimate::EstimateError;
-use crate::study::{Need, Progress};
+use crate::study::{Need, Progress, ResidualTest, Validation};
 use crate::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
 
 /// The data of a study and the doubts about it, as they grow.
@@ -41,6 +41,15 @@ impl<'a> Findings<'a> {
     pub(super) fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {
         let place = Place { file: Some(file.to_owned()), ..Place::default() };
         self.diagnostics.push(Diagnostic { severity, place, finding });
+    }
+
+    /// Doubts a part whose residuals depend on its input on the held-out stretch.
+    pub(super) fn doubt_residuals(&mut self, submodel: &str, validation: &Validation) {
+        let share_outside = validation.residuals.as_ref().map_or(0.0, ResidualTest::share_outside);
+        if share_outside > ResidualTest::MANY_OUTSIDE {
+            let finding = Finding::ResidualsCorrelated { submodel: submodel.to_owned(), share_outside };
+            self.doubt(&validation.stretch.file, Severity::Warning, finding);
+        }
     }
 
     /// Experiments of a test, the longest first.

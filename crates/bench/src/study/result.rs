@@ -252,6 +252,19 @@ pub struct ResidualTest {
     pub input: String,
 }
 
+impl ResidualTest {
+    /// Share of lags outside the region beyond which residuals are called correlated with the input: at 99 % and 26 lags,
+    /// chance puts two or more outside less than once in thirty recordings.
+    pub const MANY_OUTSIDE: f64 = 0.05;
+
+    /// Share of the lags 0…M at which the residual depends on present and past input beyond the region.
+    pub fn share_outside(&self) -> f64 {
+        let past = &self.cross_correlation[self.cross_correlation.len() / 2..];
+        let outside = past.iter().filter(|c| c.abs() > self.cross_correlation_bound).count();
+        outside as f64 / past.len().max(1) as f64
+    }
+}
+
 /// Delays of the torque signals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Timing {

@@ -21,7 +21,7 @@ use signal::Signal;
 
 use crate::estimate::parameter::Label;
 use crate::estimate::{EstimateError, timing_floor_s};
-use crate::study::{Estimate, Parameter, Stretch, TorqueControl};
+use crate::study::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
 use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
 
 pub(super) use held::{HeldDemand, Mode};
@@ -44,8 +44,6 @@ const SHORTEST_S: f64 = 4.0;
 const WEAK_NM: f64 = 0.1;
 /// Largest share of the samples that may be lost to the torque limit.
 const MOST_SATURATED: f64 = 0.5;
-/// Share of lags outside the region beyond which the residuals are called correlated with the input.
-const MANY_OUTSIDE: f64 = 0.05;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
 /// Experiments that excite the torque control, best first.
@@ -273,8 +271,8 @@ fn doubts(experiment: &Experiment, lagged: &Lagged, validation: &crate::study::V
         let (first, second) = ((gain.value, gain.standard_error), (1.0, 0.0));
         found.push(warning(experiment, Finding::RoutesDisagree { quantity, first, second }));
     }
-    let share_outside = validation.residuals.as_ref().map_or(0.0, validation::share_outside);
-    if share_outside > MANY_OUTSIDE {
+    let share_outside = validation.residuals.as_ref().map_or(0.0, ResidualTest::share_outside);
+    if share_outside > ResidualTest::MANY_OUTSIDE {
         found.push(warning(experiment, Finding::ResidualsCorrelated { submodel: submodel(), share_outside }));
     }
     found

@@ -53,9 +53,3 @@ fn residual_test(held: &HeldDemand, seen: &Observed, modelled: &[f64]) -> Option
         input: Role::DynoTorqueDemand.symbol().to_owned(),
     })
 }
-
-/// Share of the lags 0…M at which the residual depends on present and past input beyond the region.
-pub(super) fn share_outside(test: &ResidualTest) -> f64 {
-    let past = &test.cross_correlation[test.cross_correlation.len() / 2..];
-    past.iter().filter(|c| c.abs() > test.cross_correlation_bound).count() as f64 / past.len().max(1) as f64
-}
