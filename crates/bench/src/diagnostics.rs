@@ -199,6 +199,13 @@ pub enum Finding {
         /// Which submodel.
         submodel: String,
     },
+    /// A signal is recorded in steps so coarse that part of an estimate had to be assumed.
+    CoarseResolution {
+        /// Its role.
+        role: Role,
+        /// The step in SI.
+        step: f64,
+    },
     /// A recording could not be replayed on the model.
     NotReplayed {
         /// The replay's own words.

@@ -17,6 +17,7 @@
 use std::f64::consts::TAU;
 
 use faer::MatMut;
+use signal::resample::{Interpolation, interpolate_at};
 use signal::{Complex64, Signal};
 
 use crate::{Bounds, Fit, IdentError, NonlinearOptions, ResidualModel, minimise};
@@ -30,6 +31,9 @@ const OVERLAP: f64 = 2.6268;
 
 /// Bins over which the window spreads a line, each way.
 const REACH: usize = 4;
+
+/// A window may differ from a whole number of samples by this part of one.
+const EVEN: f64 = 1e-3;
 
 /// The stretch of time that is transformed, and its frequencies k/T.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,24 +75,18 @@ impl Modulated {
     /// The signal's mean over the window is removed first: a constant has no part in any bin but the lowest two.
     ///
     /// # Errors
-    /// The signal does not cover the window, its samples do not divide the window evenly, or `last_bin` is beyond its
-    /// Nyquist frequency.
+    /// The signal does not cover the window, or `last_bin` is beyond its Nyquist frequency.
     pub fn new(signal: &Signal, window: Window, last_bin: usize) -> Result<Self, IdentError> {
-        let dt = signal.sample_time_s;
-        let count = (window.duration_s / dt).round() as usize;
-        let part = signal.slice(window.start_s, window.start_s + (count as f64 + 1.0) * dt);
-        if part.len() < count || (count as f64 * dt - window.duration_s).abs() > 1e-3 * dt {
-            return Err(IdentError::Length { what: "samples in the window", expected: count, found: part.len() });
-        }
+        let Samples { values, offset_s: offset, sample_time_s: dt } = samples_in(signal, window)?;
+        let count = values.len();
         if 2 * last_bin >= count {
             return Err(IdentError::TooFewSamples { samples: count, parameters: 2 * last_bin });
         }
-        let mean = part.samples[..count].iter().sum::<f64>() / count as f64;
-        let offset = part.start_s - window.start_s;
+        let mean = values.iter().sum::<f64>() / count as f64;
         let moment = |order: usize| -> Result<Vec<Complex64>, IdentError> {
             let weigh = |i: usize| {
                 let angle = TAU * (offset + i as f64 * dt) / window.duration_s;
-                dt * (part.samples[i] - mean) * window_derivative(order, angle, TAU / window.duration_s)
+                dt * (values[i] - mean) * window_derivative(order, angle, TAU / window.duration_s)
             };
             let weighted: Vec<f64> = (0..count).map(weigh).collect();
             let mut spectrum =
@@ -113,6 +111,37 @@ impl Modulated {
         }
         self
     }
+}
+
+/// A signal's samples inside a window.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    /// As many values as sample times fit into the window.
+    pub values: Vec<f64>,
+    /// Time of the first after the window's start, s.
+    pub offset_s: f64,
+    /// Time between two, s: the signal's own, or a whole part of the window where the two differ.
+    pub sample_time_s: f64,
+}
+
+/// The samples of a signal in a window. A clock that does not divide the window evenly, because it drifts against that of
+/// the other signals, is replaced by the nearest one that does, by band-limited interpolation.
+///
+/// # Errors
+/// The signal does not cover the window.
+pub fn samples_in(signal: &Signal, window: Window) -> Result<Samples, IdentError> {
+    let dt = signal.sample_time_s;
+    let count = (window.duration_s / dt).round().max(1.0) as usize;
+    let part = signal.slice(window.start_s, window.start_s + (count as f64 + 1.0) * dt);
+    let missing = IdentError::Length { what: "samples in the window", expected: count, found: part.len() };
+    if (count as f64 * dt - window.duration_s).abs() <= EVEN * dt {
+        let values = part.samples.get(..count).ok_or(missing)?.to_vec();
+        return Ok(Samples { values, offset_s: part.start_s - window.start_s, sample_time_s: dt });
+    }
+    let sample_time_s = window.duration_s / count as f64;
+    let times: Vec<f64> = (0..count).map(|i| window.start_s + i as f64 * sample_time_s).collect();
+    let values = interpolate_at(signal, &times, Interpolation::BandLimited).map_err(|_| missing)?;
+    Ok(Samples { values, offset_s: 0.0, sample_time_s })
 }
 
 /// Derivatives of h(t) = (1 − cos θ)²/4, θ = 2πt/T, with `rate` = dθ/dt.

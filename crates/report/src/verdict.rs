@@ -4,7 +4,7 @@
 //! own words. The headline is the worst outcome of all rules.
 
 use bench::study::{Parameter, Part, Study, Validation};
-use bench::{Finding, Severity};
+use bench::{Diagnostic, Finding, Severity};
 
 use crate::wording::{self, number};
 
@@ -220,8 +220,19 @@ fn doubted_part(finding: &Finding) -> Option<String> {
 fn findings(study: &Study) -> Rule {
     let count = |severity: Severity| study.diagnostics.iter().filter(|found| found.severity == severity).count();
     let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
-    let level = if errors == 0 { Level::Good } else { Level::Reservations };
+    let is_contradiction = |found: &Diagnostic| {
+        found.severity == Severity::Error && matches!(found.finding, Finding::ImplausibleInertia { .. })
+    };
+    let level = match errors {
+        0 => Level::Good,
+        _ if study.diagnostics.iter().any(is_contradiction) => Level::Insufficient,
+        _ => Level::Reservations,
+    };
     let plural = |n: usize, word: &str| if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") };
     let found = format!("{}, {}", plural(errors, "error"), plural(warnings, "warning"));
-    Rule { asks: "No finding is an error. Warnings are listed and do not count here.", found, level }
+    Rule {
+        asks: "No finding is an error; with an inertia that the data contradict, not met. Warnings do not count here.",
+        found,
+        level,
+    }
 }

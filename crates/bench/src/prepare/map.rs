@@ -32,9 +32,12 @@ fn source<'r>(
     log: &mut Log,
 ) -> Option<Source<'r>> {
     let Some(channel) = recording.channel(&mapping.name) else {
+        if label.is_without_shaft() && is_beyond_shaft(role) {
+            return None;
+        }
         let names = recording.channels.iter().map(|channel| channel.name.as_str());
         let finding = Finding::MissingChannel { role, closest: closest(&mapping.name, names, SUGGESTIONS) };
-        let severity = if is_dispensable(role, label) { Severity::Note } else { Severity::Warning };
+        let severity = if role == Role::Throttle { Severity::Note } else { Severity::Warning };
         log.channel(severity, &mapping.name, None, finding);
         return None;
     };
@@ -49,10 +52,9 @@ fn source<'r>(
     })
 }
 
-/// Whether an experiment can do without a role: with the shaft off there is no engine to measure.
-fn is_dispensable(role: Role, label: &ExperimentLabel) -> bool {
-    let beyond_shaft = matches!(role, Role::EngineSpeed | Role::SystemShaftTorque | Role::FlangeTorque);
-    role == Role::Throttle || (beyond_shaft && label.is_without_shaft())
+/// Whether a role is of the engine's side of the shaft: with the shaft off there is nothing to measure.
+fn is_beyond_shaft(role: Role) -> bool {
+    matches!(role, Role::EngineSpeed | Role::SystemShaftTorque | Role::FlangeTorque)
 }
 
 fn unit(role: Role, mapping: &ChannelMapping, recorded: &str, log: &mut Log) -> Option<Unit> {

@@ -17,6 +17,8 @@ use crate::{BenchFile, Experiment, Finding, Role, Severity};
 const SHAFT_TESTS: [&str; 5] = ["BS", "WhiteNoise", "Levels", "Ramp", "Step"];
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.05);
+/// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
+const INERTIA_CONTRADICTED: f64 = 0.3;
 /// Everything that was estimated.
 pub(super) struct Estimates {
     pub(super) timing: Part<Timing>,
@@ -43,6 +45,10 @@ pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
         .first("speed controller", &findings.of_test("BS"), &["BS_T_NT"], |e| speed_controller::estimate(e, limit));
     if let Ok(controller) = &controller {
         findings.doubt_residuals("speed_controller", &controller.result.validation);
+        if let Some(step) = controller.coarse_demand_nm {
+            let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
+            findings.doubt(&controller.result.validation.stretch.file, Severity::Warning, finding);
+        }
     }
     let feed_forward = feed_forward(findings, controller.as_ref().ok());
     if let Ok(feed_forward) = &feed_forward {
@@ -141,7 +147,9 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
         let difference = (estimated_kg_m2 - given_kg_m2).abs();
         if difference > INERTIA_DOUBT.0 * standard_error_kg_m2 && difference > INERTIA_DOUBT.1 * given_kg_m2 {
             let finding = Finding::ImplausibleInertia { given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
-            findings.doubt(&experiment.file, Severity::Warning, finding);
+            let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;
+            let severity = if contradicts { Severity::Error } else { Severity::Warning };
+            findings.doubt(&experiment.file, severity, finding);
         }
     }
     let checks: Vec<_> = ["K", "B"]

@@ -27,12 +27,23 @@ struct Case {
     noise_rad_s: f64,
     eccentricity: f64,
     ramps: bool,
+    /// The recorded T_d* is rounded to multiples of this, Nm; zero: not rounded.
+    demand_step_nm: f64,
     seed: u64,
 }
 
 impl Default for Case {
     fn default() -> Self {
-        Case { seconds: 12.0, delay_s: T, gate_s: T, noise_rad_s: 0.0, eccentricity: 0.0, ramps: false, seed: 1 }
+        Case {
+            seconds: 12.0,
+            delay_s: T,
+            gate_s: T,
+            noise_rad_s: 0.0,
+            eccentricity: 0.0,
+            ramps: false,
+            demand_step_nm: 0.0,
+            seed: 1,
+        }
     }
 }
 
@@ -86,7 +97,9 @@ fn record(case: Case) -> Experiment {
         let error = speed.at(time - case.delay_s) - reference(&case, k.saturating_sub(lag));
         let step = reference(&case, k) - reference(&case, k.saturating_sub(1));
         let feed = if case.ramps { K * reference(&case, k) + K_A * step / T } else { 0.0 };
-        demand.push(K_P * error + integral + feed);
+        let torque = K_P * error + integral + feed;
+        let step = case.demand_step_nm;
+        demand.push(if step > 0.0 { (torque / step).round() * step } else { torque });
         integral += K_I * T * error;
         let clean = speed.logged(time);
         angle += clean * T;
@@ -161,6 +174,18 @@ fn stat_residuals_betray_a_missing_delay_and_nothing_else() {
     };
     assert!(outside(&found.result.validation) <= 3);
     assert!(outside(&found.result.without_delay) > 10);
+}
+
+#[test]
+fn regress_a_rounded_demand_moves_no_delay_out_of_its_interval() {
+    for demand_step_nm in [0.01, 0.05, 0.1, 0.5] {
+        let case = Case { noise_rad_s: 3e-3, demand_step_nm, seconds: 20.0, ..Case::default() };
+        let found = estimate(&record(case), None).unwrap();
+        let delay = found.result.estimate.parameter("τ").unwrap();
+        assert!(delay.interval.0 < T && T < delay.interval.1, "{demand_step_nm} Nm: {delay:?}");
+        assert!((value(&found.result.estimate, "K_p") / 0.94 - 1.0).abs() < 2e-3);
+        assert_eq!(found.coarse_demand_nm.is_some(), demand_step_nm > 0.03, "{demand_step_nm} Nm");
+    }
 }
 
 #[test]

@@ -172,6 +172,17 @@ fn regress_windows_that_do_not_fit_are_refused() {
     let long = Window { start_s: 8.0, duration_s: 16.0 };
     assert!(matches!(Modulated::new(&signal, long, 10), Err(IdentError::Length { .. })));
     assert!(matches!(Modulated::new(&signal, WINDOW, 800), Err(IdentError::TooFewSamples { .. })));
-    let odd = Window { start_s: 0.0, duration_s: 10.005 };
-    assert!(Modulated::new(&signal, odd, 10).is_err());
+}
+
+#[test]
+fn exact_a_drifting_clock_is_as_good_as_a_true_one() {
+    let mut signals = records(&mut Noise::new(1), 0.0);
+    // u again, on a clock that gains 20 µs a second.
+    let times: Vec<f64> = (0..1610).map(|i| -0.05 + f64::from(i) * 0.01 * (1.0 - 2e-5)).collect();
+    let samples = signal::resample::interpolate_at(&signals[1], &times, signal::resample::Interpolation::BandLimited);
+    signals[1] = Signal::new(-0.05, 0.01 * (1.0 - 2e-5), samples.unwrap()).unwrap();
+    let found = fit(&signals, 1e-3, &[]);
+    for (estimate, truth) in found.fit.parameters.iter().zip(TRUTH) {
+        assert!((estimate / truth - 1.0).abs() < 1e-4, "{:?}", found.fit.parameters);
+    }
 }

@@ -37,7 +37,9 @@ pub(crate) fn section(study: &Study) -> Markup {
 
 fn notes(study: &Study, whole: &WholeModel) -> Markup {
     let gain = format!(
-        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque.",
+        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque. J_e is taken from the \
+         bench file: resonance and static gain hang on it, and neither replays nor sine tests can show it wrong, since the \
+         engine’s torque is reconstructed with it.",
         number::significant(whole.static_gain, 3)
     );
     markup!("<p>{} {}</p>\n{}", prose(&gain), firing(study, whole), margins(whole.speed_loop_margins.as_ref()))

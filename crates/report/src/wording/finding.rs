@@ -72,6 +72,13 @@ pub fn finding(finding: &Finding) -> String {
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
         Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
         Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
+        Finding::CoarseResolution { role: of, step } => {
+            format!(
+                "The {} is recorded in steps of {} (SI), too coarse beside the speed’s noise to show the encoder’s gate.",
+                role(*of),
+                si(*step)
+            )
+        }
         Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
         Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
         Finding::BeyondLimit { limit, value, allowed } => {
@@ -124,6 +131,9 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
         }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
+        Finding::CoarseResolution { .. } => {
+            "The controller’s delay is less certain for it. Record the signal with finer steps."
+        }
         Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
         Finding::RoutesDisagree { .. } => {
             "Find out which route is disturbed before using the number; the truth may lie outside both intervals."

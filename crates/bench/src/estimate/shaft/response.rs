@@ -80,10 +80,11 @@ pub(super) fn validate(
     (from_s, to_s): (f64, f64),
 ) -> Result<Validation, EstimateError> {
     let signal_error = |source| EstimateError::Signal { file: inputs.file.to_owned(), source };
+    let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
     let window = even_window(inputs, from_s, to_s);
     let used = window.bins(LOWEST_HZ, highest_hz(inputs));
     let last = *used.end();
-    let transform = |s: &signal::Signal| tapered(s, window, last).map_err(signal_error);
+    let transform = |s: &signal::Signal| tapered(s, window, last).map_err(of);
     let (speed, engine) = (transform(inputs.dyno_speed)?, transform(inputs.engine_speed)?);
     let mut torques = vec![Complex64::default(); last + 1];
     for part in &inputs.torque {
@@ -108,7 +109,6 @@ pub(super) fn validate(
     };
     let (measured, modelled) = (back(measured)?, back(modelled)?);
     let start_s = window.start_s + edge as f64 * dt;
-    let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
     let trace = |values| Trace { start_s, sample_time_s: dt, values };
     Ok(Validation {
         stretch: Stretch { file: inputs.file.to_owned(), start_s, end_s: start_s + (length - 2 * edge) as f64 * dt },

@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-use ident::frequency::{Modulated, NoisySpectrum, Window};
+use ident::IdentError;
+use ident::frequency::{Modulated, NoisySpectrum, Samples, Window, samples_in};
 use signal::{Complex64, Signal};
 
 use super::equation::Dating;
@@ -114,20 +115,19 @@ pub(super) fn turn_band_hz(speed: &Signal) -> RangeInclusive<f64> {
 }
 
 /// Fourier transform of a signal over a window with cosine edges, bins 0…`last_bin`; its mean is removed.
-pub(super) fn tapered(signal: &Signal, window: Window, last_bin: usize) -> Result<Vec<Complex64>, signal::SignalError> {
-    let dt = signal.sample_time_s;
-    let count = (window.duration_s / dt).round() as usize;
-    let part = signal.slice(window.start_s, window.start_s + (count as f64 + 1.0) * dt);
-    let mean = part.mean().unwrap_or(0.0);
-    let offset = part.start_s - window.start_s;
-    let weigh = |i: usize| {
-        let value = part.samples.get(i).map_or(0.0, |x| x - mean);
-        dt * value * taper((offset + i as f64 * dt) / window.duration_s)
+pub(super) fn tapered(signal: &Signal, window: Window, last_bin: usize) -> Result<Vec<Complex64>, IdentError> {
+    let Samples { values, offset_s, sample_time_s } = samples_in(signal, window)?;
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let weigh = |(i, value): (usize, &f64)| {
+        let position = (offset_s + i as f64 * sample_time_s) / window.duration_s;
+        sample_time_s * (value - mean) * taper(position)
     };
-    let mut spectrum = ::signal::spectrum::fft_real(&(0..count).map(weigh).collect::<Vec<_>>())?;
+    let weighted: Vec<f64> = values.iter().enumerate().map(weigh).collect();
+    let mut spectrum =
+        ::signal::spectrum::fft_real(&weighted).map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
     spectrum.truncate(last_bin + 1);
     for (k, value) in spectrum.iter_mut().enumerate() {
-        *value *= Complex64::cis(-TAU * window.frequency_hz(k) * offset);
+        *value *= Complex64::cis(-TAU * window.frequency_hz(k) * offset_s);
     }
     Ok(spectrum)
 }

@@ -12,7 +12,7 @@ use super::inverse::{self, COUNT, InverseController};
 use crate::align::split_window;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
 use crate::estimate::stretch::{longest_unsaturated, need};
-use crate::estimate::{EstimateError, timing_floor_s};
+use crate::estimate::{EstimateError, noise_floor, timing_floor_s};
 use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
@@ -28,6 +28,11 @@ const SHORTEST_S: f64 = 2.0;
 const SHORTEST_GATE: f64 = 0.5;
 /// A once-a-turn error larger than this part of the speed is no encoder's.
 const LARGEST_ECCENTRICITY: f64 = 2e-3;
+/// Where the estimate's low-pass lies, as a part of the sample rate, and its order (run both ways).
+const CUTOFF_PART: f64 = 0.1;
+const CUTOFF_ORDER: usize = 4;
+/// Rounding of T_d* that reaches this part of the encoder's noise hides the gate.
+const COARSE: f64 = 0.4;
 /// Lags of the residual tests.
 const LAGS: usize = 25;
 /// Level of the residual tests' regions.
@@ -52,6 +57,8 @@ pub struct SpeedControllerFit {
     theta: Vec<f64>,
     /// Samples by which N_d* enters the speed error late.
     reference_lag: usize,
+    /// Step of the recorded T_d*, Nm, where its rounding hides the encoder's gate.
+    pub coarse_demand_nm: Option<f64>,
 }
 
 /// One stretch of a recording with the signals the controller sees.
@@ -95,6 +102,32 @@ impl Data {
         Data::cut(experiment, (&self.demand, &self.reference, &self.speed), &self.phase_rad, window)
     }
 
+    /// The same stretch with all its signals below [`CUTOFF_PART`] of the sample rate, in phase. The model is linear, so it
+    /// holds between the filtered signals; what is gone is the noise that rounding puts onto T_d*, which would otherwise
+    /// make smoother interpolation, a longer gate, look better.
+    fn smoothed(&self) -> Result<Self, EstimateError> {
+        let smooth = |signal: &Signal| -> Result<Signal, EstimateError> {
+            let cutoff = CUTOFF_PART / signal.sample_time_s;
+            let filter = signal::Sos::butterworth_lowpass(CUTOFF_ORDER, cutoff, signal.sample_time_s)
+                .map_err(|e| signal_error(self, e))?;
+            Ok(signal.with_samples(filter.filtfilt(&signal.samples).map_err(|e| signal_error(self, e))?))
+        };
+        Ok(Data {
+            demand: smooth(&self.demand)?,
+            reference: smooth(&self.reference)?,
+            speed: smooth(&self.speed)?,
+            phase_rad: self.phase_rad.clone(),
+            stretch: self.stretch.clone(),
+        })
+    }
+
+    /// The step of T_d* where its rounding puts noise onto the speed error that can be mistaken for a gate.
+    fn coarse_demand_nm(&self) -> Result<Option<f64>, EstimateError> {
+        let step = resolution(&self.demand.samples);
+        let rounding_rad_s = step / 12f64.sqrt() * starting_point(self)?[inverse::P];
+        Ok((rounding_rad_s > COARSE * noise_floor(&self.speed)).then_some(step))
+    }
+
     fn window(&self) -> (f64, f64) {
         (self.stretch.start_s, self.stretch.end_s)
     }
@@ -102,6 +135,17 @@ impl Data {
     fn model(&self, reference_lag: usize) -> InverseController {
         InverseController::new(&self.demand, &self.reference, &self.speed, &self.phase_rad, reference_lag)
     }
+}
+
+/// The smallest difference between values that are not equal; zero if all are.
+fn resolution(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    // Equal register values may differ in the last bits.
+    let span = sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0);
+    let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * span);
+    let smallest = steps.fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() { smallest } else { 0.0 }
 }
 
 /// Shaft angle turned by the end of each sample's gate, zero before the first.
@@ -122,10 +166,19 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let data = Data::of(experiment, torque_limit_nm)?;
     let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
     let (known, unseen) = (data.part(experiment, estimation), data.part(experiment, validation));
-    let free = |j: usize| !matches!(j, inverse::K | inverse::K_A);
-    let (fit, lag) = fit_with_lag(&known, free)?;
-    let (estimate, encoder) = describe(&known, &fit)?;
-    let without = fit_without_delay(&known, lag)?;
+    let coarse_demand_nm = known.coarse_demand_nm()?;
+    let hides_gate = coarse_demand_nm.is_some();
+    let free = |j: usize| !matches!(j, inverse::K | inverse::K_A) && (j != inverse::GATE_SQUARED || !hides_gate);
+    let smooth = known.smoothed()?;
+    let (fit, lag) = fit_with_lag(&smooth, free)?;
+    let noise = refit_stretch(&known, &fit.parameters, lag)?.noise_variance().sqrt();
+    let (mut estimate, mut encoder) = describe(&known, &fit, noise)?;
+    if hides_gate {
+        // A gate of nought to one sample, all alike; half of it is in the delay.
+        encoder.gate_standard_error_s = known.demand.sample_time_s / 12f64.sqrt();
+        estimate.add_systematic(&[TAU.symbol], encoder.gate_standard_error_s);
+    }
+    let without = fit_without_delay(&smooth, lag)?;
     let k_p = 1.0 / fit.parameters[inverse::P];
     let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
     Ok(SpeedControllerFit {
@@ -139,6 +192,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         encoder,
         theta: fit.parameters,
         reference_lag: lag,
+        coarse_demand_nm,
     })
 }
 
@@ -164,7 +218,7 @@ pub fn estimate_feed_forward(
         }
     };
     check_moves(experiment, &known.reference)?;
-    let fit = fit_feed_forward(&known, controller)?;
+    let fit = fit_feed_forward(&known.smoothed()?, controller)?;
     let alone = |j: usize| if matches!(j, inverse::K | inverse::K_A) { 0.0 } else { controller.theta[j] };
     let pi_alone: Vec<f64> = (0..COUNT).map(alone).collect();
     Ok(FeedForward {
@@ -281,7 +335,7 @@ fn starting_point(data: &Data) -> Result<Vec<f64>, EstimateError> {
 }
 
 /// Gains, delay and gate with their covariance, from the internal parameters.
-fn describe(data: &Data, fit: &Fit) -> Result<(Estimate, Encoder), EstimateError> {
+fn describe(data: &Data, fit: &Fit, noise_rad_s: f64) -> Result<(Estimate, Encoder), EstimateError> {
     let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
     let t = data.demand.sample_time_s;
     let first_demand = data.demand.samples[0];
@@ -301,7 +355,7 @@ fn describe(data: &Data, fit: &Fit) -> Result<(Estimate, Encoder), EstimateError
     let encoder = Encoder {
         gate_s: gate(&fit.parameters),
         gate_standard_error_s,
-        noise_rad_s: fit.noise_variance().sqrt(),
+        noise_rad_s,
         once_a_turn: (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]),
     };
     Ok((estimate, encoder))
