@@ -92,7 +92,9 @@ pub fn advice(finding: &Finding) -> &'static str {
     match finding {
         Finding::UnreadableRecording { .. } => "Export the recording again and check that the copy is complete.",
         Finding::ReaderDoubt { .. } => "Compare the affected channels with the original in the measuring system.",
-        Finding::NoLabel => "Put the label, such as BS_T_NT, into the file name or into the bench file.",
+        Finding::NoLabel => {
+            "Put the label, such as BS_T_NT, into the file name, or as [[recordings.label]] with file and label into the bench file."
+        }
         Finding::DuplicateRecording { .. } => "Remove one of the two; only the first was used.",
         Finding::MissingChannel { .. } => "Correct the channel’s name in the bench file, or record the channel.",
         Finding::UnfitUnit { .. } => {
