@@ -1,12 +1,10 @@
 //! The recordings of two simulated benches, where they are present beside the project.
 
-use std::path::{Path, PathBuf};
-
 use bench::channels::guess_roles;
 use bench::{BenchFile, Finding, Role, Severity, prepare};
-use recording::{Recording, Selection};
+use recording::Recording;
 
-use crate::support::BENCH_A;
+use crate::support::{BENCH_A, recordings};
 
 const BENCH_B: [&str; 7] =
     ["nBremse", "nMotor", "nBremse_Soll", "MdBremse_Soll", "MdLuftspalt", "MdKraftdose", "MdWelle"];
@@ -19,23 +17,6 @@ const ROLES: [Role; 7] = [
     Role::LoadCellTorque,
     Role::SystemShaftTorque,
 ];
-
-fn recordings(bench: &str) -> Vec<(String, Recording)> {
-    let folder: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/recordings").join(bench);
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: {} is not there", folder.display());
-        return Vec::new();
-    };
-    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    files.retain(|path| path.extension().is_some_and(|ending| ending == "mf4" || ending == "mdf"));
-    files.sort();
-    let read = |path: &PathBuf| {
-        let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let recording = recording::decode(&name, &std::fs::read(path).unwrap(), &Selection::All).unwrap();
-        (name, recording)
-    };
-    files.iter().map(read).collect()
-}
 
 fn check_guess(recordings: &[(String, Recording)], names: [&str; 7]) {
     let all: Vec<(&str, &Recording)> = recordings.iter().map(|(name, recording)| (name.as_str(), recording)).collect();

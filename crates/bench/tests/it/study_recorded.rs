@@ -1,29 +1,16 @@
 //! The study of two simulated benches, recorded by a simulator that shares no code with the project, where their
 //! recordings are present beside it.
 
-use std::path::{Path, PathBuf};
-
 use bench::study::{Estimate, Parameter, Replay, Source, Study};
-use recording::Selection;
+use recording::Recording;
 
 use crate::study::{bench_file, studied};
+use crate::support::recordings;
 
 fn sources(bench: &str) -> Vec<Source> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let folder = std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from).join("recordings").join(bench);
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: {} is not there", folder.display());
-        return Vec::new();
-    };
-    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    files.retain(|path| path.extension().is_some_and(|ending| ending == "mf4" || ending == "mdf"));
-    files.sort();
-    let read = |path: &PathBuf| {
-        let file = path.file_name().unwrap().to_string_lossy().into_owned();
-        let recording = recording::decode(&file, &std::fs::read(path).unwrap(), &Selection::All);
-        Source { sha256: file.clone(), file, recording }
-    };
-    files.iter().map(read).collect()
+    let source =
+        |(file, recording): (String, Recording)| Source { sha256: file.clone(), file, recording: Ok(recording) };
+    recordings(bench).into_iter().map(source).collect()
 }
 
 fn parameter<'a>(estimate: &'a Estimate, symbol: &str) -> &'a Parameter {

@@ -58,6 +58,28 @@ fn gate_correction(s: Complex64, gate: f64) -> Factor {
     Factor { value, by_gate: s / 2.0 * value * (1.0 / x - x.cosh() / x.sinh()) }
 }
 
+/// What turns the transforms of the records into those of the motion and torque they stand for, at one frequency.
+pub(super) struct Corrections {
+    pub(super) speed: Complex64,
+    pub(super) engine: Complex64,
+    pub(super) torque: Complex64,
+    speed_by_gate: Complex64,
+}
+
+impl Corrections {
+    /// For records that were dated earlier by `dating` already.
+    pub(super) fn at(s: Complex64, theta: &[f64], dating: Dating) -> Self {
+        let rest = Dating::of(theta);
+        let gate = gate_correction(s, theta[GATE]);
+        Corrections {
+            speed: gate.value,
+            engine: gate.value * (s * (rest.engine_s - dating.engine_s)).exp(),
+            torque: (s * (rest.torque_s - dating.torque_s)).exp(),
+            speed_by_gate: gate.by_gate,
+        }
+    }
+}
+
 impl Equation for ShaftEquation {
     const SIGNALS: usize = 3;
     const PARAMETERS: usize = COUNT;
@@ -69,27 +91,24 @@ impl Equation for ShaftEquation {
         polynomials: &mut [[Complex64; ORDERS]],
         derivatives: &mut [Vec<[Complex64; ORDERS]>],
     ) {
-        let gate = gate_correction(s, theta[GATE]);
-        let rest = Dating::of(theta);
-        let engine = (s * (rest.engine_s - self.dating.engine_s)).exp();
-        let torque = (s * (rest.torque_s - self.dating.torque_s)).exp();
+        let Corrections { speed, engine, torque, speed_by_gate } = Corrections::at(s, theta, self.dating);
         let dyno = [theta[K], theta[B], theta[INERTIA]];
         let spring = [theta[K], theta[B], 0.0];
-        polynomials[0] = dyno.map(|c| gate.value * c);
-        polynomials[1] = spring.map(|c| -gate.value * engine * c);
+        polynomials[0] = dyno.map(|c| speed * c);
+        polynomials[1] = spring.map(|c| -engine * c);
         polynomials[2] = [0.0, 1.0, 0.0].map(|c| torque * c);
         for row in derivatives.iter_mut() {
             row.fill([Complex64::default(); ORDERS]);
         }
-        derivatives[INERTIA][0][2] = gate.value;
+        derivatives[INERTIA][0][2] = speed;
         for (parameter, order) in [(K, 0), (B, 1)] {
-            derivatives[parameter][0][order] = gate.value;
-            derivatives[parameter][1][order] = -gate.value * engine;
+            derivatives[parameter][0][order] = speed;
+            derivatives[parameter][1][order] = -engine;
         }
         derivatives[SKEW_ENGINE][1] = polynomials[1].map(|c| s * c);
         derivatives[SKEW_TORQUE][2] = polynomials[2].map(|c| s * c);
-        derivatives[GATE][0] = dyno.map(|c| gate.by_gate * c);
-        derivatives[GATE][1] = spring.map(|c| -gate.by_gate * engine * c);
+        derivatives[GATE][0] = dyno.map(|c| speed_by_gate * c);
+        derivatives[GATE][1] = polynomials[1].map(|c| speed_by_gate / speed * c);
         derivatives[GATE][2] = polynomials[2].map(|c| -0.5 * s * c);
     }
 }

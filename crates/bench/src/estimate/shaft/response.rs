@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use ident::validate::{fit_percent, rms_error};
 use signal::Complex64;
 
-use super::equation::{self, Dating};
+use super::equation::{self, Corrections, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
 use crate::estimate::EstimateError;
@@ -13,26 +13,6 @@ use crate::study::{MeasuredResponse, Stretch, Trace, Validation};
 
 /// Bands of the measured frequency response per octave.
 const BANDS_PER_OCTAVE: f64 = 6.0;
-
-/// Corrections of the three signals at one frequency.
-struct Corrections {
-    speed: Complex64,
-    engine: Complex64,
-    torque: Complex64,
-}
-
-impl Corrections {
-    fn at(s: Complex64, theta: &[f64], dating: Dating) -> Self {
-        let rest = Dating::of(theta);
-        let x = s * theta[equation::GATE] / 2.0;
-        let gate = if x.norm() < 1e-9 { Complex64::from(1.0) } else { x / x.sinh() };
-        Corrections {
-            speed: gate,
-            engine: gate * (s * (rest.engine_s - dating.engine_s)).exp(),
-            torque: (s * (rest.torque_s - dating.torque_s)).exp(),
-        }
-    }
-}
 
 /// Δω → T_shaft, averaged over bands, beside (K + Bs)/s.
 pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredResponse {

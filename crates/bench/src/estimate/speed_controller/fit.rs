@@ -170,7 +170,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let hides_gate = coarse_demand_nm.is_some();
     let free = |j: usize| !matches!(j, inverse::K | inverse::K_A) && (j != inverse::GATE_SQUARED || !hides_gate);
     let smooth = known.smoothed()?;
-    let (fit, lag) = fit_with_lag(&smooth, free)?;
+    let start = starting_point(&smooth)?;
+    let (fit, lag) = fit_with_lag(&smooth, start.clone(), free)?;
     let noise = refit_stretch(&known, &fit.parameters, lag)?.noise_variance().sqrt();
     let (mut estimate, mut encoder) = describe(&known, &fit, noise)?;
     if hides_gate {
@@ -178,7 +179,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         encoder.gate_standard_error_s = known.demand.sample_time_s / 12f64.sqrt();
         estimate.add_systematic(&[TAU.symbol], encoder.gate_standard_error_s);
     }
-    let without = fit_without_delay(&smooth, lag)?;
+    let without = fit_without_delay(&smooth, start, lag)?;
     let k_p = 1.0 / fit.parameters[inverse::P];
     let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
     Ok(SpeedControllerFit {
@@ -255,8 +256,7 @@ fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), Estima
 
 /// Fits with the lag of N_d* in the speed error made consistent with the delay found, and without a gate where there is
 /// none.
-fn fit_with_lag(data: &Data, free: impl Fn(usize) -> bool) -> Result<(Fit, usize), EstimateError> {
-    let mut start = starting_point(data)?;
+fn fit_with_lag(data: &Data, mut start: Vec<f64>, free: impl Fn(usize) -> bool) -> Result<(Fit, usize), EstimateError> {
     let mut lag = 1;
     let mut fit = run(data, lag, &start, &free)?;
     let gate = fit.parameters[inverse::GATE_SQUARED].sqrt();
@@ -274,8 +274,7 @@ fn fit_with_lag(data: &Data, free: impl Fn(usize) -> bool) -> Result<(Fit, usize
     Ok((fit, lag))
 }
 
-fn fit_without_delay(data: &Data, lag: usize) -> Result<Fit, EstimateError> {
-    let mut start = starting_point(data)?;
+fn fit_without_delay(data: &Data, mut start: Vec<f64>, lag: usize) -> Result<Fit, EstimateError> {
     (start[inverse::LEAD], start[inverse::GATE_SQUARED]) = (0.0, 0.0);
     let free = |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
     run(data, lag, &start, free)
