@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use crate::{Fit, IdentError};
+use crate::{IdentError, Minimum};
 
 /// Covariance of parameters when the residuals are coloured: the sandwich (JᵀJ)⁻¹ M (JᵀJ)⁻¹ whose middle is built from
 /// sums of J_tᵀε_t over `batches` consecutive stretches of equal length.
@@ -17,12 +17,12 @@ use crate::{Fit, IdentError};
 /// # Source
 /// Ljung 1999, (9.42) for the sandwich; Ibragimov & Müller, *t-statistic based correlation and heterogeneity robust
 /// inference*, 2010, for the use of batches.
-pub fn batched_sandwich(fit: &Fit, batches: usize) -> Result<(Mat<f64>, f64), IdentError> {
+pub fn batched_sandwich(fit: &Minimum, batches: usize) -> Result<(Mat<f64>, f64), IdentError> {
     let middle = batched_middle(fit, batches)?;
     Ok((&fit.unscaled_covariance * middle * &fit.unscaled_covariance, batches as f64 - 1.0))
 }
 
-fn batched_middle(fit: &Fit, batches: usize) -> Result<Mat<f64>, IdentError> {
+fn batched_middle(fit: &Minimum, batches: usize) -> Result<Mat<f64>, IdentError> {
     let (rows, n) = fit.jacobian.shape();
     let length = rows / batches.max(1);
     if batches < 2 || length <= n {
@@ -52,7 +52,7 @@ fn batched_middle(fit: &Fit, batches: usize) -> Result<Mat<f64>, IdentError> {
 ///
 /// # Errors
 /// Those of [`batched_sandwich`].
-pub fn at_least_white(fit: &Fit, batches: usize) -> Result<(Mat<f64>, f64), IdentError> {
+pub fn at_least_white(fit: &Minimum, batches: usize) -> Result<(Mat<f64>, f64), IdentError> {
     let (robust, degrees_of_freedom) = batched_sandwich(fit, batches)?;
     let white = fit.covariance();
     let n = white.nrows();

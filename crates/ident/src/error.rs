@@ -63,4 +63,33 @@ pub enum IdentError {
         /// Which one.
         what: &'static str,
     },
+    /// The sample time is not a positive finite number.
+    #[error("sample time {sample_time_s} s is not a positive finite number")]
+    SampleTime {
+        /// The value given.
+        sample_time_s: f64,
+    },
+    /// Data without an output.
+    #[error("the data have no output")]
+    NoOutput,
+    /// A structure that is none, such as no parameter at all.
+    #[error("{what}")]
+    Structure {
+        /// What is wrong with it, and what to do.
+        what: &'static str,
+    },
+    /// Samples are missing where the method needs every one.
+    #[error("{what} has a missing sample at index {index}; fill it, or split the data there")]
+    Missing {
+        /// The signal.
+        what: &'static str,
+        /// Index of the first missing sample.
+        index: usize,
+    },
+    /// An operation on a system failed.
+    #[error(transparent)]
+    Lti(#[from] lti::LtiError),
+    /// An operation on a signal failed.
+    #[error(transparent)]
+    Signal(#[from] signal::SignalError),
 }

@@ -20,7 +20,7 @@ use faer::MatMut;
 use signal::resample::{Interpolation, interpolate_at};
 use signal::{Complex64, Signal};
 
-use crate::{Bounds, Fit, IdentError, NonlinearOptions, ResidualModel, minimise};
+use crate::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
 
 /// Highest order of derivative used.
 pub const ORDERS: usize = 3;
@@ -209,7 +209,7 @@ pub struct ErrorsInVariables<'a, E> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyFit {
     /// The minimum. Residuals come in pairs, real and imaginary part, one a bin; priors follow.
-    pub fit: Fit,
+    pub fit: Minimum,
     /// Covariance of the parameters.
     pub covariance: faer::Mat<f64>,
     /// Degrees of freedom of the scale.
@@ -254,7 +254,7 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
 
 /// (JᵀJ)⁻¹ times half the scale (a complex residual of unit variance has parts of half) times the overlap of bins; and
 /// for no parameter less than the sandwich whose middle sums products of neighbouring bins.
-fn covariance(fit: &Fit, bins: &[usize], scale: f64) -> faer::Mat<f64> {
+fn covariance(fit: &Minimum, bins: &[usize], scale: f64) -> faer::Mat<f64> {
     let n = fit.parameters.len();
     let model = faer::Scale(0.5 * scale.max(1e-300) * OVERLAP) * &fit.unscaled_covariance;
     let middle = neighbour_products(fit, bins);
@@ -265,7 +265,7 @@ fn covariance(fit: &Fit, bins: &[usize], scale: f64) -> faer::Mat<f64> {
     faer::Mat::from_fn(n, n, |i, j| model[(i, j)] * inflation(i) * inflation(j))
 }
 
-fn neighbour_products(fit: &Fit, bins: &[usize]) -> faer::Mat<f64> {
+fn neighbour_products(fit: &Minimum, bins: &[usize]) -> faer::Mat<f64> {
     let n = fit.parameters.len();
     let contribution = |k: usize, j: usize| {
         fit.jacobian[(2 * k, j)] * fit.residuals[2 * k] + fit.jacobian[(2 * k + 1, j)] * fit.residuals[2 * k + 1]

@@ -7,15 +7,19 @@
 //! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
 pub mod covariance;
+mod data;
 pub mod distributions;
 mod error;
+mod fit;
 pub mod frequency;
 pub mod least_squares;
 pub mod nonlinear;
 mod triangle;
 pub mod validate;
 
+pub use data::{Dataset, Experiment, Intersample, Label};
 pub use error::IdentError;
+pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use least_squares::{LinearFit, least_squares};
-pub use nonlinear::{Bounds, Fit, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use triangle::Triangle;

@@ -69,6 +69,8 @@ impl Default for NonlinearOptions {
 /// How an iteration ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Termination {
+    /// Solved at once, without a search.
+    Direct,
     /// The step became negligible.
     SmallStep,
     /// The cost can no longer fall noticeably.
@@ -88,7 +90,7 @@ impl Termination {
 
 /// The minimum of ‖ε(θ)‖².
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct Minimum {
     /// θ at the minimum.
     pub parameters: Vec<f64>,
     /// ε at the minimum.
@@ -109,7 +111,7 @@ pub struct Fit {
     pub condition: f64,
 }
 
-impl Fit {
+impl Minimum {
     /// Residuals less free parameters.
     pub fn degrees_of_freedom(&self) -> f64 {
         let free = self.at_bound.iter().filter(|b| !**b).count();
@@ -141,7 +143,7 @@ pub fn minimise<M: ResidualModel>(
     start: &[f64],
     bounds: &[Bounds],
     options: NonlinearOptions,
-) -> Result<Fit, IdentError> {
+) -> Result<Minimum, IdentError> {
     check_start(model, start, bounds)?;
     let mut search = Search::new(model, start, bounds)?;
     let termination = search.run(options)?;
@@ -340,7 +342,7 @@ impl<'a, M: ResidualModel> Search<'a, M> {
         }
     }
 
-    fn finish(self, termination: Termination) -> Result<Fit, IdentError> {
+    fn finish(self, termination: Termination) -> Result<Minimum, IdentError> {
         let free = self.free_parameters();
         let factor = self.factor(&free);
         let (n, total) = (free.len(), self.parameters.len());
@@ -355,7 +357,7 @@ impl<'a, M: ResidualModel> Search<'a, M> {
                 unscaled_covariance[(*i, *j)] = product[(a, b)] / (norms[a] * norms[b]);
             }
         }
-        Ok(Fit {
+        Ok(Minimum {
             at_bound: (0..total).map(|j| !free.contains(&j)).collect(),
             parameters: self.parameters,
             residuals: self.residuals,

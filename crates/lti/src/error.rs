@@ -86,6 +86,12 @@ pub enum LtiError {
     /// The transfer function is zero, so it has no zeros.
     #[error("the output does not depend on the input")]
     ZeroSystem,
+    /// An output that depends on another one has no transfer function of its own polynomials.
+    #[error("output {output} depends on another output; take the channel of the innovations form")]
+    OutputsCoupled {
+        /// The output asked for.
+        output: usize,
+    },
     /// The eigenvalue iteration did not converge.
     #[error("the eigenvalue iteration did not converge")]
     NoConvergence,

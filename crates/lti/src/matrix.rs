@@ -4,7 +4,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef};
 
 use crate::Complex64;
-use crate::error::LtiError;
+use crate::error::{LtiError, check_shape};
 
 pub(crate) fn identity(n: usize) -> Mat<f64> {
     Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)))
@@ -29,6 +29,25 @@ pub(crate) fn blocks<const R: usize, const C: usize>(parts: [[MatRef<'_, f64>; C
 
 pub(crate) fn elements(m: MatRef<'_, f64>) -> impl Iterator<Item = f64> + '_ {
     (0..m.ncols()).flat_map(move |j| (0..m.nrows()).map(move |i| m[(i, j)]))
+}
+
+/// A matrix as a list of its rows, for writing down.
+pub(crate) fn to_rows(m: MatRef<'_, f64>) -> Vec<Vec<f64>> {
+    (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect()
+}
+
+/// The matrix whose rows are listed, with its sizes checked.
+pub(crate) fn from_rows(
+    what: &'static str,
+    rows: &[Vec<f64>],
+    count: usize,
+    columns: usize,
+) -> Result<Mat<f64>, LtiError> {
+    check_shape(what, (count, columns), (rows.len(), columns))?;
+    for row in rows {
+        check_shape(what, (count, columns), (count, row.len()))?;
+    }
+    Ok(Mat::from_fn(count, columns, |i, j| rows[i][j]))
 }
 
 /// Largest column sum of magnitudes.

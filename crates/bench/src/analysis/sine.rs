@@ -262,7 +262,7 @@ impl Cut {
             let regressors = regressors(x, waves);
             let fit = ident::least_squares(regressors.as_ref(), &x.samples)?;
             let value = |i: usize| fit.parameters.iter().enumerate().map(|(j, p)| regressors[(i, j)] * p).sum::<f64>();
-            Ok(x.with_samples((0..x.len()).map(|i| x.samples[i] - value(i)).collect()))
+            Ok::<_, ident::IdentError>(x.with_samples((0..x.len()).map(|i| x.samples[i] - value(i)).collect()))
         };
         Ok(Cut {
             dyno: rest(&self.dyno)?,

@@ -1,7 +1,7 @@
 //! Making [`Parameter`]s and [`Estimate`]s from numbers.
 
 use faer::Mat;
-use ident::Fit;
+use ident::Minimum;
 use ident::distributions::interval;
 
 use crate::study::{Estimate, Parameter, Stretch};
@@ -57,7 +57,7 @@ impl Estimate {
 /// The quantities people read, as functions of a fit's internal parameters, with their covariance by the delta method.
 pub(crate) fn transformed(
     outputs: &[ReadOut<'_>],
-    fit: &Fit,
+    fit: &Minimum,
     covariance: &Mat<f64>,
     degrees_of_freedom: f64,
     stretch: &Stretch,

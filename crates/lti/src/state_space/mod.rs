@@ -14,7 +14,7 @@ pub use discretise::FirstOrderHold;
 use crate::Complex64;
 use crate::error::{LtiError, check_sample_time, check_shape};
 use crate::frequency_response::FrequencyResponse;
-use crate::matrix::{eigenvalues, identity, inverse};
+use crate::matrix::{eigenvalues, from_rows, identity, inverse, to_rows};
 use crate::simulation::check_matrix;
 
 /// A linear system in state space, continuous (`ẋ = A x + B u`) or discrete (`x_{k+1} = A x_k + B u_k`), with
@@ -57,7 +57,7 @@ struct Rows {
 
 impl From<StateSpace> for Rows {
     fn from(system: StateSpace) -> Self {
-        let rows = |m: &Mat<f64>| (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect();
+        let rows = |m: &Mat<f64>| to_rows(m.as_ref());
         Self {
             states: system.states(),
             inputs: system.inputs(),
@@ -75,19 +75,12 @@ impl TryFrom<Rows> for StateSpace {
     type Error = LtiError;
 
     fn try_from(parts: Rows) -> Result<Self, LtiError> {
-        let matrix = |what, rows: &[Vec<f64>], count: usize, columns: usize| {
-            check_shape(what, (count, columns), (rows.len(), columns))?;
-            for row in rows {
-                check_shape(what, (count, columns), (count, row.len()))?;
-            }
-            Ok(Mat::from_fn(count, columns, |i, j| rows[i][j]))
-        };
         let Rows { states, inputs, outputs, .. } = parts;
         Self::new(
-            matrix("A", &parts.a, states, states)?,
-            matrix("B", &parts.b, states, inputs)?,
-            matrix("C", &parts.c, outputs, states)?,
-            matrix("D", &parts.d, outputs, inputs)?,
+            from_rows("A", &parts.a, states, states)?,
+            from_rows("B", &parts.b, states, inputs)?,
+            from_rows("C", &parts.c, outputs, states)?,
+            from_rows("D", &parts.d, outputs, inputs)?,
             parts.sample_time_s,
         )
     }
@@ -277,7 +270,7 @@ impl StateSpace {
     }
 }
 
-fn check_index(what: &'static str, index: usize, count: usize) -> Result<(), LtiError> {
+pub(crate) fn check_index(what: &'static str, index: usize, count: usize) -> Result<(), LtiError> {
     if index < count { Ok(()) } else { Err(LtiError::Index { what, index, count }) }
 }
 

@@ -3,7 +3,7 @@
 use faer::Mat;
 use ident::covariance::at_least_white;
 use ident::validate::{fit_percent, residual_correlations, rms_error};
-use ident::{Bounds, Fit, NonlinearOptions, minimise};
+use ident::{Bounds, Minimum, NonlinearOptions, minimise};
 use signal::Signal;
 use signal::spline::UniformSpline;
 
@@ -256,7 +256,11 @@ fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), Estima
 
 /// Fits with the lag of N_d* in the speed error made consistent with the delay found, and without a gate where there is
 /// none.
-fn fit_with_lag(data: &Data, mut start: Vec<f64>, free: impl Fn(usize) -> bool) -> Result<(Fit, usize), EstimateError> {
+fn fit_with_lag(
+    data: &Data,
+    mut start: Vec<f64>,
+    free: impl Fn(usize) -> bool,
+) -> Result<(Minimum, usize), EstimateError> {
     let mut lag = 1;
     let mut fit = run(data, lag, &start, &free)?;
     let gate = fit.parameters[inverse::GATE_SQUARED].sqrt();
@@ -274,20 +278,20 @@ fn fit_with_lag(data: &Data, mut start: Vec<f64>, free: impl Fn(usize) -> bool) 
     Ok((fit, lag))
 }
 
-fn fit_without_delay(data: &Data, mut start: Vec<f64>, lag: usize) -> Result<Fit, EstimateError> {
+fn fit_without_delay(data: &Data, mut start: Vec<f64>, lag: usize) -> Result<Minimum, EstimateError> {
     (start[inverse::LEAD], start[inverse::GATE_SQUARED]) = (0.0, 0.0);
     let free = |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
     run(data, lag, &start, free)
 }
 
-fn fit_feed_forward(data: &Data, controller: &SpeedControllerFit) -> Result<Fit, EstimateError> {
+fn fit_feed_forward(data: &Data, controller: &SpeedControllerFit) -> Result<Minimum, EstimateError> {
     let mut start = controller.theta.clone();
     start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
     (start[inverse::COSINE], start[inverse::SINE]) = (0.0, 0.0);
     run(data, controller.reference_lag, &start, |j| j != inverse::GATE_SQUARED)
 }
 
-fn run(data: &Data, lag: usize, start: &[f64], free: impl Fn(usize) -> bool) -> Result<Fit, EstimateError> {
+fn run(data: &Data, lag: usize, start: &[f64], free: impl Fn(usize) -> bool) -> Result<Minimum, EstimateError> {
     let unbounded = |j: usize| match j {
         inverse::P => Bounds::new(1e-9, 1e9),
         inverse::Q => Bounds::new(0.0, 1.0),
@@ -334,7 +338,7 @@ fn starting_point(data: &Data) -> Result<Vec<f64>, EstimateError> {
 }
 
 /// Gains, delay and gate with their covariance, from the internal parameters.
-fn describe(data: &Data, fit: &Fit, noise_rad_s: f64) -> Result<(Estimate, Encoder), EstimateError> {
+fn describe(data: &Data, fit: &Minimum, noise_rad_s: f64) -> Result<(Estimate, Encoder), EstimateError> {
     let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
     let t = data.demand.sample_time_s;
     let first_demand = data.demand.samples[0];
@@ -360,7 +364,7 @@ fn describe(data: &Data, fit: &Fit, noise_rad_s: f64) -> Result<(Estimate, Encod
     Ok((estimate, encoder))
 }
 
-fn describe_feed_forward(data: &Data, fit: &Fit) -> Result<Estimate, EstimateError> {
+fn describe_feed_forward(data: &Data, fit: &Minimum) -> Result<Estimate, EstimateError> {
     let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
     let t = data.demand.sample_time_s;
     let outputs: [ReadOut<'_>; 4] = [
@@ -436,7 +440,7 @@ fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest,
 }
 
 /// Fits what belongs to a stretch itself, its initial state and the angle's zero, and leaves the controller as it is.
-fn refit_stretch(data: &Data, theta: &[f64], lag: usize) -> Result<Fit, EstimateError> {
+fn refit_stretch(data: &Data, theta: &[f64], lag: usize) -> Result<Minimum, EstimateError> {
     let mut start = theta.to_vec();
     start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
     run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))

@@ -15,7 +15,7 @@ mod search;
 mod validation;
 
 use faer::Mat;
-use ident::{Bounds, Fit, IdentError};
+use ident::{Bounds, IdentError, Minimum};
 use serde::Serialize;
 use signal::Signal;
 
@@ -189,7 +189,7 @@ struct Lagged {
     covariance: Mat<f64>,
     freedom: f64,
     gain: Parameter,
-    fit: Fit,
+    fit: Minimum,
 }
 
 fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Result<Lagged, IdentError> {
@@ -215,7 +215,7 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
 
 fn free_gain(
     model: &mut RippledModel<'_, DelayAndLag<'_>>,
-    fit: &Fit,
+    fit: &Minimum,
     bounds: &[Bounds],
     sample_time_s: f64,
 ) -> Result<Parameter, IdentError> {

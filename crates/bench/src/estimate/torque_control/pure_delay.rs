@@ -1,7 +1,7 @@
 //! The bar to beat: the torque follows the demand after a delay and nothing else.
 
 use faer::Mat;
-use ident::{Fit, IdentError, Termination};
+use ident::{IdentError, Minimum, Termination};
 
 use super::held::HeldDemand;
 use super::model::{InverterModel, PureDelay};
@@ -82,7 +82,7 @@ fn noise_variance(held: &HeldDemand, observed: &Observed, model: &PureDelay) -> 
     if information.is_nan() || information <= 0.0 {
         return Err(IdentError::Constant { what: "the demand" });
     }
-    let fit = Fit {
+    let fit = Minimum {
         parameters: vec![model.delay_s],
         cost: residuals.iter().map(|r| r * r).sum(),
         residuals,

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use ident::covariance::batched_sandwich;
-use ident::{Bounds, Fit, IdentError, NonlinearOptions, minimise};
+use ident::{Bounds, IdentError, Minimum, NonlinearOptions, minimise};
 
 use super::ripple::{lowers_cost, strongest_line};
 use super::rippled::{Response, RippledModel};
@@ -28,7 +28,7 @@ pub(in crate::estimate) fn fit_with_ripple<R: Response>(
     model: &mut RippledModel<'_, R>,
     starts: &[Vec<f64>],
     bounds: &[Bounds],
-) -> Result<Fit, IdentError> {
+) -> Result<Minimum, IdentError> {
     let mut fit = fit_without_ripple(model, starts, bounds)?;
     let scale: f64 = model.observed().values.iter().map(|y| y * y).sum();
     let mut frequencies: Vec<f64> = Vec::new();
@@ -47,7 +47,7 @@ pub(in crate::estimate) fn fit_with_ripple<R: Response>(
     Ok(fit)
 }
 
-fn next_line<R: Response>(model: &RippledModel<'_, R>, fit: &Fit, known: &[f64]) -> Option<f64> {
+fn next_line<R: Response>(model: &RippledModel<'_, R>, fit: &Minimum, known: &[f64]) -> Option<f64> {
     let observed = model.observed();
     strongest_line(&fit.residuals, &observed.places, observed.sample_time_s, known).ok().flatten()
 }
@@ -56,10 +56,10 @@ fn fit_without_ripple<R: Response>(
     model: &mut RippledModel<'_, R>,
     starts: &[Vec<f64>],
     bounds: &[Bounds],
-) -> Result<Fit, IdentError> {
+) -> Result<Minimum, IdentError> {
     let mut ranked: Vec<(f64, &Vec<f64>)> = starts.iter().map(|s| (model.coarse_cost(s), s)).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best: Result<Fit, IdentError> = Err(IdentError::Constant { what: "the demand" });
+    let mut best: Result<Minimum, IdentError> = Err(IdentError::Constant { what: "the demand" });
     for (_, start) in ranked.iter().take(STARTS) {
         let found = fit_with_lines(model, start, bounds, &[]);
         match (&best, &found) {
@@ -80,7 +80,7 @@ pub(in crate::estimate) fn fit_with_lines<R: Response>(
     start: &[f64],
     bounds: &[Bounds],
     frequencies_hz: &[f64],
-) -> Result<Fit, IdentError> {
+) -> Result<Minimum, IdentError> {
     let start = model.with_linear_part(&start[..model.response_count()], frequencies_hz)?;
     let bounds = model.bounds(bounds, &start, line_reach_hz(model));
     minimise(model, &start, &bounds, NonlinearOptions::default())
@@ -92,9 +92,9 @@ pub(in crate::estimate) fn fit_with_lines<R: Response>(
 /// Those of the nonlinear least squares.
 pub(in crate::estimate) fn free_the_gain<R: Response>(
     model: &mut RippledModel<'_, R>,
-    fit: &Fit,
+    fit: &Minimum,
     bounds: &[Bounds],
-) -> Result<Fit, IdentError> {
+) -> Result<Minimum, IdentError> {
     let mut bounds = model.bounds(bounds, &fit.parameters, line_reach_hz(model));
     bounds[model.response_count()] = Bounds::NONE;
     minimise(model, &fit.parameters, &bounds, NonlinearOptions::default())
@@ -113,7 +113,7 @@ fn line_reach_hz<R: Response>(model: &RippledModel<'_, R>) -> f64 {
 ///
 /// # Errors
 /// Too few samples.
-pub(in crate::estimate) fn robust_covariance(fit: &Fit, sample_time_s: f64) -> Result<(Mat<f64>, f64), IdentError> {
+pub(in crate::estimate) fn robust_covariance(fit: &Minimum, sample_time_s: f64) -> Result<(Mat<f64>, f64), IdentError> {
     let batches = (fit.residuals.len() as f64 * sample_time_s / BATCH_S) as usize;
     batched_sandwich(fit, batches.clamp(BATCHES.0, BATCHES.1))
 }

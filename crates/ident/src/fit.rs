@@ -1,0 +1,180 @@
+//! [`Fit`]: what every estimator returns, and what a model has to be able to do to be judged.
+
+use faer::Mat;
+use lti::{Innovations, LtiError, PolynomialModel};
+
+use crate::{IdentError, Intersample, Termination};
+
+/// A model with parameters θ that can be read and replaced. Everything derived from an estimate — intervals, bands, ellipses,
+/// sampled models — goes through it.
+pub trait Parametric: Clone {
+    /// θ, in a fixed order.
+    fn parameters(&self) -> Vec<f64>;
+
+    /// What each parameter is called, in the same order.
+    fn parameter_names(&self) -> Vec<String>;
+
+    /// The same structure with other parameters.
+    ///
+    /// # Errors
+    /// A wrong number of parameters, or values at which there is no model.
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError>;
+}
+
+/// A model that says how sampled outputs come from sampled inputs and noise.
+pub trait LinearModel {
+    /// Number of inputs.
+    fn inputs(&self) -> usize;
+
+    /// Number of outputs.
+    fn outputs(&self) -> usize;
+
+    /// The model in innovations form on a sample time. Models in continuous time are discretised exactly under the given
+    /// behaviour of the inputs.
+    ///
+    /// # Errors
+    /// A discrete model of another sample time, or a continuous one that cannot be discretised.
+    fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError>;
+}
+
+/// An estimate: the model, how certain it is, and how it came about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit<M> {
+    /// The model at the estimate.
+    pub model: M,
+    /// Covariance of the model's parameters, in their order.
+    pub covariance: Mat<f64>,
+    /// Degrees of freedom of Student's t for intervals of the parameters.
+    pub degrees_of_freedom: f64,
+    /// Covariance of the one-step prediction errors, outputs × outputs, degrees of freedom taken off.
+    pub noise_covariance: Mat<f64>,
+    /// The determinant of the mean of `ε(t) ε(t)ᵀ`; the mean squared prediction error for one output. Criteria build on it.
+    pub loss: f64,
+    /// Rows of prediction errors that the estimate rests on.
+    pub samples: usize,
+    /// Free parameters, those of initial states not counted.
+    pub free_parameters: usize,
+    /// The initial state of the innovations form, for each experiment; empty where the method needs none.
+    pub initial_states: Vec<Vec<f64>>,
+    /// How the search ended.
+    pub termination: Termination,
+    /// Iterations taken, zero for a method without any.
+    pub iterations: usize,
+    /// Condition number of the scaled regressor or Jacobian.
+    pub condition: f64,
+    /// What to doubt about the estimate.
+    pub doubts: Vec<Doubt>,
+}
+
+/// A reason to doubt an estimate that was made all the same.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// The search stopped at its limit of iterations.
+    NotConverged,
+    /// The parameters are barely told apart by the data.
+    IllConditioned {
+        /// Condition number of the scaled regressor or Jacobian.
+        condition: f64,
+    },
+    /// Rows were left out because of missing samples.
+    RowsLeftOut {
+        /// How many.
+        rows: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// A parameter rests on a bound.
+    AtBound {
+        /// Its index.
+        parameter: usize,
+    },
+    /// The model is not stable.
+    Unstable,
+}
+
+impl<M: Parametric> Fit<M> {
+    /// The parameters, in the model's order.
+    pub fn parameters(&self) -> Vec<f64> {
+        self.model.parameters()
+    }
+
+    /// Standard error of each parameter.
+    pub fn standard_errors(&self) -> Vec<f64> {
+        (0..self.covariance.nrows()).map(|i| self.covariance[(i, i)].max(0.0).sqrt()).collect()
+    }
+
+    /// The interval that holds each parameter with this probability, by Student's t.
+    pub fn intervals(&self, level: f64) -> Vec<(f64, f64)> {
+        let interval = |(value, error)| crate::distributions::interval(value, error, self.degrees_of_freedom, level);
+        self.parameters().into_iter().zip(self.standard_errors()).map(interval).collect()
+    }
+}
+
+impl Parametric for PolynomialModel {
+    fn parameters(&self) -> Vec<f64> {
+        self.coefficients()
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        self.coefficient_names()
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
+        self.with_coefficients(parameters)
+    }
+}
+
+impl LinearModel for PolynomialModel {
+    fn inputs(&self) -> usize {
+        PolynomialModel::inputs(self)
+    }
+
+    fn outputs(&self) -> usize {
+        PolynomialModel::outputs(self)
+    }
+
+    fn innovations(&self, sample_time_s: f64, _: Intersample) -> Result<Innovations, LtiError> {
+        check_clock(self.sample_time_s(), sample_time_s)?;
+        PolynomialModel::innovations(self)
+    }
+}
+
+impl LinearModel for Innovations {
+    fn inputs(&self) -> usize {
+        self.system().inputs()
+    }
+
+    fn outputs(&self) -> usize {
+        self.system().outputs()
+    }
+
+    fn innovations(&self, sample_time_s: f64, _: Intersample) -> Result<Innovations, LtiError> {
+        check_clock(self.system().sample_time_s().unwrap_or(f64::NAN), sample_time_s)?;
+        Ok(self.clone())
+    }
+}
+
+/// Sample times are compared with a tolerance, since they are often written in decimal.
+pub(crate) fn check_clock(model_s: f64, data_s: f64) -> Result<(), LtiError> {
+    if (model_s - data_s).abs() <= 1e-9 * data_s {
+        return Ok(());
+    }
+    Err(LtiError::SampleTimesDiffer { first: Some(model_s), second: Some(data_s) })
+}
+
+/// Refuses data whose channels are not those of a model.
+///
+/// # Errors
+/// [`IdentError::Length`].
+pub(crate) fn check_channels(model: &impl LinearModel, data: &crate::Dataset) -> Result<(), IdentError> {
+    for (what, expected, found) in [
+        ("inputs of the data", model.inputs(), data.inputs()),
+        ("outputs of the data", model.outputs(), data.outputs()),
+    ] {
+        if expected != found {
+            return Err(IdentError::Length { what, expected, found });
+        }
+    }
+    Ok(())
+}
