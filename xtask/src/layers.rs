@@ -11,8 +11,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("ident", &["signal", "lti"]),
     ("recording", &[]),
     ("bench", &["recording", "signal", "lti", "ident"]),
-    ("report", &["bench"]),
-    ("dynoid", &["signal", "lti", "ident", "recording", "bench", "report"]),
+    ("plot", &[]),
+    ("report", &["bench", "plot"]),
+    ("dynoid", &["signal", "lti", "ident", "recording", "bench", "plot", "report"]),
     ("testkit", &[]),
     ("xtask", &[]),
 ];
@@ -24,6 +25,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("tempfile", &["dynoid"]),
     ("falcon_mdf", &["recording"]),
     ("csv", &["recording"]),
+    ("resvg", &["plot"]),
 ];
 
 /// Checks every crate of the workspace against both tables. Dependencies of tests are free.

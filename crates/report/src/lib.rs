@@ -6,7 +6,6 @@
 //! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
 //! text and `null` in JSON.
 
-mod figure;
 mod html;
 mod json;
 pub mod verdict;

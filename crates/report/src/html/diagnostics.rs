@@ -2,9 +2,10 @@
 
 use bench::{Diagnostic, Severity, Study};
 
-use super::markup::{Markup, markup};
 use super::typeset::prose;
 use crate::wording;
+use plot::markup;
+use plot::markup::Markup;
 
 /// The section on findings.
 pub(crate) fn section(study: &Study) -> Markup {

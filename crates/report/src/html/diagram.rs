@@ -3,9 +3,10 @@
 use bench::Study;
 use bench::study::{Estimate, Need, Part};
 
-use super::markup::{Markup, markup};
 use super::typeset::symbol_svg;
 use crate::wording::{join, number};
+use plot::markup;
+use plot::markup::Markup;
 
 /// The diagram's own coordinates; the page scales it.
 const WIDTH: i32 = 880;

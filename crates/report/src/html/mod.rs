@@ -5,7 +5,6 @@
 
 mod diagnostics;
 mod diagram;
-mod markup;
 mod methods;
 mod parts;
 mod plots;
@@ -18,16 +17,10 @@ mod whole;
 
 use bench::Study;
 
-use markup::{Markup, markup};
+use plot::markup;
+use plot::markup::Markup;
 
 const STYLE: &str = include_str!("../../assets/report.css");
-const SCRIPT: [&str; 5] = [
-    include_str!("../../assets/scale.js"),
-    include_str!("../../assets/data.js"),
-    include_str!("../../assets/draw.js"),
-    include_str!("../../assets/interact.js"),
-    include_str!("../../assets/mount.js"),
-];
 
 /// The report of a study: one HTML file that needs no network, works on a screen and prints on A4.
 pub fn html(study: &Study) -> String {
@@ -59,22 +52,22 @@ fn section(id: &str, title: &str, content: Markup) -> Markup {
 }
 
 fn page(study: &Study, contents: &Markup, body: &Markup) -> Markup {
-    let script = Markup::raw(SCRIPT.concat());
     markup!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <meta name=\"generator\" content=\"dynoid {}\">\n\
-         <title>{} – bench model</title>\n<style>\n{}</style>\n</head>\n<body>\n\
+         <title>{} – bench model</title>\n<style>\n{}{}</style>\n</head>\n<body>\n\
          <nav aria-label=\"Contents\"><p class=\"brand\">dynoid</p><ol>{}</ol></nav>\n<main>\n{}\
          <noscript><p class=\"note\">The figures are drawn by a script in this file; allow scripts to see them.</p></noscript>\n\
          {}</main>\n<script>\n(function () {{\n\"use strict\";\n{}}})();\n</script>\n</body>\n</html>\n",
         study.provenance.version,
         study.bench.name,
         Markup::raw(STYLE),
+        Markup::raw(plot::STYLE),
         contents,
         masthead(study),
         body,
-        script,
+        Markup::raw(plot::SCRIPT),
     )
 }
 

@@ -2,9 +2,10 @@
 
 use bench::study::{Estimate, Need, Parameter, Stretch, Validation};
 
-use super::markup::{Markup, markup};
 use super::typeset::{prose, symbol};
 use crate::wording::{self, number};
+use plot::markup;
+use plot::markup::Markup;
 
 /// A number that must not break across lines.
 pub(crate) fn unbroken(text: &str) -> Markup {

@@ -2,21 +2,16 @@
 
 use bench::study::{ResidualTest, Trace, Validation};
 
-use super::markup::{Markup, markup, script_json};
 use super::parts::unbroken;
 use super::typeset::prose;
-use crate::figure::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, drawn_of, rounded};
 use crate::wording::number;
+use plot::markup;
+use plot::markup::Markup;
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, drawn_of, rounded};
 
 /// The element the script draws a figure into.
 pub(crate) fn figure(figure: &Figure) -> Markup {
-    markup!(
-        "<figure class=\"plot\"><p class=\"plot-title\">{}</p><script type=\"application/json\">{}</script>\
-         <figcaption>{}</figcaption></figure>\n",
-        prose(&figure.title),
-        script_json(figure),
-        prose(&figure.caption)
-    )
+    plot::figure_element(figure, &prose(&figure.title), &prose(&figure.caption))
 }
 
 /// Figures next to each other, where the page is wide enough.
@@ -27,16 +22,17 @@ pub(crate) fn side_by_side(figures: &[Figure]) -> Markup {
 
 /// Measured and modelled above, their difference below. `rival` is a second model's curve on the same data.
 pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&str, &Validation)>) -> Figure {
-    let mut layers = vec![Layer::trace("measured", Style::Measured, &validation.measured)];
+    let mut layers = vec![trace_layer("measured", Style::Measured, &validation.measured)];
     let mut differences = Vec::new();
     if let Some((name, rival)) = rival {
-        layers.push(Layer::trace(name, Style::Other, &rival.modelled));
-        differences.push(Layer::trace(&format!("residual, {name}"), Style::Other, &difference(rival)));
+        layers.push(trace_layer(name, Style::Other, &rival.modelled));
+        differences.push(trace_layer(&format!("residual, {name}"), Style::Other, &difference(rival)));
     }
-    layers.push(Layer::trace("modelled", Style::Modelled, &validation.modelled));
-    differences.push(Layer::trace("residual", Style::Residual, &difference(validation)));
+    layers.push(trace_layer("modelled", Style::Modelled, &validation.modelled));
+    differences.push(trace_layer("residual", Style::Residual, &difference(validation)));
     let residual = format!("{} − model", validation.quantity);
     Figure {
+        equal_axes: false,
         title: title.to_owned(),
         caption: comparison_caption(validation),
         x: Axis::time(),
@@ -45,6 +41,11 @@ pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&s
             Panel::new(Axis::linear(&residual, &validation.unit), 90, differences),
         ],
     }
+}
+
+/// A trace of the study as a layer.
+pub(crate) fn trace_layer(name: &str, style: Style, trace: &Trace) -> Layer {
+    Layer::trace(name, style, (trace.start_s, trace.sample_time_s), &trace.values)
 }
 
 /// Measured minus modelled, for the plot of what is left over.
@@ -73,7 +74,7 @@ fn whole(seconds: f64) -> String {
 
 /// Says so when not every sample is drawn.
 pub(crate) fn thinned(trace: &Trace) -> String {
-    match drawn_of(trace) {
+    match drawn_of(&trace.values) {
         Some(drawn) => format!("Drawn with {drawn} of {} samples; every peak is kept.", trace.values.len()),
         None => String::new(),
     }
@@ -119,6 +120,7 @@ pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: Extent) -> 
     let (own, cross) = (own_lags(test), test.cross_correlation.as_slice());
     let (own_label, cross_label) = ("residual with itself".to_owned(), format!("residual with {}", test.input));
     Figure {
+        equal_axes: false,
         title: title.to_owned(),
         caption: format!(
             "Outside the {level} region: {} with itself, {} with {}. Positive lags: the input comes first.",

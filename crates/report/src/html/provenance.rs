@@ -3,10 +3,11 @@
 use bench::Study;
 use bench::study::{BenchFacts, RecordingSummary};
 
-use super::markup::{Markup, markup};
 use super::parts::{table, unbroken};
 use super::typeset::symbol;
 use crate::wording::{experiment, number, part, variant};
+use plot::markup;
+use plot::markup::Markup;
 
 /// The section on provenance.
 pub(crate) fn section(study: &Study) -> Markup {

@@ -3,12 +3,13 @@
 use bench::Study;
 use bench::study::{Replay, Validation};
 
-use super::markup::{Markup, markup};
 use super::parts::{stretch, table};
-use super::plots::{difference, figure, thinned};
+use super::plots::{difference, figure, thinned, trace_layer};
 use super::typeset::{prose, symbol};
-use crate::figure::{Axis, Figure, Layer, Panel, Style};
 use crate::wording::{capitalised, experiment, mode, number};
+use plot::markup;
+use plot::markup::Markup;
+use plot::{Axis, Figure, Layer, Panel, Style};
 
 /// The section on replays.
 pub(crate) fn section(study: &Study) -> Markup {
@@ -85,8 +86,8 @@ fn signals(replay: &Replay) -> Figure {
 }
 
 fn signal(signal: &Validation) -> Panel {
-    let measured = Layer::trace("measured", Style::Measured, &signal.measured);
-    let modelled = Layer::trace("modelled", Style::Modelled, &signal.modelled);
+    let measured = trace_layer("measured", Style::Measured, &signal.measured);
+    let modelled = trace_layer("modelled", Style::Modelled, &signal.modelled);
     Panel::new(Axis::linear(&signal.quantity, &signal.unit), 120, vec![measured, modelled])
         .noted(format!("fit {}", number::fit(signal.fit_percent)))
 }
@@ -94,7 +95,7 @@ fn signal(signal: &Validation) -> Panel {
 /// What is left of the signal the model explains least.
 fn worst_residual(replay: &Replay) -> Option<Panel> {
     let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
-    let left_over = vec![Layer::trace("residual", Style::Residual, &difference(worst))];
+    let left_over = vec![trace_layer("residual", Style::Residual, &difference(worst))];
     let panel = Panel::new(Axis::linear(&format!("{} − model", worst.quantity), &worst.unit), 80, left_over);
     Some(panel.noted("of the signal with the lowest fit".to_owned()))
 }

@@ -4,11 +4,12 @@ use bench::study::{Need, Parameter, Part, Study};
 use bench::{Diagnostic, Severity};
 
 use super::diagnostics::{alike, entry};
-use super::markup::{Markup, markup};
 use super::parts::{table, unbroken};
 use super::typeset::{prose, symbol};
 use crate::verdict::{Level, Rule, verdict};
 use crate::wording::{self, number};
+use plot::markup;
+use plot::markup::Markup;
 
 /// Findings shown on the first page.
 const SHOWN_FINDINGS: usize = 4;

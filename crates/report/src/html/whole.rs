@@ -3,12 +3,13 @@
 use bench::ControlMode;
 use bench::study::{BenchFacts, BodeCurve, Margins, Parameter, Part, SinePoint, Study, WholeModel};
 
-use super::markup::{Markup, markup};
 use super::parts::{lead, not_estimated, parameter_rows, table, unbroken};
 use super::plots::figure;
 use super::typeset::prose;
-use crate::figure::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 use crate::wording::{mode_short, number};
+use plot::markup;
+use plot::markup::Markup;
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 /// Normal quantile of the error bars.
 const QUANTILE_95: f64 = 1.96;
@@ -113,6 +114,7 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
         .enumerate()
         .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg));
     Figure {
+        equal_axes: false,
         title: format!("From {input} to {output}"),
         caption: bode_caption(unit, !points.is_empty()),
         x: Axis::frequency(),
@@ -215,6 +217,7 @@ fn sine_figure(whole: &WholeModel) -> Figure {
     }
     layers.extend(sine_layers(points, Rounded));
     Figure {
+        equal_axes: false,
         title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
         caption:
             "Points: measured, the engine’s part removed, with 95 % error bars. Grey: at an engine order, where the \

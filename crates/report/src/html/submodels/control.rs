@@ -2,11 +2,12 @@
 
 use bench::study::{FeedForward, Part, SpeedController, Study, TorqueControl};
 
-use crate::html::markup::{Markup, markup};
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, unbroken};
 use crate::html::plots::{Extent, comparison, correlations, cross_outside, figure, residual_test, side_by_side};
 use crate::html::typeset::prose;
 use crate::wording::number;
+use plot::markup;
+use plot::markup::Markup;
 
 /// PI with delay.
 pub(crate) fn speed_controller(study: &Study) -> Markup {

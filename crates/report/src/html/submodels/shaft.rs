@@ -2,12 +2,13 @@
 
 use bench::study::{Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft, Study};
 
-use crate::figure::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
-use crate::html::markup::{Markup, markup};
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, table, unbroken};
 use crate::html::plots::{comparison, figure};
 use crate::html::typeset::{prose, symbol};
 use crate::wording::number;
+use plot::markup;
+use plot::markup::Markup;
+use plot::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 /// The section on the shaft.
 pub(crate) fn shaft(study: &Study) -> Markup {
@@ -41,6 +42,7 @@ fn response(response: &MeasuredResponse) -> Figure {
         Panel::new(Axis::linear(label, unit), 150, vec![measured, modelled])
     };
     Figure {
+        equal_axes: false,
         title: "Frequency response from twist speed to shaft torque".to_owned(),
         caption: "Δω = ω_e − ω_d to T_shaft, gain relative to 1 Nm s/rad. The falling part is the stiffness; where it \
                   levels off, the damping takes over."
@@ -79,6 +81,7 @@ fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
     }
     layers.push(Layer::dots("|error|/σ", Style::Residual, &spectrum.frequencies_hz, &spectrum.normalised_magnitude));
     Figure {
+        equal_axes: false,
         title: "What the shaft model leaves over, by frequency".to_owned(),
         caption: format!(
             "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound. Dashed lines: \

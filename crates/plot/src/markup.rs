@@ -8,26 +8,26 @@ use std::fmt;
 
 /// A piece of HTML.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Markup(String);
+pub struct Markup(String);
 
 impl Markup {
     /// HTML of the page's own.
-    pub(crate) fn raw(html: impl Into<String>) -> Self {
+    pub fn raw(html: impl Into<String>) -> Self {
         Markup(html.into())
     }
 
     /// The HTML as text.
-    pub(crate) fn into_string(self) -> String {
+    pub fn into_string(self) -> String {
         self.0
     }
 
     /// Whether there is nothing in it.
-    pub(crate) fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
     /// Puts another piece behind this one.
-    pub(crate) fn push(&mut self, other: Markup) {
+    pub fn push(&mut self, other: Markup) {
         self.0.push_str(&other.0);
     }
 }
@@ -47,7 +47,7 @@ impl fmt::Display for Markup {
 }
 
 /// Something [`markup!`] can place.
-pub(crate) trait Place {
+pub trait Place {
     /// The HTML of it.
     fn place(&self) -> Cow<'_, str>;
 }
@@ -83,20 +83,20 @@ impl<T: Place + ?Sized> Place for &T {
 }
 
 /// `format!` for HTML: arguments are escaped unless they are [`Markup`].
+#[macro_export]
 macro_rules! markup {
     ($template:literal $(, $argument:expr)* $(,)?) => {
-        $crate::html::markup::Markup::raw(format!(
+        $crate::markup::Markup::raw(format!(
             $template
-            $(, $crate::html::markup::Place::place(&$argument))*
+            $(, $crate::markup::Place::place(&$argument))*
         ))
     };
 }
-pub(crate) use markup;
 
 /// The text with HTML's special characters escaped, fit for content and for quoted attributes. Control characters that
 /// HTML does not allow become the replacement character, and so do the ones that turn the direction of writing, with
 /// which a file name could pretend to be another.
-pub(crate) fn escape(text: &str) -> Cow<'_, str> {
+pub fn escape(text: &str) -> Cow<'_, str> {
     let harmless = |c: char| !matches!(c, '&' | '<' | '>' | '"' | '\'') && !is_hidden(c);
     if text.chars().all(harmless) {
         return Cow::Borrowed(text);
@@ -123,7 +123,7 @@ fn is_hidden(c: char) -> bool {
 
 /// JSON fit for a `<script>` element: no `<`, so neither `</script>` nor `<!--` can occur in it, and none of the
 /// characters [`escape`] hides.
-pub(crate) fn script_json(value: &impl serde::Serialize) -> Markup {
+pub fn script_json(value: &impl serde::Serialize) -> Markup {
     let json = serde_json::to_string(value).unwrap_or_else(|_| "null".to_owned());
     Markup::raw(json.replace('<', "\\u003c").replace(is_hidden, "\u{fffd}"))
 }

@@ -8,7 +8,8 @@ function decodeFigure(json) {
         if (Array.isArray(layer[key])) layer[key] = Float64Array.from(layer[key], numberOrNaN);
       }
       const values = layer.y || layer.low;
-      if (layer.x && values && values.length !== undefined) layer.x = decodeX(layer.x, values.length);
+      if (isLoose(layer)) layer.x = Float64Array.from(layer.x, numberOrNaN);
+      else if (layer.x && values && values.length !== undefined) layer.x = decodeX(layer.x, values.length);
       else if (layer.type === "vertical_marks") layer.x = Float64Array.from(layer.x, numberOrNaN);
     }
   }
@@ -26,6 +27,9 @@ function decodeX(x, length) {
     return x.start + x.step * index;
   });
 }
+
+/** Points in no order of x: they are shown whole, and not read out. */
+const isLoose = (layer) => ["markers", "path"].includes(layer.type);
 
 const isSeries = (layer) => ["line", "points", "stems"].includes(layer.type);
 
@@ -100,7 +104,7 @@ function xExtent(figure) {
   const log = figure.x.scale === "log";
   let [low, high] = [Infinity, -Infinity];
   for (const layer of figure.panels.flatMap((panel) => panel.layers)) {
-    if (!isSeries(layer)) continue;
+    if (!isSeries(layer) && !isLoose(layer)) continue;
     for (const value of layer.x) {
       if (!Number.isFinite(value) || (log && value <= 0)) continue;
       low = Math.min(low, value);
@@ -110,6 +114,7 @@ function xExtent(figure) {
   if (figure.panels.some((panel) => panel.layers.some((layer) => layer.type === "stems"))) {
     [low, high] = [low - 0.015 * (high - low), high + 0.015 * (high - low)];
   }
+  if (figure.equal_axes) [low, high] = [low - 0.07 * (high - low), high + 0.07 * (high - low)];
   return low < high ? [low, high] : Number.isFinite(low) ? [low * 0.9 - 1e-9, low * 1.1 + 1] : [log ? 1 : 0, log ? 10 : 1];
 }
 
@@ -125,7 +130,7 @@ function yExtent(panel, domain, hidden) {
   for (const layer of panel.layers) {
     if (layer.type === "y_region") [layer.low, layer.high].forEach((v) => take(v === null ? NaN : v));
     if (!layer.x || layer.type === "vertical_marks" || layer.type === "x_region" || hidden.has(layer.name)) continue;
-    const [first, end] = visibleRange(layer.x, domain[0], domain[1]);
+    const [first, end] = isLoose(layer) ? [0, layer.x.length] : visibleRange(layer.x, domain[0], domain[1]);
     for (const key of ["y", "low", "high"]) {
       if (layer[key]) for (let n = first; n < end; n++) take(layer[key][n]);
     }
@@ -134,4 +139,11 @@ function yExtent(panel, domain, hidden) {
   if (!(low <= high)) return [0, 1];
   const air = 0.07 * (high - low) || Math.abs(high) * 0.1 || 1;
   return [low - air, high + air];
+}
+
+/** Widens the shorter of two ranges so that a pixel is worth the same along both. */
+function equalRanges([x0, x1], [y0, y1], width, height) {
+  const perPixel = Math.max((x1 - x0) / width, (y1 - y0) / height);
+  const around = (a, b, pixels) => [(a + b - perPixel * pixels) / 2, (a + b + perPixel * pixels) / 2];
+  return [around(x0, x1, width), around(y0, y1, height)];
 }

@@ -1,4 +1,4 @@
-//! A figure as data: what the report's own plotting script (`assets/*.js`) draws.
+//! A figure as data, drawn by the plotting script (`assets/*.js`) in a page and by [`crate::svg`] without one.
 //!
 //! A figure has one x-axis and one or more panels below each other that share it. Values are rounded and long traces
 //! thinned on the way in, so that a report of many recordings stays small.
@@ -6,10 +6,9 @@
 mod rounded;
 mod thin;
 
-use bench::study::Trace;
 use serde::Serialize;
 
-pub(crate) use rounded::{Rounded, rounded};
+pub use rounded::{Rounded, rounded};
 use thin::kept_indices;
 
 /// Largest number of points drawn of one trace.
@@ -17,63 +16,101 @@ const MAX_POINTS: usize = 4000;
 
 /// Panels on one x-axis, with a title above and a caption below.
 #[derive(Debug, Serialize)]
-pub(crate) struct Figure {
+pub struct Figure {
     /// What is shown.
-    pub(crate) title: String,
+    pub title: String,
     /// What to see in it; plain text, placed by the page and not by the script.
     #[serde(skip)]
-    pub(crate) caption: String,
+    pub caption: String,
     /// The shared x-axis.
-    pub(crate) x: Axis,
+    pub x: Axis,
     /// Panels, top to bottom.
-    pub(crate) panels: Vec<Panel>,
+    pub panels: Vec<Panel>,
+    /// Whether a length means the same along both axes, as in a complex plane.
+    pub equal_axes: bool,
 }
 
 /// One panel.
 #[derive(Debug, Serialize)]
-pub(crate) struct Panel {
+pub struct Panel {
     /// The y-axis.
-    pub(crate) y: Axis,
+    pub y: Axis,
     /// A remark behind the axis' name.
-    pub(crate) note: String,
+    pub note: String,
     /// Height of the drawing area, CSS pixels.
-    pub(crate) height: u32,
+    pub height: u32,
     /// What is drawn, first at the bottom.
-    pub(crate) layers: Vec<Layer>,
+    pub layers: Vec<Layer>,
 }
 
 /// An axis.
 #[derive(Debug, Serialize)]
-pub(crate) struct Axis {
-    pub(crate) label: String,
-    pub(crate) unit: String,
-    pub(crate) scale: Scale,
+pub struct Axis {
+    /// What it shows.
+    pub label: String,
+    /// Its unit, empty for none.
+    pub unit: String,
+    /// How numbers become lengths.
+    pub scale: Scale,
     /// Fixed range; otherwise it follows the data in view.
-    pub(crate) range: Option<[Rounded; 2]>,
+    pub range: Option<[Rounded; 2]>,
 }
 
 /// How an axis maps numbers to length.
 #[derive(Debug, Clone, Copy, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Scale {
+pub enum Scale {
+    /// In proportion.
     Linear,
+    /// By the logarithm; only positive numbers have a place.
     Log,
 }
 
 /// The role of a series, from which the page takes colour and stroke.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Style {
+pub enum Style {
+    /// What was measured.
     Measured,
+    /// What a model says, or the first of several.
     Modelled,
+    /// A second model.
     Other,
+    /// What is left over, or a third model.
     Residual,
+    /// A fourth model.
+    Fourth,
+    /// A fifth model.
+    Fifth,
 }
 
-/// Something drawn in a panel.
+impl Style {
+    /// Every style, in the order of the plotting script's colours.
+    pub(crate) const ALL: [Style; 6] =
+        [Style::Measured, Style::Modelled, Style::Other, Style::Residual, Style::Fourth, Style::Fifth];
+
+    /// The style of model number `index`, counted from zero; colours come back after five.
+    pub fn of_model(index: usize) -> Style {
+        Self::ALL[1 + index % (Self::ALL.len() - 1)]
+    }
+}
+
+/// The shape of a marker.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Marker {
+    /// ×, for poles.
+    Cross,
+    /// ○, for zeros.
+    Ring,
+}
+
+/// Something drawn in a panel. A layer's `name` stands in the legend, one entry a name; `x` and `y` are as long as each
+/// other, and so are `low` and `high`.
+#[allow(missing_docs)] // the fields are what their names say, and what the variant says of them
 #[derive(Debug, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
-pub(crate) enum Layer {
+pub enum Layer {
     /// A polyline.
     Line { name: String, style: Style, x: Abscissa, y: Vec<Rounded> },
     /// Dots, with error bars where `low` and `high` are given.
@@ -89,6 +126,10 @@ pub(crate) enum Layer {
     },
     /// Sticks from zero, for correlations.
     Stems { name: String, style: Style, x: Abscissa, y: Vec<Rounded> },
+    /// Markers at points in no order.
+    Markers { name: String, style: Style, marker: Marker, x: Vec<Rounded>, y: Vec<Rounded> },
+    /// A curve that may turn back, such as an ellipse or a Nyquist curve.
+    Path { name: String, style: Style, x: Vec<Rounded>, y: Vec<Rounded> },
     /// A band between two curves.
     Band { name: String, style: Style, x: Abscissa, low: Vec<Rounded>, high: Vec<Rounded> },
     /// A horizontal line.
@@ -104,7 +145,8 @@ pub(crate) enum Layer {
 /// The x values of a series.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
-pub(crate) enum Abscissa {
+pub enum Abscissa {
+    #[allow(missing_docs)] // said here
     /// `start + step·n`; where samples were left out, `skip` holds the step from each kept index to the next, the
     /// first counted from zero.
     Uniform {
@@ -119,68 +161,85 @@ pub(crate) enum Abscissa {
 
 impl Axis {
     /// A linear axis that follows the data.
-    pub(crate) fn linear(label: &str, unit: &str) -> Self {
+    pub fn linear(label: &str, unit: &str) -> Self {
         Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Linear, range: None }
     }
 
     /// A logarithmic axis that follows the data.
-    pub(crate) fn log(label: &str, unit: &str) -> Self {
+    pub fn log(label: &str, unit: &str) -> Self {
         Axis { scale: Scale::Log, ..Axis::linear(label, unit) }
     }
 
     /// Time in a recording.
-    pub(crate) fn time() -> Self {
+    pub fn time() -> Self {
         Axis::linear("time", "s")
     }
 
     /// Frequency, logarithmic.
-    pub(crate) fn frequency() -> Self {
+    pub fn frequency() -> Self {
         Axis::log("frequency", "Hz")
     }
 
     /// The same axis with a fixed range; one that is not finite or empty is ignored.
-    pub(crate) fn within(mut self, low: f64, high: f64) -> Self {
+    pub fn within(mut self, low: f64, high: f64) -> Self {
         self.range = (low < high && (high - low).is_finite()).then_some([Rounded(low), Rounded(high)]);
         self
     }
 }
 
+impl Figure {
+    /// A figure without caption.
+    pub fn new(title: &str, x: Axis, panels: Vec<Panel>) -> Self {
+        Figure { title: title.to_owned(), caption: String::new(), x, panels, equal_axes: false }
+    }
+
+    /// The same figure with a caption.
+    pub fn with_caption(self, caption: impl Into<String>) -> Self {
+        Figure { caption: caption.into(), ..self }
+    }
+
+    /// The same figure with one scale for both axes.
+    pub fn with_equal_axes(self) -> Self {
+        Figure { equal_axes: true, ..self }
+    }
+}
+
 impl Panel {
     /// A panel without remark.
-    pub(crate) fn new(y: Axis, height: u32, layers: Vec<Layer>) -> Self {
+    pub fn new(y: Axis, height: u32, layers: Vec<Layer>) -> Self {
         Panel { y, note: String::new(), height, layers }
     }
 
     /// The same panel with a remark behind the axis' name.
-    pub(crate) fn noted(self, note: String) -> Self {
+    pub fn noted(self, note: String) -> Self {
         Panel { note, ..self }
     }
 }
 
 impl Layer {
     /// A uniformly sampled trace, thinned if it is long.
-    pub(crate) fn trace(name: &str, style: Style, trace: &Trace) -> Self {
+    pub fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values: &[f64]) -> Self {
         let finite_or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let kept = kept_indices(&trace.values, MAX_POINTS);
+        let kept = kept_indices(values, MAX_POINTS);
         let y = match &kept {
-            Some(kept) => kept.iter().filter_map(|&index| trace.values.get(index)).copied().map(Rounded).collect(),
-            None => rounded(&trace.values),
+            Some(kept) => kept.iter().filter_map(|&index| values.get(index)).copied().map(Rounded).collect(),
+            None => rounded(values),
         };
         let x = Abscissa::Uniform {
-            start: finite_or_zero(trace.start_s),
-            step: finite_or_zero(trace.sample_time_s),
+            start: finite_or_zero(start_s),
+            step: finite_or_zero(sample_time_s),
             skip: kept.map(|kept| thin::steps(&kept)),
         };
         Layer::Line { name: name.to_owned(), style, x, y }
     }
 
     /// A curve over frequency or the like.
-    pub(crate) fn curve(name: &str, style: Style, x: &[f64], y: &[f64]) -> Self {
+    pub fn curve(name: &str, style: Style, x: &[f64], y: &[f64]) -> Self {
         Layer::Line { name: name.to_owned(), style, x: Abscissa::Values(rounded(x)), y: rounded(y) }
     }
 
     /// Dots without error bars.
-    pub(crate) fn dots(name: &str, style: Style, x: &[f64], y: &[f64]) -> Self {
+    pub fn dots(name: &str, style: Style, x: &[f64], y: &[f64]) -> Self {
         Layer::Points {
             name: name.to_owned(),
             style,
@@ -193,6 +252,6 @@ impl Layer {
 }
 
 /// How many samples of a trace are drawn; `None` if all are.
-pub(crate) fn drawn_of(trace: &Trace) -> Option<usize> {
-    kept_indices(&trace.values, MAX_POINTS).map(|kept| kept.len())
+pub fn drawn_of(values: &[f64]) -> Option<usize> {
+    kept_indices(values, MAX_POINTS).map(|kept| kept.len())
 }

@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 
 /// A number that is written with five significant digits, or as `null` when it is not finite.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Rounded(pub(crate) f64);
+pub struct Rounded(pub f64);
 
 impl Serialize for Rounded {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -20,6 +20,6 @@ impl Serialize for Rounded {
 }
 
 /// Each number of a slice.
-pub(crate) fn rounded(values: &[f64]) -> Vec<Rounded> {
+pub fn rounded(values: &[f64]) -> Vec<Rounded> {
     values.iter().copied().map(Rounded).collect()
 }

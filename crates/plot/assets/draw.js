@@ -41,13 +41,18 @@ function svgText(parent, text, attributes) {
 function drawFigure(plot, width) {
   const { figure, domain, hidden } = plot;
   const [left, right] = [MARGIN.left, width - MARGIN.right];
-  const sx = makeScale(figure.x.scale, domain[0], domain[1], left, right);
+  let sx = makeScale(figure.x.scale, domain[0], domain[1], left, right);
   const root = plot.svg;
   root.replaceChildren();
   let top = MARGIN.top;
   const panels = figure.panels.map((panel, number) => {
-    const [low, high] = yExtent(panel, domain, hidden);
+    let [low, high] = yExtent(panel, domain, hidden);
     const bottom = top + panel.height * plot.stretch;
+    if (figure.equal_axes) {
+      const [x, y] = equalRanges(domain, [low, high], right - left, bottom - top);
+      sx = makeScale("linear", x[0], x[1], left, right);
+      [low, high] = y;
+    }
     const sy = makeScale(panel.y.scale, low, high, bottom, top);
     const last = number === figure.panels.length - 1;
     const frame = { panel, sx, sy, left, right, top, bottom, last, clip: `${plot.id}-${number}` };
@@ -126,6 +131,17 @@ const LAYERS = {
     svg(group, "path", { class: `${classOf(layer)} stems`, d: path(layer, at) });
     const dot = (n) => `M${sx.toPixel(layer.x[n]).toFixed(1)} ${sy.toPixel(layer.y[n]).toFixed(1)}h0`;
     svg(group, "path", { class: `${classOf(layer)} dots`, d: path(layer, dot) });
+  },
+  markers(group, layer, { sx, sy }) {
+    const shapes = {
+      cross: (x, y) => `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`,
+      ring: (x, y) => `M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`,
+    };
+    const at = (n) => [sx.toPixel(layer.x[n]), sy.toPixel(layer.y[n])].map((v) => Number(v.toFixed(1)));
+    svg(group, "path", { class: `${classOf(layer)} markers`, d: path(layer, (n) => shapes[layer.marker](...at(n))) });
+  },
+  path(group, layer, { sx, sy }) {
+    svg(group, "path", { class: classOf(layer), d: samplePath(layer.x, layer.y, 0, layer.x.length, sx, sy) });
   },
   band(group, layer, { sx, sy }) {
     const [first, end] = visibleRange(layer.x, sx.low, sx.high);

@@ -151,7 +151,8 @@ function listenToKeys(plot) {
 function fillLegend(plot, legend) {
   const named = new Map();
   for (const layer of plot.figure.panels.flatMap((panel) => panel.layers)) {
-    if (isSeries(layer) && !named.has(layer.name)) named.set(layer.name, layer);
+    const drawn = isSeries(layer) || isLoose(layer);
+    if (drawn && layer.name && !named.has(layer.name)) named.set(layer.name, layer);
   }
   for (const [name, layer] of named.size > 1 ? named : []) {
     const button = document.createElement("button");
@@ -182,7 +183,7 @@ function regionLabels(figure) {
 
 function swatch(layer) {
   const key = document.createElement("i");
-  key.className = `swatch k-${layer.style}${layer.type === "line" ? "" : " dot"}`;
+  key.className = `swatch k-${layer.style}${["line", "path"].includes(layer.type) ? "" : " dot"}`;
   return key;
 }
 

@@ -1,0 +1,34 @@
+//! A figure as pixels.
+
+use resvg::{tiny_skia, usvg};
+
+use crate::figure::Figure;
+
+/// Why a figure cannot be drawn to pixels.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// The drawing is no valid SVG, or empty.
+    #[error("the figure cannot be drawn")]
+    Drawing,
+    /// The pixels cannot be encoded.
+    #[error("the picture cannot be encoded: {0}")]
+    Encoding(String),
+}
+
+/// Pixels per CSS pixel: sharp in a document.
+const SCALE: f32 = 2.0;
+
+/// The figures below each other as a PNG.
+///
+/// # Errors
+/// [`PngError`] where the picture is too large for memory.
+pub fn png(figures: &[Figure]) -> Result<Vec<u8>, PngError> {
+    let mut options = usvg::Options { font_family: crate::svg::FONT.to_owned(), ..Default::default() };
+    options.fontdb_mut().load_font_data(dejavu::sans::regular().to_vec());
+    options.fontdb_mut().load_font_data(dejavu::sans::bold().to_vec());
+    let tree = usvg::Tree::from_str(&crate::svg(figures), &options).map_err(|_| PngError::Drawing)?;
+    let size = tree.size().to_int_size().scale_by(SCALE).ok_or(PngError::Drawing)?;
+    let mut pixels = tiny_skia::Pixmap::new(size.width(), size.height()).ok_or(PngError::Drawing)?;
+    resvg::render(&tree, tiny_skia::Transform::from_scale(SCALE, SCALE), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| PngError::Encoding(error.to_string()))
+}

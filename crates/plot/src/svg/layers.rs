@@ -1,0 +1,172 @@
+//! How each kind of layer is drawn. The same rules as `assets/draw.js`.
+
+use std::fmt::Write as _;
+
+use super::extent::values;
+use super::{Frame, INK, REGION, line, text};
+use crate::figure::{Layer, Marker, Rounded, Style};
+
+/// The colour of a style.
+pub(crate) fn colour(style: Style) -> &'static str {
+    match style {
+        Style::Measured => "#8a949e",
+        Style::Modelled => "#0b5fa5",
+        Style::Other => "#d0590b",
+        Style::Residual => "#7a4f96",
+        Style::Fourth => "#1b7a55",
+        Style::Fifth => "#a8324a",
+    }
+}
+
+fn stroke_width(style: Style) -> f64 {
+    match style {
+        Style::Measured => 2.2,
+        Style::Residual => 1.0,
+        _ => 1.4,
+    }
+}
+
+pub(crate) fn draw(out: &mut String, layer: &Layer, frame: &Frame) {
+    match layer {
+        Layer::Line { style, x, y, .. } => {
+            let d = polyline(&values(x, y.len()), y, frame, 'M');
+            path(out, &d, *style, stroke_width(*style), "");
+        }
+        Layer::Points { style, x, y, low, high, .. } => {
+            let x = values(x, y.len());
+            if let (Some(low), Some(high)) = (low, high) {
+                bars(out, &x, low, high, frame);
+            }
+            let size = if low.is_some() { 5.5 } else { 4.0 };
+            path(out, &dots(&x, y, frame), *style, size, "stroke-linecap=\"round\"");
+        }
+        Layer::Stems { style, x, y, .. } => stems(out, &values(x, y.len()), y, *style, frame),
+        Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, (*style, *marker), frame),
+        Layer::Path { style, x, y, .. } => {
+            let x: Vec<f64> = x.iter().map(|v| v.0).collect();
+            path(out, &polyline(&x, y, frame, 'M'), *style, stroke_width(*style), "");
+        }
+        Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
+        Layer::HorizontalMark { y, label } => horizontal_mark(out, y.0, label, frame),
+        Layer::VerticalMarks { x, label } => vertical_marks(out, x, label, frame),
+        Layer::YRegion { low, high, .. } => {
+            let (top, bottom) = (frame.y.pixel(high.0), frame.y.pixel(low.0));
+            region(out, (Frame::LEFT, top), (Frame::RIGHT, bottom));
+        }
+        Layer::XRegion { low, high, .. } => {
+            let at = |value: f64| frame.x.pixel(value.max(f64::MIN_POSITIVE)).clamp(Frame::LEFT, Frame::RIGHT);
+            region(out, (at(low.0), frame.top), (at(high.0), frame.bottom));
+        }
+    }
+}
+
+/// A point in pixels, if it has a place.
+fn place(x: f64, y: f64, frame: &Frame) -> Option<(f64, f64)> {
+    let at = (frame.x.pixel(x), frame.y.pixel(y));
+    // Far outside the frame a renderer may overflow.
+    (at.0.is_finite() && at.1.is_finite()).then(|| (at.0.clamp(-1e5, 1e5), at.1.clamp(-1e5, 1e5)))
+}
+
+/// A line that is broken where a value is missing.
+fn polyline(x: &[f64], y: &[Rounded], frame: &Frame, first: char) -> String {
+    let mut d = String::new();
+    let mut pen = first;
+    for (x, y) in x.iter().zip(y) {
+        let Some((px, py)) = place(*x, y.0, frame) else {
+            pen = 'M';
+            continue;
+        };
+        let _ = write!(d, "{pen}{px:.1} {py:.1}");
+        pen = 'L';
+    }
+    d
+}
+
+fn each(x: &[f64], y: &[Rounded], frame: &Frame, piece: impl Fn(f64, f64) -> String) -> String {
+    x.iter().zip(y).filter_map(|(x, y)| place(*x, y.0, frame)).map(|(px, py)| piece(px, py)).collect()
+}
+
+fn dots(x: &[f64], y: &[Rounded], frame: &Frame) -> String {
+    each(x, y, frame, |px, py| format!("M{px:.1} {py:.1}h0.01"))
+}
+
+fn stems(out: &mut String, x: &[f64], y: &[Rounded], style: Style, frame: &Frame) {
+    let zero = frame.y.pixel(0.0);
+    path(out, &each(x, y, frame, |px, py| format!("M{px:.1} {zero:.1}V{py:.1}")), style, 1.4, "");
+    path(out, &dots(x, y, frame), style, 4.0, "stroke-linecap=\"round\"");
+}
+
+fn markers(out: &mut String, x: &[Rounded], y: &[Rounded], (style, marker): (Style, Marker), frame: &Frame) {
+    let x: Vec<f64> = x.iter().map(|v| v.0).collect();
+    let shape = |px: f64, py: f64| match marker {
+        Marker::Cross => format!("M{:.1} {:.1}l8 8M{:.1} {:.1}l8 -8", px - 4.0, py - 4.0, px - 4.0, py + 4.0),
+        Marker::Ring => format!("M{:.1} {py:.1}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0", px - 4.5),
+    };
+    path(out, &each(&x, y, frame, shape), style, 1.7, "");
+}
+
+fn bars(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], frame: &Frame) {
+    let mut d = String::new();
+    for ((x, low), high) in x.iter().zip(low).zip(high) {
+        if let (Some((px, bottom)), Some((_, top))) = (place(*x, low.0, frame), place(*x, high.0, frame)) {
+            let _ = write!(d, "M{px:.1} {bottom:.1}V{top:.1}M{0:.1} {bottom:.1}h6M{0:.1} {top:.1}h6", px - 3.0);
+        }
+    }
+    let _ = writeln!(out, "<path d=\"{d}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.3\"/>");
+}
+
+fn band(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], style: Style, frame: &Frame) {
+    let whole =
+        |((x, low), high): ((&f64, &Rounded), &Rounded)| Some((place(*x, low.0, frame)?, place(*x, high.0, frame)?));
+    let corners: Vec<_> = x.iter().zip(low).zip(high).filter_map(whole).collect();
+    let forth = corners.iter().map(|(_, high)| high);
+    let back = corners.iter().rev().map(|(low, _)| low);
+    let mut d = String::new();
+    for (n, (px, py)) in forth.chain(back).enumerate() {
+        let _ = write!(d, "{}{px:.1} {py:.1}", if n == 0 { 'M' } else { 'L' });
+    }
+    if !d.is_empty() {
+        let _ = writeln!(out, "<path d=\"{d}Z\" fill=\"{}\" fill-opacity=\"0.18\"/>", colour(style));
+    }
+}
+
+fn horizontal_mark(out: &mut String, value: f64, label: &str, frame: &Frame) {
+    let y = frame.y.pixel(value);
+    if y.is_finite() {
+        line(out, (Frame::LEFT, y), (Frame::RIGHT, y), INK, "stroke-dasharray=\"4 3\" stroke-opacity=\"0.7\"");
+        text(out, (Frame::LEFT + 6.0, y - 6.0), "start", &format!("fill=\"{INK}\""), label);
+    }
+}
+
+fn vertical_marks(out: &mut String, x: &[Rounded], label: &str, frame: &Frame) {
+    let in_view = |x: &&Rounded| (frame.x.low..=frame.x.high).contains(&x.0);
+    let places: Vec<f64> = x.iter().filter(in_view).map(|x| frame.x.pixel(x.0)).collect();
+    for x in &places {
+        line(out, (*x, frame.top), (*x, frame.bottom), INK, "stroke-dasharray=\"4 3\" stroke-opacity=\"0.7\"");
+    }
+    if let Some(first) = places.first() {
+        let before = *first > 0.5 * (Frame::LEFT + Frame::RIGHT);
+        let (shift, anchor) = if before { (-5.0, "end") } else { (5.0, "start") };
+        text(out, (first + shift, frame.top + 12.0), anchor, &format!("fill=\"{INK}\""), label);
+    }
+}
+
+fn region(out: &mut String, (left, top): (f64, f64), (right, bottom): (f64, f64)) {
+    let (width, height) = ((right - left).max(1.0), (bottom - top).max(0.0));
+    if [left, top, width, height].iter().all(|v| v.is_finite()) {
+        let _ = writeln!(
+            out,
+            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{REGION}\" fill-opacity=\"0.11\"/>"
+        );
+    }
+}
+
+fn path(out: &mut String, d: &str, style: Style, width: f64, attributes: &str) {
+    if !d.is_empty() {
+        let _ = writeln!(
+            out,
+            "<path d=\"{d}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" {attributes}/>",
+            colour(style)
+        );
+    }
+}
