@@ -12,6 +12,7 @@ pub mod align;
 pub mod analysis;
 pub mod bench_file;
 pub mod channels;
+pub mod dataset;
 pub mod diagnostics;
 pub mod estimate;
 pub mod experiment;

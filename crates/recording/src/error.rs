@@ -24,6 +24,12 @@ pub enum RecordingError {
         /// Its first bytes.
         start: String,
     },
+    /// The time between rows that was passed in is none.
+    #[error("a sample time of {given} s was given; it has to be a positive number")]
+    RowDistance {
+        /// What was given, s.
+        given: String,
+    },
     /// The MDF version is not known.
     #[error("{file}: MDF version {version} is not supported; export the measurement as MDF 4.10")]
     UnsupportedVersion {

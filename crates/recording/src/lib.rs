@@ -63,6 +63,31 @@ pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recordi
     Ok(recording)
 }
 
+/// Decodes as [`decode`] does, and accepts text without a time column too: its rows are `row_distance_s` apart. Such
+/// text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may separate its columns.
+///
+/// # Errors
+///
+/// As [`decode`]; [`RecordingError::RowDistance`] where the distance is not a positive finite number.
+///
+/// # Example
+///
+/// ```
+/// let recording = recording::decode_untimed("dryer.dat", b"1.5 2\n2.5 3\n", 0.08)?;
+/// assert_eq!(recording.channels[1].name, "column 2");
+/// assert_eq!(recording.rasters[0].time_s, [0.0, 0.08]);
+/// # Ok::<(), recording::RecordingError>(())
+/// ```
+pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<Recording, RecordingError> {
+    if !(row_distance_s.is_finite() && row_distance_s > 0.0) {
+        return Err(RecordingError::RowDistance { given: row_distance_s.to_string() });
+    }
+    match Kind::detect(name, bytes)? {
+        Kind::Csv => csv::decode_with(name, bytes, &Selection::All, Some(row_distance_s)),
+        _ => decode(name, bytes, &Selection::All),
+    }
+}
+
 /// Lists the channels of a measurement file without their samples.
 ///
 /// For MDF only the structure is read; a CSV file is read whole.

@@ -7,6 +7,7 @@ mod align;
 mod analysis;
 mod bench_file;
 mod channels;
+mod dataset;
 mod model;
 mod prepare;
 mod recorded;

@@ -215,7 +215,7 @@ impl Dataset {
     ///
     /// # Errors
     /// Those of `change`, and those of [`Dataset::new`] for what it returns.
-    pub(crate) fn map_experiments(
+    pub fn map_experiments(
         &self,
         mut change: impl FnMut(&Experiment) -> Result<Experiment, IdentError>,
     ) -> Result<Self, IdentError> {

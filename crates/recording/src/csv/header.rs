@@ -47,6 +47,31 @@ impl Header {
     }
 }
 
+impl Header {
+    /// The heading of a table that need not have a time column, nor names: then columns are called by their number.
+    pub(super) fn find_untimed(rows: &Rows<'_>) -> Result<Self, RecordingError> {
+        let above = rows_above(rows)?;
+        let Some(last) = above.last() else {
+            let mut first = StringRecord::new();
+            rows.next(&mut rows.reader(), &mut first)?;
+            let width = (0..first.len()).rfind(|&c| !first[c].trim().is_empty()).map_or(0, |c| c + 1);
+            let numbered = |n: usize| Column {
+                name: format!("column {n}"),
+                unit: String::new(),
+                is_time: false,
+                factor: (1.0, 1.0),
+            };
+            return Ok(Self { columns: (1..=width).map(numbered).collect(), comment: None, rows: 0 });
+        };
+        refuse_numbers(rows, last)?;
+        let columns = headings(rows, last, None)?;
+        if columns.first().is_some_and(|column| is_time_name(&column.name)) {
+            return Self::find(rows);
+        }
+        Ok(Self { columns, comment: comment(&above[..above.len() - 1]), rows: above.len() })
+    }
+}
+
 /// The rows above the first that holds only numbers.
 fn rows_above(rows: &Rows<'_>) -> Result<Vec<StringRecord>, RecordingError> {
     let mut reader = rows.reader();

@@ -14,10 +14,26 @@ use text::{Text, number};
 pub use write::encode_csv;
 
 pub(crate) fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
-    let text = Text::decode(bytes);
+    decode_with(name, bytes, selection, None)
+}
+
+/// Decodes text; rows without a time column are `row_distance_s` apart, if that is known.
+pub(crate) fn decode_with(
+    name: &str,
+    bytes: &[u8],
+    selection: &Selection,
+    row_distance_s: Option<f64>,
+) -> Result<Recording, RecordingError> {
+    let mut text = Text::decode(bytes);
+    if row_distance_s.is_some() {
+        text.separate_by_tabs();
+    }
     let rows = Rows::new(name, &text.content)?;
-    let header = Header::find(&rows)?;
-    let mut table = Table::new(&header);
+    let header = match row_distance_s {
+        None => Header::find(&rows)?,
+        Some(_) => Header::find_untimed(&rows)?,
+    };
+    let mut table = Table::new(&header, row_distance_s);
     let mut findings = Vec::new();
     if text.assumed_latin1 {
         findings.push(Finding::AssumedLatin1);
@@ -86,17 +102,23 @@ struct Table {
     /// For each time column: the column after its block, and whether the block has ended.
     blocks: Vec<(usize, usize, bool)>,
     decimal: Option<char>,
+    /// Time from row to row, s, where no column holds time.
+    row_distance_s: Option<f64>,
 }
 
 impl Table {
-    fn new(header: &Header) -> Self {
+    fn new(header: &Header, row_distance_s: Option<f64>) -> Self {
         let width = header.columns.len();
         let starts = (0..width).filter(|&c| header.columns[c].is_time);
         let mut blocks: Vec<_> = starts.map(|start| (start, width, false)).collect();
         for b in 1..blocks.len() {
             blocks[b - 1].1 = blocks[b].0;
         }
-        Self { columns: vec![Vec::new(); width], blocks, decimal: None }
+        let row_distance_s = row_distance_s.filter(|_| blocks.is_empty());
+        if row_distance_s.is_some() {
+            blocks.push((0, width, false));
+        }
+        Self { columns: vec![Vec::new(); width], blocks, decimal: None, row_distance_s }
     }
 
     fn fill(&mut self, rows: &Rows<'_>, header: &Header) -> Result<Option<Finding>, RecordingError> {
@@ -147,7 +169,7 @@ impl Table {
         if has_ended {
             return Err(rows.error(line(row), Some(filled), CsvProblem::Gap));
         }
-        if filled != start {
+        if filled != start && self.row_distance_s.is_none() {
             return Err(rows.error(line(row), Some(start), CsvProblem::NoTimeStamp));
         }
         for column in start..end {
@@ -160,7 +182,11 @@ impl Table {
 
     fn finish(&mut self, header: Vec<header::Column>, selection: &Selection) -> (Vec<Raster>, Vec<Channel>) {
         let (mut rasters, mut channels) = (Vec::new(), Vec::new());
-        let mut time: Option<Raster> = None;
+        let counted = |distance_s: f64| {
+            let rows = self.columns.first().map_or(0, Vec::len);
+            Raster { time_s: (0..rows).map(|row| row as f64 * distance_s).collect(), name: None }
+        };
+        let mut time: Option<Raster> = self.row_distance_s.map(counted);
         for (column, samples) in header.into_iter().zip(std::mem::take(&mut self.columns)) {
             if column.is_time {
                 let time_s = samples.into_iter().map(|t| t * column.factor.0 / column.factor.1);

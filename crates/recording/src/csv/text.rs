@@ -31,6 +31,17 @@ impl<'a> Text<'a> {
     }
 }
 
+impl Text<'_> {
+    /// Makes columns that are set apart by blanks alone into columns set apart by tabs.
+    pub(crate) fn separate_by_tabs(&mut self) {
+        if delimiter(&self.content).is_some_and(|d| d != b'\t') {
+            return;
+        }
+        let lines = self.content.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n");
+        self.content = Cow::Owned(lines.collect());
+    }
+}
+
 /// Content without the end-of-file mark of DOS.
 fn without_end_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_suffix(b"\x1A").unwrap_or(bytes)

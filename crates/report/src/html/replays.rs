@@ -9,7 +9,7 @@ use super::typeset::{prose, symbol};
 use crate::wording::{capitalised, experiment, mode, number};
 use plot::markup;
 use plot::markup::Markup;
-use plot::{Axis, Figure, Layer, Panel, Style};
+use plot::{Axis, Figure, Panel, Style};
 
 /// The section on replays.
 pub(crate) fn section(study: &Study) -> Markup {
@@ -68,6 +68,7 @@ fn signals(replay: &Replay) -> Figure {
     let panels = replay.signals.iter().map(signal).chain(worst_residual(replay)).collect();
     let thinned = replay.signals.iter().map(|signal| thinned(&signal.measured)).find(|text| !text.is_empty());
     Figure {
+        equal_axes: false,
         title: "Measured and modelled".to_owned(),
         caption: format!(
             "{} {}",

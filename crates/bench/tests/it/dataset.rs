@@ -1,0 +1,84 @@
+//! Named channels of recordings become data on one clock.
+
+use bench::dataset::{Adjustment, DatasetError, DatasetOptions, dataset};
+use recording::{Recording, Selection};
+
+fn options(inputs: &[&str], outputs: &[&str]) -> DatasetOptions {
+    let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();
+    DatasetOptions { inputs: names(inputs), outputs: names(outputs), ..Default::default() }
+}
+
+fn recorded(text: &str) -> Recording {
+    recording::decode("x.csv", text.as_bytes(), &Selection::All).unwrap()
+}
+
+/// Columns u and y every 0.1 s, as functions of time.
+fn table(samples: usize, u: impl Fn(f64) -> String, y: impl Fn(f64) -> String) -> Recording {
+    let rows = (0..samples).map(|n| 0.1 * n as f64).map(|t| format!("{t},{},{}\n", u(t), y(t)));
+    recorded(&format!("time [s],u [V],y [Nm]\n{}", rows.collect::<String>()))
+}
+
+#[test]
+fn exact_same_clock_is_taken_as_it_is() {
+    let recording = table(50, |t| format!("{t}"), |t| format!("{}", 2.0 * t));
+    let (data, adjustments) = dataset(&[("x.csv", &recording)], &options(&["u"], &["y"])).unwrap();
+    assert_eq!(adjustments, []);
+    assert_eq!((data.samples(), data.input_labels()[0].unit.as_str()), (50, "V"));
+    assert!((data.sample_time_s() - 0.1).abs() < 1e-12);
+    assert_eq!(data.experiments()[0].output(0)[30], recording.channel("y").unwrap().samples[30]);
+}
+
+#[test]
+fn exact_cut_in_time_keeps_the_clock() {
+    let recording = table(50, |t| format!("{t}"), |t| format!("{t}"));
+    let cut = DatasetOptions { from_s: Some(1.0), to_s: Some(2.05), ..options(&["u"], &["y"]) };
+    let (data, _) = dataset(&[("x.csv", &recording)], &cut).unwrap();
+    let experiment = &data.experiments()[0];
+    assert_eq!(experiment.len(), 11);
+    assert!((experiment.start_s - 1.0).abs() < 1e-9 && (experiment.input(0)[0] - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn exact_gap_and_nan_are_missing_samples() {
+    let text = "time [s],u,y\n0,1,1\n0.1,1,\n0.2,1,3\n0.3,1,4\n0.7,1,8\n0.8,1,9\n0.9,1,10\n";
+    let (data, adjustments) = dataset(&[("x.csv", &recorded(text))], &options(&[], &["y"])).unwrap();
+    let y = data.experiments()[0].output(0);
+    assert_eq!(y.len(), 10);
+    assert!([1, 4, 5, 6].iter().all(|i: &usize| y[*i].is_nan()), "{y:?}");
+    assert_eq!((y[3], y[7]), (4.0, 8.0));
+    assert_eq!(adjustments, [Adjustment::Missing { channel: "y".into(), count: 4 }]);
+}
+
+#[test]
+fn exact_slower_clock_of_two_is_the_datas() {
+    let fast: String = (0..=2000).map(|n| 0.005 * f64::from(n)).map(|t| format!("{t},{}\n", (3.0 * t).sin())).collect();
+    let slow: Vec<String> =
+        (0..=500).map(|n| 0.02 * f64::from(n)).map(|t| format!("{t},{}", (3.0 * t).cos())).collect();
+    let mut slow = slow.into_iter();
+    let rows = fast.lines().map(|line| format!("{line},{}\n", slow.next().unwrap_or_else(|| ",".into())));
+    let text = format!("time [s],u,time 2 [s],y\n{}", rows.collect::<String>());
+    let (data, adjustments) = dataset(&[("x.csv", &recorded(&text))], &options(&["u"], &["y"])).unwrap();
+    assert!((data.sample_time_s() - 0.02).abs() < 1e-9);
+    assert!(matches!(&adjustments[..], [Adjustment::Resampled { channel, .. }] if channel == "u"));
+    let u = data.experiments()[0].input(0);
+    for k in 50..450 {
+        assert!((u[k] - (0.06 * k as f64).sin()).abs() < 1e-4, "sample {k}");
+    }
+}
+
+#[test]
+fn regress_impossible_requests_are_refused_with_names() {
+    let recording = table(50, |t| format!("{t}"), |t| format!("{t}"));
+    let refused = |options: DatasetOptions| dataset(&[("x.csv", &recording)], &options).unwrap_err();
+    let message = refused(options(&["v"], &["y"])).to_string();
+    assert!(message.contains("x.csv") && message.contains("\"v\"") && message.contains('u'), "{message}");
+    let late = DatasetOptions { from_s: Some(100.0), ..options(&["u"], &["y"]) };
+    assert!(matches!(refused(late), DatasetError::NothingLeft { .. }));
+    for sample_time_s in [0.0, -1.0, f64::NAN, 1e-12, 100.0] {
+        let odd = DatasetOptions { sample_time_s: Some(sample_time_s), ..options(&["u"], &["y"]) };
+        assert!(matches!(refused(odd), DatasetError::SampleTime { .. }), "{sample_time_s}");
+    }
+    let backwards = recorded("time [s],u,y\n0,1,1\n0.2,1,1\n0.1,1,3\n");
+    let error = dataset(&[("x.csv", &backwards)], &options(&["u"], &["y"])).unwrap_err();
+    assert!(matches!(error, DatasetError::TimeNotRising { sample: 2, .. }), "{error}");
+}
