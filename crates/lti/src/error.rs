@@ -105,6 +105,14 @@ pub enum LtiError {
         /// How many there are.
         count: usize,
     },
+    /// More poles, or a higher degree of approximation, than there may be.
+    #[error("order {order}, at most {most} is possible")]
+    Order {
+        /// The order asked for.
+        order: usize,
+        /// The highest possible.
+        most: usize,
+    },
 }
 
 pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), LtiError> {

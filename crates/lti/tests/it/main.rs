@@ -3,6 +3,7 @@
 
 mod conversion;
 mod polynomial_model;
+mod process_model;
 mod properties;
 mod reference;
 
