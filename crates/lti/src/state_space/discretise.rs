@@ -36,6 +36,12 @@ impl StateSpace {
         Ok((e.submatrix(0, 0, n, n).to_owned(), e.submatrix(0, n, n, m).to_owned()))
     }
 
+    /// The continuous system whose impulse response is this one's from `time_s` on.
+    pub(crate) fn started_late(&self, time_s: f64) -> Result<Self, LtiError> {
+        let (phi, _) = self.transition(time_s)?;
+        Self::continuous(self.a.clone(), phi * &self.b, self.c.clone(), self.d.clone())
+    }
+
     /// The discrete system that equals this continuous one at the samples when inputs run straight between them.
     ///
     /// `e^{[AT BT 0; 0 0 I; 0 0 0]} = [Φ Γ₁ Γ₂; 0 I I; 0 0 I]` gives

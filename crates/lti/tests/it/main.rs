@@ -6,6 +6,7 @@ mod polynomial_model;
 mod process_model;
 mod properties;
 mod reference;
+mod sampling;
 
 use faer::{Mat, MatRef};
 
