@@ -6,6 +6,7 @@
 //! Conventions: rows are time and columns are channels in every table of signals; polynomial coefficients stand in
 //! descending powers; angular frequencies are in rad/s; a system without a sample time is continuous.
 
+mod delay;
 mod delayed;
 mod error;
 mod expm;
@@ -16,6 +17,7 @@ mod matrix;
 pub mod polynomial;
 mod polynomial_model;
 mod process_model;
+mod reduction;
 mod sampling;
 mod schur;
 mod simulation;
@@ -31,6 +33,7 @@ pub use innovations::Innovations;
 pub use logm::logm;
 pub use polynomial_model::{PolynomialEquation, PolynomialModel};
 pub use process_model::{ProcessModel, ProcessPair};
+pub use reduction::Reduction;
 pub use sampling::Discretisation;
 pub use signal::Complex64;
 pub use simulation::Simulator;

@@ -170,6 +170,25 @@ impl TransferFunction {
             .with_delay(self.delay_s + next.delay_s)
     }
 
+    /// This system beside `other`, outputs added; nothing is cancelled. A delay that both have stays a delay, and what one
+    /// has more of becomes poles at zero.
+    ///
+    /// # Errors
+    /// [`LtiError::SampleTimesDiffer`]; [`LtiError::DelayPresent`] where the delays of continuous systems differ,
+    /// [`LtiError::FractionalDelay`] where those of discrete ones do by other than whole samples.
+    pub fn parallel(&self, other: &Self) -> Result<Self, LtiError> {
+        check_same_clock(self.sample_time_s, other.sample_time_s)?;
+        let common = self.delay_s.min(other.delay_s);
+        let rest = |system: &Self| match system.sample_time_s {
+            _ if system.delay_s == common => system.clone().with_delay(0.0),
+            Some(_) => system.clone().with_delay(system.delay_s - common)?.with_delay_absorbed(),
+            None => Err(LtiError::DelayPresent { delay_s: system.delay_s }),
+        };
+        let (p, q) = (rest(self)?, rest(other)?);
+        let num = add(&multiply(&p.num, &q.den), &multiply(&q.num, &p.den));
+        Self::new(num, multiply(&p.den, &q.den), self.sample_time_s)?.with_delay(common)
+    }
+
     /// The loop closed through `back` with a negative sign, `H / (1 + H·H_back)`; nothing is cancelled.
     ///
     /// # Errors

@@ -2,9 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod conversion;
+mod delay;
 mod polynomial_model;
 mod process_model;
 mod properties;
+mod reduction;
 mod reference;
 mod sampling;
 
