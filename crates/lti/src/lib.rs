@@ -6,6 +6,7 @@
 //! Conventions: rows are time and columns are channels in every table of signals; polynomial coefficients stand in
 //! descending powers; angular frequencies are in rad/s; a system without a sample time is continuous.
 
+mod analysis;
 mod delay;
 mod delayed;
 mod error;
@@ -25,6 +26,7 @@ mod state_space;
 mod transfer_function;
 mod zero_pole_gain;
 
+pub use analysis::{GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid};
 pub use delayed::DelayedStateSpace;
 pub use error::LtiError;
 pub use expm::expm;

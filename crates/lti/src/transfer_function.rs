@@ -130,11 +130,14 @@ impl TransferFunction {
     /// # Errors
     /// [`LtiError::NonFinite`] for a frequency.
     pub fn frequency_response(&self, omega_rad_s: &[f64]) -> Result<FrequencyResponse, LtiError> {
-        let gain = |w: &f64| {
-            let point = frequency_point(*w, self.sample_time_s);
-            evaluate(&self.num, point) / evaluate(&self.den, point) * Complex64::cis(-w * self.delay_s)
-        };
-        FrequencyResponse::new(omega_rad_s.to_vec(), omega_rad_s.iter().map(gain).collect())
+        let response = omega_rad_s.iter().map(|w| self.evaluate_at(*w)).collect();
+        FrequencyResponse::new(omega_rad_s.to_vec(), response)
+    }
+
+    /// The gain at an angular frequency.
+    pub(crate) fn evaluate_at(&self, omega_rad_s: f64) -> Complex64 {
+        let point = frequency_point(omega_rad_s, self.sample_time_s);
+        evaluate(&self.num, point) / evaluate(&self.den, point) * Complex64::cis(-omega_rad_s * self.delay_s)
     }
 
     /// The gain at rest; infinite for an integrator.

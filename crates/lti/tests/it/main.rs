@@ -1,6 +1,7 @@
 //! Tests of `lti` through its public face.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod analysis;
 mod conversion;
 mod delay;
 mod polynomial_model;
