@@ -149,6 +149,12 @@ fn balancing_factor(column: f64, row: f64) -> f64 {
     if column * factor + row / factor < 0.95 * (column + row) { factor } else { 1.0 }
 }
 
+/// The power of two that brings a column of this size to another size; one where either is zero or too far.
+pub(crate) fn column_scale(size: f64, wanted: f64) -> f64 {
+    let factor = (wanted / size).log2().round().exp2();
+    if factor.is_normal() && (1.0 / factor).is_normal() { factor } else { 1.0 }
+}
+
 /// A matrix laid out by rows, for products with short vectors in a time loop.
 #[derive(Debug, Clone)]
 pub(crate) struct RowMajor {

@@ -5,7 +5,7 @@ use faer::{Mat, Scale};
 use crate::error::LtiError;
 use crate::expm::expm;
 use crate::logm::logm;
-use crate::matrix::{blocks, difference, identity, inverse};
+use crate::matrix::{balance, blocks, column_scale, difference, identity, inverse};
 use crate::state_space::StateSpace;
 
 /// `[Φ Γ; 0 I]`, which moves state and held input on by one sample.
@@ -22,9 +22,19 @@ fn upper(whole: &Mat<f64>, system: &StateSpace) -> (Mat<f64>, Mat<f64>) {
 }
 
 /// The continuous system of which this is the zero-order hold: `[A B; 0 0] T = ln [Φ Γ; 0 I]`.
+///
+/// States and inputs are scaled first, so that `Γ` does not drown what `Φ` differs from one by.
 pub(super) fn zero_order_undone(system: &StateSpace, sample_time_s: f64) -> Result<StateSpace, LtiError> {
-    let generator = logm(augmented(system).as_ref())? * Scale(1.0 / sample_time_s);
-    let (a, b) = upper(&generator, system);
+    let (n, m) = (system.states(), system.inputs());
+    let (phi, states) = balance(system.a());
+    let gamma = Mat::from_fn(n, m, |i, j| system.b()[(i, j)] / states[i]);
+    let moved = (&phi - identity(n)).norm_l2();
+    let inputs: Vec<f64> = (0..m).map(|j| column_scale(gamma.col(j).norm_l2(), moved)).collect();
+    let scaled = Mat::from_fn(n, m, |i, j| gamma[(i, j)] * inputs[j]);
+    let alike = StateSpace::discrete(phi, scaled, Mat::zeros(0, n), Mat::zeros(0, m), sample_time_s)?;
+    let (at, bt) = upper(&logm(augmented(&alike).as_ref())?, system);
+    let a = Mat::from_fn(n, n, |i, j| states[i] * at[(i, j)] / states[j] / sample_time_s);
+    let b = Mat::from_fn(n, m, |i, j| states[i] * bt[(i, j)] / inputs[j] / sample_time_s);
     StateSpace::continuous(a, b, system.c().to_owned(), system.d().to_owned())
 }
 
@@ -51,16 +61,15 @@ pub(super) fn first_order_undone(system: &StateSpace, sample_time_s: f64) -> Res
     StateSpace::continuous(at * Scale(1.0 / sample_time_s), b, system.c().to_owned(), d)
 }
 
-/// The system held for `ratio` samples: a power of `[Φ Γ; 0 I]`, and only where it is not whole by its logarithm.
-pub(super) fn lengthened(system: &StateSpace, ratio: f64, sample_time_s: f64) -> Result<StateSpace, LtiError> {
-    let whole = augmented(system);
-    let is_whole = ratio >= 1.0 && ratio < 2_f64.powi(52) && (ratio - ratio.round()).abs() < 1e-9 * ratio;
-    let moved = if is_whole {
-        power(whole, ratio.round() as u64)
-    } else {
-        expm((logm(whole.as_ref())? * Scale(ratio)).as_ref())?
-    };
-    let (a, b) = upper(&moved, system);
+/// The system held for as many samples as its new sample time has: a power of `[Φ Γ; 0 I]`, and only where the number is
+/// not whole by way of the continuous system.
+pub(super) fn lengthened(system: &StateSpace, now_s: f64, sample_time_s: f64) -> Result<StateSpace, LtiError> {
+    let ratio = sample_time_s / now_s;
+    let is_whole = ratio > 0.5 && ratio < 2_f64.powi(52) && (ratio - ratio.round()).abs() < 1e-9 * ratio;
+    if !is_whole {
+        return zero_order_undone(system, now_s)?.to_discrete_zoh(sample_time_s);
+    }
+    let (a, b) = upper(&power(augmented(system), ratio.round() as u64), system);
     StateSpace::discrete(a, b, system.c().to_owned(), system.d().to_owned(), sample_time_s)
 }
 

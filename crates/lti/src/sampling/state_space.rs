@@ -82,7 +82,7 @@ impl StateSpace {
         check_sample_time(sample_time_s)?;
         let now = self.sample_time_s().ok_or(LtiError::NotDiscrete)?;
         match method {
-            Discretisation::ZeroOrderHold => hold::lengthened(self, sample_time_s / now, sample_time_s),
+            Discretisation::ZeroOrderHold => hold::lengthened(self, now, sample_time_s),
             other => self.to_continuous(other)?.to_discrete(other, sample_time_s),
         }
     }

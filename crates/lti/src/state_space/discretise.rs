@@ -5,7 +5,7 @@ use faer::{Mat, MatRef, Scale};
 use super::StateSpace;
 use crate::error::{LtiError, check_sample_time, check_shape};
 use crate::expm::expm;
-use crate::matrix::{RowMajor, blocks, identity};
+use crate::matrix::{RowMajor, blocks, column_scale, identity};
 use crate::simulation::{check_state, run};
 
 impl StateSpace {
@@ -31,9 +31,14 @@ impl StateSpace {
         }
         let (n, m) = (self.states(), self.inputs());
         let (zero_left, zero) = (Mat::zeros(m, n), Mat::zeros(m, m));
-        let generator = blocks([[self.a(), self.b()], [zero_left.as_ref(), zero.as_ref()]]);
+        // Inputs in units in which B is like A: what B alone makes large would cost A squarings it does not need.
+        let size = self.a.norm_l2();
+        let units: Vec<f64> = (0..m).map(|j| column_scale(self.b.col(j).norm_l2(), size)).collect();
+        let b = Mat::from_fn(n, m, |i, j| self.b[(i, j)] * units[j]);
+        let generator = blocks([[self.a(), b.as_ref()], [zero_left.as_ref(), zero.as_ref()]]);
         let e = expm((generator * Scale(time_s)).as_ref())?;
-        Ok((e.submatrix(0, 0, n, n).to_owned(), e.submatrix(0, n, n, m).to_owned()))
+        let gamma = Mat::from_fn(n, m, |i, j| e[(i, n + j)] / units[j]);
+        Ok((e.submatrix(0, 0, n, n).to_owned(), gamma))
     }
 
     /// The continuous system whose impulse response is this one's from `time_s` on.

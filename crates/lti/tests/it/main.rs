@@ -4,6 +4,7 @@
 mod analysis;
 mod conversion;
 mod delay;
+mod edges;
 mod polynomial_model;
 mod process_model;
 mod properties;
