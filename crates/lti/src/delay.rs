@@ -52,12 +52,12 @@ impl TransferFunction {
         self.clone().with_delay(0.0)?.series(&Self::pade(self.delay_s(), order)?)
     }
 
-    /// Thiran's discrete delay: an all-pass of `order` poles whose delay at rest is exact and flat, whole samples beyond
-    /// what it needs left as a delay.
+    /// Thiran's discrete delay: an all-pass of `order` poles whose delay at rest is exact and flat, whole samples
+    /// beyond what it needs left as a delay.
     ///
     /// # Errors
-    /// [`LtiError::Delay`] for a delay below `order − ½` samples, which would not be stable; [`LtiError::Order`] above 20;
-    /// [`LtiError::SampleTime`].
+    /// [`LtiError::Delay`] for a delay below `order − ½` samples, which would not be stable; [`LtiError::Order`] above
+    /// 20; [`LtiError::SampleTime`].
     ///
     /// # Example
     /// ```

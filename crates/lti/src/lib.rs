@@ -1,5 +1,5 @@
-//! Linear time-invariant systems: transfer functions, state space, frequency responses, their conversion,
-//! discretisation and simulation.
+//! Linear time-invariant systems: transfer functions, zeros and poles, state space, process models, their conversion,
+//! sampling, reduction, simulation and responses in time and frequency.
 //!
 //! This crate knows systems whose numbers are given. It may not know how they are estimated, nor files.
 //!

@@ -8,7 +8,8 @@ use crate::error::{LtiError, check_finite, check_shape};
 use crate::matrix::{balance, elements, is_singular};
 use crate::schur::Schur;
 
-/// Nodes and weights of Gauss and Legendre's quadrature on −1 ..= 1, which is the diagonal Padé approximant of degree 8.
+/// Nodes and weights of Gauss and Legendre's quadrature on −1 ..= 1, which is the diagonal Padé approximant of degree
+/// 8.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),

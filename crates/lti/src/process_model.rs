@@ -13,9 +13,9 @@ const MOST_LAGS: usize = 3;
 ///
 /// `G(s) = K (1 + T_z s) / ((1 + T_p1 s)(1 + T_p2 s)(1 + T_p3 s)) · e^(−T_d s)`
 ///
-/// with up to three lags; `1/s` in it where it integrates; and `1 + 2ζ T_w s + (T_w s)²` in place of two of the lags for
-/// a pair of poles that may be complex, of natural frequency `1/T_w`. Times are in seconds. A negative time constant or
-/// damping is an unstable pole; zero, no pole at all.
+/// with up to three lags; `1/s` in it where it integrates; and `1 + 2ζ T_w s + (T_w s)²` in place of two of the lags
+/// for a pair of poles that may be complex, of natural frequency `1/T_w`. Times are in seconds. A negative time
+/// constant or damping is an unstable pole; zero, no pole at all.
 ///
 /// # Example
 /// ```

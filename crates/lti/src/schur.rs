@@ -122,8 +122,8 @@ impl Schur {
     }
 }
 
-/// Turns a column into the vector of the reflection that leaves its first element alone, and returns `2/vᴴv`; `None` for
-/// a column without a direction.
+/// Turns a column into the vector of the reflection that leaves its first element alone, and returns `2/vᴴv`; `None`
+/// for a column without a direction.
 pub(crate) fn householder(v: &mut [Complex64]) -> Option<f64> {
     let length = v.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
     let first = v.first()?;

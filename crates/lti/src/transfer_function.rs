@@ -173,8 +173,8 @@ impl TransferFunction {
             .with_delay(self.delay_s + next.delay_s)
     }
 
-    /// This system beside `other`, outputs added; nothing is cancelled. A delay that both have stays a delay, and what one
-    /// has more of becomes poles at zero.
+    /// This system beside `other`, outputs added; nothing is cancelled. A delay that both have stays a delay, and what
+    /// one has more of becomes poles at zero.
     ///
     /// # Errors
     /// [`LtiError::SampleTimesDiffer`]; [`LtiError::DelayPresent`] where the delays of continuous systems differ,
@@ -208,8 +208,8 @@ impl TransferFunction {
         })
     }
 
-    /// The system in state space: controllable canonical form, its states scaled by powers of two so that `A` is balanced
-    /// and `B` and `C` are alike in size.
+    /// The system in state space: controllable canonical form, its states scaled by powers of two so that `A` is
+    /// balanced and `B` and `C` are alike in size.
     ///
     /// The delay has no finite state-space form: take it off with [`TransferFunction::with_delay`] and apply it with
     /// [`StateSpace::to_discrete_delayed`].

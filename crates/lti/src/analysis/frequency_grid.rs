@@ -17,8 +17,9 @@ const DECADE: f64 = 10.0;
 /// Decades below the Nyquist frequency that are shown of a discrete system whose roots are all at rest or at zero.
 const FEW_DECADES: f64 = 1e3;
 
-/// At least `points` frequencies in rad/s, rising, evenly spaced in their logarithm from a decade below the slowest root
-/// to a decade above the fastest, or to the Nyquist frequency and no further; more of them about lightly damped roots.
+/// At least `points` frequencies in rad/s, rising, evenly spaced in their logarithm from a decade below the slowest
+/// root to a decade above the fastest, or to the Nyquist frequency and no further; more of them about lightly damped
+/// roots.
 pub(crate) fn grid(roots: &[Complex64], sample_time_s: Option<f64>, points: usize) -> Vec<f64> {
     let nyquist = sample_time_s.map_or(f64::INFINITY, |sample_time_s| PI / sample_time_s);
     // What lies beyond the Nyquist frequency, a discrete root at zero among it, shapes the band but has no place in it.
@@ -46,8 +47,8 @@ pub(crate) fn grid(roots: &[Complex64], sample_time_s: Option<f64>, points: usiz
 }
 
 impl ZeroPoleGain {
-    /// At least `points` frequencies in rad/s for a Bode plot: from a decade below the slowest root to a decade above the
-    /// fastest, or to the Nyquist frequency, denser about lightly damped poles and zeros.
+    /// At least `points` frequencies in rad/s for a Bode plot: from a decade below the slowest root to a decade above
+    /// the fastest, or to the Nyquist frequency, denser about lightly damped poles and zeros.
     #[must_use]
     pub fn frequency_grid(&self, points: usize) -> Vec<f64> {
         let mut roots = [self.poles(), self.zeros()].concat();

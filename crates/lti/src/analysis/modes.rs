@@ -40,7 +40,8 @@ impl Mode {
         Self { pole, natural_frequency_rad_s, damping }
     }
 
-    /// `1/(ζ ω_n)` in seconds, in which the mode falls to 1/e; negative for one that grows, infinite for one that stays.
+    /// `1/(ζ ω_n)` in seconds, in which the mode falls to 1/e; negative for one that grows, infinite for one that
+    /// stays.
     #[must_use]
     pub fn time_constant_s(&self) -> f64 {
         if self.natural_frequency_rad_s == 0.0 {

@@ -24,8 +24,8 @@ const HIGH: f64 = 0.9;
 const BAND: f64 = 0.02;
 
 impl StepCharacteristics {
-    /// The characteristics of `y` at rising times, on straight lines between the points; `None` for a final value of zero or
-    /// one that is not finite, for fewer than two points, for series of different length, or for NaN.
+    /// The characteristics of `y` at rising times, on straight lines between the points; `None` for a final value of
+    /// zero or one that is not finite, for fewer than two points, for series of different length, or for NaN.
     ///
     /// # Example
     /// ```

@@ -75,12 +75,12 @@ impl StateSpace {
         Ok(TimeGrid::of(&self.modes()?, 0.0, self.sample_time_s()))
     }
 
-    /// The outputs after a unit step of one input at time zero, from rest: one row a time, one column an output. Exact at
-    /// the grid's times.
+    /// The outputs after a unit step of one input at time zero, from rest: one row a time, one column an output. Exact
+    /// at the grid's times.
     ///
     /// # Errors
-    /// [`LtiError::Index`], [`LtiError::SampleTime`] for the grid; [`LtiError::SampleTimesDiffer`] where a discrete system
-    /// has another step; [`LtiError::NonFinite`] where the exponential overflows.
+    /// [`LtiError::Index`], [`LtiError::SampleTime`] for the grid; [`LtiError::SampleTimesDiffer`] where a discrete
+    /// system has another step; [`LtiError::NonFinite`] where the exponential overflows.
     pub fn step_response(&self, input: usize, grid: &TimeGrid) -> Result<Mat<f64>, LtiError> {
         let system = self.sampled(input, grid)?;
         system.simulate(Mat::full(grid.points, 1, 1.0).as_ref(), &vec![0.0; self.states()])
@@ -88,8 +88,8 @@ impl StateSpace {
 
     /// The outputs after an impulse of one input at time zero, from rest: one row a time, one column an output.
     ///
-    /// For a continuous system `C e^{At} B`; feed-through would add an impulse at zero, which is not shown. For a discrete
-    /// one the response to a one at the first sample.
+    /// For a continuous system `C e^{At} B`; feed-through would add an impulse at zero, which is not shown. For a
+    /// discrete one the response to a one at the first sample.
     ///
     /// # Errors
     /// Those of [`StateSpace::step_response`].

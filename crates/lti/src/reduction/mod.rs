@@ -44,8 +44,8 @@ impl StateSpace {
         Ok(&factor * factor.transpose())
     }
 
-    /// `Q` of `Aᵀ Q + Q A + Cᵀ C = 0`, or `Aᵀ Q A − Q + Cᵀ C = 0` for a discrete system: `x₀ᵀ Q x₀` is the energy of the
-    /// output that an initial state leaves.
+    /// `Q` of `Aᵀ Q + Q A + Cᵀ C = 0`, or `Aᵀ Q A − Q + Cᵀ C = 0` for a discrete system: `x₀ᵀ Q x₀` is the energy of
+    /// the output that an initial state leaves.
     ///
     /// # Errors
     /// Those of [`StateSpace::controllability_gramian`].

@@ -61,8 +61,8 @@ pub(super) fn first_order_undone(system: &StateSpace, sample_time_s: f64) -> Res
     StateSpace::continuous(at * Scale(1.0 / sample_time_s), b, system.c().to_owned(), d)
 }
 
-/// The system held for as many samples as its new sample time has: a power of `[Φ Γ; 0 I]`, and only where the number is
-/// not whole by way of the continuous system.
+/// The system held for as many samples as its new sample time has: a power of `[Φ Γ; 0 I]`, and only where the number
+/// is not whole by way of the continuous system.
 pub(super) fn lengthened(system: &StateSpace, now_s: f64, sample_time_s: f64) -> Result<StateSpace, LtiError> {
     let ratio = sample_time_s / now_s;
     let is_whole = ratio > 0.5 && ratio < 2_f64.powi(52) && (ratio - ratio.round()).abs() < 1e-9 * ratio;

@@ -73,8 +73,8 @@ impl StateSpace {
 
     /// This discrete system at another sample time.
     ///
-    /// Under a zero-order hold and a whole multiple of the sample time this is exact for every system and input; otherwise
-    /// the way goes through the continuous system.
+    /// Under a zero-order hold and a whole multiple of the sample time this is exact for every system and input;
+    /// otherwise the way goes through the continuous system.
     ///
     /// # Errors
     /// Those of [`StateSpace::to_continuous`] and [`StateSpace::to_discrete`].

@@ -8,13 +8,13 @@ use crate::transfer_function::TransferFunction;
 impl TransferFunction {
     /// This continuous system sampled; see [`StateSpace::to_discrete`](crate::StateSpace::to_discrete).
     ///
-    /// Whole samples of the delay stay a delay. What is left of it is exact under the zero-order hold and for the impulse
-    /// response, which change the numerator by it, and refused by the other methods.
+    /// Whole samples of the delay stay a delay. What is left of it is exact under the zero-order hold and for the
+    /// impulse response, which change the numerator by it, and refused by the other methods.
     ///
     /// # Errors
     /// Those of [`StateSpace::to_discrete`](crate::StateSpace::to_discrete); [`LtiError::FractionalDelay`],
-    /// [`LtiError::Delay`] for more than 1e9 samples; [`LtiError::Improper`] where the holds get a numerator of the higher
-    /// degree.
+    /// [`LtiError::Delay`] for more than 1e9 samples; [`LtiError::Improper`] where the holds get a numerator of the
+    /// higher degree.
     ///
     /// # Example
     /// ```
@@ -77,8 +77,8 @@ impl TransferFunction {
         continuous.with_delay(self.delay_s())
     }
 
-    /// This discrete system at another sample time; see [`StateSpace::resampled`](crate::StateSpace::resampled). The delay
-    /// has to be whole samples of the new sample time.
+    /// This discrete system at another sample time; see [`StateSpace::resampled`](crate::StateSpace::resampled). The
+    /// delay has to be whole samples of the new sample time.
     ///
     /// # Errors
     /// Those of [`StateSpace::resampled`](crate::StateSpace::resampled), [`LtiError::FractionalDelay`].

@@ -31,14 +31,19 @@ impl StateSpace {
         }
         let (n, m) = (self.states(), self.inputs());
         let (zero_left, zero) = (Mat::zeros(m, n), Mat::zeros(m, m));
-        // Inputs in units in which B is like A: what B alone makes large would cost A squarings it does not need.
-        let size = self.a.norm_l2();
-        let units: Vec<f64> = (0..m).map(|j| column_scale(self.b.col(j).norm_l2(), size)).collect();
-        let b = Mat::from_fn(n, m, |i, j| self.b[(i, j)] * units[j]);
+        let (b, units) = self.b_like_a();
         let generator = blocks([[self.a(), b.as_ref()], [zero_left.as_ref(), zero.as_ref()]]);
         let e = expm((generator * Scale(time_s)).as_ref())?;
         let gamma = Mat::from_fn(n, m, |i, j| e[(i, n + j)] / units[j]);
         Ok((e.submatrix(0, 0, n, n).to_owned(), gamma))
+    }
+
+    /// `B` with inputs in units in which it is like `A` in size, and the units: what `B` alone makes large would cost
+    /// `A` squarings it does not need.
+    fn b_like_a(&self) -> (Mat<f64>, Vec<f64>) {
+        let size = self.a.norm_l2();
+        let units: Vec<f64> = (0..self.inputs()).map(|j| column_scale(self.b.col(j).norm_l2(), size)).collect();
+        (Mat::from_fn(self.states(), self.inputs(), |i, j| self.b[(i, j)] * units[j]), units)
     }
 
     /// The continuous system whose impulse response is this one's from `time_s` on.
@@ -75,7 +80,8 @@ impl StateSpace {
             return Err(LtiError::NotContinuous);
         }
         let (n, m) = (self.states(), self.inputs());
-        let (at, bt) = (&self.a * Scale(sample_time_s), &self.b * Scale(sample_time_s));
+        let (b, units) = self.b_like_a();
+        let (at, bt) = (&self.a * Scale(sample_time_s), b * Scale(sample_time_s));
         let (nm, mn, mm, one) = (Mat::zeros(n, m), Mat::zeros(m, n), Mat::zeros(m, m), identity(m));
         let e = expm(
             blocks([
@@ -85,10 +91,11 @@ impl StateSpace {
             ])
             .as_ref(),
         )?;
-        let b1 = e.submatrix(0, n + m, n, m).to_owned();
+        let of_inputs = |first: usize| Mat::from_fn(n, m, |i, j| e[(i, first + j)] / units[j]);
+        let b1 = of_inputs(n + m);
         Ok(FirstOrderHold {
             a: e.submatrix(0, 0, n, n).to_owned(),
-            b0: e.submatrix(0, n, n, m) - &b1,
+            b0: of_inputs(n) - &b1,
             b1,
             c: self.c.clone(),
             d: self.d.clone(),

@@ -48,7 +48,8 @@ impl StateSpace {
         TransferFunction::new(num, from_roots(&self.poles()?), self.sample_time_s)
     }
 
-    /// Zeros and the first Markov parameter that is not zero (`D`, `CB`, `CAB`, …), the numerator's leading coefficient.
+    /// Zeros and the first Markov parameter that is not zero (`D`, `CB`, `CAB`, …), the numerator's leading
+    /// coefficient.
     pub(crate) fn zeros_and_gain(&self) -> Result<(Vec<Complex64>, f64), LtiError> {
         self.check_siso()?;
         let (a, scale) = balance(self.a());
@@ -83,8 +84,8 @@ struct Reduced {
 }
 
 impl Reduced {
-    /// Turns the states so that the output is `σ` times the last one alone, but for the feed-through; returns `σ`. There
-    /// must be a state and `c` must not be zero.
+    /// Turns the states so that the output is `σ` times the last one alone, but for the feed-through; returns `σ`.
+    /// There must be a state and `c` must not be zero.
     fn align(&mut self) -> f64 {
         let last = self.a.nrows() - 1;
         let sigma = -norm_2(self.c.as_ref()).copysign(self.c[(0, last)]);
@@ -101,8 +102,8 @@ impl Reduced {
         sigma
     }
 
-    /// Makes the derivative of the one state seen in the output the new output and drops the state, which an output held
-    /// at zero keeps at zero. Returns `σ`; there must be a state and `c` must not be zero.
+    /// Makes the derivative of the one state seen in the output the new output and drops the state, which an output
+    /// held at zero keeps at zero. Returns `σ`; there must be a state and `c` must not be zero.
     fn differentiate(&mut self) -> f64 {
         let sigma = self.align();
         let last = self.a.nrows() - 1;

@@ -95,3 +95,22 @@ fn exact_many_poles_near_the_unit_circle_come_back() {
         }
     }
 }
+
+/// The units of an input change nothing but the size of what it does.
+#[test]
+fn exact_holds_do_not_depend_on_units() {
+    let system = |unit: f64| {
+        let (a, b) = (mat![[0.0, 1.0], [-40.0, -3.0]], mat![[0.3 * unit], [2.0 * unit]]);
+        StateSpace::continuous(a, b, mat![[1.0, 0.5]], mat![[0.0]]).unwrap()
+    };
+    for unit in [2_f64.powi(60), 2_f64.powi(-60)] {
+        for method in [Discretisation::ZeroOrderHold, Discretisation::FirstOrderHold] {
+            let (plain, other) = (system(1.0).to_discrete(method, 0.05), system(unit).to_discrete(method, 0.05));
+            let (plain, other) = (plain.unwrap(), other.unwrap());
+            assert_eq!((plain.a(), plain.b() * faer::Scale(unit)), (other.a(), other.b().to_owned()), "{method:?}");
+            let back = other.to_continuous(method).unwrap();
+            assert!((back.a() - system(unit).a()).norm_max() < 1e-11);
+            assert!((back.b() - system(unit).b()).norm_max() < 1e-12 * unit);
+        }
+    }
+}

@@ -16,7 +16,8 @@ fn three_states() -> StateSpace {
     .unwrap()
 }
 
-/// SciPy 1.17 `solve_continuous_lyapunov`, `solve_discrete_lyapunov` of the system held for 0.2 s with `B` and `C` kept.
+/// SciPy 1.17 `solve_continuous_lyapunov`, `solve_discrete_lyapunov` of the system held for 0.2 s with `B` and `C`
+/// kept.
 #[test]
 fn ref_gramians_and_hankel_singular_values() {
     let system = three_states();
