@@ -33,14 +33,14 @@ const MAX_SAMPLES: f64 = 1e9;
 
 /// One input's delay in samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Lag {
+pub(crate) struct Lag {
     whole: usize,
     fraction: f64,
 }
 
 impl Lag {
     /// Splits a delay; one within a billionth of a sample of a whole number counts as whole.
-    fn new(delay_s: f64, sample_time_s: f64) -> Result<Self, LtiError> {
+    pub(crate) fn new(delay_s: f64, sample_time_s: f64) -> Result<Self, LtiError> {
         check_delay(delay_s)?;
         let samples = delay_s / sample_time_s;
         if samples > MAX_SAMPLES {
@@ -50,6 +50,16 @@ impl Lag {
             return Ok(Self { whole: samples.round() as usize, fraction: 0.0 });
         }
         Ok(Self { whole: samples.floor() as usize, fraction: samples.fract() })
+    }
+
+    /// Whole samples.
+    pub(crate) fn whole(self) -> usize {
+        self.whole
+    }
+
+    /// What is left beyond them, in 0 .. 1.
+    pub(crate) fn fraction(self) -> f64 {
+        self.fraction
     }
 
     /// Samples back to the value seen at a sample instant.

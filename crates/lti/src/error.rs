@@ -105,6 +105,51 @@ pub enum LtiError {
         /// How many there are.
         count: usize,
     },
+    /// More poles, or a higher degree of approximation, than there may be.
+    #[error("order {order}, at most {most} is possible")]
+    Order {
+        /// The order asked for.
+        order: usize,
+        /// The highest possible.
+        most: usize,
+    },
+    /// A matrix with an eigenvalue at zero or on the negative real axis has no real principal logarithm: no continuous
+    /// system of as many states has such a pole when sampled.
+    #[error("a pole at {re} + {im}j has no real logarithm")]
+    NoLogarithm {
+        /// The eigenvalue's real part.
+        re: f64,
+        /// Its imaginary part.
+        im: f64,
+    },
+    /// The operation needs every pole strictly inside the stable region.
+    #[error("the system is not stable: pole at {re} + {im}j")]
+    Unstable {
+        /// Real part of the pole nearest to or furthest beyond the limit.
+        re: f64,
+        /// Its imaginary part.
+        im: f64,
+    },
+    /// A delay that must be a whole number of samples is not.
+    #[error("delay {delay_s} s is not a whole number of samples of {sample_time_s} s")]
+    FractionalDelay {
+        /// The delay.
+        delay_s: f64,
+        /// The sample time.
+        sample_time_s: f64,
+    },
+    /// A frequency that must lie between zero and the Nyquist frequency does not.
+    #[error("frequency {omega_rad_s} rad/s is not between 0 and the Nyquist frequency")]
+    Frequency {
+        /// The value given.
+        omega_rad_s: f64,
+    },
+    /// Roots off the real axis without their conjugates belong to no real system.
+    #[error("{what} are not in conjugate pairs")]
+    NotConjugate {
+        /// Which roots.
+        what: &'static str,
+    },
 }
 
 pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), LtiError> {

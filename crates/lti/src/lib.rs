@@ -1,30 +1,44 @@
-//! Linear time-invariant systems: transfer functions, state space, frequency responses, their conversion,
-//! discretisation and simulation.
+//! Linear time-invariant systems: transfer functions, zeros and poles, state space, process models, their conversion,
+//! sampling, reduction, simulation and responses in time and frequency.
 //!
 //! This crate knows systems whose numbers are given. It may not know how they are estimated, nor files.
 //!
 //! Conventions: rows are time and columns are channels in every table of signals; polynomial coefficients stand in
 //! descending powers; angular frequencies are in rad/s; a system without a sample time is continuous.
 
+mod analysis;
+mod delay;
 mod delayed;
 mod error;
 mod expm;
 mod frequency_response;
 mod innovations;
+mod logm;
 mod matrix;
 pub mod polynomial;
 mod polynomial_model;
+mod process_model;
+mod reduction;
+mod sampling;
+mod schur;
 mod simulation;
 mod state_space;
 mod transfer_function;
+mod zero_pole_gain;
 
+pub use analysis::{GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid};
 pub use delayed::DelayedStateSpace;
 pub use error::LtiError;
 pub use expm::expm;
 pub use frequency_response::{FrequencyResponse, Peak};
 pub use innovations::Innovations;
+pub use logm::logm;
 pub use polynomial_model::{PolynomialEquation, PolynomialModel};
+pub use process_model::{ProcessModel, ProcessPair};
+pub use reduction::Reduction;
+pub use sampling::Discretisation;
 pub use signal::Complex64;
 pub use simulation::Simulator;
 pub use state_space::{FirstOrderHold, StateSpace};
 pub use transfer_function::TransferFunction;
+pub use zero_pole_gain::ZeroPoleGain;

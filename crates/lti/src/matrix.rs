@@ -6,6 +6,27 @@ use faer::{Mat, MatRef};
 use crate::Complex64;
 use crate::error::{LtiError, check_shape};
 
+/// The same matrix in complex numbers.
+pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<Complex64> {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| Complex64::new(m[(i, j)], 0.0))
+}
+
+/// Whether a square matrix is singular to working precision.
+pub(crate) fn is_singular(m: MatRef<'_, f64>) -> Result<bool, LtiError> {
+    let values = m.singular_values().map_err(|_| LtiError::NoConvergence)?;
+    let (Some(largest), Some(smallest)) = (values.first(), values.last()) else { return Ok(false) };
+    Ok(*smallest <= f64::EPSILON * m.nrows() as f64 * largest)
+}
+
+/// `p − q`, zero where the two agree but for rounding: a feed-through of rounding errors would be read as one.
+pub(crate) fn difference(p: MatRef<'_, f64>, q: MatRef<'_, f64>) -> Mat<f64> {
+    const ROUNDING: f64 = 1e3 * f64::EPSILON;
+    Mat::from_fn(p.nrows(), p.ncols(), |i, j| {
+        let left = p[(i, j)] - q[(i, j)];
+        if left.abs() <= ROUNDING * p[(i, j)].abs() { 0.0 } else { left }
+    })
+}
+
 pub(crate) fn identity(n: usize) -> Mat<f64> {
     Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)))
 }
@@ -126,6 +147,12 @@ fn balancing_factor(column: f64, row: f64) -> f64 {
     }
     let factor = (0.5 * (row / column).log2()).round().clamp(-500.0, 500.0).exp2();
     if column * factor + row / factor < 0.95 * (column + row) { factor } else { 1.0 }
+}
+
+/// The power of two that brings a column of this size to another size; one where either is zero or too far.
+pub(crate) fn column_scale(size: f64, wanted: f64) -> f64 {
+    let factor = (wanted / size).log2().round().exp2();
+    if factor.is_normal() && (1.0 / factor).is_normal() { factor } else { 1.0 }
 }
 
 /// A matrix laid out by rows, for products with short vectors in a time loop.

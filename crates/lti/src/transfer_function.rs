@@ -130,11 +130,14 @@ impl TransferFunction {
     /// # Errors
     /// [`LtiError::NonFinite`] for a frequency.
     pub fn frequency_response(&self, omega_rad_s: &[f64]) -> Result<FrequencyResponse, LtiError> {
-        let gain = |w: &f64| {
-            let point = frequency_point(*w, self.sample_time_s);
-            evaluate(&self.num, point) / evaluate(&self.den, point) * Complex64::cis(-w * self.delay_s)
-        };
-        FrequencyResponse::new(omega_rad_s.to_vec(), omega_rad_s.iter().map(gain).collect())
+        let response = omega_rad_s.iter().map(|w| self.evaluate_at(*w)).collect();
+        FrequencyResponse::new(omega_rad_s.to_vec(), response)
+    }
+
+    /// The gain at an angular frequency.
+    pub(crate) fn evaluate_at(&self, omega_rad_s: f64) -> Complex64 {
+        let point = frequency_point(omega_rad_s, self.sample_time_s);
+        evaluate(&self.num, point) / evaluate(&self.den, point) * Complex64::cis(-omega_rad_s * self.delay_s)
     }
 
     /// The gain at rest; infinite for an integrator.
@@ -170,6 +173,25 @@ impl TransferFunction {
             .with_delay(self.delay_s + next.delay_s)
     }
 
+    /// This system beside `other`, outputs added; nothing is cancelled. A delay that both have stays a delay, and what
+    /// one has more of becomes poles at zero.
+    ///
+    /// # Errors
+    /// [`LtiError::SampleTimesDiffer`]; [`LtiError::DelayPresent`] where the delays of continuous systems differ,
+    /// [`LtiError::FractionalDelay`] where those of discrete ones do by other than whole samples.
+    pub fn parallel(&self, other: &Self) -> Result<Self, LtiError> {
+        check_same_clock(self.sample_time_s, other.sample_time_s)?;
+        let common = self.delay_s.min(other.delay_s);
+        let rest = |system: &Self| match system.sample_time_s {
+            _ if system.delay_s == common => system.clone().with_delay(0.0),
+            Some(_) => system.clone().with_delay(system.delay_s - common)?.with_delay_absorbed(),
+            None => Err(LtiError::DelayPresent { delay_s: system.delay_s }),
+        };
+        let (p, q) = (rest(self)?, rest(other)?);
+        let num = add(&multiply(&p.num, &q.den), &multiply(&q.num, &p.den));
+        Self::new(num, multiply(&p.den, &q.den), self.sample_time_s)?.with_delay(common)
+    }
+
     /// The loop closed through `back` with a negative sign, `H / (1 + H·H_back)`; nothing is cancelled.
     ///
     /// # Errors
@@ -186,8 +208,8 @@ impl TransferFunction {
         })
     }
 
-    /// The system in state space: controllable canonical form, its states scaled by powers of two so that `A` is balanced
-    /// and `B` and `C` are alike in size.
+    /// The system in state space: controllable canonical form, its states scaled by powers of two so that `A` is
+    /// balanced and `B` and `C` are alike in size.
     ///
     /// The delay has no finite state-space form: take it off with [`TransferFunction::with_delay`] and apply it with
     /// [`StateSpace::to_discrete_delayed`].

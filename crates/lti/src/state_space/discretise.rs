@@ -5,7 +5,7 @@ use faer::{Mat, MatRef, Scale};
 use super::StateSpace;
 use crate::error::{LtiError, check_sample_time, check_shape};
 use crate::expm::expm;
-use crate::matrix::{RowMajor, blocks, identity};
+use crate::matrix::{RowMajor, blocks, column_scale, identity};
 use crate::simulation::{check_state, run};
 
 impl StateSpace {
@@ -31,9 +31,25 @@ impl StateSpace {
         }
         let (n, m) = (self.states(), self.inputs());
         let (zero_left, zero) = (Mat::zeros(m, n), Mat::zeros(m, m));
-        let generator = blocks([[self.a(), self.b()], [zero_left.as_ref(), zero.as_ref()]]);
+        let (b, units) = self.b_like_a();
+        let generator = blocks([[self.a(), b.as_ref()], [zero_left.as_ref(), zero.as_ref()]]);
         let e = expm((generator * Scale(time_s)).as_ref())?;
-        Ok((e.submatrix(0, 0, n, n).to_owned(), e.submatrix(0, n, n, m).to_owned()))
+        let gamma = Mat::from_fn(n, m, |i, j| e[(i, n + j)] / units[j]);
+        Ok((e.submatrix(0, 0, n, n).to_owned(), gamma))
+    }
+
+    /// `B` with inputs in units in which it is like `A` in size, and the units: what `B` alone makes large would cost
+    /// `A` squarings it does not need.
+    fn b_like_a(&self) -> (Mat<f64>, Vec<f64>) {
+        let size = self.a.norm_l2();
+        let units: Vec<f64> = (0..self.inputs()).map(|j| column_scale(self.b.col(j).norm_l2(), size)).collect();
+        (Mat::from_fn(self.states(), self.inputs(), |i, j| self.b[(i, j)] * units[j]), units)
+    }
+
+    /// The continuous system whose impulse response is this one's from `time_s` on.
+    pub(crate) fn started_late(&self, time_s: f64) -> Result<Self, LtiError> {
+        let (phi, _) = self.transition(time_s)?;
+        Self::continuous(self.a.clone(), phi * &self.b, self.c.clone(), self.d.clone())
     }
 
     /// The discrete system that equals this continuous one at the samples when inputs run straight between them.
@@ -64,7 +80,8 @@ impl StateSpace {
             return Err(LtiError::NotContinuous);
         }
         let (n, m) = (self.states(), self.inputs());
-        let (at, bt) = (&self.a * Scale(sample_time_s), &self.b * Scale(sample_time_s));
+        let (b, units) = self.b_like_a();
+        let (at, bt) = (&self.a * Scale(sample_time_s), b * Scale(sample_time_s));
         let (nm, mn, mm, one) = (Mat::zeros(n, m), Mat::zeros(m, n), Mat::zeros(m, m), identity(m));
         let e = expm(
             blocks([
@@ -74,10 +91,11 @@ impl StateSpace {
             ])
             .as_ref(),
         )?;
-        let b1 = e.submatrix(0, n + m, n, m).to_owned();
+        let of_inputs = |first: usize| Mat::from_fn(n, m, |i, j| e[(i, first + j)] / units[j]);
+        let b1 = of_inputs(n + m);
         Ok(FirstOrderHold {
             a: e.submatrix(0, 0, n, n).to_owned(),
-            b0: e.submatrix(0, n, n, m) - &b1,
+            b0: of_inputs(n) - &b1,
             b1,
             c: self.c.clone(),
             d: self.d.clone(),

@@ -48,8 +48,9 @@ impl StateSpace {
         TransferFunction::new(num, from_roots(&self.poles()?), self.sample_time_s)
     }
 
-    /// Zeros and the first Markov parameter that is not zero (`D`, `CB`, `CAB`, …), the numerator's leading coefficient.
-    fn zeros_and_gain(&self) -> Result<(Vec<Complex64>, f64), LtiError> {
+    /// Zeros and the first Markov parameter that is not zero (`D`, `CB`, `CAB`, …), the numerator's leading
+    /// coefficient.
+    pub(crate) fn zeros_and_gain(&self) -> Result<(Vec<Complex64>, f64), LtiError> {
         self.check_siso()?;
         let (a, scale) = balance(self.a());
         let b = Mat::from_fn(self.states(), 1, |i, _| self.b[(i, 0)] / scale[i]);
@@ -70,8 +71,7 @@ impl StateSpace {
             }
             gain *= system.differentiate();
         }
-        let inverted = &system.a - &system.b * &system.c * Scale(1.0 / system.d);
-        Ok((eigenvalues(inverted.as_ref())?, gain * system.d))
+        Ok((eigenvalues(system.inverted().as_ref())?, gain * system.d))
     }
 }
 
@@ -84,12 +84,10 @@ struct Reduced {
 }
 
 impl Reduced {
-    /// Turns the states so that the output is `σ` times the last one alone, makes that state's derivative the new
-    /// output and drops the state, which an output held at zero keeps at zero. Returns `σ`; there must be a state and
-    /// `c` must not be zero.
-    fn differentiate(&mut self) -> f64 {
-        let n = self.a.nrows();
-        let last = n - 1;
+    /// Turns the states so that the output is `σ` times the last one alone, but for the feed-through; returns `σ`.
+    /// There must be a state and `c` must not be zero.
+    fn align(&mut self) -> f64 {
+        let last = self.a.nrows() - 1;
         let sigma = -norm_2(self.c.as_ref()).copysign(self.c[(0, last)]);
         let mut v = self.c.transpose().to_owned();
         v[(last, 0)] -= sigma;
@@ -100,10 +98,34 @@ impl Reduced {
         self.a -= av * v.transpose() * factor;
         let vb = v.transpose() * &self.b;
         self.b -= &v * vb * factor;
+        self.c = Mat::from_fn(1, last + 1, |_, j| if j == last { sigma } else { 0.0 });
+        sigma
+    }
+
+    /// Makes the derivative of the one state seen in the output the new output and drops the state, which an output
+    /// held at zero keeps at zero. Returns `σ`; there must be a state and `c` must not be zero.
+    fn differentiate(&mut self) -> f64 {
+        let sigma = self.align();
+        let last = self.a.nrows() - 1;
         self.c = self.a.submatrix(last, 0, 1, last).to_owned();
         self.d = self.b[(last, 0)];
         self.b = self.b.submatrix(0, 0, last, 1).to_owned();
         self.a = self.a.submatrix(0, 0, last, last).to_owned();
         sigma
+    }
+
+    /// `A − B C/d`, whose eigenvalues are the zeros; `d` is not zero.
+    ///
+    /// A small `d` makes it large along `C` alone. That direction is made the first, so that balancing and the QR
+    /// iteration see a graded matrix and the moderate zeros are not lost in the rounding of the large one.
+    fn inverted(&mut self) -> Mat<f64> {
+        let n = self.a.nrows();
+        if norm_2(self.c.as_ref()) > 0.0 {
+            self.align();
+        }
+        Mat::from_fn(n, n, |i, j| {
+            let (i, j) = (n - 1 - i, n - 1 - j);
+            self.a[(i, j)] - self.b[(i, 0)] * self.c[(0, j)] / self.d
+        })
     }
 }

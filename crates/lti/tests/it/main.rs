@@ -1,10 +1,16 @@
 //! Tests of `lti` through its public face.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod analysis;
 mod conversion;
+mod delay;
+mod edges;
 mod polynomial_model;
+mod process_model;
 mod properties;
+mod reduction;
 mod reference;
+mod sampling;
 
 use faer::{Mat, MatRef};
 

@@ -1,0 +1,12 @@
+//! What a system does: responses in time and their shape, modes, frequency grids, stability margins.
+
+pub(crate) mod frequency_grid;
+mod margins;
+mod modes;
+mod step_characteristics;
+mod time_response;
+
+pub use margins::{GainMargin, Margins, PhaseMargin};
+pub use modes::Mode;
+pub use step_characteristics::StepCharacteristics;
+pub use time_response::TimeGrid;

@@ -1,0 +1,91 @@
+//! Natural frequency and damping of poles.
+
+use crate::Complex64;
+use crate::error::LtiError;
+use crate::state_space::StateSpace;
+use crate::transfer_function::TransferFunction;
+use crate::zero_pole_gain::ZeroPoleGain;
+
+/// Roots slower than the fastest by this factor count as at rest: rounding puts integrators there.
+pub(super) const AT_REST: f64 = 1e-7;
+
+/// A pole by its natural frequency and damping: `s² + 2ζ ω_n s + ω_n²` for a pair.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mode {
+    /// The pole as it stands in the system, in `s` or in `z`.
+    pub pole: Complex64,
+    /// `ω_n = |s|`, in rad/s; infinite for a discrete pole at zero.
+    pub natural_frequency_rad_s: f64,
+    /// `ζ = −Re s/|s|`: 1 for a stable real pole, negative for an unstable one; 1 for a pole at rest too.
+    pub damping: f64,
+}
+
+impl Mode {
+    /// The mode of a pole; one of a discrete system by `s = ln(z)/T`.
+    ///
+    /// # Example
+    /// ```
+    /// use lti::{Complex64, Mode};
+    /// let mode = Mode::new(Complex64::new(-3.0, 4.0), None);
+    /// assert!((mode.natural_frequency_rad_s - 5.0).abs() < 1e-14 && (mode.damping - 0.6).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn new(pole: Complex64, sample_time_s: Option<f64>) -> Self {
+        if sample_time_s.is_some() && pole == Complex64::ZERO {
+            return Self { pole, natural_frequency_rad_s: f64::INFINITY, damping: 1.0 };
+        }
+        let s = continuous_root(pole, sample_time_s);
+        let natural_frequency_rad_s = s.norm();
+        let damping = if natural_frequency_rad_s == 0.0 { 1.0 } else { -s.re / natural_frequency_rad_s };
+        Self { pole, natural_frequency_rad_s, damping }
+    }
+
+    /// `1/(ζ ω_n)` in seconds, in which the mode falls to 1/e; negative for one that grows, infinite for one that
+    /// stays.
+    #[must_use]
+    pub fn time_constant_s(&self) -> f64 {
+        if self.natural_frequency_rad_s == 0.0 {
+            return f64::INFINITY;
+        }
+        1.0 / (self.damping * self.natural_frequency_rad_s)
+    }
+
+    fn table(poles: &[Complex64], sample_time_s: Option<f64>) -> Vec<Self> {
+        let mut modes: Vec<Self> = poles.iter().map(|p| Self::new(*p, sample_time_s)).collect();
+        modes.sort_by(|a, b| a.natural_frequency_rad_s.total_cmp(&b.natural_frequency_rad_s));
+        modes
+    }
+}
+
+/// A root in `s`; not finite for a discrete one at zero.
+pub(super) fn continuous_root(root: Complex64, sample_time_s: Option<f64>) -> Complex64 {
+    sample_time_s.map_or(root, |sample_time_s| root.ln() / sample_time_s)
+}
+
+impl StateSpace {
+    /// The modes of all poles, slowest first.
+    ///
+    /// # Errors
+    /// [`LtiError::NoConvergence`].
+    pub fn modes(&self) -> Result<Vec<Mode>, LtiError> {
+        Ok(Mode::table(&self.poles()?, self.sample_time_s()))
+    }
+}
+
+impl TransferFunction {
+    /// The modes of all poles, slowest first.
+    ///
+    /// # Errors
+    /// [`LtiError::NoConvergence`].
+    pub fn modes(&self) -> Result<Vec<Mode>, LtiError> {
+        Ok(Mode::table(&self.poles()?, self.sample_time_s()))
+    }
+}
+
+impl ZeroPoleGain {
+    /// The modes of all poles, slowest first.
+    #[must_use]
+    pub fn modes(&self) -> Vec<Mode> {
+        Mode::table(self.poles(), self.sample_time_s())
+    }
+}
