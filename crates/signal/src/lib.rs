@@ -19,8 +19,9 @@ mod series;
 mod sinc;
 pub mod spectrum;
 pub mod spline;
+pub mod window;
 
 pub use error::SignalError;
-pub use filter::Sos;
+pub use filter::{Fir, Sos};
 pub use realfft::num_complex::Complex64;
 pub use series::Signal;

@@ -3,8 +3,10 @@
 
 mod checks;
 mod filters;
+mod fir;
 mod properties;
 mod spectra;
+mod spline;
 
 /// The record the reference values were computed from:
 /// `sin(0.3 t) + 0.5 cos(1.7 t) + 0.02 t`, `t = 0 .. 60`.
