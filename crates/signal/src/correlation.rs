@@ -139,7 +139,7 @@ pub fn delay_by_correlation(
     Ok(CorrelationDelay { delay_s: lag * sample_time_s, coefficient: sign * value(lag) / power, at_edge })
 }
 
-fn is_constant(x: &[f64]) -> bool {
+pub(crate) fn is_constant(x: &[f64]) -> bool {
     x.windows(2).all(|w| w[0] == w[1])
 }
 

@@ -13,6 +13,7 @@ mod error;
 pub mod excitation;
 mod extend;
 pub mod filter;
+pub mod frf;
 pub mod quality;
 pub mod resample;
 mod series;

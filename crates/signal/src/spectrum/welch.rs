@@ -210,10 +210,8 @@ pub struct PowerSpectrum {
     pub freq_hz: Vec<f64>,
     /// Power density, (unit of x)²/Hz; its integral over frequency is the variance.
     pub density: Vec<f64>,
-    /// Degrees of freedom of the averages, as in [`CrossSpectrum`].
-    pub degrees_of_freedom: f64,
-    /// Whether the last frequency is half the sample rate, where the transform of real samples is real.
-    ends_at_nyquist: bool,
+    /// Degrees of freedom ν at each frequency, for noise: `ν·P̂/P` is distributed as χ² with ν of them.
+    pub degrees_of_freedom: Vec<f64>,
 }
 
 impl PowerSpectrum {
@@ -238,16 +236,15 @@ impl PowerSpectrum {
     /// Percival and Walden (1993), *Spectral Analysis for Physical Applications*, §6.10 and §6.17.
     pub fn interval(&self, confidence: f64) -> Result<Vec<[f64; 2]>, SignalError> {
         check_range("confidence", confidence, f64::MIN_POSITIVE, 1.0 - f64::EPSILON)?;
-        let factors = |freedom: f64| {
-            [0.5 * (1.0 + confidence), 0.5 * (1.0 - confidence)].map(|p| freedom / chi_squared_quantile(p, freedom))
+        let mut known = (f64::NAN, [0.0; 2]);
+        let interval = |(p, &freedom): (&f64, &f64)| {
+            if freedom != known.0 {
+                let tails = [0.5 * (1.0 + confidence), 0.5 * (1.0 - confidence)];
+                known = (freedom, tails.map(|tail| freedom / chi_squared_quantile(tail, freedom)));
+            }
+            known.1.map(|factor| factor * p)
         };
-        let (real, complex) = (factors(0.5 * self.degrees_of_freedom), factors(self.degrees_of_freedom));
-        let last = self.density.len().saturating_sub(1);
-        let interval = |(k, p): (usize, &f64)| {
-            let is_real = k == 0 || (k == last && self.ends_at_nyquist);
-            (if is_real { real } else { complex }).map(|factor| factor * p)
-        };
-        Ok(self.density.iter().enumerate().map(interval).collect())
+        Ok(self.density.iter().zip(&self.degrees_of_freedom).map(interval).collect())
     }
 }
 
@@ -268,10 +265,10 @@ impl PowerSpectrum {
 /// ```
 pub fn power_spectrum(x: &[f64], sample_time_s: f64, welch: Welch) -> Result<PowerSpectrum, SignalError> {
     let both = cross_spectrum(x, x, sample_time_s, welch)?;
-    Ok(PowerSpectrum {
-        freq_hz: both.freq_hz,
-        density: both.pxx,
-        degrees_of_freedom: both.degrees_of_freedom,
-        ends_at_nyquist: welch.segment.is_multiple_of(2),
-    })
+    let freedom = |k: usize| {
+        let is_real = k == 0 || 2 * k == welch.segment;
+        if is_real { 0.5 * both.degrees_of_freedom } else { both.degrees_of_freedom }
+    };
+    let degrees_of_freedom = (0..both.freq_hz.len()).map(freedom).collect();
+    Ok(PowerSpectrum { freq_hz: both.freq_hz, density: both.pxx, degrees_of_freedom })
 }

@@ -4,6 +4,7 @@
 mod checks;
 mod filters;
 mod fir;
+mod frf;
 mod properties;
 mod spectra;
 mod spline;

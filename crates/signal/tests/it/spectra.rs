@@ -195,7 +195,7 @@ fn stat_welch_degrees_of_freedom_and_intervals() {
             let timing = Timing { sample_time_s: 1.0, length: 640 };
             let x = held_noise(&mut Random::new(run), timing, 0.0, 1.0, 1.0).unwrap();
             let psd = power_spectrum(&x.samples, 1.0, Welch { segment: 64, overlap, window }).unwrap();
-            freedom = psd.degrees_of_freedom;
+            freedom = psd.degrees_of_freedom[1];
             // Every fourth frequency: neighbours share what the window smears.
             for k in (4..32).step_by(4) {
                 let [low, high] = psd.interval(0.9).unwrap()[k];
