@@ -51,7 +51,6 @@ fn exact_local_models_are_free_of_leakage() {
         worst(&polynomial.freq_hz, &polynomial.response),
         worst(&welch.freq_hz[1..], &welch.response_h1()[1..]),
     ];
-    println!("{rational_error:e} {polynomial_error:e} {welch_error:e}");
     assert!(rational_error < 1e-5 && polynomial_error < 0.01 && welch_error > 0.05);
     assert_eq!(rational.response.freq_hz.len(), 8191);
 }
@@ -73,7 +72,7 @@ fn stat_local_models_state_their_variance() {
             let freq_hz = &found.response.freq_hz;
             let wanted = |k: &usize| {
                 let distance = (freq_hz[*k] - 12.0).abs();
-                if at_resonance { distance < 0.5 } else { distance > 4.0 && k % 16 == 0 }
+                if at_resonance { distance < 0.5 } else { distance > 4.0 && k.is_multiple_of(16) }
             };
             for k in (0..freq_hz.len()).filter(wanted) {
                 scatter += (found.response.response[k] - resonance().response(freq_hz[k])).norm_sqr();
@@ -83,7 +82,6 @@ fn stat_local_models_state_their_variance() {
             }
         }
         let (ratio, density) = (scatter / stated, noise / f64::from(count));
-        println!("{kind:?}: scatter/stated {ratio}, density {}", density / (2.0 * T * 9e-4));
         let (low, high) = if kind == LocalKind::Rational { (0.9, 1.6) } else { (0.9, 1.1) };
         assert!(low < ratio && ratio < high, "{kind:?} {ratio}");
         assert!((density / (2.0 * T * 9e-4) - 1.0).abs() < 0.15, "{kind:?} {density}");
@@ -138,7 +136,6 @@ fn stat_periods_tell_the_noise_on_both_sides() {
         }
     }
     let ratio = scatter / stated;
-    println!("scatter/stated {ratio}");
     assert!((ratio - 1.0).abs() < 0.08, "{ratio}");
 }
 
@@ -207,7 +204,6 @@ fn stat_smoothed_estimates_state_their_variance() {
         }
     }
     let [response, noise] = [inside, noise_inside].map(|n| n as f64 / f64::from(total));
-    println!("{response} {noise} {}", scatter / stated);
     assert!((response - 0.95).abs() < 0.015, "{response}");
     assert!((noise - 0.9).abs() < 0.025, "{noise}");
     assert!((scatter / stated - 1.0).abs() < 0.08, "{}", scatter / stated);
