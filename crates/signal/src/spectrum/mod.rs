@@ -53,7 +53,7 @@ pub fn dft_at(x: &[f64], sample_time_s: f64, freqs_hz: &[f64]) -> Result<Vec<Com
 }
 
 /// Turns by multiplication, restarted every few hundred samples so that rounding does not build up.
-fn fourier_sum(x: &[f64], angle: f64) -> Complex64 {
+pub(crate) fn fourier_sum(x: &[f64], angle: f64) -> Complex64 {
     const BLOCK: usize = 256;
     let turn = Complex64::cis(-angle);
     let mut sum = Complex64::ZERO;

@@ -6,6 +6,7 @@ mod excitations;
 mod filters;
 mod fir;
 mod frf;
+mod periodicity;
 mod properties;
 mod spectra;
 mod spline;
