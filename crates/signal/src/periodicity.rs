@@ -234,8 +234,7 @@ pub struct HarmonicSeries {
 /// The series of `count` harmonics near `freq_hz` that explains most of a record, the fundamental searched within half a bin
 /// (`1/(2·N·T)` hertz) of the guess.
 ///
-/// The mean is removed. The record should hold many periods: harmonics are fitted one by one, and what they leak into each
-/// other moves the fundamental, by about a thousandth of a bin at 50 periods.
+/// Offset and harmonics are fitted together, so that they do not leak into each other.
 ///
 /// # Errors
 /// [`SignalError::Parameter`] for no harmonic, or a guess of which less than two periods are recorded or whose highest
@@ -258,18 +257,55 @@ pub fn fit_harmonics(x: &[f64], sample_time_s: f64, freq_hz: f64, count: usize) 
     let level = mean(x).unwrap_or(0.0);
     let x: Vec<f64> = x.iter().map(|v| v - level).collect();
     let guess = freq_hz * sample_time_s;
-    let explained = |turns: f64| (1..=count).map(|h| Line::at(&x, turns * h as f64).1).sum::<f64>();
+    let explained = |turns: f64| harmonics_at(&x, turns, count).1;
     // The peak is as narrow as the highest harmonic makes it: steps of a quarter of its width.
     let steps = 4 * count.min(1000) as i32;
     let at = |i: i32| (guess + 0.5 * bin * f64::from(i) / f64::from(steps)).clamp(bin, highest);
     let best = (-steps..=steps).max_by(|a, b| explained(at(*a)).total_cmp(&explained(at(*b)))).unwrap_or(0);
     let turns = golden_maximum(explained, at(best - 1), at(best + 1), 1e-7 * bin / count as f64);
     let total: f64 = x.iter().map(|v| v * v).sum();
+    let (halves, power) = harmonics_at(&x, turns, count);
     Ok(HarmonicSeries {
         freq_hz: turns / sample_time_s,
-        amplitudes: (1..=count).map(|h| 2.0 * Line::at(&x, turns * h as f64).0).collect(),
-        explained: (explained(turns) / total).min(1.0),
+        amplitudes: halves.into_iter().map(|c| 2.0 * c).collect(),
+        explained: (power / total).min(1.0),
     })
+}
+
+/// Least-squares coefficients `c` of `b + Σ_h 2 Re(c_h e^{j2π h turns t})` and the power they explain: Gauss and Seidel's
+/// iteration, which converges fast because harmonics over two periods or more are nearly orthogonal.
+fn harmonics_at(x: &[f64], turns: f64, count: usize) -> (Vec<Complex64>, f64) {
+    let n = x.len() as f64;
+    let sums: Vec<Complex64> = (0..=count).map(|h| fourier_sum(x, TAU * turns * h as f64)).collect();
+    let overlaps: Vec<Complex64> = (0..=2 * count).map(|m| geometric(TAU * turns * m as f64, x.len())).collect();
+    let overlap = |m: i64| {
+        let value = overlaps[m.unsigned_abs() as usize];
+        if m < 0 { value.conj() } else { value }
+    };
+    let mut values = vec![Complex64::ZERO; count + 1];
+    for _ in 0..100 {
+        let mut moved = 0.0_f64;
+        for h in 0..=count as i64 {
+            let others = (0..=count as i64).filter(|m| *m != h);
+            let leak = |m: i64| values[m as usize] * overlap(m - h) + values[m as usize].conj() * overlap(-m - h);
+            let rest = sums[h as usize] - others.map(leak).sum::<Complex64>();
+            // At rest value and conjugate are one unknown.
+            let value = if h == 0 {
+                Complex64::new(rest.re / (2.0 * n), 0.0)
+            } else {
+                let mirror = overlap(-2 * h);
+                (rest * n - mirror * rest.conj()) / (n * n - mirror.norm_sqr())
+            };
+            moved = moved.max((value - values[h as usize]).norm());
+            values[h as usize] = value;
+        }
+        let largest = values.iter().map(|v| v.norm()).fold(0.0, f64::max);
+        if moved <= 1e-13 * largest {
+            break;
+        }
+    }
+    let power = values.iter().zip(&sums).map(|(c, s)| 2.0 * (c.conj() * s).re).sum();
+    (values.split_off(1), power)
 }
 
 /// How a record repeats.
