@@ -79,6 +79,18 @@ pub enum SignalError {
         /// Number of points.
         length: usize,
     },
+    /// An even number of taps, where the filter asked for has a middle one.
+    #[error("{taps} taps, an odd number is needed")]
+    EvenTaps {
+        /// The number of taps given.
+        taps: usize,
+    },
+    /// The excitation is too weak or one input is a combination of the others: equations cannot be solved.
+    #[error("the inputs do not excite the system independently at {freq_hz} Hz")]
+    NotExcited {
+        /// The first frequency where that is so.
+        freq_hz: f64,
+    },
 }
 
 pub(crate) fn check_finite(x: &[f64]) -> Result<(), SignalError> {

@@ -1,5 +1,5 @@
-//! Uniformly sampled data on one clock: filters, resampling, derivatives, spectra, correlations and delays, clock and
-//! quality checks, excitation signals.
+//! Uniformly sampled data on one clock: filters, resampling, derivatives, spectra, frequency responses, periodic parts,
+//! correlations and delays, clock and quality checks, excitation signals.
 //!
 //! This crate knows numbers and their sample time, and nothing else. It may not know files, unit strings, models of
 //! systems, or the words of a test bench.
@@ -13,14 +13,17 @@ mod error;
 pub mod excitation;
 mod extend;
 pub mod filter;
+pub mod frf;
+pub mod periodicity;
 pub mod quality;
 pub mod resample;
 mod series;
 mod sinc;
 pub mod spectrum;
 pub mod spline;
+pub mod window;
 
 pub use error::SignalError;
-pub use filter::Sos;
+pub use filter::{Fir, Sos};
 pub use realfft::num_complex::Complex64;
 pub use series::Signal;

@@ -2,20 +2,11 @@
 
 use std::f64::consts::PI;
 
-use super::{Section, Sos};
+use super::{Band, Section, Sos};
 use crate::Complex64;
 use crate::error::{SignalError, check_range, check_sample_time};
 
 const MAX_ORDER: usize = 20;
-
-/// What is let through, with edges in hertz.
-#[derive(Clone, Copy)]
-pub(super) enum Band {
-    Low(f64),
-    High(f64),
-    Pass(f64, f64),
-    Stop(f64, f64),
-}
 
 /// The band with its edges pre-warped, `tan(π f T)`.
 #[derive(Clone, Copy)]
@@ -53,29 +44,13 @@ pub(super) fn design(order: usize, band: Band, sample_time_s: f64) -> Result<Sos
 }
 
 fn warp(band: Band, sample_time_s: f64) -> Result<Warped, SignalError> {
-    let nyquist_hz = 0.5 / sample_time_s;
-    let edge = |cutoff_hz: f64, low_hz: f64| {
-        if cutoff_hz > low_hz && cutoff_hz < nyquist_hz {
-            Ok((PI * cutoff_hz * sample_time_s).tan())
-        } else {
-            Err(SignalError::Cutoff { cutoff_hz, low_hz, high_hz: nyquist_hz })
-        }
-    };
-    let edges = |low: f64, high: f64| -> Result<(f64, f64), SignalError> {
-        let (a, b) = (edge(low, 0.0)?, edge(high, low)?);
-        Ok((a * b, b - a))
-    };
+    band.check(sample_time_s)?;
+    let edge = |cutoff_hz: f64| (PI * cutoff_hz * sample_time_s).tan();
     Ok(match band {
-        Band::Low(cutoff) => Warped::Low(edge(cutoff, 0.0)?),
-        Band::High(cutoff) => Warped::High(edge(cutoff, 0.0)?),
-        Band::Pass(low, high) => {
-            let (centre_squared, width) = edges(low, high)?;
-            Warped::Pass { centre_squared, width }
-        }
-        Band::Stop(low, high) => {
-            let (centre_squared, width) = edges(low, high)?;
-            Warped::Stop { centre_squared, width }
-        }
+        Band::Low(cutoff) => Warped::Low(edge(cutoff)),
+        Band::High(cutoff) => Warped::High(edge(cutoff)),
+        Band::Pass(low, high) => Warped::Pass { centre_squared: edge(low) * edge(high), width: edge(high) - edge(low) },
+        Band::Stop(low, high) => Warped::Stop { centre_squared: edge(low) * edge(high), width: edge(high) - edge(low) },
     })
 }
 

@@ -2,9 +2,14 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod checks;
+mod excitations;
 mod filters;
+mod fir;
+mod frf;
+mod periodicity;
 mod properties;
 mod spectra;
+mod spline;
 
 /// The record the reference values were computed from:
 /// `sin(0.3 t) + 0.5 cos(1.7 t) + 0.02 t`, `t = 0 .. 60`.

@@ -6,7 +6,8 @@ use signal::correlation::{auto_correlation, cross_correlation, delay_by_correlat
 use signal::derivative::smoothed_derivative;
 use signal::excitation::{Random, Timing, held_noise};
 use signal::resample::{Interpolation, decimate, fractional_delay, interpolate_at};
-use signal::spectrum::{Welch, cross_spectrum, dft_at, fft_frequencies_hz, fft_real};
+use signal::spectrum::{Welch, cross_spectrum, dft_at, fft_frequencies_hz, fft_real, power_spectrum};
+use signal::window::Window;
 use signal::{Complex64, Signal, SignalError, Sos};
 
 use crate::{assert_close, record};
@@ -162,4 +163,78 @@ fn stat_response_estimate_finds_the_filter() {
     let worst = worst.map(|(h, f)| (h - filter.response(*f)).norm()).fold(0.0, f64::max);
     assert!(worst < 0.02, "{worst}");
     assert!(Complex64::norm(filter.response(100.0)) < 0.71);
+}
+
+/// SciPy 1.17: `welch(x, 1000, nperseg=16, noverlap=12, window='blackman')` of the common record.
+#[test]
+fn ref_welch_with_another_window() {
+    let welch = Welch { segment: 16, overlap: 12, window: Window::Blackman };
+    let psd = power_spectrum(&record(), 1e-3, welch).unwrap();
+    let expected = [
+        0.0009293376395731978,
+        0.002964576919820773,
+        0.000824696928364606,
+        0.00020027108573460151,
+        0.0010390549718747929,
+        0.0007316523123705995,
+        5.211331304761558e-05,
+        2.9430137846198024e-08,
+        1.436932203247142e-09,
+    ];
+    assert_close(&psd.density, &expected, 1e-16);
+}
+
+/// White noise: the scatter of the density is that of the stated degrees of freedom, and the interval holds the truth as
+/// often as it says.
+#[test]
+fn stat_welch_degrees_of_freedom_and_intervals() {
+    for (overlap, window) in [(0, Window::Hann), (32, Window::Hann), (48, Window::Blackman), (60, Window::Hamming)] {
+        let (runs, mut inside, mut total, mut moments) = (400, 0, 0, [0.0; 2]);
+        let mut freedom = 0.0;
+        for run in 0..runs {
+            let timing = Timing { sample_time_s: 1.0, length: 640 };
+            let x = held_noise(&mut Random::new(run), timing, 0.0, 1.0, 1.0).unwrap();
+            let psd = power_spectrum(&x.samples, 1.0, Welch { segment: 64, overlap, window }).unwrap();
+            freedom = psd.degrees_of_freedom[1];
+            // Every fourth frequency: neighbours share what the window smears.
+            for k in (4..32).step_by(4) {
+                let [low, high] = psd.interval(0.9).unwrap()[k];
+                inside += usize::from(low < 2.0 && 2.0 < high);
+                total += 1;
+                moments[0] += psd.density[k];
+                moments[1] += psd.density[k].powi(2);
+            }
+        }
+        let [mean, square] = moments.map(|m| m / total as f64);
+        let measured = 2.0 * mean * mean / (square - mean * mean);
+        assert!((measured / freedom - 1.0).abs() < 0.12, "{measured} for {freedom}");
+        let coverage = inside as f64 / total as f64;
+        assert!((coverage - 0.9).abs() < 0.025, "{coverage}");
+    }
+}
+
+/// Unrelated signals exceed the threshold as often as it says; the stated variance of the response is that measured.
+#[test]
+fn stat_coherence_threshold_and_response_variance() {
+    let (runs, mut exceeded, mut total, mut spread, mut stated) = (300, 0, 0, 0.0, 0.0);
+    for run in 0..runs {
+        let timing = Timing { sample_time_s: 1.0, length: 960 };
+        let mut random = Random::new(run);
+        let x = held_noise(&mut random, timing, 0.0, 1.0, 1.0).unwrap();
+        let v = held_noise(&mut random, timing, 0.0, 1.0, 1.0).unwrap();
+        let y: Vec<f64> = x.samples.iter().zip(&v.samples).map(|(x, v)| 0.7 * x + v).collect();
+        let unrelated = cross_spectrum(&x.samples, &v.samples, 1.0, Welch::half_overlapping(64)).unwrap();
+        let related = cross_spectrum(&x.samples, &y, 1.0, Welch::half_overlapping(64)).unwrap();
+        let threshold = unrelated.coherence_threshold(0.05).unwrap();
+        let (coherence, variance) = (unrelated.coherence(), related.response_h1_variance());
+        for k in (4..32).step_by(4) {
+            exceeded += usize::from(coherence[k] > threshold);
+            total += 1;
+            spread += (related.response_h1()[k] - 0.7).norm_sqr();
+            stated += variance[k];
+        }
+    }
+    let rate = f64::from(exceeded as u32) / f64::from(total);
+    assert!((rate - 0.05).abs() < 0.015, "{rate}");
+    assert!((spread / stated - 1.0).abs() < 0.1, "{}", spread / stated);
 }

@@ -1,89 +1,49 @@
-//! Fourier transforms, power and cross spectra by Welch's method, coherence.
-//!
-//! Transforms use `e^{−jωt}` and no factor in front.
-
-use std::f64::consts::TAU;
+//! Averaged spectra over segments, and the certainty of such averages.
 
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
+use super::chi_squared::chi_squared_quantile;
+use super::fft_frequencies_hz;
 use crate::Complex64;
 use crate::error::{SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time};
 use crate::series::mean;
-
-/// One-sided discrete Fourier transform, `X[k] = Σ_t x[t] e^{−j2πkt/N}`, `k = 0 ..= N/2`.
-///
-/// Lengths with large prime factors are an order of magnitude slower.
-///
-/// # Errors
-/// [`SignalError::TooShort`] for an empty `x`.
-///
-/// # Example
-/// ```
-/// let spectrum = signal::spectrum::fft_real(&[1.0, 0.0, -1.0, 0.0])?;
-/// assert!((spectrum[1].re - 2.0).abs() < 1e-12 && spectrum.len() == 3);
-/// # Ok::<(), signal::SignalError>(())
-/// ```
-pub fn fft_real(x: &[f64]) -> Result<Vec<Complex64>, SignalError> {
-    check_at_least(1, x.len())?;
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(x.len());
-    let mut input = x.to_vec();
-    let mut output = plan.make_output_vec();
-    plan.process(&mut input, &mut output).map_err(|_| SignalError::Transform { length: x.len() })?;
-    Ok(output)
-}
-
-/// The frequencies of [`fft_real`]'s values, in hertz, for `length` samples.
-#[must_use]
-pub fn fft_frequencies_hz(length: usize, sample_time_s: f64) -> Vec<f64> {
-    (0..=length / 2).map(|k| k as f64 / (length as f64 * sample_time_s)).collect()
-}
-
-/// The Fourier sum at arbitrary frequencies, `X(f) = Σ_t x[t] e^{−j2πftT}`; costs one pass a frequency.
-///
-/// # Errors
-/// [`SignalError::SampleTime`], [`SignalError::NonFinite`] for a frequency that is not finite.
-pub fn dft_at(x: &[f64], sample_time_s: f64, freqs_hz: &[f64]) -> Result<Vec<Complex64>, SignalError> {
-    check_sample_time(sample_time_s)?;
-    check_finite(freqs_hz)?;
-    Ok(freqs_hz.iter().map(|f| fourier_sum(x, TAU * f * sample_time_s)).collect())
-}
-
-/// Turns by multiplication, restarted every few hundred samples so that rounding does not build up.
-fn fourier_sum(x: &[f64], angle: f64) -> Complex64 {
-    const BLOCK: usize = 256;
-    let turn = Complex64::cis(-angle);
-    let mut sum = Complex64::ZERO;
-    for (index, block) in x.chunks(BLOCK).enumerate() {
-        let mut factor = Complex64::cis(-angle * (index * BLOCK) as f64);
-        for v in block {
-            sum += factor * *v;
-            factor *= turn;
-        }
-    }
-    sum
-}
+use crate::window::Window;
 
 /// How Welch's method cuts the record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Welch {
     /// Samples in a segment; the resolution is about `1.5 / (segment · T)` hertz.
     pub segment: usize,
     /// Samples two neighbouring segments share, less than `segment`; half is usual with the Hann window.
     pub overlap: usize,
+    /// What each segment is multiplied with.
+    pub window: Window,
 }
 
 impl Welch {
-    /// Segments of this length that overlap by half.
+    /// Segments of this length that overlap by half, with the Hann window.
     #[must_use]
     pub fn half_overlapping(segment: usize) -> Self {
-        Self { segment, overlap: segment / 2 }
+        Self { segment, overlap: segment / 2, window: Window::Hann }
     }
 
     fn check(self, length: usize) -> Result<(), SignalError> {
         check_range("segment", self.segment as f64, 2.0, f64::INFINITY)?;
         check_range("overlap", self.overlap as f64, 0.0, self.segment as f64 - 1.0)?;
         check_at_least(self.segment, length)
+    }
+
+    /// Degrees of freedom of an average over `segments`: two a segment, less what overlapping windows share.
+    fn degrees_of_freedom(self, window: &[f64], segments: usize) -> f64 {
+        let hop = self.segment - self.overlap;
+        let energy: f64 = window.iter().map(|w| w * w).sum();
+        let shared = |m: usize| {
+            let product: f64 = window.iter().zip(&window[m * hop..]).map(|(a, b)| a * b).sum();
+            (1.0 - m as f64 / segments as f64) * (product / energy).powi(2)
+        };
+        let reach = (self.segment - 1) / hop;
+        2.0 * segments as f64 / (1.0 + 2.0 * (1..segments.min(reach + 1)).map(shared).sum::<f64>())
     }
 }
 
@@ -102,6 +62,9 @@ pub struct CrossSpectrum {
     pub pxy: Vec<Complex64>,
     /// Number of segments averaged.
     pub segments: usize,
+    /// Degrees of freedom ν of the averages for noise: `ν·P̂/P` is distributed as χ² with ν of them. Half as many at rest and
+    /// at half the sample rate. Fewer than two a segment where segments overlap.
+    pub degrees_of_freedom: f64,
 }
 
 impl CrossSpectrum {
@@ -116,6 +79,41 @@ impl CrossSpectrum {
         (0..self.pxy.len()).map(value).collect()
     }
 
+    /// The coherence that unrelated signals exceed at one frequency with probability `false_alarm`,
+    /// `1 − p^{1/(ν/2 − 1)}`.
+    ///
+    /// # Errors
+    /// [`SignalError::Parameter`] for a probability outside 0 ..= 1; [`SignalError::TooShort`] where no more than one
+    /// segment's worth of averages was made, so that no coherence is significant.
+    ///
+    /// # Source
+    /// Carter, G. C. (1987), Proc. IEEE 75(2), 236–255.
+    pub fn coherence_threshold(&self, false_alarm: f64) -> Result<f64, SignalError> {
+        check_range("false_alarm", false_alarm, 0.0, 1.0)?;
+        let averages = 0.5 * self.degrees_of_freedom;
+        if averages <= 1.0 {
+            return Err(SignalError::TooShort { needed: 2, got: self.segments });
+        }
+        Ok(1.0 - false_alarm.powf(1.0 / (averages - 1.0)))
+    }
+
+    /// Variance of [`CrossSpectrum::response_h1`], `E|Ĥ − EĤ|² = |Ĥ|² (1 − γ²)/γ² / (ν/2 − 1)` with γ² the coherence:
+    /// the scatter that noise on the output causes, without the bias from leakage within a segment. Infinite where the
+    /// coherence is zero or there are no more than two degrees of freedom.
+    ///
+    /// # Source
+    /// Bendat and Piersol (2010), *Random Data*, §9.2.4.
+    #[must_use]
+    pub fn response_h1_variance(&self) -> Vec<f64> {
+        let averages = (0.5 * self.degrees_of_freedom - 1.0).max(0.0);
+        let unexplained = |i: usize| (self.pyy[i] - self.pxy[i].norm_sqr() / self.pxx[i]).max(0.0);
+        let variance = |i: usize| {
+            let value = unexplained(i) / self.pxx[i] / averages;
+            if value.is_nan() { f64::INFINITY } else { value }
+        };
+        (0..self.pxx.len()).map(variance).collect()
+    }
+
     /// The frequency response estimate `H1 = Pxy / Pxx`, right under noise on the output; NaN where `x` has no power.
     #[must_use]
     pub fn response_h1(&self) -> Vec<Complex64> {
@@ -123,8 +121,7 @@ impl CrossSpectrum {
     }
 }
 
-/// Auto and cross power densities of two signals on one clock, by Welch's method with a Hann window; each segment's
-/// mean is removed.
+/// Auto and cross power densities of two signals on one clock, by Welch's method; each segment's mean is removed.
 ///
 /// Samples after the last whole segment are not used.
 ///
@@ -141,17 +138,19 @@ pub fn cross_spectrum(x: &[f64], y: &[f64], sample_time_s: f64, welch: Welch) ->
     check_finite(x)?;
     check_finite(y)?;
     let n = welch.segment;
-    let window: Vec<f64> = (0..n).map(|i| 0.5 - 0.5 * (TAU * i as f64 / n as f64).cos()).collect();
+    let window = welch.window.periodic(n)?;
     let mut sum = CrossSpectrum {
         freq_hz: fft_frequencies_hz(n, sample_time_s),
         pxx: vec![0.0; n / 2 + 1],
         pyy: vec![0.0; n / 2 + 1],
         pxy: vec![Complex64::ZERO; n / 2 + 1],
         segments: 0,
+        degrees_of_freedom: 0.0,
     };
     let mut transform = SegmentTransform::new(&window);
+    let mut sx = vec![Complex64::ZERO; n / 2 + 1];
     for start in (0..=x.len() - n).step_by(n - welch.overlap) {
-        let sx = transform.apply(&x[start..start + n])?.to_vec();
+        sx.copy_from_slice(transform.apply(&x[start..start + n])?);
         let sy = transform.apply(&y[start..start + n])?;
         for (k, (a, b)) in sx.iter().zip(sy).enumerate() {
             sum.pxx[k] += a.norm_sqr();
@@ -162,6 +161,7 @@ pub fn cross_spectrum(x: &[f64], y: &[f64], sample_time_s: f64, welch: Welch) ->
     }
     let energy: f64 = window.iter().map(|w| w * w).sum();
     let scale = sample_time_s / (energy * sum.segments as f64);
+    sum.degrees_of_freedom = welch.degrees_of_freedom(&window, sum.segments);
     scale_one_sided(&mut sum, scale, n);
     Ok(sum)
 }
@@ -210,9 +210,45 @@ pub struct PowerSpectrum {
     pub freq_hz: Vec<f64>,
     /// Power density, (unit of x)²/Hz; its integral over frequency is the variance.
     pub density: Vec<f64>,
+    /// Degrees of freedom ν at each frequency, for noise: `ν·P̂/P` is distributed as χ² with ν of them.
+    pub degrees_of_freedom: Vec<f64>,
 }
 
-/// Power spectral density by Welch's method with a Hann window.
+impl PowerSpectrum {
+    /// The interval `[ν P̂/χ²_{(1+p)/2}, ν P̂/χ²_{(1−p)/2}]` that holds the density at each frequency with probability
+    /// `confidence`, for Gaussian noise whose density is even within the resolution.
+    ///
+    /// # Errors
+    /// [`SignalError::Parameter`] unless `0 < confidence < 1`.
+    ///
+    /// # Example
+    /// ```
+    /// use signal::excitation::{Random, Timing, held_noise};
+    /// use signal::spectrum::{Welch, power_spectrum};
+    /// let x = held_noise(&mut Random::new(1), Timing { sample_time_s: 1.0, length: 20_000 }, 0.0, 1.0, 1.0)?;
+    /// let psd = power_spectrum(&x.samples, 1.0, Welch::half_overlapping(200))?;
+    /// let inside = psd.interval(0.95)?[1..100].iter().filter(|[low, high]| *low < 2.0 && 2.0 < *high).count();
+    /// assert!(inside >= 89); // 95 of 99 expected
+    /// # Ok::<(), signal::SignalError>(())
+    /// ```
+    ///
+    /// # Source
+    /// Percival and Walden (1993), *Spectral Analysis for Physical Applications*, §6.10 and §6.17.
+    pub fn interval(&self, confidence: f64) -> Result<Vec<[f64; 2]>, SignalError> {
+        check_range("confidence", confidence, f64::MIN_POSITIVE, 1.0 - f64::EPSILON)?;
+        let mut known = (f64::NAN, [0.0; 2]);
+        let interval = |(p, &freedom): (&f64, &f64)| {
+            if freedom != known.0 {
+                let tails = [0.5 * (1.0 + confidence), 0.5 * (1.0 - confidence)];
+                known = (freedom, tails.map(|tail| freedom / chi_squared_quantile(tail, freedom)));
+            }
+            known.1.map(|factor| factor * p)
+        };
+        Ok(self.density.iter().zip(&self.degrees_of_freedom).map(interval).collect())
+    }
+}
+
+/// Power spectral density by Welch's method.
 ///
 /// # Errors
 /// Those of [`cross_spectrum`].
@@ -229,35 +265,10 @@ pub struct PowerSpectrum {
 /// ```
 pub fn power_spectrum(x: &[f64], sample_time_s: f64, welch: Welch) -> Result<PowerSpectrum, SignalError> {
     let both = cross_spectrum(x, x, sample_time_s, welch)?;
-    Ok(PowerSpectrum { freq_hz: both.freq_hz, density: both.pxx })
-}
-
-/// The real signal of `length` samples whose one-sided transform, as [`fft_real`] gives it, is `spectrum`:
-/// `x[t] = 1/N Σ_k X[k] e^{j2πkt/N}`.
-///
-/// # Errors
-/// [`SignalError::TooShort`] for a length of zero, [`SignalError::Transform`] where `spectrum` does not hold
-/// `length/2 + 1` values.
-///
-/// # Example
-/// ```
-/// let x = [1.0, 3.0, -2.0, 0.5];
-/// let back = signal::spectrum::inverse_fft_real(signal::spectrum::fft_real(&x)?, 4)?;
-/// assert!(back.iter().zip(x).all(|(a, b)| (a - b).abs() < 1e-12));
-/// # Ok::<(), signal::SignalError>(())
-/// ```
-pub fn inverse_fft_real(mut spectrum: Vec<Complex64>, length: usize) -> Result<Vec<f64>, SignalError> {
-    check_at_least(1, length)?;
-    let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(length);
-    // The transform of a real signal is real at zero and at the Nyquist frequency; rounding may say otherwise.
-    if let Some(first) = spectrum.first_mut() {
-        first.im = 0.0;
-    }
-    if let (true, Some(last)) = (length.is_multiple_of(2), spectrum.last_mut()) {
-        last.im = 0.0;
-    }
-    let mut output = plan.make_output_vec();
-    plan.process(&mut spectrum, &mut output).map_err(|_| SignalError::Transform { length })?;
-    output.iter_mut().for_each(|x| *x /= length as f64);
-    Ok(output)
+    let freedom = |k: usize| {
+        let is_real = k == 0 || 2 * k == welch.segment;
+        if is_real { 0.5 * both.degrees_of_freedom } else { both.degrees_of_freedom }
+    };
+    let degrees_of_freedom = (0..both.freq_hz.len()).map(freedom).collect();
+    Ok(PowerSpectrum { freq_hz: both.freq_hz, density: both.pxx, degrees_of_freedom })
 }

@@ -1,0 +1,80 @@
+//! Nonparametric frequency responses, and how far to trust them.
+//!
+//! | method | for |
+//! | --- | --- |
+//! | [`LocalModel`] | any excitation, resolution and noise level at once; handles leakage |
+//! | [`PeriodicSpectra`], [`periodic_response`] | periodic excitation over several periods: noise from their scatter |
+//! | [`Etfe`] | a quick look; exact for periodic data |
+//! | [`BlackmanTukey`] | smooth responses and noise spectra from random excitation |
+//!
+//! Conventions: `Y(f) = G(f) U(f) + V(f)` with transforms by `e^{−jωt}`, so a lag has a negative phase. The variance of a
+//! complex quantity is `E|Ĝ − EĜ|²`, the sum of those of its real and imaginary parts, which are alike.
+
+mod blackman_tukey;
+mod etfe;
+mod least_squares;
+mod local;
+mod periodic;
+
+pub use blackman_tukey::{BlackmanTukey, SpectralAnalysis};
+pub use etfe::Etfe;
+pub use local::{LocalEstimate, LocalKind, LocalModel};
+pub use periodic::{PeriodicResponse, PeriodicSpectra, periodic_response, periodic_spectra};
+
+use crate::Complex64;
+use crate::error::{SignalError, check_at_least, check_finite, check_same_length, check_sample_time};
+
+/// A frequency response at discrete frequencies, with its variance.
+///
+/// Matrices lie one after the other, rows (outputs) first: entry `(i, j)` at frequency `k` is at
+/// `(k · outputs + i) · inputs + j`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrequencyResponse {
+    /// Frequencies in hertz, rising.
+    pub freq_hz: Vec<f64>,
+    /// Number of outputs.
+    pub outputs: usize,
+    /// Number of inputs.
+    pub inputs: usize,
+    /// The response, (unit of output)/(unit of input).
+    pub response: Vec<Complex64>,
+    /// Variance `E|Ĝ − EĜ|²` of each entry; NaN where the method knows none.
+    pub variance: Vec<f64>,
+}
+
+impl FrequencyResponse {
+    /// The response from one input to one output, one value a frequency; empty where there is no such channel.
+    #[must_use]
+    pub fn response_of(&self, output: usize, input: usize) -> Vec<Complex64> {
+        self.pick(&self.response, output, input)
+    }
+
+    /// The variance of [`FrequencyResponse::response_of`].
+    #[must_use]
+    pub fn variance_of(&self, output: usize, input: usize) -> Vec<f64> {
+        self.pick(&self.variance, output, input)
+    }
+
+    fn pick<T: Copy>(&self, values: &[T], output: usize, input: usize) -> Vec<T> {
+        if output >= self.outputs || input >= self.inputs {
+            return vec![];
+        }
+        values.iter().skip(output * self.inputs + input).step_by(self.outputs * self.inputs).copied().collect()
+    }
+}
+
+/// Checks that records are equally long, finite, and on a clock; returns their length, zero where there is none.
+fn check_records(records: &[&[f64]], sample_time_s: f64) -> Result<usize, SignalError> {
+    check_sample_time(sample_time_s)?;
+    let length = records.first().map_or(0, |r| r.len());
+    for record in records {
+        check_same_length(length, record.len())?;
+        check_finite(record)?;
+    }
+    Ok(length)
+}
+
+/// Checks that there is at least one record of a kind.
+fn check_some(records: &[&[f64]]) -> Result<(), SignalError> {
+    check_at_least(1, records.len())
+}
