@@ -6,6 +6,7 @@
 //!
 //! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
+mod arx;
 pub mod covariance;
 mod data;
 pub mod distributions;
@@ -14,9 +15,11 @@ mod fit;
 pub mod frequency;
 pub mod least_squares;
 pub mod nonlinear;
+mod regression;
 mod triangle;
 pub mod validate;
 
+pub use arx::{Arx, ArxOrders};
 pub use data::{Dataset, Experiment, Intersample, Label};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};

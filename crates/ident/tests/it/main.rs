@@ -1,10 +1,12 @@
 //! Integration tests of `ident`.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod arx;
 mod covariance;
 mod distributions;
 mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;
+mod shared;
 mod validate;

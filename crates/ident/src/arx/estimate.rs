@@ -1,0 +1,114 @@
+//! From solved equations to a fitted polynomial model.
+
+use faer::Mat;
+use lti::{PolynomialEquation, PolynomialModel};
+
+use super::ArxOrders;
+use crate::regression::{
+    Equation, Regression, Solution, noise_covariance, parameter_covariance, robust_covariance, solve,
+};
+use crate::{Doubt, Fit, IdentError, Termination};
+
+/// Condition number above which the parameters are barely told apart.
+const ILL_CONDITIONED: f64 = 1e8;
+
+/// What is taken for granted about the equation errors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Noise {
+    /// White.
+    White,
+    /// Anything; the covariance comes from the scatter between batches.
+    Coloured {
+        /// Stretches of equal length.
+        batches: usize,
+    },
+}
+
+/// Solves the equations of an ARX model and puts the estimate together.
+pub(crate) fn polynomial_fit(
+    orders: &ArxOrders,
+    sample_time_s: f64,
+    regression: &Regression<'_>,
+    equations: &[Equation],
+    noise: Noise,
+) -> Result<Fit<PolynomialModel>, IdentError> {
+    let widest = equations.iter().map(|e| e.instruments.len().max(e.regressors.len())).max().unwrap_or(0);
+    if regression.rows <= widest {
+        return Err(IdentError::TooFewSamples { samples: regression.rows, parameters: widest });
+    }
+    let factor = regression.factor();
+    let solutions = equations.iter().map(|e| solve(&factor, e)).collect::<Result<Vec<_>, _>>()?;
+    let (noise_covariance, loss) = noise_covariance(&factor, equations, &solutions, regression.rows);
+    let (covariance, degrees_of_freedom) = match noise {
+        Noise::White => (parameter_covariance(&solutions, &noise_covariance), (regression.rows - widest) as f64),
+        Noise::Coloured { batches } => {
+            (robust_covariance(regression, equations, &solutions, batches)?, batches as f64 - 1.0)
+        }
+    };
+    let model = model(orders, sample_time_s, &solutions)?.with_noise_covariance(noise_covariance.clone())?;
+    let condition = solutions.iter().map(|s| s.condition).fold(1.0, f64::max);
+    Ok(Fit {
+        covariance: with_signs(orders, &covariance),
+        degrees_of_freedom,
+        noise_covariance,
+        loss,
+        samples: regression.rows,
+        free_parameters: orders.parameters(),
+        initial_states: Vec::new(),
+        termination: Termination::Direct,
+        iterations: 0,
+        condition,
+        doubts: doubts(regression, &model, condition)?,
+        model,
+    })
+}
+
+/// The model: coefficients of outputs change sign, since they stand on the other side of the equation.
+fn model(orders: &ArxOrders, sample_time_s: f64, solutions: &[Solution]) -> Result<PolynomialModel, IdentError> {
+    let outputs = orders.na.len();
+    let equation = |(i, solution): (usize, &Solution)| {
+        let mut theta = solution.theta.iter().copied();
+        PolynomialEquation {
+            a: orders.na[i].iter().map(|count| theta.by_ref().take(*count).map(|v| -v).collect()).collect(),
+            b: orders.nb[i].iter().map(|count| theta.by_ref().take(*count).collect()).collect(),
+            nk: orders.nk[i].clone(),
+            f: vec![Vec::new(); orders.nb[i].len()],
+            ..Default::default()
+        }
+    };
+    let equations = solutions.iter().enumerate().map(equation).collect();
+    Ok(PolynomialModel::new(sample_time_s, equations, Mat::identity(outputs, outputs))?)
+}
+
+fn with_signs(orders: &ArxOrders, covariance: &Mat<f64>) -> Mat<f64> {
+    let sign = |i: usize| {
+        let (a, b) = (orders.na[i].iter().sum(), orders.nb[i].iter().sum());
+        std::iter::repeat_n(-1.0, a).chain(std::iter::repeat_n(1.0, b))
+    };
+    let signs: Vec<f64> = (0..orders.na.len()).flat_map(sign).collect();
+    Mat::from_fn(signs.len(), signs.len(), |i, j| signs[i] * signs[j] * covariance[(i, j)])
+}
+
+fn doubts(regression: &Regression<'_>, model: &PolynomialModel, condition: f64) -> Result<Vec<Doubt>, IdentError> {
+    let mut doubts = Vec::new();
+    let left_out = regression.candidates - regression.rows;
+    if left_out > 0 {
+        doubts.push(Doubt::RowsLeftOut { rows: left_out, of: regression.candidates });
+    }
+    if condition > ILL_CONDITIONED {
+        doubts.push(Doubt::IllConditioned { condition });
+    }
+    if !is_stable(model)? {
+        doubts.push(Doubt::Unstable);
+    }
+    Ok(doubts)
+}
+
+/// Whether every pole lies inside the unit circle; inputs are left away, since they bring no poles but many states.
+fn is_stable(model: &PolynomialModel) -> Result<bool, IdentError> {
+    let undriven = |e: &PolynomialEquation| PolynomialEquation { a: e.a.clone(), ..Default::default() };
+    let equations = model.equations().iter().map(undriven).collect();
+    let noise = model.noise_covariance().to_owned();
+    let autonomous = PolynomialModel::new(model.sample_time_s(), equations, noise)?;
+    Ok(autonomous.innovations()?.system().is_stable()?)
+}
