@@ -8,21 +8,25 @@
 
 mod arx;
 pub mod covariance;
+mod criteria;
 mod data;
 pub mod distributions;
 mod error;
 mod fit;
 pub mod frequency;
+mod instrumental;
 pub mod least_squares;
 pub mod nonlinear;
 mod regression;
 mod triangle;
 pub mod validate;
 
-pub use arx::{Arx, ArxOrders};
+pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use criteria::Criteria;
 pub use data::{Dataset, Experiment, Intersample, Label};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
+pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use triangle::Triangle;

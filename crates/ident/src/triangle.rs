@@ -5,7 +5,7 @@ use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, re
 use faer::{Mat, MatRef, Par};
 
 /// Rows held before they are folded into the factor: small enough for the cache, large enough for blocked QR.
-const CHUNK: usize = 2048;
+const CHUNK: usize = 4096;
 
 /// The factor R of the QR decomposition of a tall matrix whose rows arrive in order: RᵀR = AᵀA, computed without ever
 /// forming AᵀA, in memory that does not grow with the number of rows.

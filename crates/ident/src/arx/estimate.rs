@@ -24,32 +24,53 @@ pub(crate) enum Noise {
     },
 }
 
-/// Solves the equations of an ARX model and puts the estimate together.
-pub(crate) fn polynomial_fit(
-    orders: &ArxOrders,
-    sample_time_s: f64,
+/// Equations solved, and the covariance of their parameters as they stand in the regression.
+pub(crate) struct Solved {
+    pub(crate) factor: Mat<f64>,
+    solutions: Vec<Solution>,
+    covariance: Mat<f64>,
+    degrees_of_freedom: f64,
+}
+
+/// Solves the equations of a regression.
+pub(crate) fn solve_equations(
     regression: &Regression<'_>,
     equations: &[Equation],
     noise: Noise,
-) -> Result<Fit<PolynomialModel>, IdentError> {
+) -> Result<Solved, IdentError> {
     let widest = equations.iter().map(|e| e.instruments.len().max(e.regressors.len())).max().unwrap_or(0);
     if regression.rows <= widest {
         return Err(IdentError::TooFewSamples { samples: regression.rows, parameters: widest });
     }
     let factor = regression.factor();
     let solutions = equations.iter().map(|e| solve(&factor, e)).collect::<Result<Vec<_>, _>>()?;
-    let (noise_covariance, loss) = noise_covariance(&factor, equations, &solutions, regression.rows);
     let (covariance, degrees_of_freedom) = match noise {
-        Noise::White => (parameter_covariance(&solutions, &noise_covariance), (regression.rows - widest) as f64),
+        Noise::White => {
+            let (noise, _) = noise_covariance(&factor, equations, &solutions, regression.rows);
+            (parameter_covariance(&solutions, &noise), (regression.rows - widest) as f64)
+        }
         Noise::Coloured { batches } => {
             (robust_covariance(regression, equations, &solutions, batches)?, batches as f64 - 1.0)
         }
     };
-    let model = model(orders, sample_time_s, &solutions)?.with_noise_covariance(noise_covariance.clone())?;
+    Ok(Solved { factor, solutions, covariance, degrees_of_freedom })
+}
+
+/// The ARX model whose parameters are `solved`, with its errors on `regression`, whose `factor` is given.
+pub(crate) fn polynomial_fit(
+    orders: &ArxOrders,
+    sample_time_s: f64,
+    (regression, factor): (&Regression<'_>, &Mat<f64>),
+    equations: &[Equation],
+    solved: &Solved,
+) -> Result<Fit<PolynomialModel>, IdentError> {
+    let Solved { solutions, covariance, degrees_of_freedom, .. } = solved;
+    let (noise_covariance, loss) = noise_covariance(factor, equations, solutions, regression.rows);
+    let model = model(orders, sample_time_s, solutions)?.with_noise_covariance(noise_covariance.clone())?;
     let condition = solutions.iter().map(|s| s.condition).fold(1.0, f64::max);
     Ok(Fit {
-        covariance: with_signs(orders, &covariance),
-        degrees_of_freedom,
+        covariance: with_signs(orders, covariance),
+        degrees_of_freedom: *degrees_of_freedom,
         noise_covariance,
         loss,
         samples: regression.rows,
@@ -98,17 +119,17 @@ fn doubts(regression: &Regression<'_>, model: &PolynomialModel, condition: f64) 
     if condition > ILL_CONDITIONED {
         doubts.push(Doubt::IllConditioned { condition });
     }
-    if !is_stable(model)? {
+    if spectral_radius(model)? >= 1.0 {
         doubts.push(Doubt::Unstable);
     }
     Ok(doubts)
 }
 
-/// Whether every pole lies inside the unit circle; inputs are left away, since they bring no poles but many states.
-fn is_stable(model: &PolynomialModel) -> Result<bool, IdentError> {
+/// Largest magnitude of a pole; inputs are left away, since they bring no poles but zero, and many states.
+pub(crate) fn spectral_radius(model: &PolynomialModel) -> Result<f64, IdentError> {
     let undriven = |e: &PolynomialEquation| PolynomialEquation { a: e.a.clone(), ..Default::default() };
     let equations = model.equations().iter().map(undriven).collect();
     let noise = model.noise_covariance().to_owned();
     let autonomous = PolynomialModel::new(model.sample_time_s(), equations, noise)?;
-    Ok(autonomous.innovations()?.system().is_stable()?)
+    Ok(autonomous.innovations()?.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max))
 }

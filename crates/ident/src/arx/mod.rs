@@ -2,11 +2,13 @@
 
 mod estimate;
 mod orders;
+mod scan;
 
 use lti::PolynomialModel;
 
-pub(crate) use estimate::{Noise, polynomial_fit};
+pub(crate) use estimate::{Noise, polynomial_fit, solve_equations, spectral_radius};
 pub use orders::ArxOrders;
+pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
 
 use crate::regression::{Equation, Lagged, Regression, outputs_then_inputs};
 use crate::{Dataset, Fit, IdentError};
@@ -84,12 +86,13 @@ impl Arx {
         let signals = outputs_then_inputs(data);
         let (columns, equations) = layout(&self.orders);
         let regression = Regression::new(&signals, columns);
-        polynomial_fit(&self.orders, data.sample_time_s(), &regression, &equations, self.noise)
+        let solved = solve_equations(&regression, &equations, self.noise)?;
+        polynomial_fit(&self.orders, data.sample_time_s(), (&regression, &solved.factor), &equations, &solved)
     }
 }
 
 /// The columns all equations need, each once, the targets last, and the equations in terms of them.
-fn layout(orders: &ArxOrders) -> (Vec<Lagged>, Vec<Equation>) {
+pub(crate) fn layout(orders: &ArxOrders) -> (Vec<Lagged>, Vec<Equation>) {
     let outputs = orders.na.len();
     let mut columns: Vec<Lagged> = Vec::new();
     let regressors: Vec<Vec<usize>> =

@@ -86,6 +86,16 @@ impl<'a> Regression<'a> {
         first.finish()
     }
 
+    /// The norm of each of these columns about its mean.
+    pub(crate) fn spreads(&self, columns: Range<usize>) -> Vec<f64> {
+        let samples = |j| self.stretches.iter().flat_map(move |s| self.column(j, s));
+        let spread = |j| {
+            let mean = samples(j).sum::<f64>() / self.rows as f64;
+            samples(j).map(|v| (v - mean).powi(2)).sum::<f64>().sqrt()
+        };
+        columns.map(spread).collect()
+    }
+
     fn gather(&self, rows: Range<usize>) -> Triangle {
         let mut triangle = Triangle::new(self.columns.len());
         for Stretch { experiment, range } in self.within(rows) {
