@@ -46,7 +46,7 @@ pub(crate) fn solve_equations(
     let solutions = equations.iter().map(|e| solve(&factor, e)).collect::<Result<Vec<_>, _>>()?;
     let (covariance, degrees_of_freedom) = match noise {
         Noise::White => {
-            let (noise, _) = noise_covariance(&factor, equations, &solutions, regression.rows);
+            let (noise, _) = errors(&factor, equations, &solutions, regression.rows);
             (parameter_covariance(&solutions, &noise), (regression.rows - widest) as f64)
         }
         Noise::Coloured { batches } => {
@@ -54,6 +54,13 @@ pub(crate) fn solve_equations(
         }
     };
     Ok(Solved { factor, solutions, covariance, degrees_of_freedom })
+}
+
+/// Covariance and loss of the errors.
+fn errors(factor: &Mat<f64>, equations: &[Equation], solutions: &[Solution], rows: usize) -> (Mat<f64>, f64) {
+    let thetas: Vec<&[f64]> = solutions.iter().map(|s| s.theta.as_slice()).collect();
+    let parameters: Vec<f64> = thetas.iter().map(|t| t.len() as f64).collect();
+    noise_covariance(factor, equations, &thetas, &parameters, rows)
 }
 
 /// The ARX model whose parameters are `solved`, with its errors on `regression`, whose `factor` is given.
@@ -65,7 +72,7 @@ pub(crate) fn polynomial_fit(
     solved: &Solved,
 ) -> Result<Fit<PolynomialModel>, IdentError> {
     let Solved { solutions, covariance, degrees_of_freedom, .. } = solved;
-    let (noise_covariance, loss) = noise_covariance(factor, equations, solutions, regression.rows);
+    let (noise_covariance, loss) = errors(factor, equations, solutions, regression.rows);
     let model = model(orders, sample_time_s, solutions)?.with_noise_covariance(noise_covariance.clone())?;
     let condition = solutions.iter().map(|s| s.condition).fold(1.0, f64::max);
     Ok(Fit {

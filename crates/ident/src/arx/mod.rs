@@ -3,12 +3,14 @@
 mod estimate;
 mod orders;
 mod scan;
+mod whitening;
 
 use lti::PolynomialModel;
 
 pub(crate) use estimate::{Noise, polynomial_fit, solve_equations, spectral_radius};
 pub use orders::ArxOrders;
 pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
+pub(crate) use whitening::{filter, whitening_filter};
 
 use crate::regression::{Equation, Lagged, Regression, outputs_then_inputs};
 use crate::{Dataset, Fit, IdentError};

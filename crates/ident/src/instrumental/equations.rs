@@ -3,7 +3,7 @@
 use faer::Mat;
 use lti::PolynomialModel;
 
-use crate::arx::{ArxOrders, Noise, index_of, layout, polynomial_fit, solve_equations, spectral_radius};
+use crate::arx::{ArxOrders, Noise, filter, index_of, layout, polynomial_fit, solve_equations, spectral_radius};
 use crate::data::column;
 use crate::regression::{Equation, Lagged, Regression, Signals, outputs_then_inputs};
 use crate::{Dataset, Experiment, Fit, IdentError};
@@ -88,16 +88,6 @@ impl<'a> Instrumented<'a> {
         }
         (columns, equations)
     }
-}
-
-/// `Σ l_k s(t − k)` from the first row on for which filters of `reach` coefficients have all their past.
-pub(super) fn filter(coefficients: &[f64], signal: &[f64], reach: usize) -> Vec<f64> {
-    let skipped = reach.saturating_sub(1).min(signal.len());
-    let mut filtered = vec![0.0; signal.len() - skipped];
-    for (k, l) in coefficients.iter().enumerate().filter(|(k, _)| *k <= skipped) {
-        filtered.iter_mut().zip(&signal[skipped - k..]).for_each(|(f, s)| *f += l * s);
-    }
-    filtered
 }
 
 /// The outputs of an ARX model for the inputs of every experiment, from rest and without noise. A missing input is taken

@@ -1,12 +1,11 @@
 //! [`Iv4`]: nearly optimal instruments in four steps.
 
-use faer::Mat;
 use lti::PolynomialModel;
 
-use super::check_inputs;
-use super::equations::{Instrumented, filter, simulate, stabilised};
-use crate::arx::{Arx, ArxOrders, Noise};
-use crate::{Dataset, Experiment, Fit, IdentError};
+use super::equations::{Instrumented, simulate, stabilised};
+use super::{check_inputs, usual_batches};
+use crate::arx::{Arx, ArxOrders, Noise, whitening_filter};
+use crate::{Dataset, Fit, IdentError};
 
 /// Estimates an ARX model (see [`Arx`]) by the four-step instrumental-variable method: consistent whatever the colour of the
 /// noise in open loop, and nearly as accurate as a model of the noise would allow where `A v` is close to autoregressive.
@@ -16,7 +15,8 @@ use crate::{Dataset, Experiment, Fit, IdentError};
 /// 3. The equation errors, of this model, as an autoregression of `na + nb` coefficients: the filter `L`.
 /// 4. Instrumental variables with all signals filtered by `L`.
 ///
-/// The covariance is that of the last step, where the filtered errors are taken as white. Noise and loss are those of the
+/// The covariance comes from the scatter of the last step between 20 stretches of the data (fewer where they are short):
+/// a short `L` seldom makes the errors white. See [`Iv4::white_errors`] for the textbook's. Noise and loss are those of the
 /// ARX model itself, so they are larger than a model of the noise would leave.
 ///
 /// # Example
@@ -39,6 +39,7 @@ use crate::{Dataset, Experiment, Fit, IdentError};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Iv4 {
     orders: ArxOrders,
+    white_errors: bool,
 }
 
 impl Iv4 {
@@ -51,7 +52,15 @@ impl Iv4 {
     /// Several inputs or outputs.
     #[must_use]
     pub fn with_orders(orders: ArxOrders) -> Self {
-        Iv4 { orders }
+        Iv4 { orders, white_errors: false }
+    }
+
+    /// Takes the filtered errors of the last step as white for the covariance: right, and less scattered, where `A v` is
+    /// an autoregression of at most `na + nb` coefficients.
+    #[must_use]
+    pub fn white_errors(mut self) -> Self {
+        self.white_errors = true;
+        self
     }
 
     /// Fits the model to data.
@@ -64,7 +73,8 @@ impl Iv4 {
         let first = Arx::with_orders(self.orders.clone()).fit(data)?.model;
         let unfiltered = vec![vec![1.0]; data.outputs()];
         let second = self.refined(data, &first, &unfiltered)?.model;
-        let filters = (0..data.outputs()).map(|i| self.whitening(data, &second, i)).collect::<Result<Vec<_>, _>>()?;
+        let filter = |i: usize| whitening_filter(data, &second, i, self.orders.regressors(i).len());
+        let filters = (0..data.outputs()).map(filter).collect::<Result<Vec<_>, _>>()?;
         self.refined(data, &second, &filters)
     }
 
@@ -76,50 +86,7 @@ impl Iv4 {
         filters: &[Vec<f64>],
     ) -> Result<Fit<PolynomialModel>, IdentError> {
         let instruments = simulate(&stabilised(model)?, data);
-        Instrumented::new(data, &self.orders, Some(&instruments), filters).fit(|_, _| Noise::White)
+        Instrumented::new(data, &self.orders, Some(&instruments), filters)
+            .fit(|rows, parameters| if self.white_errors { Noise::White } else { usual_batches(rows, parameters) })
     }
-
-    /// `1 + l₁ q⁻¹ + …`, which makes the errors of one equation white.
-    fn whitening(&self, data: &Dataset, model: &PolynomialModel, equation: usize) -> Result<Vec<f64>, IdentError> {
-        let order = self.orders.regressors(equation).len();
-        let mut errors: Option<Dataset> = None;
-        for experiment in data.experiments() {
-            let e = equation_errors(model, experiment, equation);
-            let outputs = Mat::from_fn(e.len(), 1, |t, _| e[t]);
-            errors = Some(match errors {
-                None => Dataset::new(data.sample_time_s(), Mat::new(), outputs)?,
-                Some(data) => {
-                    let experiment = Experiment { name: String::new(), start_s: 0.0, inputs: Mat::new(), outputs };
-                    data.with_experiment(experiment)?
-                }
-            });
-        }
-        let fit = errors.filter(|_| order > 0).map(|e| Arx::autoregression(order).fit(&e)).transpose();
-        let coefficients = match fit {
-            Ok(fit) => fit.map_or_else(Vec::new, |f| f.parameters()),
-            // Errors that vanish, or are too few: nothing to whiten.
-            Err(IdentError::RankDeficient { .. } | IdentError::TooFewSamples { .. }) => Vec::new(),
-            Err(error) => return Err(error),
-        };
-        Ok(std::iter::once(1.0).chain(coefficients).collect())
-    }
-}
-
-/// `Σ_j A_ij y_j − Σ_k B_ik u_k` for the rows with all their past.
-fn equation_errors(model: &PolynomialModel, experiment: &Experiment, equation: usize) -> Vec<f64> {
-    let e = &model.equations()[equation];
-    let from_output = |(j, a): (usize, &Vec<f64>)| {
-        let own = if j == equation { 1.0 } else { 0.0 };
-        (std::iter::once(own).chain(a.iter().copied()).collect::<Vec<f64>>(), experiment.output(j))
-    };
-    let from_input = |k: usize| (e.delayed_b(k).iter().map(|b| -b).collect(), experiment.input(k));
-    let outputs = e.a.iter().enumerate().filter(|(j, a)| *j == equation || !a.is_empty()).map(from_output);
-    let inputs = (0..e.b.len()).filter(|k| !e.b[*k].is_empty()).map(from_input);
-    let terms: Vec<(Vec<f64>, &[f64])> = outputs.chain(inputs).collect();
-    let reach = terms.iter().map(|(p, _)| p.len()).max().unwrap_or(1);
-    let mut errors = vec![0.0; (experiment.len() + 1).saturating_sub(reach)];
-    for (p, signal) in &terms {
-        errors.iter_mut().zip(filter(p, signal, reach)).for_each(|(e, v)| *e += v);
-    }
-    errors
 }

@@ -110,10 +110,16 @@ impl InstrumentalVariables {
         };
         let filters = vec![self.prefilter.clone(); data.outputs()];
         let whole = Instrumented::new(data, &self.orders, signals.as_deref(), &filters);
-        whole.fit(|rows, parameters| Noise::Coloured {
-            batches: self.batches.unwrap_or_else(|| (rows / (2 * (parameters + 1))).clamp(2, BATCHES)),
+        whole.fit(|rows, parameters| match self.batches {
+            Some(batches) => Noise::Coloured { batches },
+            None => usual_batches(rows, parameters),
         })
     }
+}
+
+/// As many batches as the data are long enough for.
+fn usual_batches(rows: usize, parameters: usize) -> Noise {
+    Noise::Coloured { batches: (rows / (2 * (parameters + 1))).clamp(2, BATCHES) }
 }
 
 /// Instruments made of inputs need some.

@@ -13,7 +13,7 @@ use crate::triangle::upper_factor;
 pub(crate) struct Solution {
     pub(crate) theta: Vec<f64>,
     /// `G` in `θ̂ − θ = G Σ z(t) ε(t)`, parameters × instruments.
-    gain: Mat<f64>,
+    pub(crate) gain: Mat<f64>,
     /// `G Zᵀ` in the coordinates of the factor's rows.
     influence: Mat<f64>,
     pub(crate) condition: f64,
@@ -109,26 +109,28 @@ impl Pseudo {
 }
 
 /// `Σ ε_i(t) ε_j(t)`, equations × equations, from the factor: no pass through the data.
-fn error_products(factor: &Mat<f64>, equations: &[Equation], solutions: &[Solution]) -> Mat<f64> {
+fn error_products(factor: &Mat<f64>, equations: &[Equation], thetas: &[&[f64]]) -> Mat<f64> {
     let mut errors = Mat::<f64>::zeros(factor.nrows(), equations.len());
-    for (i, (equation, solution)) in equations.iter().zip(solutions).enumerate() {
+    for (i, (equation, theta)) in equations.iter().zip(thetas).enumerate() {
         for row in 0..factor.nrows() {
-            let explained = equation.regressors.iter().zip(&solution.theta).map(|(j, v)| factor[(row, *j)] * v);
+            let explained = equation.regressors.iter().zip(*theta).map(|(j, v)| factor[(row, *j)] * v);
             errors[(row, i)] = factor[(row, equation.target)] - explained.sum::<f64>();
         }
     }
     errors.transpose() * &errors
 }
 
-/// The covariance of the errors with degrees of freedom taken off, and the determinant of their mean product.
+/// The covariance of the errors with degrees of freedom taken off, `parameters` an equation, and the determinant of
+/// their mean product.
 pub(crate) fn noise_covariance(
     factor: &Mat<f64>,
     equations: &[Equation],
-    solutions: &[Solution],
+    thetas: &[&[f64]],
+    parameters: &[f64],
     rows: usize,
 ) -> (Mat<f64>, f64) {
-    let products = error_products(factor, equations, solutions);
-    let free: Vec<f64> = solutions.iter().map(|s| rows as f64 - s.theta.len() as f64).collect();
+    let products = error_products(factor, equations, thetas);
+    let free: Vec<f64> = parameters.iter().map(|p| (rows as f64 - p).max(1.0)).collect();
     let count = equations.len();
     let noise = Mat::from_fn(count, count, |i, j| products[(i, j)] / (free[i] * free[j]).sqrt());
     let mean = faer::Scale(1.0 / rows as f64) * products;

@@ -82,6 +82,19 @@ fn stat_four_steps_are_covered_under_coloured_noise() {
 }
 
 #[test]
+fn stat_four_steps_are_covered_with_the_textbook_covariance_where_it_applies() {
+    let runs = 400;
+    let fit = |seed| {
+        let mut noise = Noise::new(40_000 + seed);
+        let (u, e) = (noise.normals(1500), noise.normals(1500));
+        let v = respond(&[-0.9, 0.3], &[1.0], 0, &e, &vec![0.0; 1500]);
+        let data = Dataset::siso(1.0, &u, &respond(&TRUTH[..2], &TRUTH[2..], 1, &u, &v)).unwrap();
+        Iv4::new(2, 2, 1).white_errors().fit(&data).unwrap()
+    };
+    assert_covers(&coverage(runs, &TRUTH, fit), runs);
+}
+
+#[test]
 fn stat_simulated_instruments_are_covered_whatever_the_noise() {
     let runs = 400;
     let fit = |seed| {

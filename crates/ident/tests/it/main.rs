@@ -5,6 +5,7 @@ mod arx;
 mod covariance;
 mod distributions;
 mod frequency;
+mod impulse_response;
 mod instrumental;
 mod least_squares;
 mod noise;
