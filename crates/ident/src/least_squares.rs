@@ -1,8 +1,8 @@
 //! Linear least squares by QR, with its covariance.
 
-use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef};
 
+use crate::regression::{Equation, solve};
 use crate::{IdentError, Triangle};
 
 /// Singular values below this fraction of the largest, after columns are scaled to one, count as zero.
@@ -90,19 +90,14 @@ pub fn solve_triangle(triangle: Triangle) -> Result<LinearFit, IdentError> {
     if samples <= n {
         return Err(IdentError::TooFewSamples { samples, parameters: n });
     }
-    let scale: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).collect();
-    let scaled = Mat::from_fn(n, n, |i, j| if scale[j] > 0.0 { factor[(i, j)] / scale[j] } else { 0.0 });
-    let condition = checked_condition(&scaled)?;
-    let right = Mat::from_fn(n, 1, |i, _| factor[(i, n)]);
-    let solution = scaled.qr().solve_lstsq(&right);
-    let inverse = scaled.qr().solve_lstsq(Mat::<f64>::identity(n, n));
-    let unscaled = &inverse * inverse.transpose();
+    let regressors: Vec<usize> = (0..n).collect();
+    let solution = solve(&factor, &Equation { instruments: regressors.clone(), regressors, target: n })?;
     Ok(LinearFit {
-        parameters: (0..n).map(|i| solution[(i, 0)] / scale[i]).collect(),
-        unscaled_covariance: Mat::from_fn(n, n, |i, j| unscaled[(i, j)] / (scale[i] * scale[j])),
+        parameters: solution.theta,
+        unscaled_covariance: solution.gain,
         cost: factor[(n, n)] * factor[(n, n)],
         samples,
-        condition,
+        condition: solution.condition,
     })
 }
 

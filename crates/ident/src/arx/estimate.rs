@@ -10,7 +10,7 @@ use crate::regression::{
 use crate::{Doubt, Fit, IdentError, Termination};
 
 /// Condition number above which the parameters are barely told apart.
-const ILL_CONDITIONED: f64 = 1e8;
+pub(crate) const ILL_CONDITIONED: f64 = 1e8;
 
 /// What is taken for granted about the equation errors.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,7 @@ mod whitening;
 
 use lti::PolynomialModel;
 
-pub(crate) use estimate::{Noise, polynomial_fit, solve_equations, spectral_radius};
+pub(crate) use estimate::{ILL_CONDITIONED, Noise, polynomial_fit, solve_equations, spectral_radius};
 pub use orders::ArxOrders;
 pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
 pub(crate) use whitening::{filter, whitening_filter};

@@ -166,13 +166,15 @@ impl OrderScan {
         let (estimation, validation) =
             (Factored::new(data, &widest)?, validation.map(|v| Factored::new(v, &widest)).transpose()?);
         let mut structures = Vec::new();
-        // Without inputs their orders make no difference: the first stands for all.
-        let only_first =
-            |range: &RangeInclusive<usize>| if inputs == 0 { *range.start()..=*range.start() } else { range.clone() };
-        for nk in only_first(&self.nk) {
-            for nb in only_first(&self.nb) {
-                let nest = Nest::new(&estimation, validation.as_ref(), (nb, nk), *self.na.end());
-                structures.extend(self.na.clone().filter_map(|na| nest.structure(na)));
+        for nk in self.nk.clone() {
+            for nb in self.nb.clone() {
+                // Without coefficients of inputs their number and delay make no difference: the first stands for all.
+                let undriven = inputs == 0 || nb == 0;
+                let first = nk == *self.nk.start() && (inputs > 0 || nb == *self.nb.start());
+                if !undriven || first {
+                    let nest = Nest::new(&estimation, validation.as_ref(), (nb, nk), *self.na.end());
+                    structures.extend(self.na.clone().filter_map(|na| nest.structure(na)));
+                }
             }
         }
         if structures.is_empty() {
@@ -190,8 +192,12 @@ impl OrderScan {
         if self.na.is_empty() || self.nb.is_empty() || self.nk.is_empty() {
             return Err(IdentError::Structure { what: "a range of orders is empty" });
         }
+        let reach = self.nk.end().saturating_add(*self.nb.end()).max(*self.na.end());
+        if reach >= data.samples() {
+            return Err(IdentError::TooFewSamples { samples: data.samples(), parameters: reach });
+        }
         let (first, span) = (*self.nk.start(), *self.nk.end() - *self.nk.start());
-        let nb = if *self.nb.end() == 0 { 0 } else { self.nb.end().saturating_add(span) };
+        let nb = if *self.nb.end() == 0 { 0 } else { self.nb.end() + span };
         let widest = ArxOrders::uniform(data.outputs(), data.inputs(), *self.na.end(), nb, first);
         widest.check(data)?;
         Ok(widest)

@@ -13,7 +13,7 @@ pub use response::{ImpulseFit, ResponseEstimate};
 
 use self::posterior::{Evidence, Posterior};
 use self::search::Prior;
-use crate::arx::{ArxOrders, filter, layout, whitening_filter};
+use crate::arx::{ArxOrders, ILL_CONDITIONED, filter, layout, whitening_filter};
 use crate::regression::{Equation, Regression, Signals, noise_covariance, outputs_then_inputs, solve};
 use crate::triangle::upper_factor;
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
@@ -214,8 +214,7 @@ impl ImpulseResponse {
         for (i, part) in parts.iter().enumerate() {
             covariance.get_mut(i * n.., i * n..).get_mut(..n, ..n).copy_from(&part.posterior.covariance);
         }
-        let left_out = regression.candidates - rows;
-        let doubt = Doubt::RowsLeftOut { rows: left_out, of: regression.candidates };
+        let condition = parts.iter().map(|p| p.posterior.condition).fold(1.0, f64::max);
         let fit = Fit {
             model,
             covariance,
@@ -227,12 +226,20 @@ impl ImpulseResponse {
             initial_states: Vec::new(),
             termination: Termination::Direct,
             iterations: 0,
-            condition: parts.iter().map(|p| p.posterior.condition).fold(1.0, f64::max),
-            doubts: if left_out > 0 { vec![doubt] } else { Vec::new() },
+            condition,
+            doubts: self.doubts(regression, condition),
         };
         let tuned = self.kernel.is_some();
         let hyperparameters = if tuned { parts.into_iter().map(|p| p.hyperparameters).collect() } else { Vec::new() };
         Ok(ImpulseFit { fit, hyperparameters })
+    }
+
+    fn doubts(&self, regression: &Regression<'_>, condition: f64) -> Vec<Doubt> {
+        let left_out = regression.candidates - regression.rows;
+        let rows = (left_out > 0).then_some(Doubt::RowsLeftOut { rows: left_out, of: regression.candidates });
+        // A prior settles what the data leave open.
+        let ill = self.kernel.is_none() && condition > ILL_CONDITIONED;
+        rows.into_iter().chain(ill.then_some(Doubt::IllConditioned { condition })).collect()
     }
 }
 

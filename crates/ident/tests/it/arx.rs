@@ -19,9 +19,14 @@ pub(crate) fn respond(a: &[f64], b: &[f64], nk: usize, u: &[f64], e: &[f64]) -> 
     y
 }
 
-/// Two comma-separated columns below a heading.
+/// Two comma-separated columns below a heading, of a file in the shared folder; says so where it is absent.
+#[allow(clippy::disallowed_methods, clippy::print_stderr)]
 pub(crate) fn two_columns(path: &str) -> Option<(Vec<f64>, Vec<f64>)> {
-    let text = std::fs::read_to_string(shared(path)?).unwrap();
+    let Some(file) = shared(path) else {
+        eprintln!("skipped: {path} is not there");
+        return None;
+    };
+    let text = std::fs::read_to_string(file).unwrap();
     let row = |line: &str| {
         let (u, y) = line.split_once(',').unwrap();
         (u.trim().parse::<f64>().unwrap(), y.trim().parse::<f64>().unwrap())
@@ -133,9 +138,43 @@ fn exact_poles_near_the_unit_circle() {
 }
 
 #[test]
+fn exact_inputs_that_are_nearly_the_same() {
+    let mut noise = Noise::new(12);
+    let u = Mat::from_fn(2000, 2, |_, _| noise.normal());
+    let pair = |gap: f64| Mat::from_fn(2000, 2, |t, k| u[(t, 0)] + if k == 1 { gap * u[(t, 1)] } else { 0.0 });
+    let fit = |gap: f64| {
+        let u = pair(gap);
+        let mut y = Mat::<f64>::zeros(2000, 1);
+        (1..2000).for_each(|t| y[(t, 0)] = 0.5 * y[(t - 1, 0)] + u[(t, 0)] - 2.0 * u[(t, 1)]);
+        Arx::with_orders(ArxOrders::miso(1, &[1, 1], &[0, 0])).fit(&Dataset::new(1.0, u, y).unwrap())
+    };
+    let near = fit(1e-9).unwrap();
+    close(&near.parameters(), &[-0.5, 1.0, -2.0], 1e-5);
+    assert!(matches!(near.doubts[..], [Doubt::IllConditioned { condition }] if condition > 5e8));
+    assert!(matches!(fit(0.0), Err(IdentError::RankDeficient { rank: 2, parameters: 3, .. })));
+}
+
+#[test]
+fn regress_sizes_at_the_ends_of_the_range_do_not_panic() {
+    let mut noise = Noise::new(13);
+    let (u, e) = (noise.normals(100), noise.normals(100));
+    let y = respond(&[-0.5], &[1.0], 1, &u, &e);
+    for (from_u, from_y) in [(1e150, 1e-150), (1e200, 1e200), (1e-200, 1e-200), (1e300, 1.0), (1e-310, 1e308)] {
+        let scaled = |x: &[f64], by: f64| x.iter().map(|v| (v * by).clamp(-1e308, 1e308)).collect::<Vec<f64>>();
+        let data = Dataset::siso(1.0, &scaled(&u, from_u), &scaled(&y, from_y)).unwrap();
+        if let Ok(fit) = Arx::new(1, 1, 1).fit(&data) {
+            assert!((fit.parameters()[0] + 0.5).abs() < 0.5, "{from_u:e} {from_y:e} {:?}", fit.parameters());
+        }
+        let _ = ident::OrderScan::new(1..=2, 1..=2, 1..=1).run(&data);
+        let _ = ident::Iv4::new(1, 1, 1).fit(&data);
+        let _ = ident::ImpulseResponse::new(5).fit(&data);
+        let _ = ident::ImpulseResponse::new(5).unregularised().fit(&data);
+    }
+}
+
+#[test]
 fn ref_hair_dryer() {
     let Some((u, y)) = two_columns("reference/peers/dryer_slicot.csv") else {
-        eprintln!("skipped: the shared reference data are not there");
         return;
     };
     let data = Dataset::siso(0.08, &centred(&u[..300]), &centred(&y[..300])).unwrap();
@@ -148,7 +187,6 @@ fn ref_hair_dryer() {
 #[test]
 fn ref_same_numbers_as_numpy() {
     let Some((u, y)) = two_columns("reference/peers/r_arxsim.csv") else {
-        eprintln!("skipped: the shared reference data are not there");
         return;
     };
     let fit = Arx::new(1, 2, 2).fit(&Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
