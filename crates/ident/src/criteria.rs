@@ -30,7 +30,7 @@ impl Criteria {
     /// ```
     ///
     /// # Source
-    /// Ljung 1999, §16.4: (16.36), (16.45), (16.46); Hurvich & Tsai, *Regression and time series model selection in
+    /// Ljung 1999, §16.4; Hurvich & Tsai, *Regression and time series model selection in
     /// small samples*, 1989.
     #[must_use]
     pub fn of(loss: f64, parameters: usize, samples: usize, outputs: usize) -> Self {

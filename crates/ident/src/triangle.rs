@@ -4,11 +4,9 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
 use faer::{Mat, MatRef, Par};
 
-/// Rows held before they are folded into the factor: small enough for the cache, large enough for blocked QR.
-const CHUNK: usize = 4096;
-
 /// The factor R of the QR decomposition of a tall matrix whose rows arrive in order: RᵀR = AᵀA, computed without ever
-/// forming AᵀA, in memory that does not grow with the number of rows.
+/// forming AᵀA, in memory that does not grow with the number of rows. A column that depends on those before it to within
+/// about 1e-11 of its norm counts as dependent.
 ///
 /// # Example
 /// ```
@@ -28,9 +26,12 @@ pub struct Triangle {
 }
 
 impl Triangle {
+    /// Rows held before they are folded into the factor: small enough for the cache, large enough for blocked QR.
+    pub(crate) const BLOCK: usize = 4096;
+
     /// An empty factor for matrices of `columns` columns.
     pub fn new(columns: usize) -> Self {
-        Triangle { block: Mat::zeros(CHUNK + columns, columns), filled: 0, rows: 0 }
+        Triangle { block: Mat::zeros(Self::BLOCK + columns, columns), filled: 0, rows: 0 }
     }
 
     /// Appends one row.
@@ -42,11 +43,15 @@ impl Triangle {
     }
 
     /// Appends `rows` rows, a stretch of one column at a time: `fill(column, start, target)` writes the rows
-    /// `start..start + target.len()` of that column. Far faster than rows one by one where columns are slices.
+    /// `start..start + target.len()` of that column, at most 4096 of them. Far faster than rows one by one where columns
+    /// are slices.
     pub fn push_columns(&mut self, rows: usize, mut fill: impl FnMut(usize, usize, &mut [f64])) {
         let mut start = 0;
         while start < rows {
-            let count = (rows - start).min(self.block.nrows() - self.filled);
+            let count = (rows - start).min(Self::BLOCK);
+            if self.filled + count > self.block.nrows() {
+                self.fold();
+            }
             for j in 0..self.block.ncols() {
                 if let Some(column) = self.block.col_mut(j).try_as_col_major_mut() {
                     fill(j, start, &mut column.as_slice_mut()[self.filled..self.filled + count]);

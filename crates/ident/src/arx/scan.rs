@@ -34,8 +34,7 @@ const DEPENDENT: f64 = 1e-11;
 /// ```
 ///
 /// # Source
-/// Ljung 1999, §16.4–16.6; Niu, Fisher & Xiao, *An augmented UD identification algorithm*, 1992, for structures nested in one
-/// factor.
+/// Ljung 1999, §16.4–16.6 (criteria, cross-validation) and §10.1 (structures nested in one triangular factor).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OrderScan {
     na: RangeInclusive<usize>,

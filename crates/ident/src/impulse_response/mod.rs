@@ -14,9 +14,10 @@ pub use response::{ImpulseFit, ResponseEstimate};
 use self::posterior::{Evidence, Posterior};
 use self::search::Prior;
 use crate::arx::{ArxOrders, ILL_CONDITIONED, filter, layout, whitening_filter};
-use crate::regression::{Equation, Regression, Signals, noise_covariance, outputs_then_inputs, solve};
+use crate::least_squares::solve_factor;
+use crate::regression::{Equation, Regression, Signals, noise_covariance, outputs_then_inputs};
 use crate::triangle::upper_factor;
-use crate::{Dataset, Doubt, Fit, IdentError, Termination};
+use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Termination};
 
 /// Estimates finite impulse responses, from every input to every output:
 ///
@@ -131,7 +132,7 @@ impl ImpulseResponse {
     fn estimate(&self, factor: &Mat<f64>, equation: &Equation, rows: usize) -> Result<Part, IdentError> {
         let columns: Vec<usize> = equation.regressors.iter().chain([&equation.target]).copied().collect();
         let own = upper_factor(Mat::from_fn(factor.nrows(), columns.len(), |i, j| factor[(i, columns[j])]));
-        let Some(kernel) = self.kernel else { return self.least_squares(&own, rows) };
+        let Some(kernel) = self.kernel else { return Ok(unregularised(solve_factor(&own, rows)?)) };
         let inputs = equation.regressors.len() / self.taps;
         let evidence = Evidence::new(own, rows);
         let magnitudes =
@@ -150,21 +151,6 @@ impl ImpulseResponse {
             h.scale *= posterior.noise_variance / (magnitude * magnitude);
         }
         Ok(Part { posterior, hyperparameters })
-    }
-
-    fn least_squares(&self, factor: &Mat<f64>, rows: usize) -> Result<Part, IdentError> {
-        let n = factor.ncols() - 1;
-        let regressors: Vec<usize> = (0..n).collect();
-        let solution = solve(factor, &Equation { instruments: regressors.clone(), regressors, target: n })?;
-        let variance = factor[(n, n)].powi(2) / (rows - n) as f64;
-        let posterior = Posterior {
-            covariance: faer::Scale(variance) * &solution.gain,
-            mean: solution.theta,
-            noise_variance: variance,
-            effective_parameters: n as f64,
-            condition: solution.condition,
-        };
-        Ok(Part { posterior, hyperparameters: Vec::new() })
     }
 
     /// One output, all signals filtered.
@@ -247,4 +233,16 @@ impl ImpulseResponse {
 struct Part {
     posterior: Posterior,
     hyperparameters: Vec<Hyperparameters>,
+}
+
+/// Least squares as an estimate with a prior that says nothing.
+fn unregularised(fit: LinearFit) -> Part {
+    let posterior = Posterior {
+        covariance: fit.covariance(),
+        noise_variance: fit.noise_variance(),
+        effective_parameters: fit.parameters.len() as f64,
+        condition: fit.condition,
+        mean: fit.parameters,
+    };
+    Part { posterior, hyperparameters: Vec::new() }
 }

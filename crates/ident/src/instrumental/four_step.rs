@@ -35,7 +35,7 @@ use crate::{Dataset, Fit, IdentError};
 /// ```
 ///
 /// # Source
-/// Ljung 1999, §15.3, (15.21)–(15.26); covariance (15.28).
+/// Ljung 1999, §15.3 (IV4); Söderström & Stoica, *System Identification*, 1989, §8.2 for optimal instruments.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Iv4 {
     orders: ArxOrders,

@@ -52,7 +52,7 @@ pub enum Instruments {
 /// ```
 ///
 /// # Source
-/// Ljung 1999, (7.118)–(7.123), (15.13)–(15.14) for filter and extended instruments.
+/// Ljung 1999, §7.6, with filter and extended instruments; Söderström & Stoica, *System Identification*, 1989, ch. 8.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstrumentalVariables {
     orders: ArxOrders,

@@ -140,7 +140,7 @@ pub(crate) fn noise_covariance(
 /// The covariance of all parameters, equation by equation, where the errors are white: blocks `Λ_ij G_i Z_iᵀZ_j G_jᵀ`.
 ///
 /// # Source
-/// Ljung 1999, (9.42), and (9.83) for instruments.
+/// Ljung 1999, §9.3, and §9.5 for instruments.
 pub(crate) fn parameter_covariance(solutions: &[Solution], noise: &Mat<f64>) -> Mat<f64> {
     let owner = owners(solutions);
     let rows: Vec<_> = solutions.iter().flat_map(|s| (0..s.theta.len()).map(|i| s.influence.row(i))).collect();
@@ -160,7 +160,7 @@ fn owners(solutions: &[Solution]) -> Vec<usize> {
 /// [`IdentError::TooFewSamples`] for fewer than two batches, or batches shorter than there are parameters.
 ///
 /// # Source
-/// Ljung 1999, (9.42); Ibragimov & Müller 2010 for the use of batches.
+/// Ljung 1999, §9.2; Ibragimov & Müller 2010 for the use of batches.
 pub(crate) fn robust_covariance(
     regression: &Regression<'_>,
     equations: &[Equation],

@@ -108,9 +108,9 @@ fn exact_posterior_of_a_kernel_by_its_definition() {
 #[test]
 fn stat_a_prior_beats_least_squares_on_short_noisy_data() {
     let (mut plain, mut with) = (0.0, [0.0; 4]);
-    for seed in 0..20 {
-        let data = data(150, 2.0, 100 + seed);
-        let options = ImpulseResponse::new(50).delay(1);
+    for seed in 0..10 {
+        let data = data(120, 2.0, 100 + seed);
+        let options = ImpulseResponse::new(40).delay(1);
         plain += square_error(&options.clone().unregularised().fit(&data).unwrap());
         for (sum, kernel) in with.iter_mut().zip(KERNELS) {
             *sum += square_error(&options.clone().kernel(kernel).fit(&data).unwrap());
