@@ -1,8 +1,8 @@
 //! Linear least squares by QR, with its covariance.
 
-use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef};
 
+use crate::regression::{Equation, solve};
 use crate::{IdentError, Triangle};
 
 /// Singular values below this fraction of the largest, after columns are scaled to one, count as zero.
@@ -85,24 +85,26 @@ pub fn least_squares(regressors: MatRef<'_, f64>, target: &[f64]) -> Result<Line
 /// Fewer rows than parameters, or columns that are linearly dependent.
 pub fn solve_triangle(triangle: Triangle) -> Result<LinearFit, IdentError> {
     let samples = triangle.rows();
-    let factor = triangle.finish();
+    solve_factor(&triangle.finish(), samples)
+}
+
+/// Solves the least-squares problem of `samples` rows [Φ y] whose square triangular factor is given.
+///
+/// # Errors
+/// Those of [`solve_triangle`].
+pub(crate) fn solve_factor(factor: &Mat<f64>, samples: usize) -> Result<LinearFit, IdentError> {
     let n = factor.ncols() - 1;
     if samples <= n {
         return Err(IdentError::TooFewSamples { samples, parameters: n });
     }
-    let scale: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).collect();
-    let scaled = Mat::from_fn(n, n, |i, j| if scale[j] > 0.0 { factor[(i, j)] / scale[j] } else { 0.0 });
-    let condition = checked_condition(&scaled)?;
-    let right = Mat::from_fn(n, 1, |i, _| factor[(i, n)]);
-    let solution = scaled.qr().solve_lstsq(&right);
-    let inverse = scaled.qr().solve_lstsq(Mat::<f64>::identity(n, n));
-    let unscaled = &inverse * inverse.transpose();
+    let regressors: Vec<usize> = (0..n).collect();
+    let solution = solve(factor, &Equation { instruments: regressors.clone(), regressors, target: n })?;
     Ok(LinearFit {
-        parameters: (0..n).map(|i| solution[(i, 0)] / scale[i]).collect(),
-        unscaled_covariance: Mat::from_fn(n, n, |i, j| unscaled[(i, j)] / (scale[i] * scale[j])),
+        parameters: solution.theta,
+        unscaled_covariance: solution.gain,
         cost: factor[(n, n)] * factor[(n, n)],
         samples,
-        condition,
+        condition: solution.condition,
     })
 }
 

@@ -6,20 +6,29 @@
 //!
 //! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
+mod arx;
 pub mod covariance;
+mod criteria;
 mod data;
 pub mod distributions;
 mod error;
 mod fit;
 pub mod frequency;
+mod impulse_response;
+mod instrumental;
 pub mod least_squares;
 pub mod nonlinear;
+mod regression;
 mod triangle;
 pub mod validate;
 
+pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use criteria::Criteria;
 pub use data::{Dataset, Experiment, Intersample, Label};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
+pub use impulse_response::{Hyperparameters, ImpulseFit, ImpulseResponse, Kernel, ResponseEstimate};
+pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use triangle::Triangle;

@@ -1,0 +1,222 @@
+//! Linear regressions whose columns are delayed signals: which rows are usable, their triangular factor, their scores.
+
+mod solution;
+
+use std::ops::Range;
+
+use faer::Mat;
+
+pub(crate) use solution::{Solution, noise_covariance, parameter_covariance, robust_covariance, solve};
+
+use crate::{Dataset, Triangle};
+
+/// Multiplications from which a second thread pays.
+const WORTH_A_THREAD: usize = 4_000_000;
+/// Rows worked on at a time: a few columns of them stay in the cache.
+const CHUNK: usize = 2048;
+
+/// A column of a regression: `signal(t − lag)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Lagged {
+    pub(crate) signal: usize,
+    pub(crate) lag: usize,
+}
+
+/// The signals of every experiment as slices: for each experiment, one slice a signal.
+pub(crate) type Signals<'a> = Vec<Vec<&'a [f64]>>;
+
+/// The outputs of a dataset, then its inputs.
+pub(crate) fn outputs_then_inputs(data: &Dataset) -> Signals<'_> {
+    let outputs = data.outputs();
+    let signal = |e, s| {
+        let e: &crate::Experiment = e;
+        if s < outputs { e.output(s) } else { e.input(s - outputs) }
+    };
+    data.experiments().iter().map(|e| (0..outputs + data.inputs()).map(|s| signal(e, s)).collect()).collect()
+}
+
+/// Rows `range` of one experiment, each with all its past and without a missing sample.
+#[derive(Debug, Clone)]
+struct Stretch {
+    experiment: usize,
+    range: Range<usize>,
+}
+
+/// A regression over all rows of all experiments in which no column reaches before the start or touches a missing
+/// sample.
+pub(crate) struct Regression<'a> {
+    signals: &'a Signals<'a>,
+    columns: Vec<Lagged>,
+    stretches: Vec<Stretch>,
+    /// Usable rows.
+    pub(crate) rows: usize,
+    /// Rows with all their past, whether samples are missing or not.
+    pub(crate) candidates: usize,
+}
+
+impl<'a> Regression<'a> {
+    pub(crate) fn new(signals: &'a Signals<'a>, columns: Vec<Lagged>) -> Self {
+        let first = columns.iter().map(|c| c.lag).max().unwrap_or(0);
+        let mut regression = Regression { signals, columns, stretches: Vec::new(), rows: 0, candidates: 0 };
+        for (experiment, record) in signals.iter().enumerate() {
+            let length = record.first().map_or(0, |s| s.len());
+            regression.candidates += length.saturating_sub(first);
+            for range in usable_rows(record, &regression.columns, first..length) {
+                regression.rows += range.len();
+                regression.stretches.push(Stretch { experiment, range });
+            }
+        }
+        regression
+    }
+
+    /// The triangular factor of all columns, read once.
+    pub(crate) fn factor(&self) -> Mat<f64> {
+        let columns = self.columns.len();
+        if self.rows.saturating_mul(columns * columns) < WORTH_A_THREAD {
+            return self.gather(0..self.rows).finish();
+        }
+        // Always the same two halves, whatever the machine: the same data give the same numbers everywhere.
+        let half = self.rows / 2;
+        let (mut first, second) = std::thread::scope(|scope| {
+            let second = scope.spawn(|| self.gather(half..self.rows));
+            let first = self.gather(0..half);
+            (first, second.join().unwrap_or_else(|_| self.gather(half..self.rows)))
+        });
+        first.merge(second);
+        first.finish()
+    }
+
+    /// The norm of each of these columns about its mean.
+    pub(crate) fn spreads(&self, columns: Range<usize>) -> Vec<f64> {
+        let samples = |j| self.stretches.iter().flat_map(move |s| self.column(j, s));
+        let spread = |j| {
+            let mean = samples(j).sum::<f64>() / self.rows as f64;
+            samples(j).map(|v| (v - mean).powi(2)).sum::<f64>().sqrt()
+        };
+        columns.map(spread).collect()
+    }
+
+    fn gather(&self, rows: Range<usize>) -> Triangle {
+        let mut triangle = Triangle::new(self.columns.len());
+        for Stretch { experiment, range } in self.within(rows) {
+            let record = &self.signals[experiment];
+            triangle.push_columns(range.len(), |j, start, target| {
+                let Lagged { signal, lag } = self.columns[j];
+                let from = range.start + start - lag;
+                target.copy_from_slice(&record[signal][from..from + target.len()]);
+            });
+        }
+        triangle
+    }
+
+    /// The stretches that make up these rows, counted over all stretches.
+    fn within(&self, rows: Range<usize>) -> impl Iterator<Item = Stretch> + '_ {
+        let mut before = 0;
+        self.stretches.iter().filter_map(move |Stretch { experiment, range }| {
+            let (from, to) = (before.max(rows.start), (before + range.len()).min(rows.end));
+            let offset = range.start;
+            let start = before;
+            before += range.len();
+            (from < to).then(|| Stretch { experiment: *experiment, range: offset + from - start..offset + to - start })
+        })
+    }
+
+    fn column(&self, index: usize, stretch: &Stretch) -> &'a [f64] {
+        let Lagged { signal, lag } = self.columns[index];
+        &self.signals[stretch.experiment][signal][stretch.range.start - lag..stretch.range.end - lag]
+    }
+
+    /// For each of `batches` stretches of equally many rows, the sum of `z(t) ε_i(t)` of every equation, one below the
+    /// other: rows are instruments, columns batches.
+    pub(crate) fn batched_scores(&self, equations: &[(&Equation, &[f64])], batches: usize) -> Mat<f64> {
+        let count = equations.iter().map(|(e, _)| e.instruments.len()).sum();
+        let mut scores = Mat::zeros(count, batches);
+        let mut errors = vec![0.0; CHUNK];
+        for batch in 0..batches {
+            let rows = batch * self.rows / batches..(batch + 1) * self.rows / batches;
+            for stretch in self.within(rows).flat_map(in_chunks) {
+                let mut top = 0;
+                for (equation, theta) in equations {
+                    let errors = &mut errors[..stretch.range.len()];
+                    self.write_errors(equation, theta, &stretch, errors);
+                    for (k, z) in equation.instruments.iter().enumerate() {
+                        scores[(top + k, batch)] += dot(self.column(*z, &stretch), errors);
+                    }
+                    top += equation.instruments.len();
+                }
+            }
+        }
+        scores
+    }
+
+    fn write_errors(&self, equation: &Equation, theta: &[f64], stretch: &Stretch, errors: &mut [f64]) {
+        errors.copy_from_slice(self.column(equation.target, stretch));
+        for (j, value) in equation.regressors.iter().zip(theta) {
+            self.column(*j, stretch).iter().zip(errors.iter_mut()).for_each(|(x, e)| *e -= value * x);
+        }
+    }
+}
+
+fn in_chunks(stretch: Stretch) -> impl Iterator<Item = Stretch> {
+    let Stretch { experiment, range } = stretch;
+    range.clone().step_by(CHUNK).map(move |start| Stretch { experiment, range: start..(start + CHUNK).min(range.end) })
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// One equation `target = regressorsᵀ θ + ε` by the indices of its columns. Least squares where the instruments are the
+/// regressors.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Equation {
+    pub(crate) regressors: Vec<usize>,
+    pub(crate) instruments: Vec<usize>,
+    pub(crate) target: usize,
+}
+
+/// The rows of `range` in which no column touches a missing sample.
+fn usable_rows(record: &[&[f64]], columns: &[Lagged], range: Range<usize>) -> Vec<Range<usize>> {
+    if range.is_empty() {
+        return Vec::new();
+    }
+    // Starts and ends of blocked rows; allocated only where something is missing.
+    let mut change: Vec<i64> = Vec::new();
+    for (signal, samples) in record.iter().enumerate() {
+        let lags = || columns.iter().filter(|c| c.signal == signal).map(|c| c.lag);
+        let (Some(low), Some(high)) = (lags().min(), lags().max()) else { continue };
+        if !has_missing(samples) {
+            continue;
+        }
+        change.resize(range.end + 1, 0);
+        for s in (0..samples.len()).filter(|s| samples[*s].is_nan()) {
+            change[(s + low).min(range.end)] += 1;
+            change[(s + high + 1).min(range.end)] -= 1;
+        }
+    }
+    if change.is_empty() { vec![range] } else { unblocked(&change, range) }
+}
+
+/// Whether a sample is NaN; a chunk at a time, so that the inner loop has no branch.
+fn has_missing(samples: &[f64]) -> bool {
+    samples.chunks(CHUNK).any(|chunk| chunk.iter().fold(false, |found, v| found | v.is_nan()))
+}
+
+fn unblocked(change: &[i64], range: Range<usize>) -> Vec<Range<usize>> {
+    let mut ranges = Vec::new();
+    let mut blocked: i64 = change[..range.start].iter().sum();
+    let mut open = None;
+    for t in range.clone() {
+        blocked += change[t];
+        match (blocked == 0, open) {
+            (true, None) => open = Some(t),
+            (false, Some(start)) => {
+                ranges.push(start..t);
+                open = None;
+            }
+            _ => {}
+        }
+    }
+    ranges.extend(open.map(|start| start..range.end));
+    ranges
+}
