@@ -17,7 +17,8 @@ pub mod nonlinear;
 mod triangle;
 pub mod validate;
 
-pub use data::{Dataset, Experiment, Intersample, Label};
+pub use data::{Channel, Dataset, Experiment, Intersample, Label};
+pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend, TrendScope, TrendShape};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use least_squares::{LinearFit, least_squares};

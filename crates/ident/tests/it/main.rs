@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod covariance;
+mod dataset;
 mod distributions;
 mod frequency;
 mod least_squares;
