@@ -85,7 +85,14 @@ pub fn least_squares(regressors: MatRef<'_, f64>, target: &[f64]) -> Result<Line
 /// Fewer rows than parameters, or columns that are linearly dependent.
 pub fn solve_triangle(triangle: Triangle) -> Result<LinearFit, IdentError> {
     let samples = triangle.rows();
-    let factor = triangle.finish();
+    solve_factor(&triangle.finish(), samples)
+}
+
+/// Solves the least-squares problem of `samples` rows [Φ y] whose square triangular factor is given.
+///
+/// # Errors
+/// Those of [`solve_triangle`].
+pub(crate) fn solve_factor(factor: &Mat<f64>, samples: usize) -> Result<LinearFit, IdentError> {
     let n = factor.ncols() - 1;
     if samples <= n {
         return Err(IdentError::TooFewSamples { samples, parameters: n });

@@ -12,11 +12,13 @@ pub mod distributions;
 mod error;
 mod fit;
 pub mod frequency;
+mod lagged;
 pub mod least_squares;
 pub mod nonlinear;
 mod triangle;
 pub mod validate;
 
+pub use data::{Advice, advise};
 pub use data::{Channel, Dataset, Experiment, Intersample, Label};
 pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend, TrendScope, TrendShape};
 pub use error::IdentError;

@@ -4,7 +4,8 @@ use faer::Mat;
 
 use super::select::check_range;
 use super::{Dataset, Experiment};
-use crate::{IdentError, Triangle};
+use crate::IdentError;
+use crate::lagged::factor_lagged;
 
 /// How to look for excitation.
 ///
@@ -66,8 +67,7 @@ impl ExcitationOptions {
     /// [`IdentError::Structure`] without inputs; [`IdentError::Length`] unless `noise` is empty or has one value an
     /// input; [`IdentError::TooFewSamples`]; [`signal::SignalError::Parameter`].
     pub fn of_inputs(&self, data: &Dataset) -> Result<Excitation, IdentError> {
-        let signals = |e: &'_ Experiment| (0..e.inputs.ncols()).map(|k| e.input(k).to_vec()).collect();
-        self.of(data, data.inputs(), signals)
+        self.of(data, data.inputs(), |e| (0..e.inputs.ncols()).map(|k| e.input(k)).collect())
     }
 
     /// The excitation by inputs and outputs together: whether the data tell a model apart that has past outputs among
@@ -79,18 +79,14 @@ impl ExcitationOptions {
     /// # Source
     /// Ljung 1999, §13.4 (informative experiments in closed loop).
     pub fn of_inputs_and_outputs(&self, data: &Dataset) -> Result<Excitation, IdentError> {
-        let signals = |e: &'_ Experiment| {
-            let outputs = (0..e.outputs.ncols()).map(|i| e.output(i).to_vec());
-            (0..e.inputs.ncols()).map(|k| e.input(k).to_vec()).chain(outputs).collect()
-        };
-        self.of(data, data.inputs() + data.outputs(), signals)
+        self.of(data, data.inputs() + data.outputs(), |e| data.all_channels().map(|c| e.channel(c)).collect())
     }
 
     fn of(
         &self,
         data: &Dataset,
         width: usize,
-        signals: impl Fn(&Experiment) -> Vec<Vec<f64>>,
+        signals: impl Fn(&Experiment) -> Vec<&[f64]>,
     ) -> Result<Excitation, IdentError> {
         if width == 0 {
             return Err(IdentError::Structure { what: "a time series has no input whose excitation could be judged" });
@@ -106,11 +102,14 @@ impl ExcitationOptions {
         if orders == 0 {
             return Err(IdentError::TooFewSamples { samples: longest, parameters: width + 1 });
         }
-        let (factor, rows) = factor(&signals, width, orders);
+        // Lag by lag, so that each order is a leading block of the next.
+        let columns: Vec<_> = (1..=orders as isize).flat_map(|lag| (0..width).map(move |k| (k, lag - 1))).collect();
+        let triangle = factor_lagged(&signals, &columns);
+        let rows = triangle.rows();
         if rows < orders * width {
             return Err(IdentError::TooFewSamples { samples: rows, parameters: orders * width });
         }
-        self.judge(&factor, width, rows)
+        self.judge(&triangle.finish(), width, rows)
     }
 
     fn judge(&self, factor: &Mat<f64>, width: usize, rows: usize) -> Result<Excitation, IdentError> {
@@ -129,24 +128,4 @@ impl ExcitationOptions {
         let order = levels.iter().take_while(|level| **level > threshold).count();
         Ok(Excitation { order, at_least: order == orders, levels, threshold })
     }
-}
-
-/// Factor of the rows `[u(t−1) … u(t−n)]`, lag by lag, so that each order is a leading block of the next.
-fn factor(signals: &[Vec<Vec<f64>>], width: usize, orders: usize) -> (Mat<f64>, usize) {
-    let mut triangle = Triangle::new(width * orders);
-    let mut row = vec![0.0; width * orders];
-    for experiment in signals {
-        for t in orders..=experiment[0].len() {
-            for lag in 1..=orders {
-                for (k, x) in experiment.iter().enumerate() {
-                    row[(lag - 1) * width + k] = x[t - lag];
-                }
-            }
-            if !row.iter().any(|v| v.is_nan()) {
-                triangle.push_row(&row);
-            }
-        }
-    }
-    let rows = triangle.rows();
-    (triangle.finish(), rows)
 }

@@ -1,5 +1,7 @@
 //! [`Dataset`]: what estimators are given.
 
+mod advice;
+mod dynamics;
 mod excitation;
 mod filter;
 mod missing;
@@ -7,6 +9,7 @@ mod resample;
 mod select;
 mod trend;
 
+pub use advice::{Advice, advise};
 pub use excitation::{Excitation, ExcitationOptions};
 pub use filter::Prefilter;
 pub use missing::Gap;
