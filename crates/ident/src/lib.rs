@@ -8,6 +8,7 @@
 
 pub mod covariance;
 mod data;
+pub mod delay;
 pub mod distributions;
 mod error;
 mod fit;

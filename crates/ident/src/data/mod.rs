@@ -14,6 +14,7 @@ pub use excitation::{Excitation, ExcitationOptions};
 pub use filter::Prefilter;
 pub use missing::Gap;
 pub use select::Split;
+pub(crate) use select::check_range;
 pub use trend::{Line, Trend, TrendScope, TrendShape};
 
 use faer::{Mat, MatRef};

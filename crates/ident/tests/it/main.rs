@@ -4,9 +4,11 @@
 mod advice;
 mod covariance;
 mod dataset;
+mod delay;
 mod distributions;
 mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;
+mod shared;
 mod validate;
