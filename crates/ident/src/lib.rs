@@ -16,6 +16,7 @@ pub mod frequency;
 mod lagged;
 pub mod least_squares;
 pub mod nonlinear;
+pub mod recursive;
 mod triangle;
 pub mod validate;
 

@@ -10,5 +10,6 @@ mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;
+mod recursive;
 mod shared;
 mod validate;
