@@ -6,6 +6,7 @@
 //!
 //! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
+pub mod closed_loop;
 pub mod covariance;
 mod data;
 pub mod delay;

@@ -63,7 +63,7 @@ impl Dataset {
         if experiments.is_empty() {
             return Err(IdentError::TooFewSamples { samples: longest, parameters: shortest });
         }
-        Ok(Dataset { experiments, ..self.clone_without_experiments() })
+        self.with_experiments(experiments)
     }
 
     /// Gaps of at most `longest` samples between two known ones filled by a straight line; longer gaps and those at the

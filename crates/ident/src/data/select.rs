@@ -54,10 +54,7 @@ impl Dataset {
     fn parts(&self, mut stretch: impl FnMut(&Experiment) -> Range<usize>) -> Result<Self, IdentError> {
         let parts = self.experiments.iter().map(|e| e.rows(stretch(e), self.sample_time_s));
         let experiments: Vec<_> = parts.filter(|e| !e.is_empty()).collect();
-        if experiments.is_empty() {
-            return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
-        }
-        Ok(Dataset { experiments, ..self.clone_without_experiments() })
+        self.with_experiments(experiments)
     }
 
     /// The data with these inputs and outputs alone, in this order.
@@ -101,11 +98,7 @@ impl Dataset {
     /// [`LtiError::Index`] for one that does not exist; [`IdentError::TooFewSamples`] for none at all.
     pub fn only_experiments(&self, indices: &[usize]) -> Result<Self, IdentError> {
         check_indices("experiment", indices, self.experiments.len())?;
-        if indices.is_empty() {
-            return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
-        }
-        let experiments = indices.iter().map(|i| self.experiments[*i].clone()).collect();
-        Ok(Dataset { experiments, ..self.clone_without_experiments() })
+        self.with_experiments(indices.iter().map(|i| self.experiments[*i].clone()).collect())
     }
 
     /// The experiments of both; the labels are those of `self`.
@@ -123,15 +116,21 @@ impl Dataset {
         other.experiments.iter().try_fold(self.clone(), |merged, e| merged.with_experiment(e.clone()))
     }
 
-    /// Everything but the experiments.
-    pub(super) fn clone_without_experiments(&self) -> Self {
-        Dataset {
+    /// Other experiments of the same channels, which are taken as they are.
+    ///
+    /// # Errors
+    /// [`IdentError::TooFewSamples`] for none.
+    pub(crate) fn with_experiments(&self, experiments: Vec<Experiment>) -> Result<Self, IdentError> {
+        if experiments.is_empty() {
+            return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
+        }
+        Ok(Dataset {
             sample_time_s: self.sample_time_s,
             intersample: self.intersample,
             input_labels: self.input_labels.clone(),
             output_labels: self.output_labels.clone(),
-            experiments: Vec::new(),
-        }
+            experiments,
+        })
     }
 }
 
