@@ -9,6 +9,7 @@ mod delay;
 mod distributions;
 mod frequency;
 mod least_squares;
+mod long;
 mod noise;
 mod nonlinear;
 mod recursive;
