@@ -7,9 +7,11 @@
 //! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
 mod arx;
+pub mod closed_loop;
 pub mod covariance;
 mod criteria;
 mod data;
+pub mod delay;
 pub mod distributions;
 mod error;
 mod fit;
@@ -25,6 +27,16 @@ pub mod validate;
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
 pub use criteria::Criteria;
 pub use data::{Dataset, Experiment, Intersample, Label};
+mod lagged;
+pub mod least_squares;
+pub mod nonlinear;
+pub mod recursive;
+mod triangle;
+pub mod validate;
+
+pub use data::{Advice, advise};
+pub use data::{Channel, Dataset, Experiment, Intersample, Label};
+pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend, TrendScope, TrendShape};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use impulse_response::{Hyperparameters, ImpulseFit, ImpulseResponse, Kernel, ResponseEstimate};

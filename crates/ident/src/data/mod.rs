@@ -1,5 +1,22 @@
 //! [`Dataset`]: what estimators are given.
 
+mod advice;
+mod dynamics;
+mod excitation;
+mod filter;
+mod missing;
+mod resample;
+mod select;
+mod trend;
+
+pub use advice::{Advice, advise};
+pub use excitation::{Excitation, ExcitationOptions};
+pub use filter::Prefilter;
+pub use missing::Gap;
+pub use select::Split;
+pub(crate) use select::check_range;
+pub use trend::{Line, Trend, TrendScope, TrendShape};
+
 use faer::{Mat, MatRef};
 
 use crate::IdentError;
@@ -31,6 +48,16 @@ impl Label {
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Label { name: name.into(), unit: unit.into() }
     }
+}
+
+/// One channel of a data set, by its index.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Channel {
+    /// An input.
+    Input(usize),
+    /// An output.
+    Output(usize),
 }
 
 /// One uninterrupted record. Rows are time, columns are channels; NaN marks a missing sample.

@@ -2,14 +2,20 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod arx;
+mod advice;
+mod closed_loop;
 mod covariance;
+mod dataset;
+mod delay;
 mod distributions;
 mod frequency;
 mod impulse_response;
 mod instrumental;
 mod least_squares;
+mod long;
 mod noise;
 mod nonlinear;
 mod order_scan;
+mod recursive;
 mod shared;
 mod validate;

@@ -1,0 +1,80 @@
+//! The plant from the part of its input that the reference made.
+
+use faer::Mat;
+
+use super::{INPUT, REFERENCE, check_loop};
+use crate::data::check_range;
+use crate::lagged::{Column, factor_lagged};
+use crate::least_squares::solve_triangle;
+use crate::{Dataset, Experiment, Fit, IdentError};
+
+/// Regresses `u` on present, past and, where asked, future values of `r`, and fits the plant from the input so explained,
+/// `û`, to `y = G û + noise`, noise that is independent of `û`.
+///
+/// The second fit may be of any kind: with a fixed noise model such as output error the plant is consistent whatever the
+/// noise. Its noise, `G (u − û) + H e`, is coloured and larger than that of the plant, so its covariance is honest for
+/// methods with a sufficient noise model, and too small for output error with its white noise. The first `lags` rows of each
+/// experiment are spent, and as many at the end as there are `leads`.
+///
+/// # Source
+/// Van den Hof & Schrama 1993; with future values, for loops that are not linear, the projection method of Forssell &
+/// Ljung, *A projection method for closed-loop identification*, 2000.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TwoStage {
+    /// Past values of `r`, beyond the present one: longer than the sensitivity rings.
+    pub lags: usize,
+    /// Future values of `r`: zero for a linear loop.
+    pub leads: usize,
+}
+
+impl Default for TwoStage {
+    /// Fifty lags, no leads.
+    fn default() -> Self {
+        TwoStage { lags: 50, leads: 0 }
+    }
+}
+
+impl TwoStage {
+    /// The plant, from data with the inputs `u`, `r` and one output.
+    ///
+    /// # Errors
+    /// [`IdentError::Structure`] for other channels; [`IdentError::RankDeficient`] where `r` excites fewer orders than
+    /// there are lags; [`IdentError::TooFewSamples`]; those of `estimate`.
+    pub fn fit<M>(
+        &self,
+        data: &Dataset,
+        estimate: impl Fn(&Dataset) -> Result<Fit<M>, IdentError>,
+    ) -> Result<Fit<M>, IdentError> {
+        estimate(&self.explained(data)?)
+    }
+
+    /// Data of `û` and `y` on the rows for which `û` exists. A missing `r` makes a run of missing `û`.
+    ///
+    /// # Errors
+    /// Those of [`TwoStage::fit`] but for the estimate's.
+    pub fn explained(&self, data: &Dataset) -> Result<Dataset, IdentError> {
+        check_loop(data)?;
+        check_range("lags", self.lags as f64, 0.0, 1e5)?;
+        check_range("leads", self.leads as f64, 0.0, 1e5)?;
+        let signals: Vec<Vec<&[f64]>> =
+            data.experiments().iter().map(|e| vec![e.input(INPUT), e.input(REFERENCE)]).collect();
+        let lags = -(self.leads as isize)..=self.lags as isize;
+        let columns: Vec<Column> = lags.map(|lag| (1, lag)).chain([(0, 0)]).collect();
+        let response = solve_triangle(factor_lagged(&signals, &columns))?.parameters;
+        let plant = data.channels(&[INPUT], &[0])?;
+        let ends: Vec<_> = plant.experiments().iter().map(|e| self.lags..e.len().saturating_sub(self.leads)).collect();
+        let parts = plant.experiments().iter().zip(data.experiments()).zip(ends).filter(|(_, rows)| !rows.is_empty());
+        let experiments = parts.map(|((e, whole), rows)| {
+            let r = whole.input(REFERENCE);
+            let first = self.leads;
+            let explained = |t: usize| response.iter().enumerate().map(|(j, g)| g * r[t + first - j]).sum::<f64>();
+            Experiment {
+                name: e.name.clone(),
+                start_s: e.start_s + rows.start as f64 * data.sample_time_s(),
+                inputs: Mat::from_fn(rows.len(), 1, |i, _| explained(rows.start + i)),
+                outputs: Mat::from_fn(rows.len(), 1, |i, _| e.output(0)[rows.start + i]),
+            }
+        });
+        plant.with_experiments(experiments.collect())
+    }
+}

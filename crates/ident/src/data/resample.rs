@@ -1,0 +1,147 @@
+//! Other sample times, and delays taken out of inputs.
+
+use signal::resample::{Interpolation, decimate, fractional_delay, hold, interpolate_at};
+use signal::{Signal, Sos};
+
+use super::select::{check_indices, check_range};
+use super::{Dataset, Experiment, Intersample};
+use crate::IdentError;
+
+impl Dataset {
+    /// The data with `up` samples where there were `down`.
+    ///
+    /// To fewer samples, a zero-phase low-pass at 0.8 of the new Nyquist frequency comes first, on inputs and outputs
+    /// alike; inputs are then band-limited between samples, whatever they were, and so does the result say. To a multiple
+    /// of the samples, held inputs are held and straight ones stay straight; all else is interpolated band-limited.
+    /// Interpolated samples bring no information: noise becomes coloured.
+    ///
+    /// # Errors
+    /// [`signal::SignalError::Parameter`] for a zero; [`IdentError::Missing`]: fill the gaps or split the data there;
+    /// [`signal::SignalError::TooShort`] for an experiment shorter than the filter.
+    ///
+    /// # Example
+    /// ```
+    /// let x: Vec<f64> = (0..400).map(|i| (0.05 * i as f64).sin()).collect();
+    /// let coarse = ident::Dataset::siso(0.01, &x, &x)?.resample(2, 5)?;
+    /// assert!((coarse.sample_time_s() - 0.025).abs() < 1e-15);
+    /// assert!((coarse.experiments()[0].output(0)[80] - (0.05 * 200.0_f64).sin()).abs() < 1e-3);
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    pub fn resample(&self, up: usize, down: usize) -> Result<Self, IdentError> {
+        check_range("up", up as f64, 1.0, f64::INFINITY)?;
+        check_range("down", down as f64, 1.0, f64::INFINITY)?;
+        let shared = greatest_common_divisor(up, down);
+        let (up, down) = (up / shared, down / shared);
+        if up == down {
+            return Ok(self.clone());
+        }
+        self.refuse_missing()?;
+        let mut resampled = Dataset { sample_time_s: self.sample_time_s * down as f64 / up as f64, ..self.clone() };
+        if down > 1 {
+            resampled.intersample = Intersample::BandLimited;
+        }
+        let clock = (self.sample_time_s, up, down);
+        let way = if down > 1 { Intersample::BandLimited } else { self.intersample };
+        for (experiment, original) in resampled.experiments.iter_mut().zip(&self.experiments) {
+            experiment.inputs = columns(original.inputs.ncols(), |k| resample(original.input(k), clock, way))?;
+            let smooth = Intersample::BandLimited;
+            experiment.outputs = columns(original.outputs.ncols(), |i| resample(original.output(i), clock, smooth))?;
+            if experiment.inputs.ncols() == 0 {
+                experiment.inputs = faer::Mat::zeros(experiment.outputs.nrows(), 0);
+            }
+        }
+        Ok(resampled)
+    }
+
+    /// One input delayed by a number of samples, `u(t − d)`, so that the delay of a model from it falls by `d`; negative
+    /// advances it. Rows where it is not known are cut off.
+    ///
+    /// A fraction of a sample is interpolated: along straight lines for held and straight inputs (for held ones that is
+    /// the mean of the delayed input over each interval, right to first order in the sample time), band-limited for others.
+    ///
+    /// # Errors
+    /// [`lti::LtiError::Index`]; [`signal::SignalError::Parameter`] for a delay that is not finite;
+    /// [`IdentError::Missing`] for a fraction of a sample with samples missing; [`IdentError::TooFewSamples`] where no row
+    /// is left of an experiment.
+    ///
+    /// # Example
+    /// ```
+    /// let data = ident::Dataset::siso(0.1, &[1.0, 2.0, 3.0, 4.0], &[5.0, 6.0, 7.0, 8.0])?.delay_input(0, 1.0)?;
+    /// let e = &data.experiments()[0];
+    /// assert_eq!((e.input(0), e.output(0)), (&[1.0, 2.0, 3.0][..], &[6.0, 7.0, 8.0][..]));
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    pub fn delay_input(&self, input: usize, samples: f64) -> Result<Self, IdentError> {
+        check_indices("input", &[input], self.inputs())?;
+        check_range("samples", samples, -f64::MAX, f64::MAX)?;
+        if samples.fract() != 0.0 {
+            self.channels(&[input], &[0])?.refuse_missing_inputs()?;
+        }
+        self.map_experiments(|e| self.delayed(e, input, samples))
+    }
+
+    fn delayed(&self, e: &Experiment, input: usize, samples: f64) -> Result<Experiment, IdentError> {
+        let lost = samples.abs().ceil();
+        if lost >= e.len() as f64 {
+            return Err(IdentError::TooFewSamples { samples: e.len(), parameters: lost.min(1e18) as usize + 1 });
+        }
+        let lost = lost as usize;
+        let kept = if samples >= 0.0 { lost..e.len() } else { 0..e.len() - lost };
+        let shift = samples.trunc() as isize;
+        let fraction = samples - samples.trunc();
+        let x = if fraction == 0.0 {
+            e.input(input).to_vec()
+        } else {
+            let signal = Signal::new(0.0, 1.0, e.input(input).to_vec())?;
+            let method = match self.intersample {
+                Intersample::BandLimited => Interpolation::BandLimited,
+                _ => Interpolation::Linear,
+            };
+            fractional_delay(&signal, fraction, method)?.samples
+        };
+        let mut cut = e.rows(kept.clone(), self.sample_time_s);
+        for (i, row) in kept.enumerate() {
+            cut.inputs[(i, input)] = x[row.wrapping_add_signed(-shift)];
+        }
+        Ok(cut)
+    }
+
+    fn refuse_missing_inputs(&self) -> Result<(), IdentError> {
+        let missing = |e: &Experiment| (0..self.inputs()).find_map(|k| e.input(k).iter().position(|v| v.is_nan()));
+        match self.experiments.iter().find_map(missing) {
+            Some(index) => Err(IdentError::Missing { what: "the input to be delayed", index }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A matrix column by column; all must be equally long.
+fn columns(count: usize, column: impl Fn(usize) -> Result<Vec<f64>, IdentError>) -> Result<faer::Mat<f64>, IdentError> {
+    let all: Vec<Vec<f64>> = (0..count).map(column).collect::<Result<_, _>>()?;
+    Ok(faer::Mat::from_fn(all.first().map_or(0, Vec::len), count, |i, j| all[j][i]))
+}
+
+fn resample(x: &[f64], clock: (f64, usize, usize), way: Intersample) -> Result<Vec<f64>, IdentError> {
+    let (sample_time_s, up, down) = clock;
+    let mut signal = Signal::new(0.0, sample_time_s, x.to_vec())?;
+    if up == 1 {
+        return Ok(decimate(&signal, down)?.samples);
+    }
+    if down > up {
+        let cutoff_hz = 0.8 * signal.nyquist_hz() * up as f64 / down as f64;
+        let low = Sos::butterworth_lowpass(8, cutoff_hz, sample_time_s)?;
+        signal = signal.with_samples(low.filtfilt(&signal.samples)?);
+    }
+    let count = if x.is_empty() { 0 } else { (x.len() - 1) * up / down + 1 };
+    let step_s = sample_time_s * down as f64 / up as f64;
+    let times_s: Vec<f64> = (0..count).map(|i| i as f64 * step_s).collect();
+    Ok(match way {
+        Intersample::ZeroOrderHold => hold(&signal, &times_s)?,
+        Intersample::FirstOrderHold => interpolate_at(&signal, &times_s, Interpolation::Linear)?,
+        Intersample::BandLimited => interpolate_at(&signal, &times_s, Interpolation::BandLimited)?,
+    })
+}
+
+fn greatest_common_divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { greatest_common_divisor(b, a % b) }
+}

@@ -1,0 +1,88 @@
+//! Delays from inputs to an output, in samples: how much later the output answers.
+//!
+//! All take data whose means have been taken off, and one output; a positive delay means *later*, and a delay of `n`
+//! is what models call `nk = n`: the output of an instant depends on the input `n` samples before, and on no later one.
+//! A discrete system without feedthrough that is sampled with a hold has a delay of one.
+//!
+//! | estimate | right for | wrong for |
+//! | --- | --- | --- |
+//! | [`ArxDelay`]: compares ARX models of every `nk` | any system that ARX of these orders describes; several inputs; loops with a delay | strongly coloured measurement noise with small `na` (takes the delay too long where the response starts slowly); `nb` larger than needed leaves shorter delays as likely |
+//! | [`ImpulseDelay`]: first lag that matters in a long regression | systems of any order, several inputs | responses that start below the noise (too long, by the slow start); a false alarm at an early lag with the probability of the level |
+//! | [`PeakDelay`]: peak of the correlation with the whitened input | the same signal measured twice, a pure delay and gain | anything with a lag: it finds the lag of the *largest* response, later than the first; feedback (finds the way back as well) |
+//! | [`PhaseDelay`]: slope of the phase of the cross-spectrum | as before, to a small part of a sample, with noise of any colour on the output | anything with phase of its own; noise on the input costs nothing but certainty; feedback |
+//! | [`FractionalDelay`]: ARX with a continuously delayed input | delays of a broken number of samples beside known dynamics | more numerator coefficients than needed, or held inputs, whose coefficients make up for a fraction of a sample: the standard error then says so |
+//!
+//! # Source
+//! Björklund & Ljung, *A review of time-delay estimation techniques*, 42nd IEEE Conference on Decision and Control, 2003;
+//! Ljung 1999, §14.6 and §16.5.
+
+mod arx;
+mod fraction;
+mod impulse;
+mod peak;
+mod phase;
+
+pub use arx::{ArxDelay, DelayCandidate, DelayRanking};
+pub use fraction::FractionalDelay;
+pub use impulse::{ImpulseDelay, ImpulseResponseStart};
+pub use peak::{CorrelationPeak, PeakDelay};
+pub use phase::PhaseDelay;
+
+use crate::{Dataset, IdentError};
+
+/// A delay to a fraction of a sample.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct DelayEstimate {
+    /// The delay, in samples.
+    pub samples: f64,
+    /// Its standard error, in samples; infinite where the data do not tell.
+    pub standard_error: f64,
+}
+
+/// The signals of each experiment: the output, then the inputs.
+fn signals(data: &Dataset) -> Result<Vec<Vec<&[f64]>>, IdentError> {
+    if data.outputs() != 1 {
+        return Err(IdentError::Structure {
+            what: "a delay is estimated for one output: choose it by Dataset::channels",
+        });
+    }
+    if data.inputs() == 0 {
+        return Err(IdentError::Structure { what: "a delay needs an input" });
+    }
+    let (experiments, inputs) = (data.experiments().iter(), data.inputs());
+    Ok(experiments.map(|e| std::iter::once(e.output(0)).chain((0..inputs).map(|k| e.input(k))).collect()).collect())
+}
+
+/// Refuses data of more than one input.
+fn check_one_input(data: &Dataset) -> Result<(), IdentError> {
+    if data.inputs() == 1 {
+        return Ok(());
+    }
+    Err(IdentError::Structure { what: "this delay is estimated from one input: choose it by Dataset::channels" })
+}
+
+/// Golden-section search for the minimum between two points.
+fn golden_minimum(
+    mut f: impl FnMut(f64) -> Result<f64, IdentError>,
+    mut low: f64,
+    mut high: f64,
+    tolerance: f64,
+) -> Result<f64, IdentError> {
+    const RATIO: f64 = 0.618_033_988_749_894_9;
+    let (mut a, mut b) = (high - RATIO * (high - low), low + RATIO * (high - low));
+    let (mut fa, mut fb) = (f(a)?, f(b)?);
+    while high - low > tolerance {
+        if fa > fb {
+            low = a;
+            (a, fa) = (b, fb);
+            b = low + RATIO * (high - low);
+            fb = f(b)?;
+        } else {
+            high = b;
+            (b, fb) = (a, fa);
+            a = high - RATIO * (high - low);
+            fa = f(a)?;
+        }
+    }
+    Ok(0.5 * (low + high))
+}

@@ -1,0 +1,109 @@
+use faer::Mat;
+use ident::{Advice, Channel, Dataset, advise};
+
+use crate::noise::Noise;
+
+/// `y = a y(t−1) + (1 − a) u(t−1) + e`, `u = r − f y`; there is more noise under feedback.
+fn loop_data(seed: u64, rows: usize, pole: f64, feedback: f64) -> Dataset {
+    let mut noise = Noise::new(seed);
+    let (mut u, mut y) = (vec![0.0; rows], vec![0.0; rows]);
+    for t in 1..rows {
+        y[t] = pole * y[t - 1] + (1.0 - pole) * u[t - 1] + (0.1 + 0.4 * feedback) * noise.normal();
+        u[t] = noise.normal() - feedback * y[t];
+    }
+    Dataset::siso(0.1, &u, &y).unwrap()
+}
+
+#[test]
+fn stat_good_data_need_no_advice() {
+    // At the level of 99.9 % two tests on each of a hundred data sets raise a false alarm about 0.2 times.
+    let alarms = (0..100).map(|seed| advise(&loop_data(seed, 2000, 0.8, 0.0)).len()).sum::<usize>();
+    assert!(alarms <= 2, "{alarms}");
+}
+
+#[test]
+fn stat_feedback_is_seen_in_closed_loop_alone() {
+    for seed in 0..20 {
+        let found = advise(&loop_data(seed, 2000, 0.8, 1.0));
+        assert!(found.iter().any(|a| matches!(a, Advice::Feedback { input: 0, output: 0, .. })), "{found:?}");
+    }
+}
+
+#[test]
+fn stat_the_sample_rate_is_held_against_the_rise() {
+    let fast = advise(&loop_data(1, 20_000, 0.98, 0.0));
+    assert!(fast.iter().any(|a| matches!(a, Advice::SampledTooFast { rise_samples, .. } if *rise_samples > 60.0)));
+    let slow = advise(&loop_data(2, 2000, 0.1, 0.0));
+    assert!(slow.iter().any(|a| matches!(a, Advice::SampledTooSlowly { .. })), "{slow:?}");
+}
+
+#[test]
+fn stat_feedthrough_is_seen() {
+    let mut noise = Noise::new(3);
+    let u = noise.normals(500);
+    let mut y = vec![0.0; 500];
+    (1..500).for_each(|t| y[t] = 0.8 * y[t - 1] + 0.2 * u[t] + 0.1 * noise.normal());
+    let found = advise(&Dataset::siso(0.1, &u, &y).unwrap());
+    assert!(found.iter().any(|a| matches!(a, Advice::Feedthrough { input: 0, output: 0, .. })));
+    assert!(!found.iter().any(|a| matches!(a, Advice::Feedback { .. })));
+}
+
+#[test]
+fn exact_faults_of_channels_are_named() {
+    let mut noise = Noise::new(4);
+    let rows = 1000;
+    let u = noise.normals(rows);
+    let (first, second, third) = (Channel::Input(0), Channel::Input(1), Channel::Output(0));
+    let inputs = Mat::from_fn(rows, 3, |t, k| [u[t], 2.0 * u[t] + 1e-3 * (t as f64).sin(), 4.0][k]);
+    let mut y: Vec<f64> = (0..rows).map(|t| (noise.normal() + 1.0).clamp(-0.5, 2.5) + 0.01 * t as f64).collect();
+    (y[10], y[500]) = (f64::NAN, 1e3);
+    let data = Dataset::new(0.1, inputs, Mat::from_fn(rows, 1, |t, _| y[t])).unwrap();
+    let found = advise(&data);
+    assert!(found.contains(&Advice::Missing { channel: third, samples: 1, of: rows }));
+    assert!(found.contains(&Advice::Constant { channel: Channel::Input(2) }));
+    assert!(found.contains(&Advice::Outliers { channel: third, at: vec![(0, 500)] }));
+    assert!(
+        found.iter().any(|a| matches!(a, Advice::Collinear { inputs: (0, 1), correlation } if *correlation > 0.99))
+    );
+    assert!(
+        !found.iter().any(|a| matches!(a, Advice::Constant { channel } if *channel == first || *channel == second))
+    );
+    // Every sentence names its channel.
+    assert!(found.iter().all(|a| !a.to_string().is_empty()));
+}
+
+#[test]
+fn exact_clipping_is_told_from_switching_and_drift_from_noise() {
+    let mut noise = Noise::new(5);
+    let binary: Vec<f64> = (0..600).map(|t| if (t / 7) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+    let clipped: Vec<f64> = (0..600).map(|t| (0.03 * t as f64).sin().min(0.8) + 0.0).collect();
+    let found = advise(&Dataset::siso(0.1, &binary, &clipped).unwrap());
+    assert!(found.iter().any(|a| matches!(a, Advice::Clipped { channel: Channel::Output(0), .. })));
+    assert!(!found.iter().any(|a| matches!(a, Advice::Clipped { channel: Channel::Input(0), .. })));
+    let drifting: Vec<f64> = (0..600).map(|t| noise.normal() + 0.01 * t as f64).collect();
+    let found = advise(&Dataset::siso(0.1, &binary, &drifting).unwrap());
+    assert!(found.iter().any(|a| matches!(a, Advice::Drift { channel: Channel::Output(0), .. })));
+    assert!(found.iter().any(|a| matches!(a, Advice::Offset { channel: Channel::Output(0), .. })));
+}
+
+#[test]
+fn exact_one_sine_excites_too_little() {
+    // Whole periods, so that the mean is zero.
+    let sine: Vec<f64> = (0..500).map(|t| (std::f64::consts::TAU * t as f64 / 20.0).sin()).collect();
+    let found = advise(&Dataset::siso(0.1, &sine, &sine).unwrap());
+    assert!(found.contains(&Advice::WeakExcitation { order: 2 }), "{found:?}");
+}
+
+#[test]
+fn regress_poor_data_give_advice_and_no_panic() {
+    let nan = f64::NAN;
+    for (u, y) in
+        [(vec![], vec![]), (vec![1.0], vec![2.0]), (vec![nan; 50], vec![nan; 50]), (vec![0.0; 50], vec![1.0; 50])]
+    {
+        let _ = advise(&Dataset::siso(0.1, &u, &y).unwrap());
+    }
+    let series = Dataset::new(0.1, Mat::zeros(0, 0), Mat::from_fn(0, 1, |_, _| 0.0)).unwrap();
+    let _ = advise(&series);
+    let short = loop_data(6, 30, 0.8, 0.0);
+    assert!(advise(&short).contains(&Advice::Short { samples: 30, needed: 100 }));
+}
