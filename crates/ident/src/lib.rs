@@ -18,22 +18,16 @@ mod fit;
 pub mod frequency;
 mod impulse_response;
 mod instrumental;
+mod lagged;
 pub mod least_squares;
 pub mod nonlinear;
+pub mod recursive;
 mod regression;
 mod triangle;
 pub mod validate;
 
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
 pub use criteria::Criteria;
-pub use data::{Dataset, Experiment, Intersample, Label};
-mod lagged;
-pub mod least_squares;
-pub mod nonlinear;
-pub mod recursive;
-mod triangle;
-pub mod validate;
-
 pub use data::{Advice, advise};
 pub use data::{Channel, Dataset, Experiment, Intersample, Label};
 pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend, TrendScope, TrendShape};

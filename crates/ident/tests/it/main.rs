@@ -1,8 +1,8 @@
 //! Integration tests of `ident`.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-mod arx;
 mod advice;
+mod arx;
 mod closed_loop;
 mod covariance;
 mod dataset;
