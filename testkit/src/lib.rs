@@ -1,3 +1,4 @@
 //! Systems with known truth, and the conformance suites that every reader and every estimator must pass.
 
 pub mod reader;
+pub mod system;

@@ -13,7 +13,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("bench", &["recording", "signal", "lti", "ident"]),
     ("report", &["bench"]),
     ("dynoid", &["signal", "lti", "ident", "recording", "bench", "report"]),
-    ("testkit", &[]),
+    ("testkit", &["signal", "lti", "ident"]),
     ("xtask", &[]),
 ];
 

@@ -14,6 +14,7 @@ mod fit;
 pub mod frequency;
 pub mod least_squares;
 pub mod nonlinear;
+pub mod prediction;
 mod triangle;
 pub mod validate;
 

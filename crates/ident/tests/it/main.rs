@@ -7,4 +7,5 @@ mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;
+mod prediction;
 mod validate;
