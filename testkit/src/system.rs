@@ -115,7 +115,7 @@ pub fn white(samples: usize, inputs: usize, seed: u64) -> Mat<f64> {
 ///
 /// # Errors
 /// Those of the model's innovations form and of [`Dataset::new`].
-pub fn data<M: LinearModel>(
+pub fn data<M: LinearModel + ?Sized>(
     system: &M,
     sample_time_s: f64,
     samples: usize,
@@ -131,7 +131,7 @@ pub fn data<M: LinearModel>(
 ///
 /// # Errors
 /// Those of [`data`].
-pub fn experiments<M: LinearModel>(
+pub fn experiments<M: LinearModel + ?Sized>(
     system: &M,
     sample_time_s: f64,
     lengths: &[usize],
@@ -151,7 +151,7 @@ pub fn experiments<M: LinearModel>(
 ///
 /// # Errors
 /// Those of the model's innovations form.
-pub fn outputs<M: LinearModel>(
+pub fn outputs<M: LinearModel + ?Sized>(
     system: &M,
     sample_time_s: f64,
     inputs: &Mat<f64>,

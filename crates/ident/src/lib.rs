@@ -16,6 +16,7 @@ pub mod least_squares;
 pub mod nonlinear;
 pub mod prediction;
 mod triangle;
+pub mod uncertainty;
 pub mod validate;
 
 pub use data::{Dataset, Experiment, Intersample, Label};
