@@ -1,7 +1,8 @@
 //! The conformance suite of estimators: it passes a right one, and catches wrong ones.
 
+use faer::Mat;
 use ident::{Dataset, Fit, IdentError};
-use lti::PolynomialModel;
+use lti::{PolynomialEquation, PolynomialModel};
 use testkit::estimator::{Case, conform, failures};
 use testkit::system::{self, SAMPLE_TIME_S};
 
@@ -17,6 +18,26 @@ fn broken_by(estimator: impl Fn(&Dataset) -> Estimate) -> Vec<String> {
 #[test]
 fn exact_plain_least_squares_conforms() {
     conform(&Case::new(|data: &Dataset| stand_in::arx(data, 2, 2), &system::arx().unwrap(), SAMPLE_TIME_S));
+}
+
+#[test]
+fn exact_two_inputs_conform_and_collinear_ones_are_refused() {
+    let equation = PolynomialEquation {
+        a: vec![vec![-1.5, 0.7]],
+        b: vec![vec![1.0, 0.5], vec![-0.4, 0.8]],
+        nk: vec![1, 1],
+        f: vec![vec![], vec![]],
+        ..Default::default()
+    };
+    let truth = PolynomialModel::new(SAMPLE_TIME_S, vec![equation], Mat::full(1, 1, 0.04)).unwrap();
+    conform(&Case::new(|data: &Dataset| stand_in::arx(data, 2, 2), &truth, SAMPLE_TIME_S));
+    let careless = |data: &Dataset| {
+        let fit = stand_in::arx(data, 2, 2);
+        let clean = || system::data(&truth, SAMPLE_TIME_S, 500, 1.0, 1);
+        if matches!(fit, Err(IdentError::RankDeficient { .. })) { stand_in::arx(&clean()?, 2, 2) } else { fit }
+    };
+    let broken = failures(&Case::new(careless, &truth, SAMPLE_TIME_S));
+    assert!(broken.iter().any(|b| b.starts_with("refuses collinear")), "{broken:?}");
 }
 
 #[test]

@@ -4,6 +4,7 @@ use faer::{Mat, mat};
 use ident::uncertainty::{Dynamics, TimeGrid, agreement, nested};
 use ident::{Fit, Parametric, Termination};
 use lti::{Complex64, LtiError, PolynomialEquation, PolynomialModel, StateSpace};
+use proptest::prelude::*;
 use signal::excitation::Random;
 use testkit::system::{self, SAMPLE_TIME_S};
 
@@ -122,6 +123,80 @@ fn exact_roots_by_eigenvectors_equal_roots_by_polynomials() {
                 assert!((a - b).abs() < 1e-9 * root.covariance[0][0].abs(), "{root:?} {same:?}");
             }
         }
+    }
+}
+
+/// Two masses and a spring in continuous time, torque to the speed of the first: θ = [J₁, J₂, k, d].
+#[derive(Clone)]
+struct TwoMass([f64; 4]);
+
+impl Parametric for TwoMass {
+    fn parameters(&self) -> Vec<f64> {
+        self.0.to_vec()
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        ["J1", "J2", "k", "d"].map(String::from).to_vec()
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
+        let found: [f64; 4] = parameters.try_into().map_err(|_| LtiError::NonFinite { what: "parameters" })?;
+        Ok(TwoMass(found))
+    }
+}
+
+impl Dynamics for TwoMass {
+    fn system(&self) -> Result<StateSpace, LtiError> {
+        let [j1, j2, k, d] = self.0;
+        let a = mat![[0.0, 1.0, -1.0], [-k / j1, -d / j1, d / j1], [k / j2, d / j2, -d / j2]];
+        StateSpace::continuous(a, mat![[0.0], [1.0 / j1], [0.0]], mat![[0.0, 1.0, 0.0]], mat![[0.0]])
+    }
+}
+
+/// The resonance is √(k (1/J₁ + 1/J₂)) and the anti-resonance √(k/J₂) where there is no damping; their deviations follow.
+#[test]
+fn exact_resonances_of_a_continuous_model_have_the_deviations_of_the_formulas() {
+    let (j1, j2, k) = (0.02, 0.05, 400.0);
+    let p = Mat::from_fn(4, 4, |i, j| if i == j { [4e-8, 1e-6, 16.0, 0.0][i] } else { 0.0 });
+    let fit = fit_of(TwoMass([j1, j2, k, 0.0]), p.clone());
+    let resonance: f64 = (k * (1.0 / j1 + 1.0 / j2)).sqrt();
+    let slopes = [-k / (j1 * j1), -k / (j2 * j2), 1.0 / j1 + 1.0 / j2].map(|s| s / (2.0 * resonance));
+    let variance: f64 = (0..3).map(|i| slopes[i].powi(2) * p[(i, i)]).sum();
+    let poles = fit.poles(0, 0).unwrap();
+    let pole = poles.iter().find(|p| p.value.im > 1.0).unwrap();
+    assert!((pole.value.im - resonance).abs() < 1e-9 * resonance);
+    assert!((pole.covariance[1][1] - variance).abs() < 1e-3 * variance, "{pole:?} {variance}");
+    let rigid = poles.iter().find(|p| p.value.norm() < 1.0).unwrap();
+    assert!(rigid.covariance[0][0] < 1e-12 * variance);
+    let zeros = fit.zeros(0, 0).unwrap();
+    let zero = zeros.iter().find(|z| z.value.im > 1.0).unwrap();
+    let anti: f64 = (k / j2).sqrt();
+    let variance = (anti / (2.0 * j2)).powi(2) * p[(1, 1)] + (anti / (2.0 * k)).powi(2) * p[(2, 2)];
+    assert!((zero.value.im - anti).abs() < 1e-8 * anti);
+    assert!((zero.covariance[1][1] - variance).abs() < 1e-3 * variance);
+}
+
+proptest! {
+    /// A function that is linear in the parameters has the covariance G P Gᵀ, whatever the rank and units of P.
+    #[test]
+    fn prop_linear_functions_have_their_exact_covariance(
+        factor in prop::collection::vec(-1.0_f64..1.0, 8),
+        g in prop::collection::vec(-1.0_f64..1.0, 8),
+        units in prop::collection::vec(-6.0_f64..6.0, 4),
+    ) {
+        let unit = |i: usize| 10_f64.powf(units[i]);
+        let factor = Mat::from_fn(4, 2, |i, j| 1e-3 * unit(i) * factor[2 * i + j]);
+        let p = &factor * factor.transpose();
+        let g = Mat::from_fn(2, 4, |i, j| g[4 * i + j] / unit(j));
+        let theta: Vec<f64> = (0..4).map(unit).collect();
+        let fit = fit_of(ar(&[-1.5, 0.7]).with_coefficients(&theta).unwrap(), p.clone());
+        let linear = |m: &PolynomialModel| {
+            let c = m.coefficients();
+            Ok((0..2).map(|i| (0..4).map(|j| g[(i, j)] * c[j]).sum()).collect())
+        };
+        let found = fit.derive(linear).unwrap().covariance();
+        let expected = &g * &p * g.transpose();
+        prop_assert!((&found - &expected).norm_max() < 1e-14 + 1e-7 * expected.norm_max());
     }
 }
 
