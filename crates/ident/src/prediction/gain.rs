@@ -25,8 +25,42 @@ pub(super) struct Gain<'a> {
     peak: Vec<f64>,
     /// `L`, zero in the columns of missing outputs.
     varying: Mat<f64>,
+    /// Its leading part, as large as there are outputs, is the factor.
     varying_factor: Mat<f64>,
     present: Vec<usize>,
+    scratch: Scratch,
+}
+
+/// Tables that are written anew at each sample.
+struct Scratch {
+    /// `K Λ`, which stays.
+    noise: Mat<f64>,
+    /// `P C_oᵀ`, and what becomes `L`.
+    shown: Mat<f64>,
+    cross: Mat<f64>,
+    innovation: Mat<f64>,
+    /// `A − L C`, and that times `P`.
+    closed: Mat<f64>,
+    moved: Mat<f64>,
+    /// `K − L`, and that times `Λ`.
+    rest: Mat<f64>,
+    rest_noise: Mat<f64>,
+}
+
+impl Scratch {
+    fn new(form: &Form, lambda: &Mat<f64>) -> Self {
+        let (tall, square) = (Mat::zeros(form.states, form.outputs), Mat::zeros(form.states, form.states));
+        Scratch {
+            noise: form.model.k() * lambda,
+            shown: tall.clone(),
+            cross: tall.clone(),
+            innovation: Mat::zeros(form.outputs, form.outputs),
+            closed: square.clone(),
+            moved: square,
+            rest: tall.clone(),
+            rest_noise: tall,
+        }
+    }
 }
 
 /// Below this fraction of its largest value the variance of a state counts as zero.
@@ -39,12 +73,13 @@ impl<'a> Gain<'a> {
         Gain {
             form,
             steady_factor: cholesky(&lambda),
+            scratch: Scratch::new(form, &lambda),
             lambda,
             settled: true,
             covariance: Mat::zeros(n, n),
             peak: vec![0.0; n],
             varying: Mat::zeros(n, outputs),
-            varying_factor: Mat::zeros(0, 0),
+            varying_factor: Mat::zeros(outputs, outputs),
             present: Vec::with_capacity(outputs),
         }
     }
@@ -65,7 +100,9 @@ impl<'a> Gain<'a> {
         }
         if self.form.is_output_error() {
             self.settled = whole;
-            self.varying_factor = cholesky(&self.present_block(&self.lambda));
+            let there = &self.present;
+            let lambda = |i: usize, j: usize| self.lambda[(there[i], there[j])];
+            cholesky_into(there.len(), lambda, &mut self.varying_factor);
             return;
         }
         self.settled = false;
@@ -76,25 +113,65 @@ impl<'a> Gain<'a> {
     }
 
     fn vary(&mut self) {
-        let system = self.form.model.system();
-        let (n, outputs, count) = (self.form.states, self.form.outputs, self.present.len());
-        let c = Mat::from_fn(count, n, |i, j| system.c()[(self.present[i], j)]);
-        let pc = &self.covariance * c.transpose();
-        let noise = self.form.model.k() * &self.lambda;
-        let cross = system.a() * &pc + Mat::from_fn(n, count, |i, j| noise[(i, self.present[j])]);
-        self.varying_factor = cholesky(&(&c * &pc + self.present_block(&self.lambda)));
-        let gain = divided_by(&cross, &self.varying_factor);
-        self.varying = Mat::zeros(n, outputs);
-        for (position, output) in self.present.iter().enumerate() {
-            for i in 0..n {
-                self.varying[(i, *output)] = gain[(i, position)];
-            }
-        }
-        let closed = system.a() - &gain * &c;
-        let rest = self.form.model.k() - &self.varying;
-        self.covariance = &closed * &self.covariance * closed.transpose() + &rest * &self.lambda * rest.transpose();
+        self.find_gain();
+        self.move_covariance();
         for (i, peak) in self.peak.iter_mut().enumerate() {
             *peak = peak.max(self.covariance[(i, i)]);
+        }
+    }
+
+    /// `S`, its factor, and `L`.
+    fn find_gain(&mut self) {
+        let (form, there, w) = (self.form, &self.present, &mut self.scratch);
+        let (a, c, n) = (form.model.system().a(), form.model.system().c(), form.states);
+        for (j, output) in there.iter().enumerate() {
+            for i in 0..n {
+                w.shown[(i, j)] = (0..n).map(|k| self.covariance[(i, k)] * c[(*output, k)]).sum();
+            }
+            for i in 0..n {
+                let moved: f64 = (0..n).map(|k| a[(i, k)] * w.shown[(k, j)]).sum();
+                w.cross[(i, j)] = moved + w.noise[(i, *output)];
+            }
+            for (i, other) in there.iter().enumerate() {
+                let shown: f64 = (0..n).map(|k| c[(*other, k)] * w.shown[(k, j)]).sum();
+                w.innovation[(i, j)] = shown + self.lambda[(*other, *output)];
+            }
+        }
+        cholesky_into(there.len(), |i, j| w.innovation[(i, j)], &mut self.varying_factor);
+        divide(&mut w.cross, there.len(), &self.varying_factor);
+        self.varying.fill(0.0);
+        for (j, output) in there.iter().enumerate() {
+            (0..n).for_each(|i| self.varying[(i, *output)] = w.cross[(i, j)]);
+        }
+    }
+
+    /// `P⁺`.
+    fn move_covariance(&mut self) {
+        let (form, w) = (self.form, &mut self.scratch);
+        let (system, k) = (form.model.system(), form.model.k());
+        let (n, outputs) = (form.states, form.outputs);
+        for i in 0..n {
+            for j in 0..outputs {
+                w.rest[(i, j)] = k[(i, j)] - self.varying[(i, j)];
+            }
+            for j in 0..n {
+                let fed: f64 = (0..outputs).map(|o| self.varying[(i, o)] * system.c()[(o, j)]).sum();
+                w.closed[(i, j)] = system.a()[(i, j)] - fed;
+            }
+            for j in 0..n {
+                w.moved[(i, j)] = (0..n).map(|m| w.closed[(i, m)] * self.covariance[(m, j)]).sum();
+            }
+            for j in 0..outputs {
+                w.rest_noise[(i, j)] = (0..outputs).map(|o| w.rest[(i, o)] * self.lambda[(o, j)]).sum();
+            }
+        }
+        for i in 0..n {
+            for j in 0..=i {
+                let carried: f64 = (0..n).map(|m| w.moved[(i, m)] * w.closed[(j, m)]).sum();
+                let added: f64 = (0..outputs).map(|o| w.rest_noise[(i, o)] * w.rest[(j, o)]).sum();
+                self.covariance[(i, j)] = carried + added;
+                self.covariance[(j, i)] = carried + added;
+            }
         }
     }
 
@@ -106,11 +183,6 @@ impl<'a> Gain<'a> {
             self.peak.fill(0.0);
             self.settled = true;
         }
-    }
-
-    fn present_block(&self, m: &Mat<f64>) -> Mat<f64> {
-        let count = self.present.len();
-        Mat::from_fn(count, count, |i, j| m[(self.present[i], self.present[j])])
     }
 
     /// `v = L e`, with zeros in `e` for missing outputs.
@@ -147,33 +219,34 @@ fn usable_covariance(form: &Form) -> Mat<f64> {
     Mat::from_fn(n, n, |i, j| 0.5 * (lambda[(i, j)] + lambda[(j, i)]) / largest + floor(i, j))
 }
 
-/// The lower Cholesky factor; a pivot lost to rounding is held at a small part of the diagonal.
 fn cholesky(m: &Mat<f64>) -> Mat<f64> {
-    let n = m.nrows();
-    let mut l = Mat::<f64>::zeros(n, n);
-    for j in 0..n {
-        let pivot = m[(j, j)] - (0..j).map(|k| l[(j, k)] * l[(j, k)]).sum::<f64>();
-        l[(j, j)] = pivot.max(1e-15 * m[(j, j)]).max(f64::MIN_POSITIVE).sqrt();
-        for i in j + 1..n {
-            let rest = m[(i, j)] - (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum::<f64>();
-            l[(i, j)] = rest / l[(j, j)];
-        }
-    }
+    let mut l = Mat::zeros(m.nrows(), m.nrows());
+    cholesky_into(m.nrows(), |i, j| m[(i, j)], &mut l);
     l
 }
 
-/// `M (L Lᵀ)⁻¹`.
-fn divided_by(m: &Mat<f64>, l: &Mat<f64>) -> Mat<f64> {
-    let mut x = m.clone();
+/// Writes the lower Cholesky factor of an n × n matrix; a pivot lost to rounding is held at a small part of the diagonal.
+fn cholesky_into(n: usize, m: impl Fn(usize, usize) -> f64, l: &mut Mat<f64>) {
+    for j in 0..n {
+        let pivot = m(j, j) - (0..j).map(|k| l[(j, k)] * l[(j, k)]).sum::<f64>();
+        l[(j, j)] = pivot.max(1e-15 * m(j, j)).max(f64::MIN_POSITIVE).sqrt();
+        for i in j + 1..n {
+            let rest = m(i, j) - (0..j).map(|k| l[(i, k)] * l[(j, k)]).sum::<f64>();
+            l[(i, j)] = rest / l[(j, j)];
+        }
+    }
+}
+
+/// `X ← X (L Lᵀ)⁻¹` for the first `n` columns.
+fn divide(x: &mut Mat<f64>, n: usize, l: &Mat<f64>) {
     for row in 0..x.nrows() {
-        for i in 0..x.ncols() {
+        for i in 0..n {
             let known: f64 = (0..i).map(|k| l[(i, k)] * x[(row, k)]).sum();
             x[(row, i)] = (x[(row, i)] - known) / l[(i, i)];
         }
-        for i in (0..x.ncols()).rev() {
-            let known: f64 = (i + 1..x.ncols()).map(|k| l[(k, i)] * x[(row, k)]).sum();
+        for i in (0..n).rev() {
+            let known: f64 = (i + 1..n).map(|k| l[(k, i)] * x[(row, k)]).sum();
             x[(row, i)] = (x[(row, i)] - known) / l[(i, i)];
         }
     }
-    x
 }

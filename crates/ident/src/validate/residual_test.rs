@@ -163,7 +163,7 @@ impl ResidualTest {
         let lags = self.lags;
         let cross = products(u, e, lags)?;
         let variance = sum_covariances(e, u, lags)?;
-        let (size_e, size_u) = (products(e, e, 0)?[0], products(u, u, 0)?[0]);
+        let (size_e, size_u) = (e.energy(), u.energy());
         if size_e <= 0.0 {
             return Err(IdentError::Constant { what: "the residual" });
         }
@@ -203,6 +203,10 @@ impl Series {
             mean,
             present,
         }
+    }
+
+    fn energy(&self) -> f64 {
+        self.parts.iter().flatten().map(|v| v * v).sum()
     }
 
     fn indicators(&self) -> Vec<Vec<f64>> {
