@@ -3,17 +3,17 @@
 
 mod bands;
 mod dynamics;
+mod hypothesis;
 mod robust;
 pub(crate) mod root;
 mod roots;
 mod sample;
-mod tests;
 
 pub use bands::{FrequencyBand, TimeBand, TimeGrid};
 pub use dynamics::{Dynamics, Ratio};
+pub use hypothesis::{RatioTest, agreement, nested};
 pub use roots::{Ellipse, UncertainRoot};
 pub use sample::{Sample, Samples};
-pub use tests::{RatioTest, agreement, nested};
 
 use faer::Mat;
 use lti::LtiError;
