@@ -14,7 +14,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("plot", &[]),
     ("report", &["bench", "plot"]),
     ("dynoid", &["signal", "lti", "ident", "recording", "bench", "plot", "report"]),
-    ("testkit", &[]),
+    ("testkit", &["signal", "lti", "ident"]),
     ("xtask", &[]),
 ];
 

@@ -1,6 +1,6 @@
 //! Quantiles that intervals and tests are made of.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Above this many degrees of freedom Student's t is replaced by the Cornish–Fisher expansion about the normal.
 const NEARLY_NORMAL: f64 = 1e4;
@@ -62,4 +62,42 @@ pub fn chi_squared_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
 pub fn interval(value: f64, standard_error: f64, degrees_of_freedom: f64, level: f64) -> (f64, f64) {
     let reach = student_t_quantile(0.5 + level / 2.0, degrees_of_freedom) * standard_error;
     (value - reach, value + reach)
+}
+
+/// Above this many degrees of freedom of its denominator F is found from χ²: the library's distribution function is
+/// right to 1e-8 there only, and worse beyond.
+const MANY_IN_DENOMINATOR: f64 = 3e4;
+
+/// The probability that χ² with `degrees_of_freedom` is larger than `value`; NaN where no such distribution exists, one
+/// without any degree of freedom.
+pub fn chi_squared_tail(value: f64, degrees_of_freedom: f64) -> f64 {
+    if degrees_of_freedom == 0.0 {
+        return 1.0;
+    }
+    ChiSquared::new(degrees_of_freedom).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
+}
+
+/// The probability that F with these degrees of freedom is larger than `value`; NaN where no such distribution exists. An
+/// infinite denominator stands for χ² over the degrees of the numerator.
+pub fn f_tail(value: f64, numerator: f64, denominator: f64) -> f64 {
+    if denominator > MANY_IN_DENOMINATOR {
+        // The positive root of the relation in `f_quantile`.
+        let (square, linear) = (0.5 / denominator, 1.0 + 0.5 * (2.0 - numerator) / denominator);
+        let product = value.max(0.0) * numerator;
+        let chi_squared = 2.0 * product / (linear + (linear * linear + 4.0 * square * product).sqrt());
+        return chi_squared_tail(chi_squared, numerator);
+    }
+    FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |d| d.sf(value.max(0.0)))
+}
+
+/// Quantile of F with these degrees of freedom at `probability`; NaN where no such distribution exists.
+///
+/// With `x` the quantile of χ² with m degrees, that of F with m and many n is `x/m (1 + (x − m + 2)/(2n))` to first order
+/// in 1/n.
+pub fn f_quantile(probability: f64, numerator: f64, denominator: f64) -> f64 {
+    if denominator > MANY_IN_DENOMINATOR {
+        let x = chi_squared_quantile(probability, numerator);
+        return x / numerator * (1.0 + 0.5 * (x - numerator + 2.0) / denominator);
+    }
+    FisherSnedecor::new(numerator, denominator).map_or(f64::NAN, |d| d.inverse_cdf(probability))
 }

@@ -92,4 +92,16 @@ pub enum IdentError {
     /// An operation on a signal failed.
     #[error(transparent)]
     Signal(#[from] signal::SignalError),
+    /// An input sample is missing, so nothing can be said of what follows it.
+    #[error(
+        "input {channel} of experiment {experiment} has a missing sample at index {index}; fill it, or split the data there"
+    )]
+    MissingInput {
+        /// Index of the experiment.
+        experiment: usize,
+        /// The input's name.
+        channel: String,
+        /// Index of the first missing sample.
+        index: usize,
+    },
 }

@@ -167,7 +167,7 @@ pub(crate) fn check_clock(model_s: f64, data_s: f64) -> Result<(), LtiError> {
 ///
 /// # Errors
 /// [`IdentError::Length`].
-pub(crate) fn check_channels(model: &impl LinearModel, data: &crate::Dataset) -> Result<(), IdentError> {
+pub(crate) fn check_channels<M: LinearModel + ?Sized>(model: &M, data: &crate::Dataset) -> Result<(), IdentError> {
     for (what, expected, found) in [
         ("inputs of the data", model.inputs(), data.inputs()),
         ("outputs of the data", model.outputs(), data.outputs()),

@@ -21,9 +21,11 @@ mod instrumental;
 mod lagged;
 pub mod least_squares;
 pub mod nonlinear;
+pub mod prediction;
 pub mod recursive;
 mod regression;
 mod triangle;
+pub mod uncertainty;
 pub mod validate;
 
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};

@@ -1,4 +1,6 @@
-use ident::distributions::{chi_squared_quantile, interval, normal_quantile, student_t_quantile};
+use ident::distributions::{
+    chi_squared_quantile, chi_squared_tail, f_quantile, f_tail, interval, normal_quantile, student_t_quantile,
+};
 
 fn close(a: f64, b: f64, relative: f64) {
     assert!((a - b).abs() <= relative * b.abs(), "{a} is not {b}");
@@ -31,4 +33,18 @@ fn exact_interval_is_symmetric() {
     let (low, high) = interval(3.0, 0.5, 1e9, 0.95);
     close(3.0 - low, high - 3.0, 1e-12);
     close(high - 3.0, 0.5 * 1.959963984540054, 1e-8);
+}
+
+/// scipy.stats.f.ppf, f.sf and chi2.sf.
+#[test]
+fn ref_f_and_chi_squared_equal_scipy() {
+    close(f_quantile(0.95, 2.0, 10.0), 4.1028210151304, 1e-10);
+    close(f_quantile(0.99, 3.0, 1e5), 3.7818178515912035, 1e-8);
+    close(f_quantile(0.95, 2.0, 9e6), 2.995733270711084, 1e-9);
+    close(f_quantile(0.95, 2.0, 2e7), 2.995732722274628, 1e-9);
+    close(f_tail(f_quantile(0.99, 3.0, 1e5), 3.0, 1e5), 0.01, 1e-9);
+    close(f_quantile(0.99, 3.0, 2.9999e4), f_quantile(0.99, 3.0, 3.0001e4), 1e-7);
+    close(f_tail(3.5, 4.0, 50.0), 0.013507380248756947, 1e-12);
+    close(chi_squared_tail(30.0, 12.0), 0.0027924293327009145, 1e-12);
+    assert_eq!(chi_squared_tail(0.0, 0.0), 1.0);
 }

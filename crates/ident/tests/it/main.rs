@@ -4,6 +4,7 @@
 mod advice;
 mod arx;
 mod closed_loop;
+mod conformance;
 mod covariance;
 mod dataset;
 mod delay;
@@ -16,6 +17,9 @@ mod long;
 mod noise;
 mod nonlinear;
 mod order_scan;
+mod prediction;
 mod recursive;
 mod shared;
+mod stand_in;
+mod uncertainty;
 mod validate;

@@ -1,4 +1,9 @@
-use ident::validate::{fit_percent, residual_correlations, rms_error};
+use faer::Mat;
+use ident::prediction::InitialState;
+use ident::validate::{ResidualTest, compare, fit_percent, judge, residual_correlations, rms_error};
+use ident::{Dataset, IdentError, LinearModel};
+use lti::{PolynomialEquation, PolynomialModel};
+use testkit::system;
 
 use crate::noise::Noise;
 
@@ -49,4 +54,136 @@ fn stat_regions_hold_ninety_nine_percent_of_lags_under_independence() {
 fn regress_constant_signals_are_refused() {
     assert!(residual_correlations(&[0.0; 500], &[1.0; 500], 25, 0.99).is_err());
     assert!(residual_correlations(&[0.0; 10], &[1.0; 10], 25, 0.99).is_err());
+}
+
+/// False alarms of every test with the truth as the model; the input and the residual may be coloured.
+#[test]
+#[ignore = "slow"]
+fn stat_residual_tests_raise_one_false_alarm_in_a_hundred() {
+    let test = ResidualTest::default();
+    let runs = 400;
+    let (mut alarms, mut outside) = ([0; 4], 0);
+    for seed in 0..runs {
+        let data = system::experiments(&system::armax().unwrap(), 0.1, &[700, 500], 1.0, seed).unwrap();
+        let report = test.run(&system::armax().unwrap(), &data).unwrap();
+        let independence = &report.independence[0][0];
+        let tests = [report.whiteness[0].joint, report.joint_whiteness, independence.dynamics, independence.feedback];
+        for (count, test) in alarms.iter_mut().zip(tests) {
+            *count += usize::from(!test.passes(0.99));
+        }
+        outside += independence.cross.iter().filter(|c| c.abs() > independence.bound).count();
+    }
+    // Four standard deviations of a binomial count about 1 %.
+    assert!(alarms.iter().all(|count| *count <= 12), "{alarms:?}");
+    let share = outside as f64 / (51.0 * runs as f64);
+    assert!((0.006..0.014).contains(&share), "{share}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_joint_tests_are_uniform_for_coloured_residuals_and_inputs() {
+    let test = ResidualTest { initial: InitialState::Zero, ..Default::default() };
+    let colour = |a: f64, x: Vec<f64>| {
+        x.iter()
+            .scan(0.0, |state, v| {
+                *state = a * *state + v;
+                Some(*state)
+            })
+            .collect::<Vec<f64>>()
+    };
+    // A static gain of zero: the residual is the output.
+    let model = PolynomialModel::siso(1.0, 0, PolynomialEquation { b: vec![vec![0.0]], ..Default::default() }).unwrap();
+    let mut noise = Noise::new(77);
+    let (mut below_five, mut below_half, runs) = (0, 0, 400);
+    for _ in 0..runs {
+        let (u, y) = (colour(0.9, noise.normals(2000)), colour(0.7, noise.normals(2000)));
+        let report = test.run(&model, &Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
+        let p = report.independence[0][0].dynamics.p_value;
+        below_five += usize::from(p < 0.05);
+        below_half += usize::from(p < 0.5);
+        assert!(!report.whiteness[0].joint.passes(0.99));
+    }
+    assert!((5..40).contains(&below_five), "{below_five}");
+    assert!((140..250).contains(&below_half), "{below_half}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_whiteness_of_two_outputs_with_missing_samples_holds_its_level() {
+    let model = system::arx_two_by_two().unwrap();
+    let (mut alarms, runs) = (0, 300);
+    for seed in 0..runs {
+        let data = system::data(&model, 0.1, 600, 1.0, seed).unwrap();
+        let record = &data.experiments()[0];
+        let gap = |t: usize| (200..215).contains(&t) || (400..420).contains(&t);
+        let outputs = Mat::from_fn(600, 2, |t, i| if gap(t) { f64::NAN } else { record.outputs[(t, i)] });
+        let data = Dataset::new(0.1, record.inputs.clone(), outputs).unwrap();
+        alarms += usize::from(!ResidualTest::default().run(&model, &data).unwrap().joint_whiteness.passes(0.99));
+    }
+    assert!(alarms <= 10, "{alarms}");
+}
+
+#[test]
+fn stat_feedback_and_missed_dynamics_are_told_apart() {
+    let mut noise = Noise::new(8);
+    let (e, r) = (noise.normals(3000), noise.normals(3000));
+    let (mut u, mut y) = (vec![0.0; 3000], vec![0.0; 3000]);
+    for t in 1..3000 {
+        y[t] = 0.5 * y[t - 1] + u[t - 1] + e[t] + 0.5 * e[t - 1];
+        u[t] = r[t] - 0.3 * y[t];
+    }
+    let data = Dataset::siso(1.0, &u, &y).unwrap();
+    let siso = |equation| PolynomialModel::siso(1.0, 1, equation).unwrap();
+    let (a, b, c) = (vec![vec![-0.5]], vec![vec![1.0]], vec![0.5]);
+    let truth = siso(PolynomialEquation { a, b: b.clone(), c, ..Default::default() });
+    let report = ResidualTest::default().run(&truth, &data).unwrap();
+    assert!(report.whiteness[0].joint.passes(0.99));
+    let independence = &report.independence[0][0];
+    // u(t) depends on e(t) through y(t) without a delay, so lag zero belongs to the feedback here.
+    assert!(!independence.feedback.passes(0.99), "{independence:?}");
+    let lacking = siso(PolynomialEquation { b, ..Default::default() });
+    let report = ResidualTest::default().run(&lacking, &data).unwrap();
+    assert!(!report.independence[0][0].dynamics.passes(0.99) && !report.whiteness[0].joint.passes(0.99));
+}
+
+#[test]
+fn exact_judgement_is_the_fit_of_each_channel_without_missing_samples() {
+    let model = system::arx_two_by_two().unwrap();
+    let data = system::experiments(&model, 0.1, &[60, 40], 1.0, 3).unwrap();
+    let mut broken = data.clone();
+    let record = data.experiments()[0].clone();
+    let mut outputs = record.outputs.clone();
+    outputs[(7, 1)] = f64::NAN;
+    broken =
+        Dataset::new(0.1, record.inputs, outputs).unwrap().with_experiment(broken.experiments()[1].clone()).unwrap();
+    let judged = judge(&model, &broken, Some(1), &InitialState::Zero).unwrap();
+    assert_eq!(judged.samples, 99);
+    let modelled = &judged.response.outputs;
+    let whole = fit_percent(data.experiments()[1].output(0), modelled[1].col_as_slice(0)).unwrap();
+    assert_eq!(judged.fit_percent[1][0], whole);
+    let (y, m): (Vec<f64>, Vec<f64>) =
+        (0..60).filter(|t| *t != 7).map(|t| (data.experiments()[0].output(1)[t], modelled[0][(t, 1)])).unzip();
+    assert_eq!(judged.fit_percent[0][1], fit_percent(&y, &m).unwrap());
+    assert!(judged.fit_percent.iter().flatten().all(|f| *f > 50.0));
+}
+
+#[test]
+fn exact_comparison_keeps_the_models_that_can_be_judged() {
+    let (good, other) = (system::arx().unwrap(), system::arx_two_by_two().unwrap());
+    let data = system::data(&good, 0.1, 50, 0.0, 3).unwrap();
+    let models: [(&str, &dyn LinearModel); 2] = [("good", &good), ("wrong channels", &other)];
+    let table = compare(&models, &data, None, &InitialState::Zero);
+    assert!(table[0].1.as_ref().unwrap().fit_percent[0][0] > 100.0 - 1e-9);
+    assert!(matches!(table[1].1, Err(IdentError::Length { .. })));
+}
+
+#[test]
+fn regress_residual_test_refuses_what_it_cannot_judge() {
+    let model = system::arx().unwrap();
+    let short = system::data(&model, 0.1, 50, 1.0, 1).unwrap();
+    assert!(matches!(ResidualTest::default().run(&model, &short), Err(IdentError::TooFewSamples { .. })));
+    let constant = Dataset::siso(0.1, &[1.0; 300], &Noise::new(1).normals(300)).unwrap();
+    assert!(matches!(ResidualTest::default().run(&model, &constant), Err(IdentError::Constant { .. })));
+    let blank = Dataset::siso(0.1, &[1.0; 300], &[f64::NAN; 300]).unwrap();
+    assert!(ResidualTest::default().run(&model, &blank).is_err());
 }

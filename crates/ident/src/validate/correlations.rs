@@ -1,46 +1,8 @@
-//! Judging a model on data: fit and residual tests.
+//! Correlations of one residual with itself and with one input.
 
+use super::same_length;
 use crate::IdentError;
 use crate::distributions::normal_quantile;
-
-/// 100(1 − ‖y − ŷ‖/‖y − ȳ‖): 100 is perfect, 0 no better than the mean, negative worse than it. A constant y gives −∞
-/// unless it is met exactly.
-///
-/// # Errors
-/// Lengths that differ, or no data.
-///
-/// # Source
-/// The normalised root-mean-square fit customary since Ljung's System Identification Toolbox.
-pub fn fit_percent(measured: &[f64], modelled: &[f64]) -> Result<f64, IdentError> {
-    same_length(measured, modelled)?;
-    let mean = measured.iter().sum::<f64>() / measured.len() as f64;
-    let error: f64 = measured.iter().zip(modelled).map(|(y, m)| (y - m).powi(2)).sum();
-    let spread: f64 = measured.iter().map(|y| (y - mean).powi(2)).sum();
-    if error == 0.0 {
-        return Ok(100.0);
-    }
-    Ok(100.0 * (1.0 - (error / spread).sqrt()))
-}
-
-/// Root of the mean squared difference.
-///
-/// # Errors
-/// Lengths that differ, or no data.
-pub fn rms_error(measured: &[f64], modelled: &[f64]) -> Result<f64, IdentError> {
-    same_length(measured, modelled)?;
-    let error: f64 = measured.iter().zip(modelled).map(|(y, m)| (y - m).powi(2)).sum();
-    Ok((error / measured.len() as f64).sqrt())
-}
-
-fn same_length(a: &[f64], b: &[f64]) -> Result<(), IdentError> {
-    if a.len() != b.len() {
-        return Err(IdentError::Length { what: "modelled output", expected: a.len(), found: b.len() });
-    }
-    if a.is_empty() {
-        return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
-    }
-    Ok(())
-}
 
 /// Correlations of residuals ε with themselves and with the input u, and the regions they stay in if the model is right.
 #[derive(Debug, Clone, PartialEq)]

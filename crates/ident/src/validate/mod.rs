@@ -1,0 +1,75 @@
+//! Judging a model on data: fit, residual tests, comparison of models.
+
+mod compare;
+mod correlations;
+mod residual_test;
+
+pub use compare::{Judgement, compare, judge};
+pub use correlations::{ResidualCorrelations, residual_correlations};
+pub use residual_test::{Independence, ResidualReport, ResidualTest, Whiteness};
+
+use crate::IdentError;
+use crate::distributions::chi_squared_tail;
+
+/// A statistic that follows χ² where there is nothing to find.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointTest {
+    /// The statistic.
+    pub statistic: f64,
+    /// Degrees of freedom of its χ² distribution.
+    pub degrees_of_freedom: f64,
+    /// The probability of a statistic as large as this by chance.
+    pub p_value: f64,
+}
+
+impl JointTest {
+    pub(crate) fn chi_squared(statistic: f64, degrees_of_freedom: f64) -> Self {
+        JointTest { statistic, degrees_of_freedom, p_value: chi_squared_tail(statistic, degrees_of_freedom) }
+    }
+
+    /// Whether the statistic stays in the region that holds it with probability `level` (e.g. 0.99) where there is nothing
+    /// to find.
+    #[must_use]
+    pub fn passes(&self, level: f64) -> bool {
+        self.p_value >= 1.0 - level
+    }
+}
+
+/// 100(1 − ‖y − ŷ‖/‖y − ȳ‖): 100 is perfect, 0 no better than the mean, negative worse than it. A constant y gives −∞
+/// unless it is met exactly.
+///
+/// # Errors
+/// Lengths that differ, or no data.
+///
+/// # Source
+/// The normalised root-mean-square fit customary since Ljung's System Identification Toolbox.
+pub fn fit_percent(measured: &[f64], modelled: &[f64]) -> Result<f64, IdentError> {
+    same_length(measured, modelled)?;
+    let mean = measured.iter().sum::<f64>() / measured.len() as f64;
+    let error: f64 = measured.iter().zip(modelled).map(|(y, m)| (y - m).powi(2)).sum();
+    let spread: f64 = measured.iter().map(|y| (y - mean).powi(2)).sum();
+    if error == 0.0 {
+        return Ok(100.0);
+    }
+    Ok(100.0 * (1.0 - (error / spread).sqrt()))
+}
+
+/// Root of the mean squared difference.
+///
+/// # Errors
+/// Lengths that differ, or no data.
+pub fn rms_error(measured: &[f64], modelled: &[f64]) -> Result<f64, IdentError> {
+    same_length(measured, modelled)?;
+    let error: f64 = measured.iter().zip(modelled).map(|(y, m)| (y - m).powi(2)).sum();
+    Ok((error / measured.len() as f64).sqrt())
+}
+
+fn same_length(a: &[f64], b: &[f64]) -> Result<(), IdentError> {
+    if a.len() != b.len() {
+        return Err(IdentError::Length { what: "modelled output", expected: a.len(), found: b.len() });
+    }
+    if a.is_empty() {
+        return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
+    }
+    Ok(())
+}
