@@ -14,6 +14,7 @@ mod fit;
 pub mod frequency;
 pub mod least_squares;
 pub mod nonlinear;
+pub mod prediction_error;
 mod triangle;
 pub mod validate;
 
@@ -22,4 +23,5 @@ pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use triangle::Triangle;

@@ -18,6 +18,9 @@ pub struct Triangle {
 }
 
 impl Triangle {
+    /// Most rows that can be appended at once.
+    pub(crate) const BLOCK: usize = CHUNK;
+
     /// An empty factor for matrices of `columns` columns.
     pub fn new(columns: usize) -> Self {
         Triangle { block: Mat::zeros(CHUNK + columns, columns), filled: 0, rows: 0 }
@@ -33,6 +36,21 @@ impl Triangle {
         if self.filled == self.block.nrows() {
             self.fold();
         }
+    }
+
+    /// Appends a block of rows, at most [`Triangle::BLOCK`], column by column: `write(j, slice)` fills column j.
+    pub(crate) fn push_columns(&mut self, rows: usize, mut write: impl FnMut(usize, &mut [f64])) {
+        if self.filled + rows > self.block.nrows() {
+            self.fold();
+        }
+        let (first, columns) = (self.filled, self.block.ncols());
+        for j in 0..columns {
+            if let Some(column) = self.block.col_mut(j).try_as_col_major_mut() {
+                write(j, &mut column.as_slice_mut()[first..first + rows]);
+            }
+        }
+        self.filled += rows;
+        self.rows += rows;
     }
 
     /// Rows appended so far.

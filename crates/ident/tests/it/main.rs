@@ -7,4 +7,6 @@ mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;
+mod prediction_error;
+mod shared;
 mod validate;
