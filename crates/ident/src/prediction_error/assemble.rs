@@ -27,7 +27,7 @@ pub(super) fn fit(
     if rows == 0 {
         return Err(IdentError::TooFewSamples { samples: 0, parameters: orders.count() });
     }
-    let taken: Vec<f64> = equations.iter().map(|e| spent(e)).collect();
+    let taken: Vec<f64> = equations.iter().map(spent).collect();
     let outputs = equations.len();
     // The geometric mean keeps the matrix a covariance where equations spend different numbers of parameters.
     let left = |i: usize| (rows as f64 - taken[i]).max(1.0).sqrt();

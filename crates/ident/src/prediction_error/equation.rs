@@ -4,9 +4,11 @@ use std::borrow::Cow;
 
 use faer::Mat;
 
-use super::evaluate::{Aim, Evaluator};
+use super::evaluate::Evaluator;
 use super::orders::Orders;
 use super::segment::{Segment, segments};
+use super::signals::Aim;
+use super::slower::{quickened, slow_orders, slowed};
 use super::start::{self, candidates};
 use super::{Focus, InitialState, Polynomial, Residuals};
 use crate::nonlinear::{Lowest, SumOfSquares, descend};
@@ -16,6 +18,9 @@ use crate::{Bounds, Dataset, IdentError, NonlinearOptions};
 const START_ROWS: usize = 32_768;
 /// Iterations spent on each starting value.
 const START_ITERATIONS: usize = 30;
+/// Factors by which the data are slowed for further starting values, while this many rows a coefficient are left.
+const SLOWER: [usize; 2] = [8, 64];
+const SLOW_ROWS: usize = 20;
 /// Stretches for a covariance under coloured residuals where none are given.
 const BATCHES: usize = 30;
 
@@ -59,16 +64,8 @@ pub(super) fn estimate(
     if rows <= orders.count() + states * all.len() {
         return Err(IdentError::TooFewSamples { samples: rows, parameters: orders.count() + states });
     }
-    let bounds = bounds(orders, held);
-    let task = Task { orders, estimate_states, bounds, search: options.search };
-    let (lowest, covariance, degrees_of_freedom) = match &options.focus {
-        Focus::Prediction => task.predicting(&all, options.residuals)?,
-        Focus::Simulation => task.simulating(&all, options.residuals)?,
-        Focus::Filtered(filter) => {
-            let filtered: Vec<_> = all.iter().map(|s| filtered(s, filter)).collect();
-            task.predicting(&filtered, coloured(options.residuals))?
-        }
-    };
+    let task = Task { orders, estimate_states, bounds: bounds(orders, held), search: options.search };
+    let (lowest, covariance, degrees_of_freedom) = task.estimate(&all, options)?;
     let mut evaluator = Evaluator::new(orders, &all, Aim::Prediction, estimate_states);
     let errors = evaluator.residuals(&lowest.parameters)?;
     Ok(Equation {
@@ -104,28 +101,36 @@ fn coloured(residuals: Residuals) -> Residuals {
 type Estimate = (Lowest, Mat<f64>, f64);
 
 impl Task<'_> {
+    fn estimate(&self, all: &[Segment<'_>], options: &Polynomial) -> Result<Estimate, IdentError> {
+        match &options.focus {
+            Focus::Prediction => self.predicting(all, options.residuals),
+            Focus::Simulation => self.simulating(all, options.residuals),
+            Focus::Filtered(filter) => {
+                let filtered: Vec<_> = all.iter().map(|s| filtered(s, filter)).collect();
+                self.predicting(&filtered, coloured(options.residuals))
+            }
+        }
+    }
+
     fn predicting(&self, all: &[Segment<'_>], residuals: Residuals) -> Result<Estimate, IdentError> {
-        let start = self.start(all, Aim::Prediction, |orders, few| candidates(orders, few))?;
+        let start = self.start(all, Aim::Prediction, |few| self.guesses(few))?;
         self.finish(all, Aim::Prediction, &start, residuals)
     }
 
     /// `A`, `B`, `F` from the simulated output, then `C` and `D` with those held.
     fn simulating(&self, all: &[Segment<'_>], residuals: Residuals) -> Result<Estimate, IdentError> {
-        let plain = Orders { nc: 0, nd: 0, ..self.orders.clone() };
-        let place: Vec<usize> =
-            (0..self.orders.count()).filter(|j| !(self.orders.c().start..self.orders.d().end).contains(j)).collect();
+        let (plain, place) = self.orders.without_noise();
         let bounds = place.iter().map(|j| self.bounds[*j]).collect();
         let dynamics = Task { orders: &plain, bounds, ..*self };
-        let start = dynamics.start(all, Aim::Simulation, |orders, few| candidates(orders, few))?;
+        let start = dynamics.start(all, Aim::Simulation, |few| dynamics.guesses(few))?;
         let (found, covariance, freedom) = dynamics.finish(all, Aim::Simulation, &start, coloured(residuals))?;
         if place.len() == self.orders.count() {
             return Ok((found, covariance, freedom));
         }
-        let mut theta = vec![0.0; self.orders.count()];
-        place.iter().zip(&found.parameters).for_each(|(j, v)| theta[*j] = *v);
+        let theta = placed(&place, &found.parameters, self.orders.count());
         let mut noise = Task { orders: self.orders, bounds: self.bounds.clone(), ..*self };
         place.iter().for_each(|j| noise.bounds[*j] = Bounds::new(theta[*j], theta[*j]));
-        let begin = noise.start(all, Aim::Prediction, |orders, few| Ok(vec![start::with_noise(orders, few, &theta)]))?;
+        let begin = noise.start(all, Aim::Prediction, |few| Ok(vec![start::with_noise(self.orders, few, &theta)]))?;
         let (lowest, mut whole, _) = noise.finish(all, Aim::Prediction, &begin, residuals)?;
         for (i, row) in place.iter().enumerate() {
             place.iter().enumerate().for_each(|(j, column)| whole[(*row, *column)] = covariance[(i, j)]);
@@ -158,16 +163,52 @@ impl Task<'_> {
         }
     }
 
+    /// Starting values: those of linear regressions, and where there is noise to be modelled the dynamics that simulate
+    /// best, followed by a noise model for what they leave.
+    fn guesses(&self, few: &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError> {
+        let mut all = candidates(self.orders, few)?;
+        if self.orders.inputs() == 0 || self.orders.na + self.orders.nf.iter().sum::<usize>() == 0 {
+            return Ok(all);
+        }
+        let (plain, place) = self.orders.without_noise();
+        if plain.count() == self.orders.count() {
+            all.extend(self.slower_guesses(few));
+            return Ok(all);
+        }
+        let dynamics = Task { orders: &plain, bounds: bounds(&plain, &[]), ..*self };
+        if let Ok(found) = dynamics.start(few, Aim::Simulation, |few| dynamics.guesses(few)) {
+            let theta = placed(&place, &found, self.orders.count());
+            all.push(start::with_noise(self.orders, few, &theta));
+        }
+        Ok(all)
+    }
+
+    /// Starting values from slower data.
+    fn slower_guesses(&self, few: &[Segment<'_>]) -> Vec<Vec<f64>> {
+        let mut all = Vec::new();
+        for factor in SLOWER {
+            let (orders, slow) = (slow_orders(self.orders, factor), slowed(few, factor));
+            let rows: usize = slow.iter().map(Segment::len).sum();
+            if rows < SLOW_ROWS * orders.count() {
+                break;
+            }
+            let task = Task { orders: &orders, bounds: bounds(&orders, &[]), ..*self };
+            let Ok(found) = task.start(&slow, Aim::Simulation, |few| candidates(&orders, few)) else { continue };
+            all.push(start::with_numerators(self.orders, few, &quickened(self.orders, &orders, &found, factor)));
+        }
+        all
+    }
+
     /// The best of several starting values, each followed some way down on a part of the data.
     fn start(
         &self,
         all: &[Segment<'_>],
         aim: Aim,
-        guesses: impl Fn(&Orders, &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError>,
+        guesses: impl Fn(&[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError>,
     ) -> Result<Vec<f64>, IdentError> {
         let few = excerpt(all);
         let whole: Vec<Segment<'_>> = few.iter().map(interpolated).collect();
-        let mut tried = guesses(self.orders, &whole)?;
+        let mut tried = guesses(&whole)?;
         tried.push(vec![0.0; self.orders.count()]);
         for theta in &mut tried {
             let values = theta.iter_mut().zip(&self.bounds);
@@ -191,9 +232,17 @@ impl Task<'_> {
                 best = Some((cost, theta));
             }
         }
-        let (_, theta) = best.ok_or(IdentError::Structure { what: "the held coefficients make no stable predictor" })?;
+        let (_, theta) =
+            best.ok_or(IdentError::Structure { what: "the held coefficients make no stable predictor" })?;
         Ok(theta)
     }
+}
+
+/// The values at their places among zeros.
+fn placed(place: &[usize], values: &[f64], count: usize) -> Vec<f64> {
+    let mut theta = vec![0.0; count];
+    place.iter().zip(values).for_each(|(j, v)| theta[*j] = *v);
+    theta
 }
 
 /// Enough of the data to start from: where there is much, the stretch in which the inputs move most.

@@ -119,7 +119,7 @@ pub(super) fn is_stable(p: &[f64], radius: f64) -> bool {
     while q.len() > 1 {
         let n = q.len() - 1;
         let reflection = q[n];
-        if !(reflection.abs() < 1.0) {
+        if reflection.is_nan() || reflection.abs() >= 1.0 {
             return false;
         }
         let scale = 1.0 - reflection * reflection;

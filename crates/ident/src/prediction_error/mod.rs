@@ -3,16 +3,21 @@
 mod assemble;
 mod equation;
 mod evaluate;
+#[cfg(test)]
+mod gradient;
 mod line;
 mod orders;
 mod segment;
+mod signals;
+mod slower;
+mod split;
 mod start;
 
 use lti::PolynomialModel;
 use signal::filter::Sos;
 
-pub use self::orders::PerInput;
 use self::orders::Orders;
+pub use self::orders::PerInput;
 use crate::{Dataset, Fit, IdentError, NonlinearOptions};
 
 /// What is taken for the state in which each stretch of data starts.

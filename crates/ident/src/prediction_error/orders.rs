@@ -88,6 +88,13 @@ impl Orders {
         self.na + self.nc + self.nd == 0
     }
 
+    /// The same dynamics with white noise on the output, and where each coefficient left stands in the full θ.
+    pub(super) fn without_noise(&self) -> (Orders, Vec<usize>) {
+        let noise = self.c().start..self.d().end;
+        let place = (0..self.count()).filter(|j| !noise.contains(j)).collect();
+        (Orders { nc: 0, nd: 0, ..self.clone() }, place)
+    }
+
     /// Past samples of an input that its numerator reaches.
     pub(super) fn reach(&self, input: usize) -> usize {
         (self.nk[input] + self.nb[input]).saturating_sub(1)
@@ -125,7 +132,8 @@ impl Orders {
     pub(super) fn equation(&self, theta: &[f64], output: usize, outputs: usize) -> PolynomialEquation {
         let mut a = vec![Vec::new(); outputs];
         a[output] = theta[self.a()].to_vec();
-        let lists = |range: &dyn Fn(usize) -> Range<usize>| (0..self.inputs()).map(|k| theta[range(k)].to_vec()).collect();
+        let lists =
+            |range: &dyn Fn(usize) -> Range<usize>| (0..self.inputs()).map(|k| theta[range(k)].to_vec()).collect();
         PolynomialEquation {
             a,
             b: lists(&|k| self.b(k)),

@@ -36,19 +36,14 @@ impl Segment<'_> {
 
     /// The part of this length from `first` on.
     pub(super) fn part(&self, first: usize, rows: usize) -> Segment<'_> {
-        let cut = |signal| -> Cow<'_, [f64]> { Cow::Borrowed(cut_of(signal, first, rows)) };
         Segment {
-            inputs: self.inputs.iter().map(cut).collect(),
-            output: cut(&self.output),
+            inputs: self.inputs.iter().map(|u| Cow::Borrowed(&u[first..first + rows])).collect(),
+            output: Cow::Borrowed(&self.output[first..first + rows]),
             missing: self.missing_in(first, rows).iter().map(|t| t - first).collect(),
             experiment: self.experiment,
             first: self.first + first,
         }
     }
-}
-
-fn cut_of<'b>(signal: &'b Cow<'_, [f64]>, first: usize, rows: usize) -> &'b [f64] {
-    &signal[first..first + rows]
 }
 
 /// Cuts the data of one output where an input is missing and, unless `skip_outputs`, where the output is.

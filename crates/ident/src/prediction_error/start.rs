@@ -75,7 +75,10 @@ impl Long {
         };
         Ok(Long {
             errors: signals.iter().map(|s| errors(s, &wanted, &theta)).collect(),
-            contributions: segments.iter().map(|s| (0..orders.inputs()).map(|k| contribution(s, k)).collect()).collect(),
+            contributions: segments
+                .iter()
+                .map(|s| (0..orders.inputs()).map(|k| contribution(s, k)).collect())
+                .collect(),
         })
     }
 }
@@ -131,7 +134,8 @@ fn solve(factor: &Mat<f64>) -> Result<Vec<f64>, IdentError> {
     let strengths: Vec<f64> = svd.S().column_vector().iter().copied().collect();
     let along = svd.U().transpose() * factor.get(..n, n);
     let felt = |i: usize| strengths[i] > 0.0 && strengths[i] >= TOLERANCE * strengths[0];
-    let inverse = |j: usize| (0..n).filter(|i| felt(*i)).map(|i| svd.V()[(j, i)] * along[i] / strengths[i]).sum::<f64>();
+    let inverse =
+        |j: usize| (0..n).filter(|i| felt(*i)).map(|i| svd.V()[(j, i)] * along[i] / strengths[i]).sum::<f64>();
     Ok((0..n).map(|j| inverse(j) / norms[j]).collect())
 }
 
@@ -156,8 +160,9 @@ fn by_regression(orders: &Orders, segments: &[Segment<'_>], long_errors: &[Vec<f
         terms.extend((0..orders.nb[k]).map(|j| Term { signal: 1 + k, lag: orders.nk[k] + j }));
     }
     terms.extend((1..=nc).map(|lag| Term { signal: 1 + inputs, lag }));
-    let with_errors =
-        |(s, e): (&'_ _, &'_ Vec<f64>)| -> Vec<Vec<f64>> { signals(s).into_iter().chain([&**e]).map(<[f64]>::to_vec).collect() };
+    let with_errors = |(s, e): (&'_ _, &'_ Vec<f64>)| -> Vec<Vec<f64>> {
+        signals(s).into_iter().chain([&**e]).map(<[f64]>::to_vec).collect()
+    };
     let owned: Vec<Vec<Vec<f64>>> = segments.iter().zip(long_errors).map(with_errors).collect();
     let all: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
     let mut theta = vec![0.0; orders.count()];
@@ -205,42 +210,74 @@ fn ratio(
 ) -> (Vec<f64>, Vec<Vec<f64>>) {
     let mut best = (f64::INFINITY, vec![0.0; order], inputs.iter().map(|k| vec![0.0; orders.nb[*k]]).collect());
     let mut den = vec![0.0; order];
-    for _ in 0..ROUNDS {
-        let numerators_of = |with_target: bool, den: &[f64]| -> Option<(Vec<Vec<f64>>, f64, Vec<f64>)> {
-            let filter = |x: &[f64]| filtered(&[1.0], den, x);
-            let rows = |(s, z): (&Segment<'_>, &Vec<f64>)| -> Vec<Vec<f64>> {
-                let first = if with_target { filter(z) } else { z.clone() };
-                std::iter::once(first).chain(inputs.iter().map(|k| filter(&s.inputs[*k]))).collect()
-            };
-            let owned: Vec<Vec<Vec<f64>>> = segments.iter().zip(target).map(rows).collect();
-            let signals: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
-            let lags = if with_target { order } else { 0 };
-            let mut terms: Vec<Term> = (1..=lags).map(|lag| Term { signal: 0, lag }).collect();
-            for (i, k) in inputs.iter().enumerate() {
-                terms.extend((0..orders.nb[*k]).map(|j| Term { signal: 1 + i, lag: orders.nk[*k] + j }));
-            }
-            let theta = regress(&signals, &terms).ok()?;
-            let left: f64 = signals.iter().flat_map(|s| errors(s, &terms, &theta)).map(|v| v * v).sum();
-            let mut rest = &theta[lags..];
-            let mut nums = Vec::new();
-            for k in inputs {
-                let (num, others) = rest.split_at(orders.nb[*k]);
-                nums.push(num.to_vec());
-                rest = others;
-            }
-            Some((nums, left, theta[..lags].iter().map(|v| -v).collect()))
-        };
-        let Some((_, _, next)) = numerators_of(true, &den) else { break };
-        den = stabilised(&next, 1.0);
-        let Some((nums, left, _)) = numerators_of(false, &den) else { break };
-        if left < best.0 {
-            best = (left, den.clone(), nums);
-        }
-        if order == 0 {
-            break;
+    let round = Round { target, segments, inputs, orders };
+    for _ in 0..if order == 0 { 1 } else { ROUNDS } {
+        let Some(next) = round.solve(&den, order) else { break };
+        den = stabilised(&next.denominator, 1.0);
+        let Some(refined) = round.solve(&den, 0) else { break };
+        if refined.left < best.0 {
+            best = (refined.left, den.clone(), refined.numerators);
         }
     }
     (best.1, best.2)
+}
+
+/// What the rounds of one [`ratio`] have in common.
+struct Round<'a, 's> {
+    target: &'a [Vec<f64>],
+    segments: &'a [Segment<'s>],
+    inputs: &'a [usize],
+    orders: &'a Orders,
+}
+
+/// What one regression found.
+struct Found {
+    denominator: Vec<f64>,
+    numerators: Vec<Vec<f64>>,
+    left: f64,
+}
+
+impl Round<'_, '_> {
+    /// With inputs filtered by `1/den`: a denominator of this order for the target filtered alike, and numerators; for
+    /// order zero, the numerators from the filtered inputs to the target itself.
+    fn solve(&self, den: &[f64], order: usize) -> Option<Found> {
+        let filter = |x: &[f64]| filtered(&[1.0], den, x);
+        let rows = |(s, z): (&Segment<'_>, &Vec<f64>)| -> Vec<Vec<f64>> {
+            let first = if order > 0 { filter(z) } else { z.clone() };
+            std::iter::once(first).chain(self.inputs.iter().map(|k| filter(&s.inputs[*k]))).collect()
+        };
+        let owned: Vec<Vec<Vec<f64>>> = self.segments.iter().zip(self.target).map(rows).collect();
+        let signals: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
+        let (nb, nk) = (&self.orders.nb, &self.orders.nk);
+        let mut terms: Vec<Term> = (1..=order).map(|lag| Term { signal: 0, lag }).collect();
+        for (i, k) in self.inputs.iter().enumerate() {
+            terms.extend((0..nb[*k]).map(|j| Term { signal: 1 + i, lag: nk[*k] + j }));
+        }
+        let theta = regress(&signals, &terms).ok()?;
+        let left = signals.iter().flat_map(|s| errors(s, &terms, &theta)).map(|v| v * v).sum();
+        let mut rest = theta[order..].iter().copied();
+        let numerators = self.inputs.iter().map(|k| rest.by_ref().take(nb[*k]).collect()).collect();
+        Some(Found { denominator: theta[..order].iter().map(|v| -v).collect(), numerators, left })
+    }
+}
+
+/// θ with numerators that suit its denominators and the output best, and the noise polynomials of what is left.
+pub(super) fn with_numerators(orders: &Orders, segments: &[Segment<'_>], theta: &[f64]) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    let pass = |s: &Segment<'_>, k: usize| {
+        filtered(&[1.0], &theta[orders.a()], &filtered(&[1.0], &theta[orders.f(k)], &s.inputs[k]))
+    };
+    let rows = |s: &Segment<'_>| -> Vec<Vec<f64>> {
+        std::iter::once(s.output.to_vec()).chain((0..orders.inputs()).map(|k| pass(s, k))).collect()
+    };
+    let owned: Vec<Vec<Vec<f64>>> = segments.iter().map(rows).collect();
+    let signals: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
+    let of_input = |k: usize| (0..orders.nb[k]).map(move |j| Term { signal: 1 + k, lag: orders.nk[k] + j });
+    let terms: Vec<Term> = (0..orders.inputs()).flat_map(of_input).collect();
+    if let Ok(found) = regress(&signals, &terms) {
+        theta[orders.na..orders.na + found.len()].copy_from_slice(&found);
+    }
+    with_noise(orders, segments, &theta)
 }
 
 /// `C` and `D` from `v = A y − Σ B/F u` at the other values in θ.
