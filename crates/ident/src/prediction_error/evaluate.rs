@@ -101,7 +101,7 @@ impl<'a> Evaluator<'a> {
     /// The initial state that suits θ best in one segment, and the sum of squares it leaves.
     fn settle(&mut self, segment: &Segment<'_>, p: &Polynomials<'_>) -> Result<(Vec<f64>, f64), IdentError> {
         let count = self.state_count();
-        let mut early = (count > 0).then(|| Triangle::new(count + 1));
+        let mut early = (count > 0).then(|| Triangle::for_rows(count + 1, segment.len()));
         let (mut state, mut cost) = (vec![0.0; self.orders.states()], 0.0);
         self.lines.clear();
         let last = self.columns.len() - 1;
@@ -111,9 +111,9 @@ impl<'a> Evaluator<'a> {
                 None => cost += self.lines.e.now(block.rows).iter().map(|v| v * v).sum::<f64>(),
                 Some(triangle) => {
                     self.lines.impulses(block.first, block.rows, p);
-                    triangle.push_columns(block.rows, |j, slot| {
+                    triangle.push_columns(block.rows, |j, start, slot| {
                         let column = if j < count { j } else { last };
-                        self.lines.write(self.columns[column], &block, slot);
+                        self.lines.write(self.columns[column], &block, start, slot);
                     });
                 }
             }
@@ -160,7 +160,7 @@ impl<'a> Evaluator<'a> {
         for block in Block::all(segment, state) {
             self.lines.all(&block, p);
             let (lines, columns) = (&self.lines, &self.columns);
-            triangle.push_columns(block.rows, |j, slot| lines.write(columns[j], &block, slot));
+            triangle.push_columns(block.rows, |j, start, slot| lines.write(columns[j], &block, start, slot));
             self.lines.advance(block.rows);
             if self.lines.impulses_are_over() {
                 break;
@@ -184,7 +184,7 @@ impl<'a> Evaluator<'a> {
         for block in Block::all(segment, state) {
             self.lines.all(&block, p);
             for j in 0..count + n {
-                self.lines.write(self.columns[j], &block, &mut slot[..block.rows]);
+                self.lines.write(self.columns[j], &block, 0, &mut slot[..block.rows]);
                 for (i, (x, e)) in slot.iter().zip(self.lines.e.now(block.rows)).enumerate() {
                     let row = batch(block.first + i);
                     if j < count {
@@ -207,17 +207,19 @@ impl<'a> Evaluator<'a> {
         all: &mut Triangle,
     ) -> Result<(), IdentError> {
         let count = self.state_count();
-        let mut early = (count > 0).then(|| Triangle::new(self.columns.len()));
+        let mut early = (count > 0).then(|| Triangle::for_rows(self.columns.len(), segment.len()));
         self.lines.clear();
         for block in Block::all(segment, state) {
             self.lines.errors(&block, p);
             self.lines.regressors(block.rows, p);
             let (lines, columns) = (&mut self.lines, &self.columns);
             match early.as_mut() {
-                None => all.push_columns(block.rows, |j, slot| lines.write(columns[count + j], &block, slot)),
+                None => {
+                    all.push_columns(block.rows, |j, start, slot| lines.write(columns[count + j], &block, start, slot))
+                }
                 Some(triangle) => {
                     lines.impulses(block.first, block.rows, p);
-                    triangle.push_columns(block.rows, |j, slot| lines.write(columns[j], &block, slot));
+                    triangle.push_columns(block.rows, |j, start, slot| lines.write(columns[j], &block, start, slot));
                 }
             }
             self.lines.advance(block.rows);

@@ -64,7 +64,7 @@ pub enum Residuals {
 /// known members of the family are [`Armax`], [`Ararx`], [`OutputError`], [`BoxJenkins`] and [`Arma`].
 ///
 /// Prediction errors are minimised by the Levenberg–Marquardt method with analytic gradients. `C` and `F` are kept in
-/// the unit circle. An experiment is cut where an input is missing, and each part has an initial state; where an output
+/// the unit circle (`F` up to a growth of 1/N a sample, so that integrators can be met). An experiment is cut where an input is missing, and each part has an initial state; where an output
 /// is missing, a model without `A`, `C`, `D` leaves the sample out, and others cut the experiment there too.
 ///
 /// # Source

@@ -267,8 +267,8 @@ impl<'a> Lines<'a> {
         lines.flat_map(Line::past).all(|v| v.abs() < DECAYED)
     }
 
-    /// Writes a column for a block; rows with a missing output are zero.
-    pub(super) fn write(&self, column: Column, block: &Block<'_>, slot: &mut [f64]) {
+    /// Writes the rows of a column from `start` on of a block; rows with a missing output are zero.
+    pub(super) fn write(&self, column: Column, block: &Block<'_>, start: usize, slot: &mut [f64]) {
         let line = match column.signal {
             Signal::Output => &self.output,
             Signal::Input(k) => &self.input[k],
@@ -280,10 +280,10 @@ impl<'a> Lines<'a> {
             Signal::NoiseImpulse => &self.noise_impulse,
             Signal::Residual => &self.e,
         };
-        let source = line.lag(column.lag, block.rows);
+        let source = &line.lag(column.lag, block.rows)[start..];
         slot.iter_mut().zip(source).for_each(|(s, v)| *s = column.sign * v);
-        let Block { segment, first, rows, .. } = block;
-        segment.missing_in(*first, *rows).iter().for_each(|t| slot[t - first] = 0.0);
+        let first = block.first + start;
+        block.segment.missing_in(first, slot.len()).iter().for_each(|t| slot[t - first] = 0.0);
     }
 }
 

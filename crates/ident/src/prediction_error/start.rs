@@ -108,15 +108,10 @@ fn regress(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Vec<f64>, IdentErr
     let mut triangle = Triangle::new(terms.len() + 1);
     let at = |x: &[f64], t: usize, lag: usize| if t >= lag { x[t - lag] } else { 0.0 };
     for segment in signals {
-        let mut first = skip;
-        while first < segment[0].len() {
-            let rows = Triangle::BLOCK.min(segment[0].len() - first);
-            triangle.push_columns(rows, |j, slot| {
-                let Term { signal, lag } = terms.get(j).copied().unwrap_or(Term { signal: 0, lag: 0 });
-                slot.iter_mut().enumerate().for_each(|(i, v)| *v = at(segment[signal], first + i, lag));
-            });
-            first += rows;
-        }
+        triangle.push_columns(segment[0].len().saturating_sub(skip), |j, start, slot| {
+            let Term { signal, lag } = terms.get(j).copied().unwrap_or(Term { signal: 0, lag: 0 });
+            slot.iter_mut().enumerate().for_each(|(i, v)| *v = at(segment[signal], skip + start + i, lag));
+        });
     }
     if triangle.rows() == 0 {
         return Err(IdentError::TooFewSamples { samples: 0, parameters: terms.len() });

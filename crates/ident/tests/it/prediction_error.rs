@@ -197,6 +197,20 @@ fn exact_missing_samples_are_left_out() {
 }
 
 #[test]
+fn stat_missing_outputs_of_a_model_with_noise_dynamics() {
+    let whole = simulated(&armax_model(), 6000, 0.5, 51);
+    let mut y = whole.experiments()[0].output(0).to_vec();
+    let mut noise = Noise::new(52);
+    y.iter_mut().for_each(|v| *v = if noise.uniform() < 0.05 { f64::NAN } else { *v });
+    let data = Dataset::siso(1.0, whole.experiments()[0].input(0), &y).unwrap();
+    let fit = Armax::new(2, 2, 2, 1).fit(&data).unwrap();
+    for ((found, truth), error) in fit.parameters().iter().zip(armax_model().coefficients()).zip(fit.standard_errors())
+    {
+        assert!((found - truth).abs() < 4.0 * error && error < 0.1, "{found} {truth} {error}");
+    }
+}
+
+#[test]
 fn exact_held_coefficients_stay() {
     let fit =
         Armax::new(2, 2, 2, 1).hold("c2", 0.2).hold("a1", -1.5).fit(&simulated(&armax_model(), 2000, 0.5, 6)).unwrap();
