@@ -15,7 +15,7 @@ use crate::nonlinear::{Lowest, SumOfSquares, descend};
 use crate::{Bounds, Dataset, IdentError, NonlinearOptions};
 
 /// Rows that starting values are sought on.
-const START_ROWS: usize = 32_768;
+const START_ROWS: usize = 16_384;
 /// Iterations spent on each starting value.
 const START_ITERATIONS: usize = 30;
 /// Factors by which the data are slowed for further starting values, while this many rows a coefficient are left.

@@ -64,8 +64,9 @@ pub enum Residuals {
 /// known members of the family are [`Armax`], [`Ararx`], [`OutputError`], [`BoxJenkins`] and [`Arma`].
 ///
 /// Prediction errors are minimised by the Levenberg–Marquardt method with analytic gradients. `C` and `F` are kept in
-/// the unit circle (`F` up to a growth of 1/N a sample, so that integrators can be met). An experiment is cut where an input is missing, and each part has an initial state; where an output
-/// is missing, a model without `A`, `C`, `D` leaves the sample out, and others cut the experiment there too.
+/// the unit circle (`F` up to a growth of 1/N a sample, so that integrators can be met). An experiment is cut where an
+/// input is missing, and each part has an initial state; where an output is missing, a model without `A`, `C`, `D`
+/// leaves the sample out, and others cut the experiment there too.
 ///
 /// # Source
 /// Ljung, *System Identification*, 2nd ed., 1999, §7.2 (the method), §10.2–10.3 (search and gradient), (9.17) (covariance).

@@ -11,6 +11,8 @@ use crate::{IdentError, Triangle};
 const LONG_ORDER: usize = 30;
 /// Rounds of prefiltering by the denominator found last.
 const ROUNDS: usize = 12;
+/// The rounds are over when no coefficient of the denominator changes by more than this fraction.
+const SETTLED: f64 = 1e-6;
 /// Singular values below this fraction of the largest carry nothing.
 const TOLERANCE: f64 = 1e-11;
 
@@ -208,10 +210,13 @@ fn ratio(
     let round = Round { target, segments, inputs, orders };
     for _ in 0..if order == 0 { 1 } else { ROUNDS } {
         let Some(next) = round.solve(&den, order) else { break };
-        den = stabilised(&next.denominator, 1.0);
+        let before = std::mem::replace(&mut den, stabilised(&next.denominator, 1.0));
         let Some(refined) = round.solve(&den, 0) else { break };
         if refined.left < best.0 {
             best = (refined.left, den.clone(), refined.numerators);
+        }
+        if den.iter().zip(&before).all(|(new, old)| (new - old).abs() <= SETTLED * new.abs()) {
+            break;
         }
     }
     (best.1, best.2)
