@@ -1,16 +1,11 @@
-//! Reference data measured and published by others; tests that need it are skipped where it is absent.
+//! Where data of others are found, if they are there.
 
 use std::path::{Path, PathBuf};
 
-/// A file or folder of the reference data, if it is there.
-#[allow(clippy::print_stdout, reason = "a skipped test says so")]
+/// A file of the shared folder, which `DYNOID_SHARED` or the place beside the repository gives; `None` where it is absent.
 pub(crate) fn shared(path: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("DYNOID_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    let whole = root.join(path);
-    if whole.exists() {
-        return Some(whole);
-    }
-    println!("skipped: {} is not there", whole.display());
-    None
+    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let folder = std::env::var_os("DYNOID_SHARED").map_or_else(beside, PathBuf::from);
+    let file = folder.join(path);
+    file.exists().then_some(file)
 }
