@@ -28,21 +28,21 @@ fn batched_middle(fit: &Minimum, batches: usize) -> Result<Mat<f64>, IdentError>
     if batches < 2 || length <= n {
         return Err(IdentError::TooFewSamples { samples: rows, parameters: n * batches.max(2) });
     }
-    let mut middle = Mat::<f64>::zeros(n, n);
-    let mut sum = vec![0.0; n];
+    let mut sums = Mat::<f64>::zeros(batches, n);
     for batch in 0..batches {
         let end = if batch + 1 == batches { rows } else { (batch + 1) * length };
-        for (j, s) in sum.iter_mut().enumerate() {
-            *s = (batch * length..end).map(|i| fit.jacobian[(i, j)] * fit.residuals[i]).sum();
-        }
-        for i in 0..n {
-            for j in 0..n {
-                middle[(i, j)] += sum[i] * sum[j];
-            }
+        for j in 0..n {
+            sums[(batch, j)] = (batch * length..end).map(|i| fit.jacobian[(i, j)] * fit.residuals[i]).sum();
         }
     }
+    Ok(middle_of_batches(&sums))
+}
+
+/// The middle of the sandwich from the sums of J_tᵀε_t, one row a batch.
+pub(crate) fn middle_of_batches(sums: &Mat<f64>) -> Mat<f64> {
+    let batches = sums.nrows() as f64;
     // The sums add up to the gradient, which is zero at the minimum: one degree of freedom is spent on that.
-    Ok(faer::Scale(batches as f64 / (batches as f64 - 1.0)) * middle)
+    faer::Scale(batches / (batches - 1.0)) * (sums.transpose() * sums)
 }
 
 /// The batched sandwich, but for no parameter less than the covariance under white residuals: a parameter whose data lie

@@ -22,6 +22,7 @@ mod lagged;
 pub mod least_squares;
 pub mod nonlinear;
 pub mod prediction;
+pub mod prediction_error;
 pub mod recursive;
 mod regression;
 mod triangle;
@@ -39,4 +40,5 @@ pub use impulse_response::{Hyperparameters, ImpulseFit, ImpulseResponse, Kernel,
 pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use triangle::Triangle;

@@ -26,6 +26,74 @@ pub trait ResidualModel {
     ) -> Result<(), IdentError>;
 }
 
+/// A sum of squares ‖ε(θ)‖² that yields the triangular factor of [J ε] without keeping J.
+pub(crate) trait SumOfSquares {
+    /// Number of parameters n.
+    fn parameter_count(&self) -> usize;
+
+    /// Number of residuals.
+    fn residual_count(&self) -> usize;
+
+    /// ‖ε(θ)‖².
+    ///
+    /// # Errors
+    /// θ at which there is no model; the step towards it is then shortened.
+    fn cost(&mut self, parameters: &[f64]) -> Result<f64, IdentError>;
+
+    /// The triangular factor of [J ε] at θ, n + 1 square. It is asked for at the start and at every accepted step.
+    ///
+    /// # Errors
+    /// θ at which there is no model.
+    fn factor(&mut self, parameters: &[f64]) -> Result<Mat<f64>, IdentError>;
+}
+
+/// A residual model with its latest residuals and Jacobian.
+struct Tabulated<'a, M> {
+    model: &'a mut M,
+    residuals: Vec<f64>,
+    trial: Vec<f64>,
+    jacobian: Mat<f64>,
+}
+
+impl<'a, M: ResidualModel> Tabulated<'a, M> {
+    fn new(model: &'a mut M) -> Self {
+        let (rows, columns) = (model.residual_count(), model.parameter_count());
+        Tabulated { model, residuals: vec![0.0; rows], trial: vec![0.0; rows], jacobian: Mat::zeros(rows, columns) }
+    }
+}
+
+impl<M: ResidualModel> SumOfSquares for Tabulated<'_, M> {
+    fn parameter_count(&self) -> usize {
+        self.model.parameter_count()
+    }
+
+    fn residual_count(&self) -> usize {
+        self.model.residual_count()
+    }
+
+    fn cost(&mut self, parameters: &[f64]) -> Result<f64, IdentError> {
+        self.model.evaluate(parameters, &mut self.trial, None)?;
+        Ok(squared_norm(&self.trial))
+    }
+
+    fn factor(&mut self, parameters: &[f64]) -> Result<Mat<f64>, IdentError> {
+        self.model.evaluate(parameters, &mut self.residuals, Some(self.jacobian.as_mut()))?;
+        // A later step is accepted only where its cost is finite.
+        if let Some(index) = self.residuals.iter().position(|r| !r.is_finite()) {
+            return Err(IdentError::NotFinite { what: "residuals at the starting point", index });
+        }
+        let n = self.jacobian.ncols();
+        let mut triangle = Triangle::new(n + 1);
+        let mut row = vec![0.0; n + 1];
+        for (i, residual) in self.residuals.iter().enumerate() {
+            (0..n).for_each(|j| row[j] = self.jacobian[(i, j)]);
+            row[n] = *residual;
+            triangle.push_row(&row);
+        }
+        Ok(triangle.finish())
+    }
+}
+
 /// Lower and upper bound of one parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
@@ -144,13 +212,50 @@ pub fn minimise<M: ResidualModel>(
     bounds: &[Bounds],
     options: NonlinearOptions,
 ) -> Result<Minimum, IdentError> {
-    check_start(model, start, bounds)?;
-    let mut search = Search::new(model, start, bounds)?;
+    let mut tabulated = Tabulated::new(model);
+    let lowest = descend(&mut tabulated, start, bounds, options)?;
+    Ok(Minimum {
+        parameters: lowest.parameters,
+        residuals: tabulated.residuals,
+        jacobian: tabulated.jacobian,
+        unscaled_covariance: lowest.unscaled_covariance,
+        cost: lowest.cost,
+        at_bound: lowest.at_bound,
+        iterations: lowest.iterations,
+        termination: lowest.termination,
+        condition: lowest.condition,
+    })
+}
+
+/// Where a search ended; the fields are those of [`Minimum`].
+#[derive(Debug, Clone)]
+pub(crate) struct Lowest {
+    pub(crate) parameters: Vec<f64>,
+    pub(crate) unscaled_covariance: Mat<f64>,
+    pub(crate) cost: f64,
+    pub(crate) at_bound: Vec<bool>,
+    pub(crate) iterations: usize,
+    pub(crate) termination: Termination,
+    pub(crate) condition: f64,
+}
+
+/// [`minimise`] for anything that yields the factor of [J ε].
+///
+/// # Errors
+/// Those of [`minimise`].
+pub(crate) fn descend<O: SumOfSquares>(
+    objective: &mut O,
+    start: &[f64],
+    bounds: &[Bounds],
+    options: NonlinearOptions,
+) -> Result<Lowest, IdentError> {
+    check_start(objective, start, bounds)?;
+    let mut search = Search::new(objective, start, bounds)?;
     let termination = search.run(options)?;
     search.finish(termination)
 }
 
-fn check_start<M: ResidualModel>(model: &M, start: &[f64], bounds: &[Bounds]) -> Result<(), IdentError> {
+fn check_start<O: SumOfSquares>(model: &O, start: &[f64], bounds: &[Bounds]) -> Result<(), IdentError> {
     let n = model.parameter_count();
     if start.len() != n || bounds.len() != n {
         let found = if start.len() == n { bounds.len() } else { start.len() };
@@ -168,12 +273,12 @@ fn check_start<M: ResidualModel>(model: &M, start: &[f64], bounds: &[Bounds]) ->
 }
 
 /// State of one search: the current point, its factor, and the damping.
-struct Search<'a, M> {
-    model: &'a mut M,
+struct Search<'a, O> {
+    objective: &'a mut O,
     bounds: &'a [Bounds],
     parameters: Vec<f64>,
-    residuals: Vec<f64>,
-    jacobian: Mat<f64>,
+    /// Triangular factor of [J ε] over all parameters.
+    factor: Mat<f64>,
     cost: f64,
     /// Largest column norms of the Jacobian met so far (Moré's scaling).
     scale: Vec<f64>,
@@ -187,23 +292,16 @@ enum Attempt {
     Rejected { predicted_decrease: f64, relative_step: f64 },
 }
 
-impl<'a, M: ResidualModel> Search<'a, M> {
-    fn new(model: &'a mut M, start: &[f64], bounds: &'a [Bounds]) -> Result<Self, IdentError> {
-        let (rows, columns) = (model.residual_count(), model.parameter_count());
-        let mut residuals = vec![0.0; rows];
-        let mut jacobian = Mat::zeros(rows, columns);
-        model.evaluate(start, &mut residuals, Some(jacobian.as_mut()))?;
-        if let Some(index) = residuals.iter().position(|r| !r.is_finite()) {
-            return Err(IdentError::NotFinite { what: "residuals at the starting point", index });
-        }
-        let cost = squared_norm(&residuals);
+impl<'a, O: SumOfSquares> Search<'a, O> {
+    fn new(objective: &'a mut O, start: &[f64], bounds: &'a [Bounds]) -> Result<Self, IdentError> {
+        let factor = objective.factor(start)?;
+        let columns = start.len();
         let mut search = Search {
-            model,
+            objective,
             bounds,
             parameters: start.to_vec(),
-            residuals,
-            jacobian,
-            cost,
+            cost: factor.col(columns).squared_norm_l2(),
+            factor,
             scale: vec![0.0; columns],
             damping: 1e-3,
             iterations: 0,
@@ -216,7 +314,7 @@ impl<'a, M: ResidualModel> Search<'a, M> {
         while self.iterations < options.iteration_limit {
             self.iterations += 1;
             let free = self.free_parameters();
-            let factor = self.factor(&free);
+            let factor = self.factor_over(&free);
             if let Some(end) = self.descend(&free, &factor, options)? {
                 return Ok(end);
             }
@@ -267,9 +365,7 @@ impl<'a, M: ResidualModel> Search<'a, M> {
         let moved: Vec<f64> = free.iter().map(|j| trial[*j] - self.parameters[*j]).collect();
         let predicted = predicted_decrease(factor, &moved).max(0.0);
         let relative_step = self.relative_step(free, &moved);
-        let mut residuals = vec![0.0; self.residuals.len()];
-        let evaluated = self.model.evaluate(&trial, &mut residuals, None);
-        let cost = if evaluated.is_ok() { squared_norm(&residuals) } else { f64::INFINITY };
+        let cost = self.objective.cost(&trial).unwrap_or(f64::INFINITY);
         if cost.is_nan() || cost >= self.cost {
             return Ok(Attempt::Rejected {
                 predicted_decrease: predicted / self.cost.max(f64::MIN_POSITIVE),
@@ -279,21 +375,21 @@ impl<'a, M: ResidualModel> Search<'a, M> {
         let ratio = (self.cost - cost) / predicted.max(f64::MIN_POSITIVE);
         self.damping *= (1.0 - (2.0 * ratio - 1.0).powi(3)).clamp(1.0 / 3.0, 2.0);
         let relative_decrease = (self.cost - cost) / self.cost;
-        self.model.evaluate(&trial, &mut residuals, Some(self.jacobian.as_mut()))?;
-        (self.parameters, self.residuals, self.cost) = (trial, residuals, cost);
+        self.factor = self.objective.factor(&trial)?;
+        (self.parameters, self.cost) = (trial, cost);
         self.update_scale();
         Ok(Attempt::Accepted { relative_step, relative_decrease })
     }
 
     /// Triangular factor of [J ε] over the free parameters.
-    fn factor(&self, free: &[usize]) -> Mat<f64> {
+    fn factor_over(&self, free: &[usize]) -> Mat<f64> {
+        let last = self.parameters.len();
+        if free.len() == last {
+            return self.factor.clone();
+        }
         let mut triangle = Triangle::new(free.len() + 1);
-        let mut row = vec![0.0; free.len() + 1];
-        for (i, residual) in self.residuals.iter().enumerate() {
-            for (position, j) in free.iter().enumerate() {
-                row[position] = self.jacobian[(i, *j)];
-            }
-            row[free.len()] = *residual;
+        for i in 0..=last {
+            let row: Vec<f64> = free.iter().chain([&last]).map(|j| self.factor[(i, *j)]).collect();
             triangle.push_row(&row);
         }
         triangle.finish()
@@ -317,7 +413,8 @@ impl<'a, M: ResidualModel> Search<'a, M> {
     fn free_parameters(&self) -> Vec<usize> {
         (0..self.parameters.len())
             .filter(|j| {
-                let gradient: f64 = (0..self.residuals.len()).map(|i| self.jacobian[(i, *j)] * self.residuals[i]).sum();
+                let last = self.parameters.len();
+                let gradient: f64 = (0..=*j).map(|i| self.factor[(i, *j)] * self.factor[(i, last)]).sum();
                 let Bounds { lower, upper } = self.bounds[*j];
                 let pressed_down = self.parameters[*j] <= lower && gradient > 0.0;
                 let pressed_up = self.parameters[*j] >= upper && gradient < 0.0;
@@ -335,16 +432,16 @@ impl<'a, M: ResidualModel> Search<'a, M> {
 
     fn update_scale(&mut self) {
         for (j, scale) in self.scale.iter_mut().enumerate() {
-            *scale = scale.max(self.jacobian.col(j).norm_l2());
+            *scale = scale.max(self.factor.col(j).norm_l2());
             if *scale == 0.0 {
                 *scale = 1.0;
             }
         }
     }
 
-    fn finish(self, termination: Termination) -> Result<Minimum, IdentError> {
+    fn finish(self, termination: Termination) -> Result<Lowest, IdentError> {
         let free = self.free_parameters();
-        let factor = self.factor(&free);
+        let factor = self.factor_over(&free);
         let (n, total) = (free.len(), self.parameters.len());
         let norms: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).collect();
         let scaled = Mat::from_fn(n, n, |i, j| if norms[j] > 0.0 { factor[(i, j)] / norms[j] } else { 0.0 });
@@ -357,11 +454,9 @@ impl<'a, M: ResidualModel> Search<'a, M> {
                 unscaled_covariance[(*i, *j)] = product[(a, b)] / (norms[a] * norms[b]);
             }
         }
-        Ok(Minimum {
+        Ok(Lowest {
             at_bound: (0..total).map(|j| !free.contains(&j)).collect(),
             parameters: self.parameters,
-            residuals: self.residuals,
-            jacobian: self.jacobian,
             unscaled_covariance,
             cost: self.cost,
             iterations: self.iterations,

@@ -81,6 +81,11 @@ impl Triangle {
         Mat::from_fn(columns, columns, |i, j| if i <= j && i < self.filled { self.block[(i, j)] } else { 0.0 })
     }
 
+    /// An empty factor that is to hold few rows, in less memory.
+    pub(crate) fn for_rows(columns: usize, rows: usize) -> Self {
+        Triangle { block: Mat::zeros(rows.min(Self::BLOCK) + columns, columns), filled: 0, rows: 0 }
+    }
+
     fn push_upper(&mut self, factor: MatRef<'_, f64>) {
         self.push_columns(factor.nrows(), |j, start, target| {
             target.iter_mut().enumerate().for_each(|(i, v)| *v = factor[(start + i, j)]);

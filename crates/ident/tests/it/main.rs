@@ -18,6 +18,7 @@ mod noise;
 mod nonlinear;
 mod order_scan;
 mod prediction;
+mod prediction_error;
 mod recursive;
 mod shared;
 mod stand_in;

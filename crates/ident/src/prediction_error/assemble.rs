@@ -1,0 +1,111 @@
+//! The equations of all outputs put together.
+
+use faer::Mat;
+use lti::PolynomialModel;
+
+use super::equation::Equation;
+use super::orders::Orders;
+use crate::{Dataset, Doubt, Fit, IdentError, Termination};
+
+/// From this condition number on, the coefficients are barely told apart.
+const ILL_CONDITIONED: f64 = 1e8;
+
+/// The model of these coefficients, one list an equation, with noise of variance one.
+pub(super) fn model(orders: &Orders, data: &Dataset, thetas: &[Vec<f64>]) -> Result<PolynomialModel, IdentError> {
+    let outputs = thetas.len();
+    let equations = thetas.iter().enumerate().map(|(i, theta)| orders.equation(theta, i, outputs)).collect();
+    Ok(PolynomialModel::new(data.sample_time_s(), equations, Mat::identity(outputs, outputs))?)
+}
+
+pub(super) fn fit(
+    orders: &Orders,
+    data: &Dataset,
+    equations: Vec<Equation>,
+) -> Result<Fit<PolynomialModel>, IdentError> {
+    let thetas: Vec<Vec<f64>> = equations.iter().map(|e| e.theta.clone()).collect();
+    let (moments, rows) = error_moments(&equations);
+    if rows == 0 {
+        return Err(IdentError::TooFewSamples { samples: 0, parameters: orders.count() });
+    }
+    let taken: Vec<f64> = equations.iter().map(spent).collect();
+    let outputs = equations.len();
+    // The geometric mean keeps the matrix a covariance where equations spend different numbers of parameters.
+    let left = |i: usize| (rows as f64 - taken[i]).max(1.0).sqrt();
+    let noise_covariance = Mat::from_fn(outputs, outputs, |i, j| moments[(i, j)] / (left(i) * left(j)));
+    let loss = (faer::Scale(1.0 / rows as f64) * &moments).determinant();
+    let free = |e: &Equation| e.lowest.at_bound.iter().filter(|b| !**b).count();
+    let experiments = data.experiments().len();
+    let state = |m: usize| equations.iter().flat_map(|e| e.states[m].iter().copied()).collect();
+    Ok(Fit {
+        model: model(orders, data, &thetas)?.with_noise_covariance(noise_covariance.clone())?,
+        covariance: block_diagonal(&equations, orders.count()),
+        degrees_of_freedom: equations.iter().map(|e| e.degrees_of_freedom).fold(f64::INFINITY, f64::min),
+        noise_covariance,
+        loss,
+        samples: rows,
+        free_parameters: equations.iter().map(free).sum(),
+        initial_states: (0..experiments).map(state).collect(),
+        termination: termination(&equations),
+        iterations: equations.iter().map(|e| e.lowest.iterations).max().unwrap_or(0),
+        condition: equations.iter().map(|e| e.lowest.condition).fold(1.0, f64::max),
+        doubts: doubts(&equations, data.samples(), rows),
+    })
+}
+
+/// Parameters and initial states estimated for an equation.
+fn spent(equation: &Equation) -> f64 {
+    (equation.lowest.at_bound.iter().filter(|b| !**b).count() + equation.state_parameters) as f64
+}
+
+/// Σ ε(t) ε(t)ᵀ over the rows in which every output has an error, and their number.
+fn error_moments(equations: &[Equation]) -> (Mat<f64>, usize) {
+    let n = equations.len();
+    let (mut moments, mut rows) = (Mat::zeros(n, n), 0);
+    let experiments = equations.first().map_or(0, |e| e.errors.len());
+    for m in 0..experiments {
+        for t in 0..equations[0].errors[m].len() {
+            if equations.iter().any(|e| e.errors[m][t].is_nan()) {
+                continue;
+            }
+            rows += 1;
+            for i in 0..n {
+                for j in 0..n {
+                    moments[(i, j)] += equations[i].errors[m][t] * equations[j].errors[m][t];
+                }
+            }
+        }
+    }
+    (moments, rows)
+}
+
+fn block_diagonal(equations: &[Equation], count: usize) -> Mat<f64> {
+    let total = count * equations.len();
+    Mat::from_fn(total, total, |i, j| {
+        if i / count == j / count { equations[i / count].covariance[(i % count, j % count)] } else { 0.0 }
+    })
+}
+
+/// That of the equation that ended worst.
+fn termination(equations: &[Equation]) -> Termination {
+    let ends = equations.iter().map(|e| e.lowest.termination);
+    let worse = |a: Termination, b: Termination| if a.converged() { b } else { a };
+    ends.reduce(worse).unwrap_or(Termination::Direct)
+}
+
+fn doubts(equations: &[Equation], of: usize, rows: usize) -> Vec<Doubt> {
+    let mut doubts = Vec::new();
+    if equations.iter().any(|e| !e.lowest.termination.converged()) {
+        doubts.push(Doubt::NotConverged);
+    }
+    let condition = equations.iter().map(|e| e.lowest.condition).fold(1.0, f64::max);
+    if condition > ILL_CONDITIONED {
+        doubts.push(Doubt::IllConditioned { condition });
+    }
+    if rows < of {
+        doubts.push(Doubt::RowsLeftOut { rows: of - rows, of });
+    }
+    if equations.iter().any(|e| !e.stable) {
+        doubts.push(Doubt::Unstable);
+    }
+    doubts
+}

@@ -1,0 +1,331 @@
+//! The estimate of one equation: start, search, covariance, residuals.
+
+use std::borrow::Cow;
+
+use faer::Mat;
+
+use super::evaluate::Evaluator;
+use super::orders::Orders;
+use super::segment::{Segment, segments};
+use super::signals::Aim;
+use super::slower::{quickened, slow_orders, slowed};
+use super::start::{self, candidates};
+use super::{Focus, InitialState, Polynomial, Residuals};
+use crate::nonlinear::{Lowest, SumOfSquares, descend};
+use crate::{Bounds, Dataset, IdentError, NonlinearOptions};
+
+/// Rows that starting values are sought on.
+const START_ROWS: usize = 16_384;
+/// Iterations spent on each starting value.
+const START_ITERATIONS: usize = 30;
+/// Factors by which the data are slowed for further starting values, while this many rows a coefficient are left.
+const SLOWER: [usize; 2] = [8, 64];
+const SLOW_ROWS: usize = 20;
+/// Stretches for a covariance under coloured residuals where none are given.
+const BATCHES: usize = 30;
+
+/// One equation at its estimate.
+pub(super) struct Equation {
+    pub(super) theta: Vec<f64>,
+    pub(super) covariance: Mat<f64>,
+    pub(super) degrees_of_freedom: f64,
+    pub(super) lowest: Lowest,
+    /// Prediction errors of every experiment, NaN where there are none.
+    pub(super) errors: Vec<Vec<f64>>,
+    /// The initial state of every experiment.
+    pub(super) states: Vec<Vec<f64>>,
+    /// Numbers estimated for initial states.
+    pub(super) state_parameters: usize,
+    /// Whether `C`, `F`, and the poles that `A` and `D` give are all in the unit circle.
+    pub(super) stable: bool,
+}
+
+/// What every search of one equation has in common.
+struct Task<'a> {
+    orders: &'a Orders,
+    estimate_states: bool,
+    bounds: Vec<Bounds>,
+    search: NonlinearOptions,
+}
+
+pub(super) fn estimate(
+    options: &Polynomial,
+    orders: &Orders,
+    data: &Dataset,
+    output: usize,
+    held: &[(usize, f64)],
+) -> Result<Equation, IdentError> {
+    let skip = orders.is_output_error();
+    let mut all = segments(data, output, skip);
+    let estimate_states = options.initial == InitialState::Estimated;
+    let states = if estimate_states { orders.states() } else { 0 };
+    all.retain(|s| s.known() > states);
+    let rows: usize = all.iter().map(Segment::known).sum();
+    if rows <= orders.count() + states * all.len() {
+        return Err(IdentError::TooFewSamples { samples: rows, parameters: orders.count() + states });
+    }
+    let task = Task { orders, estimate_states, bounds: bounds(orders, held), search: options.search };
+    let (lowest, covariance, degrees_of_freedom) = task.estimate(&all, options)?;
+    let mut evaluator = Evaluator::new(orders, &all, Aim::Prediction, estimate_states);
+    let errors = evaluator.residuals(&lowest.parameters)?;
+    Ok(Equation {
+        errors: by_experiment(data, &all, &errors),
+        states: first_states(data, &all, evaluator.states(), orders),
+        state_parameters: states * all.len(),
+        stable: is_stable(orders, &lowest.parameters),
+        theta: lowest.parameters.clone(),
+        covariance,
+        degrees_of_freedom,
+        lowest,
+    })
+}
+
+fn bounds(orders: &Orders, held: &[(usize, f64)]) -> Vec<Bounds> {
+    let mut bounds = vec![Bounds::NONE; orders.count()];
+    held.iter().for_each(|(index, value)| bounds[*index] = Bounds::new(*value, *value));
+    bounds
+}
+
+fn is_stable(orders: &Orders, theta: &[f64]) -> bool {
+    let inputs = (0..orders.inputs()).map(|k| orders.f(k));
+    inputs.chain([orders.a(), orders.c(), orders.d()]).all(|range| super::line::is_stable(&theta[range], 1.0))
+}
+
+fn coloured(residuals: Residuals) -> Residuals {
+    match residuals {
+        Residuals::White => Residuals::Coloured { batches: BATCHES },
+        given => given,
+    }
+}
+
+type Estimate = (Lowest, Mat<f64>, f64);
+
+impl Task<'_> {
+    fn estimate(&self, all: &[Segment<'_>], options: &Polynomial) -> Result<Estimate, IdentError> {
+        match &options.focus {
+            Focus::Prediction => self.predicting(all, options.residuals),
+            Focus::Simulation => self.simulating(all, options.residuals),
+            Focus::Filtered(filter) => {
+                let filtered: Vec<_> = all.iter().map(|s| filtered(s, filter)).collect();
+                self.predicting(&filtered, coloured(options.residuals))
+            }
+        }
+    }
+
+    fn predicting(&self, all: &[Segment<'_>], residuals: Residuals) -> Result<Estimate, IdentError> {
+        let start = self.start(all, Aim::Prediction, |few| self.guesses(few))?;
+        self.finish(all, Aim::Prediction, &start, residuals)
+    }
+
+    /// `A`, `B`, `F` from the simulated output, then `C` and `D` with those held.
+    fn simulating(&self, all: &[Segment<'_>], residuals: Residuals) -> Result<Estimate, IdentError> {
+        let (plain, place) = self.orders.without_noise();
+        let bounds = place.iter().map(|j| self.bounds[*j]).collect();
+        let dynamics = Task { orders: &plain, bounds, ..*self };
+        let start = dynamics.start(all, Aim::Simulation, |few| dynamics.guesses(few))?;
+        let (found, covariance, freedom) = dynamics.finish(all, Aim::Simulation, &start, coloured(residuals))?;
+        if place.len() == self.orders.count() {
+            return Ok((found, covariance, freedom));
+        }
+        let theta = placed(&place, &found.parameters, self.orders.count());
+        let mut noise = Task { orders: self.orders, bounds: self.bounds.clone(), ..*self };
+        place.iter().for_each(|j| noise.bounds[*j] = Bounds::new(theta[*j], theta[*j]));
+        let begin = noise.start(all, Aim::Prediction, |few| Ok(vec![start::with_noise(self.orders, few, &theta)]))?;
+        let (lowest, mut whole, _) = noise.finish(all, Aim::Prediction, &begin, residuals)?;
+        for (i, row) in place.iter().enumerate() {
+            place.iter().enumerate().for_each(|(j, column)| whole[(*row, *column)] = covariance[(i, j)]);
+        }
+        Ok((Lowest { at_bound: vec![false; theta.len()], ..lowest }, whole, freedom))
+    }
+
+    fn finish(
+        &self,
+        all: &[Segment<'_>],
+        aim: Aim,
+        start: &[f64],
+        residuals: Residuals,
+    ) -> Result<Estimate, IdentError> {
+        let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
+        let lowest = descend(&mut evaluator, start, &self.bounds, self.search)?;
+        let free = lowest.at_bound.iter().filter(|b| !**b).count();
+        let freedom = evaluator.residual_count() as f64 - free as f64;
+        match residuals {
+            Residuals::White => {
+                let covariance = faer::Scale(lowest.cost / freedom) * &lowest.unscaled_covariance;
+                Ok((lowest, covariance, freedom))
+            }
+            Residuals::Coloured { batches } => {
+                let scores = evaluator.scores(&lowest.parameters, batches)?;
+                let middle = crate::covariance::middle_of_batches(&scores);
+                let covariance = &lowest.unscaled_covariance * middle * &lowest.unscaled_covariance;
+                Ok((lowest, covariance, batches as f64 - 1.0))
+            }
+        }
+    }
+
+    /// Starting values: those of linear regressions, and where there is noise to be modelled the dynamics that simulate
+    /// best, followed by a noise model for what they leave.
+    fn guesses(&self, few: &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError> {
+        let mut all = candidates(self.orders, few)?;
+        if self.orders.inputs() == 0 || self.orders.na + self.orders.nf.iter().sum::<usize>() == 0 {
+            return Ok(all);
+        }
+        let (plain, place) = self.orders.without_noise();
+        if plain.count() == self.orders.count() {
+            all.extend(self.slower_guesses(few));
+            return Ok(all);
+        }
+        let dynamics = Task { orders: &plain, bounds: bounds(&plain, &[]), ..*self };
+        if let Ok(found) = dynamics.start(few, Aim::Simulation, |few| dynamics.guesses(few)) {
+            let theta = placed(&place, &found, self.orders.count());
+            all.push(start::with_noise(self.orders, few, &theta));
+        }
+        Ok(all)
+    }
+
+    /// Starting values from slower data.
+    fn slower_guesses(&self, few: &[Segment<'_>]) -> Vec<Vec<f64>> {
+        let mut all = Vec::new();
+        for factor in SLOWER {
+            let (orders, slow) = (slow_orders(self.orders, factor), slowed(few, factor));
+            let rows: usize = slow.iter().map(Segment::len).sum();
+            if rows < SLOW_ROWS * orders.count() {
+                break;
+            }
+            let task = Task { orders: &orders, bounds: bounds(&orders, &[]), ..*self };
+            let Ok(found) = task.start(&slow, Aim::Simulation, |few| candidates(&orders, few)) else { continue };
+            all.push(start::with_numerators(self.orders, few, &quickened(self.orders, &orders, &found, factor)));
+        }
+        all
+    }
+
+    /// The best of several starting values, each followed some way down on a part of the data.
+    fn start(
+        &self,
+        all: &[Segment<'_>],
+        aim: Aim,
+        guesses: impl Fn(&[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError>,
+    ) -> Result<Vec<f64>, IdentError> {
+        let few = excerpt(all);
+        let whole: Vec<Segment<'_>> = few.iter().map(interpolated).collect();
+        let mut tried = guesses(&whole)?;
+        tried.push(vec![0.0; self.orders.count()]);
+        for theta in &mut tried {
+            let values = theta.iter_mut().zip(&self.bounds);
+            values.for_each(|(v, b)| *v = if b.lower == b.upper { b.lower } else { *v });
+        }
+        let search = NonlinearOptions { iteration_limit: START_ITERATIONS, cost_tolerance: 1e-7, ..self.search };
+        let mut evaluator = Evaluator::new(self.orders, &few, aim, self.estimate_states);
+        let mut best: Option<(f64, Vec<f64>)> = None;
+        let last = tried.len() - 1;
+        for (index, theta) in tried.into_iter().enumerate() {
+            // Zeros are tried only where nothing better can be evaluated.
+            if index == last && best.is_some() {
+                break;
+            }
+            let Ok(cost) = evaluator.cost(&theta) else { continue };
+            let (cost, theta) = match descend(&mut evaluator, &theta, &self.bounds, search) {
+                Ok(lowest) => (lowest.cost, lowest.parameters),
+                Err(_) => (cost, theta),
+            };
+            if best.as_ref().is_none_or(|(lowest, _)| cost < *lowest) {
+                best = Some((cost, theta));
+            }
+        }
+        let (_, theta) =
+            best.ok_or(IdentError::Structure { what: "the held coefficients make no stable predictor" })?;
+        Ok(theta)
+    }
+}
+
+/// The values at their places among zeros.
+fn placed(place: &[usize], values: &[f64], count: usize) -> Vec<f64> {
+    let mut theta = vec![0.0; count];
+    place.iter().zip(values).for_each(|(j, v)| theta[*j] = *v);
+    theta
+}
+
+/// Enough of the data to start from: where there is much, the stretch in which the inputs move most.
+fn excerpt<'s>(all: &'s [Segment<'_>]) -> Vec<Segment<'s>> {
+    let rows: usize = all.iter().map(Segment::len).sum();
+    let whole = |s: &'s Segment<'_>| s.part(0, s.len());
+    if rows <= 2 * START_ROWS {
+        return all.iter().map(whole).collect();
+    }
+    let long = all.iter().filter(|s| s.len() >= START_ROWS);
+    let windows = long.flat_map(|s| (0..s.len() / START_ROWS).map(move |w| (s, w * START_ROWS)));
+    let busiest = windows.max_by(|(s, first), (r, other)| activity(s, *first).total_cmp(&activity(r, *other)));
+    if let Some((segment, first)) = busiest {
+        return vec![segment.part(first, START_ROWS)];
+    }
+    let mut taken = 0;
+    let enough = |s: &&Segment<'_>| {
+        taken += s.len();
+        taken <= 2 * START_ROWS
+    };
+    all.iter().take_while(enough).map(whole).collect()
+}
+
+/// How much the inputs, or without any the output, change from sample to sample in a window.
+fn activity(segment: &Segment<'_>, first: usize) -> f64 {
+    let change = |x: &[f64]| x[first..first + START_ROWS].windows(2).map(|p| (p[1] - p[0]).powi(2)).sum::<f64>();
+    match segment.inputs.as_slice() {
+        [] => change(&segment.output),
+        inputs => inputs.iter().map(|u| change(u)).sum(),
+    }
+}
+
+/// The segment with straight lines through its missing outputs: good enough to start from.
+fn interpolated<'s>(segment: &'s Segment<'_>) -> Segment<'s> {
+    let mut copy = segment.part(0, segment.len());
+    if segment.missing.is_empty() {
+        return copy;
+    }
+    let mut y = segment.output.to_vec();
+    let mut before: Option<usize> = None;
+    let known: Vec<usize> = (0..y.len()).filter(|t| segment.missing.binary_search(t).is_err()).collect();
+    for t in known.iter().copied() {
+        let first = before.map_or(0, |b| b + 1);
+        let from = before.map_or(y[t], |b| y[b]);
+        let span = (t + 1 - first) as f64;
+        (first..t).for_each(|m| y[m] = from + (y[t] - from) * ((m + 1 - first) as f64 / span));
+        before = Some(t);
+    }
+    if let Some(b) = before {
+        let value = y[b];
+        y[b + 1..].fill(value);
+    }
+    copy.output = Cow::Owned(y);
+    copy.missing.clear();
+    copy
+}
+
+fn filtered<'s>(segment: &'s Segment<'_>, filter: &signal::filter::Sos) -> Segment<'s> {
+    let pass = |x: &[f64]| Cow::Owned(filter.filter(x, &mut filter.state_at_level(x.first().copied().unwrap_or(0.0))));
+    let whole = interpolated(segment);
+    Segment {
+        inputs: whole.inputs.iter().map(|u| pass(u)).collect(),
+        output: pass(&whole.output),
+        missing: segment.missing.clone(),
+        ..whole
+    }
+}
+
+/// Errors of the segments put where they belong in the experiments.
+fn by_experiment(data: &Dataset, all: &[Segment<'_>], errors: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut placed: Vec<Vec<f64>> = data.experiments().iter().map(|e| vec![f64::NAN; e.len()]).collect();
+    for (segment, values) in all.iter().zip(errors) {
+        let slot = &mut placed[segment.experiment][segment.first..segment.first + segment.len()];
+        slot.copy_from_slice(values);
+        segment.missing.iter().for_each(|t| slot[*t] = f64::NAN);
+    }
+    placed
+}
+
+fn first_states(data: &Dataset, all: &[Segment<'_>], states: &[Vec<f64>], orders: &Orders) -> Vec<Vec<f64>> {
+    let mut placed = vec![vec![0.0; orders.states()]; data.experiments().len()];
+    for (segment, state) in all.iter().zip(states).filter(|(s, _)| s.first == 0) {
+        placed[segment.experiment].clone_from(state);
+    }
+    placed
+}

@@ -1,0 +1,269 @@
+//! Prediction errors, their gradient and the initial states, streamed through the data.
+//!
+//! With the states X of the innovations form as polynomials in q⁻¹ that act at the start of a segment:
+//! `w_k = (B_k u_k + X_k)/F_k`, `v = A y − Σ w_k − X_a`, `e = (D v − X_v)/C`. The prediction error is linear in X, which
+//! is therefore found by least squares for every θ and projected out of the gradient.
+
+use faer::Mat;
+
+use super::line::{BLOCK, is_stable};
+use super::orders::Orders;
+use super::segment::Segment;
+use super::signals::{Aim, Block, Column, Lines, Polynomials, columns};
+use super::split::Split;
+use crate::nonlinear::SumOfSquares;
+use crate::{IdentError, Triangle};
+
+/// The sum of squares of one equation over all its segments.
+pub(super) struct Evaluator<'a> {
+    orders: &'a Orders,
+    segments: &'a [Segment<'a>],
+    aim: Aim,
+    estimate_states: bool,
+    lines: Lines<'a>,
+    columns: Vec<Column>,
+    largest_radius: f64,
+    latest: Vec<f64>,
+    states: Vec<Vec<f64>>,
+}
+
+impl<'a> Evaluator<'a> {
+    pub(super) fn new(orders: &'a Orders, segments: &'a [Segment<'a>], aim: Aim, estimate_states: bool) -> Self {
+        let longest = segments.iter().map(Segment::len).max().unwrap_or(1).max(1);
+        Evaluator {
+            orders,
+            segments,
+            aim,
+            estimate_states,
+            lines: Lines::new(orders, aim),
+            columns: columns(orders, estimate_states),
+            // Growth that the data cannot tell from a drift is let through, so that integrators can be met exactly.
+            largest_radius: 1.0 + 1.0 / longest as f64,
+            latest: Vec::new(),
+            states: Vec::new(),
+        }
+    }
+
+    /// The initial state of each segment at the θ evaluated last.
+    pub(super) fn states(&self) -> &[Vec<f64>] {
+        &self.states
+    }
+
+    /// Whether the filters of the predictor and of its gradient are stable at θ.
+    pub(super) fn is_stable(&self, theta: &[f64]) -> bool {
+        let p = Polynomials::new(self.orders, theta);
+        let (_, c) = p.filter(self.aim);
+        theta.iter().all(|v| v.is_finite())
+            && is_stable(c, if self.aim == Aim::Simulation { self.largest_radius } else { 1.0 })
+            && p.f.iter().all(|f| is_stable(f, self.largest_radius))
+    }
+
+    fn check(&self, theta: &[f64]) -> Result<(), IdentError> {
+        if self.is_stable(theta) {
+            return Ok(());
+        }
+        Err(IdentError::Structure { what: "the predictor of the starting model is not stable" })
+    }
+
+    /// Number of columns of the initial state.
+    fn state_count(&self) -> usize {
+        if self.estimate_states { self.orders.states() } else { 0 }
+    }
+
+    /// The errors of every segment at θ and the initial states that suit it best, zero where the output is missing.
+    ///
+    /// # Errors
+    /// θ whose predictor is not stable.
+    pub(super) fn residuals(&mut self, theta: &[f64]) -> Result<Vec<Vec<f64>>, IdentError> {
+        self.settle_at(theta)?;
+        let (segments, states) = (self.segments, self.states.clone());
+        let p = Polynomials::new(self.orders, theta);
+        let one = |(segment, state): (&Segment<'_>, &Vec<f64>)| {
+            let mut errors = Vec::with_capacity(segment.len());
+            self.lines.clear();
+            for block in Block::all(segment, state) {
+                self.lines.errors(&block, &p);
+                errors.extend_from_slice(self.lines.e.now(block.rows));
+                self.lines.advance(block.rows);
+            }
+            errors
+        };
+        Ok(segments.iter().zip(&states).map(one).collect())
+    }
+
+    fn settle_at(&mut self, theta: &[f64]) -> Result<(), IdentError> {
+        if self.latest != theta {
+            self.cost(theta)?;
+        }
+        Ok(())
+    }
+
+    /// The initial state that suits θ best in one segment, and the sum of squares it leaves.
+    fn settle(&mut self, segment: &Segment<'_>, p: &Polynomials<'_>) -> Result<(Vec<f64>, f64), IdentError> {
+        let count = self.state_count();
+        let mut early = (count > 0).then(|| Triangle::for_rows(count + 1, segment.len()));
+        let (mut state, mut cost) = (vec![0.0; self.orders.states()], 0.0);
+        self.lines.clear();
+        let last = self.columns.len() - 1;
+        for block in Block::all(segment, &[]) {
+            self.lines.errors(&block, p);
+            match early.as_mut() {
+                None => cost += self.lines.e.now(block.rows).iter().map(|v| v * v).sum::<f64>(),
+                Some(triangle) => {
+                    self.lines.impulses(block.first, block.rows, p);
+                    triangle.push_columns(block.rows, |j, start, slot| {
+                        let column = if j < count { j } else { last };
+                        self.lines.write(self.columns[column], &block, start, slot);
+                    });
+                }
+            }
+            self.lines.advance(block.rows);
+            if (block.is_last() || self.lines.impulses_are_over())
+                && let Some(triangle) = early.take()
+            {
+                let split = Split::new(&triangle.finish(), count)?;
+                (state, cost) = (split.state(), split.rest());
+            }
+        }
+        Ok((state, cost))
+    }
+
+    /// The sums of `J_tᵀ e_t` over consecutive stretches of equal length, one row a stretch, with the initial states
+    /// projected out of J.
+    ///
+    /// # Errors
+    /// Fewer than two stretches, or stretches shorter than θ.
+    pub(super) fn scores(&mut self, theta: &[f64], batches: usize) -> Result<Mat<f64>, IdentError> {
+        self.settle_at(theta)?;
+        let (total, n) = (self.segments.iter().map(Segment::len).sum::<usize>(), self.orders.count());
+        if batches < 2 || total / batches <= n {
+            return Err(IdentError::TooFewSamples { samples: total, parameters: n * batches.max(2) });
+        }
+        let p = Polynomials::new(self.orders, theta);
+        let (segments, states) = (self.segments, self.states.clone());
+        let mut sums = Mat::zeros(batches, n);
+        let mut before = 0;
+        for (segment, state) in segments.iter().zip(&states) {
+            let explained = self.explained(segment, state, &p)?;
+            let batch = |t: usize| (before + t) * batches / total;
+            self.add_scores(segment, state, &p, &explained, batch, &mut sums);
+            before += segment.len();
+        }
+        Ok(sums)
+    }
+
+    /// What the directions of the initial state explain of each column of J in one segment.
+    fn explained(&mut self, segment: &Segment<'_>, state: &[f64], p: &Polynomials<'_>) -> Result<Mat<f64>, IdentError> {
+        let count = self.state_count();
+        let mut triangle = Triangle::new(self.columns.len());
+        self.lines.clear();
+        for block in Block::all(segment, state) {
+            self.lines.all(&block, p);
+            let (lines, columns) = (&self.lines, &self.columns);
+            triangle.push_columns(block.rows, |j, start, slot| lines.write(columns[j], &block, start, slot));
+            self.lines.advance(block.rows);
+            if self.lines.impulses_are_over() {
+                break;
+            }
+        }
+        Ok(Split::new(&triangle.finish(), count)?.explained())
+    }
+
+    fn add_scores(
+        &mut self,
+        segment: &Segment<'_>,
+        state: &[f64],
+        p: &Polynomials<'_>,
+        explained: &Mat<f64>,
+        batch: impl Fn(usize) -> usize,
+        sums: &mut Mat<f64>,
+    ) {
+        let (count, n) = (self.state_count(), self.orders.count());
+        let mut slot = vec![0.0; BLOCK];
+        self.lines.clear();
+        for block in Block::all(segment, state) {
+            self.lines.all(&block, p);
+            for j in 0..count + n {
+                self.lines.write(self.columns[j], &block, 0, &mut slot[..block.rows]);
+                for (i, (x, e)) in slot.iter().zip(self.lines.e.now(block.rows)).enumerate() {
+                    let row = batch(block.first + i);
+                    if j < count {
+                        (0..n).for_each(|m| sums[(row, m)] -= explained[(j, m)] * x * e);
+                    } else {
+                        sums[(row, j - count)] += x * e;
+                    }
+                }
+            }
+            self.lines.advance(block.rows);
+        }
+    }
+
+    /// Appends the rows [J e] of one segment, with its initial state projected out of J.
+    fn append(
+        &mut self,
+        segment: &Segment<'_>,
+        state: &[f64],
+        p: &Polynomials<'_>,
+        all: &mut Triangle,
+    ) -> Result<(), IdentError> {
+        let count = self.state_count();
+        let mut early = (count > 0).then(|| Triangle::for_rows(self.columns.len(), segment.len()));
+        self.lines.clear();
+        for block in Block::all(segment, state) {
+            self.lines.errors(&block, p);
+            self.lines.regressors(block.rows, p);
+            let (lines, columns) = (&mut self.lines, &self.columns);
+            match early.as_mut() {
+                None => {
+                    all.push_columns(block.rows, |j, start, slot| lines.write(columns[count + j], &block, start, slot))
+                }
+                Some(triangle) => {
+                    lines.impulses(block.first, block.rows, p);
+                    triangle.push_columns(block.rows, |j, start, slot| lines.write(columns[j], &block, start, slot));
+                }
+            }
+            self.lines.advance(block.rows);
+            if (block.is_last() || self.lines.impulses_are_over())
+                && let Some(triangle) = early.take()
+            {
+                Split::new(&triangle.finish(), count)?.push_rest(all);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl SumOfSquares for Evaluator<'_> {
+    fn parameter_count(&self) -> usize {
+        self.orders.count()
+    }
+
+    fn residual_count(&self) -> usize {
+        let rows: usize = self.segments.iter().map(Segment::known).sum();
+        rows.saturating_sub(self.state_count() * self.segments.len())
+    }
+
+    fn cost(&mut self, theta: &[f64]) -> Result<f64, IdentError> {
+        self.check(theta)?;
+        let p = Polynomials::new(self.orders, theta);
+        let (mut states, mut total) = (Vec::with_capacity(self.segments.len()), 0.0);
+        for segment in self.segments {
+            let (state, cost) = self.settle(segment, &p)?;
+            states.push(state);
+            total += cost;
+        }
+        (self.states, self.latest) = (states, theta.to_vec());
+        Ok(total)
+    }
+
+    fn factor(&mut self, theta: &[f64]) -> Result<Mat<f64>, IdentError> {
+        self.settle_at(theta)?;
+        let p = Polynomials::new(self.orders, theta);
+        let states = std::mem::take(&mut self.states);
+        let mut all = Triangle::new(self.orders.count() + 1);
+        let appended = self.segments.iter().zip(&states).try_for_each(|(s, x)| self.append(s, x, &p, &mut all));
+        self.states = states;
+        appended?;
+        Ok(all.finish())
+    }
+}

@@ -1,0 +1,293 @@
+//! Prediction-error estimation of polynomial models: ARMAX, output error, Box–Jenkins and everything between.
+
+mod assemble;
+mod equation;
+mod evaluate;
+#[cfg(test)]
+mod gradient;
+mod line;
+mod orders;
+mod segment;
+mod signals;
+mod slower;
+mod split;
+mod start;
+
+use lti::PolynomialModel;
+use signal::filter::Sos;
+
+use self::orders::Orders;
+pub use self::orders::PerInput;
+use crate::{Dataset, Fit, IdentError, NonlinearOptions};
+
+/// What is taken for the state in which each stretch of data starts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum InitialState {
+    /// The state that suits the data best, found by least squares for every stretch and every trial model.
+    #[default]
+    Estimated,
+    /// Rest: inputs, outputs and noise were zero before the first sample.
+    Zero,
+}
+
+/// Which errors are made small.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Focus {
+    /// Those of the one-step prediction: the maximum-likelihood estimate under normal noise.
+    #[default]
+    Prediction,
+    /// Those of the simulated output; `C` and `D` are then estimated with the other polynomials held.
+    Simulation,
+    /// Those of the prediction after this filter, such as a band pass around what matters.
+    Filtered(Sos),
+}
+
+/// What the residuals are taken for when the covariance is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Residuals {
+    /// White, as they are if the structure can describe the system.
+    #[default]
+    White,
+    /// Coloured: the covariance is estimated from the scatter between this many stretches of the data.
+    Coloured {
+        /// Stretches, at least two; each must be long against the memory of the residuals.
+        batches: usize,
+    },
+}
+
+/// Options of the prediction-error method for the general polynomial model, for every output `i`:
+///
+/// `A(q) y_i(t) = Σ_k B_k(q)/F_k(q) u_k(t) + C(q)/D(q) e_i(t)`
+///
+/// with polynomials in `q⁻¹` as in [`lti::PolynomialEquation`]: `A`, `C`, `D`, `F` start with one, and `B_k` with its
+/// `nb` coefficients after a delay of `nk` samples. Every output has an equation of its own with the same orders. The
+/// known members of the family are [`Armax`], [`Ararx`], [`OutputError`], [`BoxJenkins`] and [`Arma`].
+///
+/// Prediction errors are minimised by the Levenberg–Marquardt method with analytic gradients. `C` and `F` are kept in
+/// the unit circle (`F` up to a growth of 1/N a sample, so that integrators can be met). An experiment is cut where an
+/// input is missing, and each part has an initial state; where an output is missing, a model without `A`, `C`, `D`
+/// leaves the sample out, and others cut the experiment there too.
+///
+/// # Source
+/// Ljung, *System Identification*, 2nd ed., 1999, §7.2 (the method), §10.2–10.3 (search and gradient), (9.17) (covariance).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polynomial {
+    na: usize,
+    nb: PerInput,
+    nc: usize,
+    nd: usize,
+    nf: PerInput,
+    nk: PerInput,
+    initial: InitialState,
+    focus: Focus,
+    residuals: Residuals,
+    held: Vec<(String, f64)>,
+    search: NonlinearOptions,
+}
+
+impl Polynomial {
+    /// Orders of `A`, `B`, `C`, `D`, `F` and the delays; `nb`, `nf` and `nk` are one number, or one an input.
+    pub fn new(
+        na: usize,
+        nb: impl Into<PerInput>,
+        nc: usize,
+        nd: usize,
+        nf: impl Into<PerInput>,
+        nk: impl Into<PerInput>,
+    ) -> Self {
+        Polynomial {
+            na,
+            nb: nb.into(),
+            nc,
+            nd,
+            nf: nf.into(),
+            nk: nk.into(),
+            initial: InitialState::default(),
+            focus: Focus::default(),
+            residuals: Residuals::default(),
+            held: Vec::new(),
+            search: NonlinearOptions::default(),
+        }
+    }
+
+    /// What is taken for the initial state; by default it is estimated.
+    #[must_use]
+    pub fn initial_state(self, initial: InitialState) -> Self {
+        Polynomial { initial, ..self }
+    }
+
+    /// Which errors are made small; by default those of the prediction.
+    #[must_use]
+    pub fn focus(self, focus: Focus) -> Self {
+        Polynomial { focus, ..self }
+    }
+
+    /// What the residuals are taken for when the covariance is computed; by default white under
+    /// [`Focus::Prediction`]. Under the other ones they are coloured, and 30 stretches are used where none are given.
+    #[must_use]
+    pub fn residuals(self, residuals: Residuals) -> Self {
+        Polynomial { residuals, ..self }
+    }
+
+    /// Holds one coefficient at a value; its name is that of [`PolynomialModel::coefficient_names`], such as `f1`.
+    #[must_use]
+    pub fn hold(mut self, coefficient: impl Into<String>, value: f64) -> Self {
+        self.held.push((coefficient.into(), value));
+        self
+    }
+
+    /// How far and how exactly to search.
+    #[must_use]
+    pub fn search(self, search: NonlinearOptions) -> Self {
+        Polynomial { search, ..self }
+    }
+
+    /// Estimates the model.
+    ///
+    /// The covariances of different equations are those of independent estimates. `initial_states` belong to
+    /// [`PolynomialModel::innovations`]; zero stands for an experiment whose first sample is missing.
+    ///
+    /// # Errors
+    /// [`IdentError::Structure`] for orders that make no model or a held coefficient that there is not;
+    /// [`IdentError::Length`] for orders of another number of inputs; [`IdentError::TooFewSamples`];
+    /// [`IdentError::RankDeficient`] where the data do not determine every coefficient.
+    ///
+    /// # Example
+    /// ```
+    /// // y(t) = 0.5/(1 − 0.8 q⁻¹) u(t−1)
+    /// let u: Vec<f64> = (0..200).map(|t| if (t * t / 7) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+    /// let mut y = vec![0.0; 200];
+    /// (1..200).for_each(|t| y[t] = 0.8 * y[t - 1] + 0.5 * u[t - 1]);
+    /// let fit = ident::OutputError::new(1, 1, 1).fit(&ident::Dataset::siso(0.1, &u, &y)?)?;
+    /// let [b, f] = fit.parameters()[..] else { unreachable!() };
+    /// assert!((b - 0.5).abs() < 1e-9 && (f + 0.8).abs() < 1e-9);
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    pub fn fit(&self, data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
+        let orders = self.orders(data.inputs())?;
+        let held = self.held_coefficients(&orders, data)?;
+        let outputs = data.outputs();
+        let one = |output: usize| equation::estimate(self, &orders, data, output, &held[output]);
+        if outputs == 1 {
+            return assemble::fit(&orders, data, vec![one(0)?]);
+        }
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut equations = Vec::with_capacity(outputs);
+        for first in (0..outputs).step_by(threads) {
+            let batch = first..outputs.min(first + threads);
+            equations.extend(std::thread::scope(|scope| {
+                let handles: Vec<_> = batch.map(|output| scope.spawn(move || one(output))).collect();
+                let joined = handles.into_iter().map(|h| h.join());
+                joined.map(|r| r.unwrap_or(Err(IdentError::Decomposition { what: "parallel" }))).collect::<Vec<_>>()
+            }));
+        }
+        assemble::fit(&orders, data, equations.into_iter().collect::<Result<_, _>>()?)
+    }
+
+    fn orders(&self, inputs: usize) -> Result<Orders, IdentError> {
+        let orders = Orders {
+            na: self.na,
+            nb: self.nb.spread("orders nb", inputs)?,
+            nc: self.nc,
+            nd: self.nd,
+            nf: self.nf.spread("orders nf", inputs)?,
+            nk: self.nk.spread("delays nk", inputs)?,
+        };
+        if orders.nb.contains(&0) {
+            return Err(IdentError::Structure { what: "nb is zero: leave out an input that has no effect" });
+        }
+        if orders.count() == 0 {
+            return Err(IdentError::Structure { what: "the model has no coefficient: raise an order" });
+        }
+        Ok(orders)
+    }
+
+    /// For each equation, the coefficients held and their values.
+    fn held_coefficients(&self, orders: &Orders, data: &Dataset) -> Result<Vec<Vec<(usize, f64)>>, IdentError> {
+        let zeros = vec![vec![0.0; orders.count()]; data.outputs()];
+        let names = assemble::model(orders, data, &zeros)?.coefficient_names();
+        let mut held = vec![Vec::new(); data.outputs()];
+        for (name, value) in &self.held {
+            let Some(index) = names.iter().position(|n| n == name) else {
+                return Err(IdentError::Structure { what: "a coefficient to be held is none of the model's" });
+            };
+            if !value.is_finite() {
+                return Err(IdentError::NotFinite { what: "the value of a coefficient to be held", index });
+            }
+            held[index / orders.count()].push((index % orders.count(), *value));
+        }
+        Ok(held)
+    }
+}
+
+/// `A y = Σ B_k u_k + C e`.
+#[derive(Debug)]
+pub struct Armax;
+
+impl Armax {
+    /// The orders of `A`, `B_k`, `C` and the delays.
+    ///
+    /// # Example
+    /// ```
+    /// let options = ident::Armax::new(2, 2, 2, 1);
+    /// assert_eq!(options, ident::Polynomial::new(2, 2, 2, 0, 0, 1));
+    /// ```
+    #[allow(clippy::new_ret_no_self, reason = "a member of the family has the family's options")]
+    pub fn new(na: usize, nb: impl Into<PerInput>, nc: usize, nk: impl Into<PerInput>) -> Polynomial {
+        Polynomial::new(na, nb, nc, 0, 0, nk)
+    }
+}
+
+/// `A y = Σ B_k u_k + 1/D e`.
+#[derive(Debug)]
+pub struct Ararx;
+
+impl Ararx {
+    /// The orders of `A`, `B_k`, `D` and the delays.
+    #[allow(clippy::new_ret_no_self, reason = "a member of the family has the family's options")]
+    pub fn new(na: usize, nb: impl Into<PerInput>, nd: usize, nk: impl Into<PerInput>) -> Polynomial {
+        Polynomial::new(na, nb, 0, nd, 0, nk)
+    }
+}
+
+/// `y = Σ B_k/F_k u_k + e`.
+#[derive(Debug)]
+pub struct OutputError;
+
+impl OutputError {
+    /// The orders of `B_k`, `F_k` and the delays.
+    #[allow(clippy::new_ret_no_self, reason = "a member of the family has the family's options")]
+    pub fn new(nb: impl Into<PerInput>, nf: impl Into<PerInput>, nk: impl Into<PerInput>) -> Polynomial {
+        Polynomial::new(0, nb, 0, 0, nf, nk)
+    }
+}
+
+/// `y = Σ B_k/F_k u_k + C/D e`.
+#[derive(Debug)]
+pub struct BoxJenkins;
+
+impl BoxJenkins {
+    /// The orders of `B_k`, `C`, `D`, `F_k` and the delays.
+    #[allow(clippy::new_ret_no_self, reason = "a member of the family has the family's options")]
+    pub fn new(
+        nb: impl Into<PerInput>,
+        nc: usize,
+        nd: usize,
+        nf: impl Into<PerInput>,
+        nk: impl Into<PerInput>,
+    ) -> Polynomial {
+        Polynomial::new(0, nb, nc, nd, nf, nk)
+    }
+}
+
+/// `A y = C e`, for a time series without input.
+#[derive(Debug)]
+pub struct Arma;
+
+impl Arma {
+    /// The orders of `A` and `C`.
+    #[allow(clippy::new_ret_no_self, reason = "a member of the family has the family's options")]
+    pub fn new(na: usize, nc: usize) -> Polynomial {
+        Polynomial::new(na, [], nc, 0, [], [])
+    }
+}

@@ -1,0 +1,350 @@
+//! Starting values: a long ARX model, from which the noise and the noise-free outputs are read, then linear regressions.
+
+use faer::Mat;
+
+use super::line::{is_stable, stabilised};
+use super::orders::Orders;
+use super::segment::Segment;
+use crate::{IdentError, Triangle};
+
+/// Order of the long ARX model where the data allow it.
+const LONG_ORDER: usize = 30;
+/// Rounds of prefiltering by the denominator found last.
+const ROUNDS: usize = 12;
+/// The rounds are over when no coefficient of the denominator changes by more than this fraction.
+const SETTLED: f64 = 1e-6;
+/// Singular values below this fraction of the largest carry nothing.
+const TOLERANCE: f64 = 1e-11;
+
+/// Starting values of θ, the best guess not necessarily first.
+///
+/// # Errors
+/// Too few samples for the first regressions.
+///
+/// # Source
+/// Hannan & Rissanen 1982 (noise polynomials from the residuals of a long autoregression); Steiglitz & McBride 1965
+/// (denominators by iterated prefiltering); Ljung 1999, §10.5.
+pub(super) fn candidates(orders: &Orders, segments: &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError> {
+    let rows: usize = segments.iter().map(Segment::known).sum();
+    let longest = long_order(rows, orders.inputs());
+    let long = Long::new(orders, segments, longest)?;
+    let mut all = Vec::new();
+    if orders.inputs() > 0 {
+        all.push(by_denominators(orders, segments, &long.contributions));
+        // In few data a shorter model has less noise in it.
+        let shorter = orders.memory().min(longest);
+        all.push(by_denominators(orders, segments, &Long::new(orders, segments, shorter)?.contributions));
+        if orders.inputs() == 1 {
+            let measured: Vec<_> = segments.iter().map(|s| vec![s.output.to_vec()]).collect();
+            all.push(by_denominators(orders, segments, &measured));
+        }
+    }
+    if orders.na > 0 {
+        all.push(by_regression(orders, segments, &long.errors));
+    } else if orders.inputs() == 0 {
+        let (c, d) = noise_polynomials(orders.nc, orders.nd, &outputs(segments));
+        all.push([c, d].concat());
+    }
+    Ok(all)
+}
+
+fn outputs(segments: &[Segment<'_>]) -> Vec<Vec<f64>> {
+    segments.iter().map(|s| s.output.to_vec()).collect()
+}
+
+/// What a long ARX model says of every segment.
+struct Long {
+    /// Its prediction errors.
+    errors: Vec<Vec<f64>>,
+    /// What each input contributes to the output: segments, then inputs.
+    contributions: Vec<Vec<Vec<f64>>>,
+}
+
+impl Long {
+    fn new(orders: &Orders, segments: &[Segment<'_>], order: usize) -> Result<Self, IdentError> {
+        let mut wanted: Vec<Term> = (1..=order).map(|lag| Term { signal: 0, lag }).collect();
+        for k in 0..orders.inputs() {
+            wanted.extend((0..order).map(|j| Term { signal: 1 + k, lag: orders.nk[k] + j }));
+        }
+        let signals: Vec<Vec<&[f64]>> = segments.iter().map(|s| signals(s)).collect();
+        let theta = regress(&signals, &wanted)?;
+        let a: Vec<f64> = theta[..order].iter().map(|v| -v).collect();
+        let a_stable = stabilised(&a, 1.0);
+        let contribution = |s: &Segment<'_>, k: usize| {
+            let first = order * (1 + k);
+            let numerator = delayed(&theta[first..first + order], orders.nk[k]);
+            filtered(&numerator, &a_stable, &s.inputs[k])
+        };
+        Ok(Long {
+            errors: signals.iter().map(|s| errors(s, &wanted, &theta)).collect(),
+            contributions: segments
+                .iter()
+                .map(|s| (0..orders.inputs()).map(|k| contribution(s, k)).collect())
+                .collect(),
+        })
+    }
+}
+
+fn long_order(rows: usize, inputs: usize) -> usize {
+    (rows / (6 * (1 + inputs))).clamp(1, LONG_ORDER)
+}
+
+/// The output, then the inputs.
+fn signals<'s>(segment: &'s Segment<'_>) -> Vec<&'s [f64]> {
+    std::iter::once(&*segment.output).chain(segment.inputs.iter().map(|u| &**u)).collect()
+}
+
+/// A signal of a regression and how far it is shifted.
+#[derive(Clone, Copy)]
+struct Term {
+    signal: usize,
+    lag: usize,
+}
+
+/// Signal 0 as a linear combination of the terms, by least squares over all segments; rows before the largest lag are
+/// left out where that leaves enough of them, else the past counts as zero.
+fn regress(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Vec<f64>, IdentError> {
+    let memory = terms.iter().map(|t| t.lag).max().unwrap_or(0);
+    let full: usize = signals.iter().map(|s| s[0].len().saturating_sub(memory)).sum();
+    let skip = if full > 2 * terms.len() { memory } else { 0 };
+    let mut triangle = Triangle::new(terms.len() + 1);
+    let at = |x: &[f64], t: usize, lag: usize| if t >= lag { x[t - lag] } else { 0.0 };
+    for segment in signals {
+        triangle.push_columns(segment[0].len().saturating_sub(skip), |j, start, slot| {
+            let Term { signal, lag } = terms.get(j).copied().unwrap_or(Term { signal: 0, lag: 0 });
+            slot.iter_mut().enumerate().for_each(|(i, v)| *v = at(segment[signal], skip + start + i, lag));
+        });
+    }
+    if triangle.rows() == 0 {
+        return Err(IdentError::TooFewSamples { samples: 0, parameters: terms.len() });
+    }
+    solve(&triangle.finish())
+}
+
+/// The solution of least norm (with scaled columns) of the problem whose factor of [Φ y] is given: data without noise
+/// leave a long model undetermined.
+fn solve(factor: &Mat<f64>) -> Result<Vec<f64>, IdentError> {
+    let n = factor.ncols() - 1;
+    let norms: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).map(|v| if v > 0.0 { v } else { 1.0 }).collect();
+    let scaled = Mat::from_fn(n, n, |i, j| factor[(i, j)] / norms[j]);
+    let svd = scaled.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+    let strengths: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+    let along = svd.U().transpose() * factor.get(..n, n);
+    let felt = |i: usize| strengths[i] > 0.0 && strengths[i] >= TOLERANCE * strengths[0];
+    let inverse =
+        |j: usize| (0..n).filter(|i| felt(*i)).map(|i| svd.V()[(j, i)] * along[i] / strengths[i]).sum::<f64>();
+    Ok((0..n).map(|j| inverse(j) / norms[j]).collect())
+}
+
+/// What a regression leaves; zero until every term has its past.
+fn errors(signals: &[&[f64]], terms: &[Term], theta: &[f64]) -> Vec<f64> {
+    let memory = terms.iter().map(|t| t.lag).max().unwrap_or(0);
+    let mut left = signals[0].to_vec();
+    for (term, value) in terms.iter().zip(theta) {
+        let source = signals[term.signal];
+        (term.lag..left.len()).for_each(|t| left[t] -= value * source[t - term.lag]);
+    }
+    left.iter_mut().take(memory).for_each(|v| *v = 0.0);
+    left
+}
+
+/// `A`, `B`, `C` by one regression on the errors of the long model (Hannan and Rissanen); `D` from what is left.
+fn by_regression(orders: &Orders, segments: &[Segment<'_>], long_errors: &[Vec<f64>]) -> Vec<f64> {
+    let inputs = orders.inputs();
+    let nc = if orders.nd == 0 { orders.nc } else { 0 };
+    let mut terms: Vec<Term> = (1..=orders.na).map(|lag| Term { signal: 0, lag }).collect();
+    for k in 0..inputs {
+        terms.extend((0..orders.nb[k]).map(|j| Term { signal: 1 + k, lag: orders.nk[k] + j }));
+    }
+    terms.extend((1..=nc).map(|lag| Term { signal: 1 + inputs, lag }));
+    let with_errors = |(s, e): (&'_ _, &'_ Vec<f64>)| -> Vec<Vec<f64>> {
+        signals(s).into_iter().chain([&**e]).map(<[f64]>::to_vec).collect()
+    };
+    let owned: Vec<Vec<Vec<f64>>> = segments.iter().zip(long_errors).map(with_errors).collect();
+    let all: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
+    let mut theta = vec![0.0; orders.count()];
+    let Ok(found) = regress(&all, &terms) else { return theta };
+    theta[..found.len()].copy_from_slice(&found);
+    theta[orders.a()].iter_mut().for_each(|v| *v = -*v);
+    if orders.nd > 0 {
+        fill_noise(orders, segments, &mut theta);
+    }
+    stabilise(orders, &mut theta);
+    theta
+}
+
+/// `A` or `F` and `B` from what each input contributes to the output, then `C` and `D` from what is left.
+fn by_denominators(orders: &Orders, segments: &[Segment<'_>], contributions: &[Vec<Vec<f64>>]) -> Vec<f64> {
+    let mut theta = vec![0.0; orders.count()];
+    let inputs: Vec<usize> = (0..orders.inputs()).collect();
+    let of = |k: usize| -> Vec<Vec<f64>> { contributions.iter().map(|c| c[k].clone()).collect() };
+    if orders.nf.iter().all(|nf| *nf == 0) {
+        let total = |c: &Vec<Vec<f64>>| (0..c[0].len()).map(|t| c.iter().map(|k| k[t]).sum()).collect();
+        let sum: Vec<Vec<f64>> = contributions.iter().map(total).collect();
+        let (den, nums) = ratio(&sum, segments, &inputs, orders, orders.na);
+        theta[orders.a()].copy_from_slice(&den);
+        nums.iter().enumerate().for_each(|(k, num)| theta[orders.b(k)].copy_from_slice(num));
+    } else {
+        for k in inputs {
+            let (den, nums) = ratio(&of(k), segments, &[k], orders, orders.nf[k]);
+            theta[orders.f(k)].copy_from_slice(&den);
+            theta[orders.b(k)].copy_from_slice(&nums[0]);
+        }
+    }
+    fill_noise(orders, segments, &mut theta);
+    stabilise(orders, &mut theta);
+    theta
+}
+
+/// A common denominator of this order and the numerators from `inputs` to `target`, by the method of Steiglitz and
+/// McBride: of all rounds the one that simulates the target best.
+fn ratio(
+    target: &[Vec<f64>],
+    segments: &[Segment<'_>],
+    inputs: &[usize],
+    orders: &Orders,
+    order: usize,
+) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut best = (f64::INFINITY, vec![0.0; order], inputs.iter().map(|k| vec![0.0; orders.nb[*k]]).collect());
+    let mut den = vec![0.0; order];
+    let round = Round { target, segments, inputs, orders };
+    for _ in 0..if order == 0 { 1 } else { ROUNDS } {
+        let Some(next) = round.solve(&den, order) else { break };
+        let before = std::mem::replace(&mut den, stabilised(&next.denominator, 1.0));
+        let Some(refined) = round.solve(&den, 0) else { break };
+        if refined.left < best.0 {
+            best = (refined.left, den.clone(), refined.numerators);
+        }
+        if den.iter().zip(&before).all(|(new, old)| (new - old).abs() <= SETTLED * new.abs()) {
+            break;
+        }
+    }
+    (best.1, best.2)
+}
+
+/// What the rounds of one [`ratio`] have in common.
+struct Round<'a, 's> {
+    target: &'a [Vec<f64>],
+    segments: &'a [Segment<'s>],
+    inputs: &'a [usize],
+    orders: &'a Orders,
+}
+
+/// What one regression found.
+struct Found {
+    denominator: Vec<f64>,
+    numerators: Vec<Vec<f64>>,
+    left: f64,
+}
+
+impl Round<'_, '_> {
+    /// With inputs filtered by `1/den`: a denominator of this order for the target filtered alike, and numerators; for
+    /// order zero, the numerators from the filtered inputs to the target itself.
+    fn solve(&self, den: &[f64], order: usize) -> Option<Found> {
+        let filter = |x: &[f64]| filtered(&[1.0], den, x);
+        let rows = |(s, z): (&Segment<'_>, &Vec<f64>)| -> Vec<Vec<f64>> {
+            let first = if order > 0 { filter(z) } else { z.clone() };
+            std::iter::once(first).chain(self.inputs.iter().map(|k| filter(&s.inputs[*k]))).collect()
+        };
+        let owned: Vec<Vec<Vec<f64>>> = self.segments.iter().zip(self.target).map(rows).collect();
+        let signals: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
+        let (nb, nk) = (&self.orders.nb, &self.orders.nk);
+        let mut terms: Vec<Term> = (1..=order).map(|lag| Term { signal: 0, lag }).collect();
+        for (i, k) in self.inputs.iter().enumerate() {
+            terms.extend((0..nb[*k]).map(|j| Term { signal: 1 + i, lag: nk[*k] + j }));
+        }
+        let theta = regress(&signals, &terms).ok()?;
+        let left = signals.iter().flat_map(|s| errors(s, &terms, &theta)).map(|v| v * v).sum();
+        let mut rest = theta[order..].iter().copied();
+        let numerators = self.inputs.iter().map(|k| rest.by_ref().take(nb[*k]).collect()).collect();
+        Some(Found { denominator: theta[..order].iter().map(|v| -v).collect(), numerators, left })
+    }
+}
+
+/// θ with numerators that suit its denominators and the output best, and the noise polynomials of what is left.
+pub(super) fn with_numerators(orders: &Orders, segments: &[Segment<'_>], theta: &[f64]) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    let pass = |s: &Segment<'_>, k: usize| {
+        filtered(&[1.0], &theta[orders.a()], &filtered(&[1.0], &theta[orders.f(k)], &s.inputs[k]))
+    };
+    let rows = |s: &Segment<'_>| -> Vec<Vec<f64>> {
+        std::iter::once(s.output.to_vec()).chain((0..orders.inputs()).map(|k| pass(s, k))).collect()
+    };
+    let owned: Vec<Vec<Vec<f64>>> = segments.iter().map(rows).collect();
+    let signals: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
+    let of_input = |k: usize| (0..orders.nb[k]).map(move |j| Term { signal: 1 + k, lag: orders.nk[k] + j });
+    let terms: Vec<Term> = (0..orders.inputs()).flat_map(of_input).collect();
+    if let Ok(found) = regress(&signals, &terms) {
+        theta[orders.na..orders.na + found.len()].copy_from_slice(&found);
+    }
+    with_noise(orders, segments, &theta)
+}
+
+/// `C` and `D` from `v = A y − Σ B/F u` at the other values in θ.
+fn fill_noise(orders: &Orders, segments: &[Segment<'_>], theta: &mut [f64]) {
+    if orders.nc + orders.nd == 0 {
+        return;
+    }
+    let left = |s: &Segment<'_>| {
+        let full: Vec<f64> = std::iter::once(1.0).chain(theta[orders.a()].iter().copied()).collect();
+        let mut v = filtered(&full, &[], &s.output);
+        for k in 0..orders.inputs() {
+            let w = filtered(&delayed(&theta[orders.b(k)], orders.nk[k]), &theta[orders.f(k)], &s.inputs[k]);
+            v.iter_mut().zip(w).for_each(|(v, w)| *v -= w);
+        }
+        v
+    };
+    let v: Vec<Vec<f64>> = segments.iter().map(left).collect();
+    let (c, d) = noise_polynomials(orders.nc, orders.nd, &v);
+    theta[orders.c()].copy_from_slice(&c);
+    theta[orders.d()].copy_from_slice(&d);
+}
+
+/// `C` and `D` of `D v = C e`; zeros where the data do not say.
+fn noise_polynomials(nc: usize, nd: usize, v: &[Vec<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let rows: usize = v.iter().map(Vec::len).sum();
+    let long: Vec<Term> = (1..=long_order(rows, 0)).map(|lag| Term { signal: 0, lag }).collect();
+    let alone: Vec<Vec<&[f64]>> = v.iter().map(|x| vec![x.as_slice()]).collect();
+    let nothing = (vec![0.0; nc], vec![0.0; nd]);
+    let Ok(ar) = regress(&alone, &long) else { return nothing };
+    let e: Vec<Vec<f64>> = alone.iter().map(|s| errors(s, &long, &ar)).collect();
+    let both: Vec<Vec<&[f64]>> = v.iter().zip(&e).map(|(v, e)| vec![v.as_slice(), e.as_slice()]).collect();
+    let ours = (1..=nd).map(|lag| Term { signal: 0, lag }).chain((1..=nc).map(|lag| Term { signal: 1, lag }));
+    let Ok(found) = regress(&both, &ours.collect::<Vec<_>>()) else { return nothing };
+    (stabilised(&found[nd..], 1.0), found[..nd].iter().map(|v| -v).collect())
+}
+
+/// Brings the denominators of the predictor into the unit circle.
+fn stabilise(orders: &Orders, theta: &mut [f64]) {
+    (0..orders.inputs()).map(|k| orders.f(k)).chain([orders.c()]).for_each(|range| {
+        let stable = stabilised(&theta[range.clone()], 1.0);
+        let usable = is_stable(&stable, 1.0) && stable.iter().all(|v| v.is_finite());
+        theta[range].iter_mut().zip(stable).for_each(|(slot, v)| *slot = if usable { v } else { 0.0 });
+    });
+}
+
+fn delayed(numerator: &[f64], delay: usize) -> Vec<f64> {
+    std::iter::repeat_n(0.0, delay).chain(numerator.iter().copied()).collect()
+}
+
+/// `x · num/(1 + den₁ q⁻¹ + …)` from zero state.
+fn filtered(num: &[f64], den: &[f64], x: &[f64]) -> Vec<f64> {
+    let mut y = vec![0.0; x.len()];
+    for (j, c) in num.iter().enumerate().filter(|(_, c)| **c != 0.0) {
+        (j..x.len()).for_each(|t| y[t] += c * x[t - j]);
+    }
+    if !den.is_empty() {
+        for t in 0..y.len() {
+            let reach = den.len().min(t);
+            y[t] -= (0..reach).map(|j| den[j] * y[t - 1 - j]).sum::<f64>();
+        }
+    }
+    y
+}
+
+/// θ with `C` and `D` estimated from what the other values leave.
+pub(super) fn with_noise(orders: &Orders, segments: &[Segment<'_>], theta: &[f64]) -> Vec<f64> {
+    let mut theta = theta.to_vec();
+    fill_noise(orders, segments, &mut theta);
+    theta
+}
