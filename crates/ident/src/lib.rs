@@ -6,6 +6,7 @@
 //!
 //! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
+mod continuous;
 pub mod covariance;
 mod data;
 pub mod distributions;
@@ -17,6 +18,10 @@ pub mod nonlinear;
 mod triangle;
 pub mod validate;
 
+pub use continuous::{
+    ContinuousChannel, ContinuousModel, ContinuousTransferFunction, ProcessSystem, RationalChannel,
+    TransferFunctionModel,
+};
 pub use data::{Dataset, Experiment, Intersample, Label};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};

@@ -1,6 +1,7 @@
 //! Integration tests of `ident`.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod continuous;
 mod covariance;
 mod distributions;
 mod frequency;
