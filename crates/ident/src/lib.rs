@@ -13,8 +13,10 @@ pub mod distributions;
 mod error;
 mod fit;
 pub mod frequency;
+mod frequency_domain;
 pub mod least_squares;
 pub mod nonlinear;
+mod process;
 mod triangle;
 pub mod validate;
 
@@ -25,6 +27,11 @@ pub use continuous::{
 pub use data::{Dataset, Experiment, Intersample, Label};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
+pub use frequency_domain::{
+    CostTest, FrequencyData, FrequencyGreyBox, FrequencyModel, FrequencyTransferFunction, Lines, Measured,
+    RationalResponse, ResponseFunction, SpectralData, SpectralFit,
+};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use process::ProcessFit;
 pub use triangle::Triangle;

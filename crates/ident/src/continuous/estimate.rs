@@ -38,7 +38,7 @@ impl<C: ContinuousChannel> OutputFit<C> {
     }
 }
 
-fn errors<'a, C: ContinuousChannel>(
+pub(crate) fn errors<'a, C: ContinuousChannel>(
     model: &ContinuousModel<C>,
     records: &'a [Record<'a>],
     data: &Dataset,

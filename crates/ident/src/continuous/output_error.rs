@@ -142,7 +142,7 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
             self.differentiate(part, record, (input, x0), &mut columns)?;
             for (j, column) in columns.iter_mut().enumerate() {
                 basis.take_out(column);
-                let mut into = jacobian.as_mut().col_mut(part.first_parameter + j);
+                let into = jacobian.as_mut().col_mut(part.first_parameter + j);
                 into.iter_mut().zip(column.iter()).for_each(|(slot, value)| *slot = *value);
             }
         }

@@ -8,4 +8,5 @@ mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;
+mod process;
 mod validate;
