@@ -5,6 +5,7 @@ mod continuous;
 mod covariance;
 mod distributions;
 mod frequency;
+mod frequency_domain;
 mod least_squares;
 mod noise;
 mod nonlinear;
