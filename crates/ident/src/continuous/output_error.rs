@@ -215,3 +215,61 @@ impl<C: ContinuousChannel> ResidualModel for OutputError<'_, C> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::continuous::RationalChannel;
+
+    /// Projected errors and derivatives on two channels, one with a delay between samples, from a state not at zero.
+    #[test]
+    fn prop_gradient_equals_differences() {
+        let u: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 7 + k) % 13) - 6.0).collect();
+        let v: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 5 + 3 * k) % 11) - 5.0).collect();
+        let y: Vec<f64> = (0..300).map(|k: i32| f64::from((k * 31) % 17) + 3.0 * 0.97_f64.powi(k)).collect();
+        let late = [Record { inputs: vec![&u, &v], output: &y, first: 9 }];
+        let from_rest = [Record { first: 0, ..late[0].clone() }];
+        let one = RationalChannel::new(vec![1.0, 30.0], vec![4.0, 25.0], 0.237).unwrap();
+        let two = RationalChannel::new(vec![2.0], vec![3.0], 0.52).unwrap();
+        for intersample in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold] {
+            for nuisance in [(true, true), (true, false), (false, true)] {
+                let (initial_state, offset) = nuisance;
+                let mut problem = OutputError {
+                    model: ContinuousModel::new(vec![one.clone(), two.clone()], 2, Mat::identity(1, 1)).unwrap(),
+                    records: if initial_state { &late } else { &from_rest },
+                    sample_time_s: 0.1,
+                    intersample,
+                    nuisance: Nuisance { initial_state, offset },
+                    stable: true,
+                };
+                check(&mut problem);
+            }
+        }
+    }
+
+    /// The projected Jacobian is that of the errors up to a part within what is projected out, so gradients are compared.
+    fn check(problem: &mut OutputError<'_, RationalChannel>) {
+        let theta = problem.model.parameters();
+        let (rows, columns) = (problem.residual_count(), theta.len());
+        let (mut residuals, mut jacobian) = (vec![0.0; rows], Mat::zeros(rows, columns));
+        problem.evaluate(&theta, &mut residuals, Some(jacobian.as_mut())).unwrap();
+        let mut cost = |point: &[f64]| {
+            let mut residuals = vec![0.0; rows];
+            problem.evaluate(point, &mut residuals, None).unwrap();
+            residuals.iter().map(|r| r * r).sum::<f64>()
+        };
+        for j in 0..columns {
+            let analytic: f64 = 2.0 * (0..rows).map(|i| jacobian[(i, j)] * residuals[i]).sum::<f64>();
+            let step = 1e-5 * theta[j];
+            let moved = |sign: f64| {
+                let mut point = theta.clone();
+                point[j] += sign * step;
+                point
+            };
+            let difference = (cost(&moved(1.0)) - cost(&moved(-1.0))) / (2.0 * step);
+            let scale = 2.0 * jacobian.col(j).norm_l2() * residuals.iter().map(|r| r * r).sum::<f64>().sqrt();
+            assert!((analytic - difference).abs() < 1e-6 * scale, "{j}: {analytic} {difference} {scale}");
+        }
+    }
+}

@@ -143,7 +143,7 @@ impl FrequencyTransferFunction {
         self.check(&lines)?;
         let points = self.points(&lines);
         let start = self.start(&lines, &points)?;
-        let rational = Rational::about(&lines, &points, &start, self.stable.then_some(self.sample_time_s.is_some()))?;
+        let rational = Rational::about(&lines, &start, self.stable.then_some(self.sample_time_s.is_some()));
         let theta = rational.theta(&start);
         let mut bounds = vec![Bounds::NONE; theta.len() - 1];
         bounds.push(Bounds::new(self.delay_s.0, self.delay_s.1));
@@ -231,17 +231,11 @@ pub(crate) struct Rational {
 }
 
 impl Rational {
-    fn about(
-        lines: &Lines,
-        points: &[Complex64],
-        start: &start::Start,
-        stable: Option<bool>,
-    ) -> Result<Self, IdentError> {
+    fn about(lines: &Lines, start: &start::Start, stable: Option<bool>) -> Self {
         let (num, den) = (start.num.clone(), start.den.clone());
         let pivot = (0..start.a.len()).max_by(|i, j| start.a[*i].abs().total_cmp(&start.a[*j].abs())).unwrap_or(0);
-        debug_assert_eq!(points.len(), lines.lines.len());
         let omega = lines.lines.iter().map(|l| l.omega).collect();
-        Ok(Rational { num, den, pivot, held: start.a[pivot], omega, stable })
+        Rational { num, den, pivot, held: start.a[pivot], omega, stable }
     }
 
     fn theta(&self, start: &start::Start) -> Vec<f64> {
@@ -322,5 +316,55 @@ impl Response for Rational {
             slopes[(k, theta.len() - 1)] = Complex64::new(0.0, -self.omega[k]) * gain;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::ResidualModel;
+    use crate::frequency_domain::SpectralData;
+
+    #[test]
+    fn prop_gradient_equals_differences() {
+        let count = 40;
+        let wave = |k: usize, a: f64| Complex64::new((a * k as f64).sin() + 1.5, (a * k as f64).cos());
+        let data = SpectralData {
+            omega_rad_s: (1..=count).map(|k| 0.3 * k as f64).collect(),
+            input: (0..count).map(|k| wave(k, 0.7)).collect(),
+            output: (0..count).map(|k| wave(k, 1.1)).collect(),
+            input_variance: vec![0.3; count],
+            output_variance: vec![0.2; count],
+            covariance: (0..count).map(|k| 0.05 * wave(k, 0.2)).collect(),
+            averages: None,
+        };
+        let options = FrequencyTransferFunction::continuous(1, 2).with_delay(0.02);
+        let lines = data.lines().unwrap();
+        let points = options.points(&lines);
+        let start = options.start(&lines, &points).unwrap();
+        let rational = Rational::about(&lines, &start, None);
+        let theta = rational.theta(&start);
+        let mut misfit = Misfit::new(&lines, rational);
+        let mut jacobian = Mat::zeros(2 * count, theta.len());
+        misfit.evaluate(&theta, &mut vec![0.0; 2 * count], Some(jacobian.as_mut())).unwrap();
+        let mut at = |point: &[f64]| {
+            let mut residuals = vec![0.0; 2 * count];
+            misfit.evaluate(point, &mut residuals, None).unwrap();
+            residuals
+        };
+        for j in 0..theta.len() {
+            let step = 1e-6 * theta[j].abs().max(1e-3);
+            let moved = |sign: f64| {
+                let mut point = theta.clone();
+                point[j] += sign * step;
+                point
+            };
+            let (above, below) = (at(&moved(1.0)), at(&moved(-1.0)));
+            for i in 0..2 * count {
+                let difference = (above[i] - below[i]) / (2.0 * step);
+                assert!((difference - jacobian[(i, j)]).abs() < 1e-5 * jacobian.col(j).norm_max(), "{i} {j}");
+            }
+        }
     }
 }

@@ -232,3 +232,42 @@ fn regress_too_many_poles_are_told() {
         }
     }
 }
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_cover_the_truth() {
+    let truth = model(&[(&[2.0, 30.0], &[4.0, 25.0], 0.137)]);
+    let wanted = truth.parameters();
+    let options = ContinuousTransferFunction::new(1, 2).with_delay_between(&[(0.0, 0.4)]);
+    let (runs, mut covered, mut mean) = (200, [0; 5], [0.0; 5]);
+    let mut noise = Noise::new(51);
+    let mut errors = vec![];
+    for _ in 0..runs {
+        let u = inputs(&mut noise, 600, 1, 3);
+        let data = record(&truth, &u, 0.05, Intersample::ZeroOrderHold, 0.2, &mut noise);
+        let fit = options.fit(&data).unwrap();
+        errors = fit.standard_errors();
+        for (j, (low, high)) in fit.intervals(0.95).into_iter().enumerate() {
+            covered[j] += usize::from(low < wanted[j] && wanted[j] < high);
+            mean[j] += (fit.parameters()[j] - wanted[j]) / f64::from(runs);
+        }
+    }
+    for j in 0..5 {
+        assert!((180..=198).contains(&covered[j]), "{covered:?}");
+        assert!(mean[j].abs() < 4.0 * errors[j] / f64::from(runs).sqrt(), "{mean:?} {errors:?}");
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_a_hundred_thousand_samples_of_a_fast_sampled_resonance() {
+    let truth = model(&[(&[30.0], &[0.02, 4.0], 0.0)]);
+    let noise = &mut Noise::new(61);
+    let u = inputs(noise, 110_000, 1, 500);
+    let data = record(&truth, &u, 1e-3, Intersample::ZeroOrderHold, 5.0, noise);
+    let fit = ContinuousTransferFunction::new(0, 2).fit(&data).unwrap();
+    for ((found, wanted), error) in fit.parameters().iter().zip(truth.parameters()).zip(fit.standard_errors()).take(3) {
+        assert!((found - wanted).abs() < 4.0 * error && error < 0.05 * wanted, "{found} {wanted} {error}");
+    }
+    assert!((fit.noise_covariance[(0, 0)] / 25.0 - 1.0).abs() < 0.02);
+}

@@ -68,6 +68,7 @@ fn exact_discrete_and_delayed() {
 }
 
 #[test]
+#[ignore = "slow"]
 fn stat_intervals_cover_and_the_cost_is_as_expected() {
     let truth =
         TransferFunction::continuous(vec![2.0, 30.0], modes(&[(20.0, 0.02)])).unwrap().with_delay(0.01).unwrap();
@@ -116,6 +117,7 @@ fn periodic(noise: &mut Noise, sd: (f64, f64), periods: usize) -> (Dataset, usiz
 }
 
 #[test]
+#[ignore = "slow"]
 fn stat_noise_on_input_and_output_from_periods() {
     let mut noise = Noise::new(41);
     let (runs, mut covered, mut cost, mut mean) = (300, [0; 2], 0.0, 0.0);
