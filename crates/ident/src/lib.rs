@@ -8,6 +8,7 @@
 
 mod arx;
 pub mod closed_loop;
+mod continuous;
 pub mod covariance;
 mod criteria;
 mod data;
@@ -25,6 +26,10 @@ pub mod prediction;
 pub mod prediction_error;
 pub mod recursive;
 mod regression;
+mod frequency_domain;
+pub mod least_squares;
+pub mod nonlinear;
+mod process;
 mod triangle;
 pub mod uncertainty;
 pub mod validate;
@@ -41,4 +46,18 @@ pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
+pub use continuous::{
+    ContinuousChannel, ContinuousModel, ContinuousTransferFunction, ProcessSystem, RationalChannel,
+    TransferFunctionModel,
+};
+pub use data::{Dataset, Experiment, Intersample, Label};
+pub use error::IdentError;
+pub use fit::{Doubt, Fit, LinearModel, Parametric};
+pub use frequency_domain::{
+    CostTest, FrequencyData, FrequencyGreyBox, FrequencyModel, FrequencyTransferFunction, Lines, Measured,
+    RationalResponse, ResponseFunction, SpectralData, SpectralFit,
+};
+pub use least_squares::{LinearFit, least_squares};
+pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use process::ProcessFit;
 pub use triangle::Triangle;

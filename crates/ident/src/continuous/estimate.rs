@@ -1,0 +1,174 @@
+//! The search from given starting models, and the estimate made of what it finds.
+
+use faer::Mat;
+
+use super::model::{ContinuousChannel, ContinuousModel};
+use super::output_error::{Nuisance, OutputError};
+use super::record::{Record, records};
+use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, minimise};
+
+/// Samples that starting models are compared on.
+const COMPARED: usize = 20_000;
+
+/// Steps each starting model gets before the best is kept.
+const TRIAL_STEPS: usize = 15;
+
+/// Condition numbers above this are doubted.
+const ILL_CONDITIONED: f64 = 1e7;
+
+/// How the errors are made and minimised.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Settings {
+    pub(crate) nuisance: Nuisance,
+    pub(crate) stable: bool,
+    pub(crate) search: NonlinearOptions,
+}
+
+/// The estimate of one output.
+pub(crate) struct OutputFit<C> {
+    pub(crate) model: ContinuousModel<C>,
+    pub(crate) minimum: Minimum,
+    /// Initial states and offsets that took degrees of freedom.
+    pub(crate) nuisance: usize,
+}
+
+impl<C: ContinuousChannel> OutputFit<C> {
+    fn degrees_of_freedom(&self) -> f64 {
+        self.minimum.degrees_of_freedom() - self.nuisance as f64
+    }
+}
+
+pub(crate) fn errors<'a, C: ContinuousChannel>(
+    model: &ContinuousModel<C>,
+    records: &'a [Record<'a>],
+    data: &Dataset,
+    settings: Settings,
+) -> OutputError<'a, C> {
+    OutputError {
+        model: model.clone(),
+        records,
+        sample_time_s: data.sample_time_s(),
+        intersample: data.intersample(),
+        nuisance: settings.nuisance,
+        stable: settings.stable,
+    }
+}
+
+/// Minimises the errors of one output from the best of several starting models.
+pub(crate) fn fit_output<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    starts: &[ContinuousModel<C>],
+    bounds: &[Bounds],
+    settings: Settings,
+) -> Result<OutputFit<C>, IdentError> {
+    let short: Vec<Record<'_>> = records.iter().map(|r| r.shortened(COMPARED / records.len().max(1))).collect();
+    let trial = NonlinearOptions { iteration_limit: TRIAL_STEPS, ..settings.search };
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut failure = None;
+    for start in starts {
+        let theta = clamped(&start.parameters(), bounds);
+        if starts.len() == 1 {
+            best = Some((0.0, theta));
+            break;
+        }
+        match minimise(&mut errors(start, &short, data, settings), &theta, bounds, trial) {
+            Ok(m) if best.as_ref().is_none_or(|(cost, _)| m.cost < *cost) => best = Some((m.cost, m.parameters)),
+            Ok(_) => {}
+            Err(error) => failure = Some(error),
+        }
+    }
+    let Some((_, theta)) = best else {
+        return Err(failure.unwrap_or(IdentError::Structure { what: "no starting model" }));
+    };
+    let mut problem = errors(&starts[0], records, data, settings);
+    let minimum = minimise(&mut problem, &theta, bounds, settings.search)?;
+    let nuisance = problem.nuisance_rank(&minimum.parameters)?;
+    if minimum.degrees_of_freedom() - nuisance as f64 <= 0.0 {
+        let parameters = minimum.parameters.len() + nuisance;
+        return Err(IdentError::TooFewSamples { samples: minimum.residuals.len(), parameters });
+    }
+    Ok(OutputFit { model: starts[0].with_parameters(&minimum.parameters)?, minimum, nuisance })
+}
+
+fn clamped(theta: &[f64], bounds: &[Bounds]) -> Vec<f64> {
+    theta.iter().zip(bounds).map(|(v, b)| v.max(b.lower).min(b.upper)).collect()
+}
+
+/// One model of all outputs. Parameters of different outputs are taken as uncorrelated.
+pub(crate) fn combine<C: ContinuousChannel>(
+    data: &Dataset,
+    first: usize,
+    parts: &[OutputFit<C>],
+    settings: Settings,
+) -> Result<Fit<ContinuousModel<C>>, IdentError> {
+    let channels: Vec<C> = parts.iter().flat_map(|p| p.model.channels().to_vec()).collect();
+    let noise_covariance = noise_covariance(data, first, parts)?;
+    let model = ContinuousModel::new(channels, data.inputs(), noise_covariance.clone())?;
+    let total = model.parameters().len();
+    let (mut covariance, mut at_bound) = (Mat::zeros(total, total), Vec::with_capacity(total));
+    let mut offset = 0;
+    for part in parts {
+        let n = part.minimum.parameters.len();
+        let own = faer::Scale(part.minimum.cost / part.degrees_of_freedom()) * &part.minimum.unscaled_covariance;
+        covariance.submatrix_mut(offset, offset, n, n).copy_from(&own);
+        at_bound.extend_from_slice(&part.minimum.at_bound);
+        offset += n;
+    }
+    let initial_states = super::initial::initial_states(&model, data, settings.nuisance)?;
+    let condition = parts.iter().map(|p| p.minimum.condition).fold(1.0, f64::max);
+    let samples = parts.iter().map(|p| p.minimum.residuals.len()).min().unwrap_or(0);
+    let worst = parts.iter().map(|p| p.minimum.termination).find(|t| !t.converged());
+    let loss = parts.iter().map(|p| p.minimum.cost / p.minimum.residuals.len() as f64).product();
+    let termination = worst.or(parts.first().map(|p| p.minimum.termination)).unwrap_or(crate::Termination::Direct);
+    Ok(Fit {
+        covariance,
+        degrees_of_freedom: parts.iter().map(OutputFit::degrees_of_freedom).fold(f64::INFINITY, f64::min),
+        noise_covariance,
+        loss,
+        samples,
+        free_parameters: at_bound.iter().filter(|b| !**b).count(),
+        initial_states,
+        termination,
+        iterations: parts.iter().map(|p| p.minimum.iterations).sum(),
+        condition,
+        doubts: doubts(data, samples, termination.converged(), condition),
+        model,
+    })
+}
+
+fn doubts(data: &Dataset, samples: usize, converged: bool, condition: f64) -> Vec<Doubt> {
+    let mut doubts = Vec::new();
+    if !converged {
+        doubts.push(Doubt::NotConverged);
+    }
+    if condition > ILL_CONDITIONED {
+        doubts.push(Doubt::IllConditioned { condition });
+    }
+    if samples < data.samples() {
+        doubts.push(Doubt::RowsLeftOut { rows: data.samples() - samples, of: data.samples() });
+    }
+    doubts
+}
+
+/// Covariance of the errors over the rows that all outputs share, degrees of freedom taken off.
+fn noise_covariance<C: ContinuousChannel>(
+    data: &Dataset,
+    first: usize,
+    parts: &[OutputFit<C>],
+) -> Result<Mat<f64>, IdentError> {
+    let count = parts.len();
+    let mut series = Vec::with_capacity(count);
+    for (i, part) in parts.iter().enumerate() {
+        let mut errors = part.minimum.residuals.iter();
+        let spread = records(data, i, first)?.iter().flat_map(|r| r.output[first..].to_vec()).collect::<Vec<f64>>();
+        let aligned = |y: f64| if y.is_nan() { f64::NAN } else { errors.next().copied().unwrap_or(f64::NAN) };
+        series.push(spread.into_iter().map(aligned).collect::<Vec<f64>>());
+    }
+    let scale = |i: usize| parts[i].minimum.residuals.len() as f64 / parts[i].degrees_of_freedom();
+    Ok(Mat::from_fn(count, count, |i, j| {
+        let products = series[i].iter().zip(&series[j]).map(|(x, y)| x * y).filter(|p| p.is_finite());
+        let (sum, rows) = products.fold((0.0, 0.0_f64), |(sum, rows), p| (sum + p, rows + 1.0));
+        sum / rows.max(1.0) * (scale(i) * scale(j)).sqrt()
+    }))
+}

@@ -1,0 +1,282 @@
+//! Continuous-time transfer functions from sampled data.
+
+mod companion;
+pub(crate) mod estimate;
+mod initial;
+mod model;
+pub(crate) mod output_error;
+mod projection;
+pub(crate) mod record;
+mod sampled;
+mod srivc;
+pub(crate) mod start;
+
+use faer::Mat;
+
+pub use model::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
+
+use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
+use estimate::{OutputFit, Settings, combine, fit_output};
+use output_error::Nuisance;
+use record::{Record, records};
+use start::Candidate;
+
+/// Estimates continuous-time transfer functions from sampled data, by minimising the error of the simulated output:
+///
+/// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`,
+/// `G(s) = (b_m s^m + … + b₀) / (s^n + a_{n−1} s^{n−1} + … + a₀) · e^{−s·delay}`.
+///
+/// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample included.
+/// Instrumental variables give starting values. Initial states are estimated; where a delay is searched, the samples
+/// before its upper bound only serve as past inputs. Each output is estimated on its own. The covariance is that for
+/// white noise on the outputs.
+///
+/// # Example
+/// ```
+/// use ident::{ContinuousTransferFunction, Dataset};
+/// // ẏ + 2 y = 3 u under a held input: y(k+1) = e^{−0.2} y(k) + 1.5 (1 − e^{−0.2}) u(k).
+/// let u: Vec<f64> = (0..200).map(|k| f64::from((k * k) % 7 > 3)).collect();
+/// let pole = (-0.2_f64).exp();
+/// let mut y = vec![0.4];
+/// for k in 0..199 {
+///     y.push(pole * y[k] + 1.5 * (1.0 - pole) * u[k]);
+/// }
+/// let fit = ContinuousTransferFunction::new(0, 1).fit(&Dataset::siso(0.1, &u, &y)?)?;
+/// let g = fit.model.transfer_function(0, 0)?;
+/// assert!((g.num()[0] - 3.0).abs() < 1e-8 && (g.den()[1] - 2.0).abs() < 1e-8);
+/// # Ok::<(), ident::IdentError>(())
+/// ```
+///
+/// # Source
+/// Young & Jakeman (1980), Int. J. Control 31 (SRIVC); Garnier & Wang (eds.), *Identification of Continuous-time Models
+/// from Sampled Data*, 2008; Ljung 1999, §10.2 (the minimisation).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContinuousTransferFunction {
+    numerator_degree: Vec<usize>,
+    poles: Vec<usize>,
+    delay_s: Vec<(f64, f64)>,
+    integrators: usize,
+    offset: bool,
+    at_rest: bool,
+    unstable: bool,
+    search: NonlinearOptions,
+}
+
+impl ContinuousTransferFunction {
+    /// The same degree of the numerator and the same number of poles from every input, no delay.
+    pub fn new(numerator_degree: usize, poles: usize) -> Self {
+        Self::per_input(vec![numerator_degree], vec![poles])
+    }
+
+    /// Degrees of numerators and numbers of poles, one an input.
+    pub fn per_input(numerator_degree: Vec<usize>, poles: Vec<usize>) -> Self {
+        ContinuousTransferFunction {
+            numerator_degree,
+            poles,
+            delay_s: vec![(0.0, 0.0)],
+            integrators: 0,
+            offset: false,
+            at_rest: false,
+            unstable: false,
+            search: NonlinearOptions::default(),
+        }
+    }
+
+    /// A known delay from each input, in seconds; one value stands for all inputs.
+    #[must_use]
+    pub fn with_delay(self, delay_s: &[f64]) -> Self {
+        ContinuousTransferFunction { delay_s: delay_s.iter().map(|d| (*d, *d)).collect(), ..self }
+    }
+
+    /// A delay to be found between two bounds in seconds, one pair an input; one pair stands for all inputs.
+    #[must_use]
+    pub fn with_delay_between(self, delay_s: &[(f64, f64)]) -> Self {
+        ContinuousTransferFunction { delay_s: delay_s.to_vec(), ..self }
+    }
+
+    /// Of the poles from each input, this many are known to be at zero.
+    #[must_use]
+    pub fn with_integrators(self, integrators: usize) -> Self {
+        ContinuousTransferFunction { integrators, ..self }
+    }
+
+    /// Estimates a constant on the outputs of each experiment besides.
+    #[must_use]
+    pub fn with_offset(self) -> Self {
+        ContinuousTransferFunction { offset: true, ..self }
+    }
+
+    /// Takes the system as at rest, and its inputs as zero, before each experiment.
+    #[must_use]
+    pub fn from_rest(self) -> Self {
+        ContinuousTransferFunction { at_rest: true, ..self }
+    }
+
+    /// Lets poles be unstable.
+    #[must_use]
+    pub fn allow_unstable(self) -> Self {
+        ContinuousTransferFunction { unstable: true, ..self }
+    }
+
+    /// How far and how exactly to search.
+    #[must_use]
+    pub fn with_search(self, search: NonlinearOptions) -> Self {
+        ContinuousTransferFunction { search, ..self }
+    }
+
+    /// Estimates the model.
+    ///
+    /// # Errors
+    /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for a
+    /// numerator of higher degree than its denominator, more integrators than poles, or delays that are no range;
+    /// [`IdentError::Missing`] for a gap in an input (gaps in outputs are left out); [`IdentError::Constant`];
+    /// [`IdentError::TooFewSamples`]; [`IdentError::RankDeficient`] where the data do not determine every parameter, as
+    /// with too many poles.
+    pub fn fit(&self, data: &Dataset) -> Result<Fit<TransferFunctionModel>, IdentError> {
+        let options = self.spread(data)?;
+        let first = options.first_sample(data);
+        let settings = options.settings();
+        let mut parts = Vec::with_capacity(data.outputs());
+        for output in 0..data.outputs() {
+            let records = records(data, output, first)?;
+            options.check_length(&records)?;
+            let starts = options.starts(data, &records)?;
+            parts.push(fit_output(data, &records, &starts, &options.bounds(), settings)?);
+        }
+        combine(data, first, &parts as &[OutputFit<RationalChannel>], settings)
+    }
+
+    /// The options with one entry an input.
+    fn spread(&self, data: &Dataset) -> Result<Self, IdentError> {
+        let inputs = data.inputs();
+        let options = ContinuousTransferFunction {
+            numerator_degree: one_each("numerator degrees", &self.numerator_degree, inputs)?,
+            poles: one_each("numbers of poles", &self.poles, inputs)?,
+            delay_s: one_each("delays", &self.delay_s, inputs)?,
+            ..self.clone()
+        };
+        options.check(data.intersample())?;
+        Ok(options)
+    }
+
+    fn check(&self, intersample: Intersample) -> Result<(), IdentError> {
+        let refuse = |what| Err(IdentError::Structure { what });
+        for (m, n) in self.numerator_degree.iter().zip(&self.poles) {
+            if m > n {
+                return refuse("the numerator may not have a higher degree than the denominator");
+            }
+            if self.integrators > *n {
+                return refuse("more integrators than poles");
+            }
+        }
+        check_delays(&self.delay_s)?;
+        let proper = self.numerator_degree.iter().zip(&self.poles).zip(&self.delay_s);
+        let jumps = intersample == Intersample::ZeroOrderHold;
+        if jumps && proper.into_iter().any(|((m, n), (low, high))| m == n && low < high) {
+            return refuse("with held inputs and as many zeros as poles the delay can only be given, not searched");
+        }
+        Ok(())
+    }
+
+    fn settings(&self) -> Settings {
+        let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
+        Settings { nuisance, stable: !self.unstable, search: self.search }
+    }
+
+    fn first_sample(&self, data: &Dataset) -> usize {
+        if self.at_rest { 0 } else { first_sample(&self.delay_s, data.sample_time_s()) }
+    }
+
+    fn check_length(&self, records: &[Record<'_>]) -> Result<(), IdentError> {
+        let parameters = self.numerator_degree.iter().zip(&self.poles).map(|(m, n)| m + 1 + n).sum::<usize>();
+        let nuisance = records.len() * self.poles.iter().sum::<usize>();
+        let samples = records.iter().map(Record::rows).sum();
+        if samples <= parameters + nuisance {
+            return Err(IdentError::TooFewSamples { samples, parameters: parameters + nuisance });
+        }
+        Ok(())
+    }
+
+    fn bounds(&self) -> Vec<Bounds> {
+        let mut bounds = Vec::new();
+        for ((m, n), (low, high)) in self.numerator_degree.iter().zip(&self.poles).zip(&self.delay_s) {
+            bounds.extend(vec![Bounds::NONE; m + 1 + n - self.integrators]);
+            bounds.extend(vec![Bounds::new(0.0, 0.0); self.integrators]);
+            bounds.push(Bounds::new(*low, *high));
+        }
+        bounds
+    }
+
+    fn starts(&self, data: &Dataset, records: &[Record<'_>]) -> Result<Vec<TransferFunctionModel>, IdentError> {
+        let t = data.sample_time_s();
+        let delays: Vec<(f64, f64)> = self.delay_s.iter().map(|(low, high)| (low / t, high / t)).collect();
+        let structure = srivc::Structure {
+            degrees: &self.numerator_degree,
+            delays: &delays.iter().map(|d| d.0).collect::<Vec<f64>>(),
+            poles: self.poles.iter().copied().max().unwrap_or(0),
+            integrators: self.integrators,
+            offset: self.offset,
+            intersample: data.intersample(),
+        };
+        let searched = delays.iter().any(|(low, high)| low < high);
+        let candidates = if searched {
+            start::candidates_over_delays(&structure, records, &delays)?
+        } else {
+            start::candidates(&structure, records)?
+        };
+        candidates.iter().map(|c| self.model_of(c, t)).collect()
+    }
+
+    /// A starting value in units of samples as a model in SI. An input with fewer poles than the common denominator keeps
+    /// the slowest.
+    fn model_of(&self, candidate: &Candidate, t: f64) -> Result<TransferFunctionModel, IdentError> {
+        let mut channels = Vec::with_capacity(self.poles.len());
+        for (k, n) in self.poles.iter().enumerate() {
+            let (a, gain) = slowest(&candidate.estimate.a, *n)?;
+            let scale = |power: usize| t.powi(power as i32 - *n as i32);
+            let b = &candidate.estimate.b[k];
+            let num: Vec<f64> = (0..b.len()).rev().map(|j| gain * b[j] * scale(j)).collect();
+            let den: Vec<f64> = (0..*n).rev().map(|j| a[j] * scale(j)).collect();
+            channels.push(RationalChannel::new(num, den, candidate.delays[k] * t)?);
+        }
+        Ok(TransferFunctionModel::new(channels, self.poles.len(), Mat::identity(1, 1))?)
+    }
+}
+
+/// The slowest `n` poles of a monic polynomial in ascending powers, and what the numerator must be multiplied by for the
+/// gain at rest to stay.
+fn slowest(a: &[f64], n: usize) -> Result<(Vec<f64>, f64), IdentError> {
+    if n == a.len() {
+        return Ok((a.to_vec(), 1.0));
+    }
+    let descending: Vec<f64> = std::iter::once(1.0).chain(a.iter().rev().copied()).collect();
+    let mut poles = lti::polynomial::roots(&descending)?;
+    poles.sort_by(|p, q| p.norm().total_cmp(&q.norm()).then(p.im.abs().total_cmp(&q.im.abs())));
+    let gain = poles[n..].iter().map(|p| 1.0 / p.norm()).product();
+    let mut kept = lti::polynomial::from_roots(&poles[..n]);
+    kept.reverse();
+    kept.pop();
+    Ok((kept, gain))
+}
+
+/// One entry an input, from as many or from one for all.
+pub(crate) fn one_each<T: Clone>(what: &'static str, given: &[T], inputs: usize) -> Result<Vec<T>, IdentError> {
+    match given {
+        [all] => Ok(vec![all.clone(); inputs]),
+        _ if given.len() == inputs => Ok(given.to_vec()),
+        _ => Err(IdentError::Length { what, expected: inputs, found: given.len() }),
+    }
+}
+
+pub(crate) fn check_delays(delay_s: &[(f64, f64)]) -> Result<(), IdentError> {
+    if delay_s.iter().all(|(low, high)| *low >= 0.0 && low <= high && high.is_finite()) {
+        return Ok(());
+    }
+    Err(IdentError::Structure { what: "bounds of a delay must be finite, not negative, the lower one first" })
+}
+
+/// The first sample at which every delayed input is known.
+pub(crate) fn first_sample(delay_s: &[(f64, f64)], sample_time_s: f64) -> usize {
+    let longest = delay_s.iter().map(|(_, high)| high / sample_time_s).fold(0.0, f64::max);
+    (longest - 1e-9).ceil().max(0.0) as usize
+}

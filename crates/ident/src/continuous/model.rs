@@ -1,0 +1,259 @@
+//! [`ContinuousModel`]: continuous channels from every input to every output, with white noise on the outputs.
+
+use faer::Mat;
+use lti::{Innovations, LtiError, ProcessModel, StateSpace, TransferFunction};
+
+use super::companion::Companion;
+use crate::{Intersample, LinearModel, Parametric};
+
+/// The way from one input to one output of a [`ContinuousModel`], with parameters of its own.
+pub trait ContinuousChannel: Parametric {
+    /// Degree of the numerator and number of poles that the structure has room for.
+    fn degrees(&self) -> (usize, usize);
+
+    /// Which parameter is the delay in seconds, where there is one.
+    fn delay_parameter(&self) -> Option<usize>;
+
+    /// The continuous transfer function at the parameters; numerator and denominator are polynomials of degree two at
+    /// most in each single parameter.
+    ///
+    /// # Errors
+    /// Parameters at which there is none.
+    fn transfer_function(&self) -> Result<TransferFunction, LtiError>;
+}
+
+/// A continuous transfer function by its coefficients:
+///
+/// `G(s) = (b_m s^m + … + b₀) / (s^n + a_{n−1} s^{n−1} + … + a₀) · e^{−s·delay}`.
+///
+/// Parameters are `b_m … b₀`, `a_{n−1} … a₀` and the delay in seconds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RationalChannel {
+    num: Vec<f64>,
+    den: Vec<f64>,
+    delay_s: f64,
+}
+
+impl RationalChannel {
+    /// From `b_m … b₀`, `a_{n−1} … a₀` (the leading one is not given) and a delay.
+    ///
+    /// # Errors
+    /// [`LtiError::NonFinite`], [`LtiError::Delay`]; [`LtiError::ZeroPolynomial`] without a numerator.
+    pub fn new(num: Vec<f64>, den: Vec<f64>, delay_s: f64) -> Result<Self, LtiError> {
+        if num.is_empty() {
+            return Err(LtiError::ZeroPolynomial { what: "numerator" });
+        }
+        let channel = RationalChannel { num, den, delay_s };
+        channel.transfer_function().map(|_| channel)
+    }
+}
+
+impl Parametric for RationalChannel {
+    fn parameters(&self) -> Vec<f64> {
+        self.num.iter().chain(&self.den).copied().chain([self.delay_s]).collect()
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        let b = (0..self.num.len()).rev().map(|power| format!("b{power}"));
+        let a = (0..self.den.len()).rev().map(|power| format!("a{power}"));
+        b.chain(a).chain(["delay".to_owned()]).collect()
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
+        let (m, n) = (self.num.len(), self.den.len());
+        check_count(m + n + 1, parameters.len())?;
+        Self::new(parameters[..m].to_vec(), parameters[m..m + n].to_vec(), parameters[m + n])
+    }
+}
+
+impl ContinuousChannel for RationalChannel {
+    fn degrees(&self) -> (usize, usize) {
+        (self.num.len() - 1, self.den.len())
+    }
+
+    fn delay_parameter(&self) -> Option<usize> {
+        Some(self.num.len() + self.den.len())
+    }
+
+    fn transfer_function(&self) -> Result<TransferFunction, LtiError> {
+        let den = std::iter::once(1.0).chain(self.den.iter().copied()).collect();
+        TransferFunction::continuous(self.num.clone(), den)?.with_delay(self.delay_s)
+    }
+}
+
+impl Parametric for ProcessModel {
+    fn parameters(&self) -> Vec<f64> {
+        ProcessModel::parameters(self)
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        ProcessModel::parameter_names(self)
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
+        ProcessModel::with_parameters(self, parameters)
+    }
+}
+
+impl ContinuousChannel for ProcessModel {
+    fn degrees(&self) -> (usize, usize) {
+        (usize::from(self.zero_s().is_some()), self.order() + usize::from(self.integrates()))
+    }
+
+    fn delay_parameter(&self) -> Option<usize> {
+        self.delay_s().map(|_| ProcessModel::parameters(self).len() - 1)
+    }
+
+    fn transfer_function(&self) -> Result<TransferFunction, LtiError> {
+        self.to_transfer_function()
+    }
+}
+
+/// Outputs that are sums of continuous channels and of white noise:
+///
+/// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`, `Cov e = Λ`.
+///
+/// Parameters are those of the channels, output by output, and in each from the first input on. Inputs that are
+/// [`Intersample::BandLimited`] are taken to run straight between samples, which lowers the gain at ω by the part
+/// (ωT)²/12; where that is too much, identify in the frequency domain, which is exact for them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContinuousModel<C> {
+    channels: Vec<C>,
+    inputs: usize,
+    noise_covariance: Mat<f64>,
+}
+
+/// Continuous transfer functions given by coefficients.
+pub type TransferFunctionModel = ContinuousModel<RationalChannel>;
+
+/// Process models.
+pub type ProcessSystem = ContinuousModel<ProcessModel>;
+
+impl<C: ContinuousChannel> ContinuousModel<C> {
+    /// From the channels of each output in turn, one an input, and the covariance of the noise, outputs × outputs.
+    ///
+    /// # Errors
+    /// [`LtiError::Shape`] where there is not one channel for every input and output.
+    pub fn new(channels: Vec<C>, inputs: usize, noise_covariance: Mat<f64>) -> Result<Self, LtiError> {
+        let outputs = noise_covariance.nrows();
+        let shape = (outputs, inputs);
+        if channels.len() != outputs * inputs || noise_covariance.ncols() != outputs {
+            return Err(LtiError::Shape { what: "channels", expected: shape, got: (channels.len(), 1) });
+        }
+        Ok(ContinuousModel { channels, inputs, noise_covariance })
+    }
+
+    /// The channel from an input to an output.
+    ///
+    /// # Errors
+    /// [`LtiError::Index`].
+    pub fn channel(&self, output: usize, input: usize) -> Result<&C, LtiError> {
+        let outputs = self.noise_covariance.nrows();
+        for (what, index, count) in [("output", output, outputs), ("input", input, self.inputs)] {
+            if index >= count {
+                return Err(LtiError::Index { what, index, count });
+            }
+        }
+        Ok(&self.channels[output * self.inputs + input])
+    }
+
+    /// The transfer function from an input to an output, delay included.
+    ///
+    /// # Errors
+    /// [`LtiError::Index`], or parameters at which there is none.
+    pub fn transfer_function(&self, output: usize, input: usize) -> Result<TransferFunction, LtiError> {
+        self.channel(output, input)?.transfer_function()
+    }
+
+    /// `Λ`, outputs × outputs.
+    pub fn noise_covariance(&self) -> faer::MatRef<'_, f64> {
+        self.noise_covariance.as_ref()
+    }
+
+    /// One channel after another, and where the parameters of each begin.
+    pub(crate) fn offsets(&self) -> Vec<usize> {
+        let mut next = 0;
+        let mut begin = |c: &C| {
+            next += c.parameters().len();
+            next - c.parameters().len()
+        };
+        self.channels.iter().map(&mut begin).collect()
+    }
+
+    pub(crate) fn channels(&self) -> &[C] {
+        &self.channels
+    }
+}
+
+impl<C: ContinuousChannel> Parametric for ContinuousModel<C> {
+    fn parameters(&self) -> Vec<f64> {
+        self.channels.iter().flat_map(C::parameters).collect()
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        let outputs = self.noise_covariance.nrows();
+        let label = |i: usize| match (outputs > 1, self.inputs > 1) {
+            (true, _) => format!("[{},{}]", i / self.inputs + 1, i % self.inputs + 1),
+            (false, true) => format!("[{}]", i + 1),
+            (false, false) => String::new(),
+        };
+        let named = |(i, c): (usize, &C)| c.parameter_names().into_iter().map(move |n| n + &label(i));
+        self.channels.iter().enumerate().flat_map(named).collect()
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
+        check_count(self.parameters().len(), parameters.len())?;
+        let mut rest = parameters;
+        let mut channels = Vec::with_capacity(self.channels.len());
+        for channel in &self.channels {
+            let (own, others) = rest.split_at(channel.parameters().len());
+            channels.push(channel.with_parameters(own)?);
+            rest = others;
+        }
+        Ok(ContinuousModel { channels, ..self.clone() })
+    }
+}
+
+impl<C: ContinuousChannel> LinearModel for ContinuousModel<C> {
+    fn inputs(&self) -> usize {
+        self.inputs
+    }
+
+    fn outputs(&self) -> usize {
+        self.noise_covariance.nrows()
+    }
+
+    fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError> {
+        let sampled: Vec<StateSpace> = self
+            .channels
+            .iter()
+            .map(|c| Companion::new(c, sample_time_s)?.to_state_space(sample_time_s, intersample))
+            .collect::<Result<_, LtiError>>()?;
+        let system = assemble(&sampled, self.inputs, self.outputs(), sample_time_s)?;
+        Innovations::output_error(system, self.noise_covariance.clone())
+    }
+}
+
+/// One system of all channels, their states one after the other.
+fn assemble(parts: &[StateSpace], inputs: usize, outputs: usize, sample_time_s: f64) -> Result<StateSpace, LtiError> {
+    let n = parts.iter().map(StateSpace::states).sum();
+    let (mut a, mut b) = (Mat::zeros(n, n), Mat::zeros(n, inputs));
+    let (mut c, mut d) = (Mat::zeros(outputs, n), Mat::zeros(outputs, inputs));
+    let mut first = 0;
+    for (index, part) in parts.iter().enumerate() {
+        let (output, input, states) = (index / inputs, index % inputs, part.states());
+        a.submatrix_mut(first, first, states, states).copy_from(part.a());
+        b.submatrix_mut(first, input, states, 1).copy_from(part.b());
+        c.submatrix_mut(output, first, 1, states).copy_from(part.c());
+        d[(output, input)] = part.d()[(0, 0)];
+        first += states;
+    }
+    StateSpace::discrete(a, b, c, d, sample_time_s)
+}
+
+fn check_count(expected: usize, found: usize) -> Result<(), LtiError> {
+    if expected == found {
+        return Ok(());
+    }
+    Err(LtiError::Shape { what: "parameters", expected: (expected, 1), got: (found, 1) })
+}

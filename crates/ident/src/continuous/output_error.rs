@@ -1,0 +1,275 @@
+//! The errors of simulated outputs and their derivatives, exact at the samples.
+//!
+//! Initial states and an offset enter linearly: they are projected out of the errors and of the Jacobian, so that the
+//! search sees the parameters alone and their covariance is already that of the whole problem.
+//!
+//! # Source
+//! Golub & Pereyra, *Separable nonlinear least squares*, Inverse Problems 19, 2003; Kaufman, BIT 15, 1975 (the Jacobian);
+//! Ljung 1999, §10.2.
+
+use faer::{Mat, MatMut};
+
+use super::companion::Companion;
+use super::model::{ContinuousChannel, ContinuousModel};
+use super::projection::Basis;
+use super::record::Record;
+use crate::{IdentError, Intersample, Parametric, ResidualModel};
+
+/// What is assumed of the time before a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Nuisance {
+    /// Initial states are estimated; otherwise the system is at rest and the input zero before the record.
+    pub(crate) initial_state: bool,
+    /// A constant is added to the output of each experiment.
+    pub(crate) offset: bool,
+}
+
+/// Errors of a model with one output over its records.
+pub(crate) struct OutputError<'a, C> {
+    pub(crate) model: ContinuousModel<C>,
+    pub(crate) records: &'a [Record<'a>],
+    pub(crate) sample_time_s: f64,
+    pub(crate) intersample: Intersample,
+    pub(crate) nuisance: Nuisance,
+    /// Unstable models are refused.
+    pub(crate) stable: bool,
+}
+
+/// A channel ready to be run.
+struct Ready {
+    companion: Companion,
+    first_parameter: usize,
+    /// Derivatives of numerator, denominator and delay (rows) by the channel's own parameters.
+    slopes: Mat<f64>,
+}
+
+impl<C: ContinuousChannel> OutputError<'_, C> {
+    fn ready(&self, theta: &[f64], with_slopes: bool) -> Result<Vec<Ready>, IdentError> {
+        let model = self.model.with_parameters(theta)?;
+        let mut ready = Vec::with_capacity(model.channels().len());
+        for (channel, first_parameter) in model.channels().iter().zip(model.offsets()) {
+            let companion = Companion::new(channel, self.sample_time_s)?;
+            if self.stable && !companion.is_stable()? {
+                return Err(IdentError::Structure { what: "the model is not stable" });
+            }
+            let slopes = if with_slopes { slopes(channel)? } else { Mat::zeros(0, 0) };
+            ready.push(Ready { companion, first_parameter, slopes });
+        }
+        Ok(ready)
+    }
+
+    /// Independent columns of initial states and offsets, over all records.
+    pub(crate) fn nuisance_rank(&self, theta: &[f64]) -> Result<usize, IdentError> {
+        let ready = self.ready(theta, false)?;
+        self.records.iter().map(|r| Ok(self.basis(&ready, r)?.rank())).sum()
+    }
+
+    fn basis(&self, ready: &[Ready], record: &Record<'_>) -> Result<Basis, IdentError> {
+        let length = record.output.len() - record.first;
+        let mut columns = Vec::new();
+        if self.nuisance.initial_state {
+            for part in ready {
+                columns.append(&mut free_responses(&part.companion, length, self.intersample)?);
+            }
+        }
+        if self.nuisance.offset {
+            columns.push(vec![1.0; length]);
+        }
+        columns.iter_mut().for_each(|c| record.keep(c));
+        Ok(Basis::new(columns))
+    }
+
+    /// The measured output less every forced response.
+    fn forced_error(&self, ready: &[Ready], record: &Record<'_>) -> Result<Vec<f64>, IdentError> {
+        let mut error: Vec<f64> = record.output[record.first..].to_vec();
+        for (part, u) in ready.iter().zip(&record.inputs) {
+            let sampled = part.companion.sampled(self.intersample)?;
+            let (c, d) = part.companion.output();
+            sampled.run(u, record.first, &mut vec![0.0; c.len()], |k, z, v, _| {
+                error[k - record.first] -= c.iter().zip(z).map(|(c, z)| c * z).sum::<f64>() + d * v;
+            });
+        }
+        record.keep(&mut error);
+        Ok(error)
+    }
+
+    /// Writes the derivatives of the error by the parameters of one channel into the columns given.
+    fn differentiate(
+        &self,
+        part: &Ready,
+        record: &Record<'_>,
+        (input, initial): (usize, &[f64]),
+        columns: &mut [Vec<f64>],
+    ) -> Result<(), IdentError> {
+        let n = part.companion.order();
+        let cascade = part.companion.cascade(self.intersample)?;
+        let mut state = vec![0.0; 2 * n];
+        state[..initial.len()].copy_from_slice(initial);
+        let mut by_coefficient = vec![0.0; part.slopes.nrows()];
+        cascade.run(record.inputs[input], record.first, &mut state, |k, state, v, slope| {
+            if record.output[k].is_nan() {
+                return;
+            }
+            part.companion.sensitivities(state, v, slope, &mut by_coefficient);
+            for (j, column) in columns.iter_mut().enumerate() {
+                let slopes = part.slopes.col(j).iter();
+                column.push(-slopes.zip(&by_coefficient).map(|(s, d)| s * d).sum::<f64>());
+            }
+        });
+        Ok(())
+    }
+
+    fn evaluate_record(
+        &self,
+        ready: &[Ready],
+        record: &Record<'_>,
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        let basis = self.basis(ready, record)?;
+        let mut error = self.forced_error(ready, record)?;
+        let initial = basis.take_out(&mut error);
+        residuals.copy_from_slice(&error);
+        let Some(mut jacobian) = jacobian else {
+            return Ok(());
+        };
+        let mut taken = 0;
+        for (input, part) in ready.iter().enumerate() {
+            let states = if self.nuisance.initial_state { part.companion.order() } else { 0 };
+            let x0 = initial.get(taken..taken + states).unwrap_or(&[]);
+            taken += states;
+            let mut columns = vec![Vec::with_capacity(error.len()); part.slopes.ncols()];
+            self.differentiate(part, record, (input, x0), &mut columns)?;
+            for (j, column) in columns.iter_mut().enumerate() {
+                basis.take_out(column);
+                let into = jacobian.as_mut().col_mut(part.first_parameter + j);
+                into.iter_mut().zip(column.iter()).for_each(|(slot, value)| *slot = *value);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// `c Φ^k`, one column a state.
+fn free_responses(companion: &Companion, length: usize, intersample: Intersample) -> Result<Vec<Vec<f64>>, IdentError> {
+    let sampled = companion.sampled(intersample)?;
+    let (mut row, _) = companion.output();
+    let mut scratch = vec![0.0; row.len()];
+    let mut columns = vec![Vec::with_capacity(length); row.len()];
+    for _ in 0..length {
+        columns.iter_mut().zip(&row).for_each(|(column, value)| column.push(*value));
+        sampled.advance_row(&mut row, &mut scratch);
+    }
+    Ok(columns)
+}
+
+/// Derivatives of `b_m … b₀`, `a_n … a₀` and the delay by the parameters of a channel. Coefficients are of degree two at
+/// most in each parameter, so that central differences are exact for any step.
+fn slopes<C: ContinuousChannel>(channel: &C) -> Result<Mat<f64>, IdentError> {
+    let theta = channel.parameters();
+    let (m, n) = channel.degrees();
+    let mut slopes = Mat::zeros(m + n + 3, theta.len());
+    for j in 0..theta.len() {
+        if channel.delay_parameter() == Some(j) {
+            slopes[(m + n + 2, j)] = 1.0;
+            continue;
+        }
+        let step = if theta[j] == 0.0 { 1.0 } else { 0.5 * theta[j] };
+        let moved = |by: f64| -> Result<Vec<f64>, IdentError> {
+            let mut point = theta.clone();
+            point[j] += by;
+            let system = channel.with_parameters(&point)?.transfer_function()?;
+            let padded = |p: &[f64], length: usize| [vec![0.0; length - p.len()], p.to_vec()].concat();
+            Ok([padded(system.num(), m + 1), padded(system.den(), n + 1)].concat())
+        };
+        for (i, (above, below)) in moved(step)?.into_iter().zip(moved(-step)?).enumerate() {
+            slopes[(i, j)] = (above - below) / (2.0 * step);
+        }
+    }
+    Ok(slopes)
+}
+
+impl<C: ContinuousChannel> ResidualModel for OutputError<'_, C> {
+    fn parameter_count(&self) -> usize {
+        self.model.parameters().len()
+    }
+
+    fn residual_count(&self) -> usize {
+        self.records.iter().map(Record::rows).sum()
+    }
+
+    fn evaluate(
+        &mut self,
+        theta: &[f64],
+        residuals: &mut [f64],
+        mut jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        let ready = self.ready(theta, jacobian.is_some())?;
+        let mut first = 0;
+        for record in self.records {
+            let rows = record.rows();
+            let part = jacobian.as_mut().map(|j| j.as_mut().subrows_mut(first, rows));
+            self.evaluate_record(&ready, record, &mut residuals[first..first + rows], part)?;
+            first += rows;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::continuous::RationalChannel;
+
+    /// Projected errors and derivatives on two channels, one with a delay between samples, from a state not at zero.
+    #[test]
+    fn prop_gradient_equals_differences() {
+        let u: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 7 + k) % 13) - 6.0).collect();
+        let v: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 5 + 3 * k) % 11) - 5.0).collect();
+        let y: Vec<f64> = (0..300).map(|k: i32| f64::from((k * 31) % 17) + 3.0 * 0.97_f64.powi(k)).collect();
+        let late = [Record { inputs: vec![&u, &v], output: &y, first: 9 }];
+        let from_rest = [Record { first: 0, ..late[0].clone() }];
+        let one = RationalChannel::new(vec![1.0, 30.0], vec![4.0, 25.0], 0.237).unwrap();
+        let two = RationalChannel::new(vec![2.0], vec![3.0], 0.52).unwrap();
+        for intersample in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold] {
+            for nuisance in [(true, true), (true, false), (false, true)] {
+                let (initial_state, offset) = nuisance;
+                let mut problem = OutputError {
+                    model: ContinuousModel::new(vec![one.clone(), two.clone()], 2, Mat::identity(1, 1)).unwrap(),
+                    records: if initial_state { &late } else { &from_rest },
+                    sample_time_s: 0.1,
+                    intersample,
+                    nuisance: Nuisance { initial_state, offset },
+                    stable: true,
+                };
+                check(&mut problem);
+            }
+        }
+    }
+
+    /// The projected Jacobian is that of the errors up to a part within what is projected out, so gradients are compared.
+    fn check(problem: &mut OutputError<'_, RationalChannel>) {
+        let theta = problem.model.parameters();
+        let (rows, columns) = (problem.residual_count(), theta.len());
+        let (mut residuals, mut jacobian) = (vec![0.0; rows], Mat::zeros(rows, columns));
+        problem.evaluate(&theta, &mut residuals, Some(jacobian.as_mut())).unwrap();
+        let mut cost = |point: &[f64]| {
+            let mut residuals = vec![0.0; rows];
+            problem.evaluate(point, &mut residuals, None).unwrap();
+            residuals.iter().map(|r| r * r).sum::<f64>()
+        };
+        for j in 0..columns {
+            let analytic: f64 = 2.0 * (0..rows).map(|i| jacobian[(i, j)] * residuals[i]).sum::<f64>();
+            let step = 1e-5 * theta[j];
+            let moved = |sign: f64| {
+                let mut point = theta.clone();
+                point[j] += sign * step;
+                point
+            };
+            let difference = (cost(&moved(1.0)) - cost(&moved(-1.0))) / (2.0 * step);
+            let scale = 2.0 * jacobian.col(j).norm_l2() * residuals.iter().map(|r| r * r).sum::<f64>().sqrt();
+            assert!((analytic - difference).abs() < 1e-6 * scale, "{j}: {analytic} {difference} {scale}");
+        }
+    }
+}

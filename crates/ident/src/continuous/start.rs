@@ -1,0 +1,180 @@
+//! Where the search for a transfer function begins.
+
+use super::companion::Companion;
+use super::projection::Basis;
+use super::record::Record;
+use super::srivc::{Estimate, Structure, stable_filter};
+use crate::IdentError;
+
+/// Samples that a starting value may rest on, and a comparison of delays.
+const SAMPLES: usize = 30_000;
+const SAMPLES_PER_DELAY: usize = 8_000;
+
+/// Corner frequencies tried for the first filter.
+const CORNERS: usize = 8;
+
+/// Rounds of instrumental variables.
+const ROUNDS: usize = 12;
+
+/// Best corners that are refined.
+const REFINED: usize = 3;
+
+/// Delays compared, at most, for one input.
+const DELAYS: usize = 25;
+
+/// A starting value with what it leaves of the output.
+#[derive(Debug, Clone)]
+pub(crate) struct Candidate {
+    pub(crate) estimate: Estimate,
+    pub(crate) delays: Vec<f64>,
+    pub(crate) cost: f64,
+}
+
+fn shortened<'a>(records: &[Record<'a>], most: usize) -> Vec<Record<'a>> {
+    let each = (most / records.len().max(1)).max(200);
+    records.iter().map(|r| r.shortened(each)).collect()
+}
+
+/// The best starting values at the delays given, best first.
+pub(crate) fn candidates(structure: &Structure<'_>, records: &[Record<'_>]) -> Result<Vec<Candidate>, IdentError> {
+    explore(structure, &shortened(records, SAMPLES), ROUNDS)
+}
+
+fn explore(structure: &Structure<'_>, records: &[Record<'_>], rounds: usize) -> Result<Vec<Candidate>, IdentError> {
+    let length = records.iter().map(|r| r.output.len() - r.first).max().unwrap_or(0).max(8) as f64;
+    let (low, high) = (4.0 / length, 2.0_f64);
+    let mut found = Vec::with_capacity(CORNERS);
+    for i in 0..CORNERS {
+        let lambda = low * (high / low).powf(i as f64 / (CORNERS - 1) as f64);
+        let judged = structure.least_squares(records, lambda).and_then(|e| judge(structure, records, e));
+        found.extend(judged.ok().filter(|c| c.cost.is_finite()));
+    }
+    found.sort_by(|x, y| x.cost.total_cmp(&y.cost));
+    found.truncate(REFINED);
+    for candidate in &mut found {
+        refine(structure, records, candidate, rounds);
+    }
+    found.sort_by(|x, y| x.cost.total_cmp(&y.cost));
+    if found.is_empty() {
+        return Err(IdentError::Structure { what: "no starting value found; try fewer poles, or give more data" });
+    }
+    Ok(found)
+}
+
+/// Rounds of instrumental variables; the best of them stays.
+fn refine(structure: &Structure<'_>, records: &[Record<'_>], best: &mut Candidate, rounds: usize) {
+    let mut last = best.estimate.clone();
+    for _ in 0..rounds {
+        let next = structure.refine(records, &last).and_then(|e| judge(structure, records, e));
+        let Ok(next) = next else { return };
+        if !next.cost.is_finite() {
+            return;
+        }
+        last = next.estimate.clone();
+        let settled = (next.cost - best.cost).abs() <= 1e-6 * best.cost;
+        if next.cost < best.cost {
+            *best = next;
+        }
+        if settled {
+            return;
+        }
+    }
+}
+
+/// What is left of the output, initial states and offset taken off, with the poles mirrored to where they are stable.
+fn judge(structure: &Structure<'_>, records: &[Record<'_>], estimate: Estimate) -> Result<Candidate, IdentError> {
+    let length = records.iter().map(|r| r.output.len()).max().unwrap_or(1).max(1);
+    let mut a = vec![0.0; structure.integrators];
+    a.extend(stable_filter(&estimate.a[structure.integrators..], 1e-3 / length as f64)?);
+    let estimate = Estimate { a, b: estimate.b };
+    let mut cost = 0.0;
+    for record in records {
+        cost += left_over(structure, record, &estimate)?;
+    }
+    Ok(Candidate { estimate, delays: structure.delays.to_vec(), cost })
+}
+
+fn left_over(structure: &Structure<'_>, record: &Record<'_>, estimate: &Estimate) -> Result<f64, IdentError> {
+    let mut error = simulated_error(structure, record, estimate)?;
+    let length = record.output.len() - record.first;
+    let n = estimate.a.len();
+    let sampled = Companion::monic(&estimate.a, &[1.0], 0.0).sampled(structure.intersample)?;
+    let (mut row, mut scratch) = (vec![0.0; n], vec![0.0; n]);
+    row.iter_mut().take(1).for_each(|v| *v = 1.0);
+    let mut columns = vec![Vec::with_capacity(length); n];
+    for _ in 0..length {
+        columns.iter_mut().zip(&row).for_each(|(column, v)| column.push(*v));
+        sampled.advance_row(&mut row, &mut scratch);
+    }
+    if structure.offset {
+        columns.push(vec![1.0; length]);
+    }
+    columns.iter_mut().for_each(|c| record.keep(c));
+    Basis::new(columns).take_out(&mut error);
+    Ok(error.iter().map(|e| e * e).sum())
+}
+
+fn simulated_error(
+    structure: &Structure<'_>,
+    record: &Record<'_>,
+    estimate: &Estimate,
+) -> Result<Vec<f64>, IdentError> {
+    let mut error = record.output[record.first..].to_vec();
+    for ((u, b), delay) in record.inputs.iter().zip(&estimate.b).zip(structure.delays) {
+        let companion = Companion::monic(&estimate.a, b, *delay);
+        let (c, d) = companion.output();
+        companion.sampled(structure.intersample)?.run(u, record.first, &mut vec![0.0; c.len()], |k, z, v, _| {
+            error[k - record.first] -= c.iter().zip(z).map(|(c, z)| c * z).sum::<f64>() + d * v;
+        });
+    }
+    record.keep(&mut error);
+    Ok(error)
+}
+
+/// The best starting values over delays within bounds, in samples; each input's delay is searched in turn with those of
+/// the others held.
+pub(crate) fn candidates_over_delays(
+    structure: &Structure<'_>,
+    records: &[Record<'_>],
+    bounds: &[(f64, f64)],
+) -> Result<Vec<Candidate>, IdentError> {
+    let short = shortened(records, SAMPLES_PER_DELAY);
+    let mut delays: Vec<f64> = bounds.iter().map(|(low, high)| 0.5 * (low + high)).collect();
+    let mut ranked = Vec::new();
+    let sweeps = if bounds.len() > 1 { 2 } else { 1 };
+    for _ in 0..sweeps {
+        for (k, bound) in bounds.iter().enumerate() {
+            let mut tried = Vec::new();
+            for delay in grid(*bound) {
+                delays[k] = delay;
+                let at = Structure { delays: &delays, ..structure.clone() };
+                tried.extend(explore(&at, &short, 3).ok().and_then(|c| c.into_iter().next()));
+            }
+            tried.sort_by(|x: &Candidate, y| x.cost.total_cmp(&y.cost));
+            let best = tried.first().ok_or(IdentError::Structure { what: "no starting value found at any delay" })?;
+            delays = best.delays.clone();
+            ranked = tried;
+        }
+    }
+    ranked.truncate(REFINED);
+    let full = shortened(records, SAMPLES);
+    let mut found = Vec::new();
+    for candidate in ranked {
+        let at = Structure { delays: &candidate.delays, ..structure.clone() };
+        let mut judged = judge(&at, &full, candidate.estimate)?;
+        refine(&at, &full, &mut judged, ROUNDS);
+        found.push(judged);
+    }
+    found.sort_by(|x, y| x.cost.total_cmp(&y.cost));
+    Ok(found)
+}
+
+/// Delays in the middle of sample intervals, where the errors are smooth in the delay.
+pub(crate) fn grid((low, high): (f64, f64)) -> Vec<f64> {
+    if high <= low {
+        return vec![low];
+    }
+    let step = ((high - low) / DELAYS as f64).ceil().max(1.0);
+    let count = ((high - low) / step).ceil().max(1.0) as usize;
+    (0..count).map(|i| (low + (i as f64 + 0.5) * step).min(0.5 * (low + i as f64 * step + high))).collect()
+}

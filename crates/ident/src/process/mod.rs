@@ -1,0 +1,230 @@
+//! Process models from sampled data.
+
+mod start;
+
+use faer::Mat;
+use lti::ProcessModel;
+
+use crate::continuous::estimate::{OutputFit, Settings, combine, fit_output};
+use crate::continuous::output_error::Nuisance;
+use crate::continuous::record::{Record, records};
+use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};
+use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
+
+/// Longest delay searched unless told otherwise, in samples.
+const DELAY_SAMPLES: f64 = 30.0;
+
+/// Damping of a pair of poles is searched up to here.
+const MOST_DAMPED: f64 = 10.0;
+
+/// Estimates process models, gain, lags, zero and delay, by minimising the error of the simulated output:
+///
+/// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`, `G(s) = K (1 + T_z s) / Π(1 + T_p s) · e^{−T_d s}`, see [`ProcessModel`].
+///
+/// The model is sampled exactly, and the delay is a continuous parameter found below a sample. The search starts from the
+/// best of a grid of delays and lags. Initial states are estimated; the samples before the longest delay only serve as
+/// past inputs, unless the system starts from rest. Each output is estimated on its own. The covariance is that for white
+/// noise on the outputs.
+///
+/// # Example
+/// ```
+/// use ident::{Dataset, ProcessFit};
+/// // 2/(1 + 0.5 s) e^{−0.3 s}, a step at t = 0, sampled every 0.1 s.
+/// let u = vec![1.0; 60];
+/// let y: Vec<f64> = (0..60).map(|k| 0.1 * f64::from(k) - 0.3).map(|t| 2.0 * (1.0 - (-2.0 * t.max(0.0)).exp())).collect();
+/// let (before, rest) = (vec![0.0; 20], vec![0.0; 20]);
+/// let data = Dataset::siso(0.1, &[before, u].concat(), &[rest, y].concat())?;
+/// let fit = ProcessFit::named("P1D")?.with_delay_between(&[(0.0, 1.0)]).fit(&data)?;
+/// let model = fit.model.channel(0, 0)?;
+/// assert!((model.gain() - 2.0).abs() < 1e-8 && (model.delay_s().unwrap() - 0.3).abs() < 1e-8);
+/// # Ok::<(), ident::IdentError>(())
+/// ```
+///
+/// # Source
+/// Ljung 1999, §4.2 and §10.2; Åström & Hägglund (2006), *Advanced PID Control*, ch. 2.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ProcessFit {
+    structure: Vec<ProcessModel>,
+    delay_s: Option<Vec<(f64, f64)>>,
+    lag_s: Option<(f64, f64)>,
+    offset: bool,
+    at_rest: bool,
+    search: NonlinearOptions,
+}
+
+/// What the options come to on given data.
+pub(crate) struct Ranges {
+    pub(crate) structure: Vec<ProcessModel>,
+    pub(crate) delay_s: Vec<(f64, f64)>,
+    pub(crate) lag_s: (f64, f64),
+}
+
+impl ProcessFit {
+    /// The structure in the customary letters: `P` and the number of poles (0 to 3) beside an integrator, then in any
+    /// order `D` for a delay, `Z` for a zero, `U` for two poles that may be complex, `I` for an integrator; for every input
+    /// the same.
+    ///
+    /// # Errors
+    /// [`IdentError::Structure`] for another name, or `U` with fewer than two poles.
+    pub fn named(name: &str) -> Result<Self, IdentError> {
+        Ok(Self::per_input(vec![structure(name)?]))
+    }
+
+    /// A structure for each input: the models' numbers do not matter, only which of them there are.
+    pub fn per_input(structure: Vec<ProcessModel>) -> Self {
+        ProcessFit {
+            structure,
+            delay_s: None,
+            lag_s: None,
+            offset: false,
+            at_rest: false,
+            search: NonlinearOptions::default(),
+        }
+    }
+
+    /// Bounds of the delay in seconds, one pair an input or one for all; 0 to 30 samples, a tenth of the record at most,
+    /// if none are given.
+    #[must_use]
+    pub fn with_delay_between(self, delay_s: &[(f64, f64)]) -> Self {
+        ProcessFit { delay_s: Some(delay_s.to_vec()), ..self }
+    }
+
+    /// Bounds of every lag in seconds; a hundredth of a sample to ten times the record if none are given.
+    #[must_use]
+    pub fn with_lags_between(self, low_s: f64, high_s: f64) -> Self {
+        ProcessFit { lag_s: Some((low_s, high_s)), ..self }
+    }
+
+    /// Estimates a constant on the outputs of each experiment besides.
+    #[must_use]
+    pub fn with_offset(self) -> Self {
+        ProcessFit { offset: true, ..self }
+    }
+
+    /// Takes the system as at rest, and its inputs as zero, before each experiment.
+    #[must_use]
+    pub fn from_rest(self) -> Self {
+        ProcessFit { at_rest: true, ..self }
+    }
+
+    /// How far and how exactly to search.
+    #[must_use]
+    pub fn with_search(self, search: NonlinearOptions) -> Self {
+        ProcessFit { search, ..self }
+    }
+
+    /// Estimates the models.
+    ///
+    /// # Errors
+    /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for bounds that
+    /// are no range, or a zero and no pole; [`IdentError::Missing`] for a gap in an input (gaps in outputs are left out);
+    /// [`IdentError::Constant`]; [`IdentError::TooFewSamples`]; [`IdentError::RankDeficient`] where the data do not
+    /// determine every parameter, as with two lags where one is enough.
+    pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
+        let ranges = self.ranges(data)?;
+        let first = if self.at_rest { 0 } else { first_sample(&ranges.delay_s, data.sample_time_s()) };
+        let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
+        let settings = Settings { nuisance, stable: true, search: self.search };
+        let bounds = ranges.bounds();
+        let mut parts: Vec<OutputFit<ProcessModel>> = Vec::with_capacity(data.outputs());
+        for output in 0..data.outputs() {
+            let records = records(data, output, first)?;
+            let samples = records.iter().map(Record::rows).sum();
+            if samples <= 2 * bounds.len() {
+                return Err(IdentError::TooFewSamples { samples, parameters: 2 * bounds.len() });
+            }
+            let starts = start::candidates(&ranges, data, &records, settings)?;
+            parts.push(fit_output(data, &records, &starts, &bounds, settings)?);
+        }
+        combine(data, first, &parts, settings)
+    }
+
+    fn ranges(&self, data: &Dataset) -> Result<Ranges, IdentError> {
+        let structure = one_each("structures", &self.structure, data.inputs())?;
+        let t = data.sample_time_s();
+        let longest = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
+        let usual = (0.0, t * DELAY_SAMPLES.min((0.1 * longest).floor()));
+        let mut delay_s = one_each("delays", self.delay_s.as_deref().unwrap_or(&[usual]), data.inputs())?;
+        for (bounds, model) in delay_s.iter_mut().zip(&structure) {
+            if model.delay_s().is_none() {
+                *bounds = (0.0, 0.0);
+            }
+            check_zero(model, bounds.0 < bounds.1 && data.intersample() == Intersample::ZeroOrderHold)?;
+        }
+        check_delays(&delay_s)?;
+        let lag_s = self.lag_s.unwrap_or((0.01 * t, 10.0 * longest.max(1.0) * t));
+        if !(lag_s.0 > 0.0 && lag_s.0 < lag_s.1 && lag_s.1.is_finite()) {
+            return Err(IdentError::Structure { what: "bounds of lags must be positive, the lower one first" });
+        }
+        Ok(Ranges { structure, delay_s, lag_s })
+    }
+}
+
+impl Ranges {
+    fn bounds(&self) -> Vec<Bounds> {
+        let lag = Bounds::new(self.lag_s.0, self.lag_s.1);
+        let mut bounds = Vec::new();
+        for (model, (low, high)) in self.structure.iter().zip(&self.delay_s) {
+            bounds.push(Bounds::NONE);
+            bounds.extend(model.pair().into_iter().flat_map(|_| [lag, Bounds::new(0.0, MOST_DAMPED)]));
+            bounds.extend(vec![lag; model.lags_s().len()]);
+            bounds.extend(model.zero_s().map(|_| Bounds::NONE));
+            bounds.extend(model.delay_s().map(|_| Bounds::new(*low, *high)));
+        }
+        bounds
+    }
+
+    /// The structures with these delays, with lags spread down from `longest_s`, and gains of one.
+    pub(crate) fn at(&self, delay_s: &[f64], longest_s: &[f64]) -> Result<ProcessSystem, IdentError> {
+        let mut channels = Vec::with_capacity(self.structure.len());
+        for ((model, delay), longest) in self.structure.iter().zip(delay_s).zip(longest_s) {
+            let mut theta = vec![1.0];
+            theta.extend(model.pair().into_iter().flat_map(|_| [*longest, 0.5]));
+            theta.extend((0..model.lags_s().len()).map(|i| (longest / 3.0_f64.powi(i as i32)).max(self.lag_s.0)));
+            theta.extend(model.zero_s().map(|_| 0.0));
+            theta.extend(model.delay_s().map(|_| *delay));
+            channels.push(model.with_parameters(&theta)?);
+        }
+        Ok(ProcessSystem::new(channels, self.structure.len(), Mat::identity(1, 1))?)
+    }
+}
+
+/// Where the output follows the input at once and inputs jump, a delay shows only as a whole number of samples.
+fn check_zero(model: &ProcessModel, delayed_jumps: bool) -> Result<(), IdentError> {
+    let (zeros, poles) = (usize::from(model.zero_s().is_some()), model.order() + usize::from(model.integrates()));
+    if zeros > poles {
+        return Err(IdentError::Structure { what: "a zero needs a pole" });
+    }
+    if zeros == poles && delayed_jumps {
+        let what = "with held inputs and as many zeros as poles the delay can only be given, not searched";
+        return Err(IdentError::Structure { what });
+    }
+    Ok(())
+}
+
+fn structure(name: &str) -> Result<ProcessModel, IdentError> {
+    let unknown = IdentError::Structure { what: "a process model is named P0 to P3, then letters of D, Z, U, I" };
+    let mut letters = name.chars();
+    let poles = match (letters.next(), letters.next().and_then(|c| c.to_digit(10))) {
+        (Some('P'), Some(poles @ 0..=3)) => poles as usize,
+        _ => return Err(unknown),
+    };
+    let rest = letters.as_str();
+    if rest.chars().any(|c| !"DZUI".contains(c)) {
+        return Err(unknown);
+    }
+    let pair = rest.contains('U');
+    let lags = poles.checked_sub(if pair { 2 } else { 0 });
+    let lags = lags.ok_or(IdentError::Structure { what: "U needs two poles" })?;
+    let mut model = ProcessModel::new(1.0)?.with_lags(vec![1.0; lags])?;
+    if pair {
+        model = model.with_pair(1.0, 0.5)?;
+    }
+    if rest.contains('Z') {
+        model = model.with_zero(0.0)?;
+    }
+    if rest.contains('D') {
+        model = model.with_delay(0.0)?;
+    }
+    Ok(if rest.contains('I') { model.with_integrator() } else { model })
+}

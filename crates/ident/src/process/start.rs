@@ -1,0 +1,103 @@
+//! Where the search for a process model begins: the best of a grid of delays and lags, gains and zeros by least squares.
+
+use faer::Mat;
+
+use super::Ranges;
+use crate::continuous::ProcessSystem;
+use crate::continuous::estimate::{Settings, errors};
+use crate::continuous::record::Record;
+use crate::continuous::start::grid;
+use crate::least_squares::least_squares;
+use crate::{Dataset, IdentError, Parametric, ResidualModel};
+
+/// Samples that starting values rest on.
+const SAMPLES: usize = 4_000;
+
+/// Lags tried.
+const LAGS: usize = 7;
+
+/// Best starting values that are searched from.
+const KEPT: usize = 4;
+
+struct Candidate {
+    cost: f64,
+    delay_s: Vec<f64>,
+    longest_s: Vec<f64>,
+    model: ProcessSystem,
+}
+
+pub(super) fn candidates(
+    ranges: &Ranges,
+    data: &Dataset,
+    records: &[Record<'_>],
+    settings: Settings,
+) -> Result<Vec<ProcessSystem>, IdentError> {
+    let short: Vec<Record<'_>> =
+        records.iter().map(|r| r.shortened((SAMPLES / records.len().max(1)).max(200))).collect();
+    let t = data.sample_time_s();
+    let lags = lags(ranges, t, short.iter().map(Record::rows).max().unwrap_or(1));
+    let mut delay_s: Vec<f64> = ranges.delay_s.iter().map(|(low, high)| 0.5 * (low + high)).collect();
+    let mut longest_s = vec![lags[lags.len() / 2]; delay_s.len()];
+    let mut ranked: Vec<Candidate> = Vec::new();
+    for _ in 0..if delay_s.len() > 1 { 2 } else { 1 } {
+        for k in 0..delay_s.len() {
+            let (low, high) = ranges.delay_s[k];
+            let mut tried = Vec::new();
+            for delay in grid((low / t, high / t)) {
+                for lag in &lags {
+                    (delay_s[k], longest_s[k]) = (delay * t, *lag);
+                    let model = ranges.at(&delay_s, &longest_s)?;
+                    tried.extend(judge(model, &short, data, settings, (&delay_s, &longest_s)).ok());
+                }
+            }
+            tried.sort_by(|x, y| x.cost.total_cmp(&y.cost));
+            let best = tried.first().ok_or(IdentError::Structure { what: "no starting value found" })?;
+            (delay_s, longest_s) = (best.delay_s.clone(), best.longest_s.clone());
+            ranked = tried;
+        }
+    }
+    ranked.truncate(KEPT);
+    Ok(ranked.into_iter().map(|c| c.model).collect())
+}
+
+/// Time constants from a sample to a third of the record, within bounds.
+fn lags(ranges: &Ranges, t: f64, rows: usize) -> Vec<f64> {
+    let (low, high) = (t.max(ranges.lag_s.0).min(ranges.lag_s.1), (rows as f64 * t / 3.0).max(2.0 * t));
+    let high = high.min(ranges.lag_s.1).max(low);
+    (0..LAGS).map(|i| low * (high / low).powf(i as f64 / (LAGS - 1) as f64)).collect()
+}
+
+/// Fits gains and zeros, which enter as K and K T_z, and returns what is left.
+fn judge(
+    model: ProcessSystem,
+    records: &[Record<'_>],
+    data: &Dataset,
+    settings: Settings,
+    (delay_s, longest_s): (&[f64], &[f64]),
+) -> Result<Candidate, IdentError> {
+    let mut problem = errors(&model, records, data, settings);
+    let (rows, mut theta) = (problem.residual_count(), model.parameters());
+    let (mut residuals, mut jacobian) = (vec![0.0; rows], Mat::zeros(rows, theta.len()));
+    problem.evaluate(&theta, &mut residuals, Some(jacobian.as_mut()))?;
+    // (column of K, column of T_z) of each channel; at K = 1 and T_z = 0 the error is y + J_K.
+    let mut columns = Vec::new();
+    for (channel, first) in model.channels().iter().zip(model.offsets()) {
+        let zero = 1 + 2 * usize::from(channel.pair().is_some()) + channel.lags_s().len();
+        columns.push((first, true));
+        columns.extend(channel.zero_s().map(|_| (first + zero, false)));
+    }
+    let of_gains = columns.iter().filter(|(_, gain)| *gain);
+    let target: Vec<f64> =
+        (0..rows).map(|i| residuals[i] - of_gains.clone().map(|(j, _)| jacobian[(i, *j)]).sum::<f64>()).collect();
+    let phi = Mat::from_fn(rows, columns.len(), |i, j| -jacobian[(i, columns[j].0)]);
+    let fit = least_squares(phi.as_ref(), &target)?;
+    let mut gain = 1.0;
+    for ((column, is_gain), value) in columns.iter().zip(&fit.parameters) {
+        if *is_gain {
+            gain = *value;
+        }
+        theta[*column] = if *is_gain { gain } else { value / gain };
+    }
+    let model = model.with_parameters(&theta)?;
+    Ok(Candidate { cost: fit.cost, delay_s: delay_s.to_vec(), longest_s: longest_s.to_vec(), model })
+}

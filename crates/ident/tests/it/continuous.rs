@@ -1,0 +1,273 @@
+//! Continuous-time transfer functions from sampled data.
+
+use faer::Mat;
+use ident::{
+    ContinuousTransferFunction, Dataset, Fit, IdentError, Intersample, LinearModel, Parametric, RationalChannel,
+    TransferFunctionModel,
+};
+use lti::Simulator;
+
+use crate::noise::Noise;
+
+/// A model of one output from (num, den without its leading one, delay), one an input.
+fn model(channels: &[(&[f64], &[f64], f64)]) -> TransferFunctionModel {
+    let made =
+        channels.iter().map(|(num, den, delay)| RationalChannel::new(num.to_vec(), den.to_vec(), *delay).unwrap());
+    TransferFunctionModel::new(made.collect(), channels.len(), Mat::identity(1, 1)).unwrap()
+}
+
+/// Inputs that change at random every few samples, or white ones.
+fn inputs(noise: &mut Noise, count: usize, channels: usize, hold: usize) -> Mat<f64> {
+    let mut u = Mat::zeros(count, channels);
+    for j in 0..channels {
+        let mut value = 0.0;
+        for i in 0..count {
+            if i % hold == 0 {
+                value = noise.normal();
+            }
+            u[(i, j)] = value;
+        }
+    }
+    u
+}
+
+/// The model's output from a state other than zero, with white noise on it; the input's past is simulated and cut off.
+fn record(
+    model: &TransferFunctionModel,
+    u: &Mat<f64>,
+    t: f64,
+    hold: Intersample,
+    sd: f64,
+    noise: &mut Noise,
+) -> Dataset {
+    let system = model.innovations(t, hold).unwrap().system().clone();
+    let cut = u.nrows() / 10;
+    let mut simulator = Simulator::new(&system, &vec![0.0; system.states()]).unwrap();
+    let mut y = Mat::zeros(u.nrows(), 1);
+    let mut out = [0.0];
+    for k in 0..u.nrows() {
+        let row: Vec<f64> = (0..u.ncols()).map(|j| u[(k, j)]).collect();
+        simulator.output(&row, &mut out);
+        simulator.advance(&row);
+        y[(k, 0)] = out[0] + sd * noise.normal();
+    }
+    let cut_off = |m: &Mat<f64>| m.subrows(cut, m.nrows() - cut).to_owned();
+    Dataset::new(t, cut_off(u), cut_off(&y)).unwrap().with_intersample(hold)
+}
+
+fn worst(found: &[f64], truth: &[f64]) -> f64 {
+    found.iter().zip(truth).map(|(f, t)| (f - t).abs() / t.abs().max(1e-12)).fold(0.0, f64::max)
+}
+
+fn exact(
+    truth: &TransferFunctionModel,
+    options: &ContinuousTransferFunction,
+    t: f64,
+    hold: Intersample,
+    each: usize,
+) -> Fit<TransferFunctionModel> {
+    let noise = &mut Noise::new(5);
+    let u = inputs(noise, 1500, truth.inputs(), each);
+    let data = record(truth, &u, t, hold, 0.0, noise);
+    options.fit(&data).unwrap()
+}
+
+#[test]
+fn exact_second_order_with_a_zero() {
+    let truth = model(&[(&[2.0, 30.0], &[4.0, 25.0], 0.0)]);
+    for hold in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold] {
+        let fit = exact(&truth, &ContinuousTransferFunction::new(1, 2), 0.05, hold, 3);
+        let (found, wanted) = (fit.parameters(), truth.parameters());
+        assert!(worst(&found[..4], &wanted[..4]) < 1e-8, "{hold:?} {found:?}");
+        assert!(fit.loss < 1e-18, "{}", fit.loss);
+    }
+}
+
+#[test]
+fn exact_lightly_damped_fourth_order() {
+    // Two modes of damping 0.005 at 330 and 480 rad/s.
+    let pair = |w: f64| vec![1.0, 2.0 * 0.005 * w, w * w];
+    let den = lti::polynomial::multiply(&pair(330.0), &pair(480.0));
+    let truth = model(&[(&[200.0, 0.0, 3e7], &den[1..], 0.0)]);
+    let fit = exact(&truth, &ContinuousTransferFunction::new(2, 4), 4e-4, Intersample::ZeroOrderHold, 2);
+    let poles = fit.model.transfer_function(0, 0).unwrap();
+    let wanted = truth.transfer_function(0, 0).unwrap();
+    assert!(worst(poles.den(), wanted.den()) < 1e-8, "{:?} {:?}", poles.den(), wanted.den());
+}
+
+#[test]
+fn exact_over_eight_decades_of_time() {
+    for speed in [1e-4, 1.0, 1e4] {
+        let truth = model(&[(&[2.0 * speed], &[1.2 * speed, speed * speed], 0.0)]);
+        let fit = exact(&truth, &ContinuousTransferFunction::new(0, 2), 0.3 / speed, Intersample::ZeroOrderHold, 2);
+        assert!(worst(&fit.parameters()[..3], &truth.parameters()[..3]) < 1e-8, "{speed} {:?}", fit.parameters());
+    }
+}
+
+#[test]
+fn exact_stiff_fast_and_slow_sampling() {
+    // Poles at −1 and −1000.
+    let stiff = model(&[(&[5000.0], &[1001.0, 1000.0], 0.0)]);
+    let fit = exact(&stiff, &ContinuousTransferFunction::new(0, 2), 5e-4, Intersample::ZeroOrderHold, 40);
+    assert!(worst(&fit.parameters()[..3], &stiff.parameters()[..3]) < 1e-7, "{:?}", fit.parameters());
+    // A pole of the sampled system at 0.9999.
+    let slow = model(&[(&[1.0], &[0.3, 0.02], 0.0)]);
+    let fit = exact(&slow, &ContinuousTransferFunction::new(0, 2), 1e-3, Intersample::ZeroOrderHold, 100);
+    assert!(worst(&fit.parameters()[..3], &slow.parameters()[..3]) < 1e-6, "{:?}", fit.parameters());
+    // Sampled one and a half times a time constant.
+    let coarse = model(&[(&[3.0, 1.0], &[2.5, 1.5], 0.0)]);
+    let fit = exact(&coarse, &ContinuousTransferFunction::new(1, 2), 1.5, Intersample::ZeroOrderHold, 1);
+    assert!(worst(&fit.parameters()[..4], &coarse.parameters()[..4]) < 1e-8, "{:?}", fit.parameters());
+}
+
+#[test]
+fn exact_delay_to_a_millionth_of_a_sample() {
+    for (delay, hold) in [
+        (0.237, Intersample::ZeroOrderHold),
+        (0.85, Intersample::ZeroOrderHold),
+        (0.3, Intersample::ZeroOrderHold),
+        (0.0312, Intersample::FirstOrderHold),
+        (0.4444, Intersample::FirstOrderHold),
+    ] {
+        for (num, den) in [(&[3.0][..], &[2.0][..]), (&[10.0], &[3.0, 16.0])] {
+            let truth = model(&[(num, den, delay)]);
+            let options = ContinuousTransferFunction::new(0, den.len()).with_delay_between(&[(0.0, 1.5)]);
+            let fit = exact(&truth, &options, 0.1, hold, 3);
+            let (found, wanted) = (fit.parameters(), truth.parameters());
+            assert!((found.last().unwrap() - delay).abs() < 1e-7, "{hold:?} {found:?} {wanted:?}");
+            assert!(worst(&found, &wanted) < 1e-6, "{hold:?} {found:?} {wanted:?}");
+        }
+    }
+}
+
+#[test]
+fn exact_two_inputs_with_different_dynamics() {
+    let truth = model(&[(&[2.0], &[1.5], 0.0), (&[-4.0, 6.0], &[1.0, 9.0], 0.0)]);
+    let options = ContinuousTransferFunction::per_input(vec![0, 1], vec![1, 2]);
+    let fit = exact(&truth, &options, 0.1, Intersample::ZeroOrderHold, 3);
+    assert!(fit.loss < 1e-16, "{:?} {:?}", fit.parameters(), truth.parameters());
+    assert_eq!(fit.model.parameter_names()[0], "b0[1]");
+}
+
+#[test]
+fn exact_integrator_and_offset() {
+    let truth = model(&[(&[3.0], &[2.0, 0.0], 0.0)]);
+    let fit =
+        exact(&truth, &ContinuousTransferFunction::new(0, 2).with_integrators(1), 0.1, Intersample::ZeroOrderHold, 5);
+    let (found, wanted) = (fit.parameters(), truth.parameters());
+    assert!((found[0] - wanted[0]).abs() < 1e-8 && (found[1] - wanted[1]).abs() < 1e-8 && found[2] == 0.0, "{found:?}");
+    assert_eq!(fit.free_parameters, 2);
+}
+
+#[test]
+fn exact_initial_state_reproduces_the_output() {
+    let truth = model(&[(&[3.0], &[2.0, 9.0], 0.25)]);
+    let noise = &mut Noise::new(3);
+    let u = inputs(noise, 600, 1, 4);
+    let data = record(&truth, &u, 0.1, Intersample::ZeroOrderHold, 0.0, noise);
+    let fit = ContinuousTransferFunction::new(0, 2).with_delay(&[0.25]).fit(&data).unwrap();
+    let system = fit.model.innovations(0.1, Intersample::ZeroOrderHold).unwrap().system().clone();
+    let y = system.simulate(data.experiments()[0].inputs.as_ref(), &fit.initial_states[0]).unwrap();
+    for (k, measured) in data.experiments()[0].output(0).iter().enumerate() {
+        assert!((y[(k, 0)] - measured).abs() < 1e-7, "{k}");
+    }
+}
+
+#[test]
+fn regress_missing_outputs_are_left_out_and_missing_inputs_refused() {
+    let truth = model(&[(&[3.0], &[2.0, 9.0], 0.0)]);
+    let noise = &mut Noise::new(3);
+    let u = inputs(noise, 600, 1, 4);
+    let data = record(&truth, &u, 0.1, Intersample::ZeroOrderHold, 0.0, noise);
+    let mut experiment = data.experiments()[0].clone();
+    for k in (7..500).step_by(9) {
+        experiment.outputs[(k, 0)] = f64::NAN;
+    }
+    let gappy = Dataset::new(0.1, experiment.inputs.clone(), experiment.outputs.clone()).unwrap();
+    let fit = ContinuousTransferFunction::new(0, 2).fit(&gappy).unwrap();
+    assert!(worst(&fit.parameters()[..3], &truth.parameters()[..3]) < 1e-8, "{:?}", fit.parameters());
+    assert_eq!(fit.doubts.len(), 1);
+    experiment.inputs[(40, 0)] = f64::NAN;
+    let broken = Dataset::new(0.1, experiment.inputs, experiment.outputs).unwrap();
+    let refused = ContinuousTransferFunction::new(0, 2).fit(&broken);
+    assert!(matches!(refused, Err(IdentError::Missing { index: 40, .. })));
+}
+
+#[test]
+fn regress_hopeless_data_are_refused() {
+    let constant = Dataset::siso(0.1, &[1.0; 50], &[2.0; 50]).unwrap();
+    let options = ContinuousTransferFunction::new(0, 1);
+    assert!(matches!(options.fit(&constant), Err(IdentError::Constant { .. })));
+    let short = Dataset::siso(0.1, &[1.0, 0.0, 1.0], &[2.0, 1.0, 3.0]).unwrap();
+    assert!(matches!(options.fit(&short), Err(IdentError::TooFewSamples { .. })));
+    let empty = Dataset::siso(0.1, &[], &[]).unwrap();
+    assert!(options.fit(&empty).is_err());
+    let series = Dataset::new(0.1, Mat::zeros(50, 0), Mat::zeros(50, 1)).unwrap();
+    assert!(options.fit(&series).is_err());
+    assert!(ContinuousTransferFunction::new(2, 1).fit(&constant).is_err());
+    assert!(options.clone().with_delay_between(&[(0.3, 0.1)]).fit(&constant).is_err());
+    let silent = Dataset::siso(0.1, &Noise::new(1).normals(80), &[0.0; 80]).unwrap();
+    assert!(options.fit(&silent).is_err(), "an output that is zero determines no pole");
+    for m in 0..=3 {
+        let noise = Dataset::siso(0.1, &Noise::new(1).normals(80), &Noise::new(2).normals(80)).unwrap();
+        let _ = ContinuousTransferFunction::new(m, 3).fit(&noise);
+    }
+}
+
+#[test]
+fn regress_too_many_poles_are_told() {
+    let truth = model(&[(&[3.0], &[2.0], 0.0)]);
+    for seed in 3..8 {
+        let noise = &mut Noise::new(seed);
+        let u = inputs(noise, 800, 1, 4);
+        let data = record(&truth, &u, 0.1, Intersample::ZeroOrderHold, 0.05, noise);
+        // Poles and zeros that cancel are seen in standard errors as large as the coefficients, or refused.
+        match ContinuousTransferFunction::new(2, 3).fit(&data) {
+            Ok(fit) => {
+                let ratio =
+                    fit.parameters().iter().zip(fit.standard_errors()).map(|(p, e)| e / p.abs()).fold(0.0, f64::max);
+                assert!(!fit.doubts.is_empty() || ratio > 0.2, "{:?} {:?}", fit.parameters(), fit.standard_errors());
+            }
+            Err(error) => assert!(matches!(error, IdentError::RankDeficient { .. }), "{error}"),
+        }
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_cover_the_truth() {
+    let truth = model(&[(&[2.0, 30.0], &[4.0, 25.0], 0.137)]);
+    let wanted = truth.parameters();
+    let options = ContinuousTransferFunction::new(1, 2).with_delay_between(&[(0.0, 0.4)]);
+    let (runs, mut covered, mut mean) = (100, [0; 5], [0.0; 5]);
+    let mut noise = Noise::new(51);
+    let mut errors = vec![];
+    for _ in 0..runs {
+        let u = inputs(&mut noise, 600, 1, 3);
+        let data = record(&truth, &u, 0.05, Intersample::ZeroOrderHold, 0.05, &mut noise);
+        let fit = options.fit(&data).unwrap();
+        errors = fit.standard_errors();
+        for (j, (low, high)) in fit.intervals(0.95).into_iter().enumerate() {
+            covered[j] += usize::from(low < wanted[j] && wanted[j] < high);
+            mean[j] += (fit.parameters()[j] - wanted[j]) / f64::from(runs);
+        }
+    }
+    for j in 0..5 {
+        assert!((88..=100).contains(&covered[j]), "{covered:?}");
+        assert!(mean[j].abs() < 4.0 * errors[j] / f64::from(runs).sqrt(), "{mean:?} {errors:?}");
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_a_hundred_thousand_samples_of_a_fast_sampled_resonance() {
+    let truth = model(&[(&[30.0], &[0.02, 4.0], 0.0)]);
+    let noise = &mut Noise::new(61);
+    let u = inputs(noise, 110_000, 1, 500);
+    let data = record(&truth, &u, 1e-3, Intersample::ZeroOrderHold, 5.0, noise);
+    let fit = ContinuousTransferFunction::new(0, 2).fit(&data).unwrap();
+    for ((found, wanted), error) in fit.parameters().iter().zip(truth.parameters()).zip(fit.standard_errors()).take(3) {
+        assert!((found - wanted).abs() < 4.0 * error && error < 0.05 * wanted, "{found} {wanted} {error}");
+    }
+    assert!((fit.noise_covariance[(0, 0)] / 25.0 - 1.0).abs() < 0.02);
+}

@@ -1,0 +1,108 @@
+//! Process models from sampled data.
+
+use faer::Mat;
+use ident::{Dataset, Fit, IdentError, Intersample, LinearModel, Parametric, ProcessFit, ProcessSystem};
+use lti::ProcessModel;
+
+use crate::noise::Noise;
+
+fn system(channels: Vec<ProcessModel>) -> ProcessSystem {
+    let inputs = channels.len();
+    ProcessSystem::new(channels, inputs, Mat::identity(1, 1)).unwrap()
+}
+
+/// Steps at random instants; the first tenth is cut off, so that the record does not start at rest.
+fn record(truth: &ProcessSystem, t: f64, count: usize, sd: f64, noise: &mut Noise) -> Dataset {
+    let mut u = Mat::zeros(count, truth.inputs());
+    for j in 0..u.ncols() {
+        let mut value = 0.0;
+        for i in 0..count {
+            if noise.uniform() < 0.08 {
+                value = noise.normal();
+            }
+            u[(i, j)] = value;
+        }
+    }
+    let model = truth.innovations(t, Intersample::ZeroOrderHold).unwrap().system().clone();
+    let mut y = model.simulate(u.as_ref(), &vec![0.0; model.states()]).unwrap();
+    (0..count).for_each(|k| y[(k, 0)] += sd * noise.normal());
+    let cut = |m: &Mat<f64>| m.subrows(count / 10, count - count / 10).to_owned();
+    Dataset::new(t, cut(&u), cut(&y)).unwrap()
+}
+
+fn close(fit: &Fit<ProcessSystem>, truth: &ProcessSystem, tolerance: f64) {
+    for ((found, wanted), name) in fit.parameters().iter().zip(truth.parameters()).zip(truth.parameter_names()) {
+        assert!((found - wanted).abs() < tolerance * wanted.abs().max(0.1), "{name} {found} {wanted}");
+    }
+}
+
+#[test]
+fn exact_structures_are_found_with_their_delays() {
+    let plain = || ProcessModel::new(2.5).unwrap();
+    let cases = [
+        ("P1D", plain().with_lags(vec![0.8]).unwrap().with_delay(0.437).unwrap()),
+        ("P2D", plain().with_lags(vec![1.5, 0.3]).unwrap().with_delay(0.237).unwrap()),
+        ("P2DZ", plain().with_lags(vec![1.5, 0.4]).unwrap().with_zero(-0.6).unwrap().with_delay(0.55).unwrap()),
+        ("P2DU", plain().with_pair(0.5, 0.3).unwrap().with_delay(0.215).unwrap()),
+        ("P1DI", plain().with_lags(vec![0.7]).unwrap().with_integrator().with_delay(0.355).unwrap()),
+        ("P3U", plain().with_pair(0.4, 0.2).unwrap().with_lags(vec![1.0]).unwrap()),
+    ];
+    for (name, truth) in cases {
+        let truth = system(vec![truth]);
+        let data = record(&truth, 0.1, 800, 0.0, &mut Noise::new(11));
+        let fit = ProcessFit::named(name).unwrap().with_delay_between(&[(0.0, 1.2)]).fit(&data);
+        let fit = fit.unwrap();
+        close(&fit, &truth, 1e-6);
+    }
+}
+
+#[test]
+fn exact_two_inputs_and_an_offset() {
+    let one = ProcessModel::new(2.0).unwrap().with_lags(vec![0.8]).unwrap().with_delay(0.23).unwrap();
+    let two = ProcessModel::new(-1.0).unwrap().with_lags(vec![0.4]).unwrap().with_delay(0.61).unwrap();
+    let truth = system(vec![one, two]);
+    let data = record(&truth, 0.1, 1000, 0.0, &mut Noise::new(12));
+    let shifted = data.experiments()[0].outputs.clone() + Mat::full(data.samples(), 1, 7.0);
+    let data = Dataset::new(0.1, data.experiments()[0].inputs.clone(), shifted).unwrap();
+    let fit = ProcessFit::named("P1D").unwrap().with_delay_between(&[(0.0, 1.0)]).with_offset().fit(&data).unwrap();
+    close(&fit, &truth, 1e-6);
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_cover_the_truth_delay_included() {
+    let truth = ProcessModel::new(2.0).unwrap().with_lags(vec![0.8]).unwrap().with_delay(0.437).unwrap();
+    let truth = system(vec![truth]);
+    let wanted = truth.parameters();
+    let (runs, mut covered, mut mean) = (200, vec![0; 3], vec![0.0; 3]);
+    let mut noise = Noise::new(21);
+    let mut errors = vec![0.0; 3];
+    for _ in 0..runs {
+        let data = record(&truth, 0.1, 500, 0.1, &mut noise);
+        let fit = ProcessFit::named("P1D").unwrap().with_delay_between(&[(0.0, 1.0)]).fit(&data).unwrap();
+        errors = fit.standard_errors();
+        for (j, (low, high)) in fit.intervals(0.95).into_iter().enumerate() {
+            covered[j] += usize::from(low < wanted[j] && wanted[j] < high);
+            mean[j] += (fit.parameters()[j] - wanted[j]) / f64::from(runs);
+        }
+    }
+    for j in 0..3 {
+        assert!((180..=198).contains(&covered[j]), "{covered:?}");
+        assert!(mean[j].abs() < 4.0 * errors[j] / f64::from(runs).sqrt(), "bias {mean:?} {errors:?}");
+    }
+}
+
+#[test]
+fn regress_bad_names_and_data_are_refused() {
+    for name in ["", "P", "P4", "Q1", "P1X", "P1U"] {
+        assert!(ProcessFit::named(name).is_err(), "{name}");
+    }
+    let options = ProcessFit::named("P1D").unwrap();
+    let constant = Dataset::siso(0.1, &[1.0; 50], &[2.0; 50]).unwrap();
+    assert!(matches!(options.fit(&constant), Err(IdentError::Constant { .. })));
+    let short = Dataset::siso(0.1, &[1.0, 0.0, 1.0], &[2.0, 1.0, 3.0]).unwrap();
+    assert!(matches!(options.fit(&short), Err(IdentError::TooFewSamples { .. })));
+    assert!(options.fit(&Dataset::siso(0.1, &[], &[]).unwrap()).is_err());
+    assert!(ProcessFit::named("P0D").unwrap().fit(&constant).is_err());
+    assert!(ProcessFit::named("P0Z").unwrap().fit(&constant).is_err());
+}
