@@ -17,6 +17,7 @@ pub mod distributions;
 mod error;
 mod fit;
 pub mod frequency;
+mod frequency_domain;
 mod impulse_response;
 mod instrumental;
 mod lagged;
@@ -24,40 +25,32 @@ pub mod least_squares;
 pub mod nonlinear;
 pub mod prediction;
 pub mod prediction_error;
+mod process;
 pub mod recursive;
 mod regression;
-mod frequency_domain;
-pub mod least_squares;
-pub mod nonlinear;
-mod process;
 mod triangle;
 pub mod uncertainty;
 pub mod validate;
 
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use continuous::{
+    ContinuousChannel, ContinuousModel, ContinuousTransferFunction, ProcessSystem, RationalChannel,
+    TransferFunctionModel,
+};
 pub use criteria::Criteria;
 pub use data::{Advice, advise};
 pub use data::{Channel, Dataset, Experiment, Intersample, Label};
 pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend, TrendScope, TrendShape};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
+pub use frequency_domain::{
+    CostTest, FrequencyData, FrequencyGreyBox, FrequencyModel, FrequencyTransferFunction, Lines, Measured,
+    RationalResponse, ResponseFunction, SpectralData, SpectralFit,
+};
 pub use impulse_response::{Hyperparameters, ImpulseFit, ImpulseResponse, Kernel, ResponseEstimate};
 pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
-pub use continuous::{
-    ContinuousChannel, ContinuousModel, ContinuousTransferFunction, ProcessSystem, RationalChannel,
-    TransferFunctionModel,
-};
-pub use data::{Dataset, Experiment, Intersample, Label};
-pub use error::IdentError;
-pub use fit::{Doubt, Fit, LinearModel, Parametric};
-pub use frequency_domain::{
-    CostTest, FrequencyData, FrequencyGreyBox, FrequencyModel, FrequencyTransferFunction, Lines, Measured,
-    RationalResponse, ResponseFunction, SpectralData, SpectralFit,
-};
-pub use least_squares::{LinearFit, least_squares};
-pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use process::ProcessFit;
 pub use triangle::Triangle;
