@@ -14,6 +14,8 @@ mod fit;
 pub mod frequency;
 pub mod least_squares;
 pub mod nonlinear;
+mod state_space;
+mod subspace;
 mod triangle;
 pub mod validate;
 
@@ -22,4 +24,6 @@ pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use state_space::{Focus, StateSpaceModel, StateSpacePem};
+pub use subspace::{StateOrder, Subspace, Weighting};
 pub use triangle::Triangle;

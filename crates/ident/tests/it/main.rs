@@ -7,4 +7,8 @@ mod frequency;
 mod least_squares;
 mod noise;
 mod nonlinear;
+mod shared;
+mod state_space;
+mod subspace;
+mod systems;
 mod validate;

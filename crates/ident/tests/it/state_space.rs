@@ -1,0 +1,1 @@
+//! Prediction-error state-space models.
