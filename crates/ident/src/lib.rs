@@ -12,6 +12,7 @@ pub mod distributions;
 mod error;
 mod fit;
 pub mod frequency;
+mod grey_box;
 pub mod least_squares;
 pub mod nonlinear;
 mod state_space;
@@ -22,6 +23,9 @@ pub mod validate;
 pub use data::{Dataset, Experiment, Intersample, Label};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
+pub use grey_box::{
+    Entry, GreyBox, GreyBoxModel, GreyNoise, GreyParameter, InitialStates, Structure, StructuredMatrices,
+};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use state_space::{Focus, StateSpaceModel, StateSpacePem};

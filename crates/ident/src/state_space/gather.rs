@@ -38,7 +38,7 @@ pub(crate) fn regress_inputs(data: &Dataset, start: Innovations, feedthrough: bo
     let whitening = whitening(start.noise_covariance())?;
     let basis = Mat::<f64>::identity(count, count);
     let lineariser =
-        Lineariser { predictor: &predictor, free, basis: basis.as_ref(), whitening: whitening.as_ref(), initial: true };
+        Lineariser { predictor: &predictor, free, basis: basis.as_ref(), whitening: whitening.as_ref(), initial: n };
     let linearised = lineariser.over(data, &zero);
     check_finite(&linearised.factor)?;
     let step = regression(&linearised.factor)?;
@@ -81,7 +81,7 @@ pub(super) fn scaled_columns(m: MatRef<'_, f64>) -> (Mat<f64>, Vec<f64>) {
 
 /// What is known at an estimate.
 pub(crate) struct Gathered {
-    pub(crate) model: StateSpaceModel,
+    /// Covariance of the steps along the directions.
     pub(crate) covariance: Mat<f64>,
     pub(crate) noise_covariance: Mat<f64>,
     pub(crate) loss: f64,
@@ -91,29 +91,14 @@ pub(crate) struct Gathered {
     pub(crate) condition: f64,
 }
 
-impl Gathered {
-    pub(crate) fn into_fit(
-        self,
-        initial_states: Vec<Vec<f64>>,
-        termination: Termination,
-        iterations: usize,
-        doubts: Vec<Doubt>,
-    ) -> Fit<StateSpaceModel> {
-        Fit {
-            model: self.model,
-            covariance: self.covariance,
-            degrees_of_freedom: self.degrees_of_freedom,
-            noise_covariance: self.noise_covariance,
-            loss: self.loss,
-            samples: self.samples,
-            free_parameters: self.free_parameters,
-            initial_states,
-            termination,
-            iterations,
-            condition: self.condition,
-            doubts,
-        }
-    }
+/// The directions in which a model was searched for.
+pub(crate) struct Known<'a> {
+    /// Which matrices change.
+    pub(crate) free: Free,
+    /// How the free entries change along each direction.
+    pub(crate) basis: MatRef<'a, f64>,
+    /// Reciprocal standard deviation known beforehand of each direction; empty where nothing is.
+    pub(crate) prior: &'a [f64],
 }
 
 /// Which data the information is gathered from.
@@ -125,67 +110,108 @@ pub(crate) enum Information {
     Sampled,
 }
 
-/// Errors and covariance of `model` with these initial states, which were estimated or are given.
+/// Errors and covariance of `model` with these initial states, of which the first `estimated` were estimated.
 ///
 /// # Errors
 /// Fewer data than parameters, or a predictor that is unstable.
 pub(crate) fn gather(
     data: &Dataset,
-    model: StateSpaceModel,
+    model: &Innovations,
+    known: &Known<'_>,
     x0: &[Vec<f64>],
-    initial: bool,
+    estimated: usize,
     information: Information,
 ) -> Result<Gathered, IdentError> {
-    let predictor = Predictor::new(model.innovations());
-    let free = model.free();
-    let scales = entry_scales(&predictor, free, data, x0);
-    let basis = directions(model.innovations(), free, &scales)?;
+    let predictor = Predictor::new(model);
     let marks = marks(data, information);
     let Scatter { sum, instants, marked } = predictor.scatter(data, x0, &marks);
-    let (p, free_parameters) = (predictor.p, basis.ncols());
-    let estimated = free_parameters + if initial { predictor.n * x0.len() } else { 0 };
-    if instants * p <= estimated {
-        return Err(IdentError::TooFewSamples { samples: instants, parameters: estimated });
+    let (p, free_parameters) = (predictor.p, known.basis.ncols());
+    let unknowns = free_parameters + estimated * x0.len();
+    if instants * p <= unknowns {
+        return Err(IdentError::TooFewSamples { samples: instants, parameters: unknowns });
     }
     check_finite(&sum)?;
-    let spent = estimated as f64 / p as f64;
-    let noise_covariance = &sum * faer::Scale(1.0 / (instants as f64 - spent));
+    let noise_covariance = &sum * faer::Scale(1.0 / (instants as f64 - unknowns as f64 / p as f64));
     let whitening = whitening(noise_covariance.as_ref())?;
-    let lineariser =
-        Lineariser { predictor: &predictor, free, basis: basis.as_ref(), whitening: whitening.as_ref(), initial };
+    let lineariser = Lineariser {
+        predictor: &predictor,
+        free: known.free,
+        basis: known.basis,
+        whitening: whitening.as_ref(),
+        initial: estimated,
+    };
     let linearised = if marks.iter().all(Vec::is_empty) {
         lineariser.over(data, x0)
     } else {
-        let (part, x0) = stretches(data, &marks, marked)?;
-        lineariser.over(&part, &x0)
+        let part = stretches(data, &marks)?;
+        lineariser.over(&part, &marked)
     };
     let share = linearised.rows as f64 / (instants * p) as f64;
-    let (unit, condition) = inverse_information(&linearised.factor)?;
-    let turned = &basis * unit;
-    let covariance = &turned * turned.transpose() * faer::Scale(share);
-    let loss = (&sum * faer::Scale(1.0 / instants as f64)).determinant();
-    let innovations = model.innovations();
-    let with_noise =
-        Innovations::new(innovations.system().clone(), innovations.k().to_owned(), noise_covariance.clone())?;
+    let (unit, condition) = inverse_information(&linearised.factor, known.prior, share)?;
     Ok(Gathered {
-        model: StateSpaceModel::new(with_noise, model.has_feedthrough(), model.has_noise_model()),
-        covariance,
+        covariance: &unit * unit.transpose(),
         noise_covariance,
-        loss,
+        loss: (&sum * faer::Scale(1.0 / instants as f64)).determinant(),
         samples: instants,
         free_parameters,
-        degrees_of_freedom: (instants * p - estimated) as f64,
+        degrees_of_freedom: (instants * p - unknowns) as f64,
         condition,
     })
 }
 
-/// `U` with `U Uᵀ = (RᵀR)⁻¹`, and the condition of R with its columns scaled.
-fn inverse_information(factor: &Mat<f64>) -> Result<(Mat<f64>, f64), IdentError> {
+/// The estimate of a state-space model at `model` and these initial states.
+///
+/// # Errors
+/// Those of [`gather`].
+pub(crate) fn estimate(
+    data: &Dataset,
+    model: &StateSpaceModel,
+    initial_states: Vec<Vec<f64>>,
+    estimated: usize,
+    information: Information,
+) -> Result<Fit<StateSpaceModel>, IdentError> {
+    let (innovations, free) = (model.innovations(), model.free());
+    let scales = entry_scales(&Predictor::new(innovations), free, data, &initial_states);
+    let basis = directions(innovations, free, &scales)?;
+    let known = Known { free, basis: basis.as_ref(), prior: &[] };
+    let gathered = gather(data, innovations, &known, &initial_states, estimated, information)?;
+    let (system, k) = (innovations.system().clone(), innovations.k().to_owned());
+    let mut doubts = Vec::new();
+    if gathered.condition > 1e8 {
+        doubts.push(Doubt::IllConditioned { condition: gathered.condition });
+    }
+    if !system.is_stable()? {
+        doubts.push(Doubt::Unstable);
+    }
+    let whole = Innovations::new(system, k, gathered.noise_covariance.clone())?;
+    Ok(Fit {
+        model: StateSpaceModel::new(whole, model.has_feedthrough(), model.has_noise_model()),
+        covariance: &basis * gathered.covariance * basis.transpose(),
+        degrees_of_freedom: gathered.degrees_of_freedom,
+        noise_covariance: gathered.noise_covariance,
+        loss: gathered.loss,
+        samples: gathered.samples,
+        free_parameters: gathered.free_parameters,
+        initial_states,
+        termination: Termination::Direct,
+        iterations: 0,
+        condition: gathered.condition,
+        doubts,
+    })
+}
+
+/// `U` with `U Uᵀ = (RᵀR/share + prior)⁻¹`, and the condition of the root with its columns scaled.
+fn inverse_information(factor: &Mat<f64>, prior: &[f64], share: f64) -> Result<(Mat<f64>, f64), IdentError> {
     let n = factor.ncols() - 1;
     if n == 0 {
         return Ok((Mat::new(), 1.0));
     }
-    let (scaled, norms) = scaled_columns(factor.submatrix(0, 0, n, n));
+    let root = Mat::from_fn(n + prior.len(), n, |i, j| match i.checked_sub(n) {
+        None => factor[(i, j)] / share.sqrt(),
+        Some(k) if k == j => prior[k],
+        Some(_) => 0.0,
+    });
+    let (scaled, norms) = scaled_columns(root.as_ref());
     let svd = scaled.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
     let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
     let inverse = |j: usize| 1.0 / values[j].max(FLOOR * values[0]);
@@ -202,20 +228,16 @@ fn marks(data: &Dataset, information: Information) -> Vec<Vec<usize>> {
         return vec![Vec::new(); data.experiments().len()];
     }
     // A short experiment beside a long one is one stretch from its start.
-    data.experiments().iter().map(|e| if long(e) { spread(e) } else { vec![0] }).collect()
+    data.experiments().iter().map(|e| if long(e) { spread(e) } else { vec![0; usize::from(!e.is_empty())] }).collect()
 }
 
-/// The stretches as experiments, with the states they start in.
-fn stretches(
-    data: &Dataset,
-    marks: &[Vec<usize>],
-    mut marked: Vec<Vec<f64>>,
-) -> Result<(Dataset, Vec<Vec<f64>>), IdentError> {
+/// The stretches as experiments.
+fn stretches(data: &Dataset, marks: &[Vec<usize>]) -> Result<Dataset, IdentError> {
     let mut part: Option<Dataset> = None;
     for (experiment, starts) in data.experiments().iter().zip(marks) {
         for start in starts {
             let length = if starts.len() > 1 { STRETCH } else { experiment.len() };
-            let cut = |m: &Mat<f64>| m.subrows(*start, if m.nrows() == 0 { 0 } else { length }).to_owned();
+            let cut = |m: &Mat<f64>| if m.nrows() == 0 { m.clone() } else { m.subrows(*start, length).to_owned() };
             let (inputs, outputs) = (cut(&experiment.inputs), cut(&experiment.outputs));
             part = Some(match part {
                 None => Dataset::new(data.sample_time_s(), inputs, outputs)?,
@@ -226,7 +248,5 @@ fn stretches(
             });
         }
     }
-    let part = part.ok_or(IdentError::TooFewSamples { samples: 0, parameters: 1 })?;
-    marked.truncate(part.experiments().len());
-    Ok((part, marked))
+    part.ok_or(IdentError::TooFewSamples { samples: 0, parameters: 1 })
 }

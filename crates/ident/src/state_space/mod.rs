@@ -9,9 +9,10 @@ mod search;
 use crate::subspace::{StateOrder, Subspace};
 use crate::{Dataset, Doubt, Fit, IdentError};
 
-pub(crate) use gather::{Information, gather, regress_inputs};
+pub(crate) use gather::{Information, Known, estimate, gather, regress_inputs};
 pub use model::StateSpaceModel;
-use search::Search;
+pub(crate) use predictor::Free;
+pub(crate) use search::{Search, Searchable, entries};
 
 /// Which errors are made small.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -112,24 +113,20 @@ impl StateSpacePem {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<StateSpaceModel>, IdentError> {
         let missing = check_missing(data, self.focus == Focus::Simulation)?;
         let start = self.starting_point(data)?;
-        let mut search = Search::new(data, start, self.initial_states)?;
+        let n = start.system().states();
+        let (estimated, zero) = (if self.initial_states { n } else { 0 }, vec![vec![0.0; n]; data.experiments().len()]);
+        let mut search = Search::new(data, start, zero, estimated)?;
         let termination = search.run(self.iteration_limit)?;
         let (iterations, initial_states, model) = search.into_parts();
-        let gathered = gather(data, model, &initial_states, self.initial_states, Information::All)?;
-        let mut doubts = Vec::new();
+        let mut fit = estimate(data, &model, initial_states, estimated, Information::All)?;
+        (fit.termination, fit.iterations) = (termination, iterations);
         if !termination.converged() {
-            doubts.push(Doubt::NotConverged);
-        }
-        if gathered.condition > 1e8 {
-            doubts.push(Doubt::IllConditioned { condition: gathered.condition });
+            fit.doubts.push(Doubt::NotConverged);
         }
         if missing > 0 {
-            doubts.push(Doubt::RowsLeftOut { rows: missing, of: data.samples() });
+            fit.doubts.push(Doubt::RowsLeftOut { rows: missing, of: data.samples() });
         }
-        if !gathered.model.system().is_stable()? {
-            doubts.push(Doubt::Unstable);
-        }
-        Ok(gathered.into_fit(initial_states, termination, iterations, doubts))
+        Ok(fit)
     }
 
     fn starting_point(&self, data: &Dataset) -> Result<StateSpaceModel, IdentError> {

@@ -192,14 +192,14 @@ pub(crate) struct Lineariser<'a> {
     pub(crate) basis: MatRef<'a, f64>,
     /// `L⁻¹`, lower triangular, outputs × outputs.
     pub(crate) whitening: MatRef<'a, f64>,
-    /// Whether initial states are estimated.
-    pub(crate) initial: bool,
+    /// How many of the leading states are estimated at the start of each experiment.
+    pub(crate) initial: usize,
 }
 
 impl Lineariser<'_> {
     /// Linearises around the model and these initial states.
     pub(crate) fn over(&self, data: &Dataset, x0: &[Vec<f64>]) -> Linearised {
-        let states = if self.initial { self.predictor.n } else { 0 };
+        let states = self.initial;
         let columns = self.basis.ncols();
         let mut whole = Triangle::new(columns + 1);
         let (mut tops, mut rows) = (Vec::new(), 0);
@@ -219,7 +219,7 @@ impl Lineariser<'_> {
 
     /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. Derivatives are formed here, folded on a second thread.
     fn experiment(&self, experiment: &Experiment, x0: &[f64]) -> Triangle {
-        let states = if self.initial { self.predictor.n } else { 0 };
+        let states = self.initial;
         let entries = self.basis.nrows();
         let width = states + entries + 1;
         let identity = (0..entries).all(|i| (0..self.basis.ncols()).all(|j| self.basis[(i, j)] == f64::from(i == j)))
@@ -299,7 +299,7 @@ impl Lineariser<'_> {
 struct Derivatives<'a> {
     of: &'a Predictor,
     free: Free,
-    initial: bool,
+    initial: usize,
     /// Which of x̂, u, ε are filtered.
     signals: Vec<f64>,
     /// For each output, states × signals by rows.
@@ -311,7 +311,7 @@ struct Derivatives<'a> {
 }
 
 impl<'a> Derivatives<'a> {
-    fn new(of: &'a Predictor, free: Free, initial: bool) -> Self {
+    fn new(of: &'a Predictor, free: Free, initial: usize) -> Self {
         let count = of.m + if free.dynamics { of.n } else { 0 } + if free.noise { of.p } else { 0 };
         let decaying = (0..of.p).map(|i| of.c[i * of.n..(i + 1) * of.n].to_vec()).collect();
         Derivatives {
@@ -341,13 +341,12 @@ impl<'a> Derivatives<'a> {
             let z = &self.filtered[l];
             let mut slots = row.iter_mut();
             let count = self.signals.len();
-            if self.initial {
-                slots.by_ref().zip(&self.decaying[l]).for_each(|(slot, v)| *slot = *v);
-            }
+            let decaying = &self.decaying[l][..self.initial];
+            decaying.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
             let mut block = |rows: usize, columns: usize, first: usize| {
                 for r in 0..rows {
                     let from = &z[r * count + first..r * count + first + columns];
-                    slots.by_ref().zip(from).for_each(|(slot, v)| *slot = *v);
+                    from.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
                 }
             };
             if self.free.dynamics {
@@ -372,7 +371,7 @@ impl<'a> Derivatives<'a> {
             if self.free.noise {
                 for r in 0..n {
                     let from = &z[r * count + error..r * count + error + p];
-                    slots.by_ref().zip(from).for_each(|(slot, v)| *slot = *v);
+                    from.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
                 }
             }
             row[width - 1] = e[l];
@@ -407,7 +406,7 @@ impl<'a> Derivatives<'a> {
 
     fn advance_decaying(&mut self, l: usize) {
         let (now, next) = (&mut self.decaying[l], &mut self.next_decaying);
-        if !self.initial || now.iter().all(|v| *v == 0.0) {
+        if self.initial == 0 || now.iter().all(|v| *v == 0.0) {
             return;
         }
         next.fill(0.0);

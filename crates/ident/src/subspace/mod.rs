@@ -8,8 +8,8 @@ use faer::Mat;
 use lti::{Innovations, StateSpace};
 
 use crate::data::Experiment;
-use crate::state_space::{Information, StateSpaceModel, gather, regress_inputs};
-use crate::{Dataset, Doubt, Fit, IdentError, Termination};
+use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
+use crate::{Dataset, Doubt, Fit, IdentError};
 use hankel::{Hankel, HankelFactor, Horizons};
 use realise::Projection;
 
@@ -223,17 +223,11 @@ impl Subspace {
     /// `B`, `D`, initial states and the covariances.
     fn finish(&self, data: &Dataset, start: Innovations) -> Result<Fit<StateSpaceModel>, IdentError> {
         let regressed = regress_inputs(data, start, self.feedthrough)?;
-        let (model, initial_states) = (regressed.model, regressed.initial_states);
-        let model = StateSpaceModel::new(model, self.feedthrough, self.noise_model);
-        let gathered = gather(data, model, &initial_states, true, Information::Sampled)?;
-        let mut doubts = vec![Doubt::CovarianceIsLowerBound];
-        if gathered.condition > 1e8 {
-            doubts.push(Doubt::IllConditioned { condition: gathered.condition });
-        }
-        if !gathered.model.system().is_stable()? {
-            doubts.push(Doubt::Unstable);
-        }
-        Ok(gathered.into_fit(initial_states, Termination::Direct, 0, doubts))
+        let model = StateSpaceModel::new(regressed.model, self.feedthrough, self.noise_model);
+        let states = model.system().states();
+        let mut fit = estimate(data, &model, regressed.initial_states, states, Information::Sampled)?;
+        fit.doubts.push(Doubt::CovarianceIsLowerBound);
+        Ok(fit)
     }
 }
 

@@ -4,6 +4,7 @@
 mod covariance;
 mod distributions;
 mod frequency;
+mod grey_box;
 mod least_squares;
 mod noise;
 mod nonlinear;
