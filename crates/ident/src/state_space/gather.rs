@@ -4,6 +4,7 @@ use faer::{Mat, MatRef};
 use lti::{Innovations, StateSpace};
 
 use super::StateSpaceModel;
+use super::colour::{is_coloured, sandwich};
 use super::coordinates::{directions, entry_scales};
 use super::predictor::{Free, Lineariser, Predictor, Scatter};
 use crate::data::Experiment;
@@ -110,7 +111,9 @@ pub(crate) enum Information {
     Sampled,
 }
 
-/// Errors and covariance of `model` with these initial states, of which the first `estimated` were estimated.
+/// Errors and covariance of `model` with these initial states, of which the first `estimated` were estimated. Where a
+/// model without noise gain leaves coloured errors, the covariance is the sandwich over batches, with their degrees of
+/// freedom.
 ///
 /// # Errors
 /// Fewer data than parameters, or a predictor that is unstable.
@@ -148,13 +151,18 @@ pub(crate) fn gather(
     };
     let share = linearised.rows as f64 / (instants * p) as f64;
     let (unit, condition) = inverse_information(&linearised.factor, known.prior, share)?;
+    let unexplained = model.k().norm_max() == 0.0 && information == Information::All;
+    let robust =
+        if unexplained && is_coloured(&predictor, data, x0) { sandwich(&linearised.gradients, &unit) } else { None };
+    let white = || (&unit * unit.transpose(), (instants * p - unknowns) as f64);
+    let (covariance, degrees_of_freedom) = robust.unwrap_or_else(white);
     Ok(Gathered {
-        covariance: &unit * unit.transpose(),
+        covariance,
         noise_covariance,
         loss: (&sum * faer::Scale(1.0 / instants as f64)).determinant(),
         samples: instants,
         free_parameters,
-        degrees_of_freedom: (instants * p - unknowns) as f64,
+        degrees_of_freedom,
         condition,
     })
 }

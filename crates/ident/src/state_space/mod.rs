@@ -1,5 +1,6 @@
 //! State-space models by minimising the prediction error.
 
+mod colour;
 mod coordinates;
 mod gather;
 mod model;

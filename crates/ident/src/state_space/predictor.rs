@@ -6,8 +6,10 @@ use lti::Innovations;
 use crate::data::Experiment;
 use crate::{Dataset, IdentError, Triangle};
 
-/// Instants whose derivatives are held before they are folded away.
+/// Instants whose derivatives are held before they are folded away, at most ...
 const CHUNK: usize = 512;
+/// ... and so few that the data make about so many chunks.
+const SHORTEST_SPLIT: usize = 100;
 /// Below this an initial state's influence is nothing; it is cut off before it becomes a denormal number.
 const FORGOTTEN: f64 = 1e-100;
 
@@ -165,6 +167,8 @@ pub(crate) struct Linearised {
     pub(crate) factor: Mat<f64>,
     /// Scalar residuals.
     pub(crate) rows: usize,
+    /// `(Ψ·basis)ᵀ ε` of consecutive stretches of equal length.
+    pub(crate) gradients: Vec<Vec<f64>>,
     /// For each experiment the equations of its initial state: `[R₀, R₁, r]`, states × (states + parameters + 1).
     tops: Vec<Mat<f64>>,
 }
@@ -202,9 +206,10 @@ impl Lineariser<'_> {
         let states = self.initial;
         let columns = self.basis.ncols();
         let mut whole = Triangle::new(columns + 1);
-        let (mut tops, mut rows) = (Vec::new(), 0);
+        let (mut tops, mut gradients, mut rows) = (Vec::new(), Vec::new(), 0);
+        let chunk = (data.samples() / SHORTEST_SPLIT).clamp(16, CHUNK);
         for (experiment, x0) in data.experiments().iter().zip(x0) {
-            let triangle = self.experiment(experiment, x0);
+            let triangle = self.experiment(experiment, x0, chunk, &mut gradients);
             rows += triangle.rows();
             let factor = triangle.finish();
             tops.push(factor.subrows(0, states).to_owned());
@@ -214,53 +219,61 @@ impl Lineariser<'_> {
                 whole.push_row(&row);
             }
         }
-        Linearised { factor: whole.finish(), rows, tops }
+        Linearised { factor: whole.finish(), rows, gradients, tops }
     }
 
     /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. Derivatives are formed here, folded on a second thread.
-    fn experiment(&self, experiment: &Experiment, x0: &[f64]) -> Triangle {
-        let states = self.initial;
-        let entries = self.basis.nrows();
-        let width = states + entries + 1;
-        let identity = (0..entries).all(|i| (0..self.basis.ncols()).all(|j| self.basis[(i, j)] == f64::from(i == j)))
-            && entries == self.basis.ncols();
-        let fold = |chunk: &[f64], triangle: &mut Triangle| {
-            if identity {
-                chunk.chunks_exact(width).for_each(|row| triangle.push_row(row));
-                return;
-            }
-            let all = MatRef::from_column_major_slice(chunk, width, chunk.len() / width);
-            let turned = self.basis.transpose() * all.subrows(states, entries);
-            let mut row = vec![0.0; states + turned.nrows() + 1];
-            let last = row.len() - 1;
-            for (t, raw) in chunk.chunks_exact(width).enumerate() {
-                row[..states].copy_from_slice(&raw[..states]);
-                row[states..last].iter_mut().enumerate().for_each(|(j, v)| *v = turned[(j, t)]);
-                row[last] = raw[width - 1];
-                triangle.push_row(&row);
-            }
-        };
-        let mut triangle = Triangle::new(states + self.basis.ncols() + 1);
+    fn experiment(
+        &self,
+        experiment: &Experiment,
+        x0: &[f64],
+        instants: usize,
+        gradients: &mut Vec<Vec<f64>>,
+    ) -> Triangle {
+        let mut triangle = Triangle::new(self.initial + self.basis.ncols() + 1);
+        let mut fold = |chunk: &[f64]| gradients.push(self.fold(chunk, &mut triangle));
         if experiment.len() <= 4 * CHUNK {
-            self.chunks(experiment, x0, width, |chunk| fold(&chunk, &mut triangle));
+            self.chunks(experiment, x0, instants, |chunk| fold(&chunk));
             return triangle;
         }
         let (sender, receiver) = std::sync::mpsc::sync_channel::<Vec<f64>>(8);
         std::thread::scope(|scope| {
-            let (fold, triangle) = (&fold, &mut triangle);
-            scope.spawn(move || receiver.iter().for_each(|chunk| fold(&chunk, triangle)));
-            // The receiver lives as long as the channel, so nothing is lost when a send fails: it cannot.
-            self.chunks(experiment, x0, width, |chunk| drop(sender.send(chunk)));
+            scope.spawn(move || receiver.iter().for_each(|chunk| fold(&chunk)));
+            // A send fails only once the other thread has panicked, which the scope passes on.
+            self.chunks(experiment, x0, instants, |chunk| drop(sender.send(chunk)));
             drop(sender);
         });
         triangle
     }
 
+    /// Length of a row `[Ψ₀, Ψ, ε]`.
+    fn width(&self) -> usize {
+        self.initial + self.basis.nrows() + 1
+    }
+
+    /// Turns the rows of a chunk into the directions and appends them; returns their gradient.
+    fn fold(&self, chunk: &[f64], triangle: &mut Triangle) -> Vec<f64> {
+        let (states, width) = (self.initial, self.width());
+        let all = MatRef::from_column_major_slice(chunk, width, chunk.len() / width);
+        let turned = self.basis.transpose() * all.subrows(states, self.basis.nrows());
+        let mut row = vec![0.0; states + turned.nrows() + 1];
+        let last = row.len() - 1;
+        let mut gradient = vec![0.0; turned.nrows()];
+        for (t, raw) in chunk.chunks_exact(width).enumerate() {
+            row[..states].copy_from_slice(&raw[..states]);
+            row[states..last].iter_mut().enumerate().for_each(|(j, v)| *v = turned[(j, t)]);
+            row[last] = raw[width - 1];
+            gradient.iter_mut().zip(&row[states..last]).for_each(|(g, v)| *g += v * row[last]);
+            triangle.push_row(&row);
+        }
+        gradient
+    }
+
     /// Hands over rows `[Ψ₀, Ψ, ε]`, whitened, a chunk at a time.
-    fn chunks(&self, experiment: &Experiment, x0: &[f64], width: usize, mut give: impl FnMut(Vec<f64>)) {
-        let p = self.predictor.p;
+    fn chunks(&self, experiment: &Experiment, x0: &[f64], instants: usize, mut give: impl FnMut(Vec<f64>)) {
+        let (p, width) = (self.predictor.p, self.width());
         let mut derivatives = Derivatives::new(self.predictor, self.free, self.initial);
-        let full = CHUNK * p * width;
+        let full = instants * p * width;
         let mut chunk = Vec::with_capacity(full);
         self.predictor.walk(experiment, x0, |x, u, e, complete| {
             if complete {

@@ -230,3 +230,51 @@ fn dot(x: &[f64], y: &[f64]) -> f64 {
     }
     sums.iter().sum::<f64>() + rest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two inputs and two outputs over two experiments: sums of incommensurate tones and a scrambled sequence.
+    fn data(scramble: f64) -> Dataset {
+        let experiment = |samples: usize, phase: f64| {
+            let mut state = 12345.0 + phase;
+            let mut value = |t: usize, j: usize| {
+                state = (state * 16807.0) % 2_147_483_647.0;
+                scramble * (state / 2_147_483_647.0 - 0.5) + (0.3 * t as f64 + j as f64 + phase).sin()
+            };
+            let inputs = Mat::from_fn(samples, 2, |t, j| value(t, j));
+            let outputs = Mat::from_fn(samples, 2, |t, j| 1e6 * value(t, j));
+            Experiment { name: "x".into(), start_s: 0.0, inputs, outputs }
+        };
+        let first = experiment(20_000, 0.0);
+        let data = Dataset::new(1.0, first.inputs, first.outputs).unwrap();
+        data.with_experiment(experiment(700, 1.0)).unwrap()
+    }
+
+    const HORIZONS: Horizons = Horizons { past: 6, future: 5 };
+    const WEIGHTS: [f64; 4] = [1.0, 1.0, 1e-6, 1e-6];
+
+    #[test]
+    fn prop_cholesky_and_orthogonal_factors_agree() {
+        let data = data(1.0);
+        let hankel = Hankel::new(&data, HORIZONS, &WEIGHTS);
+        let (fast, slow) = (hankel.cholesky().unwrap(), hankel.orthogonal());
+        for j in 0..hankel.columns() {
+            for i in 0..=j {
+                // The sign of each row of R is free.
+                let aligned = slow.r[(i, j)] * slow.r[(i, i)].signum();
+                assert!((fast.r[(i, j)] - aligned).abs() < 1e-10 * fast.r[(0, 0)], "{i} {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn prop_ill_conditioned_data_fall_back_to_orthogonal() {
+        let data = data(1e-7);
+        let hankel = Hankel::new(&data, HORIZONS, &WEIGHTS);
+        assert!(hankel.cholesky().is_none());
+        let (chosen, slow) = (hankel.factor(), hankel.orthogonal());
+        assert_eq!(chosen.r, slow.r);
+    }
+}

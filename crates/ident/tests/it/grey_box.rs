@@ -1,4 +1,5 @@
 //! Grey-box models.
+#![allow(clippy::print_stdout, clippy::disallowed_methods, clippy::disallowed_types)]
 
 use faer::{Mat, mat};
 use ident::{

@@ -1,4 +1,5 @@
 //! Where reference data lie that are no part of the project.
+#![allow(clippy::print_stdout)]
 
 use std::path::PathBuf;
 
