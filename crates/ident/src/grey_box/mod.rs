@@ -84,8 +84,8 @@ impl<S: Structure> GreyBox<S> {
     ///
     /// # Errors
     /// [`IdentError::Structure`] for a structure without a free parameter, a prior without spread, or a start at which
-    /// the predictor is unstable; [`IdentError::StartOutsideBounds`]; [`IdentError::Length`] for other channels than the data's
-    /// or initial states of another number; [`IdentError::Missing`]; [`IdentError::TooFewSamples`];
+    /// the predictor is unstable; [`IdentError::StartOutsideBounds`]; [`IdentError::Length`] for other channels than
+    /// the data's or initial states of another number; [`IdentError::Missing`]; [`IdentError::TooFewSamples`];
     /// [`IdentError::RankDeficient`] where the data do not tell the parameters apart; errors of the structure itself.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
         let start = GreyBoxModel::new(self.structure.clone())?;

@@ -8,7 +8,8 @@ use crate::fit::check_clock;
 use crate::subspace::linear::kalman;
 use crate::{Intersample, LinearModel, Parametric};
 
-/// A grey-box model: its structure, the value of every parameter (fixed ones too), and the covariance of the innovations.
+/// A grey-box model: its structure, the value of every parameter (fixed ones too), and the covariance of the
+/// innovations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GreyBoxModel<S> {
     structure: S,

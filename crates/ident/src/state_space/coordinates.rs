@@ -9,8 +9,8 @@ use crate::{Dataset, IdentError};
 /// Directions that only turn the basis have singular values above this part of the largest.
 const RANK_TOLERANCE: f64 = 1e-10;
 
-/// What one unit of each free entry is worth, in the entries' order: states and channels are measured by their root mean
-/// squares.
+/// What one unit of each free entry is worth, in the entries' order: states and channels are measured by their root
+/// mean squares.
 pub(super) fn entry_scales(predictor: &Predictor, free: Free, data: &Dataset, x0: &[Vec<f64>]) -> Vec<f64> {
     let positive = |v: f64| if v > 0.0 && v.is_finite() { v } else { 1.0 };
     let x: Vec<f64> = predictor.state_sizes(data, x0).into_iter().map(positive).collect();
@@ -34,8 +34,8 @@ pub(super) fn entry_scales(predictor: &Predictor, free: Free, data: &Dataset, x0
     blocks.concat()
 }
 
-/// A basis, entries × directions, of the changes of all free matrices that are orthogonal, entries measured by `scales`,
-/// to every change of the states' basis `T`: `dA = τA − Aτ`, `dB = τB`, `dC = −Cτ`, `dK = τK`.
+/// A basis, entries × directions, of the changes of all free matrices that are orthogonal, entries measured by
+/// `scales`, to every change of the states' basis `T`: `dA = τA − Aτ`, `dB = τB`, `dC = −Cτ`, `dK = τK`.
 pub(super) fn directions(model: &Innovations, free: Free, scales: &[f64]) -> Result<Mat<f64>, IdentError> {
     let system = model.system();
     let (a, b, c, k) = (system.a(), system.b(), system.c(), model.k());

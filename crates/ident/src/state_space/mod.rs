@@ -7,8 +7,10 @@ mod model;
 mod predictor;
 mod search;
 
+use lti::Innovations;
+
 use crate::subspace::{StateOrder, Subspace};
-use crate::{Dataset, Doubt, Fit, IdentError};
+use crate::{Dataset, Doubt, Fit, IdentError, LinearModel};
 
 pub(crate) use gather::{Information, Known, estimate, gather, regress_inputs};
 pub use model::StateSpaceModel;
@@ -81,7 +83,7 @@ impl StateSpacePem {
         }
     }
 
-    /// From this model, whose feed-through and noise model decide what is free.
+    /// From this model, whose feed-through and noise model decide what is free; a `D` that is not free stays.
     #[must_use]
     pub fn from_model(start: StateSpaceModel) -> Self {
         let focus = if start.has_noise_model() { Focus::Prediction } else { Focus::Simulation };
@@ -131,11 +133,14 @@ impl StateSpacePem {
     }
 
     fn starting_point(&self, data: &Dataset) -> Result<StateSpaceModel, IdentError> {
+        let noise_model = self.focus == Focus::Prediction;
         if let Some(start) = &self.start {
             crate::fit::check_channels(start, data)?;
-            return Ok(start.clone());
+            let given = LinearModel::innovations(start, data.sample_time_s(), data.intersample())?;
+            let (system, covariance) = (given.system().clone(), given.noise_covariance().to_owned());
+            let innovations = if noise_model { given } else { Innovations::output_error(system, covariance)? };
+            return Ok(StateSpaceModel::new(innovations, self.feedthrough, noise_model));
         }
-        let noise_model = self.focus == Focus::Prediction;
         let subspace = Subspace {
             order: self.order,
             feedthrough: self.feedthrough,

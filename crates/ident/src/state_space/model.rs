@@ -14,10 +14,10 @@ use crate::{Intersample, LinearModel, Parametric};
 /// whose parameters are all entries of `A`, `B`, `C`, of `D` where the model has feed-through and of `K` where it has a
 /// noise model, in this order and each by rows.
 ///
-/// The same behaviour has many such parameter vectors, one for each choice of the states. The covariance that comes with
-/// an estimate therefore is singular: it holds the states' basis fixed. Whatever does not depend on that basis — poles,
-/// frequency responses, impulse responses — gets its exact first-order variance from it; the standard error of a single
-/// entry means nothing.
+/// The same behaviour has many such parameter vectors, one for each choice of the states. The covariance that comes
+/// with an estimate therefore is singular: it holds the states' basis fixed. Whatever does not depend on that basis —
+/// poles, frequency responses, impulse responses — gets its exact first-order variance from it; the standard error of
+/// a single entry means nothing.
 ///
 /// # Source
 /// Pintelon, Schoukens, McKelvey & Rolain, *Minimum variance bounds for overparameterized models*, IEEE Trans. Autom.
@@ -31,7 +31,8 @@ pub struct StateSpaceModel {
 }
 
 impl StateSpaceModel {
-    /// The model of `innovations`; `feedthrough` and `noise` say whether `D` and `K` are parameters or stay as they are.
+    /// The model of `innovations`; `feedthrough` and `noise` say whether `D` and `K` are parameters or stay as they
+    /// are.
     #[must_use]
     pub fn new(innovations: Innovations, feedthrough: bool, noise: bool) -> Self {
         StateSpaceModel { innovations, feedthrough, noise }

@@ -92,18 +92,25 @@ impl Predictor {
         }
     }
 
-    /// Calls `visit(x̂, u, ε, complete)` at every instant. Where an output is missing, its ε is zero and `complete` false.
-    pub(crate) fn walk(
+    /// Calls `visit(x̂, u, ε, complete)` at every instant. Where an output is missing, its ε is zero and `complete`
+    /// false.
+    pub(crate) fn walk(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
+        self.walk_first(experiment.len(), experiment, x0, visit);
+    }
+
+    /// As [`Predictor::walk`], over so many instants.
+    fn walk_first(
         &self,
+        instants: usize,
         experiment: &Experiment,
         x0: &[f64],
         mut visit: impl FnMut(&[f64], &[f64], &[f64], bool),
-    ) -> Vec<f64> {
+    ) {
         let inputs: Vec<&[f64]> = (0..self.m).map(|j| experiment.input(j)).collect();
         let outputs: Vec<&[f64]> = (0..self.p).map(|i| experiment.output(i)).collect();
         let (mut x, mut next) = (x0.to_vec(), vec![0.0; self.n]);
         let (mut u, mut e) = (vec![0.0; self.m], vec![0.0; self.p]);
-        for t in 0..experiment.len() {
+        for t in 0..instants {
             u.iter_mut().zip(&inputs).for_each(|(u, input)| *u = input[t]);
             e.fill(0.0);
             add_product(&self.c, &x, &mut e);
@@ -121,7 +128,6 @@ impl Predictor {
             add_product(&self.k, &e, &mut next);
             std::mem::swap(&mut x, &mut next);
         }
-        x
     }
 
     /// `Σ ε εᵀ`, the instants it runs over, and the predicted states at the instants `marks` of each experiment, which
@@ -150,13 +156,19 @@ impl Predictor {
         whole
     }
 
-    /// Root mean square of each predicted state.
+    /// Root mean square of each predicted state, over the first instants of long experiments.
     pub(crate) fn state_sizes(&self, data: &Dataset, x0: &[Vec<f64>]) -> Vec<f64> {
+        const ENOUGH: usize = 20_000;
         let mut sums = vec![0.0; self.n];
+        let mut count = 0;
         for (experiment, x0) in data.experiments().iter().zip(x0) {
-            self.walk(experiment, x0, |x, _, _, _| sums.iter_mut().zip(x).for_each(|(s, x)| *s += x * x));
+            let instants = experiment.len().min(ENOUGH);
+            count += instants;
+            self.walk_first(instants, experiment, x0, |x, _, _, _| {
+                sums.iter_mut().zip(x).for_each(|(s, x)| *s += x * x);
+            });
         }
-        sums.iter().map(|s| (s / data.samples() as f64).sqrt()).collect()
+        sums.iter().map(|s| (s / count.max(1) as f64).sqrt()).collect()
     }
 }
 
@@ -306,9 +318,9 @@ impl Lineariser<'_> {
     }
 }
 
-/// The derivatives of ŷ at one instant. A change of A, B or K acts like a scalar signal (a state, an input, an error) into
-/// one state of the predictor; the way from every state to an output is one filter in transposed form, so that each
-/// signal is filtered once an output, not once an entry.
+/// The derivatives of ŷ at one instant. A change of A, B or K acts like a scalar signal (a state, an input, an error)
+/// into one state of the predictor; the way from every state to an output is one filter in transposed form, so that
+/// each signal is filtered once an output, not once an entry.
 struct Derivatives<'a> {
     of: &'a Predictor,
     free: Free,

@@ -218,7 +218,8 @@ fn weighted(sum: &Mat<f64>, whitening: &Mat<f64>) -> f64 {
     (0..white.nrows()).map(|i| white[(i, i)]).sum()
 }
 
-/// Minimiser of `‖ε − Ψ δ‖² + λ ‖D δ‖²`, `D` the lengths of the columns of Ψ, and by how much it makes `‖ε − Ψ δ‖²` fall.
+/// Minimiser of `‖ε − Ψ δ‖² + λ ‖D δ‖²`, `D` the lengths of the columns of Ψ, and by how much it makes `‖ε − Ψ δ‖²`
+/// fall.
 fn damped_step(equations: &Mat<f64>, damping: f64) -> Result<(Vec<f64>, f64), IdentError> {
     let (rows, n) = (equations.nrows(), equations.ncols() - 1);
     let (scaled, norms) = scaled_columns(equations.subcols(0, n));

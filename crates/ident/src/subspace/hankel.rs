@@ -243,7 +243,7 @@ mod tests {
                 state = (state * 16807.0) % 2_147_483_647.0;
                 scramble * (state / 2_147_483_647.0 - 0.5) + (0.3 * t as f64 + j as f64 + phase).sin()
             };
-            let inputs = Mat::from_fn(samples, 2, |t, j| value(t, j));
+            let inputs = Mat::from_fn(samples, 2, &mut value);
             let outputs = Mat::from_fn(samples, 2, |t, j| 1e6 * value(t, j));
             Experiment { name: "x".into(), start_s: 0.0, inputs, outputs }
         };

@@ -34,8 +34,8 @@ pub(crate) fn spectral_radius(m: MatRef<'_, f64>) -> Result<f64, IdentError> {
     Ok(values.iter().map(|v| v.norm()).fold(0.0, f64::max))
 }
 
-/// `L⁻¹` of `Λ = L Lᵀ`. A covariance that is not positive definite, as with an output predicted exactly, is raised along
-/// its diagonal by as little as makes it so.
+/// `L⁻¹` of `Λ = L Lᵀ`. A covariance that is not positive definite, as with an output predicted exactly, is raised
+/// along its diagonal by as little as makes it so.
 pub(crate) fn whitening(covariance: MatRef<'_, f64>) -> Result<Mat<f64>, IdentError> {
     let p = covariance.nrows();
     let mut trace = (0..p).map(|i| covariance[(i, i)].abs()).sum::<f64>() / p.max(1) as f64;
@@ -61,8 +61,8 @@ pub(crate) fn whitening(covariance: MatRef<'_, f64>) -> Result<Mat<f64>, IdentEr
 }
 
 /// The gain `K` and the innovations' covariance `Λ` of the stationary Kalman filter of
-/// `x(t+1) = A x(t) + w(t)`, `y(t) = C x(t) + v(t)` with the joint covariance `[Q S; Sᵀ R]` of `w` and `v`; `None` where
-/// there is no filter that forgets its start.
+/// `x(t+1) = A x(t) + w(t)`, `y(t) = C x(t) + v(t)` with the joint covariance `[Q S; Sᵀ R]` of `w` and `v`; `None`
+/// where there is no filter that forgets its start.
 ///
 /// # Source
 /// Chu, Fan, Lin & Wang, *Structure-preserving algorithms for periodic discrete-time algebraic Riccati equations*,

@@ -42,9 +42,9 @@ pub enum StateOrder {
 ///
 /// `x(t+1) = A x(t) + B u(t) + K e(t)`, `y(t) = C x(t) + D u(t) + e(t)`.
 ///
-/// `A` and `C` come from the shift structure of the extended observability matrix, `K` and `Λ` from the residuals of the
-/// state sequence by a Riccati equation, `B`, `D` and the initial states from a linear least squares on the one-step
-/// prediction errors over all of the data. Data are taken as they are: remove offsets first.
+/// `A` and `C` come from the shift structure of the extended observability matrix, `K` and `Λ` from the residuals of
+/// the state sequence by a Riccati equation, `B`, `D` and the initial states from a linear least squares on the
+/// one-step prediction errors over all of the data. Data are taken as they are: remove offsets first.
 ///
 /// # Example
 /// ```
@@ -138,13 +138,13 @@ impl Subspace {
     /// Estimates the model.
     ///
     /// The covariance is the one that a prediction-error estimate would have (gathered from stretches spread over long
-    /// data); a subspace estimate comes close to it with canonical variates and scatters more with the other weightings,
-    /// so [`Doubt::CovarianceIsLowerBound`] stands beside it. Refine the estimate by [`crate::StateSpacePem`] where
-    /// intervals matter.
+    /// data); a subspace estimate comes close to it with canonical variates and scatters more with the other
+    /// weightings, so [`Doubt::CovarianceIsLowerBound`] stands beside it. Refine the estimate by
+    /// [`crate::StateSpacePem`] where intervals matter.
     ///
     /// # Errors
-    /// [`IdentError::Missing`] for a missing sample, [`IdentError::TooFewSamples`], [`IdentError::Constant`] for a channel
-    /// that is zero throughout, [`IdentError::RankDeficient`] for inputs that do not excite the order, and
+    /// [`IdentError::Missing`] for a missing sample, [`IdentError::TooFewSamples`], [`IdentError::Constant`] for a
+    /// channel that is zero throughout, [`IdentError::RankDeficient`] for inputs that do not excite the order, and
     /// [`IdentError::Structure`] for an order that the horizons cannot hold.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<StateSpaceModel>, IdentError> {
         let weights = channel_weights(data)?;

@@ -14,8 +14,8 @@ const ROUNDING: f64 = 1e-12;
 /// would leave the Riccati equation without a solution.
 const LEAST_NOISE: f64 = 1e-9;
 
-/// The weighted projection of the future on the past. The columns of R stand for the rows of the Hankel matrix: they have
-/// the same scalar products, and there are few of their entries.
+/// The weighted projection of the future on the past. The columns of R stand for the rows of the Hankel matrix: they
+/// have the same scalar products, and there are few of their entries.
 pub(super) struct Projection<'a> {
     hankel: &'a Hankel<'a>,
     factor: &'a HankelFactor,
@@ -104,7 +104,8 @@ impl<'a> Projection<'a> {
     }
 }
 
-/// `A` with every eigenvalue inside the unit circle: the shift of Γ with zeros in place of the row block beyond its end.
+/// `A` with every eigenvalue inside the unit circle: the shift of Γ with zeros in place of the row block beyond its
+/// end.
 ///
 /// # Source
 /// Chui & Maciejowski, *Realization of stable models with subspace methods*, Automatica 32(11), 1996.

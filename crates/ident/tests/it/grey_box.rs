@@ -1,5 +1,5 @@
 //! Grey-box models.
-#![allow(clippy::print_stdout, clippy::disallowed_methods, clippy::disallowed_types)]
+#![allow(clippy::print_stdout)]
 
 use faer::{Mat, mat};
 use ident::{
@@ -277,14 +277,4 @@ fn stat_coverage_with_process_noise() {
     println!("{found:?}");
     // Three standard deviations of the binomial: 3 √(0.95 · 0.05 / 200).
     assert!(found.iter().all(|c| (c - 0.95).abs() < 0.047), "{found:?}");
-}
-
-#[test]
-#[ignore = "slow"]
-fn speed_of_two_masses() {
-    let data =
-        dataset(vec![simulated(100_000, &[0.0; 3], 1.0, Intersample::ZeroOrderHold, 8)], Intersample::ZeroOrderHold);
-    let start = std::time::Instant::now();
-    let fit = GreyBox::new(PLAIN).fit(&data).unwrap();
-    println!("{:?} {} iterations {:?}", start.elapsed(), fit.iterations, fit.parameters());
 }

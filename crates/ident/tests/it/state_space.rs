@@ -1,5 +1,5 @@
 //! Prediction-error state-space models.
-#![allow(clippy::print_stdout, clippy::disallowed_methods, clippy::disallowed_types)]
+#![allow(clippy::print_stdout, clippy::disallowed_methods)]
 
 use faer::Mat;
 use ident::covariance::delta_variance;
@@ -84,7 +84,7 @@ fn coverage(runs: u64, samples: usize, estimate: impl Fn(&Dataset) -> Fit<StateS
 #[test]
 #[ignore = "slow"]
 fn stat_coverage_of_prediction_errors() {
-    let found = coverage(300, 1500, |data| StateSpacePem::new(4).fit(data).unwrap());
+    let found = coverage(300, 5000, |data| StateSpacePem::new(4).fit(data).unwrap());
     println!("{found:?}");
     // Three standard deviations of the binomial: 3 √(0.95 · 0.05 / 300).
     assert!(found.iter().all(|c| (c - 0.95).abs() < 0.04), "{found:?}");
@@ -104,7 +104,7 @@ fn stat_coverage_of_a_simulation_with_coloured_errors() {
 #[ignore = "slow"]
 fn stat_coverage_of_canonical_variates() {
     for weighting in [Weighting::Cva, Weighting::N4sid, Weighting::Moesp] {
-        let found = coverage(300, 1500, |data| Subspace::new(4).with_weighting(weighting).fit(data).unwrap());
+        let found = coverage(300, 5000, |data| Subspace::new(4).with_weighting(weighting).fit(data).unwrap());
         println!("{weighting:?} {found:?}");
         if weighting == Weighting::Cva {
             assert!(found.iter().all(|c| *c > 0.85), "{found:?}");

@@ -1,5 +1,5 @@
 //! Subspace identification.
-#![allow(clippy::print_stdout, clippy::disallowed_methods, clippy::disallowed_types)]
+#![allow(clippy::print_stdout, clippy::disallowed_methods)]
 
 use faer::{Mat, mat};
 use ident::{Dataset, Experiment, IdentError, Subspace, Weighting};
@@ -214,47 +214,4 @@ fn ref_slicot_dryer() {
 
 fn published_first() -> f64 {
     69.8841
-}
-
-#[test]
-#[ignore = "slow"]
-fn speed_of_a_million() {
-    let a = lti::PolynomialModel::siso(
-        1.0,
-        1,
-        lti::PolynomialEquation {
-            a: vec![vec![-1.5, 0.7]],
-            b: vec![vec![1.0, 0.5]],
-            c: vec![-1.0, 0.2],
-            ..Default::default()
-        },
-    )
-    .unwrap();
-    let truth = a.with_noise_covariance(faer::mat![[0.25]]).unwrap().innovations().unwrap();
-    let truth = {
-        let s = truth.system();
-        let sys =
-            lti::StateSpace::discrete(s.a().to_owned(), s.b().to_owned(), s.c().to_owned(), s.d().to_owned(), 0.1)
-                .unwrap();
-        lti::Innovations::new(sys, truth.k().to_owned(), truth.noise_covariance().to_owned()).unwrap()
-    };
-    let mut noise = Noise::new(12);
-    let n = 1_000_000;
-    let mut u = Mat::zeros(n, 1);
-    for t in 0..n {
-        u[(t, 0)] = if t % 3 == 0 { (noise.uniform() - 0.5).signum() } else { u[(t - 1, 0)] };
-    }
-    let y = outputs(&truth, &u, &[0.0; 2], &mut noise);
-    let data = Dataset::new(0.1, u, y).unwrap();
-    for weighting in ALL {
-        for _ in 0..3 {
-            let start = std::time::Instant::now();
-            let fit = Subspace::new(4).with_weighting(weighting).fit(&data).unwrap();
-            let took = start.elapsed();
-            println!("{weighting:?} {took:?} {:e}", gain_error(fit.model.system(), truth.system()));
-        }
-    }
-    let start = std::time::Instant::now();
-    let fit = ident::StateSpacePem::new(2).fit(&data).unwrap();
-    println!("pem {:?} {} {:e}", start.elapsed(), fit.iterations, gain_error(fit.model.system(), truth.system()));
 }
