@@ -235,3 +235,51 @@ fn damped_step(equations: &Mat<f64>, damping: f64) -> Result<(Vec<f64>, f64), Id
     let expected = (0..rows).map(|i| along[(i, 0)] * (2.0 * equations[(i, n)] - along[(i, 0)])).sum();
     Ok(((0..n).map(|j| solution[(j, 0)] / norms[j]).collect(), expected))
 }
+
+#[cfg(test)]
+mod tests {
+    use faer::mat;
+    use lti::StateSpace;
+
+    use super::*;
+
+    fn model() -> StateSpaceModel {
+        let a = mat![[0.8, 0.4, 0.0], [-0.4, 0.8, 0.1], [0.0, 0.0, 0.5]];
+        let b = mat![[1.0, 0.2], [0.0, 0.5], [0.7, -1.0]];
+        let c = mat![[1.0, 0.0, 0.4], [0.2, 0.8, 0.0]];
+        let system = StateSpace::discrete(a, b, c, mat![[0.0, 0.3], [0.1, 0.0]], 0.1).unwrap();
+        let k = mat![[0.2, 0.1], [0.0, 0.3], [0.1, 0.0]];
+        StateSpaceModel::new(Innovations::new(system, k, Mat::identity(2, 2)).unwrap(), true, true)
+    }
+
+    #[test]
+    fn prop_gradient_equals_finite_differences() {
+        let wave = |i: usize, j: usize| (0.7 * i as f64 + 1.3 * j as f64).sin() + (0.01 * (i * i) as f64).cos();
+        let (u, y) = (Mat::from_fn(300, 2, wave), Mat::from_fn(300, 2, |i, j| wave(2 * i, j + 5)));
+        let data = Dataset::new(0.1, u, y).unwrap();
+        let (model, x0) = (model(), [vec![0.5, -1.0, 2.0]]);
+        let count = model.parameters().len();
+        let (basis, whitening) = (Mat::<f64>::identity(count, count), Mat::<f64>::identity(2, 2));
+        let lineariser = Lineariser {
+            predictor: &Predictor::new(model.innovations()),
+            free: StateSpaceModel::free(&model),
+            basis: basis.as_ref(),
+            whitening: whitening.as_ref(),
+            initial: 3,
+        };
+        let gradients = lineariser.over(&data, &x0).gradients;
+        let cost = |j: usize, by: f64| {
+            let mut parameters = model.parameters();
+            parameters[j] += by;
+            let moved = model.with_parameters(&parameters).unwrap();
+            let sum = Predictor::new(moved.innovations()).scatter(&data, &x0, &[]).sum;
+            sum[(0, 0)] + sum[(1, 1)]
+        };
+        for j in 0..count {
+            let analytic: f64 = gradients.iter().map(|g| g[j]).sum();
+            // The errors fall by Ψ δ, so the cost falls by 2 εᵀΨ δ.
+            let numeric = -(cost(j, 1e-6) - cost(j, -1e-6)) / 4e-6;
+            assert!((analytic - numeric).abs() < 1e-6 * (1.0 + numeric.abs()), "{j}: {analytic} {numeric}");
+        }
+    }
+}
