@@ -91,6 +91,8 @@ pub enum Doubt {
     },
     /// The model is not stable.
     Unstable,
+    /// The covariance is the least that any estimate could have; this one may scatter more.
+    CovarianceIsLowerBound,
 }
 
 impl<M: Parametric> Fit<M> {

@@ -18,6 +18,7 @@ mod error;
 mod fit;
 pub mod frequency;
 mod frequency_domain;
+mod grey_box;
 mod impulse_response;
 mod instrumental;
 mod lagged;
@@ -28,6 +29,8 @@ pub mod prediction_error;
 mod process;
 pub mod recursive;
 mod regression;
+mod state_space;
+mod subspace;
 mod triangle;
 pub mod uncertainty;
 pub mod validate;
@@ -47,10 +50,15 @@ pub use frequency_domain::{
     CostTest, FrequencyData, FrequencyGreyBox, FrequencyModel, FrequencyTransferFunction, Lines, Measured,
     RationalResponse, ResponseFunction, SpectralData, SpectralFit,
 };
+pub use grey_box::{
+    Entry, GreyBox, GreyBoxModel, GreyNoise, GreyParameter, InitialStates, Structure, StructuredMatrices,
+};
 pub use impulse_response::{Hyperparameters, ImpulseFit, ImpulseResponse, Kernel, ResponseEstimate};
 pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
 pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use process::ProcessFit;
+pub use state_space::{Focus, StateSpaceModel, StateSpacePem};
+pub use subspace::{StateOrder, Subspace, Weighting};
 pub use triangle::Triangle;

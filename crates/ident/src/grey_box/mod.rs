@@ -1,0 +1,223 @@
+//! Grey-box models: state space whose entries follow from parameters that mean something.
+
+mod model;
+mod search;
+mod structure;
+
+use faer::Mat;
+use signal::excitation::Random;
+
+use crate::state_space::{Information, Known, Search, Searchable, check_missing, gather};
+use crate::{Dataset, Doubt, Fit, IdentError, LinearModel, Parametric, Termination};
+
+pub use model::GreyBoxModel;
+use search::Parameters;
+pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatrices};
+
+/// What is known of the states at the first sample of each experiment.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum InitialStates {
+    /// Nothing: estimated, for each experiment.
+    #[default]
+    Estimated,
+    /// They are zero.
+    Zero,
+    /// These, one list an experiment.
+    Given(Vec<Vec<f64>>),
+}
+
+/// Grey-box estimation: the parameters of a [`Structure`] by minimising the prediction error.
+///
+/// Minimises `det Σ ε(t) ε(t)ᵀ`, with a prior the posterior density, over the free parameters and the initial states.
+/// A continuous structure is sampled exactly under what the data say of their inputs between samples. With
+/// [`GreyNoise::OutputError`] the errors are those of a simulation, otherwise those one step ahead. Derivatives of the
+/// sampled matrices are central differences with steps of 6e-6 of the parameter (relative error about 1e-10); the
+/// derivatives of the errors with respect to the matrices are exact.
+///
+/// # Source
+/// Ljung 1999, §4.3 and (7.89); Bohlin, *Practical Grey-box Process Identification*, 2006.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GreyBox<S> {
+    /// The structure.
+    pub structure: S,
+    /// What is known of the initial states.
+    pub initial_states: InitialStates,
+    /// Further starting points against local minima: drawn within the bounds of each free parameter where both are
+    /// finite, otherwise from a tenth to ten times its start.
+    pub further_starts: usize,
+    /// Seed of the further starting points.
+    pub seed: u64,
+    /// Most iterations.
+    pub iteration_limit: usize,
+}
+
+/// Iterations from each starting point before the best is followed to its end.
+const TRIAL_ITERATIONS: usize = 12;
+
+impl<S: Structure> GreyBox<S> {
+    /// One search from the structure's own starting values, initial states estimated.
+    #[must_use]
+    pub fn new(structure: S) -> Self {
+        GreyBox {
+            structure,
+            initial_states: InitialStates::Estimated,
+            further_starts: 0,
+            seed: 1,
+            iteration_limit: 100,
+        }
+    }
+
+    /// With these initial states, of the innovations form (`x − B₁u` under straight inputs).
+    #[must_use]
+    pub fn with_initial_states(self, initial_states: InitialStates) -> Self {
+        GreyBox { initial_states, ..self }
+    }
+
+    /// With so many further starting points.
+    #[must_use]
+    pub fn with_further_starts(self, further_starts: usize) -> Self {
+        GreyBox { further_starts, ..self }
+    }
+
+    /// Estimates the parameters. Instants at which an output is missing are left out where the structure has no noise
+    /// model.
+    ///
+    /// # Errors
+    /// [`IdentError::Structure`] for a structure without a free parameter, a prior without spread, or a start at which
+    /// the predictor is unstable; [`IdentError::StartOutsideBounds`]; [`IdentError::Length`] for other channels than
+    /// the data's or initial states of another number; [`IdentError::Missing`]; [`IdentError::TooFewSamples`];
+    /// [`IdentError::RankDeficient`] where the data do not tell the parameters apart; errors of the structure itself.
+    pub fn fit(&self, data: &Dataset) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
+        let start = GreyBoxModel::new(self.structure.clone())?;
+        self.check(&start, data)?;
+        let innovations = start.innovations(data.sample_time_s(), data.intersample())?;
+        let output_error = innovations.k().norm_max() == 0.0;
+        let missing = check_missing(data, output_error)?;
+        let parameters = Parameters::new(start);
+        let estimated =
+            if self.initial_states == InitialStates::Estimated { parameters.model.own_states()? } else { 0 };
+        let first = Search::new(data, parameters.clone(), self.states(data, &parameters)?, estimated)?;
+        let mut search = self.best_start(data, &parameters, first, estimated)?;
+        let termination = search.run(self.iteration_limit)?;
+        self.finish(data, search, termination, estimated, missing)
+    }
+
+    /// States at the start of the search: the given ones or zero.
+    fn states(&self, data: &Dataset, parameters: &Parameters<S>) -> Result<Vec<Vec<f64>>, IdentError> {
+        let own = parameters.model.own_states()?;
+        Ok(match &self.initial_states {
+            InitialStates::Given(states) => states.clone(),
+            _ => vec![vec![0.0; own]; data.experiments().len()],
+        })
+    }
+
+    fn check(&self, start: &GreyBoxModel<S>, data: &Dataset) -> Result<(), IdentError> {
+        crate::fit::check_channels(start, data)?;
+        let parameters = self.structure.parameters();
+        if parameters.iter().all(|p| p.fixed) {
+            return Err(IdentError::Structure { what: "no parameter is free, so there is nothing to estimate" });
+        }
+        for (index, p) in parameters.iter().enumerate() {
+            let (lower, upper) = (p.bounds.lower, p.bounds.upper);
+            if !(p.value.is_finite() && lower <= p.value && p.value <= upper) {
+                return Err(IdentError::StartOutsideBounds { index, start: p.value, lower, upper });
+            }
+            if p.prior.is_some_and(|(mean, deviation)| !(mean.is_finite() && deviation > 0.0)) {
+                return Err(IdentError::Structure { what: "a prior needs a finite mean and a positive spread" });
+            }
+        }
+        let InitialStates::Given(states) = &self.initial_states else { return Ok(()) };
+        let own = start.own_states()?;
+        let experiments = data.experiments().len();
+        let length = |expected, found| IdentError::Length { what: "initial states", expected, found };
+        if states.len() != experiments {
+            return Err(length(experiments, states.len()));
+        }
+        states.iter().find(|s| s.len() != own).map_or(Ok(()), |s| Err(length(own, s.len())))
+    }
+
+    /// The search that is ahead after some iterations from every starting point.
+    fn best_start<'a>(
+        &self,
+        data: &'a Dataset,
+        parameters: &Parameters<S>,
+        first: Search<'a, Parameters<S>>,
+        estimated: usize,
+    ) -> Result<Search<'a, Parameters<S>>, IdentError> {
+        if self.further_starts == 0 {
+            return Ok(first);
+        }
+        let mut best = first;
+        best.run(TRIAL_ITERATIONS)?;
+        let mut random = Random::new(self.seed);
+        for _ in 0..self.further_starts {
+            let Ok(other) = parameters.drawn(&mut random) else { continue };
+            let Ok(mut search) = Search::new(data, other, self.states(data, parameters)?, estimated) else { continue };
+            if search.run(TRIAL_ITERATIONS).is_ok() && search.criterion() < best.criterion() {
+                best = search;
+            }
+        }
+        Ok(best)
+    }
+
+    fn finish(
+        &self,
+        data: &Dataset,
+        search: Search<'_, Parameters<S>>,
+        termination: Termination,
+        estimated: usize,
+        missing: usize,
+    ) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
+        let (iterations, initial_states, found) = search.into_parts();
+        let innovations = found.innovations(data)?;
+        let all_states = found.all_states(&initial_states, data);
+        let basis = found.directions(&innovations, data, &all_states)?;
+        let blocked = found.resting();
+        let kept: Vec<usize> = (0..basis.ncols()).filter(|j| !blocked[*j]).collect();
+        let basis = Mat::from_fn(basis.nrows(), kept.len(), |i, j| basis[(i, kept[j])]);
+        let prior: Vec<f64> = kept.iter().map(|j| found.prior_weight(*j)).collect();
+        let known = Known { free: found.free(), basis: basis.as_ref(), prior: &prior };
+        let gathered = gather(data, &innovations, &known, &all_states, estimated, Information::All)?;
+        if gathered.condition > 1e12 {
+            let (parameters, condition) = (kept.len(), gathered.condition);
+            return Err(IdentError::RankDeficient { rank: parameters - 1, parameters, condition });
+        }
+        let places: Vec<usize> = kept.iter().map(|j| found.free_indices()[*j]).collect();
+        let count = found.model.parameters().len();
+        let mut covariance = Mat::zeros(count, count);
+        for (a, i) in places.iter().enumerate() {
+            for (b, j) in places.iter().enumerate() {
+                covariance[(*i, *j)] = gathered.covariance[(a, b)];
+            }
+        }
+        let mut doubts = Vec::new();
+        if !termination.converged() {
+            doubts.push(Doubt::NotConverged);
+        }
+        let bounded = (0..blocked.len()).filter(|j| blocked[*j]);
+        doubts.extend(bounded.map(|j| Doubt::AtBound { parameter: found.free_indices()[j] }));
+        if gathered.condition > 1e8 {
+            doubts.push(Doubt::IllConditioned { condition: gathered.condition });
+        }
+        if missing > 0 {
+            doubts.push(Doubt::RowsLeftOut { rows: missing, of: data.samples() });
+        }
+        if !innovations.system().is_stable()? {
+            doubts.push(Doubt::Unstable);
+        }
+        Ok(Fit {
+            model: found.model.with_noise_covariance(gathered.noise_covariance.clone()),
+            covariance,
+            degrees_of_freedom: gathered.degrees_of_freedom,
+            noise_covariance: gathered.noise_covariance,
+            loss: gathered.loss,
+            samples: gathered.samples,
+            free_parameters: gathered.free_parameters,
+            initial_states: all_states,
+            termination,
+            iterations,
+            condition: gathered.condition,
+            doubts,
+        })
+    }
+}

@@ -1,0 +1,157 @@
+//! [`GreyBoxModel`]: a structure with values for its parameters.
+
+use faer::Mat;
+use lti::{Innovations, LtiError, StateSpace};
+
+use super::{GreyNoise, Structure};
+use crate::fit::check_clock;
+use crate::subspace::linear::kalman;
+use crate::{Intersample, LinearModel, Parametric};
+
+/// A grey-box model: its structure, the value of every parameter (fixed ones too), and the covariance of the
+/// innovations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GreyBoxModel<S> {
+    structure: S,
+    parameters: Vec<f64>,
+    noise_covariance: Mat<f64>,
+}
+
+impl<S: Structure> GreyBoxModel<S> {
+    /// The structure at the starting values of its parameters, with white noise of variance one.
+    ///
+    /// # Errors
+    /// Those of [`Structure::system`].
+    pub fn new(structure: S) -> Result<Self, LtiError> {
+        let parameters: Vec<f64> = structure.parameters().iter().map(|p| p.value).collect();
+        let p = structure.system(&parameters)?.outputs();
+        Ok(GreyBoxModel { structure, parameters, noise_covariance: Mat::identity(p, p) })
+    }
+
+    /// The structure.
+    #[must_use]
+    pub fn structure(&self) -> &S {
+        &self.structure
+    }
+
+    /// The system at the parameters: continuous or discrete, as the structure has it, without input delays.
+    ///
+    /// # Errors
+    /// Those of [`Structure::system`].
+    pub fn system(&self) -> Result<StateSpace, LtiError> {
+        self.structure.system(&self.parameters)
+    }
+
+    /// The same model with this covariance of the innovations, outputs × outputs.
+    #[must_use]
+    pub(super) fn with_noise_covariance(self, noise_covariance: Mat<f64>) -> Self {
+        GreyBoxModel { noise_covariance, ..self }
+    }
+
+    /// The structure's own states, without those that remember delayed inputs.
+    pub(super) fn own_states(&self) -> Result<usize, LtiError> {
+        Ok(self.system()?.states())
+    }
+
+    /// How many past values of each input the sampled system remembers.
+    pub(super) fn delayed_inputs(&self, sample_time_s: f64) -> Vec<usize> {
+        let delays_s = self.structure.input_delays_s(&self.parameters);
+        if delays_s.iter().all(|d| *d == 0.0) {
+            return Vec::new();
+        }
+        // A delay within a billionth of a sample of a whole number is whole, as it is when it is sampled.
+        delays_s.iter().map(|d| (d / sample_time_s - 1e-9).ceil().max(0.0) as usize).collect()
+    }
+
+    /// The continuous system sampled; states that remember delayed inputs come last.
+    fn sampled(&self, system: &StateSpace, sample_time_s: f64, held: bool) -> Result<StateSpace, LtiError> {
+        let delays_s = self.structure.input_delays_s(&self.parameters);
+        match (delays_s.iter().any(|d| *d != 0.0), held) {
+            (true, true) => system.to_discrete_delayed(&delays_s, sample_time_s)?.to_state_space(),
+            (true, false) => Err(LtiError::DelayPresent { delay_s: delays_s.iter().copied().fold(0.0, f64::max) }),
+            (false, true) => system.to_discrete_zoh(sample_time_s),
+            (false, false) => system.to_discrete_foh(sample_time_s)?.to_state_space(),
+        }
+    }
+}
+
+/// Covariance of the state's noise over a sample: `∫₀ᵀ e^{As} Q e^{Aᵀs} ds`.
+///
+/// # Source
+/// Van Loan, C. F. (1978), IEEE Trans. Autom. Control 23(3), 395–404.
+fn sampled_noise(a: faer::MatRef<'_, f64>, q: &Mat<f64>, time_s: f64) -> Result<Mat<f64>, LtiError> {
+    let n = a.nrows();
+    let generator = Mat::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, true) => -a[(i, j)] * time_s,
+        (true, false) => q[(i, j - n)] * time_s,
+        (false, false) => a[(j - n, i - n)] * time_s,
+        (false, true) => 0.0,
+    });
+    let e = lti::expm(generator.as_ref())?;
+    let (upper, lower) = (e.submatrix(0, n, n, n), e.submatrix(n, n, n, n));
+    let covariance = lower.transpose() * upper;
+    Ok(Mat::from_fn(n, n, |i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)])))
+}
+
+fn check(what: &'static str, m: &Mat<f64>, expected: (usize, usize)) -> Result<(), LtiError> {
+    if m.shape() == expected { Ok(()) } else { Err(LtiError::Shape { what, expected, got: m.shape() }) }
+}
+
+impl<S: Structure> Parametric for GreyBoxModel<S> {
+    fn parameters(&self) -> Vec<f64> {
+        self.parameters.clone()
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        self.structure.parameters().into_iter().map(|p| p.name).collect()
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
+        if parameters.len() != self.parameters.len() {
+            let (expected, got) = ((self.parameters.len(), 1), (parameters.len(), 1));
+            return Err(LtiError::Shape { what: "parameters", expected, got });
+        }
+        self.structure.system(parameters)?;
+        Ok(GreyBoxModel { parameters: parameters.to_vec(), ..self.clone() })
+    }
+}
+
+impl<S: Structure> LinearModel for GreyBoxModel<S> {
+    fn inputs(&self) -> usize {
+        self.system().map_or(0, |s| s.inputs())
+    }
+
+    fn outputs(&self) -> usize {
+        self.noise_covariance.nrows()
+    }
+
+    /// Inputs that are band-limited are taken as straight between the samples, which is right to `(ωT)²/12`.
+    fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError> {
+        let own = self.system()?;
+        let n = own.states();
+        let (system, continuous) = match own.sample_time_s() {
+            Some(model_s) => {
+                check_clock(model_s, sample_time_s)?;
+                (own.clone(), false)
+            }
+            None => (self.sampled(&own, sample_time_s, intersample == Intersample::ZeroOrderHold)?, true),
+        };
+        let p = system.outputs();
+        let gain = match self.structure.noise(&self.parameters) {
+            GreyNoise::OutputError => Mat::zeros(n, p),
+            GreyNoise::Gain(k) => k,
+            GreyNoise::Covariances { process, measurement } => {
+                check("process noise covariance", &process, (n, n))?;
+                check("measurement noise covariance", &measurement, (p, p))?;
+                let q = if continuous { sampled_noise(own.a(), &process, sample_time_s)? } else { process };
+                let (a, c) = (system.a().submatrix(0, 0, n, n), system.c().subcols(0, n));
+                let cross = Mat::zeros(n, p);
+                let filter = kalman(a, c, q.as_ref(), cross.as_ref(), measurement.as_ref());
+                filter.ok_or(LtiError::Singular { what: "the Riccati equation of the noise covariances" })?.0
+            }
+        };
+        check("K", &gain, (n, p))?;
+        let k = Mat::from_fn(system.states(), p, |i, j| if i < n { gain[(i, j)] } else { 0.0 });
+        Innovations::new(system, k, self.noise_covariance.clone())
+    }
+}

@@ -1,0 +1,142 @@
+//! The parameters of a grey-box model as the search sees them.
+
+use faer::Mat;
+use lti::Innovations;
+use signal::excitation::Random;
+
+use super::{GreyBoxModel, GreyNoise, GreyParameter, Structure};
+use crate::state_space::{Free, Searchable, entries};
+use crate::{Dataset, IdentError, LinearModel, Parametric};
+
+/// Steps of central differences, as a part of the parameter: the cube root of the rounding.
+const STEP: f64 = 6e-6;
+
+/// A model and which of its parameters are searched.
+#[derive(Debug, Clone)]
+pub(super) struct Parameters<S> {
+    pub(super) model: GreyBoxModel<S>,
+    about: Vec<GreyParameter>,
+    free: Vec<usize>,
+}
+
+impl<S: Structure> Parameters<S> {
+    pub(super) fn new(model: GreyBoxModel<S>) -> Self {
+        let about = model.structure().parameters();
+        let free = (0..about.len()).filter(|j| !about[*j].fixed && about[*j].bounds.lower < about[*j].bounds.upper);
+        let free = free.collect();
+        Parameters { model, about, free }
+    }
+
+    /// Which parameter each direction is.
+    pub(super) fn free_indices(&self) -> &[usize] {
+        &self.free
+    }
+
+    /// Which directions end at a bound.
+    pub(super) fn resting(&self) -> Vec<bool> {
+        let values = self.model.parameters();
+        let at = |j: &usize| values[*j] <= self.about[*j].bounds.lower || values[*j] >= self.about[*j].bounds.upper;
+        self.free.iter().map(at).collect()
+    }
+
+    /// The reciprocal standard deviation that is known beforehand; zero where none is.
+    pub(super) fn prior_weight(&self, direction: usize) -> f64 {
+        self.about[self.free[direction]].prior.map_or(0.0, |(_, deviation)| 1.0 / deviation)
+    }
+
+    /// A size that a parameter's steps are measured by.
+    fn size(&self, j: usize, value: f64) -> f64 {
+        let GreyParameter { value: start, bounds, prior, .. } = &self.about[j];
+        let width = bounds.upper - bounds.lower;
+        let candidates = [value.abs(), start.abs(), prior.map_or(0.0, |(_, deviation)| deviation), width];
+        candidates.into_iter().find(|c| *c > 0.0 && c.is_finite()).unwrap_or(1.0)
+    }
+
+    /// The same with other values of the free parameters, drawn at random.
+    pub(super) fn drawn(&self, random: &mut Random) -> Result<Self, IdentError> {
+        let mut values = self.model.parameters();
+        for j in &self.free {
+            let GreyParameter { value, bounds, .. } = &self.about[*j];
+            let part = random.uniform();
+            let drawn = match (bounds.lower, bounds.upper) {
+                (lower, upper) if lower > 0.0 && upper.is_finite() => lower * (upper / lower).powf(part),
+                (lower, upper) if lower.is_finite() && upper.is_finite() => lower + part * (upper - lower),
+                _ => self.size(*j, *value).copysign(*value) * 10.0_f64.powf(2.0 * part - 1.0),
+            };
+            values[*j] = drawn.max(bounds.lower).min(bounds.upper);
+        }
+        Ok(Parameters { model: self.model.with_parameters(&values)?, ..self.clone() })
+    }
+}
+
+impl<S: Structure> Searchable for Parameters<S> {
+    fn innovations(&self, data: &Dataset) -> Result<Innovations, IdentError> {
+        Ok(self.model.innovations(data.sample_time_s(), data.intersample())?)
+    }
+
+    fn free(&self) -> Free {
+        let noise = self.model.structure().noise(&self.model.parameters()) != GreyNoise::OutputError;
+        Free { dynamics: true, feedthrough: true, noise }
+    }
+
+    fn directions(&self, _: &Innovations, data: &Dataset, _: &[Vec<f64>]) -> Result<Mat<f64>, IdentError> {
+        let values = self.model.parameters();
+        let at = |j: usize, value: f64| -> Result<Vec<f64>, IdentError> {
+            let mut moved = values.clone();
+            moved[j] = value;
+            let model = self.model.with_parameters(&moved)?;
+            Ok(entries(&model.innovations(data.sample_time_s(), data.intersample())?, self.free()))
+        };
+        let mut columns = Vec::with_capacity(self.free.len());
+        for j in &self.free {
+            let (bounds, step) = (self.about[*j].bounds, STEP * self.size(*j, values[*j]));
+            let (above, below) = ((values[*j] + step).min(bounds.upper), (values[*j] - step).max(bounds.lower));
+            let (high, low) = (at(*j, above)?, at(*j, below)?);
+            if high.len() != low.len() {
+                return Err(IdentError::Structure {
+                    what: "a delay is at a whole number of samples, where the number of states changes: start beside it",
+                });
+            }
+            columns.push(high.iter().zip(&low).map(|(h, l)| (h - l) / (above - below)).collect::<Vec<f64>>());
+        }
+        let rows = columns.first().map_or(0, Vec::len);
+        Ok(Mat::from_fn(rows, columns.len(), |i, j| columns[j][i]))
+    }
+
+    fn moved(&self, _: &Mat<f64>, step: &[f64]) -> Option<Self> {
+        let mut values = self.model.parameters();
+        for (j, by) in self.free.iter().zip(step) {
+            let bounds = self.about[*j].bounds;
+            values[*j] = (values[*j] + by).max(bounds.lower).min(bounds.upper);
+        }
+        Some(Parameters { model: self.model.with_parameters(&values).ok()?, ..self.clone() })
+    }
+
+    fn blocked(&self, direction: usize, towards: f64) -> bool {
+        let j = self.free[direction];
+        let (value, bounds) = (self.model.parameters()[j], self.about[j].bounds);
+        (value <= bounds.lower && towards < 0.0) || (value >= bounds.upper && towards > 0.0)
+    }
+
+    fn prior(&self) -> Vec<(f64, f64)> {
+        let values = self.model.parameters();
+        let row = |j: &usize| match self.about[*j].prior {
+            Some((mean, deviation)) => (1.0 / deviation, (mean - values[*j]) / deviation),
+            None => (0.0, 0.0),
+        };
+        self.free.iter().map(row).collect()
+    }
+
+    /// Inputs are taken to have been before an experiment what they are at its start.
+    fn all_states(&self, x0: &[Vec<f64>], data: &Dataset) -> Vec<Vec<f64>> {
+        let backs = self.model.delayed_inputs(data.sample_time_s());
+        let extended = |(states, experiment): (&Vec<f64>, &crate::Experiment)| {
+            let past = backs
+                .iter()
+                .enumerate()
+                .flat_map(|(j, back)| std::iter::repeat_n(experiment.input(j).first().copied().unwrap_or(0.0), *back));
+            states.iter().copied().chain(past).collect()
+        };
+        x0.iter().zip(data.experiments()).map(extended).collect()
+    }
+}

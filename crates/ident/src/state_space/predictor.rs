@@ -1,0 +1,444 @@
+//! One-step prediction errors of an innovations form and their derivatives, streamed through a triangular factor.
+
+use faer::{Mat, MatRef};
+use lti::Innovations;
+
+use crate::data::Experiment;
+use crate::{Dataset, IdentError, Triangle};
+
+/// Instants whose derivatives are held before they are folded away, at most ...
+const CHUNK: usize = 512;
+/// ... and so few that the data make about so many chunks.
+const SHORTEST_SPLIT: usize = 100;
+/// Below this an initial state's influence is nothing; it is cut off before it becomes a denormal number.
+const FORGOTTEN: f64 = 1e-100;
+
+/// Which matrices are free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Free {
+    /// `A` and `C`.
+    pub(crate) dynamics: bool,
+    /// `D`.
+    pub(crate) feedthrough: bool,
+    /// `K`.
+    pub(crate) noise: bool,
+}
+
+impl Free {
+    /// The number of entries, `B` counted always: in the order A, B, C, D, K, each by rows.
+    pub(crate) fn count(self, n: usize, m: usize, p: usize) -> usize {
+        let when = |yes: bool, count: usize| if yes { count } else { 0 };
+        n * m + when(self.dynamics, n * n + p * n) + when(self.feedthrough, p * m) + when(self.noise, n * p)
+    }
+}
+
+/// The predictor's matrices by rows, for the time loop.
+#[derive(Debug, Clone)]
+pub(crate) struct Predictor {
+    pub(crate) n: usize,
+    pub(crate) m: usize,
+    pub(crate) p: usize,
+    a: Vec<f64>,
+    b: Vec<f64>,
+    c: Vec<f64>,
+    d: Vec<f64>,
+    k: Vec<f64>,
+    /// `(A − K C)ᵀ`.
+    adjoint: Vec<f64>,
+}
+
+/// What a pass over the data finds.
+pub(crate) struct Scatter {
+    /// `Σ ε εᵀ`.
+    pub(crate) sum: Mat<f64>,
+    /// How many instants it runs over.
+    pub(crate) instants: usize,
+    /// States that were asked for.
+    pub(crate) marked: Vec<Vec<f64>>,
+}
+
+fn by_rows(m: MatRef<'_, f64>) -> Vec<f64> {
+    (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
+}
+
+/// `y += M x`, `M` by rows.
+fn add_product(m: &[f64], x: &[f64], y: &mut [f64]) {
+    if x.is_empty() {
+        return;
+    }
+    for (row, out) in m.chunks_exact(x.len()).zip(y) {
+        let mut sum = 0.0;
+        for (a, b) in row.iter().zip(x) {
+            sum += a * b;
+        }
+        *out += sum;
+    }
+}
+
+impl Predictor {
+    pub(crate) fn new(model: &Innovations) -> Self {
+        let system = model.system();
+        let tilde = system.a() - model.k() * system.c();
+        Predictor {
+            n: system.states(),
+            m: system.inputs(),
+            p: system.outputs(),
+            a: by_rows(system.a()),
+            b: by_rows(system.b()),
+            c: by_rows(system.c()),
+            d: by_rows(system.d()),
+            k: by_rows(model.k()),
+            adjoint: by_rows(tilde.transpose()),
+        }
+    }
+
+    /// Calls `visit(x̂, u, ε, complete)` at every instant. Where an output is missing, its ε is zero and `complete`
+    /// false.
+    pub(crate) fn walk(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
+        self.walk_first(experiment.len(), experiment, x0, visit);
+    }
+
+    /// As [`Predictor::walk`], over so many instants.
+    fn walk_first(
+        &self,
+        instants: usize,
+        experiment: &Experiment,
+        x0: &[f64],
+        mut visit: impl FnMut(&[f64], &[f64], &[f64], bool),
+    ) {
+        let inputs: Vec<&[f64]> = (0..self.m).map(|j| experiment.input(j)).collect();
+        let outputs: Vec<&[f64]> = (0..self.p).map(|i| experiment.output(i)).collect();
+        let (mut x, mut next) = (x0.to_vec(), vec![0.0; self.n]);
+        let (mut u, mut e) = (vec![0.0; self.m], vec![0.0; self.p]);
+        for t in 0..instants {
+            u.iter_mut().zip(&inputs).for_each(|(u, input)| *u = input[t]);
+            e.fill(0.0);
+            add_product(&self.c, &x, &mut e);
+            add_product(&self.d, &u, &mut e);
+            let mut complete = true;
+            for (e, output) in e.iter_mut().zip(&outputs) {
+                let missing = output[t].is_nan();
+                *e = if missing { 0.0 } else { output[t] - *e };
+                complete &= !missing;
+            }
+            visit(&x, &u, &e, complete);
+            next.fill(0.0);
+            add_product(&self.a, &x, &mut next);
+            add_product(&self.b, &u, &mut next);
+            add_product(&self.k, &e, &mut next);
+            std::mem::swap(&mut x, &mut next);
+        }
+    }
+
+    /// `Σ ε εᵀ`, the instants it runs over, and the predicted states at the instants `marks` of each experiment, which
+    /// ascend.
+    pub(crate) fn scatter(&self, data: &Dataset, x0: &[Vec<f64>], marks: &[Vec<usize>]) -> Scatter {
+        let mut sums = vec![0.0; self.p * self.p];
+        let mut whole = Scatter { sum: Mat::zeros(self.p, self.p), instants: 0, marked: Vec::new() };
+        for (index, (experiment, x0)) in data.experiments().iter().zip(x0).enumerate() {
+            let mut awaited = marks.get(index).into_iter().flatten().peekable();
+            let mut t = 0;
+            self.walk(experiment, x0, |x, _, e, complete| {
+                if awaited.next_if(|mark| **mark == t).is_some() {
+                    whole.marked.push(x.to_vec());
+                }
+                t += 1;
+                if !complete {
+                    return;
+                }
+                whole.instants += 1;
+                for (row, ei) in sums.chunks_exact_mut(self.p).zip(e) {
+                    row.iter_mut().zip(e).for_each(|(s, ej)| *s += ei * ej);
+                }
+            });
+        }
+        whole.sum = Mat::from_fn(self.p, self.p, |i, j| sums[i * self.p + j]);
+        whole
+    }
+
+    /// Root mean square of each predicted state, over the first instants of long experiments.
+    pub(crate) fn state_sizes(&self, data: &Dataset, x0: &[Vec<f64>]) -> Vec<f64> {
+        const ENOUGH: usize = 20_000;
+        let mut sums = vec![0.0; self.n];
+        let mut count = 0;
+        for (experiment, x0) in data.experiments().iter().zip(x0) {
+            let instants = experiment.len().min(ENOUGH);
+            count += instants;
+            self.walk_first(instants, experiment, x0, |x, _, _, _| {
+                sums.iter_mut().zip(x).for_each(|(s, x)| *s += x * x);
+            });
+        }
+        sums.iter().map(|s| (s / count.max(1) as f64).sqrt()).collect()
+    }
+}
+
+/// The problem min ‖L⁻¹(ε − Ψ δ − Ψ₀ δx₀)‖², `Λ = L Lᵀ`, in triangular form with the initial states taken out.
+#[derive(Debug, Clone)]
+pub(crate) struct Linearised {
+    /// R of `[Ψ·basis, ε]`.
+    pub(crate) factor: Mat<f64>,
+    /// Scalar residuals.
+    pub(crate) rows: usize,
+    /// `(Ψ·basis)ᵀ ε` of consecutive stretches of equal length.
+    pub(crate) gradients: Vec<Vec<f64>>,
+    /// For each experiment the equations of its initial state: `[R₀, R₁, r]`, states × (states + parameters + 1).
+    tops: Vec<Mat<f64>>,
+}
+
+impl Linearised {
+    /// What each initial state changes by when the parameters change by `step`; parts the data do not show stay.
+    pub(crate) fn initial_steps(&self, step: &[f64]) -> Result<Vec<Vec<f64>>, IdentError> {
+        let solve = |top: &Mat<f64>| {
+            let n = top.nrows();
+            let right = Mat::from_fn(n, 1, |i, _| {
+                top[(i, n + step.len())] - step.iter().enumerate().map(|(j, s)| top[(i, n + j)] * s).sum::<f64>()
+            });
+            let solution = crate::subspace::linear::solve_truncated(top.subcols(0, n), right.as_ref(), 1e-10)?;
+            Ok((0..n).map(|i| solution[(i, 0)]).collect())
+        };
+        self.tops.iter().map(solve).collect()
+    }
+}
+
+/// Derivatives of the prediction errors of one model, gathered over data.
+pub(crate) struct Lineariser<'a> {
+    pub(crate) predictor: &'a Predictor,
+    pub(crate) free: Free,
+    /// Directions in the space of the free entries, entries × directions.
+    pub(crate) basis: MatRef<'a, f64>,
+    /// `L⁻¹`, lower triangular, outputs × outputs.
+    pub(crate) whitening: MatRef<'a, f64>,
+    /// How many of the leading states are estimated at the start of each experiment.
+    pub(crate) initial: usize,
+}
+
+impl Lineariser<'_> {
+    /// Linearises around the model and these initial states.
+    pub(crate) fn over(&self, data: &Dataset, x0: &[Vec<f64>]) -> Linearised {
+        let states = self.initial;
+        let columns = self.basis.ncols();
+        let mut whole = Triangle::new(columns + 1);
+        let (mut tops, mut gradients, mut rows) = (Vec::new(), Vec::new(), 0);
+        let chunk = (data.samples() / SHORTEST_SPLIT).clamp(16, CHUNK);
+        for (experiment, x0) in data.experiments().iter().zip(x0) {
+            let triangle = self.experiment(experiment, x0, chunk, &mut gradients);
+            rows += triangle.rows();
+            let factor = triangle.finish();
+            tops.push(factor.subrows(0, states).to_owned());
+            let mut row = vec![0.0; columns + 1];
+            for i in states..factor.nrows() {
+                row.iter_mut().enumerate().for_each(|(j, v)| *v = factor[(i, states + j)]);
+                whole.push_row(&row);
+            }
+        }
+        Linearised { factor: whole.finish(), rows, gradients, tops }
+    }
+
+    /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. Derivatives are formed here, folded on a second thread.
+    fn experiment(
+        &self,
+        experiment: &Experiment,
+        x0: &[f64],
+        instants: usize,
+        gradients: &mut Vec<Vec<f64>>,
+    ) -> Triangle {
+        let mut triangle = Triangle::new(self.initial + self.basis.ncols() + 1);
+        let mut fold = |chunk: &[f64]| gradients.push(self.fold(chunk, &mut triangle));
+        if experiment.len() <= 4 * CHUNK {
+            self.chunks(experiment, x0, instants, |chunk| fold(&chunk));
+            return triangle;
+        }
+        let (sender, receiver) = std::sync::mpsc::sync_channel::<Vec<f64>>(8);
+        std::thread::scope(|scope| {
+            scope.spawn(move || receiver.iter().for_each(|chunk| fold(&chunk)));
+            // A send fails only once the other thread has panicked, which the scope passes on.
+            self.chunks(experiment, x0, instants, |chunk| drop(sender.send(chunk)));
+            drop(sender);
+        });
+        triangle
+    }
+
+    /// Length of a row `[Ψ₀, Ψ, ε]`.
+    fn width(&self) -> usize {
+        self.initial + self.basis.nrows() + 1
+    }
+
+    /// Turns the rows of a chunk into the directions and appends them; returns their gradient.
+    fn fold(&self, chunk: &[f64], triangle: &mut Triangle) -> Vec<f64> {
+        let (states, width) = (self.initial, self.width());
+        let all = MatRef::from_column_major_slice(chunk, width, chunk.len() / width);
+        let turned = self.basis.transpose() * all.subrows(states, self.basis.nrows());
+        let mut row = vec![0.0; states + turned.nrows() + 1];
+        let last = row.len() - 1;
+        let mut gradient = vec![0.0; turned.nrows()];
+        for (t, raw) in chunk.chunks_exact(width).enumerate() {
+            row[..states].copy_from_slice(&raw[..states]);
+            row[states..last].iter_mut().enumerate().for_each(|(j, v)| *v = turned[(j, t)]);
+            row[last] = raw[width - 1];
+            gradient.iter_mut().zip(&row[states..last]).for_each(|(g, v)| *g += v * row[last]);
+            triangle.push_row(&row);
+        }
+        gradient
+    }
+
+    /// Hands over rows `[Ψ₀, Ψ, ε]`, whitened, a chunk at a time.
+    fn chunks(&self, experiment: &Experiment, x0: &[f64], instants: usize, mut give: impl FnMut(Vec<f64>)) {
+        let (p, width) = (self.predictor.p, self.width());
+        let mut derivatives = Derivatives::new(self.predictor, self.free, self.initial);
+        let full = instants * p * width;
+        let mut chunk = Vec::with_capacity(full);
+        self.predictor.walk(experiment, x0, |x, u, e, complete| {
+            if complete {
+                let start = chunk.len();
+                chunk.resize(start + p * width, 0.0);
+                derivatives.write(x, u, e, &mut chunk[start..]);
+                self.whiten(&mut chunk[start..], width);
+                if chunk.len() == full {
+                    give(std::mem::replace(&mut chunk, Vec::with_capacity(full)));
+                }
+            }
+            derivatives.advance(x, u, e);
+        });
+        if !chunk.is_empty() {
+            give(chunk);
+        }
+    }
+
+    /// `L⁻¹` from the left, in place: the last row first, since it needs those above it as they were.
+    fn whiten(&self, rows: &mut [f64], width: usize) {
+        for i in (0..self.predictor.p).rev() {
+            let (above, below) = rows.split_at_mut(i * width);
+            let row = &mut below[..width];
+            row.iter_mut().for_each(|v| *v *= self.whitening[(i, i)]);
+            for (l, other) in above.chunks_exact(width).enumerate() {
+                let weight = self.whitening[(i, l)];
+                row.iter_mut().zip(other).for_each(|(v, o)| *v += weight * o);
+            }
+        }
+    }
+}
+
+/// The derivatives of ŷ at one instant. A change of A, B or K acts like a scalar signal (a state, an input, an error)
+/// into one state of the predictor; the way from every state to an output is one filter in transposed form, so that
+/// each signal is filtered once an output, not once an entry.
+struct Derivatives<'a> {
+    of: &'a Predictor,
+    free: Free,
+    initial: usize,
+    /// Which of x̂, u, ε are filtered.
+    signals: Vec<f64>,
+    /// For each output, states × signals by rows.
+    filtered: Vec<Vec<f64>>,
+    next: Vec<f64>,
+    /// For each output, `C_i (A − K C)^t`.
+    decaying: Vec<Vec<f64>>,
+    next_decaying: Vec<f64>,
+}
+
+impl<'a> Derivatives<'a> {
+    fn new(of: &'a Predictor, free: Free, initial: usize) -> Self {
+        let count = of.m + if free.dynamics { of.n } else { 0 } + if free.noise { of.p } else { 0 };
+        let decaying = (0..of.p).map(|i| of.c[i * of.n..(i + 1) * of.n].to_vec()).collect();
+        Derivatives {
+            of,
+            free,
+            initial,
+            signals: vec![0.0; count],
+            filtered: vec![vec![0.0; of.n * count]; of.p],
+            next: vec![0.0; of.n * count],
+            decaying,
+            next_decaying: vec![0.0; of.n],
+        }
+    }
+
+    /// Index of the first state, input and error among the signals.
+    fn places(&self) -> (usize, usize, usize) {
+        let inputs = if self.free.dynamics { self.of.n } else { 0 };
+        (0, inputs, inputs + self.of.m)
+    }
+
+    /// Writes the rows `[Ψ₀, Ψ, ε]` of all outputs.
+    fn write(&self, x: &[f64], u: &[f64], e: &[f64], rows: &mut [f64]) {
+        let Predictor { n, m, p, .. } = *self.of;
+        let width = rows.len() / p;
+        let (state, input, error) = self.places();
+        for (l, row) in rows.chunks_exact_mut(width).enumerate() {
+            let z = &self.filtered[l];
+            let mut slots = row.iter_mut();
+            let count = self.signals.len();
+            let decaying = &self.decaying[l][..self.initial];
+            decaying.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
+            let mut block = |rows: usize, columns: usize, first: usize| {
+                for r in 0..rows {
+                    let from = &z[r * count + first..r * count + first + columns];
+                    from.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
+                }
+            };
+            if self.free.dynamics {
+                block(n, n, state);
+            }
+            block(n, m, input);
+            // A change of C or D shows at its own output at once, and at all of them through ε and K.
+            let through =
+                |i: usize, signal: usize| -> f64 { (0..n).map(|r| self.of.k[r * p + i] * z[r * count + signal]).sum() };
+            if self.free.dynamics {
+                for (i, c) in (0..p).flat_map(|i| (0..n).map(move |c| (i, c))) {
+                    let direct = if i == l { x[c] } else { 0.0 };
+                    slots.by_ref().take(1).for_each(|slot| *slot = direct - through(i, state + c));
+                }
+            }
+            if self.free.feedthrough {
+                for (i, j) in (0..p).flat_map(|i| (0..m).map(move |j| (i, j))) {
+                    let direct = if i == l { u[j] } else { 0.0 };
+                    slots.by_ref().take(1).for_each(|slot| *slot = direct - through(i, input + j));
+                }
+            }
+            if self.free.noise {
+                for r in 0..n {
+                    let from = &z[r * count + error..r * count + error + p];
+                    from.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
+                }
+            }
+            row[width - 1] = e[l];
+        }
+    }
+
+    fn advance(&mut self, x: &[f64], u: &[f64], e: &[f64]) {
+        let (n, count) = (self.of.n, self.signals.len());
+        let (state, input, error) = self.places();
+        if self.free.dynamics {
+            self.signals[state..state + n].copy_from_slice(x);
+        }
+        self.signals[input..input + u.len()].copy_from_slice(u);
+        if self.free.noise {
+            self.signals[error..].copy_from_slice(e);
+        }
+        for l in 0..self.of.p {
+            let c = &self.of.c[l * n..(l + 1) * n];
+            if count > 0 {
+                let z = &mut self.filtered[l];
+                for (r, out) in self.next.chunks_exact_mut(count).enumerate() {
+                    out.iter_mut().zip(&self.signals).for_each(|(o, s)| *o = c[r] * s);
+                    for (weight, row) in self.of.adjoint[r * n..(r + 1) * n].iter().zip(z.chunks_exact(count)) {
+                        out.iter_mut().zip(row).for_each(|(o, v)| *o += weight * v);
+                    }
+                }
+                std::mem::swap(z, &mut self.next);
+            }
+            self.advance_decaying(l);
+        }
+    }
+
+    fn advance_decaying(&mut self, l: usize) {
+        let (now, next) = (&mut self.decaying[l], &mut self.next_decaying);
+        if self.initial == 0 || now.iter().all(|v| *v == 0.0) {
+            return;
+        }
+        next.fill(0.0);
+        add_product(&self.of.adjoint, now, next);
+        if next.iter().all(|v| v.abs() < FORGOTTEN) {
+            next.fill(0.0);
+        }
+        std::mem::swap(now, next);
+    }
+}

@@ -1,0 +1,285 @@
+//! The damped Gauss–Newton search for the least prediction errors.
+
+use faer::{Mat, MatRef};
+use lti::Innovations;
+
+use super::StateSpaceModel;
+use super::coordinates::{directions, entry_scales};
+use super::gather::{check_finite, scaled_columns};
+use super::predictor::{Free, Lineariser, Predictor, Scatter};
+use crate::subspace::linear::{solve_truncated, whitening};
+use crate::{Dataset, IdentError, Parametric, Termination};
+
+/// Converged when the criterion falls, or is expected to fall, by less than this part ...
+const DECREASE_TOLERANCE: f64 = 1e-13;
+/// ... or by less than this part of what one standard error in one parameter makes of it.
+const STATISTICAL_TOLERANCE: f64 = 1e-8;
+/// Directions weaker than this part of the strongest are left alone within a step.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// A model that is searched for along some directions of its matrices' entries.
+pub(crate) trait Searchable: Clone {
+    /// The model in innovations form.
+    fn innovations(&self, data: &Dataset) -> Result<Innovations, IdentError>;
+
+    /// Which matrices change.
+    fn free(&self) -> Free;
+
+    /// How the free entries change along each direction, entries × directions.
+    fn directions(&self, now: &Innovations, data: &Dataset, x0: &[Vec<f64>]) -> Result<Mat<f64>, IdentError>;
+
+    /// The model after a step along the directions; `None` where there is none.
+    fn moved(&self, directions: &Mat<f64>, step: &[f64]) -> Option<Self>;
+
+    /// Whether nothing can be gained `towards` this side of a direction, for a bound.
+    fn blocked(&self, _direction: usize, _towards: f64) -> bool {
+        false
+    }
+
+    /// For each direction an equation `weight · step = target` that holds with unit variance; weight zero for none.
+    fn prior(&self) -> Vec<(f64, f64)> {
+        Vec::new()
+    }
+
+    /// Initial states of the innovations form from those of the model.
+    fn all_states(&self, x0: &[Vec<f64>], _data: &Dataset) -> Vec<Vec<f64>> {
+        x0.to_vec()
+    }
+}
+
+impl Searchable for StateSpaceModel {
+    fn innovations(&self, _: &Dataset) -> Result<Innovations, IdentError> {
+        Ok(self.innovations().clone())
+    }
+
+    fn free(&self) -> Free {
+        StateSpaceModel::free(self)
+    }
+
+    fn directions(&self, now: &Innovations, data: &Dataset, x0: &[Vec<f64>]) -> Result<Mat<f64>, IdentError> {
+        let free = StateSpaceModel::free(self);
+        directions(now, free, &entry_scales(&Predictor::new(now), free, data, x0))
+    }
+
+    fn moved(&self, directions: &Mat<f64>, step: &[f64]) -> Option<Self> {
+        let mut parameters = self.parameters();
+        for (i, value) in parameters.iter_mut().enumerate() {
+            *value += step.iter().enumerate().map(|(j, s)| directions[(i, j)] * s).sum::<f64>();
+        }
+        self.with_parameters(&parameters).ok()
+    }
+}
+
+/// The free entries of a model, in the order A, B, C, D, K, each by rows.
+pub(crate) fn entries(model: &Innovations, free: Free) -> Vec<f64> {
+    let system = model.system();
+    let by_rows = |m: MatRef<'_, f64>, wanted: bool| -> Vec<f64> {
+        let rows = if wanted { m.nrows() } else { 0 };
+        (0..rows).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
+    };
+    [
+        by_rows(system.a(), free.dynamics),
+        by_rows(system.b(), true),
+        by_rows(system.c(), free.dynamics),
+        by_rows(system.d(), free.feedthrough),
+        by_rows(model.k(), free.noise),
+    ]
+    .concat()
+}
+
+/// A model with its initial states and the scatter of its errors.
+pub(crate) struct Search<'a, M> {
+    data: &'a Dataset,
+    model: M,
+    x0: Vec<Vec<f64>>,
+    scatter: Scatter,
+    /// How many of the leading states are estimated in each experiment.
+    estimated: usize,
+    damping: f64,
+    iterations: usize,
+}
+
+impl<'a, M: Searchable> Search<'a, M> {
+    /// A search that starts at `model` and these initial states.
+    ///
+    /// # Errors
+    /// A model that cannot be evaluated, or whose predictor is unstable.
+    pub(crate) fn new(data: &'a Dataset, model: M, x0: Vec<Vec<f64>>, estimated: usize) -> Result<Self, IdentError> {
+        let predictor = Predictor::new(&model.innovations(data)?);
+        let scatter = predictor.scatter(data, &model.all_states(&x0, data), &[]);
+        check_finite(&scatter.sum)?;
+        if scatter.instants == 0 {
+            return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
+        }
+        Ok(Search { data, model, x0, scatter, estimated, damping: 1e-2, iterations: 0 })
+    }
+
+    /// Iterations taken, initial states and model.
+    pub(crate) fn into_parts(self) -> (usize, Vec<Vec<f64>>, M) {
+        (self.iterations, self.x0, self.model)
+    }
+
+    /// What is minimised: `N ln det Σ ε εᵀ/N` and the prior's part.
+    pub(crate) fn criterion(&self) -> f64 {
+        let instants = self.scatter.instants as f64;
+        let mean = &self.scatter.sum * faer::Scale(1.0 / instants);
+        instants * mean.determinant().ln() + prior_cost(&self.model)
+    }
+
+    /// Iterates to a minimum, or `limit` times in all.
+    pub(crate) fn run(&mut self, limit: usize) -> Result<Termination, IdentError> {
+        while self.iterations < limit {
+            self.iterations += 1;
+            if let Some(end) = self.iterate()? {
+                return Ok(end);
+            }
+        }
+        Ok(Termination::IterationLimit)
+    }
+
+    /// One linearisation and the best damped step from it; `Some` when the search is over.
+    fn iterate(&mut self) -> Result<Option<Termination>, IdentError> {
+        let innovations = self.model.innovations(self.data)?;
+        let predictor = Predictor::new(&innovations);
+        let states = self.model.all_states(&self.x0, self.data);
+        let basis = self.model.directions(&innovations, self.data, &states)?;
+        let instants = self.scatter.instants as f64;
+        let whitening = whitening((&self.scatter.sum * faer::Scale(1.0 / instants)).as_ref())?;
+        let lineariser = Lineariser {
+            predictor: &predictor,
+            free: self.model.free(),
+            basis: basis.as_ref(),
+            whitening: whitening.as_ref(),
+            initial: self.estimated,
+        };
+        let linearised = lineariser.over(self.data, &states);
+        check_finite(&linearised.factor)?;
+        let equations = self.equations(&linearised.factor);
+        let cost = weighted(&self.scatter.sum, &whitening) + prior_cost(&self.model);
+        let negligible = DECREASE_TOLERANCE.max(STATISTICAL_TOLERANCE / instants) * cost;
+        let mut growth = 4.0;
+        loop {
+            let (step, expected) = damped_step(&equations, self.damping)?;
+            if let Some((model, x0, scatter)) = self.tried(&basis, &step, &linearised.initial_steps(&step)?) {
+                let now = weighted(&scatter.sum, &whitening) + prior_cost(&model);
+                if now < cost {
+                    (self.model, self.x0, self.scatter) = (model, x0, scatter);
+                    self.damping = (self.damping / 10.0).max(1e-12);
+                    return Ok((cost - now <= negligible).then_some(Termination::SmallDecrease));
+                }
+            }
+            if expected <= negligible {
+                return Ok(Some(Termination::SmallDecrease));
+            }
+            self.damping *= growth;
+            growth *= 2.0;
+            if self.damping > 1e12 {
+                return Ok(Some(Termination::NoDescent));
+            }
+        }
+    }
+
+    /// `[Ψ, ε]` in few rows, those of the prior below, columns of blocked directions zero.
+    fn equations(&self, factor: &Mat<f64>) -> Mat<f64> {
+        let (rows, n) = (factor.nrows(), factor.ncols() - 1);
+        let prior = self.model.prior();
+        let mut all = Mat::zeros(rows + prior.len(), n + 1);
+        all.subrows_mut(0, rows).copy_from(factor);
+        for (j, (weight, target)) in prior.iter().enumerate() {
+            (all[(rows + j, j)], all[(rows + j, n)]) = (*weight, *target);
+        }
+        for j in 0..n {
+            let towards: f64 = (0..all.nrows()).map(|i| all[(i, j)] * all[(i, n)]).sum();
+            if self.model.blocked(j, towards) {
+                all.col_mut(j).fill(0.0);
+            }
+        }
+        all
+    }
+
+    /// The model, initial states and scatter after a step, where they can be had.
+    fn tried(&self, basis: &Mat<f64>, step: &[f64], initial: &[Vec<f64>]) -> Option<(M, Vec<Vec<f64>>, Scatter)> {
+        let model = self.model.moved(basis, step)?;
+        let mut x0 = self.x0.clone();
+        x0.iter_mut().zip(initial).for_each(|(x, by)| x.iter_mut().zip(by).for_each(|(x, by)| *x += by));
+        let predictor = Predictor::new(&model.innovations(self.data).ok()?);
+        let scatter = predictor.scatter(self.data, &model.all_states(&x0, self.data), &[]);
+        scatter.sum.norm_max().is_finite().then_some((model, x0, scatter))
+    }
+}
+
+fn prior_cost(model: &impl Searchable) -> f64 {
+    model.prior().iter().map(|(_, target)| target * target).sum()
+}
+
+/// `tr Λ⁻¹ Σ ε εᵀ`.
+fn weighted(sum: &Mat<f64>, whitening: &Mat<f64>) -> f64 {
+    let white = whitening * sum * whitening.transpose();
+    (0..white.nrows()).map(|i| white[(i, i)]).sum()
+}
+
+/// Minimiser of `‖ε − Ψ δ‖² + λ ‖D δ‖²`, `D` the lengths of the columns of Ψ, and by how much it makes `‖ε − Ψ δ‖²`
+/// fall.
+fn damped_step(equations: &Mat<f64>, damping: f64) -> Result<(Vec<f64>, f64), IdentError> {
+    let (rows, n) = (equations.nrows(), equations.ncols() - 1);
+    let (scaled, norms) = scaled_columns(equations.subcols(0, n));
+    let root = damping.sqrt();
+    let stacked = Mat::from_fn(rows + n, n, |i, j| match i.checked_sub(rows) {
+        None => scaled[(i, j)],
+        Some(k) if k == j => root,
+        Some(_) => 0.0,
+    });
+    let right = Mat::from_fn(rows + n, 1, |i, _| if i < rows { equations[(i, n)] } else { 0.0 });
+    let solution = solve_truncated(stacked.as_ref(), right.as_ref(), RANK_TOLERANCE)?;
+    let along = &scaled * &solution;
+    let expected = (0..rows).map(|i| along[(i, 0)] * (2.0 * equations[(i, n)] - along[(i, 0)])).sum();
+    Ok(((0..n).map(|j| solution[(j, 0)] / norms[j]).collect(), expected))
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::mat;
+    use lti::StateSpace;
+
+    use super::*;
+
+    fn model() -> StateSpaceModel {
+        let a = mat![[0.8, 0.4, 0.0], [-0.4, 0.8, 0.1], [0.0, 0.0, 0.5]];
+        let b = mat![[1.0, 0.2], [0.0, 0.5], [0.7, -1.0]];
+        let c = mat![[1.0, 0.0, 0.4], [0.2, 0.8, 0.0]];
+        let system = StateSpace::discrete(a, b, c, mat![[0.0, 0.3], [0.1, 0.0]], 0.1).unwrap();
+        let k = mat![[0.2, 0.1], [0.0, 0.3], [0.1, 0.0]];
+        StateSpaceModel::new(Innovations::new(system, k, Mat::identity(2, 2)).unwrap(), true, true)
+    }
+
+    #[test]
+    fn prop_gradient_equals_finite_differences() {
+        let wave = |i: usize, j: usize| (0.7 * i as f64 + 1.3 * j as f64).sin() + (0.01 * (i * i) as f64).cos();
+        let (u, y) = (Mat::from_fn(300, 2, wave), Mat::from_fn(300, 2, |i, j| wave(2 * i, j + 5)));
+        let data = Dataset::new(0.1, u, y).unwrap();
+        let (model, x0) = (model(), [vec![0.5, -1.0, 2.0]]);
+        let count = model.parameters().len();
+        let (basis, whitening) = (Mat::<f64>::identity(count, count), Mat::<f64>::identity(2, 2));
+        let lineariser = Lineariser {
+            predictor: &Predictor::new(model.innovations()),
+            free: StateSpaceModel::free(&model),
+            basis: basis.as_ref(),
+            whitening: whitening.as_ref(),
+            initial: 3,
+        };
+        let gradients = lineariser.over(&data, &x0).gradients;
+        let cost = |j: usize, by: f64| {
+            let mut parameters = model.parameters();
+            parameters[j] += by;
+            let moved = model.with_parameters(&parameters).unwrap();
+            let sum = Predictor::new(moved.innovations()).scatter(&data, &x0, &[]).sum;
+            sum[(0, 0)] + sum[(1, 1)]
+        };
+        for j in 0..count {
+            let analytic: f64 = gradients.iter().map(|g| g[j]).sum();
+            // The errors fall by Ψ δ, so the cost falls by 2 εᵀΨ δ.
+            let numeric = -(cost(j, 1e-6) - cost(j, -1e-6)) / 4e-6;
+            assert!((analytic - numeric).abs() < 1e-6 * (1.0 + numeric.abs()), "{j}: {analytic} {numeric}");
+        }
+    }
+}

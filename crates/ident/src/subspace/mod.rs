@@ -1,0 +1,304 @@
+//! Subspace identification: state-space models from projections, without a search.
+
+mod hankel;
+pub(crate) mod linear;
+mod realise;
+
+use faer::Mat;
+use lti::{Innovations, StateSpace};
+
+use crate::data::Experiment;
+use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
+use crate::{Dataset, Doubt, Fit, IdentError};
+use hankel::{Hankel, HankelFactor, Horizons};
+use realise::Projection;
+
+/// How past and future are weighted before the states are read off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Weighting {
+    /// The oblique projection as it is.
+    N4sid,
+    /// Future inputs projected out (PO-MOESP).
+    Moesp,
+    /// Future inputs projected out and future outputs made white: canonical variates.
+    #[default]
+    Cva,
+}
+
+/// The number of states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StateOrder {
+    /// So many.
+    Fixed(usize),
+    /// The number of canonical correlations between past and future that stand above what independent data of this
+    /// length would show, but no more than `largest` and at least one.
+    Auto {
+        /// Most states.
+        largest: usize,
+    },
+}
+
+/// Subspace estimation of a state-space model in innovations form.
+///
+/// `x(t+1) = A x(t) + B u(t) + K e(t)`, `y(t) = C x(t) + D u(t) + e(t)`.
+///
+/// `A` and `C` come from the shift structure of the extended observability matrix, `K` and `Λ` from the residuals of
+/// the state sequence by a Riccati equation, `B`, `D` and the initial states from a linear least squares on the
+/// one-step prediction errors over all of the data. Data are taken as they are: remove offsets first.
+///
+/// # Example
+/// ```
+/// // y(t) = 0.8 y(t−1) + u(t−1)
+/// let mut noise = signal::excitation::Random::new(1);
+/// let u: Vec<f64> = (0..200).map(|_| noise.uniform() - 0.5).collect();
+/// let mut y = vec![0.0; 200];
+/// for t in 1..200 {
+///     y[t] = 0.8 * y[t - 1] + u[t - 1];
+/// }
+/// let fit = ident::Subspace::new(1).fit(&ident::Dataset::siso(0.1, &u, &y)?)?;
+/// assert!((fit.model.system().poles()?[0].re - 0.8).abs() < 1e-9);
+/// # Ok::<(), ident::IdentError>(())
+/// ```
+///
+/// # Source
+/// Van Overschee & De Moor, *Subspace Identification for Linear Systems*, 1996, chapters 4 and 5; Ljung 1999, §10.6.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Subspace {
+    /// Number of states.
+    pub order: StateOrder,
+    /// Weighting of the projection.
+    pub weighting: Weighting,
+    /// Block rows of the past; chosen from the order and the length of the data where `None`.
+    pub past: Option<usize>,
+    /// Block rows of the future; as the past where `None`.
+    pub future: Option<usize>,
+    /// Whether `D` is estimated; otherwise it is zero.
+    pub feedthrough: bool,
+    /// Whether a noise model is estimated; otherwise `K = 0`.
+    pub noise_model: bool,
+    /// Whether `A` is made stable where the data alone would not make it so.
+    pub stable: bool,
+}
+
+impl Subspace {
+    /// Of `order` states, canonical variates, no feed-through, with a noise model.
+    #[must_use]
+    pub fn new(order: usize) -> Self {
+        Self::of(StateOrder::Fixed(order))
+    }
+
+    /// The order chosen from the data, at most `largest`.
+    #[must_use]
+    pub fn auto(largest: usize) -> Self {
+        Self::of(StateOrder::Auto { largest })
+    }
+
+    fn of(order: StateOrder) -> Self {
+        Subspace {
+            order,
+            weighting: Weighting::default(),
+            past: None,
+            future: None,
+            feedthrough: false,
+            noise_model: true,
+            stable: false,
+        }
+    }
+
+    /// With another weighting.
+    #[must_use]
+    pub fn with_weighting(self, weighting: Weighting) -> Self {
+        Subspace { weighting, ..self }
+    }
+
+    /// With these block rows of past and future.
+    #[must_use]
+    pub fn with_horizons(self, past: usize, future: usize) -> Self {
+        Subspace { past: Some(past), future: Some(future), ..self }
+    }
+
+    /// With `D` estimated.
+    #[must_use]
+    pub fn with_feedthrough(self) -> Self {
+        Subspace { feedthrough: true, ..self }
+    }
+
+    /// With `K = 0`.
+    #[must_use]
+    pub fn without_noise_model(self) -> Self {
+        Subspace { noise_model: false, ..self }
+    }
+
+    /// With a stable `A` whatever the data say.
+    #[must_use]
+    pub fn with_stability(self) -> Self {
+        Subspace { stable: true, ..self }
+    }
+
+    /// Estimates the model.
+    ///
+    /// The covariance is the one that a prediction-error estimate would have (gathered from stretches spread over long
+    /// data); a subspace estimate comes close to it with canonical variates and scatters more with the other
+    /// weightings, so [`Doubt::CovarianceIsLowerBound`] stands beside it. Refine the estimate by
+    /// [`crate::StateSpacePem`] where intervals matter.
+    ///
+    /// # Errors
+    /// [`IdentError::Missing`] for a missing sample, [`IdentError::TooFewSamples`], [`IdentError::Constant`] for a
+    /// channel that is zero throughout, [`IdentError::RankDeficient`] for inputs that do not excite the order, and
+    /// [`IdentError::Structure`] for an order that the horizons cannot hold.
+    pub fn fit(&self, data: &Dataset) -> Result<Fit<StateSpaceModel>, IdentError> {
+        let weights = channel_weights(data)?;
+        let horizons = self.horizons(data)?;
+        let hankel = Hankel::new(data, horizons, &weights);
+        let factor = hankel.factor();
+        let projection = Projection::new(&hankel, &factor, self.weighting)?;
+        let order = self.choose(&hankel, &factor, &projection)?;
+        let realised = projection.realise(order, self.stable, self.noise_model)?;
+        let scaled = realised.unscaled(&weights, data)?;
+        self.finish(data, scaled)
+    }
+
+    /// The singular values of the weighted projection, largest first: a drop tells the order. Canonical correlations
+    /// with [`Weighting::Cva`]; otherwise in units of scaled outputs per window.
+    ///
+    /// # Errors
+    /// Those of [`Subspace::fit`].
+    pub fn singular_values(&self, data: &Dataset) -> Result<Vec<f64>, IdentError> {
+        let weights = channel_weights(data)?;
+        let hankel = Hankel::new(data, self.horizons(data)?, &weights);
+        let factor = hankel.factor();
+        Ok(Projection::new(&hankel, &factor, self.weighting)?.singular_values().to_vec())
+    }
+
+    /// Block rows: as asked for, or enough for the order and what the data can fill ten times over.
+    fn horizons(&self, data: &Dataset) -> Result<Horizons, IdentError> {
+        let p = data.outputs();
+        let order = match self.order {
+            StateOrder::Fixed(order) => order,
+            StateOrder::Auto { largest } => largest,
+        };
+        if order == 0 {
+            return Err(IdentError::Structure { what: "a subspace model needs at least one state" });
+        }
+        let least = order.div_ceil(p) + 1;
+        let longest = data.experiments().iter().map(Experiment::len).max().unwrap_or(0);
+        let affordable = (longest / (2 + 4 * (data.inputs() + p))).max(least);
+        let chosen = (order + 6).max(2 * order.div_ceil(p)).max(10).min(affordable);
+        let past = self.past.unwrap_or(chosen);
+        let horizons = Horizons { past, future: self.future.unwrap_or(past) };
+        if horizons.past == 0 || horizons.past * (data.inputs() + p) < order || (horizons.future.max(1) - 1) * p < order
+        {
+            return Err(IdentError::Structure {
+                what: "the horizons cannot hold the order: (future − 1) · outputs must reach it; lengthen them",
+            });
+        }
+        let columns = horizons.total() * (data.inputs() + p);
+        let windows: usize = data.experiments().iter().map(|e| (e.len() + 1).saturating_sub(horizons.total())).sum();
+        if windows < columns + order {
+            return Err(IdentError::TooFewSamples { samples: data.samples(), parameters: columns + order });
+        }
+        Ok(horizons)
+    }
+
+    fn choose(
+        &self,
+        hankel: &Hankel<'_>,
+        factor: &HankelFactor,
+        projection: &Projection<'_>,
+    ) -> Result<usize, IdentError> {
+        let order = match self.order {
+            StateOrder::Fixed(order) => order,
+            StateOrder::Auto { largest } => {
+                let correlations = match self.weighting {
+                    Weighting::Cva => projection.singular_values().to_vec(),
+                    _ => Projection::new(hankel, factor, Weighting::Cva)?.singular_values().to_vec(),
+                };
+                significant(&correlations, hankel, factor.windows).clamp(1, largest)
+            }
+        };
+        check_excitation(hankel, factor, order)?;
+        Ok(order)
+    }
+
+    /// `B`, `D`, initial states and the covariances.
+    fn finish(&self, data: &Dataset, start: Innovations) -> Result<Fit<StateSpaceModel>, IdentError> {
+        let regressed = regress_inputs(data, start, self.feedthrough)?;
+        let model = StateSpaceModel::new(regressed.model, self.feedthrough, self.noise_model);
+        let states = model.system().states();
+        let mut fit = estimate(data, &model, regressed.initial_states, states, Information::Sampled)?;
+        fit.doubts.push(Doubt::CovarianceIsLowerBound);
+        Ok(fit)
+    }
+}
+
+/// The reciprocal root mean square of each channel, inputs first.
+fn channel_weights(data: &Dataset) -> Result<Vec<f64>, IdentError> {
+    let size = |pick: &dyn Fn(&Experiment) -> &[f64], what: &'static str| -> Result<f64, IdentError> {
+        let (mut largest, mut offset) = (0.0_f64, 0);
+        for experiment in data.experiments() {
+            let values = pick(experiment);
+            if let Some(index) = values.iter().position(|v| v.is_nan()) {
+                return Err(IdentError::Missing { what, index: offset + index });
+            }
+            largest = values.iter().fold(largest, |l, v| l.max(v.abs()));
+            offset += values.len();
+        }
+        if largest == 0.0 {
+            return Err(if offset == 0 {
+                IdentError::TooFewSamples { samples: 0, parameters: 1 }
+            } else {
+                IdentError::Constant { what }
+            });
+        }
+        let sum: f64 =
+            data.experiments().iter().flat_map(|e| pick(e).iter()).map(|v| (v / largest) * (v / largest)).sum();
+        Ok(1.0 / (largest * (sum / offset as f64).sqrt()))
+    };
+    let inputs = (0..data.inputs()).map(|k| size(&|e| e.input(k), "an input"));
+    let outputs = (0..data.outputs()).map(|k| size(&|e| e.output(k), "an output"));
+    inputs.chain(outputs).collect()
+}
+
+/// Canonical correlations above the largest that independent past and future show: about `(√a + √b)/√N` for spaces of
+/// `a` and `b` dimensions, with a margin for the windows' overlap.
+///
+/// # Source
+/// Johnstone, *Multivariate analysis and Jacobi ensembles*, Ann. Statist. 36(6), 2008, for the edge.
+fn significant(correlations: &[f64], hankel: &Hankel<'_>, windows: usize) -> usize {
+    const MARGIN: f64 = 1.25;
+    let future = (hankel.horizons.future * hankel.outputs) as f64;
+    let past = (hankel.horizons.past * hankel.channels()) as f64;
+    let edge = MARGIN * (future.sqrt() + past.sqrt()) / (windows as f64).sqrt();
+    correlations.iter().filter(|c| **c > edge.min(0.999)).count()
+}
+
+/// Refuses inputs whose Hankel matrix does not have the rank that the order needs.
+fn check_excitation(hankel: &Hankel<'_>, factor: &HankelFactor, order: usize) -> Result<(), IdentError> {
+    const TOLERANCE: f64 = 1e-10;
+    let columns = hankel.inputs * hankel.horizons.future;
+    if columns == 0 {
+        return Ok(());
+    }
+    let block = factor.r.submatrix(0, 0, columns, columns);
+    let values = block.singular_values().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+    let rank = values.iter().filter(|v| **v > TOLERANCE * values[0]).count();
+    let needed = columns.min(hankel.inputs * (order + 1));
+    if rank < needed {
+        let condition = values[0] / values[needed - 1];
+        return Err(IdentError::RankDeficient { rank, parameters: needed, condition });
+    }
+    Ok(())
+}
+
+/// An innovations form without inputs' influence yet: `B = 0`, `D = 0`.
+fn without_inputs(
+    a: Mat<f64>,
+    c: Mat<f64>,
+    k: Mat<f64>,
+    covariance: Mat<f64>,
+    data: &Dataset,
+) -> Result<Innovations, IdentError> {
+    let (n, m, p) = (a.nrows(), data.inputs(), data.outputs());
+    let system = StateSpace::discrete(a, Mat::zeros(n, m), c, Mat::zeros(p, m), data.sample_time_s())?;
+    Ok(Innovations::new(system, k, covariance)?)
+}

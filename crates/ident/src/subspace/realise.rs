@@ -1,0 +1,172 @@
+//! From the triangular factor to `A`, `C`, `K` and `Λ`.
+
+use faer::{Mat, MatRef};
+use lti::Innovations;
+
+use super::hankel::{Hankel, HankelFactor, Horizons};
+use super::linear::{kalman, solve_truncated, spectral_radius};
+use super::{Weighting, without_inputs};
+use crate::{Dataset, IdentError};
+
+/// Singular values below this part of the largest are rounding.
+const ROUNDING: f64 = 1e-12;
+/// Standard deviation that an output's innovations have at least, as a part of the output's size: data without noise
+/// would leave the Riccati equation without a solution.
+const LEAST_NOISE: f64 = 1e-9;
+
+/// The weighted projection of the future on the past. The columns of R stand for the rows of the Hankel matrix: they
+/// have the same scalar products, and there are few of their entries.
+pub(super) struct Projection<'a> {
+    hankel: &'a Hankel<'a>,
+    factor: &'a HankelFactor,
+    /// The oblique projection's rows: entries of R × (future · outputs).
+    oblique: Mat<f64>,
+    /// Directions of the extended observability matrix, each scaled by the square root of its singular value.
+    directions: Mat<f64>,
+    singular_values: Vec<f64>,
+}
+
+impl<'a> Projection<'a> {
+    pub(super) fn new(
+        hankel: &'a Hankel<'a>,
+        factor: &'a HankelFactor,
+        weighting: Weighting,
+    ) -> Result<Self, IdentError> {
+        let oblique = oblique(hankel, factor, hankel.horizons.past)?;
+        let (m, q, p) = (hankel.inputs, hankel.channels(), hankel.outputs);
+        let Horizons { past, future } = hankel.horizons;
+        let (inputs, pasts, outputs) = (future * m, past * q, future * p);
+        // Rows below those of the future inputs: what is orthogonal to them.
+        let free = factor.r.submatrix(inputs, inputs + pasts, pasts + outputs, outputs);
+        let explained = free.subrows(0, pasts);
+        let (projected, back) = match weighting {
+            Weighting::N4sid => (oblique.transpose().to_owned(), Mat::identity(outputs, outputs)),
+            Weighting::Moesp => (explained.transpose().to_owned(), Mat::identity(outputs, outputs)),
+            Weighting::Cva => {
+                let (white, colour) = whiten(free)?;
+                (white.subrows(0, pasts).transpose().to_owned(), colour)
+            }
+        };
+        let svd = projected.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+        let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+        let rooted = Mat::from_fn(projected.nrows(), values.len(), |i, j| svd.U()[(i, j)] * values[j].max(0.0).sqrt());
+        let scale = if weighting == Weighting::Cva { 1.0 } else { 1.0 / (factor.windows as f64).sqrt() };
+        Ok(Projection {
+            hankel,
+            factor,
+            oblique,
+            directions: back * rooted,
+            singular_values: values.iter().map(|v| v * scale).collect(),
+        })
+    }
+
+    pub(super) fn singular_values(&self) -> &[f64] {
+        &self.singular_values
+    }
+
+    /// The model of so many states, in scaled channels.
+    pub(super) fn realise(&self, order: usize, stable: bool, noise_model: bool) -> Result<Realised, IdentError> {
+        let p = self.hankel.outputs;
+        let found = self.singular_values.iter().filter(|v| **v > ROUNDING * self.singular_values[0]).count();
+        if found < order {
+            let condition = self.singular_values[0] / self.singular_values.get(order - 1).copied().unwrap_or(0.0);
+            return Err(IdentError::RankDeficient { rank: found, parameters: order, condition });
+        }
+        let gamma = self.directions.subcols(0, order);
+        let shorter = gamma.nrows() - p;
+        let (above, below) = (gamma.subrows(0, shorter), gamma.subrows(p, shorter));
+        let mut a = solve_truncated(above, below, ROUNDING)?;
+        if stable && spectral_radius(a.as_ref())? >= 1.0 {
+            a = stable_shift(gamma, p)?;
+        }
+        let c = gamma.subrows(0, p).to_owned();
+        let joint = self.residual_covariance(gamma)?;
+        let (k, covariance) = noise(&a, &c, &joint, noise_model);
+        Ok(Realised { a, c, k, covariance })
+    }
+
+    /// Covariance of the residuals of state and output, `[Q S; Sᵀ R]`.
+    fn residual_covariance(&self, gamma: MatRef<'_, f64>) -> Result<Mat<f64>, IdentError> {
+        let (hankel, factor) = (self.hankel, self.factor);
+        let (n, p, past) = (gamma.ncols(), hankel.outputs, hankel.horizons.past);
+        let shorter = gamma.nrows() - p;
+        let now = solve_truncated(gamma, self.oblique.transpose(), ROUNDING)?;
+        let later = oblique(hankel, factor, past + 1)?;
+        let next = solve_truncated(gamma.subrows(0, shorter), later.transpose(), ROUNDING)?;
+        let rows = factor.r.nrows();
+        let inputs = hankel.inputs * hankel.horizons.future;
+        let regressors = Mat::from_fn(rows, n + inputs, |i, j| if j < n { now[(j, i)] } else { factor.r[(i, j - n)] });
+        let output = |i: usize| hankel.column(past, hankel.inputs + i);
+        let targets = Mat::from_fn(rows, n + p, |i, j| if j < n { next[(j, i)] } else { factor.r[(i, output(j - n))] });
+        let explained = &regressors * solve_truncated(regressors.as_ref(), targets.as_ref(), ROUNDING)?;
+        let residuals = targets - explained;
+        Ok(residuals.transpose() * &residuals * faer::Scale(1.0 / factor.windows as f64))
+    }
+}
+
+/// `A` with every eigenvalue inside the unit circle: the shift of Γ with zeros in place of the row block beyond its
+/// end.
+///
+/// # Source
+/// Chui & Maciejowski, *Realization of stable models with subspace methods*, Automatica 32(11), 1996.
+fn stable_shift(gamma: MatRef<'_, f64>, p: usize) -> Result<Mat<f64>, IdentError> {
+    let shifted =
+        Mat::from_fn(gamma.nrows(), gamma.ncols(), |i, j| if i + p < gamma.nrows() { gamma[(i + p, j)] } else { 0.0 });
+    let a = solve_truncated(gamma, shifted.as_ref(), ROUNDING)?;
+    // On the circle by rounding: drawn in by the least there is.
+    let radius = spectral_radius(a.as_ref())?;
+    Ok(if radius < 1.0 { a } else { a * faer::Scale((1.0 - 1e-9) / radius) })
+}
+
+/// The oblique projection along the future inputs of the future outputs on the past, which ends before block row `now`.
+fn oblique(hankel: &Hankel<'_>, factor: &HankelFactor, now: usize) -> Result<Mat<f64>, IdentError> {
+    let (m, q, total) = (hankel.inputs, hankel.channels(), hankel.horizons.total());
+    let columns = |blocks: std::ops::Range<usize>, channels: std::ops::Range<usize>| -> Vec<usize> {
+        blocks.flat_map(|b| channels.clone().map(move |c| (b, c))).map(|(b, c)| hankel.column(b, c)).collect()
+    };
+    let gather = |list: &[usize]| Mat::from_fn(factor.r.nrows(), list.len(), |i, j| factor.r[(i, list[j])]);
+    let past = columns(0..now, 0..q);
+    let inputs = past.len();
+    let regressors: Vec<usize> = past.iter().copied().chain(columns(now..total, 0..m)).collect();
+    let outputs = gather(&columns(now..total, m..q));
+    let coefficients = solve_truncated(gather(&regressors).as_ref(), outputs.as_ref(), ROUNDING)?;
+    Ok(gather(&past) * coefficients.subrows(0, inputs))
+}
+
+/// Orthonormal `W` and the matrix `Z` with `M = W Zᵀ`, directions that are rounding left out.
+fn whiten(m: MatRef<'_, f64>) -> Result<(Mat<f64>, Mat<f64>), IdentError> {
+    let svd = m.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+    let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+    let kept = values.iter().filter(|v| **v > ROUNDING * values[0]).count();
+    let colour = Mat::from_fn(m.ncols(), kept, |i, j| svd.V()[(i, j)] * values[j]);
+    Ok((svd.U().subcols(0, kept).to_owned(), colour))
+}
+
+/// The Kalman gain and the innovations' covariance; a gain of zero where there is no stable filter.
+fn noise(a: &Mat<f64>, c: &Mat<f64>, joint: &Mat<f64>, wanted: bool) -> (Mat<f64>, Mat<f64>) {
+    let (n, p) = (a.nrows(), c.nrows());
+    let r = Mat::from_fn(p, p, |i, j| joint[(n + i, n + j)] + if i == j { LEAST_NOISE * LEAST_NOISE } else { 0.0 });
+    let (q, s) = (joint.submatrix(0, 0, n, n), joint.submatrix(0, n, n, p));
+    let filter = if wanted { kalman(a.as_ref(), c.as_ref(), q, s, r.as_ref()) } else { None };
+    filter.unwrap_or((Mat::zeros(n, p), r))
+}
+
+/// `A`, `C`, `K`, `Λ` in scaled channels.
+pub(super) struct Realised {
+    a: Mat<f64>,
+    c: Mat<f64>,
+    k: Mat<f64>,
+    covariance: Mat<f64>,
+}
+
+impl Realised {
+    /// The model in the units of the data, its inputs without influence yet.
+    pub(super) fn unscaled(self, weights: &[f64], data: &Dataset) -> Result<Innovations, IdentError> {
+        let w = &weights[data.inputs()..];
+        let (n, p) = (self.a.nrows(), self.c.nrows());
+        let c = Mat::from_fn(p, n, |i, j| self.c[(i, j)] / w[i]);
+        let k = Mat::from_fn(n, p, |i, j| self.k[(i, j)] * w[j]);
+        let covariance = Mat::from_fn(p, p, |i, j| self.covariance[(i, j)] / (w[i] * w[j]));
+        without_inputs(self.a, c, k, covariance, data)
+    }
+}

@@ -1,0 +1,180 @@
+//! Prediction-error state-space models.
+#![allow(clippy::print_stdout, clippy::disallowed_methods)]
+
+use faer::Mat;
+use ident::covariance::delta_variance;
+use ident::{Dataset, Doubt, Fit, Focus, IdentError, Parametric, StateSpaceModel, StateSpacePem, Subspace, Weighting};
+use lti::{Complex64, Innovations};
+
+use crate::shared::shared;
+use crate::systems::{data, gain_error, mimo, pole_near, siso};
+
+#[test]
+fn exact_prediction_and_simulation() {
+    let truth = mimo(0.0);
+    let data = data(&truth, 400, &[1.0, -2.0, 3.0], 1);
+    for focus in [Focus::Prediction, Focus::Simulation] {
+        let fit = StateSpacePem::new(3).with_feedthrough().with_focus(focus).fit(&data).unwrap();
+        let error = gain_error(fit.model.system(), truth.system());
+        assert!(error < 1e-9, "{focus:?} {error:e}");
+    }
+}
+
+/// The start has its states in another basis and its poles a little wrong: only the search can make them right.
+#[test]
+fn exact_from_a_wrong_start() {
+    let truth = siso(0.0);
+    let data = data(&truth, 500, &[0.0; 4], 2);
+    let fit = Subspace::new(4).without_noise_model().fit(&data).unwrap();
+    let moved: Vec<f64> =
+        fit.parameters().iter().enumerate().map(|(i, v)| v * (1.0 + 0.01 * (i as f64).sin())).collect();
+    let start = fit.model.with_parameters(&moved).unwrap();
+    assert!(gain_error(start.system(), truth.system()) > 1e-3);
+    let refined = StateSpacePem::from_model(start).fit(&data).unwrap();
+    let error = gain_error(refined.model.system(), truth.system());
+    assert!(error < 1e-8, "{error:e} {:?} {}", refined.termination, refined.iterations);
+}
+
+#[test]
+fn prop_missing_outputs_are_left_out_of_a_simulation() {
+    let truth = siso(0.0);
+    let whole = data(&truth, 400, &[0.0; 4], 3);
+    let e = &whole.experiments()[0];
+    let mut y = e.outputs.clone();
+    (50..80).for_each(|t| y[(t, 0)] = f64::NAN);
+    let gap = Dataset::new(0.1, e.inputs.clone(), y).unwrap();
+    let start = Subspace::new(4).without_noise_model().fit(&whole).unwrap().model;
+    let fit = StateSpacePem::from_model(start).fit(&gap).unwrap();
+    assert!(gain_error(fit.model.system(), truth.system()) < 1e-8);
+    assert!(fit.doubts.contains(&Doubt::RowsLeftOut { rows: 30, of: 400 }));
+    assert!(matches!(StateSpacePem::new(4).fit(&gap), Err(IdentError::Missing { .. })));
+}
+
+/// Standard error of a function of the model.
+fn error_of(fit: &Fit<StateSpaceModel>, of: impl Fn(&StateSpaceModel) -> f64) -> f64 {
+    let value = |p: &[f64]| of(&fit.model.with_parameters(p).unwrap());
+    delta_variance(&fit.parameters(), &fit.covariance, value).sqrt()
+}
+
+/// The 97.5 % point of Student's t.
+fn quantile(fit: &Fit<StateSpaceModel>) -> f64 {
+    ident::distributions::interval(0.0, 1.0, fit.degrees_of_freedom, 0.95).1
+}
+
+/// Fraction of runs in which a 95 % interval holds the truth, for a pole, a gain and a noise gain.
+fn coverage(runs: u64, samples: usize, estimate: impl Fn(&Dataset) -> Fit<StateSpaceModel>) -> [f64; 3] {
+    let truth = siso(0.5);
+    let wanted = Complex64::from_polar(0.9, 0.6);
+    let omega = [8.0];
+    let mut inside = [0.0; 3];
+    for run in 0..runs {
+        let fit = estimate(&data(&truth, samples, &[0.0; 4], 100 + run));
+        let functions: [&dyn Fn(&Innovations) -> f64; 3] =
+            [&|m| pole_near(m.system(), wanted).norm(), &|m| m.system().gains(&omega)[0][(0, 0)].norm(), &|m| {
+                m.noise_system().unwrap().gains(&omega)[0][(0, 0)].norm()
+            }];
+        for (count, f) in inside.iter_mut().zip(functions) {
+            let error = error_of(&fit, |m| f(m.innovations()));
+            *count += f64::from((f(fit.model.innovations()) - f(&truth)).abs() < quantile(&fit) * error) / runs as f64;
+        }
+    }
+    inside
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_coverage_of_prediction_errors() {
+    let found = coverage(300, 5000, |data| StateSpacePem::new(4).fit(data).unwrap());
+    println!("{found:?}");
+    // Three standard deviations of the binomial: 3 √(0.95 · 0.05 / 300).
+    assert!(found.iter().all(|c| (c - 0.95).abs() < 0.04), "{found:?}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_coverage_of_a_simulation_with_coloured_errors() {
+    let simulation = StateSpacePem::new(4).with_focus(Focus::Simulation);
+    let found = coverage(300, 3000, |data| simulation.fit(data).unwrap());
+    println!("{found:?}");
+    // The noise gain is one by assumption: only the system can be right.
+    assert!(found[..2].iter().all(|c| (c - 0.95).abs() < 0.05), "{found:?}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_coverage_of_canonical_variates() {
+    for weighting in [Weighting::Cva, Weighting::N4sid, Weighting::Moesp] {
+        let found = coverage(300, 5000, |data| Subspace::new(4).with_weighting(weighting).fit(data).unwrap());
+        println!("{weighting:?} {found:?}");
+        if weighting == Weighting::Cva {
+            assert!(found.iter().all(|c| *c > 0.85), "{found:?}");
+        }
+    }
+}
+
+#[test]
+fn stat_refining_does_not_raise_the_loss() {
+    let truth = mimo(0.4);
+    let data = data(&truth, 3000, &[0.0; 3], 5);
+    let subspace = Subspace::new(3).with_feedthrough().with_weighting(Weighting::N4sid).fit(&data).unwrap();
+    let refined = StateSpacePem::from_model(subspace.model.clone()).fit(&data).unwrap();
+    assert!(refined.loss <= subspace.loss * (1.0 + 1e-12), "{} {}", refined.loss, subspace.loss);
+    assert!(refined.iterations < 20, "{}", refined.iterations);
+    for (i, j) in [(0, 0), (0, 1), (1, 1)] {
+        let (found, wanted) = (refined.noise_covariance[(i, j)], truth.noise_covariance()[(i, j)]);
+        assert!((found - wanted).abs() < 0.02, "{found} {wanted}");
+    }
+}
+
+fn fit_percent(y: &[f64], simulated: &[f64]) -> f64 {
+    let mean = y.iter().sum::<f64>() / y.len() as f64;
+    let error: f64 = y.iter().zip(simulated).map(|(a, b)| (a - b).powi(2)).sum();
+    let spread: f64 = y.iter().map(|v| (v - mean).powi(2)).sum();
+    100.0 * (1.0 - (error / spread).sqrt())
+}
+
+/// Columns of the robot arm, half of the record, means of the whole removed.
+fn robot_arm(first: bool) -> Option<Dataset> {
+    let text = std::fs::read_to_string(shared("reference/daisy/robot_arm.dat")?).unwrap();
+    let rows: Vec<Vec<f64>> =
+        text.lines().map(|l| l.split_whitespace().filter_map(|v| v.parse().ok()).collect()).collect();
+    let rows: Vec<&Vec<f64>> = rows.iter().filter(|r| r.len() == 2).collect();
+    let mean = |j: usize| rows.iter().map(|r| r[j]).sum::<f64>() / rows.len() as f64;
+    let (mu, my) = (mean(0), mean(1));
+    let half = rows.len() / 2;
+    let range = if first { 0..half } else { half..rows.len() };
+    let u: Vec<f64> = rows[range.clone()].iter().map(|r| r[0] - mu).collect();
+    let y: Vec<f64> = rows[range].iter().map(|r| r[1] - my).collect();
+    Some(Dataset::siso(1.0, &u, &y).unwrap())
+}
+
+#[test]
+fn ref_robot_arm_output_error_of_order_four() {
+    let (Some(first), Some(second)) = (robot_arm(true), robot_arm(false)) else { return };
+    let fit = StateSpacePem::new(4).with_focus(Focus::Simulation).with_feedthrough().fit(&first).unwrap();
+    let mut fits = Vec::new();
+    for (index, part) in [&first, &second].into_iter().enumerate() {
+        // The initial state of the unseen half is estimated with the model held fixed.
+        let x0 = if index == 0 {
+            fit.initial_states[0].clone()
+        } else {
+            let (n, e) = (4, &part.experiments()[0]);
+            let zero = fit.model.system().simulate(e.inputs.as_ref(), &[0.0; 4]).unwrap();
+            let mut free = Mat::zeros(e.len(), n);
+            for k in 0..n {
+                let mut x = [0.0; 4];
+                x[k] = 1.0;
+                let y = fit.model.system().simulate(Mat::zeros(e.len(), 1).as_ref(), &x).unwrap();
+                (0..e.len()).for_each(|t| free[(t, k)] = y[(t, 0)]);
+            }
+            let target: Vec<f64> = (0..e.len()).map(|t| e.outputs[(t, 0)] - zero[(t, 0)]).collect();
+            ident::least_squares(free.as_ref(), &target).unwrap().parameters
+        };
+        let e = &part.experiments()[0];
+        let y = fit.model.system().simulate(e.inputs.as_ref(), &x0).unwrap();
+        let y: Vec<f64> = (0..e.len()).map(|t| y[(t, 0)]).collect();
+        fits.push(fit_percent(e.output(0), &y));
+    }
+    println!("{fits:?} {:?} {}", fit.termination, fit.iterations);
+    assert!(fits[0] > 91.6 && fits[1] > 89.5, "{fits:?}");
+}
