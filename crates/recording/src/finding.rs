@@ -149,6 +149,11 @@ pub enum SkipReason {
         /// Their names.
         candidates: String,
     },
+    /// It is named as time, but no other variable has its length.
+    UnusedTime {
+        /// Its length.
+        samples: usize,
+    },
     /// A constant.
     SingleNumber {
         /// The number.
@@ -172,6 +177,9 @@ impl fmt::Display for SkipReason {
             ),
             Self::AmbiguousTime { candidates } => {
                 write!(f, "its time may be any of {candidates}, which differ; name only one of them as time")
+            }
+            Self::UnusedTime { samples } => {
+                write!(f, "it is named as time, but no array beside it has its {samples} samples")
             }
             Self::SingleNumber { number } => write!(f, "it is the single number {number}, not samples over time"),
         }

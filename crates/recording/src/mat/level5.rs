@@ -37,7 +37,8 @@ pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>
     let mut parts = 0;
     let mut found = Vec::new();
     let mut at = HEADER;
-    while at < bytes.len() {
+    // A file without any variable has been cut off.
+    while at < bytes.len() || at == HEADER {
         let truncated = |expected: usize| RecordingError::Truncated {
             file: file.into(),
             offset: at as u64,

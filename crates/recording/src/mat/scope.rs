@@ -23,6 +23,8 @@ pub(super) struct Plan {
     pub(super) rasters: Vec<Raster>,
     /// The clocks of the scope that is read and of those around it, the outermost first.
     clocks: Vec<Clocks>,
+    /// The rasters that are vectors of the file, with the paths of those.
+    vectors: Vec<(usize, String)>,
     /// The rasters of rows so far apart, by length.
     counted: BTreeMap<usize, usize>,
     pub(super) channels: Vec<Channel>,
@@ -36,6 +38,7 @@ impl Plan {
             row_distance_s,
             rasters: Vec::new(),
             clocks: Vec::new(),
+            vectors: Vec::new(),
             counted: BTreeMap::new(),
             channels: Vec::new(),
             skipped: Vec::new(),
@@ -139,7 +142,9 @@ impl Plan {
             }
         }
         let time_s = array.values.iter().map(|t| t * factor.0 / factor.1).collect();
-        self.raster(scope, time_s)
+        let raster = self.raster(scope, time_s);
+        self.vectors.push((raster, member.path.clone()));
+        raster
     }
 
     fn raster(&mut self, path: &str, time_s: Vec<f64>) -> usize {
@@ -249,7 +254,10 @@ impl Plan {
         }
         let mut findings = self.findings;
         if *selection == Selection::All {
-            let skipped = self.skipped.into_iter();
+            let unused = self.vectors.into_iter().filter(|(raster, _)| places[*raster].is_none());
+            let unused = unused
+                .map(|(raster, name)| (name, SkipReason::UnusedTime { samples: self.rasters[raster].time_s.len() }));
+            let skipped = self.skipped.into_iter().chain(unused);
             findings.extend(skipped.map(|(channel, reason)| Finding::SkippedChannel { channel, reason }));
         }
         Ok(Recording { format, comment: None, start_time: None, rasters, channels: self.channels, findings })

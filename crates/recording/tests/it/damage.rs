@@ -1,9 +1,12 @@
 //! The readers on the conformance suite of `testkit`, and damage particular to a format.
 
 use recording::{
-    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, decode, encode_csv, encode_mdf4,
+    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, decode, encode_csv, encode_mat5,
+    encode_mdf4,
 };
 use testkit::reader::{Case, Content, Signal, conform};
+
+use crate::mat::variable;
 
 fn read(name: &'static str) -> impl Fn(&[u8]) -> Result<Content, String> {
     move |bytes| {
@@ -97,6 +100,60 @@ fn exact_csv_conforms() {
         unrecognisable_cuts: line_ends.map(|(at, _)| at + 1).collect(),
         numbers_per_byte: 1,
     });
+}
+
+#[test]
+fn exact_mat5_of_ours_conforms() {
+    let small = made(&[40, 100], &[("a", 0, 0.0), ("b", 1, 5.0)]);
+    conform(&Case {
+        read: read("small.mat"),
+        small: &encode_mat5(&small).unwrap(),
+        duplicates: &encode_mat5(&duplicates()).unwrap(),
+        mixed_rates: &encode_mat5(&mixed()).unwrap(),
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    });
+}
+
+#[test]
+fn exact_plain_mat5_conforms() {
+    let variables = [("time", 4), ("a", 4), ("time_2", 7), ("b", 7)].map(|(name, n)| {
+        let samples: Vec<f64> = (0..n).map(f64::from).collect();
+        variable(name, &samples)
+    });
+    let header = &include_bytes!("data/mat/variables.mat")[..128];
+    let lengths = variables.iter().scan(128, |end, v| {
+        *end += v.len();
+        Some(*end)
+    });
+    let small = [header, &variables.concat()].concat();
+    let twice = [variable("a", &[1.0, 2.0, 3.0, 4.0]), variable("a", &[5.0, 6.0, 7.0, 8.0])];
+    conform(&Case {
+        read: read("small.mat"),
+        small: &small,
+        duplicates: &[header, &variables[0], &twice.concat()].concat(),
+        mixed_rates: &small,
+        unrecognisable_cuts: std::iter::once(128).chain(lengths).collect(),
+        numbers_per_byte: 1000,
+    });
+}
+
+#[test]
+fn exact_deflated_mat5_with_structs_survives_damage() {
+    let case = |small| Case {
+        read: read("small.mat"),
+        small,
+        duplicates: &[],
+        mixed_rates: &[],
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    };
+    for small in [&include_bytes!("data/mat/variables.mat")[..], include_bytes!("data/mat/variables_deflated.mat")] {
+        testkit::reader::survives_every_corrupted_byte(&case(small));
+    }
+    let level4 = include_bytes!("data/mat/level4.mat");
+    testkit::reader::survives_every_corrupted_byte(&case(level4));
+    testkit::reader::refuses_a_wrong_magic(&case(level4));
 }
 
 /// The file with its records moved to the end, as a logger writes them; `link` is where their address is kept.
