@@ -129,11 +129,11 @@ impl Labels {
 }
 
 /// Whether a text describes others beside it, and is no loss where it is not taken over.
-pub(super) fn describes(members: &Members, name: &str) -> bool {
+pub(super) fn describes(members: &Members, name: &str, has_one_array: bool) -> bool {
     let lower = name.to_lowercase();
     let has = |names: &[&str]| members.named(names).is_some();
     match lower.as_str() {
-        "unit" | "units" | "einheit" => true,
+        "unit" | "units" | "einheit" => has_one_array || has(&["values"]),
         "label" | "blockname" | "title" | "plotstyle" | "dimensions" => has(&["values"]),
         "inputname" | "inputunit" | "uname" => has(&["u", "inputdata"]),
         "outputname" | "outputunit" | "yname" => has(&["y", "outputdata"]),

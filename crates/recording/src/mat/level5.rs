@@ -18,6 +18,10 @@ const MAX_PARTS: usize = 1 << 18;
 /// The longest name; MATLAB's limit is 63.
 const MAX_NAME: usize = 128;
 
+/// The most numbers of a file, and of each byte of a larger file: as many as doubles can be deflated.
+const MAX_NUMBERS: usize = 1 << 26;
+const MAX_PER_BYTE: usize = MAX_EXPANSION / 8;
+
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
@@ -34,7 +38,7 @@ pub(super) fn is_big_endian(header: &[u8]) -> Option<bool> {
 pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>, RecordingError> {
     let big = is_big_endian(bytes).unwrap_or(false);
     let hidden = bytes.get(116..124).and_then(|b| b.try_into().ok()).map(|b| uint(b, big));
-    let mut parts = 0;
+    let mut budget = Budget { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(bytes.len().saturating_mul(MAX_PER_BYTE)) };
     let mut found = Vec::new();
     let mut at = HEADER;
     // A file without any variable has been cut off.
@@ -51,7 +55,7 @@ pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>
         let data = bytes.get(at + 8..end).ok_or_else(|| truncated(end - at))?;
         // Where the objects of the file are kept, in a form of their own.
         if hidden != Some(at as u64) {
-            let variable = variable(kind, data, big, &mut parts);
+            let variable = variable(kind, data, big, &mut budget);
             found.extend(variable.map_err(|detail| damaged(file, at, detail))?);
         }
         at = end;
@@ -64,7 +68,7 @@ fn damaged(file: &str, at: usize, detail: String) -> RecordingError {
 }
 
 /// A variable with its name; none for one without a name.
-fn variable(kind: u32, data: &[u8], big: bool, parts: &mut usize) -> Result<Option<(String, Value)>, String> {
+fn variable(kind: u32, data: &[u8], big: bool, budget: &mut Budget) -> Result<Option<(String, Value)>, String> {
     let inflated;
     let data = match kind {
         MATRIX => data,
@@ -74,7 +78,7 @@ fn variable(kind: u32, data: &[u8], big: bool, parts: &mut usize) -> Result<Opti
         }
         other => return Err(format!("an element of type {other} where a variable should be")),
     };
-    let mut parser = Parser { big, parts };
+    let mut parser = Parser { big, budget };
     match parser.matrix(data, 0) {
         Ok((name, value)) => Ok((!name.is_empty()).then_some((name, value))),
         Err(Fault::Damaged(detail)) => Err(detail),
@@ -244,10 +248,16 @@ fn characters(kind: u32, content: &[u8], big: bool) -> Result<Vec<char>, Fault> 
     })
 }
 
+/// What may still be read of a file, so that a small one cannot fill the memory.
+struct Budget {
+    /// Cells and fields.
+    parts: usize,
+    numbers: usize,
+}
+
 struct Parser<'a> {
     big: bool,
-    /// Cells and fields so far.
-    parts: &'a mut usize,
+    budget: &'a mut Budget,
 }
 
 impl Parser<'_> {
@@ -278,7 +288,7 @@ impl Parser<'_> {
             4 => text(&mut elements, &dimensions),
             5 => Ok(Value::unsupported("a sparse matrix; save it as a full one")),
             6..=15 if is_complex => Ok(Value::not_numeric("complex numbers")),
-            6..=15 => array(&mut elements, &dimensions, count),
+            6..=15 => self.array(&mut elements, &dimensions, count),
             16 => Ok(Value::not_numeric("a function")),
             other => broken(format!("a variable of class {other}")),
         };
@@ -294,11 +304,11 @@ impl Parser<'_> {
 
     /// The next cell or field.
     fn part(&mut self, elements: &mut Elements<'_>, depth: usize) -> Result<Value, Fault> {
-        *self.parts += 1;
         let beyond = |what| Err(Fault::Unsupported(String::new(), what));
-        if *self.parts > MAX_PARTS {
+        let Some(left) = self.budget.parts.checked_sub(1) else {
             return beyond(format!("it brings the file to more than {MAX_PARTS} cells and fields"));
-        }
+        };
+        self.budget.parts = left;
         if depth >= MAX_DEPTH {
             return beyond(format!("more than {MAX_DEPTH} structs or cells within each other"));
         }
@@ -335,15 +345,19 @@ impl Parser<'_> {
         }
         Ok(Value::Struct(Struct { fields, elements: structs }))
     }
-}
 
-fn array(elements: &mut Elements<'_>, dimensions: &[usize], count: usize) -> Result<Value, Fault> {
-    let values = elements.numbers()?;
-    if values.len() != count {
-        return broken(format!("{} numbers for dimensions {dimensions:?}", values.len()));
+    fn array(&mut self, elements: &mut Elements<'_>, dimensions: &[usize], count: usize) -> Result<Value, Fault> {
+        let Some(left) = self.budget.numbers.checked_sub(count) else {
+            return Ok(Value::unsupported("it brings the file to more numbers than its size makes plausible"));
+        };
+        let values = elements.numbers()?;
+        if values.len() != count {
+            return broken(format!("{} numbers for dimensions {dimensions:?}", values.len()));
+        }
+        self.budget.numbers = left;
+        let array = Array::new(dimensions, values).map(Value::Numbers);
+        Ok(array.unwrap_or_else(|| Value::unsupported(format!("an array of {} dimensions", dimensions.len()))))
     }
-    let array = Array::new(dimensions, values);
-    Ok(array.map_or_else(|| Value::unsupported(format!("an array of {} dimensions", dimensions.len())), Value::Numbers))
 }
 
 fn text(elements: &mut Elements<'_>, dimensions: &[usize]) -> Result<Value, Fault> {

@@ -73,8 +73,8 @@ impl<'a> List<'a> {
                 plan.findings.push(Finding::MissingVariable { variable: (*variable).to_owned() });
                 continue;
             };
-            rasters.insert(*variable, plan.rasters.len());
-            plan.rasters.push(Raster { time_s: array.values, name: (!name.is_empty()).then(|| (*name).to_owned()) });
+            let raster = Raster { time_s: array.values, name: (!name.is_empty()).then(|| (*name).to_owned()) };
+            rasters.insert(*variable, plan.listed_clock(variable, raster));
         }
         for [variable, name, unit, comment, clock] in &self.channels {
             let (Some(array), Some(&raster)) = (pool.remove(*variable), rasters.get(clock)) else {

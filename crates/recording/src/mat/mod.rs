@@ -25,8 +25,11 @@ pub(crate) fn is_mat(bytes: &[u8]) -> bool {
 }
 
 fn is_level5(bytes: &[u8]) -> bool {
-    let text = bytes.get(..4).unwrap_or_default();
-    level5::is_big_endian(bytes).is_some() && text.iter().all(|b| !b.is_ascii_control())
+    // Text before the level, and no text as level: other text has those letters too.
+    let (text, level) = (bytes.get(..4), bytes.get(124..126));
+    level5::is_big_endian(bytes).is_some()
+        && text.is_some_and(|text| text.iter().all(|b| !b.is_ascii_control()))
+        && level.is_some_and(|level| level.iter().all(|b| *b < b' ' && !b.is_ascii_whitespace()))
 }
 
 /// Decodes a MAT-file; arrays without a time vector are left out, or have rows `row_distance_s` apart if that is known.

@@ -60,7 +60,8 @@ impl Plan {
         let (clocks, taken) = self.find_clocks(path, &members);
         self.clocks.push(clocks);
         let arrays = members.list.iter().zip(&taken).filter(|(m, taken)| !**taken && is_array(&m.value)).count();
-        let described = |m: &Member| (Labels::find(&members, m, arrays == 1), describes(&members, &m.name));
+        let described =
+            |m: &Member| (Labels::find(&members, m, arrays == 1), describes(&members, &m.name, arrays == 1));
         let details: Vec<(Labels, bool)> = members.list.iter().map(described).collect();
         for ((member, taken), (labels, describes)) in members.list.into_iter().zip(taken).zip(details) {
             if !taken {
@@ -145,6 +146,21 @@ impl Plan {
         let raster = self.raster(scope, time_s);
         self.vectors.push((raster, member.path.clone()));
         raster
+    }
+
+    /// A clock that the file lists; also of arrays of its length that are not listed.
+    pub(super) fn listed_clock(&mut self, variable: &str, raster: Raster) -> usize {
+        let samples = raster.time_s.len();
+        self.rasters.push(raster);
+        let index = self.rasters.len() - 1;
+        if self.clocks.is_empty() {
+            self.clocks.push(Clocks::new());
+        }
+        let several = |clock: &mut Result<usize, String>| *clock = Err(format!("{variable} and others"));
+        if samples > 1 {
+            self.clocks[0].entry(samples).and_modify(several).or_insert(Ok(index));
+        }
+        index
     }
 
     fn raster(&mut self, path: &str, time_s: Vec<f64>) -> usize {

@@ -1,6 +1,6 @@
 //! Writing level 5: a list of what there is, then a vector for each clock and channel, deflated.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::io::Write as _;
 
 use flate2::{Compression, write::ZlibEncoder};
@@ -69,7 +69,7 @@ const KEYWORDS: [&str; 20] = [
 /// ```
 pub fn encode_mat5(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     check(recording)?;
-    let mut names = Names { used: HashSet::from([NAME.to_owned()]) };
+    let mut names = Names { used: HashSet::from([NAME.to_owned()]), numbers: HashMap::new() };
     let clocks: Vec<String> = recording.rasters.iter().map(|_| names.variable("time")).collect();
     let variables: Vec<String> = recording.channels.iter().map(|c| names.variable(&c.name)).collect();
     let mut out = header();
@@ -109,6 +109,8 @@ fn cannot(name: &str, what: &str) -> RecordingError {
 /// Names of variables that are taken.
 struct Names {
     used: HashSet<String>,
+    /// The last number that was appended to a name.
+    numbers: HashMap<String, usize>,
 }
 
 impl Names {
@@ -120,9 +122,9 @@ impl Names {
             stem.insert(0, 'x');
         }
         let mut found = stem.clone();
-        let mut number = 1;
+        let number = self.numbers.entry(stem.clone()).or_insert(1);
         while !self.used.insert(found.clone()) {
-            number += 1;
+            *number += 1;
             found = format!("{stem}_{number}");
         }
         found
@@ -195,7 +197,8 @@ fn text(owner: &str, text: &str) -> Result<Vec<u8>, RecordingError> {
     }
     let content: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
     let rows = usize::from(!units.is_empty());
-    matrix(TEXT, [rows, units.len()], "", &element(4, &content)?)
+    // Type 17 is UTF-16.
+    matrix(TEXT, [rows, units.len()], "", &element(17, &content)?)
 }
 
 /// Structs in a column, with the values of their fields.

@@ -155,7 +155,8 @@ pub(crate) fn variable(name: &str, samples: &[f64]) -> Vec<u8> {
     element(14, &parts.concat())
 }
 
-fn element(kind: u32, content: &[u8]) -> Vec<u8> {
+/// Tag, content and padding.
+pub(crate) fn element(kind: u32, content: &[u8]) -> Vec<u8> {
     let size = u32::try_from(content.len()).unwrap();
     let mut bytes = [kind.to_le_bytes(), size.to_le_bytes()].concat();
     bytes.extend_from_slice(content);
@@ -196,6 +197,25 @@ fn exact_a_missing_variable_of_the_list_is_said() {
     let last = variable("b", &[2.0, 4.0]).len() - 8;
     let cut = read(&bytes[..bytes.len() - last]);
     assert_eq!((names(&cut), &cut.findings), (vec!["a"], &vec![Finding::MissingVariable { variable: "b".into() }]));
+}
+
+#[test]
+fn exact_variables_added_to_a_list_have_its_clock() {
+    let whole = decode("a.csv", b"time [s],\xC3\x96l [\xC2\xB0C]\n0,1\n1,3\n", &Selection::All).unwrap();
+    let mut bytes = encode_mat5(&whole).unwrap();
+    bytes.extend(variable("extra", &[7.0, 8.0]));
+    let read = read(&bytes);
+    assert_eq!((names(&read), channel(&read, "Öl").unit.as_str()), (vec!["Öl", "extra"], "°C"));
+    assert_eq!(data(&read, "extra"), (&[7.0, 8.0][..], &[0.0, 1.0][..]));
+}
+
+#[test]
+fn regress_text_with_the_mark_of_a_mat_file_is_text() {
+    let mut csv = b"a,b".to_vec();
+    csv.resize(126, b'x');
+    csv.extend_from_slice(b"MI\n1,2\n");
+    let error = decode("a.csv", &csv, &Selection::All).unwrap_err();
+    assert!(matches!(error, RecordingError::Csv { .. }), "{error}");
 }
 
 #[test]
