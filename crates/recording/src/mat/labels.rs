@@ -69,6 +69,14 @@ impl Members {
         Self { list, places }
     }
 
+    /// The member at `index`; what may describe others stays too.
+    pub(super) fn take(&mut self, index: usize) -> Member {
+        let Member { path, name, value } = &mut self.list[index];
+        let stays = value.texts().is_some() || value.scalar().is_some();
+        let value = if stays { value.clone() } else { std::mem::replace(value, Value::Text(Vec::new())) };
+        Member { path: path.clone(), name: name.clone(), value }
+    }
+
     /// The first member that has one of these names, in any case.
     fn named(&self, names: &[&str]) -> Option<&Member> {
         names.iter().find_map(|name| self.places.get(*name)).map(|&place| &self.list[place])
@@ -81,6 +89,9 @@ impl Members {
         member.value.scalar().filter(|n| n.is_finite() && (member.is_whole() || !several()))
     }
 }
+
+/// The longest text that is taken for a name, unit or comment.
+const MAX_LABEL: usize = 256;
 
 /// What describes an array.
 #[derive(Default)]
@@ -99,11 +110,14 @@ impl Labels {
 
     /// The texts beside the array `name`: labels of Simulink's signals, names and units of inputs and outputs,
     /// otherwise `name_unit`, or `unit` where the scope holds no other array.
-    pub(super) fn find(members: &Members, member: &Member, is_only_array: bool) -> Self {
+    pub(super) fn find(members: &Members, index: usize, is_only_array: bool) -> Self {
+        let member = &members.list[index];
+        let Value::Numbers(array) = &member.value else { return Self::default() };
         let texts = |names: &[&str]| -> Vec<String> {
-            let member = names.iter().find_map(|n| members.named(&[n]));
-            let texts = member.and_then(|m| m.value.texts()).unwrap_or_default();
-            texts.into_iter().map(str::to_owned).collect()
+            let texts = members.named(names).and_then(|m| m.value.texts()).unwrap_or_default();
+            let fit = [1, array.rows, array.columns].contains(&texts.len());
+            let short = texts.iter().all(|text| text.len() <= MAX_LABEL);
+            if fit && short { texts.into_iter().map(str::to_owned).collect() } else { Vec::new() }
         };
         let lower = member.name.to_lowercase();
         let own: Vec<String> = ["unit", "units"].map(|word| format!("{lower}_{word}")).to_vec();

@@ -13,7 +13,7 @@ pub(super) const HEADER: usize = 128;
 const MAX_EXPANSION: usize = 1032;
 /// The most structs and cells within each other.
 const MAX_DEPTH: usize = 20;
-/// The most cells and fields in a file.
+/// The most cells, fields and lines of text in a file.
 const MAX_PARTS: usize = 1 << 18;
 /// The longest name; MATLAB's limit is 63.
 const MAX_NAME: usize = 128;
@@ -250,9 +250,18 @@ fn characters(kind: u32, content: &[u8], big: bool) -> Result<Vec<char>, Fault> 
 
 /// What may still be read of a file, so that a small one cannot fill the memory.
 struct Budget {
-    /// Cells and fields.
+    /// Cells, fields and lines of text.
     parts: usize,
     numbers: usize,
+}
+
+impl Budget {
+    fn take_parts(&mut self, parts: usize) -> Result<(), Fault> {
+        let beyond = || format!("it brings the file to more than {MAX_PARTS} cells, fields and lines of text");
+        let left = self.parts.checked_sub(parts);
+        self.parts = left.ok_or_else(|| Fault::Unsupported(String::new(), beyond()))?;
+        Ok(())
+    }
 }
 
 struct Parser<'a> {
@@ -285,7 +294,7 @@ impl Parser<'_> {
             1 => self.cell(&mut elements, count, depth),
             2 => self.structs(&mut elements, count, depth),
             3 => elements.name().and_then(|_| self.structs(&mut elements, count, depth)),
-            4 => text(&mut elements, &dimensions),
+            4 => self.budget.take_parts(dimensions[0].min(count)).and_then(|()| text(&mut elements, &dimensions)),
             5 => Ok(Value::unsupported("a sparse matrix; save it as a full one")),
             6..=15 if is_complex => Ok(Value::not_numeric("complex numbers")),
             6..=15 => self.array(&mut elements, &dimensions, count),
@@ -304,13 +313,10 @@ impl Parser<'_> {
 
     /// The next cell or field.
     fn part(&mut self, elements: &mut Elements<'_>, depth: usize) -> Result<Value, Fault> {
-        let beyond = |what| Err(Fault::Unsupported(String::new(), what));
-        let Some(left) = self.budget.parts.checked_sub(1) else {
-            return beyond(format!("it brings the file to more than {MAX_PARTS} cells and fields"));
-        };
-        self.budget.parts = left;
+        self.budget.take_parts(1)?;
         if depth >= MAX_DEPTH {
-            return beyond(format!("more than {MAX_DEPTH} structs or cells within each other"));
+            let detail = format!("more than {MAX_DEPTH} structs or cells within each other");
+            return Err(Fault::Unsupported(String::new(), detail));
         }
         match elements.next()? {
             (MATRIX, content) => Ok(self.matrix(content, depth + 1)?.1),
@@ -333,9 +339,10 @@ impl Parser<'_> {
             other => return broken(format!("field names of length {other:?}")),
         };
         let (_, names) = elements.next()?;
-        if names.len() % width != 0 || names.len() / width > MAX_PARTS {
+        if names.len() % width != 0 {
             return broken("the field names of a struct");
         }
+        self.budget.take_parts(names.len() / width)?;
         let fields = names.chunks_exact(width).map(name).collect::<Result<Vec<_>, _>>()?;
         let mut structs = Vec::new();
         // A struct without fields takes no space in the file, whatever number of them is announced.

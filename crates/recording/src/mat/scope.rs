@@ -56,17 +56,16 @@ impl Plan {
         for (name, value) in values {
             flatten(joined(path, &name), &name, value, &mut members);
         }
-        let members = Members::new(members);
+        let mut members = Members::new(members);
         let (clocks, taken) = self.find_clocks(path, &members);
         self.clocks.push(clocks);
         let arrays = members.list.iter().zip(&taken).filter(|(m, taken)| !**taken && is_array(&m.value)).count();
-        let described =
-            |m: &Member| (Labels::find(&members, m, arrays == 1), describes(&members, &m.name, arrays == 1));
-        let details: Vec<(Labels, bool)> = members.list.iter().map(described).collect();
-        for ((member, taken), (labels, describes)) in members.list.into_iter().zip(taken).zip(details) {
-            if !taken {
-                self.member(path, member, &labels, describes);
-            }
+        for index in (0..members.list.len()).filter(|&index| !taken[index]) {
+            // One at a time: many arrays may share long lists of labels.
+            let labels = Labels::find(&members, index, arrays == 1);
+            let describes = describes(&members, &members.list[index].name, arrays == 1);
+            let member = members.take(index);
+            self.member(path, member, &labels, describes);
         }
         self.clocks.pop();
     }

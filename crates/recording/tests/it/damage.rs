@@ -341,3 +341,20 @@ proptest::proptest! {
         }
     }
 }
+
+#[test]
+fn exact_lines_of_text_and_fields_are_bounded_mat5() {
+    let header = |class: u8, rows: u32, columns: u32| {
+        let flags = mat::element(6, &[class, 0, 0, 0, 0, 0, 0, 0]);
+        let dimensions = mat::element(5, &[rows.to_le_bytes(), columns.to_le_bytes()].concat());
+        [flags, dimensions, mat::element(1, b"x")].concat()
+    };
+    let lines = [header(4, 1 << 19, 1), mat::element(2, &vec![b'a'; 1 << 19])].concat();
+    let width = mat::element(5, &1_u32.to_le_bytes());
+    let fields = [header(2, 0, 0), width, mat::element(1, &vec![b'a'; 1 << 19])].concat();
+    for content in [lines, fields] {
+        let bytes = deflated_mat5(&mat::element(14, &content));
+        let recording = decode("a.mat", &bytes, &Selection::All).unwrap();
+        assert!(recording.findings[0].to_string().contains("fields and lines of text"), "{:?}", recording.findings);
+    }
+}
