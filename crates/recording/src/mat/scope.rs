@@ -1,7 +1,7 @@
 //! From variables to clocks and channels.
 //!
-//! A scope is the file itself or one struct. A vector named like a clock is the clock of the arrays of its length in its
-//! scope and in the structs inside.
+//! A scope is the file itself or one struct. A vector named like a clock is the clock of the arrays of its length in
+//! its scope and in the structs inside.
 
 use std::collections::BTreeMap;
 
