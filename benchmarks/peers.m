@@ -18,9 +18,10 @@ function e = response_error (sys)
 end
 
 function sys = order_scan (dat)
+  % Its B starts at a delay of one sample, and nk counts further ones.
   for na = 1:10
     for nb = 1:10
-      sys = arx (dat, 'na', na, 'nb', nb, 'nk', 1);
+      sys = arx (dat, 'na', na, 'nb', nb, 'nk', 0);
     end
   end
 end
@@ -34,14 +35,14 @@ function [sys, wall, processor] = timed (f)
 end
 
 pkg load control
-arguments = argv ();
-data = dlmread (arguments{1}, ',', 1, 0);
+options = argv ();
+data = dlmread (options{1}, ',', 1, 0);
 dat = iddata (data(:, 2), data(:, 1), 1);
-for k = 2:numel (arguments)
+for k = 2:numel (options)
   scan = false;
-  switch arguments{k}
+  switch options{k}
     case 'arx'
-      f = @() arx (dat, 'na', 4, 'nb', 4, 'nk', 1);
+      f = @() arx (dat, 'na', 4, 'nb', 4, 'nk', 0);
     case 'n4sid'
       f = @() n4sid (dat, 4);
     case 'moen4'
@@ -59,7 +60,7 @@ for k = 2:numel (arguments)
         id = tic ();
         before = cputime ();
         for j = 1:repetitions
-          f ();
+          again = f ();
         end
         processors(i) = (cputime () - before) / repetitions;
         walls(i) = toc (id) / repetitions;
@@ -71,8 +72,8 @@ for k = 2:numel (arguments)
     if ! scan
       e = response_error (sys);
     end
-    printf ("%s\t%.9g\t%.9g\t%.9g\n", arguments{k}, wall, processor, e);
+    printf ("%s\t%.9g\t%.9g\t%.9g\n", options{k}, wall, processor, e);
   catch failure
-    printf ("%s\tfailed: %s\n", arguments{k}, strtok (failure.message, "\n"));
+    printf ("%s\tfailed: %s\n", options{k}, strtok (failure.message, "\n"));
   end
 end
