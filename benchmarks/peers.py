@@ -2,8 +2,9 @@
 
 usage: peers.py FOLDER SAMPLES RESULTS [NAME]
 
-Reads FOLDER/data-SAMPLES.csv and appends a line for each task and package to RESULTS. A package that is not installed is
-listed as absent, a task that would take more than two minutes (judged by fewer samples in the same file) as skipped.
+Reads FOLDER/data-SAMPLES.csv and appends a line for each task and package to RESULTS. A package that is not installed
+is listed as absent, a task that would take more than two minutes (judged by fewer samples in the same file) as
+skipped.
 """
 
 import os
@@ -204,17 +205,24 @@ class Results:
         self.earlier = {(line[0], line[2], int(line[1])): line for line in lines}
 
     def write(self, task, tool, wall="", processor="", error="", note=""):
+        known = isinstance(error, float) and math.isfinite(error)
+        error = error if known else ""
         with self.path.open("a", encoding="utf-8") as file:
             file.write(f"{task}\t{self.samples}\t{tool}\t{wall}\t{processor}\t{error}\t{note}\n")
-        print(f"{task:<17}{self.samples:>9}  {tool:<16}", note or f"{wall:.5g} s, {processor:.5g} s processor, {error:.5f}")
+        shown = f"error {error:.5f}" if known else "error not measured"
+        outcome = note or f"{wall:.5g} s, {processor:.5g} s processor, {shown}"
+        print(f"{task:<17}{self.samples:>9}  {tool:<16} {outcome}", flush=True)
 
     def too_long(self, task, tool):
-        """Whether fewer samples took, or would have taken, so long that this many would pass the limit."""
-        for (t, name, samples), line in self.earlier.items():
-            if (t, name) == (task, tool) and samples < self.samples:
-                if line[6].startswith("skipped") or (line[3] and float(line[3]) * self.samples / samples > LIMIT_S):
-                    return True
-        return False
+        """Whether the next smaller number of samples tells that this one would pass the limit."""
+        of_task = [(n, line) for (t, name, n), line in self.earlier.items() if (t, name) == (task, tool)]
+        known = [(n, line) for n, line in of_task if n < self.samples]
+        if not known:
+            return False
+        samples, line = max(known)
+        if line[3]:
+            return float(line[3]) * self.samples / samples > LIMIT_S
+        return line[6].startswith("skipped")
 
 
 def run_python(data_path, wanted, results):

@@ -105,7 +105,8 @@ impl<'a> Line<'a> {
 fn table(results: &str) -> String {
     let lines: Vec<Line> = results.lines().filter_map(Line::parse).collect();
     let mut text = String::from(
-        "| task | samples | dynoid wall s | processor s | error | peer | wall s | processor s | error | wall × | processor × |\n\
+        "| task | samples | dynoid wall s | processor s | error \
+         | peer | wall s | processor s | error | wall × | processor × |\n\
          | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n",
     );
     for own in lines.iter().filter(|l| l.tool == "dynoid") {
