@@ -28,6 +28,7 @@ mod shared;
 mod stand_in;
 mod state_space;
 mod subspace;
+mod suite;
 mod systems;
 mod uncertainty;
 mod validate;
