@@ -21,7 +21,6 @@ mod frequency_domain;
 mod grey_box;
 mod impulse_response;
 mod instrumental;
-mod lagged;
 pub mod least_squares;
 pub mod nonlinear;
 pub mod prediction;
