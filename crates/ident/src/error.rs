@@ -104,4 +104,15 @@ pub enum IdentError {
         /// Index of the first missing sample.
         index: usize,
     },
+    /// A document of another kind or version.
+    #[error("this is a document of \"{found}\", where \"{expected}\" is understood")]
+    Document {
+        /// What it says it is.
+        found: String,
+        /// What can be read.
+        expected: String,
+    },
+    /// A model without an estimate, where its uncertainty is asked for.
+    #[error("the model carries no estimate, so its uncertainty is not known")]
+    NoEstimate,
 }

@@ -67,7 +67,8 @@ pub struct Fit<M> {
 }
 
 /// A reason to doubt an estimate that was made all the same.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Doubt {
     /// The search stopped at its limit of iterations.

@@ -14,6 +14,7 @@ mod criteria;
 mod data;
 pub mod delay;
 pub mod distributions;
+pub mod document;
 mod error;
 mod fit;
 pub mod frequency;
@@ -43,6 +44,7 @@ pub use criteria::Criteria;
 pub use data::{Advice, advise};
 pub use data::{Channel, Dataset, Experiment, Intersample, Label};
 pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend, TrendScope, TrendShape};
+pub use document::{AnyModel, EstimateRecord, ModelDocument, Source};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use frequency_domain::{

@@ -135,7 +135,8 @@ impl Default for NonlinearOptions {
 }
 
 /// How an iteration ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Termination {
     /// Solved at once, without a search.
     Direct,

@@ -30,6 +30,8 @@ pub(crate) struct OutputFit<C> {
     pub(crate) minimum: Minimum,
     /// Initial states and offsets that took degrees of freedom.
     pub(crate) nuisance: usize,
+    /// Parameters that rest on a bound they were free to leave.
+    pub(crate) resting: Vec<usize>,
 }
 
 impl<C: ContinuousChannel> OutputFit<C> {
@@ -88,7 +90,9 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
         let parameters = minimum.parameters.len() + nuisance;
         return Err(IdentError::TooFewSamples { samples: minimum.residuals.len(), parameters });
     }
-    Ok(OutputFit { model: starts[0].with_parameters(&minimum.parameters)?, minimum, nuisance })
+    let free = |j: &usize| bounds[*j].lower < bounds[*j].upper;
+    let resting = (0..bounds.len()).filter(free).filter(|j| minimum.at_bound[*j]).collect();
+    Ok(OutputFit { model: starts[0].with_parameters(&minimum.parameters)?, minimum, nuisance, resting })
 }
 
 fn clamped(theta: &[f64], bounds: &[Bounds]) -> Vec<f64> {
@@ -107,8 +111,9 @@ pub(crate) fn combine<C: ContinuousChannel>(
     let model = ContinuousModel::new(channels, data.inputs(), noise_covariance.clone())?;
     let total = model.parameters().len();
     let (mut covariance, mut at_bound) = (Mat::zeros(total, total), Vec::with_capacity(total));
-    let mut offset = 0;
+    let (mut offset, mut resting) = (0, Vec::new());
     for part in parts {
+        resting.extend(part.resting.iter().map(|j| Doubt::AtBound { parameter: offset + j }));
         let n = part.minimum.parameters.len();
         let own = faer::Scale(part.minimum.cost / part.degrees_of_freedom()) * &part.minimum.unscaled_covariance;
         covariance.submatrix_mut(offset, offset, n, n).copy_from(&own);
@@ -132,7 +137,7 @@ pub(crate) fn combine<C: ContinuousChannel>(
         termination,
         iterations: parts.iter().map(|p| p.minimum.iterations).sum(),
         condition,
-        doubts: doubts(data, samples, termination.converged(), condition),
+        doubts: [doubts(data, samples, termination.converged(), condition), resting].concat(),
         model,
     })
 }

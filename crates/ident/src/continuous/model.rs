@@ -2,8 +2,11 @@
 
 use faer::Mat;
 use lti::{Innovations, LtiError, ProcessModel, StateSpace, TransferFunction};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::companion::Companion;
+use crate::document::{rows, square};
 use crate::{Intersample, LinearModel, Parametric};
 
 /// The way from one input to one output of a [`ContinuousModel`], with parameters of its own.
@@ -27,11 +30,28 @@ pub trait ContinuousChannel: Parametric {
 /// `G(s) = (b_m s^m + … + b₀) / (s^n + a_{n−1} s^{n−1} + … + a₀) · e^{−s·delay}`.
 ///
 /// Parameters are `b_m … b₀`, `a_{n−1} … a₀` and the delay in seconds.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "RationalParts")]
 pub struct RationalChannel {
     num: Vec<f64>,
     den: Vec<f64>,
     delay_s: f64,
+}
+
+/// What is read before it is checked.
+#[derive(Deserialize)]
+struct RationalParts {
+    num: Vec<f64>,
+    den: Vec<f64>,
+    delay_s: f64,
+}
+
+impl TryFrom<RationalParts> for RationalChannel {
+    type Error = LtiError;
+
+    fn try_from(parts: RationalParts) -> Result<Self, LtiError> {
+        RationalChannel::new(parts.num, parts.den, parts.delay_s)
+    }
 }
 
 impl RationalChannel {
@@ -116,11 +136,39 @@ impl ContinuousChannel for ProcessModel {
 /// Parameters are those of the channels, output by output, and in each from the first input on. Inputs that are
 /// [`Intersample::BandLimited`] are taken to run straight between samples, which lowers the gain at ω by the part
 /// (ωT)²/12; where that is too much, identify in the frequency domain, which is exact for them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    try_from = "ModelParts<C>",
+    into = "ModelParts<C>",
+    bound = "C: ContinuousChannel + Serialize + DeserializeOwned"
+)]
 pub struct ContinuousModel<C> {
     channels: Vec<C>,
     inputs: usize,
     noise_covariance: Mat<f64>,
+}
+
+/// How a model is written down.
+#[derive(Clone, Serialize, Deserialize)]
+struct ModelParts<C> {
+    inputs: usize,
+    channels: Vec<C>,
+    noise_covariance: Vec<Vec<f64>>,
+}
+
+impl<C> From<ContinuousModel<C>> for ModelParts<C> {
+    fn from(model: ContinuousModel<C>) -> Self {
+        let noise_covariance = rows(&model.noise_covariance);
+        ModelParts { inputs: model.inputs, channels: model.channels, noise_covariance }
+    }
+}
+
+impl<C: ContinuousChannel> TryFrom<ModelParts<C>> for ContinuousModel<C> {
+    type Error = LtiError;
+
+    fn try_from(parts: ModelParts<C>) -> Result<Self, LtiError> {
+        Self::new(parts.channels, parts.inputs, square("noise covariance", &parts.noise_covariance)?)
+    }
 }
 
 /// Continuous transfer functions given by coefficients.
@@ -168,6 +216,16 @@ impl<C: ContinuousChannel> ContinuousModel<C> {
     /// `Λ`, outputs × outputs.
     pub fn noise_covariance(&self) -> faer::MatRef<'_, f64> {
         self.noise_covariance.as_ref()
+    }
+
+    /// The continuous system of all channels, their delays left out.
+    ///
+    /// # Errors
+    /// A channel whose numerator has the higher degree, or parameters at which there is none.
+    pub fn without_delays(&self) -> Result<StateSpace, LtiError> {
+        let channel = |c: &C| c.transfer_function()?.with_delay(0.0)?.to_state_space();
+        let parts: Vec<StateSpace> = self.channels.iter().map(channel).collect::<Result<_, LtiError>>()?;
+        assemble(&parts, self.inputs, self.noise_covariance.nrows(), None)
     }
 
     /// One channel after another, and where the parameters of each begin.
@@ -229,13 +287,18 @@ impl<C: ContinuousChannel> LinearModel for ContinuousModel<C> {
             .iter()
             .map(|c| Companion::new(c, sample_time_s)?.to_state_space(sample_time_s, intersample))
             .collect::<Result<_, LtiError>>()?;
-        let system = assemble(&sampled, self.inputs, self.outputs(), sample_time_s)?;
+        let system = assemble(&sampled, self.inputs, self.outputs(), Some(sample_time_s))?;
         Innovations::output_error(system, self.noise_covariance.clone())
     }
 }
 
 /// One system of all channels, their states one after the other.
-fn assemble(parts: &[StateSpace], inputs: usize, outputs: usize, sample_time_s: f64) -> Result<StateSpace, LtiError> {
+fn assemble(
+    parts: &[StateSpace],
+    inputs: usize,
+    outputs: usize,
+    sample_time_s: Option<f64>,
+) -> Result<StateSpace, LtiError> {
     let n = parts.iter().map(StateSpace::states).sum();
     let (mut a, mut b) = (Mat::zeros(n, n), Mat::zeros(n, inputs));
     let (mut c, mut d) = (Mat::zeros(outputs, n), Mat::zeros(outputs, inputs));
@@ -248,7 +311,7 @@ fn assemble(parts: &[StateSpace], inputs: usize, outputs: usize, sample_time_s: 
         d[(output, input)] = part.d()[(0, 0)];
         first += states;
     }
-    StateSpace::discrete(a, b, c, d, sample_time_s)
+    StateSpace::new(a, b, c, d, sample_time_s)
 }
 
 fn check_count(expected: usize, found: usize) -> Result<(), LtiError> {

@@ -23,7 +23,7 @@ use crate::{Intersample, LinearModel, Parametric};
 /// Pintelon, Schoukens, McKelvey & Rolain, *Minimum variance bounds for overparameterized models*, IEEE Trans. Autom.
 /// Control 41(5), 1996; McKelvey, Helmersson & Ribarits, *Data driven local coordinates for multivariable linear
 /// systems and their application to system identification*, Automatica 40(9), 2004.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct StateSpaceModel {
     innovations: Innovations,
     feedthrough: bool,

@@ -3,6 +3,8 @@
 use lti::polynomial::multiply;
 use lti::{FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace};
 
+use crate::{ContinuousChannel, ContinuousModel, StateSpaceModel};
+
 /// A ratio of polynomials in descending powers of `s` or `z`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ratio {
@@ -63,5 +65,31 @@ impl Dynamics for PolynomialModel {
         let monic = |p: &[f64]| std::iter::once(1.0).chain(p.iter().copied()).collect::<Vec<_>>();
         let denominator = multiply(&monic(&e.a[output]), &monic(&e.f[input]));
         Ok(Some(Ratio { numerator: e.b[input].clone(), denominator }))
+    }
+}
+
+impl Dynamics for StateSpaceModel {
+    fn system(&self) -> Result<StateSpace, LtiError> {
+        Ok(StateSpaceModel::system(self).clone())
+    }
+}
+
+impl<C: ContinuousChannel> Dynamics for ContinuousModel<C> {
+    fn system(&self) -> Result<StateSpace, LtiError> {
+        self.without_delays()
+    }
+
+    fn polynomials(&self, output: usize, input: usize) -> Result<Option<Ratio>, LtiError> {
+        let h = self.transfer_function(output, input)?;
+        Ok(Some(Ratio { numerator: h.num().to_vec(), denominator: h.den().to_vec() }))
+    }
+
+    fn frequency_response(
+        &self,
+        output: usize,
+        input: usize,
+        omega_rad_s: &[f64],
+    ) -> Result<FrequencyResponse, LtiError> {
+        self.transfer_function(output, input)?.frequency_response(omega_rad_s)
     }
 }

@@ -63,7 +63,9 @@ fn quantile(fit: &Fit<StateSpaceModel>) -> f64 {
 
 /// Fraction of runs in which a 95 % interval holds the truth, for a pole, a gain and a noise gain.
 fn coverage(runs: u64, samples: usize, estimate: impl Fn(&Dataset) -> Fit<StateSpaceModel>) -> [f64; 3] {
-    let truth = siso(0.5);
+    // A noise model whose zeros are well apart from its poles: near a cancellation no linear theory holds.
+    let k = faer::mat![[0.5], [0.5], [0.0], [0.8]];
+    let truth = Innovations::new(siso(0.5).system().clone(), k, faer::mat![[0.25]]).unwrap();
     let wanted = Complex64::from_polar(0.9, 0.6);
     let omega = [8.0];
     let mut inside = [0.0; 3];
@@ -84,30 +86,31 @@ fn coverage(runs: u64, samples: usize, estimate: impl Fn(&Dataset) -> Fit<StateS
 #[test]
 #[ignore = "slow"]
 fn stat_coverage_of_prediction_errors() {
-    let found = coverage(300, 5000, |data| StateSpacePem::new(4).fit(data).unwrap());
+    let found = coverage(200, 4000, |data| StateSpacePem::new(4).fit(data).unwrap());
     println!("{found:?}");
-    // Three standard deviations of the binomial: 3 √(0.95 · 0.05 / 300).
-    assert!(found.iter().all(|c| (c - 0.95).abs() < 0.04), "{found:?}");
+    // Three standard deviations of the binomial: 3 √(0.95 · 0.05 / 200).
+    assert!(found.iter().all(|c| (c - 0.95).abs() < 0.047), "{found:?}");
 }
 
 #[test]
 #[ignore = "slow"]
 fn stat_coverage_of_a_simulation_with_coloured_errors() {
     let simulation = StateSpacePem::new(4).with_focus(Focus::Simulation);
-    let found = coverage(300, 3000, |data| simulation.fit(data).unwrap());
+    let found = coverage(100, 3000, |data| simulation.fit(data).unwrap());
     println!("{found:?}");
     // The noise gain is one by assumption: only the system can be right.
-    assert!(found[..2].iter().all(|c| (c - 0.95).abs() < 0.05), "{found:?}");
+    assert!(found[..2].iter().all(|c| (c - 0.95).abs() < 0.066), "{found:?}");
 }
 
 #[test]
 #[ignore = "slow"]
 fn stat_coverage_of_canonical_variates() {
+    // The covariance is a lower bound, and a close one with canonical variates.
     for weighting in [Weighting::Cva, Weighting::N4sid, Weighting::Moesp] {
-        let found = coverage(300, 5000, |data| Subspace::new(4).with_weighting(weighting).fit(data).unwrap());
+        let found = coverage(100, 4000, |data| Subspace::new(4).with_weighting(weighting).fit(data).unwrap());
         println!("{weighting:?} {found:?}");
         if weighting == Weighting::Cva {
-            assert!(found.iter().all(|c| *c > 0.85), "{found:?}");
+            assert!(found.iter().all(|c| *c > 0.83), "{found:?}");
         }
     }
 }

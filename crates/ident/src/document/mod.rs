@@ -1,0 +1,112 @@
+//! Models written down: one document, versioned, for every kind of model and what is known of its estimate.
+
+mod estimate;
+mod model;
+
+use faer::Mat;
+use lti::LtiError;
+use serde::{Deserialize, Serialize};
+
+pub use estimate::{EstimateRecord, Source};
+pub use model::AnyModel;
+
+use crate::{Fit, IdentError, Intersample, Label, Parametric, Trend};
+
+/// What the `format` field of a document says.
+const FORMAT: &str = "dynoid model";
+/// The version of documents written here, and the only one read.
+const VERSION: u32 = 1;
+
+/// A model, its channels and its operating point, and how it was estimated. Serialised, this is the model file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ModelDocument {
+    format: String,
+    version: u32,
+    /// Names and units of the inputs.
+    pub inputs: Vec<Label>,
+    /// Names and units of the outputs.
+    pub outputs: Vec<Label>,
+    /// The sample time of the data, or of a discrete model, in seconds.
+    pub sample_time_s: f64,
+    /// What the inputs do between samples.
+    pub intersample: Intersample,
+    /// What was taken off the data: the model holds about it.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub trend: Option<Trend>,
+    /// The model.
+    pub model: AnyModel,
+    /// How it was estimated; none for a model that was converted or written by hand.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub estimate: Option<EstimateRecord>,
+}
+
+impl ModelDocument {
+    /// A model between these channels, without an estimate.
+    pub fn new(model: impl Into<AnyModel>, inputs: Vec<Label>, outputs: Vec<Label>, sample_time_s: f64) -> Self {
+        ModelDocument {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            inputs,
+            outputs,
+            sample_time_s,
+            intersample: Intersample::default(),
+            trend: None,
+            model: model.into(),
+            estimate: None,
+        }
+    }
+
+    /// Whether this is a document of the kind and version that is understood here.
+    ///
+    /// # Errors
+    /// [`IdentError::Document`]; [`IdentError::Length`] where there is not one label a channel.
+    pub fn checked(self) -> Result<Self, IdentError> {
+        use crate::LinearModel;
+        if self.format != FORMAT || self.version != VERSION {
+            let found = format!("{} {}", self.format, self.version);
+            return Err(IdentError::Document { found, expected: format!("{FORMAT} {VERSION}") });
+        }
+        for (what, expected, found) in [
+            ("input labels", self.model.inputs(), self.inputs.len()),
+            ("output labels", self.model.outputs(), self.outputs.len()),
+        ] {
+            if expected != found {
+                return Err(IdentError::Length { what, expected, found });
+            }
+        }
+        if !(self.sample_time_s.is_finite() && self.sample_time_s > 0.0) {
+            return Err(IdentError::SampleTime { sample_time_s: self.sample_time_s });
+        }
+        Ok(self)
+    }
+
+    /// The estimate as an estimator returned it, for everything that needs its covariance.
+    ///
+    /// # Errors
+    /// [`IdentError::NoEstimate`] where the document holds none, [`IdentError::Length`] where it is not the model's.
+    pub fn fit(&self) -> Result<Fit<AnyModel>, IdentError> {
+        let record = self.estimate.as_ref().ok_or(IdentError::NoEstimate)?;
+        record.to_fit(self.model.clone())
+    }
+}
+
+impl AnyModel {
+    /// Names of the parameters with their values.
+    pub fn named_parameters(&self) -> Vec<(String, f64)> {
+        self.parameter_names().into_iter().zip(self.parameters()).collect()
+    }
+}
+
+/// A matrix as a list of its rows.
+pub(crate) fn rows(m: &Mat<f64>) -> Vec<Vec<f64>> {
+    (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect()
+}
+
+/// The square matrix whose rows are listed.
+pub(crate) fn square(what: &'static str, rows: &[Vec<f64>]) -> Result<Mat<f64>, LtiError> {
+    let count = rows.len();
+    match rows.iter().find(|row| row.len() != count) {
+        Some(row) => Err(LtiError::Shape { what, expected: (count, count), got: (count, row.len()) }),
+        None => Ok(Mat::from_fn(count, count, |i, j| rows[i][j])),
+    }
+}

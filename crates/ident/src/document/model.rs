@@ -1,0 +1,104 @@
+//! [`AnyModel`]: every kind of model behind one type.
+
+use lti::{FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace};
+use serde::{Deserialize, Serialize};
+
+use crate::uncertainty::{Dynamics, Ratio};
+use crate::{Intersample, LinearModel, Parametric, ProcessSystem, StateSpaceModel, TransferFunctionModel};
+
+/// A model of any kind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", content = "value", rename_all = "snake_case")]
+pub enum AnyModel {
+    /// ARX, ARMAX, output error, Box–Jenkins and everything between.
+    Polynomial(PolynomialModel),
+    /// State space in innovations form, with every entry a parameter.
+    StateSpace(StateSpaceModel),
+    /// Continuous transfer functions.
+    TransferFunction(TransferFunctionModel),
+    /// Process models.
+    Process(ProcessSystem),
+}
+
+/// Does the same with whatever model there is.
+macro_rules! each {
+    ($model:expr, $inner:ident => $body:expr) => {
+        match $model {
+            AnyModel::Polynomial($inner) => $body,
+            AnyModel::StateSpace($inner) => $body,
+            AnyModel::TransferFunction($inner) => $body,
+            AnyModel::Process($inner) => $body,
+        }
+    };
+}
+
+impl Parametric for AnyModel {
+    fn parameters(&self) -> Vec<f64> {
+        each!(self, m => Parametric::parameters(m))
+    }
+
+    fn parameter_names(&self) -> Vec<String> {
+        each!(self, m => Parametric::parameter_names(m))
+    }
+
+    fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
+        each!(self, m => Parametric::with_parameters(m, parameters).map(Into::into))
+    }
+}
+
+impl LinearModel for AnyModel {
+    fn inputs(&self) -> usize {
+        each!(self, m => LinearModel::inputs(m))
+    }
+
+    fn outputs(&self) -> usize {
+        each!(self, m => LinearModel::outputs(m))
+    }
+
+    fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError> {
+        each!(self, m => LinearModel::innovations(m, sample_time_s, intersample))
+    }
+}
+
+impl Dynamics for AnyModel {
+    fn system(&self) -> Result<StateSpace, LtiError> {
+        each!(self, m => Dynamics::system(m))
+    }
+
+    fn polynomials(&self, output: usize, input: usize) -> Result<Option<Ratio>, LtiError> {
+        each!(self, m => Dynamics::polynomials(m, output, input))
+    }
+
+    fn frequency_response(
+        &self,
+        output: usize,
+        input: usize,
+        omega_rad_s: &[f64],
+    ) -> Result<FrequencyResponse, LtiError> {
+        each!(self, m => Dynamics::frequency_response(m, output, input, omega_rad_s))
+    }
+}
+
+impl From<PolynomialModel> for AnyModel {
+    fn from(model: PolynomialModel) -> Self {
+        AnyModel::Polynomial(model)
+    }
+}
+
+impl From<StateSpaceModel> for AnyModel {
+    fn from(model: StateSpaceModel) -> Self {
+        AnyModel::StateSpace(model)
+    }
+}
+
+impl From<TransferFunctionModel> for AnyModel {
+    fn from(model: TransferFunctionModel) -> Self {
+        AnyModel::TransferFunction(model)
+    }
+}
+
+impl From<ProcessSystem> for AnyModel {
+    fn from(model: ProcessSystem) -> Self {
+        AnyModel::Process(model)
+    }
+}
