@@ -17,6 +17,7 @@ pub mod distributions;
 pub mod document;
 mod error;
 mod fit;
+mod focus;
 pub mod frequency;
 mod frequency_domain;
 mod grey_box;
@@ -47,19 +48,19 @@ pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend
 pub use document::{AnyModel, EstimateRecord, ModelDocument, Source};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
+pub use focus::Focus;
 pub use frequency_domain::{
     CostTest, FrequencyData, FrequencyGreyBox, FrequencyModel, FrequencyTransferFunction, Lines, Measured,
     RationalResponse, ResponseFunction, SpectralData, SpectralFit,
 };
-pub use grey_box::{
-    Entry, GreyBox, GreyBoxModel, GreyNoise, GreyParameter, InitialStates, Structure, StructuredMatrices,
-};
+pub use grey_box::{Entry, GreyBox, GreyBoxModel, GreyNoise, GreyParameter, Structure, StructuredMatrices};
 pub use impulse_response::{Hyperparameters, ImpulseFit, ImpulseResponse, Kernel, ResponseEstimate};
 pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use prediction::InitialState;
 pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use process::ProcessFit;
-pub use state_space::{Focus, StateSpaceModel, StateSpacePem};
+pub use state_space::{StateSpaceModel, StateSpacePem};
 pub use subspace::{StateOrder, Subspace, Weighting};
 pub use triangle::Triangle;

@@ -3,6 +3,7 @@
 
 mod advice;
 mod arx;
+mod bands;
 mod closed_loop;
 mod conformance;
 mod continuous;
