@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use bench::bench_file::BenchFileError;
 
+/// The command line is wrong.
+const USAGE: u8 = 2;
 /// An input cannot be read or understood.
 const INPUT: u8 = 3;
 /// An output cannot be written.
@@ -87,6 +89,27 @@ pub(crate) enum CliError {
     /// Standard output cannot be written.
     #[error("the standard output cannot be written: {source}; is the disk full?")]
     StandardOutput { source: io::Error },
+    /// A recording that cannot be decoded.
+    #[error("{source}{}", if *.untimed { "; for text without a time column, give the time from row to row with --sample-time" } else { "" })]
+    Recording { source: recording::RecordingError, untimed: bool },
+    /// Channels that are no data.
+    #[error(transparent)]
+    Dataset(#[from] bench::dataset::DatasetError),
+    /// No output was named.
+    #[error("{file}: name the outputs with --output, and the inputs with --input; the channels are {channels}")]
+    NoOutputNamed { file: String, channels: String },
+    /// An argument that makes no sense.
+    #[error("{what}")]
+    Usage { what: String },
+    /// An estimate, or something computed from one, is impossible.
+    #[error("{what} is not possible: {source}")]
+    Identify { what: &'static str, source: ident::IdentError },
+    /// A plot file of an unknown kind.
+    #[error("{}: the ending of a plot file says what it is: .html, .svg or .png", .path.display())]
+    PlotEnding { path: PathBuf },
+    /// A file that is no model.
+    #[error("{}: this is no model file ({reason}); model files are written by `dynoid fit … --out model.json`", .path.display())]
+    ModelFile { path: PathBuf, reason: String },
     /// Something that cannot happen did.
     #[error("a fault in dynoid itself: {what}; please report it with this message")]
     Internal { what: String },
@@ -101,6 +124,10 @@ impl CliError {
         CliError::Write { path: path.to_owned(), source }
     }
 
+    pub(crate) fn identify(what: &'static str, source: ident::IdentError) -> Self {
+        CliError::Identify { what, source }
+    }
+
     pub(crate) fn internal(what: impl ToString) -> Self {
         CliError::Internal { what: what.to_string() }
     }
@@ -112,6 +139,7 @@ impl CliError {
             | CliError::BenchFileExists { .. }
             | CliError::NotADemoFolder { .. }
             | CliError::StandardOutput { .. } => OUTPUT,
+            CliError::Usage { .. } | CliError::PlotEnding { .. } | CliError::NoOutputNamed { .. } => USAGE,
             CliError::Internal { .. } => INTERNAL,
             _ => INPUT,
         }

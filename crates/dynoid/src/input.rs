@@ -42,9 +42,14 @@ pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
     let bytes = read_bytes(&file.path)?;
     Ok(Source {
         file: file.name.clone(),
-        sha256: hexadecimal(&Sha256::digest(&bytes)),
+        sha256: sha256(&bytes),
         recording: decode(&file.name, &bytes, &Selection::All),
     })
+}
+
+/// The SHA-256 of a file's content, hexadecimal.
+pub(crate) fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

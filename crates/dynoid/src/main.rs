@@ -46,5 +46,6 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         Command::Study { command: StudyCommand::Run(arguments) } => commands::study::run(arguments, terminal),
         Command::Init(arguments) => commands::init::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
+        Command::Fit { command } => commands::identify::fit::run(command, terminal),
     }
 }

@@ -96,6 +96,26 @@ pub enum Doubt {
     CovarianceIsLowerBound,
 }
 
+impl<M> Fit<M> {
+    /// The same estimate of a model in another guise, whose parameters are the same in the same order.
+    pub fn map<N>(self, change: impl FnOnce(M) -> N) -> Fit<N> {
+        Fit {
+            model: change(self.model),
+            covariance: self.covariance,
+            degrees_of_freedom: self.degrees_of_freedom,
+            noise_covariance: self.noise_covariance,
+            loss: self.loss,
+            samples: self.samples,
+            free_parameters: self.free_parameters,
+            initial_states: self.initial_states,
+            termination: self.termination,
+            iterations: self.iterations,
+            condition: self.condition,
+            doubts: self.doubts,
+        }
+    }
+}
+
 impl<M: Parametric> Fit<M> {
     /// The parameters, in the model's order.
     pub fn parameters(&self) -> Vec<f64> {

@@ -1,6 +1,7 @@
 //! The commands, one module each.
 
 pub(crate) mod demo;
+pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod study;

@@ -11,6 +11,7 @@ mod covariance;
 mod dataset;
 mod delay;
 mod distributions;
+mod document;
 mod frequency;
 mod frequency_domain;
 mod grey_box;

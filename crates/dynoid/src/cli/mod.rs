@@ -1,5 +1,7 @@
 //! The command line: commands, options, help.
 
+pub(crate) mod identify;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -60,6 +62,11 @@ pub(crate) enum Command {
     Init(InitArguments),
     /// Shows what recordings hold: channels, units, clocks, gaps, values
     Inspect(InspectArguments),
+    /// Estimates a linear model from any channels of any recordings
+    Fit {
+        #[command(subcommand)]
+        command: identify::FitCommand,
+    },
 }
 
 #[derive(Debug, Subcommand)]

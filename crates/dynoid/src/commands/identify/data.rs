@@ -1,0 +1,157 @@
+//! From recordings and channel names to data without trend.
+
+use std::path::{Path, PathBuf};
+
+use bench::dataset::{Adjustment, DatasetOptions, dataset};
+use ident::{Advice, Dataset, Intersample, Source, Trend, TrendScope, TrendShape, advise};
+use recording::{Recording, Selection};
+
+use crate::cli::identify::{Between, DataArguments, Detrend};
+use crate::error::CliError;
+use crate::input::{self, InputFile};
+use crate::terminal::Terminal;
+
+/// Most names listed in a message.
+const MOST_NAMES: usize = 20;
+
+/// Data as an estimator gets them.
+pub(super) struct Loaded {
+    /// The data, trend taken off.
+    pub(super) data: Dataset,
+    /// What was taken off.
+    pub(super) trend: Option<Trend>,
+    /// The recordings they come from.
+    pub(super) sources: Vec<Source>,
+}
+
+/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way.
+pub(super) fn load(arguments: &DataArguments, terminal: &mut Terminal) -> Result<Loaded, CliError> {
+    load_files(&arguments.recordings, arguments, terminal)
+}
+
+/// The same channels of other recordings.
+pub(super) fn load_files(
+    files: &[PathBuf],
+    arguments: &DataArguments,
+    terminal: &mut Terminal,
+) -> Result<Loaded, CliError> {
+    let files = input::named(files)?;
+    let progress = terminal.progress(files.len() as u64);
+    let mut read = Vec::new();
+    for file in &files {
+        progress.say(&format!("reading {}", file.name));
+        read.push(decode(file, arguments.sample_time_s)?);
+        progress.step();
+    }
+    drop(progress);
+    let recordings: Vec<(&str, &Recording)> =
+        files.iter().zip(&read).map(|(file, (recording, _))| (file.name.as_str(), recording)).collect();
+    let options = DatasetOptions {
+        inputs: arguments.inputs.clone(),
+        outputs: chosen_outputs(arguments, &recordings)?,
+        from_s: arguments.from_s,
+        to_s: arguments.to_s,
+        sample_time_s: arguments.sample_time_s,
+    };
+    let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
+    let data = data.with_intersample(intersample(arguments.between));
+    adjustments.iter().for_each(|adjustment| terminal.warning(&words(adjustment)));
+    for advice in advise(&data).iter().filter(|advice| matters(advice, arguments.detrend)) {
+        terminal.warning(&advice.to_string());
+    }
+    let trend = trend(&data, arguments.detrend).map_err(|source| CliError::identify("the trend", source))?;
+    let sources = sources(&files, &read, &data);
+    let data = match &trend {
+        Some(trend) => trend.remove(&data).map_err(|source| CliError::identify("the trend", source))?,
+        None => data,
+    };
+    Ok(Loaded { data, trend, sources })
+}
+
+/// A recording and the hash of its bytes. Text without a time column is read where the sample time is given.
+fn decode(file: &InputFile, sample_time_s: Option<f64>) -> Result<(Recording, String), CliError> {
+    let bytes = input::read_bytes(&file.path)?;
+    let strictly = recording::decode(&file.name, &bytes, &Selection::All);
+    let recording = match (strictly, sample_time_s) {
+        (Ok(recording), _) if !recording.channels.is_empty() => Ok(recording),
+        (_, Some(sample_time_s)) => recording::decode_untimed(&file.name, &bytes, sample_time_s),
+        (other, None) => other,
+    };
+    let recording = recording.map_err(|source| CliError::Recording { source, untimed: sample_time_s.is_none() })?;
+    Ok((recording, input::sha256(&bytes)))
+}
+
+/// The outputs named, or an error that lists what there is.
+fn chosen_outputs(arguments: &DataArguments, recordings: &[(&str, &Recording)]) -> Result<Vec<String>, CliError> {
+    if !arguments.outputs.is_empty() {
+        return Ok(arguments.outputs.clone());
+    }
+    let (file, recording) = recordings.first().copied().unzip();
+    let channels = recording.map(|r| r.channels.as_slice()).unwrap_or_default();
+    let mut names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).take(MOST_NAMES).collect();
+    if channels.len() > MOST_NAMES {
+        names.push("…");
+    }
+    Err(CliError::NoOutputNamed { file: file.unwrap_or_default().to_owned(), channels: names.join(", ") })
+}
+
+fn intersample(between: Between) -> Intersample {
+    match between {
+        Between::Held => Intersample::ZeroOrderHold,
+        Between::Straight => Intersample::FirstOrderHold,
+        Between::BandLimited => Intersample::BandLimited,
+    }
+}
+
+fn trend(data: &Dataset, detrend: Detrend) -> Result<Option<Trend>, ident::IdentError> {
+    let shape = match detrend {
+        Detrend::Mean => TrendShape::Mean,
+        Detrend::Line => TrendShape::Line,
+        Detrend::None => return Ok(None),
+    };
+    Trend::estimate(data, shape, TrendScope::PerExperiment).map(Some)
+}
+
+/// Offsets are no news where they are taken off.
+fn matters(advice: &Advice, detrend: Detrend) -> bool {
+    match advice {
+        Advice::Offset { .. } => detrend == Detrend::None,
+        Advice::Drift { .. } => detrend != Detrend::Line,
+        _ => true,
+    }
+}
+
+fn words(adjustment: &Adjustment) -> String {
+    match adjustment {
+        Adjustment::Jitter { channel, largest_s } => format!(
+            "\"{channel}\": its time stamps are up to {largest_s:.3e} s off an even clock; values were found on straight lines between the samples"
+        ),
+        Adjustment::Resampled { channel, from_s, to_s } => format!(
+            "\"{channel}\" was brought from a sample time of {from_s:.6} s to {to_s:.6} s{}",
+            if to_s > from_s { ", through a low-pass filter without phase shift" } else { "" }
+        ),
+        Adjustment::Missing { channel, count } => {
+            format!("\"{channel}\": {count} samples are missing")
+        }
+    }
+}
+
+fn sources(files: &[InputFile], read: &[(Recording, String)], data: &Dataset) -> Vec<Source> {
+    let source = |((file, (_, sha256)), experiment): ((&InputFile, &(Recording, String)), &ident::Experiment)| Source {
+        file: file.name.clone(),
+        sha256: sha256.clone(),
+        from_s: experiment.start_s,
+        to_s: experiment.start_s + experiment.len().saturating_sub(1) as f64 * data.sample_time_s(),
+    };
+    files.iter().zip(read).zip(data.experiments()).map(source).collect()
+}
+
+/// The kind of picture a file's ending asks for.
+pub(super) fn draw(path: &Path, title: &str, figures: &[plot::Figure]) -> Result<Vec<u8>, CliError> {
+    match input::ending(path).map(str::to_lowercase).as_deref() {
+        Some("html" | "htm") => Ok(plot::page(title, figures).into_bytes()),
+        Some("svg") => Ok(plot::svg(figures).into_bytes()),
+        Some("png") => plot::png(figures).map_err(CliError::internal),
+        _ => Err(CliError::PlotEnding { path: path.to_owned() }),
+    }
+}
