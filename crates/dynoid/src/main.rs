@@ -20,6 +20,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::cli::{Cli, Command, StudyCommand};
+use crate::commands::identify;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -46,6 +47,17 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         Command::Study { command: StudyCommand::Run(arguments) } => commands::study::run(arguments, terminal),
         Command::Init(arguments) => commands::init::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
-        Command::Fit { command } => commands::identify::fit::run(command, terminal),
+        Command::Fit { command } => identify::fit::run(command, terminal),
+        Command::Compare(arguments) => identify::judge::compare(arguments, terminal),
+        Command::Resid(arguments) => identify::judge::resid(arguments, terminal),
+        Command::Simulate(arguments) => identify::judge::simulate_model(arguments, terminal),
+        Command::Predict(arguments) => identify::judge::predict_model(arguments, terminal),
+        Command::Bode(arguments) => identify::look::bode(arguments, terminal),
+        Command::Step(arguments) => identify::look::step(arguments, terminal),
+        Command::Poles(arguments) => identify::look::poles(arguments, terminal),
+        Command::Convert(arguments) => identify::look::convert(arguments, terminal),
+        Command::Spectrum(arguments) => identify::explore::spectrum(arguments, terminal),
+        Command::Delay(arguments) => identify::explore::delay(arguments, terminal),
+        Command::Order(arguments) => identify::explore::order(arguments, terminal),
     }
 }

@@ -257,3 +257,223 @@ pub(crate) enum SubspaceWeighting {
     /// As Verhaegen
     Moesp,
 }
+
+/// Recordings that a model meets; channels and clock are those of the model.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct MeetArguments {
+    /// A recording with the model's channels; give it again for more
+    #[arg(long = "on", value_name = "RECORDING", required = true, help_heading = "Data")]
+    pub(crate) on: Vec<PathBuf>,
+    /// Leaves out everything before this time of the recording
+    #[arg(long = "from", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
+    pub(crate) from_s: Option<f64>,
+    /// Leaves out everything after this time of the recording
+    #[arg(long = "to", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
+    pub(crate) to_s: Option<f64>,
+    /// What is taken off every channel first
+    #[arg(long, value_enum, default_value_t = Detrend::Mean, value_name = "WHAT", help_heading = "Data")]
+    pub(crate) detrend: Detrend,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid compare arx.json armax.json ss.json --on unseen.mf4 --plot compare.html
+  dynoid compare model.json --on unseen.mf4 --horizon 10")]
+pub(crate) struct CompareArguments {
+    /// Model files
+    #[arg(value_name = "MODEL.json", required = true)]
+    pub(crate) models: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) meet: MeetArguments,
+    /// Compares predictions so many samples ahead, not simulations
+    #[arg(long, value_name = "SAMPLES")]
+    pub(crate) horizon: Option<usize>,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid resid model.json --on unseen.mf4 --plot residuals.html")]
+pub(crate) struct ResidArguments {
+    /// The model file
+    #[arg(value_name = "MODEL.json")]
+    pub(crate) model: PathBuf,
+    #[command(flatten)]
+    pub(crate) meet: MeetArguments,
+    /// Correlations up to this lag, in samples
+    #[arg(long, default_value_t = 25)]
+    pub(crate) lags: usize,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid simulate model.json --on demand.mf4 --out simulated.csv
+  dynoid predict model.json --on run.mf4 --horizon 10 --out predicted.mf4 --plot predicted.html")]
+pub(crate) struct RunArguments {
+    /// The model file
+    #[arg(value_name = "MODEL.json")]
+    pub(crate) model: PathBuf,
+    #[command(flatten)]
+    pub(crate) meet: MeetArguments,
+    /// Starts from rest; otherwise the initial state is fitted to the measured outputs
+    #[arg(long)]
+    pub(crate) from_rest: bool,
+    /// Writes the outputs to a recording: .csv or .mf4
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PredictArguments {
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+    /// How many samples ahead
+    #[arg(long, default_value_t = 1, value_name = "SAMPLES")]
+    pub(crate) horizon: usize,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid bode model.json --plot bode.html
+  dynoid bode arx.json ss.json --plot bode.svg
+  dynoid step model.json --json
+  dynoid poles model.json --plot poles.png")]
+pub(crate) struct ModelArguments {
+    /// Model files
+    #[arg(value_name = "MODEL.json", required = true)]
+    pub(crate) models: Vec<PathBuf>,
+    /// Confidence of bands and regions
+    #[arg(long, default_value_t = 0.95, value_name = "SHARE")]
+    pub(crate) level: f64,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Representation {
+    /// Numerator and denominator
+    Tf,
+    /// Zeros, poles and gain
+    Zpk,
+    /// State space
+    Ss,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Sampling {
+    /// Zero-order hold
+    Zoh,
+    /// First-order hold
+    Foh,
+    /// Tustin's bilinear rule
+    Tustin,
+    /// Impulse invariance
+    Impulse,
+    /// Matched poles and zeros
+    Matched,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid convert model.json --to zpk
+  dynoid convert model.json --to tf --continuous
+  dynoid convert tf.json --to ss --sample-time 0.001 --method tustin --json")]
+pub(crate) struct ConvertArguments {
+    /// The model file
+    #[arg(value_name = "MODEL.json")]
+    pub(crate) model: PathBuf,
+    /// The representation wanted
+    #[arg(long, value_enum, default_value_t = Representation::Tf)]
+    pub(crate) to: Representation,
+    /// Makes it discrete, or discrete on another clock
+    #[arg(long, value_name = "SECONDS", conflicts_with = "continuous")]
+    pub(crate) sample_time: Option<f64>,
+    /// Makes a discrete model continuous
+    #[arg(long)]
+    pub(crate) continuous: bool,
+    /// The rule between continuous and discrete
+    #[arg(long, value_enum, default_value_t = Sampling::Zoh)]
+    pub(crate) method: Sampling,
+    /// Prints the result as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SpectrumMethod {
+    /// Averaged periodograms (Welch)
+    Welch,
+    /// Blackman and Tukey's windowed correlations
+    BlackmanTukey,
+    /// The local polynomial method
+    Lpm,
+    /// The local rational method, for light damping
+    Lrm,
+    /// The quotient of Fourier transforms
+    Etfe,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid spectrum run.mf4 -y N_dyno --plot spectrum.html
+  dynoid spectrum run.mf4 -u T_demand -y N_dyno --method lpm --plot response.html")]
+pub(crate) struct SpectrumArguments {
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
+    /// How; without an input the power spectrum is Welch's
+    #[arg(long, value_enum, default_value_t = SpectrumMethod::Lpm)]
+    pub(crate) method: SpectrumMethod,
+    /// Length of Welch's segments or of the lag window, in samples [default: an eighth of the record, 1024 at most]
+    #[arg(long, value_name = "SAMPLES")]
+    pub(crate) window: Option<usize>,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid delay run.mf4 -u T_demand -y N_dyno")]
+pub(crate) struct DelayArguments {
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
+    /// Longest delay looked for, in samples
+    #[arg(long, default_value_t = 30)]
+    pub(crate) longest: usize,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid order run.mf4 -u T_demand -y N_dyno --na 1:10 --nb 1:10 --nk 1:5 --split 0.5")]
+pub(crate) struct OrderArguments {
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
+    /// Orders of A, FIRST:LAST
+    #[arg(long, default_value = "1:6", value_name = "RANGE")]
+    pub(crate) na: String,
+    /// Coefficients of B, FIRST:LAST
+    #[arg(long, default_value = "1:6", value_name = "RANGE")]
+    pub(crate) nb: String,
+    /// Delays in samples, FIRST:LAST
+    #[arg(long, default_value = "1:3", value_name = "RANGE")]
+    pub(crate) nk: String,
+    /// Fits on this share of the data and ranks by the rest too
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) split: Option<f64>,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}

@@ -67,6 +67,28 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: identify::FitCommand,
     },
+    /// Holds models against recordings, side by side
+    Compare(identify::CompareArguments),
+    /// Tests whether a model's residuals are white and independent of the inputs
+    Resid(identify::ResidArguments),
+    /// Simulates a model on the inputs of a recording
+    Simulate(identify::RunArguments),
+    /// Predicts the outputs of a recording some samples ahead
+    Predict(identify::PredictArguments),
+    /// Frequency responses of models, with bands
+    Bode(identify::ModelArguments),
+    /// Step responses of models, with bands
+    Step(identify::ModelArguments),
+    /// Poles and zeros of models, with regions
+    Poles(identify::ModelArguments),
+    /// Writes a model in another form: transfer function, zeros and poles, state space, continuous or discrete
+    Convert(identify::ConvertArguments),
+    /// Spectra of channels, and frequency responses between them
+    Spectrum(identify::SpectrumArguments),
+    /// Delay from inputs to an output
+    Delay(identify::DelayArguments),
+    /// Order and delay of an ARX model, by several criteria
+    Order(identify::OrderArguments),
 }
 
 #[derive(Debug, Subcommand)]

@@ -44,7 +44,7 @@ pub struct Panel {
 }
 
 /// An axis.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Axis {
     /// What it shows.
     pub label: String,

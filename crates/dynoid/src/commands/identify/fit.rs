@@ -11,6 +11,7 @@ use serde::Serialize;
 use signal::Sos;
 
 use super::data::{Loaded, draw, load, load_files};
+use super::words::significant;
 use super::{figures, words};
 use crate::cli::identify::{
     ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
@@ -353,7 +354,7 @@ impl<'a> Verdict<'a> {
             "intervals_95": intervals,
             "criteria": self.criteria,
             "judged": self.judged.iter().map(fits).collect::<Vec<_>>(),
-            "residuals": self.residuals.as_ref().ok().map(tests),
+            "residuals": self.residuals.as_ref().ok().map(|report| words::tests_json(report, REGION)),
         })
     }
 
@@ -375,7 +376,10 @@ impl<'a> Verdict<'a> {
         let numbers = [("loss", self.fit.loss), ("FPE", c.fpe), ("AIC", c.aic), ("BIC", c.bic)];
         let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", significant(*v))).collect();
         terminal.line(&numbers.join(", "));
-        self.print_tests(document, terminal);
+        match &self.residuals {
+            Ok(report) => words::print_tests(report, (&document.inputs, &document.outputs), REGION, terminal),
+            Err(reason) => terminal.line(&format!("no residual test: {reason}")),
+        }
         terminal.line(&format!("{} ({} iterations)", words::termination(self.fit.termination), self.fit.iterations));
         let names = self.fit.model.parameter_names();
         for doubt in &self.fit.doubts {
@@ -430,56 +434,5 @@ impl<'a> Verdict<'a> {
             }
         }
         table
-    }
-
-    fn print_tests(&self, document: &ModelDocument, terminal: &mut Terminal) {
-        let report = match &self.residuals {
-            Ok(report) => report,
-            Err(reason) => return terminal.line(&format!("no residual test: {reason}")),
-        };
-        for (output, whiteness) in report.whiteness.iter().enumerate() {
-            let passed = |ok: bool| if ok { ("passed:", Style::Good) } else { ("failed:", Style::Bad) };
-            let name = &document.outputs[output].name;
-            let p = |v: f64| format!("p {v:.3}");
-            let white = format!("residuals of {name} are white ({})", p(whiteness.joint.p_value));
-            terminal.item(passed(whiteness.joint.passes(REGION)), &white);
-            for (input, test) in report.independence[output].iter().enumerate() {
-                let text = format!(
-                    "they do not depend on past {} ({})",
-                    document.inputs[input].name,
-                    p(test.dynamics.p_value)
-                );
-                terminal.item(passed(test.dynamics.passes(REGION)), &text);
-            }
-        }
-    }
-}
-
-/// The residual tests in numbers.
-fn tests(report: &ResidualReport) -> serde_json::Value {
-    let p =
-        |test: &ident::validate::JointTest| serde_json::json!({"p_value": test.p_value, "passed": test.passes(REGION)});
-    let independence = |row: &Vec<ident::validate::Independence>| {
-        let of = |i: &ident::validate::Independence| serde_json::json!({"dynamics": p(&i.dynamics), "feedback": p(&i.feedback), "cross": i.cross, "bound": i.bound});
-        row.iter().map(of).collect::<Vec<_>>()
-    };
-    serde_json::json!({
-        "whiteness": report.whiteness.iter().map(|w| {
-            serde_json::json!({"joint": p(&w.joint), "auto": w.auto, "bound": w.bound})
-        }).collect::<Vec<_>>(),
-        "independence": report.independence.iter().map(independence).collect::<Vec<_>>(),
-    })
-}
-
-/// Six significant digits.
-pub(super) fn significant(value: f64) -> String {
-    match value.abs() {
-        _ if !value.is_finite() => format!("{value}"),
-        0.0 => "0".to_owned(),
-        size if (1e-4..1e6).contains(&size) => {
-            let decimals = (5 - size.log10().floor() as i32).max(0) as usize;
-            format!("{value:.decimals$}")
-        }
-        _ => format!("{value:.5e}"),
     }
 }

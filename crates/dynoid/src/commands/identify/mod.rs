@@ -1,6 +1,10 @@
 //! Identification of linear models from any recording: the library `ident` at the command line.
 
 mod data;
+pub(crate) mod explore;
 mod figures;
 pub(crate) mod fit;
+pub(crate) mod judge;
+pub(crate) mod look;
+mod model_file;
 mod words;

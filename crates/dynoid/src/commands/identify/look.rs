@@ -1,0 +1,501 @@
+//! `dynoid bode`, `step`, `poles`, `convert`: what a model is like.
+
+use std::f64::consts::TAU;
+
+use ident::uncertainty::{Dynamics, TimeGrid, UncertainRoot};
+use ident::{Fit, IdentError, LinearModel, ModelDocument};
+use lti::{Complex64, Discretisation, LtiError, Mode, StateSpace, TransferFunction};
+use plot::{Abscissa, Axis, Figure, Layer, Marker, Panel, Style, rounded};
+
+use super::judge::{picture, written};
+use super::model_file;
+use super::words::significant;
+use crate::cli::identify::{ConvertArguments, ModelArguments, Representation, Sampling};
+use crate::error::{CliError, Outcome};
+use crate::table::{Align, Table};
+use crate::terminal::Terminal;
+
+/// Frequencies of a Bode plot.
+const FREQUENCIES: usize = 400;
+
+/// A model file with its name and, where it carries one, its estimate.
+struct Model {
+    name: String,
+    document: ModelDocument,
+    fit: Option<Fit<ident::AnyModel>>,
+}
+
+fn models(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
+    model_file::checked_share("--level", arguments.level)?;
+    let read = |path: &std::path::PathBuf| {
+        let document = model_file::read(path)?;
+        let fit = document.estimate.as_ref().map(|_| document.fit()).transpose();
+        let fit = fit.map_err(|error| CliError::ModelFile { path: path.clone(), reason: error.to_string() })?;
+        Ok(Model { name: model_file::name(path), document, fit })
+    };
+    arguments.models.iter().map(read).collect()
+}
+
+/// Every way from an input to an output of a model.
+fn channels(model: &Model) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let (inputs, outputs) = (model.document.model.inputs(), model.document.model.outputs());
+    (0..outputs).flat_map(move |output| (0..inputs).map(move |input| (output, input)))
+}
+
+fn channel_name(model: &Model, (output, input): (usize, usize)) -> String {
+    format!("{} → {}", model.document.inputs[input].name, model.document.outputs[output].name)
+}
+
+fn failed(source: IdentError) -> CliError {
+    CliError::identify("the response", source)
+}
+
+/// A curve with a band, over frequency or time.
+struct Curve {
+    model: usize,
+    channel: String,
+    x: Vec<f64>,
+    /// Each quantity: name, unit, values, band.
+    quantities: Vec<Quantity>,
+}
+
+struct Quantity {
+    name: &'static str,
+    unit: String,
+    values: Vec<f64>,
+    band: Option<Vec<(f64, f64)>>,
+}
+
+/// `dynoid bode`
+pub(crate) fn bode(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let models = models(arguments)?;
+    let mut curves = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        let grid = model.document.model.system().and_then(|s| s.frequency_grid(FREQUENCIES));
+        let omega = grid.map_err(|e| failed(e.into()))?;
+        for channel in channels(model) {
+            curves.push(bode_curve(model, number, channel, &omega, arguments.level).map_err(failed)?);
+        }
+    }
+    show(&curves, &models, Axis::frequency(), arguments, terminal)
+}
+
+fn bode_curve(
+    model: &Model,
+    number: usize,
+    (output, input): (usize, usize),
+    omega: &[f64],
+    level: f64,
+) -> Result<Curve, IdentError> {
+    let response = model.document.model.frequency_response(output, input, omega)?;
+    let band = model.fit.as_ref().map(|fit| fit.frequency_band(output, input, omega)).transpose()?;
+    let decibel = |gain: f64| 20.0 * gain.log10();
+    let magnitude = band.as_ref().map(|b| b.magnitude(level).iter().map(|(l, h)| (decibel(*l), decibel(*h))).collect());
+    Ok(Curve {
+        model: number,
+        channel: channel_name(model, (output, input)),
+        x: response.freq_hz(),
+        quantities: vec![
+            Quantity { name: "magnitude", unit: "dB".into(), values: response.magnitude_db(), band: magnitude },
+            Quantity {
+                name: "phase",
+                unit: "°".into(),
+                values: response.phase_deg(),
+                band: band.as_ref().map(|b| b.phase_deg(level)),
+            },
+        ],
+    })
+}
+
+/// `dynoid step`
+pub(crate) fn step(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let models = models(arguments)?;
+    let mut curves = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        for channel in channels(model) {
+            curves.push(step_curve(model, number, channel, arguments.level).map_err(failed)?);
+        }
+    }
+    show(&curves, &models, Axis::time(), arguments, terminal)
+}
+
+fn step_curve(model: &Model, number: usize, (output, input): (usize, usize), level: f64) -> Result<Curve, IdentError> {
+    let document = &model.document;
+    let system = document.model.system()?;
+    let natural = system.time_grid()?;
+    let sample_time_s = system.sample_time_s().unwrap_or(natural.step_s);
+    let delay_s = longest_delay_s(document)?;
+    let samples = natural.points + (delay_s / sample_time_s).ceil() as usize;
+    let grid = TimeGrid { output, input, sample_time_s, samples };
+    let (values, band) = match &model.fit {
+        Some(fit) => {
+            let band = fit.step_band(grid)?;
+            (band.values.clone(), Some(band.intervals(level)))
+        }
+        None => {
+            let form = document.model.innovations(sample_time_s, ident::Intersample::ZeroOrderHold)?;
+            let channel = form.system().channel(output, input)?;
+            let u = vec![1.0; samples];
+            let y = channel.simulate(faer_column(&u).as_ref(), &vec![0.0; channel.states()])?;
+            (y.col_as_slice(0).to_vec(), None)
+        }
+    };
+    let unit = document.outputs[output].unit.clone();
+    Ok(Curve {
+        model: number,
+        channel: channel_name(model, (output, input)),
+        x: (0..samples).map(|n| n as f64 * sample_time_s).collect(),
+        quantities: vec![Quantity { name: "step response", unit, values, band }],
+    })
+}
+
+/// The longest delay of a continuous model; a discrete one holds its delays as states.
+fn longest_delay_s(document: &ModelDocument) -> Result<f64, IdentError> {
+    let mut longest = 0.0_f64;
+    for output in 0..document.model.outputs() {
+        for input in 0..document.model.inputs() {
+            let delay_s = match &document.model {
+                ident::AnyModel::TransferFunction(m) => m.transfer_function(output, input)?.delay_s(),
+                ident::AnyModel::Process(m) => m.transfer_function(output, input)?.delay_s(),
+                _ => 0.0,
+            };
+            longest = longest.max(delay_s);
+        }
+    }
+    Ok(longest)
+}
+
+fn faer_column(values: &[f64]) -> faer::Mat<f64> {
+    faer::Mat::from_fn(values.len(), 1, |i, _| values[i])
+}
+
+/// Draws and prints curves, models of the same channel in one figure.
+fn show(
+    curves: &[Curve],
+    models: &[Model],
+    x: Axis,
+    arguments: &ModelArguments,
+    terminal: &mut Terminal,
+) -> Result<Outcome, CliError> {
+    let mut names: Vec<&str> = curves.iter().map(|c| c.channel.as_str()).collect();
+    names.dedup();
+    names.sort_unstable();
+    names.dedup();
+    let figure = |name: &&str| {
+        let same: Vec<&Curve> = curves.iter().filter(|c| c.channel == *name).collect();
+        curve_figure(name, &same, models, x.clone())
+    };
+    picture(&arguments.result, "Models", || names.iter().map(figure).collect())?;
+    if arguments.result.json {
+        let quantity = |q: &Quantity| {
+            let band = q.band.as_ref().map(|b| b.iter().map(|(l, h)| [*l, *h]).collect::<Vec<_>>());
+            serde_json::json!({"name": q.name, "unit": q.unit, "values": q.values, "band": band})
+        };
+        let curve = |c: &Curve| {
+            let quantities: Vec<_> = c.quantities.iter().map(quantity).collect();
+            serde_json::json!({"model": models[c.model].name, "channel": c.channel, x.label.as_str(): c.x, "quantities": quantities})
+        };
+        terminal.json(&curves.iter().map(curve).collect::<Vec<_>>())?;
+    } else if !terminal.is_quiet() {
+        curves.iter().for_each(|c| terminal.table(&curve_table(c, &models[c.model].name, &x)));
+        written(&arguments.result.plot, terminal);
+    }
+    Ok(Outcome::Done)
+}
+
+fn curve_figure(title: &str, curves: &[&Curve], models: &[Model], x: Axis) -> Figure {
+    let count = curves.first().map_or(0, |c| c.quantities.len());
+    let panel = |index: usize| {
+        let mut layers = Vec::new();
+        for curve in curves {
+            let (quantity, style) = (&curve.quantities[index], Style::of_model(curve.model));
+            let name = models[curve.model].name.clone();
+            if let Some(band) = &quantity.band {
+                let (low, high): (Vec<f64>, Vec<f64>) = band.iter().copied().unzip();
+                let x = Abscissa::Values(rounded(&curve.x));
+                layers.push(Layer::Band { name: name.clone(), style, x, low: rounded(&low), high: rounded(&high) });
+            }
+            layers.push(Layer::curve(&name, style, &curve.x, &quantity.values));
+        }
+        let first = curves.first().map(|c| &c.quantities[index]);
+        let axis = first.map_or_else(|| Axis::linear("", ""), |q| Axis::linear(q.name, &q.unit));
+        Panel::new(axis, if index == 0 { 200 } else { 130 }, layers)
+    };
+    Figure::new(title, x, (0..count).map(panel).collect())
+}
+
+/// About twenty lines of a curve.
+fn curve_table(curve: &Curve, model: &str, x: &Axis) -> Table {
+    let mut table = Table::new(&[("model", Align::Left), ("at", Align::Right), ("value", Align::Left)]);
+    let step = curve.x.len().div_ceil(20).max(1);
+    for n in (0..curve.x.len()).step_by(step) {
+        let text = |q: &Quantity| {
+            let band = q.band.as_ref().map(|b| format!(" ({} … {})", significant(b[n].0), significant(b[n].1)));
+            format!("{} {} {}{}", q.name, significant(q.values[n]), q.unit, band.unwrap_or_default())
+        };
+        let values: Vec<String> = curve.quantities.iter().map(text).collect();
+        table.row([
+            format!("{model}, {}", curve.channel).into(),
+            format!("{} {}", significant(curve.x[n]), x.unit).into(),
+            values.join(", ").into(),
+        ]);
+    }
+    table
+}
+
+/// `dynoid poles`
+pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let models = models(arguments)?;
+    let mut rows = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        for channel in channels(model) {
+            let (poles, zeros) = roots(model, channel).map_err(failed)?;
+            let name = channel_name(model, channel);
+            rows.extend(poles.into_iter().map(|root| Row {
+                model: number,
+                channel: name.clone(),
+                is_pole: true,
+                root,
+            }));
+            rows.extend(zeros.into_iter().map(|root| Row {
+                model: number,
+                channel: name.clone(),
+                is_pole: false,
+                root,
+            }));
+        }
+    }
+    picture(&arguments.result, "Poles and zeros", || pole_figures(&rows, &models, arguments.level))?;
+    if arguments.result.json {
+        let row = |r: &Row| {
+            let mode = r.mode(&models);
+            serde_json::json!({
+                "model": models[r.model].name, "channel": r.channel, "kind": r.kind(),
+                "re": r.root.value.re, "im": r.root.value.im, "covariance": r.root.covariance,
+                "near_multiple": r.root.near_multiple,
+                "natural_frequency_hz": mode.natural_frequency_rad_s / TAU, "damping": mode.damping,
+            })
+        };
+        terminal.json(&rows.iter().map(row).collect::<Vec<_>>())?;
+    } else if !terminal.is_quiet() {
+        terminal.table(&pole_table(&rows, &models, arguments.level));
+        written(&arguments.result.plot, terminal);
+    }
+    Ok(Outcome::Done)
+}
+
+struct Row {
+    model: usize,
+    channel: String,
+    is_pole: bool,
+    root: UncertainRoot,
+}
+
+impl Row {
+    fn kind(&self) -> &'static str {
+        if self.is_pole { "pole" } else { "zero" }
+    }
+
+    fn mode(&self, models: &[Model]) -> Mode {
+        let sample_time_s = models[self.model].document.model.system().ok().and_then(|s| s.sample_time_s());
+        Mode::new(self.root.value, sample_time_s)
+    }
+}
+
+type Roots = (Vec<UncertainRoot>, Vec<UncertainRoot>);
+
+/// Poles and zeros of a channel; without an estimate they carry no uncertainty.
+fn roots(model: &Model, (output, input): (usize, usize)) -> Result<Roots, IdentError> {
+    if let Some(fit) = &model.fit {
+        return Ok((fit.poles(output, input)?, fit.zeros(output, input)?));
+    }
+    let zpk = model.document.model.system()?.to_zero_pole_gain(output, input)?;
+    let certain = |value: &Complex64| UncertainRoot {
+        value: *value,
+        covariance: [[0.0; 2]; 2],
+        near_multiple: false,
+        degrees_of_freedom: f64::INFINITY,
+    };
+    Ok((zpk.poles().iter().map(certain).collect(), zpk.zeros().iter().map(certain).collect()))
+}
+
+fn pole_table(rows: &[Row], models: &[Model], level: f64) -> Table {
+    let columns = [
+        ("model", Align::Left),
+        ("", Align::Left),
+        ("value", Align::Right),
+        ("frequency", Align::Right),
+        ("damping", Align::Right),
+        ("region", Align::Left),
+    ];
+    let mut table = Table::new(&columns);
+    for row in rows {
+        let (value, mode, ellipse) = (row.root.value, row.mode(models), row.root.ellipse(level));
+        let imaginary = if value.im == 0.0 {
+            String::new()
+        } else {
+            format!(" {} {}i", if value.im < 0.0 { '−' } else { '+' }, significant(value.im.abs()))
+        };
+        let region = match (ellipse.semi_major, row.root.near_multiple) {
+            (0.0, _) => "–".to_owned(),
+            (_, true) => "near another root: no region".to_owned(),
+            (major, false) => format!("half axes {} and {}", significant(major), significant(ellipse.semi_minor)),
+        };
+        table.row([
+            format!("{}, {}", models[row.model].name, row.channel).into(),
+            row.kind().into(),
+            format!("{}{imaginary}", significant(value.re)).into(),
+            format!("{} Hz", significant(mode.natural_frequency_rad_s / TAU)).into(),
+            significant(mode.damping).into(),
+            region.into(),
+        ]);
+    }
+    table
+}
+
+fn pole_figures(rows: &[Row], models: &[Model], level: f64) -> Vec<Figure> {
+    let discrete = models.iter().any(|m| m.document.model.system().is_ok_and(|s| s.sample_time_s().is_some()));
+    let mut layers = Vec::new();
+    if discrete {
+        let circle: Vec<Complex64> = (0..=360).map(|n| Complex64::cis(f64::from(n).to_radians())).collect();
+        layers.push(path("unit circle", Style::Measured, &circle));
+    }
+    for row in rows {
+        let style = Style::of_model(row.model);
+        let ellipse = row.root.ellipse(level);
+        if ellipse.semi_major.is_finite() && ellipse.semi_major > 0.0 && !row.root.near_multiple {
+            let mut points = ellipse.points(90);
+            points.extend(points.first().copied());
+            layers.push(path(&format!("{} % region", 100.0 * level), style, &points));
+        }
+    }
+    for (number, model) in models.iter().enumerate() {
+        for (is_pole, marker, kind) in [(true, Marker::Cross, "poles"), (false, Marker::Ring, "zeros")] {
+            let own = rows.iter().filter(|r| r.model == number && r.is_pole == is_pole);
+            let (x, y): (Vec<f64>, Vec<f64>) = own.map(|r| (r.root.value.re, r.root.value.im)).unzip();
+            let name = format!("{kind} of {}", model.name);
+            let style = Style::of_model(number);
+            layers.push(Layer::Markers { name, style, marker, x: rounded(&x), y: rounded(&y) });
+        }
+    }
+    let unit = if discrete { "" } else { "rad/s" };
+    let panel = Panel::new(Axis::linear("imaginary part", unit), 420, layers);
+    vec![Figure::new("Poles and zeros", Axis::linear("real part", unit), vec![panel]).with_equal_axes()]
+}
+
+fn path(name: &str, style: Style, points: &[Complex64]) -> Layer {
+    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p.re, p.im)).unzip();
+    Layer::Path { name: name.to_owned(), style, x: rounded(&x), y: rounded(&y) }
+}
+
+/// `dynoid convert` on a model file
+pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let document = model_file::read(&arguments.model)?;
+    let failed = |source: LtiError| CliError::identify("the conversion", source.into());
+    if arguments.to == Representation::Ss {
+        let system = resampled(document.model.system().map_err(failed)?, arguments).map_err(failed)?;
+        if arguments.json {
+            terminal.json(&system)?;
+        } else {
+            print_state_space(&system, terminal);
+        }
+        return Ok(Outcome::Done);
+    }
+    let mut all = Vec::new();
+    for output in 0..document.model.outputs() {
+        for input in 0..document.model.inputs() {
+            let h =
+                channel_ratio(&document, output, input).and_then(|h| resampled_ratio(h, arguments)).map_err(failed)?;
+            let name = format!("{} → {}", document.inputs[input].name, document.outputs[output].name);
+            all.push((name, h));
+        }
+    }
+    if arguments.json {
+        let value = |(name, h): &(String, TransferFunction)| {
+            Ok(match arguments.to {
+                Representation::Zpk => {
+                    serde_json::json!({"channel": name, "zpk": h.to_zero_pole_gain().map_err(failed)?})
+                }
+                _ => serde_json::json!({"channel": name, "tf": h}),
+            })
+        };
+        let values = all.iter().map(value).collect::<Result<Vec<_>, CliError>>()?;
+        terminal.json(&values)?;
+        return Ok(Outcome::Done);
+    }
+    for (name, h) in &all {
+        let clock = h.sample_time_s().map_or("continuous".to_owned(), |t| format!("every {t} s"));
+        terminal.line(&format!("{name}, {clock}, delay {} s", significant(h.delay_s())));
+        match arguments.to {
+            Representation::Zpk => {
+                let zpk = h.to_zero_pole_gain().map_err(failed)?;
+                let list = |roots: &[Complex64]| roots.iter().map(|r| format!("{r:.6}")).collect::<Vec<_>>().join(", ");
+                terminal.line(&format!("  gain  {}", significant(zpk.gain())));
+                terminal.line(&format!("  zeros {}", list(zpk.zeros())));
+                terminal.line(&format!("  poles {}", list(zpk.poles())));
+            }
+            _ => {
+                let list = |p: &[f64]| p.iter().map(|v| significant(*v)).collect::<Vec<_>>().join(", ");
+                terminal.line(&format!("  numerator   {}", list(h.num())));
+                terminal.line(&format!("  denominator {}", list(h.den())));
+            }
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+/// The way from an input to an output as a ratio with its delay.
+fn channel_ratio(document: &ModelDocument, output: usize, input: usize) -> Result<TransferFunction, LtiError> {
+    match &document.model {
+        ident::AnyModel::TransferFunction(m) => m.transfer_function(output, input),
+        ident::AnyModel::Process(m) => m.transfer_function(output, input),
+        ident::AnyModel::Polynomial(m) => match m.transfer_function(output, input) {
+            Err(LtiError::OutputsCoupled { .. }) => {
+                document.model.system()?.channel(output, input)?.to_transfer_function()
+            }
+            other => other,
+        },
+        ident::AnyModel::StateSpace(m) => m.system().channel(output, input)?.to_transfer_function(),
+    }
+}
+
+fn rule(arguments: &ConvertArguments) -> Discretisation {
+    match arguments.method {
+        Sampling::Zoh => Discretisation::ZeroOrderHold,
+        Sampling::Foh => Discretisation::FirstOrderHold,
+        Sampling::Tustin => Discretisation::Tustin { prewarp_rad_s: None },
+        Sampling::Impulse => Discretisation::ImpulseInvariant,
+        Sampling::Matched => Discretisation::Matched,
+    }
+}
+
+fn resampled(system: StateSpace, arguments: &ConvertArguments) -> Result<StateSpace, LtiError> {
+    let method = rule(arguments);
+    match (arguments.sample_time, system.sample_time_s()) {
+        (Some(t), None) => system.to_discrete(method, t),
+        (Some(t), Some(_)) => system.resampled(method, t),
+        (None, Some(_)) if arguments.continuous => system.to_continuous(method),
+        (None, _) => Ok(system),
+    }
+}
+
+fn resampled_ratio(h: TransferFunction, arguments: &ConvertArguments) -> Result<TransferFunction, LtiError> {
+    let method = rule(arguments);
+    match (arguments.sample_time, h.sample_time_s()) {
+        (Some(t), None) => h.to_discrete(method, t),
+        (Some(t), Some(_)) => h.resampled(method, t),
+        (None, Some(_)) if arguments.continuous => h.to_continuous(method),
+        (None, _) => Ok(h),
+    }
+}
+
+fn print_state_space(system: &StateSpace, terminal: &mut Terminal) {
+    let clock = system.sample_time_s().map_or("continuous".to_owned(), |t| format!("every {t} s"));
+    terminal.line(&clock);
+    for (name, m) in [("A", system.a()), ("B", system.b()), ("C", system.c()), ("D", system.d())] {
+        for i in 0..m.nrows() {
+            let row: Vec<String> = (0..m.ncols()).map(|j| format!("{:>14}", significant(m[(i, j)]))).collect();
+            terminal.line(&format!("{} {}", if i == 0 { name } else { " " }, row.join("")));
+        }
+    }
+}
