@@ -14,6 +14,9 @@ use crate::system;
 /// Length of the impulse responses that are compared.
 const RESPONSE: usize = 40;
 
+/// Samples whose weight in a loss counts as little.
+const A_FEW_SAMPLES: f64 = 5.0;
+
 /// An estimator with a system that its model can describe.
 pub struct Case<'a, Estimate> {
     /// The estimator under test.
@@ -32,6 +35,8 @@ pub struct Case<'a, Estimate> {
     pub noisy_tolerance: f64,
     /// How near results must come that should be equal: a search stops before the last digit.
     pub same_tolerance: f64,
+    /// Whether the model is as free in one system of units as in another; not so where numbers in it are known.
+    pub any_units: bool,
 }
 
 impl<'a, Estimate> Case<'a, Estimate> {
@@ -46,6 +51,7 @@ impl<'a, Estimate> Case<'a, Estimate> {
             exact_tolerance: 1e-8,
             noisy_tolerance: 0.2,
             same_tolerance: 1e-6,
+            any_units: true,
         }
     }
 
@@ -53,6 +59,12 @@ impl<'a, Estimate> Case<'a, Estimate> {
     #[must_use]
     pub fn iterative(self) -> Self {
         Case { exact_noise: 1e-7, exact_tolerance: 1e-5, same_tolerance: 1e-4, ..self }
+    }
+
+    /// The same case for a model that holds numbers in units: the truth in other units is none that it can describe.
+    #[must_use]
+    pub fn in_fixed_units(self) -> Self {
+        Case { any_units: false, ..self }
     }
 }
 
@@ -87,7 +99,7 @@ where
         ("its loss is that of its residuals", Suite::loss_is_that_of_its_residuals),
         ("refuses short data", Suite::refuses_short_data),
         ("doubts inputs that do not excite", Suite::doubts_inputs_that_do_not_excite),
-        ("refuses collinear inputs", Suite::refuses_collinear_inputs),
+        ("doubts collinear inputs", Suite::doubts_collinear_inputs),
         ("stands missing samples or says so", Suite::stands_missing_samples),
         ("follows a change of units", Suite::follows_units),
         ("ignores where a record starts", Suite::ignores_the_start),
@@ -128,7 +140,9 @@ where
         near(&self.response(&fit.model)?, &self.truth()?, self.case.noisy_tolerance)
     }
 
-    /// Residuals from the fit's own initial states give its loss, and are what one-step prediction leaves.
+    /// Residuals from the fit's own initial states give its loss, and are what one-step prediction leaves. An estimator that
+    /// counts fewer samples than there are may have left out the first ones, whose past it does not know; if it gives initial
+    /// states all the same, these suit the first ones too, which may cost what a few samples weigh.
     fn loss_is_that_of_its_residuals(&self) -> Verdict {
         let data = self.data(1.0, 3)?;
         let fit = self.fit(&data)?;
@@ -137,8 +151,11 @@ where
             false => InitialState::Given(fit.initial_states.clone()),
         };
         let errors = residuals(&fit.model, &data, &initial).map_err(text)?.outputs.remove(0);
-        let mean = faer::Scale(1.0 / fit.samples as f64) * (errors.transpose() * &errors);
-        let (loss, tolerance) = (mean.determinant(), self.case.same_tolerance);
+        let counted = errors.subrows(errors.nrows().saturating_sub(fit.samples), fit.samples.min(errors.nrows()));
+        let mean = faer::Scale(1.0 / fit.samples as f64) * (counted.transpose() * counted);
+        let torn = fit.samples < errors.nrows() && !fit.initial_states.is_empty();
+        let tolerance = if torn { A_FEW_SAMPLES / fit.samples as f64 } else { self.case.same_tolerance };
+        let loss = mean.determinant();
         ensure((loss - fit.loss).abs() <= tolerance * loss, || format!("loss {}, residuals {loss}", fit.loss))?;
         let predicted = predict(&fit.model, &data, 1, &initial).map_err(text)?.outputs.remove(0);
         let rest = &data.experiments()[0].outputs - predicted - errors;
@@ -171,16 +188,19 @@ where
         Ok(())
     }
 
-    fn refuses_collinear_inputs(&self) -> Verdict {
+    /// A model near the truth is no fault: a structure may know how its inputs differ.
+    fn doubts_collinear_inputs(&self) -> Verdict {
         let inputs = self.case.truth.inputs();
         if inputs < 2 {
             return Ok(());
         }
         let one = system::white(self.case.samples, 1, 6);
         let same = Mat::from_fn(self.case.samples, inputs, |t, k| (k as f64 + 1.0) * one[(t, 0)]);
-        let result = (self.case.fit)(&self.data_for(same, 6)?);
-        let doubted = result.as_ref().map_or(true, |fit| !fit.doubts.is_empty());
-        ensure(doubted, || "inputs that are multiples of each other left no doubt".into())
+        let Some(fit) = (self.case.fit)(&self.data_for(same, 6)?).ok().filter(|fit| fit.doubts.is_empty()) else {
+            return Ok(());
+        };
+        near(&self.response(&fit.model)?, &self.truth()?, self.case.noisy_tolerance)
+            .map_err(|why| format!("inputs that are multiples of each other left no doubt, and the {why}"))
     }
 
     fn stands_missing_samples(&self) -> Verdict {
@@ -201,6 +221,9 @@ where
 
     /// Outputs a million times, inputs a millionth: gains grow by 10¹², nothing else.
     fn follows_units(&self) -> Verdict {
+        if !self.case.any_units {
+            return Ok(());
+        }
         let data = self.data(1.0, 8)?;
         let record = &data.experiments()[0];
         let scaled = Experiment {

@@ -30,6 +30,15 @@ pub fn armax() -> Result<PolynomialModel, LtiError> {
     siso(2, PolynomialEquation { a, b, c: vec![-0.8, 0.2], ..Default::default() }, 0.04)
 }
 
+/// [`arx`] with the noise `1/D`, `D = 1 − 0.7 q⁻¹`.
+///
+/// # Errors
+/// None.
+pub fn ararx() -> Result<PolynomialModel, LtiError> {
+    let (a, b) = (vec![vec![-1.5, 0.7]], vec![vec![1.0, 0.5]]);
+    siso(1, PolynomialEquation { a, b, d: vec![-0.7], ..Default::default() }, 0.04)
+}
+
 /// `B = q⁻¹ + 0.5 q⁻²`, `F = 1 − 1.5 q⁻¹ + 0.7 q⁻²`, white noise of variance 0.25 on the output.
 ///
 /// # Errors

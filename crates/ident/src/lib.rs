@@ -4,6 +4,50 @@
 //! follows Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed., 2012. Rows are time,
 //! columns are channels or parameters.
 //!
+//! Every estimator is a struct of options whose `fit` takes data and returns a [`Fit`]: the model, its covariance, how the
+//! search ended and what to doubt.
+//!
+//! | what you want | what to call |
+//! | --- | --- |
+//! | data with gaps, offsets, several records | [`Dataset`] and its methods |
+//! | what the data can tell | [`advise`], [`ExcitationOptions`], [`delay`] |
+//! | a first model, at once | [`Arx`], [`OrderScan`] for its orders; [`ImpulseResponse`] without any |
+//! | the same under coloured noise | [`Iv4`] |
+//! | dynamics and noise by polynomials | [`Armax`], [`OutputError`], [`BoxJenkins`], [`Polynomial`] |
+//! | several inputs and outputs | [`Subspace`], then [`StateSpacePem`] |
+//! | continuous time | [`ContinuousTransferFunction`], [`ProcessFit`] for gain, lags and delay |
+//! | physical parameters | [`GreyBox`] |
+//! | a model of measured spectra or responses | [`FrequencyTransferFunction`], [`FrequencyGreyBox`] |
+//! | a plant under feedback | [`closed_loop`] |
+//! | parameters that change | [`recursive`] |
+//! | a criterion of one's own | [`minimise`] |
+//! | what a model says of data | [`prediction`] |
+//! | whether it is right | [`validate`] |
+//! | how certain it is | [`Fit::intervals`], [`uncertainty`] for poles, bands and whatever follows from it |
+//! | to keep a model | [`ModelDocument`] |
+//!
+//! # Example
+//! A model is fitted to one part of the data and judged on the rest.
+//! ```
+//! use ident::validate::{ResidualTest, judge};
+//! use ident::{Arx, Dataset, InitialState};
+//! let mut random = signal::excitation::Random::new(1);
+//! let u: Vec<f64> = (0..1000).map(|_| random.normal()).collect();
+//! // y(t) = 1.5 y(t−1) − 0.7 y(t−2) + u(t−1) + e(t)
+//! let mut y = vec![0.0; 1000];
+//! for t in 2..1000 {
+//!     y[t] = 1.5 * y[t - 1] - 0.7 * y[t - 2] + u[t - 1] + 0.1 * random.normal();
+//! }
+//! let parts = Dataset::siso(0.1, &u, &y)?.split(0.6)?;
+//! let fit = Arx::new(2, 1, 1).fit(&parts.estimation)?;
+//! assert!((fit.parameters()[0] + 1.5).abs() < 4.0 * fit.standard_errors()[0]);
+//! let judged = judge(&fit.model, &parts.validation, None, &InitialState::Estimated)?;
+//! assert!(judged.fit_percent[0][0] > 80.0);
+//! let residuals = ResidualTest::default().run(&fit.model, &parts.validation)?;
+//! assert!(residuals.whiteness[0].joint.passes(0.99));
+//! # Ok::<(), ident::IdentError>(())
+//! ```
+//!
 //! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
 mod arx;
@@ -17,12 +61,12 @@ pub mod distributions;
 pub mod document;
 mod error;
 mod fit;
+mod focus;
 pub mod frequency;
 mod frequency_domain;
 mod grey_box;
 mod impulse_response;
 mod instrumental;
-mod lagged;
 pub mod least_squares;
 pub mod nonlinear;
 pub mod prediction;
@@ -36,31 +80,38 @@ mod triangle;
 pub mod uncertainty;
 pub mod validate;
 
-pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
-pub use continuous::{
-    ContinuousChannel, ContinuousModel, ContinuousTransferFunction, ProcessSystem, RationalChannel,
-    TransferFunctionModel,
-};
-pub use criteria::Criteria;
-pub use data::{Advice, advise};
-pub use data::{Channel, Dataset, Experiment, Intersample, Label};
-pub use data::{Excitation, ExcitationOptions, Gap, Line, Prefilter, Split, Trend, TrendScope, TrendShape};
+// Data.
+pub use data::{Advice, Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, Split, advise};
+pub use data::{Excitation, ExcitationOptions, Line, Trend, TrendScope, TrendShape};
+pub use frequency_domain::{FrequencyData, Lines, Measured, SpectralData};
+
+// Models and fits.
+pub use continuous::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 pub use document::{AnyModel, EstimateRecord, ModelDocument, Source};
 pub use error::IdentError;
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
-pub use frequency_domain::{
-    CostTest, FrequencyData, FrequencyGreyBox, FrequencyModel, FrequencyTransferFunction, Lines, Measured,
-    RationalResponse, ResponseFunction, SpectralData, SpectralFit,
-};
-pub use grey_box::{
-    Entry, GreyBox, GreyBoxModel, GreyNoise, GreyParameter, InitialStates, Structure, StructuredMatrices,
-};
-pub use impulse_response::{Hyperparameters, ImpulseFit, ImpulseResponse, Kernel, ResponseEstimate};
+pub use frequency_domain::{FrequencyModel, RationalResponse, ResponseFunction, SpectralFit};
+pub use grey_box::{Entry, GreyBoxModel, GreyNoise, GreyParameter, Structure, StructuredMatrices};
+pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
+pub use state_space::StateSpaceModel;
+
+// Estimators, and what they are told.
+pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
+pub use continuous::ContinuousTransferFunction;
+pub use focus::Focus;
+pub use frequency_domain::{FrequencyGreyBox, FrequencyTransferFunction};
+pub use grey_box::GreyBox;
+pub use impulse_response::{ImpulseResponse, Kernel};
 pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
 pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use prediction::InitialState;
 pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use process::ProcessFit;
-pub use state_space::{Focus, StateSpaceModel, StateSpacePem};
+pub use state_space::StateSpacePem;
 pub use subspace::{StateOrder, Subspace, Weighting};
 pub use triangle::Triangle;
+
+// Judgement; more in `validate` and `uncertainty`.
+pub use criteria::Criteria;
+pub use frequency_domain::CostTest;

@@ -105,7 +105,7 @@ pub(crate) fn layout(orders: &ArxOrders) -> (Vec<Lagged>, Vec<Equation>) {
         .map(|(i, regressors)| Equation {
             instruments: regressors.clone(),
             regressors,
-            target: index_of(&mut columns, Lagged { signal: i, lag: 0 }),
+            target: index_of(&mut columns, Lagged::new(i, 0)),
         })
         .collect();
     (columns, equations)

@@ -67,7 +67,7 @@ impl ArxOrders {
         let driving = self.nb[equation].iter().zip(&self.nk[equation]).enumerate();
         let driving = driving.map(|(k, (count, delay))| (outputs + k, *delay, *count));
         own.chain(driving)
-            .flat_map(|(signal, first, count)| (first..first + count).map(move |lag| Lagged { signal, lag }))
+            .flat_map(|(signal, first, count)| Lagged::each(signal, first as isize..(first + count) as isize))
             .collect()
     }
 }

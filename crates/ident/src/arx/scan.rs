@@ -5,8 +5,7 @@ use std::ops::RangeInclusive;
 use faer::Mat;
 
 use super::{Arx, ArxOrders, index_of};
-use crate::regression::{Lagged, Regression, outputs_then_inputs};
-use crate::triangle::upper_factor;
+use crate::regression::{Lagged, Regression, factor_of, outputs_then_inputs};
 use crate::{Criteria, Dataset, IdentError};
 
 /// A diagonal element of the factor below this fraction of its column: the column depends on those before it.
@@ -218,7 +217,7 @@ impl Factored {
     fn new(data: &Dataset, widest: &ArxOrders) -> Result<Self, IdentError> {
         let (outputs, inputs) = (data.outputs(), data.inputs());
         let mut columns = widest.regressors(0);
-        (0..outputs).for_each(|signal| columns.push(Lagged { signal, lag: 0 }));
+        (0..outputs).for_each(|signal| columns.push(Lagged::new(signal, 0)));
         let signals = outputs_then_inputs(data);
         let regression = Regression::new(&signals, columns.clone());
         if regression.rows < columns.len() {
@@ -233,13 +232,13 @@ impl Factored {
     /// The factor of the inputs at `nb` lags from `nk` on, then the outputs lag by lag up to `na`, then the outputs themselves.
     fn part(&self, (nb, nk): (usize, usize), na: usize) -> Mat<f64> {
         let (outputs, inputs) = (self.outputs, self.inputs);
-        let driving = (nk..nk + nb).flat_map(|lag| (0..inputs).map(move |k| (outputs + k, lag)));
-        let own = (1..=na).flat_map(|lag| (0..outputs).map(move |i| (i, lag)));
-        let targets = (0..outputs).map(|i| (i, 0));
+        let driving = (nk..nk + nb).flat_map(|lag| (0..inputs).map(move |k| Lagged::new(outputs + k, lag as isize)));
+        let own = (1..=na).flat_map(|lag| (0..outputs).map(move |i| Lagged::new(i, lag as isize)));
+        let targets = (0..outputs).map(|i| Lagged::new(i, 0));
         let mut columns = self.columns.clone();
         let wanted = driving.chain(own).chain(targets);
-        let wanted: Vec<usize> = wanted.map(|(signal, lag)| index_of(&mut columns, Lagged { signal, lag })).collect();
-        upper_factor(Mat::from_fn(self.factor.nrows(), wanted.len(), |i, j| self.factor[(i, wanted[j])]))
+        let wanted: Vec<usize> = wanted.map(|column| index_of(&mut columns, column)).collect();
+        factor_of(&self.factor, &wanted)
     }
 }
 

@@ -7,8 +7,8 @@ use lti::{Complex64, FrequencyResponse, LtiError};
 
 use super::{INPUT, REFERENCE, check_loop};
 use crate::data::check_range;
-use crate::lagged::{Column, choose_columns, factor_lagged};
 use crate::least_squares::solve_factor;
+use crate::regression::{Lagged, Regression, factor_of};
 use crate::{Dataset, IdentError};
 
 /// Fits `A_u u = B_u r + e_u` and `A_y y = B_y r + e_y`, both of the same high order, and takes the plant as the ratio of the
@@ -108,19 +108,23 @@ impl JointInputOutput {
     }
 
     fn equations(&self, data: &Dataset) -> Result<Equations, IdentError> {
-        let signals: Vec<Vec<&[f64]>> =
+        let signals =
             data.experiments().iter().map(|e| vec![e.input(INPUT), e.output(0), e.input(REFERENCE)]).collect();
-        let past = |signal: usize, first: isize| (first..=self.order as isize).map(move |lag| (signal, lag));
-        let columns: Vec<Column> = past(0, 1).chain(past(1, 1)).chain(past(2, 0)).chain([(0, 0), (1, 0)]).collect();
-        let triangle = factor_lagged(&signals, &columns);
-        let samples = triangle.rows();
-        let factor = triangle.finish();
-        let (n, order) = (columns.len() - 2, self.order);
+        let past = |signal: usize, first: isize| Lagged::each(signal, first..=self.order as isize);
+        let targets = [Lagged::new(0, 0), Lagged::new(1, 0)];
+        let all: Vec<Lagged> = past(0, 1).chain(past(1, 1)).chain(past(2, 0)).chain(targets).collect();
+        let (n, order) = (all.len() - 2, self.order);
+        let regression = Regression::new(&signals, all);
+        let samples = regression.rows;
+        if samples <= n {
+            return Err(IdentError::TooFewSamples { samples, parameters: n });
+        }
+        let factor = regression.factor();
         let own = [0..order, order..2 * order];
         let regressors = own.map(|own| own.chain(2 * order..n).collect::<Vec<usize>>());
         let solve = |i: usize| {
             let chosen: Vec<usize> = regressors[i].iter().copied().chain([n + i]).collect();
-            solve_factor(&choose_columns(&factor, &chosen), samples)
+            solve_factor(&factor_of(&factor, &chosen), samples)
         };
         let (u, y) = (solve(0)?, solve(1)?);
         let residual = |i: usize, parameters: &[f64]| -> Vec<f64> {

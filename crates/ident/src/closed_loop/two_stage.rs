@@ -4,8 +4,7 @@ use faer::Mat;
 
 use super::{INPUT, REFERENCE, check_loop};
 use crate::data::check_range;
-use crate::lagged::{Column, factor_lagged};
-use crate::least_squares::solve_triangle;
+use crate::regression::{Lagged, Regression};
 use crate::{Dataset, Experiment, Fit, IdentError};
 
 /// Regresses `u` on present, past and, where asked, future values of `r`, and fits the plant from the input so explained,
@@ -56,11 +55,10 @@ impl TwoStage {
         check_loop(data)?;
         check_range("lags", self.lags as f64, 0.0, 1e5)?;
         check_range("leads", self.leads as f64, 0.0, 1e5)?;
-        let signals: Vec<Vec<&[f64]>> =
-            data.experiments().iter().map(|e| vec![e.input(INPUT), e.input(REFERENCE)]).collect();
+        let signals = data.experiments().iter().map(|e| vec![e.input(INPUT), e.input(REFERENCE)]).collect();
         let lags = -(self.leads as isize)..=self.lags as isize;
-        let columns: Vec<Column> = lags.map(|lag| (1, lag)).chain([(0, 0)]).collect();
-        let response = solve_triangle(factor_lagged(&signals, &columns))?.parameters;
+        let columns = Lagged::each(1, lags).chain([Lagged::new(0, 0)]).collect();
+        let response = Regression::new(&signals, columns).least_squares()?.parameters;
         let plant = data.channels(&[INPUT], &[0])?;
         let ends: Vec<_> = plant.experiments().iter().map(|e| self.lags..e.len().saturating_sub(self.leads)).collect();
         let parts = plant.experiments().iter().zip(data.experiments()).zip(ends).filter(|(_, rows)| !rows.is_empty());

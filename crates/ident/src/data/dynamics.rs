@@ -4,8 +4,8 @@ use faer::Mat;
 
 use super::Dataset;
 use crate::distributions::chi_squared_quantile;
-use crate::lagged::{Column, choose_columns, factor_lagged};
 use crate::least_squares::solve_factor;
+use crate::regression::{Lagged, Regression, factor_of};
 
 /// Past values of the output and of each input, at most.
 const PAST: usize = 10;
@@ -50,18 +50,18 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
     }
     let ahead = past / PAST_FOR_ONE_AHEAD;
     let columns = columns(inputs, past, ahead);
-    let signals: Vec<Vec<&[f64]>> = data
+    let signals = data
         .experiments()
         .iter()
         .map(|e| std::iter::once(e.output(output)).chain((0..inputs).map(|k| e.input(k))).collect())
         .collect();
-    let triangle = factor_lagged(&signals, &columns);
-    let samples = triangle.rows();
-    let factor = triangle.finish();
     let last = columns.len() - 1;
-    if samples < 2 * columns.len() {
+    let regression = Regression::new(&signals, columns);
+    let samples = regression.rows;
+    if samples < 2 * (last + 1) {
         return None;
     }
+    let factor = regression.factor();
     let residual = factor[(last, last)].abs();
     let variance = residual * residual / (samples - last) as f64;
     if residual <= ROUNDING * factor.col(last).norm_l2() {
@@ -86,17 +86,17 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
 }
 
 /// Past of the output, past of each input, present inputs, future of each input, the output itself.
-fn columns(inputs: usize, past: usize, ahead: usize) -> Vec<Column> {
-    let back = |signal: usize| (1..=past as isize).map(move |lag| (signal, lag));
-    let present = (1..=inputs).map(|k| (k, 0));
-    let future = (1..=inputs).flat_map(|k| (1..=ahead as isize).map(move |lead| (k, -lead)));
-    (0..=inputs).flat_map(back).chain(present).chain(future).chain([(0, 0)]).collect()
+fn columns(inputs: usize, past: usize, ahead: usize) -> Vec<Lagged> {
+    let back = |signal: usize| Lagged::each(signal, 1..=past as isize);
+    let present = (1..=inputs).map(|k| Lagged::new(k, 0));
+    let future = (1..=inputs).flat_map(|k| Lagged::each(k, (1..=ahead as isize).map(|lead| -lead)));
+    (0..=inputs).flat_map(back).chain(present).chain(future).chain([Lagged::new(0, 0)]).collect()
 }
 
 /// Coefficients without the future inputs.
 fn causal_parameters(factor: &Mat<f64>, count: usize, samples: usize) -> Option<Vec<f64>> {
     let columns: Vec<usize> = (0..count).chain([factor.ncols() - 1]).collect();
-    Some(solve_factor(&choose_columns(factor, &columns), samples).ok()?.parameters)
+    Some(solve_factor(&factor_of(factor, &columns), samples).ok()?.parameters)
 }
 
 /// Samples between 10 % and 90 % of the step response from an input; `None` where it does not settle.

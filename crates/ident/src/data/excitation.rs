@@ -5,7 +5,7 @@ use faer::Mat;
 use super::select::check_range;
 use super::{Dataset, Experiment};
 use crate::IdentError;
-use crate::lagged::factor_lagged;
+use crate::regression::{Lagged, Regression};
 
 /// How to look for excitation.
 ///
@@ -103,13 +103,14 @@ impl ExcitationOptions {
             return Err(IdentError::TooFewSamples { samples: longest, parameters: width + 1 });
         }
         // Lag by lag, so that each order is a leading block of the next.
-        let columns: Vec<_> = (1..=orders as isize).flat_map(|lag| (0..width).map(move |k| (k, lag - 1))).collect();
-        let triangle = factor_lagged(&signals, &columns);
-        let rows = triangle.rows();
+        let columns: Vec<Lagged> =
+            (1..=orders as isize).flat_map(|lag| (0..width).map(move |k| Lagged::new(k, lag - 1))).collect();
+        let regression = Regression::new(&signals, columns);
+        let rows = regression.rows;
         if rows < orders * width {
             return Err(IdentError::TooFewSamples { samples: rows, parameters: orders * width });
         }
-        self.judge(&triangle.finish(), width, rows)
+        self.judge(&regression.factor(), width, rows)
     }
 
     fn judge(&self, factor: &Mat<f64>, width: usize, rows: usize) -> Result<Excitation, IdentError> {

@@ -1,7 +1,7 @@
 //! Other sample times, and delays taken out of inputs.
 
-use signal::resample::{Interpolation, decimate, fractional_delay, hold, interpolate_at};
-use signal::{Signal, Sos};
+use signal::Signal;
+use signal::resample::{Interpolation, fractional_delay, hold, interpolate_at, resample_rational};
 
 use super::select::{check_indices, check_range};
 use super::{Dataset, Experiment, Intersample};
@@ -10,14 +10,14 @@ use crate::IdentError;
 impl Dataset {
     /// The data with `up` samples where there were `down`.
     ///
-    /// To fewer samples, a zero-phase low-pass at 0.8 of the new Nyquist frequency comes first, on inputs and outputs
-    /// alike; inputs are then band-limited between samples, whatever they were, and so does the result say. To a multiple
+    /// Values go through the low-pass of [`resample_rational`], without a shift in time; to fewer samples it takes off what
+    /// lies above the new Nyquist frequency and leaves what lies below 0.8 of it, on inputs and outputs alike. Inputs are then band-limited between samples, whatever they were, and so does the result say. To a multiple
     /// of the samples, held inputs are held and straight ones stay straight; all else is interpolated band-limited.
     /// Interpolated samples bring no information: noise becomes coloured.
     ///
     /// # Errors
-    /// [`signal::SignalError::Parameter`] for a zero; [`IdentError::Missing`]: fill the gaps or split the data there;
-    /// [`signal::SignalError::TooShort`] for an experiment shorter than the filter.
+    /// [`signal::SignalError::Parameter`] for a zero, or a factor above 10 000; [`IdentError::Missing`]: fill the gaps or split
+    /// the data there.
     ///
     /// # Example
     /// ```
@@ -121,24 +121,24 @@ fn columns(count: usize, column: impl Fn(usize) -> Result<Vec<f64>, IdentError>)
     Ok(faer::Mat::from_fn(all.first().map_or(0, Vec::len), count, |i, j| all[j][i]))
 }
 
+/// As many samples as lie within the record.
 fn resample(x: &[f64], clock: (f64, usize, usize), way: Intersample) -> Result<Vec<f64>, IdentError> {
     let (sample_time_s, up, down) = clock;
-    let mut signal = Signal::new(0.0, sample_time_s, x.to_vec())?;
-    if up == 1 {
-        return Ok(decimate(&signal, down)?.samples);
+    if x.is_empty() {
+        return Ok(Vec::new());
     }
-    if down > up {
-        let cutoff_hz = 0.8 * signal.nyquist_hz() * up as f64 / down as f64;
-        let low = Sos::butterworth_lowpass(8, cutoff_hz, sample_time_s)?;
-        signal = signal.with_samples(low.filtfilt(&signal.samples)?);
-    }
-    let count = if x.is_empty() { 0 } else { (x.len() - 1) * up / down + 1 };
+    let signal = Signal::new(0.0, sample_time_s, x.to_vec())?;
+    let count = (x.len() - 1) * up / down + 1;
     let step_s = sample_time_s * down as f64 / up as f64;
-    let times_s: Vec<f64> = (0..count).map(|i| i as f64 * step_s).collect();
+    let times_s = || (0..count).map(|i| i as f64 * step_s).collect::<Vec<f64>>();
     Ok(match way {
-        Intersample::ZeroOrderHold => hold(&signal, &times_s)?,
-        Intersample::FirstOrderHold => interpolate_at(&signal, &times_s, Interpolation::Linear)?,
-        Intersample::BandLimited => interpolate_at(&signal, &times_s, Interpolation::BandLimited)?,
+        Intersample::ZeroOrderHold => hold(&signal, &times_s())?,
+        Intersample::FirstOrderHold => interpolate_at(&signal, &times_s(), Interpolation::Linear)?,
+        Intersample::BandLimited => {
+            let mut samples = resample_rational(&signal, up, down)?.samples;
+            samples.truncate(count);
+            samples
+        }
     })
 }
 

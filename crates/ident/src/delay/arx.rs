@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::signals;
 use crate::data::check_range;
-use crate::lagged::{Column, choose_columns, factor_lagged};
+use crate::regression::{Lagged, Regression, Signals, factor_of};
 use crate::{Dataset, IdentError};
 
 /// Most combinations of delays that are compared jointly.
@@ -120,19 +120,20 @@ struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    fn new(options: &'a ArxDelay, signals: &[Vec<&[f64]>], inputs: usize) -> Result<Self, IdentError> {
-        let past = (1..=options.na as isize).map(|lag| (0, lag));
+    fn new(options: &'a ArxDelay, signals: &Signals<'_>, inputs: usize) -> Result<Self, IdentError> {
+        let past = Lagged::each(0, 1..=options.na as isize);
         let lags = options.lowest as isize..(options.highest + options.nb) as isize;
         let width = lags.len();
-        let fed = (1..=inputs).flat_map(|k| lags.clone().map(move |lag| (k, lag)));
-        let columns: Vec<Column> = past.chain(fed).chain([(0, 0)]).collect();
-        let triangle = factor_lagged(signals, &columns);
-        let samples = triangle.rows();
-        if samples < columns.len() {
-            return Err(IdentError::TooFewSamples { samples, parameters: columns.len() - 1 });
+        let fed = (1..=inputs).flat_map(|k| Lagged::each(k, lags.clone()));
+        let columns: Vec<Lagged> = past.chain(fed).chain([Lagged::new(0, 0)]).collect();
+        let parameters = columns.len() - 1;
+        let regression = Regression::new(signals, columns);
+        let samples = regression.rows;
+        if samples <= parameters {
+            return Err(IdentError::TooFewSamples { samples, parameters });
         }
-        let factor = triangle.finish();
-        if factor.col(columns.len() - 1).norm_l2() == 0.0 {
+        let factor = regression.factor();
+        if factor.col(parameters).norm_l2() == 0.0 {
             return Err(IdentError::Constant { what: "the output" });
         }
         Ok(Comparison { options, factor, samples, width })
@@ -143,9 +144,9 @@ impl<'a> Comparison<'a> {
         let na = self.options.na;
         let last = self.factor.ncols() - 1;
         let fed = lags.enumerate().flat_map(|(k, lags)| lags.map(move |l| na + k * self.width + l));
-        let columns: Vec<usize> = (0..na).chain(fed).chain([last]).collect();
-        let chosen = choose_columns(&self.factor, &columns);
-        let cost = chosen[(columns.len() - 1, columns.len() - 1)].powi(2);
+        let chosen: Vec<usize> = (0..na).chain(fed).chain([last]).collect();
+        let own = factor_of(&self.factor, &chosen);
+        let cost = own[(chosen.len() - 1, chosen.len() - 1)].powi(2);
         cost.max(ROUNDING * self.factor.col(last).squared_norm_l2()) / self.samples as f64
     }
 

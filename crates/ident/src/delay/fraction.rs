@@ -1,7 +1,7 @@
 //! A delay to a fraction of a sample beside dynamics.
 
 use super::{ArxDelay, DelayEstimate, check_one_input, golden_minimum, signals};
-use crate::lagged::{Column, factor_lagged};
+use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
 /// Step of the second difference, in samples.
@@ -64,15 +64,15 @@ impl FractionalDelay {
         // Two more than wanted and two less in the lags, so that as many rows are cut off for every fraction.
         let delayed = data.delay_input(0, fraction + 2.0)?;
         let first = whole as isize - 2;
-        let past = (1..=self.0.na as isize).map(|lag| (0, lag));
-        let fed = (first..first + self.0.nb as isize).map(|lag| (1, lag));
-        let columns: Vec<Column> = past.chain(fed).chain([(0, 0)]).collect();
-        let triangle = factor_lagged(&signals(&delayed)?, &columns);
-        let rows = triangle.rows();
-        if rows < columns.len() {
-            return Err(IdentError::TooFewSamples { samples: rows, parameters: columns.len() - 1 });
+        let past = Lagged::each(0, 1..=self.0.na as isize);
+        let fed = Lagged::each(1, first..first + self.0.nb as isize);
+        let columns: Vec<Lagged> = past.chain(fed).chain([Lagged::new(0, 0)]).collect();
+        let parameters = columns.len() - 1;
+        let signals = signals(&delayed)?;
+        let regression = Regression::new(&signals, columns);
+        if regression.rows <= parameters {
+            return Err(IdentError::TooFewSamples { samples: regression.rows, parameters });
         }
-        let last = columns.len() - 1;
-        Ok(triangle.finish()[(last, last)].powi(2) / rows as f64)
+        Ok(regression.factor()[(parameters, parameters)].powi(2) / regression.rows as f64)
     }
 }

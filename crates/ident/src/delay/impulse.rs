@@ -3,8 +3,7 @@
 use super::signals;
 use crate::data::check_range;
 use crate::distributions::normal_quantile;
-use crate::lagged::{Column, factor_lagged};
-use crate::least_squares::solve_triangle;
+use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
 /// Regresses the output on many lags of every input, `y(t) = −Σ a_i y(t−i) + Σ_k Σ_l b_{k,l} u_k(t − l) + e(t)`, and takes
@@ -68,10 +67,10 @@ impl ImpulseDelay {
         let signals = signals(data)?;
         check_range("lags", self.lags as f64, 1.0, 1e5)?;
         check_range("level", self.level, 0.0, 1.0 - 1e-12)?;
-        let past = (1..=self.na as isize).map(|lag| (0, lag));
-        let fed = (1..=data.inputs()).flat_map(|k| (0..self.lags as isize).map(move |lag| (k, lag)));
-        let columns: Vec<Column> = past.chain(fed).chain([(0, 0)]).collect();
-        let fit = solve_triangle(factor_lagged(&signals, &columns))?;
+        let past = Lagged::each(0, 1..=self.na as isize);
+        let fed = (1..=data.inputs()).flat_map(|k| Lagged::each(k, 0..self.lags as isize));
+        let columns = past.chain(fed).chain([Lagged::new(0, 0)]).collect();
+        let fit = Regression::new(&signals, columns).least_squares()?;
         let covariance = fit.covariance();
         let threshold = normal_quantile(1.0 - (1.0 - self.level) / (2.0 * self.lags as f64));
         let start = |k: usize| {

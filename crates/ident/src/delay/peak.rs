@@ -4,8 +4,7 @@ use signal::SignalError;
 use signal::correlation::delay_by_correlation;
 
 use super::{DelayEstimate, check_one_input, signals};
-use crate::lagged::{Column, factor_lagged};
-use crate::least_squares::solve_triangle;
+use crate::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, IdentError};
 
 /// Zeros beyond the longest delay that keep experiments apart, as many as the interpolation of the peak reaches.
@@ -91,12 +90,12 @@ impl PeakDelay {
     }
 
     /// `1, a₁ …`: the one-step prediction error of the input.
-    fn whitening_filter(&self, signals: &[Vec<&[f64]>]) -> Result<Vec<f64>, IdentError> {
+    fn whitening_filter(&self, signals: &Signals<'_>) -> Result<Vec<f64>, IdentError> {
         if self.whitening_order == 0 {
             return Ok(vec![1.0]);
         }
-        let columns: Vec<Column> = (1..=self.whitening_order as isize).map(|lag| (1, lag)).chain([(1, 0)]).collect();
-        let fit = solve_triangle(factor_lagged(signals, &columns))?;
+        let columns = Lagged::each(1, 1..=self.whitening_order as isize).chain([Lagged::new(1, 0)]).collect();
+        let fit = Regression::new(signals, columns).least_squares()?;
         Ok(std::iter::once(1.0).chain(fit.parameters.iter().map(|a| -a)).collect())
     }
 }

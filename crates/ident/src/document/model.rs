@@ -9,6 +9,7 @@ use crate::{Intersample, LinearModel, Parametric, ProcessSystem, StateSpaceModel
 /// A model of any kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "value", rename_all = "snake_case")]
+#[expect(clippy::large_enum_variant, reason = "models are held one by one, never in bulk")]
 pub enum AnyModel {
     /// ARX, ARMAX, output error, Box–Jenkins and everything between.
     Polynomial(PolynomialModel),

@@ -1,6 +1,9 @@
 //! Measured frequency responses and spectra with their noise.
 
+use std::f64::consts::TAU;
+
 use signal::Complex64;
+use signal::frf::{FrequencyResponse, LocalEstimate, PeriodicSpectra, periodic_spectra};
 
 use crate::{Dataset, IdentError};
 
@@ -37,13 +40,90 @@ pub struct SpectralData {
     pub averages: Option<usize>,
 }
 
+impl FrequencyData {
+    /// One channel of an estimated response, `(output, input)`; `averages` is what its variances were computed from, such as
+    /// the periods of [`signal::frf::periodic_spectra`].
+    ///
+    /// # Errors
+    /// [`IdentError::Structure`] for a channel that does not exist.
+    pub fn of_response(
+        response: &FrequencyResponse,
+        (output, input): (usize, usize),
+        averages: Option<usize>,
+    ) -> Result<Self, IdentError> {
+        if input >= response.inputs || output >= response.outputs {
+            return Err(IdentError::Structure { what: "no such channel" });
+        }
+        Ok(FrequencyData {
+            omega_rad_s: response.freq_hz.iter().map(|f| TAU * f).collect(),
+            response: response.response_of(output, input),
+            variance: response.variance_of(output, input),
+            averages,
+        })
+    }
+
+    /// One channel, `(output, input)`, of a local polynomial or rational estimate. Variances of neighbouring frequencies
+    /// come from the same noise, so that the cost scatters more than it is said to.
+    ///
+    /// # Errors
+    /// Those of [`FrequencyData::of_response`].
+    ///
+    /// # Example
+    /// ```
+    /// use ident::{FrequencyData, FrequencyTransferFunction};
+    /// use signal::frf::LocalModel;
+    /// let mut random = signal::excitation::Random::new(1);
+    /// let u: Vec<f64> = (0..2000).map(|_| random.normal()).collect();
+    /// // y(t) = 0.8 y(t−1) + u(t−1), measured with noise.
+    /// let mut x = vec![0.0; 2000];
+    /// (1..2000).for_each(|t| x[t] = 0.8 * x[t - 1] + u[t - 1]);
+    /// let y: Vec<f64> = x.iter().map(|x| x + 0.1 * random.normal()).collect();
+    /// let local = LocalModel::polynomial(2, 1).estimate(&[&u], &[&y], 0.1)?;
+    /// let data = FrequencyData::of_local(&local, (0, 0))?;
+    /// let fit = FrequencyTransferFunction::discrete(0, 1, 0.1).fit(&data)?;
+    /// let pole = fit.fit.model.transfer_function()?.den()[1];
+    /// assert!((pole + 0.8).abs() < 0.01);
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    pub fn of_local(estimate: &LocalEstimate, channel: (usize, usize)) -> Result<Self, IdentError> {
+        Self::of_response(&estimate.response, channel, Some(estimate.degrees_of_freedom + 1))
+    }
+}
+
 impl SpectralData {
-    /// Means and sample (co)variances of one input and one output over the whole periods of the first experiment, at the
-    /// given harmonics of one over the period.
+    /// One input and one output of mean spectra over periods, `(output, input)` by their places among the channels.
+    ///
+    /// # Errors
+    /// [`IdentError::Structure`] for a channel that does not exist.
+    pub fn of_spectra(spectra: &PeriodicSpectra, (output, input): (usize, usize)) -> Result<Self, IdentError> {
+        let channels = spectra.channels;
+        if input >= channels || output >= channels {
+            return Err(IdentError::Structure { what: "no such channel" });
+        }
+        let lines = 0..spectra.freq_hz.len();
+        let mean = |c: usize| lines.clone().map(|k| spectra.mean[k * channels + c]).collect();
+        let covariance = |a: usize, b: usize| {
+            let at = move |k: usize| spectra.covariance[(k * channels + a) * channels + b];
+            lines.clone().map(at)
+        };
+        Ok(SpectralData {
+            omega_rad_s: spectra.freq_hz.iter().map(|f| TAU * f).collect(),
+            input: mean(input),
+            output: mean(output),
+            input_variance: covariance(input, input).map(|v| v.re).collect(),
+            output_variance: covariance(output, output).map(|v| v.re).collect(),
+            covariance: covariance(output, input).collect(),
+            averages: Some(spectra.periods),
+        })
+    }
+
+    /// [`SpectralData::of_spectra`] of one input and one output, `(output, input)`, over the last whole periods of the first
+    /// experiment, at the given harmonics of one over the period; at all where none are given.
     ///
     /// # Errors
     /// [`IdentError::TooFewSamples`] for fewer than six periods (variances from fewer say too little),
-    /// [`IdentError::Missing`] for a gap, [`IdentError::Structure`] for a channel or harmonic that does not exist.
+    /// [`IdentError::Missing`] for a gap, [`IdentError::Structure`] for a channel that does not exist,
+    /// [`signal::SignalError::Parameter`] for a harmonic that does not.
     ///
     /// # Source
     /// Pintelon & Schoukens 2012, (2-31)–(2-33): sample means and noise (co)variances over periods.
@@ -56,55 +136,18 @@ impl SpectralData {
         if input >= data.inputs() || output >= data.outputs() {
             return Err(IdentError::Structure { what: "no such channel" });
         }
-        if harmonics.iter().any(|k| *k == 0 || 2 * k >= period) {
-            return Err(IdentError::Structure { what: "harmonics must lie between zero and half the sample rate" });
-        }
         let experiment = data.experiments().first().ok_or(IdentError::Structure { what: "no experiment" })?;
         let (u, y) = (experiment.input(input), experiment.output(output));
-        let averages = y.len() / period.max(1);
-        if averages < 6 {
-            return Err(IdentError::TooFewSamples { samples: y.len(), parameters: 6 * period });
+        if y.len() / period.max(1) < 6 {
+            return Err(IdentError::TooFewSamples { samples: y.len(), parameters: period.saturating_mul(6) });
         }
-        let (u, y) = (by_period("an input", u, period)?, by_period("an output", y, period)?);
-        let omega = std::f64::consts::TAU / (period as f64 * data.sample_time_s());
-        let mut spectra = SpectralData {
-            omega_rad_s: harmonics.iter().map(|k| omega * *k as f64).collect(),
-            input: Vec::new(),
-            output: Vec::new(),
-            input_variance: Vec::new(),
-            output_variance: Vec::new(),
-            covariance: Vec::new(),
-            averages: Some(averages),
-        };
-        harmonics.iter().for_each(|k| spectra.push_line(&u, &y, *k));
-        Ok(spectra)
+        for (what, x) in [("an input", u), ("an output", y)] {
+            if let Some(index) = x.iter().position(|v| v.is_nan()) {
+                return Err(IdentError::Missing { what, index });
+            }
+        }
+        Self::of_spectra(&periodic_spectra(&[u, y], period, data.sample_time_s(), harmonics)?, (1, 0))
     }
-
-    fn push_line(&mut self, u: &[Vec<Complex64>], y: &[Vec<Complex64>], k: usize) {
-        let count = u.len() as f64;
-        let mean = |x: &[Vec<Complex64>]| x.iter().map(|p| p[k]).sum::<Complex64>() / count;
-        let (mean_u, mean_y) = (mean(u), mean(y));
-        let of_mean = 1.0 / (count * (count - 1.0));
-        let spread =
-            |x: &[Vec<Complex64>], m: Complex64| of_mean * x.iter().map(|p| (p[k] - m).norm_sqr()).sum::<f64>();
-        let both = u.iter().zip(y).map(|(u, y)| (y[k] - mean_y) * (u[k] - mean_u).conj());
-        self.covariance.push(both.sum::<Complex64>() * of_mean);
-        self.input_variance.push(spread(u, mean_u));
-        self.output_variance.push(spread(y, mean_y));
-        self.input.push(mean_u);
-        self.output.push(mean_y);
-    }
-}
-
-/// The spectrum of each whole period, divided by the number of samples.
-fn by_period(what: &'static str, x: &[f64], period: usize) -> Result<Vec<Vec<Complex64>>, IdentError> {
-    if let Some(index) = x.iter().position(|v| v.is_nan()) {
-        return Err(IdentError::Missing { what, index });
-    }
-    let transform = |part: &[f64]| -> Result<Vec<Complex64>, IdentError> {
-        Ok(signal::spectrum::fft_real(part)?.into_iter().map(|v| v / period as f64).collect())
-    };
-    x.chunks_exact(period).map(transform).collect()
 }
 
 /// One frequency: `Y − G U` is known to have the variance `σ_y² + |G|² σ_u² − 2 Re(G* σ_yu)`.

@@ -7,24 +7,13 @@ mod structure;
 use faer::Mat;
 use signal::excitation::Random;
 
+use crate::prediction::InitialState;
 use crate::state_space::{Information, Known, Search, Searchable, check_missing, gather};
 use crate::{Dataset, Doubt, Fit, IdentError, LinearModel, Parametric, Termination};
 
 pub use model::GreyBoxModel;
 use search::Parameters;
 pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatrices};
-
-/// What is known of the states at the first sample of each experiment.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum InitialStates {
-    /// Nothing: estimated, for each experiment.
-    #[default]
-    Estimated,
-    /// They are zero.
-    Zero,
-    /// These, one list an experiment.
-    Given(Vec<Vec<f64>>),
-}
 
 /// Grey-box estimation: the parameters of a [`Structure`] by minimising the prediction error.
 ///
@@ -40,8 +29,8 @@ pub enum InitialStates {
 pub struct GreyBox<S> {
     /// The structure.
     pub structure: S,
-    /// What is known of the initial states.
-    pub initial_states: InitialStates,
+    /// What is known of the state at the first sample of each experiment.
+    pub initial_state: InitialState,
     /// Further starting points against local minima: drawn within the bounds of each free parameter where both are
     /// finite, otherwise from a tenth to ten times its start.
     pub further_starts: usize,
@@ -58,19 +47,13 @@ impl<S: Structure> GreyBox<S> {
     /// One search from the structure's own starting values, initial states estimated.
     #[must_use]
     pub fn new(structure: S) -> Self {
-        GreyBox {
-            structure,
-            initial_states: InitialStates::Estimated,
-            further_starts: 0,
-            seed: 1,
-            iteration_limit: 100,
-        }
+        GreyBox { structure, initial_state: InitialState::Estimated, further_starts: 0, seed: 1, iteration_limit: 100 }
     }
 
-    /// With these initial states, of the innovations form (`x − B₁u` under straight inputs).
+    /// With this initial state, of the innovations form (`x − B₁u` under straight inputs) without delayed inputs.
     #[must_use]
-    pub fn with_initial_states(self, initial_states: InitialStates) -> Self {
-        GreyBox { initial_states, ..self }
+    pub fn with_initial_state(self, initial_state: InitialState) -> Self {
+        GreyBox { initial_state, ..self }
     }
 
     /// With so many further starting points.
@@ -94,8 +77,7 @@ impl<S: Structure> GreyBox<S> {
         let output_error = innovations.k().norm_max() == 0.0;
         let missing = check_missing(data, output_error)?;
         let parameters = Parameters::new(start);
-        let estimated =
-            if self.initial_states == InitialStates::Estimated { parameters.model.own_states()? } else { 0 };
+        let estimated = if self.initial_state == InitialState::Estimated { parameters.model.own_states()? } else { 0 };
         let first = Search::new(data, parameters.clone(), self.states(data, &parameters)?, estimated)?;
         let mut search = self.best_start(data, &parameters, first, estimated)?;
         let termination = search.run(self.iteration_limit)?;
@@ -105,8 +87,8 @@ impl<S: Structure> GreyBox<S> {
     /// States at the start of the search: the given ones or zero.
     fn states(&self, data: &Dataset, parameters: &Parameters<S>) -> Result<Vec<Vec<f64>>, IdentError> {
         let own = parameters.model.own_states()?;
-        Ok(match &self.initial_states {
-            InitialStates::Given(states) => states.clone(),
+        Ok(match &self.initial_state {
+            InitialState::Given(states) => states.clone(),
             _ => vec![vec![0.0; own]; data.experiments().len()],
         })
     }
@@ -126,7 +108,7 @@ impl<S: Structure> GreyBox<S> {
                 return Err(IdentError::Structure { what: "a prior needs a finite mean and a positive spread" });
             }
         }
-        let InitialStates::Given(states) = &self.initial_states else { return Ok(()) };
+        let InitialState::Given(states) = &self.initial_state else { return Ok(()) };
         let own = start.own_states()?;
         let experiments = data.experiments().len();
         let length = |expected, found| IdentError::Length { what: "initial states", expected, found };

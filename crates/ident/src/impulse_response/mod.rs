@@ -15,8 +15,7 @@ use self::posterior::{Evidence, Posterior};
 use self::search::Prior;
 use crate::arx::{ArxOrders, ILL_CONDITIONED, filter, layout, whitening_filter};
 use crate::least_squares::solve_factor;
-use crate::regression::{Equation, Regression, Signals, noise_covariance, outputs_then_inputs};
-use crate::triangle::upper_factor;
+use crate::regression::{Equation, Regression, Signals, factor_of, noise_covariance, outputs_then_inputs};
 use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Termination};
 
 /// Estimates finite impulse responses, from every input to every output:
@@ -131,7 +130,7 @@ impl ImpulseResponse {
     /// One output, from the factor of all columns.
     fn estimate(&self, factor: &Mat<f64>, equation: &Equation, rows: usize) -> Result<Part, IdentError> {
         let columns: Vec<usize> = equation.regressors.iter().chain([&equation.target]).copied().collect();
-        let own = upper_factor(Mat::from_fn(factor.nrows(), columns.len(), |i, j| factor[(i, columns[j])]));
+        let own = factor_of(factor, &columns);
         let Some(kernel) = self.kernel else { return Ok(unregularised(solve_factor(&own, rows)?)) };
         let inputs = equation.regressors.len() / self.taps;
         let evidence = Evidence::new(own, rows);

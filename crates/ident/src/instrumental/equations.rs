@@ -69,22 +69,21 @@ impl<'a> Instrumented<'a> {
         let mut equations = Vec::new();
         for i in 0..outputs {
             let base = if self.several { i * self.set } else { 0 };
-            let mut place = |c: &Lagged| index_of(&mut columns, Lagged { signal: base + c.signal, lag: c.lag });
+            let mut place = |c: &Lagged| index_of(&mut columns, Lagged::new(base + c.signal, c.lag));
             let phi = self.orders.regressors(i);
             let own: usize = self.orders.na[i].iter().sum();
             let regressors = phi.iter().map(&mut place).collect();
             let mut instruments: Vec<usize> = phi[own..].iter().map(&mut place).collect();
             if self.given {
-                let behind = |c: &Lagged| Lagged { signal: c.signal + outputs + inputs, lag: c.lag };
+                let behind = |c: &Lagged| Lagged::new(c.signal + outputs + inputs, c.lag);
                 instruments.extend(phi[..own].iter().map(|c| place(&behind(c))));
             } else {
-                let further = |k: usize| self.orders.nk[i][k] + self.orders.nb[i][k];
-                let lags =
-                    |k: usize| (further(k)..further(k) + own).map(move |lag| Lagged { signal: outputs + k, lag });
+                let further = |k: usize| (self.orders.nk[i][k] + self.orders.nb[i][k]) as isize;
+                let lags = |k: usize| Lagged::each(outputs + k, further(k)..further(k) + own as isize);
                 let driving = (0..inputs).filter(|k| self.orders.nb[i][*k] > 0).flat_map(lags);
                 instruments.extend(driving.map(|c| place(&c)));
             }
-            equations.push(Equation { regressors, instruments, target: place(&Lagged { signal: i, lag: 0 }) });
+            equations.push(Equation { regressors, instruments, target: place(&Lagged::new(i, 0)) });
         }
         (columns, equations)
     }

@@ -16,7 +16,7 @@ use gain::Gain;
 /// The state at the first sample of each experiment.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum InitialState {
-    /// Fitted to each experiment by least squares: to the errors of the simulation for [`simulate`], to the one-step
+    /// Fitted to each experiment. Estimators fit it together with the model; otherwise it is by least squares: to the errors of the simulation for [`simulate`], to the one-step
     /// prediction errors, weighed by their covariance, for [`predict`] and [`residuals`]. Directions of the state that the
     /// data do not show stay zero.
     #[default]

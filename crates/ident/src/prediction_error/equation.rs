@@ -4,15 +4,15 @@ use std::borrow::Cow;
 
 use faer::Mat;
 
+use super::Polynomial;
 use super::evaluate::Evaluator;
 use super::orders::Orders;
 use super::segment::{Segment, segments};
 use super::signals::Aim;
 use super::slower::{quickened, slow_orders, slowed};
 use super::start::{self, candidates};
-use super::{Focus, InitialState, Polynomial, Residuals};
 use crate::nonlinear::{Lowest, SumOfSquares, descend};
-use crate::{Bounds, Dataset, IdentError, NonlinearOptions};
+use crate::{Bounds, Dataset, Focus, IdentError, NonlinearOptions};
 
 /// Rows that starting values are sought on.
 const START_ROWS: usize = 16_384;
@@ -57,7 +57,7 @@ pub(super) fn estimate(
 ) -> Result<Equation, IdentError> {
     let skip = orders.is_output_error();
     let mut all = segments(data, output, skip);
-    let estimate_states = options.initial == InitialState::Estimated;
+    let estimate_states = !options.from_rest;
     let states = if estimate_states { orders.states() } else { 0 };
     all.retain(|s| s.known() > states);
     let rows: usize = all.iter().map(Segment::known).sum();
@@ -91,39 +91,37 @@ fn is_stable(orders: &Orders, theta: &[f64]) -> bool {
     inputs.chain([orders.a(), orders.c(), orders.d()]).all(|range| super::line::is_stable(&theta[range], 1.0))
 }
 
-fn coloured(residuals: Residuals) -> Residuals {
-    match residuals {
-        Residuals::White => Residuals::Coloured { batches: BATCHES },
-        given => given,
-    }
-}
-
 type Estimate = (Lowest, Mat<f64>, f64);
 
 impl Task<'_> {
     fn estimate(&self, all: &[Segment<'_>], options: &Polynomial) -> Result<Estimate, IdentError> {
-        match &options.focus {
-            Focus::Prediction => self.predicting(all, options.residuals),
-            Focus::Simulation => self.simulating(all, options.residuals),
-            Focus::Filtered(filter) => {
-                let filtered: Vec<_> = all.iter().map(|s| filtered(s, filter)).collect();
-                self.predicting(&filtered, coloured(options.residuals))
-            }
+        let passed: Option<Vec<_>> =
+            options.prefilter.as_ref().map(|filter| all.iter().map(|s| filtered(s, filter)).collect());
+        match (options.focus, &passed) {
+            (Focus::Prediction, None) => self.predicting(all, options.batches),
+            (Focus::Prediction, Some(passed)) => self.predicting(passed, options.batches.or(Some(BATCHES))),
+            (Focus::Simulation, passed) => self.simulating(passed.as_deref().unwrap_or(all), all, options.batches),
         }
     }
 
-    fn predicting(&self, all: &[Segment<'_>], residuals: Residuals) -> Result<Estimate, IdentError> {
+    fn predicting(&self, all: &[Segment<'_>], batches: Option<usize>) -> Result<Estimate, IdentError> {
         let start = self.start(all, Aim::Prediction, |few| self.guesses(few))?;
-        self.finish(all, Aim::Prediction, &start, residuals)
+        self.finish(all, Aim::Prediction, &start, batches)
     }
 
-    /// `A`, `B`, `F` from the simulated output, then `C` and `D` with those held.
-    fn simulating(&self, all: &[Segment<'_>], residuals: Residuals) -> Result<Estimate, IdentError> {
+    /// `A`, `B`, `F` from the simulated output, filtered or not, then `C` and `D` from all there is with those held.
+    fn simulating(
+        &self,
+        passed: &[Segment<'_>],
+        all: &[Segment<'_>],
+        batches: Option<usize>,
+    ) -> Result<Estimate, IdentError> {
         let (plain, place) = self.orders.without_noise();
         let bounds = place.iter().map(|j| self.bounds[*j]).collect();
         let dynamics = Task { orders: &plain, bounds, ..*self };
-        let start = dynamics.start(all, Aim::Simulation, |few| dynamics.guesses(few))?;
-        let (found, covariance, freedom) = dynamics.finish(all, Aim::Simulation, &start, coloured(residuals))?;
+        let start = dynamics.start(passed, Aim::Simulation, |few| dynamics.guesses(few))?;
+        let coloured = batches.or(Some(BATCHES));
+        let (found, covariance, freedom) = dynamics.finish(passed, Aim::Simulation, &start, coloured)?;
         if place.len() == self.orders.count() {
             return Ok((found, covariance, freedom));
         }
@@ -131,7 +129,7 @@ impl Task<'_> {
         let mut noise = Task { orders: self.orders, bounds: self.bounds.clone(), ..*self };
         place.iter().for_each(|j| noise.bounds[*j] = Bounds::new(theta[*j], theta[*j]));
         let begin = noise.start(all, Aim::Prediction, |few| Ok(vec![start::with_noise(self.orders, few, &theta)]))?;
-        let (lowest, mut whole, _) = noise.finish(all, Aim::Prediction, &begin, residuals)?;
+        let (lowest, mut whole, _) = noise.finish(all, Aim::Prediction, &begin, batches)?;
         for (i, row) in place.iter().enumerate() {
             place.iter().enumerate().for_each(|(j, column)| whole[(*row, *column)] = covariance[(i, j)]);
         }
@@ -143,18 +141,18 @@ impl Task<'_> {
         all: &[Segment<'_>],
         aim: Aim,
         start: &[f64],
-        residuals: Residuals,
+        batches: Option<usize>,
     ) -> Result<Estimate, IdentError> {
         let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
         let lowest = descend(&mut evaluator, start, &self.bounds, self.search)?;
         let free = lowest.at_bound.iter().filter(|b| !**b).count();
         let freedom = evaluator.residual_count() as f64 - free as f64;
-        match residuals {
-            Residuals::White => {
+        match batches {
+            None => {
                 let covariance = faer::Scale(lowest.cost / freedom) * &lowest.unscaled_covariance;
                 Ok((lowest, covariance, freedom))
             }
-            Residuals::Coloured { batches } => {
+            Some(batches) => {
                 let scores = evaluator.scores(&lowest.parameters, batches)?;
                 let middle = crate::covariance::middle_of_batches(&scores);
                 let covariance = &lowest.unscaled_covariance * middle * &lowest.unscaled_covariance;

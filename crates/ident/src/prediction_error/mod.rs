@@ -18,42 +18,7 @@ use signal::filter::Sos;
 
 use self::orders::Orders;
 pub use self::orders::PerInput;
-use crate::{Dataset, Fit, IdentError, NonlinearOptions};
-
-/// What is taken for the state in which each stretch of data starts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum InitialState {
-    /// The state that suits the data best, found by least squares for every stretch and every trial model.
-    #[default]
-    Estimated,
-    /// Rest: inputs, outputs and noise were zero before the first sample.
-    Zero,
-}
-
-/// Which errors are made small.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub enum Focus {
-    /// Those of the one-step prediction: the maximum-likelihood estimate under normal noise.
-    #[default]
-    Prediction,
-    /// Those of the simulated output; `C` and `D` are then estimated with the other polynomials held.
-    Simulation,
-    /// Those of the prediction after this filter, such as a band pass around what matters.
-    Filtered(Sos),
-}
-
-/// What the residuals are taken for when the covariance is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Residuals {
-    /// White, as they are if the structure can describe the system.
-    #[default]
-    White,
-    /// Coloured: the covariance is estimated from the scatter between this many stretches of the data.
-    Coloured {
-        /// Stretches, at least two; each must be long against the memory of the residuals.
-        batches: usize,
-    },
-}
+use crate::{Dataset, Fit, Focus, IdentError, NonlinearOptions};
 
 /// Options of the prediction-error method for the general polynomial model, for every output `i`:
 ///
@@ -78,9 +43,10 @@ pub struct Polynomial {
     nd: usize,
     nf: PerInput,
     nk: PerInput,
-    initial: InitialState,
+    from_rest: bool,
     focus: Focus,
-    residuals: Residuals,
+    prefilter: Option<Sos>,
+    batches: Option<usize>,
     held: Vec<(String, f64)>,
     search: NonlinearOptions,
 }
@@ -102,31 +68,40 @@ impl Polynomial {
             nd,
             nf: nf.into(),
             nk: nk.into(),
-            initial: InitialState::default(),
+            from_rest: false,
             focus: Focus::default(),
-            residuals: Residuals::default(),
+            prefilter: None,
+            batches: None,
             held: Vec::new(),
             search: NonlinearOptions::default(),
         }
     }
 
-    /// What is taken for the initial state; by default it is estimated.
+    /// Takes inputs, outputs and noise as zero before each stretch of data. Otherwise the state that suits a stretch best is
+    /// found by least squares, for every trial model.
     #[must_use]
-    pub fn initial_state(self, initial: InitialState) -> Self {
-        Polynomial { initial, ..self }
+    pub fn from_rest(self) -> Self {
+        Polynomial { from_rest: true, ..self }
     }
 
     /// Which errors are made small; by default those of the prediction.
     #[must_use]
-    pub fn focus(self, focus: Focus) -> Self {
+    pub fn with_focus(self, focus: Focus) -> Self {
         Polynomial { focus, ..self }
     }
 
-    /// What the residuals are taken for when the covariance is computed; by default white under
-    /// [`Focus::Prediction`]. Under the other ones they are coloured, and 30 stretches are used where none are given.
+    /// Makes the errors small after this filter, such as a band pass around what matters.
     #[must_use]
-    pub fn residuals(self, residuals: Residuals) -> Self {
-        Polynomial { residuals, ..self }
+    pub fn with_prefilter(self, prefilter: Sos) -> Self {
+        Polynomial { prefilter: Some(prefilter), ..self }
+    }
+
+    /// Takes the covariance from the scatter between `batches` stretches of the data, two at least and each long against
+    /// the memory of the residuals, right also where the residuals are coloured. It is what happens, with 30 stretches,
+    /// under [`Focus::Simulation`] or a filter; otherwise the residuals are taken as white.
+    #[must_use]
+    pub fn robust(self, batches: usize) -> Self {
+        Polynomial { batches: Some(batches), ..self }
     }
 
     /// Holds one coefficient at a value; its name is that of [`PolynomialModel::coefficient_names`], such as `f1`.
@@ -138,7 +113,7 @@ impl Polynomial {
 
     /// How far and how exactly to search.
     #[must_use]
-    pub fn search(self, search: NonlinearOptions) -> Self {
+    pub fn with_search(self, search: NonlinearOptions) -> Self {
         Polynomial { search, ..self }
     }
 

@@ -6,20 +6,37 @@ use std::ops::Range;
 
 use faer::Mat;
 
-pub(crate) use solution::{Solution, noise_covariance, parameter_covariance, robust_covariance, solve};
+pub(crate) use solution::{Solution, factor_of, noise_covariance, parameter_covariance, robust_covariance, solve};
 
-use crate::{Dataset, Triangle};
+use crate::least_squares::{LinearFit, solve_factor};
+use crate::{Dataset, IdentError, Triangle};
 
 /// Multiplications from which a second thread pays.
 const WORTH_A_THREAD: usize = 4_000_000;
 /// Rows worked on at a time: a few columns of them stay in the cache.
 const CHUNK: usize = 2048;
 
-/// A column of a regression: `signal(t − lag)`.
+/// A column of a regression: `signal(t − lag)`; a negative lag reads ahead.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Lagged {
     pub(crate) signal: usize,
-    pub(crate) lag: usize,
+    pub(crate) lag: isize,
+}
+
+impl Lagged {
+    pub(crate) fn new(signal: usize, lag: isize) -> Self {
+        Lagged { signal, lag }
+    }
+
+    /// `signal(t − lag)` for each of these lags, one after the other.
+    pub(crate) fn each(signal: usize, lags: impl IntoIterator<Item = isize>) -> impl Iterator<Item = Self> {
+        lags.into_iter().map(move |lag| Lagged { signal, lag })
+    }
+
+    /// Where the samples of rows from `row` on begin. Rows are chosen so that none begins before the first sample.
+    fn first(self, row: usize) -> usize {
+        row.wrapping_add_signed(-self.lag)
+    }
 }
 
 /// The signals of every experiment as slices: for each experiment, one slice a signal.
@@ -35,14 +52,14 @@ pub(crate) fn outputs_then_inputs(data: &Dataset) -> Signals<'_> {
     data.experiments().iter().map(|e| (0..outputs + data.inputs()).map(|s| signal(e, s)).collect()).collect()
 }
 
-/// Rows `range` of one experiment, each with all its past and without a missing sample.
+/// Rows `range` of one experiment, each with all that its columns read and without a missing sample.
 #[derive(Debug, Clone)]
 struct Stretch {
     experiment: usize,
     range: Range<usize>,
 }
 
-/// A regression over all rows of all experiments in which no column reaches before the start or touches a missing
+/// A regression over all rows of all experiments in which no column reaches beyond its ends or touches a missing
 /// sample.
 pub(crate) struct Regression<'a> {
     signals: &'a Signals<'a>,
@@ -50,18 +67,19 @@ pub(crate) struct Regression<'a> {
     stretches: Vec<Stretch>,
     /// Usable rows.
     pub(crate) rows: usize,
-    /// Rows with all their past, whether samples are missing or not.
+    /// Rows with all that their columns read, whether samples are missing or not.
     pub(crate) candidates: usize,
 }
 
 impl<'a> Regression<'a> {
     pub(crate) fn new(signals: &'a Signals<'a>, columns: Vec<Lagged>) -> Self {
-        let first = columns.iter().map(|c| c.lag).max().unwrap_or(0);
+        let first = columns.iter().map(|c| c.lag.max(0).unsigned_abs()).max().unwrap_or(0);
+        let ahead = columns.iter().map(|c| c.lag.min(0).unsigned_abs()).max().unwrap_or(0);
         let mut regression = Regression { signals, columns, stretches: Vec::new(), rows: 0, candidates: 0 };
         for (experiment, record) in signals.iter().enumerate() {
-            let length = record.first().map_or(0, |s| s.len());
-            regression.candidates += length.saturating_sub(first);
-            for range in usable_rows(record, &regression.columns, first..length) {
+            let end = record.first().map_or(0, |s| s.len()).saturating_sub(ahead);
+            regression.candidates += end.saturating_sub(first);
+            for range in usable_rows(record, &regression.columns, first..end) {
                 regression.rows += range.len();
                 regression.stretches.push(Stretch { experiment, range });
             }
@@ -86,6 +104,18 @@ impl<'a> Regression<'a> {
         first.finish()
     }
 
+    /// The last column in terms of the others.
+    ///
+    /// # Errors
+    /// Those of [`solve_factor`].
+    pub(crate) fn least_squares(&self) -> Result<LinearFit, IdentError> {
+        let parameters = self.columns.len().saturating_sub(1);
+        if self.rows <= parameters {
+            return Err(IdentError::TooFewSamples { samples: self.rows, parameters });
+        }
+        solve_factor(&self.factor(), self.rows)
+    }
+
     /// The norm of each of these columns about its mean.
     pub(crate) fn spreads(&self, columns: Range<usize>) -> Vec<f64> {
         let samples = |j| self.stretches.iter().flat_map(move |s| self.column(j, s));
@@ -97,13 +127,13 @@ impl<'a> Regression<'a> {
     }
 
     fn gather(&self, rows: Range<usize>) -> Triangle {
-        let mut triangle = Triangle::new(self.columns.len());
+        let mut triangle = Triangle::for_rows(self.columns.len(), rows.len());
         for Stretch { experiment, range } in self.within(rows) {
             let record = &self.signals[experiment];
             triangle.push_columns(range.len(), |j, start, target| {
-                let Lagged { signal, lag } = self.columns[j];
-                let from = range.start + start - lag;
-                target.copy_from_slice(&record[signal][from..from + target.len()]);
+                let column = self.columns[j];
+                let from = column.first(range.start + start);
+                target.copy_from_slice(&record[column.signal][from..from + target.len()]);
             });
         }
         triangle
@@ -122,8 +152,9 @@ impl<'a> Regression<'a> {
     }
 
     fn column(&self, index: usize, stretch: &Stretch) -> &'a [f64] {
-        let Lagged { signal, lag } = self.columns[index];
-        &self.signals[stretch.experiment][signal][stretch.range.start - lag..stretch.range.end - lag]
+        let column = self.columns[index];
+        let from = column.first(stretch.range.start);
+        &self.signals[stretch.experiment][column.signal][from..from + stretch.range.len()]
     }
 
     /// For each of `batches` stretches of equally many rows, the sum of `z(t) ε_i(t)` of every equation, one below the
@@ -190,8 +221,9 @@ fn usable_rows(record: &[&[f64]], columns: &[Lagged], range: Range<usize>) -> Ve
         }
         change.resize(range.end + 1, 0);
         for s in (0..samples.len()).filter(|s| samples[*s].is_nan()) {
-            change[(s + low).min(range.end)] += 1;
-            change[(s + high + 1).min(range.end)] -= 1;
+            let blocked = |lag: isize| s.saturating_add_signed(lag).min(range.end);
+            change[blocked(low)] += 1;
+            change[blocked(high + 1)] -= 1;
         }
     }
     if change.is_empty() { vec![range] } else { unblocked(&change, range) }

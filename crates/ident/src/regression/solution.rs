@@ -31,7 +31,7 @@ pub(crate) fn solve(factor: &Mat<f64>, equation: &Equation) -> Result<Solution, 
         return least_squares(factor, equation);
     }
     let all: Vec<usize> = z.iter().chain(phi).chain([&equation.target]).copied().collect();
-    let joint = upper_factor(columns(factor, &all));
+    let joint = factor_of(factor, &all);
     let (instruments, parameters) = (z.len(), phi.len());
     if joint.nrows() < instruments || instruments < parameters {
         return Err(IdentError::RankDeficient {
@@ -65,6 +65,11 @@ fn least_squares(factor: &Mat<f64>, equation: &Equation) -> Result<Solution, Ide
         influence,
         condition: pseudo.condition,
     })
+}
+
+/// The triangular factor of some columns of what `factor` is the factor of, square if they are no more than its rows.
+pub(crate) fn factor_of(factor: &Mat<f64>, indices: &[usize]) -> Mat<f64> {
+    upper_factor(columns(factor, indices))
 }
 
 fn columns(factor: &Mat<f64>, indices: &[usize]) -> Mat<f64> {

@@ -10,22 +10,12 @@ mod search;
 use lti::Innovations;
 
 use crate::subspace::{StateOrder, Subspace};
-use crate::{Dataset, Doubt, Fit, IdentError, LinearModel};
+use crate::{Dataset, Doubt, Fit, Focus, IdentError, LinearModel};
 
 pub(crate) use gather::{Information, Known, estimate, gather, regress_inputs};
 pub use model::StateSpaceModel;
 pub(crate) use predictor::Free;
 pub(crate) use search::{Search, Searchable, entries};
-
-/// Which errors are made small.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Focus {
-    /// Those of the prediction one step ahead, with a noise model (`K` free).
-    #[default]
-    Prediction,
-    /// Those of the simulation from the inputs alone: an output-error model, `K = 0`.
-    Simulation,
-}
 
 /// Prediction-error estimation of a state-space model in innovations form.
 ///
@@ -57,12 +47,12 @@ pub enum Focus {
 pub struct StateSpacePem {
     /// Number of states, where no start is given.
     pub order: StateOrder,
-    /// Which errors are made small.
+    /// Which errors are made small: `K` is free for those of the prediction, zero for those of the simulation.
     pub focus: Focus,
     /// Whether `D` is estimated; otherwise it is zero.
     pub feedthrough: bool,
-    /// Whether initial states are estimated; otherwise they are zero.
-    pub initial_states: bool,
+    /// Whether every experiment starts from rest; otherwise initial states are estimated.
+    pub from_rest: bool,
     /// Where the search starts; at a subspace estimate where `None`.
     pub start: Option<StateSpaceModel>,
     /// Most iterations.
@@ -77,7 +67,7 @@ impl StateSpacePem {
             order: StateOrder::Fixed(order),
             focus: Focus::Prediction,
             feedthrough: false,
-            initial_states: true,
+            from_rest: false,
             start: None,
             iteration_limit: 100,
         }
@@ -101,6 +91,12 @@ impl StateSpacePem {
         StateSpacePem { focus, ..self }
     }
 
+    /// Every experiment taken as starting from rest.
+    #[must_use]
+    pub fn from_rest(self) -> Self {
+        StateSpacePem { from_rest: true, ..self }
+    }
+
     /// With `D` estimated.
     #[must_use]
     pub fn with_feedthrough(self) -> Self {
@@ -117,7 +113,7 @@ impl StateSpacePem {
         let missing = check_missing(data, self.focus == Focus::Simulation)?;
         let start = self.starting_point(data)?;
         let n = start.system().states();
-        let (estimated, zero) = (if self.initial_states { n } else { 0 }, vec![vec![0.0; n]; data.experiments().len()]);
+        let (estimated, zero) = (if self.from_rest { 0 } else { n }, vec![vec![0.0; n]; data.experiments().len()]);
         let mut search = Search::new(data, start, zero, estimated)?;
         let termination = search.run(self.iteration_limit)?;
         let (iterations, initial_states, model) = search.into_parts();

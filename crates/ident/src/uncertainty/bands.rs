@@ -1,6 +1,6 @@
 //! Frequency, step and impulse responses with their bands.
 
-use lti::Complex64;
+use lti::{Complex64, TimeGrid};
 
 use super::{Derived, Dynamics, Ellipse};
 use crate::distributions::{interval, student_t_quantile};
@@ -79,19 +79,6 @@ impl TimeBand {
     }
 }
 
-/// The clock and channel of a response over time.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimeGrid {
-    /// The output.
-    pub output: usize,
-    /// The input.
-    pub input: usize,
-    /// Sample time, in seconds; that of a discrete model.
-    pub sample_time_s: f64,
-    /// Number of samples.
-    pub samples: usize,
-}
-
 impl<M: Parametric + Dynamics> Fit<M> {
     /// The frequency response from an input to an output at angular frequencies in rad/s, with its bands.
     ///
@@ -122,33 +109,39 @@ impl<M: Parametric + Dynamics> Fit<M> {
 }
 
 impl<M: Parametric + LinearModel> Fit<M> {
-    /// The response from rest to an input that is one from the first sample on, held between samples.
+    /// The response of an output from rest to an input that is one from the first time on, held between the grid's times;
+    /// these are the samples of a discrete model.
     ///
     /// # Errors
-    /// Those of the model; [`lti::LtiError::Index`]; [`IdentError::NotFinite`] where an unstable model overflows.
-    pub fn step_band(&self, grid: TimeGrid) -> Result<TimeBand, IdentError> {
-        self.time_band(grid, |_| 1.0)
+    /// Those of the model, another step than a discrete model's among them; [`lti::LtiError::Index`]; [`IdentError::NotFinite`] where an unstable model overflows.
+    pub fn step_band(&self, output: usize, input: usize, grid: &TimeGrid) -> Result<TimeBand, IdentError> {
+        self.time_band((output, input), grid, |_| 1.0)
     }
 
-    /// The response from rest to an input that is one at the first sample and zero afterwards, held between samples: the
+    /// The response of an output from rest to an input that is one at the first time and zero from the next on: the
     /// coefficients `g(k)` of `Σ_k g(k) u(t − k)`, Ljung 1999, (2.6).
     ///
     /// # Errors
     /// Those of [`Fit::step_band`].
-    pub fn impulse_band(&self, grid: TimeGrid) -> Result<TimeBand, IdentError> {
-        self.time_band(grid, |t| f64::from(u8::from(t == 0)))
+    pub fn impulse_band(&self, output: usize, input: usize, grid: &TimeGrid) -> Result<TimeBand, IdentError> {
+        self.time_band((output, input), grid, |t| f64::from(u8::from(t == 0)))
     }
 
-    fn time_band(&self, grid: TimeGrid, input: impl Fn(usize) -> f64) -> Result<TimeBand, IdentError> {
-        let u = faer::Mat::from_fn(grid.samples, 1, |t, _| input(t));
+    fn time_band(
+        &self,
+        (output, input): (usize, usize),
+        grid: &TimeGrid,
+        course: impl Fn(usize) -> f64,
+    ) -> Result<TimeBand, IdentError> {
+        let u = faer::Mat::from_fn(grid.points, 1, |t, _| course(t));
         let derived: Derived = self.derive(|m| {
-            let form = m.innovations(grid.sample_time_s, Intersample::ZeroOrderHold)?;
-            let channel = form.system().channel(grid.output, grid.input)?;
+            let form = m.innovations(grid.step_s, Intersample::ZeroOrderHold)?;
+            let channel = form.system().channel(output, input)?;
             let y = channel.simulate(u.as_ref(), &vec![0.0; channel.states()])?;
             Ok(y.col_as_slice(0).to_vec())
         })?;
         Ok(TimeBand {
-            time_s: (0..grid.samples).map(|t| t as f64 * grid.sample_time_s).collect(),
+            time_s: grid.times(),
             standard_errors: derived.standard_errors(),
             values: derived.values,
             degrees_of_freedom: self.degrees_of_freedom,

@@ -1,9 +1,9 @@
 //! [`Dynamics`]: what poles, zeros and frequency responses are computed from.
 
 use lti::polynomial::multiply;
-use lti::{FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace};
+use lti::{Complex64, FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace};
 
-use crate::{ContinuousChannel, ContinuousModel, StateSpaceModel};
+use crate::{ContinuousChannel, ContinuousModel, GreyBoxModel, Parametric, StateSpaceModel, Structure};
 
 /// A ratio of polynomials in descending powers of `s` or `z`.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,5 +91,26 @@ impl<C: ContinuousChannel> Dynamics for ContinuousModel<C> {
         omega_rad_s: &[f64],
     ) -> Result<FrequencyResponse, LtiError> {
         self.transfer_function(output, input)?.frequency_response(omega_rad_s)
+    }
+}
+
+impl<S: Structure> Dynamics for GreyBoxModel<S> {
+    fn system(&self) -> Result<StateSpace, LtiError> {
+        GreyBoxModel::system(self)
+    }
+
+    fn frequency_response(
+        &self,
+        output: usize,
+        input: usize,
+        omega_rad_s: &[f64],
+    ) -> Result<FrequencyResponse, LtiError> {
+        let mut found = self.system()?.frequency_response(output, input, omega_rad_s)?;
+        let delays_s = self.structure().input_delays_s(&self.parameters());
+        let delay_s = delays_s.get(input).copied().unwrap_or(0.0);
+        for (gain, omega) in found.response.iter_mut().zip(omega_rad_s) {
+            *gain *= Complex64::cis(-omega * delay_s);
+        }
+        Ok(found)
     }
 }

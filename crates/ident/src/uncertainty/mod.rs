@@ -9,7 +9,7 @@ pub(crate) mod root;
 mod roots;
 mod sample;
 
-pub use bands::{FrequencyBand, TimeBand, TimeGrid};
+pub use bands::{FrequencyBand, TimeBand};
 pub use dynamics::{Dynamics, Ratio};
 pub use hypothesis::{RatioTest, agreement, nested};
 pub use roots::{Ellipse, UncertainRoot};

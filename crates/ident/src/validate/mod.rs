@@ -1,11 +1,9 @@
 //! Judging a model on data: fit, residual tests, comparison of models.
 
 mod compare;
-mod correlations;
 mod residual_test;
 
 pub use compare::{Judgement, compare, judge};
-pub use correlations::{ResidualCorrelations, residual_correlations};
 pub use residual_test::{Independence, ResidualReport, ResidualTest, Whiteness};
 
 use crate::IdentError;

@@ -8,7 +8,7 @@ use crate::distributions::normal_quantile;
 use crate::fit::check_channels;
 use crate::prediction::{InitialState, residuals};
 use crate::uncertainty::root::inverse_root;
-use crate::{Dataset, IdentError, LinearModel};
+use crate::{Dataset, Experiment, IdentError, LinearModel};
 
 /// Directions with less than this part of the largest variance count as not moving.
 const STILL: f64 = 1e-8;
@@ -102,9 +102,18 @@ impl ResidualTest {
     /// outputs Hosking, *The multivariate portmanteau statistic*, 1980.
     pub fn run<M: LinearModel + ?Sized>(&self, model: &M, data: &Dataset) -> Result<ResidualReport, IdentError> {
         check_channels(model, data)?;
-        let errors = residuals(model, data, &self.initial)?.outputs;
-        let series = |i: usize| errors.iter().map(|e| e.col_as_slice(i)).collect::<Vec<_>>();
-        let outputs = (0..data.outputs()).map(|i| Series::new(&series(i))).collect::<Vec<_>>();
+        let mut errors = residuals(model, data, &self.initial)?.outputs.into_iter();
+        let of = |e: &Experiment| Ok(Experiment { outputs: errors.next().unwrap_or_else(Mat::new), ..e.clone() });
+        self.run_on_residuals(&data.map_experiments(of)?)
+    }
+
+    /// Tests residuals that are already there: they stand as the outputs of `data`.
+    ///
+    /// # Errors
+    /// [`IdentError::TooFewSamples`], [`IdentError::Constant`] as [`ResidualTest::run`].
+    pub fn run_on_residuals(&self, data: &Dataset) -> Result<ResidualReport, IdentError> {
+        let output = |i: usize| data.experiments().iter().map(|e| e.output(i)).collect::<Vec<_>>();
+        let outputs = (0..data.outputs()).map(|i| Series::new(&output(i))).collect::<Vec<_>>();
         let input = |k: usize| data.experiments().iter().map(|e| e.input(k)).collect::<Vec<_>>();
         let inputs = (0..data.inputs()).map(|k| Series::new(&input(k))).collect::<Vec<_>>();
         for output in &outputs {

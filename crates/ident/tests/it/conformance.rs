@@ -1,77 +1,149 @@
-//! The conformance suite of estimators: it passes a right one, and catches wrong ones.
+//! Every estimator passes the conformance suite.
 
-use faer::Mat;
-use ident::{Dataset, Fit, IdentError};
-use lti::{PolynomialEquation, PolynomialModel};
-use testkit::estimator::{Case, conform, failures};
+use faer::mat;
+use ident::{
+    Ararx, Armax, Arx, ArxOrders, BoxJenkins, ContinuousTransferFunction, Dataset, GreyBox, GreyParameter, Iv4,
+    OutputError, ProcessFit, ProcessSystem, RationalChannel, StateSpacePem, Structure, Subspace, TransferFunctionModel,
+    Weighting,
+};
+use lti::{LtiError, PolynomialEquation, PolynomialModel, ProcessModel, StateSpace};
+use testkit::estimator::{Case, conform};
 use testkit::system::{self, SAMPLE_TIME_S};
 
-use crate::stand_in;
-
-type Estimate = Result<Fit<PolynomialModel>, IdentError>;
-
-fn broken_by(estimator: impl Fn(&Dataset) -> Estimate) -> Vec<String> {
-    let truth = system::arx().unwrap();
-    failures(&Case::new(estimator, &truth, SAMPLE_TIME_S))
+#[test]
+fn exact_arx_conforms() {
+    conform(&Case::new(|data: &Dataset| Arx::new(2, 2, 1).fit(data), &system::arx().unwrap(), SAMPLE_TIME_S));
 }
 
 #[test]
-fn exact_plain_least_squares_conforms() {
-    conform(&Case::new(|data: &Dataset| stand_in::arx(data, 2, 2), &system::arx().unwrap(), SAMPLE_TIME_S));
+fn exact_arx_of_two_outputs_conforms() {
+    let fit = |data: &Dataset| Arx::with_orders(ArxOrders::uniform(2, 2, 2, 2, 1)).fit(data);
+    conform(&Case::new(fit, &system::arx_two_by_two().unwrap(), SAMPLE_TIME_S));
 }
 
 #[test]
-fn exact_two_inputs_conform_and_collinear_ones_are_refused() {
+fn exact_instrumental_variables_conform() {
+    let fit = |data: &Dataset| Iv4::new(2, 2, 1).fit(data);
+    conform(&Case::new(fit, &system::arx().unwrap(), SAMPLE_TIME_S));
+}
+
+#[test]
+fn exact_armax_conforms() {
+    let fit = |data: &Dataset| Armax::new(2, 2, 2, 2).fit(data);
+    conform(&Case::new(fit, &system::armax().unwrap(), SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_output_error_conforms() {
+    let fit = |data: &Dataset| OutputError::new(2, 2, 1).fit(data);
+    conform(&Case::new(fit, &system::output_error().unwrap(), SAMPLE_TIME_S).iterative());
+}
+
+/// The orders of [`system::output_error`] from two inputs.
+fn two_inputs() -> PolynomialModel {
     let equation = PolynomialEquation {
-        a: vec![vec![-1.5, 0.7]],
+        a: vec![vec![]],
         b: vec![vec![1.0, 0.5], vec![-0.4, 0.8]],
-        nk: vec![1, 1],
-        f: vec![vec![], vec![]],
+        nk: vec![1, 2],
+        f: vec![vec![-1.5, 0.7], vec![-0.8, 0.3]],
         ..Default::default()
     };
-    let truth = PolynomialModel::new(SAMPLE_TIME_S, vec![equation], Mat::full(1, 1, 0.04)).unwrap();
-    conform(&Case::new(|data: &Dataset| stand_in::arx(data, 2, 2), &truth, SAMPLE_TIME_S));
-    let careless = |data: &Dataset| {
-        let fit = stand_in::arx(data, 2, 2);
-        let clean = || system::data(&truth, SAMPLE_TIME_S, 500, 1.0, 1);
-        if matches!(fit, Err(IdentError::RankDeficient { .. })) { stand_in::arx(&clean()?, 2, 2) } else { fit }
-    };
-    let broken = failures(&Case::new(careless, &truth, SAMPLE_TIME_S));
-    assert!(broken.iter().any(|b| b.starts_with("refuses collinear")), "{broken:?}");
+    PolynomialModel::new(SAMPLE_TIME_S, vec![equation], mat![[0.25]]).unwrap()
 }
 
 #[test]
-fn exact_broken_estimators_are_caught() {
-    let plain = |data: &Dataset| stand_in::arx(data, 2, 2);
-    let change = |change: fn(&mut Fit<PolynomialModel>)| {
-        broken_by(move |data| {
-            let mut fit = plain(data)?;
-            change(&mut fit);
-            Ok(fit)
-        })
-    };
-    let caught = |broken: &[String], rule: &str| broken.iter().any(|b| b.starts_with(rule));
-    let biased = broken_by(|data| stand_in::arx(data, 2, 1));
-    assert!(caught(&biased, "recovers the truth"), "{biased:?}");
-    let wrong_loss = change(|fit| fit.loss *= 1.01);
-    assert!(wrong_loss.len() == 1 && caught(&wrong_loss, "its loss"), "{wrong_loss:?}");
-    let no_covariance = change(|fit| fit.covariance = -&fit.covariance);
-    assert!(no_covariance.len() == 1 && caught(&no_covariance, "its covariance"), "{no_covariance:?}");
-    let always = broken_by(|data| plain(data).or_else(|_| plain(&system::data(&system::arx()?, 0.1, 99, 1.0, 1)?)));
-    for rule in ["refuses short data", "doubts inputs", "stands missing samples"] {
-        assert!(caught(&always, rule), "{always:?}");
+fn exact_output_error_of_two_inputs_conforms() {
+    let fit = |data: &Dataset| OutputError::new(2, 2, [1, 2]).fit(data);
+    conform(&Case::new(fit, &two_inputs(), SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_box_jenkins_conforms() {
+    let fit = |data: &Dataset| BoxJenkins::new(2, 1, 1, 2, 1).fit(data);
+    conform(&Case::new(fit, &system::box_jenkins().unwrap(), SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_ararx_conforms() {
+    let fit = |data: &Dataset| Ararx::new(2, 2, 1, 1).fit(data);
+    conform(&Case::new(fit, &system::ararx().unwrap(), SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_subspace_conforms_with_every_weighting() {
+    for weighting in [Weighting::N4sid, Weighting::Moesp, Weighting::Cva] {
+        let fit = |data: &Dataset| Subspace::new(2).with_weighting(weighting).fit(data);
+        conform(&Case::new(fit, &system::arx().unwrap(), SAMPLE_TIME_S));
     }
-    let panics = broken_by(|data| {
-        assert!(data.samples() > 3);
-        plain(data)
-    });
-    assert!(panics.len() == 1 && panics[0].ends_with("it panicked"), "{panics:?}");
-    let from_units = broken_by(|data| {
-        let mut fit = plain(data)?;
-        let size = data.experiments()[0].output(0).iter().fold(0.0_f64, |m, v| m.max(v.abs()));
-        let theta: Vec<f64> = fit.parameters().iter().map(|v| v * (1.0 + 1e-9 * size)).collect();
-        fit.model = fit.model.with_coefficients(&theta)?;
-        Ok(fit)
-    });
-    assert!(caught(&from_units, "follows a change of units"), "{from_units:?}");
+}
+
+#[test]
+fn exact_subspace_of_two_inputs_and_outputs_conforms() {
+    let fit = |data: &Dataset| Subspace::new(4).fit(data);
+    conform(&Case::new(fit, &system::arx_two_by_two().unwrap(), SAMPLE_TIME_S));
+}
+
+#[test]
+fn exact_state_space_by_prediction_errors_conforms() {
+    let fit = |data: &Dataset| StateSpacePem::new(2).fit(data);
+    conform(&Case::new(fit, &system::arx().unwrap(), SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_state_space_of_two_inputs_and_outputs_by_prediction_errors_conforms() {
+    let fit = |data: &Dataset| StateSpacePem::new(4).fit(data);
+    conform(&Case::new(fit, &system::arx_two_by_two().unwrap(), SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_continuous_transfer_function_of_two_inputs_conforms() {
+    let first = RationalChannel::new(vec![1.0, 6.0], vec![1.2, 4.0], 0.0).unwrap();
+    let second = RationalChannel::new(vec![3.0], vec![2.0], 0.0).unwrap();
+    let truth = TransferFunctionModel::new(vec![first, second], 2, mat![[0.01]]).unwrap();
+    let fit = |data: &Dataset| ContinuousTransferFunction::per_input(vec![1, 0], vec![2, 1]).fit(data);
+    conform(&Case::new(fit, &truth, SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_continuous_transfer_function_conforms() {
+    let channel = RationalChannel::new(vec![1.0, 6.0], vec![1.2, 4.0], 0.0).unwrap();
+    let truth = TransferFunctionModel::new(vec![channel], 1, mat![[0.01]]).unwrap();
+    let fit = |data: &Dataset| ContinuousTransferFunction::new(1, 2).fit(data);
+    conform(&Case::new(fit, &truth, SAMPLE_TIME_S).iterative());
+}
+
+#[test]
+fn exact_process_model_conforms() {
+    let process = ProcessModel::new(2.0).unwrap().with_lags(vec![0.5]).unwrap().with_delay(0.23).unwrap();
+    let truth = ProcessSystem::new(vec![process], 1, mat![[0.01]]).unwrap();
+    let options = ProcessFit::named("P1D").unwrap().with_delay_between(&[(0.0, 1.0)]);
+    conform(&Case::new(|data: &Dataset| options.fit(data), &truth, SAMPLE_TIME_S).iterative());
+}
+
+/// The two masses of [`system::two_mass`]: both inertias, the stiffness and the damping of the shaft are wanted.
+#[derive(Debug, Clone, PartialEq)]
+struct TwoMass;
+
+impl Structure for TwoMass {
+    fn parameters(&self) -> Vec<GreyParameter> {
+        let start = [("motor", 0.03), ("load", 0.04), ("stiffness", 300.0), ("damping", 0.1)];
+        start.into_iter().map(|(name, value)| GreyParameter::new(name, value).within(1e-9, 1e15)).collect()
+    }
+
+    fn system(&self, p: &[f64]) -> Result<StateSpace, LtiError> {
+        let (motor, load, stiffness, damping) = (p[0], p[1], p[2], p[3]);
+        let a = mat![
+            [0.0, 1.0, -1.0],
+            [-stiffness / motor, -(damping + 0.1) / motor, damping / motor],
+            [stiffness / load, damping / load, -(damping + 0.2) / load]
+        ];
+        let b = mat![[0.0, 0.0], [1.0 / motor, 0.0], [0.0, -1.0 / load]];
+        StateSpace::continuous(a, b, mat![[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], faer::Mat::zeros(2, 2))
+    }
+}
+
+#[test]
+fn exact_grey_box_conforms() {
+    let fit = |data: &Dataset| GreyBox::new(TwoMass).fit(data);
+    conform(&Case::new(fit, &system::two_mass_sampled().unwrap(), 1e-3).iterative().in_fixed_units());
 }

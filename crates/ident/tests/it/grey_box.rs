@@ -3,7 +3,7 @@
 
 use faer::{Mat, mat};
 use ident::{
-    Bounds, Dataset, Doubt, Entry, Experiment, GreyBox, GreyNoise, GreyParameter, IdentError, InitialStates,
+    Bounds, Dataset, Doubt, Entry, Experiment, GreyBox, GreyNoise, GreyParameter, IdentError, InitialState,
     Intersample, Structure, StructuredMatrices,
 };
 use lti::{LtiError, StateSpace};
@@ -218,7 +218,7 @@ fn prop_unusable_structures_are_refused() {
     assert!(matches!(of(vec![a.clone().fixed(), b.clone().fixed()]), Err(IdentError::Structure { .. })));
     assert!(matches!(of(vec![a.clone().within(2.0, 3.0), b.clone()]), Err(IdentError::StartOutsideBounds { .. })));
     assert!(matches!(of(vec![a.clone(), b.clone()]), Err(IdentError::RankDeficient { .. })), "{:?}", of(vec![a, b]));
-    let given = GreyBox::new(PLAIN).with_initial_states(InitialStates::Given(vec![vec![0.0; 2]]));
+    let given = GreyBox::new(PLAIN).with_initial_state(InitialState::Given(vec![vec![0.0; 2]]));
     assert!(matches!(given.fit(&data), Err(IdentError::Length { .. })));
 }
 

@@ -3,6 +3,7 @@
 
 mod advice;
 mod arx;
+mod bands;
 mod closed_loop;
 mod conformance;
 mod continuous;
@@ -29,6 +30,7 @@ mod shared;
 mod stand_in;
 mod state_space;
 mod subspace;
+mod suite;
 mod systems;
 mod uncertainty;
 mod validate;

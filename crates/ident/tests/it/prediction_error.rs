@@ -1,8 +1,7 @@
 //! Prediction-error estimates of polynomial models.
 
 use faer::Mat;
-use ident::prediction_error::{Focus, InitialState, Residuals};
-use ident::{Ararx, Arma, Armax, BoxJenkins, Dataset, Experiment, IdentError, OutputError, Polynomial};
+use ident::{Ararx, Arma, Armax, BoxJenkins, Dataset, Experiment, Focus, IdentError, OutputError, Polynomial};
 use lti::{PolynomialEquation, PolynomialModel};
 
 use crate::noise::Noise;
@@ -244,15 +243,21 @@ fn regress_useless_data_are_refused() {
 fn stat_simulation_and_band_focus_are_consistent() {
     let data = simulated(&bj_model(), 8000, 0.5, 31);
     let band = signal::filter::Sos::butterworth_lowpass(4, 0.25, 1.0).unwrap();
-    for focus in [Focus::Simulation, Focus::Filtered(band)] {
-        let fit = BoxJenkins::new(2, 2, 2, 2, 1).focus(focus.clone()).fit(&data).unwrap();
+    let options = BoxJenkins::new(2, 2, 2, 2, 1);
+    for (name, options) in [
+        ("simulation", options.clone().with_focus(Focus::Simulation)),
+        ("filtered", options.clone().with_prefilter(band.clone())),
+        ("filtered simulation", options.with_focus(Focus::Simulation).with_prefilter(band)),
+    ] {
+        let fit = options.fit(&data).unwrap();
         let truth = bj_model().coefficients();
         for j in [0, 1, 6, 7] {
             let (found, error) = (fit.parameters()[j], fit.standard_errors()[j]);
-            assert!((found - truth[j]).abs() < 4.0 * error && error < 0.1, "{focus:?} {j}: {found} {error}");
+            assert!((found - truth[j]).abs() < 4.0 * error && error < 0.1, "{name} {j}: {found} {error}");
         }
     }
-    let armax = Armax::new(2, 2, 2, 1).focus(Focus::Simulation).fit(&simulated(&armax_model(), 8000, 0.5, 32)).unwrap();
+    let armax =
+        Armax::new(2, 2, 2, 1).with_focus(Focus::Simulation).fit(&simulated(&armax_model(), 8000, 0.5, 32)).unwrap();
     for (j, truth) in armax_model().coefficients().iter().enumerate() {
         let (found, error) = (armax.parameters()[j], armax.standard_errors()[j]);
         assert!((found - truth).abs() < 4.5 * error && error < 0.1, "{j}: {found} {error}");
@@ -303,7 +308,7 @@ fn stat_coloured_residuals_widen_the_intervals_of_an_output_error_model() {
     let truth = oe_model().coefficients();
     for run in 0..60 {
         let data = simulated(&bj_model(), 1500, 0.5, 500 + run);
-        let fit = OutputError::new(2, 2, 1).residuals(Residuals::Coloured { batches: 20 }).fit(&data).unwrap();
+        let fit = OutputError::new(2, 2, 1).robust(20).fit(&data).unwrap();
         inside += fit.intervals(0.95).iter().zip(&truth).filter(|((l, u), t)| l <= t && *t <= u).count();
     }
     // 228 of 240 expected; the four of one run are dependent.
@@ -351,11 +356,11 @@ fn assert_rounds_to(found: &[f64], published: &[f64], half_digit: f64) {
 fn ref_dryer() {
     let Some(c) = read("reference/peers/dryer_slicot.csv") else { return };
     let data = Dataset::siso(0.08, &without_mean(&c[0][..500]), &without_mean(&c[1][..500])).unwrap();
-    let fit = Armax::new(2, 2, 2, 3).initial_state(InitialState::Zero).fit(&data).unwrap();
+    let fit = Armax::new(2, 2, 2, 3).from_rest().fit(&data).unwrap();
     let published = [-1.308664, 0.426026, 0.06604, 0.041161, -0.355798, 0.082673];
     assert_rounds_to(&fit.parameters(), &published, 5e-7);
     assert_rounds_to(&[fit.loss], &[0.0015326], 5e-8);
-    let fit = OutputError::new(2, 2, 3).initial_state(InitialState::Zero).fit(&data).unwrap();
+    let fit = OutputError::new(2, 2, 3).from_rest().fit(&data).unwrap();
     assert_rounds_to(&fit.parameters(), &[0.066565, 0.048011, -1.263855, 0.387671], 5e-7);
     assert_rounds_to(&[fit.loss], &[0.0084634], 5e-8);
 }
@@ -372,7 +377,7 @@ fn ref_simulated_systems() {
     for (name, options, published, loss) in cases {
         let Some(c) = read(&format!("reference/peers/r_{name}sim.csv")) else { return };
         let data = Dataset::siso(1.0, &c[0], &c[1]).unwrap();
-        let fit = options.initial_state(InitialState::Zero).fit(&data).unwrap();
+        let fit = options.from_rest().fit(&data).unwrap();
         assert!(fit.loss < loss + 5e-7 && fit.loss > loss * 0.999, "{name}: {}", fit.loss);
         for ((found, other), error) in fit.parameters().iter().zip(published).zip(fit.standard_errors()) {
             assert!((found - other).abs() < 0.5 * error, "{name}: {found} {other} {error}");

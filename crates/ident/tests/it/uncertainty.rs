@@ -1,9 +1,9 @@
 //! Uncertainty of what follows from an estimate.
 
 use faer::{Mat, mat};
-use ident::uncertainty::{Dynamics, TimeGrid, agreement, nested};
+use ident::uncertainty::{Dynamics, agreement, nested};
 use ident::{Fit, Parametric, Termination};
-use lti::{Complex64, LtiError, PolynomialEquation, PolynomialModel, StateSpace};
+use lti::{Complex64, LtiError, PolynomialEquation, PolynomialModel, StateSpace, TimeGrid};
 use proptest::prelude::*;
 use signal::excitation::Random;
 use testkit::system::{self, SAMPLE_TIME_S};
@@ -252,8 +252,8 @@ fn stat_ellipses_and_bands_cover_as_they_promise() {
     let truth = system::arx().unwrap();
     let (pole, omega) = (truth.transfer_function(0, 0).unwrap().poles().unwrap(), [1.0, 5.0, 9.0]);
     let response = truth.transfer_function(0, 0).unwrap().frequency_response(&omega).unwrap();
-    let grid = TimeGrid { output: 0, input: 0, sample_time_s: SAMPLE_TIME_S, samples: 12 };
-    let step = fit_of(truth.clone(), Mat::zeros(4, 4)).step_band(grid).unwrap().values;
+    let grid = TimeGrid { step_s: SAMPLE_TIME_S, points: 12 };
+    let step = fit_of(truth.clone(), Mat::zeros(4, 4)).step_band(0, 0, &grid).unwrap().values;
     let (mut in_pole, mut in_zero, mut in_gain, mut in_magnitude, mut in_phase, mut in_step) = (0, 0, 0, 0, 0, 0);
     let runs = 400;
     for seed in 0..runs {
@@ -267,7 +267,7 @@ fn stat_ellipses_and_bands_cover_as_they_promise() {
         let inside = |(low, high): (f64, f64), value: f64| usize::from(low < value && value < high);
         in_magnitude += inside(band.magnitude(0.95)[0], response.response[0].norm());
         in_phase += inside(band.phase_deg(0.95)[2], response.phase_deg()[2]);
-        in_step += inside(fit.step_band(grid).unwrap().intervals(0.95)[9], step[9]);
+        in_step += inside(fit.step_band(0, 0, &grid).unwrap().intervals(0.95)[9], step[9]);
     }
     for (name, count) in [
         ("pole", in_pole),

@@ -1,6 +1,6 @@
 use faer::Mat;
 use ident::prediction::InitialState;
-use ident::validate::{ResidualTest, compare, fit_percent, judge, residual_correlations, rms_error};
+use ident::validate::{ResidualTest, compare, fit_percent, judge, rms_error};
 use ident::{Dataset, IdentError, LinearModel};
 use lti::{PolynomialEquation, PolynomialModel};
 use testkit::system;
@@ -21,8 +21,9 @@ fn exact_cross_correlation_finds_a_missed_lag() {
     let mut noise = Noise::new(4);
     let input = noise.normals(2000);
     let residuals: Vec<f64> = (0..2000).map(|t: usize| if t >= 3 { input[t - 3] } else { 0.0 }).collect();
-    let test = residual_correlations(&residuals, &input, 25, 0.99).unwrap();
-    let peak = (0..test.cross.len()).max_by(|a, b| test.cross[*a].total_cmp(&test.cross[*b])).unwrap();
+    let data = Dataset::siso(1.0, &input, &residuals).unwrap();
+    let cross = ResidualTest::default().run_on_residuals(&data).unwrap().independence.remove(0).remove(0).cross;
+    let peak = (0..cross.len()).max_by(|a, b| cross[*a].total_cmp(&cross[*b])).unwrap();
     assert_eq!(peak as isize - 25, 3);
 }
 
@@ -39,9 +40,11 @@ fn stat_regions_hold_ninety_nine_percent_of_lags_under_independence() {
                 state
             })
             .collect();
-        let test = residual_correlations(&residuals, &input, 25, 0.99).unwrap();
-        outside_cross += test.cross.iter().filter(|c| c.abs() > test.cross_bound).count();
-        outside_auto += test.auto[1..].iter().filter(|c| c.abs() > test.auto_bound).count();
+        let data = Dataset::siso(1.0, &input, &residuals).unwrap();
+        let report = ResidualTest::default().run_on_residuals(&data).unwrap();
+        let (whiteness, independence) = (&report.whiteness[0], &report.independence[0][0]);
+        outside_cross += independence.cross.iter().filter(|c| c.abs() > independence.bound).count();
+        outside_auto += whiteness.auto[1..].iter().filter(|c| c.abs() > whiteness.bound).count();
         total += 25;
     }
     let cross = outside_cross as f64 / (2.0 * f64::from(total) + 200.0);
@@ -52,8 +55,10 @@ fn stat_regions_hold_ninety_nine_percent_of_lags_under_independence() {
 
 #[test]
 fn regress_constant_signals_are_refused() {
-    assert!(residual_correlations(&[0.0; 500], &[1.0; 500], 25, 0.99).is_err());
-    assert!(residual_correlations(&[0.0; 10], &[1.0; 10], 25, 0.99).is_err());
+    for count in [500, 10] {
+        let still = Dataset::siso(1.0, &vec![1.0; count], &vec![0.0; count]).unwrap();
+        assert!(ResidualTest::default().run_on_residuals(&still).is_err());
+    }
 }
 
 /// False alarms of every test with the truth as the model; the input and the residual may be coloured.

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use ident::covariance::at_least_white;
-use ident::validate::{fit_percent, residual_correlations, rms_error};
-use ident::{Bounds, Minimum, NonlinearOptions, minimise};
+use ident::validate::{self, fit_percent, rms_error};
+use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
 use signal::Signal;
 use signal::spline::UniformSpline;
 
@@ -427,14 +427,17 @@ fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest,
     let fit = refit_stretch(data, theta, lag)?;
     let positions = data.model(lag).kept();
     let input = demand_at_speed(data, positions);
-    let test = residual_correlations(&fit.residuals, &input, LAGS, TEST_LEVEL).map_err(|e| ident_error(data, e))?;
+    let test = validate::ResidualTest { lags: LAGS, level: TEST_LEVEL, ..Default::default() };
+    let seen = Dataset::siso(data.speed.sample_time_s, &input, &fit.residuals).map_err(|e| ident_error(data, e))?;
+    let mut found = test.run_on_residuals(&seen).map_err(|e| ident_error(data, e))?;
+    let (own, cross) = (found.whiteness.swap_remove(0), found.independence.swap_remove(0).swap_remove(0));
     Ok(ResidualTest {
         sample_time_s: data.speed.sample_time_s,
         level: TEST_LEVEL,
-        autocorrelation: test.auto,
-        autocorrelation_bound: test.auto_bound,
-        cross_correlation: test.cross,
-        cross_correlation_bound: test.cross_bound,
+        autocorrelation: own.auto,
+        autocorrelation_bound: own.bound,
+        cross_correlation: cross.cross,
+        cross_correlation_bound: cross.bound,
         input: Role::DynoTorqueDemand.symbol().to_owned(),
     })
 }

@@ -1,8 +1,8 @@
 //! The inverter and the machine as a model that other estimates use.
 
-use ident::distributions::chi_squared_quantile;
-use ident::validate::residual_correlations;
-use ident::{Bounds, IdentError};
+use faer::Mat;
+use ident::validate::ResidualTest;
+use ident::{Bounds, Dataset, IdentError};
 use serde::Serialize;
 use signal::{Complex64, Signal};
 
@@ -26,7 +26,7 @@ pub struct ResidualStatistics {
     pub standard_deviation_nm: f64,
     /// Sample time, s.
     pub sample_time_s: f64,
-    /// Whether the residuals pass Box and Pierce's test of whiteness at 99 %: N Σ ρ²(k) < χ²_{0.99}(25), k = 1…25.
+    /// Whether the residuals pass Ljung and Box's test of whiteness at 99 % over lags 1 to 25.
     pub white: bool,
 }
 
@@ -139,14 +139,15 @@ fn strongest_near(errors: &[f64], observed: &Observed, about_hz: f64, span_s: f6
 /// Fewer samples than the test needs.
 pub(super) fn statistics(residuals: &[f64], observed: &Observed) -> Result<ResidualStatistics, IdentError> {
     let run = observed.longest_run();
-    let part = &residuals[run.clone()];
-    let correlations = residual_correlations(part, &observed.values[run], LAGS, LEVEL)?;
-    let sum: f64 = correlations.auto[1..].iter().map(|r| r * r).sum();
+    let part = &residuals[run];
+    let alone =
+        Dataset::new(observed.sample_time_s, Mat::zeros(part.len(), 0), Mat::from_fn(part.len(), 1, |t, _| part[t]))?;
+    let report = ResidualTest { lags: LAGS, level: LEVEL, ..Default::default() }.run_on_residuals(&alone)?;
     let mean_square = residuals.iter().map(|r| r * r).sum::<f64>() / residuals.len().max(1) as f64;
     Ok(ResidualStatistics {
         standard_deviation_nm: mean_square.sqrt(),
         sample_time_s: observed.sample_time_s,
-        white: part.len() as f64 * sum < chi_squared_quantile(LEVEL, LAGS as f64),
+        white: report.joint_whiteness.passes(LEVEL),
     })
 }
 

@@ -1,7 +1,7 @@
 //! A model of the torque against samples it has not seen.
 
-use ident::IdentError;
-use ident::validate::{fit_percent, residual_correlations, rms_error};
+use ident::validate::{self, fit_percent, rms_error};
+use ident::{Dataset, IdentError};
 
 use super::held::HeldDemand;
 use super::model::{LAGS, LEVEL};
@@ -42,14 +42,17 @@ pub(super) fn judge(
 
 fn residual_test(held: &HeldDemand, seen: &Observed, modelled: &[f64]) -> Option<ResidualTest> {
     let residuals: Vec<f64> = seen.values.iter().zip(modelled).map(|(y, m)| y - m).collect();
-    let found = residual_correlations(&residuals, &demand_at(held, &seen.times_s), LAGS, LEVEL).ok()?;
+    let data = Dataset::siso(seen.sample_time_s, &demand_at(held, &seen.times_s), &residuals).ok()?;
+    let test = validate::ResidualTest { lags: LAGS, level: LEVEL, ..Default::default() };
+    let found = test.run_on_residuals(&data).ok()?;
+    let (own, cross) = (found.whiteness.into_iter().next()?, found.independence.into_iter().flatten().next()?);
     Some(ResidualTest {
         sample_time_s: seen.sample_time_s,
         level: LEVEL,
-        autocorrelation: found.auto,
-        autocorrelation_bound: found.auto_bound,
-        cross_correlation: found.cross,
-        cross_correlation_bound: found.cross_bound,
+        autocorrelation: own.auto,
+        autocorrelation_bound: own.bound,
+        cross_correlation: cross.cross,
+        cross_correlation_bound: cross.bound,
         input: Role::DynoTorqueDemand.symbol().to_owned(),
     })
 }
