@@ -153,8 +153,8 @@ pub enum StructureFault {
         /// Rows and columns found; the columns are those of the first row that differs.
         found: (usize, usize),
     },
-    /// A free parameter that nothing depends on.
-    #[error("no matrix and no delay depends on it, so it cannot be estimated; use it, fix it or leave it out")]
+    /// A parameter that nothing depends on.
+    #[error("no matrix and no delay depends on it, so nothing can be learnt of it; use it or leave it out")]
     Unused,
     /// A name given twice.
     #[error("the name is given twice")]

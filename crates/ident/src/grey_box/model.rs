@@ -83,6 +83,12 @@ impl<S: Structure> GreyBoxModel<S> {
         self.structure.system(&self.parameters)
     }
 
+    /// The delay of an input at the parameters; zero where the structure has none.
+    #[must_use]
+    pub fn input_delay_s(&self, input: usize) -> f64 {
+        self.structure.input_delays_s(&self.parameters).get(input).copied().unwrap_or(0.0)
+    }
+
     /// The same model with this covariance of the innovations, outputs × outputs.
     #[must_use]
     pub(super) fn with_noise_covariance(self, noise_covariance: Mat<f64>) -> Self {

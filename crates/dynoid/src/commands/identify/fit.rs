@@ -12,7 +12,7 @@ use signal::Sos;
 
 use super::data::{Loaded, draw, load, load_files};
 use super::words::significant;
-use super::{figures, words};
+use super::{figures, greybox, words};
 use crate::cli::identify::{
     ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
     SubspaceWeighting, TransferFunctionArguments,
@@ -98,6 +98,7 @@ fn estimate(command: &FitCommand, data: &Dataset) -> Result<Fit<AnyModel>, CliEr
         FitCommand::Tf(arguments) => transfer_function(arguments, data),
         FitCommand::Process(arguments) => process(arguments, data),
         FitCommand::Ss(arguments) => state_space(arguments, data),
+        FitCommand::Greybox(arguments) => greybox::fit(arguments, data),
     }
 }
 
@@ -260,6 +261,7 @@ fn method(command: &FitCommand) -> String {
             let how = if a.subspace { "subspace" } else { "prediction error" };
             format!("state space by {how}, order {}", a.order)
         }
+        FitCommand::Greybox(a) => greybox::method(a),
     }
 }
 
@@ -352,6 +354,7 @@ impl<'a> Verdict<'a> {
             "model": document,
             "standard_errors": self.fit.standard_errors(),
             "intervals_95": intervals,
+            "derived": greybox::derived_json(self.fit, INTERVAL),
             "criteria": self.criteria,
             "judged": self.judged.iter().map(fits).collect::<Vec<_>>(),
             "residuals": self.residuals.as_ref().ok().map(|report| words::tests_json(report, REGION)),
@@ -370,6 +373,7 @@ impl<'a> Verdict<'a> {
         terminal.gap();
         terminal.table(&self.parameters());
         terminal.gap();
+        greybox::print_derived(self.fit, INTERVAL, terminal);
         terminal.table(&self.fits(document));
         terminal.gap();
         let c = &self.criteria;
@@ -400,14 +404,16 @@ impl<'a> Verdict<'a> {
         let mut table = Table::new(&columns);
         let values = self.fit.parameters();
         let intervals = self.fit.intervals(INTERVAL);
+        let fixed = greybox::fixed(&self.fit.model);
         for (i, name) in self.fit.model.parameter_names().iter().enumerate() {
-            let error = self.fit.standard_errors()[i];
-            table.row([
-                name.into(),
-                significant(values[i]).into(),
-                significant(error).into(),
-                format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)).into(),
-            ]);
+            let (error, interval) = match fixed.contains(&i) {
+                true => ("fixed".to_owned(), String::new()),
+                false => (
+                    significant(self.fit.standard_errors()[i]),
+                    format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)),
+                ),
+            };
+            table.row([name.into(), significant(values[i]).into(), error.into(), interval.into()]);
         }
         table
     }
