@@ -187,7 +187,7 @@ pub(crate) struct PolynomialArguments {
     #[arg(long)]
     pub(crate) simulation: bool,
     /// Makes the errors small in this band alone, in Hz
-    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', conflicts_with = "simulation")]
+    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',')]
     pub(crate) band: Vec<f64>,
 }
 

@@ -1,11 +1,10 @@
 //! `dynoid fit …`: a model from recordings, with its uncertainty and its judgement.
 
 use ident::prediction::{InitialState, Response};
-use ident::prediction_error::Focus;
 use ident::validate::{Judgement, ResidualReport, ResidualTest, judge};
 use ident::{
-    AnyModel, Arx, ArxOrders, ContinuousTransferFunction, Criteria, Dataset, EstimateRecord, Fit, IdentError, Iv4,
-    ModelDocument, Parametric, Polynomial, ProcessFit, StateSpacePem, Subspace, Weighting,
+    AnyModel, Arx, ArxOrders, ContinuousTransferFunction, Criteria, Dataset, EstimateRecord, Fit, Focus, IdentError,
+    Iv4, ModelDocument, Parametric, Polynomial, ProcessFit, StateSpacePem, Subspace, Weighting,
 };
 use serde::Serialize;
 use signal::Sos;
@@ -136,7 +135,7 @@ fn polynomial(arguments: &PolynomialArguments, members: Members, data: &Dataset)
     let given_f = arguments.nf.first().copied();
     order("nf", given_f, members.f)?;
     let list = |values: &[usize], usual: usize| if values.is_empty() { vec![usual] } else { values.to_vec() };
-    let options = Polynomial::new(
+    let mut options = Polynomial::new(
         order("na", arguments.na, members.a)?,
         list(&arguments.nb, 2),
         order("nc", arguments.nc, members.c)?,
@@ -144,20 +143,23 @@ fn polynomial(arguments: &PolynomialArguments, members: Members, data: &Dataset)
         list(&arguments.nf, members.f.unwrap_or(0)),
         list(&arguments.nk, 1),
     );
-    let initial = match arguments.initial {
-        Initial::Estimated => ident::prediction_error::InitialState::Estimated,
-        Initial::Zero => ident::prediction_error::InitialState::Zero,
-    };
-    let options = options.initial_state(initial).focus(focus(arguments, data)?);
+    if matches!(arguments.initial, Initial::Zero) {
+        options = options.from_rest();
+    }
+    if arguments.simulation {
+        options = options.with_focus(Focus::Simulation);
+    }
+    if let Some(band) = band(arguments, data)? {
+        options = options.with_prefilter(band);
+    }
     options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(|source| CliError::identify("the estimate", source))
 }
 
-fn focus(arguments: &PolynomialArguments, data: &Dataset) -> Result<Focus, CliError> {
+fn band(arguments: &PolynomialArguments, data: &Dataset) -> Result<Option<Sos>, CliError> {
     match arguments.band[..] {
-        _ if arguments.simulation => Ok(Focus::Simulation),
-        [] => Ok(Focus::Prediction),
+        [] => Ok(None),
         [low_hz, high_hz] => Sos::butterworth_bandpass(4, low_hz, high_hz, data.sample_time_s())
-            .map(Focus::Filtered)
+            .map(Some)
             .map_err(|source| CliError::Usage { what: format!("--band: {source}") }),
         _ => Err(CliError::Usage { what: "--band: give two frequencies in Hz, such as 0.5,20".into() }),
     }
@@ -230,7 +232,7 @@ fn state_space(arguments: &StateSpaceArguments, data: &Dataset) -> Result<Fit<An
     }
     let mut search = StateSpacePem::from_model(start.model);
     if arguments.simulation {
-        search = search.with_focus(ident::Focus::Simulation);
+        search = search.with_focus(Focus::Simulation);
     }
     search.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
 }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use ident::uncertainty::{Dynamics, TimeGrid, UncertainRoot};
+use ident::uncertainty::{Dynamics, UncertainRoot};
 use ident::{Fit, IdentError, LinearModel, ModelDocument};
-use lti::{Complex64, Discretisation, LtiError, Mode, StateSpace, TransferFunction};
+use lti::{Complex64, Discretisation, LtiError, Mode, StateSpace, TimeGrid, TransferFunction};
 use plot::{Abscissa, Axis, Figure, Layer, Marker, Panel, Style, rounded};
 
 use super::judge::{picture, written};
@@ -126,10 +126,10 @@ fn step_curve(model: &Model, number: usize, (output, input): (usize, usize), lev
     let sample_time_s = system.sample_time_s().unwrap_or(natural.step_s);
     let delay_s = longest_delay_s(document)?;
     let samples = natural.points + (delay_s / sample_time_s).ceil() as usize;
-    let grid = TimeGrid { output, input, sample_time_s, samples };
+    let grid = TimeGrid { step_s: sample_time_s, points: samples };
     let (values, band) = match &model.fit {
         Some(fit) => {
-            let band = fit.step_band(grid)?;
+            let band = fit.step_band(output, input, &grid)?;
             (band.values.clone(), Some(band.intervals(level)))
         }
         None => {
