@@ -5,6 +5,7 @@
 mod bad_input;
 mod demo;
 mod help;
+mod identify;
 mod init;
 mod inspect;
 mod study;

@@ -3,7 +3,7 @@
 use lti::polynomial::multiply;
 use lti::{Complex64, FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace};
 
-use crate::{ContinuousChannel, ContinuousModel, GreyBoxModel, Parametric, StateSpaceModel, Structure};
+use crate::{ContinuousChannel, ContinuousModel, GreyBoxModel, StateSpaceModel, Structure};
 
 /// A ratio of polynomials in descending powers of `s` or `z`.
 #[derive(Debug, Clone, PartialEq)]

@@ -44,8 +44,9 @@ pub(super) fn load_files(
         progress.step();
     }
     drop(progress);
+    let names = short_names(&files);
     let recordings: Vec<(&str, &Recording)> =
-        files.iter().zip(&read).map(|(file, (recording, _))| (file.name.as_str(), recording)).collect();
+        names.iter().zip(&read).map(|(name, (recording, _))| (name.as_str(), recording)).collect();
     let options = DatasetOptions {
         inputs: arguments.inputs.clone(),
         outputs: chosen_outputs(arguments, &recordings)?,
@@ -66,6 +67,19 @@ pub(super) fn load_files(
         None => data,
     };
     Ok(Loaded { data, trend, sources })
+}
+
+/// What recordings are called: by their file's name alone where that tells them apart.
+fn short_names(files: &[InputFile]) -> Vec<String> {
+    let short = |file: &InputFile| file.path.file_name().map(|n| n.to_string_lossy().into_owned());
+    let names: Vec<Option<String>> = files.iter().map(short).collect();
+    let is_unique = |name: &Option<String>| names.iter().filter(|n| *n == name).count() == 1;
+    let all_unique = names.iter().all(is_unique);
+    let name = |(file, name): (&InputFile, &Option<String>)| match name {
+        Some(name) if all_unique => name.clone(),
+        _ => file.name.clone(),
+    };
+    files.iter().zip(&names).map(name).collect()
 }
 
 /// A recording and the hash of its bytes. Text without a time column is read where the sample time is given.

@@ -67,7 +67,7 @@ fn powers(data: &Dataset, arguments: &SpectrumArguments) -> Result<Vec<Spectrum>
             let power = power_spectrum(experiment.output(output), data.sample_time_s(), welch)?;
             all.push(Spectrum {
                 channel: format!("{}, {}", label.name, experiment.name),
-                unit: format!("({})²/Hz", label.unit),
+                unit: if label.unit.is_empty() { "1/Hz".into() } else { format!("({})²/Hz", label.unit) },
                 band: power.interval(LEVEL)?.into_iter().map(|[low, high]| (low, high)).collect(),
                 freq_hz: power.freq_hz,
                 magnitude: power.density,
@@ -88,11 +88,20 @@ fn responses(data: &Dataset, arguments: &SpectrumArguments) -> Result<Vec<Spectr
             let response = response(&inputs, y, data.sample_time_s(), arguments)?;
             for (input, input_label) in data.input_labels().iter().enumerate() {
                 let name = format!("{} → {}, {}", input_label.name, label.name, experiment.name);
-                all.push(one_response(&response, input, name, format!("{}/{}", label.unit, input_label.unit)));
+                all.push(one_response(&response, input, name, ratio_unit(&label.unit, &input_label.unit)));
             }
         }
     }
     Ok(all)
+}
+
+fn ratio_unit(output: &str, input: &str) -> String {
+    match (output, input) {
+        ("", "") => String::new(),
+        (output, "") => output.to_owned(),
+        ("", input) => format!("1/({input})"),
+        (output, input) => format!("{output}/({input})"),
+    }
 }
 
 fn response(

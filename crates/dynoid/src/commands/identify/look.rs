@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use ident::uncertainty::{Dynamics, UncertainRoot};
 use ident::{Fit, IdentError, LinearModel, ModelDocument};
-use lti::{Complex64, Discretisation, LtiError, Mode, StateSpace, TimeGrid, TransferFunction};
+use lti::{Complex64, Discretisation, LtiError, Mode, PolynomialModel, StateSpace, TimeGrid, TransferFunction};
 use plot::{Abscissa, Axis, Figure, Layer, Marker, Panel, Style, rounded};
 
 use super::judge::{picture, written};
@@ -354,14 +354,23 @@ fn pole_table(rows: &[Row], models: &[Model], level: f64) -> Table {
     table
 }
 
+/// The complex plane: one figure for discrete models, one for continuous ones.
 fn pole_figures(rows: &[Row], models: &[Model], level: f64) -> Vec<Figure> {
-    let discrete = models.iter().any(|m| m.document.model.system().is_ok_and(|s| s.sample_time_s().is_some()));
+    let is_discrete = |m: &Model| m.document.model.system().is_ok_and(|s| s.sample_time_s().is_some());
+    let plane = |discrete: bool| {
+        let chosen: Vec<usize> = (0..models.len()).filter(|n| is_discrete(&models[*n]) == discrete).collect();
+        (!chosen.is_empty()).then(|| plane(rows, models, &chosen, (level, discrete)))
+    };
+    [plane(true), plane(false)].into_iter().flatten().collect()
+}
+
+fn plane(rows: &[Row], models: &[Model], chosen: &[usize], (level, discrete): (f64, bool)) -> Figure {
     let mut layers = Vec::new();
     if discrete {
         let circle: Vec<Complex64> = (0..=360).map(|n| Complex64::cis(f64::from(n).to_radians())).collect();
         layers.push(path("unit circle", Style::Measured, &circle));
     }
-    for row in rows {
+    for row in rows.iter().filter(|row| chosen.contains(&row.model)) {
         let style = Style::of_model(row.model);
         let ellipse = row.root.ellipse(level);
         if ellipse.semi_major.is_finite() && ellipse.semi_major > 0.0 && !row.root.near_multiple {
@@ -370,18 +379,19 @@ fn pole_figures(rows: &[Row], models: &[Model], level: f64) -> Vec<Figure> {
             layers.push(path(&format!("{} % region", 100.0 * level), style, &points));
         }
     }
-    for (number, model) in models.iter().enumerate() {
+    for &number in chosen {
         for (is_pole, marker, kind) in [(true, Marker::Cross, "poles"), (false, Marker::Ring, "zeros")] {
             let own = rows.iter().filter(|r| r.model == number && r.is_pole == is_pole);
             let (x, y): (Vec<f64>, Vec<f64>) = own.map(|r| (r.root.value.re, r.root.value.im)).unzip();
-            let name = format!("{kind} of {}", model.name);
+            let name = format!("{kind} of {}", models[number].name);
             let style = Style::of_model(number);
             layers.push(Layer::Markers { name, style, marker, x: rounded(&x), y: rounded(&y) });
         }
     }
     let unit = if discrete { "" } else { "rad/s" };
+    let title = if discrete { "Poles and zeros, discrete" } else { "Poles and zeros, continuous" };
     let panel = Panel::new(Axis::linear("imaginary part", unit), 420, layers);
-    vec![Figure::new("Poles and zeros", Axis::linear("real part", unit), vec![panel]).with_equal_axes()]
+    Figure::new(title, Axis::linear("real part", unit), vec![panel]).with_equal_axes()
 }
 
 fn path(name: &str, style: Style, points: &[Complex64]) -> Layer {
@@ -450,16 +460,28 @@ fn channel_ratio(document: &ModelDocument, output: usize, input: usize) -> Resul
     match &document.model {
         ident::AnyModel::TransferFunction(m) => m.transfer_function(output, input),
         ident::AnyModel::Process(m) => m.transfer_function(output, input),
-        ident::AnyModel::Polynomial(m) => match m.transfer_function(output, input) {
-            Err(LtiError::OutputsCoupled { .. }) => {
-                document.model.system()?.channel(output, input)?.to_transfer_function()
-            }
-            other => other,
-        },
+        ident::AnyModel::Polynomial(m) => polynomial_ratio(m, output, input),
         ident::AnyModel::StateSpace(m) => m.system().channel(output, input)?.to_transfer_function(),
         ident::AnyModel::GreyBox(m) => {
             m.system()?.channel(output, input)?.to_transfer_function()?.with_delay(m.input_delay_s(input))
         }
+    }
+}
+
+/// The ratio of a polynomial model. All but one sample of the delay stand beside it, so that it has no poles at zero that
+/// are but a delay; the one left is that of the hold.
+fn polynomial_ratio(model: &PolynomialModel, output: usize, input: usize) -> Result<TransferFunction, LtiError> {
+    let mut equations = model.equations().to_vec();
+    let samples = equations.get(output).and_then(|e| e.nk.get(input)).map_or(0, |nk| nk.saturating_sub(1));
+    for nk in equations.iter_mut().filter_map(|e| e.nk.get_mut(input)) {
+        *nk = nk.saturating_sub(samples);
+    }
+    let sooner = PolynomialModel::new(model.sample_time_s(), equations, model.noise_covariance().to_owned())?;
+    match sooner.transfer_function(output, input) {
+        Err(LtiError::OutputsCoupled { .. }) => {
+            model.innovations()?.system().channel(output, input)?.to_transfer_function()
+        }
+        other => other?.with_delay(samples as f64 * model.sample_time_s()),
     }
 }
 

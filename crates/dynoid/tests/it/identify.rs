@@ -1,0 +1,168 @@
+//! Linear models from recordings: fit, judge, look, convert.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::support::{Ran, dynoid};
+
+/// y(t) = 1.5 y(t−1) − 0.7 y(t−2) + u(t−1) + 0.5 u(t−2) + noise, as text with a time column.
+fn recorded(folder: &Path, name: &str, seed: u64, noise: f64) {
+    let mut random = signal::excitation::Random::new(seed);
+    let (mut u, mut y) = (vec![0.0; 600], vec![0.0; 600]);
+    for t in 2..600 {
+        u[t] = if t % 3 == 0 { random.normal().signum() } else { u[t - 1] };
+        y[t] = 1.5 * y[t - 1] - 0.7 * y[t - 2] + u[t - 1] + 0.5 * u[t - 2] + noise * random.normal();
+    }
+    let rows = (0..600).map(|t| format!("{},{},{}\n", 0.1 * t as f64, u[t] + 3.0, y[t] + 20.0));
+    let text = format!("time [s],valve [V],speed [rad/s]\n{}", rows.collect::<String>());
+    std::fs::write(folder.join(name), text).unwrap();
+}
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    recorded(folder.path(), "run.csv", 1, 0.2);
+    recorded(folder.path(), "unseen.csv", 2, 0.2);
+    folder
+}
+
+fn run(folder: &TempDir, line: &str) -> Ran {
+    dynoid(folder.path(), &line.split(' ').collect::<Vec<_>>())
+}
+
+#[track_caller]
+fn fitted(folder: &TempDir, line: &str) -> serde_json::Value {
+    let ran = run(folder, &format!("{line} run.csv -u valve -y speed --json"));
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    ran.json()
+}
+
+#[test]
+fn every_structure_is_fitted_and_judged_on_unseen_data() {
+    let folder = folder();
+    for line in [
+        "fit arx --na 2 --nb 2 --nk 1",
+        "fit arx --na 2 --nb 2 --nk 1 --iv",
+        "fit armax",
+        "fit oe",
+        "fit bj",
+        "fit poly --na 2 --nd 1",
+        "fit tf --zeros 1 --poles 2",
+        "fit process --structure P2ZU",
+        "fit ss --order 2",
+        "fit ss --order auto --subspace --weighting moesp",
+    ] {
+        let result = fitted(&folder, &format!("{line} --validate unseen.csv"));
+        let fit = &result["judged"][1]["fit_percent_predicted"][0][0];
+        assert!(fit.as_f64().unwrap() > 60.0, "{line}: {fit}");
+        assert_eq!(result["judged"][1]["data"], "unseen");
+        let errors = result["standard_errors"].as_array().unwrap();
+        assert!(errors.iter().all(|e| e.as_f64().unwrap() >= 0.0), "{line}");
+    }
+}
+
+#[test]
+fn arx_finds_the_coefficients_within_their_intervals() {
+    let result = fitted(&folder(), "fit arx");
+    let intervals = result["intervals_95"].as_array().unwrap();
+    for (interval, truth) in intervals.iter().zip([-1.5, 0.7, 1.0, 0.5]) {
+        let ends = [interval[0].as_f64().unwrap(), interval[1].as_f64().unwrap()];
+        // Four intervals of 95 %: with this seed all of them hold.
+        assert!(ends[0] <= truth && truth <= ends[1], "{truth} in {ends:?}");
+    }
+}
+
+#[test]
+fn model_files_serve_every_command() {
+    let folder = folder();
+    for line in
+        ["fit armax --out armax.json", "fit tf --zeros 1 --poles 2 --out tf.json", "fit ss --order 2 --out ss.json"]
+    {
+        fitted(&folder, line);
+    }
+    let models = "armax.json tf.json ss.json";
+    let compared = run(&folder, &format!("compare {models} --on unseen.csv --json")).json();
+    assert!(compared.as_array().unwrap().iter().all(|m| m["fit_percent"][0][0].as_f64().unwrap() > 50.0), "{compared}");
+    let tests = run(&folder, "resid armax.json --on unseen.csv --json").json();
+    assert_eq!(tests["whiteness"][0]["joint"]["passed"], true);
+    for command in ["bode", "step", "poles"] {
+        let shown = run(&folder, &format!("{command} {models} --json"));
+        assert_eq!(shown.code, Some(0), "{command}: {}", shown.stderr);
+        assert!(shown.json().as_array().unwrap().len() >= 3, "{command}");
+    }
+    let zpk = run(&folder, "convert armax.json --to zpk --continuous --json");
+    assert_eq!(zpk.code, Some(0), "{}", zpk.stderr);
+    for kind in ["tf", "zpk", "ss"] {
+        assert_eq!(run(&folder, &format!("convert tf.json --to {kind} --sample-time 0.05 --json")).code, Some(0));
+    }
+}
+
+#[test]
+fn simulated_and_predicted_outputs_are_recordings_about_the_operating_point() {
+    let folder = folder();
+    fitted(&folder, "fit armax --out armax.json");
+    for line in [
+        "simulate armax.json --on unseen.csv --out s.csv",
+        "predict armax.json --on unseen.csv --horizon 5 --out p.mf4",
+    ] {
+        let ran = run(&folder, line);
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    }
+    let bytes = std::fs::read(folder.path().join("s.csv")).unwrap();
+    let simulated = recording::decode("s.csv", &bytes, &recording::Selection::All).unwrap();
+    let channel = simulated.channel("speed_simulated").unwrap();
+    let mean = channel.samples.iter().sum::<f64>() / channel.samples.len() as f64;
+    assert_eq!((channel.unit.as_str(), channel.samples.len()), ("rad/s", 600));
+    assert!((mean - 20.0).abs() < 5.0, "{mean}");
+    let predicted = run(&folder, "inspect p.mf4 --json");
+    assert!(predicted.stdout.contains("speed_predicted"));
+}
+
+#[test]
+fn data_are_explored() {
+    let folder = folder();
+    let delay = run(&folder, "delay run.csv -u valve -y speed --json").json();
+    assert_eq!(delay["arx"]["samples"][0], 1);
+    let order = run(&folder, "order run.csv -u valve -y speed --na 1:4 --nb 1:4 --nk 1:2 --json").json();
+    assert_eq!((&order["best"]["BIC"]["na"], &order["best"]["BIC"]["nb"]), (&2.into(), &2.into()));
+    for method in ["welch", "blackman-tukey", "lpm", "lrm", "etfe"] {
+        let spectrum = run(&folder, &format!("spectrum run.csv -u valve -y speed --method {method} --json"));
+        assert_eq!(spectrum.code, Some(0), "{method}: {}", spectrum.stderr);
+        assert!(spectrum.json()[0]["magnitude"].as_array().unwrap().len() > 20);
+    }
+    assert_eq!(run(&folder, "spectrum run.csv -y speed --json").code, Some(0));
+}
+
+#[test]
+fn plots_are_written_in_every_kind() {
+    let folder = folder();
+    for (file, start) in [("a.html", "<!DOCTYPE html>"), ("a.svg", "<svg"), ("a.png", "\u{fffd}PNG")] {
+        let ran = run(&folder, &format!("fit arx run.csv -u valve -y speed --quiet --plot {file}"));
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        let bytes = std::fs::read(folder.path().join(file)).unwrap();
+        assert!(String::from_utf8_lossy(&bytes).starts_with(start), "{file}");
+    }
+    run(&folder, "fit arx run.csv -u valve -y speed --plot a.pdf").assert_refused(2, &["a.pdf", ".html"]);
+}
+
+#[test]
+fn regress_impossible_requests_say_what_to_do() {
+    let folder = folder();
+    run(&folder, "fit arx run.csv").assert_refused(2, &["--output", "valve", "speed"]);
+    run(&folder, "fit arx run.csv -u valv -y speed").assert_refused(3, &["valv", "valve"]);
+    run(&folder, "fit arx absent.csv -u u -y y").assert_refused(3, &["absent.csv", "no such file"]);
+    run(&folder, "fit oe run.csv -u valve -y speed --na 2").assert_refused(2, &["--na"]);
+    run(&folder, "fit arx run.csv -u valve -y speed --na 500 --nb 500").assert_refused(3, &["samples"]);
+    run(&folder, "fit arx run.csv -u valve -y speed --split 2").assert_refused(2, &["--split"]);
+    run(&folder, "fit process run.csv -u valve -y speed --structure Q7").assert_refused(3, &["process model"]);
+    run(&folder, "bode run.csv").assert_refused(3, &["run.csv", "model file"]);
+    std::fs::write(folder.path().join("bare.csv"), "u,y\n1,2\n2,3\n").unwrap();
+    run(&folder, "fit arx bare.csv -u u -y y").assert_refused(3, &["--sample-time"]);
+    std::fs::write(
+        folder.path().join("still.csv"),
+        format!("time,u,y\n{}", (0..99).map(|t| format!("{t},1,2\n")).collect::<String>()),
+    )
+    .unwrap();
+    let still = run(&folder, "fit arx still.csv -u u -y y");
+    assert_eq!(still.code, Some(3), "{}", still.stdout);
+}
