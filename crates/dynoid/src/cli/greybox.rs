@@ -9,8 +9,8 @@ use super::identify::FitArguments;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid fit greybox two_mass.toml run.mf4 -u T_d -y w_d -y w_e --out model.json
-  dynoid fit greybox two_mass.toml a.mf4 b.mf4 -u T_d -y w_d -y w_e --starts 20
+  dynoid fit greybox two_mass.toml run.mf4 -u T_d -y w_d -y w_e --detrend none --out model.json
+  dynoid fit greybox two_mass.toml a.mf4 b.mf4 -u T_d -y w_d -y w_e --detrend none --starts 20
 
 The structure is a TOML file. Two inertias J_d and J_e on a shaft of stiffness K and damping B, torque on the first, both speeds measured; the states are the two speeds and the twist:
 
@@ -30,7 +30,9 @@ The structure is a TOML file. Two inertias J_d and J_e on a shaft of stiffness K
   [derived]
   resonance_hz = \"sqrt(K*(1/J_d + 1/J_e))/(2*pi)\"
 
-Rows of A are states, columns of B inputs in the order of -u, rows of C outputs in the order of -y. D (zero unless given) and K (gain of the sampled predictor, states by outputs; none unless given) follow the same way. Entries are numbers or formulas in quotes: parameters, numbers, pi, + - * / ^, parentheses, sqrt and exp. The search starts at `value` and keeps between `min` and `max`; `fixed` ones stay. The model is continuous, x' = A x + B u, y = C x + D u; above the tables, `sample_time_s = 0.01` makes it discrete, and `input_delays_s = [\"T\"]`, one an input, delays the inputs of a continuous one. Derived quantities are reported with standard errors.")]
+Rows of A are states, columns of B inputs in the order of -u, rows of C outputs in the order of -y. D (zero unless given) and K (gain of the sampled predictor, states by outputs; none unless given) follow the same way. Entries are numbers or formulas in quotes: parameters, numbers, pi, + - * / ^, parentheses, sqrt and exp. The search starts at `value` and keeps between `min` and `max`; `fixed` ones stay. The model is continuous, x' = A x + B u, y = C x + D u; above the tables, `sample_time_s = 0.01` makes it discrete, and `input_delays_s = [\"T\"]`, one an input, delays the inputs of a continuous one. Derived quantities are reported with standard errors.
+
+By default the mean of every channel is taken off, which suits a model about an operating point. A structure that integrates, as this one does, needs `--detrend none`.")]
 pub(crate) struct GreyBoxArguments {
     /// The structure: parameters, and matrices of formulas of them
     #[arg(value_name = "STRUCTURE.toml")]

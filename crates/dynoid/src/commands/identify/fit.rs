@@ -39,6 +39,9 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     progress.say(&format!("estimating {method}"));
     let fit = estimate(command, &estimation.data)?;
     drop(progress);
+    if let FitCommand::Greybox(arguments) = command {
+        greybox::warnings(arguments, &fit.model).iter().for_each(|text| terminal.warning(text));
+    }
     let document = document(&fit, method, &estimation);
     let verdict = Verdict::new(&fit, &estimation.data, unseen.as_ref().map(|u| &u.data))?;
     if let Some(path) = &common.out {

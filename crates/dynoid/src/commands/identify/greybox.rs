@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use ident::uncertainty::Derived;
+use ident::uncertainty::{Derived, Dynamics};
 use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, IdentError, InitialState, Structure};
 
 use super::words::significant;
 use crate::cli::greybox::GreyBoxArguments;
+use crate::cli::identify::Detrend;
 use crate::error::CliError;
 use crate::input::{read_text, with_slashes};
 use crate::table::{Align, Table};
@@ -38,6 +39,32 @@ pub(super) fn method(arguments: &GreyBoxArguments) -> String {
         text.push_str(", from rest");
     }
     text
+}
+
+/// Where the trend that was taken off contradicts what is asked for.
+pub(super) fn warnings(arguments: &GreyBoxArguments, model: &AnyModel) -> Vec<&'static str> {
+    if arguments.fit.data.detrend == Detrend::None {
+        return Vec::new();
+    }
+    let mut all = Vec::new();
+    if integrates(model) {
+        all.push("the structure integrates, but a trend was taken off, and its integral with it; give --detrend none");
+    }
+    if arguments.from_rest {
+        all.push(
+            "--from-rest: a trend was taken off, so zero is no longer where the system rested; give --detrend none",
+        );
+    }
+    all
+}
+
+/// Whether a pole is where an integrator has it.
+fn integrates(model: &AnyModel) -> bool {
+    let Ok(system) = model.system() else { return false };
+    let Ok(poles) = system.poles() else { return false };
+    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let place = if system.sample_time_s().is_some() { 1.0 } else { 0.0 };
+    poles.iter().any(|p| (p - place).norm() <= 1e-9 * largest)
 }
 
 /// Which parameters are not estimated.
