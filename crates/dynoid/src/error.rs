@@ -110,6 +110,9 @@ pub(crate) enum CliError {
     /// A file that is no model.
     #[error("{}: this is no model file ({reason}); model files are written by `dynoid fit … --out model.json`", .path.display())]
     ModelFile { path: PathBuf, reason: String },
+    /// A file that is no structure of a grey-box model.
+    #[error("{}: this is no structure of a grey-box model: {reason}\nthe layout is shown by `dynoid fit greybox --help`", .path.display())]
+    StructureFile { path: PathBuf, reason: String },
     /// Something that cannot happen did.
     #[error("a fault in dynoid itself: {what}; please report it with this message")]
     Internal { what: String },

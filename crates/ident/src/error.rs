@@ -115,4 +115,67 @@ pub enum IdentError {
     /// A model without an estimate, where its uncertainty is asked for.
     #[error("the model carries no estimate, so its uncertainty is not known")]
     NoEstimate,
+    /// A formula that cannot be read.
+    #[error("formula \"{formula}\", character {position}: expected {expected}")]
+    Formula {
+        /// The formula.
+        formula: String,
+        /// Where reading stopped, in characters from one.
+        position: usize,
+        /// What could stand there.
+        expected: &'static str,
+    },
+    /// A structure of formulas that does not hold together.
+    #[error("{place}: {fault}")]
+    FormulaStructure {
+        /// The parameter or the entry.
+        place: String,
+        /// What is wrong with it.
+        fault: StructureFault,
+    },
+}
+
+/// What is wrong with a part of a structure of formulas.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StructureFault {
+    /// A name in a formula that no parameter has.
+    #[error("there is no parameter \"{name}\"; list it among the parameters, or correct the name")]
+    UnknownName {
+        /// The name.
+        name: String,
+    },
+    /// A matrix of another shape than the others ask for.
+    #[error("{} × {} entries where {} × {} are needed", .found.0, .found.1, .expected.0, .expected.1)]
+    Shape {
+        /// Rows and columns needed.
+        expected: (usize, usize),
+        /// Rows and columns found; the columns are those of the first row that differs.
+        found: (usize, usize),
+    },
+    /// A parameter that nothing depends on.
+    #[error("no matrix and no delay depends on it, so nothing can be learnt of it; use it or leave it out")]
+    Unused,
+    /// A name given twice.
+    #[error("the name is given twice")]
+    Repeated,
+    /// A name that a formula cannot hold.
+    #[error("a name has letters, digits and _, begins with no digit, and is none of pi, sqrt and exp")]
+    Name,
+    /// A value that is not finite, or not within its bounds.
+    #[error("the value {value} is not a finite number from {lower} to {upper}")]
+    Value {
+        /// The value.
+        value: f64,
+        /// The smallest allowed.
+        lower: f64,
+        /// The largest allowed.
+        upper: f64,
+    },
+    /// A prior that is no distribution.
+    #[error("a prior needs a finite mean and a positive standard deviation")]
+    Prior,
+    /// Input delays in seconds of a discrete model.
+    #[error("a discrete model takes no input delays in seconds; give them as states, or leave the sample time out")]
+    DelayOfDiscrete,
 }

@@ -16,7 +16,7 @@
 //! | dynamics and noise by polynomials | [`Armax`], [`OutputError`], [`BoxJenkins`], [`Polynomial`] |
 //! | several inputs and outputs | [`Subspace`], then [`StateSpacePem`] |
 //! | continuous time | [`ContinuousTransferFunction`], [`ProcessFit`] for gain, lags and delay |
-//! | physical parameters | [`GreyBox`] |
+//! | physical parameters | [`GreyBox`], of formulas with [`FormulaStructure`] |
 //! | a model of measured spectra or responses | [`FrequencyTransferFunction`], [`FrequencyGreyBox`] |
 //! | a plant under feedback | [`closed_loop`] |
 //! | parameters that change | [`recursive`] |
@@ -88,10 +88,13 @@ pub use frequency_domain::{FrequencyData, Lines, Measured, SpectralData};
 // Models and fits.
 pub use continuous::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 pub use document::{AnyModel, EstimateRecord, ModelDocument, Source};
-pub use error::IdentError;
+pub use error::{IdentError, StructureFault};
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use frequency_domain::{FrequencyModel, RationalResponse, ResponseFunction, SpectralFit};
-pub use grey_box::{Entry, GreyBoxModel, GreyNoise, GreyParameter, Structure, StructuredMatrices};
+pub use grey_box::{
+    Entry, Formula, FormulaParts, FormulaStructure, GreyBoxModel, GreyNoise, GreyParameter, Structure,
+    StructuredMatrices,
+};
 pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
 pub use state_space::StateSpaceModel;
 

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use super::greybox::GreyBoxArguments;
+
 /// Channels, time and clock of the data.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct DataArguments {
@@ -109,6 +111,8 @@ pub(crate) enum FitCommand {
     Process(ProcessArguments),
     /// State space: subspace start, then the prediction-error method
     Ss(StateSpaceArguments),
+    /// Grey box: physical parameters of a structure that you write down
+    Greybox(GreyBoxArguments),
 }
 
 impl FitCommand {
@@ -119,6 +123,7 @@ impl FitCommand {
             FitCommand::Tf(a) => &a.fit,
             FitCommand::Process(a) => &a.fit,
             FitCommand::Ss(a) => &a.fit,
+            FitCommand::Greybox(a) => &a.fit,
         }
     }
 }

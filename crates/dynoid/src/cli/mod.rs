@@ -1,5 +1,6 @@
 //! The command line: commands, options, help.
 
+pub(crate) mod greybox;
 pub(crate) mod identify;
 
 use std::path::PathBuf;

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod demo;
+mod greybox;
 mod help;
 mod identify;
 mod init;

@@ -82,6 +82,11 @@ impl EstimateRecord {
         if found != count {
             return Err(IdentError::Length { what: "rows of the covariance", expected: count, found });
         }
+        let names = model.parameter_names();
+        if self.parameter_names != names {
+            let found = format!("an estimate of {}", self.parameter_names.join(", "));
+            return Err(IdentError::Document { found, expected: format!("an estimate of {}", names.join(", ")) });
+        }
         Ok(Fit {
             covariance: square("covariance", &self.covariance)?,
             degrees_of_freedom: self.degrees_of_freedom,

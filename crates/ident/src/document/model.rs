@@ -4,7 +4,8 @@ use lti::{FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace}
 use serde::{Deserialize, Serialize};
 
 use crate::uncertainty::{Dynamics, Ratio};
-use crate::{Intersample, LinearModel, Parametric, ProcessSystem, StateSpaceModel, TransferFunctionModel};
+use crate::{FormulaStructure, GreyBoxModel, Intersample, LinearModel, Parametric};
+use crate::{ProcessSystem, StateSpaceModel, TransferFunctionModel};
 
 /// A model of any kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,6 +20,8 @@ pub enum AnyModel {
     TransferFunction(TransferFunctionModel),
     /// Process models.
     Process(ProcessSystem),
+    /// State space whose entries are formulas of physical parameters.
+    GreyBox(GreyBoxModel<FormulaStructure>),
 }
 
 /// Does the same with whatever model there is.
@@ -29,6 +32,7 @@ macro_rules! each {
             AnyModel::StateSpace($inner) => $body,
             AnyModel::TransferFunction($inner) => $body,
             AnyModel::Process($inner) => $body,
+            AnyModel::GreyBox($inner) => $body,
         }
     };
 }
@@ -101,5 +105,11 @@ impl From<TransferFunctionModel> for AnyModel {
 impl From<ProcessSystem> for AnyModel {
     fn from(model: ProcessSystem) -> Self {
         AnyModel::Process(model)
+    }
+}
+
+impl From<GreyBoxModel<FormulaStructure>> for AnyModel {
+    fn from(model: GreyBoxModel<FormulaStructure>) -> Self {
+        AnyModel::GreyBox(model)
     }
 }

@@ -1,5 +1,7 @@
 //! Grey-box models: state space whose entries follow from parameters that mean something.
 
+mod formula;
+mod formula_structure;
 mod model;
 mod search;
 mod structure;
@@ -11,6 +13,8 @@ use crate::prediction::InitialState;
 use crate::state_space::{Information, Known, Search, Searchable, check_missing, gather};
 use crate::{Dataset, Doubt, Fit, IdentError, LinearModel, Parametric, Termination};
 
+pub use formula::Formula;
+pub use formula_structure::{FormulaParts, FormulaStructure};
 pub use model::GreyBoxModel;
 use search::Parameters;
 pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatrices};

@@ -1,20 +1,61 @@
 //! [`GreyBoxModel`]: a structure with values for its parameters.
 
+use std::collections::BTreeMap;
+
 use faer::Mat;
 use lti::{Innovations, LtiError, StateSpace};
+use serde::{Deserialize, Serialize};
 
 use super::{GreyNoise, Structure};
+use crate::document::{rows, square};
 use crate::fit::check_clock;
 use crate::subspace::linear::kalman;
-use crate::{Intersample, LinearModel, Parametric};
+use crate::{IdentError, Intersample, LinearModel, Parametric};
 
 /// A grey-box model: its structure, the value of every parameter (fixed ones too), and the covariance of the
 /// innovations.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(
+    try_from = "Written<S>",
+    into = "Written<S>",
+    bound(serialize = "S: Structure + Serialize", deserialize = "S: Structure + Deserialize<'de>")
+)]
 pub struct GreyBoxModel<S> {
     structure: S,
     parameters: Vec<f64>,
     noise_covariance: Mat<f64>,
+}
+
+/// How a model is written down: parameters by name, the covariance by rows.
+#[derive(Clone, Serialize, Deserialize)]
+struct Written<S> {
+    structure: S,
+    parameters: BTreeMap<String, f64>,
+    noise_covariance: Vec<Vec<f64>>,
+}
+
+impl<S: Structure> From<GreyBoxModel<S>> for Written<S> {
+    fn from(model: GreyBoxModel<S>) -> Self {
+        let parameters = model.parameter_names().into_iter().zip(model.parameters()).collect();
+        Written { parameters, noise_covariance: rows(&model.noise_covariance), structure: model.structure }
+    }
+}
+
+impl<S: Structure> TryFrom<Written<S>> for GreyBoxModel<S> {
+    type Error = IdentError;
+
+    fn try_from(written: Written<S>) -> Result<Self, IdentError> {
+        let start = GreyBoxModel::new(written.structure)?;
+        let names = start.parameter_names();
+        let values: Vec<f64> = names.iter().filter_map(|name| written.parameters.get(name).copied()).collect();
+        let (expected, found) = (names.len(), written.parameters.len());
+        if values.len() != expected || found != expected {
+            return Err(IdentError::Length { what: "values of the structure's parameters", expected, found });
+        }
+        let noise_covariance = square("noise covariance", &written.noise_covariance)?;
+        check("noise covariance", &noise_covariance, start.noise_covariance.shape())?;
+        Ok(start.with_parameters(&values)?.with_noise_covariance(noise_covariance))
+    }
 }
 
 impl<S: Structure> GreyBoxModel<S> {
@@ -40,6 +81,12 @@ impl<S: Structure> GreyBoxModel<S> {
     /// Those of [`Structure::system`].
     pub fn system(&self) -> Result<StateSpace, LtiError> {
         self.structure.system(&self.parameters)
+    }
+
+    /// The delay of an input at the parameters; zero where the structure has none.
+    #[must_use]
+    pub fn input_delay_s(&self, input: usize) -> f64 {
+        self.structure.input_delays_s(&self.parameters).get(input).copied().unwrap_or(0.0)
     }
 
     /// The same model with this covariance of the innovations, outputs × outputs.

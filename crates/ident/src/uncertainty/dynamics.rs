@@ -3,7 +3,7 @@
 use lti::polynomial::multiply;
 use lti::{Complex64, FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace};
 
-use crate::{ContinuousChannel, ContinuousModel, GreyBoxModel, Parametric, StateSpaceModel, Structure};
+use crate::{ContinuousChannel, ContinuousModel, GreyBoxModel, StateSpaceModel, Structure};
 
 /// A ratio of polynomials in descending powers of `s` or `z`.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,8 +106,7 @@ impl<S: Structure> Dynamics for GreyBoxModel<S> {
         omega_rad_s: &[f64],
     ) -> Result<FrequencyResponse, LtiError> {
         let mut found = self.system()?.frequency_response(output, input, omega_rad_s)?;
-        let delays_s = self.structure().input_delays_s(&self.parameters());
-        let delay_s = delays_s.get(input).copied().unwrap_or(0.0);
+        let delay_s = self.input_delay_s(input);
         for (gain, omega) in found.response.iter_mut().zip(omega_rad_s) {
             *gain *= Complex64::cis(-omega * delay_s);
         }

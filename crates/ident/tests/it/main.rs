@@ -12,6 +12,7 @@ mod dataset;
 mod delay;
 mod distributions;
 mod document;
+mod formula;
 mod frequency;
 mod frequency_domain;
 mod grey_box;

@@ -11,7 +11,7 @@ use signal::Sos;
 
 use super::data::{Loaded, draw, load, load_files};
 use super::words::significant;
-use super::{figures, look, words};
+use super::{figures, greybox, look, words};
 use crate::cli::identify::{
     ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
     SubspaceWeighting, TransferFunctionArguments,
@@ -39,6 +39,9 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     progress.say(&format!("estimating {method}"));
     let fit = estimate(command, &estimation.data)?;
     drop(progress);
+    if let FitCommand::Greybox(arguments) = command {
+        greybox::warnings(arguments, &fit.model).iter().for_each(|text| terminal.warning(text));
+    }
     let document = document(&fit, method, &estimation);
     let verdict = Verdict::new(&fit, &estimation.data, unseen.as_ref().map(|u| &u.data))?;
     if let Some(path) = &common.out {
@@ -97,6 +100,7 @@ fn estimate(command: &FitCommand, data: &Dataset) -> Result<Fit<AnyModel>, CliEr
         FitCommand::Tf(arguments) => transfer_function(arguments, data),
         FitCommand::Process(arguments) => process(arguments, data),
         FitCommand::Ss(arguments) => state_space(arguments, data),
+        FitCommand::Greybox(arguments) => greybox::fit(arguments, data),
     }
 }
 
@@ -262,6 +266,7 @@ fn method(command: &FitCommand) -> String {
             let how = if a.subspace { "subspace" } else { "prediction error" };
             format!("state space by {how}, order {}", a.order)
         }
+        FitCommand::Greybox(a) => greybox::method(a),
     }
 }
 
@@ -354,6 +359,7 @@ impl<'a> Verdict<'a> {
             "model": document,
             "standard_errors": self.fit.standard_errors(),
             "intervals_95": intervals,
+            "derived": greybox::derived_json(self.fit, INTERVAL),
             "criteria": self.criteria,
             "judged": self.judged.iter().map(fits).collect::<Vec<_>>(),
             "residuals": self.residuals.as_ref().ok().map(|report| words::tests_json(report, REGION)),
@@ -377,6 +383,7 @@ impl<'a> Verdict<'a> {
         };
         terminal.table(&roots.unwrap_or_else(|| self.parameters()));
         terminal.gap();
+        greybox::print_derived(self.fit, INTERVAL, terminal);
         terminal.table(&self.fits(document));
         terminal.gap();
         let c = &self.criteria;
@@ -407,14 +414,16 @@ impl<'a> Verdict<'a> {
         let mut table = Table::new(&columns);
         let values = self.fit.parameters();
         let intervals = self.fit.intervals(INTERVAL);
+        let fixed = greybox::fixed(&self.fit.model);
         for (i, name) in self.fit.model.parameter_names().iter().enumerate() {
-            let error = self.fit.standard_errors()[i];
-            table.row([
-                name.into(),
-                significant(values[i]).into(),
-                significant(error).into(),
-                format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)).into(),
-            ]);
+            let (error, interval) = match fixed.contains(&i) {
+                true => ("fixed".to_owned(), String::new()),
+                false => (
+                    significant(self.fit.standard_errors()[i]),
+                    format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)),
+                ),
+            };
+            table.row([name.into(), significant(values[i]).into(), error.into(), interval.into()]);
         }
         table
     }

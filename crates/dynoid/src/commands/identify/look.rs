@@ -157,6 +157,7 @@ fn longest_delay_s(document: &ModelDocument) -> Result<f64, IdentError> {
             let delay_s = match &document.model {
                 ident::AnyModel::TransferFunction(m) => m.transfer_function(output, input)?.delay_s(),
                 ident::AnyModel::Process(m) => m.transfer_function(output, input)?.delay_s(),
+                ident::AnyModel::GreyBox(m) => m.input_delay_s(input),
                 _ => 0.0,
             };
             longest = longest.max(delay_s);
@@ -468,6 +469,9 @@ fn channel_ratio(document: &ModelDocument, output: usize, input: usize) -> Resul
         ident::AnyModel::Process(m) => m.transfer_function(output, input),
         ident::AnyModel::Polynomial(m) => polynomial_ratio(m, output, input),
         ident::AnyModel::StateSpace(m) => m.system().channel(output, input)?.to_transfer_function(),
+        ident::AnyModel::GreyBox(m) => {
+            m.system()?.channel(output, input)?.to_transfer_function()?.with_delay(m.input_delay_s(input))
+        }
     }
 }
 

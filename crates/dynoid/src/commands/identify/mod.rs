@@ -4,6 +4,7 @@ mod data;
 pub(crate) mod explore;
 mod figures;
 pub(crate) mod fit;
+mod greybox;
 pub(crate) mod judge;
 pub(crate) mod look;
 mod model_file;

@@ -1,0 +1,125 @@
+//! `dynoid fit greybox`: structures of formulas, and what follows from their parameters.
+
+use std::path::Path;
+
+use ident::uncertainty::{Derived, Dynamics};
+use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, IdentError, InitialState, Structure};
+
+use super::words::significant;
+use crate::cli::greybox::GreyBoxArguments;
+use crate::cli::identify::Detrend;
+use crate::error::CliError;
+use crate::input::{read_text, with_slashes};
+use crate::table::{Align, Table};
+use crate::terminal::Terminal;
+
+fn structure(path: &Path) -> Result<FormulaStructure, CliError> {
+    let wrong = |error: toml::de::Error| CliError::StructureFile {
+        path: path.to_owned(),
+        reason: error.to_string().trim_end().to_owned(),
+    };
+    toml::from_str(&read_text(path)?).map_err(wrong)
+}
+
+pub(super) fn fit(arguments: &GreyBoxArguments, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
+    let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
+    let options = GreyBox::new(structure(&arguments.structure)?)
+        .with_initial_state(initial)
+        .with_further_starts(arguments.starts);
+    options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(|source| CliError::identify("the estimate", source))
+}
+
+/// The method and its options, as a person would write them.
+pub(super) fn method(arguments: &GreyBoxArguments) -> String {
+    let mut text = format!("grey box {}", with_slashes(&arguments.structure));
+    if arguments.starts > 0 {
+        text.push_str(&format!(", {} further starts", arguments.starts));
+    }
+    if arguments.from_rest {
+        text.push_str(", from rest");
+    }
+    text
+}
+
+/// Where the trend that was taken off contradicts what is asked for.
+pub(super) fn warnings(arguments: &GreyBoxArguments, model: &AnyModel) -> Vec<&'static str> {
+    if arguments.fit.data.detrend == Detrend::None {
+        return Vec::new();
+    }
+    let mut all = Vec::new();
+    if integrates(model) {
+        all.push("the structure integrates, but a trend was taken off, and its integral with it; give --detrend none");
+    }
+    if arguments.from_rest {
+        all.push(
+            "--from-rest: a trend was taken off, so zero is no longer where the system rested; give --detrend none",
+        );
+    }
+    all
+}
+
+/// Whether a pole is where an integrator has it.
+fn integrates(model: &AnyModel) -> bool {
+    let Ok(system) = model.system() else { return false };
+    let Ok(poles) = system.poles() else { return false };
+    let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    let place = if system.sample_time_s().is_some() { 1.0 } else { 0.0 };
+    poles.iter().any(|p| (p - place).norm() <= 1e-9 * largest)
+}
+
+/// Which parameters are not estimated.
+pub(super) fn fixed(model: &AnyModel) -> Vec<usize> {
+    let AnyModel::GreyBox(model) = model else { return Vec::new() };
+    let parameters = model.structure().parameters();
+    (0..parameters.len()).filter(|index| parameters[*index].fixed).collect()
+}
+
+/// Quantities that the structure says follow from the parameters: their names and values; none where it says nothing.
+fn derived(fit: &Fit<AnyModel>) -> Result<(Vec<String>, Derived), IdentError> {
+    let of = |model: &AnyModel| match model {
+        AnyModel::GreyBox(model) => model.derived(),
+        _ => Vec::new(),
+    };
+    let names = of(&fit.model).into_iter().map(|(name, _)| name).collect();
+    Ok((names, fit.derive(|model| Ok(of(model).into_iter().map(|(_, value)| value).collect()))?))
+}
+
+/// The derived quantities as a table, where there are any.
+pub(super) fn print_derived(fit: &Fit<AnyModel>, level: f64, terminal: &mut Terminal) {
+    let (names, derived) = match derived(fit) {
+        Ok((names, _)) if names.is_empty() => return,
+        Ok(found) => found,
+        Err(reason) => return terminal.line(&format!("no derived quantities: {reason}")),
+    };
+    let columns = [
+        ("derived", Align::Left),
+        ("value", Align::Right),
+        ("± (standard error)", Align::Right),
+        ("95 % interval", Align::Left),
+    ];
+    let mut table = Table::new(&columns);
+    let (errors, intervals) = (derived.standard_errors(), derived.intervals(level));
+    for (i, name) in names.into_iter().enumerate() {
+        table.row([
+            name.into(),
+            significant(derived.values[i]).into(),
+            significant(errors[i]).into(),
+            format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)).into(),
+        ]);
+    }
+    terminal.table(&table);
+    terminal.gap();
+}
+
+/// The derived quantities in numbers; null where they cannot be computed.
+pub(super) fn derived_json(fit: &Fit<AnyModel>, level: f64) -> serde_json::Value {
+    let Ok((names, derived)) = derived(fit) else { return serde_json::Value::Null };
+    let (errors, intervals) = (derived.standard_errors(), derived.intervals(level));
+    let quantity = |(i, name): (usize, &String)| {
+        let (low, high) = intervals[i];
+        serde_json::json!({
+            "name": name, "value": derived.values[i], "standard_error": errors[i], "interval_95": [low, high],
+        })
+    };
+    names.iter().enumerate().map(quantity).collect()
+}
