@@ -1,6 +1,7 @@
 //! Tasks of the project: `cargo xtask check` runs everything a change must pass.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod bench;
 mod layers;
 
 use std::process::{Command, ExitCode};
@@ -9,13 +10,17 @@ use std::time::Instant;
 const USAGE: &str = "usage: cargo xtask <task>
 
   check    format, clippy with warnings as errors, layers, tests, slow tests, docs
-  layers   hold the crates' dependencies to the table in ARCHITECTURE.md";
+  layers   hold the crates' dependencies to the table in ARCHITECTURE.md
+  bench    time the estimators; with --peers other packages on the same data too (see benchmarks/README.md)
+           [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]";
 
 fn main() -> ExitCode {
-    let task = std::env::args().nth(1).unwrap_or_default();
+    let mut arguments = std::env::args().skip(1);
+    let task = arguments.next().unwrap_or_default();
     let result = match task.as_str() {
         "check" => check(),
         "layers" => layers::check(),
+        "bench" => bench::run(&arguments.collect::<Vec<_>>()),
         _ => Err(USAGE.to_owned()),
     };
     match result {

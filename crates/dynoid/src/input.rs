@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use crate::error::CliError;
 
 /// Endings of files that are taken for recordings in a folder.
-const ENDINGS: [&str; 4] = ["mf4", "mdf", "dat", "csv"];
+const ENDINGS: [&str; 5] = ["mf4", "mdf", "dat", "csv", "mat"];
 
 /// A recording that was found.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

@@ -146,6 +146,15 @@ pub enum RecordingError {
         /// What about it.
         what: String,
     },
+    /// A MAT-file of level 7.3, or another HDF5 file.
+    #[error(
+        "{file}: HDF5, the format of MAT-files saved with -v7.3, cannot be read; load the file in MATLAB and save it \
+         with save(name, '-v7')"
+    )]
+    MatV73 {
+        /// The file.
+        file: String,
+    },
 }
 
 /// What is wrong in a line of a text file.

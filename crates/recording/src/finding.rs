@@ -55,6 +55,20 @@ pub enum Finding {
         /// Number of the last line, from 1.
         line: u64,
     },
+    /// A clock without a unit was not read as seconds, since a number beside it states the sampling.
+    AssumedTimeUnit {
+        /// The variable that is the clock.
+        clock: String,
+        /// The unit it was read in.
+        unit: String,
+        /// The variable that states the sampling rate or time.
+        stated_by: String,
+    },
+    /// A file that lists its variables lacks one of them, or its clock.
+    MissingVariable {
+        /// The variable.
+        variable: String,
+    },
 }
 
 impl Finding {
@@ -67,6 +81,7 @@ impl Finding {
                 | Self::NotFinalised
                 | Self::IncompleteLastLine { .. }
                 | Self::NoFinalLineEnd { .. }
+                | Self::MissingVariable { .. }
         )
     }
 }
@@ -96,6 +111,12 @@ impl fmt::Display for Finding {
             Self::NoFinalLineEnd { line } => {
                 write!(f, "line {line}, the last, has no line end; if the file was cut off, its last number is wrong")
             }
+            Self::AssumedTimeUnit { clock, unit, stated_by } => {
+                write!(f, "time \"{clock}\" was read in {unit}, which its distance and \"{stated_by}\" agree on")
+            }
+            Self::MissingVariable { variable } => {
+                write!(f, "variable \"{variable}\" is listed in the file, but it or its clock is not there")
+            }
         }
     }
 }
@@ -118,6 +139,26 @@ pub enum SkipReason {
         /// The feature.
         detail: String,
     },
+    /// A variable without a clock: no vector of its length is named as time.
+    NoTimeVector {
+        /// Its samples.
+        samples: usize,
+    },
+    /// More than one vector of its length is named as time, and they differ.
+    AmbiguousTime {
+        /// Their names.
+        candidates: String,
+    },
+    /// It is named as time, but no other variable has its length.
+    UnusedTime {
+        /// Its length.
+        samples: usize,
+    },
+    /// A constant.
+    SingleNumber {
+        /// The number.
+        number: String,
+    },
 }
 
 impl fmt::Display for SkipReason {
@@ -129,6 +170,18 @@ impl fmt::Display for SkipReason {
             Self::Unsupported { detail } => {
                 write!(f, "it is stored in a way not supported: {detail}")
             }
+            Self::NoTimeVector { samples } => write!(
+                f,
+                "no increasing vector of {samples} elements is named as time; save its time with it as \"t\", or give the \
+                 sample time"
+            ),
+            Self::AmbiguousTime { candidates } => {
+                write!(f, "its time may be any of {candidates}, which differ; name only one of them as time")
+            }
+            Self::UnusedTime { samples } => {
+                write!(f, "it is named as time, but no array beside it has its {samples} samples")
+            }
+            Self::SingleNumber { number } => write!(f, "it is the single number {number}, not samples over time"),
         }
     }
 }

@@ -12,10 +12,19 @@
 //! | MDF 2.x and 3.x (`.mdf`, `.dat`) | yes | – |
 //! | MDF 4.x (`.mf4`) | yes | 4.10, deflated ([`encode_mdf4`]) |
 //! | CSV | yes | yes ([`encode_csv`]) |
+//! | MAT-files of MATLAB, levels 4 and 5 (`-v4`, `-v6`, `-v7`; `.mat`) | yes | level 5, deflated ([`encode_mat5`]) |
+//!
+//! A MAT-file holds variables and says nothing of clocks. Its real numeric arrays become channels: a vector one, a matrix
+//! one for each column (`y(:,1)`), fields of structs with dots (`data.y`), cells by number (`y{1}`). Their clock is a
+//! vector that does not decrease, is as long, and is named as time (`t`, `Time`, `Zeit`, `tout`, `time_ms`, …) in the
+//! same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows, holds its
+//! channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is in seconds,
+//! unless its name, or a sampling rate or time beside it, says otherwise.
 
 mod csv;
 mod error;
 mod finding;
+mod mat;
 mod mdf;
 mod mdf3;
 mod mdf4;
@@ -24,6 +33,7 @@ mod model;
 pub use csv::encode_csv;
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
+pub use mat::encode_mat5;
 pub use mdf4::encode_mdf4;
 pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime};
 
@@ -52,19 +62,26 @@ pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Rec
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
 pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
-    let mut recording = match Kind::detect(name, bytes)? {
+    let recording = match Kind::detect(name, bytes)? {
         Kind::Mdf4 => mdf4::decode(name, bytes, selection)?,
         Kind::Mdf3 => mdf3::decode(name, bytes, selection)?,
         Kind::Csv => csv::decode(name, bytes, selection)?,
+        Kind::Mat => mat::decode(name, bytes, selection, None)?,
     };
+    Ok(with_duplicates(recording))
+}
+
+fn with_duplicates(mut recording: Recording) -> Recording {
     let names = recording.channels.iter().map(|c| c.name.as_str());
     let doubles = finding::duplicate_names(names);
     recording.findings.extend(doubles);
-    Ok(recording)
+    recording
 }
 
-/// Decodes as [`decode`] does, and accepts text without a time column too: its rows are `row_distance_s` apart. Such
-/// text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may separate its columns.
+/// Decodes as [`decode`] does, and accepts what has no time too: text without a time column, and the arrays of a
+/// MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length share
+/// a raster. Such text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may separate
+/// its columns.
 ///
 /// # Errors
 ///
@@ -84,13 +101,14 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
     }
     match Kind::detect(name, bytes)? {
         Kind::Csv => csv::decode_with(name, bytes, &Selection::All, Some(row_distance_s)),
-        _ => decode(name, bytes, &Selection::All),
+        Kind::Mat => mat::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
+        Kind::Mdf3 | Kind::Mdf4 => decode(name, bytes, &Selection::All),
     }
 }
 
 /// Lists the channels of a measurement file without their samples.
 ///
-/// For MDF only the structure is read; a CSV file is read whole.
+/// For MDF only the structure is read; a CSV or MAT-file is read whole.
 ///
 /// # Errors
 ///
@@ -109,6 +127,7 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
         Kind::Mdf4 => mdf4::catalogue(name, bytes)?,
         Kind::Mdf3 => mdf3::catalogue(name, bytes)?,
         Kind::Csv => csv::decode(name, bytes, &Selection::All)?.catalogue(),
+        Kind::Mat => mat::decode(name, bytes, &Selection::All, None)?.catalogue(),
     };
     let names = catalogue.channels.iter().map(|c| c.name.as_str());
     let doubles = finding::duplicate_names(names);
@@ -122,6 +141,7 @@ enum Kind {
     Mdf3,
     Mdf4,
     Csv,
+    Mat,
 }
 
 impl Kind {
@@ -131,6 +151,9 @@ impl Kind {
         }
         if bytes.starts_with(b"MDF     ") || bytes.starts_with(b"UnFinMF ") {
             return mdf::version(name, bytes).map(|v| if v >= 400 { Self::Mdf4 } else { Self::Mdf3 });
+        }
+        if mat::is_mat(bytes) {
+            return Ok(Self::Mat);
         }
         if csv::is_text(bytes) {
             return Ok(Self::Csv);

@@ -121,7 +121,7 @@ pub struct ChannelInfo {
     pub raster: usize,
 }
 
-/// The format of a file, displayed as "MDF 4.10" or "CSV".
+/// The format of a file, displayed as "MDF 4.10", "CSV" or "MAT 5".
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Format {
@@ -137,6 +137,11 @@ pub enum Format {
         /// Whether numbers are written `1,5`.
         decimal_comma: bool,
     },
+    /// MAT-file of MATLAB.
+    Mat {
+        /// 4 or 5.
+        level: u8,
+    },
 }
 
 impl fmt::Display for Format {
@@ -144,6 +149,7 @@ impl fmt::Display for Format {
         match self {
             Self::Mdf { version } => write!(f, "MDF {}.{:02}", version / 100, version % 100),
             Self::Csv { .. } => f.write_str("CSV"),
+            Self::Mat { level } => write!(f, "MAT {level}"),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! From the triangular factor to `A`, `C`, `K` and `Λ`.
 
+use std::ops::Range;
+
 use faer::{Mat, MatRef};
 use lti::Innovations;
 
@@ -75,33 +77,84 @@ impl<'a> Projection<'a> {
         let gamma = self.directions.subcols(0, order);
         let shorter = gamma.nrows() - p;
         let (above, below) = (gamma.subrows(0, shorter), gamma.subrows(p, shorter));
-        let mut a = solve_truncated(above, below, ROUNDING)?;
-        if stable && spectral_radius(a.as_ref())? >= 1.0 {
-            a = stable_shift(gamma, p)?;
+        let a = solve_truncated(above, below, ROUNDING)?;
+        if spectral_radius(a.as_ref())? >= 1.0 {
+            return self.realise_unstable(gamma, a, stable, noise_model);
         }
         let c = gamma.subrows(0, p).to_owned();
         let joint = self.residual_covariance(gamma)?;
-        let (k, covariance) = noise(&a, &c, &joint, noise_model);
-        Ok(Realised { a, c, k, covariance })
+        Ok(Realised::new(a, c, &joint, noise_model))
+    }
+
+    /// The model where the shift structure gives an unstable `A`. States beyond the order of the system have a direction
+    /// of Γ made of noise, whose shift may grow; as sequences they do not. So `A` and `C` are taken from the sequences if
+    /// that makes them stable, which it does not where the system itself grows.
+    fn realise_unstable(
+        &self,
+        gamma: MatRef<'_, f64>,
+        mut a: Mat<f64>,
+        stable: bool,
+        noise_model: bool,
+    ) -> Result<Realised, IdentError> {
+        let (n, p) = (gamma.ncols(), self.hankel.outputs);
+        let (coefficients, joint) = self.regress_states(gamma)?;
+        let regressed = coefficients.submatrix(0, 0, n, n).transpose().to_owned();
+        if spectral_radius(regressed.as_ref())? < 1.0 {
+            let c = coefficients.submatrix(0, n, n, p).transpose().to_owned();
+            return Ok(Realised::new(regressed, c, &joint, noise_model));
+        }
+        if stable {
+            a = stable_shift(gamma, p)?;
+        }
+        Ok(Realised::new(a, gamma.subrows(0, p).to_owned(), &self.residual_covariance(gamma)?, noise_model))
+    }
+
+    /// Next states and outputs regressed on states and inputs, all states by the same function of their past: transposed
+    /// `[A B; C D]`, and the residuals' covariance `[Q S; Sᵀ R]`.
+    ///
+    /// # Source
+    /// Larimore, *Canonical variate analysis in identification, filtering, and adaptive control*, 29th IEEE CDC, 1990.
+    fn regress_states(&self, gamma: MatRef<'_, f64>) -> Result<(Mat<f64>, Mat<f64>), IdentError> {
+        let (hankel, factor) = (self.hankel, self.factor);
+        let (m, q, past) = (hankel.inputs, hankel.channels(), hankel.horizons.past);
+        let oblique = oblique_coefficients(hankel, factor, past)?;
+        let states = solve_truncated(gamma, oblique.transpose(), ROUNDING)?.transpose().to_owned();
+        let now = gather(factor, &columns(hankel, 0..past, 0..q)) * &states;
+        let next = gather(factor, &columns(hankel, 1..past + 1, 0..q)) * &states;
+        let inputs = gather(factor, &columns(hankel, past..past + 1, 0..m));
+        let outputs = gather(factor, &columns(hankel, past..past + 1, m..q));
+        regress(factor, beside(&now, &inputs), beside(&next, &outputs))
     }
 
     /// Covariance of the residuals of state and output, `[Q S; Sᵀ R]`.
     fn residual_covariance(&self, gamma: MatRef<'_, f64>) -> Result<Mat<f64>, IdentError> {
         let (hankel, factor) = (self.hankel, self.factor);
-        let (n, p, past) = (gamma.ncols(), hankel.outputs, hankel.horizons.past);
-        let shorter = gamma.nrows() - p;
+        let past = hankel.horizons.past;
+        let shorter = gamma.nrows() - hankel.outputs;
         let now = solve_truncated(gamma, self.oblique.transpose(), ROUNDING)?;
         let later = oblique(hankel, factor, past + 1)?;
         let next = solve_truncated(gamma.subrows(0, shorter), later.transpose(), ROUNDING)?;
-        let rows = factor.r.nrows();
-        let inputs = hankel.inputs * hankel.horizons.future;
-        let regressors = Mat::from_fn(rows, n + inputs, |i, j| if j < n { now[(j, i)] } else { factor.r[(i, j - n)] });
-        let output = |i: usize| hankel.column(past, hankel.inputs + i);
-        let targets = Mat::from_fn(rows, n + p, |i, j| if j < n { next[(j, i)] } else { factor.r[(i, output(j - n))] });
-        let explained = &regressors * solve_truncated(regressors.as_ref(), targets.as_ref(), ROUNDING)?;
-        let residuals = targets - explained;
-        Ok(residuals.transpose() * &residuals * faer::Scale(1.0 / factor.windows as f64))
+        let (m, q, future) = (hankel.inputs, hankel.channels(), hankel.horizons.future);
+        let inputs = gather(factor, &columns(hankel, past..past + future, 0..m));
+        let outputs = gather(factor, &columns(hankel, past..past + 1, m..q));
+        let (now, next) = (now.transpose().to_owned(), next.transpose().to_owned());
+        Ok(regress(factor, beside(&now, &inputs), beside(&next, &outputs))?.1)
     }
+}
+
+/// Coefficients of least squares, and the covariance of the residuals.
+fn regress(factor: &HankelFactor, regressors: Mat<f64>, targets: Mat<f64>) -> Result<(Mat<f64>, Mat<f64>), IdentError> {
+    let coefficients = solve_truncated(regressors.as_ref(), targets.as_ref(), ROUNDING)?;
+    let residuals = targets - regressors * &coefficients;
+    let covariance = residuals.transpose() * &residuals * faer::Scale(1.0 / factor.windows as f64);
+    Ok((coefficients, covariance))
+}
+
+/// Two matrices side by side.
+fn beside(left: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
+    let split = left.ncols();
+    let entry = |i: usize, j: usize| if j < split { left[(i, j)] } else { right[(i, j - split)] };
+    Mat::from_fn(left.nrows(), split + right.ncols(), entry)
 }
 
 /// `A` with every eigenvalue inside the unit circle: the shift of Γ with zeros in place of the row block beyond its
@@ -120,17 +173,28 @@ fn stable_shift(gamma: MatRef<'_, f64>, p: usize) -> Result<Mat<f64>, IdentError
 
 /// The oblique projection along the future inputs of the future outputs on the past, which ends before block row `now`.
 fn oblique(hankel: &Hankel<'_>, factor: &HankelFactor, now: usize) -> Result<Mat<f64>, IdentError> {
+    let past = gather(factor, &columns(hankel, 0..now, 0..hankel.channels()));
+    Ok(past * oblique_coefficients(hankel, factor, now)?)
+}
+
+/// What the past is multiplied by in the oblique projection: channels of the past × outputs of the future.
+fn oblique_coefficients(hankel: &Hankel<'_>, factor: &HankelFactor, now: usize) -> Result<Mat<f64>, IdentError> {
     let (m, q, total) = (hankel.inputs, hankel.channels(), hankel.horizons.total());
-    let columns = |blocks: std::ops::Range<usize>, channels: std::ops::Range<usize>| -> Vec<usize> {
-        blocks.flat_map(|b| channels.clone().map(move |c| (b, c))).map(|(b, c)| hankel.column(b, c)).collect()
-    };
-    let gather = |list: &[usize]| Mat::from_fn(factor.r.nrows(), list.len(), |i, j| factor.r[(i, list[j])]);
-    let past = columns(0..now, 0..q);
-    let inputs = past.len();
-    let regressors: Vec<usize> = past.iter().copied().chain(columns(now..total, 0..m)).collect();
-    let outputs = gather(&columns(now..total, m..q));
-    let coefficients = solve_truncated(gather(&regressors).as_ref(), outputs.as_ref(), ROUNDING)?;
-    Ok(gather(&past) * coefficients.subrows(0, inputs))
+    let mut regressors = columns(hankel, 0..now, 0..q);
+    let past = regressors.len();
+    regressors.extend(columns(hankel, now..total, 0..m));
+    let outputs = gather(factor, &columns(hankel, now..total, m..q));
+    let coefficients = solve_truncated(gather(factor, &regressors).as_ref(), outputs.as_ref(), ROUNDING)?;
+    Ok(coefficients.subrows(0, past).to_owned())
+}
+
+/// The columns of some channels at some block rows, block row by block row.
+fn columns(hankel: &Hankel<'_>, blocks: Range<usize>, channels: Range<usize>) -> Vec<usize> {
+    blocks.flat_map(|b| channels.clone().map(move |c| (b, c))).map(|(b, c)| hankel.column(b, c)).collect()
+}
+
+fn gather(factor: &HankelFactor, list: &[usize]) -> Mat<f64> {
+    Mat::from_fn(factor.r.nrows(), list.len(), |i, j| factor.r[(i, list[j])])
 }
 
 /// Orthonormal `W` and the matrix `Z` with `M = W Zᵀ`, directions that are rounding left out.
@@ -160,6 +224,12 @@ pub(super) struct Realised {
 }
 
 impl Realised {
+    /// With the noise that the covariance `[Q S; Sᵀ R]` of the residuals says.
+    fn new(a: Mat<f64>, c: Mat<f64>, joint: &Mat<f64>, noise_model: bool) -> Self {
+        let (k, covariance) = noise(&a, &c, joint, noise_model);
+        Realised { a, c, k, covariance }
+    }
+
     /// The model in the units of the data, its inputs without influence yet.
     pub(super) fn unscaled(self, weights: &[f64], data: &Dataset) -> Result<Innovations, IdentError> {
         let w = &weights[data.inputs()..];

@@ -2,7 +2,8 @@
 #![allow(clippy::print_stdout, clippy::disallowed_methods)]
 
 use faer::{Mat, mat};
-use ident::{Dataset, Experiment, IdentError, Subspace, Weighting};
+use ident::{Dataset, Doubt, Experiment, IdentError, Subspace, Weighting};
+use lti::StateSpace;
 
 use crate::noise::Noise;
 use crate::shared::shared;
@@ -144,6 +145,38 @@ fn prop_stability_when_asked_for() {
     assert!(free.doubts.contains(&ident::Doubt::Unstable));
     let stable = Subspace::new(1).with_stability().fit(&data).unwrap();
     assert!(stable.model.system().is_stable().unwrap());
+}
+
+/// Two states more than there are: what is estimated for them must neither grow nor spoil the others.
+#[test]
+fn regress_states_beyond_the_order_do_not_make_the_model_unstable() {
+    let (g, h) = ([0.0, 1.0, 0.5], [1.0, -1.0, 0.2]);
+    for seed in 1..6 {
+        let mut noise = Noise::new(seed);
+        let mut level = 1.0;
+        let mut held = |t: usize, noise: &mut Noise| {
+            if t.is_multiple_of(3) {
+                level = if noise.uniform() < 0.5 { -1.0 } else { 1.0 };
+            }
+            level
+        };
+        let u: Vec<f64> = (0..10_000).map(|t| held(t, &mut noise)).collect();
+        let e = noise.normals(u.len());
+        let mut y = vec![0.0; u.len()];
+        for t in 2..u.len() {
+            let forced: f64 = (0..3).map(|l| g[l] * u[t - l] + 0.5 * h[l] * e[t - l]).sum();
+            y[t] = 1.5 * y[t - 1] - 0.7 * y[t - 2] + forced;
+        }
+        let a = mat![[1.5, -0.7], [1.0, 0.0]];
+        let truth = StateSpace::discrete(a, mat![[1.0], [0.0]], mat![[1.0, 0.5]], mat![[0.0]], 1.0).unwrap();
+        let data = Dataset::siso(1.0, &u, &y).unwrap();
+        for weighting in [Weighting::N4sid, Weighting::Moesp, Weighting::Cva] {
+            let fit = Subspace::new(4).with_weighting(weighting).fit(&data).unwrap();
+            let error = gain_error(fit.model.system(), &truth);
+            assert!(!fit.doubts.contains(&Doubt::Unstable), "{seed} {weighting:?}");
+            assert!(error < 0.02 && fit.loss < 0.26, "{seed} {weighting:?} {error} {}", fit.loss);
+        }
+    }
 }
 
 #[test]

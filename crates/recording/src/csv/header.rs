@@ -159,7 +159,7 @@ fn mark_time(rows: &Rows<'_>, line: u64, columns: &mut [Column]) -> Result<(), R
 }
 
 /// `time`, `t`, `Zeit`, `timestamp(s)`, also numbered or with a rate (`time_2`, `time 100 Hz`).
-pub(super) fn is_time_name(name: &str) -> bool {
+pub(crate) fn is_time_name(name: &str) -> bool {
     let name = name.trim().to_lowercase();
     let words = ["timestamps", "timestamp", "zeitstempel", "time stamp", "time", "zeit", "t"];
     let rest = words.iter().find_map(|w| name.strip_prefix(w));
@@ -172,7 +172,7 @@ pub(super) fn is_time_name(name: &str) -> bool {
 }
 
 /// Seconds per unit as a fraction; no unit means seconds.
-fn seconds(unit: &str) -> Option<(f64, f64)> {
+pub(crate) fn seconds(unit: &str) -> Option<(f64, f64)> {
     Some(match unit.trim() {
         "" | "s" | "S" | "sec" | "Sec" | "second" | "seconds" | "Sekunden" => (1.0, 1.0),
         "ms" | "msec" => (1.0, 1e3),

@@ -9,6 +9,7 @@ use ::csv::{ReaderBuilder, StringRecord};
 use crate::error::require_names;
 use crate::{Channel, CsvProblem, Finding, Format, Raster, Recording, RecordingError, Selection};
 use header::Header;
+pub(crate) use header::{is_time_name, seconds};
 pub(crate) use text::is_text;
 use text::{Text, number};
 pub use write::encode_csv;

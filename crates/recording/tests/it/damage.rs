@@ -1,9 +1,12 @@
 //! The readers on the conformance suite of `testkit`, and damage particular to a format.
 
 use recording::{
-    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, decode, encode_csv, encode_mdf4,
+    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason, decode, encode_csv,
+    encode_mat5, encode_mdf4,
 };
 use testkit::reader::{Case, Content, Signal, conform};
+
+use crate::mat::{self, variable};
 
 fn read(name: &'static str) -> impl Fn(&[u8]) -> Result<Content, String> {
     move |bytes| {
@@ -99,6 +102,60 @@ fn exact_csv_conforms() {
     });
 }
 
+#[test]
+fn exact_mat5_of_ours_conforms() {
+    let small = made(&[40, 100], &[("a", 0, 0.0), ("b", 1, 5.0)]);
+    conform(&Case {
+        read: read("small.mat"),
+        small: &encode_mat5(&small).unwrap(),
+        duplicates: &encode_mat5(&duplicates()).unwrap(),
+        mixed_rates: &encode_mat5(&mixed()).unwrap(),
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    });
+}
+
+#[test]
+fn exact_plain_mat5_conforms() {
+    let variables = [("time", 4), ("a", 4), ("time_2", 7), ("b", 7)].map(|(name, n)| {
+        let samples: Vec<f64> = (0..n).map(f64::from).collect();
+        variable(name, &samples)
+    });
+    let header = &include_bytes!("data/mat/variables.mat")[..128];
+    let lengths = variables.iter().scan(128, |end, v| {
+        *end += v.len();
+        Some(*end)
+    });
+    let small = [header, &variables.concat()].concat();
+    let twice = [variable("a", &[1.0, 2.0, 3.0, 4.0]), variable("a", &[5.0, 6.0, 7.0, 8.0])];
+    conform(&Case {
+        read: read("small.mat"),
+        small: &small,
+        duplicates: &[header, &variables[0], &twice.concat()].concat(),
+        mixed_rates: &small,
+        unrecognisable_cuts: std::iter::once(128).chain(lengths).collect(),
+        numbers_per_byte: 1000,
+    });
+}
+
+#[test]
+fn exact_deflated_mat5_with_structs_survives_damage() {
+    let case = |small| Case {
+        read: read("small.mat"),
+        small,
+        duplicates: &[],
+        mixed_rates: &[],
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    };
+    for small in [&include_bytes!("data/mat/variables.mat")[..], include_bytes!("data/mat/variables_deflated.mat")] {
+        testkit::reader::survives_every_corrupted_byte(&case(small));
+    }
+    let level4 = include_bytes!("data/mat/level4.mat");
+    testkit::reader::survives_every_corrupted_byte(&case(level4));
+    testkit::reader::refuses_a_wrong_magic(&case(level4));
+}
+
 /// The file with its records moved to the end, as a logger writes them; `link` is where their address is kept.
 fn records_last(bytes: &[u8], at: usize, length: usize, link: std::ops::Range<usize>) -> Vec<u8> {
     let mut moved = bytes.to_vec();
@@ -188,4 +245,116 @@ fn exact_repeated_data_blocks_are_refused() {
     bytes.extend_from_slice(&1600_u64.to_le_bytes());
     let error = decode("a.mf4", &bytes, &Selection::All).unwrap_err();
     assert!(error.to_string().contains("repeatedly"), "{error}");
+}
+
+/// A MAT-file of level 5 with one variable, deflated.
+fn deflated_mat5(variable: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut encoder, variable).unwrap();
+    let packed = encoder.finish().unwrap();
+    let size = u32::try_from(packed.len()).unwrap();
+    let header = &include_bytes!("data/mat/variables.mat")[..128];
+    [header, &15_u32.to_le_bytes(), &size.to_le_bytes(), &packed].concat()
+}
+
+#[test]
+fn exact_deflate_bombs_stop_at_what_is_announced_mat5() {
+    let inner = variable("x", &[1.0, 2.0]);
+    let bytes = deflated_mat5(&[&inner[..], &vec![0; 64 << 20]].concat());
+    let error = decode("a.mat", &bytes, &Selection::All).unwrap_err();
+    assert!(error.to_string().contains("has more or less"), "{error}");
+    let mut huge = vec![0; 1 << 20];
+    huge[..8].copy_from_slice(&[14, 0, 0, 0, 0xF8, 0xFF, 0xFF, 0xFF]);
+    let error = decode("a.mat", &deflated_mat5(&huge), &Selection::All).unwrap_err();
+    assert!(error.to_string().contains("4294967288 bytes is deflated"), "{error}");
+}
+
+/// Cells within cells, `depth` of them, or `width` empty cells in one.
+fn cells(depth: usize, width: u32) -> Vec<u8> {
+    let mut content = vec![];
+    for level in 0..depth {
+        let count = if level == 0 { width } else { 1 };
+        let mut matrix = mat::element(6, &[1, 0, 0, 0, 0, 0, 0, 0]);
+        matrix.extend(mat::element(5, &[1_u32.to_le_bytes(), count.to_le_bytes()].concat()));
+        matrix.extend(mat::element(1, if level + 1 == depth { b"c" } else { b"" }));
+        matrix.extend(if level == 0 { mat::element(14, &[]).repeat(width as usize) } else { content });
+        content = mat::element(14, &matrix);
+    }
+    content
+}
+
+#[test]
+fn exact_nesting_and_number_of_cells_are_bounded_mat5() {
+    for (depth, width, refused) in [(3, 2, false), (500, 1, true), (1, 1 << 20, true)] {
+        let after = variable("gain", &[1.0]);
+        let mut bytes = deflated_mat5(&cells(depth, width));
+        bytes.extend_from_slice(&after);
+        let recording = decode("a.mat", &bytes, &Selection::All).unwrap();
+        let is_refused = |f: &Finding| {
+            let reason = |r: &SkipReason| matches!(r, SkipReason::Unsupported { .. });
+            matches!(f, Finding::SkippedChannel { channel, reason: r } if channel == "c" && reason(r))
+        };
+        assert_eq!(recording.findings.iter().any(is_refused), refused, "{depth} {width}");
+        let last = recording.findings.last().unwrap().to_string();
+        assert!(last.contains("\"gain\""), "{last}");
+    }
+}
+
+#[test]
+fn exact_announced_sizes_are_not_believed_mat5() {
+    let good = variable("x", &[1.0, 2.0]);
+    let at = 8 + 16 + 8;
+    for (rows, columns) in [(u32::MAX, 1_u32), (3, 1), (1, 1)] {
+        let mut bad = good.clone();
+        bad[at..at + 8].copy_from_slice(&[rows.to_le_bytes(), columns.to_le_bytes()].concat());
+        let error = decode("a.mat", &deflated_mat5(&bad), &Selection::All).unwrap_err();
+        assert!(matches!(error, RecordingError::Damaged { offset: Some(128), .. }), "{error}");
+    }
+}
+
+proptest::proptest! {
+    /// What is deflated is hit too: some bytes of the variables are replaced before they are deflated.
+    #[test]
+    fn prop_damaged_content_does_no_harm_mat5(
+        hits in proptest::collection::vec((8_usize..4500, proptest::prelude::any::<u8>()), 1..6)
+    ) {
+        let whole = include_bytes!("data/mat/variables.mat");
+        let mut at = 128;
+        let mut bytes = whole[..128].to_vec();
+        while at < whole.len() {
+            let size = u32::from_le_bytes(whole[at + 4..at + 8].try_into().unwrap()) as usize;
+            let mut matrix = whole[at..at + 8 + size].to_vec();
+            for (place, value) in &hits {
+                if let Some(byte) = place.checked_sub(at).and_then(|p| matrix.get_mut(p)) {
+                    *byte = *value;
+                }
+            }
+            bytes.extend_from_slice(&deflated_mat5(&matrix)[128..]);
+            at += 8 + size;
+        }
+        for result in [decode("a.mat", &bytes, &Selection::All), recording::decode_untimed("a.mat", &bytes, 0.1)] {
+            let Ok(recording) = result else { continue };
+            for channel in &recording.channels {
+                let time_s = recording.time_s(channel);
+                proptest::prop_assert_eq!(time_s.map(<[f64]>::len), Some(channel.samples.len()));
+            }
+        }
+    }
+}
+
+#[test]
+fn exact_lines_of_text_and_fields_are_bounded_mat5() {
+    let header = |class: u8, rows: u32, columns: u32| {
+        let flags = mat::element(6, &[class, 0, 0, 0, 0, 0, 0, 0]);
+        let dimensions = mat::element(5, &[rows.to_le_bytes(), columns.to_le_bytes()].concat());
+        [flags, dimensions, mat::element(1, b"x")].concat()
+    };
+    let lines = [header(4, 1 << 19, 1), mat::element(2, &vec![b'a'; 1 << 19])].concat();
+    let width = mat::element(5, &1_u32.to_le_bytes());
+    let fields = [header(2, 0, 0), width, mat::element(1, &vec![b'a'; 1 << 19])].concat();
+    for content in [lines, fields] {
+        let bytes = deflated_mat5(&mat::element(14, &content));
+        let recording = decode("a.mat", &bytes, &Selection::All).unwrap();
+        assert!(recording.findings[0].to_string().contains("fields and lines of text"), "{:?}", recording.findings);
+    }
 }

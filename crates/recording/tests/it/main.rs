@@ -5,5 +5,7 @@
 mod bench_files;
 mod csv;
 mod damage;
+mod mat;
 mod mdf;
 mod round_trip;
+mod shared;

@@ -3,7 +3,8 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use recording::{
-    Channel, Format, Raster, Recording, RecordingError, Selection, StartTime, decode, encode_csv, encode_mdf4,
+    Channel, Format, Raster, Recording, RecordingError, Selection, StartTime, decode, encode_csv, encode_mat5,
+    encode_mdf4,
 };
 
 /// Any number, NaN and infinities included; time stamps need not increase.
@@ -77,6 +78,21 @@ proptest! {
     }
 
     #[test]
+    fn prop_mat5_is_read_back_bit_for_bit(written in recording()) {
+        let read = decode("a.mat", &encode_mat5(&written).unwrap(), &Selection::All).unwrap();
+        prop_assert_eq!((&read.comment, read.start_time), (&written.comment, written.start_time));
+        prop_assert_eq!(read.channels.len(), written.channels.len());
+        for (r, w) in read.rasters.iter().zip(&written.rasters) {
+            prop_assert_eq!(&r.name, &w.name);
+            prop_assert_eq!(bits(&r.time_s), bits(&w.time_s));
+        }
+        for (r, w) in read.channels.iter().zip(&written.channels) {
+            prop_assert_eq!((&r.name, &r.unit, &r.comment, r.raster), (&w.name, &w.unit, &w.comment, w.raster));
+            prop_assert_eq!(bits(&r.samples), bits(&w.samples));
+        }
+    }
+
+    #[test]
     fn prop_csv_is_read_back_number_for_number(written in recording()) {
         let read = decode("a.csv", &encode_csv(&written).unwrap(), &Selection::All).unwrap();
         prop_assert_eq!(read.channels.len(), written.channels.len());
@@ -102,11 +118,11 @@ fn exact_contradictions_are_not_written() {
         channels: vec![channel],
         findings: vec![],
     };
-    for encode in [encode_mdf4, encode_csv] {
+    for encode in [encode_mdf4, encode_csv, encode_mat5] {
         assert!(matches!(encode(&recording), Err(RecordingError::NoSuchRaster { .. })));
     }
     recording.rasters.push(Raster { time_s: vec![], name: None });
-    for encode in [encode_mdf4, encode_csv] {
+    for encode in [encode_mdf4, encode_csv, encode_mat5] {
         assert!(matches!(encode(&recording), Err(RecordingError::LengthMismatch { .. })));
     }
 }

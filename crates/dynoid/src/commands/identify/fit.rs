@@ -11,7 +11,7 @@ use signal::Sos;
 
 use super::data::{Loaded, draw, load, load_files};
 use super::words::significant;
-use super::{figures, greybox, words};
+use super::{figures, greybox, look, words};
 use crate::cli::identify::{
     ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
     SubspaceWeighting, TransferFunctionArguments,
@@ -376,7 +376,12 @@ impl<'a> Verdict<'a> {
             if arguments.data.recordings.len() == 1 { "" } else { "s" }
         ));
         terminal.gap();
-        terminal.table(&self.parameters());
+        // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
+        let roots = match self.fit.model {
+            AnyModel::StateSpace(_) => look::roots_table(document, INTERVAL).ok(),
+            _ => None,
+        };
+        terminal.table(&roots.unwrap_or_else(|| self.parameters()));
         terminal.gap();
         greybox::print_derived(self.fit, INTERVAL, terminal);
         terminal.table(&self.fits(document));

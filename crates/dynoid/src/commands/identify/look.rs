@@ -247,25 +247,7 @@ fn curve_table(curve: &Curve, model: &str, x: &Axis) -> Table {
 /// `dynoid poles`
 pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let models = models(arguments)?;
-    let mut rows = Vec::new();
-    for (number, model) in models.iter().enumerate() {
-        for channel in channels(model) {
-            let (poles, zeros) = roots(model, channel).map_err(failed)?;
-            let name = channel_name(model, channel);
-            rows.extend(poles.into_iter().map(|root| Row {
-                model: number,
-                channel: name.clone(),
-                is_pole: true,
-                root,
-            }));
-            rows.extend(zeros.into_iter().map(|root| Row {
-                model: number,
-                channel: name.clone(),
-                is_pole: false,
-                root,
-            }));
-        }
-    }
+    let rows = rows(&models).map_err(failed)?;
     picture(&arguments.result, "Poles and zeros", || pole_figures(&rows, &models, arguments.level))?;
     if arguments.result.json {
         let row = |r: &Row| {
@@ -283,6 +265,31 @@ pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Resu
         written(&arguments.result.plot, terminal);
     }
     Ok(Outcome::Done)
+}
+
+/// Poles and zeros of one model, as a table.
+pub(super) fn roots_table(document: &ModelDocument, level: f64) -> Result<Table, IdentError> {
+    let fit = document.estimate.as_ref().map(|_| document.fit()).transpose()?;
+    let models = [Model { name: "model".into(), document: document.clone(), fit }];
+    Ok(pole_table(&rows(&models)?, &models, level))
+}
+
+/// Poles and zeros of every way through every model.
+fn rows(models: &[Model]) -> Result<Vec<Row>, IdentError> {
+    let mut rows = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        for channel in channels(model) {
+            let (poles, zeros) = roots(model, channel)?;
+            let name = channel_name(model, channel);
+            let row = |is_pole| {
+                let name = name.clone();
+                move |root| Row { model: number, channel: name.clone(), is_pole, root }
+            };
+            rows.extend(poles.into_iter().map(row(true)));
+            rows.extend(zeros.into_iter().map(row(false)));
+        }
+    }
+    Ok(rows)
 }
 
 struct Row {

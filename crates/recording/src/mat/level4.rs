@@ -1,0 +1,135 @@
+//! Level 4: matrices one after the other, each behind a header of 20 bytes.
+
+use super::value::{Array, Value, text_rows};
+use crate::RecordingError;
+
+const HEADER: usize = 20;
+/// The longest name, with the NUL at its end.
+const MAX_NAME: usize = 128;
+
+/// The header of a matrix.
+struct Header {
+    big: bool,
+    /// What a number is stored as: 0 to 5.
+    number: u32,
+    /// 0 numbers, 1 text, 2 sparse.
+    content: u32,
+    rows: usize,
+    columns: usize,
+    is_complex: bool,
+    name: usize,
+}
+
+impl Header {
+    /// The header at the start of `bytes`, if it is one.
+    fn read(bytes: &[u8]) -> Option<Self> {
+        let (words, _) = bytes.get(..HEADER)?.as_chunks::<4>();
+        let kind = u32::from_le_bytes(words[0]);
+        let big = kind > 9999;
+        let word = |at: usize| if big { u32::from_be_bytes(words[at]) } else { u32::from_le_bytes(words[at]) };
+        let kind = word(0);
+        let (machine, zero, number, content) = (kind / 1000, kind / 100 % 10, kind / 10 % 10, kind % 10);
+        let size = |at: usize| i32::try_from(word(at)).ok().and_then(|s| usize::try_from(s).ok());
+        let header =
+            Self { big, number, content, rows: size(1)?, columns: size(2)?, is_complex: word(3) == 1, name: size(4)? };
+        let plausible = machine == u32::from(big)
+            && zero == 0
+            && number <= 5
+            && content <= 2
+            && word(3) <= 1
+            && (2..=MAX_NAME).contains(&header.name);
+        plausible.then_some(header)
+    }
+
+    /// Bytes of a number.
+    fn width(&self) -> usize {
+        [8, 4, 4, 2, 2, 1][self.number as usize]
+    }
+
+    /// Bytes of the matrix after its header.
+    fn size(&self) -> Option<usize> {
+        let numbers = self.rows.checked_mul(self.columns)?.checked_mul(1 + usize::from(self.is_complex))?;
+        numbers.checked_mul(self.width())?.checked_add(self.name)
+    }
+
+    fn value(&self, content: &[u8]) -> Value {
+        match self.content {
+            2 => return Value::unsupported("a sparse matrix; save it as a full one"),
+            0 if self.is_complex => return Value::not_numeric("complex numbers"),
+            _ => {}
+        }
+        let values = self.numbers(content);
+        if self.content == 0 {
+            return Value::Numbers(Array { rows: self.rows, columns: self.columns, values });
+        }
+        // Text is stored as the codes of its characters.
+        let character = |&code: &f64| char::from_u32(code as u32).unwrap_or(char::REPLACEMENT_CHARACTER);
+        text_rows(self.rows, &values.iter().map(character).collect::<Vec<_>>())
+    }
+
+    fn numbers(&self, content: &[u8]) -> Vec<f64> {
+        match self.number {
+            0 => self.converted(content, f64::from_le_bytes),
+            1 => self.converted(content, |b| f64::from(f32::from_le_bytes(b))),
+            2 => self.converted(content, |b| f64::from(i32::from_le_bytes(b))),
+            3 => self.converted(content, |b| f64::from(i16::from_le_bytes(b))),
+            4 => self.converted(content, |b| f64::from(u16::from_le_bytes(b))),
+            _ => self.converted(content, |b| f64::from(u8::from_le_bytes(b))),
+        }
+    }
+
+    fn converted<const N: usize>(&self, content: &[u8], number: fn([u8; N]) -> f64) -> Vec<f64> {
+        let (chunks, _) = content.as_chunks::<N>();
+        let numbers = chunks.iter().map(|&(mut chunk)| {
+            if self.big {
+                chunk.reverse();
+            }
+            number(chunk)
+        });
+        numbers.collect()
+    }
+}
+
+/// The name at the start of `content`, if it is one a variable can have.
+fn name(content: &[u8]) -> Option<&str> {
+    let (name, _) = content.split_at(content.iter().position(|&b| b == 0)?);
+    let is_valid = |n: &[u8]| n.iter().all(|b| b.is_ascii_alphanumeric() || *b == b'_');
+    let named = name.first().is_some_and(u8::is_ascii_alphabetic) && is_valid(name);
+    std::str::from_utf8(name).ok().filter(|_| named)
+}
+
+/// Whether content starts like a file of level 4, which has no mark of its own.
+pub(super) fn starts(bytes: &[u8]) -> bool {
+    let header = Header::read(bytes);
+    header.is_some_and(|h| bytes.get(HEADER..HEADER + h.name).is_some_and(|content| name(content).is_some()))
+}
+
+/// The variables in the order of the file, with their names.
+pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>, RecordingError> {
+    let mut found = Vec::new();
+    let mut at = 0;
+    while at < bytes.len() {
+        let rest = &bytes[at..];
+        let truncated = |expected: usize| RecordingError::Truncated {
+            file: file.into(),
+            offset: at as u64,
+            expected: expected as u64,
+            available: rest.len() as u64,
+        };
+        let damaged = || RecordingError::Damaged {
+            file: file.into(),
+            offset: Some(at as u64),
+            detail: "no header of a variable".into(),
+        };
+        if rest.len() < HEADER {
+            return Err(truncated(HEADER));
+        }
+        let header = Header::read(rest).ok_or_else(damaged)?;
+        let size = header.size().ok_or_else(damaged)?;
+        let content = rest[HEADER..].get(..size).ok_or_else(|| truncated(HEADER.saturating_add(size)))?;
+        let (label, numbers) = content.split_at(header.name);
+        found.push((name(label).ok_or_else(damaged)?.to_owned(), header.value(numbers)));
+        at += HEADER + size;
+    }
+    Ok(found)
+}

@@ -1,0 +1,75 @@
+//! MAT-files of MATLAB: variables that hold arrays, text, cells and structs, in any order.
+//!
+//! [`level5`] and [`level4`] read the variables, [`scope`] finds the clocks among them, [`listed`] reads the list that
+//! [`write`] puts into its files.
+
+mod labels;
+mod level4;
+mod level5;
+mod listed;
+mod scope;
+mod value;
+mod write;
+
+use crate::{Format, Recording, RecordingError, Selection};
+use scope::Plan;
+use value::Value;
+pub use write::encode_mat5;
+
+/// What a file of level 7.3 starts with, after a header like that of level 5.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// Whether content is a MAT-file, of a level that can be read or not.
+pub(crate) fn is_mat(bytes: &[u8]) -> bool {
+    is_level5(bytes) || bytes.starts_with(b"MATLAB 5.0 MAT-file") || bytes.starts_with(HDF5) || level4::starts(bytes)
+}
+
+fn is_level5(bytes: &[u8]) -> bool {
+    // Text before the level, and no text as level: other text has those letters too.
+    let (text, level) = (bytes.get(..4), bytes.get(124..126));
+    level5::is_big_endian(bytes).is_some()
+        && text.is_some_and(|text| text.iter().all(|b| !b.is_ascii_control()))
+        && level.is_some_and(|level| level.iter().all(|b| *b < b' ' && !b.is_ascii_whitespace()))
+}
+
+/// Decodes a MAT-file; arrays without a time vector are left out, or have rows `row_distance_s` apart if that is known.
+pub(crate) fn decode(
+    name: &str,
+    bytes: &[u8],
+    selection: &Selection,
+    row_distance_s: Option<f64>,
+) -> Result<Recording, RecordingError> {
+    let (level, mut variables) = variables(name, bytes)?;
+    let mut plan = Plan::new(row_distance_s);
+    let listed = listed::take(name, &mut variables, &mut plan)?;
+    plan.top(variables);
+    let mut recording = plan.finish(name, selection, Format::Mat { level })?;
+    (recording.comment, recording.start_time) = listed;
+    Ok(recording)
+}
+
+fn variables(name: &str, bytes: &[u8]) -> Result<(u8, Vec<(String, Value)>), RecordingError> {
+    if bytes.starts_with(HDF5) {
+        return Err(RecordingError::MatV73 { file: name.into() });
+    }
+    if level4::starts(bytes) {
+        return Ok((4, level4::variables(name, bytes)?));
+    }
+    let Some(big) = level5::is_big_endian(bytes) else {
+        return Err(RecordingError::Truncated {
+            file: name.into(),
+            offset: 0,
+            expected: level5::HEADER as u64,
+            available: bytes.len() as u64,
+        });
+    };
+    match (if big { bytes[124] } else { bytes[125] }, bytes[124].max(bytes[125])) {
+        (1, _) => Ok((5, level5::variables(name, bytes)?)),
+        (2, _) => Err(RecordingError::MatV73 { file: name.into() }),
+        (_, other) => Err(RecordingError::Damaged {
+            file: name.into(),
+            offset: Some(124),
+            detail: format!("a MAT-file of level {other}"),
+        }),
+    }
+}

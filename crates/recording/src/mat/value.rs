@@ -1,0 +1,125 @@
+//! What a variable holds.
+
+use crate::SkipReason;
+
+/// A variable of a file, or a part of one.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Value {
+    Numbers(Array),
+    /// The rows of an array of characters.
+    Text(Vec<String>),
+    Cell(Vec<Value>),
+    Struct(Struct),
+    /// Something that is no channel.
+    Skip(SkipReason),
+}
+
+impl Value {
+    pub(super) fn not_numeric(kind: &str) -> Self {
+        Self::Skip(SkipReason::NotNumeric { kind: kind.into() })
+    }
+
+    pub(super) fn unsupported(detail: impl Into<String>) -> Self {
+        Self::Skip(SkipReason::Unsupported { detail: detail.into() })
+    }
+
+    /// The only text here, blanks at its ends removed.
+    pub(super) fn text(&self) -> Option<&str> {
+        match self {
+            Self::Text(rows) if rows.is_empty() => Some(""),
+            Self::Text(rows) if rows.len() == 1 => Some(rows[0].trim()),
+            Self::Cell(items) if items.len() == 1 => items[0].text(),
+            _ => None,
+        }
+    }
+
+    /// Text, one for each row or cell.
+    pub(super) fn texts(&self) -> Option<Vec<&str>> {
+        match self {
+            Self::Text(rows) => Some(rows.iter().map(|row| row.trim()).collect()),
+            Self::Cell(items) => items.iter().map(Self::text).collect(),
+            _ => None,
+        }
+    }
+
+    pub(super) fn scalar(&self) -> Option<f64> {
+        match self {
+            Self::Numbers(array) if array.values.len() == 1 => Some(array.values[0]),
+            Self::Cell(items) if items.len() == 1 => items[0].scalar(),
+            _ => None,
+        }
+    }
+}
+
+/// Real numbers, column by column.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Array {
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    pub(super) values: Vec<f64>,
+}
+
+impl Array {
+    /// An array of these dimensions; `None` where more than two of them are not 1.
+    pub(super) fn new(dimensions: &[usize], values: Vec<f64>) -> Option<Self> {
+        let (rows, columns) = match dimensions {
+            [rows, columns] => (*rows, *columns),
+            _ => {
+                let long: Vec<usize> = dimensions.iter().copied().filter(|&d| d != 1).collect();
+                match long.as_slice() {
+                    [] => (1, 1),
+                    [rows] => (*rows, 1),
+                    [rows, columns] => (*rows, *columns),
+                    _ => return None,
+                }
+            }
+        };
+        Some(Self { rows, columns, values })
+    }
+
+    pub(super) fn is_vector(&self) -> bool {
+        self.rows == 1 || self.columns == 1
+    }
+
+    pub(super) fn into_columns(self) -> Vec<Vec<f64>> {
+        if self.is_vector() {
+            return vec![self.values];
+        }
+        self.values.chunks(self.rows.max(1)).map(<[f64]>::to_vec).collect()
+    }
+
+    pub(super) fn into_rows(self) -> Vec<Vec<f64>> {
+        (0..self.rows).map(|row| self.values.iter().skip(row).step_by(self.rows).copied().collect()).collect()
+    }
+}
+
+/// An array of structs that have the same fields.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Struct {
+    pub(super) fields: Vec<String>,
+    /// For each struct the values of its fields.
+    pub(super) elements: Vec<Vec<Value>>,
+}
+
+impl Struct {
+    /// The field of the struct at `index`.
+    pub(super) fn get(&self, index: usize, field: &str) -> Option<&Value> {
+        let place = self.fields.iter().position(|f| f == field)?;
+        self.elements.get(index)?.get(place)
+    }
+}
+
+/// The most characters of text that are kept; longer text is no name, unit or comment.
+pub(super) const MAX_TEXT: usize = 1 << 16;
+
+/// The rows of a character array of `rows` rows, which is stored column by column.
+pub(super) fn text_rows(rows: usize, characters: &[char]) -> Value {
+    if characters.len() > MAX_TEXT {
+        return Value::not_numeric("text");
+    }
+    if rows <= 1 {
+        return Value::Text(vec![characters.iter().collect()]);
+    }
+    let row = |r: usize| characters.iter().skip(r).step_by(rows).collect::<String>().trim_end().to_owned();
+    Value::Text((0..rows.min(characters.len())).map(row).collect())
+}
