@@ -52,8 +52,10 @@ fn run(folder: &TempDir, line: &str) -> Ran {
 }
 
 #[test]
-fn exact_parameters_of_a_shaft() {
-    let folder = folder(0.0);
+fn stat_parameters_of_a_shaft_in_little_noise() {
+    // A little noise: without any, momentum is an output combination free of errors, and the determinant that is
+    // minimised vanishes whatever the stiffness.
+    let folder = folder(1e-6);
     for line in [FIT.to_owned(), format!("{FIT} --from-rest"), format!("{FIT} --starts 2")] {
         let ran = run(&folder, &format!("{line} --json"));
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
@@ -61,7 +63,7 @@ fn exact_parameters_of_a_shaft() {
         let estimate = &result["model"]["estimate"];
         assert_eq!(estimate["parameter_names"], serde_json::json!(["J_e", "J_d", "K", "B"]));
         for (found, truth) in estimate["parameters"].as_array().unwrap().iter().zip(TRUTH) {
-            assert!((found.as_f64().unwrap() / truth - 1.0).abs() < 1e-6, "{line}: {estimate}");
+            assert!((found.as_f64().unwrap() / truth - 1.0).abs() < 1e-5, "{line}: {estimate}");
         }
     }
 }

@@ -207,7 +207,7 @@ fn check_parameters(parameters: &[GreyParameter]) -> Result<(), IdentError> {
 fn check_shapes(parts: &FormulaParts) -> Result<(), IdentError> {
     let (states, outputs) = (parts.a.len().max(1), parts.c.len().max(1));
     let inputs = parts.b.first().map_or(0, Vec::len);
-    let tables: [(&str, &Vec<Vec<Formula>>, (usize, usize), bool); 5] = [
+    let tables = [
         ("A", &parts.a, (states, states), false),
         ("B", &parts.b, (states, inputs), false),
         ("C", &parts.c, (outputs, states), false),
