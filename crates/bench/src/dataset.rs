@@ -53,6 +53,13 @@ pub enum Adjustment {
         /// That of the data, s.
         to_s: f64,
     },
+    /// An output slower than the data's clock: it is known only where it was measured.
+    Sparse {
+        /// The channel.
+        channel: String,
+        /// Its own sample time, s.
+        sample_time_s: f64,
+    },
     /// Samples are missing, and marked so.
     Missing {
         /// The channel.
@@ -74,6 +81,16 @@ pub enum DatasetError {
         channel: String,
         /// Those with the most similar names.
         closest: Vec<String>,
+    },
+    /// Several channels of one name.
+    #[error("{file}: {count} channels are called \"{channel}\"; rename them, so that one can be chosen")]
+    Ambiguous {
+        /// The file.
+        file: String,
+        /// The name.
+        channel: String,
+        /// How many there are.
+        count: usize,
     },
     /// Time stamps that do not rise.
     #[error(
@@ -142,7 +159,8 @@ pub enum DatasetError {
 /// Channels of several recordings, one experiment a recording.
 ///
 /// A channel on another clock than the data's is interpolated, after a low-pass filter if it is the faster one; missing
-/// samples and NaN stay missing. Without a sample time in the options the slowest channel of the first recording gives it.
+/// samples and NaN stay missing. An output that is slower than the data's clock is known only at the instants nearest to its
+/// samples, and missing between them: values that were not measured are not made up. Without a sample time in the options the slowest channel of the first recording gives it.
 ///
 /// # Errors
 /// [`DatasetError`].
@@ -228,7 +246,8 @@ impl<'r> Part<'r> {
         }
         let count = (duration_s / sample_time_s + 1e-6).floor() as usize + 1;
         let clock = Clock { start_s, sample_time_s, count };
-        let columns = self.channels.iter().map(|c| c.on_clock(self.file, clock, adjustments));
+        let on_clock = |(index, c): (usize, &Timed<'_>)| c.on_clock(self.file, clock, index >= inputs, adjustments);
+        let columns = self.channels.iter().enumerate().map(on_clock);
         let columns: Vec<Vec<f64>> = columns.collect::<Result<_, _>>()?;
         let table = |columns: &[Vec<f64>]| Mat::from_fn(count, columns.len(), |i, j| columns[j][i]);
         let (left, right) = columns.split_at(inputs);
@@ -246,6 +265,10 @@ struct Clock {
 
 impl<'r> Timed<'r> {
     fn new(file: &str, recording: &'r Recording, name: &str, options: &DatasetOptions) -> Result<Self, DatasetError> {
+        let count = recording.channels.iter().filter(|c| c.name == name).count();
+        if count > 1 {
+            return Err(DatasetError::Ambiguous { file: file.to_owned(), channel: name.to_owned(), count });
+        }
         let channel = recording.channel(name).ok_or_else(|| DatasetError::NoChannel {
             file: file.to_owned(),
             channel: name.to_owned(),
@@ -272,15 +295,26 @@ impl<'r> Timed<'r> {
     }
 
     /// The channel's values on the clock, NaN where they are missing.
-    fn on_clock(&self, file: &str, clock: Clock, log: &mut Vec<Adjustment>) -> Result<Vec<f64>, DatasetError> {
+    fn on_clock(
+        &self,
+        file: &str,
+        clock: Clock,
+        is_output: bool,
+        log: &mut Vec<Adjustment>,
+    ) -> Result<Vec<f64>, DatasetError> {
         let name = || self.channel.name.clone();
         let largest_s = self.largest_deviation();
         if largest_s > JITTER_SHARE * self.sample_time_s {
             log.push(Adjustment::Jitter { channel: name(), largest_s });
         }
         let same = (self.sample_time_s - clock.sample_time_s).abs() <= SAME_SHARE * clock.sample_time_s;
+        let is_slower = self.sample_time_s > clock.sample_time_s;
         let column = match same {
             true => self.straight(clock),
+            false if is_output && is_slower => {
+                log.push(Adjustment::Sparse { channel: name(), sample_time_s: self.sample_time_s });
+                return Ok(self.sparse(clock));
+            }
             false => {
                 let (from_s, to_s) = (self.sample_time_s, clock.sample_time_s);
                 log.push(Adjustment::Resampled { channel: name(), from_s, to_s });
@@ -322,6 +356,19 @@ impl<'r> Timed<'r> {
             if is_gap { f64::NAN } else { self.values[left] + share * (self.values[left + 1] - self.values[left]) }
         };
         (0..clock.count).map(value).collect()
+    }
+
+    /// Values at the ticks nearest to the samples, on straight lines between these; NaN at all other ticks.
+    fn sparse(&self, clock: Clock) -> Vec<f64> {
+        let straight = self.straight(clock);
+        let mut values = vec![f64::NAN; clock.count];
+        for time_s in &self.time_s {
+            let tick = ((time_s - clock.start_s) / clock.sample_time_s).round();
+            if tick >= 0.0 && tick < clock.count as f64 {
+                values[tick as usize] = straight[tick as usize];
+            }
+        }
+        values
     }
 
     /// The channel on its own clock, without gaps, through an anti-alias filter if the data's clock is the slower one, and

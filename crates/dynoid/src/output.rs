@@ -51,9 +51,16 @@ impl OutputFolder {
     }
 }
 
-/// Writes one file, replacing an existing one.
+/// Writes one file, replacing an existing one. What is no file, such as a device, is written to and stays what it is.
 pub(crate) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
     let failed = |source| CliError::write(path, source);
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => return Err(CliError::InTheWay { path: path.to_owned(), what: "a folder" }),
+        Ok(there) if !there.is_file() => {
+            return File::options().write(true).open(path).and_then(|mut f| f.write_all(content)).map_err(failed);
+        }
+        _ => {}
+    }
     let folder = crate::input::folder_of(path);
     stage(&folder, content).map_err(failed)?.persist(path).map_err(|error| failed(error.error))?;
     sync_folder(&folder);

@@ -77,11 +77,23 @@ impl EstimateRecord {
 
     /// The fit again, of this model.
     pub(super) fn to_fit<M: Parametric>(&self, model: M) -> Result<Fit<M>, IdentError> {
-        let count = model.parameters().len();
-        let found = self.covariance.len();
-        if found != count {
-            return Err(IdentError::Length { what: "rows of the covariance", expected: count, found });
+        let parameters = model.parameters();
+        let count = parameters.len();
+        for (what, found) in
+            [("rows of the covariance", self.covariance.len()), ("parameters of the estimate", self.parameters.len())]
+        {
+            if found != count {
+                return Err(IdentError::Length { what, expected: count, found });
+            }
         }
+        if self.parameters != parameters {
+            return Err(IdentError::Structure { what: "the estimate is of other parameters than the model's" });
+        }
+        if !(self.degrees_of_freedom > 0.0) {
+            return Err(IdentError::Structure { what: "the estimate has no positive number of degrees of freedom" });
+        }
+        check_covariance(&square("covariance", &self.covariance)?)?;
+        check_covariance(&square("noise covariance", &self.noise_covariance)?)?;
         let names = model.parameter_names();
         if self.parameter_names != names {
             let found = format!("an estimate of {}", self.parameter_names.join(", "));
@@ -102,4 +114,24 @@ impl EstimateRecord {
             model,
         })
     }
+}
+
+/// Rounding leaves a covariance this part of its largest eigenvalue below zero at most.
+const ROUNDING: f64 = 1e-8;
+
+fn check_covariance(m: &faer::Mat<f64>) -> Result<(), IdentError> {
+    let n = m.nrows();
+    let not_one = IdentError::Structure { what: "a covariance of the estimate is not symmetric and non-negative" };
+    if (0..n).any(|i| (0..n).any(|j| !m[(i, j)].is_finite())) {
+        return Err(not_one);
+    }
+    // Scaled to a unit diagonal, so that units do not matter.
+    let size = |i: usize| if m[(i, i)] > 0.0 { m[(i, i)].sqrt() } else { 1.0 };
+    let scaled = faer::Mat::from_fn(n, n, |i, j| m[(i, j)] / (size(i) * size(j)));
+    let skewed = (0..n).any(|i| (0..n).any(|j| (scaled[(i, j)] - scaled[(j, i)]).abs() > ROUNDING));
+    let values = scaled
+        .self_adjoint_eigenvalues(faer::Side::Lower)
+        .map_err(|_| IdentError::Decomposition { what: "eigenvalue" })?;
+    let smallest = values.iter().copied().fold(0.0, f64::min);
+    if skewed || smallest < -ROUNDING * n as f64 { Err(not_one) } else { Ok(()) }
 }

@@ -74,6 +74,10 @@ impl ModelDocument {
                 return Err(IdentError::Length { what, expected, found });
             }
         }
+        self.model.check_size()?;
+        if let Some(own_s) = self.model.own_sample_time_s() {
+            crate::fit::check_clock(own_s, self.sample_time_s)?;
+        }
         if !(self.sample_time_s.is_finite() && self.sample_time_s > 0.0) {
             return Err(IdentError::SampleTime { sample_time_s: self.sample_time_s });
         }
@@ -90,7 +94,30 @@ impl ModelDocument {
     }
 }
 
+/// Most states that a polynomial model in a document may have.
+const MOST_STATES: usize = 5000;
+
 impl AnyModel {
+    /// The sample time of a discrete model.
+    fn own_sample_time_s(&self) -> Option<f64> {
+        match self {
+            AnyModel::Polynomial(model) => Some(model.sample_time_s()),
+            AnyModel::StateSpace(model) => model.system().sample_time_s(),
+            _ => None,
+        }
+    }
+
+    /// Refuses orders and delays that no memory could hold as states.
+    fn check_size(&self) -> Result<(), IdentError> {
+        let AnyModel::Polynomial(model) = self else { return Ok(()) };
+        let coefficients = model.coefficients().len();
+        let delays = model.equations().iter().flat_map(|e| &e.nk).fold(0_usize, |sum, nk| sum.saturating_add(*nk));
+        if coefficients.saturating_add(delays) > MOST_STATES {
+            return Err(IdentError::Structure { what: "the orders and delays of the model add up to over 5000 samples" });
+        }
+        Ok(())
+    }
+
     /// Names of the parameters with their values.
     pub fn named_parameters(&self) -> Vec<(String, f64)> {
         self.parameter_names().into_iter().zip(self.parameters()).collect()

@@ -35,6 +35,11 @@ pub(super) fn load_files(
     arguments: &DataArguments,
     terminal: &mut Terminal,
 ) -> Result<Loaded, CliError> {
+    if let (Some(from_s), Some(to_s)) = (arguments.from_s, arguments.to_s)
+        && from_s >= to_s
+    {
+        return Err(CliError::Usage { what: format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first") });
+    }
     let files = input::named(files)?;
     let progress = terminal.progress(files.len() as u64);
     let mut read = Vec::new();
@@ -58,7 +63,7 @@ pub(super) fn load_files(
     let data = data.with_intersample(intersample(arguments.between));
     adjustments.iter().for_each(|adjustment| terminal.warning(&words(adjustment)));
     for advice in advise(&data).iter().filter(|advice| matters(advice, arguments.detrend)) {
-        terminal.warning(&advice.to_string());
+        terminal.warning(&with_names(&advice.to_string(), &data));
     }
     let trend = trend(&data, arguments.detrend).map_err(|source| CliError::identify("the trend", source))?;
     let sources = sources(&files, &read, &data);
@@ -126,6 +131,33 @@ fn trend(data: &Dataset, detrend: Detrend) -> Result<Option<Trend>, ident::Ident
     Trend::estimate(data, shape, TrendScope::PerExperiment).map(Some)
 }
 
+/// Advice counts channels and experiments; people know them by name.
+fn with_names(text: &str, data: &Dataset) -> String {
+    let mut named = text.to_owned();
+    // From the last on, so that "input 1" is not found in "input 12".
+    for (kind, labels) in [("input", data.input_labels()), ("output", data.output_labels())] {
+        for (index, label) in labels.iter().enumerate().rev() {
+            named = named.replace(&format!("{kind} {}", index + 1), &format!("\"{}\"", label.name));
+        }
+    }
+    for (index, experiment) in data.experiments().iter().enumerate().rev() {
+        named = named.replace(&format!("experiment {}", index + 1), &experiment.name);
+    }
+    named
+}
+
+/// Refuses to write over a file that is read.
+pub(super) fn check_targets(targets: &[&Option<PathBuf>], read: &[&[PathBuf]]) -> Result<(), CliError> {
+    let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    for target in targets.iter().filter_map(|target| target.as_ref()) {
+        if read.iter().flat_map(|list| list.iter()).any(|file| same(file, target)) {
+            let what = format!("{}: this file is read; give the result another name", target.display());
+            return Err(CliError::Usage { what });
+        }
+    }
+    Ok(())
+}
+
 /// Offsets are no news where they are taken off.
 fn matters(advice: &Advice, detrend: Detrend) -> bool {
     match advice {
@@ -142,7 +174,14 @@ fn words(adjustment: &Adjustment) -> String {
         ),
         Adjustment::Resampled { channel, from_s, to_s } => format!(
             "\"{channel}\" was brought from a sample time of {from_s:.6} s to {to_s:.6} s{}",
-            if to_s > from_s { ", through a low-pass filter without phase shift" } else { "" }
+            if to_s > from_s {
+                ", through a low-pass filter without phase shift; for fast dynamics give the faster clock with --sample-time"
+            } else {
+                ""
+            }
+        ),
+        Adjustment::Sparse { channel, sample_time_s } => format!(
+            "\"{channel}\" has a sample only every {sample_time_s:.6} s and counts as missing between; methods that look at the simulated output (oe, tf, process, greybox) can use it so"
         ),
         Adjustment::Missing { channel, count } => {
             format!("\"{channel}\": {count} samples are missing")
