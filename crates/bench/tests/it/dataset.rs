@@ -82,3 +82,32 @@ fn regress_impossible_requests_are_refused_with_names() {
     let error = dataset(&[("x.csv", &backwards)], &options(&["u"], &["y"])).unwrap_err();
     assert!(matches!(error, DatasetError::TimeNotRising { sample: 2, .. }), "{error}");
 }
+
+#[test]
+fn exact_slow_output_on_a_fast_clock_is_known_where_it_was_measured() {
+    let rows: String = (0..=400)
+        .map(|n| {
+            let t = 0.01 * f64::from(n);
+            let slow = if n <= 100 { format!("{},{}", 0.04 * f64::from(n), n) } else { ",".into() };
+            format!("{t},{},{slow}\n", (3.0 * t).sin())
+        })
+        .collect();
+    let text = format!("time [s],u,time 2 [s],y\n{rows}");
+    let fast = DatasetOptions { sample_time_s: Some(0.01), ..options(&["u"], &["y"]) };
+    let (data, adjustments) = dataset(&[("x.csv", &recorded(&text))], &fast).unwrap();
+    let y = data.experiments()[0].output(0);
+    for (k, value) in y.iter().enumerate() {
+        match k % 4 {
+            0 => assert!((value - k as f64 / 4.0).abs() < 1e-9, "sample {k}: {value}"),
+            _ => assert!(value.is_nan(), "sample {k} was never measured: {value}"),
+        }
+    }
+    assert!(matches!(&adjustments[..], [Adjustment::Sparse { channel, .. }] if channel == "y"), "{adjustments:?}");
+}
+
+#[test]
+fn regress_channels_of_one_name_are_not_chosen_from() {
+    let twice = recorded("time [s],u,u,y\n0,1,2,3\n0.1,2,3,4\n0.2,1,1,5\n");
+    let error = dataset(&[("x.csv", &twice)], &options(&["u"], &["y"])).unwrap_err();
+    assert!(matches!(&error, DatasetError::Ambiguous { count: 2, .. }), "{error}");
+}

@@ -93,7 +93,8 @@ fn model_files_serve_every_command() {
     let zpk = run(&folder, "convert armax.json --to zpk --continuous --json");
     assert_eq!(zpk.code, Some(0), "{}", zpk.stderr);
     for kind in ["tf", "zpk", "ss"] {
-        assert_eq!(run(&folder, &format!("convert tf.json --to {kind} --sample-time 0.05 --json")).code, Some(0));
+        let line = format!("convert tf.json --to {kind} --sample-time 0.05 --json");
+        assert_eq!(run(&folder, &line).code, Some(0), "{kind}");
     }
 }
 
@@ -131,6 +132,56 @@ fn data_are_explored() {
         assert!(spectrum.json()[0]["magnitude"].as_array().unwrap().len() > 20);
     }
     assert_eq!(run(&folder, "spectrum run.csv -y speed --json").code, Some(0));
+}
+
+#[test]
+fn regress_models_of_different_outputs_are_compared_each_with_its_own() {
+    let folder = folder();
+    let ran = run(&folder, "fit arx run.csv -u speed -y valve --quiet --out back.json");
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    fitted(&folder, "fit arx --out forth.json");
+    let compared = run(&folder, "compare forth.json back.json --on unseen.csv --json --plot c.svg").json();
+    assert_eq!(compared[0]["outputs"][0]["name"], "speed");
+    assert_eq!(compared[1]["outputs"][0]["unit"], "V");
+    let table = run(&folder, "compare forth.json back.json --on unseen.csv").stdout;
+    assert!(table.contains("rad/s") && table.contains("valve"), "{table}");
+}
+
+#[test]
+fn regress_recordings_are_never_written_over() {
+    let folder = folder();
+    let before = std::fs::read(folder.path().join("run.csv")).unwrap();
+    run(&folder, "fit arx run.csv -u valve -y speed --plot run.csv").assert_refused(2, &["run.csv", "is read"]);
+    run(&folder, "fit arx run.csv -u valve -y speed --out model.csv").assert_refused(2, &["model.csv", ".json"]);
+    fitted(&folder, "fit arx --out m.json");
+    run(&folder, "simulate m.json --on run.csv --out run.csv").assert_refused(2, &["run.csv", "is read"]);
+    run(&folder, "simulate m.json --on run.csv --on unseen.csv --out both.csv").assert_refused(2, &["one recording"]);
+    assert_eq!(std::fs::read(folder.path().join("run.csv")).unwrap(), before);
+}
+
+#[test]
+fn regress_edited_model_files_are_refused() {
+    let folder = folder();
+    fitted(&folder, "fit arx --na 1 --nb 1 --out m.json");
+    let text = std::fs::read_to_string(folder.path().join("m.json")).unwrap();
+    let mut model: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let refused = |change: &dyn Fn(&mut serde_json::Value)| {
+        let mut changed = model.clone();
+        change(&mut changed);
+        std::fs::write(folder.path().join("e.json"), changed.to_string()).unwrap();
+        let ran = run(&folder, "bode e.json --json");
+        assert_eq!(ran.code, Some(3), "stdout: {}", &ran.stdout[..ran.stdout.len().min(300)]);
+        assert!(ran.stderr.contains("e.json"), "{}", ran.stderr);
+    };
+    refused(&|m| m["version"] = 2.into());
+    refused(&|m| m["estimate"]["covariance"][0][0] = (-1.0).into());
+    refused(&|m| m["estimate"]["degrees_of_freedom"] = (-3.0).into());
+    refused(&|m| m["estimate"]["parameters"][0] = 0.5.into());
+    refused(&|m| m["sample_time_s"] = 0.5.into());
+    refused(&|m| m["model"]["value"]["equations"][0]["nk"][0] = 1_000_000_000.into());
+    model["format"] = "other".into();
+    std::fs::write(folder.path().join("f.json"), model.to_string()).unwrap();
+    run(&folder, "poles f.json").assert_refused(3, &["f.json", "other"]);
 }
 
 #[test]

@@ -89,7 +89,7 @@ impl EstimateRecord {
         if self.parameters != parameters {
             return Err(IdentError::Structure { what: "the estimate is of other parameters than the model's" });
         }
-        if !(self.degrees_of_freedom > 0.0) {
+        if self.degrees_of_freedom.is_nan() || self.degrees_of_freedom <= 0.0 {
             return Err(IdentError::Structure { what: "the estimate has no positive number of degrees of freedom" });
         }
         check_covariance(&square("covariance", &self.covariance)?)?;

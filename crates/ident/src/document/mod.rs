@@ -113,7 +113,9 @@ impl AnyModel {
         let coefficients = model.coefficients().len();
         let delays = model.equations().iter().flat_map(|e| &e.nk).fold(0_usize, |sum, nk| sum.saturating_add(*nk));
         if coefficients.saturating_add(delays) > MOST_STATES {
-            return Err(IdentError::Structure { what: "the orders and delays of the model add up to over 5000 samples" });
+            return Err(IdentError::Structure {
+                what: "the orders and delays of the model add up to over 5000 samples",
+            });
         }
         Ok(())
     }

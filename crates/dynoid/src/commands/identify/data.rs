@@ -38,7 +38,9 @@ pub(super) fn load_files(
     if let (Some(from_s), Some(to_s)) = (arguments.from_s, arguments.to_s)
         && from_s >= to_s
     {
-        return Err(CliError::Usage { what: format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first") });
+        return Err(CliError::Usage {
+            what: format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first"),
+        });
     }
     let files = input::named(files)?;
     let progress = terminal.progress(files.len() as u64);

@@ -9,7 +9,7 @@ use ident::{
 use serde::Serialize;
 use signal::Sos;
 
-use super::data::{Loaded, draw, load, load_files};
+use super::data::{Loaded, check_targets, draw, load, load_files};
 use super::words::significant;
 use super::{figures, greybox, look, words};
 use crate::cli::identify::{
@@ -32,17 +32,18 @@ const MOST_STATES: usize = 10;
 
 pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let common = command.common();
+    check_fit(common)?;
     let whole = load(&common.data, terminal)?;
     let (estimation, unseen) = parts(whole, common, terminal)?;
-    let method = method(command);
+    let wanted = method(command);
     let progress = terminal.progress(1);
-    progress.say(&format!("estimating {method}"));
+    progress.say(&format!("estimating {wanted}"));
     let fit = estimate(command, &estimation.data)?;
     drop(progress);
     if let FitCommand::Greybox(arguments) = command {
         greybox::warnings(arguments, &fit.model).iter().for_each(|text| terminal.warning(text));
     }
-    let document = document(&fit, method, &estimation);
+    let document = document(&fit, fitted_method(wanted, &fit.model), &estimation);
     let verdict = Verdict::new(&fit, &estimation.data, unseen.as_ref().map(|u| &u.data))?;
     if let Some(path) = &common.out {
         let text = serde_json::to_string_pretty(&document).map_err(CliError::internal)?;
@@ -60,6 +61,24 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
         verdict.print(&document, common, terminal);
     }
     Ok(Outcome::Done)
+}
+
+/// Checks where results go before any work is done.
+fn check_fit(arguments: &FitArguments) -> Result<(), CliError> {
+    let targets = [&arguments.out, &arguments.result.plot];
+    check_targets(&targets, &[&arguments.data.recordings, &arguments.validate])?;
+    match &arguments.out {
+        Some(path)
+            if crate::input::ending(path).map(str::to_lowercase).as_deref() != Some("json") && !is_device(path) =>
+        {
+            Err(CliError::Usage { what: format!("{}: a model file ends in .json", path.display()) })
+        }
+        _ => Ok(()),
+    }
+}
+
+fn is_device(path: &std::path::Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
 }
 
 /// What the estimate rests on, and what it is judged by besides.
@@ -270,6 +289,34 @@ fn method(command: &FitCommand) -> String {
     }
 }
 
+/// The method with the orders that the model came to have, the usual ones included.
+fn fitted_method(wanted: String, model: &AnyModel) -> String {
+    let list = |values: Vec<usize>| values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    match model {
+        AnyModel::Polynomial(model) => {
+            let Some(e) = model.equations().first() else { return wanted };
+            let name = wanted.split(" n").next().unwrap_or(&wanted);
+            let lengths = |lists: &[Vec<f64>]| list(lists.iter().map(Vec::len).collect());
+            let orders = [
+                ("na", lengths(&e.a)),
+                ("nb", lengths(&e.b)),
+                ("nc", e.c.len().to_string()),
+                ("nd", e.d.len().to_string()),
+                ("nf", lengths(&e.f)),
+                ("nk", list(e.nk.clone())),
+            ];
+            let is_there = |text: &str| text.split(' ').any(|n| n != "0" && !n.is_empty());
+            let orders = orders.iter().filter(|(name, text)| *name == "nk" || is_there(text));
+            orders.fold(name.to_owned(), |text, (name, order)| format!("{text} {name} {order}"))
+        }
+        AnyModel::StateSpace(model) => {
+            let name = wanted.split(", order").next().unwrap_or(&wanted);
+            format!("{name}, order {}", model.system().states())
+        }
+        _ => wanted,
+    }
+}
+
 fn document(fit: &Fit<AnyModel>, method: String, data: &Loaded) -> ModelDocument {
     let (inputs, outputs) = (data.data.input_labels().to_vec(), data.data.output_labels().to_vec());
     let mut document = ModelDocument::new(fit.model.clone(), inputs, outputs, data.data.sample_time_s());
@@ -396,6 +443,11 @@ impl<'a> Verdict<'a> {
         }
         terminal.line(&format!("{} ({} iterations)", words::termination(self.fit.termination), self.fit.iterations));
         let names = self.fit.model.parameter_names();
+        let coloured = self.residuals.as_ref().is_ok_and(|r| r.whiteness.iter().any(|w| !w.joint.passes(REGION)));
+        if coloured {
+            let text = "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; add a noise model (armax, bj, ss), or take the intervals for too narrow";
+            terminal.item(("doubt:", Style::Caution), text);
+        }
         for doubt in &self.fit.doubts {
             terminal.item(("doubt:", Style::Caution), &words::doubt(doubt, &names));
         }
@@ -439,12 +491,11 @@ impl<'a> Verdict<'a> {
         for judged in &self.judged {
             for (simulated, predicted) in judged.simulated.fit_percent.iter().zip(&judged.predicted.fit_percent) {
                 for (output, label) in document.outputs.iter().enumerate() {
-                    let percent = |v: f64| format!("{v:.2} %");
                     table.row([
                         judged.name.into(),
                         label.name.as_str().into(),
-                        percent(simulated[output]).into(),
-                        percent(predicted[output]).into(),
+                        words::percent(simulated[output]).into(),
+                        words::percent(predicted[output]).into(),
                     ]);
                 }
             }

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use ident::prediction::{InitialState, Response, predict, simulate};
+use ident::InitialState;
+use ident::prediction::Response;
 use ident::validate::{Judgement, ResidualTest, judge};
 use ident::{Dataset, IdentError, ModelDocument};
 use recording::{Channel, Format, Raster, Recording};
 
-use super::data::{Loaded, draw};
+use super::data::{Loaded, check_targets, draw};
 use super::{figures, model_file, words};
 use crate::cli::identify::{CompareArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments};
 use crate::error::{CliError, Outcome};
@@ -18,39 +19,74 @@ use crate::terminal::Terminal;
 /// Confidence of the regions of the residual tests.
 const REGION: f64 = 0.99;
 
+/// A model and the recordings it met.
+struct Met {
+    model: String,
+    data: Dataset,
+    judged: Result<Judgement, IdentError>,
+}
+
 /// `dynoid compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let mut judged: Vec<(String, Result<Judgement, IdentError>)> = Vec::new();
-    let mut shown: Option<Dataset> = None;
+    check_targets(&[&arguments.result.plot], &[&arguments.meet.on, &arguments.models])?;
+    if arguments.horizon == Some(0) {
+        return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
+    }
+    let mut all = Vec::new();
     for path in &arguments.models {
         let document = model_file::read(path)?;
         let data = model_file::meet(&document, &arguments.meet, terminal)?.data;
-        let result = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
-        judged.push((model_file::name(path), result));
-        shown.get_or_insert(data);
+        let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
+        all.push(Met { model: model_file::name(path), data, judged });
     }
-    let Some(data) = shown else { return Ok(Outcome::Done) };
-    let good = judged.iter().filter_map(|(name, j)| Some((name.clone(), &j.as_ref().ok()?.response)));
-    let same =
-        |(_, r): &(String, &Response)| r.outputs.iter().zip(data.experiments()).all(|(m, e)| m.nrows() == e.len());
-    let curves: Vec<(String, &Response)> = good.filter(same).collect();
-    picture(&arguments.result, "Models compared", || figures::comparison(&data, &curves))?;
+    picture(&arguments.result, "Models compared", || compared_figures(&all))?;
     if arguments.result.json {
-        let row = |(name, j): &(String, Result<Judgement, IdentError>)| match j {
-            Ok(j) => {
-                serde_json::json!({"model": name, "fit_percent": j.fit_percent, "rms_error": j.rms_error, "loss": j.loss})
-            }
-            Err(reason) => serde_json::json!({"model": name, "error": reason.to_string()}),
+        let row = |met: &Met| match &met.judged {
+            Ok(j) => serde_json::json!({"model": met.model, "outputs": met.data.output_labels(),
+                "fit_percent": j.fit_percent, "rms_error": j.rms_error, "loss": j.loss}),
+            Err(reason) => serde_json::json!({"model": met.model, "error": reason.to_string()}),
         };
-        terminal.json(&judged.iter().map(row).collect::<Vec<_>>())?;
+        terminal.json(&all.iter().map(row).collect::<Vec<_>>())?;
     } else if !terminal.is_quiet() {
-        terminal.table(&comparison(&judged, &data));
+        terminal.table(&comparison(&all));
         written(&arguments.result.plot, terminal);
     }
-    Ok(Outcome::Done)
+    for met in &all {
+        if let Err(reason) = &met.judged {
+            terminal.warning(&format!("{}: no comparison: {reason}", met.model));
+        }
+    }
+    // One model that cannot be compared leaves the others their comparison.
+    match all.iter().find_map(|met| met.judged.as_ref().err()) {
+        Some(reason) if all.iter().all(|met| met.judged.is_err()) => {
+            Err(CliError::identify("the comparison", reason.clone()))
+        }
+        Some(_) => Ok(Outcome::SomeUnreadable),
+        None => Ok(Outcome::Done),
+    }
 }
 
-fn comparison(judged: &[(String, Result<Judgement, IdentError>)], data: &Dataset) -> Table {
+/// Models of the same outputs on the same clock share their figures.
+fn compared_figures(all: &[Met]) -> Vec<plot::Figure> {
+    let mut left: Vec<&Met> = all.iter().filter(|met| met.judged.is_ok()).collect();
+    let mut figures = Vec::new();
+    while let Some(first) = left.first().copied() {
+        let lengths = |data: &Dataset| data.experiments().iter().map(|e| e.len()).collect::<Vec<_>>();
+        let alike = |met: &&Met| {
+            met.data.output_labels() == first.data.output_labels()
+                && met.data.sample_time_s() == first.data.sample_time_s()
+                && lengths(&met.data) == lengths(&first.data)
+        };
+        let (same, others): (Vec<&Met>, Vec<&Met>) = left.into_iter().partition(alike);
+        let curves: Vec<(String, &Response)> =
+            same.iter().filter_map(|met| Some((met.model.clone(), &met.judged.as_ref().ok()?.response))).collect();
+        figures.extend(figures::comparison(&first.data, &curves));
+        left = others;
+    }
+    figures
+}
+
+fn comparison(all: &[Met]) -> Table {
     let columns = [
         ("model", Align::Left),
         ("recording", Align::Left),
@@ -59,21 +95,15 @@ fn comparison(judged: &[(String, Result<Judgement, IdentError>)], data: &Dataset
         ("rms error", Align::Right),
     ];
     let mut table = Table::new(&columns);
-    for (name, judgement) in judged {
-        let judgement = match judgement {
-            Ok(judgement) => judgement,
-            Err(reason) => {
-                table.row([name.as_str().into(), "".into(), "".into(), "–".into(), reason.to_string().into()]);
-                continue;
-            }
-        };
-        for (number, experiment) in data.experiments().iter().enumerate() {
-            for (output, label) in data.output_labels().iter().enumerate() {
+    for met in all {
+        let Ok(judgement) = &met.judged else { continue };
+        for (number, experiment) in met.data.experiments().iter().enumerate() {
+            for (output, label) in met.data.output_labels().iter().enumerate() {
                 table.row([
-                    name.as_str().into(),
+                    met.model.as_str().into(),
                     experiment.name.as_str().into(),
                     label.name.as_str().into(),
-                    format!("{:.2} %", judgement.fit_percent[number][output]).into(),
+                    words::percent(judgement.fit_percent[number][output]).into(),
                     format!("{} {}", words::significant(judgement.rms_error[number][output]), label.unit).into(),
                 ]);
             }
@@ -84,8 +114,17 @@ fn comparison(judged: &[(String, Result<Judgement, IdentError>)], data: &Dataset
 
 /// `dynoid resid`
 pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    check_targets(&[&arguments.result.plot], &[&arguments.meet.on])?;
     let document = model_file::read(&arguments.model)?;
     let data = model_file::meet(&document, &arguments.meet, terminal)?.data;
+    if arguments.lags == 0 || arguments.lags > data.samples() / 4 {
+        let what = format!(
+            "--lags {}: give at least 1, and at most a quarter of the {} samples",
+            arguments.lags,
+            data.samples()
+        );
+        return Err(CliError::Usage { what });
+    }
     let test = ResidualTest { lags: arguments.lags, level: REGION, ..ResidualTest::default() };
     let report = test.run(&document.model, &data).map_err(|source| CliError::identify("the residual test", source))?;
     picture(&arguments.result, "Residuals", || figures::residuals(&report, &data, REGION))?;
@@ -100,43 +139,43 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
 
 /// `dynoid simulate` on a model file
 pub(crate) fn simulate_model(arguments: &RunArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    run(arguments, "simulated", |document, data, initial| simulate(&document.model, data, initial), terminal)
+    run(arguments, "simulated", None, terminal)
 }
 
 /// `dynoid predict`
 pub(crate) fn predict_model(arguments: &PredictArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let horizon = arguments.horizon;
-    run(
-        &arguments.run,
-        "predicted",
-        |document, data, initial| predict(&document.model, data, horizon, initial),
-        terminal,
-    )
+    if arguments.horizon == 0 {
+        return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
+    }
+    run(&arguments.run, "predicted", Some(arguments.horizon), terminal)
 }
 
+/// Responses to recordings: so many samples ahead, or simulated where there is no horizon.
 fn run(
     arguments: &RunArguments,
     what: &str,
-    respond: impl Fn(&ModelDocument, &Dataset, &InitialState) -> Result<Response, IdentError>,
+    horizon: Option<usize>,
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
+    check_targets(&[&arguments.out, &arguments.result.plot], &[&arguments.meet.on])?;
+    if let Some(path) = &arguments.out {
+        check_output(path, arguments.meet.on.len())?;
+    }
     let document = model_file::read(&arguments.model)?;
     let loaded = model_file::meet(&document, &arguments.meet, terminal)?;
     let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
     let failed = |source| CliError::identify("the response", source);
-    let response = respond(&document, &loaded.data, &initial).map_err(failed)?;
-    let shown = (what.to_owned(), &response);
+    let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
+    let response = &judged.response;
+    let shown = (what.to_owned(), response);
     picture(&arguments.result, &format!("{}, {what}", model_file::name(&arguments.model)), || {
         figures::comparison(&loaded.data, &[shown])
     })?;
     if let Some(path) = &arguments.out {
-        let recording = recording_of(&document, &loaded, &response, what).map_err(failed)?;
+        let recording = recording_of(&document, &loaded, response, what).map_err(failed)?;
         replace_file(path, &encoded(path, &recording)?)?;
     }
-    let fit = |number: usize, output: usize| {
-        let measured = loaded.data.experiments()[number].output(output);
-        ident::validate::fit_percent(measured, response.outputs[number].col_as_slice(output)).unwrap_or(f64::NAN)
-    };
+    let fit = |number: usize, output: usize| judged.fit_percent[number][output];
     let rows = (0..response.outputs.len()).flat_map(|n| (0..document.outputs.len()).map(move |o| (n, o)));
     if arguments.result.json {
         let row = |(n, o): (usize, usize)| {
@@ -148,7 +187,7 @@ fn run(
     } else if !terminal.is_quiet() {
         for (n, o) in rows {
             let (recording, output) = (&loaded.data.experiments()[n].name, &document.outputs[o].name);
-            terminal.line(&format!("{recording}: {output} {what}, fit {:.2} %", fit(n, o)));
+            terminal.line(&format!("{recording}: {output} {what}, fit {}", words::percent(fit(n, o))));
         }
         [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
@@ -183,6 +222,19 @@ fn recording_of(
     }
     let format = Format::Csv { delimiter: ',', decimal_comma: false };
     Ok(Recording { format, comment: None, start_time: None, rasters, channels, findings: Vec::new() })
+}
+
+/// Text has room for one recording.
+fn check_output(path: &Path, recordings: usize) -> Result<(), CliError> {
+    let ending = crate::input::ending(path).map(str::to_lowercase);
+    if ending.as_deref() == Some("csv") && recordings > 1 {
+        let what = format!(
+            "{}: .csv holds one recording, and {recordings} are given; write .mf4, or one after the other",
+            path.display()
+        );
+        return Err(CliError::Usage { what });
+    }
+    Ok(())
 }
 
 fn encoded(path: &Path, recording: &Recording) -> Result<Vec<u8>, CliError> {

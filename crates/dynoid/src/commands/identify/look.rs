@@ -411,6 +411,7 @@ pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
     let document = model_file::read(&arguments.model)?;
     let failed = |source: LtiError| CliError::identify("the conversion", source.into());
     if arguments.to == Representation::Ss {
+        check_delay(&document, arguments)?;
         let system = resampled(document.model.system().map_err(failed)?, arguments).map_err(failed)?;
         if arguments.json {
             terminal.json(&system)?;
@@ -460,6 +461,21 @@ pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
         }
     }
     Ok(Outcome::Done)
+}
+
+/// State space holds no delay of a continuous model; left out silently it would be another model.
+fn check_delay(document: &ModelDocument, arguments: &ConvertArguments) -> Result<(), CliError> {
+    let delay_s = longest_delay_s(document).map_err(|source| CliError::identify("the conversion", source))?;
+    if delay_s == 0.0 {
+        return Ok(());
+    }
+    let clock = if arguments.sample_time.is_some() { "sampled " } else { "" };
+    Err(CliError::Usage {
+        what: format!(
+            "the model has a delay of {} s, which a {clock}state space of its poles cannot hold; use --to tf or --to zpk, which keep it",
+            significant(delay_s)
+        ),
+    })
 }
 
 /// The way from an input to an output as a ratio with its delay.

@@ -79,6 +79,11 @@ pub(super) fn tests_json(report: &ResidualReport, level: f64) -> serde_json::Val
     serde_json::json!({"level": level, "whiteness": whiteness, "independence": independence})
 }
 
+/// A fit in percent; a dash where nothing was measured.
+pub(super) fn percent(value: f64) -> String {
+    if value.is_finite() { format!("{value:.2} %") } else { "–".to_owned() }
+}
+
 /// Six significant digits.
 pub(super) fn significant(value: f64) -> String {
     match value.abs() {
