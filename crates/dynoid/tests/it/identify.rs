@@ -120,6 +120,20 @@ fn simulated_and_predicted_outputs_are_recordings_about_the_operating_point() {
 }
 
 #[test]
+fn a_demand_alone_can_be_simulated() {
+    let folder = folder();
+    fitted(&folder, "fit tf --zeros 1 --poles 2 --out m.json");
+    let rows: String = (0..200).map(|t| format!("{},{}\n", 0.1 * t as f64, if t < 20 { 3.0 } else { 4.0 })).collect();
+    std::fs::write(folder.path().join("demand.csv"), format!("time [s],valve [V]\n{rows}")).unwrap();
+    let ran = run(&folder, "simulate m.json --on demand.csv --out s.csv --json");
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
+    let last: f64 = text.lines().last().unwrap().split(',').nth(1).unwrap().parse().unwrap();
+    // The gain is (1 + 0.5)/(1 − 1.5 + 0.7) = 7.5, about an operating point near (3, 20).
+    assert!((last - 27.5).abs() < 1.5, "{last}");
+}
+
+#[test]
 fn data_are_explored() {
     let folder = folder();
     let delay = run(&folder, "delay run.csv -u valve -y speed --json").json();

@@ -162,7 +162,10 @@ fn run(
         check_output(path, arguments.meet.on.len())?;
     }
     let document = model_file::read(&arguments.model)?;
-    let loaded = model_file::meet(&document, &arguments.meet, terminal)?;
+    let loaded = match horizon {
+        Some(_) => model_file::meet(&document, &arguments.meet, terminal)?,
+        None => model_file::meet_inputs(&document, &arguments.meet, terminal)?,
+    };
     let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
     let failed = |source| CliError::identify("the response", source);
     let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;

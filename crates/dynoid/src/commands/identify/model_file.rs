@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use ident::{Intersample, ModelDocument};
+use bench::dataset::DatasetError;
+use faer::Mat;
+use ident::{Experiment, Intersample, ModelDocument, Trend};
 
 use super::data::{Loaded, load};
-use crate::cli::identify::{Between, DataArguments, MeetArguments};
+use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments};
 use crate::error::CliError;
 use crate::input::read_text;
 use crate::terminal::Terminal;
@@ -44,6 +46,42 @@ pub(super) fn meet(
         },
     };
     load(&data, terminal)
+}
+
+/// As [`meet`], but recordings without the outputs will do: a simulation needs the inputs alone. Unmeasured outputs are
+/// missing throughout, and the inputs are taken about the operating point of the model.
+pub(super) fn meet_inputs(
+    document: &ModelDocument,
+    arguments: &MeetArguments,
+    terminal: &mut Terminal,
+) -> Result<Loaded, CliError> {
+    let is_output = |name: &str| document.outputs.iter().any(|label| label.name == name);
+    match meet(document, arguments, terminal) {
+        Err(CliError::Dataset(DatasetError::NoChannel { channel, .. })) if is_output(&channel) => {}
+        other => return other,
+    }
+    let failed = |source| CliError::identify("the simulation", source);
+    let Some(first) = document.inputs.first() else {
+        return Err(CliError::Usage { what: "a model without inputs has nothing to be simulated on".into() });
+    };
+    let mut inputs_only = document.clone();
+    // A stand-in for every output, so that the data have the model's shape; its values are taken out again.
+    inputs_only.outputs = vec![first.clone(); document.outputs.len()];
+    let unchanged = MeetArguments { detrend: Detrend::None, ..arguments.clone() };
+    let Loaded { data, sources, .. } = meet(&inputs_only, &unchanged, terminal)?;
+    let unmeasured = |e: &Experiment| {
+        let outputs = Mat::full(e.len(), document.outputs.len(), f64::NAN);
+        Ok(Experiment { outputs, ..e.clone() })
+    };
+    let data = data.map_experiments(unmeasured).map_err(failed)?;
+    let data = data.with_labels(document.inputs.clone(), document.outputs.clone()).map_err(failed)?;
+    let levels = |lines: &[ident::Line]| lines.iter().map(|line| line.level).collect::<Vec<f64>>();
+    let Some(trend) = document.trend.as_ref().filter(|_| arguments.detrend != Detrend::None) else {
+        return Ok(Loaded { data, trend: None, sources });
+    };
+    let trend = Trend::offsets(&levels(trend.inputs(0)), &levels(trend.outputs(0))).map_err(failed)?;
+    let data = trend.remove(&data).map_err(failed)?;
+    Ok(Loaded { data, trend: Some(trend), sources })
 }
 
 /// A number of one to the right of the point, such as a confidence.
