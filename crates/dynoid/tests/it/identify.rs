@@ -220,6 +220,8 @@ fn regress_impossible_requests_say_what_to_do() {
     run(&folder, "fit arx run.csv -u valve -y speed --na 500 --nb 500").assert_refused(3, &["samples"]);
     run(&folder, "fit arx run.csv -u valve -y speed --split 2").assert_refused(2, &["--split"]);
     run(&folder, "fit process run.csv -u valve -y speed --structure Q7").assert_refused(3, &["process model"]);
+    run(&folder, "fit arx run.csv -u speed -y speed").assert_refused(2, &["speed", "twice"]);
+    run(&folder, "fit arx run.csv -u valve -y speed --from 20 --to 10").assert_refused(2, &["--from", "--to"]);
     run(&folder, "bode run.csv").assert_refused(3, &["run.csv", "model file"]);
     std::fs::write(folder.path().join("bare.csv"), "u,y\n1,2\n2,3\n").unwrap();
     run(&folder, "fit arx bare.csv -u u -y y").assert_refused(3, &["--sample-time"]);

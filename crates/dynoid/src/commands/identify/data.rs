@@ -26,6 +26,11 @@ pub(super) struct Loaded {
 
 /// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way.
 pub(super) fn load(arguments: &DataArguments, terminal: &mut Terminal) -> Result<Loaded, CliError> {
+    let all: Vec<&String> = arguments.inputs.iter().chain(&arguments.outputs).collect();
+    if let Some(twice) = all.iter().enumerate().find(|(index, name)| all[..*index].contains(name)) {
+        let what = format!("the channel \"{}\" is named twice among --input and --output; name it once", twice.1);
+        return Err(CliError::Usage { what });
+    }
     load_files(&arguments.recordings, arguments, terminal)
 }
 
@@ -64,7 +69,9 @@ pub(super) fn load_files(
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
     let data = data.with_intersample(intersample(arguments.between));
     adjustments.iter().for_each(|adjustment| terminal.warning(&words(adjustment)));
-    for advice in advise(&data).iter().filter(|advice| matters(advice, arguments.detrend)) {
+    let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
+    let advice = if is_stand_in { Vec::new() } else { advise(&data) };
+    for advice in advice.iter().filter(|advice| matters(advice, arguments.detrend)) {
         terminal.warning(&with_names(&advice.to_string(), &data));
     }
     let trend = trend(&data, arguments.detrend).map_err(|source| CliError::identify("the trend", source))?;

@@ -6,7 +6,7 @@ use bench::dataset::DatasetError;
 use faer::Mat;
 use ident::{Experiment, Intersample, ModelDocument, Trend};
 
-use super::data::{Loaded, load};
+use super::data::{Loaded, load_files};
 use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments};
 use crate::error::CliError;
 use crate::input::read_text;
@@ -45,7 +45,7 @@ pub(super) fn meet(
             Intersample::BandLimited => Between::BandLimited,
         },
     };
-    load(&data, terminal)
+    load_files(&arguments.on, &data, terminal)
 }
 
 /// As [`meet`], but recordings without the outputs will do: a simulation needs the inputs alone. Unmeasured outputs are
