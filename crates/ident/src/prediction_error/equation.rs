@@ -21,10 +21,6 @@ const START_ITERATIONS: usize = 30;
 /// Factors by which the data are slowed for further starting values, while this many rows a coefficient are left.
 const SLOWER: [usize; 2] = [8, 64];
 const SLOW_ROWS: usize = 20;
-/// Order of the noise model that errors are whitened with for a start, at most.
-const NOISE_ORDER: usize = 6;
-/// Errors whose one-step prediction leaves less than this part of their power are strongly coloured.
-const COLOURED: f64 = 0.5;
 /// Stretches for a covariance under coloured residuals where none are given.
 const BATCHES: usize = 30;
 
@@ -168,51 +164,21 @@ impl Task<'_> {
     /// Starting values: those of linear regressions, and where there is noise to be modelled the dynamics that simulate
     /// best, followed by a noise model for what they leave.
     fn guesses(&self, few: &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError> {
-        let is_static = self.orders.na + self.orders.nf.iter().sum::<usize>() == 0;
-        if self.orders.inputs() == 0 || is_static {
-            return candidates(self.orders, few);
+        let mut all = candidates(self.orders, few)?;
+        if self.orders.inputs() == 0 || self.orders.na + self.orders.nf.iter().sum::<usize>() == 0 {
+            return Ok(all);
         }
         let (plain, place) = self.orders.without_noise();
         if plain.count() == self.orders.count() {
-            let mut all = self.plain_guesses(few)?;
-            all.extend(self.whitened_guess(few));
+            all.extend(self.slower_guesses(few));
             return Ok(all);
         }
-        let mut all = candidates(self.orders, few)?;
         let dynamics = Task { orders: &plain, bounds: bounds(&plain, &[]), ..*self };
-        if let Ok(found) = dynamics.start(few, Aim::Simulation, |few| dynamics.plain_guesses(few)) {
+        if let Ok(found) = dynamics.start(few, Aim::Simulation, |few| dynamics.guesses(few)) {
             let theta = placed(&place, &found, self.orders.count());
             all.push(start::with_noise(self.orders, few, &theta));
         }
         Ok(all)
-    }
-
-    /// Starting values of dynamics without a noise model.
-    fn plain_guesses(&self, few: &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError> {
-        let mut all = candidates(self.orders, few)?;
-        all.extend(self.slower_guesses(few));
-        Ok(all)
-    }
-
-    /// Under strongly coloured errors the output-error criterion has many minima. A noise model found for the errors makes
-    /// them white, and the dynamics found with it lie near the lowest one.
-    fn whitened_guess(&self, few: &[Segment<'_>]) -> Option<Vec<f64>> {
-        let order = self.orders.nf.iter().copied().max()?.min(NOISE_ORDER);
-        if !self.orders.is_output_error() || order == 0 {
-            return None;
-        }
-        let noisy = Orders { nc: order, nd: order, ..self.orders.clone() };
-        let (_, place) = noisy.without_noise();
-        let plain = self.start(few, Aim::Simulation, |few| candidates(self.orders, few)).ok()?;
-        let theta = start::with_noise(&noisy, few, &placed(&place, &plain, noisy.count()));
-        let raw = Evaluator::new(self.orders, few, Aim::Simulation, self.estimate_states).cost(&plain).ok()?;
-        let white = Evaluator::new(&noisy, few, Aim::Prediction, self.estimate_states).cost(&theta).ok()?;
-        if white > COLOURED * raw {
-            return None;
-        }
-        let task = Task { orders: &noisy, bounds: bounds(&noisy, &[]), ..*self };
-        let found = task.start(few, Aim::Prediction, |_| Ok(vec![theta.clone()])).ok()?;
-        Some(place.iter().map(|j| found[*j]).collect())
     }
 
     /// Starting values from slower data.
