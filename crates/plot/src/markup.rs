@@ -1,6 +1,6 @@
 //! Text that is safe to put into the page.
 //!
-//! [`markup!`] works like `format!`, but escapes every argument unless its type is [`Markup`] already. So a file name
+//! [`markup!`](crate::markup!) works like `format!`, but escapes every argument unless its type is [`Markup`] already. So a file name
 //! cannot become part of the page's structure by being forgotten: only this module and the page's own literals do.
 
 use std::borrow::Cow;
@@ -46,7 +46,7 @@ impl fmt::Display for Markup {
     }
 }
 
-/// Something [`markup!`] can place.
+/// Something [`markup!`](crate::markup!) can place.
 pub trait Place {
     /// The HTML of it.
     fn place(&self) -> Cow<'_, str>;
