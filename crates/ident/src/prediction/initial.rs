@@ -1,6 +1,7 @@
 //! The initial state by least squares.
 
 use faer::{Mat, MatRef};
+use lti::StateSpace;
 
 use super::Stepper;
 use super::form::Form;
@@ -19,18 +20,20 @@ const WORST_COORDINATES: f64 = 1e8;
 ///
 /// The errors are affine in the state, `e(t) = e₀(t) − C Φ(t) x(0)`, where `Φ` is the product of `A − L(t) C` or of `A`.
 /// Rows are taken until `Φ` is forgotten: a few for a predictor, all of them for a slow mode in simulation. Coordinates
-/// along the eigenvectors keep modes that grow from hiding those that decay.
+/// along the eigenvectors keep modes that grow from hiding those that decay. In simulation only states that inputs can
+/// move are estimated: the free response of a noise model is no part of it, and would take up the disturbance.
 pub(super) fn estimate(form: &Form, experiment: &Experiment, feedback: bool) -> Result<Vec<f64>, IdentError> {
     let n = form.states;
     if n == 0 || experiment.is_empty() {
         return Ok(vec![0.0; n]);
     }
     let system = form.model.system();
-    let basis = if feedback {
-        modal_basis((system.a() - form.model.k() * system.c()).as_ref())
-    } else {
-        modal_basis(system.a())
-    };
+    let basis =
+        if feedback { modal_basis((system.a() - form.model.k() * system.c()).as_ref()) } else { driven_basis(system) };
+    let columns = basis.ncols();
+    if columns == 0 {
+        return Ok(vec![0.0; n]);
+    }
     let mut regression = Regression::new(form, experiment, &basis, feedback);
     for t in 0..experiment.len() {
         regression.step(t);
@@ -38,8 +41,8 @@ pub(super) fn estimate(form: &Form, experiment: &Experiment, feedback: bool) -> 
             break;
         }
     }
-    let coordinates = smallest_solution(regression.triangle, n)?;
-    let state: Vec<f64> = (0..n).map(|i| (0..n).map(|j| basis[(i, j)] * coordinates[j]).sum()).collect();
+    let coordinates = smallest_solution(regression.triangle, columns)?;
+    let state: Vec<f64> = (0..n).map(|i| (0..columns).map(|j| basis[(i, j)] * coordinates[j]).sum()).collect();
     match state.iter().position(|v| !v.is_finite()) {
         Some(index) => Err(IdentError::NotFinite { what: "the estimated initial state", index }),
         None => Ok(state),
@@ -67,7 +70,7 @@ struct Regression<'a> {
 
 impl<'a> Regression<'a> {
     fn new(form: &'a Form, experiment: &'a Experiment, basis: &Mat<f64>, feedback: bool) -> Self {
-        let n = form.states;
+        let (n, count) = (form.states, basis.ncols());
         let column = |j: usize| (0..n).map(|i| basis[(i, j)]).chain(std::iter::repeat_n(0.0, form.inputs)).collect();
         Regression {
             form,
@@ -75,15 +78,15 @@ impl<'a> Regression<'a> {
             deviations: (0..form.outputs).map(|i| deviation(experiment.output(i))).collect(),
             gain: feedback.then(|| Gain::new(form)),
             forced: Stepper::new(form, experiment, &vec![0.0; n]),
-            columns: (0..n).map(column).collect(),
-            shown: vec![vec![0.0; form.outputs]; n],
-            peaks: vec![0.0; n],
+            columns: (0..count).map(column).collect(),
+            shown: vec![vec![0.0; form.outputs]; count],
+            peaks: vec![0.0; count],
             quiet: 0,
-            triangle: Triangle::new(n + 1),
+            triangle: Triangle::new(count + 1),
             errors: vec![0.0; form.outputs],
             correction: vec![0.0; n],
             next: vec![0.0; n],
-            rows: vec![vec![0.0; n + 1]; form.outputs],
+            rows: vec![vec![0.0; count + 1]; form.outputs],
         }
     }
 
@@ -194,10 +197,39 @@ fn smallest_solution(triangle: Triangle, n: usize) -> Result<Vec<f64>, IdentErro
     Ok(solution.iter().zip(&scale).map(|(v, s)| if *s > 0.0 { v / s } else { 0.0 }).collect())
 }
 
+/// Modal coordinates of the states that an input reaches along entries of `B` and `A` other than zero; of all states where
+/// there is no input. These states are closed under `A`.
+fn driven_basis(system: &StateSpace) -> Mat<f64> {
+    let (n, inputs) = (system.states(), system.inputs());
+    let mut driven: Vec<bool> = (0..n).map(|i| inputs == 0 || (0..inputs).any(|k| system.b()[(i, k)] != 0.0)).collect();
+    let mut waiting: Vec<usize> = (0..n).filter(|i| driven[*i]).collect();
+    while let Some(j) = waiting.pop() {
+        for i in 0..n {
+            if system.a()[(i, j)] != 0.0 && !driven[i] {
+                driven[i] = true;
+                waiting.push(i);
+            }
+        }
+    }
+    let places: Vec<usize> = (0..n).filter(|i| driven[*i]).collect();
+    let count = places.len();
+    let own = modal_basis(Mat::from_fn(count, count, |i, j| system.a()[(places[i], places[j])]).as_ref());
+    let mut basis = Mat::zeros(n, count);
+    for (i, place) in places.iter().enumerate() {
+        for j in 0..count {
+            basis[(*place, j)] = own[(i, j)];
+        }
+    }
+    basis
+}
+
 /// Real eigenvectors as columns (real and imaginary part of a pair), or the identity where they are nearly dependent.
 fn modal_basis(a: MatRef<'_, f64>) -> Mat<f64> {
     let n = a.nrows();
     let identity = Mat::identity(n, n);
+    if n == 0 {
+        return identity;
+    }
     let Ok(eigen) = a.eigen() else {
         return identity;
     };

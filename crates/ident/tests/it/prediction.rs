@@ -308,3 +308,21 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn regress_noise_chain_takes_no_part_in_simulation() {
+    // y = 1/(1 − 0.5 q⁻¹) u(t−1) + e/(1 − q⁻¹): the disturbance drifts, and its free response could take the drift up.
+    let equation = PolynomialEquation { b: vec![vec![1.0]], f: vec![vec![-0.5]], d: vec![-1.0], ..Default::default() };
+    let model = PolynomialModel::siso(0.1, 1, equation).unwrap();
+    let mut noise = Noise::new(7);
+    let u = noise.normals(200);
+    let (mut w, mut y) = (0.0, Vec::new());
+    for t in 0..200 {
+        y.push(w + 50.0);
+        w = 0.5 * w + u[t];
+    }
+    let data = Dataset::siso(0.1, &u, &y).unwrap();
+    let simulated = simulate(&model, &data, &InitialState::Estimated).unwrap();
+    let offset: Vec<f64> = (50..200).map(|t| y[t] - simulated.outputs[0][(t, 0)]).collect();
+    assert!(offset.iter().all(|v| (v - 50.0).abs() < 1e-6), "the offset is the disturbance's: {:?}", &offset[..3]);
+}
