@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub use estimate::{EstimateRecord, Source};
 pub use model::AnyModel;
 
-use crate::{Fit, IdentError, Intersample, Label, Parametric, Trend};
+use crate::{Fit, IdentError, Intersample, Label, Trend};
 
 /// What the `format` field of a document says.
 const FORMAT: &str = "dynoid model";
@@ -118,11 +118,6 @@ impl AnyModel {
             });
         }
         Ok(())
-    }
-
-    /// Names of the parameters with their values.
-    pub fn named_parameters(&self) -> Vec<(String, f64)> {
-        self.parameter_names().into_iter().zip(self.parameters()).collect()
     }
 }
 

@@ -11,7 +11,7 @@ use signal::Sos;
 
 use super::data::{Loaded, check_targets, draw, load, load_files};
 use super::words::significant;
-use super::{figures, greybox, look, words};
+use super::{figures, greybox, look, model_file, words};
 use crate::cli::identify::{
     ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
     SubspaceWeighting, TransferFunctionArguments,
@@ -88,11 +88,7 @@ fn parts(
     terminal: &mut Terminal,
 ) -> Result<(Loaded, Option<Loaded>), CliError> {
     if let Some(share) = arguments.split {
-        if !(share > 0.0 && share < 1.0) {
-            return Err(CliError::Usage {
-                what: format!("--split {share}: give a share between 0 and 1, such as 0.5"),
-            });
-        }
+        let share = model_file::checked_share("--split", share)?;
         let split = whole.data.split(share).map_err(|source| CliError::identify("splitting the data", source))?;
         let (trend, sources) = (whole.trend.clone(), whole.sources.clone());
         let unseen = Loaded { data: split.validation, trend, sources };
@@ -465,13 +461,13 @@ impl<'a> Verdict<'a> {
         ];
         let mut table = Table::new(&columns);
         let values = self.fit.parameters();
-        let intervals = self.fit.intervals(INTERVAL);
+        let (errors, intervals) = (self.fit.standard_errors(), self.fit.intervals(INTERVAL));
         let fixed = greybox::fixed(&self.fit.model);
         for (i, name) in self.fit.model.parameter_names().iter().enumerate() {
             let (error, interval) = match fixed.contains(&i) {
                 true => ("fixed".to_owned(), String::new()),
                 false => (
-                    significant(self.fit.standard_errors()[i]),
+                    significant(errors[i]),
                     format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)),
                 ),
             };

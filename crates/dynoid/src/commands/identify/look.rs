@@ -135,8 +135,8 @@ fn step_curve(model: &Model, number: usize, (output, input): (usize, usize), lev
         None => {
             let form = document.model.innovations(sample_time_s, ident::Intersample::ZeroOrderHold)?;
             let channel = form.system().channel(output, input)?;
-            let u = vec![1.0; samples];
-            let y = channel.simulate(faer_column(&u).as_ref(), &vec![0.0; channel.states()])?;
+            let u = faer::Mat::full(samples, 1, 1.0);
+            let y = channel.simulate(u.as_ref(), &vec![0.0; channel.states()])?;
             (y.col_as_slice(0).to_vec(), None)
         }
     };
@@ -166,10 +166,6 @@ fn longest_delay_s(document: &ModelDocument) -> Result<f64, IdentError> {
     Ok(longest)
 }
 
-fn faer_column(values: &[f64]) -> faer::Mat<f64> {
-    faer::Mat::from_fn(values.len(), 1, |i, _| values[i])
-}
-
 /// Draws and prints curves, models of the same channel in one figure.
 fn show(
     curves: &[Curve],
@@ -179,7 +175,6 @@ fn show(
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
     let mut names: Vec<&str> = curves.iter().map(|c| c.channel.as_str()).collect();
-    names.dedup();
     names.sort_unstable();
     names.dedup();
     let figure = |name: &&str| {
