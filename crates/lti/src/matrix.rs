@@ -92,15 +92,35 @@ pub(crate) fn inverse(m: MatRef<'_, f64>) -> Option<Mat<f64>> {
 }
 
 /// Eigenvalues, after balancing.
+///
+/// Those of a matrix that a permutation makes block triangular, as that of systems in series, are those of the blocks on
+/// the diagonal: taken one by one, they are not moved by what couples the blocks, however close together they lie.
 pub(crate) fn eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<Complex64>, LtiError> {
-    if m.nrows() == 0 {
-        return Ok(Vec::new());
+    let mut values = Vec::with_capacity(m.nrows());
+    for block in irreducible_blocks(m) {
+        let part = Mat::from_fn(block.len(), block.len(), |i, j| m[(block[i], block[j])]);
+        let (balanced, _) = balance(part.as_ref());
+        if !elements(balanced.as_ref()).all(f64::is_finite) {
+            return Err(LtiError::NonFinite { what: "matrix of an eigenvalue problem" });
+        }
+        values.extend(balanced.eigenvalues().map_err(|_| LtiError::NoConvergence)?);
     }
-    let (balanced, _) = balance(m);
-    if !elements(balanced.as_ref()).all(f64::is_finite) {
-        return Err(LtiError::NonFinite { what: "matrix of an eigenvalue problem" });
+    Ok(values)
+}
+
+/// The states of a matrix in groups that all act on each other, whether at once or by way of others.
+fn irreducible_blocks(m: MatRef<'_, f64>) -> Vec<Vec<usize>> {
+    let n = m.nrows();
+    let mut acts: Vec<Vec<bool>> = (0..n).map(|i| (0..n).map(|j| i == j || m[(i, j)] != 0.0).collect()).collect();
+    for via in 0..n {
+        let row = acts[via].clone();
+        for reached in acts.iter_mut().filter(|reached| reached[via]) {
+            reached.iter_mut().zip(&row).for_each(|(to, further)| *to |= further);
+        }
     }
-    balanced.eigenvalues().map_err(|_| LtiError::NoConvergence)
+    let first_of = |i: usize| (0..=i).find(|j| acts[i][*j] && acts[*j][i]);
+    let starts = (0..n).filter(|i| first_of(*i) == Some(*i));
+    starts.map(|i| (i..n).filter(|j| acts[i][*j] && acts[*j][i]).collect()).collect()
 }
 
 /// Balances a matrix: `D⁻¹ M D` and the diagonal of `D`, powers of two chosen to make the norms of rows and columns

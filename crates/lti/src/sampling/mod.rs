@@ -2,6 +2,7 @@
 
 mod hold;
 mod matched;
+mod roots;
 mod state_space;
 mod transfer_function;
 mod tustin;

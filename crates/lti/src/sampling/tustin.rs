@@ -2,11 +2,14 @@
 
 use faer::Scale;
 
+use super::roots::{at_infinity, quotient};
+use crate::Complex64;
 use crate::error::LtiError;
 use crate::matrix::{difference, identity, inverse};
 use crate::polynomial::{add, multiply};
 use crate::state_space::StateSpace;
 use crate::transfer_function::TransferFunction;
+use crate::zero_pole_gain::ZeroPoleGain;
 
 /// `τ` of `s = (2/τ)(z − 1)/(z + 1)`: the sample time, or what makes the map right at a frequency.
 pub(super) fn step(sample_time_s: f64, prewarp_rad_s: Option<f64>) -> Result<f64, LtiError> {
@@ -38,6 +41,55 @@ pub(super) fn continuous(system: &StateSpace, tau: f64) -> Result<StateSpace, Lt
     let c = system.c() * &inverse * Scale(2.0);
     let d = difference(system.d(), (&c * system.b() * Scale(0.5)).as_ref());
     StateSpace::continuous(a, b, c, d)
+}
+
+/// Every root `r` at `(2/τ + r)/(2/τ − r)`, zeros at infinity at −1; the delay is not looked at.
+///
+/// `s − r = (2/τ − r)(z − ρ)/(z + 1)`, a zero at `2/τ` leaving `−(4/τ)/(z + 1)`.
+pub(super) fn discrete_roots(system: &ZeroPoleGain, tau: f64, sample_time_s: f64) -> Result<ZeroPoleGain, LtiError> {
+    check_proper(system)?;
+    let rate = 2.0 / tau;
+    if system.poles().iter().any(|p| *p == Complex64::from(rate)) {
+        return Err(LtiError::Singular { what: "I − τA/2 (a pole at 2/τ)" });
+    }
+    let on_rate = |r: &Complex64| *r == Complex64::from(rate);
+    let map = |r: &Complex64| (rate + r) / (rate - r);
+    let missing = system.poles().len() - system.zeros().len();
+    let moved = system.zeros().iter().filter(|r| !on_rate(r)).map(map);
+    let zeros = moved.chain(std::iter::repeat_n(Complex64::from(-1.0), missing)).collect();
+    let of_zero = |r: &Complex64| if on_rate(r) { Complex64::from(-2.0 * rate) } else { rate - r };
+    let above: Vec<Complex64> = system.zeros().iter().map(of_zero).collect();
+    let below: Vec<Complex64> = system.poles().iter().map(|p| rate - p).collect();
+    let gain = system.gain() * quotient(&above, &below);
+    ZeroPoleGain::discrete(zeros, system.poles().iter().map(map).collect(), gain, sample_time_s)
+}
+
+/// What undoes [`discrete_roots`].
+///
+/// `z − ρ = (1 + ρ)(s − r)/(2/τ − s)` with `r = (2/τ)(ρ − 1)/(ρ + 1)`, a zero at −1 leaving `(4/τ)/(2/τ − s)`.
+pub(super) fn continuous_roots(system: &ZeroPoleGain, tau: f64) -> Result<ZeroPoleGain, LtiError> {
+    check_proper(system)?;
+    let rate = 2.0 / tau;
+    if system.poles().iter().any(|p| *p == Complex64::from(-1.0)) {
+        return Err(LtiError::Singular { what: "I + A (a pole at −1)" });
+    }
+    let map = |r: &Complex64| rate * (r - 1.0) / (r + 1.0);
+    let at_infinity = at_infinity(system.zeros());
+    let missing = system.poles().len() - system.zeros().len();
+    let moved = system.zeros().iter().filter(|r| !at_infinity(r)).map(map);
+    let zeros = moved.chain(std::iter::repeat_n(Complex64::from(rate), missing)).collect();
+    // A zero near −1 that counts as one on it keeps its part of the gain at rest.
+    let of_zero = |r: &Complex64| if at_infinity(r) { rate * (1.0 - r) } else { 1.0 + r };
+    let above: Vec<Complex64> = system.zeros().iter().map(of_zero).collect();
+    let below: Vec<Complex64> = system.poles().iter().map(|p| 1.0 + p).collect();
+    let sign = if missing.is_multiple_of(2) { 1.0 } else { -1.0 };
+    let gain = sign * system.gain() * quotient(&above, &below);
+    ZeroPoleGain::continuous(zeros, system.poles().iter().map(map).collect(), gain)
+}
+
+fn check_proper(system: &ZeroPoleGain) -> Result<(), LtiError> {
+    let (numerator, denominator) = (system.zeros().len(), system.poles().len());
+    if numerator > denominator { Err(LtiError::Improper { numerator, denominator }) } else { Ok(()) }
 }
 
 /// Both polynomials with `s = (2/τ)(z − 1)/(z + 1)`, times `(z + 1)^n`; the delay is not looked at.
