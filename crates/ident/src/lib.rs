@@ -52,6 +52,7 @@
 
 mod arx;
 pub mod closed_loop;
+mod colour;
 mod continuous;
 pub mod covariance;
 mod criteria;

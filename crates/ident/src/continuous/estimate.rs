@@ -5,6 +5,7 @@ use faer::Mat;
 use super::model::{ContinuousChannel, ContinuousModel};
 use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, records};
+use crate::colour::{Colour, Sandwich};
 use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, minimise};
 
 /// Samples that starting models are compared on.
@@ -28,14 +29,19 @@ pub(crate) struct Settings {
 pub(crate) struct OutputFit<C> {
     pub(crate) model: ContinuousModel<C>,
     pub(crate) minimum: Minimum,
+    /// Of the parameters; that of coloured errors where the residuals are.
+    covariance: Mat<f64>,
+    /// Of Student's t for intervals.
+    degrees_of_freedom: f64,
     /// Initial states and offsets that took degrees of freedom.
-    pub(crate) nuisance: usize,
+    nuisance: usize,
     /// Parameters that rest on a bound they were free to leave.
     pub(crate) resting: Vec<usize>,
 }
 
 impl<C: ContinuousChannel> OutputFit<C> {
-    fn degrees_of_freedom(&self) -> f64 {
+    /// Residuals less whatever was estimated.
+    fn remaining(&self) -> f64 {
         self.minimum.degrees_of_freedom() - self.nuisance as f64
     }
 }
@@ -92,7 +98,36 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
     }
     let free = |j: &usize| bounds[*j].lower < bounds[*j].upper;
     let resting = (0..bounds.len()).filter(free).filter(|j| minimum.at_bound[*j]).collect();
-    Ok(OutputFit { model: starts[0].with_parameters(&minimum.parameters)?, minimum, nuisance, resting })
+    let (covariance, degrees_of_freedom) = covariance(&minimum, records, nuisance)?;
+    let model = starts[0].with_parameters(&minimum.parameters)?;
+    Ok(OutputFit { model, minimum, covariance, degrees_of_freedom, nuisance, resting })
+}
+
+/// The covariance of the parameters under errors with the autocorrelation of the residuals, and its degrees of freedom.
+fn covariance(minimum: &Minimum, records: &[Record<'_>], nuisance: usize) -> Result<(Mat<f64>, f64), IdentError> {
+    let remaining = minimum.degrees_of_freedom() - nuisance as f64;
+    let mut residuals = minimum.residuals.iter();
+    let mut placed = |y: &f64| if y.is_nan() { f64::NAN } else { residuals.next().copied().unwrap_or(f64::NAN) };
+    let series: Vec<Vec<f64>> = records.iter().map(|r| r.output[r.first..].iter().map(&mut placed).collect()).collect();
+    let colour = Colour::of(&series, 1);
+    if colour.is_white() {
+        return Ok((faer::Scale(minimum.cost / remaining) * &minimum.unscaled_covariance, remaining));
+    }
+    let n = minimum.parameters.len();
+    let (mut sandwich, mut row, mut index) = (Sandwich::new(&colour, &minimum.unscaled_covariance)?, vec![0.0; n], 0);
+    for errors in &series {
+        for error in errors {
+            row.fill(0.0);
+            if !error.is_nan() {
+                row.iter_mut().enumerate().for_each(|(j, v)| *v = minimum.jacobian[(index, j)]);
+                index += 1;
+            }
+            sandwich.push(&row);
+        }
+        sandwich.finish_series();
+    }
+    let scale = minimum.residuals.len() as f64 / remaining;
+    Ok((faer::Scale(scale) * sandwich.covariance(), remaining.min(colour.degrees_of_freedom())))
 }
 
 fn clamped(theta: &[f64], bounds: &[Bounds]) -> Vec<f64> {
@@ -115,8 +150,7 @@ pub(crate) fn combine<C: ContinuousChannel>(
     for part in parts {
         resting.extend(part.resting.iter().map(|j| Doubt::AtBound { parameter: offset + j }));
         let n = part.minimum.parameters.len();
-        let own = faer::Scale(part.minimum.cost / part.degrees_of_freedom()) * &part.minimum.unscaled_covariance;
-        covariance.submatrix_mut(offset, offset, n, n).copy_from(&own);
+        covariance.submatrix_mut(offset, offset, n, n).copy_from(&part.covariance);
         at_bound.extend_from_slice(&part.minimum.at_bound);
         offset += n;
     }
@@ -128,7 +162,7 @@ pub(crate) fn combine<C: ContinuousChannel>(
     let termination = worst.or(parts.first().map(|p| p.minimum.termination)).unwrap_or(crate::Termination::Direct);
     Ok(Fit {
         covariance,
-        degrees_of_freedom: parts.iter().map(OutputFit::degrees_of_freedom).fold(f64::INFINITY, f64::min),
+        degrees_of_freedom: parts.iter().map(|p| p.degrees_of_freedom).fold(f64::INFINITY, f64::min),
         noise_covariance,
         loss,
         samples,
@@ -170,7 +204,7 @@ fn noise_covariance<C: ContinuousChannel>(
         let aligned = |y: f64| if y.is_nan() { f64::NAN } else { errors.next().copied().unwrap_or(f64::NAN) };
         series.push(spread.into_iter().map(aligned).collect::<Vec<f64>>());
     }
-    let scale = |i: usize| parts[i].minimum.residuals.len() as f64 / parts[i].degrees_of_freedom();
+    let scale = |i: usize| parts[i].minimum.residuals.len() as f64 / parts[i].remaining();
     Ok(Mat::from_fn(count, count, |i, j| {
         let products = series[i].iter().zip(&series[j]).map(|(x, y)| x * y).filter(|p| p.is_finite());
         let (sum, rows) = products.fold((0.0, 0.0_f64), |(sum, rows), p| (sum + p, rows + 1.0));

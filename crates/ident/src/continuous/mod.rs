@@ -28,8 +28,8 @@ use start::Candidate;
 ///
 /// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample included.
 /// Instrumental variables give starting values. Initial states are estimated; where a delay is searched, the samples
-/// before its upper bound only serve as past inputs. Each output is estimated on its own. The covariance is that for
-/// white noise on the outputs.
+/// before its upper bound only serve as past inputs. Each output is estimated on its own. The covariance
+/// allows for noise with the autocorrelation of the residuals.
 ///
 /// # Example
 /// ```

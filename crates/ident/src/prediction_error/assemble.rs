@@ -32,7 +32,8 @@ pub(super) fn fit(
     // The geometric mean keeps the matrix a covariance where equations spend different numbers of parameters.
     let left = |i: usize| (rows as f64 - taken[i]).max(1.0).sqrt();
     let noise_covariance = Mat::from_fn(outputs, outputs, |i, j| moments[(i, j)] / (left(i) * left(j)));
-    let loss = (faer::Scale(1.0 / rows as f64) * &moments).determinant();
+    // Rounding may take the determinant of a singular covariance below zero.
+    let loss = (faer::Scale(1.0 / rows as f64) * &moments).determinant().max(0.0);
     let free = |e: &Equation| e.lowest.at_bound.iter().filter(|b| !**b).count();
     let experiments = data.experiments().len();
     let state = |m: usize| equations.iter().flat_map(|e| e.states[m].iter().copied()).collect();

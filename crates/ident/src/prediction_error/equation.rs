@@ -21,7 +21,7 @@ const START_ITERATIONS: usize = 30;
 /// Factors by which the data are slowed for further starting values, while this many rows a coefficient are left.
 const SLOWER: [usize; 2] = [8, 64];
 const SLOW_ROWS: usize = 20;
-/// Stretches for a covariance under coloured residuals where none are given.
+/// Stretches for a covariance under residuals that a filter colours, where none are given.
 const BATCHES: usize = 30;
 
 /// One equation at its estimate.
@@ -99,7 +99,10 @@ impl Task<'_> {
             options.prefilter.as_ref().map(|filter| all.iter().map(|s| filtered(s, filter)).collect());
         match (options.focus, &passed) {
             (Focus::Prediction, None) => self.predicting(all, options.batches),
-            (Focus::Prediction, Some(passed)) => self.predicting(passed, options.batches.or(Some(BATCHES))),
+            (Focus::Prediction, Some(passed)) => {
+                let usual = (!self.orders.is_output_error()).then_some(BATCHES);
+                self.predicting(passed, options.batches.or(usual))
+            }
             (Focus::Simulation, passed) => self.simulating(passed.as_deref().unwrap_or(all), all, options.batches),
         }
     }
@@ -120,8 +123,7 @@ impl Task<'_> {
         let bounds = place.iter().map(|j| self.bounds[*j]).collect();
         let dynamics = Task { orders: &plain, bounds, ..*self };
         let start = dynamics.start(passed, Aim::Simulation, |few| dynamics.guesses(few))?;
-        let coloured = batches.or(Some(BATCHES));
-        let (found, covariance, freedom) = dynamics.finish(passed, Aim::Simulation, &start, coloured)?;
+        let (found, covariance, freedom) = dynamics.finish(passed, Aim::Simulation, &start, batches)?;
         if place.len() == self.orders.count() {
             return Ok((found, covariance, freedom));
         }
@@ -147,18 +149,25 @@ impl Task<'_> {
         let lowest = descend(&mut evaluator, start, &self.bounds, self.search)?;
         let free = lowest.at_bound.iter().filter(|b| !**b).count();
         let freedom = evaluator.residual_count() as f64 - free as f64;
-        match batches {
-            None => {
-                let covariance = faer::Scale(lowest.cost / freedom) * &lowest.unscaled_covariance;
-                Ok((lowest, covariance, freedom))
-            }
-            Some(batches) => {
-                let scores = evaluator.scores(&lowest.parameters, batches)?;
-                let middle = crate::covariance::middle_of_batches(&scores);
-                let covariance = &lowest.unscaled_covariance * middle * &lowest.unscaled_covariance;
-                Ok((lowest, covariance, batches as f64 - 1.0))
-            }
+        if let Some(batches) = batches {
+            let scores = evaluator.scores(&lowest.parameters, batches)?;
+            let middle = crate::covariance::middle_of_batches(&scores);
+            let covariance = &lowest.unscaled_covariance * middle * &lowest.unscaled_covariance;
+            return Ok((lowest, covariance, batches as f64 - 1.0));
         }
+        // Nothing else speaks for white errors of a model of the dynamics alone.
+        let unexplained = aim == Aim::Simulation || self.orders.is_output_error();
+        let coloured = if unexplained {
+            evaluator.coloured_covariance(&lowest.parameters, &lowest.unscaled_covariance)?
+        } else {
+            None
+        };
+        if let Some((covariance, limit)) = coloured {
+            let rows = all.iter().map(Segment::known).sum::<usize>() as f64;
+            return Ok((lowest, faer::Scale(rows / freedom) * covariance, freedom.min(limit)));
+        }
+        let covariance = faer::Scale(lowest.cost / freedom) * &lowest.unscaled_covariance;
+        Ok((lowest, covariance, freedom))
     }
 
     /// Starting values: those of linear regressions, and where there is noise to be modelled the dynamics that simulate

@@ -97,8 +97,10 @@ impl Polynomial {
     }
 
     /// Takes the covariance from the scatter between `batches` stretches of the data, two at least and each long against
-    /// the memory of the residuals, right also where the residuals are coloured. It is what happens, with 30 stretches,
-    /// under [`Focus::Simulation`] or a filter; otherwise the residuals are taken as white.
+    /// the memory of the residuals, right also where the residuals are coloured or change in size. It is what happens,
+    /// with 30 stretches, to the prediction errors of a noise model after a filter. Otherwise the residuals of a noise
+    /// model are taken as white, and those of an output-error model, or under [`Focus::Simulation`], as having the
+    /// autocorrelation they show, independent of the inputs.
     #[must_use]
     pub fn robust(self, batches: usize) -> Self {
         Polynomial { batches: Some(batches), ..self }

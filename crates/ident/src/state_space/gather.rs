@@ -4,9 +4,9 @@ use faer::{Mat, MatRef};
 use lti::{Innovations, StateSpace};
 
 use super::StateSpaceModel;
-use super::colour::{is_coloured, sandwich};
 use super::coordinates::{directions, entry_scales};
-use super::predictor::{Free, Lineariser, Predictor, Scatter};
+use super::predictor::{Free, Linearised, Lineariser, Predictor, Scatter};
+use crate::colour::{Colour, Sandwich};
 use crate::data::Experiment;
 use crate::least_squares::checked_condition;
 use crate::subspace::linear::{solve_truncated, whitening};
@@ -112,8 +112,7 @@ pub(crate) enum Information {
 }
 
 /// Errors and covariance of `model` with these initial states, of which the first `estimated` were estimated. Where a
-/// model without noise gain leaves coloured errors, the covariance is the sandwich over batches, with their degrees of
-/// freedom.
+/// model without noise gain leaves coloured errors, the covariance is that under errors with their autocorrelation.
 ///
 /// # Errors
 /// Fewer data than parameters, or a predictor that is unstable.
@@ -152,19 +151,65 @@ pub(crate) fn gather(
     let share = linearised.rows as f64 / (instants * p) as f64;
     let (unit, condition) = inverse_information(&linearised.factor, known.prior, share)?;
     let unexplained = model.k().norm_max() == 0.0 && information == Information::All;
-    let robust =
-        if unexplained && is_coloured(&predictor, data, x0) { sandwich(&linearised.gradients, &unit) } else { None };
-    let white = || (&unit * unit.transpose(), (instants * p - unknowns) as f64);
-    let (covariance, degrees_of_freedom) = robust.unwrap_or_else(white);
+    let remaining = (instants * p - unknowns) as f64;
+    let coloured = if unexplained { coloured(&lineariser, &linearised, data, x0, known.prior, &unit)? } else { None };
+    let (covariance, degrees_of_freedom) = match coloured {
+        None => (&unit * unit.transpose(), remaining),
+        Some((covariance, limit)) => {
+            let scale = (instants * p) as f64 / remaining;
+            (faer::Scale(scale) * covariance, remaining.min(limit))
+        }
+    };
     Ok(Gathered {
         covariance,
         noise_covariance,
-        loss: (&sum * faer::Scale(1.0 / instants as f64)).determinant(),
+        // Rounding may take the determinant of a singular covariance below zero.
+        loss: (&sum * faer::Scale(1.0 / instants as f64)).determinant().max(0.0),
         samples: instants,
         free_parameters,
         degrees_of_freedom,
         condition,
     })
+}
+
+/// The covariance under errors with the autocorrelation of the residuals, and its degrees of freedom; `None` where they
+/// look white.
+fn coloured(
+    lineariser: &Lineariser<'_>,
+    linearised: &Linearised,
+    data: &Dataset,
+    x0: &[Vec<f64>],
+    prior: &[f64],
+    unit: &Mat<f64>,
+) -> Result<Option<(Mat<f64>, f64)>, IdentError> {
+    let each = || data.experiments().iter().zip(x0);
+    let series: Vec<Vec<f64>> = each().map(|(e, x0)| lineariser.errors(e, x0)).collect();
+    let p = lineariser.predictor.p;
+    let colour = Colour::of(&series, p);
+    if colour.is_white() {
+        return Ok(None);
+    }
+    let (states, columns) = (lineariser.initial, lineariser.basis.ncols());
+    let mut sandwich = Sandwich::with_unit(&colour, unit.clone());
+    let mut rows = vec![0.0; p * columns];
+    for ((experiment, x0), explained) in each().zip(linearised.explained()?) {
+        lineariser.rows(experiment, x0, |raw, complete| {
+            rows.fill(0.0);
+            let given = raw.chunks_exact(raw.len() / p).zip(rows.chunks_exact_mut(columns));
+            for (raw, row) in given.filter(|_| complete) {
+                for (j, v) in row.iter_mut().enumerate() {
+                    let direct: f64 = lineariser.basis.col(j).iter().zip(&raw[states..]).map(|(b, r)| b * r).sum();
+                    *v = direct - raw[..states].iter().enumerate().map(|(i, r)| r * explained[(i, j)]).sum::<f64>();
+                }
+            }
+            sandwich.push(&rows);
+        });
+        sandwich.finish_series();
+    }
+    // What is known beforehand is known as well as it was.
+    let known = Mat::from_fn(prior.len(), unit.ncols(), |i, k| prior[i] * unit[(i, k)]);
+    let beforehand = unit * (known.transpose() * &known) * unit.transpose();
+    Ok(Some((sandwich.covariance() + beforehand, colour.degrees_of_freedom())))
 }
 
 /// The estimate of a state-space model at `model` and these initial states.

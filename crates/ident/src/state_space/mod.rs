@@ -1,6 +1,5 @@
 //! State-space models by minimising the prediction error.
 
-mod colour;
 mod coordinates;
 mod gather;
 mod model;

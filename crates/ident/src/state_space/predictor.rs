@@ -12,6 +12,8 @@ const CHUNK: usize = 512;
 const SHORTEST_SPLIT: usize = 100;
 /// Below this an initial state's influence is nothing; it is cut off before it becomes a denormal number.
 const FORGOTTEN: f64 = 1e-100;
+/// Directions of an initial state that the data show less than this part of the best are left alone.
+const STATE_TOLERANCE: f64 = 1e-10;
 
 /// Which matrices are free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -179,13 +181,20 @@ pub(crate) struct Linearised {
     pub(crate) factor: Mat<f64>,
     /// Scalar residuals.
     pub(crate) rows: usize,
-    /// `(Ψ·basis)ᵀ ε` of consecutive stretches of equal length.
-    pub(crate) gradients: Vec<Vec<f64>>,
     /// For each experiment the equations of its initial state: `[R₀, R₁, r]`, states × (states + parameters + 1).
     tops: Vec<Mat<f64>>,
 }
 
 impl Linearised {
+    /// For each experiment what its initial state explains of each direction, states × parameters.
+    pub(crate) fn explained(&self) -> Result<Vec<Mat<f64>>, IdentError> {
+        let solve = |top: &Mat<f64>| {
+            let (n, columns) = (top.nrows(), top.ncols() - 1);
+            crate::subspace::linear::solve_truncated(top.subcols(0, n), top.subcols(n, columns - n), STATE_TOLERANCE)
+        };
+        self.tops.iter().map(solve).collect()
+    }
+
     /// What each initial state changes by when the parameters change by `step`; parts the data do not show stay.
     pub(crate) fn initial_steps(&self, step: &[f64]) -> Result<Vec<Vec<f64>>, IdentError> {
         let solve = |top: &Mat<f64>| {
@@ -193,7 +202,8 @@ impl Linearised {
             let right = Mat::from_fn(n, 1, |i, _| {
                 top[(i, n + step.len())] - step.iter().enumerate().map(|(j, s)| top[(i, n + j)] * s).sum::<f64>()
             });
-            let solution = crate::subspace::linear::solve_truncated(top.subcols(0, n), right.as_ref(), 1e-10)?;
+            let solution =
+                crate::subspace::linear::solve_truncated(top.subcols(0, n), right.as_ref(), STATE_TOLERANCE)?;
             Ok((0..n).map(|i| solution[(i, 0)]).collect())
         };
         self.tops.iter().map(solve).collect()
@@ -218,10 +228,10 @@ impl Lineariser<'_> {
         let states = self.initial;
         let columns = self.basis.ncols();
         let mut whole = Triangle::new(columns + 1);
-        let (mut tops, mut gradients, mut rows) = (Vec::new(), Vec::new(), 0);
+        let (mut tops, mut rows) = (Vec::new(), 0);
         let chunk = (data.samples() / SHORTEST_SPLIT).clamp(16, CHUNK);
         for (experiment, x0) in data.experiments().iter().zip(x0) {
-            let triangle = self.experiment(experiment, x0, chunk, &mut gradients);
+            let triangle = self.experiment(experiment, x0, chunk);
             rows += triangle.rows();
             let factor = triangle.finish();
             tops.push(factor.subrows(0, states).to_owned());
@@ -231,19 +241,13 @@ impl Lineariser<'_> {
                 whole.push_row(&row);
             }
         }
-        Linearised { factor: whole.finish(), rows, gradients, tops }
+        Linearised { factor: whole.finish(), rows, tops }
     }
 
     /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. Derivatives are formed here, folded on a second thread.
-    fn experiment(
-        &self,
-        experiment: &Experiment,
-        x0: &[f64],
-        instants: usize,
-        gradients: &mut Vec<Vec<f64>>,
-    ) -> Triangle {
+    fn experiment(&self, experiment: &Experiment, x0: &[f64], instants: usize) -> Triangle {
         let mut triangle = Triangle::new(self.initial + self.basis.ncols() + 1);
-        let mut fold = |chunk: &[f64]| gradients.push(self.fold(chunk, &mut triangle));
+        let mut fold = |chunk: &[f64]| self.fold(chunk, &mut triangle);
         if experiment.len() <= 4 * CHUNK {
             self.chunks(experiment, x0, instants, |chunk| fold(&chunk));
             return triangle;
@@ -263,45 +267,63 @@ impl Lineariser<'_> {
         self.initial + self.basis.nrows() + 1
     }
 
-    /// Turns the rows of a chunk into the directions and appends them; returns their gradient.
-    fn fold(&self, chunk: &[f64], triangle: &mut Triangle) -> Vec<f64> {
+    /// Turns the rows of a chunk into the directions and appends them.
+    fn fold(&self, chunk: &[f64], triangle: &mut Triangle) {
         let (states, width) = (self.initial, self.width());
         let all = MatRef::from_column_major_slice(chunk, width, chunk.len() / width);
         let turned = self.basis.transpose() * all.subrows(states, self.basis.nrows());
         let mut row = vec![0.0; states + turned.nrows() + 1];
         let last = row.len() - 1;
-        let mut gradient = vec![0.0; turned.nrows()];
         for (t, raw) in chunk.chunks_exact(width).enumerate() {
             row[..states].copy_from_slice(&raw[..states]);
             row[states..last].iter_mut().enumerate().for_each(|(j, v)| *v = turned[(j, t)]);
             row[last] = raw[width - 1];
-            gradient.iter_mut().zip(&row[states..last]).for_each(|(g, v)| *g += v * row[last]);
             triangle.push_row(&row);
         }
-        gradient
     }
 
     /// Hands over rows `[Ψ₀, Ψ, ε]`, whitened, a chunk at a time.
     fn chunks(&self, experiment: &Experiment, x0: &[f64], instants: usize, mut give: impl FnMut(Vec<f64>)) {
-        let (p, width) = (self.predictor.p, self.width());
-        let mut derivatives = Derivatives::new(self.predictor, self.free, self.initial);
-        let full = instants * p * width;
+        let full = instants * self.predictor.p * self.width();
         let mut chunk = Vec::with_capacity(full);
-        self.predictor.walk(experiment, x0, |x, u, e, complete| {
+        self.rows(experiment, x0, |rows, complete| {
             if complete {
-                let start = chunk.len();
-                chunk.resize(start + p * width, 0.0);
-                derivatives.write(x, u, e, &mut chunk[start..]);
-                self.whiten(&mut chunk[start..], width);
-                if chunk.len() == full {
-                    give(std::mem::replace(&mut chunk, Vec::with_capacity(full)));
-                }
+                chunk.extend_from_slice(rows);
             }
-            derivatives.advance(x, u, e);
+            if chunk.len() == full {
+                give(std::mem::replace(&mut chunk, Vec::with_capacity(full)));
+            }
         });
         if !chunk.is_empty() {
             give(chunk);
         }
+    }
+
+    /// Shows `visit` the rows `[Ψ₀, Ψ, ε]` of all outputs at every instant, whitened, and whether every output is there;
+    /// where not, they are without meaning.
+    pub(crate) fn rows(&self, experiment: &Experiment, x0: &[f64], mut visit: impl FnMut(&[f64], bool)) {
+        let width = self.width();
+        let mut derivatives = Derivatives::new(self.predictor, self.free, self.initial);
+        let mut rows = vec![0.0; self.predictor.p * width];
+        self.predictor.walk(experiment, x0, |x, u, e, complete| {
+            if complete {
+                derivatives.write(x, u, e, &mut rows);
+                self.whiten(&mut rows, width);
+            }
+            visit(&rows, complete);
+            derivatives.advance(x, u, e);
+        });
+    }
+
+    /// The whitened errors instant by instant, NaN where an output is missing.
+    pub(crate) fn errors(&self, experiment: &Experiment, x0: &[f64]) -> Vec<f64> {
+        let mut all = Vec::with_capacity(experiment.len() * self.predictor.p);
+        self.predictor.walk(experiment, x0, |_, _, e, complete| {
+            let first = all.len();
+            all.extend(e.iter().map(|v| if complete { *v } else { f64::NAN }));
+            self.whiten(&mut all[first..], 1);
+        });
+        all
     }
 
     /// `L⁻¹` from the left, in place: the last row first, since it needs those above it as they were.

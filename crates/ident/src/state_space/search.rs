@@ -14,6 +14,9 @@ use crate::{Dataset, IdentError, Parametric, Termination};
 const DECREASE_TOLERANCE: f64 = 1e-13;
 /// ... or by less than this part of what one standard error in one parameter makes of it.
 const STATISTICAL_TOLERANCE: f64 = 1e-8;
+/// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise the errors
+/// of several outputs come from few parameters, and their covariance alone would hold the search in a narrow valley.
+const WEIGHT_FLOOR: f64 = 1e-6;
 /// Directions weaker than this part of the strongest are left alone within a step.
 const RANK_TOLERANCE: f64 = 1e-9;
 
@@ -93,6 +96,8 @@ pub(crate) struct Search<'a, M> {
     model: M,
     x0: Vec<Vec<f64>>,
     scatter: Scatter,
+    /// What is added to each output's variance where errors are weighed.
+    floor: Vec<f64>,
     /// How many of the leading states are estimated in each experiment.
     estimated: usize,
     damping: f64,
@@ -111,7 +116,8 @@ impl<'a, M: Searchable> Search<'a, M> {
         if scatter.instants == 0 {
             return Err(IdentError::TooFewSamples { samples: 0, parameters: 1 });
         }
-        Ok(Search { data, model, x0, scatter, estimated, damping: 1e-2, iterations: 0 })
+        let floor = weight_floor(data);
+        Ok(Search { data, model, x0, scatter, floor, estimated, damping: 1e-2, iterations: 0 })
     }
 
     /// Iterations taken, initial states and model.
@@ -119,11 +125,16 @@ impl<'a, M: Searchable> Search<'a, M> {
         (self.iterations, self.x0, self.model)
     }
 
-    /// What is minimised: `N ln det Σ ε εᵀ/N` and the prior's part.
+    /// What is minimised: `N ln det (Σ ε εᵀ/N + floor)` and the prior's part.
     pub(crate) fn criterion(&self) -> f64 {
-        let instants = self.scatter.instants as f64;
-        let mean = &self.scatter.sum * faer::Scale(1.0 / instants);
-        instants * mean.determinant().ln() + prior_cost(&self.model)
+        self.scatter.instants as f64 * self.error_covariance().determinant().ln() + prior_cost(&self.model)
+    }
+
+    /// `Σ ε εᵀ/N` that errors are weighed by, not less than the floor.
+    fn error_covariance(&self) -> Mat<f64> {
+        let mut mean = &self.scatter.sum * faer::Scale(1.0 / self.scatter.instants as f64);
+        self.floor.iter().enumerate().for_each(|(i, floor)| mean[(i, i)] += floor);
+        mean
     }
 
     /// Iterates to a minimum, or `limit` times in all.
@@ -144,7 +155,7 @@ impl<'a, M: Searchable> Search<'a, M> {
         let states = self.model.all_states(&self.x0, self.data);
         let basis = self.model.directions(&innovations, self.data, &states)?;
         let instants = self.scatter.instants as f64;
-        let whitening = whitening((&self.scatter.sum * faer::Scale(1.0 / instants)).as_ref())?;
+        let whitening = whitening(self.error_covariance().as_ref())?;
         let lineariser = Lineariser {
             predictor: &predictor,
             free: self.model.free(),
@@ -208,6 +219,19 @@ impl<'a, M: Searchable> Search<'a, M> {
     }
 }
 
+/// Squares of a small part of each output's root mean square; nothing for a single output, whose weight has no part.
+fn weight_floor(data: &Dataset) -> Vec<f64> {
+    if data.outputs() == 1 {
+        return vec![0.0];
+    }
+    let mean_square = |i: usize| {
+        let known = data.experiments().iter().flat_map(|e| e.output(i)).filter(|y| !y.is_nan());
+        let (sum, count) = known.fold((0.0, 0_usize), |(sum, count), y| (sum + y * y, count + 1));
+        sum / count.max(1) as f64
+    };
+    (0..data.outputs()).map(|i| WEIGHT_FLOOR * WEIGHT_FLOOR * mean_square(i)).collect()
+}
+
 fn prior_cost(model: &impl Searchable) -> f64 {
     model.prior().iter().map(|(_, target)| target * target).sum()
 }
@@ -265,9 +289,9 @@ mod tests {
             free: StateSpaceModel::free(&model),
             basis: basis.as_ref(),
             whitening: whitening.as_ref(),
-            initial: 3,
+            initial: 0,
         };
-        let gradients = lineariser.over(&data, &x0).gradients;
+        let factor = lineariser.over(&data, &x0).factor;
         let cost = |j: usize, by: f64| {
             let mut parameters = model.parameters();
             parameters[j] += by;
@@ -276,7 +300,7 @@ mod tests {
             sum[(0, 0)] + sum[(1, 1)]
         };
         for j in 0..count {
-            let analytic: f64 = gradients.iter().map(|g| g[j]).sum();
+            let analytic: f64 = (0..=j).map(|i| factor[(i, j)] * factor[(i, count)]).sum();
             // The errors fall by Ψ δ, so the cost falls by 2 εᵀΨ δ.
             let numeric = -(cost(j, 1e-6) - cost(j, -1e-6)) / 4e-6;
             assert!((analytic - numeric).abs() < 1e-6 * (1.0 + numeric.abs()), "{j}: {analytic} {numeric}");

@@ -23,4 +23,15 @@ impl Noise {
     pub(crate) fn normals(&mut self, count: usize) -> Vec<f64> {
         (0..count).map(|_| self.normal()).collect()
     }
+
+    /// Noise of this deviation that remembers each sample by a part `memory`.
+    pub(crate) fn coloured(&mut self, count: usize, deviation: f64, memory: f64) -> Vec<f64> {
+        let fresh = deviation * (1.0 - memory * memory).sqrt();
+        let mut value = deviation * self.normal();
+        let mut next = || {
+            value = memory * value + fresh * self.normal();
+            value
+        };
+        (0..count).map(|_| next()).collect()
+    }
 }

@@ -266,8 +266,12 @@ fn stat_simulation_and_band_focus_are_consistent() {
 
 /// Bias and coverage over many runs: the mean of the standardised errors, and how many lie in their 95 % interval.
 fn judge(options: &Polynomial, model: &PolynomialModel, samples: usize) {
+    judge_part(options, model, &model.coefficients(), samples);
+}
+
+/// As [`judge`], for an estimate of these coefficients alone.
+fn judge_part(options: &Polynomial, model: &PolynomialModel, truth: &[f64], samples: usize) {
     let runs = 200;
-    let truth = model.coefficients();
     let mut inside = vec![0; truth.len()];
     let mut mean = vec![0.0; truth.len()];
     for run in 0..runs {
@@ -294,6 +298,17 @@ fn stat_armax_covers_the_truth() {
 #[ignore = "slow"]
 fn stat_output_error_covers_the_truth() {
     judge(&OutputError::new(2, 2, 1), &oe_model(), 1000);
+}
+
+/// Noise that remembers tens of samples, and noise that turns with a period of eight.
+#[test]
+#[ignore = "slow"]
+fn stat_output_error_covers_the_truth_under_coloured_noise() {
+    let (b, f) = (vec![vec![1.0, 0.5]], vec![vec![-1.5, 0.7]]);
+    for d in [vec![-0.95], vec![-1.2, 0.8]] {
+        let truth = PolynomialEquation { b: b.clone(), f: f.clone(), d, ..Default::default() };
+        judge_part(&OutputError::new(2, 2, 1), &siso(1, truth), &oe_model().coefficients(), 2000);
+    }
 }
 
 #[test]

@@ -36,6 +36,25 @@ fn exact_from_a_wrong_start() {
 }
 
 #[test]
+fn exact_two_noise_free_outputs_from_a_wrong_start() {
+    let truth = mimo(0.0);
+    let data = data(&truth, 500, &[1.0, -2.0, 3.0], 2);
+    for (focus, part) in [(Focus::Prediction, 0.01), (Focus::Simulation, 0.01), (Focus::Simulation, 0.1)] {
+        let subspace = Subspace::new(3).with_feedthrough();
+        let fit =
+            if focus == Focus::Simulation { subspace.without_noise_model() } else { subspace }.fit(&data).unwrap();
+        let moved: Vec<f64> =
+            fit.parameters().iter().enumerate().map(|(i, v)| v * (1.0 + part * (i as f64).sin())).collect();
+        let start = fit.model.with_parameters(&moved).unwrap();
+        assert!(gain_error(start.system(), truth.system()) > 1e-3);
+        let refined = StateSpacePem::from_model(start).with_focus(focus).fit(&data).unwrap();
+        let error = gain_error(refined.model.system(), truth.system());
+        println!("{focus:?} {part} {error:e} {:?} {} {:e}", refined.termination, refined.iterations, refined.loss);
+        assert!(error < 1e-11 && refined.loss >= 0.0, "{focus:?} {error:e} {:?}", refined.termination);
+    }
+}
+
+#[test]
 fn prop_missing_outputs_are_left_out_of_a_simulation() {
     let truth = siso(0.0);
     let whole = data(&truth, 400, &[0.0; 4], 3);

@@ -441,7 +441,7 @@ impl<'a> Verdict<'a> {
         let names = self.fit.model.parameter_names();
         let coloured = self.residuals.as_ref().is_ok_and(|r| r.whiteness.iter().any(|w| !w.joint.passes(REGION)));
         if coloured {
-            let text = "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; add a noise model (armax, bj, ss), or take the intervals for too narrow";
+            let text = "the residuals are not white: intervals of a model with a noise part (arx, armax, bj, ss) rest on white ones and may be several times too narrow, those of the dynamics alone (oe, tf, process) allow for it; a richer noise model (armax, bj, ss) makes them sharper";
             terminal.item(("doubt:", Style::Caution), text);
         }
         for doubt in &self.fit.doubts {
