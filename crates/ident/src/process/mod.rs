@@ -9,7 +9,7 @@ use crate::continuous::estimate::{OutputFit, Settings, combine, fit_output};
 use crate::continuous::output_error::Nuisance;
 use crate::continuous::record::{Record, records};
 use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};
-use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
+use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 
 /// Longest delay searched unless told otherwise, in samples.
 const DELAY_SAMPLES: f64 = 30.0;
@@ -23,8 +23,8 @@ const MOST_DAMPED: f64 = 10.0;
 ///
 /// The model is sampled exactly, and the delay is a continuous parameter found below a sample. The search starts from the
 /// best of a grid of delays and lags. Initial states are estimated; the samples before the longest delay only serve as
-/// past inputs, unless the system starts from rest. Each output is estimated on its own. The covariance is that for white
-/// noise on the outputs.
+/// past inputs, unless the system starts from rest. Each output is estimated on its own. The covariance allows
+/// for noise with the autocorrelation of the residuals.
 ///
 /// # Example
 /// ```
@@ -49,14 +49,18 @@ pub struct ProcessFit {
     lag_s: Option<(f64, f64)>,
     offset: bool,
     at_rest: bool,
+    held: Vec<(String, f64)>,
     search: NonlinearOptions,
 }
 
-/// What the options come to on given data.
+/// What the options come to for one output of given data.
+#[derive(Clone)]
 pub(crate) struct Ranges {
     pub(crate) structure: Vec<ProcessModel>,
     pub(crate) delay_s: Vec<(f64, f64)>,
     pub(crate) lag_s: (f64, f64),
+    /// The value of every parameter that is held.
+    pub(crate) held: Vec<Option<f64>>,
 }
 
 impl ProcessFit {
@@ -78,6 +82,7 @@ impl ProcessFit {
             lag_s: None,
             offset: false,
             at_rest: false,
+            held: Vec::new(),
             search: NonlinearOptions::default(),
         }
     }
@@ -107,6 +112,25 @@ impl ProcessFit {
         ProcessFit { at_rest: true, ..self }
     }
 
+    /// Holds one parameter at a value, such as a known gain at rest; its name is that of the model's
+    /// [`parameter_names`](crate::Parametric::parameter_names), such as `K` or, with several inputs, `K[2]`.
+    ///
+    /// # Example
+    /// ```
+    /// // 2/(1 + 0.5 s) with its gain known; a tenth of its settling would leave the gain open.
+    /// let y: Vec<f64> = (0..6).map(|k| 2.0 * (1.0 - (-0.02 * f64::from(k)).exp())).collect();
+    /// let (u, y) = ([vec![0.0; 5], vec![1.0; 6]].concat(), [vec![0.0; 5], y].concat());
+    /// let data = ident::Dataset::siso(0.01, &u, &y)?;
+    /// let fit = ident::ProcessFit::named("P1")?.hold("K", 2.0).from_rest().fit(&data)?;
+    /// assert!(fit.parameters()[0] == 2.0 && (fit.parameters()[1] - 0.5).abs() < 1e-8);
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    #[must_use]
+    pub fn hold(mut self, parameter: impl Into<String>, value: f64) -> Self {
+        self.held.push((parameter.into(), value));
+        self
+    }
+
     /// How far and how exactly to search.
     #[must_use]
     pub fn with_search(self, search: NonlinearOptions) -> Self {
@@ -117,50 +141,88 @@ impl ProcessFit {
     ///
     /// # Errors
     /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for bounds that
-    /// are no range, or a zero and no pole; [`IdentError::Missing`] for a gap in an input (gaps in outputs are left out);
+    /// are no range, a zero and no pole, or a held parameter that there is not; [`IdentError::Missing`] for a gap in an input (gaps in outputs are left out);
     /// [`IdentError::Constant`]; [`IdentError::TooFewSamples`]; [`IdentError::RankDeficient`] where the data do not
     /// determine every parameter, as with two lags where one is enough.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
         let ranges = self.ranges(data)?;
-        let first = if self.at_rest { 0 } else { first_sample(&ranges.delay_s, data.sample_time_s()) };
+        let longest = |r: &Ranges| first_sample(&r.delay_s, data.sample_time_s());
+        let first = if self.at_rest { 0 } else { ranges.iter().map(longest).max().unwrap_or(0) };
         let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
         let settings = Settings { nuisance, stable: true, search: self.search };
-        let bounds = ranges.bounds();
         let mut parts: Vec<OutputFit<ProcessModel>> = Vec::with_capacity(data.outputs());
-        for output in 0..data.outputs() {
+        for (output, ranges) in ranges.iter().enumerate() {
+            let bounds = ranges.bounds();
             let records = records(data, output, first)?;
             let samples = records.iter().map(Record::rows).sum();
             if samples <= 2 * bounds.len() {
                 return Err(IdentError::TooFewSamples { samples, parameters: 2 * bounds.len() });
             }
-            let starts = start::candidates(&ranges, data, &records, settings)?;
+            let starts = start::candidates(ranges, data, &records, settings)?;
             parts.push(fit_output(data, &records, &starts, &bounds, settings)?);
         }
         combine(data, first, &parts, settings)
     }
 
-    fn ranges(&self, data: &Dataset) -> Result<Ranges, IdentError> {
+    /// What is searched for each output.
+    fn ranges(&self, data: &Dataset) -> Result<Vec<Ranges>, IdentError> {
         let structure = one_each("structures", &self.structure, data.inputs())?;
         let t = data.sample_time_s();
         let longest = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0) as f64;
         let usual = (0.0, t * DELAY_SAMPLES.min((0.1 * longest).floor()));
-        let mut delay_s = one_each("delays", self.delay_s.as_deref().unwrap_or(&[usual]), data.inputs())?;
-        for (bounds, model) in delay_s.iter_mut().zip(&structure) {
-            if model.delay_s().is_none() {
-                *bounds = (0.0, 0.0);
-            }
-            check_zero(model, bounds.0 < bounds.1 && data.intersample() == Intersample::ZeroOrderHold)?;
-        }
-        check_delays(&delay_s)?;
+        let delay_s = one_each("delays", self.delay_s.as_deref().unwrap_or(&[usual]), data.inputs())?;
         let lag_s = self.lag_s.unwrap_or((0.01 * t, 10.0 * longest.max(1.0) * t));
         if !(lag_s.0 > 0.0 && lag_s.0 < lag_s.1 && lag_s.1.is_finite()) {
             return Err(IdentError::Structure { what: "bounds of lags must be positive, the lower one first" });
         }
-        Ok(Ranges { structure, delay_s, lag_s })
+        let jumps = data.intersample() == Intersample::ZeroOrderHold;
+        let each = self.held_values(&structure, data.outputs())?;
+        each.into_iter().map(|held| Ranges::new(structure.clone(), &delay_s, lag_s, held, jumps)).collect()
+    }
+
+    /// For each output, the value of every parameter that is held.
+    fn held_values(&self, structure: &[ProcessModel], outputs: usize) -> Result<Vec<Vec<Option<f64>>>, IdentError> {
+        let channels = structure.iter().cycle().take(structure.len() * outputs).cloned().collect();
+        let names = ProcessSystem::new(channels, structure.len(), Mat::identity(outputs, outputs))?.parameter_names();
+        let each = names.len() / outputs.max(1);
+        let mut held = vec![vec![None; each]; outputs];
+        for (name, value) in &self.held {
+            let Some(index) = names.iter().position(|n| n == name) else {
+                return Err(IdentError::Structure { what: "a parameter to be held is none of the model's" });
+            };
+            if !value.is_finite() {
+                return Err(IdentError::NotFinite { what: "the value of a parameter to be held", index });
+            }
+            held[index / each][index % each] = Some(*value);
+        }
+        Ok(held)
     }
 }
 
 impl Ranges {
+    /// Delays that are held narrow what is searched to themselves.
+    fn new(
+        structure: Vec<ProcessModel>,
+        searched_s: &[(f64, f64)],
+        lag_s: (f64, f64),
+        held: Vec<Option<f64>>,
+        jumps: bool,
+    ) -> Result<Self, IdentError> {
+        let (mut delay_s, mut next) = (Vec::with_capacity(structure.len()), 0);
+        for (model, searched) in structure.iter().zip(searched_s) {
+            next += model.parameters().len();
+            let range = match (model.delay_s(), held[next - 1]) {
+                (None, _) => (0.0, 0.0),
+                (Some(_), Some(value)) => (value, value),
+                (Some(_), None) => *searched,
+            };
+            check_zero(model, range.0 < range.1 && jumps)?;
+            delay_s.push(range);
+        }
+        check_delays(&delay_s)?;
+        Ok(Ranges { structure, delay_s, lag_s, held })
+    }
+
     fn bounds(&self) -> Vec<Bounds> {
         let lag = Bounds::new(self.lag_s.0, self.lag_s.1);
         let mut bounds = Vec::new();
@@ -171,10 +233,11 @@ impl Ranges {
             bounds.extend(model.zero_s().map(|_| Bounds::NONE));
             bounds.extend(model.delay_s().map(|_| Bounds::new(*low, *high)));
         }
-        bounds
+        let fixed = |(free, held): (Bounds, &Option<f64>)| held.map_or(free, |value| Bounds::new(value, value));
+        bounds.into_iter().zip(&self.held).map(fixed).collect()
     }
 
-    /// The structures with these delays, with lags spread down from `longest_s`, and gains of one.
+    /// The structures with these delays, with lags spread down from `longest_s`, and gains of one, but for what is held.
     pub(crate) fn at(&self, delay_s: &[f64], longest_s: &[f64]) -> Result<ProcessSystem, IdentError> {
         let mut channels = Vec::with_capacity(self.structure.len());
         for ((model, delay), longest) in self.structure.iter().zip(delay_s).zip(longest_s) {
@@ -185,7 +248,9 @@ impl Ranges {
             theta.extend(model.delay_s().map(|_| *delay));
             channels.push(model.with_parameters(&theta)?);
         }
-        Ok(ProcessSystem::new(channels, self.structure.len(), Mat::identity(1, 1))?)
+        let free = ProcessSystem::new(channels, self.structure.len(), Mat::identity(1, 1))?;
+        let values = free.parameters().into_iter().zip(&self.held).map(|(value, held)| held.unwrap_or(value));
+        Ok(free.with_parameters(&values.collect::<Vec<f64>>())?)
     }
 }
 

@@ -47,7 +47,7 @@ pub(super) fn candidates(
                 for lag in &lags {
                     (delay_s[k], longest_s[k]) = (delay * t, *lag);
                     let model = ranges.at(&delay_s, &longest_s)?;
-                    tried.extend(judge(model, &short, data, settings, (&delay_s, &longest_s)).ok());
+                    tried.extend(judge(ranges, model, &short, data, settings, (&delay_s, &longest_s)).ok());
                 }
             }
             tried.sort_by(|x, y| x.cost.total_cmp(&y.cost));
@@ -67,8 +67,9 @@ fn lags(ranges: &Ranges, t: f64, rows: usize) -> Vec<f64> {
     (0..LAGS).map(|i| low * (high / low).powf(i as f64 / (LAGS - 1) as f64)).collect()
 }
 
-/// Fits gains and zeros, which enter as K and K T_z, and returns what is left.
+/// Fits gains and zeros that are not held, which enter as K and K T_z, and returns what is left.
 fn judge(
+    ranges: &Ranges,
     model: ProcessSystem,
     records: &[Record<'_>],
     data: &Dataset,
@@ -79,25 +80,28 @@ fn judge(
     let (rows, mut theta) = (problem.residual_count(), model.parameters());
     let (mut residuals, mut jacobian) = (vec![0.0; rows], Mat::zeros(rows, theta.len()));
     problem.evaluate(&theta, &mut residuals, Some(jacobian.as_mut()))?;
-    // (column of K, column of T_z) of each channel; at K = 1 and T_z = 0 the error is y + J_K.
-    let mut columns = Vec::new();
+    // The columns of K and T_z that are free, and for T_z the K that comes with it: at K = 1 and T_z = 0 the error is
+    // y + J_K, and K T_z is what is linear.
+    let (mut gains, mut columns) = (Vec::new(), Vec::new());
     for (channel, first) in model.channels().iter().zip(model.offsets()) {
-        let zero = 1 + 2 * usize::from(channel.pair().is_some()) + channel.lags_s().len();
-        columns.push((first, true));
-        columns.extend(channel.zero_s().map(|_| (first + zero, false)));
+        let zero = first + 1 + 2 * usize::from(channel.pair().is_some()) + channel.lags_s().len();
+        let gain = Some(first).filter(|j| ranges.held[*j].is_none());
+        gains.extend(gain);
+        columns.extend(gain.map(|j| (j, None)));
+        columns.extend(channel.zero_s().filter(|_| ranges.held[zero].is_none()).map(|_| (zero, gain)));
     }
-    let of_gains = columns.iter().filter(|(_, gain)| *gain);
     let target: Vec<f64> =
-        (0..rows).map(|i| residuals[i] - of_gains.clone().map(|(j, _)| jacobian[(i, *j)]).sum::<f64>()).collect();
+        (0..rows).map(|i| residuals[i] - gains.iter().map(|j| jacobian[(i, *j)]).sum::<f64>()).collect();
     let phi = Mat::from_fn(rows, columns.len(), |i, j| -jacobian[(i, columns[j].0)]);
-    let fit = least_squares(phi.as_ref(), &target)?;
-    let mut gain = 1.0;
-    for ((column, is_gain), value) in columns.iter().zip(&fit.parameters) {
-        if *is_gain {
-            gain = *value;
-        }
-        theta[*column] = if *is_gain { gain } else { value / gain };
+    let (values, cost) = if columns.is_empty() {
+        (Vec::new(), residuals.iter().map(|r| r * r).sum())
+    } else {
+        let fit = least_squares(phi.as_ref(), &target)?;
+        (fit.parameters, fit.cost)
+    };
+    for ((column, gain), value) in columns.iter().zip(&values) {
+        theta[*column] = value / gain.map_or(1.0, |j: usize| theta[j]);
     }
     let model = model.with_parameters(&theta)?;
-    Ok(Candidate { cost: fit.cost, delay_s: delay_s.to_vec(), longest_s: longest_s.to_vec(), model })
+    Ok(Candidate { cost, delay_s: delay_s.to_vec(), longest_s: longest_s.to_vec(), model })
 }

@@ -1,4 +1,5 @@
 //! Process models from sampled data.
+#![allow(clippy::print_stdout)]
 
 use faer::Mat;
 use ident::{Dataset, Fit, IdentError, Intersample, LinearModel, Parametric, ProcessFit, ProcessSystem};
@@ -13,6 +14,11 @@ fn system(channels: Vec<ProcessModel>) -> ProcessSystem {
 
 /// Steps at random instants; the first tenth is cut off, so that the record does not start at rest.
 fn record(truth: &ProcessSystem, t: f64, count: usize, sd: f64, noise: &mut Noise) -> Dataset {
+    disturbed(truth, t, (count, sd, 0.0), noise)
+}
+
+/// As [`record`], the noise remembering a sample by a part `memory`.
+fn disturbed(truth: &ProcessSystem, t: f64, (count, sd, memory): (usize, f64, f64), noise: &mut Noise) -> Dataset {
     let mut u = Mat::zeros(count, truth.inputs());
     for j in 0..u.ncols() {
         let mut value = 0.0;
@@ -25,7 +31,7 @@ fn record(truth: &ProcessSystem, t: f64, count: usize, sd: f64, noise: &mut Nois
     }
     let model = truth.innovations(t, Intersample::ZeroOrderHold).unwrap().system().clone();
     let mut y = model.simulate(u.as_ref(), &vec![0.0; model.states()]).unwrap();
-    (0..count).for_each(|k| y[(k, 0)] += sd * noise.normal());
+    noise.coloured(count, sd, memory).iter().enumerate().for_each(|(k, v)| y[(k, 0)] += v);
     let cut = |m: &Mat<f64>| m.subrows(count / 10, count - count / 10).to_owned();
     Dataset::new(t, cut(&u), cut(&y)).unwrap()
 }
@@ -69,27 +75,81 @@ fn exact_two_inputs_and_an_offset() {
 }
 
 #[test]
-#[ignore = "slow"]
-fn stat_intervals_cover_the_truth_delay_included() {
+fn exact_parameters_held_stay_and_the_rest_is_found() {
+    let one = ProcessModel::new(2.5).unwrap().with_lags(vec![1.5, 0.4]).unwrap().with_zero(-0.6).unwrap();
+    let one = one.with_delay(0.55).unwrap();
+    let truth = system(vec![one.clone()]);
+    let data = record(&truth, 0.1, 800, 0.0, &mut Noise::new(13));
+    for names in [&["K"][..], &["Td"], &["Tz"], &["Tp2"], &["K", "Tz"], &["K", "Tp1", "Tp2", "Tz"]] {
+        let mut options = ProcessFit::named("P2DZ").unwrap().with_delay_between(&[(0.0, 1.2)]);
+        let all = truth.parameter_names();
+        for name in names {
+            let value = truth.parameters()[all.iter().position(|n| n == name).unwrap()];
+            options = options.hold(*name, value);
+        }
+        let fit = options.fit(&data).unwrap();
+        close(&fit, &truth, 1e-6);
+        assert_eq!(fit.free_parameters, 5 - names.len());
+        for (j, name) in all.iter().enumerate().filter(|(_, n)| names.contains(&n.as_str())) {
+            assert!(fit.parameters()[j] == truth.parameters()[j] && fit.standard_errors()[j] == 0.0, "{name}");
+        }
+        assert!(fit.doubts.is_empty(), "{:?}", fit.doubts);
+    }
+    let other = ProcessModel::new(-1.0).unwrap().with_lags(vec![0.4]).unwrap().with_delay(0.61).unwrap();
+    let both = system(vec![one, other]);
+    let data = record(&both, 0.1, 1000, 0.0, &mut Noise::new(14));
+    let structure = both.channel(0, 0).unwrap().clone();
+    let options = ProcessFit::per_input(vec![structure, both.channel(0, 1).unwrap().clone()]);
+    let options = options.with_delay_between(&[(0.0, 1.0)]).hold("K[1]", 2.5).hold("Td[2]", 0.61);
+    close(&options.fit(&data).unwrap(), &both, 1e-6);
+    assert!(matches!(options.clone().hold("K[3]", 1.0).fit(&data), Err(IdentError::Structure { .. })));
+    assert!(matches!(options.clone().hold("K[2]", f64::NAN).fit(&data), Err(IdentError::NotFinite { .. })));
+    assert!(options.hold("Td[1]", -1.0).fit(&data).is_err());
+}
+
+/// A gain that is known makes what is left more certain, and the intervals say so.
+#[test]
+fn stat_a_known_gain_narrows_the_other_intervals() {
+    let truth = system(vec![ProcessModel::new(2.0).unwrap().with_lags(vec![0.8]).unwrap()]);
+    let data = record(&truth, 0.1, 300, 0.2, &mut Noise::new(15));
+    let free = ProcessFit::named("P1").unwrap().fit(&data).unwrap();
+    let held = ProcessFit::named("P1").unwrap().hold("K", 2.0).fit(&data).unwrap();
+    assert!(held.standard_errors()[1] < 0.9 * free.standard_errors()[1]);
+    assert!((held.parameters()[1] - 0.8).abs() < 4.0 * held.standard_errors()[1]);
+}
+
+/// Bias and coverage where the noise remembers a sample by a part `memory`.
+fn judge(memory: f64) {
     let truth = ProcessModel::new(2.0).unwrap().with_lags(vec![0.8]).unwrap().with_delay(0.437).unwrap();
     let truth = system(vec![truth]);
     let wanted = truth.parameters();
     let (runs, mut covered, mut mean) = (200, vec![0; 3], vec![0.0; 3]);
     let mut noise = Noise::new(21);
-    let mut errors = vec![0.0; 3];
     for _ in 0..runs {
-        let data = record(&truth, 0.1, 500, 0.1, &mut noise);
+        let data = disturbed(&truth, 0.1, (500, 0.1, memory), &mut noise);
         let fit = ProcessFit::named("P1D").unwrap().with_delay_between(&[(0.0, 1.0)]).fit(&data).unwrap();
-        errors = fit.standard_errors();
+        let errors = fit.standard_errors();
         for (j, (low, high)) in fit.intervals(0.95).into_iter().enumerate() {
             covered[j] += usize::from(low < wanted[j] && wanted[j] < high);
-            mean[j] += (fit.parameters()[j] - wanted[j]) / f64::from(runs);
+            mean[j] += (fit.parameters()[j] - wanted[j]) / errors[j] / f64::from(runs);
         }
     }
-    for j in 0..3 {
-        assert!((180..=198).contains(&covered[j]), "{covered:?}");
-        assert!(mean[j].abs() < 4.0 * errors[j] / f64::from(runs).sqrt(), "bias {mean:?} {errors:?}");
-    }
+    println!("{memory} {covered:?} {mean:?}");
+    // 190 expected, deviation 3.1; the mean of standardised errors has the deviation 0.07.
+    assert!(covered.iter().all(|n| (180..=199).contains(n)), "{covered:?}");
+    assert!(mean.iter().all(|m| m.abs() < 0.3), "{mean:?}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_cover_the_truth_delay_included_under_white_noise() {
+    judge(0.0);
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_cover_the_truth_delay_included_under_coloured_noise() {
+    judge(0.9);
 }
 
 #[test]
