@@ -152,13 +152,12 @@ pub(crate) fn gather(
     let (unit, condition) = inverse_information(&linearised.factor, known.prior, share)?;
     let unexplained = model.k().norm_max() == 0.0 && information == Information::All;
     let remaining = (instants * p - unknowns) as f64;
-    let coloured = if unexplained { coloured(&lineariser, &linearised, data, x0, known.prior, &unit)? } else { None };
+    let scale = (instants * p) as f64 / remaining;
+    let coloured =
+        if unexplained { coloured(&lineariser, &linearised, data, x0, known.prior, &unit, scale)? } else { None };
     let (covariance, degrees_of_freedom) = match coloured {
         None => (&unit * unit.transpose(), remaining),
-        Some((covariance, limit)) => {
-            let scale = (instants * p) as f64 / remaining;
-            (faer::Scale(scale) * covariance, remaining.min(limit))
-        }
+        Some((covariance, limit)) => (covariance, remaining.min(limit)),
     };
     Ok(Gathered {
         covariance,
@@ -172,8 +171,8 @@ pub(crate) fn gather(
     })
 }
 
-/// The covariance under errors with the autocorrelation of the residuals, and its degrees of freedom; `None` where they
-/// look white.
+/// The covariance under errors with the autocorrelation of the residuals and `scale` times their size, and its degrees of
+/// freedom; `None` where they look white.
 fn coloured(
     lineariser: &Lineariser<'_>,
     linearised: &Linearised,
@@ -181,6 +180,7 @@ fn coloured(
     x0: &[Vec<f64>],
     prior: &[f64],
     unit: &Mat<f64>,
+    scale: f64,
 ) -> Result<Option<(Mat<f64>, f64)>, IdentError> {
     let each = || data.experiments().iter().zip(x0);
     let series: Vec<Vec<f64>> = each().map(|(e, x0)| lineariser.errors(e, x0)).collect();
@@ -209,7 +209,7 @@ fn coloured(
     // What is known beforehand is known as well as it was.
     let known = Mat::from_fn(prior.len(), unit.ncols(), |i, k| prior[i] * unit[(i, k)]);
     let beforehand = unit * (known.transpose() * &known) * unit.transpose();
-    Ok(Some((sandwich.covariance() + beforehand, colour.degrees_of_freedom())))
+    Ok(Some((faer::Scale(scale) * sandwich.covariance() + beforehand, colour.degrees_of_freedom())))
 }
 
 /// The estimate of a state-space model at `model` and these initial states.

