@@ -1,14 +1,20 @@
 //! From recordings and channel names to data without trend.
 
-use std::path::{Path, PathBuf};
+mod files;
+mod gaps;
+mod targets;
+mod words;
 
-use bench::dataset::{Adjustment, DatasetOptions, dataset};
-use ident::{Advice, Dataset, Intersample, Source, Trend, TrendScope, TrendShape, advise};
-use recording::{Recording, Selection};
+use bench::dataset::{CommonClock, DatasetOptions, dataset};
+use ident::{Dataset, Intersample, Source, Trend, TrendScope, TrendShape, advise};
+use recording::Recording;
+
+pub(super) use files::Files;
+pub(super) use gaps::Gaps;
+pub(super) use targets::{check_plot, check_targets, draw};
 
 use crate::cli::identify::{Between, DataArguments, Detrend};
 use crate::error::CliError;
-use crate::input::{self, InputFile};
 use crate::terminal::Terminal;
 
 /// Most names listed in a message.
@@ -18,95 +24,85 @@ const MOST_NAMES: usize = 20;
 pub(super) struct Loaded {
     /// The data, trend taken off.
     pub(super) data: Dataset,
-    /// What was taken off.
+    /// What was taken off, per recording.
     pub(super) trend: Option<Trend>,
     /// The recordings they come from.
     pub(super) sources: Vec<Source>,
+    /// Which of them each experiment is of, or is a part of.
+    pub(super) recording: Vec<usize>,
+    /// What was done to the channels on the way, and what should be known of them.
+    pub(super) notes: Vec<String>,
 }
 
-/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way.
+/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way. The data
+/// are on the clock of the slowest channel unless another is asked for.
 pub(super) fn load(arguments: &DataArguments, terminal: &mut Terminal) -> Result<Loaded, CliError> {
+    load_on(CommonClock::Slowest, arguments, terminal)
+}
+
+/// As [`load`], on another clock unless one is asked for.
+pub(super) fn load_on(
+    usual: CommonClock,
+    arguments: &DataArguments,
+    terminal: &mut Terminal,
+) -> Result<Loaded, CliError> {
     let all: Vec<&String> = arguments.inputs.iter().chain(&arguments.outputs).collect();
     if let Some(twice) = all.iter().enumerate().find(|(index, name)| all[..*index].contains(name)) {
         let what = format!("the channel \"{}\" is named twice among --input and --output; name it once", twice.1);
         return Err(CliError::Usage { what });
     }
-    load_files(&arguments.recordings, arguments, terminal)
+    let files = Files::read(&arguments.recordings, arguments.sample_time_s, terminal)?;
+    let loaded = take(&files, usual, arguments)?;
+    say(&loaded.notes, &mut Vec::new(), terminal);
+    Ok(loaded)
 }
 
-/// The same channels of other recordings.
-pub(super) fn load_files(
-    files: &[PathBuf],
-    arguments: &DataArguments,
-    terminal: &mut Terminal,
-) -> Result<Loaded, CliError> {
-    if let (Some(from_s), Some(to_s)) = (arguments.from_s, arguments.to_s)
-        && from_s >= to_s
-    {
-        return Err(CliError::Usage {
-            what: format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first"),
-        });
-    }
-    let files = input::named(files)?;
-    let progress = terminal.progress(files.len() as u64);
-    let mut read = Vec::new();
-    for file in &files {
-        progress.say(&format!("reading {}", file.name));
-        read.push(decode(file, arguments.sample_time_s)?);
-        progress.step();
-    }
-    drop(progress);
-    let names = short_names(&files);
-    let recordings: Vec<(&str, &Recording)> =
-        names.iter().zip(&read).map(|(name, (recording, _))| (name.as_str(), recording)).collect();
+/// The channels of recordings that were read, trend taken off.
+pub(super) fn take(files: &Files, usual: CommonClock, arguments: &DataArguments) -> Result<Loaded, CliError> {
+    check_window(arguments)?;
+    let recordings = files.recordings();
     let options = DatasetOptions {
         inputs: arguments.inputs.clone(),
         outputs: chosen_outputs(arguments, &recordings)?,
         from_s: arguments.from_s,
         to_s: arguments.to_s,
-        sample_time_s: arguments.sample_time_s,
+        clock: arguments.sample_time_s.map_or(usual, CommonClock::Every),
+        intersample: intersample(arguments.between),
     };
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
-    let data = data.with_intersample(intersample(arguments.between));
-    adjustments.iter().for_each(|adjustment| terminal.warning(&words(adjustment)));
+    let mut notes = files.doubles();
+    notes.extend(adjustments.iter().map(words::adjustment));
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
     let advice = if is_stand_in { Vec::new() } else { advise(&data) };
-    for advice in advice.iter().filter(|advice| matters(advice, arguments.detrend)) {
-        terminal.warning(&with_names(&advice.to_string(), &data));
-    }
+    let advice = advice.iter().filter(|advice| words::matters(advice, arguments.detrend));
+    notes.extend(advice.map(|advice| words::advice(advice, &data)));
     let trend = trend(&data, arguments.detrend).map_err(|source| CliError::identify("the trend", source))?;
-    let sources = sources(&files, &read, &data);
+    let sources = files.sources(&data);
     let data = match &trend {
         Some(trend) => trend.remove(&data).map_err(|source| CliError::identify("the trend", source))?,
         None => data,
     };
-    Ok(Loaded { data, trend, sources })
+    let recording = (0..data.experiments().len()).collect();
+    Ok(Loaded { data, trend, sources, recording, notes })
 }
 
-/// What recordings are called: by their file's name alone where that tells them apart.
-fn short_names(files: &[InputFile]) -> Vec<String> {
-    let short = |file: &InputFile| file.path.file_name().map(|n| n.to_string_lossy().into_owned());
-    let names: Vec<Option<String>> = files.iter().map(short).collect();
-    let is_unique = |name: &Option<String>| names.iter().filter(|n| *n == name).count() == 1;
-    let all_unique = names.iter().all(is_unique);
-    let name = |(file, name): (&InputFile, &Option<String>)| match name {
-        Some(name) if all_unique => name.clone(),
-        _ => file.name.clone(),
-    };
-    files.iter().zip(&names).map(name).collect()
+/// Says what was not said before.
+pub(super) fn say(notes: &[String], said: &mut Vec<String>, terminal: &mut Terminal) {
+    for note in notes {
+        if !said.contains(note) {
+            terminal.warning(note);
+            said.push(note.clone());
+        }
+    }
 }
 
-/// A recording and the hash of its bytes. Text without a time column is read where the sample time is given.
-fn decode(file: &InputFile, sample_time_s: Option<f64>) -> Result<(Recording, String), CliError> {
-    let bytes = input::read_bytes(&file.path)?;
-    let strictly = recording::decode(&file.name, &bytes, &Selection::All);
-    let recording = match (strictly, sample_time_s) {
-        (Ok(recording), _) if !recording.channels.is_empty() => Ok(recording),
-        (_, Some(sample_time_s)) => recording::decode_untimed(&file.name, &bytes, sample_time_s),
-        (other, None) => other,
-    };
-    let recording = recording.map_err(|source| CliError::Recording { source, untimed: sample_time_s.is_none() })?;
-    Ok((recording, input::sha256(&bytes)))
+fn check_window(arguments: &DataArguments) -> Result<(), CliError> {
+    match (arguments.from_s, arguments.to_s) {
+        (Some(from_s), Some(to_s)) if from_s >= to_s => Err(CliError::Usage {
+            what: format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first"),
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// The outputs named, or an error that lists what there is.
@@ -140,80 +136,11 @@ fn trend(data: &Dataset, detrend: Detrend) -> Result<Option<Trend>, ident::Ident
     Trend::estimate(data, shape, TrendScope::PerExperiment).map(Some)
 }
 
-/// Advice counts channels and experiments; people know them by name.
-fn with_names(text: &str, data: &Dataset) -> String {
-    let mut named = text.to_owned();
-    // From the last on, so that "input 1" is not found in "input 12".
-    for (kind, labels) in [("input", data.input_labels()), ("output", data.output_labels())] {
-        for (index, label) in labels.iter().enumerate().rev() {
-            named = named.replace(&format!("{kind} {}", index + 1), &format!("\"{}\"", label.name));
-        }
-    }
-    for (index, experiment) in data.experiments().iter().enumerate().rev() {
-        named = named.replace(&format!("experiment {}", index + 1), &experiment.name);
-    }
-    named
-}
-
-/// Refuses to write over a file that is read.
-pub(super) fn check_targets(targets: &[&Option<PathBuf>], read: &[&[PathBuf]]) -> Result<(), CliError> {
-    let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-    for target in targets.iter().filter_map(|target| target.as_ref()) {
-        if read.iter().flat_map(|list| list.iter()).any(|file| same(file, target)) {
-            let what = format!("{}: this file is read; give the result another name", target.display());
-            return Err(CliError::Usage { what });
-        }
-    }
-    Ok(())
-}
-
-/// Offsets are no news where they are taken off.
-fn matters(advice: &Advice, detrend: Detrend) -> bool {
-    match advice {
-        Advice::Offset { .. } => detrend == Detrend::None,
-        Advice::Drift { .. } => detrend != Detrend::Line,
-        _ => true,
-    }
-}
-
-fn words(adjustment: &Adjustment) -> String {
-    match adjustment {
-        Adjustment::Jitter { channel, largest_s } => format!(
-            "\"{channel}\": its time stamps are up to {largest_s:.3e} s off an even clock; values were found on straight lines between the samples"
-        ),
-        Adjustment::Resampled { channel, from_s, to_s } => format!(
-            "\"{channel}\" was brought from a sample time of {from_s:.6} s to {to_s:.6} s{}",
-            if to_s > from_s {
-                ", through a low-pass filter without phase shift; for fast dynamics give the faster clock with --sample-time"
-            } else {
-                ""
-            }
-        ),
-        Adjustment::Sparse { channel, sample_time_s } => format!(
-            "\"{channel}\" has a sample only every {sample_time_s:.6} s and counts as missing between; methods that look at the simulated output (oe, tf, process, greybox) can use it so"
-        ),
-        Adjustment::Missing { channel, count } => {
-            format!("\"{channel}\": {count} samples are missing")
-        }
-    }
-}
-
-fn sources(files: &[InputFile], read: &[(Recording, String)], data: &Dataset) -> Vec<Source> {
-    let source = |((file, (_, sha256)), experiment): ((&InputFile, &(Recording, String)), &ident::Experiment)| Source {
-        file: file.name.clone(),
-        sha256: sha256.clone(),
-        from_s: experiment.start_s,
-        to_s: experiment.start_s + experiment.len().saturating_sub(1) as f64 * data.sample_time_s(),
-    };
-    files.iter().zip(read).zip(data.experiments()).map(source).collect()
-}
-
-/// The kind of picture a file's ending asks for.
-pub(super) fn draw(path: &Path, title: &str, figures: &[plot::Figure]) -> Result<Vec<u8>, CliError> {
-    match input::ending(path).map(str::to_lowercase).as_deref() {
-        Some("html" | "htm") => Ok(plot::page(title, figures).into_bytes()),
-        Some("svg") => Ok(plot::svg(figures).into_bytes()),
-        Some("png") => plot::png(figures).map_err(CliError::internal),
-        _ => Err(CliError::PlotEnding { path: path.to_owned() }),
-    }
+/// Recordings and channels, as a message about them begins.
+pub(super) fn named(data: &Dataset, sources: &[Source]) -> String {
+    let files: Vec<&str> = sources.iter().map(|s| s.file.as_str()).collect();
+    let names = |labels: &[ident::Label]| labels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ");
+    let (inputs, outputs) = (names(data.input_labels()), names(data.output_labels()));
+    let arrow = if inputs.is_empty() { "" } else { " → " };
+    format!("{} ({inputs}{arrow}{outputs})", files.join(", "))
 }
