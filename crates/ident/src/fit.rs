@@ -98,7 +98,7 @@ pub enum Doubt {
     ExplainsLittle {
         /// Index of the output.
         output: usize,
-        /// Whether it is the simulation that does; else the prediction.
+        /// Whether it is the simulation alone that does; else the prediction does too.
         simulated: bool,
     },
 }

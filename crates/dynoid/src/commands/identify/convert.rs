@@ -28,7 +28,7 @@ pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
     check(arguments)?;
     let source = model_file::read(&arguments.model)?;
     let converted = match arguments.to {
-        Representation::Ss => Converted::System(system(&source, arguments)?),
+        Representation::Ss => Converted::System(Box::new(system(&source, arguments)?)),
         Representation::Tf | Representation::Zpk => Converted::Ratios(ratios(&source, arguments).map_err(failed)?),
     };
     let document = match arguments.to {
@@ -65,7 +65,7 @@ fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
 
 /// A model in its new form.
 enum Converted {
-    System(System),
+    System(Box<System>),
     /// Every way, output by output and in each from the first input on.
     Ratios(Vec<TransferFunction>),
 }

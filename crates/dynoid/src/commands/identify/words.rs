@@ -29,9 +29,9 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
         }
         Doubt::ExplainsLittle { output, simulated } => {
             let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
-            let how = if *simulated { "simulated" } else { "predicted" };
+            let how = if *simulated { "simulated" } else { "even one step ahead" };
             format!(
-                "the model, {how}, explains next to nothing of {name} (a fit below 5 % on its own data); check the channels, the delay, the orders and the detrending before using it"
+                "the model explains next to nothing of {name}, {how} (a fit below 5 % on its own data); check the channels, the delay, the orders and the detrending before using it"
             )
         }
         other => format!("{other:?}"),

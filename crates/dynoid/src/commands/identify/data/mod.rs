@@ -5,7 +5,7 @@ mod gaps;
 mod targets;
 mod words;
 
-use bench::dataset::{CommonClock, DatasetOptions, dataset};
+use bench::dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
 use ident::{Dataset, Intersample, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
 
@@ -71,8 +71,10 @@ pub(super) fn take(files: &Files, usual: CommonClock, arguments: &DataArguments)
     };
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
     let mut notes = files.doubles();
-    notes.extend(adjustments.iter().map(words::adjustment));
+    // Inputs that stand in for outputs have their own adjustments.
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
+    let is_news = |a: &&Adjustment| !(is_stand_in && matches!(a, Adjustment::Sparse { .. }));
+    notes.extend(adjustments.iter().filter(is_news).map(words::adjustment));
     let advice = if is_stand_in { Vec::new() } else { advise(&data) };
     let advice = advice.iter().filter(|advice| words::matters(advice, arguments.detrend));
     notes.extend(advice.map(|advice| words::advice(advice, &data)));

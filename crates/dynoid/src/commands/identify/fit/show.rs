@@ -34,7 +34,7 @@ impl Finished {
             "criteria": self.verdict.criteria,
             "judged": self.verdict.judged.iter().map(judged_json).collect::<Vec<_>>(),
             "residuals": residuals.as_ref().ok().map(|report| words::tests_json(report, REGION)),
-            "residuals_error": residuals.as_ref().err().map(ToString::to_string),
+            "residuals_error": self.verdict.no_residuals(),
             "doubts": self.doubts(),
         })
     }
@@ -75,9 +75,11 @@ impl Finished {
         let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", significant(*v))).collect();
         terminal.line(&numbers.join(", "));
         let labels = (self.document.inputs.as_slice(), self.document.outputs.as_slice());
-        match &self.verdict.residuals {
-            Ok(report) => words::print_tests(report, labels, REGION, terminal),
-            Err(reason) => terminal.line(&format!("no residual test: {reason}")),
+        if let Ok(report) = &self.verdict.residuals {
+            words::print_tests(report, labels, REGION, terminal);
+        }
+        if let Some(reason) = self.verdict.no_residuals() {
+            terminal.line(&format!("no residual test: {reason}"));
         }
         terminal.line(&format!("{} ({} iterations)", words::termination(self.fit.termination), self.fit.iterations));
     }
@@ -107,7 +109,7 @@ impl Finished {
         let (errors, intervals) = (self.fit.standard_errors(), self.fit.intervals(INTERVAL));
         let fixed = greybox::fixed(&self.fit.model);
         for (i, name) in self.fit.model.parameter_names().iter().enumerate() {
-            let (error, interval) = match fixed.contains(&i) {
+            let (error, interval) = match fixed.contains(&i) || errors[i] == 0.0 {
                 true => ("fixed".to_owned(), String::new()),
                 false => (
                     significant(errors[i]),
@@ -128,14 +130,17 @@ impl Finished {
         ];
         let mut table = Table::new(&columns);
         for judged in &self.verdict.judged {
-            let experiments = [&judged.simulated, &judged.predicted].into_iter().flatten().map(|j| j.fit_percent.len());
-            for experiment in 0..experiments.max().unwrap_or(0) {
+            for (experiment, recording) in judged.experiments.iter().enumerate() {
+                let on = match judged.experiments.len() {
+                    1 => judged.name.to_owned(),
+                    _ => format!("{}, {recording}", judged.name),
+                };
                 for (output, label) in self.document.outputs.iter().enumerate() {
                     let fit = |j: &Result<Judgement, IdentError>| {
                         words::percent(j.as_ref().map_or(f64::NAN, |j| j.fit_percent[experiment][output]))
                     };
                     table.row([
-                        judged.name.into(),
+                        on.as_str().into(),
                         label.name.as_str().into(),
                         fit(&judged.simulated).into(),
                         fit(&judged.predicted).into(),
@@ -152,6 +157,7 @@ fn judged_json(judged: &Judged) -> serde_json::Value {
     let error = |j: &Result<Judgement, IdentError>| j.as_ref().err().map(ToString::to_string);
     serde_json::json!({
         "data": judged.name,
+        "experiments": judged.experiments,
         "fit_percent_simulated": fit(&judged.simulated),
         "fit_percent_predicted": fit(&judged.predicted),
         "error_simulated": error(&judged.simulated),

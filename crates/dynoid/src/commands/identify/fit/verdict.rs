@@ -21,6 +21,8 @@ pub(super) struct Verdict {
 /// A judgement on one part of the data.
 pub(super) struct Judged {
     pub(super) name: &'static str,
+    /// Names of its experiments.
+    pub(super) experiments: Vec<String>,
     pub(super) predicted: Result<Judgement, IdentError>,
     pub(super) simulated: Result<Judgement, IdentError>,
 }
@@ -29,6 +31,7 @@ impl Verdict {
     pub(super) fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<&Dataset>) -> Self {
         let judged = |name, data: &Dataset| Judged {
             name,
+            experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
             predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
             simulated: judge(&fit.model, data, None, &InitialState::Estimated),
         };
@@ -50,15 +53,23 @@ impl Verdict {
             let is_little = |judged: &Result<Judgement, IdentError>| {
                 judged.as_ref().is_ok_and(|j| whole_fit(data, &j.response, output).is_some_and(|fit| fit < LITTLE))
             };
-            // Without inputs there is nothing to simulate.
-            if data.inputs() > 0 && is_little(&own.simulated) {
-                doubts.push(Doubt::ExplainsLittle { output, simulated: true });
-            }
-            if is_little(&own.predicted) {
-                doubts.push(Doubt::ExplainsLittle { output, simulated: false });
+            // What is not even predicted is not simulated either; without inputs there is nothing to simulate.
+            let predicted = is_little(&own.predicted);
+            if predicted || (data.inputs() > 0 && is_little(&own.simulated)) {
+                doubts.push(Doubt::ExplainsLittle { output, simulated: !predicted });
             }
         }
         doubts
+    }
+
+    /// Why there are no residual tests, if there are none.
+    pub(super) fn no_residuals(&self) -> Option<String> {
+        match self.residuals.as_ref().err()? {
+            IdentError::TooFewSamples { samples, parameters } => {
+                Some(format!("{samples} samples are too few for correlations up to {parameters} lags"))
+            }
+            other => Some(other.to_string()),
+        }
     }
 
     /// What could not be judged, and why.
