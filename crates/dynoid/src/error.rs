@@ -75,7 +75,7 @@ pub(crate) enum CliError {
     #[error("{}: {}", .path.display(), write_words(.source))]
     Write { path: PathBuf, source: io::Error },
     /// Something else stands where a file or folder is to be written.
-    #[error("{}: {what} of this name is already there; remove it, or choose another place", .path.display())]
+    #[error("{}: {what} of this name is already there; remove it, or choose another place with --out", .path.display())]
     InTheWay { path: PathBuf, what: &'static str },
     /// A bench file that must not be overwritten.
     #[error("{}: the bench file is already there and was left as it is; write another with --out, or replace it with --force", .path.display())]
