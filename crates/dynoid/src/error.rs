@@ -174,14 +174,18 @@ fn read_words(error: &io::Error) -> String {
 fn write_words(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "you may not write here; choose another place".into()
+            "you may not write here; choose another place with --out".into()
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "the disk is full; free some space, or choose another place".into()
+            "the disk is full; free some space, or choose another place with --out".into()
         }
-        io::ErrorKind::NotADirectory => "part of this path is a file, not a folder; choose another place".into(),
-        io::ErrorKind::NotFound => "the folder to write to is not there; make it, or choose another place".into(),
-        _ => format!("this cannot be written: {error}; choose another place"),
+        io::ErrorKind::NotADirectory => {
+            "part of this path is a file, not a folder; choose another place with --out".into()
+        }
+        io::ErrorKind::NotFound => {
+            "the folder to write to is not there; make it, or choose another place with --out".into()
+        }
+        _ => format!("this cannot be written: {error}; choose another place with --out"),
     }
 }
 
