@@ -44,9 +44,9 @@ pub(crate) enum CliError {
     /// A folder where a file is needed.
     #[error("{}: this is a folder, not a file; {remedy}", .path.display())]
     IsFolder { path: PathBuf, remedy: String },
-    /// A bench file that is not text.
-    #[error("{}: this is not text in UTF-8; give a bench file such as `dynoid init` writes, saved as UTF-8", .path.display())]
-    NotText { path: PathBuf },
+    /// A file that is not text.
+    #[error("{}: this is not text in UTF-8; give {wanted}, saved as UTF-8", .path.display())]
+    NotText { path: PathBuf, wanted: &'static str },
     /// A bench file with faults.
     #[error("{}: {}", .path.display(), bench_file_words(.source))]
     BenchFile { path: PathBuf, source: BenchFileError },
@@ -104,6 +104,14 @@ pub(crate) enum CliError {
     /// An estimate, or something computed from one, is impossible.
     #[error("{what} is not possible: {source}")]
     Identify { what: &'static str, source: ident::IdentError },
+    /// An estimate is impossible.
+    #[error("{data}: the estimate is not possible: {source}{remedy}")]
+    Estimate { data: String, source: ident::IdentError, remedy: String },
+    /// Nothing is left between gaps.
+    #[error(
+        "{data}: {channels}: samples are missing so often that no {shortest} follow each other; choose other channels, or a longer --sample-time"
+    )]
+    OnlyGaps { data: String, channels: String, shortest: usize },
     /// A plot file of an unknown kind.
     #[error("{}: the ending of a plot file says what it is: .html, .svg or .png", .path.display())]
     PlotEnding { path: PathBuf },
