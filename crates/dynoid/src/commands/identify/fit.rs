@@ -1,6 +1,6 @@
 //! `dynoid fit …`: a model from recordings, with its uncertainty and its judgement.
 
-use ident::prediction::{InitialState, Response};
+use ident::prediction::InitialState;
 use ident::validate::{Judgement, ResidualReport, ResidualTest, judge};
 use ident::{
     AnyModel, Arx, ArxOrders, ContinuousTransferFunction, Criteria, Dataset, EstimateRecord, Fit, Focus, IdentError,
@@ -377,11 +377,9 @@ impl<'a> Verdict<'a> {
     fn figures(&self, data: &Dataset) -> Vec<plot::Figure> {
         let mut all = Vec::new();
         if let Some(judged) = self.last() {
-            let pair: [(String, &Response); 2] = [
-                ("simulated".to_owned(), &judged.simulated.response),
-                ("predicted one step".to_owned(), &judged.predicted.response),
-            ];
-            all.extend(figures::comparison(data, &pair));
+            let (simulated, predicted) = (&judged.simulated.response, &judged.predicted.response);
+            let pair = [("simulated", simulated), ("predicted one step", predicted)];
+            all.extend(figures::comparison(&pair.map(|(name, response)| figures::Shown { name, data, response })));
         }
         if let Ok(report) = &self.residuals {
             all.extend(figures::residuals(report, data, REGION));
@@ -420,11 +418,11 @@ impl<'a> Verdict<'a> {
         ));
         terminal.gap();
         // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
-        let roots = match self.fit.model {
-            AnyModel::StateSpace(_) => look::roots_table(document, INTERVAL).ok(),
-            _ => None,
-        };
-        terminal.table(&roots.unwrap_or_else(|| self.parameters()));
+        let shown = matches!(self.fit.model, AnyModel::StateSpace(_))
+            && look::print_roots(document, INTERVAL, terminal).is_ok();
+        if !shown {
+            terminal.table(&self.parameters());
+        }
         terminal.gap();
         greybox::print_derived(self.fit, INTERVAL, terminal);
         terminal.table(&self.fits(document));
