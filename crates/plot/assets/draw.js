@@ -110,6 +110,12 @@ function drawXAxis(group, { sx, left, right, top, bottom, last }, figure) {
   svgText(group, name, { class: "axis-name", x: right, y: bottom + 33, "text-anchor": "end" }, figure.symbols);
 }
 
+/** Paths of markers about a point. */
+const SHAPES = {
+  cross: (x, y) => `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`,
+  ring: (x, y) => `M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`,
+};
+
 const classOf = (layer) => `series s-${layer.style}`;
 
 /** How each kind of layer is drawn. */
@@ -138,12 +144,8 @@ const LAYERS = {
     svg(group, "path", { class: `${classOf(layer)} dots`, d: path(layer, dot) });
   },
   markers(group, layer, { sx, sy }) {
-    const shapes = {
-      cross: (x, y) => `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`,
-      ring: (x, y) => `M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`,
-    };
     const at = (n) => [sx.toPixel(layer.x[n]), sy.toPixel(layer.y[n])].map((v) => Number(v.toFixed(1)));
-    svg(group, "path", { class: `${classOf(layer)} markers`, d: path(layer, (n) => shapes[layer.marker](...at(n))) });
+    svg(group, "path", { class: `${classOf(layer)} markers`, d: path(layer, (n) => SHAPES[layer.marker](...at(n))) });
   },
   path(group, layer, { sx, sy }) {
     svg(group, "path", { class: classOf(layer), d: samplePath(layer.x, layer.y, 0, layer.x.length, sx, sy) });

@@ -182,6 +182,11 @@ function regionLabels(figure) {
 }
 
 function swatch(layer) {
+  if (layer.type === "markers") {
+    const key = svg(null, "svg", { class: "mark-key", width: 12, height: 12 });
+    svg(key, "path", { class: `${classOf(layer)} markers`, d: SHAPES[layer.marker](6, 6) });
+    return key;
+  }
   const key = document.createElement("i");
   key.className = `swatch k-${layer.style}${["line", "path"].includes(layer.type) ? "" : " dot"}`;
   return key;

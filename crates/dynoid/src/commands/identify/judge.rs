@@ -40,10 +40,6 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
         all.push(Met { model: model_file::name(path), data, judged });
     }
     picture(&arguments.result, "Models compared", || {
-        let shown = |met: &'_ Met| {
-            let response = &met.judged.as_ref().ok()?.response;
-            Some(figures::Shown { name: &met.model, data: &met.data, response })
-        };
         figures::comparison(&all.iter().filter_map(shown).collect::<Vec<_>>())
     })?;
     if arguments.result.json {
@@ -71,6 +67,11 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
         Some(_) => Ok(Outcome::SomeUnreadable),
         None => Ok(Outcome::Done),
     }
+}
+
+fn shown(met: &Met) -> Option<figures::Shown<'_>> {
+    let response = &met.judged.as_ref().ok()?.response;
+    Some(figures::Shown { name: &met.model, data: &met.data, response })
 }
 
 fn comparison(all: &[Met]) -> Table {
