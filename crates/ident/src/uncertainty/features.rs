@@ -1,6 +1,6 @@
 //! What responses are summed up by: gain at rest, resonances, bandwidth, rise time, overshoot.
 
-use lti::{Complex64, LtiError, StepCharacteristics, TimeGrid};
+use lti::{Complex64, LtiError, Margins, StepCharacteristics, TimeGrid};
 
 use super::Dynamics;
 use super::bands::response_over_time;
@@ -142,6 +142,16 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
         found.truncate(MOST_PEAKS);
         found.sort_unstable();
         found.into_iter().map(|k| self.resonance(&omega_rad_s[k - 1..=k + 1])).collect()
+    }
+
+    /// How far the loop that this way closes with a negative sign is from its stability limit, looked for on a rising grid.
+    ///
+    /// # Errors
+    /// Those of the model.
+    pub fn margins(&self, omega_rad_s: &[f64]) -> Result<Margins, IdentError> {
+        self.gain_at(self.model, 0.0)?;
+        let nowhere = Complex64::new(f64::NAN, f64::NAN);
+        Ok(Margins::new(omega_rad_s, |omega| self.gain_at(self.model, omega).unwrap_or(nowhere)))
     }
 
     fn resonance(&self, around: &[f64]) -> Result<Resonance, IdentError> {

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use ident::uncertainty::{Dynamics, Feature, Features};
 use ident::{AnyModel, IdentError};
+use lti::Margins;
 use plot::Axis;
 
 use super::super::words::{digits, ratio_unit, with_range};
-use super::convert::channel_ratio;
 use super::curves::{Curve, Fact, Quantity, show};
 use super::{Model, channel_name, channels, failed, models};
 use crate::cli::identify::CurveArguments;
@@ -74,7 +74,7 @@ fn summary(model: &Model, (output, input): (usize, usize), omega: &[f64], level:
         facts.push(in_hertz("bandwidth (−3 dB)", &bandwidth));
     }
     if model.document.outputs[output].unit == model.document.inputs[input].unit {
-        facts.extend(margins(model, (output, input))?);
+        facts.extend(margins(&features.margins(omega)?));
     }
     Ok(facts)
 }
@@ -95,13 +95,12 @@ fn gain_at_rest(
 
 /// How far the loop that the model alone would close is from its stability limit: where output and input are of one kind,
 /// so that they can be subtracted.
-fn margins(model: &Model, (output, input): (usize, usize)) -> Result<Vec<Fact>, IdentError> {
-    let margins = channel_ratio(&model.document, output, input)?.margins()?;
+fn margins(margins: &Margins) -> Vec<Fact> {
     let remark = |omega: f64| format!("at {} Hz, closed with a unit feedback", digits(omega / TAU, 4));
     let smallest = margins.gain.iter().filter(|m| m.gain_db.is_finite());
     let gain = smallest.min_by(|a, b| a.gain_db.abs().total_cmp(&b.gain_db.abs()));
     let phase = margins.phase.iter().min_by(|a, b| a.phase_deg.abs().total_cmp(&b.phase_deg.abs()));
     let gain = gain.map(|m| Fact::number("gain margin", m.gain_db, "dB", None).noted(remark(m.omega_rad_s)));
     let phase = phase.map(|m| Fact::number("phase margin", m.phase_deg, "°", None).noted(remark(m.omega_rad_s)));
-    Ok(gain.into_iter().chain(phase).collect())
+    gain.into_iter().chain(phase).collect()
 }
