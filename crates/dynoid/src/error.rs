@@ -44,9 +44,9 @@ pub(crate) enum CliError {
     /// A folder where a file is needed.
     #[error("{}: this is a folder, not a file; {remedy}", .path.display())]
     IsFolder { path: PathBuf, remedy: String },
-    /// A bench file that is not text.
-    #[error("{}: this is not text in UTF-8; give a bench file such as `dynoid init` writes, saved as UTF-8", .path.display())]
-    NotText { path: PathBuf },
+    /// A file that is not text.
+    #[error("{}: this is not text in UTF-8; give {wanted}, saved as UTF-8", .path.display())]
+    NotText { path: PathBuf, wanted: &'static str },
     /// A bench file with faults.
     #[error("{}: {}", .path.display(), bench_file_words(.source))]
     BenchFile { path: PathBuf, source: BenchFileError },
@@ -75,7 +75,7 @@ pub(crate) enum CliError {
     #[error("{}: {}", .path.display(), write_words(.source))]
     Write { path: PathBuf, source: io::Error },
     /// Something else stands where a file or folder is to be written.
-    #[error("{}: {what} of this name is already there; remove it, or choose another place with --out", .path.display())]
+    #[error("{}: {what} of this name is already there; remove it, or choose another place", .path.display())]
     InTheWay { path: PathBuf, what: &'static str },
     /// A bench file that must not be overwritten.
     #[error("{}: the bench file is already there and was left as it is; write another with --out, or replace it with --force", .path.display())]
@@ -104,6 +104,14 @@ pub(crate) enum CliError {
     /// An estimate, or something computed from one, is impossible.
     #[error("{what} is not possible: {source}")]
     Identify { what: &'static str, source: ident::IdentError },
+    /// An estimate is impossible.
+    #[error("{data}: the estimate is not possible: {source}{remedy}")]
+    Estimate { data: String, source: ident::IdentError, remedy: String },
+    /// Nothing is left between gaps.
+    #[error(
+        "{data}: {channels}: samples are missing so often that no {shortest} follow each other; choose other channels, or a longer --sample-time"
+    )]
+    OnlyGaps { data: String, channels: String, shortest: usize },
     /// A plot file of an unknown kind.
     #[error("{}: the ending of a plot file says what it is: .html, .svg or .png", .path.display())]
     PlotEnding { path: PathBuf },
@@ -166,18 +174,14 @@ fn read_words(error: &io::Error) -> String {
 fn write_words(error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "you may not write here; choose another place with --out".into()
+            "you may not write here; choose another place".into()
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "the disk is full; free some space, or choose another place with --out".into()
+            "the disk is full; free some space, or choose another place".into()
         }
-        io::ErrorKind::NotADirectory => {
-            "part of this path is a file, not a folder; choose another place with --out".into()
-        }
-        io::ErrorKind::NotFound => {
-            "the folder to write to is not there; make it, or choose another place with --out".into()
-        }
-        _ => format!("this cannot be written: {error}; choose another place with --out"),
+        io::ErrorKind::NotADirectory => "part of this path is a file, not a folder; choose another place".into(),
+        io::ErrorKind::NotFound => "the folder to write to is not there; make it, or choose another place".into(),
+        _ => format!("this cannot be written: {error}; choose another place"),
     }
 }
 

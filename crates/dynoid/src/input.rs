@@ -31,9 +31,9 @@ pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
     std::fs::read(path).map_err(|source| CliError::read(path, source))
 }
 
-/// The text of a file, without a byte order mark.
-pub(crate) fn read_text(path: &Path) -> Result<String, CliError> {
-    let text = String::from_utf8(read_bytes(path)?).map_err(|_| CliError::NotText { path: path.to_owned() })?;
+/// The text of a file, without a byte order mark; what is `wanted` is said where it is no text.
+pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, CliError> {
+    let text = String::from_utf8(read_bytes(path)?).map_err(|_| CliError::NotText { path: path.to_owned(), wanted })?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 

@@ -51,6 +51,16 @@ impl OutputFolder {
     }
 }
 
+/// Checks that a file can be written, before any work is done for it. Nothing is changed.
+pub(crate) fn check_file(path: &Path) -> Result<(), CliError> {
+    let failed = |source| CliError::write(path, source);
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => Err(CliError::InTheWay { path: path.to_owned(), what: "a folder" }),
+        Ok(there) if !there.is_file() => File::options().write(true).open(path).map(|_| ()).map_err(failed),
+        _ => stage(&crate::input::folder_of(path), &[]).map(|_| ()).map_err(failed),
+    }
+}
+
 /// Writes one file, replacing an existing one. What is no file, such as a device, is written to and stays what it is.
 pub(crate) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
     let failed = |source| CliError::write(path, source);

@@ -94,6 +94,13 @@ pub enum Doubt {
     Unstable,
     /// The covariance is the least that any estimate could have; this one may scatter more.
     CovarianceIsLowerBound,
+    /// The model, simulated or predicted one step ahead, leaves nearly all of an output of the estimation data unexplained.
+    ExplainsLittle {
+        /// Index of the output.
+        output: usize,
+        /// Whether it is the simulation alone that does; else the prediction does too.
+        simulated: bool,
+    },
 }
 
 impl<M> Fit<M> {

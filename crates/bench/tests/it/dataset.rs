@@ -1,6 +1,7 @@
 //! Named channels of recordings become data on one clock.
 
-use bench::dataset::{Adjustment, DatasetError, DatasetOptions, dataset};
+use bench::dataset::{Adjustment, CommonClock, DatasetError, DatasetOptions, Resampling, dataset};
+use ident::Intersample;
 use recording::{Recording, Selection};
 
 fn options(inputs: &[&str], outputs: &[&str]) -> DatasetOptions {
@@ -46,7 +47,7 @@ fn exact_gap_and_nan_are_missing_samples() {
     assert_eq!(y.len(), 10);
     assert!([1, 4, 5, 6].iter().all(|i: &usize| y[*i].is_nan()), "{y:?}");
     assert_eq!((y[3], y[7]), (4.0, 8.0));
-    assert_eq!(adjustments, [Adjustment::Missing { channel: "y".into(), count: 4 }]);
+    assert_eq!(adjustments, [Adjustment::Missing { channel: "y".into(), count: 4, of: 10 }]);
 }
 
 #[test]
@@ -75,7 +76,7 @@ fn regress_impossible_requests_are_refused_with_names() {
     let late = DatasetOptions { from_s: Some(100.0), ..options(&["u"], &["y"]) };
     assert!(matches!(refused(late), DatasetError::NothingLeft { .. }));
     for sample_time_s in [0.0, -1.0, f64::NAN, 1e-12, 100.0] {
-        let odd = DatasetOptions { sample_time_s: Some(sample_time_s), ..options(&["u"], &["y"]) };
+        let odd = DatasetOptions { clock: CommonClock::Every(sample_time_s), ..options(&["u"], &["y"]) };
         assert!(matches!(refused(odd), DatasetError::SampleTime { .. }), "{sample_time_s}");
     }
     let backwards = recorded("time [s],u,y\n0,1,1\n0.2,1,1\n0.1,1,3\n");
@@ -93,7 +94,7 @@ fn exact_slow_output_on_a_fast_clock_is_known_where_it_was_measured() {
         })
         .collect();
     let text = format!("time [s],u,time 2 [s],y\n{rows}");
-    let fast = DatasetOptions { sample_time_s: Some(0.01), ..options(&["u"], &["y"]) };
+    let fast = DatasetOptions { clock: CommonClock::Every(0.01), ..options(&["u"], &["y"]) };
     let (data, adjustments) = dataset(&[("x.csv", &recorded(&text))], &fast).unwrap();
     let y = data.experiments()[0].output(0);
     for (k, value) in y.iter().enumerate() {
@@ -110,4 +111,96 @@ fn regress_channels_of_one_name_are_not_chosen_from() {
     let twice = recorded("time [s],u,u,y\n0,1,2,3\n0.1,2,3,4\n0.2,1,1,5\n");
     let error = dataset(&[("x.csv", &twice)], &options(&["u"], &["y"])).unwrap_err();
     assert!(matches!(&error, DatasetError::Ambiguous { count: 2, .. }), "{error}");
+}
+
+/// u every 0.04 s and y every 0.01 s, or the other way round.
+fn two_rasters(fast: &str, slow: &str) -> Recording {
+    let rows: String = (0..=400)
+        .map(|n| {
+            let slow = if n <= 100 { format!("{},{}", 0.04 * f64::from(n), (n * n) % 17) } else { ",".into() };
+            format!("{},{},{slow}\n", 0.01 * f64::from(n), f64::from(n).sin())
+        })
+        .collect();
+    recorded(&format!("time [s],{fast},time 2 [s],{slow}\n{rows}"))
+}
+
+#[test]
+fn exact_fastest_clock_leaves_every_channel_unfiltered() {
+    let fastest = DatasetOptions { clock: CommonClock::Fastest, ..options(&["u"], &["y"]) };
+    let (data, adjustments) = dataset(&[("x.csv", &two_rasters("u", "y"))], &fastest).unwrap();
+    assert_eq!(data.sample_time_s(), 0.01);
+    assert!(matches!(&adjustments[..], [Adjustment::Sparse { channel, .. }] if channel == "y"), "{adjustments:?}");
+    let u = data.experiments()[0].input(0);
+    assert!((0..=400).all(|k| u[k] == f64::from(k as u32).sin()));
+}
+
+#[test]
+fn exact_slow_input_is_continued_as_inputs_behave() {
+    let recording = two_rasters("y", "u");
+    let of = |intersample| {
+        let fastest = DatasetOptions { clock: CommonClock::Fastest, intersample, ..options(&["u"], &["y"]) };
+        dataset(&[("x.csv", &recording)], &fastest).unwrap()
+    };
+    let value = |n: usize| ((n * n) % 17) as f64;
+    let (held, adjustments) = of(Intersample::ZeroOrderHold);
+    assert!(matches!(&adjustments[..], [Adjustment::Resampled { how: Resampling::Held, .. }]), "{adjustments:?}");
+    assert_eq!(held.intersample(), Intersample::ZeroOrderHold);
+    for (k, u) in held.experiments()[0].input(0).iter().enumerate() {
+        assert_eq!(*u, value(k / 4), "sample {k}");
+    }
+    let (straight, _) = of(Intersample::FirstOrderHold);
+    for (k, u) in straight.experiments()[0].input(0).iter().enumerate().take(400) {
+        let share = (k % 4) as f64 / 4.0;
+        let expected = value(k / 4) * (1.0 - share) + value(k / 4 + 1) * share;
+        assert!((u - expected).abs() < 1e-9, "sample {k}: {u} is not {expected}");
+    }
+}
+
+#[test]
+fn exact_a_held_input_ends_where_its_gap_begins() {
+    let rows: String = (0..=40)
+        .map(|n| {
+            let slow = match n {
+                3 => "0.12,".to_owned(),
+                n if n <= 10 => format!("{},{n}", 0.04 * f64::from(n)),
+                _ => ",".into(),
+            };
+            format!("{},{},{slow}\n", 0.01 * f64::from(n), n)
+        })
+        .collect();
+    let recording = recorded(&format!("time [s],y,time 2 [s],u\n{rows}"));
+    let fastest = DatasetOptions { clock: CommonClock::Fastest, ..options(&["u"], &["y"]) };
+    let (data, adjustments) = dataset(&[("x.csv", &recording)], &fastest).unwrap();
+    let u = data.experiments()[0].input(0);
+    // The third sample, at 0.12 s, is no number: from there to 0.16 s nothing is known.
+    assert_eq!((u[11], u[16]), (2.0, 4.0));
+    assert!((12..16).all(|k| u[k].is_nan()), "{:?}", &u[8..20]);
+    assert!(adjustments.iter().any(|a| matches!(a, Adjustment::Missing { of: 41, .. })), "{adjustments:?}");
+}
+
+#[test]
+fn exact_missing_samples_of_a_slow_output_are_counted_on_its_own_clock() {
+    let rows: String = (0..=40)
+        .map(|n| {
+            let slow = match n {
+                3 => "0.12,".to_owned(),
+                n if n <= 10 => format!("{},{n}", 0.04 * f64::from(n)),
+                _ => ",".into(),
+            };
+            format!("{},{},{slow}\n", 0.01 * f64::from(n), n)
+        })
+        .collect();
+    let recording = recorded(&format!("time [s],u,time 2 [s],y\n{rows}"));
+    let fastest = DatasetOptions { clock: CommonClock::Fastest, ..options(&["u"], &["y"]) };
+    let (_, adjustments) = dataset(&[("x.csv", &recording)], &fastest).unwrap();
+    let missing = Adjustment::Missing { channel: "y".into(), count: 1, of: 11 };
+    assert!(adjustments.contains(&missing), "{adjustments:?}");
+}
+
+#[test]
+fn exact_sample_times_carry_no_rounding_of_the_stamps() {
+    let rows = (0..302).map(|n| format!("{},{n},{n}\n", 0.01 * f64::from(n)));
+    let recording = recorded(&format!("time [s],u,y\n{}", rows.collect::<String>()));
+    let (data, _) = dataset(&[("x.csv", &recording)], &options(&["u"], &["y"])).unwrap();
+    assert_eq!(data.sample_time_s(), 0.01);
 }

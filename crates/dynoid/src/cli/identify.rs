@@ -24,7 +24,8 @@ pub(crate) struct DataArguments {
     /// Leaves out everything after this time of the recording
     #[arg(long = "to", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
     pub(crate) to_s: Option<f64>,
-    /// Sample time of the data [default: that of the slowest channel]
+    /// Sample time of the data [default: that of the slowest channel; for fits to the simulated output (oe, tf, process,
+    /// greybox) that of the fastest]. For text without a time column, the time from row to row
     #[arg(long = "sample-time", value_name = "SECONDS", help_heading = "Data")]
     pub(crate) sample_time_s: Option<f64>,
     /// What is taken off every channel first
@@ -275,6 +276,10 @@ pub(crate) struct MeetArguments {
     /// Leaves out everything after this time of the recording
     #[arg(long = "to", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
     pub(crate) to_s: Option<f64>,
+    /// Clock that a continuous model is sampled on, and, for text without a time column, the time from row to row
+    /// [default: the model's sample time]
+    #[arg(long = "sample-time", value_name = "SECONDS", help_heading = "Data")]
+    pub(crate) sample_time_s: Option<f64>,
     /// What is taken off every channel first
     #[arg(long, value_enum, default_value_t = Detrend::Mean, value_name = "WHAT", help_heading = "Data")]
     pub(crate) detrend: Detrend,
@@ -405,7 +410,9 @@ pub(crate) enum Sampling {
 Examples:
   dynoid convert model.json --to zpk
   dynoid convert model.json --to tf --continuous
-  dynoid convert tf.json --to ss --sample-time 0.001 --method tustin --json")]
+  dynoid convert tf.json --to ss --sample-time 0.001 --method tustin --out ss.json
+
+With --to tf and --to ss the result is a model that every command takes. It keeps the delay; the noise model it keeps only as state space on its own clock. With --to zpk it is a list of numbers.")]
 pub(crate) struct ConvertArguments {
     /// The model file
     #[arg(value_name = "MODEL.json")]
@@ -422,7 +429,10 @@ pub(crate) struct ConvertArguments {
     /// The rule between continuous and discrete
     #[arg(long, value_enum, default_value_t = Sampling::Zoh)]
     pub(crate) method: Sampling,
-    /// Prints the result as JSON
+    /// The model file to write; for --to tf and --to ss
+    #[arg(long, short, value_name = "MODEL.json")]
+    pub(crate) out: Option<PathBuf>,
+    /// Prints the result as JSON: a model file for --to tf and --to ss
     #[arg(long)]
     pub(crate) json: bool,
 }

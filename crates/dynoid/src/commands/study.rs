@@ -69,7 +69,7 @@ fn bench_text(bench: &Path) -> Result<String, CliError> {
         };
         return Err(CliError::IsFolder { path: bench.to_owned(), remedy });
     }
-    input::read_text(bench)
+    input::read_text(bench, "a bench file such as `dynoid init` writes")
 }
 
 fn show(progress: &Progress, step: &StudyProgress) {

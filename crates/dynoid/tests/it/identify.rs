@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use crate::support::{Ran, dynoid};
 
 /// y(t) = 1.5 y(t−1) − 0.7 y(t−2) + u(t−1) + 0.5 u(t−2) + noise, as text with a time column.
-fn recorded(folder: &Path, name: &str, seed: u64, noise: f64) {
+pub(crate) fn recorded(folder: &Path, name: &str, seed: u64, noise: f64) {
     let mut random = signal::excitation::Random::new(seed);
     let (mut u, mut y) = (vec![0.0; 600], vec![0.0; 600]);
     for t in 2..600 {
@@ -19,19 +19,19 @@ fn recorded(folder: &Path, name: &str, seed: u64, noise: f64) {
     std::fs::write(folder.join(name), text).unwrap();
 }
 
-fn folder() -> TempDir {
+pub(crate) fn folder() -> TempDir {
     let folder = TempDir::new().unwrap();
     recorded(folder.path(), "run.csv", 1, 0.2);
     recorded(folder.path(), "unseen.csv", 2, 0.2);
     folder
 }
 
-fn run(folder: &TempDir, line: &str) -> Ran {
+pub(crate) fn run(folder: &TempDir, line: &str) -> Ran {
     dynoid(folder.path(), &line.split(' ').collect::<Vec<_>>())
 }
 
 #[track_caller]
-fn fitted(folder: &TempDir, line: &str) -> serde_json::Value {
+pub(crate) fn fitted(folder: &TempDir, line: &str) -> serde_json::Value {
     let ran = run(folder, &format!("{line} run.csv -u valve -y speed --json"));
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     ran.json()
@@ -219,7 +219,8 @@ fn regress_impossible_requests_say_what_to_do() {
     run(&folder, "fit oe run.csv -u valve -y speed --na 2").assert_refused(2, &["--na"]);
     run(&folder, "fit arx run.csv -u valve -y speed --na 500 --nb 500").assert_refused(3, &["samples"]);
     run(&folder, "fit arx run.csv -u valve -y speed --split 2").assert_refused(2, &["--split"]);
-    run(&folder, "fit process run.csv -u valve -y speed --structure Q7").assert_refused(3, &["process model"]);
+    run(&folder, "fit process run.csv -u valve -y speed --structure Q7")
+        .assert_refused(2, &["--structure Q7", "process model"]);
     run(&folder, "fit arx run.csv -u speed -y speed").assert_refused(2, &["speed", "twice"]);
     run(&folder, "fit arx run.csv -u valve -y speed --from 20 --to 10").assert_refused(2, &["--from", "--to"]);
     run(&folder, "bode run.csv").assert_refused(3, &["run.csv", "model file"]);

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod bad_input;
+mod convert;
+mod datasets;
 mod demo;
 mod greybox;
 mod help;

@@ -135,6 +135,14 @@ pub enum Advice {
         /// Samples from 10 % to 90 % of the step response.
         rise_samples: f64,
     },
+    /// An output integrates an input, or forgets it more slowly than the record is long: taking a mean or a line off takes
+    /// part of the response off.
+    Integrating {
+        /// The input.
+        input: usize,
+        /// The output.
+        output: usize,
+    },
     /// The record is short.
     Short {
         /// Rows there are.
@@ -184,6 +192,9 @@ impl fmt::Display for Advice {
             Advice::SampledTooSlowly { input, output, rise_samples } => {
                 write!(f, "output {} follows input {} within {rise_samples:.1} samples", output + 1, input + 1)
             }
+            Advice::Integrating { input, output } => {
+                write!(f, "output {} seems to integrate input {}", output + 1, input + 1)
+            }
             Advice::Short { samples, needed } => write!(f, "{samples} samples where {needed} are advisable"),
         }
     }
@@ -206,7 +217,8 @@ impl fmt::Display for Advice {
 ///
 /// # Source
 /// Ljung 1999, ch. 13 and 14; feedback: Geweke, Meese & Dent, *Comparing alternative tests of causality in temporal
-/// systems*, 1983; samples per rise time: Åström & Wittenmark, *Computer-Controlled Systems*, 3rd ed., §3.
+/// systems*, 1983; integrators: Dickey & Fuller, *Distribution of the estimators for autoregressive time series with a unit
+/// root*, 1979; samples per rise time: Åström & Wittenmark, *Computer-Controlled Systems*, 3rd ed., §3.
 #[must_use]
 pub fn advise(data: &Dataset) -> Vec<Advice> {
     let mut found = Vec::new();
@@ -311,6 +323,9 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
             if channel.present > threshold_present {
                 let (statistic, threshold) = (channel.present, threshold_present);
                 found.push(Advice::Feedthrough { input, output, statistic, threshold });
+            }
+            if channel.integrates {
+                found.push(Advice::Integrating { input, output });
             }
             let Some(rise_samples) = channel.rise_samples else { continue };
             needed = needed.max((10.0 * rise_samples) as usize);

@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::Dataset;
 use crate::distributions::chi_squared_quantile;
-use crate::least_squares::solve_factor;
+use crate::least_squares::{LinearFit, solve_factor};
 use crate::regression::{Lagged, Regression, factor_of};
 
 /// Past values of the output and of each input, at most.
@@ -22,6 +22,16 @@ const ROUNDING: f64 = 1e-10;
 /// Samples of the step response looked at.
 const HORIZON: usize = 5000;
 
+/// Most samples over which a step response is watched for whether it still rises.
+const LONGEST: usize = 200_000;
+
+/// The statistic of Dickey and Fuller above which 95 % of series with an integrator and a mean stay.
+const UNIT_ROOT: f64 = -2.86;
+
+/// The share of a step response that comes in the second half of a record, above which it is still rising: a single lag
+/// that long has a time constant of 0.72 records.
+const STILL_RISING: f64 = 1.0 / 3.0;
+
 /// What one output shows, input by input.
 pub(super) struct Dynamics {
     pub(super) channels: Vec<ChannelDynamics>,
@@ -37,6 +47,8 @@ pub(super) struct ChannelDynamics {
     pub(super) present: f64,
     /// Samples from 10 % to 90 % of the step response, where the input matters and the response settles.
     pub(super) rise_samples: Option<f64>,
+    /// Whether the output integrates the input, as far as the data can tell.
+    pub(super) integrates: bool,
 }
 
 /// Regresses an output on its past and on past, present and future inputs; `None` where the data are too few, or the
@@ -72,11 +84,19 @@ pub(super) fn look_for_dynamics(data: &Dataset, output: usize) -> Option<Dynamic
     let first_ahead = first_present + inputs;
     let threshold_past = chi_squared_quantile(LEVEL, (past * inputs) as f64);
     let matters = explained(past..first_present) > threshold_past;
-    let parameters = if matters { causal_parameters(&factor, first_ahead, samples) } else { None };
-    let channel = |k: usize| ChannelDynamics {
-        ahead: explained(first_ahead + k * ahead..first_ahead + (k + 1) * ahead),
-        present: explained(first_present + k..first_present + k + 1),
-        rise_samples: parameters.as_ref().and_then(|p| rise_samples(p, past, k, first_present)),
+    let causal = if matters { causal_regression(&factor, first_ahead, samples) } else { None };
+    let unit_root = causal.as_ref().is_some_and(|c| may_have_unit_root(c, past));
+    let threshold_own = chi_squared_quantile(LEVEL, past as f64);
+    let length = (rows / data.experiments().len().max(1)).min(LONGEST);
+    let channel = |k: usize| {
+        let response = |c: &LinearFit, horizon| step_response(&c.parameters, past, (k, first_present), horizon);
+        let acts = explained(past * (k + 1)..past * (k + 2)) > threshold_own;
+        ChannelDynamics {
+            ahead: explained(first_ahead + k * ahead..first_ahead + (k + 1) * ahead),
+            present: explained(first_present + k..first_present + k + 1),
+            rise_samples: causal.as_ref().and_then(|c| rise_samples(&response(c, HORIZON))),
+            integrates: unit_root && acts && causal.as_ref().is_some_and(|c| still_rises(&response(c, length))),
+        }
     };
     Some(Dynamics {
         channels: (0..inputs).map(channel).collect(),
@@ -93,23 +113,44 @@ fn columns(inputs: usize, past: usize, ahead: usize) -> Vec<Lagged> {
     (0..=inputs).flat_map(back).chain(present).chain(future).chain([Lagged::new(0, 0)]).collect()
 }
 
-/// Coefficients without the future inputs.
-fn causal_parameters(factor: &Mat<f64>, count: usize, samples: usize) -> Option<Vec<f64>> {
+/// The regression without the future inputs.
+fn causal_regression(factor: &Mat<f64>, count: usize, samples: usize) -> Option<LinearFit> {
     let columns: Vec<usize> = (0..count).chain([factor.ncols() - 1]).collect();
-    Some(solve_factor(&factor_of(factor, &columns), samples).ok()?.parameters)
+    solve_factor(&factor_of(factor, &columns), samples).ok()
 }
 
-/// Samples between 10 % and 90 % of the step response from an input; `None` where it does not settle.
-fn rise_samples(parameters: &[f64], past: usize, input: usize, first_present: usize) -> Option<f64> {
+/// Whether the sum of the coefficients of past outputs may be one: the test of Dickey and Fuller.
+fn may_have_unit_root(regression: &LinearFit, past: usize) -> bool {
+    let excess = regression.parameters[..past].iter().sum::<f64>() - 1.0;
+    let own = regression.unscaled_covariance.submatrix(0, 0, past, past);
+    let variance = regression.noise_variance() * own.sum();
+    excess >= UNIT_ROOT * variance.sqrt()
+}
+
+/// The first samples of the response to a step of an input, whose present value has its coefficient at `first_present`.
+fn step_response(parameters: &[f64], past: usize, (input, first_present): (usize, usize), horizon: usize) -> Vec<f64> {
     let own = &parameters[..past];
     let from_input = &parameters[past * (input + 1)..past * (input + 2)];
     let direct = parameters[first_present + input];
-    let mut step: Vec<f64> = Vec::with_capacity(HORIZON);
-    for t in 0..HORIZON {
+    let mut step: Vec<f64> = Vec::with_capacity(horizon);
+    for t in 0..horizon {
         let fed: f64 = from_input[..t.min(past)].iter().sum();
         let back: f64 = own[..t.min(past)].iter().enumerate().map(|(i, a)| a * step[t - 1 - i]).sum();
         step.push(direct + fed + back);
     }
+    step
+}
+
+/// Whether a good part of a step response comes in its second half.
+fn still_rises(step: &[f64]) -> bool {
+    let Some(end) = step.last() else { return false };
+    let middle = step[step.len() / 2];
+    // What has overflowed has risen too.
+    !end.is_finite() || (end - middle) / end > STILL_RISING
+}
+
+/// Samples between 10 % and 90 % of a step response; `None` where it does not settle.
+fn rise_samples(step: &[f64]) -> Option<f64> {
     let end = step[HORIZON - 1];
     let settled = step[HORIZON / 2..].iter().all(|v| (v - end).abs() <= 0.01 * end.abs());
     let crossing = |share: f64| {

@@ -44,9 +44,30 @@ impl Dataset {
     /// # Ok::<(), ident::IdentError>(())
     /// ```
     pub fn without_gaps(&self, shortest: usize) -> Result<Self, IdentError> {
+        self.stretches(shortest, true)
+    }
+
+    /// The stretches of at least `shortest` rows in which no input misses a sample, each an experiment of its own. Outputs
+    /// may miss samples: this is for methods that see through them.
+    ///
+    /// # Errors
+    /// [`IdentError::TooFewSamples`] where no stretch is long enough.
+    ///
+    /// # Example
+    /// ```
+    /// let (u, y) = ([1.0, f64::NAN, 3.0, 4.0], [1.0, 2.0, f64::NAN, 4.0]);
+    /// let data = ident::Dataset::siso(0.1, &u, &y)?.without_input_gaps(2)?;
+    /// assert_eq!(data.experiments()[0].input(0), [3.0, 4.0]);
+    /// # Ok::<(), ident::IdentError>(())
+    /// ```
+    pub fn without_input_gaps(&self, shortest: usize) -> Result<Self, IdentError> {
+        self.stretches(shortest, false)
+    }
+
+    fn stretches(&self, shortest: usize, outputs_too: bool) -> Result<Self, IdentError> {
         let (mut experiments, mut longest) = (Vec::new(), 0);
         for e in &self.experiments {
-            let complete = e.complete_stretches();
+            let complete = e.complete_stretches(outputs_too);
             let pieces = complete.len();
             for (piece, rows) in complete.into_iter().enumerate() {
                 longest = longest.max(rows.len());
@@ -122,9 +143,9 @@ impl Experiment {
         }
     }
 
-    fn complete_stretches(&self) -> Vec<Range<usize>> {
+    fn complete_stretches(&self, outputs_too: bool) -> Vec<Range<usize>> {
         let mut complete = vec![1.0; self.len()];
-        for m in [&self.inputs, &self.outputs] {
+        for m in [&self.inputs, &self.outputs].into_iter().take(1 + usize::from(outputs_too)) {
             for j in 0..m.ncols() {
                 complete.iter_mut().zip(column(m.as_ref(), j)).for_each(|(c, v)| *c *= f64::from(!v.is_nan()));
             }

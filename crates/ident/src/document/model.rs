@@ -70,6 +70,10 @@ impl Dynamics for AnyModel {
         each!(self, m => Dynamics::system(m))
     }
 
+    fn delay_s(&self, output: usize, input: usize) -> Result<f64, LtiError> {
+        each!(self, m => Dynamics::delay_s(m, output, input))
+    }
+
     fn polynomials(&self, output: usize, input: usize) -> Result<Option<Ratio>, LtiError> {
         each!(self, m => Dynamics::polynomials(m, output, input))
     }

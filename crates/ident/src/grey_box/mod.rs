@@ -192,7 +192,7 @@ impl<S: Structure> GreyBox<S> {
             doubts.push(Doubt::Unstable);
         }
         Ok(Fit {
-            model: found.model.with_noise_covariance(gathered.noise_covariance.clone()),
+            model: found.model.with_noise_covariance(gathered.noise_covariance.clone())?,
             covariance,
             degrees_of_freedom: gathered.degrees_of_freedom,
             noise_covariance: gathered.noise_covariance,

@@ -53,8 +53,7 @@ impl<S: Structure> TryFrom<Written<S>> for GreyBoxModel<S> {
             return Err(IdentError::Length { what: "values of the structure's parameters", expected, found });
         }
         let noise_covariance = square("noise covariance", &written.noise_covariance)?;
-        check("noise covariance", &noise_covariance, start.noise_covariance.shape())?;
-        Ok(start.with_parameters(&values)?.with_noise_covariance(noise_covariance))
+        Ok(start.with_parameters(&values)?.with_noise_covariance(noise_covariance)?)
     }
 }
 
@@ -90,9 +89,12 @@ impl<S: Structure> GreyBoxModel<S> {
     }
 
     /// The same model with this covariance of the innovations, outputs × outputs.
-    #[must_use]
-    pub(super) fn with_noise_covariance(self, noise_covariance: Mat<f64>) -> Self {
-        GreyBoxModel { noise_covariance, ..self }
+    ///
+    /// # Errors
+    /// [`LtiError::Shape`].
+    pub fn with_noise_covariance(self, noise_covariance: Mat<f64>) -> Result<Self, LtiError> {
+        check("noise covariance", &noise_covariance, self.noise_covariance.shape())?;
+        Ok(GreyBoxModel { noise_covariance, ..self })
     }
 
     /// The structure's own states, without those that remember delayed inputs.

@@ -16,12 +16,21 @@ pub struct Ratio {
 
 /// A model whose way from inputs to outputs is a linear system in its own time, continuous or discrete.
 pub trait Dynamics {
-    /// The system from inputs to outputs, without input delays that it cannot hold. Its matrices must be smooth functions of
-    /// the parameters.
+    /// The system from inputs to outputs, without the delays that [`Dynamics::delay_s`] tells. Its matrices must be smooth
+    /// functions of the parameters.
     ///
     /// # Errors
     /// Where the model has no such system.
     fn system(&self) -> Result<StateSpace, LtiError>;
+
+    /// The delay from an input to an output that [`Dynamics::system`] leaves out, in seconds: that of a continuous model. A
+    /// discrete model holds its delays as states.
+    ///
+    /// # Errors
+    /// [`LtiError::Index`].
+    fn delay_s(&self, _output: usize, _input: usize) -> Result<f64, LtiError> {
+        Ok(0.0)
+    }
 
     /// The ratio from an input to an output, delays left out, where the model is written in polynomials; `None` where it is not. Their roots are the poles and zeros then.
     ///
@@ -79,6 +88,10 @@ impl<C: ContinuousChannel> Dynamics for ContinuousModel<C> {
         self.without_delays()
     }
 
+    fn delay_s(&self, output: usize, input: usize) -> Result<f64, LtiError> {
+        Ok(self.transfer_function(output, input)?.delay_s())
+    }
+
     fn polynomials(&self, output: usize, input: usize) -> Result<Option<Ratio>, LtiError> {
         let h = self.transfer_function(output, input)?;
         Ok(Some(Ratio { numerator: h.num().to_vec(), denominator: h.den().to_vec() }))
@@ -97,6 +110,10 @@ impl<C: ContinuousChannel> Dynamics for ContinuousModel<C> {
 impl<S: Structure> Dynamics for GreyBoxModel<S> {
     fn system(&self) -> Result<StateSpace, LtiError> {
         GreyBoxModel::system(self)
+    }
+
+    fn delay_s(&self, _output: usize, input: usize) -> Result<f64, LtiError> {
+        Ok(self.input_delay_s(input))
     }
 
     fn frequency_response(

@@ -89,7 +89,8 @@ pub struct Independence {
 impl ResidualTest {
     /// Tests the one-step prediction errors of `model` on `data`.
     ///
-    /// Correlations are summed over the experiments, never across their borders. Missing outputs are left out.
+    /// Correlations are summed over the experiments, never across their borders. Missing outputs are left out, and so are
+    /// lags at which no two outputs are known.
     /// The regions hold on data that the model was not fitted to; on its own data they are wider than they need be
     /// for correlations that the fit has made small.
     ///
@@ -157,14 +158,20 @@ impl ResidualTest {
         if whiten.ncols() < p {
             return Err(IdentError::Constant { what: "the residual" });
         }
-        let mut statistic = 0.0;
+        let (mut statistic, mut correlations) = (0.0, 0);
         for k in 1..=lags {
+            // An output slower than the data's clock has no pairs at most lags: nothing is tested there.
+            let there = (0..p * p).filter(|i| pairs[*i][lags + k] > 0.0).count();
+            if there == 0 {
+                continue;
+            }
             let normal = whiten.transpose() * at(k) * &whiten;
             let n = pairs[0][lags];
-            let count = (0..p * p).map(|i| pairs[i][lags + k]).sum::<f64>() / (p * p) as f64;
-            statistic += n * (n + 2.0) / count.max(1.0) * normal.squared_norm_l2();
+            let count = (0..p * p).map(|i| pairs[i][lags + k]).sum::<f64>() / there as f64;
+            statistic += n * (n + 2.0) / count * normal.squared_norm_l2();
+            correlations += there;
         }
-        let freedom = (p * p * lags).saturating_sub(self.noise_parameters);
+        let freedom = correlations.saturating_sub(self.noise_parameters);
         Ok(JointTest::chi_squared(statistic, freedom as f64))
     }
 

@@ -107,3 +107,38 @@ fn regress_poor_data_give_advice_and_no_panic() {
     let short = loop_data(6, 30, 0.8, 0.0);
     assert!(advise(&short).contains(&Advice::Short { samples: 30, needed: 100 }));
 }
+
+/// `y = p y(t−1) + u(t−1)`, measured with noise, about its mean as `advise` takes it.
+fn driven(seed: u64, rows: usize, pole: f64, mean: f64) -> Dataset {
+    let mut noise = Noise::new(seed);
+    let (mut u, mut y, mut x) = (vec![0.0; rows], vec![0.0; rows], 0.0);
+    for t in 0..rows {
+        u[t] = noise.normal() + mean;
+        y[t] = x + 0.1 * noise.normal();
+        x = pole * x + u[t];
+    }
+    Dataset::siso(0.1, &u, &y).unwrap()
+}
+
+#[test]
+fn stat_integrators_are_seen_and_lags_are_not() {
+    let seen = |data: &Dataset| advise(data).contains(&Advice::Integrating { input: 0, output: 0 });
+    for rows in [300, 2000] {
+        let found = (0..40).filter(|seed| seen(&driven(*seed, rows, 1.0, 0.0))).count();
+        assert!(found >= 36, "{found} of 40 integrators of {rows} samples");
+        // A lag of a twentieth of the record is none.
+        let pole = 1.0 - 20.0 / rows as f64;
+        let found = (0..40).filter(|seed| seen(&driven(*seed, rows, pole, 0.0))).count();
+        assert!(found <= 2, "{found} of 40 lags of {rows} samples");
+    }
+    let found = (0..40).filter(|seed| seen(&driven(*seed, 1000, 1.0, 0.2))).count();
+    assert!(found >= 30, "{found} of 40 integrators of an input with a mean");
+    // A walk that no input drives integrates nothing that is known.
+    let walk = |seed: u64| {
+        let mut noise = Noise::new(seed);
+        let mut y = noise.normals(1000);
+        (1..1000).for_each(|t| y[t] += y[t - 1]);
+        Dataset::siso(0.1, &noise.normals(1000), &y).unwrap()
+    };
+    assert!((0..40).filter(|seed| seen(&walk(*seed))).count() <= 1);
+}

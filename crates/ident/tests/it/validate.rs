@@ -113,6 +113,25 @@ fn stat_joint_tests_are_uniform_for_coloured_residuals_and_inputs() {
 }
 
 #[test]
+fn stat_whiteness_of_an_output_known_at_every_fourth_sample_holds_its_level() {
+    let model = PolynomialModel::siso(1.0, 0, PolynomialEquation { b: vec![vec![0.0]], ..Default::default() }).unwrap();
+    let mut noise = Noise::new(5);
+    let (mut below_five, mut below_half, runs) = (0, 0, 300);
+    for _ in 0..runs {
+        let (u, mut y) = (noise.normals(1200), noise.normals(1200));
+        (0..1200).filter(|t| t % 4 != 0).for_each(|t| y[t] = f64::NAN);
+        let report = ResidualTest::default().run(&model, &Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
+        let joint = report.whiteness[0].joint;
+        assert_eq!(joint.degrees_of_freedom, 6.0);
+        below_five += usize::from(joint.p_value < 0.05);
+        below_half += usize::from(joint.p_value < 0.5);
+    }
+    // 95 % of binomial counts lie within 8 … 23 and 133 … 167; these bounds are twice as wide.
+    assert!((1..=30).contains(&below_five), "{below_five}");
+    assert!((116..=184).contains(&below_half), "{below_half}");
+}
+
+#[test]
 #[ignore = "slow"]
 fn stat_whiteness_of_two_outputs_with_missing_samples_holds_its_level() {
     let model = system::arx_two_by_two().unwrap();

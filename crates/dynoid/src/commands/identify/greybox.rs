@@ -3,29 +3,45 @@
 use std::path::Path;
 
 use ident::uncertainty::{Derived, Dynamics};
-use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, IdentError, InitialState, Structure};
+use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, GreyNoise, IdentError, InitialState, Structure};
 
 use super::words::significant;
 use crate::cli::greybox::GreyBoxArguments;
-use crate::cli::identify::Detrend;
+use crate::cli::identify::{Detrend, FitCommand};
 use crate::error::CliError;
 use crate::input::{read_text, with_slashes};
 use crate::table::{Align, Table};
 use crate::terminal::Terminal;
+
+/// The structure that a command names; none where it is no grey box.
+pub(super) fn structure_of(command: &FitCommand) -> Result<Option<FormulaStructure>, CliError> {
+    match command {
+        FitCommand::Greybox(arguments) => structure(&arguments.structure).map(Some),
+        _ => Ok(None),
+    }
+}
+
+/// Whether a structure has white noise on its outputs alone, so that outputs may be missing.
+pub(super) fn is_output_error(structure: &FormulaStructure) -> bool {
+    let values: Vec<f64> = structure.parameters().iter().map(|p| p.value).collect();
+    matches!(structure.noise(&values), GreyNoise::OutputError)
+}
 
 fn structure(path: &Path) -> Result<FormulaStructure, CliError> {
     let wrong = |error: toml::de::Error| CliError::StructureFile {
         path: path.to_owned(),
         reason: error.to_string().trim_end().to_owned(),
     };
-    toml::from_str(&read_text(path)?).map_err(wrong)
+    toml::from_str(&read_text(path, "a structure in TOML as `dynoid fit greybox --help` shows it")?).map_err(wrong)
 }
 
-pub(super) fn fit(arguments: &GreyBoxArguments, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
+pub(super) fn fit(
+    arguments: &GreyBoxArguments,
+    structure: FormulaStructure,
+    data: &Dataset,
+) -> Result<Fit<AnyModel>, CliError> {
     let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
-    let options = GreyBox::new(structure(&arguments.structure)?)
-        .with_initial_state(initial)
-        .with_further_starts(arguments.starts);
+    let options = GreyBox::new(structure).with_initial_state(initial).with_further_starts(arguments.starts);
     options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(|source| CliError::identify("the estimate", source))
 }
 

@@ -1,16 +1,16 @@
 //! `dynoid compare`, `resid`, `simulate`, `predict`: models against recordings.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use ident::InitialState;
-use ident::prediction::Response;
 use ident::validate::{Judgement, ResidualTest, judge};
 use ident::{Dataset, IdentError, ModelDocument};
-use recording::{Channel, Format, Raster, Recording};
 
-use super::data::{Loaded, check_targets, draw};
-use super::{figures, model_file, words};
-use crate::cli::identify::{CompareArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments};
+use super::data::{Files, Loaded, check_plot, check_targets, draw, say};
+use super::{figures, model_file, recorded, words};
+use crate::cli::identify::{
+    CompareArguments, MeetArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments,
+};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::table::{Align, Table};
@@ -28,17 +28,12 @@ struct Met {
 
 /// `dynoid compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    check_plot(&arguments.result)?;
     check_targets(&[&arguments.result.plot], &[&arguments.meet.on, &arguments.models])?;
     if arguments.horizon == Some(0) {
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }
-    let mut all = Vec::new();
-    for path in &arguments.models {
-        let document = model_file::read(path)?;
-        let data = model_file::meet(&document, &arguments.meet, terminal)?.data;
-        let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
-        all.push(Met { model: model_file::name(path), data, judged });
-    }
+    let all = meetings(arguments, terminal)?;
     picture(&arguments.result, "Models compared", || {
         figures::comparison(&all.iter().filter_map(shown).collect::<Vec<_>>())
     })?;
@@ -67,6 +62,31 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
         Some(_) => Ok(Outcome::SomeUnreadable),
         None => Ok(Outcome::Done),
     }
+}
+
+/// Every model on the recordings, which are read once.
+fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec<Met>, CliError> {
+    let documents: Vec<ModelDocument> =
+        arguments.models.iter().map(|path| model_file::read(path)).collect::<Result<_, _>>()?;
+    let (mut files, mut said, mut all): (Option<Files>, _, _) = (None, Vec::new(), Vec::new());
+    for (path, document) in arguments.models.iter().zip(&documents) {
+        let row_time_s = model_file::row_time_s(document, &arguments.meet);
+        let read = match files.take() {
+            Some(read) if read.serves(row_time_s) => read,
+            _ => Files::read(&arguments.meet.on, Some(row_time_s), terminal)?,
+        };
+        let Loaded { data, notes, .. } = model_file::meet(document, &read, &arguments.meet)?;
+        files = Some(read);
+        say(&notes, &mut said, terminal);
+        let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
+        all.push(Met { model: model_file::name(path), data, judged });
+    }
+    Ok(all)
+}
+
+/// The recordings that one model meets.
+fn recordings(document: &ModelDocument, arguments: &MeetArguments, terminal: &Terminal) -> Result<Files, CliError> {
+    Files::read(&arguments.on, Some(model_file::row_time_s(document, arguments)), terminal)
 }
 
 fn shown(met: &Met) -> Option<figures::Shown<'_>> {
@@ -102,9 +122,12 @@ fn comparison(all: &[Met]) -> Table {
 
 /// `dynoid resid`
 pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    check_plot(&arguments.result)?;
     check_targets(&[&arguments.result.plot], &[&arguments.meet.on])?;
     let document = model_file::read(&arguments.model)?;
-    let data = model_file::meet(&document, &arguments.meet, terminal)?.data;
+    let files = recordings(&document, &arguments.meet, terminal)?;
+    let Loaded { data, notes, .. } = model_file::meet(&document, &files, &arguments.meet)?;
+    say(&notes, &mut Vec::new(), terminal);
     if arguments.lags == 0 || arguments.lags > data.samples() / 4 {
         let what = format!(
             "--lags {}: give at least 1, and at most a quarter of the {} samples",
@@ -148,15 +171,18 @@ fn run(
     horizon: Option<usize>,
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
-    check_targets(&[&arguments.out, &arguments.result.plot], &[&arguments.meet.on])?;
+    check_plot(&arguments.result)?;
     if let Some(path) = &arguments.out {
-        check_output(path, arguments.meet.on.len())?;
+        recorded::check_output(path, arguments.meet.on.len())?;
     }
+    check_targets(&[&arguments.out, &arguments.result.plot], &[&arguments.meet.on])?;
     let document = model_file::read(&arguments.model)?;
+    let files = recordings(&document, &arguments.meet, terminal)?;
     let loaded = match horizon {
-        Some(_) => model_file::meet(&document, &arguments.meet, terminal)?,
-        None => model_file::meet_inputs(&document, &arguments.meet, terminal)?,
+        Some(_) => model_file::meet(&document, &files, &arguments.meet)?,
+        None => model_file::meet_inputs(&document, &files, &arguments.meet)?,
     };
+    say(&loaded.notes, &mut Vec::new(), terminal);
     let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
     let failed = |source| CliError::identify("the response", source);
     let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
@@ -165,18 +191,18 @@ fn run(
         figures::comparison(&[figures::Shown { name: what, data: &loaded.data, response }])
     })?;
     if let Some(path) = &arguments.out {
-        let recording = recording_of(&document, &loaded, response, what).map_err(failed)?;
-        replace_file(path, &encoded(path, &recording)?)?;
+        let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
+        replace_file(path, &recorded::encoded(path, &recording)?)?;
     }
     let fit = |number: usize, output: usize| judged.fit_percent[number][output];
     let rows = (0..response.outputs.len()).flat_map(|n| (0..document.outputs.len()).map(move |o| (n, o)));
     if arguments.result.json {
         let row = |(n, o): (usize, usize)| {
-            let (recording, output) = (&loaded.data.experiments()[n].name, &document.outputs[o].name);
+            let (experiment, output) = (&loaded.data.experiments()[n], &document.outputs[o].name);
             let values = response.outputs[n].col_as_slice(o);
-            serde_json::json!({"recording": recording, "output": output, "unit": document.outputs[o].unit,
-                "fit_percent": fit(n, o), "start_s": loaded.data.experiments()[n].start_s,
-                "sample_time_s": document.sample_time_s, "values": values})
+            serde_json::json!({"recording": experiment.name, "output": output, "unit": document.outputs[o].unit,
+                "start_s": experiment.start_s, "sample_time_s": loaded.data.sample_time_s(),
+                "fit_percent": fit(n, o), "values": values})
         };
         terminal.json(&rows.map(row).collect::<Vec<_>>())?;
     } else if !terminal.is_quiet() {
@@ -187,61 +213,6 @@ fn run(
         [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
     Ok(Outcome::Done)
-}
-
-/// Responses with the trend put back, one raster a recording.
-fn recording_of(
-    document: &ModelDocument,
-    loaded: &Loaded,
-    response: &Response,
-    what: &str,
-) -> Result<Recording, IdentError> {
-    let (mut rasters, mut channels) = (Vec::new(), Vec::new());
-    for (number, experiment) in loaded.data.experiments().iter().enumerate() {
-        let values = response.outputs[number].as_ref();
-        let values = match &loaded.trend {
-            Some(trend) => trend.restore_outputs(values, number, experiment.start_s, document.sample_time_s)?,
-            None => values.to_owned(),
-        };
-        let time_s = (0..values.nrows()).map(|n| experiment.start_s + n as f64 * document.sample_time_s).collect();
-        rasters.push(Raster { time_s, name: Some(experiment.name.clone()) });
-        for (output, label) in document.outputs.iter().enumerate() {
-            channels.push(Channel {
-                name: format!("{}_{what}", label.name),
-                unit: label.unit.clone(),
-                comment: String::new(),
-                raster: number,
-                samples: values.col_as_slice(output).to_vec(),
-            });
-        }
-    }
-    let format = Format::Csv { delimiter: ',', decimal_comma: false };
-    Ok(Recording { format, comment: None, start_time: None, rasters, channels, findings: Vec::new() })
-}
-
-/// Text has room for one recording.
-fn check_output(path: &Path, recordings: usize) -> Result<(), CliError> {
-    let ending = crate::input::ending(path).map(str::to_lowercase);
-    if ending.as_deref() == Some("csv") && recordings > 1 {
-        let what = format!(
-            "{}: .csv holds one recording, and {recordings} are given; write .mf4, or one after the other",
-            path.display()
-        );
-        return Err(CliError::Usage { what });
-    }
-    Ok(())
-}
-
-fn encoded(path: &Path, recording: &Recording) -> Result<Vec<u8>, CliError> {
-    let encoded = match crate::input::ending(path).map(str::to_lowercase).as_deref() {
-        Some("csv") => recording::encode_csv(recording),
-        Some("mf4") => recording::encode_mdf4(recording),
-        _ => {
-            let what = format!("{}: the ending of the output says what it is: .csv or .mf4", path.display());
-            return Err(CliError::Usage { what });
-        }
-    };
-    encoded.map_err(|source| CliError::Recording { source, untimed: false })
 }
 
 /// Draws figures where a plot is asked for.

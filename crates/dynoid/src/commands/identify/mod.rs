@@ -1,5 +1,6 @@
 //! Identification of linear models from any recording: the library `ident` at the command line.
 
+pub(crate) mod convert;
 mod data;
 pub(crate) mod explore;
 mod figures;
@@ -8,4 +9,5 @@ mod greybox;
 pub(crate) mod judge;
 pub(crate) mod look;
 mod model_file;
+mod recorded;
 mod words;

@@ -2,21 +2,33 @@
 
 use std::path::Path;
 
-use bench::dataset::DatasetError;
+use bench::dataset::{CommonClock, DatasetError};
 use faer::Mat;
+use ident::uncertainty::Dynamics;
 use ident::{Experiment, Intersample, ModelDocument, Trend};
 
-use super::data::{Loaded, load_files};
+use super::data::{Files, Gaps, Loaded, take};
 use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments};
 use crate::error::CliError;
 use crate::input::read_text;
-use crate::terminal::Terminal;
 
 /// Reads a model file.
 pub(super) fn read(path: &Path) -> Result<ModelDocument, CliError> {
     let wrong = |reason: String| CliError::ModelFile { path: path.to_owned(), reason };
-    let document: ModelDocument = serde_json::from_str(&read_text(path)?).map_err(|error| wrong(error.to_string()))?;
+    let document: ModelDocument =
+        serde_json::from_str(&read_text(path, "a model file as `dynoid fit … --out model.json` writes")?)
+            .map_err(|error| wrong(error.to_string()))?;
     document.checked().map_err(|error| wrong(error.to_string()))
+}
+
+/// Refuses to write a model under another ending than .json, but for what is no file.
+pub(super) fn check_ending(path: &Path) -> Result<(), CliError> {
+    let is_json = crate::input::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+    let is_device = || std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir());
+    if is_json || is_device() {
+        return Ok(());
+    }
+    Err(CliError::Usage { what: format!("{}: a model file ends in .json", path.display()) })
 }
 
 /// What a model is called: the name of its file.
@@ -24,12 +36,14 @@ pub(super) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// The model's channels out of recordings, on the model's clock.
-pub(super) fn meet(
-    document: &ModelDocument,
-    arguments: &MeetArguments,
-    terminal: &mut Terminal,
-) -> Result<Loaded, CliError> {
+/// The time from row to row of text without a time column: that of the model unless another is given.
+pub(super) fn row_time_s(document: &ModelDocument, arguments: &MeetArguments) -> f64 {
+    arguments.sample_time_s.unwrap_or(document.sample_time_s)
+}
+
+/// The model's channels out of recordings, on the model's clock or, for a continuous model, on the one given; cut where
+/// inputs are missing.
+pub(super) fn meet(document: &ModelDocument, files: &Files, arguments: &MeetArguments) -> Result<Loaded, CliError> {
     let names = |labels: &[ident::Label]| labels.iter().map(|label| label.name.clone()).collect();
     let data = DataArguments {
         recordings: arguments.on.clone(),
@@ -37,7 +51,7 @@ pub(super) fn meet(
         outputs: names(&document.outputs),
         from_s: arguments.from_s,
         to_s: arguments.to_s,
-        sample_time_s: Some(document.sample_time_s),
+        sample_time_s: Some(clock_s(document, files, arguments)?),
         detrend: arguments.detrend,
         between: match document.intersample {
             Intersample::ZeroOrderHold => Between::Held,
@@ -45,18 +59,34 @@ pub(super) fn meet(
             Intersample::BandLimited => Between::BandLimited,
         },
     };
-    load_files(&arguments.on, &data, terminal)
+    take(files, CommonClock::Slowest, &data)?.cut_at(Gaps::OfInputs)
+}
+
+/// The clock of the data that a model meets.
+fn clock_s(document: &ModelDocument, files: &Files, arguments: &MeetArguments) -> Result<f64, CliError> {
+    let own_s = document.sample_time_s;
+    let is_discrete = document.model.system().is_ok_and(|system| system.sample_time_s().is_some());
+    match arguments.sample_time_s {
+        Some(given_s) if !is_discrete => Ok(given_s),
+        // With text of another time from row to row, the data are brought onto the model's clock.
+        Some(given_s) if given_s != own_s && !files.are_untimed() => Err(CliError::Usage {
+            what: format!(
+                "--sample-time {given_s}: the model is discrete, with a sample every {own_s} s, and keeps to that; leave the option out, or convert the model"
+            ),
+        }),
+        _ => Ok(own_s),
+    }
 }
 
 /// As [`meet`], but recordings without the outputs will do: a simulation needs the inputs alone. Unmeasured outputs are
 /// missing throughout, and the inputs are taken about the operating point of the model.
 pub(super) fn meet_inputs(
     document: &ModelDocument,
+    files: &Files,
     arguments: &MeetArguments,
-    terminal: &mut Terminal,
 ) -> Result<Loaded, CliError> {
     let is_output = |name: &str| document.outputs.iter().any(|label| label.name == name);
-    match meet(document, arguments, terminal) {
+    match meet(document, files, arguments) {
         Err(CliError::Dataset(DatasetError::NoChannel { channel, .. })) if is_output(&channel) => {}
         other => return other,
     }
@@ -68,20 +98,20 @@ pub(super) fn meet_inputs(
     // A stand-in for every output, so that the data have the model's shape; its values are taken out again.
     inputs_only.outputs = vec![first.clone(); document.outputs.len()];
     let unchanged = MeetArguments { detrend: Detrend::None, ..arguments.clone() };
-    let Loaded { data, sources, .. } = meet(&inputs_only, &unchanged, terminal)?;
+    let loaded = meet(&inputs_only, files, &unchanged)?;
     let unmeasured = |e: &Experiment| {
         let outputs = Mat::full(e.len(), document.outputs.len(), f64::NAN);
         Ok(Experiment { outputs, ..e.clone() })
     };
-    let data = data.map_experiments(unmeasured).map_err(failed)?;
+    let data = loaded.data.map_experiments(unmeasured).map_err(failed)?;
     let data = data.with_labels(document.inputs.clone(), document.outputs.clone()).map_err(failed)?;
     let levels = |lines: &[ident::Line]| lines.iter().map(|line| line.level).collect::<Vec<f64>>();
     let Some(trend) = document.trend.as_ref().filter(|_| arguments.detrend != Detrend::None) else {
-        return Ok(Loaded { data, trend: None, sources });
+        return Ok(Loaded { data, trend: None, ..loaded });
     };
     let trend = Trend::offsets(&levels(trend.inputs(0)), &levels(trend.outputs(0))).map_err(failed)?;
     let data = trend.remove(&data).map_err(failed)?;
-    Ok(Loaded { data, trend: Some(trend), sources })
+    Ok(Loaded { data, trend: Some(trend), ..loaded })
 }
 
 /// A number of one to the right of the point, such as a confidence.

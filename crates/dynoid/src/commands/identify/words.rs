@@ -7,7 +7,7 @@ use crate::table::Style;
 use crate::terminal::Terminal;
 
 /// A reason to doubt, with what can be done.
-pub(super) fn doubt(doubt: &Doubt, parameters: &[String]) -> String {
+pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> String {
     match doubt {
         Doubt::NotConverged => {
             "the search stopped before it had converged; the numbers are provisional: try a lower order, or other data"
@@ -17,7 +17,7 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String]) -> String {
             "the data barely tell the parameters apart (condition number {condition:.1e}); lower the order or excite the system better"
         ),
         Doubt::RowsLeftOut { rows, of } => format!(
-            "{rows} of {of} rows were left out: samples are missing there, or the past that the model needs was not recorded"
+            "{rows} of {of} rows were left out: samples are missing there (those of a slower output count so), or the past that the model needs was not recorded"
         ),
         Doubt::AtBound { parameter } => format!(
             "{} rests on its bound, so its interval means nothing; widen the bound or leave the parameter out",
@@ -26,6 +26,13 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String]) -> String {
         Doubt::Unstable => "the model is not stable: simulating it runs away".into(),
         Doubt::CovarianceIsLowerBound => {
             "the intervals are the narrowest that any method could reach; the true ones are wider".into()
+        }
+        Doubt::ExplainsLittle { output, simulated } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            let how = if *simulated { "simulated" } else { "even one step ahead" };
+            format!(
+                "the model explains next to nothing of {name}, {how} (a fit below 5 % on its own data); check the channels, the delay, the orders and the detrending before using it"
+            )
         }
         other => format!("{other:?}"),
     }

@@ -1,21 +1,18 @@
-//! `dynoid bode`, `step`, `poles`, `convert`: what a model is like.
+//! `dynoid bode`, `step`, `poles`: what a model is like.
 
 mod bode;
-mod convert;
 mod curves;
 mod plane;
 mod poles;
 mod step;
 
 pub(crate) use bode::bode;
-pub(crate) use convert::convert;
 pub(crate) use poles::poles;
 pub(super) use poles::print_roots;
 pub(crate) use step::step;
 
 use ident::uncertainty::{Dynamics, Features};
 use ident::{AnyModel, Fit, IdentError, LinearModel, ModelDocument};
-use lti::LtiError;
 
 use super::model_file;
 use crate::cli::identify::ModelArguments;
@@ -68,19 +65,8 @@ impl Model {
     }
 }
 
-/// The delay of a continuous model; a discrete one holds its delays as states.
-fn delay_s(model: &AnyModel, output: usize, input: usize) -> Result<f64, LtiError> {
-    Ok(match model {
-        AnyModel::TransferFunction(m) => m.transfer_function(output, input)?.delay_s(),
-        AnyModel::Process(m) => m.transfer_function(output, input)?.delay_s(),
-        AnyModel::GreyBox(m) => m.input_delay_s(input),
-        _ => 0.0,
-    })
-}
-
-fn longest_delay_s(document: &ModelDocument) -> Result<f64, IdentError> {
-    let (outputs, inputs) = (document.model.outputs(), document.model.inputs());
-    let ways = (0..outputs).flat_map(|output| (0..inputs).map(move |input| (output, input)));
-    ways.map(|(output, input)| Ok(delay_s(&document.model, output, input)?))
-        .try_fold(0.0, |longest: f64, delay| delay.map(|delay: f64| longest.max(delay)))
+/// The longest delay of a continuous model; a discrete one holds its delays as states.
+fn longest_delay_s(model: &Model) -> Result<f64, IdentError> {
+    let delays = channels(model).map(|(output, input)| model.document.model.delay_s(output, input));
+    Ok(delays.collect::<Result<Vec<f64>, _>>()?.into_iter().fold(0.0, f64::max))
 }

@@ -6,7 +6,7 @@ use lti::TimeGrid;
 use plot::Axis;
 
 use super::curves::{Curve, Fact, Quantity, show};
-use super::{Model, channel_name, channels, delay_s, failed, longest_delay_s, models};
+use super::{Model, channel_name, channels, failed, longest_delay_s, models};
 use crate::cli::identify::CurveArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -57,7 +57,7 @@ fn grid(model: &Model) -> Result<TimeGrid, IdentError> {
     let system = model.document.model.system()?;
     let natural = system.time_grid()?;
     let step_s = system.sample_time_s().unwrap_or(natural.step_s);
-    let delay_s = longest_delay_s(&model.document)?;
+    let delay_s = longest_delay_s(model)?;
     Ok(TimeGrid { step_s, points: natural.points + (delay_s / step_s).ceil() as usize })
 }
 
@@ -84,7 +84,7 @@ fn summary(
     let dead = match dead_samples(model, values) {
         Some(samples) => Fact::number("dead time", samples as f64 * grid.step_s, "s", None)
             .noted(format!("{samples} samples besides the one of the hold")),
-        None => number("dead time", &features.number(|m| delay_s(m, output, input))?, "s"),
+        None => number("dead time", &features.number(|m| m.delay_s(output, input))?, "s"),
     };
     facts.extend(Some(dead).filter(|_| !matches!(model.document.model, AnyModel::StateSpace(_))));
     Ok(facts)

@@ -1,0 +1,286 @@
+//! From named channels of recordings to an [`ident::Dataset`]: one clock, missing samples marked, nothing else changed.
+//!
+//! This is the way in for data that need no bench: no roles, no conversion of units. What was done to a channel to bring
+//! it onto the common clock is said in [`Adjustment`]s.
+
+mod timed;
+
+use faer::Mat;
+use ident::{Dataset, Experiment, IdentError, Intersample, Label};
+use recording::Recording;
+use signal::SignalError;
+
+use timed::{Clock, Timed};
+
+/// Sample times that differ by less than this share are the same.
+const SAME_SHARE: f64 = 1e-3;
+/// Longest record, in samples of the common clock.
+const MOST_SAMPLES: f64 = 1e9;
+
+/// The clock that channels of several sample times are brought onto.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum CommonClock {
+    /// That of the slowest channel of the first recording: every sample of every channel is there.
+    #[default]
+    Slowest,
+    /// That of the fastest channel of the first recording, for methods that see through missing outputs: nothing is
+    /// filtered, and outputs are known where they were measured.
+    Fastest,
+    /// A sample every so many seconds.
+    Every(f64),
+}
+
+/// Which channels, from when to when, on which clock.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DatasetOptions {
+    /// Channels that act on the system.
+    pub inputs: Vec<String>,
+    /// Channels that answer.
+    pub outputs: Vec<String>,
+    /// Start on the recording's clock, s.
+    pub from_s: Option<f64>,
+    /// End on the recording's clock, s.
+    pub to_s: Option<f64>,
+    /// The clock of the data.
+    pub clock: CommonClock,
+    /// What the inputs do between samples: this is how inputs that are slower than the clock are continued.
+    pub intersample: Intersample,
+}
+
+/// How a channel gets from its clock to another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Resampling {
+    /// Faster than the data: through a low-pass filter without phase shift.
+    Filtered,
+    /// Slower than the data: each value stays until the next.
+    Held,
+    /// Slower than the data: on straight lines from value to value.
+    Straight,
+    /// Slower than the data: as a signal without content above half its own sample rate.
+    BandLimited,
+}
+
+/// What was done to a channel on its way to the common clock.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Adjustment {
+    /// Values between its samples were found on straight lines, since its time stamps are not on a clock.
+    Jitter {
+        /// The channel.
+        channel: String,
+        /// Largest distance of a stamp from the clock, s.
+        largest_s: f64,
+    },
+    /// It was brought from another sample time.
+    Resampled {
+        /// The channel.
+        channel: String,
+        /// Its own sample time, s.
+        from_s: f64,
+        /// That of the data, s.
+        to_s: f64,
+        /// How.
+        how: Resampling,
+    },
+    /// An output slower than the data's clock: it is known only where it was measured.
+    Sparse {
+        /// The channel.
+        channel: String,
+        /// Its own sample time, s.
+        sample_time_s: f64,
+    },
+    /// Samples are missing, and marked so.
+    Missing {
+        /// The channel.
+        channel: String,
+        /// How many.
+        count: usize,
+        /// Of how many: on the clock of the data, or on its own for an output that is slower.
+        of: usize,
+    },
+}
+
+/// Why channels cannot become data.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DatasetError {
+    /// A channel that is not there.
+    #[error("{file}: there is no channel \"{channel}\"; the closest names are {}", .closest.join(", "))]
+    NoChannel {
+        /// The file.
+        file: String,
+        /// The channel asked for.
+        channel: String,
+        /// Those with the most similar names.
+        closest: Vec<String>,
+    },
+    /// Several channels of one name.
+    #[error("{file}: {count} channels are called \"{channel}\"; rename them, so that one can be chosen")]
+    Ambiguous {
+        /// The file.
+        file: String,
+        /// The name.
+        channel: String,
+        /// How many there are.
+        count: usize,
+    },
+    /// Time stamps that do not rise.
+    #[error(
+        "{file}: the time stamps of \"{channel}\" do not rise at sample {sample}; export the recording again, or cut it before that with --to"
+    )]
+    TimeNotRising {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// The first stamp not later than the one before, counted from 0.
+        sample: usize,
+    },
+    /// Too little is left.
+    #[error("{file}: \"{channel}\" has fewer than two samples between {from_s} s and {to_s} s")]
+    NothingLeft {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// Start, s.
+        from_s: f64,
+        /// End, s.
+        to_s: f64,
+    },
+    /// A sample time that makes no sense for the record.
+    #[error("{file}: a sample time of {sample_time_s} s cannot be used on {duration_s} s of recording")]
+    SampleTime {
+        /// The file.
+        file: String,
+        /// The sample time, s.
+        sample_time_s: f64,
+        /// The record's length, s.
+        duration_s: f64,
+    },
+    /// Recordings with different sample times.
+    #[error(
+        "{file}: its sample time is {found_s} s, that of the first recording {expected_s} s; give one for all with --sample-time"
+    )]
+    SampleTimesDiffer {
+        /// The file.
+        file: String,
+        /// Of this recording, s.
+        found_s: f64,
+        /// Of the first, s.
+        expected_s: f64,
+    },
+    /// No recording was given.
+    #[error("no recording was given")]
+    Empty,
+    /// A channel cannot be filtered or interpolated.
+    #[error("{file}: \"{channel}\": {source}")]
+    Signal {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// Why.
+        source: SignalError,
+    },
+    /// The channels are no data.
+    #[error(transparent)]
+    Ident(#[from] IdentError),
+}
+
+/// Channels of several recordings, one experiment a recording.
+///
+/// A channel that is faster than the data's clock is interpolated after a low-pass filter. An input that is slower is
+/// continued as the options say inputs behave between samples; an output that is slower is known only at the instants
+/// nearest to its samples, and missing between them: values that were not measured are not made up. Missing samples and
+/// NaN stay missing.
+///
+/// # Errors
+/// [`DatasetError`].
+pub fn dataset(
+    recordings: &[(&str, &Recording)],
+    options: &DatasetOptions,
+) -> Result<(Dataset, Vec<Adjustment>), DatasetError> {
+    let mut adjustments = Vec::new();
+    let mut data: Option<Dataset> = None;
+    for (file, recording) in recordings {
+        let part = Part::new(file, recording, options)?;
+        let sample_time_s = match (&data, options.clock) {
+            (_, CommonClock::Every(given_s)) => given_s,
+            (Some(before), clock) => part.check_against(before.sample_time_s(), clock)?,
+            (None, clock) => part.sample_time_s(clock),
+        };
+        let experiment = part.experiment(sample_time_s, options, &mut adjustments)?;
+        data = Some(match data {
+            Some(before) => before.with_experiment(experiment)?,
+            None => first(experiment, sample_time_s, &part)?.with_intersample(options.intersample),
+        });
+    }
+    Ok((data.ok_or(DatasetError::Empty)?, adjustments))
+}
+
+fn first(experiment: Experiment, sample_time_s: f64, part: &Part<'_>) -> Result<Dataset, DatasetError> {
+    let labels = part.channels.iter().map(|c| Label::new(&c.channel.name, &c.channel.unit));
+    let mut labels: Vec<Label> = labels.collect();
+    let outputs = labels.split_off(experiment.inputs.ncols());
+    let (name, start_s) = (experiment.name.clone(), experiment.start_s);
+    let data = Dataset::new(sample_time_s, experiment.inputs, experiment.outputs)?;
+    let named = data.map_experiments(|e| Ok(Experiment { name: name.clone(), start_s, ..e.clone() }))?;
+    Ok(named.with_labels(labels, outputs)?)
+}
+
+/// The channels of one recording, inputs first.
+struct Part<'r> {
+    file: &'r str,
+    channels: Vec<Timed<'r>>,
+}
+
+impl<'r> Part<'r> {
+    fn new(file: &'r str, recording: &'r Recording, options: &DatasetOptions) -> Result<Self, DatasetError> {
+        let names = options.inputs.iter().chain(&options.outputs);
+        let channels = names.map(|name| Timed::new(file, recording, name, options)).collect::<Result<_, _>>()?;
+        Ok(Part { file, channels })
+    }
+
+    fn sample_time_s(&self, clock: CommonClock) -> f64 {
+        let all = self.channels.iter().map(|c| c.sample_time_s);
+        match clock {
+            CommonClock::Every(given_s) => given_s,
+            CommonClock::Slowest => all.fold(0.0, f64::max),
+            CommonClock::Fastest => all.fold(f64::INFINITY, f64::min),
+        }
+    }
+
+    fn check_against(&self, expected_s: f64, clock: CommonClock) -> Result<f64, DatasetError> {
+        let found_s = self.sample_time_s(clock);
+        if (found_s - expected_s).abs() <= SAME_SHARE * expected_s {
+            return Ok(expected_s);
+        }
+        Err(DatasetError::SampleTimesDiffer { file: self.file.to_owned(), found_s, expected_s })
+    }
+
+    fn experiment(
+        &self,
+        sample_time_s: f64,
+        options: &DatasetOptions,
+        adjustments: &mut Vec<Adjustment>,
+    ) -> Result<Experiment, DatasetError> {
+        let start_s = self.channels.iter().map(|c| c.start_s).fold(f64::NEG_INFINITY, f64::max);
+        let end_s = self.channels.iter().map(|c| c.end_s).fold(f64::INFINITY, f64::min);
+        let duration_s = end_s - start_s;
+        let usable = sample_time_s.is_finite() && sample_time_s > 0.0 && duration_s >= sample_time_s;
+        if !usable || duration_s / sample_time_s > MOST_SAMPLES {
+            return Err(DatasetError::SampleTime { file: self.file.to_owned(), sample_time_s, duration_s });
+        }
+        let count = (duration_s / sample_time_s + 1e-6).floor() as usize + 1;
+        let clock = Clock { start_s, sample_time_s, count };
+        let inputs = options.inputs.len();
+        let on_clock = |(index, c): (usize, &Timed<'_>)| {
+            let continued = (index < inputs).then_some(options.intersample);
+            c.on_clock(self.file, clock, continued, adjustments)
+        };
+        let columns = self.channels.iter().enumerate().map(on_clock);
+        let columns: Vec<Vec<f64>> = columns.collect::<Result<_, _>>()?;
+        let table = |columns: &[Vec<f64>]| Mat::from_fn(count, columns.len(), |i, j| columns[j][i]);
+        let (left, right) = columns.split_at(inputs);
+        Ok(Experiment { name: self.file.to_owned(), start_s, inputs: table(left), outputs: table(right) })
+    }
+}

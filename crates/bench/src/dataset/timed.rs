@@ -1,0 +1,236 @@
+//! One channel on its way from its own time stamps to the clock of the data.
+
+use ident::Intersample;
+use recording::{Channel, Recording};
+use signal::clock::check_clock;
+use signal::resample::{Interpolation, interpolate_at};
+use signal::{Signal, SignalError, Sos};
+
+use super::{Adjustment, DatasetError, DatasetOptions, Resampling, SAME_SHARE};
+use crate::names::closest;
+
+/// Time stamps further from the clock than this share of the sample time are interpolated.
+const JITTER_SHARE: f64 = 0.1;
+/// A tick this share of a sample time before a sample has the sample's value.
+const NEAR_SHARE: f64 = 1e-4;
+
+/// A channel with the samples in the asked-for time that are numbers.
+pub(super) struct Timed<'r> {
+    pub(super) channel: &'r Channel,
+    time_s: Vec<f64>,
+    values: Vec<f64>,
+    pub(super) sample_time_s: f64,
+    pub(super) start_s: f64,
+    pub(super) end_s: f64,
+}
+
+/// The clock of the data.
+#[derive(Clone, Copy)]
+pub(super) struct Clock {
+    pub(super) start_s: f64,
+    pub(super) sample_time_s: f64,
+    pub(super) count: usize,
+}
+
+impl Clock {
+    fn at(&self, tick: usize) -> f64 {
+        self.start_s + tick as f64 * self.sample_time_s
+    }
+}
+
+impl<'r> Timed<'r> {
+    pub(super) fn new(
+        file: &str,
+        recording: &'r Recording,
+        name: &str,
+        options: &DatasetOptions,
+    ) -> Result<Self, DatasetError> {
+        let count = recording.channels.iter().filter(|c| c.name == name).count();
+        if count > 1 {
+            return Err(DatasetError::Ambiguous { file: file.to_owned(), channel: name.to_owned(), count });
+        }
+        let channel = recording.channel(name).ok_or_else(|| DatasetError::NoChannel {
+            file: file.to_owned(),
+            channel: name.to_owned(),
+            closest: closest(name, recording.channels.iter().map(|c| c.name.as_str()), 3),
+        })?;
+        let stamps = recording.time_s(channel).unwrap_or_default();
+        let (from_s, to_s) = (options.from_s.unwrap_or(f64::NEG_INFINITY), options.to_s.unwrap_or(f64::INFINITY));
+        let in_time = stamps.iter().zip(&channel.samples).filter(|(t, _)| (from_s..=to_s).contains(*t));
+        let (all_s, all): (Vec<f64>, Vec<f64>) = in_time.map(|(t, v)| (*t, *v)).unzip();
+        if let Some(sample) = all_s.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let (file, channel) = (file.to_owned(), name.to_owned());
+            return Err(DatasetError::TimeNotRising { file, channel, sample: sample + 1 });
+        }
+        let nothing = || DatasetError::NothingLeft { file: file.to_owned(), channel: name.to_owned(), from_s, to_s };
+        let check = check_clock(&all_s).map_err(|_| nothing())?;
+        let (start_s, end_s) = (all_s[0], all_s[all_s.len() - 1]);
+        let (time_s, values): (Vec<f64>, Vec<f64>) = all_s.into_iter().zip(all).filter(|(_, v)| v.is_finite()).unzip();
+        if time_s.len() < 2 {
+            return Err(nothing());
+        }
+        let intervals = ((end_s - start_s) / check.sample_time_s).round().max(1.0);
+        let sample_time_s = without_rounding((end_s - start_s) / intervals);
+        Ok(Timed { channel, time_s, values, sample_time_s, start_s, end_s })
+    }
+
+    /// The channel's values on the clock, NaN where they are missing. An input is `continued` between its samples, an
+    /// output is not.
+    pub(super) fn on_clock(
+        &self,
+        file: &str,
+        clock: Clock,
+        continued: Option<Intersample>,
+        log: &mut Vec<Adjustment>,
+    ) -> Result<Vec<f64>, DatasetError> {
+        let name = || self.channel.name.clone();
+        let largest_s = self.largest_deviation();
+        if largest_s > JITTER_SHARE * self.sample_time_s {
+            log.push(Adjustment::Jitter { channel: name(), largest_s });
+        }
+        let same = (self.sample_time_s - clock.sample_time_s).abs() <= SAME_SHARE * clock.sample_time_s;
+        let is_slower = self.sample_time_s > clock.sample_time_s;
+        let how = match continued {
+            _ if same => None,
+            _ if !is_slower => Some(Resampling::Filtered),
+            None => {
+                log.push(Adjustment::Sparse { channel: name(), sample_time_s: self.sample_time_s });
+                self.log_missing(self.own_count().saturating_sub(self.values.len()), self.own_count(), log);
+                return Ok(self.sparse(clock));
+            }
+            Some(Intersample::ZeroOrderHold) => Some(Resampling::Held),
+            Some(Intersample::FirstOrderHold) => Some(Resampling::Straight),
+            Some(Intersample::BandLimited) => Some(Resampling::BandLimited),
+        };
+        if let Some(how) = how {
+            let (from_s, to_s) = (self.sample_time_s, clock.sample_time_s);
+            log.push(Adjustment::Resampled { channel: name(), from_s, to_s, how });
+        }
+        let failed = |source| DatasetError::Signal { file: file.to_owned(), channel: name(), source };
+        let column = match how {
+            None | Some(Resampling::Straight) => self.straight(clock),
+            Some(Resampling::Held) => self.held(clock),
+            Some(Resampling::Filtered) => self.resampled(clock, true).map_err(failed)?,
+            Some(Resampling::BandLimited) => self.resampled(clock, false).map_err(failed)?,
+        };
+        self.log_missing(column.iter().filter(|v| v.is_nan()).count(), column.len(), log);
+        Ok(column)
+    }
+
+    fn log_missing(&self, count: usize, of: usize, log: &mut Vec<Adjustment>) {
+        if count > 0 {
+            log.push(Adjustment::Missing { channel: self.channel.name.clone(), count, of });
+        }
+    }
+
+    /// Samples that the channel would have on its own clock without gaps.
+    fn own_count(&self) -> usize {
+        ((self.end_s - self.start_s) / self.sample_time_s).round() as usize + 1
+    }
+
+    fn largest_deviation(&self) -> f64 {
+        let deviation = |t: &f64| {
+            let position = (t - self.start_s) / self.sample_time_s;
+            (position - position.round()).abs() * self.sample_time_s
+        };
+        self.time_s.iter().map(deviation).fold(0.0, f64::max)
+    }
+
+    /// Values on straight lines between samples no further apart than one and a half sample times.
+    fn straight(&self, clock: Clock) -> Vec<f64> {
+        let mut left = 0;
+        let value = |k: usize| {
+            let time_s = clock.at(k);
+            while left + 2 < self.time_s.len() && self.time_s[left + 1] <= time_s {
+                left += 1;
+            }
+            let (before, after) = (self.time_s[left], self.time_s[left + 1]);
+            let share = (time_s - before) / (after - before);
+            let near = 1e-6 * self.sample_time_s / (after - before);
+            // On a sample its value, whatever the neighbour.
+            if (share - share.round()).abs() <= near && (0.0..=1.0).contains(&share.round()) {
+                return self.values[left + share.round() as usize];
+            }
+            let is_gap = after - before > 1.5 * self.sample_time_s || !(0.0..=1.0).contains(&share);
+            if is_gap { f64::NAN } else { self.values[left] + share * (self.values[left + 1] - self.values[left]) }
+        };
+        (0..clock.count).map(value).collect()
+    }
+
+    /// Values at the ticks nearest to the samples, on straight lines between these; NaN at all other ticks.
+    fn sparse(&self, clock: Clock) -> Vec<f64> {
+        let straight = self.straight(clock);
+        let mut values = vec![f64::NAN; clock.count];
+        for time_s in &self.time_s {
+            let tick = ((time_s - clock.start_s) / clock.sample_time_s).round();
+            if tick >= 0.0 && tick < clock.count as f64 {
+                values[tick as usize] = straight[tick as usize];
+            }
+        }
+        values
+    }
+
+    /// At each tick the last sample before it, for one own sample time at most: what comes later is in a gap.
+    fn held(&self, clock: Clock) -> Vec<f64> {
+        let near_s = NEAR_SHARE * clock.sample_time_s;
+        let mut next = 0;
+        let value = |k: usize| {
+            let time_s = clock.at(k) + near_s;
+            while next < self.time_s.len() && self.time_s[next] <= time_s {
+                next += 1;
+            }
+            let Some(last) = next.checked_sub(1) else { return f64::NAN };
+            let until = self.time_s.get(next).map_or(f64::INFINITY, |after| after - self.time_s[last]);
+            let is_gap = until > 1.5 * self.sample_time_s && time_s - self.time_s[last] >= self.sample_time_s;
+            if is_gap { f64::NAN } else { self.values[last] }
+        };
+        (0..clock.count).map(value).collect()
+    }
+
+    /// The channel on its own clock, without gaps, through an anti-alias filter where that is asked for, and then as a
+    /// band-limited signal at the instants of the data's clock; what lies in a gap is missing.
+    fn resampled(&self, clock: Clock, filtered: bool) -> Result<Vec<f64>, SignalError> {
+        let own = Clock { start_s: self.start_s, sample_time_s: self.sample_time_s, count: self.own_count() };
+        let marked = self.straight(own);
+        let mut whole = Signal::new(self.start_s, self.sample_time_s, bridged(&marked))?;
+        if filtered {
+            let cutoff_hz = 0.4 / clock.sample_time_s;
+            let filter = Sos::butterworth_lowpass(8, cutoff_hz, self.sample_time_s)?;
+            whole.samples = filter.filtfilt(&whole.samples)?;
+        }
+        let times: Vec<f64> = (0..clock.count).map(|k| clock.at(k).clamp(whole.start_s, whole.end_s())).collect();
+        let mut values = interpolate_at(&whole, &times, Interpolation::BandLimited)?;
+        for (value, time_s) in values.iter_mut().zip(&times) {
+            let position = ((time_s - self.start_s) / self.sample_time_s).round() as usize;
+            if marked.get(position).is_none_or(|v| v.is_nan()) {
+                *value = f64::NAN;
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// A sample time without the last digits, which are the rounding of time stamps: over the longest record they amount to
+/// less than a thousandth of a sample.
+fn without_rounding(sample_time_s: f64) -> f64 {
+    format!("{sample_time_s:.11e}").parse().unwrap_or(sample_time_s)
+}
+
+/// Missing values on straight lines between their neighbours; the first and last known value beyond them.
+fn bridged(values: &[f64]) -> Vec<f64> {
+    let known: Vec<usize> = (0..values.len()).filter(|i| !values[*i].is_nan()).collect();
+    let mut next = 0;
+    let value = |i: usize| {
+        while next < known.len() && known[next] < i {
+            next += 1;
+        }
+        match (next.checked_sub(1).map(|n| known[n]), known.get(next)) {
+            (_, Some(&b)) if b == i => values[i],
+            (Some(a), Some(&b)) => values[a] + (values[b] - values[a]) * (i - a) as f64 / (b - a) as f64,
+            (Some(a), None) => values[a],
+            (None, Some(&b)) => values[b],
+            (None, None) => f64::NAN,
+        }
+    };
+    (0..values.len()).map(value).collect()
+}

@@ -1,0 +1,356 @@
+//! `dynoid convert`: a model in another form.
+
+use faer::Mat;
+use ident::uncertainty::Dynamics;
+use ident::{
+    AnyModel, Formula, FormulaParts, FormulaStructure, GreyBoxModel, IdentError, Intersample, LinearModel,
+    ModelDocument, RationalChannel, StateSpaceModel, TransferFunctionModel,
+};
+use lti::{
+    Complex64, Discretisation, Innovations, LtiError, PolynomialEquation, PolynomialModel, StateSpace, TransferFunction,
+};
+
+use super::data::check_targets;
+use super::judge::written;
+use super::model_file;
+use super::words::significant;
+use crate::cli::identify::{ConvertArguments, Representation, Sampling};
+use crate::error::{CliError, Outcome};
+use crate::output::replace_file;
+use crate::terminal::Terminal;
+
+fn failed(source: impl Into<IdentError>) -> CliError {
+    CliError::identify("the conversion", source.into())
+}
+
+/// `dynoid convert` on a model file
+pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    check(arguments)?;
+    let source = model_file::read(&arguments.model)?;
+    let converted = match arguments.to {
+        Representation::Ss => Converted::System(Box::new(system(&source, arguments)?)),
+        Representation::Tf | Representation::Zpk => Converted::Ratios(ratios(&source, arguments).map_err(failed)?),
+    };
+    let document = match arguments.to {
+        // No kind of model is written down by its zeros and poles.
+        Representation::Zpk => None,
+        _ if arguments.json || arguments.out.is_some() => Some(converted.document(&source)?),
+        _ => None,
+    };
+    if let (Some(path), Some(document)) = (&arguments.out, &document) {
+        let text = serde_json::to_string_pretty(document).map_err(CliError::internal)?;
+        replace_file(path, text.as_bytes())?;
+    }
+    match document {
+        Some(document) if arguments.json => terminal.json(&document)?,
+        _ if arguments.json => terminal.json(&converted.zeros_and_poles(&source)?)?,
+        _ if terminal.is_quiet() => {}
+        _ => {
+            converted.print(&source, arguments.to, terminal)?;
+            written(&arguments.out, terminal);
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
+    let Some(path) = &arguments.out else { return Ok(()) };
+    if arguments.to == Representation::Zpk {
+        let what = "--out writes a model file, which has no form of zeros and poles; give --to tf or --to ss".into();
+        return Err(CliError::Usage { what });
+    }
+    model_file::check_ending(path)?;
+    check_targets(&[&arguments.out], &[std::slice::from_ref(&arguments.model)])
+}
+
+/// A model in its new form.
+enum Converted {
+    System(Box<System>),
+    /// Every way, output by output and in each from the first input on.
+    Ratios(Vec<TransferFunction>),
+}
+
+/// A state space with what stands beside it.
+struct System {
+    system: StateSpace,
+    /// Delay of each input, in seconds; empty where the states hold it.
+    input_delays_s: Vec<f64>,
+    /// The predictor's gain, where the noise model is still the source's.
+    gain: Option<Mat<f64>>,
+}
+
+/// The names of the ways through a model, in the order of its ratios.
+fn names(document: &ModelDocument) -> Vec<String> {
+    let of = |output: &ident::Label| {
+        let output = output.name.clone();
+        document.inputs.iter().map(move |input| format!("{} → {output}", input.name))
+    };
+    document.outputs.iter().flat_map(of).collect()
+}
+
+impl Converted {
+    /// The model as a file holds it. Its noise is that of the source, white on the outputs unless the form keeps the
+    /// noise model; an estimate it has none.
+    fn document(&self, source: &ModelDocument) -> Result<ModelDocument, CliError> {
+        let model = match self {
+            Converted::System(system) => system.model(source)?,
+            Converted::Ratios(all) => ratio_model(all, source).map_err(failed)?,
+        };
+        let sample_time_s = self.sample_time_s().unwrap_or(source.sample_time_s);
+        let mut document = ModelDocument::new(model, source.inputs.clone(), source.outputs.clone(), sample_time_s);
+        (document.intersample, document.trend) = (source.intersample, source.trend.clone());
+        Ok(document)
+    }
+
+    fn sample_time_s(&self) -> Option<f64> {
+        match self {
+            Converted::System(system) => system.system.sample_time_s(),
+            Converted::Ratios(all) => all.first().and_then(TransferFunction::sample_time_s),
+        }
+    }
+
+    fn zeros_and_poles(&self, source: &ModelDocument) -> Result<Vec<serde_json::Value>, CliError> {
+        let Converted::Ratios(all) = self else { return Ok(Vec::new()) };
+        let value = |(name, h): (String, &TransferFunction)| {
+            Ok(serde_json::json!({"channel": name, "zpk": h.to_zero_pole_gain().map_err(failed)?}))
+        };
+        names(source).into_iter().zip(all).map(value).collect()
+    }
+
+    fn print(&self, source: &ModelDocument, to: Representation, terminal: &mut Terminal) -> Result<(), CliError> {
+        match self {
+            Converted::System(system) => system.print(source, terminal),
+            Converted::Ratios(all) => {
+                for (name, h) in names(source).iter().zip(all) {
+                    print_ratio(name, h, to, terminal)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn clock_words(sample_time_s: Option<f64>) -> String {
+    sample_time_s.map_or("continuous".to_owned(), |t| format!("every {t} s"))
+}
+
+fn print_ratio(name: &str, h: &TransferFunction, to: Representation, terminal: &mut Terminal) -> Result<(), CliError> {
+    terminal.line(&format!("{name}, {}, delay {} s", clock_words(h.sample_time_s()), significant(h.delay_s())));
+    if to == Representation::Zpk {
+        let zpk = h.to_zero_pole_gain().map_err(failed)?;
+        let list = |roots: &[Complex64]| roots.iter().map(|r| format!("{r:.6}")).collect::<Vec<_>>().join(", ");
+        terminal.line(&format!("  gain  {}", significant(zpk.gain())));
+        terminal.line(&format!("  zeros {}", list(zpk.zeros())));
+        terminal.line(&format!("  poles {}", list(zpk.poles())));
+        return Ok(());
+    }
+    let list = |p: &[f64]| p.iter().map(|v| significant(*v)).collect::<Vec<_>>().join(", ");
+    terminal.line(&format!("  numerator   {}", list(h.num())));
+    terminal.line(&format!("  denominator {}", list(h.den())));
+    Ok(())
+}
+
+/// The covariance of the source's innovations.
+fn noise_covariance(source: &ModelDocument) -> Result<Mat<f64>, LtiError> {
+    Ok(source.model.innovations(source.sample_time_s, source.intersample)?.noise_covariance().to_owned())
+}
+
+/// The state space that is asked for.
+fn system(source: &ModelDocument, arguments: &ConvertArguments) -> Result<System, CliError> {
+    let own = source.model.system().map_err(failed)?;
+    let stays = arguments.sample_time.is_none() && !arguments.continuous;
+    if own.sample_time_s().is_some() && stays {
+        let form = source.model.innovations(source.sample_time_s, source.intersample).map_err(failed)?;
+        let gain = Some(form.k().to_owned());
+        return Ok(System { system: form.system().clone(), input_delays_s: Vec::new(), gain });
+    }
+    let (inputs, outputs) = (own.inputs(), own.outputs());
+    let ways = (0..outputs).flat_map(|output| (0..inputs).map(move |input| (output, input)));
+    let delays_s = ways.map(|(o, i)| source.model.delay_s(o, i)).collect::<Result<Vec<f64>, _>>().map_err(failed)?;
+    let system = match arguments.sample_time {
+        _ if delays_s.iter().all(|d| *d == 0.0) => resampled(own, arguments).map_err(failed)?,
+        Some(sample_time_s) => sampled_with_delays(source, arguments, sample_time_s).map_err(failed)?,
+        None => return beside_delays(own, &delays_s),
+    };
+    Ok(System { system, input_delays_s: Vec::new(), gain: None })
+}
+
+/// A model with delays, sampled: its delays are states.
+fn sampled_with_delays(
+    source: &ModelDocument,
+    arguments: &ConvertArguments,
+    sample_time_s: f64,
+) -> Result<StateSpace, LtiError> {
+    let held = |intersample| Ok(source.model.innovations(sample_time_s, intersample)?.system().clone());
+    match rule(arguments) {
+        Discretisation::ZeroOrderHold => held(Intersample::ZeroOrderHold),
+        Discretisation::FirstOrderHold => held(Intersample::FirstOrderHold),
+        _ => {
+            let all = ratios(source, arguments)?;
+            Ok(discrete_model(&all, source, sample_time_s)?.innovations()?.system().clone())
+        }
+    }
+}
+
+/// A continuous system whose inputs are delayed.
+fn beside_delays(system: StateSpace, delays_s: &[f64]) -> Result<System, CliError> {
+    let inputs = system.inputs();
+    let first = &delays_s[..inputs];
+    if delays_s.chunks(inputs).any(|row| row != first) {
+        let what = "the delays from one input differ from output to output, which a state space with delayed inputs cannot hold; give --to tf, or --sample-time".into();
+        return Err(CliError::Usage { what });
+    }
+    Ok(System { input_delays_s: first.to_vec(), system, gain: None })
+}
+
+impl System {
+    fn model(&self, source: &ModelDocument) -> Result<AnyModel, CliError> {
+        let noise = noise_covariance(source).map_err(failed)?;
+        if self.system.sample_time_s().is_none() {
+            return self.continuous_model(noise).map_err(failed);
+        }
+        let (states, outputs) = (self.system.states(), self.system.outputs());
+        let gain = self.gain.clone().unwrap_or_else(|| Mat::zeros(states, outputs));
+        let (feedthrough, coloured) = (self.system.d().norm_max() > 0.0, gain.norm_max() > 0.0);
+        let form = Innovations::new(self.system.clone(), gain, noise).map_err(failed)?;
+        Ok(StateSpaceModel::new(form, feedthrough, coloured).into())
+    }
+
+    /// A structure whose entries are all numbers.
+    fn continuous_model(&self, noise: Mat<f64>) -> Result<AnyModel, IdentError> {
+        let formula = |value: f64| value.to_string().parse::<Formula>();
+        let table = |m: faer::MatRef<'_, f64>| {
+            let row = |i: usize| (0..m.ncols()).map(|j| formula(m[(i, j)])).collect();
+            (0..m.nrows()).map(row).collect::<Result<Vec<Vec<Formula>>, IdentError>>()
+        };
+        let parts = FormulaParts {
+            a: table(self.system.a())?,
+            b: table(self.system.b())?,
+            c: table(self.system.c())?,
+            d: table(self.system.d())?,
+            input_delays_s: self.input_delays_s.iter().map(|d| formula(*d)).collect::<Result<_, _>>()?,
+            ..FormulaParts::default()
+        };
+        Ok(GreyBoxModel::new(FormulaStructure::new(parts)?)?.with_noise_covariance(noise)?.into())
+    }
+
+    fn print(&self, source: &ModelDocument, terminal: &mut Terminal) {
+        let system = &self.system;
+        terminal.line(&clock_words(system.sample_time_s()));
+        for (label, delay_s) in source.inputs.iter().zip(&self.input_delays_s) {
+            terminal.line(&format!("delay of {} {} s", label.name, significant(*delay_s)));
+        }
+        let gain = self.gain.as_ref().filter(|k| k.norm_max() > 0.0).map(|k| ("K", k.as_ref()));
+        let own = [("A", system.a()), ("B", system.b()), ("C", system.c()), ("D", system.d())];
+        for (name, m) in own.into_iter().chain(gain) {
+            for i in 0..m.nrows() {
+                let row: Vec<String> = (0..m.ncols()).map(|j| format!("{:>14}", significant(m[(i, j)]))).collect();
+                terminal.line(&format!("{} {}", if i == 0 { name } else { " " }, row.join("")));
+            }
+        }
+    }
+}
+
+/// Every way from an input to an output on the clock that is asked for.
+fn ratios(source: &ModelDocument, arguments: &ConvertArguments) -> Result<Vec<TransferFunction>, LtiError> {
+    let inputs = source.inputs.len();
+    let way = |n: usize| resampled_ratio(ratio(&source.model, n / inputs, n % inputs)?, arguments);
+    (0..source.outputs.len() * inputs).map(way).collect()
+}
+
+/// The way from an input to an output as a ratio with its delay.
+fn ratio(model: &AnyModel, output: usize, input: usize) -> Result<TransferFunction, LtiError> {
+    match (model, model.polynomials(output, input)?) {
+        (AnyModel::Polynomial(m), _) => polynomial_ratio(m, output, input),
+        (_, Some(ratio)) => {
+            TransferFunction::continuous(ratio.numerator, ratio.denominator)?.with_delay(model.delay_s(output, input)?)
+        }
+        (_, None) => {
+            let h = model.system()?.channel(output, input)?.to_transfer_function()?;
+            h.with_delay(model.delay_s(output, input)?)
+        }
+    }
+}
+
+/// The ratio of a polynomial model. All but one sample of the delay stand beside it, so that it has no poles at zero that
+/// are but a delay; the one left is that of the hold.
+fn polynomial_ratio(model: &PolynomialModel, output: usize, input: usize) -> Result<TransferFunction, LtiError> {
+    let mut equations = model.equations().to_vec();
+    let samples = equations.get(output).and_then(|e| e.nk.get(input)).map_or(0, |nk| nk.saturating_sub(1));
+    for nk in equations.iter_mut().filter_map(|e| e.nk.get_mut(input)) {
+        *nk = nk.saturating_sub(samples);
+    }
+    let sooner = PolynomialModel::new(model.sample_time_s(), equations, model.noise_covariance().to_owned())?;
+    match sooner.transfer_function(output, input) {
+        Err(LtiError::OutputsCoupled { .. }) => {
+            model.innovations()?.system().channel(output, input)?.to_transfer_function()
+        }
+        other => other?.with_delay(samples as f64 * model.sample_time_s()),
+    }
+}
+
+/// Ratios as a model.
+fn ratio_model(all: &[TransferFunction], source: &ModelDocument) -> Result<AnyModel, LtiError> {
+    if let Some(sample_time_s) = all.first().and_then(TransferFunction::sample_time_s) {
+        return Ok(discrete_model(all, source, sample_time_s)?.into());
+    }
+    let channel = |h: &TransferFunction| {
+        let lead = h.den()[0];
+        let scaled = |p: &[f64]| p.iter().map(|v| v / lead).collect::<Vec<f64>>();
+        RationalChannel::new(scaled(h.num()), scaled(&h.den()[1..]), h.delay_s())
+    };
+    let channels = all.iter().map(channel).collect::<Result<_, _>>()?;
+    Ok(TransferFunctionModel::new(channels, source.inputs.len(), noise_covariance(source)?)?.into())
+}
+
+/// Discrete ratios as an output-error model: `B/F` with the delay in samples, the difference of the degrees and the delay
+/// beside the ratio.
+fn discrete_model(
+    all: &[TransferFunction],
+    source: &ModelDocument,
+    sample_time_s: f64,
+) -> Result<PolynomialModel, LtiError> {
+    let (inputs, outputs) = (source.inputs.len(), source.outputs.len());
+    let mut equations = vec![PolynomialEquation { a: vec![Vec::new(); outputs], ..Default::default() }; outputs];
+    for (n, h) in all.iter().enumerate() {
+        let (num, den) = (h.num(), h.den());
+        if num.len() > den.len() {
+            return Err(LtiError::Improper { numerator: num.len() - 1, denominator: den.len() - 1 });
+        }
+        let equation = &mut equations[n / inputs];
+        equation.b.push(num.iter().map(|v| v / den[0]).collect());
+        equation.f.push(den[1..].iter().map(|v| v / den[0]).collect());
+        equation.nk.push(den.len() - num.len() + (h.delay_s() / sample_time_s).round() as usize);
+    }
+    PolynomialModel::new(sample_time_s, equations, noise_covariance(source)?)
+}
+
+fn rule(arguments: &ConvertArguments) -> Discretisation {
+    match arguments.method {
+        Sampling::Zoh => Discretisation::ZeroOrderHold,
+        Sampling::Foh => Discretisation::FirstOrderHold,
+        Sampling::Tustin => Discretisation::Tustin { prewarp_rad_s: None },
+        Sampling::Impulse => Discretisation::ImpulseInvariant,
+        Sampling::Matched => Discretisation::Matched,
+    }
+}
+
+fn resampled(system: StateSpace, arguments: &ConvertArguments) -> Result<StateSpace, LtiError> {
+    let method = rule(arguments);
+    match (arguments.sample_time, system.sample_time_s()) {
+        (Some(t), None) => system.to_discrete(method, t),
+        (Some(t), Some(_)) => system.resampled(method, t),
+        (None, Some(_)) if arguments.continuous => system.to_continuous(method),
+        (None, _) => Ok(system),
+    }
+}
+
+fn resampled_ratio(h: TransferFunction, arguments: &ConvertArguments) -> Result<TransferFunction, LtiError> {
+    let method = rule(arguments);
+    match (arguments.sample_time, h.sample_time_s()) {
+        (Some(t), None) => h.to_discrete(method, t),
+        (Some(t), Some(_)) => h.resampled(method, t),
+        (None, Some(_)) if arguments.continuous => h.to_continuous(method),
+        (None, _) => Ok(h),
+    }
+}

@@ -1,0 +1,122 @@
+//! Recordings that were read.
+
+use std::path::PathBuf;
+
+use ident::{Dataset, Experiment, Source};
+use recording::{Recording, Selection};
+
+use crate::error::CliError;
+use crate::input::{self, InputFile};
+use crate::terminal::Terminal;
+
+/// Recordings, their names and the hashes of their bytes.
+pub(in crate::commands::identify) struct Files {
+    all: Vec<File>,
+    /// The time from row to row that text without a time column was read with; none where there is no such text.
+    row_time_s: Option<f64>,
+}
+
+struct File {
+    file: InputFile,
+    /// What it is called in results.
+    name: String,
+    recording: Recording,
+    sha256: String,
+}
+
+impl Files {
+    /// Reads recordings. Text without a time column is read where the time from row to row is given.
+    pub(in crate::commands::identify) fn read(
+        paths: &[PathBuf],
+        row_time_s: Option<f64>,
+        terminal: &Terminal,
+    ) -> Result<Self, CliError> {
+        let files = input::named(paths)?;
+        check_once(&files)?;
+        let names = short_names(&files);
+        let progress = terminal.progress(files.len() as u64);
+        let (mut all, mut untimed) = (Vec::new(), false);
+        for (file, name) in files.into_iter().zip(names) {
+            progress.say(&format!("reading {}", file.name));
+            let (recording, sha256, is_untimed) = decode(&file, row_time_s)?;
+            untimed |= is_untimed;
+            all.push(File { file, name, recording, sha256 });
+            progress.step();
+        }
+        Ok(Files { all, row_time_s: row_time_s.filter(|_| untimed) })
+    }
+
+    /// Whether reading them with this time from row to row would give the same.
+    pub(in crate::commands::identify) fn serves(&self, row_time_s: f64) -> bool {
+        self.row_time_s.is_none_or(|used_s| used_s == row_time_s)
+    }
+
+    /// Whether one of them is text without a time column.
+    pub(in crate::commands::identify) fn are_untimed(&self) -> bool {
+        self.row_time_s.is_some()
+    }
+
+    pub(super) fn recordings(&self) -> Vec<(&str, &Recording)> {
+        self.all.iter().map(|f| (f.name.as_str(), &f.recording)).collect()
+    }
+
+    /// Where each experiment of the data comes from, one a recording.
+    pub(super) fn sources(&self, data: &Dataset) -> Vec<Source> {
+        let source = |(file, experiment): (&File, &Experiment)| Source {
+            file: file.file.name.clone(),
+            sha256: file.sha256.clone(),
+            from_s: experiment.start_s,
+            to_s: experiment.start_s + experiment.len().saturating_sub(1) as f64 * data.sample_time_s(),
+        };
+        self.all.iter().zip(data.experiments()).map(source).collect()
+    }
+
+    /// A warning for each recording whose content was given before under another name.
+    pub(super) fn doubles(&self) -> Vec<String> {
+        let double = |(index, file): (usize, &File)| {
+            let first = self.all[..index].iter().find(|before| before.sha256 == file.sha256)?;
+            Some(format!("{} holds the same as {}, which counts it twice", file.file.name, first.file.name))
+        };
+        self.all.iter().enumerate().filter_map(double).collect()
+    }
+}
+
+/// Refuses a file that is named twice: it would count twice.
+fn check_once(files: &[InputFile]) -> Result<(), CliError> {
+    let place = |file: &InputFile| file.path.canonicalize().unwrap_or_else(|_| file.path.clone());
+    let places: Vec<PathBuf> = files.iter().map(place).collect();
+    match places.iter().enumerate().find(|(index, place)| places[..*index].contains(place)) {
+        Some((index, _)) => {
+            let what = format!("{}: this recording is given twice; name it once", files[index].name);
+            Err(CliError::Usage { what })
+        }
+        None => Ok(()),
+    }
+}
+
+/// What recordings are called: by their file's name alone where that tells them apart.
+fn short_names(files: &[InputFile]) -> Vec<String> {
+    let short = |file: &InputFile| file.path.file_name().map(|n| n.to_string_lossy().into_owned());
+    let names: Vec<Option<String>> = files.iter().map(short).collect();
+    let is_unique = |name: &Option<String>| names.iter().filter(|n| *n == name).count() == 1;
+    let all_unique = names.iter().all(is_unique);
+    let name = |(file, name): (&InputFile, &Option<String>)| match name {
+        Some(name) if all_unique => name.clone(),
+        _ => file.name.clone(),
+    };
+    files.iter().zip(&names).map(name).collect()
+}
+
+/// A recording, the hash of its bytes, and whether it is text without a time column, which is read where the time from
+/// row to row is given.
+fn decode(file: &InputFile, row_time_s: Option<f64>) -> Result<(Recording, String, bool), CliError> {
+    let bytes = input::read_bytes(&file.path)?;
+    let strictly = recording::decode(&file.name, &bytes, &Selection::All);
+    let (recording, untimed) = match (strictly, row_time_s) {
+        (Ok(recording), _) if !recording.channels.is_empty() => (Ok(recording), false),
+        (_, Some(row_time_s)) => (recording::decode_untimed(&file.name, &bytes, row_time_s), true),
+        (other, None) => (other, false),
+    };
+    let recording = recording.map_err(|source| CliError::Recording { source, untimed: row_time_s.is_none() })?;
+    Ok((recording, input::sha256(&bytes), untimed))
+}

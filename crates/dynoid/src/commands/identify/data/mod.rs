@@ -1,0 +1,148 @@
+//! From recordings and channel names to data without trend.
+
+mod files;
+mod gaps;
+mod targets;
+mod words;
+
+use bench::dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
+use ident::{Dataset, Intersample, Source, Trend, TrendScope, TrendShape, advise};
+use recording::Recording;
+
+pub(super) use files::Files;
+pub(super) use gaps::Gaps;
+pub(super) use targets::{check_plot, check_targets, draw};
+
+use crate::cli::identify::{Between, DataArguments, Detrend};
+use crate::error::CliError;
+use crate::terminal::Terminal;
+
+/// Most names listed in a message.
+const MOST_NAMES: usize = 20;
+
+/// Data as an estimator gets them.
+pub(super) struct Loaded {
+    /// The data, trend taken off.
+    pub(super) data: Dataset,
+    /// What was taken off, per recording.
+    pub(super) trend: Option<Trend>,
+    /// The recordings they come from.
+    pub(super) sources: Vec<Source>,
+    /// Which of them each experiment is of, or is a part of.
+    pub(super) recording: Vec<usize>,
+    /// What was done to the channels on the way, and what should be known of them.
+    pub(super) notes: Vec<String>,
+}
+
+/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way. The data
+/// are on the clock of the slowest channel unless another is asked for.
+pub(super) fn load(arguments: &DataArguments, terminal: &mut Terminal) -> Result<Loaded, CliError> {
+    load_on(CommonClock::Slowest, arguments, terminal)
+}
+
+/// As [`load`], on another clock unless one is asked for.
+pub(super) fn load_on(
+    usual: CommonClock,
+    arguments: &DataArguments,
+    terminal: &mut Terminal,
+) -> Result<Loaded, CliError> {
+    let all: Vec<&String> = arguments.inputs.iter().chain(&arguments.outputs).collect();
+    if let Some(twice) = all.iter().enumerate().find(|(index, name)| all[..*index].contains(name)) {
+        let what = format!("the channel \"{}\" is named twice among --input and --output; name it once", twice.1);
+        return Err(CliError::Usage { what });
+    }
+    let files = Files::read(&arguments.recordings, arguments.sample_time_s, terminal)?;
+    let loaded = take(&files, usual, arguments)?;
+    say(&loaded.notes, &mut Vec::new(), terminal);
+    Ok(loaded)
+}
+
+/// The channels of recordings that were read, trend taken off.
+pub(super) fn take(files: &Files, usual: CommonClock, arguments: &DataArguments) -> Result<Loaded, CliError> {
+    check_window(arguments)?;
+    let recordings = files.recordings();
+    let options = DatasetOptions {
+        inputs: arguments.inputs.clone(),
+        outputs: chosen_outputs(arguments, &recordings)?,
+        from_s: arguments.from_s,
+        to_s: arguments.to_s,
+        clock: arguments.sample_time_s.map_or(usual, CommonClock::Every),
+        intersample: intersample(arguments.between),
+    };
+    let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
+    let mut notes = files.doubles();
+    // Inputs that stand in for outputs have their own adjustments.
+    let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
+    let is_news = |a: &&Adjustment| !(is_stand_in && matches!(a, Adjustment::Sparse { .. }));
+    notes.extend(adjustments.iter().filter(is_news).map(words::adjustment));
+    let advice = if is_stand_in { Vec::new() } else { advise(&data) };
+    let advice = advice.iter().filter(|advice| words::matters(advice, arguments.detrend));
+    notes.extend(advice.map(|advice| words::advice(advice, &data)));
+    let trend = trend(&data, arguments.detrend).map_err(|source| CliError::identify("the trend", source))?;
+    let sources = files.sources(&data);
+    let data = match &trend {
+        Some(trend) => trend.remove(&data).map_err(|source| CliError::identify("the trend", source))?,
+        None => data,
+    };
+    let recording = (0..data.experiments().len()).collect();
+    Ok(Loaded { data, trend, sources, recording, notes })
+}
+
+/// Says what was not said before.
+pub(super) fn say(notes: &[String], said: &mut Vec<String>, terminal: &mut Terminal) {
+    for note in notes {
+        if !said.contains(note) {
+            terminal.warning(note);
+            said.push(note.clone());
+        }
+    }
+}
+
+fn check_window(arguments: &DataArguments) -> Result<(), CliError> {
+    match (arguments.from_s, arguments.to_s) {
+        (Some(from_s), Some(to_s)) if from_s >= to_s => Err(CliError::Usage {
+            what: format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first"),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// The outputs named, or an error that lists what there is.
+fn chosen_outputs(arguments: &DataArguments, recordings: &[(&str, &Recording)]) -> Result<Vec<String>, CliError> {
+    if !arguments.outputs.is_empty() {
+        return Ok(arguments.outputs.clone());
+    }
+    let (file, recording) = recordings.first().copied().unzip();
+    let channels = recording.map(|r| r.channels.as_slice()).unwrap_or_default();
+    let mut names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).take(MOST_NAMES).collect();
+    if channels.len() > MOST_NAMES {
+        names.push("…");
+    }
+    Err(CliError::NoOutputNamed { file: file.unwrap_or_default().to_owned(), channels: names.join(", ") })
+}
+
+fn intersample(between: Between) -> Intersample {
+    match between {
+        Between::Held => Intersample::ZeroOrderHold,
+        Between::Straight => Intersample::FirstOrderHold,
+        Between::BandLimited => Intersample::BandLimited,
+    }
+}
+
+fn trend(data: &Dataset, detrend: Detrend) -> Result<Option<Trend>, ident::IdentError> {
+    let shape = match detrend {
+        Detrend::Mean => TrendShape::Mean,
+        Detrend::Line => TrendShape::Line,
+        Detrend::None => return Ok(None),
+    };
+    Trend::estimate(data, shape, TrendScope::PerExperiment).map(Some)
+}
+
+/// Recordings and channels, as a message about them begins.
+pub(super) fn named(data: &Dataset, sources: &[Source]) -> String {
+    let files: Vec<&str> = sources.iter().map(|s| s.file.as_str()).collect();
+    let names = |labels: &[ident::Label]| labels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ");
+    let (inputs, outputs) = (names(data.input_labels()), names(data.output_labels()));
+    let arrow = if inputs.is_empty() { "" } else { " → " };
+    format!("{} ({inputs}{arrow}{outputs})", files.join(", "))
+}

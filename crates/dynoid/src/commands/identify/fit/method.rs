@@ -1,0 +1,64 @@
+//! Methods and their orders, as a person would write them.
+
+use ident::AnyModel;
+
+use super::greybox;
+use crate::cli::identify::{FitCommand, PolynomialArguments};
+
+/// The method and its orders, as a person would write it.
+pub(super) fn wanted(command: &FitCommand) -> String {
+    let list = |values: &[usize]| values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    let polynomial = |name: &str, a: &PolynomialArguments| {
+        let mut text = name.to_owned();
+        let single = [("na", a.na), ("nc", a.nc), ("nd", a.nd)];
+        single.iter().filter_map(|(n, v)| v.map(|v| format!(" {n} {v}"))).for_each(|part| text.push_str(&part));
+        let several = [("nb", &a.nb), ("nf", &a.nf), ("nk", &a.nk)];
+        several.iter().filter(|(_, v)| !v.is_empty()).for_each(|(n, v)| text.push_str(&format!(" {n} {}", list(v))));
+        text
+    };
+    match command {
+        FitCommand::Arx(a) => {
+            let name = if a.iv { "ARX by instrumental variables" } else { "ARX" };
+            format!("{name} na {} nb {} nk {}", a.na, list(&a.nb), list(&a.nk))
+        }
+        FitCommand::Armax(a) => polynomial("ARMAX", a),
+        FitCommand::Oe(a) => polynomial("output error", a),
+        FitCommand::Bj(a) => polynomial("Box–Jenkins", a),
+        FitCommand::Poly(a) => polynomial("polynomial", a),
+        FitCommand::Tf(a) => format!("transfer function, zeros {} poles {}", list(&a.zeros), list(&a.poles)),
+        FitCommand::Process(a) => format!("process model {}", a.structure),
+        FitCommand::Ss(a) => {
+            let how = if a.subspace { "subspace" } else { "prediction error" };
+            format!("state space by {how}, order {}", a.order)
+        }
+        FitCommand::Greybox(a) => greybox::method(a),
+    }
+}
+
+/// The method with the orders that the model came to have, the usual ones included.
+pub(super) fn fitted(wanted: String, model: &AnyModel) -> String {
+    let list = |values: Vec<usize>| values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ");
+    match model {
+        AnyModel::Polynomial(model) => {
+            let Some(e) = model.equations().first() else { return wanted };
+            let name = wanted.split(" n").next().unwrap_or(&wanted);
+            let lengths = |lists: &[Vec<f64>]| list(lists.iter().map(Vec::len).collect());
+            let orders = [
+                ("na", lengths(&e.a)),
+                ("nb", lengths(&e.b)),
+                ("nc", e.c.len().to_string()),
+                ("nd", e.d.len().to_string()),
+                ("nf", lengths(&e.f)),
+                ("nk", list(e.nk.clone())),
+            ];
+            let is_there = |text: &str| text.split(' ').any(|n| n != "0" && !n.is_empty());
+            let orders = orders.iter().filter(|(name, text)| *name == "nk" || is_there(text));
+            orders.fold(name.to_owned(), |text, (name, order)| format!("{text} {name} {order}"))
+        }
+        AnyModel::StateSpace(model) => {
+            let name = wanted.split(", order").next().unwrap_or(&wanted);
+            format!("{name}, order {}", model.system().states())
+        }
+        _ => wanted,
+    }
+}

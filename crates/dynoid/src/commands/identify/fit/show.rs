@@ -1,0 +1,166 @@
+//! Estimates as text, as tables and as JSON.
+
+use ident::validate::Judgement;
+use ident::{AnyModel, IdentError, ModelDocument, Parametric};
+use serde::Serialize;
+
+use super::verdict::Judged;
+use super::{Finished, INTERVAL, REGION, greybox};
+use crate::cli::identify::FitArguments;
+use crate::commands::identify::look;
+use crate::commands::identify::words::{self, significant};
+use crate::table::{Align, Style, Table};
+use crate::terminal::Terminal;
+
+pub(super) fn channels(document: &ModelDocument) -> String {
+    let names = |labels: &[ident::Label]| labels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ");
+    format!("{} → {}", names(&document.inputs), names(&document.outputs))
+}
+
+pub(super) fn method(document: &ModelDocument) -> &str {
+    document.estimate.as_ref().map_or("", |e| e.method.as_str())
+}
+
+impl Finished {
+    pub(super) fn json(&self) -> impl Serialize {
+        let intervals: Vec<[f64; 2]> = self.fit.intervals(INTERVAL).into_iter().map(|(a, b)| [a, b]).collect();
+        let residuals = &self.verdict.residuals;
+        serde_json::json!({
+            "model": self.document,
+            "adjustments": self.notes,
+            "standard_errors": self.fit.standard_errors(),
+            "intervals_95": intervals,
+            "derived": greybox::derived_json(&self.fit, INTERVAL),
+            "criteria": self.verdict.criteria,
+            "judged": self.verdict.judged.iter().map(judged_json).collect::<Vec<_>>(),
+            "residuals": residuals.as_ref().ok().map(|report| words::tests_json(report, REGION)),
+            "residuals_error": self.verdict.no_residuals(),
+            "doubts": self.doubts(),
+        })
+    }
+
+    pub(super) fn print(&self, arguments: &FitArguments, terminal: &mut Terminal) {
+        let document = &self.document;
+        terminal.heading(&format!("{}: {}", method(document), channels(document)), Style::Bold);
+        terminal.line(&format!(
+            "{} samples of {} s, {} experiment{}",
+            self.fit.samples,
+            significant(document.sample_time_s),
+            self.experiments,
+            if self.experiments == 1 { "" } else { "s" }
+        ));
+        terminal.gap();
+        // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
+        let shown = matches!(self.fit.model, AnyModel::StateSpace(_))
+            && look::print_roots(document, INTERVAL, terminal).is_ok();
+        if !shown {
+            terminal.table(&self.parameters());
+        }
+        terminal.gap();
+        greybox::print_derived(&self.fit, INTERVAL, terminal);
+        terminal.table(&self.fits());
+        terminal.gap();
+        self.print_tests(terminal);
+        for doubt in self.doubts() {
+            terminal.item(("doubt:", Style::Caution), &doubt);
+        }
+        for path in [&arguments.out, &arguments.result.plot].into_iter().flatten() {
+            terminal.line(&format!("written: {}", path.display()));
+        }
+    }
+
+    fn print_tests(&self, terminal: &mut Terminal) {
+        let c = &self.verdict.criteria;
+        let numbers = [("loss", self.fit.loss), ("FPE", c.fpe), ("AIC", c.aic), ("BIC", c.bic)];
+        let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", significant(*v))).collect();
+        terminal.line(&numbers.join(", "));
+        let labels = (self.document.inputs.as_slice(), self.document.outputs.as_slice());
+        if let Ok(report) = &self.verdict.residuals {
+            words::print_tests(report, labels, REGION, terminal);
+        }
+        if let Some(reason) = self.verdict.no_residuals() {
+            terminal.line(&format!("no residual test: {reason}"));
+        }
+        terminal.line(&format!("{} ({} iterations)", words::termination(self.fit.termination), self.fit.iterations));
+    }
+
+    /// Every reason to doubt, in words.
+    fn doubts(&self) -> Vec<String> {
+        let names = self.fit.model.parameter_names();
+        let is_coloured =
+            |report: &ident::validate::ResidualReport| report.whiteness.iter().any(|w| !w.joint.passes(REGION));
+        let coloured = self.verdict.residuals.as_ref().is_ok_and(is_coloured);
+        let first = coloured.then(|| {
+            "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; add a noise model (armax, bj, ss), or take the intervals for too narrow".to_owned()
+        });
+        let others = self.fit.doubts.iter().map(|doubt| words::doubt(doubt, &names, &self.document.outputs));
+        first.into_iter().chain(others).collect()
+    }
+
+    fn parameters(&self) -> Table {
+        let columns = [
+            ("parameter", Align::Left),
+            ("value", Align::Right),
+            ("± (standard error)", Align::Right),
+            ("95 % interval", Align::Left),
+        ];
+        let mut table = Table::new(&columns);
+        let values = self.fit.parameters();
+        let (errors, intervals) = (self.fit.standard_errors(), self.fit.intervals(INTERVAL));
+        let fixed = greybox::fixed(&self.fit.model);
+        for (i, name) in self.fit.model.parameter_names().iter().enumerate() {
+            let (error, interval) = match fixed.contains(&i) || errors[i] == 0.0 {
+                true => ("fixed".to_owned(), String::new()),
+                false => (
+                    significant(errors[i]),
+                    format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)),
+                ),
+            };
+            table.row([name.into(), significant(values[i]).into(), error.into(), interval.into()]);
+        }
+        table
+    }
+
+    fn fits(&self) -> Table {
+        let columns = [
+            ("fit on", Align::Left),
+            ("output", Align::Left),
+            ("simulated", Align::Right),
+            ("predicted", Align::Right),
+        ];
+        let mut table = Table::new(&columns);
+        for judged in &self.verdict.judged {
+            for (experiment, recording) in judged.experiments.iter().enumerate() {
+                let on = match judged.experiments.len() {
+                    1 => judged.name.to_owned(),
+                    _ => format!("{}, {recording}", judged.name),
+                };
+                for (output, label) in self.document.outputs.iter().enumerate() {
+                    let fit = |j: &Result<Judgement, IdentError>| {
+                        words::percent(j.as_ref().map_or(f64::NAN, |j| j.fit_percent[experiment][output]))
+                    };
+                    table.row([
+                        on.as_str().into(),
+                        label.name.as_str().into(),
+                        fit(&judged.simulated).into(),
+                        fit(&judged.predicted).into(),
+                    ]);
+                }
+            }
+        }
+        table
+    }
+}
+
+fn judged_json(judged: &Judged) -> serde_json::Value {
+    let fit = |j: &Result<Judgement, IdentError>| j.as_ref().ok().map(|j| j.fit_percent.clone());
+    let error = |j: &Result<Judgement, IdentError>| j.as_ref().err().map(ToString::to_string);
+    serde_json::json!({
+        "data": judged.name,
+        "experiments": judged.experiments,
+        "fit_percent_simulated": fit(&judged.simulated),
+        "fit_percent_predicted": fit(&judged.predicted),
+        "error_simulated": error(&judged.simulated),
+        "error_predicted": error(&judged.predicted),
+    })
+}

@@ -1,0 +1,120 @@
+//! How good a model is on the data it was fitted to, and on others.
+
+use ident::prediction::{InitialState, Response};
+use ident::validate::{Judgement, ResidualReport, ResidualTest, fit_percent, judge};
+use ident::{AnyModel, Criteria, Dataset, Doubt, Experiment, Fit, IdentError};
+
+use super::REGION;
+use crate::commands::identify::figures;
+
+/// Lags of the residual tests.
+const LAGS: usize = 25;
+/// Below this fit, in percent, a model explains next to nothing.
+const LITTLE: f64 = 5.0;
+
+pub(super) struct Verdict {
+    pub(super) criteria: Criteria,
+    pub(super) judged: Vec<Judged>,
+    pub(super) residuals: Result<ResidualReport, IdentError>,
+}
+
+/// A judgement on one part of the data.
+pub(super) struct Judged {
+    pub(super) name: &'static str,
+    /// Names of its experiments.
+    pub(super) experiments: Vec<String>,
+    pub(super) predicted: Result<Judgement, IdentError>,
+    pub(super) simulated: Result<Judgement, IdentError>,
+}
+
+impl Verdict {
+    pub(super) fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<&Dataset>) -> Self {
+        let judged = |name, data: &Dataset| Judged {
+            name,
+            experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
+            predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
+            simulated: judge(&fit.model, data, None, &InitialState::Estimated),
+        };
+        let estimation = judged("estimation", data);
+        let unseen_judged = unseen.map(|unseen| judged("unseen", unseen));
+        let last = unseen_judged.as_ref().unwrap_or(&estimation);
+        Verdict {
+            criteria: Criteria::of(fit.loss, fit.free_parameters, fit.samples, data.outputs()),
+            residuals: residual_test(last, unseen.unwrap_or(data)),
+            judged: std::iter::once(estimation).chain(unseen_judged).collect(),
+        }
+    }
+
+    /// Outputs of the estimation data of which the model explains next to nothing.
+    pub(super) fn doubts(&self, data: &Dataset) -> Vec<Doubt> {
+        let Some(own) = self.judged.first() else { return Vec::new() };
+        let mut doubts = Vec::new();
+        for output in 0..data.outputs() {
+            let is_little = |judged: &Result<Judgement, IdentError>| {
+                judged.as_ref().is_ok_and(|j| whole_fit(data, &j.response, output).is_some_and(|fit| fit < LITTLE))
+            };
+            // What is not even predicted is not simulated either; without inputs there is nothing to simulate.
+            let predicted = is_little(&own.predicted);
+            if predicted || (data.inputs() > 0 && is_little(&own.simulated)) {
+                doubts.push(Doubt::ExplainsLittle { output, simulated: !predicted });
+            }
+        }
+        doubts
+    }
+
+    /// Why there are no residual tests, if there are none.
+    pub(super) fn no_residuals(&self) -> Option<String> {
+        match self.residuals.as_ref().err()? {
+            IdentError::TooFewSamples { samples, parameters } => {
+                Some(format!("{samples} samples are too few for correlations up to {parameters} lags"))
+            }
+            other => Some(other.to_string()),
+        }
+    }
+
+    /// What could not be judged, and why.
+    pub(super) fn failures(&self) -> Vec<String> {
+        let mut all = Vec::new();
+        for judged in &self.judged {
+            let both = [("simulated", &judged.simulated), ("predicted", &judged.predicted)];
+            for (how, reason) in both.into_iter().filter_map(|(how, j)| Some((how, j.as_ref().err()?))) {
+                all.push(format!("the model could not be {how} on the {} data: {reason}", judged.name));
+            }
+        }
+        all
+    }
+
+    pub(super) fn figures(&self, data: &Dataset) -> Vec<plot::Figure> {
+        let mut all = Vec::new();
+        if let Some(judged) = self.judged.last() {
+            let pair = [("simulated", &judged.simulated), ("predicted one step", &judged.predicted)];
+            let there = pair.into_iter().filter_map(|(name, judged)| Some((name, &judged.as_ref().ok()?.response)));
+            let shown = there.map(|(name, response)| figures::Shown { name, data, response });
+            all.extend(figures::comparison(&shown.collect::<Vec<_>>()));
+        }
+        if let Ok(report) = &self.residuals {
+            all.extend(figures::residuals(report, data, REGION));
+        }
+        all
+    }
+}
+
+/// The residual tests on the one-step errors that the judgement has found.
+fn residual_test(judged: &Judged, data: &Dataset) -> Result<ResidualReport, IdentError> {
+    let predicted = judged.predicted.as_ref().map_err(Clone::clone)?;
+    let mut responses = predicted.response.outputs.iter();
+    let errors = data.map_experiments(|e| {
+        let outputs = responses.next().map_or_else(|| e.outputs.clone(), |modelled| &e.outputs - modelled);
+        Ok(Experiment { outputs, ..e.clone() })
+    })?;
+    ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() }.run_on_residuals(&errors)
+}
+
+/// The fit of an output over all experiments; none where nothing was measured.
+fn whole_fit(data: &Dataset, response: &Response, output: usize) -> Option<f64> {
+    let pairs = data.experiments().iter().zip(&response.outputs).flat_map(|(e, modelled)| {
+        e.output(output).iter().zip(modelled.col_as_slice(output)).filter(|(y, _)| !y.is_nan())
+    });
+    let (measured, modelled): (Vec<f64>, Vec<f64>) = pairs.map(|(y, m)| (*y, *m)).unzip();
+    fit_percent(&measured, &modelled).ok()
+}

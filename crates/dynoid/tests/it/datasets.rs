@@ -1,0 +1,270 @@
+//! What happens to recordings before and after an estimate: clocks, gaps, faults, and what is said of them.
+
+use faer::{Mat, mat};
+use lti::StateSpace;
+use tempfile::TempDir;
+
+use crate::identify::{fitted, folder, run};
+use crate::support::Ran;
+
+/// A lag of 5 ms, 1.2 ms late: its demand every millisecond, its answer every fourth.
+fn two_rasters() -> TempDir {
+    let mut random = signal::excitation::Random::new(3);
+    let (count, lag_s) = (4001, 0.005);
+    let u = Mat::from_fn(count, 1, |_, _| random.normal().signum());
+    let system = StateSpace::continuous(mat![[-1.0 / lag_s]], mat![[1.0 / lag_s]], mat![[1.0]], mat![[0.0]]).unwrap();
+    let y = system.to_discrete_delayed(&[0.0012], 0.001).unwrap().simulate(u.as_ref(), &[0.0], &[0.0]).unwrap();
+    let rows = (0..count).map(|n| {
+        let slow = match 4 * n < count {
+            true => format!("{},{}", 0.004 * n as f64, y[(4 * n, 0)] + 0.01 * random.normal()),
+            false => ",".into(),
+        };
+        format!("{},{},{slow}\n", 0.001 * n as f64, u[(n, 0)])
+    });
+    let text = format!("time [s],demand [Nm],time 2 [s],torque [Nm]\n{}", rows.collect::<String>());
+    let folder = TempDir::new().unwrap();
+    std::fs::write(folder.path().join("run.csv"), text).unwrap();
+    folder
+}
+
+#[track_caller]
+fn done(folder: &TempDir, line: &str) -> Ran {
+    let ran = run(folder, line);
+    assert_eq!(ran.code, Some(0), "{line}: {}", ran.stderr);
+    ran
+}
+
+fn notes(result: &serde_json::Value) -> String {
+    result["adjustments"].as_array().unwrap().iter().map(|n| n.as_str().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn stat_fits_to_the_simulated_output_run_on_the_fastest_clock() {
+    let folder = two_rasters();
+    let line = "run.csv -u demand -y torque --json";
+    for method in ["fit tf --zeros 0 --poles 1 --delay 0:0.004", "fit process --structure P1D --delay 0:0.004"] {
+        let result = done(&folder, &format!("{method} {line}")).json();
+        assert_eq!(result["model"]["sample_time_s"], 0.001);
+        assert!(notes(&result).contains("\"torque\" has a sample only every 0.004 s"), "{}", notes(&result));
+        let estimate = &result["model"]["estimate"];
+        let at =
+            estimate["parameter_names"].as_array().unwrap().iter().position(|n| n == "delay" || n == "Td").unwrap();
+        let delay_s = estimate["parameters"][at].as_f64().unwrap();
+        let error_s = result["standard_errors"][at].as_f64().unwrap();
+        assert!((delay_s - 0.0012).abs() < 4.0 * error_s && error_s < 5e-5, "{method}: {delay_s} ± {error_s}");
+        // Residuals every fourth sample: the tests of whiteness hold all the same.
+        assert_eq!(result["residuals"]["whiteness"][0]["joint"]["passed"], true, "{}", result["residuals"]);
+    }
+    let result = done(&folder, &format!("fit arx {line}")).json();
+    assert_eq!(result["model"]["sample_time_s"], 0.004);
+    assert!(notes(&result).contains("\"demand\" was brought from a sample time of 0.001 s to 0.004 s"));
+}
+
+#[test]
+fn a_model_that_explains_nothing_is_doubted() {
+    let folder = TempDir::new().unwrap();
+    let mut random = signal::excitation::Random::new(8);
+    let rows = (0..600).map(|n| format!("{},{},{}\n", 0.1 * f64::from(n), random.normal(), random.normal()));
+    std::fs::write(folder.path().join("run.csv"), format!("time,valve,speed\n{}", rows.collect::<String>())).unwrap();
+    let result = fitted(&folder, "fit oe --out m.json");
+    let doubts = result["doubts"].to_string();
+    assert!(doubts.contains("the model explains next to nothing of speed"), "{doubts}");
+    let kinds = &result["model"]["estimate"]["doubts"];
+    assert!(kinds.as_array().unwrap().iter().any(|d| d["kind"] == "explains_little"), "{kinds}");
+    let text = done(&folder, "fit oe run.csv -u valve -y speed").stdout;
+    assert_eq!(text.matches("next to nothing").count(), 1, "{text}");
+    assert!(text.contains("doubt:"), "{text}");
+    done(&folder, "poles m.json");
+    let good = crate::identify::folder();
+    assert!(!fitted(&good, "fit oe")["doubts"].to_string().contains("next to nothing"));
+}
+
+/// `run.csv` without some inputs, and without one output.
+fn with_gaps(folder: &TempDir) {
+    let text = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let cut = |(n, line): (usize, &str)| {
+        let cells: Vec<&str> = line.split(',').collect();
+        match n {
+            200..=230 | 400 => format!("{},,{}\n", cells[0], cells[2]),
+            100 => format!("{},{},\n", cells[0], cells[1]),
+            _ => format!("{line}\n"),
+        }
+    };
+    std::fs::write(folder.path().join("gaps.csv"), text.lines().enumerate().map(cut).collect::<String>()).unwrap();
+}
+
+#[test]
+fn recordings_are_cut_where_inputs_are_missing() {
+    let folder = folder();
+    with_gaps(&folder);
+    for method in
+        ["arx", "arx --iv", "armax", "oe", "bj", "tf --zeros 1 --poles 2", "process --structure P2ZU", "ss --order 2"]
+    {
+        let line = format!("fit {method} gaps.csv -u valve -y speed --json --validate unseen.csv");
+        let result = done(&folder, &line).json();
+        let notes = notes(&result);
+        let stretches = if notes.contains("\"valve\", \"speed\"") { 4 } else { 3 };
+        assert!(notes.contains(&format!("into {stretches} stretches")), "{method}: {notes}");
+        assert_eq!(result["judged"][0]["fit_percent_simulated"].as_array().unwrap().len(), stretches, "{method}");
+        let fit = result["judged"][1]["fit_percent_predicted"][0][0].as_f64().unwrap();
+        assert!(fit > 60.0, "{method}: {fit}");
+    }
+    fitted(&folder, "fit armax --out m.json");
+    done(&folder, "resid m.json --on gaps.csv");
+    done(&folder, "compare m.json --on gaps.csv");
+    done(&folder, "simulate m.json --on gaps.csv --out s.csv --plot s.svg");
+    let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
+    let rows: Vec<&str> = text.lines().collect();
+    assert_eq!(rows.len(), 601);
+    assert!(rows[210].ends_with(",NaN") && !rows[100].ends_with(",NaN"), "{} and {}", rows[210], rows[100]);
+}
+
+#[test]
+fn recordings_without_a_stretch_are_refused_and_name_the_channel() {
+    let folder = folder();
+    let rows = (0..400).map(|n| format!("{n},{},{n}\n", if n % 8 == 0 { "" } else { "1.5" }));
+    std::fs::write(folder.path().join("sieve.csv"), format!("time,valve,speed\n{}", rows.collect::<String>())).unwrap();
+    run(&folder, "fit oe sieve.csv -u valve -y speed").assert_refused(3, &["sieve.csv", "\"valve\"", "missing"]);
+}
+
+#[test]
+fn an_estimate_is_kept_where_its_judgement_fails() {
+    let folder = folder();
+    let text = std::fs::read_to_string(folder.path().join("unseen.csv")).unwrap();
+    let short: String = text.lines().take(60).map(|line| format!("{line}\n")).collect();
+    std::fs::write(folder.path().join("short.csv"), short).unwrap();
+    let result = fitted(&folder, "fit arx --validate short.csv --out m.json");
+    assert!(result["residuals_error"].as_str().unwrap().contains("59 samples are too few"), "{result}");
+    done(&folder, "poles m.json");
+}
+
+#[test]
+fn wrong_orders_are_faults_of_the_command_line() {
+    let folder = folder();
+    for (line, words) in [
+        ("arx --nb 1,2", "--nb: 2 values for 1 input"),
+        ("arx --nk 1,2,3", "--nk: 3 values for 1 input"),
+        ("arx --na 0 --nb 0", "nothing to estimate"),
+        ("oe --nb 0", "--nb 0"),
+        ("oe --nf 1,2", "--nf: 2 values"),
+        ("tf --zeros 3 --poles 2", "--zeros 3 is more than --poles 2"),
+        ("tf --delay 0.2:0.1", "--delay 0.2:0.1"),
+        ("tf --poles 1,1", "--poles: 2 values"),
+        ("process --structure P1X", "--structure P1X"),
+        ("ss --order 0", "--order 0"),
+    ] {
+        run(&folder, &format!("fit {line} run.csv -u valve -y speed")).assert_refused(2, &[words]);
+    }
+    run(&folder, "fit tf run.csv -y speed").assert_refused(2, &["--input"]);
+}
+
+#[test]
+fn too_few_samples_name_the_data_and_what_to_lower() {
+    let folder = folder();
+    let ran = run(&folder, "fit arx run.csv -u valve -y speed --na 500 --nb 500");
+    ran.assert_refused(3, &["run.csv (valve → speed)", "samples cannot determine", "lower --na"]);
+    let ran = run(&folder, "fit tf run.csv -u valve -y speed --to 0.6 --zeros 3 --poles 4");
+    ran.assert_refused(3, &["run.csv (valve → speed)", "--poles"]);
+}
+
+#[test]
+fn files_are_called_what_they_are() {
+    let folder = folder();
+    std::fs::write(folder.path().join("m.json"), [0xff, 0xfe, b'{']).unwrap();
+    let ran = run(&folder, "poles m.json");
+    ran.assert_refused(3, &["m.json", "UTF-8", "model file"]);
+    assert!(!ran.stderr.contains("bench file"), "{}", ran.stderr);
+}
+
+#[test]
+fn recordings_count_once() {
+    let folder = folder();
+    run(&folder, "fit arx run.csv ./run.csv -u valve -y speed").assert_refused(2, &["run.csv", "twice"]);
+    std::fs::copy(folder.path().join("run.csv"), folder.path().join("copy.csv")).unwrap();
+    let ran = done(&folder, "fit arx run.csv copy.csv -u valve -y speed");
+    assert!(ran.stderr.contains("copy.csv holds the same as run.csv"), "{}", ran.stderr);
+    let ran = done(&folder, "fit arx run.csv -u valve -y speed --validate run.csv");
+    assert!(ran.stderr.contains("no unseen one"), "{}", ran.stderr);
+}
+
+#[test]
+fn targets_are_checked_before_anything_is_read() {
+    let folder = folder();
+    // The recording is not there; the target is found to be wrong all the same.
+    for (target, words) in [("--out absent/m.json", "absent/m.json"), ("--plot absent/p.svg", "absent/p.svg")] {
+        run(&folder, &format!("fit arx none.csv -u valve -y speed {target}")).assert_refused(4, &[words]);
+    }
+    run(&folder, "fit arx none.csv -u valve -y speed --plot p.pdf").assert_refused(2, &["p.pdf", ".html"]);
+    assert!(!folder.path().join("absent").exists());
+}
+
+#[test]
+fn models_meet_untimed_text_and_other_clocks() {
+    let folder = folder();
+    fitted(&folder, "fit tf --zeros 1 --poles 2 --out tf.json");
+    fitted(&folder, "fit arx --out arx.json");
+    let text = std::fs::read_to_string(folder.path().join("unseen.csv")).unwrap();
+    let untimed: String = text.lines().map(|line| format!("{}\n", line.split_once(',').unwrap().1)).collect();
+    std::fs::write(folder.path().join("bare.csv"), untimed).unwrap();
+    let fit = |line: &str| {
+        let compared = done(&folder, &format!("compare {line} --json")).json();
+        compared[0]["fit_percent"][0][0].as_f64().unwrap()
+    };
+    let timed = fit("tf.json --on unseen.csv");
+    assert!((fit("tf.json --on bare.csv") - timed).abs() < 1e-9);
+    assert!((fit("tf.json --on bare.csv --sample-time 0.1") - timed).abs() < 1e-9);
+    // With the wrong time from row to row the model is too fast for the data.
+    assert!(fit("tf.json --on bare.csv --sample-time 0.2") < timed - 20.0);
+    for command in ["resid arx.json", "simulate tf.json", "predict arx.json"] {
+        done(&folder, &format!("{command} --on bare.csv --sample-time 0.1"));
+    }
+    run(&folder, "resid arx.json --on unseen.csv --sample-time 0.2").assert_refused(2, &["--sample-time", "discrete"]);
+}
+
+#[test]
+fn comparisons_say_everything_once() {
+    let folder = folder();
+    with_gaps(&folder);
+    fitted(&folder, "fit tf --zeros 1 --poles 2 --out tf.json");
+    fitted(&folder, "fit arx --out arx.json");
+    let ran = done(&folder, "compare tf.json arx.json --on gaps.csv");
+    assert_eq!(ran.stderr.matches("\"valve\": 32 of 600 samples are missing").count(), 1, "{}", ran.stderr);
+    let text = done(&folder, "fit arx gaps.csv -u valve -y speed").stdout;
+    assert!(text.contains("estimation, gaps.csv part 2"), "{text}");
+    let fit = done(&folder, "fit arx gaps.csv -u valve -y speed");
+    assert_eq!(fit.stderr.matches("of 600 samples").count(), 3, "{}", fit.stderr);
+}
+
+#[test]
+fn written_times_are_short_decimals() {
+    let folder = TempDir::new().unwrap();
+    let mut random = signal::excitation::Random::new(2);
+    let rows = (0..400).map(|n| format!("{},{},{}\n", 2.5 + 0.01 * f64::from(n), random.normal(), random.normal()));
+    std::fs::write(folder.path().join("run.csv"), format!("time,valve,speed\n{}", rows.collect::<String>())).unwrap();
+    fitted(&folder, "fit arx --out m.json");
+    done(&folder, "simulate m.json --on run.csv --out s.csv");
+    let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
+    let times: Vec<&str> = text.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!((times.len(), times[0], times[51], times[399]), (400, "2.5", "3.01", "6.49"));
+    assert!(times.iter().all(|time| time.len() <= 4), "{times:?}");
+}
+
+#[test]
+fn an_integrator_and_a_trend_taken_off_are_noticed() {
+    let folder = TempDir::new().unwrap();
+    let mut random = signal::excitation::Random::new(4);
+    let mut speed = 0.0;
+    let rows = (0..800).map(|n| {
+        let torque = if n % 10 < 5 { 1.0 } else { -0.6 } + 0.5 * random.normal();
+        let row = format!("{},{torque},{}\n", 0.01 * f64::from(n), speed + 0.01 * random.normal());
+        speed += 0.01 * torque;
+        row
+    });
+    std::fs::write(folder.path().join("run.csv"), format!("time,torque,speed\n{}", rows.collect::<String>())).unwrap();
+    let line = "fit arx run.csv -u torque -y speed";
+    let ran = done(&folder, line);
+    assert!(ran.stderr.contains("\"speed\" seems to integrate \"torque\""), "{}", ran.stderr);
+    assert!(!done(&folder, &format!("{line} --detrend none")).stderr.contains("integrate"));
+    let settling = crate::identify::folder();
+    assert!(!run(&settling, "fit arx run.csv -u valve -y speed").stderr.contains("integrate"));
+}
