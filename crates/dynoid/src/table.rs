@@ -75,7 +75,7 @@ impl Table {
         Table { columns: columns.to_vec(), rows: Vec::new(), notes: Vec::new() }
     }
 
-    pub(crate) fn row<const N: usize>(&mut self, cells: [Cell; N]) {
+    pub(crate) fn row(&mut self, cells: impl Into<Vec<Cell>>) {
         self.rows.push(cells.into());
     }
 

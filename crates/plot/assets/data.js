@@ -118,27 +118,39 @@ function xExtent(figure) {
   return low < high ? [low, high] : Number.isFinite(low) ? [low * 0.9 - 1e-9, low * 1.1 + 1] : [log ? 1 : 0, log ? 10 : 1];
 }
 
+const BAND_BEYOND = 4; // how far a band widens a logarithmic axis, as a factor
+
 /** Range of y for what is in view and not hidden, with a little air. */
 function yExtent(panel, domain, hidden) {
   if (panel.y.range) return panel.y.range;
-  let [low, high] = [Infinity, -Infinity];
-  const take = (value) => {
-    if (!Number.isFinite(value)) return;
-    low = Math.min(low, value);
-    high = Math.max(high, value);
+  const log = panel.y.scale === "log";
+  const [range, bands] = [[Infinity, -Infinity], [Infinity, -Infinity]];
+  const take = (into, value) => {
+    if (!Number.isFinite(value) || (log && value <= 0)) return;
+    into[0] = Math.min(into[0], value);
+    into[1] = Math.max(into[1], value);
   };
   for (const layer of panel.layers) {
-    if (layer.type === "y_region") [layer.low, layer.high].forEach((v) => take(v === null ? NaN : v));
+    if (layer.type === "y_region") [layer.low, layer.high].forEach((v) => take(range, v === null ? NaN : v));
     if (!layer.x || layer.type === "vertical_marks" || layer.type === "x_region" || hidden.has(layer.name)) continue;
     const [first, end] = isLoose(layer) ? [0, layer.x.length] : visibleRange(layer.x, domain[0], domain[1]);
     for (const key of ["y", "low", "high"]) {
-      if (layer[key]) for (let n = first; n < end; n++) take(layer[key][n]);
+      if (layer[key]) for (let n = first; n < end; n++) take(layer.type === "band" ? bands : range, layer[key][n]);
     }
-    if (layer.type === "stems") take(0);
+    if (layer.type === "stems") take(range, 0);
   }
-  if (!(low <= high)) return [0, 1];
+  const [low, high] = widened(range, bands, log);
+  if (!(low <= high)) return log ? [1, 10] : [0, 1];
+  if (log) return [low / 1.2, high * 1.2];
   const air = 0.07 * (high - low) || Math.abs(high) * 0.1 || 1;
   return [low - air, high + air];
+}
+
+/** A range with what bands take beside it; on a logarithmic axis, where a band may reach down without end, not far. */
+function widened(range, bands, log) {
+  const [low, high] = [Math.min(range[0], bands[0]), Math.max(range[1], bands[1])];
+  if (!log || range[0] > range[1]) return [low, high];
+  return [Math.max(low, range[0] / BAND_BEYOND), Math.min(high, range[1] * BAND_BEYOND)];
 }
 
 /** Widens the shorter of two ranges so that a pixel is worth the same along both. */

@@ -2,7 +2,8 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const MARGIN = { left: 58, right: 14, top: 24, between: 34, bottom: 40 };
-const SYMBOL = /([A-Za-zα-ωΑ-Ω])_([A-Za-z0-9]+(?:,[a-z]+)*)/g;
+// A word of its own, no part of a file's name.
+const SYMBOL = /(?<![\w\-./\\α-ωΑ-Ω])([A-Za-zα-ωΑ-Ω])_([A-Za-z0-9]+(?:,[a-z]+)*)(?!\w|[\-./\\]\w)/g;
 
 /** An SVG element with attributes, appended to `parent`. */
 function svg(parent, name, attributes) {
@@ -12,8 +13,9 @@ function svg(parent, name, attributes) {
   return element;
 }
 
-/** Splits text into pieces, [text, isSubscript], so that T_d is set with an index. */
-function symbolPieces(text) {
+/** Splits text into pieces, [text, isSubscript], so that T_d is set with an index where words are symbols. */
+function symbolPieces(text, symbols = true) {
+  if (!symbols) return [[text, false]];
   const pieces = [];
   let end = 0;
   for (const match of text.matchAll(SYMBOL)) {
@@ -25,10 +27,10 @@ function symbolPieces(text) {
 }
 
 /** SVG text with indices. */
-function svgText(parent, text, attributes) {
+function svgText(parent, text, attributes, symbols = true) {
   const element = svg(parent, "text", attributes);
   let below = false;
-  for (const [piece, isBelow] of symbolPieces(text)) {
+  for (const [piece, isBelow] of symbolPieces(text, symbols)) {
     const span = svg(element, "tspan", isBelow ? { class: "sub" } : {});
     if (isBelow !== below) span.setAttribute("dy", isBelow ? 3 : -3);
     span.textContent = piece;
@@ -82,7 +84,7 @@ function drawPanel(root, frame, figure, hidden) {
     if (!hidden.has(layer.name)) LAYERS[layer.type](inside, layer, frame);
   }
   const unit = panel.y.unit ? ` [${panel.y.unit}]` : "";
-  const name = svgText(group, panel.y.label + unit, { class: "axis-name", x: left, y: top - 9 });
+  const name = svgText(group, panel.y.label + unit, { class: "axis-name", x: left, y: top - 9 }, figure.symbols);
   if (panel.note) svg(name, "tspan", { class: "tick", dx: 8 }).textContent = panel.note;
 }
 
@@ -105,15 +107,23 @@ function drawXAxis(group, { sx, left, right, top, bottom, last }, figure) {
   svg(group, "line", { class: "axis", x1: left, x2: right, y1: bottom, y2: bottom });
   if (!last) return;
   const name = `${figure.x.label}${figure.x.unit ? ` [${figure.x.unit}]` : ""}`;
-  svgText(group, name, { class: "axis-name", x: right, y: bottom + 33, "text-anchor": "end" });
+  svgText(group, name, { class: "axis-name", x: right, y: bottom + 33, "text-anchor": "end" }, figure.symbols);
 }
+
+/** Paths of markers about a point. */
+const SHAPES = {
+  cross: (x, y) => `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`,
+  ring: (x, y) => `M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`,
+};
 
 const classOf = (layer) => `series s-${layer.style}`;
 
 /** How each kind of layer is drawn. */
 const LAYERS = {
   line(group, layer, { sx, sy }) {
-    svg(group, "path", { class: classOf(layer), d: linePath(layer, sx, sy) });
+    const [first, end] = visibleRange(layer.x, sx.low, sx.high);
+    const dense = end - first > sx.toPixel(sx.high) - sx.toPixel(sx.low) ? " dense" : "";
+    svg(group, "path", { class: classOf(layer) + dense, d: linePath(layer, sx, sy) });
   },
   points(group, layer, { sx, sy }) {
     const at = layer.x.map((x) => sx.toPixel(x));
@@ -122,7 +132,8 @@ const LAYERS = {
       svg(group, "path", { class: `${classOf(layer)} bars`, d: bars });
     }
     const dots = path(layer, (n) => `M${at[n].toFixed(1)} ${sy.toPixel(layer.y[n]).toFixed(1)}h0`);
-    const size = layer.low ? "dots large" : "dots";
+    const dense = layer.x.length > sx.toPixel(sx.high) - sx.toPixel(sx.low);
+    const size = layer.low ? "dots large" : dense ? "dots small" : "dots";
     svg(group, "path", { class: `${classOf(layer)} ${size}`, d: dots });
   },
   stems(group, layer, { sx, sy }) {
@@ -133,20 +144,18 @@ const LAYERS = {
     svg(group, "path", { class: `${classOf(layer)} dots`, d: path(layer, dot) });
   },
   markers(group, layer, { sx, sy }) {
-    const shapes = {
-      cross: (x, y) => `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`,
-      ring: (x, y) => `M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`,
-    };
     const at = (n) => [sx.toPixel(layer.x[n]), sy.toPixel(layer.y[n])].map((v) => Number(v.toFixed(1)));
-    svg(group, "path", { class: `${classOf(layer)} markers`, d: path(layer, (n) => shapes[layer.marker](...at(n))) });
+    svg(group, "path", { class: `${classOf(layer)} markers`, d: path(layer, (n) => SHAPES[layer.marker](...at(n))) });
   },
   path(group, layer, { sx, sy }) {
     svg(group, "path", { class: classOf(layer), d: samplePath(layer.x, layer.y, 0, layer.x.length, sx, sy) });
   },
   band(group, layer, { sx, sy }) {
     const [first, end] = visibleRange(layer.x, sx.low, sx.high);
-    const upper = samplePath(layer.x, layer.high, first, end, sx, sy);
-    const back = [layer.x, layer.low].map((values) => values.slice(first, end).reverse());
+    // What reaches down to nothing ends where a logarithmic axis does.
+    const above = (values) => (sy.kind === "log" ? values.map((v) => Math.max(v, sy.low)) : values);
+    const upper = samplePath(layer.x, above(layer.high), first, end, sx, sy);
+    const back = [layer.x, above(layer.low)].map((values) => values.slice(first, end).reverse());
     const lower = samplePath(back[0], back[1], 0, end - first, sx, sy).replace("M", "L");
     if (upper && lower) svg(group, "path", { class: `band b-${layer.style}`, d: `${upper}${lower}Z` });
   },

@@ -91,7 +91,7 @@ function fillReadout(plot, value, rows) {
   for (const row of rows) {
     const line = document.createElement("div");
     line.append(swatch(row.layer), " ");
-    htmlText(line, rows.some((other) => other.label !== row.label) ? `${row.label}, ${row.layer.name}` : row.layer.name);
+    htmlText(line, rows.some((other) => other.label !== row.label) ? `${row.label}, ${row.layer.name}` : row.layer.name, plot.figure.symbols);
     const number = document.createElement("b");
     number.textContent = ` ${plainNumber(row.value, 5)} ${row.unit}`;
     line.append(number);
@@ -159,7 +159,7 @@ function fillLegend(plot, legend) {
     button.type = "button";
     button.setAttribute("aria-pressed", "true");
     button.append(swatch(layer), " ");
-    htmlText(button, name);
+    htmlText(button, name, plot.figure.symbols);
     button.addEventListener("click", () => {
       const shown = plot.hidden.delete(name) || !plot.hidden.add(name);
       button.setAttribute("aria-pressed", String(shown));
@@ -182,14 +182,19 @@ function regionLabels(figure) {
 }
 
 function swatch(layer) {
+  if (layer.type === "markers") {
+    const key = svg(null, "svg", { class: "mark-key", width: 12, height: 12 });
+    svg(key, "path", { class: `${classOf(layer)} markers`, d: SHAPES[layer.marker](6, 6) });
+    return key;
+  }
   const key = document.createElement("i");
   key.className = `swatch k-${layer.style}${["line", "path"].includes(layer.type) ? "" : " dot"}`;
   return key;
 }
 
 /** HTML text with indices. */
-function htmlText(parent, text) {
-  for (const [piece, isBelow] of symbolPieces(text)) {
+function htmlText(parent, text, symbols) {
+  for (const [piece, isBelow] of symbolPieces(text, symbols)) {
     const part = document.createElement(isBelow ? "sub" : "span");
     part.textContent = piece;
     parent.append(part);

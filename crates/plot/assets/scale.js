@@ -26,6 +26,16 @@ function linearTicks(low, high, count) {
   return { ticks, format: (value) => fixedNumber(value, Math.max(0, -decades(step * 1.0001))) };
 }
 
+/** Steps that are parts of a turn, or turns; of small ranges the round steps of other numbers. */
+function angleTicks(low, high, count) {
+  const raw = (high - low) / Math.max(1, count);
+  const step = [15, 30, 45, 90, 180, 360, 720, 1800, 3600].find((s) => s >= raw * 0.999);
+  if (!step || raw <= 5) return linearTicks(low, high, count);
+  const ticks = [];
+  for (let n = Math.ceil(low / step); n * step <= high; n++) ticks.push(n * step);
+  return { ticks, format: (value) => fixedNumber(value, 0) };
+}
+
 /** 1, 2 and 5 of each decade; every decade only, where there is no room for more. */
 function logTicks(low, high, count) {
   const ticks = [];
@@ -42,6 +52,7 @@ function logTicks(low, high, count) {
 /** Ticks of a scale; a few more than fit comfortably where there would be only one. */
 function makeTicks(scale, count) {
   if (scale.kind === "log") return logTicks(scale.low, scale.high, count);
+  if (scale.kind === "angle") return angleTicks(scale.low, scale.high, count);
   let found = linearTicks(scale.low, scale.high, count);
   for (let more = 1.4; found.ticks.length < 2 && more < 3; more *= 1.4) {
     found = linearTicks(scale.low, scale.high, count * more);

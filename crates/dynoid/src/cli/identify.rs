@@ -353,10 +353,8 @@ pub(crate) struct PredictArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid bode model.json --plot bode.html
-  dynoid bode arx.json ss.json --plot bode.svg
-  dynoid step model.json --json
-  dynoid poles model.json --plot poles.png")]
+  dynoid poles model.json --plot poles.png
+  dynoid poles arx.json ss.json --level 0.99")]
 pub(crate) struct ModelArguments {
     /// Model files
     #[arg(value_name = "MODEL.json", required = true)]
@@ -366,6 +364,21 @@ pub(crate) struct ModelArguments {
     pub(crate) level: f64,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid bode model.json --plot bode.html
+  dynoid bode arx.json ss.json --plot bode.svg
+  dynoid step model.json --table
+  dynoid step model.json --json | jq '.[0].summary'")]
+pub(crate) struct CurveArguments {
+    #[command(flatten)]
+    pub(crate) models: ModelArguments,
+    /// Prints every point of the curves, not their summary
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) table: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -449,7 +462,8 @@ pub(crate) struct SpectrumArguments {
     /// How; without an input the power spectrum is Welch's
     #[arg(long, value_enum, default_value_t = SpectrumMethod::Lpm)]
     pub(crate) method: SpectrumMethod,
-    /// Length of Welch's segments or of the lag window, in samples [default: an eighth of the record, 1024 at most]
+    /// Length of Welch's segments or of the lag window, in samples: longer ones tell nearer peaks apart, shorter ones vary
+    /// less [default: an eighth of the record, 1024 at most]
     #[arg(long, value_name = "SAMPLES")]
     pub(crate) window: Option<usize>,
     #[command(flatten)]

@@ -77,9 +77,9 @@ pub(crate) enum Command {
     /// Predicts the outputs of a recording some samples ahead
     Predict(identify::PredictArguments),
     /// Frequency responses of models, with bands
-    Bode(identify::ModelArguments),
+    Bode(identify::CurveArguments),
     /// Step responses of models, with bands
-    Step(identify::ModelArguments),
+    Step(identify::CurveArguments),
     /// Poles and zeros of models, with regions
     Poles(identify::ModelArguments),
     /// Writes a model in another form: transfer function, zeros and poles, state space, continuous or discrete

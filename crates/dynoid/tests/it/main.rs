@@ -11,6 +11,7 @@ mod help;
 mod identify;
 mod init;
 mod inspect;
+mod look;
 mod study;
 mod support;
 mod terminal;

@@ -1,6 +1,6 @@
 //! Frequency, step and impulse responses with their bands.
 
-use lti::{Complex64, TimeGrid};
+use lti::{Complex64, LtiError, TimeGrid};
 
 use super::{Derived, Dynamics, Ellipse};
 use crate::distributions::{interval, student_t_quantile};
@@ -133,13 +133,7 @@ impl<M: Parametric + LinearModel> Fit<M> {
         grid: &TimeGrid,
         course: impl Fn(usize) -> f64,
     ) -> Result<TimeBand, IdentError> {
-        let u = faer::Mat::from_fn(grid.points, 1, |t, _| course(t));
-        let derived: Derived = self.derive(|m| {
-            let form = m.innovations(grid.step_s, Intersample::ZeroOrderHold)?;
-            let channel = form.system().channel(output, input)?;
-            let y = channel.simulate(u.as_ref(), &vec![0.0; channel.states()])?;
-            Ok(y.col_as_slice(0).to_vec())
-        })?;
+        let derived: Derived = self.derive(|m| response_over_time(m, (output, input), grid, &course))?;
         Ok(TimeBand {
             time_s: grid.times(),
             standard_errors: derived.standard_errors(),
@@ -147,4 +141,17 @@ impl<M: Parametric + LinearModel> Fit<M> {
             degrees_of_freedom: self.degrees_of_freedom,
         })
     }
+}
+
+/// The response of an output from rest to an input that runs so over the grid, held between its times.
+pub(super) fn response_over_time(
+    model: &impl LinearModel,
+    (output, input): (usize, usize),
+    grid: &TimeGrid,
+    course: impl Fn(usize) -> f64,
+) -> Result<Vec<f64>, LtiError> {
+    let channel = model.innovations(grid.step_s, Intersample::ZeroOrderHold)?.system().channel(output, input)?;
+    let u = faer::Mat::from_fn(grid.points, 1, |t, _| course(t));
+    let y = channel.simulate(u.as_ref(), &vec![0.0; channel.states()])?;
+    Ok(y.col_as_slice(0).to_vec())
 }

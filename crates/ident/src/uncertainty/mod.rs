@@ -3,7 +3,9 @@
 
 mod bands;
 mod dynamics;
+mod features;
 mod hypothesis;
+mod modes;
 mod robust;
 pub(crate) mod root;
 mod roots;
@@ -11,7 +13,9 @@ mod sample;
 
 pub use bands::{FrequencyBand, TimeBand};
 pub use dynamics::{Dynamics, Ratio};
+pub use features::{Feature, Features, Resonance, StepFeatures};
 pub use hypothesis::{RatioTest, agreement, nested};
+pub use modes::UncertainMode;
 pub use roots::{Ellipse, UncertainRoot};
 pub use sample::{Sample, Samples};
 

@@ -12,6 +12,7 @@ mod dataset;
 mod delay;
 mod distributions;
 mod document;
+mod features;
 mod formula;
 mod frequency;
 mod frequency_domain;

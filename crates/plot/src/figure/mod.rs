@@ -28,6 +28,8 @@ pub struct Figure {
     pub panels: Vec<Panel>,
     /// Whether a length means the same along both axes, as in a complex plane.
     pub equal_axes: bool,
+    /// Whether words such as `T_d` are symbols, to be set with an index; otherwise they are names.
+    pub symbols: bool,
 }
 
 /// One panel.
@@ -64,6 +66,8 @@ pub enum Scale {
     Linear,
     /// By the logarithm; only positive numbers have a place.
     Log,
+    /// In proportion, with marks at parts of a turn of 360.
+    Angle,
 }
 
 /// The role of a series, from which the page takes colour and stroke.
@@ -82,10 +86,12 @@ pub enum Style {
     Fourth,
     /// A fifth model.
     Fifth,
+    /// A thin line to read other things by.
+    Guide,
 }
 
 impl Style {
-    /// Every style, in the order of the plotting script's colours.
+    /// Every style of a series, in the order of the plotting script's colours.
     pub(crate) const ALL: [Style; 6] =
         [Style::Measured, Style::Modelled, Style::Other, Style::Residual, Style::Fourth, Style::Fifth];
 
@@ -170,6 +176,11 @@ impl Axis {
         Axis { scale: Scale::Log, ..Axis::linear(label, unit) }
     }
 
+    /// Degrees.
+    pub fn angle(label: &str) -> Self {
+        Axis { scale: Scale::Angle, ..Axis::linear(label, "°") }
+    }
+
     /// Time in a recording.
     pub fn time() -> Self {
         Axis::linear("time", "s")
@@ -190,12 +201,17 @@ impl Axis {
 impl Figure {
     /// A figure without caption.
     pub fn new(title: &str, x: Axis, panels: Vec<Panel>) -> Self {
-        Figure { title: title.to_owned(), caption: String::new(), x, panels, equal_axes: false }
+        Figure { title: title.to_owned(), caption: String::new(), x, panels, equal_axes: false, symbols: true }
     }
 
     /// The same figure with a caption.
     pub fn with_caption(self, caption: impl Into<String>) -> Self {
         Figure { caption: caption.into(), ..self }
+    }
+
+    /// The same figure with its texts as they are: names of channels and files are no symbols.
+    pub fn with_plain_text(self) -> Self {
+        Figure { symbols: false, ..self }
     }
 
     /// The same figure with one scale for both axes.

@@ -44,7 +44,22 @@ impl Range {
             *self = Range(self.0.min(value), self.1.max(value));
         }
     }
+
+    /// With what bands take beside it; on a logarithmic axis, where a band may reach down without end, not far.
+    fn widened(self, bands: Range, log: bool) -> Range {
+        if bands.0 > bands.1 {
+            return self;
+        }
+        let (low, high) = (self.0.min(bands.0), self.1.max(bands.1));
+        if log && self.0 <= self.1 {
+            return Range(low.max(self.0 / BAND_BEYOND), high.min(self.1 * BAND_BEYOND));
+        }
+        Range(low, high)
+    }
 }
+
+/// How far a band widens a logarithmic axis, as a factor.
+const BAND_BEYOND: f64 = 4.0;
 
 /// Smallest and largest x of all series.
 pub(crate) fn x_extent(figure: &Figure) -> (f64, f64) {
@@ -81,7 +96,7 @@ pub(crate) fn y_extent(panel: &Panel, (from, to): (f64, f64)) -> (f64, f64) {
         return (low.0, high.0);
     }
     let log = is_log(&panel.y);
-    let mut range = Range::EMPTY;
+    let (mut range, mut bands) = (Range::EMPTY, Range::EMPTY);
     for layer in &panel.layers {
         match layer {
             Layer::YRegion { low, high, .. } => [low, high].into_iter().for_each(|v| range.take(v.0)),
@@ -91,10 +106,11 @@ pub(crate) fn y_extent(panel: &Panel, (from, to): (f64, f64)) -> (f64, f64) {
         let (x, ys) = points(layer);
         for y in ys {
             let in_view = x.iter().zip(y).filter(|(x, y)| (from..=to).contains(*x) && (!log || y.0 > 0.0));
+            let range = if matches!(layer, Layer::Band { .. }) { &mut bands } else { &mut range };
             in_view.for_each(|(_, y)| range.take(y.0));
         }
     }
-    let Range(low, high) = range;
+    let Range(low, high) = range.widened(bands, log);
     if low > high {
         return if log { (1.0, 10.0) } else { (0.0, 1.0) };
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::extent::values;
 use super::{Frame, INK, REGION, line, text};
-use crate::figure::{Layer, Marker, Rounded, Style};
+use crate::figure::{Layer, Marker, Rounded, Scale, Style};
 
 /// The colour of a style.
 pub(crate) fn colour(style: Style) -> &'static str {
@@ -15,14 +15,20 @@ pub(crate) fn colour(style: Style) -> &'static str {
         Style::Residual => "#7a4f96",
         Style::Fourth => "#1b7a55",
         Style::Fifth => "#a8324a",
+        Style::Guide => "#c9d0d7",
     }
 }
 
-fn stroke_width(style: Style) -> f64 {
-    match style {
-        Style::Measured => 2.2,
-        Style::Residual => 1.0,
-        _ => 1.4,
+/// The stroke of a line: a measurement is wide and light, and a model thin upon it. Where points are denser than pixels,
+/// lines become areas: thin strokes then leave what can be left of their shape, and a model lets shine through what it
+/// covers.
+fn stroke(style: Style, is_dense: bool) -> (f64, &'static str) {
+    match (style, is_dense) {
+        (Style::Measured, false) => (2.0, ""),
+        (Style::Measured, true) => (1.0, ""),
+        (Style::Guide, _) => (0.8, ""),
+        (_, false) => (1.2, ""),
+        (_, true) => (0.7, "stroke-opacity=\"0.75\""),
     }
 }
 
@@ -30,21 +36,26 @@ pub(crate) fn draw(out: &mut String, layer: &Layer, frame: &Frame) {
     match layer {
         Layer::Line { style, x, y, .. } => {
             let d = polyline(&values(x, y.len()), y, frame, 'M');
-            path(out, &d, *style, stroke_width(*style), "");
+            let (width, attributes) = stroke(*style, y.len() as f64 > Frame::RIGHT - Frame::LEFT);
+            path(out, &d, *style, width, attributes);
         }
         Layer::Points { style, x, y, low, high, .. } => {
             let x = values(x, y.len());
             if let (Some(low), Some(high)) = (low, high) {
                 bars(out, &x, low, high, frame);
             }
-            let size = if low.is_some() { 5.5 } else { 4.0 };
+            let size = match low {
+                Some(_) => 5.5,
+                None if y.len() as f64 > Frame::RIGHT - Frame::LEFT => 2.0,
+                None => 4.0,
+            };
             path(out, &dots(&x, y, frame), *style, size, "stroke-linecap=\"round\"");
         }
         Layer::Stems { style, x, y, .. } => stems(out, &values(x, y.len()), y, *style, frame),
         Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, (*style, *marker), frame),
         Layer::Path { style, x, y, .. } => {
             let x: Vec<f64> = x.iter().map(|v| v.0).collect();
-            path(out, &polyline(&x, y, frame, 'M'), *style, stroke_width(*style), "");
+            path(out, &polyline(&x, y, frame, 'M'), *style, stroke(*style, false).0, "");
         }
         Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
         Layer::HorizontalMark { y, label } => horizontal_mark(out, y.0, label, frame),
@@ -98,11 +109,27 @@ fn stems(out: &mut String, x: &[f64], y: &[Rounded], style: Style, frame: &Frame
 
 fn markers(out: &mut String, x: &[Rounded], y: &[Rounded], (style, marker): (Style, Marker), frame: &Frame) {
     let x: Vec<f64> = x.iter().map(|v| v.0).collect();
-    let shape = |px: f64, py: f64| match marker {
+    path(out, &each(&x, y, frame, |px, py| shape(marker, px, py)), style, 1.7, "");
+}
+
+fn shape(marker: Marker, px: f64, py: f64) -> String {
+    match marker {
         Marker::Cross => format!("M{:.1} {:.1}l8 8M{:.1} {:.1}l8 -8", px - 4.0, py - 4.0, px - 4.0, py + 4.0),
         Marker::Ring => format!("M{:.1} {py:.1}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0", px - 4.5),
-    };
-    path(out, &each(&x, y, frame, shape), style, 1.7, "");
+    }
+}
+
+/// What stands before a name in the legend, 18 wide.
+pub(crate) fn key(out: &mut String, layer: &Layer, (x, y): (f64, f64)) {
+    match layer {
+        Layer::Markers { style, marker, .. } => path(out, &shape(*marker, x + 9.0, y - 4.0), *style, 1.7, ""),
+        Layer::YRegion { .. } | Layer::XRegion { .. } => region(out, (x, y - 9.0), (x + 18.0, y + 1.0)),
+        Layer::Line { style, .. }
+        | Layer::Points { style, .. }
+        | Layer::Stems { style, .. }
+        | Layer::Path { style, .. } => path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, ""),
+        Layer::Band { .. } | Layer::HorizontalMark { .. } | Layer::VerticalMarks { .. } => {}
+    }
 }
 
 fn bars(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], frame: &Frame) {
@@ -116,8 +143,11 @@ fn bars(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], frame: &
 }
 
 fn band(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], style: Style, frame: &Frame) {
-    let whole =
-        |((x, low), high): ((&f64, &Rounded), &Rounded)| Some((place(*x, low.0, frame)?, place(*x, high.0, frame)?));
+    // What reaches down to nothing ends where a logarithmic axis does.
+    let above = |value: f64| if matches!(frame.y.kind, Scale::Log) { value.max(frame.y.low) } else { value };
+    let whole = |((x, low), high): ((&f64, &Rounded), &Rounded)| {
+        Some((place(*x, above(low.0), frame)?, place(*x, above(high.0), frame)?))
+    };
     let corners: Vec<_> = x.iter().zip(low).zip(high).filter_map(whole).collect();
     let forth = corners.iter().map(|(_, high)| high);
     let back = corners.iter().rev().map(|(low, _)| low);

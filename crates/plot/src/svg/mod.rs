@@ -6,7 +6,7 @@ mod scale;
 
 use std::fmt::Write as _;
 
-use crate::figure::{Axis, Figure, Layer, Panel, Scale, Style};
+use crate::figure::{Axis, Figure, Layer, Panel, Scale};
 use crate::markup::escape;
 use extent::{equal_ranges, x_extent, y_extent};
 use scale::Mapping;
@@ -21,7 +21,10 @@ const TITLE: f64 = 30.0;
 const LEGEND_ROW: f64 = 20.0;
 const ABOVE_PANEL: f64 = 24.0;
 const BETWEEN: f64 = 34.0;
-const BELOW: f64 = 48.0;
+const BELOW: f64 = 52.0;
+const LINE_HEIGHT: f64 = 17.0;
+/// DejaVu Sans is about 0.6 em wide.
+const WIDE: f64 = 7.3;
 /// Panels are laid out for a page of about this width; the drawing is a little larger.
 const STRETCH: f64 = 1.25;
 
@@ -60,13 +63,8 @@ impl Frame {
 
 /// Draws one figure from `top` down; returns where it ends.
 fn draw(out: &mut String, figure: &Figure, number: usize, top: f64) -> f64 {
-    text(
-        out,
-        (LEFT, top + 20.0),
-        "start",
-        &format!("font-size=\"15\" font-weight=\"bold\" fill=\"{INK}\""),
-        &figure.title,
-    );
+    let bold = format!("font-size=\"15\" font-weight=\"bold\" fill=\"{INK}\"");
+    label(out, figure, (LEFT, top + 20.0), "start", &bold, &figure.title);
     let mut top = legend(out, figure, top + TITLE);
     let domain = x_extent(figure);
     for (index, panel) in figure.panels.iter().enumerate() {
@@ -78,7 +76,7 @@ fn draw(out: &mut String, figure: &Figure, number: usize, top: f64) -> f64 {
         draw_panel(out, figure, panel, &frame, &clip, last);
         top = bottom + if last { BELOW } else { BETWEEN - ABOVE_PANEL };
     }
-    top
+    caption(out, figure, top)
 }
 
 fn frame(figure: &Figure, panel: &Panel, domain: (f64, f64), top: f64, bottom: f64) -> Frame {
@@ -121,9 +119,9 @@ fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, c
     out.push_str("</g>\n");
     let note = if panel.note.is_empty() { String::new() } else { format!("  {}", panel.note) };
     let name = format!("{}{note}", axis_name(&panel.y));
-    text(out, (LEFT, top - 9.0), "start", &format!("fill=\"{INK}\""), &name);
+    label(out, figure, (LEFT, top - 9.0), "start", &format!("fill=\"{INK}\""), &name);
     if last {
-        text(out, (RIGHT, bottom + 36.0), "end", &format!("fill=\"{INK}\""), &axis_name(&figure.x));
+        label(out, figure, (RIGHT, bottom + 36.0), "end", &format!("fill=\"{INK}\""), &axis_name(&figure.x));
     }
 }
 
@@ -133,36 +131,63 @@ fn axis_name(axis: &Axis) -> String {
 
 /// The names of the series, in rows; returns where the rows end.
 fn legend(out: &mut String, figure: &Figure, top: f64) -> f64 {
-    let mut entries: Vec<(&str, Option<Style>)> = Vec::new();
+    let mut entries: Vec<(&str, &Layer)> = Vec::new();
     for layer in figure.panels.iter().flat_map(|panel| &panel.layers) {
-        if let Some(entry) = layer.legend_entry()
-            && !entry.0.is_empty()
-            && !entries.iter().any(|(name, _)| *name == entry.0)
+        if let Some(name) = layer.legend_name()
+            && !name.is_empty()
+            && !entries.iter().any(|(known, _)| *known == name)
         {
-            entries.push(entry);
+            entries.push((name, layer));
         }
     }
     if entries.len() < 2 {
         return top;
     }
     let (mut x, mut y) = (LEFT, top + 10.0);
-    for (name, style) in entries {
-        // DejaVu Sans is about 0.6 em wide.
-        let width = 24.0 + 7.3 * name.chars().count() as f64 + 16.0;
+    for (name, layer) in entries {
+        let width = 24.0 + WIDE * name.chars().count() as f64 + 16.0;
         if x + width > RIGHT && x > LEFT {
             (x, y) = (LEFT, y + LEGEND_ROW);
         }
-        let (colour, opacity) = style.map_or((REGION, 0.2), |style| (layers::colour(style), 1.0));
-        let _ = writeln!(
-            out,
-            "<rect x=\"{x:.1}\" y=\"{:.1}\" width=\"18\" height=\"{}\" fill=\"{colour}\" fill-opacity=\"{opacity}\"/>",
-            y - if style.is_some() { 5.5 } else { 9.0 },
-            if style.is_some() { 3 } else { 10 },
-        );
-        text(out, (x + 24.0, y), "start", &format!("fill=\"{INK}\""), name);
+        layers::key(out, layer, (x, y));
+        label(out, figure, (x + 24.0, y), "start", &format!("fill=\"{INK}\""), name);
         x += width;
     }
     y + 6.0
+}
+
+/// The caption below a figure, broken into lines; returns where it ends.
+fn caption(out: &mut String, figure: &Figure, top: f64) -> f64 {
+    let room = ((RIGHT - LEFT) / WIDE) as usize;
+    let mut lines: Vec<String> = Vec::new();
+    for word in figure.caption.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= room => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    for (number, line) in lines.iter().enumerate() {
+        let y = top + LINE_HEIGHT * number as f64;
+        label(out, figure, (LEFT, y), "start", &format!("fill=\"{SOFT}\""), line);
+    }
+    if lines.is_empty() { top } else { top + LINE_HEIGHT * lines.len() as f64 }
+}
+
+/// A text of a figure: with indices where the figure speaks in symbols.
+fn label(out: &mut String, figure: &Figure, at: (f64, f64), anchor: &str, attributes: &str, content: &str) {
+    if figure.symbols {
+        return text(out, at, anchor, attributes, content);
+    }
+    let _ = writeln!(
+        out,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\" {attributes}>{}</text>",
+        at.0,
+        at.1,
+        escape(content)
+    );
 }
 
 /// Text with indices: `T_d` is set with its d below.
@@ -182,30 +207,47 @@ pub(crate) fn text(out: &mut String, (x, y): (f64, f64), anchor: &str, attribute
     out.push_str("</text>\n");
 }
 
-/// Splits text into pieces, each with whether it is an index: a letter, an underscore and letters or digits.
+/// Splits text into pieces, each with whether it is an index: a letter, an underscore and letters or digits, where that is
+/// a word of its own and no part of a file's name.
 fn symbol_pieces(text: &str) -> Vec<(String, bool)> {
     let mut pieces = vec![(String::new(), false)];
     let characters: Vec<char> = text.chars().collect();
     let mut at = 0;
     while at < characters.len() {
-        let before = at.checked_sub(1).map(|i| characters[i]);
-        let earlier = at.checked_sub(2).map(|i| characters[i]);
-        let single_letter = before.is_some_and(char::is_alphabetic) && !earlier.is_some_and(char::is_alphanumeric);
-        let index: String = characters[at + 1..].iter().take_while(|c| c.is_alphanumeric() || **c == ',').collect();
-        let index = index.trim_end_matches(',').to_owned();
-        if characters[at] == '_' && single_letter && !index.is_empty() {
-            at += 1 + index.chars().count();
-            pieces.push((index, true));
-            pieces.push((String::new(), false));
-        } else {
+        let index = index_at(&characters, at);
+        if index.is_empty() {
             if let Some((piece, _)) = pieces.last_mut() {
                 piece.push(characters[at]);
             }
             at += 1;
+        } else {
+            at += 1 + index.chars().count();
+            pieces.push((index, true));
+            pieces.push((String::new(), false));
         }
     }
     pieces.retain(|(piece, _)| !piece.is_empty());
     pieces
+}
+
+/// The index that an underscore at this place begins; empty where none does.
+fn index_at(characters: &[char], at: usize) -> String {
+    let joins = |c: &char| "_-./\\".contains(*c);
+    let in_word = |c: &char| c.is_alphanumeric() || joins(c);
+    let before = at.checked_sub(1).and_then(|i| characters.get(i)).is_some_and(|c| c.is_alphabetic());
+    let earlier = at.checked_sub(2).and_then(|i| characters.get(i)).is_some_and(in_word);
+    if characters[at] != '_' || !before || earlier {
+        return String::new();
+    }
+    let index: String = characters[at + 1..].iter().take_while(|c| c.is_alphanumeric() || **c == ',').collect();
+    let index = index.trim_end_matches(',').to_owned();
+    let mut after = characters[at + 1 + index.chars().count()..].iter();
+    let goes_on = match after.next() {
+        Some('_') => true,
+        Some(c) if joins(c) => after.next().is_some_and(|c| c.is_alphanumeric()),
+        _ => false,
+    };
+    if goes_on { String::new() } else { index }
 }
 
 pub(crate) fn line(out: &mut String, from: (f64, f64), to: (f64, f64), colour: &str, attributes: &str) {
@@ -222,15 +264,15 @@ pub(crate) fn is_log(axis: &Axis) -> bool {
 }
 
 impl Layer {
-    /// Name and style in the legend; regions have no style of their own.
-    fn legend_entry(&self) -> Option<(&str, Option<Style>)> {
+    /// What the layer is called in the legend.
+    fn legend_name(&self) -> Option<&str> {
         match self {
-            Layer::Line { name, style, .. }
-            | Layer::Points { name, style, .. }
-            | Layer::Stems { name, style, .. }
-            | Layer::Markers { name, style, .. }
-            | Layer::Path { name, style, .. } => Some((name, Some(*style))),
-            Layer::YRegion { label, .. } | Layer::XRegion { label, .. } => Some((label, None)),
+            Layer::Line { name, .. }
+            | Layer::Points { name, .. }
+            | Layer::Stems { name, .. }
+            | Layer::Markers { name, .. }
+            | Layer::Path { name, .. } => Some(name),
+            Layer::YRegion { label, .. } | Layer::XRegion { label, .. } => Some(label),
             Layer::Band { .. } | Layer::HorizontalMark { .. } | Layer::VerticalMarks { .. } => None,
         }
     }

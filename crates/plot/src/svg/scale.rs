@@ -29,6 +29,7 @@ impl Mapping {
     pub(crate) fn ticks(&self, count: f64) -> Vec<(f64, String)> {
         match self.kind {
             Scale::Linear => linear_ticks(self.low, self.high, count),
+            Scale::Angle => angle_ticks(self.low, self.high, count),
             Scale::Log => log_ticks(self.low, self.high, count),
         }
     }
@@ -36,7 +37,7 @@ impl Mapping {
 
 fn position(kind: Scale, value: f64) -> f64 {
     match kind {
-        Scale::Linear => value,
+        Scale::Linear | Scale::Angle => value,
         Scale::Log => value.log10(),
     }
 }
@@ -68,6 +69,19 @@ fn ticks_by_step(low: f64, high: f64, count: f64) -> Vec<(f64, String)> {
         .map(|n| (first + n as f64) * step)
         .map(|value| (value, fixed(value, decimals)))
         .collect()
+}
+
+/// Steps that are parts of a turn, or turns; of small ranges the round steps of other numbers.
+fn angle_ticks(low: f64, high: f64, count: f64) -> Vec<(f64, String)> {
+    let raw = (high - low) / count.max(1.0);
+    let turns = [15.0, 30.0, 45.0, 90.0, 180.0, 360.0, 720.0, 1800.0, 3600.0];
+    match turns.into_iter().find(|step| *step >= raw * 0.999) {
+        Some(step) if raw > 5.0 => {
+            let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
+            (first..=last).map(|n| n as f64 * step).map(|value| (value, fixed(value, 0))).collect()
+        }
+        _ => linear_ticks(low, high, count),
+    }
 }
 
 /// 1, 2 and 5 of each decade; whole decades only where there is no room for more.

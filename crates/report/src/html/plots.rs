@@ -33,6 +33,7 @@ pub(crate) fn comparison(title: &str, validation: &Validation, rival: Option<(&s
     let residual = format!("{} − model", validation.quantity);
     Figure {
         equal_axes: false,
+        symbols: true,
         title: title.to_owned(),
         caption: comparison_caption(validation),
         x: Axis::time(),
@@ -121,6 +122,7 @@ pub(crate) fn correlations(title: &str, test: &ResidualTest, extent: Extent) -> 
     let (own_label, cross_label) = ("residual with itself".to_owned(), format!("residual with {}", test.input));
     Figure {
         equal_axes: false,
+        symbols: true,
         title: title.to_owned(),
         caption: format!(
             "Outside the {level} region: {} with itself, {} with {}. Positive lags: the input comes first.",

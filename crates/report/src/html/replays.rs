@@ -69,6 +69,7 @@ fn signals(replay: &Replay) -> Figure {
     let thinned = replay.signals.iter().map(|signal| thinned(&signal.measured)).find(|text| !text.is_empty());
     Figure {
         equal_axes: false,
+        symbols: true,
         title: "Measured and modelled".to_owned(),
         caption: format!(
             "{} {}",

@@ -115,6 +115,7 @@ fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
         .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg));
     Figure {
         equal_axes: false,
+        symbols: true,
         title: format!("From {input} to {output}"),
         caption: bode_caption(unit, !points.is_empty()),
         x: Axis::frequency(),
@@ -218,6 +219,7 @@ fn sine_figure(whole: &WholeModel) -> Figure {
     layers.extend(sine_layers(points, Rounded));
     Figure {
         equal_axes: false,
+        symbols: true,
         title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
         caption:
             "Points: measured, the engine’s part removed, with 95 % error bars. Grey: at an engine order, where the \

@@ -3,8 +3,10 @@
 //! Transforms use `e^{−jωt}` and no factor in front.
 
 mod chi_squared;
+mod peaks;
 mod welch;
 
+pub use peaks::{SpectralPeak, peaks};
 pub use welch::{CrossSpectrum, PowerSpectrum, Welch, cross_spectrum, power_spectrum};
 
 use std::f64::consts::TAU;

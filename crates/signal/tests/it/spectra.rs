@@ -6,7 +6,7 @@ use signal::correlation::{auto_correlation, cross_correlation, delay_by_correlat
 use signal::derivative::smoothed_derivative;
 use signal::excitation::{Random, Timing, held_noise};
 use signal::resample::{Interpolation, decimate, fractional_delay, interpolate_at};
-use signal::spectrum::{Welch, cross_spectrum, dft_at, fft_frequencies_hz, fft_real, power_spectrum};
+use signal::spectrum::{Welch, cross_spectrum, dft_at, fft_frequencies_hz, fft_real, peaks, power_spectrum};
 use signal::window::Window;
 use signal::{Complex64, Signal, SignalError, Sos};
 
@@ -237,4 +237,50 @@ fn stat_coherence_threshold_and_response_variance() {
     let rate = f64::from(exceeded as u32) / f64::from(total);
     assert!((rate - 0.05).abs() < 0.015, "{rate}");
     assert!((spread / stated - 1.0).abs() < 0.1, "{}", spread / stated);
+}
+
+/// White noise has no peaks: of 300 spectra at most a part of 5 % has one by chance, whatever its height. The bound is four
+/// deviations of the binomial above that.
+#[test]
+fn stat_peaks_of_noise_are_rare_and_a_sine_in_noise_is_found() {
+    let welch = Welch::half_overlapping(256);
+    let found = |seed: u64, amplitude: f64| {
+        let mut random = Random::new(seed);
+        let x: Vec<f64> = (0..6000).map(|t| random.normal() + amplitude * (0.9 * t as f64).sin()).collect();
+        let power = power_spectrum(&x, 1.0, welch).unwrap();
+        let level = 1.0 - 2.0 * 0.05 / power.freq_hz.len() as f64;
+        let ends: Vec<_> = power.interval(level).unwrap().iter().map(|[low, high]| (*low, *high)).collect();
+        peaks(&power.freq_hz, &power.density, &ends, 2, 1.0).iter().map(|p| power.freq_hz[p.index]).collect::<Vec<_>>()
+    };
+    let false_alarms = (0..300).filter(|seed| !found(*seed, 0.0).is_empty()).count();
+    assert!(false_alarms <= 15 + 4 * 4, "{false_alarms}");
+    for seed in 0..20 {
+        let at = found(seed, 0.7);
+        assert!(at.iter().any(|f| (f - 0.9 / std::f64::consts::TAU).abs() < 1.0 / 256.0), "{at:?}");
+    }
+}
+
+#[test]
+fn exact_slopes_are_no_peaks_and_widths_count_once() {
+    let freq_hz: Vec<f64> = (0..400).map(f64::from).collect();
+    let mut power: Vec<f64> = freq_hz.iter().map(|f| 1.0 / (1.0 + f * f)).collect();
+    for (offset, factor) in [(99, 8.0), (100, 20.0), (101, 9.0), (102, 10.0)] {
+        power[offset] *= factor;
+    }
+    let sure: Vec<(f64, f64)> = power.iter().map(|p| (*p, *p)).collect();
+    let places = |excess: f64| peaks(&freq_hz, &power, &sure, 2, excess).iter().map(|p| p.index).collect::<Vec<_>>();
+    assert_eq!(places(4.0), [100]);
+    assert!(places(30.0).is_empty());
+    let unsure = vec![(0.0, f64::INFINITY); power.len()];
+    assert!(peaks(&freq_hz, &power, &unsure, 2, 4.0).is_empty());
+    assert!(peaks(&[], &[], &[], 2, 4.0).is_empty());
+    // A dip in the middle of a bump makes two peaks of it where it is deep and certain.
+    let bump: Vec<f64> = (0..400).map(|k| 1.0 + 50.0 * (-((f64::from(k) - 100.0) / 12.0).powi(2)).exp()).collect();
+    let dipped = |factor: f64| {
+        let mut values = bump.clone();
+        values[100] *= factor;
+        let ends: Vec<(f64, f64)> = values.iter().map(|v| (0.9 * v, 1.1 * v)).collect();
+        peaks(&freq_hz, &values, &ends, 1, 4.0).len()
+    };
+    assert_eq!((dipped(0.8), dipped(0.3)), (1, 2));
 }

@@ -1,35 +1,67 @@
 //! Pictures of data, models and their judgement.
 
-use ident::Dataset;
 use ident::prediction::Response;
 use ident::validate::{Independence, ResidualReport, Whiteness};
+use ident::{Dataset, Label};
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
-/// Measured outputs and what models make of them, a figure for each recording and output.
-pub(super) fn comparison(data: &Dataset, models: &[(String, &Response)]) -> Vec<Figure> {
-    let mut figures = Vec::new();
-    for (number, experiment) in data.experiments().iter().enumerate() {
-        for output in 0..data.outputs() {
-            let label = &data.output_labels()[output];
-            let clock = (experiment.start_s, data.sample_time_s());
-            let measured = experiment.output(output);
-            let mut layers = vec![Layer::trace("measured", Style::Measured, clock, measured)];
-            let mut errors = Vec::new();
-            for (index, (name, response)) in models.iter().enumerate() {
-                let style = Style::of_model(index);
-                let modelled = response.outputs[number].col_as_slice(output);
-                layers.push(Layer::trace(name, style, clock, modelled));
-                let difference: Vec<f64> = measured.iter().zip(modelled).map(|(y, m)| y - m).collect();
-                errors.push(Layer::trace(name, style, clock, &difference));
-            }
-            let panels = vec![
-                Panel::new(Axis::linear(&label.name, &label.unit), 200, layers),
-                Panel::new(Axis::linear("measured − model", &label.unit), 90, errors),
-            ];
-            figures.push(Figure::new(&format!("{}, {}", label.name, experiment.name), Axis::time(), panels));
+/// A figure whose texts are names of channels and files, not symbols.
+pub(super) fn figure(title: &str, x: Axis, panels: Vec<Panel>) -> Figure {
+    Figure::new(title, x, panels).with_plain_text()
+}
+
+/// What a model makes of data on its own clock.
+pub(super) struct Shown<'a> {
+    pub(super) name: &'a str,
+    pub(super) data: &'a Dataset,
+    pub(super) response: &'a Response,
+}
+
+/// Measured outputs and what models make of them, a figure for each recording and output. Models of the same output share
+/// it, whatever their clocks; the measurement is drawn as the first of them met it.
+pub(super) fn comparison(models: &[Shown]) -> Vec<Figure> {
+    let mut seen: Vec<(usize, &Label)> = Vec::new();
+    for model in models {
+        for number in 0..model.data.experiments().len() {
+            let new = model.data.output_labels().iter().map(|label| (number, label));
+            let new: Vec<_> = new.filter(|one| !seen.contains(one)).collect();
+            seen.extend(new);
         }
     }
-    figures
+    seen.into_iter().map(|(number, label)| compared(models, number, label)).collect()
+}
+
+fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
+    let (mut layers, mut errors) = (Vec::new(), Vec::new());
+    let mut title = String::new();
+    // The first model, the one that matters most, is drawn last and covered by none.
+    for (index, model) in models.iter().enumerate().rev() {
+        let Some(output) = model.data.output_labels().iter().position(|own| own == label) else { continue };
+        let Some(experiment) = model.data.experiments().get(number) else { continue };
+        let clock = (experiment.start_s, model.data.sample_time_s());
+        let (measured, modelled) = (experiment.output(output), model.response.outputs[number].col_as_slice(output));
+        let difference: Vec<f64> = measured.iter().zip(modelled).map(|(y, m)| y - m).collect();
+        let style = Style::of_model(index);
+        layers.push(Layer::trace(model.name, style, clock, modelled));
+        errors.push(Layer::trace(model.name, style, clock, &difference));
+        title = format!("{}, {}", label.name, experiment.name);
+    }
+    layers.insert(0, measurement(models, number, label));
+    let panels = vec![
+        Panel::new(Axis::linear(&label.name, &label.unit), 200, layers),
+        Panel::new(Axis::linear("measured − model", &label.unit), 90, errors),
+    ];
+    figure(&title, Axis::time(), panels)
+}
+
+fn measurement(models: &[Shown], number: usize, label: &Label) -> Layer {
+    let of = |model: &Shown| {
+        let output = model.data.output_labels().iter().position(|own| own == label)?;
+        let experiment = model.data.experiments().get(number)?;
+        let clock = (experiment.start_s, model.data.sample_time_s());
+        Some(Layer::trace("measured", Style::Measured, clock, experiment.output(output)))
+    };
+    models.iter().find_map(of).unwrap_or_else(|| Layer::curve("measured", Style::Measured, &[], &[]))
 }
 
 /// Correlations of the residuals, a figure for each output.
@@ -39,26 +71,27 @@ pub(super) fn residuals(report: &ResidualReport, data: &Dataset, level: f64) -> 
         high: Rounded(bound),
         label: format!("{} % region", 100.0 * level),
     };
-    let stems = |style, first: f64, values: &[f64]| {
+    let stems = |name: &str, style, first: f64, values: &[f64]| {
         let lags: Vec<f64> = (0..values.len()).map(|n| first + n as f64).collect();
-        Layer::Stems { name: "correlation".into(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(values) }
+        Layer::Stems { name: name.to_owned(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(values) }
     };
     let own = |w: &Whiteness| {
-        let layers = vec![region(w.bound), stems(Style::Modelled, 1.0, w.auto.get(1..).unwrap_or_default())];
+        let layers =
+            vec![region(w.bound), stems("with itself", Style::Modelled, 1.0, w.auto.get(1..).unwrap_or_default())];
         Panel::new(Axis::linear("with itself", ""), 110, layers)
     };
     let other = |(input, independence): (usize, &Independence)| {
         let first = -((independence.cross.len() / 2) as f64);
-        let layers = vec![region(independence.bound), stems(Style::Other, first, &independence.cross)];
+        let layers = vec![region(independence.bound), stems("with an input", Style::Other, first, &independence.cross)];
         Panel::new(Axis::linear(&format!("with {}", data.input_labels()[input].name), ""), 110, layers)
     };
-    let figure = |(output, whiteness): (usize, &Whiteness)| {
+    let of_output = |(output, whiteness): (usize, &Whiteness)| {
         let inputs = report.independence[output].iter().enumerate().map(other);
         let panels = std::iter::once(own(whiteness)).chain(inputs).collect();
         let title = format!("Correlation of the residuals of {}", data.output_labels()[output].name);
-        Figure::new(&title, Axis::linear("lag", "samples"), panels).with_caption(
+        figure(&title, Axis::linear("lag", "samples"), panels).with_caption(
             "Positive lags: the input comes first. Negative lags: the output comes first, as with feedback.",
         )
     };
-    report.whiteness.iter().enumerate().map(figure).collect()
+    report.whiteness.iter().enumerate().map(of_output).collect()
 }

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use ident::InitialState;
-use ident::prediction::Response;
 use ident::validate::{Judgement, ResidualTest, judge};
 use ident::{Dataset, IdentError, ModelDocument};
 
@@ -35,10 +34,13 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }
     let all = meetings(arguments, terminal)?;
-    picture(&arguments.result, "Models compared", || compared_figures(&all))?;
+    picture(&arguments.result, "Models compared", || {
+        figures::comparison(&all.iter().filter_map(shown).collect::<Vec<_>>())
+    })?;
     if arguments.result.json {
         let row = |met: &Met| match &met.judged {
             Ok(j) => serde_json::json!({"model": met.model, "outputs": met.data.output_labels(),
+                "recordings": met.data.experiments().iter().map(|e| e.name.as_str()).collect::<Vec<_>>(),
                 "fit_percent": j.fit_percent, "rms_error": j.rms_error, "loss": j.loss}),
             Err(reason) => serde_json::json!({"model": met.model, "error": reason.to_string()}),
         };
@@ -87,24 +89,9 @@ fn recordings(document: &ModelDocument, arguments: &MeetArguments, terminal: &Te
     Files::read(&arguments.on, Some(model_file::row_time_s(document, arguments)), terminal)
 }
 
-/// Models of the same outputs on the same clock share their figures.
-fn compared_figures(all: &[Met]) -> Vec<plot::Figure> {
-    let mut left: Vec<&Met> = all.iter().filter(|met| met.judged.is_ok()).collect();
-    let mut figures = Vec::new();
-    while let Some(first) = left.first().copied() {
-        let lengths = |data: &Dataset| data.experiments().iter().map(|e| e.len()).collect::<Vec<_>>();
-        let alike = |met: &&Met| {
-            met.data.output_labels() == first.data.output_labels()
-                && met.data.sample_time_s() == first.data.sample_time_s()
-                && lengths(&met.data) == lengths(&first.data)
-        };
-        let (same, others): (Vec<&Met>, Vec<&Met>) = left.into_iter().partition(alike);
-        let curves: Vec<(String, &Response)> =
-            same.iter().filter_map(|met| Some((met.model.clone(), &met.judged.as_ref().ok()?.response))).collect();
-        figures.extend(figures::comparison(&first.data, &curves));
-        left = others;
-    }
-    figures
+fn shown(met: &Met) -> Option<figures::Shown<'_>> {
+    let response = &met.judged.as_ref().ok()?.response;
+    Some(figures::Shown { name: &met.model, data: &met.data, response })
 }
 
 fn comparison(all: &[Met]) -> Table {
@@ -153,7 +140,10 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
     let report = test.run(&document.model, &data).map_err(|source| CliError::identify("the residual test", source))?;
     picture(&arguments.result, "Residuals", || figures::residuals(&report, &data, REGION))?;
     if arguments.result.json {
-        terminal.json(&words::tests_json(&report, REGION))?;
+        let mut tests = words::tests_json(&report, REGION);
+        tests["inputs"] = serde_json::json!(data.input_labels());
+        tests["outputs"] = serde_json::json!(data.output_labels());
+        terminal.json(&tests)?;
     } else if !terminal.is_quiet() {
         words::print_tests(&report, (data.input_labels(), data.output_labels()), REGION, terminal);
         written(&arguments.result.plot, terminal);
@@ -197,9 +187,8 @@ fn run(
     let failed = |source| CliError::identify("the response", source);
     let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
     let response = &judged.response;
-    let shown = (what.to_owned(), response);
     picture(&arguments.result, &format!("{}, {what}", model_file::name(&arguments.model)), || {
-        figures::comparison(&loaded.data, &[shown])
+        figures::comparison(&[figures::Shown { name: what, data: &loaded.data, response }])
     })?;
     if let Some(path) = &arguments.out {
         let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
@@ -211,8 +200,9 @@ fn run(
         let row = |(n, o): (usize, usize)| {
             let (experiment, output) = (&loaded.data.experiments()[n], &document.outputs[o].name);
             let values = response.outputs[n].col_as_slice(o);
-            serde_json::json!({"recording": experiment.name, "output": output, "start_s": experiment.start_s,
-                "sample_time_s": loaded.data.sample_time_s(), "fit_percent": fit(n, o), "values": values})
+            serde_json::json!({"recording": experiment.name, "output": output, "unit": document.outputs[o].unit,
+                "start_s": experiment.start_s, "sample_time_s": loaded.data.sample_time_s(),
+                "fit_percent": fit(n, o), "values": values})
         };
         terminal.json(&rows.map(row).collect::<Vec<_>>())?;
     } else if !terminal.is_quiet() {

@@ -58,17 +58,26 @@ pub(super) fn print_tests(
 ) {
     let verdict =
         |test: &JointTest| if test.passes(level) { ("passed:", Style::Good) } else { ("failed:", Style::Bad) };
+    let mut say = |test: &JointTest, good: String, bad: String| {
+        let text = format!("{} ({})", if test.passes(level) { good } else { bad }, probability(test.p_value));
+        terminal.item(verdict(test), &text);
+    };
     for (output, whiteness) in report.whiteness.iter().enumerate() {
         let name = &outputs[output].name;
-        let text = format!("residuals of {name} are white (p {:.3})", whiteness.joint.p_value);
-        terminal.item(verdict(&whiteness.joint), &text);
+        let (good, bad) = (format!("residuals of {name} are white"), format!("residuals of {name} are not white"));
+        say(&whiteness.joint, good, bad);
         for (input, test) in report.independence[output].iter().enumerate() {
             let input = &inputs[input].name;
-            let text =
-                format!("they do not depend on past {input}: no dynamics is missing (p {:.3})", test.dynamics.p_value);
-            terminal.item(verdict(&test.dynamics), &text);
-            let text = format!("they do not show in future {input}: no feedback (p {:.3})", test.feedback.p_value);
-            terminal.item(verdict(&test.feedback), &text);
+            say(
+                &test.dynamics,
+                format!("residuals of {name} do not depend on past {input}: the dynamics are captured"),
+                format!("residuals of {name} depend on past {input}: dynamics are missing"),
+            );
+            say(
+                &test.feedback,
+                format!("residuals of {name} do not show in future {input}: no feedback"),
+                format!("residuals of {name} show in future {input}: there is feedback"),
+            );
         }
     }
 }
@@ -93,14 +102,68 @@ pub(super) fn percent(value: f64) -> String {
 
 /// Six significant digits.
 pub(super) fn significant(value: f64) -> String {
+    digits(value, 6)
+}
+
+/// So many significant digits.
+pub(super) fn digits(value: f64, count: i32) -> String {
     match value.abs() {
         _ if !value.is_finite() => format!("{value}"),
         0.0 => "0".to_owned(),
         size if (1e-4..1e6).contains(&size) => {
-            let decimals = (5 - size.log10().floor() as i32).max(0) as usize;
+            let decimals = (count - 1 - size.log10().floor() as i32).max(0) as usize;
             let text = format!("{value:.decimals$}");
             if decimals > 0 { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
         }
-        _ => format!("{value:.5e}"),
+        _ => format!("{value:.*e}", count as usize - 1),
     }
+}
+
+/// An interval; one-sided where an end is nowhere, and nothing where there is none.
+pub(super) fn range(interval: Option<(f64, f64)>) -> String {
+    match interval {
+        None => String::new(),
+        Some((low, high)) if low.is_infinite() && high.is_infinite() => "anything".to_owned(),
+        Some((low, high)) if high.is_infinite() => format!("above {}", digits(low, 4)),
+        Some((low, high)) if low.is_infinite() => format!("below {}", digits(high, 4)),
+        Some((low, high)) => {
+            let decimals = decimals(low, high);
+            format!("{} … {}", to_decimals(low, decimals, 4), to_decimals(high, decimals, 4))
+        }
+    }
+}
+
+/// Decimals after which an interval has two digits of its width; none where numbers are too small or too large for that.
+fn decimals(low: f64, high: f64) -> Option<usize> {
+    let decimals = 1 - (high - low).abs().log10().floor() as i32;
+    let largest = low.abs().max(high.abs());
+    ((0..=6).contains(&decimals) && (1e-3..1e6).contains(&largest)).then_some(decimals as usize)
+}
+
+fn to_decimals(value: f64, decimals: Option<usize>, otherwise: i32) -> String {
+    decimals.map_or_else(|| digits(value, otherwise), |decimals| format!("{value:.decimals$}"))
+}
+
+/// A value with its unit and, in brackets, its interval.
+pub(super) fn with_range(value: f64, unit: &str, interval: Option<(f64, f64)>) -> String {
+    let space = if unit.is_empty() { "" } else { " " };
+    let decimals = interval.and_then(|(low, high)| decimals(low, high)).map(|decimals| decimals + 1);
+    let range = interval.map(|_| format!(" ({})", range(interval)));
+    format!("{}{space}{unit}{}", to_decimals(value, decimals, 5), range.unwrap_or_default())
+}
+
+/// The unit of an output over an input.
+pub(super) fn ratio_unit(output: &str, input: &str) -> String {
+    let factor = |unit: &str| if unit.contains(['/', ' ', '*', '·']) { format!("({unit})") } else { unit.to_owned() };
+    match (output, input) {
+        (output, input) if output == input => String::new(),
+        (output, "") => output.to_owned(),
+        ("", input) => format!("1/{}", factor(input)),
+        (output, input) => format!("{output}/{}", factor(input)),
+    }
+}
+
+/// A probability; the smallest ones only as such.
+pub(super) fn probability(p: f64) -> String {
+    if p < 0.001 { "p < 0.001".to_owned() } else { format!("p = {p:.3}") }
 }

@@ -43,6 +43,7 @@ fn response(response: &MeasuredResponse) -> Figure {
     };
     Figure {
         equal_axes: false,
+        symbols: true,
         title: "Frequency response from twist speed to shaft torque".to_owned(),
         caption: "Δω = ω_e − ω_d to T_shaft, gain relative to 1 Nm s/rad. The falling part is the stiffness; where it \
                   levels off, the damping takes over."
@@ -82,6 +83,7 @@ fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
     layers.push(Layer::dots("|error|/σ", Style::Residual, &spectrum.frequencies_hz, &spectrum.normalised_magnitude));
     Figure {
         equal_axes: false,
+        symbols: true,
         title: "What the shaft model leaves over, by frequency".to_owned(),
         caption: format!(
             "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound. Dashed lines: \

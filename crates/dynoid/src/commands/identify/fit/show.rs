@@ -51,11 +51,11 @@ impl Finished {
         ));
         terminal.gap();
         // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
-        let roots = match self.fit.model {
-            AnyModel::StateSpace(_) => look::roots_table(document, INTERVAL).ok(),
-            _ => None,
-        };
-        terminal.table(&roots.unwrap_or_else(|| self.parameters()));
+        let shown = matches!(self.fit.model, AnyModel::StateSpace(_))
+            && look::print_roots(document, INTERVAL, terminal).is_ok();
+        if !shown {
+            terminal.table(&self.parameters());
+        }
         terminal.gap();
         greybox::print_derived(&self.fit, INTERVAL, terminal);
         terminal.table(&self.fits());

@@ -88,8 +88,9 @@ impl Verdict {
         let mut all = Vec::new();
         if let Some(judged) = self.judged.last() {
             let pair = [("simulated", &judged.simulated), ("predicted one step", &judged.predicted)];
-            let there = pair.into_iter().filter_map(|(name, j)| Some((name.to_owned(), &j.as_ref().ok()?.response)));
-            all.extend(figures::comparison(data, &there.collect::<Vec<_>>()));
+            let there = pair.into_iter().filter_map(|(name, judged)| Some((name, &judged.as_ref().ok()?.response)));
+            let shown = there.map(|(name, response)| figures::Shown { name, data, response });
+            all.extend(figures::comparison(&shown.collect::<Vec<_>>()));
         }
         if let Ok(report) = &self.residuals {
             all.extend(figures::residuals(report, data, REGION));

@@ -1,0 +1,268 @@
+//! `dynoid spectrum`: power spectra and frequency responses.
+
+use ident::Dataset;
+use ident::distributions::normal_quantile;
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
+use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum};
+
+use super::super::data::load;
+use super::super::figures::figure;
+use super::super::judge::{picture, written};
+use super::super::words::{digits, range, ratio_unit};
+use crate::cli::identify::{SpectrumArguments, SpectrumMethod};
+use crate::error::{CliError, Outcome};
+use crate::table::{Align, Style as Text, Table};
+use crate::terminal::Terminal;
+
+/// Confidence of bands.
+const LEVEL: f64 = 0.95;
+/// Probability that chance makes a peak anywhere in a spectrum.
+const FALSE_ALARM: f64 = 0.05;
+/// Decibels by which a peak stands out of what is around it, at least.
+const PROMINENCE_DB: f64 = 6.0;
+/// Frequencies to either side over which the quotient of Fourier transforms is smoothed.
+const ETFE_HALF_WIDTH: usize = 3;
+/// Peaks listed.
+const LISTED: usize = 10;
+
+/// A curve over frequency with its band.
+struct Spectrum {
+    channel: String,
+    unit: String,
+    freq_hz: Vec<f64>,
+    magnitude: Vec<f64>,
+    /// The factor from the logarithm to decibels: 10 of powers, 20 of gains.
+    decibels: f64,
+    phase_deg: Option<Vec<f64>>,
+    band: Vec<(f64, f64)>,
+    /// Intervals so wide that chance hardly leaves the truth outside of any.
+    all_hold: Vec<(f64, f64)>,
+    /// Values to either side that hold a part of the same peak.
+    lobe: usize,
+}
+
+impl Spectrum {
+    fn peaks(&self) -> Vec<SpectralPeak> {
+        let excess = 10f64.powf(PROMINENCE_DB / self.decibels);
+        peaks(&self.freq_hz, &self.magnitude, &self.all_hold, self.lobe, excess)
+    }
+
+    /// Half the width within which peaks cannot be told apart.
+    fn resolution_hz(&self) -> f64 {
+        let spacing = self.freq_hz.get(1).zip(self.freq_hz.first()).map_or(0.0, |(b, a)| b - a);
+        0.5 * self.lobe as f64 * spacing
+    }
+
+    fn excess_db(&self, peak: &SpectralPeak) -> f64 {
+        self.decibels * peak.excess.log10()
+    }
+}
+
+/// `dynoid spectrum`
+pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let data = load(&arguments.data, terminal)?.data;
+    let failed = |source: signal::SignalError| CliError::identify("the spectrum", source.into());
+    check_method(arguments, data.inputs())?;
+    let spectra = match data.inputs() {
+        0 => powers(&data, arguments),
+        _ => responses(&data, arguments),
+    };
+    let spectra = spectra.map_err(failed)?;
+    picture(&arguments.result, "Spectra", || spectra.iter().map(drawn).collect())?;
+    if arguments.result.json {
+        terminal.json(&spectra.iter().map(json).collect::<Vec<_>>())?;
+    } else if !terminal.is_quiet() {
+        spectra.iter().for_each(|s| print(s, terminal));
+        written(&arguments.result.plot, terminal);
+    }
+    Ok(Outcome::Done)
+}
+
+/// Refuses several inputs where a method knows but one: it would take what the others do for noise.
+fn check_method(arguments: &SpectrumArguments, inputs: usize) -> Result<(), CliError> {
+    match arguments.method {
+        SpectrumMethod::Welch | SpectrumMethod::Etfe if inputs > 1 => Err(CliError::Usage {
+            what: "--method welch and etfe take one input; lpm, lrm and blackman-tukey take several".into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn json(s: &Spectrum) -> serde_json::Value {
+    let band: Vec<[f64; 2]> = s.band.iter().map(|(a, b)| [*a, *b]).collect();
+    let peak = |p: &SpectralPeak| {
+        serde_json::json!({"frequency_hz": s.freq_hz[p.index], "resolution_hz": s.resolution_hz(),
+            "magnitude": s.magnitude[p.index], "interval_95": band[p.index], "excess_db": s.excess_db(p)})
+    };
+    let peaks: Vec<_> = s.peaks().iter().map(peak).collect();
+    serde_json::json!({"channel": s.channel, "unit": s.unit, "frequency_hz": s.freq_hz,
+        "magnitude": s.magnitude, "phase_deg": s.phase_deg, "interval_95": band, "peaks": peaks})
+}
+
+/// The peaks that stand out most, by rising frequency.
+fn print(s: &Spectrum, terminal: &mut Terminal) {
+    terminal.heading(&s.channel, Text::Bold);
+    let mut found = s.peaks();
+    if found.is_empty() {
+        return terminal.line(&format!(
+            "  no peaks: nothing stands {PROMINENCE_DB} dB, and more than chance, above what is around it"
+        ));
+    }
+    let all = found.len();
+    found.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    found.truncate(LISTED);
+    found.sort_by_key(|peak| peak.index);
+    let columns = [
+        ("peak at", Align::Right),
+        ("magnitude", Align::Right),
+        ("above its surroundings", Align::Right),
+        ("95 % interval of the magnitude", Align::Left),
+    ];
+    let mut table = Table::new(&columns);
+    for peak in found {
+        let place = format!("{} ± {} Hz", digits(s.freq_hz[peak.index], 5), digits(s.resolution_hz(), 2));
+        table.row([
+            place.into(),
+            format!("{} {}", digits(s.magnitude[peak.index], 4), s.unit).into(),
+            format!("{:.1} dB", s.excess_db(&peak)).into(),
+            range(Some(s.band[peak.index])).into(),
+        ]);
+    }
+    terminal.table(&table);
+    if all > LISTED {
+        terminal.line(&format!("  the {LISTED} of {all} peaks that stand out most; all with --json"));
+    }
+}
+
+fn window(arguments: &SpectrumArguments, samples: usize) -> usize {
+    arguments.window.unwrap_or((samples / 8).clamp(16, 1024).min(samples))
+}
+
+/// Power spectral densities of the outputs.
+fn powers(data: &Dataset, arguments: &SpectrumArguments) -> Result<Vec<Spectrum>, signal::SignalError> {
+    let mut all = Vec::new();
+    for experiment in data.experiments() {
+        for (output, label) in data.output_labels().iter().enumerate() {
+            let welch = Welch::half_overlapping(window(arguments, experiment.len()));
+            let power = power_spectrum(experiment.output(output), data.sample_time_s(), welch)?;
+            let confidence = 1.0 - 2.0 * FALSE_ALARM / power.freq_hz.len() as f64;
+            all.push(Spectrum {
+                channel: format!("{}, {}", label.name, experiment.name),
+                unit: squared_per_hertz(&label.unit),
+                band: power.interval(LEVEL)?.into_iter().map(|[low, high]| (low, high)).collect(),
+                all_hold: power.interval(confidence)?.into_iter().map(|[low, high]| (low, high)).collect(),
+                freq_hz: power.freq_hz,
+                magnitude: power.density,
+                decibels: 10.0,
+                phase_deg: None,
+                // Half the main lobe of a Hann window.
+                lobe: 2,
+            });
+        }
+    }
+    Ok(all)
+}
+
+fn squared_per_hertz(unit: &str) -> String {
+    match unit {
+        "" => "1/Hz".to_owned(),
+        unit if unit.chars().all(char::is_alphabetic) => format!("{unit}²/Hz"),
+        unit => format!("({unit})²/Hz"),
+    }
+}
+
+/// Frequency responses from every input to every output, of each recording.
+fn responses(data: &Dataset, arguments: &SpectrumArguments) -> Result<Vec<Spectrum>, signal::SignalError> {
+    let mut all = Vec::new();
+    for experiment in data.experiments() {
+        let inputs: Vec<&[f64]> = (0..data.inputs()).map(|k| experiment.input(k)).collect();
+        for (output, label) in data.output_labels().iter().enumerate() {
+            let y = experiment.output(output);
+            let response = response(&inputs, y, data.sample_time_s(), arguments)?;
+            for (input, input_label) in data.input_labels().iter().enumerate() {
+                let name = format!("{} → {}, {}", input_label.name, label.name, experiment.name);
+                let unit = ratio_unit(&label.unit, &input_label.unit);
+                all.push(Spectrum { lobe: lobe(arguments), ..one_response(&response, input, name, unit) });
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn response(
+    inputs: &[&[f64]],
+    y: &[f64],
+    sample_time_s: f64,
+    arguments: &SpectrumArguments,
+) -> Result<FrequencyResponse, signal::SignalError> {
+    let samples = window(arguments, y.len());
+    match arguments.method {
+        SpectrumMethod::Lpm => {
+            Ok(LocalModel::polynomial(2, inputs.len()).estimate(inputs, &[y], sample_time_s)?.response)
+        }
+        SpectrumMethod::Lrm => {
+            Ok(LocalModel::rational(2, inputs.len()).estimate(inputs, &[y], sample_time_s)?.response)
+        }
+        SpectrumMethod::BlackmanTukey => Ok(BlackmanTukey::new(samples).estimate(inputs, y, sample_time_s)?.response),
+        SpectrumMethod::Etfe => {
+            Etfe { half_width: ETFE_HALF_WIDTH, period: None }.estimate(inputs[0], y, sample_time_s)
+        }
+        SpectrumMethod::Welch => {
+            let cross = cross_spectrum(inputs[0], y, sample_time_s, Welch::half_overlapping(samples))?;
+            let (response, variance) = (cross.response_h1(), cross.response_h1_variance());
+            Ok(FrequencyResponse { freq_hz: cross.freq_hz, outputs: 1, inputs: 1, response, variance })
+        }
+    }
+}
+
+/// Frequencies to either side from which a method takes what it says of one.
+fn lobe(arguments: &SpectrumArguments) -> usize {
+    match arguments.method {
+        SpectrumMethod::Welch | SpectrumMethod::BlackmanTukey => 2,
+        SpectrumMethod::Lpm => LocalModel::polynomial(2, 1).half_width,
+        SpectrumMethod::Lrm => LocalModel::rational(2, 1).half_width,
+        SpectrumMethod::Etfe => ETFE_HALF_WIDTH,
+    }
+}
+
+fn one_response(whole: &FrequencyResponse, input: usize, channel: String, unit: String) -> Spectrum {
+    let (gains, variance) = (whole.response_of(0, input), whole.variance_of(0, input));
+    // The part of the variance along the gain is half of it.
+    let interval = |level: f64| {
+        let reach = normal_quantile(0.5 + level / 2.0);
+        let ends = gains.iter().zip(&variance).map(move |(g, v)| {
+            let half = reach * (0.5 * v).sqrt();
+            ((g.norm() - half).max(0.0), g.norm() + half)
+        });
+        ends.collect::<Vec<_>>()
+    };
+    Spectrum {
+        channel,
+        unit,
+        freq_hz: whole.freq_hz.clone(),
+        magnitude: gains.iter().map(|g| g.norm()).collect(),
+        decibels: 20.0,
+        // Not unwrapped: through noise that goes astray by many turns.
+        phase_deg: Some(gains.iter().map(|g| g.arg().to_degrees()).collect()),
+        band: interval(LEVEL),
+        all_hold: interval(1.0 - 2.0 * FALSE_ALARM / gains.len().max(1) as f64),
+        lobe: 1,
+    }
+}
+
+fn drawn(spectrum: &Spectrum) -> Figure {
+    let style = Style::Modelled;
+    let first = spectrum.freq_hz.iter().position(|f| *f > 0.0).unwrap_or(0);
+    let x = &spectrum.freq_hz[first..];
+    let (low, high): (Vec<f64>, Vec<f64>) = spectrum.band[first..].iter().copied().unzip();
+    let name = "estimate".to_owned();
+    let band = Layer::Band { name, style, x: Abscissa::Values(rounded(x)), low: rounded(&low), high: rounded(&high) };
+    let curve = Layer::curve("estimate", style, x, &spectrum.magnitude[first..]);
+    let mut panels = vec![Panel::new(Axis::log("magnitude", &spectrum.unit), 200, vec![band, curve])];
+    if let Some(phase) = &spectrum.phase_deg {
+        let dots = Layer::dots("estimate", style, x, &phase[first..]);
+        panels.push(Panel::new(Axis::angle("phase").within(-190.0, 190.0), 130, vec![dots]));
+    }
+    figure(&spectrum.channel, Axis::frequency(), panels)
+}

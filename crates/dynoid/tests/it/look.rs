@@ -1,0 +1,141 @@
+//! What the commands say about models and data.
+
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use crate::support::{Ran, dynoid};
+
+/// A resonance at 8 Hz, seen by two outputs, one of them later; a sine of 20 Hz on the first. Sampled at 100 Hz.
+fn recorded(folder: &Path) {
+    let mut random = signal::excitation::Random::new(3);
+    let (radius, angle) = (0.97_f64, 0.08 * std::f64::consts::TAU);
+    let (a1, a2) = (-2.0 * radius * angle.cos(), radius * radius);
+    let mut x = vec![0.0; 2000];
+    let u: Vec<f64> = (0..2000).map(|_| random.normal()).collect();
+    let mut text = String::from("time [s],u [Nm],N_one [rpm],two [rpm]\n");
+    for t in 3..2000 {
+        x[t] = -a1 * x[t - 1] - a2 * x[t - 2] + u[t - 1];
+        let sine = 8.0 * (std::f64::consts::TAU * 0.2 * t as f64).sin();
+        let (one, two) = (x[t] + sine + 0.2 * random.normal(), x[t - 2] + 0.2 * random.normal());
+        text.push_str(&format!("{:.2},{},{one},{two}\n", 0.01 * t as f64, u[t]));
+    }
+    std::fs::write(folder.join("T_TN.csv"), text).unwrap();
+}
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    recorded(folder.path());
+    folder
+}
+
+fn run(folder: &TempDir, line: &str) -> Ran {
+    dynoid(folder.path(), &line.split(' ').collect::<Vec<_>>())
+}
+
+#[track_caller]
+fn said(folder: &TempDir, line: &str) -> String {
+    let ran = run(folder, line);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    ran.stdout
+}
+
+/// A state space of both outputs, and an output-error model of the second.
+fn with_models() -> TempDir {
+    let folder = folder();
+    said(&folder, "fit ss T_TN.csv -u u -y N_one -y two --order 4 --subspace --quiet --out ss.json");
+    said(&folder, "fit oe T_TN.csv -u u -y two --nb 1 --nf 2 --nk 3 --quiet --out oe.json");
+    folder
+}
+
+#[test]
+fn poles_that_all_ways_share_are_said_once_with_frequency_and_damping() {
+    let folder = with_models();
+    let text = said(&folder, "poles ss.json");
+    assert_eq!(text.matches("natural frequency").count(), 3, "poles, and the zeros of two ways: {text}");
+    assert!(text.contains("zeros of u → N_one") && text.contains("zeros of u → two"), "{text}");
+    let one = &run(&folder, "poles oe.json --json").json()[0];
+    let poles = one["poles"][0]["roots"].as_array().unwrap();
+    let hertz = poles[0]["natural_frequency_hz_interval"].as_array().unwrap();
+    let (low, high) = (hertz[0].as_f64().unwrap(), hertz[1].as_f64().unwrap());
+    assert!(low < 8.01 && 8.0 < high && high - low < 0.1, "{low} … {high}");
+    let damping = poles[0]["damping"].as_f64().unwrap();
+    assert!((damping - 0.0605).abs() < 0.005, "{damping}");
+    assert!(poles[0]["time_constant_s_interval"][0].as_f64().unwrap() > 0.0);
+    assert!(said(&folder, "poles oe.json").contains("sample time 0.01 s"));
+}
+
+#[test]
+fn responses_are_summed_up_and_shown_whole_only_on_request() {
+    let folder = with_models();
+    let bode = said(&folder, "bode oe.json");
+    for word in ["gain at rest", "rpm/Nm", "resonance", "95 % interval"] {
+        assert!(bode.contains(word), "{word}: {bode}");
+    }
+    assert!(bode.lines().count() < 10 && !bode.contains("margin"), "rpm are not Nm, so no loop can be closed: {bode}");
+    let step = said(&folder, "step oe.json ss.json");
+    for word in ["final value", "rise time", "settling time", "overshoot", "dead time"] {
+        assert!(step.contains(word), "{word}: {step}");
+    }
+    let summary = run(&folder, "step oe.json --json").json()[0]["summary"].clone();
+    let fact = |name: &str| summary.as_array().unwrap().iter().find(|fact| fact["name"] == name).unwrap().clone();
+    assert_eq!(fact("dead time")["value"], 0.02);
+    let ends = fact("final value")["interval"].clone();
+    let truth = 1.0 / (1.0 - 2.0 * 0.97 * (0.08 * std::f64::consts::TAU).cos() + 0.97 * 0.97);
+    assert!(ends[0].as_f64().unwrap() < truth && truth < ends[1].as_f64().unwrap(), "{truth} in {ends}");
+    assert!(said(&folder, "bode oe.json --table").lines().count() > 300);
+    assert!(said(&folder, "step oe.json --table --level 0.9").contains("90 % interval"));
+    run(&folder, "step oe.json --table --json").assert_refused(2, &["--table", "--json"]);
+}
+
+#[test]
+fn figures_keep_the_names_of_files_and_channels() {
+    let folder = with_models();
+    said(&folder, "compare ss.json --on T_TN.csv --plot c.svg");
+    let text = std::fs::read_to_string(folder.path().join("c.svg")).unwrap();
+    assert!(text.contains(">N_one, T_TN.csv</text>"), "{}", &text[..600]);
+    said(&folder, "poles ss.json oe.json --plot p.svg");
+    let poles = std::fs::read_to_string(folder.path().join("p.svg")).unwrap();
+    assert!(poles.contains("unit circle") && poles.contains("equal damping"));
+}
+
+#[test]
+fn a_spectrum_has_the_peaks_that_are_in_it() {
+    let folder = folder();
+    let power = &run(&folder, "spectrum T_TN.csv -y N_one --json").json()[0];
+    let at: Vec<f64> = power["peaks"].as_array().unwrap().iter().map(|p| p["frequency_hz"].as_f64().unwrap()).collect();
+    assert_eq!(at.len(), 2, "the resonance and the sine: {at:?}");
+    assert!((at[0] - 8.0).abs() < 0.5 && (at[1] - 20.0).abs() < 0.5, "{at:?}");
+    let response = said(&folder, "spectrum T_TN.csv -u u -y two");
+    assert!(response.contains("± ") && response.contains("dB"), "{response}");
+    run(&folder, "spectrum T_TN.csv -u u -u two -y N_one --method welch").assert_refused(2, &["one input"]);
+}
+
+#[test]
+fn an_order_at_the_end_of_the_scan_is_said() {
+    let folder = folder();
+    let text = said(&folder, "order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3");
+    assert!(text.contains("try --na 1:4") && text.contains("try --nk 1:5"), "{text}");
+    assert!(!text.contains("--nb"), "a range of one number is meant so: {text}");
+    let edges = run(&folder, "order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3 --json").json()["at_edge"].clone();
+    assert_eq!(edges[0]["option"], "--na");
+}
+
+#[test]
+fn delays_that_contradict_each_other_are_said_with_the_one_to_trust() {
+    let folder = folder();
+    let delay = run(&folder, "delay T_TN.csv -u u -y two --json").json();
+    assert_eq!(delay["arx"]["samples"][0], 3);
+    let doubts = delay["doubts"].as_array().unwrap();
+    assert!(doubts.iter().any(|d| d.as_str().unwrap().contains("trust the ARX comparison")), "{delay}");
+    let short = said(&folder, "delay T_TN.csv -u u -y two --longest 3");
+    assert!(short.contains("try --longest 6"), "{short}");
+}
+
+#[test]
+fn residual_tests_say_what_they_found() {
+    let folder = with_models();
+    let text = said(&folder, "resid ss.json --on T_TN.csv");
+    assert!(!text.contains("p 0.000") && text.contains("p < 0.001"), "{text}");
+    assert!(text.contains("failed: residuals of N_one are not white"), "{text}");
+}

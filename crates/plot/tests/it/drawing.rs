@@ -1,0 +1,90 @@
+//! What is in a drawing.
+
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded, svg};
+
+const INDEX: &str = "<tspan dy=\"3\" font-size=\"9\">";
+
+fn one(title: &str, x: Axis, y: Axis, layers: Vec<Layer>) -> Figure {
+    Figure::new(title, x, vec![Panel::new(y, 150, layers)])
+}
+
+fn line(y: &[f64]) -> Layer {
+    let x: Vec<f64> = (1..=y.len()).map(|n| n as f64).collect();
+    Layer::curve("line", Style::Modelled, &x, y)
+}
+
+#[test]
+fn regress_symbols_have_indices_and_file_names_have_none() {
+    let drawn = |title: &str| svg(&[one(title, Axis::time(), Axis::linear("y", ""), vec![line(&[1.0, 2.0])])]);
+    assert!(drawn("T_d → N_d, measured").contains(&format!("{INDEX}d</tspan>")));
+    assert!(drawn("J_d.").contains(&format!("{INDEX}d</tspan>")), "a full stop ends a sentence");
+    for name in ["WhiteNoise_T_TN_1200.mf4", "T_TN_1200.mf4", "T_d.csv", "a/T_d", "T_d-2"] {
+        let text = drawn(name);
+        assert!(text.contains(&format!("<tspan>{name}</tspan>")), "{name}: {text}");
+    }
+}
+
+#[test]
+fn names_are_left_as_they_are_where_a_figure_has_no_symbols() {
+    let figure = one("T_demand → N_dyno", Axis::time(), Axis::linear("N_dyno", "rpm"), vec![line(&[1.0, 2.0])]);
+    let text = svg(&[figure.with_plain_text()]);
+    assert!(text.contains(">T_demand → N_dyno</text>") && text.contains(">N_dyno [rpm]</text>"), "{text}");
+    assert!(!text.contains(INDEX));
+}
+
+#[test]
+fn regress_a_band_that_reaches_down_to_nothing_is_drawn_on_a_logarithmic_axis() {
+    let x = Abscissa::Values(rounded(&[1.0, 2.0, 3.0]));
+    let (low, high) = (rounded(&[0.0, 0.5, -1.0]), rounded(&[2.0, 2.0, 2.0]));
+    let band = Layer::Band { name: "band".into(), style: Style::Modelled, x, low, high };
+    let text = svg(&[one("", Axis::linear("x", ""), Axis::log("y", ""), vec![band, line(&[1.0, 1.0, 1.0])])]);
+    let path = text.lines().find(|line| line.contains("fill-opacity=\"0.18\"")).unwrap();
+    assert_eq!(path.matches('L').count(), 5, "three upper and three lower corners: {path}");
+    assert!(!path.contains("NaN") && !path.contains("inf"), "{path}");
+}
+
+#[test]
+fn a_band_widens_a_logarithmic_axis_by_little() {
+    let x = || Abscissa::Values(rounded(&[1.0, 2.0]));
+    let band = |low: f64| Layer::Band {
+        name: "band".into(),
+        style: Style::Modelled,
+        x: x(),
+        low: rounded(&[low, low]),
+        high: rounded(&[2.0, 2.0]),
+    };
+    let drawn = |low| svg(&[one("", Axis::linear("x", ""), Axis::log("y", ""), vec![band(low), line(&[1.0, 1.0])])]);
+    assert!(!drawn(1e-9).contains("1e−9") && !drawn(1e-9).contains(">0.001<"), "{}", drawn(1e-9));
+    assert!(drawn(0.5).contains(">0.5<"));
+}
+
+#[test]
+fn degrees_are_marked_at_parts_of_a_turn() {
+    let text = svg(&[one("", Axis::time(), Axis::angle("phase"), vec![line(&[170.0, -350.0])])]);
+    for mark in ["−360", "−180", "0", "180"] {
+        assert!(text.contains(&format!("<tspan>{mark}</tspan>")), "{mark}: {text}");
+    }
+    assert!(!text.contains("<tspan>−200</tspan>"));
+    let small = svg(&[one("", Axis::time(), Axis::angle("phase"), vec![line(&[1.0, 2.0])])]);
+    assert!(small.contains("<tspan>1.4</tspan>"), "round steps where the range is small: {small}");
+}
+
+#[test]
+fn lines_denser_than_pixels_are_thin_and_let_through_what_they_cover() {
+    let drawn = |points: usize| {
+        let y: Vec<f64> = (0..points).map(|n| (n % 7) as f64).collect();
+        svg(&[one("", Axis::time(), Axis::linear("y", ""), vec![line(&y)])])
+    };
+    assert!(drawn(100).contains("stroke-width=\"1.2\""));
+    let dense = drawn(3000);
+    assert!(dense.contains("stroke-width=\"0.7\"") && dense.contains("stroke-opacity"), "thin");
+}
+
+#[test]
+fn captions_stand_below_in_lines() {
+    let words = "word ".repeat(60);
+    let figure = one("", Axis::time(), Axis::linear("y", ""), vec![line(&[1.0, 2.0])]).with_caption(words.trim());
+    let text = svg(&[figure]);
+    let lines = text.lines().filter(|line| line.contains("word word")).count();
+    assert!(lines >= 2 && text.matches("word").count() == 60, "{lines} lines");
+}

@@ -1,0 +1,89 @@
+//! Peaks of a spectrum that stand out of what is around them.
+
+/// A peak.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpectralPeak {
+    /// Its place among the values.
+    pub index: usize,
+    /// The value over that of the background.
+    pub excess: f64,
+}
+
+/// Fewest values to either side that make a background.
+const FEWEST: usize = 3;
+
+/// The peaks of `values`, a power or a gain over rising frequencies, by rising frequency: largest within `lobe` values to
+/// either side, at least `excess` times the background, and more than chance makes of it, which is where the lower end of
+/// the value's interval lies above the background. Of two tops without a valley between them whose value, at the upper end of
+/// its interval, is less than `√excess` below the lower top, that one is a ripple on the other and left out.
+///
+/// The background is the geometric mean of two medians, over the octave below and the octave above without the `lobe`
+/// nearest values: the slope of a spectrum cancels in it. Where either has fewer than three values, nothing is a peak.
+///
+/// # Example
+/// ```
+/// use signal::spectrum::peaks;
+/// let freq_hz: Vec<f64> = (0..100).map(f64::from).collect();
+/// let mut power: Vec<f64> = freq_hz.iter().map(|f| 1.0 / (1.0 + f * f)).collect();
+/// power[40] *= 30.0;
+/// let intervals: Vec<(f64, f64)> = power.iter().map(|p| (0.7 * p, 1.5 * p)).collect();
+/// let found = peaks(&freq_hz, &power, &intervals, 1, 4.0);
+/// assert_eq!(found.len(), 1);
+/// assert_eq!(found[0].index, 40);
+/// ```
+#[must_use]
+pub fn peaks(freq_hz: &[f64], values: &[f64], intervals: &[(f64, f64)], lobe: usize, excess: f64) -> Vec<SpectralPeak> {
+    let count = freq_hz.len().min(values.len()).min(intervals.len());
+    let lobe = lobe.max(1);
+    let mut room = Vec::new();
+    let mut found = Vec::new();
+    for index in 1..count.saturating_sub(1) {
+        let near = &values[index.saturating_sub(lobe)..(index + lobe + 1).min(count)];
+        let is_top = values[index] > values[index - 1] && near.iter().all(|v| *v <= values[index]);
+        let lower = intervals[index].0;
+        if !is_top || lower <= 0.0 || lower.is_nan() {
+            continue;
+        }
+        let Some(background) = background(&freq_hz[..count], values, index, lobe, &mut room) else { continue };
+        if values[index] >= excess * background && lower > background {
+            found.push(SpectralPeak { index, excess: values[index] / background });
+        }
+    }
+    without_ripples(found, values, intervals, excess.sqrt())
+}
+
+fn without_ripples(
+    mut found: Vec<SpectralPeak>,
+    values: &[f64],
+    intervals: &[(f64, f64)],
+    depth: f64,
+) -> Vec<SpectralPeak> {
+    found.sort_by(|a, b| values[b.index].total_cmp(&values[a.index]));
+    let mut kept: Vec<SpectralPeak> = Vec::new();
+    for peak in found {
+        let is_apart = |other: &SpectralPeak| {
+            let (from, to) = (peak.index.min(other.index), peak.index.max(other.index));
+            intervals[from..to].iter().any(|(_, upper)| depth * upper <= values[peak.index])
+        };
+        if kept.iter().all(is_apart) {
+            kept.push(peak);
+        }
+    }
+    kept.sort_by_key(|peak| peak.index);
+    kept
+}
+
+fn background(freq_hz: &[f64], values: &[f64], index: usize, lobe: usize, room: &mut Vec<f64>) -> Option<f64> {
+    let first = freq_hz.partition_point(|f| *f < 0.5 * freq_hz[index]);
+    let end = freq_hz.partition_point(|f| *f <= 2.0 * freq_hz[index]);
+    let below = median(values.get(first..index.saturating_sub(lobe))?, room)?;
+    let above = median(values.get(index + lobe + 1..end)?, room)?;
+    Some((below * above).sqrt())
+}
+
+fn median(values: &[f64], room: &mut Vec<f64>) -> Option<f64> {
+    room.clear();
+    room.extend(values.iter().filter(|v| v.is_finite()));
+    let middle = room.len() / 2;
+    (room.len() >= FEWEST).then(|| *room.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
