@@ -1,6 +1,7 @@
 //! Estimates from measurements of others, against the results that they published.
-#![allow(clippy::print_stdout, reason = "a skipped test says so")]
+#![allow(clippy::disallowed_methods, reason = "measurements are files")]
 
+mod flexible_drive;
 mod flexible_joint;
 mod flexible_link;
 mod motor_bench;
@@ -13,10 +14,14 @@ use crate::shared::shared;
 
 /// Named channels of a recording of the shared folder; `None`, with a word about it, where it is absent.
 fn channels<const N: usize>(path: &str, names: [&str; N]) -> Option<[Vec<f64>; N]> {
-    let path = shared(&format!("reference/{path}"))?;
-    let bytes = std::fs::read(&path).unwrap();
-    let recording = recording::decode_untimed(&path.to_string_lossy(), &bytes, 1.0).unwrap();
-    Some(names.map(|name| recording.channel(name).unwrap_or_else(|| panic!("no {name}")).samples.clone()))
+    let bytes = std::fs::read(shared(&format!("reference/{path}"))?).unwrap();
+    let recording = recording::decode_untimed(path, &bytes, 1.0).unwrap();
+    Some(names.map(|name| recording.channel(name).expect(name).samples.clone()))
+}
+
+/// A text of the shared folder.
+fn text(path: &str) -> Option<String> {
+    Some(std::fs::read_to_string(shared(&format!("reference/{path}"))?).unwrap())
 }
 
 fn centred(x: &[f64]) -> Vec<f64> {

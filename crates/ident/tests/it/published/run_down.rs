@@ -3,7 +3,7 @@
 use faer::Mat;
 use ident::least_squares;
 
-use super::shared;
+use super::text;
 
 /// Differences of the speed are taken over so many rows.
 const REACH: usize = 54;
@@ -17,7 +17,7 @@ fn smoothed(x: &[f64], width: usize) -> Vec<f64> {
 
 /// Time in s and speed in rad/s, single readings of zero replaced by the one before.
 fn record() -> Option<(Vec<f64>, Vec<f64>)> {
-    let text = std::fs::read_to_string(shared("reference/inertia-dyno/unloaded_spindown.txt")?).unwrap();
+    let text = text("inertia-dyno/unloaded_spindown.txt")?;
     let column = |line: &str, j: usize| line.split_whitespace().nth(j).unwrap().parse::<f64>().unwrap();
     let time = text.lines().map(|l| 1e-3 * column(l, 5)).collect();
     let mut speed: Vec<f64> = text.lines().map(|l| column(l, 3)).collect();

@@ -3,12 +3,11 @@
 use ident::validate::judge;
 use ident::{ContinuousTransferFunction, Dataset, InitialState};
 
-use super::shared;
+use super::text;
 
 /// Sample time in s, lag in s and fit in percent of the first step of a file.
 fn step(nominal_ms: usize) -> Option<[f64; 3]> {
-    let path = shared(&format!("reference/wheel-with-bolts/test0-255_{nominal_ms}ms.dat"))?;
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = text(&format!("wheel-with-bolts/test0-255_{nominal_ms}ms.dat"))?;
     let row = |line: &str| line.split_whitespace().map(|v| v.parse().unwrap()).collect::<Vec<f64>>();
     // The timer of the controller: counts and prescaler at 16 MHz.
     let timer = row(text.lines().nth(2).unwrap());
