@@ -62,20 +62,21 @@ fn ref_flexible_link_armax() {
     assert!((found - 90.6).abs() < 0.05, "{found}");
 }
 
-/// The published 86.56 % is exceeded at the same orders: a second pole close to one takes up the drift.
+/// The published 86.56 % is exceeded at the same orders: a second pole close to one takes up the drift. It lies beyond the
+/// unit circle by 1e-4, and the way to it leads through growth that is not let through at the end.
 #[test]
 fn ref_flexible_link_output_error() {
     let Some((first, second)) = halves(0) else { return };
-    let found = simulated(&OutputError::new(6, 6, 3).fit(&first).unwrap(), &second);
-    assert!(found > 86.56, "{found}");
+    let fit = OutputError::new(6, 6, 3).fit(&first).unwrap();
+    assert!(simulated(&fit, &second) > 95.6 && fit.loss < 0.00265, "{}", fit.loss);
 }
 
-/// The published 95.6 % is that of a simulation. What predicts best simulates the second half to 91 %, at orders six and
-/// seven alike; dynamics that simulate best, of order seven, predict worse and come to 96 %.
+/// The published 95.6 % is that of a simulation. What predicts best simulates the second half to 91 %; dynamics that simulate
+/// best come to more, and predict worse.
 #[test]
 fn ref_flexible_link_box_jenkins() {
     let Some((first, second)) = halves(0) else { return };
-    let orders = BoxJenkins::new(7, 7, 7, 7, 3);
+    let orders = BoxJenkins::new(6, 6, 6, 6, 3);
     let predicts = orders.clone().fit(&first).unwrap();
     let simulates = orders.with_focus(Focus::Simulation).fit(&first).unwrap();
     assert!(simulated(&simulates, &second) > 95.6);
