@@ -92,6 +92,11 @@ pub enum Doubt {
     },
     /// The model is not stable.
     Unstable,
+    /// What the model leaves is larger than the measured noise, on which alone the covariance rests: true errors are larger.
+    LargerThanNoise {
+        /// The sum of squares over its expected value.
+        ratio: f64,
+    },
     /// The covariance is the least that any estimate could have; this one may scatter more.
     CovarianceIsLowerBound,
     /// The model, simulated or predicted one step ahead, leaves nearly all of an output of the estimation data unexplained.

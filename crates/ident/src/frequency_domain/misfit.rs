@@ -115,7 +115,7 @@ impl CostTest {
 /// An estimate from frequency data.
 ///
 /// The measured noise alone makes the covariance; `noise_covariance` of the [`Fit`] is the cost over its expected value,
-/// one where model and noise are right.
+/// one where model and noise are right. Where it is beyond the upper limit, [`Doubt::LargerThanNoise`] says so.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralFit<M> {
     /// The model and its covariance.
@@ -153,6 +153,9 @@ pub(crate) fn spectral_fit<M: Parametric>(
     }
     if minimum.condition > ILL_CONDITIONED {
         doubts.push(Doubt::IllConditioned { condition: minimum.condition });
+    }
+    if cost.cost > cost.upper {
+        doubts.push(Doubt::LargerThanNoise { ratio: cost.cost / cost.expected });
     }
     let residual = |pair: &[f64]| Complex64::new(pair[0], pair[1]) * std::f64::consts::FRAC_1_SQRT_2;
     let fit = Fit {

@@ -147,6 +147,7 @@ impl Task<'_> {
     ) -> Result<Estimate, IdentError> {
         let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
         let lowest = descend(&mut evaluator, start, &self.bounds, self.search)?;
+        let lowest = self.beyond_the_edge(all, aim, &evaluator, &lowest).unwrap_or(lowest);
         let free = lowest.at_bound.iter().filter(|b| !**b).count();
         let freedom = evaluator.residual_count() as f64 - free as f64;
         if let Some(batches) = batches {
@@ -168,6 +169,22 @@ impl Task<'_> {
         }
         let covariance = faer::Scale(lowest.cost / freedom) * &lowest.unscaled_covariance;
         Ok((lowest, covariance, freedom))
+    }
+
+    /// A lower minimum inside the edge of stability that is reached across it, where a search was stopped at the edge.
+    fn beyond_the_edge(
+        &self,
+        all: &[Segment<'_>],
+        aim: Aim,
+        inside: &Evaluator<'_>,
+        stopped: &Lowest,
+    ) -> Option<Lowest> {
+        if !inside.is_at_the_edge(&stopped.parameters) {
+            return None;
+        }
+        let mut wide = Evaluator::new(self.orders, all, aim, self.estimate_states).with_wider_edge();
+        let other = descend(&mut wide, &stopped.parameters, &self.bounds, self.search).ok()?;
+        (other.cost < stopped.cost && inside.is_stable(&other.parameters)).then_some(other)
     }
 
     /// Starting values: those of linear regressions, and where there is noise to be modelled the dynamics that simulate

@@ -15,6 +15,11 @@ use crate::colour::{Colour, Sandwich};
 use crate::nonlinear::SumOfSquares;
 use crate::{IdentError, Triangle};
 
+/// How much farther from the unit circle a search may go on its way.
+const WIDER: f64 = 10.0;
+/// The part of the way from the unit circle to the edge from which on a root counts as being there.
+const NEARLY: f64 = 0.95;
+
 /// The sum of squares of one equation over all its segments.
 pub(super) struct Evaluator<'a> {
     orders: &'a Orders,
@@ -43,6 +48,17 @@ impl<'a> Evaluator<'a> {
             latest: Vec::new(),
             states: Vec::new(),
         }
+    }
+
+    /// Lets through a growth that only a search on its way to something slower may need.
+    pub(super) fn with_wider_edge(self) -> Self {
+        Evaluator { largest_radius: 1.0 + WIDER * (self.largest_radius - 1.0), ..self }
+    }
+
+    /// Whether a root of `F` at θ lies where growth is no longer let through.
+    pub(super) fn is_at_the_edge(&self, theta: &[f64]) -> bool {
+        let nearly = 1.0 + NEARLY * (self.largest_radius - 1.0);
+        Polynomials::new(self.orders, theta).f.iter().any(|f| !is_stable(f, nearly))
     }
 
     /// The initial state of each segment at the θ evaluated last.

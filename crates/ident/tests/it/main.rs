@@ -27,6 +27,7 @@ mod order_scan;
 mod prediction;
 mod prediction_error;
 mod process;
+mod published;
 mod recursive;
 mod shared;
 mod stand_in;

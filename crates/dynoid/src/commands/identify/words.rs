@@ -24,6 +24,9 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             parameters.get(*parameter).map_or("a parameter", String::as_str)
         ),
         Doubt::Unstable => "the model is not stable: simulating it runs away".into(),
+        Doubt::LargerThanNoise { ratio } => format!(
+            "what the model leaves is {ratio:.3} times what the measured noise explains, and the intervals rest on that noise: true errors are larger; try another structure"
+        ),
         Doubt::CovarianceIsLowerBound => {
             "the intervals are the narrowest that any method could reach; the true ones are wider".into()
         }
