@@ -2,6 +2,7 @@
 
 mod colour;
 mod coordinates;
+mod derivatives;
 mod gather;
 mod model;
 mod predictor;
