@@ -65,6 +65,7 @@ mod fit;
 mod focus;
 pub mod frequency;
 mod frequency_domain;
+mod gram;
 mod grey_box;
 mod impulse_response;
 mod instrumental;

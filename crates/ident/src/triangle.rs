@@ -4,9 +4,17 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
 use faer::{Mat, MatRef, Par};
 
-/// The factor R of the QR decomposition of a tall matrix whose rows arrive in order: RᵀR = AᵀA, computed without ever
-/// forming AᵀA, in memory that does not grow with the number of rows. A column that depends on those before it to within
-/// about 1e-11 of its norm counts as dependent.
+use crate::gram;
+
+/// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which a block is folded by way of it.
+const WELL_CONDITIONED: f64 = 1e-3;
+/// Rows a column from which that pays.
+const TALL: usize = 4;
+
+/// The factor R of the QR decomposition of a tall matrix whose rows arrive in order: RᵀR = AᵀA, in memory that does not
+/// grow with the number of rows. A column that depends on those before it to within about 1e-11 of its norm counts as
+/// dependent. Blocks of rows are folded by Cholesky decomposition of their AᵀA as long as that leaves a relative
+/// rounding below 1e-10 in R, and by Householder reflections where it would not. The sign of a row of R is free.
 ///
 /// # Example
 /// ```
@@ -23,6 +31,8 @@ pub struct Triangle {
     block: Mat<f64>,
     filled: usize,
     rows: usize,
+    /// Whether every block so far could be folded by way of its Gram matrix.
+    well_conditioned: bool,
 }
 
 impl Triangle {
@@ -31,7 +41,7 @@ impl Triangle {
 
     /// An empty factor for matrices of `columns` columns.
     pub fn new(columns: usize) -> Self {
-        Triangle { block: Mat::zeros(Self::BLOCK + columns, columns), filled: 0, rows: 0 }
+        Self::for_rows(columns, Self::BLOCK)
     }
 
     /// Appends one row.
@@ -83,7 +93,8 @@ impl Triangle {
 
     /// An empty factor that is to hold few rows, in less memory.
     pub(crate) fn for_rows(columns: usize, rows: usize) -> Self {
-        Triangle { block: Mat::zeros(rows.min(Self::BLOCK) + columns, columns), filled: 0, rows: 0 }
+        let block = Mat::zeros(rows.min(Self::BLOCK) + columns, columns);
+        Triangle { block, filled: 0, rows: 0, well_conditioned: true }
     }
 
     fn push_upper(&mut self, factor: MatRef<'_, f64>) {
@@ -101,7 +112,16 @@ impl Triangle {
     }
 
     fn fold(&mut self) {
-        let rows = self.filled;
+        let (rows, columns) = (self.filled, self.block.ncols());
+        if self.well_conditioned && rows >= TALL * columns {
+            if let Some(factor) = gram::cholesky(&gram::of_columns(self.block.get(..rows, ..)), WELL_CONDITIONED) {
+                self.block.get_mut(..columns, ..).copy_from(&factor);
+                self.filled = columns;
+                return;
+            }
+            // One block is like the next: what failed is not tried again.
+            self.well_conditioned = false;
+        }
         self.filled = triangularise(&mut self.block, rows);
     }
 }

@@ -233,6 +233,8 @@ pub fn minimise<M: ResidualModel>(
 #[derive(Debug, Clone)]
 pub(crate) struct Lowest {
     pub(crate) parameters: Vec<f64>,
+    /// Triangular factor of [J ε].
+    pub(crate) factor: Mat<f64>,
     pub(crate) unscaled_covariance: Mat<f64>,
     pub(crate) cost: f64,
     pub(crate) at_bound: Vec<bool>,
@@ -251,10 +253,27 @@ pub(crate) fn descend<O: SumOfSquares>(
     bounds: &[Bounds],
     options: NonlinearOptions,
 ) -> Result<Lowest, IdentError> {
+    let all_the_way = descend_unless(objective, start, bounds, options, |_, _| false)?;
+    all_the_way.ok_or(IdentError::Structure { what: "the search was given up" })
+}
+
+/// [`descend`], given up where θ and its cost fulfil `idle`.
+///
+/// # Errors
+/// Those of [`minimise`].
+pub(crate) fn descend_unless<O: SumOfSquares>(
+    objective: &mut O,
+    start: &[f64],
+    bounds: &[Bounds],
+    options: NonlinearOptions,
+    idle: impl Fn(&[f64], f64) -> bool,
+) -> Result<Option<Lowest>, IdentError> {
     check_start(objective, start, bounds)?;
     let mut search = Search::new(objective, start, bounds)?;
-    let termination = search.run(options)?;
-    search.finish(termination)
+    match search.run(options, idle)? {
+        Some(termination) => search.finish(termination).map(Some),
+        None => Ok(None),
+    }
 }
 
 fn check_start<O: SumOfSquares>(model: &O, start: &[f64], bounds: &[Bounds]) -> Result<(), IdentError> {

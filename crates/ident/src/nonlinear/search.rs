@@ -45,16 +45,24 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         Ok(search)
     }
 
-    pub(super) fn run(&mut self, options: NonlinearOptions) -> Result<Termination, IdentError> {
+    /// `None` where the search was given up as idle.
+    pub(super) fn run(
+        &mut self,
+        options: NonlinearOptions,
+        idle: impl Fn(&[f64], f64) -> bool,
+    ) -> Result<Option<Termination>, IdentError> {
         while self.iterations < options.iteration_limit {
+            if idle(&self.parameters, self.cost) {
+                return Ok(None);
+            }
             self.iterations += 1;
             let free = self.free_parameters();
             let factor = self.factor_over(&free);
             if let Some(end) = self.descend(&free, &factor, options)? {
-                return Ok(end);
+                return Ok(Some(end));
             }
         }
-        Ok(Termination::IterationLimit)
+        Ok(Some(Termination::IterationLimit))
     }
 
     /// Tries growing damping until a step is accepted; `Some` when the search is over.
@@ -192,6 +200,7 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         Ok(Lowest {
             at_bound: (0..total).map(|j| !free.contains(&j)).collect(),
             parameters: self.parameters,
+            factor: self.factor,
             unscaled_covariance,
             cost: self.cost,
             iterations: self.iterations,

@@ -5,17 +5,22 @@ use std::borrow::Cow;
 use faer::Mat;
 
 use super::Polynomial;
+use super::basin::Basin;
 use super::evaluate::Evaluator;
 use super::orders::Orders;
 use super::segment::{Segment, segments};
 use super::signals::Aim;
 use super::slower::{quickened, slow_orders, slowed};
-use super::start::{self, candidates};
-use crate::nonlinear::{Lowest, SumOfSquares, descend};
+use super::start::{self, Long, candidates};
+use super::yardstick::Yardstick;
+use crate::nonlinear::{Lowest, SumOfSquares, descend, descend_unless};
 use crate::{Bounds, Dataset, Focus, IdentError, NonlinearOptions};
 
 /// Rows that starting values are sought on.
 const START_ROWS: usize = 16_384;
+/// Rows that the shortest way starts on, and fewest rows on which it is tried.
+const DIRECT_ROWS: usize = 4096;
+const LEAST_ROWS: usize = 2000;
 /// Iterations spent on each starting value.
 const START_ITERATIONS: usize = 30;
 /// Factors by which the data are slowed for further starting values, while this many rows a coefficient are left.
@@ -108,8 +113,58 @@ impl Task<'_> {
     }
 
     fn predicting(&self, all: &[Segment<'_>], batches: Option<usize>) -> Result<Estimate, IdentError> {
-        let start = self.start(all, Aim::Prediction, |few| self.guesses(few))?;
-        self.finish(all, Aim::Prediction, &start, batches)
+        let direct = self.direct(all);
+        let lowest = match direct {
+            Some((lowest, true)) => lowest,
+            Some((lowest, false)) => self.contested(all, lowest)?,
+            None => {
+                let start = self.start(all, Aim::Prediction, |few| self.guesses(few))?;
+                self.descended(all, Aim::Prediction, &start, self.search)?
+            }
+        };
+        self.judged(all, Aim::Prediction, lowest, batches)
+    }
+
+    /// The minimum that the shortest way leads to, and whether a long ARX model says that no other lies lower. Only for
+    /// structures whose noise and inputs share their poles: others have shallow minima that no such model tells apart.
+    fn direct(&self, all: &[Segment<'_>]) -> Option<(Lowest, bool)> {
+        if self.orders.na == 0 || self.orders.nd + self.orders.nf.iter().sum::<usize>() > 0 {
+            return None;
+        }
+        let rows: usize = all.iter().map(Segment::known).sum();
+        let yardstick = (rows >= LEAST_ROWS).then(|| Yardstick::new(self.orders, all)).flatten()?;
+        if !yardstick.is_settled() {
+            return None;
+        }
+        let few = excerpt(all, DIRECT_ROWS);
+        let long = Long::of(self.orders, &few, yardstick.order, yardstick.theta.clone());
+        let mut theta = self.held(start::by_noise(self.orders, &few, &long)?);
+        if few.iter().map(Segment::len).sum::<usize>() < rows
+            && let Ok(lowest) = self.descended(&few, Aim::Prediction, &theta, self.some_way())
+        {
+            theta = lowest.parameters;
+        }
+        let lowest = self.descended(all, Aim::Prediction, &theta, self.search).ok()?;
+        let free = lowest.at_bound.iter().filter(|b| !**b).count();
+        let residuals = Evaluator::new(self.orders, all, Aim::Prediction, self.estimate_states).residual_count();
+        let met = lowest.termination.converged() && yardstick.is_met(lowest.cost, residuals, free);
+        Some((lowest, met))
+    }
+
+    /// The lower of this minimum and of that which all starting values lead to.
+    fn contested(&self, all: &[Segment<'_>], lowest: Lowest) -> Result<Lowest, IdentError> {
+        let guesses = |few: &[Segment<'_>]| -> Result<Vec<Vec<f64>>, IdentError> {
+            let mut guesses = self.guesses(few)?;
+            guesses.push(lowest.parameters.clone());
+            Ok(guesses)
+        };
+        let start = self.start(all, Aim::Prediction, guesses)?;
+        let mut evaluator = Evaluator::new(self.orders, all, Aim::Prediction, self.estimate_states);
+        if evaluator.cost(&start).is_ok_and(|cost| Basin(&lowest).holds(&start, cost)) {
+            return Ok(lowest);
+        }
+        let other = self.descended(all, Aim::Prediction, &start, self.search);
+        Ok(other.ok().filter(|other| other.cost < lowest.cost).unwrap_or(lowest))
     }
 
     /// `A`, `B`, `F` from the simulated output, filtered or not, then `C` and `D` from all there is with those held.
@@ -123,7 +178,8 @@ impl Task<'_> {
         let bounds = place.iter().map(|j| self.bounds[*j]).collect();
         let dynamics = Task { orders: &plain, bounds, ..*self };
         let start = dynamics.start(passed, Aim::Simulation, |few| dynamics.guesses(few))?;
-        let (found, covariance, freedom) = dynamics.finish(passed, Aim::Simulation, &start, batches)?;
+        let found = dynamics.descended(passed, Aim::Simulation, &start, self.search)?;
+        let (found, covariance, freedom) = dynamics.judged(passed, Aim::Simulation, found, batches)?;
         if place.len() == self.orders.count() {
             return Ok((found, covariance, freedom));
         }
@@ -131,22 +187,46 @@ impl Task<'_> {
         let mut noise = Task { orders: self.orders, bounds: self.bounds.clone(), ..*self };
         place.iter().for_each(|j| noise.bounds[*j] = Bounds::new(theta[*j], theta[*j]));
         let begin = noise.start(all, Aim::Prediction, |few| Ok(vec![start::with_noise(self.orders, few, &theta)]))?;
-        let (lowest, mut whole, _) = noise.finish(all, Aim::Prediction, &begin, batches)?;
+        let lowest = noise.descended(all, Aim::Prediction, &begin, self.search)?;
+        let (lowest, mut whole, _) = noise.judged(all, Aim::Prediction, lowest, batches)?;
         for (i, row) in place.iter().enumerate() {
             place.iter().enumerate().for_each(|(j, column)| whole[(*row, *column)] = covariance[(i, j)]);
         }
         Ok((Lowest { at_bound: vec![false; theta.len()], ..lowest }, whole, freedom))
     }
 
-    fn finish(
+    /// The minimum that a start leads to.
+    fn descended(
         &self,
         all: &[Segment<'_>],
         aim: Aim,
         start: &[f64],
+        search: NonlinearOptions,
+    ) -> Result<Lowest, IdentError> {
+        descend(&mut Evaluator::new(self.orders, all, aim, self.estimate_states), start, &self.bounds, search)
+    }
+
+    /// Some way down, to tell starting values apart.
+    fn some_way(&self) -> NonlinearOptions {
+        NonlinearOptions { iteration_limit: START_ITERATIONS, cost_tolerance: 1e-7, ..self.search }
+    }
+
+    /// θ with the coefficients that are held at their values.
+    fn held(&self, mut theta: Vec<f64>) -> Vec<f64> {
+        let values = theta.iter_mut().zip(&self.bounds);
+        values.for_each(|(v, b)| *v = if b.lower == b.upper { b.lower } else { *v });
+        theta
+    }
+
+    /// A minimum, or a lower one across the edge of stability, with its covariance.
+    fn judged(
+        &self,
+        all: &[Segment<'_>],
+        aim: Aim,
+        lowest: Lowest,
         batches: Option<usize>,
     ) -> Result<Estimate, IdentError> {
         let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
-        let lowest = descend(&mut evaluator, start, &self.bounds, self.search)?;
         let lowest = self.beyond_the_edge(all, aim, &evaluator, &lowest).unwrap_or(lowest);
         let free = lowest.at_bound.iter().filter(|b| !**b).count();
         let freedom = evaluator.residual_count() as f64 - free as f64;
@@ -190,19 +270,28 @@ impl Task<'_> {
     /// Starting values: those of linear regressions, and where there is noise to be modelled the dynamics that simulate
     /// best, followed by a noise model for what they leave.
     fn guesses(&self, few: &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError> {
-        let mut all = candidates(self.orders, few)?;
         if self.orders.inputs() == 0 || self.orders.na + self.orders.nf.iter().sum::<usize>() == 0 {
-            return Ok(all);
+            return candidates(self.orders, few);
         }
         let (plain, place) = self.orders.without_noise();
+        let long = Long::new(&plain, few)?;
+        let mut shorter = vec![self.orders.memory(), plain.memory()];
+        shorter.dedup();
+        let mut dynamics = start::dynamics(&plain, few, &long, &shorter)?;
+        let with_noise =
+            |theta: &Vec<f64>| start::with_noise(self.orders, few, &placed(&place, theta, self.orders.count()));
+        let mut all: Vec<Vec<f64>> = dynamics.iter().map(with_noise).collect();
+        all.extend(start::by_noise(self.orders, few, &long));
+        let task = Task { orders: &plain, bounds: bounds(&plain, &[]), ..*self };
+        let slower = task.slower_guesses(few);
         if plain.count() == self.orders.count() {
-            all.extend(self.slower_guesses(few));
+            all.extend(slower);
             return Ok(all);
         }
-        let dynamics = Task { orders: &plain, bounds: bounds(&plain, &[]), ..*self };
-        if let Ok(found) = dynamics.start(few, Aim::Simulation, |few| dynamics.guesses(few)) {
-            let theta = placed(&place, &found, self.orders.count());
-            all.push(start::with_noise(self.orders, few, &theta));
+        dynamics.extend(start::by_noise(&plain, few, &long));
+        dynamics.extend(slower);
+        if let Ok(found) = task.start(few, Aim::Simulation, |_| Ok(dynamics)) {
+            all.push(with_noise(&found));
         }
         Ok(all)
     }
@@ -223,39 +312,39 @@ impl Task<'_> {
         all
     }
 
-    /// The best of several starting values, each followed some way down on a part of the data.
+    /// The best of several starting values, each followed some way down on a part of the data, the most promising first,
+    /// unless it comes to where another has been.
     fn start(
         &self,
         all: &[Segment<'_>],
         aim: Aim,
-        guesses: impl Fn(&[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError>,
+        guesses: impl FnOnce(&[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError>,
     ) -> Result<Vec<f64>, IdentError> {
-        let few = excerpt(all);
+        let few = excerpt(all, START_ROWS);
         let whole: Vec<Segment<'_>> = few.iter().map(interpolated).collect();
-        let mut tried = guesses(&whole)?;
-        tried.push(vec![0.0; self.orders.count()]);
-        for theta in &mut tried {
-            let values = theta.iter_mut().zip(&self.bounds);
-            values.for_each(|(v, b)| *v = if b.lower == b.upper { b.lower } else { *v });
-        }
-        let search = NonlinearOptions { iteration_limit: START_ITERATIONS, cost_tolerance: 1e-7, ..self.search };
         let mut evaluator = Evaluator::new(self.orders, &few, aim, self.estimate_states);
-        let mut best: Option<(f64, Vec<f64>)> = None;
-        let last = tried.len() - 1;
-        for (index, theta) in tried.into_iter().enumerate() {
-            // Zeros are tried only where nothing better can be evaluated.
-            if index == last && best.is_some() {
-                break;
-            }
-            let Ok(cost) = evaluator.cost(&theta) else { continue };
-            let (cost, theta) = match descend(&mut evaluator, &theta, &self.bounds, search) {
-                Ok(lowest) => (lowest.cost, lowest.parameters),
-                Err(_) => (cost, theta),
-            };
-            if best.as_ref().is_none_or(|(lowest, _)| cost < *lowest) {
-                best = Some((cost, theta));
+        let mut rank = |tried: Vec<Vec<f64>>| {
+            let tried = tried.into_iter().map(|theta| self.held(theta));
+            let mut ranked: Vec<_> = tried.filter_map(|t| evaluator.cost(&t).ok().map(|cost| (cost, t))).collect();
+            ranked.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+            ranked
+        };
+        let mut ranked = rank(guesses(&whole)?);
+        if ranked.is_empty() {
+            ranked = rank(vec![vec![0.0; self.orders.count()]]);
+        }
+        let mut minima: Vec<Lowest> = Vec::new();
+        let mut ends = Vec::new();
+        for (cost, theta) in ranked {
+            let known = |theta: &[f64], cost: f64| minima.iter().any(|m| Basin(m).holds(theta, cost));
+            match descend_unless(&mut evaluator, &theta, &self.bounds, self.some_way(), known) {
+                Ok(Some(lowest)) => minima.push(lowest),
+                Ok(None) => {}
+                Err(_) => ends.push((cost, theta)),
             }
         }
+        ends.extend(minima.into_iter().map(|m| (m.cost, m.parameters)));
+        let best = ends.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
         let (_, theta) =
             best.ok_or(IdentError::Structure { what: "the held coefficients make no stable predictor" })?;
         Ok(theta)
@@ -270,29 +359,29 @@ fn placed(place: &[usize], values: &[f64], count: usize) -> Vec<f64> {
 }
 
 /// Enough of the data to start from: where there is much, the stretch in which the inputs move most.
-fn excerpt<'s>(all: &'s [Segment<'_>]) -> Vec<Segment<'s>> {
+fn excerpt<'s>(all: &'s [Segment<'_>], enough: usize) -> Vec<Segment<'s>> {
     let rows: usize = all.iter().map(Segment::len).sum();
     let whole = |s: &'s Segment<'_>| s.part(0, s.len());
-    if rows <= 2 * START_ROWS {
+    if rows <= 2 * enough {
         return all.iter().map(whole).collect();
     }
-    let long = all.iter().filter(|s| s.len() >= START_ROWS);
-    let windows = long.flat_map(|s| (0..s.len() / START_ROWS).map(move |w| (s, w * START_ROWS)));
-    let busiest = windows.max_by(|(s, first), (r, other)| activity(s, *first).total_cmp(&activity(r, *other)));
-    if let Some((segment, first)) = busiest {
-        return vec![segment.part(first, START_ROWS)];
+    let long = all.iter().filter(|s| s.len() >= enough);
+    let windows = long.flat_map(|s| (0..s.len() / enough).map(move |w| (s, w * enough)));
+    let activity = |(s, first): &(&Segment<'_>, usize)| activity(s, *first, enough);
+    if let Some((segment, first)) = windows.max_by(|a, b| activity(a).total_cmp(&activity(b))) {
+        return vec![segment.part(first, enough)];
     }
     let mut taken = 0;
-    let enough = |s: &&Segment<'_>| {
+    let first = |s: &&Segment<'_>| {
         taken += s.len();
-        taken <= 2 * START_ROWS
+        taken <= 2 * enough
     };
-    all.iter().take_while(enough).map(whole).collect()
+    all.iter().take_while(first).map(whole).collect()
 }
 
 /// How much the inputs, or without any the output, change from sample to sample in a window.
-fn activity(segment: &Segment<'_>, first: usize) -> f64 {
-    let change = |x: &[f64]| x[first..first + START_ROWS].windows(2).map(|p| (p[1] - p[0]).powi(2)).sum::<f64>();
+fn activity(segment: &Segment<'_>, first: usize, rows: usize) -> f64 {
+    let change = |x: &[f64]| x[first..first + rows].windows(2).map(|p| (p[1] - p[0]).powi(2)).sum::<f64>();
     match segment.inputs.as_slice() {
         [] => change(&segment.output),
         inputs => inputs.iter().map(|u| change(u)).sum(),

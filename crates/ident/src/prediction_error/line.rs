@@ -69,18 +69,22 @@ impl Line {
 
     /// Divides the block by `1 + den₁ q⁻¹ + …`, going on from the past of the line.
     pub(super) fn recur(&mut self, den: &[f64], rows: usize) {
-        let block = &mut self.values[self.memory - den.len()..self.memory + rows];
-        match den {
-            [] => {}
-            [a] => recur_fixed([*a], block),
-            [a, b] => recur_fixed([*a, *b], block),
-            [a, b, c] => recur_fixed([*a, *b, *c], block),
-            [a, b, c, d] => recur_fixed([*a, *b, *c, *d], block),
-            _ => {
-                for t in den.len()..block.len() {
-                    let past = block[t - den.len()..t].iter().rev();
-                    block[t] -= den.iter().zip(past).map(|(c, v)| c * v).sum::<f64>();
-                }
+        divide(den, &mut self.values[self.memory - den.len()..self.memory + rows]);
+    }
+}
+
+/// Divides a signal by `1 + den₁ q⁻¹ + …`; its first values, as many as the coefficients, are the past.
+pub(super) fn divide(den: &[f64], signal: &mut [f64]) {
+    match den {
+        [] => {}
+        [a] => recur_fixed([*a], signal),
+        [a, b] => recur_fixed([*a, *b], signal),
+        [a, b, c] => recur_fixed([*a, *b, *c], signal),
+        [a, b, c, d] => recur_fixed([*a, *b, *c, *d], signal),
+        _ => {
+            for t in den.len()..signal.len() {
+                let past = signal[t - den.len()..t].iter().rev();
+                signal[t] -= den.iter().zip(past).map(|(c, v)| c * v).sum::<f64>();
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Prediction-error estimation of polynomial models: ARMAX, output error, Box–Jenkins and everything between.
 
 mod assemble;
+mod basin;
 mod equation;
 mod evaluate;
 #[cfg(test)]
@@ -12,6 +13,7 @@ mod signals;
 mod slower;
 mod split;
 mod start;
+mod yardstick;
 
 use lti::PolynomialModel;
 use signal::filter::Sos;

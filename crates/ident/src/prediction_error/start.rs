@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::line::{is_stable, stabilised};
+use super::line::{divide, is_stable, stabilised};
 use super::orders::Orders;
 use super::segment::Segment;
 use crate::{IdentError, Triangle};
@@ -25,64 +25,108 @@ const TOLERANCE: f64 = 1e-11;
 /// Hannan & Rissanen 1982 (noise polynomials from the residuals of a long autoregression); Steiglitz & McBride 1965
 /// (denominators by iterated prefiltering); Ljung 1999, §10.5.
 pub(super) fn candidates(orders: &Orders, segments: &[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError> {
-    let rows: usize = segments.iter().map(Segment::known).sum();
-    let longest = long_order(rows, orders.inputs());
-    let long = Long::new(orders, segments, longest)?;
+    let long = Long::new(orders, segments)?;
+    let mut all = dynamics(orders, segments, &long, &[orders.memory()])?;
+    all.iter_mut().for_each(|theta| fill_noise(orders, segments, theta));
+    all.extend(by_noise(orders, segments, &long));
+    Ok(all)
+}
+
+/// Starting values of the dynamics, the noise polynomials zero, by way of this long ARX model and, since in few data a
+/// shorter one has less noise in it, by way of those of `shorter` orders.
+pub(super) fn dynamics(
+    orders: &Orders,
+    segments: &[Segment<'_>],
+    long: &Long<'_>,
+    shorter: &[usize],
+) -> Result<Vec<Vec<f64>>, IdentError> {
     let mut all = Vec::new();
     if orders.inputs() > 0 {
-        all.push(by_denominators(orders, segments, &long.contributions));
-        // In few data a shorter model has less noise in it.
-        let shorter = orders.memory().min(longest);
-        all.push(by_denominators(orders, segments, &Long::new(orders, segments, shorter)?.contributions));
+        all.push(by_denominators(orders, segments, &long.contributions()));
+        for order in shorter {
+            let model = long.shortened((*order).min(long.order))?;
+            all.push(by_denominators(orders, segments, &model.contributions()));
+        }
         if orders.inputs() == 1 {
             let measured: Vec<_> = segments.iter().map(|s| vec![s.output.to_vec()]).collect();
             all.push(by_denominators(orders, segments, &measured));
         }
     }
-    if orders.na > 0 {
-        all.push(by_regression(orders, segments, &long.errors));
-    } else if orders.inputs() == 0 {
-        let (c, d) = noise_polynomials(orders.nc, orders.nd, &outputs(segments));
-        all.push([c, d].concat());
-    }
     Ok(all)
+}
+
+/// Starting values by way of the noise, where the structure has such.
+pub(super) fn by_noise(orders: &Orders, segments: &[Segment<'_>], long: &Long<'_>) -> Option<Vec<f64>> {
+    if orders.na > 0 {
+        return Some(by_regression(orders, segments, &long.errors()));
+    }
+    let series = || {
+        let (c, d) = noise_polynomials(orders.nc, orders.nd, &outputs(segments));
+        [c, d].concat()
+    };
+    (orders.inputs() == 0).then(series)
 }
 
 fn outputs(segments: &[Segment<'_>]) -> Vec<Vec<f64>> {
     segments.iter().map(|s| s.output.to_vec()).collect()
 }
 
-/// What a long ARX model says of every segment.
-struct Long {
-    /// Its prediction errors.
-    errors: Vec<Vec<f64>>,
-    /// What each input contributes to the output: segments, then inputs.
-    contributions: Vec<Vec<Vec<f64>>>,
+/// A long ARX model, and what it says of every segment.
+pub(super) struct Long<'a> {
+    orders: &'a Orders,
+    segments: &'a [Segment<'a>],
+    order: usize,
+    theta: Vec<f64>,
 }
 
-impl Long {
-    fn new(orders: &Orders, segments: &[Segment<'_>], order: usize) -> Result<Self, IdentError> {
-        let mut wanted: Vec<Term> = (1..=order).map(|lag| Term { signal: 0, lag }).collect();
-        for k in 0..orders.inputs() {
-            wanted.extend((0..order).map(|j| Term { signal: 1 + k, lag: orders.nk[k] + j }));
-        }
+impl<'a> Long<'a> {
+    /// As long as these data allow.
+    ///
+    /// # Errors
+    /// Too few samples.
+    pub(super) fn new(orders: &'a Orders, segments: &'a [Segment<'a>]) -> Result<Self, IdentError> {
+        let rows: usize = segments.iter().map(Segment::known).sum();
+        let empty = Long { orders, segments, order: long_order(rows, orders.inputs()), theta: Vec::new() };
+        empty.shortened(empty.order)
+    }
+
+    /// With these coefficients: of the past outputs, then of each input.
+    pub(super) fn of(orders: &'a Orders, segments: &'a [Segment<'a>], order: usize, theta: Vec<f64>) -> Self {
+        Long { orders, segments, order, theta }
+    }
+
+    /// A model of another order.
+    fn shortened(&self, order: usize) -> Result<Self, IdentError> {
+        let Long { orders, segments, .. } = *self;
         let signals: Vec<Vec<&[f64]>> = segments.iter().map(|s| signals(s)).collect();
-        let theta = regress(&signals, &wanted)?;
-        let a: Vec<f64> = theta[..order].iter().map(|v| -v).collect();
+        Ok(Long { orders, segments, order, theta: regress(&signals, &terms(orders, order))? })
+    }
+
+    /// Its prediction errors.
+    fn errors(&self) -> Vec<Vec<f64>> {
+        let wanted = terms(self.orders, self.order);
+        self.segments.iter().map(|s| errors(&signals(s), &wanted, &self.theta)).collect()
+    }
+
+    /// What each input contributes to the output: segments, then inputs.
+    fn contributions(&self) -> Vec<Vec<Vec<f64>>> {
+        let Long { orders, segments, order, .. } = *self;
+        let a: Vec<f64> = self.theta[..order].iter().map(|v| -v).collect();
         let a_stable = stabilised(&a, 1.0);
         let contribution = |s: &Segment<'_>, k: usize| {
             let first = order * (1 + k);
-            let numerator = delayed(&theta[first..first + order], orders.nk[k]);
+            let numerator = delayed(&self.theta[first..first + order], orders.nk[k]);
             filtered(&numerator, &a_stable, &s.inputs[k])
         };
-        Ok(Long {
-            errors: signals.iter().map(|s| errors(s, &wanted, &theta)).collect(),
-            contributions: segments
-                .iter()
-                .map(|s| (0..orders.inputs()).map(|k| contribution(s, k)).collect())
-                .collect(),
-        })
+        segments.iter().map(|s| (0..orders.inputs()).map(|k| contribution(s, k)).collect()).collect()
     }
+}
+
+/// The terms of an ARX model of this order.
+fn terms(orders: &Orders, order: usize) -> Vec<Term> {
+    let of_input = |k: usize| (0..order).map(move |j| Term { signal: 1 + k, lag: orders.nk[k] + j });
+    let past = (1..=order).map(|lag| Term { signal: 0, lag });
+    past.chain((0..orders.inputs()).flat_map(of_input)).collect()
 }
 
 fn long_order(rows: usize, inputs: usize) -> usize {
@@ -107,12 +151,17 @@ fn regress(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Vec<f64>, IdentErr
     let memory = terms.iter().map(|t| t.lag).max().unwrap_or(0);
     let full: usize = signals.iter().map(|s| s[0].len().saturating_sub(memory)).sum();
     let skip = if full > 2 * terms.len() { memory } else { 0 };
-    let mut triangle = Triangle::new(terms.len() + 1);
-    let at = |x: &[f64], t: usize, lag: usize| if t >= lag { x[t - lag] } else { 0.0 };
+    let mut triangle = Triangle::for_rows(terms.len() + 1, signals.iter().map(|s| s[0].len()).sum());
     for segment in signals {
         triangle.push_columns(segment[0].len().saturating_sub(skip), |j, start, slot| {
             let Term { signal, lag } = terms.get(j).copied().unwrap_or(Term { signal: 0, lag: 0 });
-            slot.iter_mut().enumerate().for_each(|(i, v)| *v = at(segment[signal], skip + start + i, lag));
+            let before = lag.saturating_sub(skip + start).min(slot.len());
+            let (zeros, values) = slot.split_at_mut(before);
+            zeros.fill(0.0);
+            let from = skip + start + before;
+            if let Some(first) = from.checked_sub(lag) {
+                values.copy_from_slice(&segment[signal][first..first + values.len()]);
+            }
         });
     }
     if triangle.rows() == 0 {
@@ -173,7 +222,7 @@ fn by_regression(orders: &Orders, segments: &[Segment<'_>], long_errors: &[Vec<f
     theta
 }
 
-/// `A` or `F` and `B` from what each input contributes to the output, then `C` and `D` from what is left.
+/// `A` or `F` and `B` from what each input contributes to the output.
 fn by_denominators(orders: &Orders, segments: &[Segment<'_>], contributions: &[Vec<Vec<f64>>]) -> Vec<f64> {
     let mut theta = vec![0.0; orders.count()];
     let inputs: Vec<usize> = (0..orders.inputs()).collect();
@@ -191,7 +240,6 @@ fn by_denominators(orders: &Orders, segments: &[Segment<'_>], contributions: &[V
             theta[orders.b(k)].copy_from_slice(&nums[0]);
         }
     }
-    fill_noise(orders, segments, &mut theta);
     stabilise(orders, &mut theta);
     theta
 }
@@ -329,16 +377,13 @@ fn delayed(numerator: &[f64], delay: usize) -> Vec<f64> {
 
 /// `x · num/(1 + den₁ q⁻¹ + …)` from zero state.
 fn filtered(num: &[f64], den: &[f64], x: &[f64]) -> Vec<f64> {
-    let mut y = vec![0.0; x.len()];
+    let past = den.len();
+    let mut y = vec![0.0; past + x.len()];
     for (j, c) in num.iter().enumerate().filter(|(_, c)| **c != 0.0) {
-        (j..x.len()).for_each(|t| y[t] += c * x[t - j]);
+        y.iter_mut().skip(past + j).zip(x).for_each(|(y, x)| *y += c * x);
     }
-    if !den.is_empty() {
-        for t in 0..y.len() {
-            let reach = den.len().min(t);
-            y[t] -= (0..reach).map(|j| den[j] * y[t - 1 - j]).sum::<f64>();
-        }
-    }
+    divide(den, &mut y);
+    y.drain(..past);
     y
 }
 

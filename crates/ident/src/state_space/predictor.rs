@@ -3,6 +3,7 @@
 use faer::{Mat, MatRef};
 use lti::Innovations;
 
+use super::derivatives::Derivatives;
 use crate::data::Experiment;
 use crate::{Dataset, IdentError, Triangle};
 
@@ -10,8 +11,6 @@ use crate::{Dataset, IdentError, Triangle};
 const CHUNK: usize = 512;
 /// ... and so few that the data make about so many chunks.
 const SHORTEST_SPLIT: usize = 100;
-/// Below this an initial state's influence is nothing; it is cut off before it becomes a denormal number.
-const FORGOTTEN: f64 = 1e-100;
 /// Directions of an initial state that the data show less than this part of the best are left alone.
 const STATE_TOLERANCE: f64 = 1e-10;
 
@@ -42,11 +41,11 @@ pub(crate) struct Predictor {
     pub(crate) p: usize,
     a: Vec<f64>,
     b: Vec<f64>,
-    c: Vec<f64>,
+    pub(super) c: Vec<f64>,
     d: Vec<f64>,
-    k: Vec<f64>,
+    pub(super) k: Vec<f64>,
     /// `(A − K C)ᵀ`.
-    adjoint: Vec<f64>,
+    pub(super) adjoint: Vec<f64>,
 }
 
 /// What a pass over the data finds.
@@ -64,7 +63,7 @@ fn by_rows(m: MatRef<'_, f64>) -> Vec<f64> {
 }
 
 /// `y += M x`, `M` by rows.
-fn add_product(m: &[f64], x: &[f64], y: &mut [f64]) {
+pub(super) fn add_product(m: &[f64], x: &[f64], y: &mut [f64]) {
     if x.is_empty() {
         return;
     }
@@ -270,16 +269,19 @@ impl Lineariser<'_> {
     /// Turns the rows of a chunk into the directions and appends them.
     fn fold(&self, chunk: &[f64], triangle: &mut Triangle) {
         let (states, width) = (self.initial, self.width());
-        let all = MatRef::from_column_major_slice(chunk, width, chunk.len() / width);
-        let turned = self.basis.transpose() * all.subrows(states, self.basis.nrows());
-        let mut row = vec![0.0; states + turned.nrows() + 1];
-        let last = row.len() - 1;
-        for (t, raw) in chunk.chunks_exact(width).enumerate() {
-            row[..states].copy_from_slice(&raw[..states]);
-            row[states..last].iter_mut().enumerate().for_each(|(j, v)| *v = turned[(j, t)]);
-            row[last] = raw[width - 1];
-            triangle.push_row(&row);
-        }
+        let rows = chunk.len() / width;
+        let all = MatRef::from_row_major_slice(chunk, rows, width);
+        let turned = all.subcols(states, self.basis.nrows()) * self.basis;
+        triangle.push_columns(rows, |j, start, slot| {
+            let direction = j.checked_sub(states).filter(|d| *d < turned.ncols());
+            match direction.and_then(|d| turned.col(d).try_as_col_major()) {
+                Some(column) => slot.copy_from_slice(&column.as_slice()[start..start + slot.len()]),
+                None => {
+                    let raw = all.col(if j < states { j } else { width - 1 });
+                    slot.iter_mut().enumerate().for_each(|(i, v)| *v = raw[start + i]);
+                }
+            }
+        });
     }
 
     /// Hands over rows `[Ψ₀, Ψ, ε]`, whitened, a chunk at a time.
@@ -337,130 +339,5 @@ impl Lineariser<'_> {
                 row.iter_mut().zip(other).for_each(|(v, o)| *v += weight * o);
             }
         }
-    }
-}
-
-/// The derivatives of ŷ at one instant. A change of A, B or K acts like a scalar signal (a state, an input, an error)
-/// into one state of the predictor; the way from every state to an output is one filter in transposed form, so that
-/// each signal is filtered once an output, not once an entry.
-struct Derivatives<'a> {
-    of: &'a Predictor,
-    free: Free,
-    initial: usize,
-    /// Which of x̂, u, ε are filtered.
-    signals: Vec<f64>,
-    /// For each output, states × signals by rows.
-    filtered: Vec<Vec<f64>>,
-    next: Vec<f64>,
-    /// For each output, `C_i (A − K C)^t`.
-    decaying: Vec<Vec<f64>>,
-    next_decaying: Vec<f64>,
-}
-
-impl<'a> Derivatives<'a> {
-    fn new(of: &'a Predictor, free: Free, initial: usize) -> Self {
-        let count = of.m + if free.dynamics { of.n } else { 0 } + if free.noise { of.p } else { 0 };
-        let decaying = (0..of.p).map(|i| of.c[i * of.n..(i + 1) * of.n].to_vec()).collect();
-        Derivatives {
-            of,
-            free,
-            initial,
-            signals: vec![0.0; count],
-            filtered: vec![vec![0.0; of.n * count]; of.p],
-            next: vec![0.0; of.n * count],
-            decaying,
-            next_decaying: vec![0.0; of.n],
-        }
-    }
-
-    /// Index of the first state, input and error among the signals.
-    fn places(&self) -> (usize, usize, usize) {
-        let inputs = if self.free.dynamics { self.of.n } else { 0 };
-        (0, inputs, inputs + self.of.m)
-    }
-
-    /// Writes the rows `[Ψ₀, Ψ, ε]` of all outputs.
-    fn write(&self, x: &[f64], u: &[f64], e: &[f64], rows: &mut [f64]) {
-        let Predictor { n, m, p, .. } = *self.of;
-        let width = rows.len() / p;
-        let (state, input, error) = self.places();
-        for (l, row) in rows.chunks_exact_mut(width).enumerate() {
-            let z = &self.filtered[l];
-            let mut slots = row.iter_mut();
-            let count = self.signals.len();
-            let decaying = &self.decaying[l][..self.initial];
-            decaying.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
-            let mut block = |rows: usize, columns: usize, first: usize| {
-                for r in 0..rows {
-                    let from = &z[r * count + first..r * count + first + columns];
-                    from.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
-                }
-            };
-            if self.free.dynamics {
-                block(n, n, state);
-            }
-            block(n, m, input);
-            // A change of C or D shows at its own output at once, and at all of them through ε and K.
-            let through =
-                |i: usize, signal: usize| -> f64 { (0..n).map(|r| self.of.k[r * p + i] * z[r * count + signal]).sum() };
-            if self.free.dynamics {
-                for (i, c) in (0..p).flat_map(|i| (0..n).map(move |c| (i, c))) {
-                    let direct = if i == l { x[c] } else { 0.0 };
-                    slots.by_ref().take(1).for_each(|slot| *slot = direct - through(i, state + c));
-                }
-            }
-            if self.free.feedthrough {
-                for (i, j) in (0..p).flat_map(|i| (0..m).map(move |j| (i, j))) {
-                    let direct = if i == l { u[j] } else { 0.0 };
-                    slots.by_ref().take(1).for_each(|slot| *slot = direct - through(i, input + j));
-                }
-            }
-            if self.free.noise {
-                for r in 0..n {
-                    let from = &z[r * count + error..r * count + error + p];
-                    from.iter().zip(slots.by_ref()).for_each(|(v, slot)| *slot = *v);
-                }
-            }
-            row[width - 1] = e[l];
-        }
-    }
-
-    fn advance(&mut self, x: &[f64], u: &[f64], e: &[f64]) {
-        let (n, count) = (self.of.n, self.signals.len());
-        let (state, input, error) = self.places();
-        if self.free.dynamics {
-            self.signals[state..state + n].copy_from_slice(x);
-        }
-        self.signals[input..input + u.len()].copy_from_slice(u);
-        if self.free.noise {
-            self.signals[error..].copy_from_slice(e);
-        }
-        for l in 0..self.of.p {
-            let c = &self.of.c[l * n..(l + 1) * n];
-            if count > 0 {
-                let z = &mut self.filtered[l];
-                for (r, out) in self.next.chunks_exact_mut(count).enumerate() {
-                    out.iter_mut().zip(&self.signals).for_each(|(o, s)| *o = c[r] * s);
-                    for (weight, row) in self.of.adjoint[r * n..(r + 1) * n].iter().zip(z.chunks_exact(count)) {
-                        out.iter_mut().zip(row).for_each(|(o, v)| *o += weight * v);
-                    }
-                }
-                std::mem::swap(z, &mut self.next);
-            }
-            self.advance_decaying(l);
-        }
-    }
-
-    fn advance_decaying(&mut self, l: usize) {
-        let (now, next) = (&mut self.decaying[l], &mut self.next_decaying);
-        if self.initial == 0 || now.iter().all(|v| *v == 0.0) {
-            return;
-        }
-        next.fill(0.0);
-        add_product(&self.of.adjoint, now, next);
-        if next.iter().all(|v| v.abs() < FORGOTTEN) {
-            next.fill(0.0);
-        }
-        std::mem::swap(now, next);
     }
 }

@@ -1,15 +1,13 @@
 //! The triangular factor of the block Hankel matrix of past and future data.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::data::Experiment;
-use crate::{Dataset, Triangle};
+use crate::{Dataset, Triangle, gram};
 
 /// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which the factor is still used. The
 /// Gram matrix squares the condition of the data: at this bound its rounding is a millionth of the smallest direction.
 const WELL_CONDITIONED: f64 = 1e-5;
-/// Samples of a block of the correlation sums, chosen to stay in the cache.
-const BLOCK: usize = 2048;
 
 /// Block rows of the past and of the future.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,20 +86,8 @@ impl<'a> Hankel<'a> {
 
     /// The factor by Cholesky decomposition of the Gram matrix; `None` where that would lose accuracy.
     pub(crate) fn cholesky(&self) -> Option<HankelFactor> {
-        let gram = self.gram();
-        let size: Vec<f64> = (0..gram.nrows()).map(|i| gram[(i, i)].sqrt()).collect();
-        if size.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
-            return None;
-        }
-        let scaled = Mat::from_fn(gram.nrows(), gram.ncols(), |i, j| gram[(i, j)] / (size[i] * size[j]));
-        let factor = scaled.llt(Side::Lower).ok()?;
-        let lower = factor.L();
-        let least = (0..lower.nrows()).map(|i| lower[(i, i)]).fold(f64::INFINITY, f64::min);
-        if least.is_nan() || least < WELL_CONDITIONED {
-            return None;
-        }
-        let entry = |i: usize, j: usize| if i <= j { lower[(j, i)] * size[j] } else { 0.0 };
-        Some(HankelFactor { r: Mat::from_fn(gram.nrows(), gram.ncols(), entry), windows: self.windows() })
+        let r = gram::cholesky(&self.gram(), WELL_CONDITIONED)?;
+        Some(HankelFactor { r, windows: self.windows() })
     }
 
     /// The factor by QR of the rows, half of each experiment on a thread of its own.
@@ -136,75 +122,22 @@ impl<'a> Hankel<'a> {
         triangle.finish()
     }
 
-    /// The Gram matrix. Its first block row is summed; a block further down the diagonal differs from the one before it
-    /// by what leaves and what enters at the ends of the record.
-    ///
-    /// # Source
-    /// Mastronardi, Kressner, Sima, Van Dooren & Van Huffel, *A fast algorithm for subspace state-space system
-    /// identification via exploitation of the displacement structure*, J. Comput. Appl. Math. 132, 2001.
+    /// The Gram matrix.
     fn gram(&self) -> Mat<f64> {
+        let (q, total) = (self.channels(), self.horizons.total());
+        let places: Vec<(usize, usize)> = (0..total).flat_map(|b| (0..q).map(move |c| (b, c))).collect();
         let mut gram = Mat::zeros(self.columns(), self.columns());
         for experiment in &self.experiments {
-            self.add_gram(experiment, &mut gram);
+            let channels: Vec<&[f64]> = (0..q).map(|c| self.channel(experiment, c)).collect();
+            let windows = gram::of_windows(&channels, total);
+            for (j, (to, d)) in places.iter().enumerate() {
+                for (i, (from, c)) in places.iter().enumerate() {
+                    let weight = self.weights[*c] * self.weights[*d];
+                    gram[(self.column(*from, *c), self.column(*to, *d))] += weight * windows[(i, j)];
+                }
+            }
         }
         gram
-    }
-
-    fn add_gram(&self, experiment: &Experiment, gram: &mut Mat<f64>) {
-        let (q, total) = (self.channels(), self.horizons.total());
-        let windows = experiment.len() - total + 1;
-        let first = self.correlations(experiment, windows);
-        for lag in 0..total {
-            for (c, d) in (0..q).flat_map(|c| (0..q).map(move |d| (c, d))) {
-                let (x, y) = (self.channel(experiment, c), self.channel(experiment, d));
-                let weight = self.weights[c] * self.weights[d];
-                let mut sum = first[(lag * q + c) * q + d];
-                for block in 0..total - lag {
-                    if block > 0 {
-                        let (leaves, enters) = (block - 1, block - 1 + windows);
-                        sum += x[enters] * y[enters + lag] - x[leaves] * y[leaves + lag];
-                    }
-                    let (i, j) = (self.column(block, c), self.column(block + lag, d));
-                    gram[(i, j)] += weight * sum;
-                    if lag > 0 {
-                        gram[(j, i)] += weight * sum;
-                    }
-                }
-            }
-        }
-    }
-
-    /// `Σ_t x_c(t) x_d(t + lag)` at `(lag · channels + c) · channels + d`, half of the record on a thread of its own.
-    fn correlations(&self, experiment: &Experiment, windows: usize) -> Vec<f64> {
-        if windows < 8 * BLOCK {
-            return self.correlate(experiment, 0..windows);
-        }
-        let half = windows / 2;
-        let mut second = Vec::new();
-        let mut sums = std::thread::scope(|scope| {
-            scope.spawn(|| second = self.correlate(experiment, half..windows));
-            self.correlate(experiment, 0..half)
-        });
-        sums.iter_mut().zip(second).for_each(|(s, other)| *s += other);
-        sums
-    }
-
-    fn correlate(&self, experiment: &Experiment, range: std::ops::Range<usize>) -> Vec<f64> {
-        let (q, total) = (self.channels(), self.horizons.total());
-        let channels: Vec<&[f64]> = (0..q).map(|c| self.channel(experiment, c)).collect();
-        let mut sums = vec![0.0; total * q * q];
-        let mut start = range.start;
-        while start < range.end {
-            let end = (start + BLOCK).min(range.end);
-            for (c, d) in (0..q).flat_map(|c| (0..q).map(move |d| (c, d))) {
-                let x = &channels[c][start..end];
-                for lag in 0..total {
-                    sums[(lag * q + c) * q + d] += dot(x, &channels[d][start + lag..end + lag]);
-                }
-            }
-            start = end;
-        }
-        sums
     }
 }
 
@@ -215,20 +148,6 @@ pub(crate) fn push_matrix(triangle: &mut Triangle, rows: &Mat<f64>) {
         row.iter_mut().enumerate().for_each(|(j, v)| *v = rows[(i, j)]);
         triangle.push_row(&row);
     }
-}
-
-/// Scalar product with independent partial sums, which lets it run in vector registers.
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    const LANES: usize = 16;
-    let mut sums = [0.0; LANES];
-    let (xs, ys) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
-    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in xs.zip(ys) {
-        for i in 0..LANES {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

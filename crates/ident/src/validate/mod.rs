@@ -2,6 +2,7 @@
 
 mod compare;
 mod residual_test;
+mod toeplitz;
 
 pub use compare::{Judgement, compare, judge};
 pub use residual_test::{Independence, ResidualReport, ResidualTest, Whiteness};

@@ -4,14 +4,13 @@ use faer::Mat;
 use signal::correlation::cross_correlation;
 
 use super::JointTest;
+use super::toeplitz::{STILL, quadratic_form};
 use crate::distributions::normal_quantile;
 use crate::fit::check_channels;
+use crate::gram::dot;
 use crate::prediction::{InitialState, residuals};
 use crate::uncertainty::root::inverse_root;
 use crate::{Dataset, Experiment, IdentError, LinearModel};
-
-/// Directions with less than this part of the largest variance count as not moving.
-const STILL: f64 = 1e-8;
 
 /// How to test the residuals of a model.
 ///
@@ -267,17 +266,6 @@ fn sum_covariances(e: &Series, u: &Series, lags: usize) -> Result<Vec<f64>, Iden
         let x = s as f64 / reach as f64;
         if x < 0.5 { 1.0 - 6.0 * x * x * (1.0 - x) } else { 2.0 * (1.0 - x).powi(3) }
     };
-    let covariance = |l: usize| {
-        let sum: f64 = (0..=2 * reach).map(|i| window(i.abs_diff(reach)) * re[i] * ru[i + lags + l]).sum();
-        sum / rows as f64
-    };
-    Ok((0..=lags).map(covariance).collect())
-}
-
-/// `sᵀ P⁻¹ s` for the Toeplitz matrix P of these covariances, over the directions in which the input moves at all.
-fn quadratic_form(sums: &[f64], covariances: &[f64]) -> Result<JointTest, IdentError> {
-    let m = sums.len();
-    let root = inverse_root(&Mat::from_fn(m, m, |i, j| covariances[i.abs_diff(j)]), STILL)?;
-    let statistic = (0..root.ncols()).map(|k| (0..m).map(|i| root[(i, k)] * sums[i]).sum::<f64>().powi(2)).sum();
-    Ok(JointTest::chi_squared(statistic, root.ncols() as f64))
+    let windowed: Vec<f64> = re.iter().enumerate().map(|(i, r)| window(i.abs_diff(reach)) * r).collect();
+    Ok((0..=lags).map(|l| dot(&windowed, &ru[lags + l..=lags + l + 2 * reach]) / rows as f64).collect())
 }

@@ -1,5 +1,5 @@
 use faer::Mat;
-use ident::{IdentError, least_squares};
+use ident::{IdentError, Triangle, least_squares};
 
 use crate::noise::Noise;
 
@@ -14,6 +14,39 @@ fn exact_badly_scaled_columns_are_solved() {
         assert!((estimate / truth - 1.0).abs() < 1e-12);
     }
     assert!(fit.condition < 2.0);
+}
+
+/// The factor of `columns`, each a slice, in blocks that are folded as they come.
+fn triangle(columns: &[&[f64]]) -> Mat<f64> {
+    let mut triangle = Triangle::new(columns.len());
+    triangle.push_columns(columns[0].len(), |j, start, slot| {
+        slot.copy_from_slice(&columns[j][start..start + slot.len()]);
+    });
+    triangle.finish()
+}
+
+#[test]
+fn prop_triangle_has_the_scalar_products_of_its_columns() {
+    let mut noise = Noise::new(3);
+    let x: Vec<Vec<f64>> =
+        [1e-6, 1.0, 1e6].iter().map(|s| noise.normals(9000).iter().map(|v| v * s).collect()).collect();
+    let columns: Vec<&[f64]> = x.iter().map(Vec::as_slice).collect();
+    let r = triangle(&columns);
+    let product = |i: usize, j: usize| columns[i].iter().zip(columns[j]).map(|(a, b)| a * b).sum::<f64>();
+    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        let found: f64 = (0..3).map(|k| r[(k, i)] * r[(k, j)]).sum();
+        assert!((found - product(i, j)).abs() < 1e-13 * (product(i, i) * product(j, j)).sqrt(), "{i} {j}");
+    }
+}
+
+/// A Gram matrix would lose the direction in which two columns differ: it would be 1e-18 of its entries.
+#[test]
+fn exact_triangle_keeps_what_tells_nearly_equal_columns_apart() {
+    let mut noise = Noise::new(4);
+    let (x, w) = (noise.normals(9000), noise.normals(9000));
+    let near: Vec<f64> = x.iter().zip(&w).map(|(x, w)| x + 1e-9 * w).collect();
+    let (r, apart) = (triangle(&[&x, &near]), triangle(&[&x, &w]));
+    assert!((r[(1, 1)].abs() / (1e-9 * apart[(1, 1)].abs()) - 1.0).abs() < 1e-5, "{} {}", r[(1, 1)], apart[(1, 1)]);
 }
 
 #[test]

@@ -1,0 +1,109 @@
+//! Gram matrices, and the triangular factor they give where that is accurate.
+
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::{Accum, Mat, MatRef, Par, Side};
+
+/// Samples of a block of the correlation sums, chosen to stay in the cache.
+const BLOCK: usize = 2048;
+
+/// The upper triangular R with `RᵀR` = `gram`, of which the lower half is read; `None` where a diagonal of R, with the
+/// columns scaled to one, falls below `least`. The Gram matrix squares the condition of the data: at this bound its
+/// rounding is `1e-16/least²` of the smallest direction.
+pub(crate) fn cholesky(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
+    let n = gram.nrows();
+    let size: Vec<f64> = (0..n).map(|i| gram[(i, i)].sqrt()).collect();
+    if size.iter().any(|s| !s.is_normal() || s.is_sign_negative()) {
+        return None;
+    }
+    let scaled = Mat::from_fn(n, n, |i, j| if j <= i { gram[(i, j)] / (size[i] * size[j]) } else { 0.0 });
+    let factor = scaled.llt(Side::Lower).ok()?;
+    let lower = factor.L();
+    if (0..n).any(|i| lower[(i, i)].is_nan() || lower[(i, i)] < least) {
+        return None;
+    }
+    Some(Mat::from_fn(n, n, |i, j| if i <= j { lower[(j, i)] * size[j] } else { 0.0 }))
+}
+
+/// The lower half of `AᵀA`.
+pub(crate) fn of_columns(a: MatRef<'_, f64>) -> Mat<f64> {
+    let mut gram = Mat::zeros(a.ncols(), a.ncols());
+    let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
+    matmul(gram.as_mut(), lower, Accum::Replace, a.transpose(), full, a, full, 1.0, Par::Seq);
+    gram
+}
+
+/// `Σ_t x_c(t + i) x_d(t + j)` over all windows of `width` samples, at row `i q + c` and column `j q + d` of q channels
+/// of equal length. The first block row is summed; a block further down the diagonal differs from the one before it by
+/// what leaves and what enters at the ends of the record.
+///
+/// # Source
+/// Mastronardi, Kressner, Sima, Van Dooren & Van Huffel, *A fast algorithm for subspace state-space system
+/// identification via exploitation of the displacement structure*, J. Comput. Appl. Math. 132, 2001.
+pub(crate) fn of_windows(channels: &[&[f64]], width: usize) -> Mat<f64> {
+    let q = channels.len();
+    let mut gram = Mat::zeros(width * q, width * q);
+    let Some(windows) = channels.first().and_then(|c| (c.len() + 1).checked_sub(width)) else { return gram };
+    let first = correlations(channels, width, windows);
+    for lag in 0..width {
+        for (c, d) in (0..q).flat_map(|c| (0..q).map(move |d| (c, d))) {
+            let (x, y) = (channels[c], channels[d]);
+            let mut sum = first[(lag * q + c) * q + d];
+            for block in 0..width - lag {
+                if block > 0 {
+                    let (leaves, enters) = (block - 1, block - 1 + windows);
+                    sum += x[enters] * y[enters + lag] - x[leaves] * y[leaves + lag];
+                }
+                let (i, j) = (block * q + c, (block + lag) * q + d);
+                gram[(i, j)] = sum;
+                gram[(j, i)] = sum;
+            }
+        }
+    }
+    gram
+}
+
+/// `Σ_t x_c(t) x_d(t + lag)` at `(lag · channels + c) · channels + d`, half of the record on a thread of its own.
+fn correlations(channels: &[&[f64]], width: usize, windows: usize) -> Vec<f64> {
+    if windows < 8 * BLOCK {
+        return correlate(channels, width, 0..windows);
+    }
+    let half = windows / 2;
+    let mut second = Vec::new();
+    let mut sums = std::thread::scope(|scope| {
+        scope.spawn(|| second = correlate(channels, width, half..windows));
+        correlate(channels, width, 0..half)
+    });
+    sums.iter_mut().zip(second).for_each(|(s, other)| *s += other);
+    sums
+}
+
+fn correlate(channels: &[&[f64]], width: usize, range: std::ops::Range<usize>) -> Vec<f64> {
+    let q = channels.len();
+    let mut sums = vec![0.0; width * q * q];
+    let mut start = range.start;
+    while start < range.end {
+        let end = (start + BLOCK).min(range.end);
+        for (c, d) in (0..q).flat_map(|c| (0..q).map(move |d| (c, d))) {
+            let x = &channels[c][start..end];
+            for lag in 0..width {
+                sums[(lag * q + c) * q + d] += dot(x, &channels[d][start + lag..end + lag]);
+            }
+        }
+        start = end;
+    }
+    sums
+}
+
+/// Scalar product with independent partial sums, which lets it run in vector registers.
+pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    const LANES: usize = 16;
+    let mut sums = [0.0; LANES];
+    let (xs, ys) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
+    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in xs.zip(ys) {
+        for i in 0..LANES {
+            sums[i] += a[i] * b[i];
+        }
+    }
+    sums.iter().sum::<f64>() + rest
+}
