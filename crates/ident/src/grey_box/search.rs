@@ -10,6 +10,8 @@ use crate::{Dataset, IdentError, LinearModel, Parametric};
 
 /// Steps of central differences, as a part of the parameter: the cube root of the rounding.
 const STEP: f64 = 6e-6;
+/// A parameter this near to a bound, as a part of itself or its start, rests on it.
+const NEAR: f64 = 1e-7;
 
 /// A model and which of its parameters are searched.
 #[derive(Debug, Clone)]
@@ -32,10 +34,14 @@ impl<S: Structure> Parameters<S> {
         &self.free
     }
 
-    /// Which directions end at a bound.
+    /// Which directions end at a bound, or so near to it that the search had no use for the rest of the way.
     pub(super) fn resting(&self) -> Vec<bool> {
         let values = self.model.parameters();
-        let at = |j: &usize| values[*j] <= self.about[*j].bounds.lower || values[*j] >= self.about[*j].bounds.upper;
+        let at = |j: &usize| {
+            let GreyParameter { value: start, bounds, .. } = &self.about[*j];
+            let near = NEAR * values[*j].abs().max(start.abs());
+            values[*j] - bounds.lower <= near || bounds.upper - values[*j] <= near
+        };
         self.free.iter().map(at).collect()
     }
 

@@ -14,8 +14,9 @@ use crate::{Dataset, IdentError, Parametric, Termination};
 const DECREASE_TOLERANCE: f64 = 1e-13;
 /// ... or by less than this part of what one standard error in one parameter makes of it.
 const STATISTICAL_TOLERANCE: f64 = 1e-8;
-/// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise the errors
-/// of several outputs come from few parameters, and their covariance alone would hold the search in a narrow valley.
+/// Errors smaller than this part of an output's own size get no more weight for being smaller. Without noise their
+/// covariance comes near to singular on the way, and weights by it alone stop the search in the rounding of one output
+/// before the other is right.
 const WEIGHT_FLOOR: f64 = 1e-6;
 /// Directions weaker than this part of the strongest are left alone within a step.
 const RANK_TOLERANCE: f64 = 1e-9;

@@ -245,7 +245,7 @@ fn judge(memory: f64) {
     let truth = model(&[(&[2.0, 30.0], &[4.0, 25.0], 0.137)]);
     let wanted = truth.parameters();
     let options = ContinuousTransferFunction::new(1, 2).with_delay_between(&[(0.0, 0.4)]);
-    let (runs, mut covered, mut mean) = (200, [0; 5], [0.0; 5]);
+    let (runs, mut covered, mut mean) = (100, [0; 5], [0.0; 5]);
     let mut noise = Noise::new(51);
     for _ in 0..runs {
         let u = inputs(&mut noise, 600, 1, 3);
@@ -258,8 +258,8 @@ fn judge(memory: f64) {
         }
     }
     println!("{memory} {covered:?} {mean:?}");
-    // 190 expected, deviation 3.1; the mean of standardised errors has the deviation 0.07.
-    assert!(covered.iter().all(|n| (180..=199).contains(n)), "{covered:?}");
+    // 95 expected, deviation 2.2; the mean of standardised errors has the deviation 0.1.
+    assert!(covered.iter().all(|n| (88..=100).contains(n)), "{covered:?}");
     assert!(mean.iter().all(|m| m.abs() < 0.3), "{mean:?}");
 }
 

@@ -118,6 +118,36 @@ fn exact_two_noise_free_outputs_to_the_last_digits() {
     }
 }
 
+/// One speed measured twice, in other units: the errors of both outputs are multiples of each other whatever the model.
+#[test]
+fn exact_two_outputs_that_are_multiples_of_each_other() {
+    let mut noise = Noise::new(5);
+    let u = torque(600, &mut noise);
+    for factor in [2.0, 0.3, 9.5493] {
+        let truth = StateSpace::continuous(
+            mat![[-4.0, -30.0], [1.0, 0.0]],
+            mat![[50.0], [0.0]],
+            mat![[1.0, 0.0], [factor, 0.0]],
+            mat![[0.0], [0.0]],
+        );
+        let y = truth.unwrap().to_discrete_zoh(TS).unwrap().simulate(u.as_ref(), &[1.0, 0.5]).unwrap();
+        let fixed = Entry::Fixed;
+        let structure = StructuredMatrices {
+            a: vec![vec![Entry::Free(-1.0), Entry::Free(-60.0)], vec![fixed(1.0), fixed(0.0)]],
+            b: vec![vec![Entry::Free(20.0)], vec![fixed(0.0)]],
+            c: vec![vec![fixed(1.0), fixed(0.0)], vec![fixed(factor), fixed(0.0)]],
+            d: vec![vec![fixed(0.0)], vec![fixed(0.0)]],
+            k: Vec::new(),
+            sample_time_s: None,
+        };
+        let fit = GreyBox::new(structure).fit(&Dataset::new(TS, u.clone(), y).unwrap()).unwrap();
+        let found = fit.parameters();
+        let worst = found.iter().zip([-4.0, -30.0, 50.0]).map(|(p, t)| (p / t - 1.0).abs()).fold(0.0, f64::max);
+        println!("{factor} {worst:e} {:?} {} {:e}", fit.termination, fit.iterations, fit.loss);
+        assert!(worst < 1e-10 && fit.loss >= 0.0, "{found:?} {:?} {:e}", fit.termination, fit.loss);
+    }
+}
+
 #[test]
 fn exact_delay_that_is_no_whole_sample() {
     let mut noise = Noise::new(3);
