@@ -135,7 +135,7 @@ pub enum DatasetError {
         sample: usize,
     },
     /// Too little is left.
-    #[error("{file}: \"{channel}\" has fewer than two samples between {from_s} s and {to_s} s")]
+    #[error("{file}: \"{channel}\" has fewer than two samples that are numbers{}", window(*from_s, *to_s))]
     NothingLeft {
         /// The file.
         file: String,
@@ -184,6 +184,16 @@ pub enum DatasetError {
     /// The channels are no data.
     #[error(transparent)]
     Ident(#[from] IdentError),
+}
+
+/// The asked-for time, where one was asked for.
+fn window(from_s: f64, to_s: f64) -> String {
+    match (from_s.is_finite(), to_s.is_finite()) {
+        (true, true) => format!(" between {from_s} s and {to_s} s"),
+        (true, false) => format!(" from {from_s} s on"),
+        (false, true) => format!(" up to {to_s} s"),
+        (false, false) => String::new(),
+    }
 }
 
 /// Channels of several recordings, one experiment a recording.

@@ -74,7 +74,8 @@ fn regress_impossible_requests_are_refused_with_names() {
     let message = refused(options(&["v"], &["y"])).to_string();
     assert!(message.contains("x.csv") && message.contains("\"v\"") && message.contains('u'), "{message}");
     let late = DatasetOptions { from_s: Some(100.0), ..options(&["u"], &["y"]) };
-    assert!(matches!(refused(late), DatasetError::NothingLeft { .. }));
+    let nothing = refused(late);
+    assert!(matches!(nothing, DatasetError::NothingLeft { .. }) && nothing.to_string().ends_with("from 100 s on"));
     for sample_time_s in [0.0, -1.0, f64::NAN, 1e-12, 100.0] {
         let odd = DatasetOptions { clock: CommonClock::Every(sample_time_s), ..options(&["u"], &["y"]) };
         assert!(matches!(refused(odd), DatasetError::SampleTime { .. }), "{sample_time_s}");

@@ -55,6 +55,18 @@ fn stat_fits_to_the_simulated_output_run_on_the_fastest_clock() {
         // Residuals every fourth sample: the tests of whiteness hold all the same.
         assert_eq!(result["residuals"]["whiteness"][0]["joint"]["passed"], true, "{}", result["residuals"]);
     }
+    let lag = |delay: &str, parameters: &str, gain: &str| {
+        let matrices = "[matrices]\nA = [[\"-1/lag\"]]\nB = [[\"1/lag\"]]\nC = [[1]]";
+        let parameters = format!("[parameters]\nlag = {{ value = 0.01, min = 1e-4 }}\n{parameters}");
+        let text = format!("{delay}\n{parameters}\n{matrices}\n{gain}");
+        std::fs::write(folder.path().join("lag.toml"), text).unwrap();
+        done(&folder, &format!("fit greybox lag.toml {line}")).json()
+    };
+    let result = lag("input_delays_s = [\"late\"]", "late = { value = 0.0005, min = 0 }", "");
+    let late_s = result["model"]["estimate"]["parameters"][1].as_f64().unwrap();
+    assert!((late_s - 0.0012).abs() < 1e-4, "{late_s}");
+    // With a gain of the predictor every output has to be there.
+    assert_eq!(lag("", "", "K = [[0.01]]")["model"]["sample_time_s"], 0.004);
     let result = done(&folder, &format!("fit arx {line}")).json();
     assert_eq!(result["model"]["sample_time_s"], 0.004);
     assert!(notes(&result).contains("\"demand\" was brought from a sample time of 0.001 s to 0.004 s"));

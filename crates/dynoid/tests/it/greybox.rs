@@ -117,15 +117,16 @@ fn faults_of_the_structure_name_the_file_and_the_key() {
         ("value = 1500", "value = -5", "parameter \"K\""),
         ("[1, -1, 0]", "[1, -1]", "A: 3 × 2 entries where 3 × 3"),
         ("[matrices]", "[matrix]", "matrix"),
-        ("C = [[1, 0, 0], [0, 1, 0]]", "C = [[1, 0, 0]]", "outputs"),
+        (
+            "C = [[1, 0, 0], [0, 1, 0]]",
+            "C = [[1, 0, 0]]",
+            "1 outputs (rows of C), but the number named with --output is 2",
+        ),
     ] {
         let text = STRUCTURE.replacen(from, to, 1);
         assert_ne!(text, STRUCTURE, "{from}");
         std::fs::write(folder.path().join("shaft.toml"), text).unwrap();
-        run(&folder, FIT).assert_refused(3, &[words]);
-        if words != "outputs" {
-            run(&folder, FIT).assert_refused(3, &["shaft.toml"]);
-        }
+        run(&folder, FIT).assert_refused(3, &["shaft.toml", words]);
     }
     run(&folder, &FIT.replace("shaft", "absent")).assert_refused(3, &["absent.toml", "no such file"]);
     let help = run(&folder, "fit greybox --help").stdout;

@@ -16,8 +16,29 @@ use crate::terminal::Terminal;
 /// The structure that a command names; none where it is no grey box.
 pub(super) fn structure_of(command: &FitCommand) -> Result<Option<FormulaStructure>, CliError> {
     match command {
-        FitCommand::Greybox(arguments) => structure(&arguments.structure).map(Some),
+        FitCommand::Greybox(arguments) => {
+            let structure = structure(&arguments.structure)?;
+            check_channels(&structure, arguments)?;
+            Ok(Some(structure))
+        }
         _ => Ok(None),
+    }
+}
+
+/// Refuses a structure of other channels than those named, before anything is read.
+fn check_channels(structure: &FormulaStructure, arguments: &GreyBoxArguments) -> Result<(), CliError> {
+    let parts = structure.parts();
+    let data = &arguments.fit.data;
+    let counts = [
+        ("inputs (columns of B)", parts.b.first().map_or(0, Vec::len), "--input", data.inputs.len()),
+        ("outputs (rows of C)", parts.c.len(), "--output", data.outputs.len()),
+    ];
+    match counts.into_iter().find(|(_, has, _, named)| has != named && *named > 0) {
+        Some((what, has, option, named)) => Err(CliError::StructureFile {
+            path: arguments.structure.clone(),
+            reason: format!("it is of {has} {what}, but the number named with {option} is {named}"),
+        }),
+        None => Ok(()),
     }
 }
 

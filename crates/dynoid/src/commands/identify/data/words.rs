@@ -27,7 +27,7 @@ pub(super) fn adjustment(adjustment: &Adjustment) -> String {
 fn resampling(how: Resampling) -> &'static str {
     match how {
         Resampling::Filtered => {
-            ", through a low-pass filter without phase shift; for fast dynamics give the faster clock with --sample-time"
+            ", through a low-pass filter without phase shift; for fast dynamics choose a fit to the simulated output (oe, tf, process, greybox), which takes the faster clock and filters nothing"
         }
         Resampling::Held => ", each value held until the next (--between)",
         Resampling::Straight => ", on straight lines from value to value (--between)",

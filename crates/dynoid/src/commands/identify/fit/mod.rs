@@ -111,13 +111,14 @@ fn data(
     let whole = load_on(clock, &arguments.data, terminal)?;
     let mut said = whole.notes.clone();
     let (estimation, unseen) = parts(whole, arguments, terminal)?;
-    let estimation = estimation.cut_at(gaps(command, sees_through))?;
+    let mut estimation = estimation.cut_at(gaps(command, sees_through))?;
     say(&estimation.notes, &mut said, terminal);
     // A prediction gets over a gap in the outputs.
     let unseen = unseen.map(|u| u.cut_at(Gaps::OfInputs)).transpose()?;
     if let Some(unseen) = &unseen {
         say(&unseen.notes, &mut said, terminal);
     }
+    estimation.notes = said;
     Ok((estimation, unseen))
 }
 
