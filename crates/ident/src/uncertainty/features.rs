@@ -11,7 +11,9 @@ use crate::{Fit, IdentError, LinearModel, Parametric};
 const PROMINENCE_DB: f64 = 0.5;
 /// Resonances found at most: the ones that stand out most.
 const MOST_PEAKS: usize = 6;
-const REFINEMENTS: usize = 4;
+const REFINEMENTS: usize = 6;
+/// Part of the grid's spacing to which the parabola of a resonance reaches: narrow, so that it moves as the maximum does.
+const STENCIL: f64 = 0.1;
 const BISECTIONS: usize = 60;
 /// Relative step of frequency for a slope.
 const SLOPE: f64 = 1e-4;
@@ -155,10 +157,10 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     }
 
     fn resonance(&self, around: &[f64]) -> Result<Resonance, IdentError> {
-        let step = 0.5 * (around[1] / around[0]).ln().min((around[2] / around[1]).ln());
+        let step = STENCIL * (around[1] / around[0]).ln().min((around[2] / around[1]).ln());
         let mut omega = around[1];
         for _ in 0..REFINEMENTS {
-            let next = omega * self.top(self.model, omega, step)?.0.clamp(-2.0 * step, 2.0 * step).exp();
+            let next = omega * self.top(self.model, omega, step)?.0.clamp(-5.0 * step, 5.0 * step).exp();
             omega = next.clamp(around[0], around[2]);
         }
         let gain = self.gain_at(self.model, omega)?.norm();
