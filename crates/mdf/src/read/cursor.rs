@@ -1,0 +1,77 @@
+//! Moving through a stream from front to back.
+
+use crate::error::damaged;
+use crate::stream::{Loader, Packing, Stream};
+use crate::{MdfError, Source};
+
+/// Bytes read at once where the fragment does not say.
+const STEP: u64 = 1 << 20;
+
+/// A window of a stream that moves forwards.
+pub(crate) struct Cursor<'a, S: ?Sized> {
+    stream: &'a Stream,
+    loader: Loader<'a, S>,
+    /// The place in the stream of the window's first byte.
+    start: u64,
+    bytes: Vec<u8>,
+}
+
+impl<'a, S: Source + ?Sized> Cursor<'a, S> {
+    pub(crate) fn new(source: &'a S, stream: &'a Stream) -> Self {
+        Self { stream, loader: Loader::new(source, stream), start: 0, bytes: Vec::new() }
+    }
+
+    /// The place in the stream up to which the window reaches.
+    fn end(&self) -> u64 {
+        self.start + self.bytes.len() as u64
+    }
+
+    pub(crate) fn window(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// Where the window begins.
+    pub(crate) fn start(&self) -> u64 {
+        self.start
+    }
+
+    /// Gives up the first `count` bytes of the window.
+    pub(crate) fn consume(&mut self, count: usize) {
+        let count = count.min(self.bytes.len());
+        self.bytes.drain(..count);
+        self.start += count as u64;
+    }
+
+    /// Makes the window longer; false at the end of the stream.
+    pub(crate) fn extend(&mut self) -> Result<bool, MdfError> {
+        let end = self.end();
+        let Some(index) = self.stream.at(end) else { return Ok(false) };
+        let fragment = &self.stream.fragments[index];
+        let until = match fragment.packing {
+            Packing::Plain => fragment.end().min(end + STEP),
+            _ => fragment.end(),
+        };
+        self.loader.append(end..until, &mut self.bytes)?;
+        Ok(true)
+    }
+
+    /// `count` bytes at `place`, which may not lie before what was given up.
+    pub(crate) fn at(&mut self, place: u64, count: usize) -> Result<&[u8], MdfError> {
+        if place > self.end() {
+            self.bytes.clear();
+            self.start = place;
+        } else {
+            self.consume(usize::try_from(place.saturating_sub(self.start)).unwrap_or(usize::MAX));
+        }
+        let missing = || damaged(place, "a value of varying length reaches beyond its data");
+        if place < self.start || count as u64 > self.stream.length.saturating_sub(place) {
+            return Err(missing());
+        }
+        while self.bytes.len() < count {
+            if !self.extend()? {
+                return Err(missing());
+            }
+        }
+        Ok(&self.bytes[..count])
+    }
+}
