@@ -28,6 +28,8 @@ pub struct Group {
     pub announced: u64,
     /// Records that its data can hold; `None` where only reading them would tell (see [`crate::Mdf::count`]).
     pub found: Option<u64>,
+    /// Records that its data could hold at most.
+    pub at_most: u64,
     /// Bytes of the data this group is stored in, after decompression, with that of the groups stored between.
     pub stream_bytes: u64,
     /// The clock, or what else the group runs over.

@@ -80,6 +80,7 @@ impl<S: Source + ?Sized> Walk<'_, S> {
                 comment: self.text(block.link(12))?,
                 announced: u64::from(block.u32(22)),
                 found: None,
+                at_most: 0,
                 stream_bytes: 0,
                 master: master.map(|m| Master { address: address(m), quantity: Quantity::Time }),
                 channels,
@@ -133,6 +134,7 @@ impl<S: Source + ?Sized> Walk<'_, S> {
                 (false, 0) => return Err(damaged(from.offset, "records without data")),
                 (false, stride) => Some(length / stride),
             };
+            group.at_most = group.found.unwrap_or(length / stride(group).max(1));
         }
         let mut stream = Stream::default();
         stream.push(from.offset, length, length, Packing::Plain);

@@ -96,6 +96,7 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             comment,
             announced: u64_at(data, 8),
             found: None,
+            at_most: 0,
             stream_bytes: 0,
             master,
             channels,
@@ -156,6 +157,8 @@ pub(super) fn count(parts: &mut Parts, raws: &[Raw], announced_is_stale: bool) -
                 true => (announced_bytes == length && !announced_is_stale).then_some(group.announced),
                 false => Some(alone(group, data, raws[index].offset)?),
             };
+            group.at_most =
+                group.found.unwrap_or(length / (group.records.record_bytes() + data.id_bytes).max(1) as u64);
         }
     }
     Ok(())
