@@ -43,6 +43,9 @@ def strings(out, kind, group, name, unit, values):
 
 def text(value, encoding):
     if isinstance(value, bytes):
+        if encoding and encoding.startswith("utf-16"):
+            # NumPy takes the NUL away in which the last character may end.
+            value += b"\0" * (len(value) % 2)
         for name in (encoding, "utf-8", "latin-1"):
             try:
                 value = value.decode(name) if name else value
@@ -60,7 +63,7 @@ def elements(out, group, name, unit, values, invalid):
         numbers(out, "N", group, name + suffix, unit, values[(slice(None), *index)], invalid)
 
 
-def channel(out, group, name, unit, signal):
+def channel(out, group, name, unit, signal, encoding):
     values, invalid = signal.samples, signal.invalidation_bits
     invalid = None if invalid is None else np.asarray(invalid).astype(bool)
     if values.dtype.names:
@@ -72,7 +75,7 @@ def channel(out, group, name, unit, signal):
     if values.ndim > 1:
         return strings(out, "B", group, name, unit, [row.tobytes() for row in values])
     if values.dtype.kind in "SUO":
-        rows = [text(v, signal.encoding) for v in values]
+        rows = [text(v, encoding) for v in values]
         if invalid is not None:
             rows = [b"" if bad else row for row, bad in zip(rows, invalid)]
         return strings(out, "T", group, name, unit, rows)
@@ -97,14 +100,22 @@ def dump(path, out):
                 numbers(out, "M", g, "", "", measurement.get_master(g))
             except Exception as error:
                 print(f"{path}: master of group {g}: {error!r}", file=sys.stderr)
+        elements_of = None
         for c, block in enumerate(group.channels):
+            # asammdf lists an array, then its elements at places that are not theirs; they are taken from the array.
+            if elements_of and block.name.startswith(elements_of + "["):
+                continue
+            dependencies = group.channel_dependencies[c] or []
+            is_array = any(type(d).__name__ == "ChannelArrayBlock" for d in dependencies)
+            elements_of = block.name if is_array else None
             try:
                 signal = measurement.get(group=g, index=c, ignore_invalidation_bits=True)
             except Exception as error:
                 print(f"{path}: {block.name!r}: {error!r}", file=sys.stderr)
                 line(out, "L", g, block.name, "?", 0)
                 continue
-            channel(out, g, signal.name or block.name, signal.unit or "", signal)
+            encoding = {8: "utf-16-le", 9: "utf-16-be"}.get(block.data_type, signal.encoding)
+            channel(out, g, signal.name or block.name, signal.unit or "", signal, encoding)
 
 
 def main():

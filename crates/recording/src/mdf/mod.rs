@@ -7,8 +7,8 @@ use ::mdf::{Mdf, MdfError, Source};
 
 use crate::error::require_names;
 use crate::{Catalogue, Finding, Format, Recording, RecordingError, Selection, SkipReason, StartTime};
-use plan::{Assembly, Group};
 pub(crate) use plan::some_text;
+use plan::{Assembly, Group};
 pub use write::encode_mdf4;
 
 /// Whether the first bytes are those of an MDF file.
