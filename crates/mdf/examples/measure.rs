@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The channels to be read: none, five of the largest groups, or all.
+/// The channels to be read: none, five of the first groups, or all.
 fn chosen(file: &Mdf<File>, what: &str) -> Vec<Address> {
     let mut all = Vec::new();
     for (group, info) in file.groups().iter().enumerate() {
@@ -36,7 +36,7 @@ fn chosen(file: &Mdf<File>, what: &str) -> Vec<Address> {
     }
     match what {
         "all" => all,
-        "five" => (0..5.min(file.groups().len())).map(|group| Address { group, channel: 7 }).collect(),
+        "five" => (0..5.min(file.groups().len())).map(|group| Address { group, channel: 10 + 20 * group }).collect(),
         _ => vec![],
     }
 }

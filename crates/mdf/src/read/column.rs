@@ -84,6 +84,13 @@ impl Task {
         }
     }
 
+    /// How many of the first bytes of a record it takes, of which `data_bytes` are samples.
+    pub(crate) fn needs(&self, data_bytes: usize) -> usize {
+        let (byte, width) = self.place();
+        let invalid = self.invalid_bit.map_or(0, |bit| data_bytes + bit as usize / 8 + 1);
+        invalid.max(byte.saturating_add(width))
+    }
+
     fn place(&self) -> (usize, usize) {
         match self.take {
             Take::Number(field) => (field.byte, field.width()),
@@ -131,15 +138,14 @@ impl<'a> Block<'a> {
     where
         'a: 's,
     {
-        let (bytes, columns) = match self.view {
+        let (bytes, total) = match self.view {
             View::Rows(bytes) => {
                 let bytes = bytes.get(part.first * self.stride..(part.first + part.count) * self.stride);
                 let bytes = bytes.unwrap_or_default();
                 return (Rows { bytes, stride: self.stride, shift: self.shift }, byte);
             }
-            View::Columns { bytes, columns } => (bytes, columns),
+            View::Columns { bytes, rows } => (bytes, rows),
         };
-        let total = bytes.len() / columns.max(1);
         scratch.clear();
         scratch.resize(part.count * width, 0);
         for within in 0..width {

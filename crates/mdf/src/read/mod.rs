@@ -59,8 +59,7 @@ impl Shape<'_> {
             View::Rows(bytes) => {
                 Rows { bytes, stride: block.stride, shift: 0 }.parts(0, id.len()).all(|part| part == id)
             }
-            View::Columns { bytes, columns } => {
-                let rows = bytes.len() / columns.max(1);
+            View::Columns { bytes, rows } => {
                 bytes.chunks_exact(rows.max(1)).zip(id).all(|(column, id)| column.iter().all(|b| b == id))
             }
         };

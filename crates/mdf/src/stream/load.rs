@@ -14,7 +14,7 @@ pub(crate) struct Loader<'a, S: ?Sized> {
     source: &'a S,
     stream: &'a Stream,
     packed: Vec<u8>,
-    /// The fragment that `unpacked` holds, in the order it was stored.
+    /// The fragment that `unpacked` holds whole, in the order it was stored.
     unpacked_is: Option<usize>,
     unpacked: Vec<u8>,
     rows: Vec<u8>,
@@ -25,8 +25,8 @@ pub(crate) struct Loader<'a, S: ?Sized> {
 pub(crate) enum View<'a> {
     /// In their order.
     Rows(&'a [u8]),
-    /// Whole records of `columns` bytes, still transposed.
-    Columns { bytes: &'a [u8], columns: usize },
+    /// Whole records, still transposed: the first byte of all `rows`, their second byte, …; as many as were asked for.
+    Columns { bytes: &'a [u8], rows: usize },
 }
 
 impl<'a, S: Source + ?Sized> Loader<'a, S> {
@@ -35,8 +35,8 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
     }
 
     /// The bytes of `range`; transposed ones as they are stored, where the range is one fragment of records of `stride`
-    /// bytes.
-    pub(crate) fn view(&mut self, range: Range<u64>, stride: usize) -> Result<View<'_>, MdfError> {
+    /// bytes, and then no more of them than the first `needed` bytes of each record.
+    pub(crate) fn view(&mut self, range: Range<u64>, stride: usize, needed: usize) -> Result<View<'_>, MdfError> {
         let whole = self.stream.at(range.start).filter(|&i| {
             let fragment = &self.stream.fragments[i];
             fragment.start == range.start && fragment.end() == range.end
@@ -45,14 +45,15 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
             let fragment = self.stream.fragments[index];
             match fragment.packing {
                 Packing::Deflate => {
-                    self.unpack(index)?;
+                    self.unpack(index, fragment.length)?;
                     return Ok(View::Rows(&self.unpacked));
                 }
                 Packing::Transposed { columns }
                     if columns as usize == stride && fragment.length % stride as u64 == 0 =>
                 {
-                    self.unpack(index)?;
-                    return Ok(View::Columns { bytes: &self.unpacked, columns: stride });
+                    let rows = fragment.length / stride as u64;
+                    self.unpack(index, rows * needed.min(stride) as u64)?;
+                    return Ok(View::Columns { bytes: &self.unpacked, rows: rows as usize });
                 }
                 _ => {}
             }
@@ -77,7 +78,7 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
                 out.resize(begin + (to - from) as usize, 0);
                 read(self.source, fragment.offset + from, &mut out[begin..])?;
             } else {
-                self.unpack(index)?;
+                self.unpack(index, fragment.length)?;
                 self.copy(&fragment, from as usize..to as usize, out);
             }
             place = end;
@@ -101,7 +102,8 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
         }
     }
 
-    fn unpack(&mut self, index: usize) -> Result<(), MdfError> {
+    /// Unpacks the first `needed` bytes of a fragment.
+    fn unpack(&mut self, index: usize, needed: u64) -> Result<(), MdfError> {
         if self.unpacked_is == Some(index) {
             return Ok(());
         }
@@ -111,13 +113,15 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
         self.packed.resize(usize::try_from(fragment.stored).map_err(too_large)?, 0);
         read(self.source, fragment.offset, &mut self.packed)?;
         match fragment.packing {
-            Packing::Deflate | Packing::Transposed { .. } => inflate(&self.packed, &fragment, &mut self.unpacked)?,
+            Packing::Deflate | Packing::Transposed { .. } => {
+                inflate(&self.packed, &fragment, needed, &mut self.unpacked)?
+            }
             Packing::Plain => std::mem::swap(&mut self.packed, &mut self.unpacked),
             Packing::Unknown(code) => {
                 return Err(MdfError::Unsupported { offset: fragment.offset, feature: format!("compression {code}") });
             }
         }
-        self.unpacked_is = Some(index);
+        self.unpacked_is = (needed == fragment.length).then_some(index);
         Ok(())
     }
 }
@@ -125,8 +129,9 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
 /// Grows at first by this much: what is announced need not be true.
 const FIRST: usize = 1 << 24;
 
-fn inflate(packed: &[u8], fragment: &Fragment, out: &mut Vec<u8>) -> Result<(), MdfError> {
-    let length = usize::try_from(fragment.length).map_err(|_| MdfError::TooLarge { numbers: fragment.length })?;
+/// Inflates the first `needed` bytes; all of them are checked against the checksum, if there is no more.
+fn inflate(packed: &[u8], fragment: &Fragment, needed: u64, out: &mut Vec<u8>) -> Result<(), MdfError> {
+    let length = usize::try_from(needed).map_err(|_| MdfError::TooLarge { numbers: needed })?;
     let mut inflater = Decompress::new(true);
     out.resize(length.min(out.len().max(FIRST)), 0);
     let mut done = 0;
