@@ -49,7 +49,7 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
                     return Ok(View::Rows(&self.unpacked));
                 }
                 Packing::Transposed { columns }
-                    if columns as usize == stride && fragment.length % stride as u64 == 0 =>
+                    if columns as usize == stride && fragment.length.is_multiple_of(stride as u64) =>
                 {
                     let rows = fragment.length / stride as u64;
                     self.unpack(index, rows * needed.min(stride) as u64)?;

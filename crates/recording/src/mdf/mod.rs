@@ -25,7 +25,7 @@ pub(crate) fn decode<S: Source>(
     let file = Mdf::open(source).map_err(|e| failure(name, e))?;
     let groups = plan::groups(name, &file)?;
     let names = groups.iter().flat_map(|g| &g.channels);
-    require_names(name, selection, names.map(|c| c.name.as_ref()))?;
+    require_names(name, selection, names.map(|c| c.name))?;
     let built = Assembly::build(name, &file, selection, &groups, progress)?;
     Ok(Recording {
         format: Format::Mdf { version: file.version() },
