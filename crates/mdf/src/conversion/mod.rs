@@ -30,6 +30,8 @@ pub(crate) enum Conversion {
     Interpolated(NumberTable),
     Closest(NumberTable),
     Ranges(RangeTable<f64>, f64),
+    /// A conversion for each range, and one for what is in none; all of them yield numbers.
+    Pieces(RangeTable<Arc<Conversion>>, Arc<Conversion>),
     /// Numbers to text or to other numbers; ranges may be points.
     Texts(RangeTable<Outcome>, Outcome),
     TextToNumber {
@@ -98,6 +100,9 @@ impl Conversion {
             Self::Closest(table) => x.iter_mut().for_each(|x| *x = closest(table, *x)),
             Self::Ranges(table, otherwise) => {
                 x.iter_mut().for_each(|x| *x = table.find(*x).copied().unwrap_or(*otherwise));
+            }
+            Self::Pieces(table, otherwise) => {
+                x.iter_mut().for_each(|x| table.find(*x).unwrap_or(otherwise).numbers(std::slice::from_mut(x)));
             }
             Self::Identity | Self::Texts(..) | Self::TextToNumber { .. } | Self::TextToText { .. } | Self::Bits(_) => {}
         }

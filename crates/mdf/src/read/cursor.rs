@@ -13,21 +13,23 @@ pub(crate) struct Cursor<'a, S: ?Sized> {
     loader: Loader<'a, S>,
     /// The place in the stream of the window's first byte.
     start: u64,
+    /// What was given up is at the front of these, until more is read.
     bytes: Vec<u8>,
+    given_up: usize,
 }
 
 impl<'a, S: Source + ?Sized> Cursor<'a, S> {
     pub(crate) fn new(source: &'a S, stream: &'a Stream) -> Self {
-        Self { stream, loader: Loader::new(source, stream), start: 0, bytes: Vec::new() }
+        Self { stream, loader: Loader::new(source, stream), start: 0, bytes: Vec::new(), given_up: 0 }
     }
 
     /// The place in the stream up to which the window reaches.
     fn end(&self) -> u64 {
-        self.start + self.bytes.len() as u64
+        self.start + self.window().len() as u64
     }
 
     pub(crate) fn window(&self) -> &[u8] {
-        &self.bytes
+        &self.bytes[self.given_up..]
     }
 
     /// Where the window begins.
@@ -37,8 +39,8 @@ impl<'a, S: Source + ?Sized> Cursor<'a, S> {
 
     /// Gives up the first `count` bytes of the window.
     pub(crate) fn consume(&mut self, count: usize) {
-        let count = count.min(self.bytes.len());
-        self.bytes.drain(..count);
+        let count = count.min(self.window().len());
+        self.given_up += count;
         self.start += count as u64;
     }
 
@@ -46,6 +48,8 @@ impl<'a, S: Source + ?Sized> Cursor<'a, S> {
     pub(crate) fn extend(&mut self) -> Result<bool, MdfError> {
         let end = self.end();
         let Some(index) = self.stream.at(end) else { return Ok(false) };
+        self.bytes.drain(..self.given_up);
+        self.given_up = 0;
         let fragment = &self.stream.fragments[index];
         let until = match fragment.packing {
             Packing::Plain => fragment.end().min(end + STEP),
@@ -59,6 +63,7 @@ impl<'a, S: Source + ?Sized> Cursor<'a, S> {
     pub(crate) fn at(&mut self, place: u64, count: usize) -> Result<&[u8], MdfError> {
         if place > self.end() {
             self.bytes.clear();
+            self.given_up = 0;
             self.start = place;
         } else {
             self.consume(usize::try_from(place.saturating_sub(self.start)).unwrap_or(usize::MAX));
@@ -67,11 +72,11 @@ impl<'a, S: Source + ?Sized> Cursor<'a, S> {
         if place < self.start || count as u64 > self.stream.length.saturating_sub(place) {
             return Err(missing());
         }
-        while self.bytes.len() < count {
+        while self.window().len() < count {
             if !self.extend()? {
                 return Err(missing());
             }
         }
-        Ok(&self.bytes[..count])
+        Ok(&self.window()[..count])
     }
 }

@@ -122,14 +122,13 @@ pub(crate) fn read<S: Source + ?Sized>(
     let mut is_more = true;
     while is_more && cursor.extend()? {
         let mut at = 0;
-        loop {
-            match step(cursor.window(), at, framing, &index, members, &mut scratch) {
+        while is_more {
+            let left = stream.length - cursor.start() - at as u64;
+            match step(cursor.window(), at, left, framing, &index, members, &mut scratch) {
                 Step::Record(next) => at = next,
                 Step::Short => break,
-                Step::Unknown if framing.stops => {
-                    is_more = false;
-                    break;
-                }
+                Step::Cut => is_more = false,
+                Step::Unknown if framing.stops => is_more = false,
                 Step::Unknown => {
                     let place = cursor.start() + at as u64;
                     return Err(damaged(
@@ -151,12 +150,16 @@ enum Step {
     Record(usize),
     /// The window ends within the record.
     Short,
+    /// The stream ends within the record.
+    Cut,
     Unknown,
 }
 
+/// Takes the record that begins `at` bytes into the window; `left` bytes of the stream are left from there.
 fn step(
     window: &[u8],
     at: usize,
+    left: u64,
     framing: Framing,
     index: &Index,
     members: &mut [Member],
@@ -173,6 +176,9 @@ fn step(
         true => (body + 4, u32_at(window, body) as usize),
         false => (body, member.record_bytes),
     };
+    if (start - at) as u64 + length as u64 > left {
+        return Step::Cut;
+    }
     let Some(record) = start.checked_add(length).and_then(|end| window.get(start..end)) else { return Step::Short };
     let next = start + length + framing.trailing;
     if next > window.len() {

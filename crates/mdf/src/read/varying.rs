@@ -40,18 +40,26 @@ impl Varying {
         (low < self.starts.len() && at(low) == place).then_some(low)
     }
 
+    /// The value at a place, and that of no place; `None` where there is no such value.
+    fn indexed(&self, place: f64) -> Option<Option<usize>> {
+        if place.is_nan() { Some(None) } else { self.index_of(place as u64).map(Some) }
+    }
+
     /// The values at `places`; those of the same number where the places were never brought up to date.
     pub(crate) fn gather(&self, places: &[f64], encoding: Option<Encoding>) -> Result<Values, MdfError> {
-        let by_place: Option<Vec<usize>> = places.iter().map(|&p| self.index_of(p as u64)).collect();
         let is_stale = places.len() > 1 && places.iter().all(|&p| p == places[0]);
+        let by_place: Option<Vec<_>> = places.iter().map(|&p| self.indexed(p)).collect();
         let indices = match by_place {
             Some(indices) if !is_stale => indices,
-            _ if self.starts.len() >= places.len() => (0..places.len()).collect(),
+            // One more was written than was referred to, where the file ends between the two.
+            _ if (places.len()..=places.len() + 1).contains(&self.starts.len()) => {
+                (0..places.len()).map(Some).collect()
+            }
             _ => return Err(damaged(0, "values of varying length are missing")),
         };
         let mut out = Collector::new(encoding);
         for (row, index) in indices.into_iter().enumerate() {
-            out.put(row, self.get(index).unwrap_or_default());
+            out.put(row, index.and_then(|i| self.get(i)).unwrap_or_default());
         }
         Ok(out.finish(places.len()))
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::block::{Block, Walk};
 use crate::bytes::{f64_at, u8_at, u16_at, u64_at};
-use crate::conversion::{Conversion, Formula, NumberTable, Outcome, Part, RangeTable};
+use crate::conversion::{Conversion, Formula, NumberTable, Outcome, Part, RangeTable, Yields};
 use crate::{MdfError, Obstacle, Source};
 
 /// Conversions by their place in the file, and whether the raw values are integers.
@@ -98,6 +98,10 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             entries.push((lower, upper, self.outcome(block.link(4 + i), integers, depth)?));
         }
         let otherwise = self.outcome(block.link(4 + ranges.len()), integers, depth)?;
+        let pieces: Option<Vec<_>> = entries.iter().map(piece).collect();
+        if let (Some(pieces), Some(rest)) = (pieces, number(&otherwise)) {
+            return Ok(Conversion::Pieces(RangeTable::new(pieces, integers), rest));
+        }
         Ok(Conversion::Texts(RangeTable::new(entries, integers), otherwise))
     }
 
@@ -151,4 +155,17 @@ impl<S: Source + ?Sized> Walk<'_, S> {
 
 fn pairs(values: &[f64]) -> Vec<(f64, f64)> {
     values.chunks_exact(2).map(|c| (c[0], c[1])).collect()
+}
+
+/// A range whose outcome is a number.
+fn piece((lower, upper, outcome): &(f64, f64, Outcome)) -> Option<(f64, f64, Arc<Conversion>)> {
+    Some((*lower, *upper, number(outcome)?))
+}
+
+/// The conversion of an outcome that is a number.
+fn number(outcome: &Outcome) -> Option<Arc<Conversion>> {
+    match outcome {
+        Outcome::Number(conversion) if conversion.of_numbers() == Yields::Numbers => Some(conversion.clone()),
+        _ => None,
+    }
 }

@@ -5,7 +5,6 @@ use std::collections::HashMap;
 use super::block::{Block, Walk};
 use super::channel::Context;
 use super::data::Found;
-use super::either;
 use crate::bytes::{u8_at, u16_at, u32_at, u64_at};
 use crate::error::damaged;
 use crate::model::{Address, Group, Master, Quantity, Records};
@@ -28,18 +27,12 @@ const MOST_WITHOUT_DATA: u64 = 1 << 24;
 
 impl<S: Source + ?Sized> Walk<'_, S> {
     /// A data group with its channel groups, appended to `parts` and `raws`.
-    pub(super) fn data_group(
-        &mut self,
-        block: &Block,
-        open: bool,
-        parts: &mut Parts,
-        raws: &mut Vec<Raw>,
-    ) -> Result<(), MdfError> {
+    pub(super) fn data_group(&mut self, block: &Block, parts: &mut Parts, raws: &mut Vec<Raw>) -> Result<(), MdfError> {
         let id_bytes = usize::from(u8_at(block.data(), 0));
         if id_bytes > 8 {
             return Err(damaged(block.offset, format!("identifiers of records are {id_bytes} bytes long")));
         }
-        let Found { stream, invalid } = self.data(block.link(2), open)?;
+        let Found { stream, invalid } = self.data(block.link(2), parts.is_open)?;
         let mut blocks = Vec::new();
         let mut next = block.link(1);
         while next != 0 {
@@ -87,12 +80,11 @@ impl<S: Source + ?Sized> Walk<'_, S> {
         });
         let name = self.text(block.link(2))?;
         let comment = self.text(block.link(5))?;
-        let source = self.source_name(block.link(3))?;
         let mut context = Context { records: &records, ids, signals: &mut parts.signals, open: parts.is_open };
         let (channels, master) = self.channels(block.link(1), &mut context)?;
         let master = master.map(|(channel, quantity)| Master { address: Address { group: index, channel }, quantity });
         Ok(Group {
-            name: either(name, &source),
+            name,
             comment,
             announced: u64_at(data, 8),
             found: None,
@@ -102,15 +94,6 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             channels,
             records,
         })
-    }
-
-    /// The name of a source of signals.
-    fn source_name(&mut self, link: u64) -> Result<std::sync::Arc<str>, MdfError> {
-        if link == 0 {
-            return self.text(0);
-        }
-        let source = self.block(link, &[b"##SI"])?;
-        self.text(source.link(0))
     }
 }
 

@@ -21,7 +21,6 @@ pub(crate) use channel::samples;
 mod unfinished {
     pub(super) const CYCLES: u16 = 1;
     pub(super) const LAST_DATA_LENGTH: u16 = 1 << 2;
-    pub(super) const LAST_LIST: u16 = 1 << 4;
 }
 
 pub(crate) fn open<S: Source + ?Sized>(pages: Pages<'_, S>, id: &[u8], is_open: bool) -> Result<Parts, MdfError> {
@@ -35,7 +34,7 @@ pub(crate) fn open<S: Source + ?Sized>(pages: Pages<'_, S>, id: &[u8], is_open: 
     let mut next = head.link(0);
     while next != 0 {
         let block = walk.own_block(next, &[b"##DG"])?;
-        walk.data_group(&block, flags & unfinished::LAST_LIST != 0 || is_open, &mut parts, &mut raws)?;
+        walk.data_group(&block, &mut parts, &mut raws)?;
         next = block.link(0);
     }
     if flags & unfinished::LAST_DATA_LENGTH != 0 {
@@ -66,7 +65,7 @@ fn start_time(head: &Block) -> Option<StartTime> {
     })
 }
 
-/// The name of a group: its own, or that of its source.
+/// The first text that says something.
 fn either(first: Arc<str>, second: &Arc<str>) -> Arc<str> {
     if first.is_empty() { second.clone() } else { first }
 }

@@ -45,7 +45,7 @@ fn exact_half_floats_and_dates() {
 
 #[test]
 fn exact_invalid_samples_are_nan() {
-    let records: Vec<u8> = (0..6_u8).flat_map(|i| [i, 10 + i, i % 2 | (i % 3 / 2) << 1]).collect();
+    let records: Vec<u8> = (0..6_u8).flat_map(|i| [i, 10 + i, (i % 2) | ((i % 3 / 2) << 1)]).collect();
     let marked = |byte, invalid_bit| Cn { flags: 2, invalid_bit, ..cn(0, byte, 8) };
     let never = Cn { flags: 1, ..cn(0, 0, 8) };
     let bytes = one_group(&[marked(0, 0), marked(1, 1), cn(0, 1, 8), never], &records, 2, 1);
@@ -169,7 +169,9 @@ fn exact_conversions_of_texts_and_bits() {
     let partly = made.conversion(8, &[other, scale], &[bits(3.0), bits(3.0)]);
     let text = |conversion| Cn { conversion, ..cn(6, 0, 24) };
     let number = |conversion| Cn { conversion, ..cn(0, 3, 8) };
-    let channels = [text(to_number), text(to_text), number(masks), number(partly)];
+    let shift = made.conversion(1, &[], &[bits(100.0), bits(1.0)]);
+    let pieces = made.conversion(8, &[shift, scale], &[bits(2.0), bits(3.0)]);
+    let channels = [text(to_number), text(to_text), number(masks), number(partly), number(pieces)];
     let first = made.channels(&channels);
     let group = made.group(0, first, Cg { cycles: 4, data_bytes: 4, ..Cg::default() });
     let data = made.block(b"##DT", &[], b"on\0\x00off\x01xyz\x02on\0\x03");
@@ -179,6 +181,7 @@ fn exact_conversions_of_texts_and_bits() {
     assert_eq!(texts(&bytes, 0, 1), ["off", "on", "other", "off"]);
     assert_eq!(texts(&bytes, 0, 2), ["off|off", "on|off", "off|on", "on|on"]);
     assert_eq!(texts(&bytes, 0, 3), ["5", "7", "9", "other"]);
+    assert_eq!(numbers(&bytes, 0, 4), [5.0, 7.0, 102.0, 103.0]);
 }
 
 #[test]
