@@ -5,3 +5,4 @@ mod against_asammdf;
 mod damage;
 mod features;
 mod made;
+mod version3;
