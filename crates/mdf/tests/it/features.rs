@@ -1,6 +1,6 @@
 //! Features of the format, each in a file put together for it.
 
-use mdf::{Finding, Kind, Mdf, Values};
+use mdf::{Address, Finding, Kind, Master, Mdf, Quantity, Values};
 
 use crate::made::{Cg, Cn, Made, cn, numbers, one_group, read, texts, time};
 
@@ -256,4 +256,25 @@ fn exact_transposed_blocks_of_any_size_and_place() {
             assert!(read.len() == rows && read.iter().enumerate().all(|(i, &n)| n == i as f64));
         }
     }
+}
+
+#[test]
+fn exact_clock_of_another_group_from_a_file_on_disk() {
+    let mut made = Made::new(true, 0);
+    let clock = made.channels(&[time()]);
+    let clock = made.group(0, clock, Cg { cycles: 3, data_bytes: 8, ..Cg::default() });
+    let stamps: Vec<u8> = [0.5_f64, 1.5, 2.5].iter().flat_map(|t| t.to_le_bytes()).collect();
+    let stamps = made.block(b"##DV", &[], &stamps);
+    let values = made.channels(&[cn(2, 0, 8)]);
+    let values = made.group(0, values, Cg { cycles: 3, flags: 8, data_bytes: 1, master: clock, ..Cg::default() });
+    let bytes = made.block(b"##DV", &[], &[1, 0xFF, 3]);
+    let second = made.data_group(values, bytes, 0);
+    let first = made.data_group_before(second, clock, stamps, 0);
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("clock.mf4");
+    std::fs::write(&path, made.finish(first)).unwrap();
+    let file = Mdf::open(std::fs::File::open(&path).unwrap()).unwrap();
+    let master = Master { address: Address { group: 0, channel: 0 }, quantity: Quantity::Time };
+    assert_eq!(file.groups()[1].master, Some(master));
+    let read = file.read(&[Address { group: 1, channel: 0 }, master.address], &|_, _| {}).unwrap();
+    assert_eq!(read, [Values::Numbers(vec![1.0, -1.0, 3.0]), Values::Numbers(vec![0.5, 1.5, 2.5])]);
 }

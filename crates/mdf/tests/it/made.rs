@@ -87,11 +87,15 @@ impl Made {
         data[16..18].copy_from_slice(&cg.flags.to_le_bytes());
         data[24..28].copy_from_slice(&cg.data_bytes.to_le_bytes());
         data[28..32].copy_from_slice(&cg.invalid_bytes.to_le_bytes());
-        self.block(b"##CG", &[next, channels, 0, 0, 0, 0], &data)
+        self.block(b"##CG", &[next, channels, 0, 0, 0, 0, cg.master], &data)
     }
 
     pub(crate) fn data_group(&mut self, groups: u64, data: u64, id_bytes: u8) -> u64 {
-        self.block(b"##DG", &[0, groups, data, 0], &[id_bytes, 0, 0, 0, 0, 0, 0, 0])
+        self.data_group_before(0, groups, data, id_bytes)
+    }
+
+    pub(crate) fn data_group_before(&mut self, next: u64, groups: u64, data: u64, id_bytes: u8) -> u64 {
+        self.block(b"##DG", &[next, groups, data, 0], &[id_bytes, 0, 0, 0, 0, 0, 0, 0])
     }
 
     pub(crate) fn finish(mut self, first: u64) -> Vec<u8> {
@@ -108,6 +112,8 @@ pub(crate) struct Cg {
     pub(crate) flags: u16,
     pub(crate) data_bytes: u32,
     pub(crate) invalid_bytes: u32,
+    /// The group whose clock is used.
+    pub(crate) master: u64,
 }
 
 fn head(id: &[u8; 4], links: &[u64], data: usize) -> Vec<u8> {
