@@ -9,7 +9,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("signal", &[]),
     ("lti", &["signal"]),
     ("ident", &["signal", "lti"]),
-    ("recording", &[]),
+    ("mdf", &[]),
+    ("recording", &["mdf"]),
     ("bench", &["recording", "signal", "lti", "ident"]),
     ("plot", &[]),
     ("report", &["bench", "plot"]),
@@ -23,7 +24,6 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["dynoid"]),
     ("indicatif", &["dynoid"]),
     ("tempfile", &["dynoid"]),
-    ("falcon_mdf", &["recording"]),
     ("csv", &["recording"]),
     ("resvg", &["plot"]),
 ];

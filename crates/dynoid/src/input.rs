@@ -3,10 +3,12 @@
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
+use std::fs::File;
+use std::io::{ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 use bench::study::Source;
-use recording::{Selection, decode};
+use recording::{Selection, decode_from};
 use sha2::{Digest, Sha256};
 
 use crate::error::CliError;
@@ -25,10 +27,15 @@ pub(crate) struct InputFile {
 
 /// The bytes of a file.
 pub(crate) fn read_bytes(path: &Path) -> Result<Vec<u8>, CliError> {
-    if path.is_dir() {
-        return Err(CliError::IsFolder { path: path.to_owned(), remedy: "name a file in it".into() });
-    }
+    refuse_folder(path)?;
     std::fs::read(path).map_err(|source| CliError::read(path, source))
+}
+
+fn refuse_folder(path: &Path) -> Result<(), CliError> {
+    match path.is_dir() {
+        true => Err(CliError::IsFolder { path: path.to_owned(), remedy: "name a file in it".into() }),
+        false => Ok(()),
+    }
 }
 
 /// The text of a file, without a byte order mark; what is `wanted` is said where it is no text.
@@ -38,13 +45,29 @@ pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, Cli
 }
 
 /// Reads and decodes a recording. One that cannot be decoded is a source too: it holds the reason.
+///
+/// The file is never in memory as a whole, unless its format asks for it.
 pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
-    let bytes = read_bytes(&file.path)?;
-    Ok(Source {
-        file: file.name.clone(),
-        sha256: sha256(&bytes),
-        recording: decode(&file.name, &bytes, &Selection::All),
-    })
+    let unreadable = |source| CliError::read(&file.path, source);
+    refuse_folder(&file.path)?;
+    let mut content = File::open(&file.path).map_err(unreadable)?;
+    let sha256 = sha256_of(&mut content).map_err(unreadable)?;
+    let recording = decode_from(&file.name, &content, &Selection::All, &|_, _| {});
+    Ok(Source { file: file.name.clone(), sha256, recording })
+}
+
+/// The SHA-256 of what is read, hexadecimal.
+fn sha256_of(content: &mut impl Read) -> std::io::Result<String> {
+    let mut hash = Sha256::new();
+    let mut buffer = vec![0; 1 << 20];
+    loop {
+        match content.read(&mut buffer) {
+            Ok(0) => return Ok(hexadecimal(&hash.finalize())),
+            Ok(count) => hash.update(&buffer[..count]),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
 }
 
 /// The SHA-256 of a file's content, hexadecimal.

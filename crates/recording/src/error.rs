@@ -24,6 +24,16 @@ pub enum RecordingError {
         /// Its first bytes.
         start: String,
     },
+    /// The bytes of the file cannot be had.
+    #[error("{file}: byte {offset} cannot be read: {detail}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// Where.
+        offset: u64,
+        /// What the system says.
+        detail: String,
+    },
     /// The time between rows that was passed in is none.
     #[error("a sample time of {given} s was given; it has to be a positive number")]
     RowDistance {

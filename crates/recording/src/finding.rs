@@ -36,6 +36,11 @@ pub enum Finding {
     },
     /// The program that recorded the file did not close it.
     NotFinalised,
+    /// The file ends within its data.
+    CutOff {
+        /// Where the missing part begins.
+        offset: u64,
+    },
     /// More than one channel has this name.
     DuplicateName {
         /// The name.
@@ -79,6 +84,7 @@ impl Finding {
             self,
             Self::MissingSamples { .. }
                 | Self::NotFinalised
+                | Self::CutOff { .. }
                 | Self::IncompleteLastLine { .. }
                 | Self::NoFinalLineEnd { .. }
                 | Self::MissingVariable { .. }
@@ -100,6 +106,9 @@ impl fmt::Display for Finding {
             }
             Self::NotFinalised => {
                 f.write_str("the file was not closed by the program that recorded it; the last samples may be missing")
+            }
+            Self::CutOff { offset } => {
+                write!(f, "the file ends within its data, at byte {offset}; samples may be missing")
             }
             Self::DuplicateName { name, count } => {
                 write!(f, "{count} channels are named \"{name}\"")

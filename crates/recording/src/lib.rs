@@ -5,7 +5,7 @@
 //! NaN and missing samples are handed on as they are, and what could not be taken over is listed as a [`Finding`].
 //!
 //! This crate knows no SI units (time alone is in seconds), no torque, no resampling, no models, and no paths: its
-//! input and output are bytes.
+//! input and output are bytes, or for large files a [`Source`] of them, of which MDF reads only what is asked for.
 //!
 //! | format | read | written |
 //! | --- | --- | --- |
@@ -26,15 +26,14 @@ mod error;
 mod finding;
 mod mat;
 mod mdf;
-mod mdf3;
-mod mdf4;
 mod model;
 
+pub use ::mdf::Source;
 pub use csv::encode_csv;
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
 pub use mat::encode_mat5;
-pub use mdf4::encode_mdf4;
+pub use mdf::encode_mdf4;
 pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime};
 
 /// Decodes the bytes of a measurement file.
@@ -63,8 +62,7 @@ pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Rec
 /// ```
 pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
     let recording = match Kind::detect(name, bytes)? {
-        Kind::Mdf4 => mdf4::decode(name, bytes, selection)?,
-        Kind::Mdf3 => mdf3::decode(name, bytes, selection)?,
+        Kind::Mdf => mdf::decode(name, bytes, selection, &|_, _| {})?,
         Kind::Csv => csv::decode(name, bytes, selection)?,
         Kind::Mat => mat::decode(name, bytes, selection, None)?,
     };
@@ -102,7 +100,7 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
     match Kind::detect(name, bytes)? {
         Kind::Csv => csv::decode_with(name, bytes, &Selection::All, Some(row_distance_s)),
         Kind::Mat => mat::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
-        Kind::Mdf3 | Kind::Mdf4 => decode(name, bytes, &Selection::All),
+        Kind::Mdf => decode(name, bytes, &Selection::All),
     }
 }
 
@@ -124,22 +122,71 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 /// ```
 pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> {
     let mut catalogue = match Kind::detect(name, bytes)? {
-        Kind::Mdf4 => mdf4::catalogue(name, bytes)?,
-        Kind::Mdf3 => mdf3::catalogue(name, bytes)?,
+        Kind::Mdf => mdf::catalogue(name, bytes)?,
         Kind::Csv => csv::decode(name, bytes, &Selection::All)?.catalogue(),
         Kind::Mat => mat::decode(name, bytes, &Selection::All, None)?.catalogue(),
     };
-    let names = catalogue.channels.iter().map(|c| c.name.as_str());
-    let doubles = finding::duplicate_names(names);
-    catalogue.findings.extend(doubles);
+    catalogue.note_duplicates();
     Ok(catalogue)
+}
+
+/// Decodes as [`decode`] does, from a source: of an MDF file only the selected channels are read, in bounded pieces, so
+/// that memory is taken by the recording and not by the file; another file is read whole.
+///
+/// `progress` is told the bytes of samples done and in all, from any thread.
+///
+/// # Errors
+///
+/// As [`decode`]; [`RecordingError::Unreadable`] where the source fails.
+pub fn decode_from(
+    name: &str,
+    source: &dyn Source,
+    selection: &Selection,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Recording, RecordingError> {
+    match read_unless_mdf(name, source)? {
+        Some(bytes) => decode(name, &bytes, selection),
+        None => mdf::decode(name, source, selection, progress).map(with_duplicates),
+    }
+}
+
+/// Lists as [`catalogue`] does, from a source: of an MDF file the structure is read, and samples only where records of
+/// several groups have to be counted since the file was never closed.
+///
+/// # Errors
+///
+/// As [`decode_from`].
+pub fn catalogue_from(name: &str, source: &dyn Source) -> Result<Catalogue, RecordingError> {
+    if let Some(bytes) = read_unless_mdf(name, source)? {
+        return catalogue(name, &bytes);
+    }
+    let mut catalogue = mdf::catalogue(name, source)?;
+    catalogue.note_duplicates();
+    Ok(catalogue)
+}
+
+/// All bytes of a source, unless they are those of an MDF file.
+fn read_unless_mdf(name: &str, source: &dyn Source) -> Result<Option<Vec<u8>>, RecordingError> {
+    let unreadable = |detail: String| RecordingError::Unreadable { file: name.into(), offset: 0, detail };
+    let failed = |error: std::io::Error| unreadable(error.to_string());
+    let size = source.size().map_err(failed)?;
+    let mut head = vec![0; size.min(8) as usize];
+    source.read_at(0, &mut head).map_err(failed)?;
+    if mdf::is_mdf(&head) {
+        return Ok(None);
+    }
+    let size = usize::try_from(size).map_err(|e| unreadable(e.to_string()))?;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(size).map_err(|e| unreadable(e.to_string()))?;
+    bytes.resize(size, 0);
+    source.read_at(0, &mut bytes).map_err(failed)?;
+    Ok(Some(bytes))
 }
 
 /// The reader that content calls for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    Mdf3,
-    Mdf4,
+    Mdf,
     Csv,
     Mat,
 }
@@ -149,8 +196,8 @@ impl Kind {
         if bytes.is_empty() {
             return Err(RecordingError::Empty { file: name.into() });
         }
-        if bytes.starts_with(b"MDF     ") || bytes.starts_with(b"UnFinMF ") {
-            return mdf::version(name, bytes).map(|v| if v >= 400 { Self::Mdf4 } else { Self::Mdf3 });
+        if mdf::is_mdf(bytes) {
+            return Ok(Self::Mdf);
         }
         if mat::is_mat(bytes) {
             return Ok(Self::Mat);

@@ -99,6 +99,15 @@ pub struct Catalogue {
     pub findings: Vec<Finding>,
 }
 
+impl Catalogue {
+    /// Adds a finding for each name that occurs more than once.
+    pub(crate) fn note_duplicates(&mut self) {
+        let names = self.channels.iter().map(|c| c.name.as_str());
+        let doubles = crate::finding::duplicate_names(names);
+        self.findings.extend(doubles);
+    }
+}
+
 /// A [`Raster`] without its time stamps.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RasterInfo {

@@ -4,7 +4,7 @@ use ::csv::StringRecord;
 
 use super::text::plain_number;
 use super::{Rows, line};
-use crate::mdf::plan::some_text;
+use crate::mdf::some_text;
 use crate::{CsvProblem, RecordingError};
 
 /// Lines before the first samples that are looked at.

@@ -1,94 +1,104 @@
-//! What MDF 3 and MDF 4 share: the identification block, byte access, falcon_mdf's errors and values in our terms, and
-//! the order of work ([`plan`]).
+//! MDF: from what the crate `mdf` reads to a recording or a catalogue, and back ([`write`]).
 
-pub(crate) mod plan;
+mod plan;
+mod write;
 
-use falcon_mdf::{Mf4Error, SignalValues};
+use ::mdf::{Mdf, MdfError, Source};
 
-use crate::{RecordingError, SkipReason};
+use crate::error::require_names;
+use crate::{Catalogue, Finding, Format, Recording, RecordingError, Selection, SkipReason, StartTime};
+pub(crate) use plan::some_text;
+use plan::{Assembly, Group};
+pub use write::encode_mdf4;
 
-/// Version times one hundred from the identification block.
-pub(crate) fn version(file: &str, bytes: &[u8]) -> Result<u16, RecordingError> {
-    let Some(id) = bytes.get(..64) else {
-        return Err(truncated(file, 0, 64, bytes.len() as u64));
-    };
-    let text = latin1(&id[8..16]);
-    let unsupported = || RecordingError::UnsupportedVersion { file: file.into(), version: text.trim().to_owned() };
-    let (major, minor) = text.trim().split_once('.').ok_or_else(unsupported)?;
-    let major: u16 = major.parse().map_err(|_| unsupported())?;
-    let digits: String = minor.chars().take_while(char::is_ascii_digit).collect();
-    let minor: u16 = digits.parse().map_err(|_| unsupported())?;
-    if !(2..=4).contains(&major) || minor > 99 {
-        return Err(unsupported());
+/// Whether the first bytes are those of an MDF file.
+pub(crate) fn is_mdf(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"MDF     ") || bytes.starts_with(b"UnFinMF ")
+}
+
+pub(crate) fn decode<S: Source>(
+    name: &str,
+    source: S,
+    selection: &Selection,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Recording, RecordingError> {
+    let file = Mdf::open(source).map_err(|e| failure(name, e))?;
+    let groups = plan::groups(name, &file)?;
+    let names = groups.iter().flat_map(|g| &g.channels);
+    require_names(name, selection, names.map(|c| c.name))?;
+    let built = Assembly::build(name, &file, selection, &groups, progress)?;
+    Ok(Recording {
+        format: Format::Mdf { version: file.version() },
+        comment: file.comment().map(str::to_owned),
+        start_time: start_time(&file),
+        rasters: built.rasters,
+        channels: built.channels,
+        findings: with_findings(&file, built.findings),
+    })
+}
+
+pub(crate) fn catalogue<S: Source>(name: &str, source: S) -> Result<Catalogue, RecordingError> {
+    let file = Mdf::open(source).map_err(|e| failure(name, e))?;
+    let groups = plan::groups(name, &file)?;
+    let (rasters, channels, findings) = plan::list(name, &file, &groups)?;
+    Ok(Catalogue {
+        format: Format::Mdf { version: file.version() },
+        comment: file.comment().map(str::to_owned),
+        start_time: start_time(&file),
+        rasters,
+        channels,
+        findings: with_findings(&file, findings),
+    })
+}
+
+/// What is to be said about the file, then what about its groups and channels.
+fn with_findings<S: Source>(file: &Mdf<S>, of_groups: Vec<Finding>) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    if file.findings().contains(&::mdf::Finding::NotFinalised) {
+        findings.push(Finding::NotFinalised);
     }
-    Ok(major * 100 + minor)
-}
-
-/// Text of the single-byte encoding, up to the first NUL.
-pub(crate) fn latin1(bytes: &[u8]) -> String {
-    let text = bytes.iter().take_while(|&&b| b != 0);
-    text.map(|&b| char::from(b)).collect()
-}
-
-pub(crate) fn truncated(file: &str, offset: u64, expected: u64, length: u64) -> RecordingError {
-    RecordingError::Truncated { file: file.into(), offset, expected, available: length.saturating_sub(offset) }
-}
-
-/// `n` bytes at `offset`.
-pub(crate) fn slice<'a>(file: &str, bytes: &'a [u8], offset: u64, n: u64) -> Result<&'a [u8], RecordingError> {
-    let range = offset.checked_add(n).and_then(|end| {
-        let (start, end) = (usize::try_from(offset).ok()?, usize::try_from(end).ok()?);
-        bytes.get(start..end)
+    let says_loss = |f: &Finding| matches!(f, Finding::MissingSamples { .. } | Finding::NotFinalised);
+    let cut = file.findings().iter().find_map(|f| match f {
+        ::mdf::Finding::CutOff { offset } | ::mdf::Finding::ListEndsEarly { offset } => Some(*offset),
+        _ => None,
     });
-    range.ok_or_else(|| truncated(file, offset, n, bytes.len() as u64))
-}
-
-/// A failure of falcon_mdf in our terms.
-pub(crate) fn failure(file: &str, error: Mf4Error) -> RecordingError {
-    let file = file.to_owned();
-    let damaged = |offset, detail| RecordingError::Damaged { file: file.clone(), offset, detail };
-    match error {
-        Mf4Error::TruncatedFile { offset, expected, actual } => {
-            RecordingError::Truncated { file, offset, expected: expected as u64, available: actual as u64 }
-        }
-        Mf4Error::UnsupportedVersion { major, minor } => {
-            RecordingError::UnsupportedVersion { file, version: format!("{major}.{minor:02}") }
-        }
-        Mf4Error::Unsupported { feature, detail } => {
-            RecordingError::Unsupported { file, feature: format!("{feature} ({detail})") }
-        }
-        Mf4Error::InvalidBlockId { offset, expected, actual } => damaged(
-            Some(offset),
-            format!("a block \"{expected}\" should be there, found \"{}\"", actual.escape_debug()),
-        ),
-        Mf4Error::CyclicLink { chain, offset } => {
-            damaged(Some(offset), format!("the chain {chain} leads back to itself"))
-        }
-        other => damaged(None, other.to_string()),
+    if let Some(offset) = cut.filter(|_| !findings.iter().chain(&of_groups).any(says_loss)) {
+        findings.push(Finding::CutOff { offset });
     }
+    findings.extend(of_groups);
+    findings
 }
 
-/// Samples as numbers, or what they are instead.
-pub(crate) fn numbers(values: SignalValues) -> Result<Vec<f64>, SkipReason> {
-    let kind = match &values {
-        SignalValues::Bytes { .. } | SignalValues::VarBytes { .. } => "bytes",
-        SignalValues::Str(_) => "text",
-        SignalValues::Complex { .. } => "complex numbers",
-        SignalValues::CanopenDate(_) | SignalValues::CanopenTime(_) => "dates",
-        SignalValues::Array { .. } | SignalValues::ArrayVarLen { .. } => "arrays",
-        _ => {
-            return Ok(match values {
-                SignalValues::F64(samples) => samples,
-                integers => integers.to_f64(),
-            });
+fn start_time<S: Source>(file: &Mdf<S>) -> Option<StartTime> {
+    let ::mdf::StartTime { nanoseconds, is_local, utc_offset_min } = file.start_time()?;
+    Some(StartTime { nanoseconds, is_local, utc_offset_min })
+}
+
+/// A failure of the reader in our terms.
+fn failure(file: &str, error: MdfError) -> RecordingError {
+    let file = file.to_owned();
+    match error {
+        MdfError::Io { offset, detail, .. } => RecordingError::Unreadable { file, offset, detail },
+        MdfError::NotMdf { start } => RecordingError::UnknownFormat { file, start },
+        MdfError::UnsupportedVersion { version } => RecordingError::UnsupportedVersion { file, version },
+        MdfError::Truncated { offset, expected, available } => {
+            RecordingError::Truncated { file, offset, expected, available }
         }
-    };
-    Err(SkipReason::NotNumeric { kind: kind.into() })
+        MdfError::Damaged { offset, detail } => RecordingError::Damaged { file, offset: Some(offset), detail },
+        MdfError::Unsupported { feature, .. } => RecordingError::Unsupported { file, feature },
+        MdfError::Unreadable { name, obstacle } => RecordingError::UnusableChannel {
+            file,
+            channel: name,
+            reason: SkipReason::Unsupported { detail: obstacle.to_string() },
+        },
+        other => RecordingError::Damaged { file, offset: None, detail: other.to_string() },
+    }
 }
 
 /// Guards against files whose channels overlap so much that decoding would need memory out of proportion: a sample
 /// takes at least one bit of a record, and records are seldom described more than a few times over.
-pub(crate) fn plausible(file: &str, channels: usize, samples: u64, stream_bytes: u64) -> Result<(), RecordingError> {
+fn plausible(file: &str, group: &Group<'_>, channels: usize) -> Result<(), RecordingError> {
+    let (samples, stream_bytes) = (group.at_most, group.stream_bytes);
     let decoded = (channels as u64).saturating_mul(samples);
     if decoded <= stream_bytes.saturating_mul(32).saturating_add(4096) {
         return Ok(());

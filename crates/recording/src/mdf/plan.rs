@@ -1,113 +1,172 @@
-//! From the structure of an MDF file to a recording or a catalogue: the part that does not depend on the version.
+//! Which channels of an MDF file are taken over, and what becomes of them.
 
-use falcon_mdf::Mf4Error;
+use ::mdf::{Address, Kind, Mdf, Quantity, Source, Values};
 
 use super::{failure, plausible};
-use crate::{
-    Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason, error::require_names,
-};
+use crate::{Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason};
 
-/// Where a channel is in the file: data group, channel group, channel.
-pub(crate) type Key = (usize, usize, usize);
+/// Bytes of names, units and comments beyond which a file says the same thing over and over.
+const MOST_TEXT: usize = 1 << 28;
 
 /// A channel group, ready to be read.
-#[derive(Debug)]
-pub(crate) struct Group {
-    pub name: Option<String>,
+pub(super) struct Group<'f> {
+    index: usize,
+    name: Option<String>,
     /// Samples as the file announces them.
-    pub announced: u64,
-    /// Samples that its data can hold.
-    pub found: u64,
+    announced: u64,
+    /// Samples that its data can hold, at most.
+    pub(super) at_most: u64,
     /// Size of its data after decompression, with that of the groups stored between them.
-    pub stream_bytes: u64,
-    pub time: Result<Key, SkipReason>,
-    pub channels: Vec<Item>,
+    pub(super) stream_bytes: u64,
+    time: Result<Address, SkipReason>,
+    pub(super) channels: Vec<Item<'f>>,
 }
 
 /// A channel other than the clock of its group.
-#[derive(Debug)]
-pub(crate) struct Item {
-    pub name: String,
-    pub unit: String,
-    pub comment: String,
-    pub key: Key,
-    pub obstacle: Option<SkipReason>,
+pub(super) struct Item<'f> {
+    pub(super) name: &'f str,
+    unit: &'f str,
+    comment: &'f str,
+    address: Address,
+    obstacle: Option<SkipReason>,
 }
 
-/// Why a channel could not be read.
-pub(crate) enum ReadFailure {
-    Skip(SkipReason),
-    Mdf(Mf4Error),
+/// The groups of a file that have channels.
+pub(super) fn groups<'f, S: Source>(name: &str, file: &'f Mdf<S>) -> Result<Vec<Group<'f>>, RecordingError> {
+    let groups: Vec<_> = file.groups().iter().enumerate().map(|(index, group)| of(index, group)).collect();
+    let items = groups.iter().flat_map(|g| &g.channels);
+    let text = items.fold(0_usize, |sum, i| sum.saturating_add(i.name.len() + i.unit.len() + i.comment.len()));
+    if text <= MOST_TEXT {
+        return Ok(groups);
+    }
+    let detail = format!("the names and comments of the channels are {text} bytes long");
+    Err(RecordingError::Damaged { file: name.into(), offset: None, detail })
 }
 
-impl From<Mf4Error> for ReadFailure {
-    fn from(error: Mf4Error) -> Self {
-        match error {
-            Mf4Error::Unsupported { feature, detail } => {
-                Self::Skip(SkipReason::Unsupported { detail: format!("{feature} ({detail})") })
-            }
-            other => Self::Mdf(other),
-        }
+fn of(index: usize, group: &::mdf::Group) -> Group<'_> {
+    let channels = group.channels.iter().enumerate().filter(|(_, c)| !c.is_master);
+    Group {
+        index,
+        name: some_text(&group.name).or_else(|| some_text(&group.comment)),
+        announced: group.announced,
+        at_most: group.at_most,
+        stream_bytes: group.stream_bytes,
+        time: match group.master {
+            Some(master) if master.quantity == Quantity::Time => Ok(master.address),
+            Some(_) => Err(SkipReason::NotOverTime),
+            None => Err(SkipReason::NoTime),
+        },
+        channels: channels
+            .map(|(place, c)| Item {
+                name: c.name.trim(),
+                unit: &c.unit,
+                comment: &c.comment,
+                address: Address { group: index, channel: place },
+                obstacle: obstacle(c),
+            })
+            .collect(),
     }
 }
 
+/// What can be told against a channel without reading it.
+fn obstacle(channel: &::mdf::Channel) -> Option<SkipReason> {
+    if let Some(obstacle) = &channel.obstacle {
+        return Some(SkipReason::Unsupported { detail: obstacle.to_string() });
+    }
+    let kind = match channel.kind {
+        Kind::Number => return None,
+        Kind::Text => "text",
+        Kind::Bytes => "bytes",
+    };
+    Some(SkipReason::NotNumeric { kind: kind.into() })
+}
+
 /// Rasters, channels and findings under construction.
-pub(crate) struct Assembly<'a> {
+pub(super) struct Assembly<'a> {
     file: &'a str,
     selection: &'a Selection,
-    pub rasters: Vec<Raster>,
-    pub channels: Vec<Channel>,
-    pub findings: Vec<Finding>,
+    pub(super) rasters: Vec<Raster>,
+    pub(super) channels: Vec<Channel>,
+    pub(super) findings: Vec<Finding>,
 }
 
 impl<'a> Assembly<'a> {
-    /// Reads the selected channels of all groups through `read`.
-    pub(crate) fn build(
-        file: &'a str,
+    /// Reads the selected channels of all groups.
+    pub(super) fn build<S: Source>(
+        name: &'a str,
+        file: &Mdf<S>,
         selection: &'a Selection,
-        groups: &[Group],
-        read: impl Fn(Key) -> Result<Vec<f64>, ReadFailure>,
+        groups: &[Group<'_>],
+        progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Result<Self, RecordingError> {
-        let names = groups.iter().flat_map(|g| &g.channels);
-        require_names(file, selection, names.map(|c| c.name.as_str()))?;
-        let mut assembly = Self { file, selection, rasters: Vec::new(), channels: Vec::new(), findings: Vec::new() };
+        let mut assembly =
+            Self { file: name, selection, rasters: Vec::new(), channels: Vec::new(), findings: Vec::new() };
+        // Everything is read in one go, so that groups stored between each other are gone through once.
+        let mut addresses = Vec::new();
+        let mut chosen = Vec::new();
         for group in groups {
-            assembly.group(group, &read)?;
+            let before = assembly.findings.len();
+            let items = assembly.usable(group)?;
+            let skipped = assembly.findings.split_off(before);
+            if let (Ok(time), false) = (&group.time, items.is_empty()) {
+                plausible(name, group, items.len() + 1)?;
+                addresses.push(*time);
+                addresses.extend(items.iter().map(|i| i.address));
+            }
+            chosen.push((group, items, skipped));
+        }
+        let mut values = file.read(&addresses, progress).map_err(|e| failure(name, e))?.into_iter();
+        for (group, items, skipped) in chosen {
+            assembly.findings.extend(skipped);
+            if group.time.is_ok() && !items.is_empty() {
+                assembly.group(group, &items, &mut values)?;
+            }
         }
         Ok(assembly)
     }
 
     fn group(
         &mut self,
-        group: &Group,
-        read: &impl Fn(Key) -> Result<Vec<f64>, ReadFailure>,
+        group: &Group<'_>,
+        items: &[&Item<'_>],
+        values: &mut impl Iterator<Item = Values>,
     ) -> Result<(), RecordingError> {
-        let items = self.usable(group)?;
-        let (Ok(time), false) = (&group.time, items.is_empty()) else {
-            return Ok(());
-        };
-        plausible(self.file, items.len() + 1, group.found, group.stream_bytes)?;
-        let time_s = match read(*time) {
-            Ok(time_s) => time_s,
-            Err(ReadFailure::Mdf(error)) => return Err(failure(self.file, error)),
-            Err(ReadFailure::Skip(reason)) => return self.skip_all(&items, &reason),
-        };
-        let (count, first) = (time_s.len(), self.channels.len());
+        let time_s = self.numbers("time", values.next())?;
         for item in items {
-            self.channel(item, count, read)?;
+            let samples = self.numbers(item.name, values.next())?;
+            if samples.len() != time_s.len() {
+                let detail = format!("it has {} samples, its clock {}", samples.len(), time_s.len());
+                return Err(self.damaged(item.name, detail));
+            }
+            self.channels.push(Channel {
+                name: item.name.to_owned(),
+                unit: item.unit.to_owned(),
+                comment: item.comment.to_owned(),
+                raster: self.rasters.len(),
+                samples,
+            });
         }
-        if self.channels.len() > first {
-            self.findings.extend(count_finding(self.rasters.len(), group.announced, count as u64));
-            self.rasters.push(Raster { time_s, name: group.name.clone() });
-        }
+        self.findings.extend(count_finding(self.rasters.len(), group.announced, time_s.len() as u64));
+        self.rasters.push(Raster { time_s, name: group.name.clone() });
         Ok(())
     }
 
+    fn numbers(&self, channel: &str, values: Option<Values>) -> Result<Vec<f64>, RecordingError> {
+        match values {
+            Some(Values::Numbers(numbers)) => Ok(numbers),
+            _ => Err(self.damaged(channel, "it holds no numbers".into())),
+        }
+    }
+
+    fn damaged(&self, channel: &str, detail: String) -> RecordingError {
+        RecordingError::DamagedChannel { file: self.file.into(), channel: channel.into(), detail }
+    }
+
     /// The selected channels that nothing is known against.
-    fn usable<'g>(&mut self, group: &'g Group) -> Result<Vec<&'g Item>, RecordingError> {
+    fn usable<'g>(&mut self, group: &'g Group<'g>) -> Result<Vec<&'g Item<'g>>, RecordingError> {
         let mut usable = Vec::new();
         for item in &group.channels {
-            if !self.selection.takes(&item.name) {
+            if !self.selection.takes(item.name) {
                 continue;
             }
             match item.obstacle.as_ref().or(group.time.as_ref().err()) {
@@ -118,81 +177,50 @@ impl<'a> Assembly<'a> {
         Ok(usable)
     }
 
-    fn channel(
-        &mut self,
-        item: &Item,
-        count: usize,
-        read: &impl Fn(Key) -> Result<Vec<f64>, ReadFailure>,
-    ) -> Result<(), RecordingError> {
-        let damaged = |detail: String| RecordingError::DamagedChannel {
-            file: self.file.into(),
-            channel: item.name.clone(),
-            detail,
-        };
-        match read(item.key) {
-            Err(ReadFailure::Skip(reason)) => self.skip(item, reason),
-            Err(ReadFailure::Mdf(error @ Mf4Error::TruncatedFile { .. })) => Err(failure(self.file, error)),
-            Err(ReadFailure::Mdf(error)) => Err(damaged(error.to_string())),
-            Ok(samples) if samples.len() != count => {
-                Err(damaged(format!("it has {} samples, its clock {count}", samples.len())))
-            }
-            Ok(samples) => {
-                self.channels.push(Channel {
-                    name: item.name.clone(),
-                    unit: item.unit.clone(),
-                    comment: item.comment.clone(),
-                    raster: self.rasters.len(),
-                    samples,
-                });
-                Ok(())
-            }
-        }
-    }
-
-    fn skip_all(&mut self, items: &[&Item], reason: &SkipReason) -> Result<(), RecordingError> {
-        items.iter().try_for_each(|item| self.skip(item, reason.clone()))
-    }
-
-    fn skip(&mut self, item: &Item, reason: SkipReason) -> Result<(), RecordingError> {
+    fn skip(&mut self, item: &Item<'_>, reason: SkipReason) -> Result<(), RecordingError> {
         if let Selection::Names(_) = self.selection {
-            return Err(RecordingError::UnusableChannel { file: self.file.into(), channel: item.name.clone(), reason });
+            let (file, channel) = (self.file.into(), item.name.into());
+            return Err(RecordingError::UnusableChannel { file, channel, reason });
         }
-        self.findings.push(Finding::SkippedChannel { channel: item.name.clone(), reason });
+        self.findings.push(Finding::SkippedChannel { channel: item.name.into(), reason });
         Ok(())
     }
 }
 
-/// The rasters and channels of all groups without reading samples.
-pub(crate) fn list(groups: &[Group]) -> (Vec<RasterInfo>, Vec<ChannelInfo>, Vec<Finding>) {
+type Listed = (Vec<RasterInfo>, Vec<ChannelInfo>, Vec<Finding>);
+
+/// The rasters and channels of all groups. Samples are read only where records of several groups have to be counted.
+pub(super) fn list<S: Source>(name: &str, file: &Mdf<S>, groups: &[Group<'_>]) -> Result<Listed, RecordingError> {
     let (mut rasters, mut channels, mut findings) = (Vec::new(), Vec::new(), Vec::new());
     for group in groups {
         let first = channels.len();
         for item in &group.channels {
             match item.obstacle.as_ref().or(group.time.as_ref().err()) {
                 Some(reason) => {
-                    findings.push(Finding::SkippedChannel { channel: item.name.clone(), reason: reason.clone() })
+                    findings.push(Finding::SkippedChannel { channel: item.name.into(), reason: reason.clone() });
                 }
                 None => channels.push(ChannelInfo {
-                    name: item.name.clone(),
-                    unit: item.unit.clone(),
-                    comment: item.comment.clone(),
+                    name: item.name.into(),
+                    unit: item.unit.into(),
+                    comment: item.comment.into(),
                     raster: rasters.len(),
                 }),
             }
         }
         if channels.len() > first {
-            findings.extend(count_finding(rasters.len(), group.announced, group.found));
-            rasters.push(RasterInfo {
-                name: group.name.clone(),
-                samples: usize::try_from(group.found).unwrap_or(usize::MAX),
-            });
+            let found = file.count(group.index).map_err(|e| failure(name, e))?;
+            findings.extend(count_finding(rasters.len(), group.announced, found));
+            let samples = usize::try_from(found).unwrap_or(usize::MAX);
+            rasters.push(RasterInfo { name: group.name.clone(), samples });
         }
     }
-    (rasters, channels, findings)
+    Ok((rasters, channels, findings))
 }
 
 fn count_finding(raster: usize, announced: u64, found: u64) -> Option<Finding> {
     match announced.cmp(&found) {
+        // Files that were not closed announce nothing.
+        _ if announced == 0 => None,
         std::cmp::Ordering::Equal => None,
         std::cmp::Ordering::Greater => Some(Finding::MissingSamples { raster, announced, found }),
         std::cmp::Ordering::Less => Some(Finding::UnannouncedSamples { raster, announced, found }),

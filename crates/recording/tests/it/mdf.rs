@@ -1,6 +1,11 @@
 //! Small MDF files with known content.
 
-use recording::{Finding, Recording, RecordingError, Selection, SkipReason, catalogue, decode};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use recording::{
+    Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason, Source, catalogue,
+    catalogue_from, decode, decode_from, encode_csv, encode_mdf4,
+};
 
 fn small(name: &str) -> &'static [u8] {
     match name {
@@ -82,4 +87,71 @@ fn exact_groups_without_a_clock_are_skipped() {
     assert!(recording.findings.contains(&Finding::SkippedChannel { channel, reason }));
     let error = decode("a.mf4", &bytes, &Selection::names(["Torque"])).unwrap_err();
     assert!(error.to_string().ends_with("its group has no time channel"), "{error}");
+}
+
+/// Bytes that tell how many of them were read.
+struct Counted {
+    bytes: Vec<u8>,
+    read: AtomicU64,
+}
+
+impl Source for Counted {
+    fn size(&self) -> std::io::Result<u64> {
+        self.bytes.size()
+    }
+
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> std::io::Result<()> {
+        self.read.fetch_add(buffer.len() as u64, Ordering::Relaxed);
+        self.bytes.read_at(offset, buffer)
+    }
+}
+
+/// Two rasters of noise, the first far larger than the second.
+fn noisy() -> Recording {
+    let lengths = [400_000, 1000];
+    let noise = |i: usize| ((i as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64;
+    let channel = |raster: usize| Channel {
+        name: format!("noise {raster}"),
+        unit: "Nm".into(),
+        comment: String::new(),
+        raster,
+        samples: (0..lengths[raster]).map(noise).collect(),
+    };
+    Recording {
+        format: Format::Mdf { version: 410 },
+        comment: None,
+        start_time: None,
+        rasters: lengths.map(|n| Raster { time_s: (0..n).map(|i| i as f64).collect(), name: None }).to_vec(),
+        channels: vec![channel(0), channel(1)],
+        findings: vec![],
+    }
+}
+
+#[test]
+fn exact_of_a_source_only_what_is_asked_for_is_read() {
+    let recording = noisy();
+    let source = Counted { bytes: encode_mdf4(&recording).unwrap(), read: AtomicU64::new(0) };
+    let size = source.bytes.len() as u64;
+    assert_eq!(catalogue_from("a.mf4", &source).unwrap(), recording.catalogue());
+    let listed = source.read.swap(0, Ordering::Relaxed);
+    // The structure is read in pages of 32 kB.
+    assert!(listed < size / 8, "{listed} of {size} bytes were read to list the channels");
+    let some = decode_from("a.mf4", &source, &Selection::names(["noise 1"]), &|_, _| {}).unwrap();
+    let read = source.read.swap(0, Ordering::Relaxed);
+    assert_eq!(some.channels[0].samples, recording.channels[1].samples);
+    assert!(read < size / 8, "{read} of {size} bytes were read for the smaller raster");
+    let told = AtomicU64::new(0);
+    let progress = |done: u64, all: u64| assert!(told.fetch_max(done, Ordering::Relaxed) <= all && done <= all);
+    assert_eq!(decode_from("a.mf4", &source, &Selection::All, &progress).unwrap(), recording);
+    assert_eq!(told.into_inner(), 401_000 * 16);
+}
+
+#[test]
+fn exact_other_formats_are_read_from_a_source_too() {
+    let text = encode_csv(&read("small.mf4")).unwrap();
+    let from_bytes = decode("a.csv", &text, &Selection::All).unwrap();
+    assert_eq!(decode_from("a.csv", &text, &Selection::All, &|_, _| {}).unwrap(), from_bytes);
+    assert_eq!(catalogue_from("a.csv", &text).unwrap(), from_bytes.catalogue());
+    let error = decode_from("a.mf4", &Vec::new(), &Selection::All, &|_, _| {}).unwrap_err();
+    assert!(matches!(error, RecordingError::Empty { .. }), "{error}");
 }

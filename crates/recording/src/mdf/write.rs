@@ -1,7 +1,4 @@
 //! Writing MDF 4.10: a data group with one channel group for each raster, deflated.
-//!
-//! falcon_mdf's writer sorts the records by time, refuses NaN in it, and writes neither file comment nor group name;
-//! a recording is to be written as it is.
 
 use std::io::Write as _;
 

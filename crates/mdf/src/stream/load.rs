@@ -1,0 +1,152 @@
+//! Bringing parts of a stream into memory.
+
+use std::ops::Range;
+
+use flate2::{Decompress, FlushDecompress, Status};
+
+use super::{Fragment, Packing, Stream};
+use crate::error::damaged;
+use crate::pages::read;
+use crate::{MdfError, Source};
+
+/// Reads parts of a stream into buffers that are used over and over.
+pub(crate) struct Loader<'a, S: ?Sized> {
+    source: &'a S,
+    stream: &'a Stream,
+    packed: Vec<u8>,
+    /// The fragment that `unpacked` holds whole, in the order it was stored.
+    unpacked_is: Option<usize>,
+    unpacked: Vec<u8>,
+    rows: Vec<u8>,
+}
+
+/// Bytes of a stream in memory.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum View<'a> {
+    /// In their order.
+    Rows(&'a [u8]),
+    /// Whole records, still transposed: the first byte of all `rows`, their second byte, …; as many as were asked for.
+    Columns { bytes: &'a [u8], rows: usize },
+}
+
+impl<'a, S: Source + ?Sized> Loader<'a, S> {
+    pub(crate) fn new(source: &'a S, stream: &'a Stream) -> Self {
+        Self { source, stream, packed: vec![], unpacked_is: None, unpacked: vec![], rows: vec![] }
+    }
+
+    /// The bytes of `range`; transposed ones as they are stored, where the range is one fragment of records of `stride`
+    /// bytes, and then no more of them than the first `needed` bytes of each record.
+    pub(crate) fn view(&mut self, range: Range<u64>, stride: usize, needed: usize) -> Result<View<'_>, MdfError> {
+        let whole = self.stream.at(range.start).filter(|&i| {
+            let fragment = &self.stream.fragments[i];
+            fragment.start == range.start && fragment.end() == range.end
+        });
+        if let Some(index) = whole {
+            let fragment = self.stream.fragments[index];
+            match fragment.packing {
+                Packing::Deflate => {
+                    self.unpack(index, fragment.length)?;
+                    return Ok(View::Rows(&self.unpacked));
+                }
+                Packing::Transposed { columns }
+                    if columns as usize == stride && fragment.length.is_multiple_of(stride as u64) =>
+                {
+                    let rows = fragment.length / stride as u64;
+                    self.unpack(index, rows * needed.min(stride) as u64)?;
+                    return Ok(View::Columns { bytes: &self.unpacked, rows: rows as usize });
+                }
+                _ => {}
+            }
+        }
+        let mut rows = std::mem::take(&mut self.rows);
+        rows.clear();
+        let result = self.append(range, &mut rows);
+        self.rows = rows;
+        result.map(|()| View::Rows(&self.rows))
+    }
+
+    /// Appends the bytes of `range` to `out`.
+    pub(crate) fn append(&mut self, range: Range<u64>, out: &mut Vec<u8>) -> Result<(), MdfError> {
+        let mut place = range.start;
+        while place < range.end {
+            let index = self.stream.at(place).ok_or_else(|| damaged(place, "data end before they should"))?;
+            let fragment = self.stream.fragments[index];
+            let end = fragment.end().min(range.end);
+            let (from, to) = (place - fragment.start, end - fragment.start);
+            if fragment.packing == Packing::Plain {
+                let begin = out.len();
+                out.resize(begin + (to - from) as usize, 0);
+                read(self.source, fragment.offset + from, &mut out[begin..])?;
+            } else {
+                self.unpack(index, fragment.length)?;
+                self.copy(&fragment, from as usize..to as usize, out);
+            }
+            place = end;
+        }
+        Ok(())
+    }
+
+    /// Copies a part of the fragment that is unpacked, in the order of the stream.
+    fn copy(&self, fragment: &Fragment, part: Range<usize>, out: &mut Vec<u8>) {
+        match fragment.packing {
+            Packing::Transposed { columns } if columns > 0 => {
+                let columns = columns as usize;
+                let rows = self.unpacked.len() / columns;
+                let transposed = rows * columns;
+                for place in part.start..part.end.min(transposed) {
+                    out.push(self.unpacked[place % columns * rows + place / columns]);
+                }
+                out.extend_from_slice(&self.unpacked[part.start.max(transposed).min(part.end)..part.end]);
+            }
+            _ => out.extend_from_slice(&self.unpacked[part]),
+        }
+    }
+
+    /// Unpacks the first `needed` bytes of a fragment.
+    fn unpack(&mut self, index: usize, needed: u64) -> Result<(), MdfError> {
+        if self.unpacked_is == Some(index) {
+            return Ok(());
+        }
+        self.unpacked_is = None;
+        let fragment = self.stream.fragments[index];
+        let too_large = |_| MdfError::TooLarge { numbers: fragment.length };
+        self.packed.resize(usize::try_from(fragment.stored).map_err(too_large)?, 0);
+        read(self.source, fragment.offset, &mut self.packed)?;
+        match fragment.packing {
+            Packing::Deflate | Packing::Transposed { .. } => {
+                inflate(&self.packed, &fragment, needed, &mut self.unpacked)?
+            }
+            Packing::Plain => std::mem::swap(&mut self.packed, &mut self.unpacked),
+            Packing::Unknown(code) => {
+                return Err(MdfError::Unsupported { offset: fragment.offset, feature: format!("compression {code}") });
+            }
+        }
+        self.unpacked_is = (needed == fragment.length).then_some(index);
+        Ok(())
+    }
+}
+
+/// Grows at first by this much: what is announced need not be true.
+const FIRST: usize = 1 << 24;
+
+/// Inflates the first `needed` bytes; all of them are checked against the checksum, if there is no more.
+fn inflate(packed: &[u8], fragment: &Fragment, needed: u64, out: &mut Vec<u8>) -> Result<(), MdfError> {
+    let length = usize::try_from(needed).map_err(|_| MdfError::TooLarge { numbers: needed })?;
+    let mut inflater = Decompress::new(true);
+    out.resize(length.min(out.len().max(FIRST)), 0);
+    let mut done = 0;
+    loop {
+        let rest = packed.get(inflater.total_in() as usize..).unwrap_or_default();
+        let status = inflater.decompress(rest, &mut out[done..], FlushDecompress::Finish);
+        let status = status.map_err(|e| damaged(fragment.offset, format!("data cannot be inflated: {e}")))?;
+        done = inflater.total_out() as usize;
+        if status == Status::StreamEnd || done < out.len() || done == length {
+            break;
+        }
+        out.resize(length.min(done.saturating_mul(4)), 0);
+    }
+    if done < length {
+        return Err(damaged(fragment.offset, format!("{length} bytes are announced, the deflated data hold {done}")));
+    }
+    Ok(())
+}

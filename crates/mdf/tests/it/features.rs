@@ -1,0 +1,280 @@
+//! Features of the format, each in a file put together for it.
+
+use mdf::{Address, Finding, Kind, Master, Mdf, Quantity, Values};
+
+use crate::made::{Cg, Cn, Made, cn, numbers, one_group, read, texts, time};
+
+#[test]
+fn exact_integers_of_any_bits() {
+    let raw: [u8; 10] = [0xA5, 0x3C, 0xF0, 0x0F, 0x81, 0x7E, 0x12, 0x34, 0x56, 0x78];
+    let little = u128::from_le_bytes([&raw[..], &[0; 6]].concat().try_into().unwrap());
+    let mut reversed = [&raw[..], &[0; 6]].concat();
+    for (byte, bit, bits) in [(0, 3, 12), (0, 0, 1), (1, 7, 1), (0, 4, 64), (2, 0, 24), (3, 5, 33), (0, 0, 40)] {
+        let field = |data_type| Cn { bit, ..cn(data_type, byte, bits) };
+        let bytes = one_group(&[field(0), field(2), field(1), field(3)], &raw, 10, 0);
+        let width = (u32::from(bit) + bits).div_ceil(8) as usize;
+        reversed.clear();
+        reversed.extend(raw[byte as usize..byte as usize + width].iter().rev());
+        reversed.resize(16, 0);
+        let big = u128::from_le_bytes(reversed.clone().try_into().unwrap());
+        for (channel, wide) in [(0, little >> (8 * byte)), (2, big)] {
+            let unsigned = (wide >> bit) & ((1 << bits) - 1);
+            let sign = unsigned >> (bits - 1) & 1;
+            let signed = unsigned as i128 - ((sign as i128) << bits);
+            assert_eq!(numbers(&bytes, 0, channel), [unsigned as u64 as f64], "{byte} {bit} {bits}");
+            assert_eq!(numbers(&bytes, 0, channel + 1), [signed as i64 as f64], "{byte} {bit} {bits}");
+        }
+    }
+}
+
+#[test]
+fn exact_half_floats_and_dates() {
+    // 1.5, -2, the smallest, infinity; a date of 2024-02-29 12:34, 1.5 s into the minute; a time one day after 1984.
+    let date = [0xDC, 0x05, 34, 12, 29, 2, 24];
+    let time = [0x10, 0x27, 0, 0, 1, 0];
+    let halves = [0x3E00_u16, 0xC000, 0x0001, 0x7C00].map(u16::to_le_bytes).concat();
+    let record = [&halves[..], &date, &time].concat();
+    let halves = [0, 2, 4, 6].map(|byte| cn(4, byte, 16));
+    let channels = [&halves[..], &[cn(13, 8, 56), cn(14, 15, 48)]].concat();
+    let bytes = one_group(&channels, &record, 21, 0);
+    let read: Vec<f64> = (0..6).map(|c| numbers(&bytes, 0, c)[0]).collect();
+    let day = 86_400.0;
+    let expected = [1.5, -2.0, 2.0_f64.powi(-24), f64::INFINITY, 1_709_210_041.5, 5114.0 * day + 10.0];
+    assert_eq!(read, expected);
+}
+
+#[test]
+fn exact_invalid_samples_are_nan() {
+    let records: Vec<u8> = (0..6_u8).flat_map(|i| [i, 10 + i, (i % 2) | ((i % 3 / 2) << 1)]).collect();
+    let marked = |byte, invalid_bit| Cn { flags: 2, invalid_bit, ..cn(0, byte, 8) };
+    let never = Cn { flags: 1, ..cn(0, 0, 8) };
+    let bytes = one_group(&[marked(0, 0), marked(1, 1), cn(0, 1, 8), never], &records, 2, 1);
+    let is_nan = |c| numbers(&bytes, 0, c).iter().map(|n| n.is_nan()).collect::<Vec<_>>();
+    assert_eq!(is_nan(0), [false, true, false, true, false, true]);
+    assert_eq!(is_nan(1), [false, false, true, false, false, true]);
+    assert_eq!((is_nan(2), is_nan(3)), (vec![false; 6], vec![true; 6]));
+}
+
+#[test]
+fn exact_columns_with_invalid_bits_apart() {
+    let mut made = Made::new(true, 0);
+    let marked = Cn { flags: 2, invalid_bit: 3, ..cn(4, 0, 64) };
+    let first = made.channels(&[marked]);
+    let group = made.group(0, first, Cg { cycles: 5, data_bytes: 8, invalid_bytes: 1, ..Cg::default() });
+    let values: Vec<u8> = (0..5).flat_map(|i| f64::from(i).to_le_bytes()).collect();
+    let data = [made.block(b"##DV", &[], &values[..24]), made.block(b"##DV", &[], &values[24..])];
+    let invalid = [made.block(b"##DI", &[], &[0, 8, 0]), made.block(b"##DI", &[], &[0, 8])];
+    let list = [&0x8000_0000_u32.to_le_bytes()[..], &2_u32.to_le_bytes(), &[0; 16]].concat();
+    let list = made.block(b"##LD", &[0, data[0], data[1], invalid[0], invalid[1]], &list);
+    let first = made.data_group(group, list, 0);
+    let read = numbers(&made.finish(first), 0, 0);
+    assert!(read[1].is_nan() && read[4].is_nan());
+    assert_eq!([read[0], read[2], read[3]], [0.0, 2.0, 3.0]);
+}
+
+/// Two groups and values of varying length in one stream: a record of each, in turn.
+fn mixed(finished: bool, flags: u16, cycles: u64, places: [u64; 4]) -> Vec<u8> {
+    let mut made = Made::new(finished, flags);
+    let words = ["a", "", "longer", "ß"];
+    let size = words.iter().map(|w| w.len() as u32).sum();
+    let values = made.group(0, 0, Cg { id: 3, flags: 1, cycles, data_bytes: size, ..Cg::default() });
+    let channels = made.channels(&[time(), Cn { kind: 1, link: values, ..cn(7, 8, 64) }]);
+    let texts = made.group(values, channels, Cg { id: 1, cycles, data_bytes: 16, ..Cg::default() });
+    let channels = made.channels(&[time(), cn(0, 8, 16)]);
+    let counts = made.group(texts, channels, Cg { id: 2, cycles: 2 * cycles, data_bytes: 10, ..Cg::default() });
+    let mut records = vec![];
+    for (i, word) in words.iter().enumerate() {
+        records.extend([&[3][..], &(word.len() as u32).to_le_bytes(), word.as_bytes()].concat());
+        records.extend([&[1][..], &(i as f64).to_le_bytes(), &places[i].to_le_bytes()].concat());
+        for half in [0.0, 0.5] {
+            records.extend([&[2][..], &(i as f64 + half).to_le_bytes(), &(7 * i as u16).to_le_bytes()].concat());
+        }
+    }
+    let group = made.data_group(counts, 0, 1);
+    let data = made.block(b"##DT", &[], &records);
+    let link = group as usize + 24 + 16;
+    made.bytes[link..link + 8].copy_from_slice(&data.to_le_bytes());
+    if !finished {
+        // The length of the data was never written.
+        let length = data as usize + 8;
+        made.bytes[length..length + 8].copy_from_slice(&24_u64.to_le_bytes());
+    }
+    made.finish(group)
+}
+
+#[test]
+fn exact_mixed_groups_and_values_between_them() {
+    let places = [0, 5, 9, 19];
+    let closed = mixed(true, 0, 4, places);
+    let open = mixed(false, 0x25, 0, places);
+    let stale = mixed(false, 0x65, 0, [0; 4]);
+    for bytes in [&closed, &open, &stale] {
+        assert_eq!(texts(bytes, 1, 1), ["a", "", "longer", "ß"]);
+        assert_eq!(numbers(bytes, 0, 0), [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 3.5]);
+        assert_eq!(numbers(bytes, 0, 1), [0.0, 0.0, 7.0, 7.0, 14.0, 14.0, 21.0, 21.0]);
+    }
+    let file = Mdf::open(&closed[..]).unwrap();
+    assert_eq!((file.groups()[0].found, file.groups()[1].found), (Some(8), Some(4)));
+    let file = Mdf::open(&open[..]).unwrap();
+    assert_eq!((file.groups()[0].found, file.count(0), file.count(1)), (None, Ok(8), Ok(4)));
+    assert_eq!(file.findings(), [Finding::NotFinalised]);
+}
+
+#[test]
+fn exact_open_files_are_read_to_their_end() {
+    for cut in [0, 3, 8] {
+        let bytes = mixed(false, 0x25, 0, [0, 5, 9, 19]);
+        let cut = &bytes[..bytes.len() - cut];
+        let expected = if bytes.len() == cut.len() { 8 } else { 7 };
+        assert_eq!(numbers(cut, 0, 1).len(), expected);
+    }
+}
+
+#[test]
+fn exact_texts_of_varying_length_in_any_order() {
+    let mut made = Made::new(true, 0);
+    let words: [&[u8]; 3] = [b"one", b"\xC3\xA4", b""];
+    let stream: Vec<u8> = words.iter().flat_map(|w| [&(w.len() as u32).to_le_bytes(), *w].concat()).collect();
+    let values = made.block(b"##SD", &[], &stream);
+    let first = made.channels(&[Cn { kind: 1, link: values, ..cn(7, 0, 64) }]);
+    let group = made.group(0, first, Cg { cycles: 5, data_bytes: 8, ..Cg::default() });
+    let places: Vec<u8> = [7_u64, 0, 13, 7, 0].iter().flat_map(|p| p.to_le_bytes()).collect();
+    let data = made.block(b"##DT", &[], &places);
+    let first = made.data_group(group, data, 0);
+    assert_eq!(texts(&made.finish(first), 0, 0), ["ä", "one", "", "ä", "one"]);
+}
+
+#[test]
+fn exact_texts_with_a_size_beside_them() {
+    let mut made = Made::new(true, 0);
+    let size = made.channel("size", cn(0, 0, 8), 0);
+    let first = made.channel("text", Cn { kind: 5, link: size, ..cn(6, 1, 32) }, size);
+    let group = made.group(0, first, Cg { cycles: 2, data_bytes: 5, ..Cg::default() });
+    let data = made.block(b"##DT", &[], b"\x02abcd\x04\xE4fgh");
+    let first = made.data_group(group, data, 0);
+    assert_eq!(texts(&made.finish(first), 0, 0), ["ab", "äfgh"]);
+}
+
+#[test]
+fn exact_conversions_of_texts_and_bits() {
+    let mut made = Made::new(true, 0);
+    let [on, off, other] = ["on", "off", "other"].map(|t| made.text(t));
+    let bits = |x: f64| x.to_bits();
+    let to_number = made.conversion(9, &[on, off], &[bits(1.0), bits(0.0), bits(-1.0)]);
+    let to_text = made.conversion(10, &[on, off, off, on, other], &[]);
+    let low = made.conversion(7, &[off, on, other], &[bits(0.0), bits(1.0)]);
+    let high = made.conversion(7, &[off, on, other], &[bits(0.0), bits(2.0)]);
+    let masks = made.conversion(11, &[low, high], &[1, 2]);
+    let scale = made.conversion(1, &[], &[bits(5.0), bits(2.0)]);
+    let partly = made.conversion(8, &[other, scale], &[bits(3.0), bits(3.0)]);
+    let text = |conversion| Cn { conversion, ..cn(6, 0, 24) };
+    let number = |conversion| Cn { conversion, ..cn(0, 3, 8) };
+    let shift = made.conversion(1, &[], &[bits(100.0), bits(1.0)]);
+    let pieces = made.conversion(8, &[shift, scale], &[bits(2.0), bits(3.0)]);
+    let channels = [text(to_number), text(to_text), number(masks), number(partly), number(pieces)];
+    let first = made.channels(&channels);
+    let group = made.group(0, first, Cg { cycles: 4, data_bytes: 4, ..Cg::default() });
+    let data = made.block(b"##DT", &[], b"on\0\x00off\x01xyz\x02on\0\x03");
+    let first = made.data_group(group, data, 0);
+    let bytes = made.finish(first);
+    assert_eq!(numbers(&bytes, 0, 0), [1.0, 0.0, -1.0, 1.0]);
+    assert_eq!(texts(&bytes, 0, 1), ["off", "on", "other", "off"]);
+    assert_eq!(texts(&bytes, 0, 2), ["off|off", "on|off", "off|on", "on|on"]);
+    assert_eq!(texts(&bytes, 0, 3), ["5", "7", "9", "other"]);
+    assert_eq!(numbers(&bytes, 0, 4), [5.0, 7.0, 102.0, 103.0]);
+}
+
+#[test]
+fn exact_elements_of_arrays() {
+    let mut made = Made::new(true, 0);
+    let array = |made: &mut Made, flags: u32| {
+        let mut data = vec![0, 0, 2, 0];
+        data.extend_from_slice(&flags.to_le_bytes());
+        data.extend_from_slice(&[2_i32.to_le_bytes(), 0_i32.to_le_bytes()].concat());
+        data.extend_from_slice(&[2_u64.to_le_bytes(), 3_u64.to_le_bytes()].concat());
+        made.block(b"##CA", &[0], &data)
+    };
+    let (rows, columns) = (array(&mut made, 0), array(&mut made, 1 << 6));
+    let map = |composition| Cn { composition, ..cn(0, 0, 16) };
+    let first = made.channels(&[map(rows), map(columns)]);
+    let group = made.group(0, first, Cg { cycles: 1, data_bytes: 12, ..Cg::default() });
+    let record: Vec<u8> = (0..6_u16).flat_map(u16::to_le_bytes).collect();
+    let data = made.block(b"##DT", &[], &record);
+    let first = made.data_group(group, data, 0);
+    let bytes = made.finish(first);
+    let file = Mdf::open(&bytes[..]).unwrap();
+    let channels = &file.groups()[0].channels;
+    let names: Vec<&str> = channels.iter().map(|c| &*c.name).take(6).collect();
+    assert_eq!(names, ["c0[0][0]", "c0[0][1]", "c0[0][2]", "c0[1][0]", "c0[1][1]", "c0[1][2]"]);
+    let values: Vec<f64> = (0..12).map(|c| numbers(&bytes, 0, c)[0]).collect();
+    assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 0.0, 2.0, 4.0, 1.0, 3.0, 5.0]);
+}
+
+#[test]
+fn exact_virtual_channels_and_bytes() {
+    let master = Cn { kind: 3, sync: 1, ..Cn::default() };
+    let bytes = one_group(&[master, cn(10, 0, 16)], &[1, 2, 3, 4], 2, 0);
+    assert_eq!(numbers(&bytes, 0, 0), [0.0, 1.0]);
+    assert_eq!(Mdf::open(&bytes[..]).unwrap().groups()[0].channels[1].kind, Kind::Bytes);
+    assert!(matches!(read(&bytes, 0, 1), Values::Bytes(b) if b.get(1) == [3, 4]));
+}
+
+#[test]
+fn exact_transposed_blocks_of_any_size_and_place() {
+    let rows = 3_000_000_usize;
+    let record = |row: usize| [&(row as f64).to_le_bytes()[..], &(row as u32).to_be_bytes()].concat();
+    let records: Vec<u8> = (0..rows).flat_map(record).collect();
+    // The second block begins within a record; the first is larger than what is inflated at once.
+    let cut = 2_000_001 * 12 + 5;
+    let packed = |part: &[u8], transposed: bool| {
+        let whole = part.len() / 12;
+        let mut bytes = part.to_vec();
+        if transposed {
+            (0..whole * 12).for_each(|i| bytes[i % 12 * whole + i / 12] = part[i]);
+        }
+        let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::fast());
+        std::io::Write::write_all(&mut encoder, &bytes).unwrap();
+        let deflated = encoder.finish().unwrap();
+        let mut data = vec![b'D', b'T', u8::from(transposed), 0, 12, 0, 0, 0];
+        data.extend_from_slice(&(part.len() as u64).to_le_bytes());
+        data.extend_from_slice(&(deflated.len() as u64).to_le_bytes());
+        [data, deflated].concat()
+    };
+    for (first, second) in [(true, true), (false, true), (true, false)] {
+        let mut made = Made::new(true, 0);
+        let channels = made.channels(&[time(), cn(1, 8, 32)]);
+        let group = made.group(0, channels, Cg { cycles: rows as u64, data_bytes: 12, ..Cg::default() });
+        let parts = [packed(&records[..cut], first), packed(&records[cut..], second)];
+        let blocks = parts.map(|data| made.block(b"##DZ", &[], &data));
+        let list = [&[0; 4][..], &2_u32.to_le_bytes(), &[0; 16]].concat();
+        let list = made.block(b"##DL", &[0, blocks[0], blocks[1]], &list);
+        let list = made.block(b"##HL", &[list], &[0; 8]);
+        let first = made.data_group(group, list, 0);
+        let bytes = made.finish(first);
+        for channel in [0, 1] {
+            let read = numbers(&bytes, 0, channel);
+            assert!(read.len() == rows && read.iter().enumerate().all(|(i, &n)| n == i as f64));
+        }
+    }
+}
+
+#[test]
+fn exact_clock_of_another_group_from_a_file_on_disk() {
+    let mut made = Made::new(true, 0);
+    let clock = made.channels(&[time()]);
+    let clock = made.group(0, clock, Cg { cycles: 3, data_bytes: 8, ..Cg::default() });
+    let stamps: Vec<u8> = [0.5_f64, 1.5, 2.5].iter().flat_map(|t| t.to_le_bytes()).collect();
+    let stamps = made.block(b"##DV", &[], &stamps);
+    let values = made.channels(&[cn(2, 0, 8)]);
+    let values = made.group(0, values, Cg { cycles: 3, flags: 8, data_bytes: 1, master: clock, ..Cg::default() });
+    let bytes = made.block(b"##DV", &[], &[1, 0xFF, 3]);
+    let second = made.data_group(values, bytes, 0);
+    let first = made.data_group_before(second, clock, stamps, 0);
+    let path = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("clock.mf4");
+    std::fs::write(&path, made.finish(first)).unwrap();
+    let file = Mdf::open(std::fs::File::open(&path).unwrap()).unwrap();
+    let master = Master { address: Address { group: 0, channel: 0 }, quantity: Quantity::Time };
+    assert_eq!(file.groups()[1].master, Some(master));
+    let read = file.read(&[Address { group: 1, channel: 0 }, master.address], &|_, _| {}).unwrap();
+    assert_eq!(read, [Values::Numbers(vec![1.0, -1.0, 3.0]), Values::Numbers(vec![0.5, 1.5, 2.5])]);
+}

@@ -1,0 +1,24 @@
+//! Any bytes may be opened and read as an MDF file: `cargo +nightly fuzz run mdf`.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use mdf::{Address, Mdf};
+
+/// Samples that are read of a group at most; a file of zeros deflates a thousandfold.
+const MOST: u64 = 1 << 20;
+
+fuzz_target!(|bytes: &[u8]| {
+    let Ok(file) = Mdf::open(bytes) else { return };
+    for (group, info) in file.groups().iter().enumerate() {
+        let _ = file.count(group);
+        if info.at_most > MOST {
+            continue;
+        }
+        for channel in 0..info.channels.len().min(64) {
+            let values = file.read(&[Address { group, channel }], &|_, _| {});
+            if let (Ok(values), Some(found)) = (values, info.found) {
+                assert_eq!(values[0].len() as u64, found);
+            }
+        }
+    }
+});
