@@ -21,15 +21,23 @@
 //! channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is in seconds,
 //! unless its name, or a sampling rate or time beside it, says otherwise.
 
+#[cfg(feature = "parquet")]
+mod arrow;
+#[cfg(not(feature = "parquet"))]
+#[path = "arrow/absent.rs"]
+mod arrow;
 mod csv;
 mod error;
 mod finding;
+mod heading;
 mod mat;
 mod mdf;
 mod mdf3;
 mod mdf4;
 mod model;
 
+#[cfg(feature = "parquet")]
+pub use arrow::{encode_arrow, encode_parquet};
 pub use csv::encode_csv;
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
@@ -65,8 +73,9 @@ pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recordi
     let recording = match Kind::detect(name, bytes)? {
         Kind::Mdf4 => mdf4::decode(name, bytes, selection)?,
         Kind::Mdf3 => mdf3::decode(name, bytes, selection)?,
-        Kind::Csv => csv::decode(name, bytes, selection)?,
+        Kind::Csv => csv::decode(name, bytes, selection, None)?,
         Kind::Mat => mat::decode(name, bytes, selection, None)?,
+        Kind::Table(kind) => arrow::decode(name, bytes, kind, selection, None)?,
     };
     Ok(with_duplicates(recording))
 }
@@ -100,8 +109,11 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
         return Err(RecordingError::RowDistance { given: row_distance_s.to_string() });
     }
     match Kind::detect(name, bytes)? {
-        Kind::Csv => csv::decode_with(name, bytes, &Selection::All, Some(row_distance_s)),
+        Kind::Csv => csv::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
         Kind::Mat => mat::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
+        Kind::Table(kind) => {
+            arrow::decode(name, bytes, kind, &Selection::All, Some(row_distance_s)).map(with_duplicates)
+        }
         Kind::Mdf3 | Kind::Mdf4 => decode(name, bytes, &Selection::All),
     }
 }
@@ -126,8 +138,9 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
     let mut catalogue = match Kind::detect(name, bytes)? {
         Kind::Mdf4 => mdf4::catalogue(name, bytes)?,
         Kind::Mdf3 => mdf3::catalogue(name, bytes)?,
-        Kind::Csv => csv::decode(name, bytes, &Selection::All)?.catalogue(),
+        Kind::Csv => csv::decode(name, bytes, &Selection::All, None)?.catalogue(),
         Kind::Mat => mat::decode(name, bytes, &Selection::All, None)?.catalogue(),
+        Kind::Table(kind) => arrow::decode(name, bytes, kind, &Selection::All, None)?.catalogue(),
     };
     let names = catalogue.channels.iter().map(|c| c.name.as_str());
     let doubles = finding::duplicate_names(names);
@@ -142,6 +155,7 @@ enum Kind {
     Mdf4,
     Csv,
     Mat,
+    Table(arrow::Kind),
 }
 
 impl Kind {
@@ -154,6 +168,9 @@ impl Kind {
         }
         if mat::is_mat(bytes) {
             return Ok(Self::Mat);
+        }
+        if let Some(kind) = arrow::Kind::detect(bytes) {
+            return Ok(Self::Table(kind));
         }
         if csv::is_text(bytes) {
             return Ok(Self::Csv);
