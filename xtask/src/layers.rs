@@ -24,7 +24,8 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("indicatif", &["dynoid"]),
     ("tempfile", &["dynoid"]),
     ("falcon_mdf", &["recording"]),
-    ("csv", &["recording"]),
+    ("hdf5-pure", &["recording"]),
+    ("parquet", &["recording"]),
     ("resvg", &["plot"]),
 ];
 

@@ -12,7 +12,19 @@
 //! | MDF 2.x and 3.x (`.mdf`, `.dat`) | yes | – |
 //! | MDF 4.x (`.mf4`) | yes | 4.10, deflated ([`encode_mdf4`]) |
 //! | CSV | yes | yes ([`encode_csv`]) |
-//! | MAT-files of MATLAB, levels 4 and 5 (`-v4`, `-v6`, `-v7`; `.mat`) | yes | level 5, deflated ([`encode_mat5`]) |
+//! | MAT-files of MATLAB, levels 4, 5 and 7.3 (`-v4`, `-v6`, `-v7`, `-v7.3`; `.mat`), HDF5 | yes | level 5, deflated ([`encode_mat5`]) |
+//! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`encode_parquet`, `encode_arrow`) |
+//!
+//! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8, UTF-16 or
+//! Latin-1. A heading is one row with a name of time in it, and up to two more with units and comments; what stands above
+//! is the recording's comment, and lines that begin with `#` or `%` are skipped. Each time column is the clock of the columns
+//! up to the next, which may be shorter. Time is a number in the unit that the heading gives, a time of day (past midnight
+//! the next day's), or date and time; with a date, seconds count from the first stamp, which is the start time. A column
+//! whose first value is text is skipped. `1,234` is a decimal number where some other number of the file shows that digits
+//! are not grouped; otherwise, and where signs are mixed, the file is refused.
+//!
+//! A table of Parquet or Arrow follows the same rules for names. Without such a name its only column of time stamps is
+//! the clock. Null is NaN, and in a clock a row without channels; units are in the metadata `unit` of a field or in its name.
 //!
 //! A MAT-file holds variables and says nothing of clocks. Its real numeric arrays become channels: a vector one, a matrix
 //! one for each column (`y(:,1)`), fields of structs with dots (`data.y`), cells by number (`y{1}`). Their clock is a
@@ -120,7 +132,7 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 
 /// Lists the channels of a measurement file without their samples.
 ///
-/// For MDF only the structure is read; a CSV or MAT-file is read whole.
+/// For MDF only the structure is read; any other file is read whole.
 ///
 /// # Errors
 ///

@@ -49,6 +49,9 @@ pub(super) struct Heading {
     pub(super) comment: String,
 }
 
+/// The column of a clock, the number of a raster, and the channels that share them.
+type Sharing = (Option<usize>, Option<u64>, Vec<Heading>);
+
 impl Plan {
     pub(super) fn new(
         file: &str,
@@ -85,8 +88,8 @@ impl Plan {
         fields: &arrow_schema::Fields,
         clocks: &HashMap<usize, Clock>,
         selection: &Selection,
-    ) -> Result<Vec<(Option<usize>, Option<u64>, Vec<Heading>)>, RecordingError> {
-        let mut groups: Vec<(Option<usize>, Option<u64>, Vec<Heading>)> = Vec::new();
+    ) -> Result<Vec<Sharing>, RecordingError> {
+        let mut groups: Vec<Sharing> = Vec::new();
         // What stands before the first clock is its too.
         let mut clock = clocks.keys().min().copied();
         for (column, field) in fields.iter().enumerate() {
@@ -118,18 +121,13 @@ impl Plan {
     }
 
     /// Counts the columns among those that are read.
-    fn place(
-        &mut self,
-        groups: Vec<(Option<usize>, Option<u64>, Vec<Heading>)>,
-        clocks: HashMap<usize, Clock>,
-        metadata: &Metadata,
-    ) {
+    fn place(&mut self, groups: Vec<Sharing>, clocks: HashMap<usize, Clock>, metadata: &Metadata) {
         let clock_columns = groups.iter().filter_map(|(clock, ..)| *clock);
         let channels = groups.iter().flat_map(|(.., headings)| headings.iter().map(|h| h.column));
         let columns: BTreeSet<usize> = clock_columns.chain(channels).collect();
         self.columns = columns.into_iter().collect();
         let place = |column: usize| self.columns.binary_search(&column).unwrap_or(0);
-        let group = |(clock, raster, mut channels): (Option<usize>, Option<u64>, Vec<Heading>)| {
+        let group = |(clock, raster, mut channels): Sharing| {
             channels.iter_mut().for_each(|heading| heading.column = place(heading.column));
             Group {
                 clock: clock.and_then(|column| Some((place(column), clocks.get(&column)?.clone()))),
@@ -145,7 +143,7 @@ impl Plan {
 /// Name, unit and comment of a column.
 fn label(field: &Field) -> (String, String, String) {
     let metadata = field.metadata();
-    let text = |names: &[&str]| names.iter().find_map(|name| metadata.get(*name)).cloned();
+    let text = |names: &[&str]| names.iter().find_map(|name| metadata.get(name)).cloned();
     let comment = text(&[key::COMMENT, "description", "Description"]).unwrap_or_default();
     let unit = text(&[key::UNIT, "units", "Unit", "UNIT"]);
     match (text(&[key::NAME]), unit) {

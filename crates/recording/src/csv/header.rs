@@ -1,6 +1,6 @@
 //! Names, units and comments, which columns are time, and where the samples begin.
 
-use super::number::is_number;
+use super::number::{Decimals, Number, is_number};
 use super::rows::{Row, Rows};
 use super::stamp::Stamp;
 use crate::heading::{clock_and_unit, name_and_unit, seconds, time_word, unbracketed};
@@ -83,10 +83,26 @@ impl<'a> Head<'a> {
             let Some(&clock) = clocks.first() else { continue };
             let begins = |&row: &usize| self.row(row).is_some_and(|row| !row.is_comment() && is_time(row, clock));
             let Some(samples) = (names + 1..=names + MAX_HEADING).find(begins) else { continue };
+            (names + 1..samples).try_for_each(|row| self.refuse_samples(row, clock))?;
             let names = self.fullest(names, samples);
             return self.header(names, &self.clocks(names), samples);
         }
         Err(self.no_heading())
+    }
+
+    /// Numbers alone in a row of the heading are samples whose time stamp is missing or no time.
+    fn refuse_samples(&self, row: usize, clock: usize) -> Result<(), RecordingError> {
+        let Some(row) = self.row(row) else { return Ok(()) };
+        let time = row.text(clock);
+        let mut others = (0..row.cells.len()).filter(|&c| c != clock && !row.text(c).is_empty()).peekable();
+        let are_units = !time.is_empty() && seconds(unbracketed(time)).is_some();
+        if are_units || others.peek().is_none() || !others.all(|c| is_number(row.text(c))) {
+            return Ok(());
+        }
+        let is_missing = matches!(Decimals::default().read(time, 0, 0), Ok(Number::Missing));
+        let text = time.to_owned();
+        let problem = if is_missing { CsvProblem::NoTimeStamp } else { CsvProblem::NotATime { text } };
+        Err(self.error(row.line, Some(clock), problem))
     }
 
     /// Of the rows above the samples that may hold the names: the first that names every column, or the first.

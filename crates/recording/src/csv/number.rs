@@ -93,9 +93,9 @@ impl Decimals {
         Ok(())
     }
 
-    /// Where the first number stands that has two readings between which nothing in the file decides.
-    pub(super) fn undecided(self) -> Option<(u64, usize, String)> {
-        self.doubtful.filter(|_| !self.is_proven)
+    /// The first number that has two readings, between which nothing in the file decides: line, column and text.
+    pub(super) fn undecided(&self) -> Option<&(u64, usize, String)> {
+        self.doubtful.as_ref().filter(|_| !self.is_proven)
     }
 }
 

@@ -76,7 +76,7 @@ impl<'a> Table<'a> {
         let mut row = Row::default();
         let mut last = None;
         while rows.next(&mut row) {
-            if row.is_comment() || row.width() == 0 && row.cells.len() == 1 {
+            if self.is_comment(&row) || row.width() == 0 && row.cells.len() == 1 {
                 continue;
             }
             if !row.is_ended && row.cells.len() < self.columns.len() {
@@ -91,15 +91,15 @@ impl<'a> Table<'a> {
             self.row(&row).map_err(error)?;
             last = (!row.is_ended).then_some(Finding::NoFinalLineEnd { line: row.line });
         }
-        match std::mem::take(&mut self.decimals.clone()).undecided() {
-            None => Ok(last),
-            Some((line, column, text)) => Err(RecordingError::Csv {
-                file: self.file.into(),
-                line,
-                column: Some(column + 1),
-                problem: CsvProblem::AmbiguousSign { text },
-            }),
-        }
+        let Some((line, column, text)) = self.decimals.undecided() else { return Ok(last) };
+        let (file, problem) = (self.file.to_owned(), CsvProblem::AmbiguousSign { text: text.clone() });
+        Err(RecordingError::Csv { file, line: *line, column: Some(column + 1), problem })
+    }
+
+    /// Whether a line is a comment: where the first column is not the clock, a full line may be samples all the same.
+    fn is_comment(&self, row: &Row<'_>) -> bool {
+        let is_clock_first = self.blocks.first().is_some_and(|block| block.clock == Some(0));
+        row.is_comment() && (is_clock_first || row.cells.len() < self.columns.len())
     }
 
     fn row(&mut self, row: &Row<'_>) -> Result<(), Fault> {
@@ -299,7 +299,7 @@ impl Stamps {
     /// Days and their fraction as spreadsheets count them.
     fn spreadsheet(&mut self, days: f64, cell: &str) -> Result<f64, CsvProblem> {
         let since_1970 = (days - SPREADSHEET_DAYS) * NANOSECONDS_PER_DAY;
-        if !(since_1970.abs() < 9e18) {
+        if since_1970.is_nan() || since_1970.abs() > 9e18 {
             return Err(CsvProblem::NotATime { text: cell.into() });
         }
         // A double holds today's days to about half a microsecond: the rest is noise.

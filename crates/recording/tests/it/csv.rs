@@ -60,6 +60,8 @@ fn exact_what_is_not_understood_names_line_and_column() {
     assert_eq!(problem("time,,b\n1,,3\n2,2,3\n"), (3, Some(2), P::NoName));
     assert_eq!(problem("time,a\n0,1\n,1\n"), (3, Some(1), P::NoTimeStamp));
     assert_eq!(problem("time,a\n0,1\n-,1\n"), (3, Some(1), P::NoTimeStamp));
+    assert_eq!(problem("time,a\n,1\n0,1\n"), (2, Some(1), P::NoTimeStamp));
+    assert_eq!(problem("time,a\nstart,1\n0,1\n"), (2, Some(1), P::NotATime { text: text("start") }));
     assert_eq!(problem("time,a,time,b\n0,1,0,1\n1,2,,\n2,3,2,3\n"), (4, Some(3), P::Gap));
     assert_eq!(problem("time,a\n").2, P::NoData);
     assert_eq!(problem("hello\n").2, P::NoDelimiter);
@@ -109,6 +111,15 @@ fn exact_text_columns_are_skipped() {
     assert_eq!(r.findings, [Finding::SkippedChannel { channel: "state".into(), reason: reason.clone() }]);
     let error = decode("a.csv", table.as_bytes(), &Selection::names(["state"])).unwrap_err();
     assert_eq!(error, RecordingError::UnusableChannel { file: "a.csv".into(), channel: "state".into(), reason });
+}
+
+#[test]
+fn regress_a_sign_of_comments_in_a_full_line_is_text() {
+    let r = read("mark,time,a\n,0,1\n#2,1,2\n# a remark\n,2,3\n");
+    assert_eq!(
+        (&r.rasters[0].time_s[..], &r.channels.last().unwrap().samples[..]),
+        (&[0.0, 1.0, 2.0][..], &[1.0, 2.0, 3.0][..])
+    );
 }
 
 #[test]
