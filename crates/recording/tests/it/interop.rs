@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use recording::{Channel, Format, Raster, Recording, Selection, decode};
+use recording::{Channel, Format, Raster, Recording, RecordingError, Selection, decode};
 
 /// Runs `interop.py`; `None`, with a word about it, where Python or one of its modules is missing.
 fn python(arguments: &[&str]) -> Option<String> {
@@ -66,11 +66,13 @@ fn awkward() -> Recording {
     }
 }
 
+type Encode = fn(&Recording) -> Result<Vec<u8>, RecordingError>;
+
 #[test]
 fn ref_others_read_what_is_written() {
     let folder = folder("written");
     let recording = awkward();
-    let encoders: [(&str, fn(&Recording) -> Result<Vec<u8>, recording::RecordingError>); 4] = [
+    let encoders: [(&str, Encode); 4] = [
         ("written.csv", recording::encode_csv),
         ("written.mat", recording::encode_mat5),
         ("written.parquet", recording::encode_parquet),
