@@ -15,23 +15,24 @@
 //! | MAT-files of MATLAB, levels 4, 5 and 7.3 (`-v4`, `-v6`, `-v7`, `-v7.3`; `.mat`), HDF5 | yes | level 5, deflated ([`encode_mat5`]) |
 //! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`encode_parquet`, `encode_arrow`) |
 //!
-//! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8, UTF-16 or
-//! Latin-1. A heading is one row with a name of time in it, and up to two more with units and comments; what stands above
-//! is the recording's comment, and lines that begin with `#` or `%` are skipped. Each time column is the clock of the columns
-//! up to the next, which may be shorter. Time is a number in the unit that the heading gives, a time of day (past midnight
-//! the next day's), or date and time; with a date, seconds count from the first stamp, which is the start time. A column
-//! whose first value is text is skipped. `1,234` is a decimal number where some other number of the file shows that digits
-//! are not grouped; otherwise, and where signs are mixed, the file is refused.
+//! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8,
+//! UTF-16 or Latin-1. A heading is one row with a name of time in it, and up to two more with units and comments; what
+//! stands above is the recording's comment, and lines that begin with `#` or `%` are skipped. Each time column is the
+//! clock of the columns up to the next, which may be shorter. Time is a number in the unit that the heading gives, a
+//! time of day (past midnight the next day's), or date and time; with a date, seconds count from the first stamp, which
+//! is the start time. A column whose first value is text is skipped. `1,234` is a decimal number where some other
+//! number of the file shows that digits are not grouped; otherwise, and where signs are mixed, the file is refused.
 //!
 //! A table of Parquet or Arrow follows the same rules for names. Without such a name its only column of time stamps is
-//! the clock. Null is NaN, and in a clock a row without channels; units are in the metadata `unit` of a field or in its name.
+//! the clock. Null is NaN, and in a clock a row without channels; units are in the metadata `unit` of a field or in its
+//! name.
 //!
-//! A MAT-file holds variables and says nothing of clocks. Its real numeric arrays become channels: a vector one, a matrix
-//! one for each column (`y(:,1)`), fields of structs with dots (`data.y`), cells by number (`y{1}`). Their clock is a
-//! vector that does not decrease, is as long, and is named as time (`t`, `Time`, `Zeit`, `tout`, `time_ms`, …) in the
-//! same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows, holds its
-//! channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is in seconds,
-//! unless its name, or a sampling rate or time beside it, says otherwise.
+//! A MAT-file holds variables and says nothing of clocks. Its real numeric arrays become channels: a vector one, a
+//! matrix one for each column (`y(:,1)`), fields of structs with dots (`data.y`), cells by number (`y{1}`). Their clock
+//! is a vector that does not decrease, is as long, and is named as time (`t`, `Time`, `Zeit`, `tout`, `time_ms`, …) in
+//! the same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows,
+//! holds its channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is
+//! in seconds, unless its name, or a sampling rate or time beside it, says otherwise.
 
 #[cfg(feature = "parquet")]
 mod arrow;
@@ -100,9 +101,9 @@ fn with_duplicates(mut recording: Recording) -> Recording {
 }
 
 /// Decodes as [`decode`] does, and accepts what has no time too: text without a time column, and the arrays of a
-/// MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length share
-/// a raster. Such text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may separate
-/// its columns.
+/// MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length
+/// share a raster. Such text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may
+/// separate its columns.
 ///
 /// # Errors
 ///

@@ -1,7 +1,7 @@
 //! Parquet and Arrow: tables of columns with types and metadata.
 //!
-//! [`plan`] finds clocks and channels in the schema, [`values`] turns arrays into numbers, [`table`] gathers them batch by
-//! batch; [`write`] writes them.
+//! [`plan`] finds clocks and channels in the schema, [`values`] turns arrays into numbers, [`table`] gathers them batch
+//! by batch; [`write`] writes them.
 
 mod kind;
 mod plan;

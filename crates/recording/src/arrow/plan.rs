@@ -157,8 +157,8 @@ fn label(field: &Field) -> (String, String, String) {
     }
 }
 
-/// The columns that are clocks: those named as time, alike where there are several; else the only one that holds times or
-/// dates; else the first, if its unit is one of time.
+/// The columns that are clocks: those named as time, alike where there are several; else the only one that holds times
+/// or dates; else the first, if its unit is one of time.
 fn clocks<'a>(fields: impl Iterator<Item = &'a Field>) -> HashMap<usize, Clock> {
     let fields: Vec<&Field> = fields.collect();
     let word = |field: &Field| time_word(clock_and_unit(field.name()).0);

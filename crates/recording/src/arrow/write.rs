@@ -19,12 +19,12 @@ const TIME: &str = "time";
 
 /// Encodes a recording as Parquet, compressed with Zstandard: one table, as data frames are kept.
 ///
-/// The column `time` holds the time stamps of all rasters, s, merged in their order; each channel is a column of doubles,
-/// null in the rows of other rasters' stamps (a missing sample is NaN, not null). Columns are named like their channels,
-/// with a number appended where a name occurs again or is that of the clock. Metadata of the fields hold `unit`,
-/// `comment`, the channel's own `name` and its `raster`, that of the file `comment`, `start_time` and `raster N`, the name
-/// of a raster; [`crate::decode`] reads all of it back bit for bit. Of the findings, and of rasters without channels,
-/// nothing is written.
+/// The column `time` holds the time stamps of all rasters, s, merged in their order; each channel is a column of
+/// doubles, null in the rows of other rasters' stamps (a missing sample is NaN, not null). Columns are named like their
+/// channels, with a number appended where a name occurs again or is that of the clock. Metadata of the fields hold
+/// `unit`, `comment`, the channel's own `name` and its `raster`, that of the file `comment`, `start_time` and `raster
+/// N`, the name of a raster; [`crate::decode`] reads all of it back bit for bit. Of the findings, and of rasters
+/// without channels, nothing is written.
 ///
 /// # Errors
 ///

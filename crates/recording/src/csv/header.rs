@@ -253,7 +253,8 @@ impl<'a> Head<'a> {
         }
     }
 
-    /// The heading of a table without a time column, which need not have names: then columns are called by their number.
+    /// The heading of a table without a time column, which need not have names: then columns are called by their
+    /// number.
     pub(super) fn untimed(&self) -> Result<Header<'a>, RecordingError> {
         let is_text = |row: &Row<'_>| row.filled().count() > 1 && row.filled().all(|cell| !is_number(cell));
         let is_sample = |&row: &usize| {

@@ -1,7 +1,7 @@
 //! MAT-files of MATLAB: variables that hold arrays, text, cells and structs, in any order.
 //!
-//! [`level73`], [`level5`] and [`level4`] read the variables, [`scope`] finds the clocks among them, [`listed`] reads the list that
-//! [`write`] puts into its files.
+//! [`level73`], [`level5`] and [`level4`] read the variables, [`scope`] finds the clocks among them, [`listed`] reads
+//! the list that [`write`] puts into its files.
 
 mod labels;
 mod level4;
