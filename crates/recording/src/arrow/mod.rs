@@ -4,6 +4,7 @@
 //! by batch; [`write`] writes them.
 
 mod kind;
+mod packed;
 mod plan;
 mod table;
 mod values;
@@ -78,6 +79,7 @@ impl Reader<'_> {
     }
 
     fn file(&self) -> Result<Recording, RecordingError> {
+        self.check_packed(packed::is_plausible_file(self.bytes, self.most_bytes()))?;
         let open =
             |columns| FileReader::try_new(Cursor::new(self.bytes), columns).map_err(|e| self.damaged(e.to_string()));
         let plan = self.plan(&open(None)?.schema())?;
@@ -86,6 +88,7 @@ impl Reader<'_> {
     }
 
     fn stream(&self) -> Result<Recording, RecordingError> {
+        self.check_packed(packed::is_plausible_stream(self.bytes, self.most_bytes()))?;
         let open = |columns| StreamReader::try_new(self.bytes, columns).map_err(|e| self.damaged(e.to_string()));
         let plan = self.plan(&open(None)?.schema())?;
         let batches = open(Some(plan.columns.clone()))?;
@@ -115,6 +118,17 @@ impl Reader<'_> {
             table.append(&batch).map_err(|fault| fault.error(self.file))?;
         }
         Ok(table.finish())
+    }
+
+    /// The most bytes that a compressed buffer may become.
+    fn most_bytes(&self) -> i64 {
+        let most = MAX_NUMBERS.max((self.bytes.len() as u64).saturating_mul(MAX_PER_BYTE)).saturating_mul(8);
+        i64::try_from(most).unwrap_or(i64::MAX)
+    }
+
+    fn check_packed(&self, is_plausible: bool) -> Result<(), RecordingError> {
+        let detail = || String::from("a buffer announces more numbers than the file's size makes plausible");
+        if is_plausible { Ok(()) } else { Err(self.damaged(detail())) }
     }
 
     fn check_size(&self, rows: u64, columns: usize) -> Result<(), RecordingError> {

@@ -117,7 +117,7 @@ fn exact_mat5_of_ours_conforms() {
 
 #[test]
 fn exact_mat73_survives_damage() {
-    for small in [&include_bytes!("data/mat/variables73.mat")[..], include_bytes!("data/mat/plain.h5")] {
+    for small in [&include_bytes!("data/mat/small73.mat")[..], include_bytes!("data/mat/small.h5")] {
         let case = Case {
             read: read("small.mat"),
             small,

@@ -8,7 +8,8 @@ use arrow_array::{
     ArrayRef, BooleanArray, Decimal128Array, DictionaryArray, DurationMillisecondArray, Float32Array, Float64Array,
     Int64Array, RecordBatch, StringArray, TimestampMicrosecondArray, TimestampNanosecondArray,
 };
-use arrow_ipc::writer::{FileWriter, StreamWriter};
+use arrow_ipc::CompressionType;
+use arrow_ipc::writer::{FileWriter, IpcWriteOptions, StreamWriter};
 use arrow_schema::{Field, Schema};
 use parquet::arrow::ArrowWriter;
 use recording::{
@@ -194,6 +195,23 @@ fn exact_a_stream_without_an_end_is_said() {
     assert_eq!((r.findings, r.channels[0].samples.len()), (vec![], 2));
     let r = decode("a", &whole[..whole.len() - 8], &Selection::All).unwrap();
     assert_eq!((r.findings, r.channels[0].samples.len()), (vec![Finding::NotFinalised], 2));
+}
+
+#[test]
+fn exact_announced_sizes_of_compressed_buffers_are_not_believed() {
+    let zeros = batch(vec![("time", None, floats(&[0.0; 1000])), ("a", None, floats(&[0.0; 1000]))]);
+    let options = IpcWriteOptions::default().try_with_compression(Some(CompressionType::LZ4_FRAME)).unwrap();
+    let mut file = FileWriter::try_new_with_options(Vec::new(), &zeros.schema(), options.clone()).unwrap();
+    let mut stream = StreamWriter::try_new_with_options(Vec::new(), &zeros.schema(), options).unwrap();
+    file.write(&zeros).unwrap();
+    stream.write(&zeros).unwrap();
+    for mut bytes in [file.into_inner().unwrap(), stream.into_inner().unwrap()] {
+        assert_eq!(decode("a", &bytes, &Selection::All).unwrap().channels[0].samples, [0.0; 1000]);
+        let size = bytes.windows(12).rposition(|w| w == b"\x40\x1F\0\0\0\0\0\0\x04\x22\x4D\x18").unwrap();
+        bytes[size + 5] = 1;
+        let error = decode("a", &bytes, &Selection::All).unwrap_err();
+        assert!(error.to_string().contains("plausible"), "{error}");
+    }
 }
 
 #[test]

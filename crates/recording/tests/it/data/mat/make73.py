@@ -62,12 +62,23 @@ with h5py.File(f"{out}/variables73.mat", "w", userblock_size=512) as f:
     many = struct(f, "many")
     refer(many, "v", [put(refs, "d", col(np.arange(n)), "double"), put(refs, "e", col(np.arange(n) * 2.0), "double")])
 
+with h5py.File(f"{out}/small73.mat", "w", userblock_size=512) as f:
+    put(f, "t", col(np.arange(12) / 100.0), "double")
+    run = struct(f, "run")
+    put(run, "y", col(np.arange(12) + 0.5), "double")
+
 header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, Created on: Sat Nov 21 12:00:00 2026 HDF5 schema 1.00 ."
-with open(f"{out}/variables73.mat", "r+b") as f:
-    f.write(header.ljust(116, b" ") + bytes(8) + bytes([0, 2]) + b"IM")
+for name in ["variables73.mat", "small73.mat"]:
+    file = open(f"{out}/{name}", "r+b")
+    file.write(header.ljust(116, b" ") + bytes(8) + bytes([0, 2]) + b"IM")
+    file.close()
 
 with h5py.File(f"{out}/plain.h5", "w", libver="latest") as f:
     f.create_dataset("time", data=np.arange(n) / 10.0, track_times=False)
     speed = f.create_dataset("speed", data=np.arange(n, dtype=np.float32) * 2, track_times=False)
     speed.attrs["unit"] = "rpm"
     f.create_dataset("table", data=np.arange(2 * n).reshape(n, 2), track_times=False)
+
+with h5py.File(f"{out}/small.h5", "w", libver="latest") as f:
+    f.create_dataset("time", data=np.arange(n) / 10.0, track_times=False)
+    f.create_dataset("speed", data=np.arange(n) * 2, track_times=False, chunks=(4,), compression="gzip", fletcher32=True)
