@@ -8,9 +8,10 @@ const PREFIX: usize = 8;
 
 /// Whether every buffer of a file becomes at most `most` bytes; content that is no such file is left to its decoder.
 pub(super) fn is_plausible_file(bytes: &[u8], most: i64) -> bool {
-    blocks(bytes).unwrap_or_default().into_iter().all(|offset| {
-        let message = offset.and_then(|offset| message(bytes, offset));
-        message.is_none_or(|(message, body)| fits(&message, body, most))
+    blocks(bytes).unwrap_or_default().into_iter().all(|(offset, body)| {
+        let message = message(bytes, offset).map(|(message, _)| message);
+        // The decoder looks for the buffers where the footer says.
+        message.zip(bytes.get(body..)).is_none_or(|(message, body)| fits(&message, body, most))
     })
 }
 
@@ -27,26 +28,31 @@ pub(super) fn is_plausible_stream(bytes: &[u8], most: i64) -> bool {
     true
 }
 
-/// Where the batches of a file begin.
-fn blocks(bytes: &[u8]) -> Option<Vec<Option<usize>>> {
+/// Where the batches of a file begin, and where their buffers do.
+fn blocks(bytes: &[u8]) -> Option<Vec<(usize, usize)>> {
     let trailer: [u8; 10] = *bytes.last_chunk()?;
     let end = bytes.len() - trailer.len();
     let footer = bytes.get(end.checked_sub(read_footer_length(trailer).ok()?)?..end)?;
     let footer = root_as_footer(footer).ok()?;
-    let batches = footer.recordBatches().into_iter().flatten().chain(footer.dictionaries().into_iter().flatten());
-    Some(batches.map(|block| usize::try_from(block.offset()).ok()).collect())
+    let blocks = footer.recordBatches().into_iter().flatten().chain(footer.dictionaries().into_iter().flatten());
+    let places = blocks.filter_map(|block| {
+        let offset = usize::try_from(block.offset()).ok()?;
+        Some((offset, offset.checked_add(usize::try_from(block.metaDataLength()).ok()?)?))
+    });
+    Some(places.collect())
 }
 
-/// The message at `at`, and all that follows its description. Old files leave the mark out.
+/// The message at `at`, and what follows its description, as long as that says it is. Old files leave the mark out.
 fn message(bytes: &[u8], at: usize) -> Option<(Message<'_>, &[u8])> {
     let prefix = bytes.get(at..)?;
     let (length, start) = match prefix.get(..4)? {
         [0xFF, 0xFF, 0xFF, 0xFF] => (prefix.get(4..PREFIX)?, PREFIX),
         length => (length, 4),
     };
-    let length = usize::try_from(i32::from_le_bytes(length.try_into().ok()?)).ok()?;
-    let description = prefix.get(start..start.checked_add(length)?)?;
-    Some((root_as_message(description).ok().filter(|_| length > 0)?, &prefix[start + length..]))
+    let length = usize::try_from(i32::from_le_bytes(length.try_into().ok()?)).unwrap_or(usize::MAX);
+    let rest = prefix.get(start..)?;
+    // The decoder of files does not look at the length.
+    Some((root_as_message(rest).ok()?, rest.get(length..).unwrap_or_default()))
 }
 
 fn fits(message: &Message<'_>, body: &[u8], most: i64) -> bool {
