@@ -24,7 +24,8 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("clap", &["dynoid"]),
     ("indicatif", &["dynoid"]),
     ("tempfile", &["dynoid"]),
-    ("csv", &["recording"]),
+    ("hdf5-pure", &["recording"]),
+    ("parquet", &["recording"]),
     ("resvg", &["plot"]),
 ];
 

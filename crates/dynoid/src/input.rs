@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use crate::error::CliError;
 
 /// Endings of files that are taken for recordings in a folder.
-const ENDINGS: [&str; 5] = ["mf4", "mdf", "dat", "csv", "mat"];
+const ENDINGS: [&str; 11] = ["mf4", "mdf", "dat", "csv", "tsv", "mat", "h5", "hdf5", "parquet", "arrow", "feather"];
 
 /// A recording that was found.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]

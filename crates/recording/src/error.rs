@@ -126,6 +126,17 @@ pub enum RecordingError {
         /// What is wrong there.
         problem: CsvProblem,
     },
+    /// No column of a table is time.
+    #[error(
+        "{file}: no column is recognised as time (the first is \"{first}\"); name one \"time\", or make the index a column \
+         of time stamps"
+    )]
+    NoTimeColumn {
+        /// The file.
+        file: String,
+        /// Its first column.
+        first: String,
+    },
     /// A recording to be written names a raster it does not have.
     #[error("channel \"{channel}\" refers to raster {raster}, the recording has {rasters}")]
     NoSuchRaster {
@@ -156,15 +167,6 @@ pub enum RecordingError {
         /// What about it.
         what: String,
     },
-    /// A MAT-file of level 7.3, or another HDF5 file.
-    #[error(
-        "{file}: HDF5, the format of MAT-files saved with -v7.3, cannot be read; load the file in MATLAB and save it \
-         with save(name, '-v7')"
-    )]
-    MatV73 {
-        /// The file.
-        file: String,
-    },
 }
 
 /// What is wrong in a line of a text file.
@@ -180,16 +182,16 @@ pub enum CsvProblem {
     /// The first line is numbers.
     #[error("the columns have no names; add a first line such as \"time [s];speed [rpm]\"")]
     NoHeader,
-    /// The first column is not time.
+    /// No column is time.
     #[error(
-        "the first column, \"{name}\", is not recognised as time; name it \"time\" and give its unit, as in \"time [s]\""
+        "no column is recognised as time (the first is \"{name}\"); name one \"time\" and give its unit, as in \"time [s]\""
     )]
     NoTime {
-        /// Its name.
+        /// The first name.
         name: String,
     },
     /// A time column in a unit that is not known.
-    #[error("time in \"{unit}\" is not understood; use s, ms, us, ns, min or h")]
+    #[error("time in \"{unit}\" is not understood; use s, ms, us, ns, min, h or d")]
     TimeUnit {
         /// The unit.
         unit: String,
@@ -209,8 +211,41 @@ pub enum CsvProblem {
         /// The cell.
         text: String,
     },
+    /// Digits are grouped in thousands.
+    #[error("\"{text}\" has its digits grouped in thousands; export the numbers without a separator of thousands")]
+    GroupedDigits {
+        /// The cell.
+        text: String,
+    },
+    /// Every number with a decimal sign may be one with its digits grouped in thousands.
+    #[error(
+        "\"{text}\" may be a number with three decimals or one with its digits grouped in thousands, and nothing else in \
+         the file tells; export the numbers with another number of decimals"
+    )]
+    AmbiguousSign {
+        /// The first such cell.
+        text: String,
+    },
+    /// A time stamp is not understood.
+    #[error(
+        "\"{text}\" is not understood as time; write seconds as a number, or stamps as h:mm:ss.fff or \
+         2026-11-21T12:34:56.789, all of a file alike"
+    )]
+    NotATime {
+        /// The cell.
+        text: String,
+    },
+    /// A date whose day and month cannot be told apart.
+    #[error("in the date \"{text}\" day and month cannot be told apart; write it as 2026-11-21")]
+    AmbiguousDate {
+        /// The cell.
+        text: String,
+    },
     /// A line is too short or too long.
-    #[error("the line has {found} columns, the header has {expected}")]
+    #[error(
+        "the line has {found} columns, the header has {expected}; if commas are decimal signs too, export with semicolons \
+         between the columns"
+    )]
     ColumnCount {
         /// Columns of this line.
         found: usize,
@@ -223,12 +258,6 @@ pub enum CsvProblem {
     /// A raster goes on after empty lines.
     #[error("values follow after empty cells; a shorter block of columns may only be empty to its end")]
     Gap,
-    /// The quotes or the characters are damaged.
-    #[error("the text cannot be split into columns: {detail}")]
-    Unreadable {
-        /// Why.
-        detail: String,
-    },
 }
 
 fn did_you_mean(similar: &[String]) -> String {
@@ -237,6 +266,14 @@ fn did_you_mean(similar: &[String]) -> String {
     }
     let names: Vec<_> = similar.iter().map(|n| format!("\"{n}\"")).collect();
     format!("; did you mean {}?", names.join(" or "))
+}
+
+/// Runs a decoder that is not ours. Where it panics, the file is to blame.
+pub(crate) fn guarded<T>(file: &str, decode: impl FnOnce() -> Result<T, RecordingError>) -> Result<T, RecordingError> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).unwrap_or_else(|_| {
+        let detail = "its content contradicts itself".into();
+        Err(RecordingError::Damaged { file: file.into(), offset: None, detail })
+    })
 }
 
 /// Fails where a channel that was asked for by name is not among `present`.

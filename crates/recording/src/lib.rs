@@ -12,23 +12,44 @@
 //! | MDF 2.x and 3.x (`.mdf`, `.dat`) | yes | – |
 //! | MDF 4.x (`.mf4`) | yes | 4.10, deflated ([`encode_mdf4`]) |
 //! | CSV | yes | yes ([`encode_csv`]) |
-//! | MAT-files of MATLAB, levels 4 and 5 (`-v4`, `-v6`, `-v7`; `.mat`) | yes | level 5, deflated ([`encode_mat5`]) |
+//! | MAT-files of MATLAB, levels 4, 5 and 7.3 (`-v4`, `-v6`, `-v7`, `-v7.3`; `.mat`), HDF5 | yes | level 5, deflated ([`encode_mat5`]) |
+//! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`encode_parquet`, `encode_arrow`) |
 //!
-//! A MAT-file holds variables and says nothing of clocks. Its real numeric arrays become channels: a vector one, a matrix
-//! one for each column (`y(:,1)`), fields of structs with dots (`data.y`), cells by number (`y{1}`). Their clock is a
-//! vector that does not decrease, is as long, and is named as time (`t`, `Time`, `Zeit`, `tout`, `time_ms`, …) in the
-//! same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows, holds its
-//! channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is in seconds,
-//! unless its name, or a sampling rate or time beside it, says otherwise.
+//! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8,
+//! UTF-16 or Latin-1. A heading is one row with a name of time in it, and up to two more with units and comments; what
+//! stands above is the recording's comment, and lines that begin with `#` or `%` are skipped. Each time column is the
+//! clock of the columns up to the next, which may be shorter. Time is a number in the unit that the heading gives, a
+//! time of day (past midnight the next day's), or date and time; with a date, seconds count from the first stamp, which
+//! is the start time. A column whose first value is text is skipped. `1,234` is a decimal number where some other
+//! number of the file shows that digits are not grouped; otherwise, and where signs are mixed, the file is refused.
+//!
+//! A table of Parquet or Arrow follows the same rules for names. Without such a name its only column of time stamps is
+//! the clock. Null is NaN, and in a clock a row without channels; units are in the metadata `unit` of a field or in its
+//! name.
+//!
+//! A MAT-file holds variables and says nothing of clocks. Its real numeric arrays become channels: a vector one, a
+//! matrix one for each column (`y(:,1)`), fields of structs with dots (`data.y`), cells by number (`y{1}`). Their clock
+//! is a vector that does not decrease, is as long, and is named as time (`t`, `Time`, `Zeit`, `tout`, `time_ms`, …) in
+//! the same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows,
+//! holds its channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is
+//! in seconds, unless its name, or a sampling rate or time beside it, says otherwise.
 
+#[cfg(feature = "parquet")]
+mod arrow;
+#[cfg(not(feature = "parquet"))]
+#[path = "arrow/absent.rs"]
+mod arrow;
 mod csv;
 mod error;
 mod finding;
+mod heading;
 mod mat;
 mod mdf;
 mod model;
 
 pub use ::mdf::Source;
+#[cfg(feature = "parquet")]
+pub use arrow::{encode_arrow, encode_parquet};
 pub use csv::encode_csv;
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
@@ -64,7 +85,11 @@ pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recordi
     let recording = match Kind::detect(name, bytes)? {
         Kind::Mdf => mdf::decode(name, bytes, selection, &|_, _| {})?,
         Kind::Csv => csv::decode(name, bytes, selection)?,
+        Kind::Mdf4 => mdf4::decode(name, bytes, selection)?,
+        Kind::Mdf3 => mdf3::decode(name, bytes, selection)?,
+        Kind::Csv => csv::decode(name, bytes, selection, None)?,
         Kind::Mat => mat::decode(name, bytes, selection, None)?,
+        Kind::Table(kind) => arrow::decode(name, bytes, kind, selection, None)?,
     };
     Ok(with_duplicates(recording))
 }
@@ -77,9 +102,9 @@ fn with_duplicates(mut recording: Recording) -> Recording {
 }
 
 /// Decodes as [`decode`] does, and accepts what has no time too: text without a time column, and the arrays of a
-/// MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length share
-/// a raster. Such text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may separate
-/// its columns.
+/// MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length
+/// share a raster. Such text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may
+/// separate its columns.
 ///
 /// # Errors
 ///
@@ -98,15 +123,19 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
         return Err(RecordingError::RowDistance { given: row_distance_s.to_string() });
     }
     match Kind::detect(name, bytes)? {
-        Kind::Csv => csv::decode_with(name, bytes, &Selection::All, Some(row_distance_s)),
+        Kind::Csv => csv::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
         Kind::Mat => mat::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
         Kind::Mdf => decode(name, bytes, &Selection::All),
+        Kind::Table(kind) => {
+            arrow::decode(name, bytes, kind, &Selection::All, Some(row_distance_s)).map(with_duplicates)
+        }
+        Kind::Mdf3 | Kind::Mdf4 => decode(name, bytes, &Selection::All),
     }
 }
 
 /// Lists the channels of a measurement file without their samples.
 ///
-/// For MDF only the structure is read; a CSV or MAT-file is read whole.
+/// For MDF only the structure is read; any other file is read whole.
 ///
 /// # Errors
 ///
@@ -124,7 +153,11 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
     let mut catalogue = match Kind::detect(name, bytes)? {
         Kind::Mdf => mdf::catalogue(name, bytes)?,
         Kind::Csv => csv::decode(name, bytes, &Selection::All)?.catalogue(),
+        Kind::Mdf4 => mdf4::catalogue(name, bytes)?,
+        Kind::Mdf3 => mdf3::catalogue(name, bytes)?,
+        Kind::Csv => csv::decode(name, bytes, &Selection::All, None)?.catalogue(),
         Kind::Mat => mat::decode(name, bytes, &Selection::All, None)?.catalogue(),
+        Kind::Table(kind) => arrow::decode(name, bytes, kind, &Selection::All, None)?.catalogue(),
     };
     catalogue.note_duplicates();
     Ok(catalogue)
@@ -189,6 +222,7 @@ enum Kind {
     Mdf,
     Csv,
     Mat,
+    Table(arrow::Kind),
 }
 
 impl Kind {
@@ -201,6 +235,9 @@ impl Kind {
         }
         if mat::is_mat(bytes) {
             return Ok(Self::Mat);
+        }
+        if let Some(kind) = arrow::Kind::detect(bytes) {
+            return Ok(Self::Table(kind));
         }
         if csv::is_text(bytes) {
             return Ok(Self::Csv);

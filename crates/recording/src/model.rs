@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Finding;
+use crate::{Finding, RecordingError};
 
 /// A decoded measurement file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,6 +35,21 @@ impl Recording {
     pub fn time_s(&self, channel: &Channel) -> Option<&[f64]> {
         let raster = self.rasters.get(channel.raster)?;
         Some(&raster.time_s)
+    }
+
+    /// Fails where a channel has no raster, or not one sample for each of its time stamps.
+    pub(crate) fn check(&self) -> Result<(), RecordingError> {
+        let rasters = self.rasters.len();
+        for Channel { name, raster, samples, .. } in &self.channels {
+            let Some(clock) = self.rasters.get(*raster) else {
+                return Err(RecordingError::NoSuchRaster { channel: name.clone(), raster: *raster, rasters });
+            };
+            let (samples, times) = (samples.len(), clock.time_s.len());
+            if samples != times {
+                return Err(RecordingError::LengthMismatch { channel: name.clone(), samples, times });
+            }
+        }
+        Ok(())
     }
 
     /// The list of channels without their samples.
@@ -148,9 +163,15 @@ pub enum Format {
     },
     /// MAT-file of MATLAB.
     Mat {
-        /// 4 or 5.
+        /// 4, 5, or 73 for 7.3.
         level: u8,
     },
+    /// HDF5 of another program.
+    Hdf5,
+    /// Apache Parquet.
+    Parquet,
+    /// Apache Arrow, as a file or a stream.
+    Arrow,
 }
 
 impl fmt::Display for Format {
@@ -158,6 +179,10 @@ impl fmt::Display for Format {
         match self {
             Self::Mdf { version } => write!(f, "MDF {}.{:02}", version / 100, version % 100),
             Self::Csv { .. } => f.write_str("CSV"),
+            Self::Mat { level: 73 } => f.write_str("MAT 7.3"),
+            Self::Hdf5 => f.write_str("HDF5"),
+            Self::Parquet => f.write_str("Parquet"),
+            Self::Arrow => f.write_str("Arrow"),
             Self::Mat { level } => write!(f, "MAT {level}"),
         }
     }

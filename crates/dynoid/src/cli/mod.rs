@@ -146,7 +146,7 @@ Examples:
 
 Nothing in a study rests on a guess: look the proposal over, and fill in what no recording can tell (cylinders and inertias).")]
 pub(crate) struct InitArguments {
-    /// Recordings, or folders of recordings (MDF 2 to 4: .mf4, .mdf, .dat; .csv; .mat)
+    /// Recordings, or folders of recordings (MDF, CSV, MAT, HDF5, Parquet, Arrow)
     #[arg(value_name = "RECORDINGS", required = true)]
     pub(crate) recordings: Vec<PathBuf>,
     /// The bench file to write

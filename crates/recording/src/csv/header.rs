@@ -1,21 +1,25 @@
-//! Names, units, and which columns are time.
+//! Names, units and comments, which columns are time, and where the samples begin.
 
-use ::csv::StringRecord;
-
-use super::text::plain_number;
-use super::{Rows, line};
+use super::number::{Decimals, Number, is_number};
+use super::rows::{Row, Rows};
+use super::stamp::Stamp;
+use crate::heading::{clock_and_unit, name_and_unit, seconds, time_word, unbracketed};
 use crate::mdf::some_text;
 use crate::{CsvProblem, RecordingError};
 
 /// Lines before the first samples that are looked at.
 const MAX_ROWS: usize = 200;
+/// Cells beyond which no more lines are looked at.
+const MAX_CELLS: usize = 1 << 20;
+/// Lines of a heading: names, units, comments.
+const MAX_HEADING: usize = 3;
 
 /// What stands above the samples.
-pub(super) struct Header {
+pub(super) struct Header<'a> {
     pub(super) columns: Vec<Column>,
     pub(super) comment: Option<String>,
-    /// Rows above the first samples.
-    pub(super) rows: usize,
+    /// Where the samples begin.
+    pub(super) samples: Rows<'a>,
 }
 
 /// A column's heading.
@@ -23,192 +27,275 @@ pub(super) struct Header {
 pub(super) struct Column {
     pub(super) name: String,
     pub(super) unit: String,
-    pub(super) is_time: bool,
-    /// Seconds per unit as a fraction, if this is time.
-    pub(super) factor: (f64, f64),
+    pub(super) comment: String,
+    pub(super) role: Role,
 }
 
-impl Header {
-    pub(super) fn find(rows: &Rows<'_>) -> Result<Self, RecordingError> {
-        let above = rows_above(rows)?;
-        let Some(last) = above.last() else {
-            return Err(rows.error(1, None, CsvProblem::NoHeader));
-        };
-        refuse_numbers(rows, last)?;
-        let unit_row = above.len().checked_sub(2).filter(|_| is_unit_row(last));
-        let (names, units) = match unit_row {
-            Some(names) => (&above[names], Some(last)),
-            None => (last, None),
-        };
-        let before = unit_row.unwrap_or(above.len() - 1);
-        let mut columns = headings(rows, names, units)?;
-        mark_time(rows, line(names), &mut columns)?;
-        Ok(Self { columns, comment: comment(&above[..before]), rows: above.len() })
-    }
+/// What a column is for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Role {
+    Samples,
+    /// The day of the time of day beside it.
+    Date,
+    /// Time as numbers, with seconds per unit as a fraction.
+    Time((f64, f64)),
+    /// Time as dates and times of day, the date in its own column where there is one.
+    Stamps(Option<usize>),
+    /// Days since 1899-12-30, as spreadsheets count.
+    SpreadsheetDays,
 }
 
-impl Header {
-    /// The heading of a table that need not have a time column, nor names: then columns are called by their number.
-    pub(super) fn find_untimed(rows: &Rows<'_>) -> Result<Self, RecordingError> {
-        let above = rows_above(rows)?;
-        let Some(last) = above.last() else {
-            let mut first = StringRecord::new();
-            rows.next(&mut rows.reader(), &mut first)?;
-            let width = (0..first.len()).rfind(|&c| !first[c].trim().is_empty()).map_or(0, |c| c + 1);
-            let numbered = |n: usize| Column {
-                name: format!("column {n}"),
-                unit: String::new(),
-                is_time: false,
-                factor: (1.0, 1.0),
-            };
-            return Ok(Self { columns: (1..=width).map(numbered).collect(), comment: None, rows: 0 });
-        };
-        refuse_numbers(rows, last)?;
-        let columns = headings(rows, last, None)?;
-        if columns.first().is_some_and(|column| is_time_name(&column.name)) {
-            return Self::find(rows);
-        }
-        Ok(Self { columns, comment: comment(&above[..above.len() - 1]), rows: above.len() })
-    }
+/// The first rows of a file that are not blank, each with its place.
+pub(super) struct Head<'a> {
+    file: &'a str,
+    rows: Vec<(Rows<'a>, Row<'a>)>,
 }
 
-/// The rows above the first that holds only numbers.
-fn rows_above(rows: &Rows<'_>) -> Result<Vec<StringRecord>, RecordingError> {
-    let mut reader = rows.reader();
-    let mut row = StringRecord::new();
-    let mut above: Vec<StringRecord> = Vec::new();
-    while above.len() < MAX_ROWS && rows.next(&mut reader, &mut row)? {
-        if is_numeric(&row) {
-            return Ok(above);
-        }
-        above.push(row.clone());
-    }
-    let last = above.last().map_or(1, line);
-    // A table in which a line mixes numbers and text is better explained by that cell.
-    above.iter().skip(1).try_for_each(|row| refuse_numbers(rows, row))?;
-    Err(rows.error(last, None, CsvProblem::NoData))
-}
-
-fn is_numeric(row: &StringRecord) -> bool {
-    let mut filled = row.iter().map(str::trim).filter(|c| !c.is_empty()).peekable();
-    filled.peek().is_some() && filled.all(|c| plain_number(c).is_some())
-}
-
-/// A row that begins with a number is one of samples, and everything in it has to be a number.
-fn refuse_numbers(rows: &Rows<'_>, row: &StringRecord) -> Result<(), RecordingError> {
-    let is_text = |c: &str| !c.trim().is_empty() && plain_number(c.trim()).is_none();
-    let numbers = row.iter().filter(|c| plain_number(c.trim()).is_some()).count();
-    let texts = row.iter().filter(|c| is_text(c)).count();
-    let starts = row.get(0).is_some_and(|c| plain_number(c.trim()).is_some());
-    let Some(column) = row.iter().position(is_text) else {
-        return Ok(());
-    };
-    if !starts && numbers <= texts {
-        return Ok(());
-    }
-    let text = row[column].trim().to_owned();
-    Err(rows.error(line(row), Some(column), CsvProblem::NotANumber { text }))
-}
-
-fn is_unit_row(row: &StringRecord) -> bool {
-    let first = row.get(0).map(unbracketed).unwrap_or_default();
-    seconds(first).is_some() && !first.is_empty()
-}
-
-fn headings(
-    rows: &Rows<'_>,
-    names: &StringRecord,
-    units: Option<&StringRecord>,
-) -> Result<Vec<Column>, RecordingError> {
-    let width = (0..names.len()).rfind(|&c| !names[c].trim().is_empty()).map_or(0, |c| c + 1);
-    let heading = |(index, cell): (usize, &str)| {
-        let (name, unit) = match units {
-            Some(units) => (cell.trim(), unbracketed(units.get(index).unwrap_or_default())),
-            None => name_and_unit(cell.trim()),
-        };
-        if name.is_empty() {
-            return Err(rows.error(line(names), Some(index), CsvProblem::NoName));
-        }
-        Ok(Column { name: name.into(), unit: unit.into(), is_time: false, factor: (1.0, 1.0) })
-    };
-    names.iter().take(width).enumerate().map(heading).collect()
-}
-
-fn mark_time(rows: &Rows<'_>, line: u64, columns: &mut [Column]) -> Result<(), RecordingError> {
-    let first = columns.first().map(|c| c.name.clone()).unwrap_or_default();
-    for (index, column) in columns.iter_mut().enumerate() {
-        let named = is_time_name(&column.name);
-        let in_seconds = seconds(&column.unit);
-        column.is_time = match index {
-            0 => named || (in_seconds.is_some() && !column.unit.is_empty()),
-            _ => (named || column.name == first) && in_seconds.is_some(),
-        };
-        if !column.is_time {
-            if index == 0 {
-                let name = column.name.clone();
-                return Err(rows.error(line, Some(0), CsvProblem::NoTime { name }));
+impl<'a> Head<'a> {
+    pub(super) fn read(file: &'a str, mut rows: Rows<'a>) -> Self {
+        let mut found = Vec::new();
+        let (mut row, mut cells) = (Row::default(), 0);
+        while found.len() < MAX_ROWS && cells < MAX_CELLS {
+            let place = rows.clone();
+            if !rows.next(&mut row) {
+                break;
             }
-            continue;
+            if row.width() > 0 {
+                cells += row.cells.len();
+                found.push((place, row.clone()));
+            }
         }
-        column.factor = in_seconds.ok_or_else(|| {
-            let unit = column.unit.clone();
-            rows.error(line, Some(index), CsvProblem::TimeUnit { unit })
-        })?;
+        Self { file, rows: found }
     }
-    Ok(())
-}
 
-/// `time`, `t`, `Zeit`, `timestamp(s)`, also numbered or with a rate (`time_2`, `time 100 Hz`).
-pub(crate) fn is_time_name(name: &str) -> bool {
-    let name = name.trim().to_lowercase();
-    let words = ["timestamps", "timestamp", "zeitstempel", "time stamp", "time", "zeit", "t"];
-    let rest = words.iter().find_map(|w| name.strip_prefix(w));
-    let Some(rest) = rest else {
-        return false;
-    };
-    let number = rest.trim_start_matches(['_', ' ', '.', '-', '#']);
-    let rate = number.trim_start_matches(|c: char| c.is_ascii_digit());
-    rest.is_empty() || (rate.len() < number.len() && matches!(rate.trim(), "" | "hz" | "khz" | "ms" | "us" | "s"))
-}
+    fn row(&self, index: usize) -> Option<&Row<'a>> {
+        self.rows.get(index).map(|(_, row)| row)
+    }
 
-/// Seconds per unit as a fraction; no unit means seconds.
-pub(crate) fn seconds(unit: &str) -> Option<(f64, f64)> {
-    Some(match unit.trim() {
-        "" | "s" | "S" | "sec" | "Sec" | "second" | "seconds" | "Sekunden" => (1.0, 1.0),
-        "ms" | "msec" => (1.0, 1e3),
-        "us" | "µs" | "μs" | "usec" => (1.0, 1e6),
-        "ns" => (1.0, 1e9),
-        "min" => (60.0, 1.0),
-        "h" => (3600.0, 1.0),
-        _ => return None,
-    })
-}
+    fn error(&self, line: u64, column: Option<usize>, problem: CsvProblem) -> RecordingError {
+        RecordingError::Csv { file: self.file.into(), line, column: column.map(|c| c + 1), problem }
+    }
 
-/// Splits `Name [unit]` and `Name (unit)`.
-fn name_and_unit(cell: &str) -> (&str, &str) {
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        let inner = cell.strip_suffix(close).and_then(|c| c.rsplit_once(open));
-        if let Some((name, unit)) = inner
-            && !name.trim().is_empty()
-        {
-            return (name.trim(), unit.trim());
+    /// The heading of a table with a time column.
+    pub(super) fn timed(&self) -> Result<Header<'a>, RecordingError> {
+        for names in 0..self.rows.len() {
+            let clocks = self.clocks(names);
+            let Some(&clock) = clocks.first() else { continue };
+            let begins = |&row: &usize| self.row(row).is_some_and(|row| !row.is_comment() && is_time(row, clock));
+            let Some(samples) = (names + 1..=names + MAX_HEADING).find(begins) else { continue };
+            (names + 1..samples).try_for_each(|row| self.refuse_samples(row, clock))?;
+            let names = self.fullest(names, samples);
+            return self.header(names, &self.clocks(names), samples);
+        }
+        Err(self.no_heading())
+    }
+
+    /// Numbers alone in a row of the heading are samples whose time stamp is missing or no time.
+    fn refuse_samples(&self, row: usize, clock: usize) -> Result<(), RecordingError> {
+        let Some(row) = self.row(row) else { return Ok(()) };
+        let time = row.text(clock);
+        let mut others = (0..row.cells.len()).filter(|&c| c != clock && !row.text(c).is_empty()).peekable();
+        let are_units = !time.is_empty() && seconds(unbracketed(time)).is_some();
+        if are_units || others.peek().is_none() || !others.all(|c| is_number(row.text(c))) {
+            return Ok(());
+        }
+        let is_missing = matches!(Decimals::default().read(time, 0, 0), Ok(Number::Missing));
+        let text = time.to_owned();
+        let problem = if is_missing { CsvProblem::NoTimeStamp } else { CsvProblem::NotATime { text } };
+        Err(self.error(row.line, Some(clock), problem))
+    }
+
+    /// Of the rows above the samples that may hold the names: the first that names every column, or the first.
+    fn fullest(&self, first: usize, samples: usize) -> usize {
+        let width = self.row(samples).map_or(0, Row::width);
+        let is_full = |row: &usize| {
+            let labels = self.labels(*row);
+            labels.len() >= width && labels.iter().take(width).all(|label| !label.is_empty())
+        };
+        (first..samples).filter(|&row| !self.clocks(row).is_empty()).find(is_full).unwrap_or(first)
+    }
+
+    /// The cells of a row as headings; a comment's without its sign.
+    fn labels(&self, index: usize) -> Vec<String> {
+        let Some(row) = self.row(index) else { return Vec::new() };
+        let mut labels: Vec<String> = row.cells.iter().map(|cell| cell.label().trim().to_owned()).collect();
+        if row.is_comment() {
+            labels[0] = labels[0].trim_start_matches(['#', '%']).trim_start().to_owned();
+        }
+        labels
+    }
+
+    /// The time columns of a row that may hold the names; none where it holds none.
+    fn clocks(&self, index: usize) -> Vec<usize> {
+        let Some(row) = self.row(index) else { return Vec::new() };
+        if row.filled().count() < 2 || row.filled().any(|cell| !matches!(Stamp::read(cell), Ok(None))) {
+            return Vec::new();
+        }
+        let labels = self.labels(index);
+        let headings: Vec<(&str, &str)> = labels.iter().map(|label| clock_and_unit(label)).collect();
+        let is_unit = |unit: &str| !unit.is_empty() && seconds(unit).is_some();
+        let unit_below = self.row(index + 1).map_or("", |row| unbracketed(row.text(0)));
+        let is_first = |&(column, &(name, unit)): &(usize, &(&str, &str))| match (column, time_word(name)) {
+            (0, None) => is_unit(unit) || (is_unit(unit_below) && !is_number(name) && !name.is_empty()),
+            (0, Some(_)) => true,
+            (_, Some("t")) => is_unit(unit),
+            (_, Some(_)) => seconds(unit).is_some(),
+            (_, None) => false,
+        };
+        let dated = || headings.iter().position(|(name, _)| is_date_name(name));
+        let first = headings.iter().enumerate().find(is_first).map(|(column, _)| column).or_else(dated);
+        let Some(first) = first else { return Vec::new() };
+        let is_like_first = |name: &str| {
+            let word = time_word(name);
+            (word.is_some() && word == time_word(headings[first].0)) || name == headings[first].0
+        };
+        let is_clock = |column: &usize| {
+            let (name, unit) = headings[*column];
+            *column == first || (is_like_first(name) && seconds(unit).is_some())
+        };
+        (first..headings.len()).filter(is_clock).collect()
+    }
+
+    fn header(&self, names: usize, clocks: &[usize], samples: usize) -> Result<Header<'a>, RecordingError> {
+        let clock = clocks.first().copied().unwrap_or(0);
+        let units = (names + 1..samples).find(|&row| self.row(row).is_some_and(|row| is_unit_row(row, clock)));
+        let mut columns = self.columns(names, units, samples);
+        for &column in clocks {
+            self.mark_time(names, samples, &mut columns, column)?;
+        }
+        let comment = self.comment(names);
+        Ok(Header { columns, comment, samples: self.rows[samples].0.clone() })
+    }
+
+    /// Names with units, and the other rows of the heading as comments.
+    fn columns(&self, names: usize, units: Option<usize>, samples: usize) -> Vec<Column> {
+        let labels = self.labels(names);
+        let width = labels.iter().rposition(|label| !label.is_empty()).map_or(0, |last| last + 1);
+        let units_below = units.map(|row| self.labels(row));
+        let others: Vec<_> =
+            (names + 1..samples).filter(|row| Some(*row) != units).map(|row| self.labels(row)).collect();
+        let column = |(index, label): (usize, &String)| {
+            let (name, unit) = match &units_below {
+                Some(units) => (label.as_str(), unbracketed(units.get(index).map_or("", String::as_str))),
+                None => name_and_unit(label),
+            };
+            let texts = others.iter().filter_map(|row| row.get(index)).filter(|text| !text.is_empty());
+            let comment = texts.map(String::as_str).collect::<Vec<_>>().join(" ");
+            Column { name: name.into(), unit: unit.into(), comment, role: Role::Samples }
+        };
+        labels.iter().take(width).enumerate().map(column).collect()
+    }
+
+    /// Finds out how time is written in a column.
+    fn mark_time(
+        &self,
+        names: usize,
+        samples: usize,
+        columns: &mut [Column],
+        column: usize,
+    ) -> Result<(), RecordingError> {
+        let (Some(row), Some(first)) = (self.row(samples), columns.get(column)) else { return Ok(()) };
+        let label = self.labels(names).get(column).cloned().unwrap_or_default();
+        let (_, unit_of_name) = clock_and_unit(&label);
+        let unit = if first.unit.is_empty() { unit_of_name.to_owned() } else { first.unit.clone() };
+        let beside = [column.wrapping_sub(1), column + 1].into_iter().find(|&date| {
+            let is_date = columns.get(date).is_some_and(|c| is_date_name(&c.name));
+            is_date && !matches!(Stamp::read_pair(row.text(date), row.text(column)), Ok(None))
+        });
+        let is_empty = row.text(column).is_empty();
+        let role = if is_number(row.text(column)) || (is_empty && seconds(&unit).is_some()) {
+            match seconds(&unit) {
+                Some(factor) => Role::Time(factor),
+                None if unit.to_lowercase().contains("excel") => Role::SpreadsheetDays,
+                None => {
+                    let line = self.row(names).map_or(1, |row| row.line);
+                    return Err(self.error(line, Some(column), CsvProblem::TimeUnit { unit }));
+                }
+            }
+        } else {
+            Role::Stamps(beside)
+        };
+        if let (Role::Stamps(Some(date)), false) = (role, is_empty) {
+            columns[date].role = Role::Date;
+        }
+        columns[column].role = role;
+        Ok(())
+    }
+
+    /// What stands above the names.
+    fn comment(&self, names: usize) -> Option<String> {
+        let text = |(_, row): &(Rows<'_>, Row<'_>)| row.filled().collect::<Vec<_>>().join(" ");
+        let lines: Vec<String> = self.rows[..names].iter().map(text).filter(|l| !l.starts_with("sep=")).collect();
+        some_text(&lines.join("\n"))
+    }
+
+    /// Why there is no heading with a time column.
+    fn no_heading(&self) -> RecordingError {
+        let named = (0..self.rows.len()).find_map(|row| Some((row, *self.clocks(row).first()?)));
+        if let Some((names, clock)) = named {
+            let row = |index| self.row(index).map_or((1, ""), |row| (row.line, row.text(clock)));
+            return match self.row(names + 1) {
+                None => self.error(row(names).0, None, CsvProblem::NoData),
+                Some(_) => {
+                    let (line, text) = row(names + 1);
+                    self.error(line, Some(clock), CsvProblem::NotATime { text: text.into() })
+                }
+            };
+        }
+        let samples = self.rows.iter().position(|(_, row)| begins_with_number(row));
+        match samples.map(|index| index.checked_sub(1).and_then(|above| self.row(above))) {
+            None => self.error(self.rows.last().map_or(1, |(_, row)| row.line), None, CsvProblem::NoData),
+            Some(None) => self.error(1, None, CsvProblem::NoHeader),
+            Some(Some(above)) => {
+                let name = above.filled().next().unwrap_or_default().to_owned();
+                self.error(above.line, Some(0), CsvProblem::NoTime { name })
+            }
         }
     }
-    (cell, "")
+
+    /// The heading of a table without a time column, which need not have names: then columns are called by their
+    /// number.
+    pub(super) fn untimed(&self) -> Result<Header<'a>, RecordingError> {
+        let is_text = |row: &Row<'_>| row.filled().count() > 1 && row.filled().all(|cell| !is_number(cell));
+        let is_sample = |&row: &usize| {
+            let (this, next) = (self.row(row), self.row(row + 1));
+            this.is_some_and(begins_with_number) && !next.is_some_and(|next| is_text(next) && !next.is_comment())
+        };
+        let Some(samples) = (0..self.rows.len()).find(is_sample) else { return Err(self.no_heading()) };
+        let above = samples.checked_sub(1).filter(|&row| self.row(row).is_some_and(|row| !row.is_comment()));
+        let columns = match above {
+            Some(names) => self.columns(names, None, samples),
+            None => (1..=self.rows[samples].1.width()).map(numbered).collect(),
+        };
+        let comment = self.comment(above.unwrap_or(samples));
+        Ok(Header { columns, comment, samples: self.rows[samples].0.clone() })
+    }
 }
 
-fn unbracketed(cell: &str) -> &str {
-    let cell = cell.trim();
-    let inner = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
-    inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(cell).trim()
+fn numbered(number: usize) -> Column {
+    let name = format!("column {number}");
+    Column { name, unit: String::new(), comment: String::new(), role: Role::Samples }
 }
 
-/// What stands above the names.
-fn comment(rows: &[StringRecord]) -> Option<String> {
-    let text = |row: &StringRecord| {
-        let cells: Vec<&str> = row.iter().map(str::trim).filter(|c| !c.is_empty()).collect();
-        cells.join(" ")
-    };
-    let lines: Vec<String> = rows.iter().map(text).filter(|l| !l.starts_with("sep=")).collect();
-    some_text(&lines.join("\n"))
+fn is_date_name(name: &str) -> bool {
+    matches!(name.trim().to_lowercase().as_str(), "date" | "datum")
+}
+
+/// Whether the cell of the clock is a time, as it is in rows of samples.
+fn is_time(row: &Row<'_>, clock: usize) -> bool {
+    let cell = row.text(clock);
+    is_number(cell) || !matches!(Stamp::read(cell), Ok(None))
+}
+
+fn begins_with_number(row: &Row<'_>) -> bool {
+    !row.is_comment() && row.filled().next().is_some_and(is_number)
+}
+
+/// Whether a row below the names holds units: it has one of time, or something as short, or nothing, in that column.
+fn is_unit_row(row: &Row<'_>, clock: usize) -> bool {
+    let cell = row.text(clock);
+    let unit = unbracketed(cell);
+    let lower = unit.to_lowercase();
+    let is_layout = ["hh", "yyyy", "jjjj", "mm:ss"].iter().any(|part| lower.contains(part));
+    seconds(unit).is_some() || is_layout || unit.chars().count() <= 4 && time_word(unit).is_none() || cell != unit
 }

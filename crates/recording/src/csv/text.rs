@@ -1,11 +1,14 @@
-//! Characters, delimiters and numbers.
+//! Characters and delimiters.
 
 use std::borrow::Cow;
 
-use crate::CsvProblem;
+use super::rows::BLANKS;
 
 /// Lines looked at to find the delimiter.
-const SAMPLE_LINES: usize = 50;
+const SAMPLE_LINES: usize = 400;
+/// The last of these lines that count: many, or in a short file few.
+const MANY: usize = 50;
+const FEW: usize = 4;
 
 /// Content as text.
 pub(crate) struct Text<'a> {
@@ -28,17 +31,6 @@ impl<'a> Text<'a> {
                 Self { content: Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()), assumed_latin1: true }
             }
         }
-    }
-}
-
-impl Text<'_> {
-    /// Makes columns that are set apart by blanks alone into columns set apart by tabs.
-    pub(crate) fn separate_by_tabs(&mut self) {
-        if delimiter(&self.content).is_some_and(|d| d != b'\t') {
-            return;
-        }
-        let lines = self.content.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join("\t") + "\n");
-        self.content = Cow::Owned(lines.collect());
     }
 }
 
@@ -69,44 +61,30 @@ pub(crate) fn is_text(bytes: &[u8]) -> bool {
     !without_end_mark(bytes).iter().take(4096).any(control)
 }
 
-/// The first of tab, semicolon and comma that occurs, outside quotes, in at least half of the lines.
-pub(crate) fn delimiter(content: &str) -> Option<u8> {
-    let lines: Vec<&str> = content.lines().filter(|l| !l.trim().is_empty()).take(SAMPLE_LINES).collect();
-    [b'\t', b';', b','].into_iter().find(|&d| {
-        let with = lines.iter().filter(|l| occurs(l, d)).count();
-        with > 0 && with * 2 >= lines.len()
-    })
+/// What separates the cells: what a first line `sep=;` says, or else the first of tab, semicolon and comma that occurs,
+/// outside quotes, in at least half of the last lines of the sample, above which there may be other text; blanks, where
+/// `may_be_blanks` and nothing else occurs.
+pub(super) fn delimiter(content: &str, may_be_blanks: bool) -> Option<u8> {
+    let stated = content.lines().next().and_then(|line| line.trim_matches('"').strip_prefix("sep=")).map(str::as_bytes);
+    if let Some([stated @ (b';' | b',' | b'\t' | b'|')]) = stated {
+        return Some(*stated);
+    }
+    let is_filled = |line: &&str| !line.trim().is_empty() && !line.starts_with(['#', '%']);
+    let lines: Vec<&str> = content.lines().filter(is_filled).take(SAMPLE_LINES).collect();
+    let occurring = [MANY, FEW].into_iter().find_map(|tail| {
+        let lines = &lines[lines.len().saturating_sub(tail)..];
+        [b'\t', b';', b',', b'|'].into_iter().find(|&d| {
+            let with = lines.iter().filter(|l| occurs(l, d)).count();
+            with > 0 && with * 2 >= lines.len()
+        })
+    });
+    occurring.or((may_be_blanks && !lines.is_empty()).then_some(BLANKS))
 }
 
 fn occurs(line: &str, delimiter: u8) -> bool {
     let mut quoted = false;
-    line.bytes().any(|b| {
+    line.trim().bytes().any(|b| {
         quoted ^= b == b'"';
         b == delimiter && !quoted
     })
-}
-
-/// A cell as a number; NaN where it is empty. `decimal` is the decimal sign seen so far.
-pub(crate) fn number(cell: &str, decimal: &mut Option<char>) -> Result<f64, CsvProblem> {
-    let cell = cell.trim();
-    if cell.is_empty() {
-        return Ok(f64::NAN);
-    }
-    let sign = cell.chars().find(|c| matches!(c, '.' | ','));
-    if let Some(sign) = sign {
-        if decimal.is_some_and(|seen| seen != sign) {
-            return Err(CsvProblem::MixedDecimalSigns { text: cell.into() });
-        }
-        *decimal = Some(sign);
-    }
-    plain_number(cell).ok_or_else(|| CsvProblem::NotANumber { text: cell.into() })
-}
-
-/// A number with a decimal point or comma.
-pub(crate) fn plain_number(cell: &str) -> Option<f64> {
-    match cell.contains(',') {
-        false => cell.parse().ok(),
-        true if cell.contains('.') => None,
-        true => cell.replacen(',', ".", 1).parse().ok(),
-    }
 }

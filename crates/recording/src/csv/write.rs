@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::header::is_time_name;
+use crate::heading::{heading, time_word};
 use crate::{Channel, Recording, RecordingError};
 
 /// Encodes a recording as CSV: commas, decimal points, one block `time [s], channel [unit], …` for each raster, side by
@@ -18,13 +18,14 @@ use crate::{Channel, Recording, RecordingError};
 pub fn encode_csv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     let rasters = recording.rasters.len();
     let mut blocks: Vec<Vec<&Channel>> = vec![Vec::new(); rasters];
+    recording.check()?;
     for channel in &recording.channels {
-        check(recording, channel)?;
+        check(channel)?;
         blocks[channel.raster].push(channel);
     }
     let mut out = String::new();
     let headings = blocks.iter().flat_map(|block| {
-        let names = block.iter().map(|c| heading(&c.name, &c.unit));
+        let names = block.iter().map(|c| quoted(&c.name, &c.unit));
         std::iter::once(String::from("time [s]")).chain(names)
     });
     out.push_str(&headings.collect::<Vec<_>>().join(","));
@@ -36,22 +37,8 @@ pub fn encode_csv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     Ok(out.into_bytes())
 }
 
-fn check(recording: &Recording, channel: &Channel) -> Result<(), RecordingError> {
-    let Some(raster) = recording.rasters.get(channel.raster) else {
-        return Err(RecordingError::NoSuchRaster {
-            channel: channel.name.clone(),
-            raster: channel.raster,
-            rasters: recording.rasters.len(),
-        });
-    };
-    if channel.samples.len() != raster.time_s.len() {
-        return Err(RecordingError::LengthMismatch {
-            channel: channel.name.clone(),
-            samples: channel.samples.len(),
-            times: raster.time_s.len(),
-        });
-    }
-    if is_time_name(&channel.name) || channel.name.trim().is_empty() {
+fn check(channel: &Channel) -> Result<(), RecordingError> {
+    if time_word(&channel.name) == Some("time") || channel.name.trim().is_empty() {
         return Err(RecordingError::CannotExpress {
             format: "CSV".into(),
             name: channel.name.clone(),
@@ -61,12 +48,9 @@ fn check(recording: &Recording, channel: &Channel) -> Result<(), RecordingError>
     Ok(())
 }
 
-/// `name [unit]`, quoted where necessary. A name that ends in a bracket needs the unit even if it is empty.
-fn heading(name: &str, unit: &str) -> String {
-    let plain = match unit.is_empty() && !name.ends_with([']', ')']) {
-        true => name.to_owned(),
-        false => format!("{name} [{unit}]"),
-    };
+/// `name [unit]`, quoted where necessary.
+fn quoted(name: &str, unit: &str) -> String {
+    let plain = heading(name, unit);
     match plain.contains(['"', ',', '\n', '\r', ';', '\t']) {
         true => format!("\"{}\"", plain.replace('"', "\"\"")),
         false => plain,

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::value::Value;
-use crate::csv::{is_time_name, seconds};
+use crate::heading::{seconds, time_word};
 
 /// Seconds per unit, as a fraction.
 pub(super) type Factor = (f64, f64);
@@ -18,7 +18,7 @@ pub(super) fn is_plain_time(name: &str) -> bool {
 
 /// The unit of a vector that is named like a clock: `t`, `Time`, `time_2`, `time_ms`.
 pub(super) fn clock_unit(name: &str) -> Option<Factor> {
-    if is_plain_time(name) || is_time_name(name) {
+    if is_plain_time(name) || time_word(name).is_some() {
         return Some((1.0, 1.0));
     }
     let (stem, unit) = name.rsplit_once('_')?;

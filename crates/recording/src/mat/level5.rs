@@ -284,9 +284,7 @@ impl Parser<'_> {
         let (class, is_complex) = (flags & 0xFF, flags & 0x0800 != 0);
         if class == 17 {
             let (name, _, class) = (elements.name()?, elements.name()?, elements.name()?);
-            let detail =
-                format!("an object of class \"{}\"; save its arrays, or a struct of them", class.escape_debug());
-            return Ok((name, Value::unsupported(detail)));
+            return Ok((name, Value::object(&class)));
         }
         let (dimensions, count) = elements.dimensions()?;
         let name = elements.name()?;

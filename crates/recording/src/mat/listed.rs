@@ -102,7 +102,7 @@ fn text<'a>(structs: &'a Struct, index: usize, field: &str) -> Option<&'a str> {
 }
 
 /// `NANOSECONDS utc|local [MINUTES]`, as [`start_text`] writes it.
-fn start_time(text: &str) -> Option<StartTime> {
+pub(crate) fn start_time(text: &str) -> Option<StartTime> {
     let mut words = text.split(' ');
     let nanoseconds = words.next()?.parse().ok()?;
     let is_local = words.next()? == "local";
@@ -110,7 +110,7 @@ fn start_time(text: &str) -> Option<StartTime> {
 }
 
 /// Nanoseconds since 1970, on which clock, and how many minutes that is ahead of UTC where known.
-pub(super) fn start_text(start: Option<StartTime>) -> String {
+pub(crate) fn start_text(start: Option<StartTime>) -> String {
     let Some(start) = start else { return String::new() };
     let clock = if start.is_local { "local" } else { "utc" };
     let offset = start.utc_offset_min.map(|minutes| format!(" {minutes}")).unwrap_or_default();

@@ -1,22 +1,25 @@
 //! MAT-files of MATLAB: variables that hold arrays, text, cells and structs, in any order.
 //!
-//! [`level5`] and [`level4`] read the variables, [`scope`] finds the clocks among them, [`listed`] reads the list that
-//! [`write`] puts into its files.
+//! [`level73`], [`level5`] and [`level4`] read the variables, [`scope`] finds the clocks among them, [`listed`] reads
+//! the list that [`write`] puts into its files.
 
 mod labels;
 mod level4;
 mod level5;
+mod level73;
 mod listed;
 mod scope;
 mod value;
 mod write;
 
 use crate::{Format, Recording, RecordingError, Selection};
+#[cfg(feature = "parquet")]
+pub(crate) use listed::{start_text, start_time};
 use scope::Plan;
 use value::Value;
 pub use write::encode_mat5;
 
-/// What a file of level 7.3 starts with, after a header like that of level 5.
+/// What an HDF5 file starts with; one of level 7.3 after a header like that of level 5.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
 /// Whether content is a MAT-file, of a level that can be read or not.
@@ -39,21 +42,21 @@ pub(crate) fn decode(
     selection: &Selection,
     row_distance_s: Option<f64>,
 ) -> Result<Recording, RecordingError> {
-    let (level, mut variables) = variables(name, bytes)?;
+    let (format, mut variables) = variables(name, bytes)?;
     let mut plan = Plan::new(row_distance_s);
     let listed = listed::take(name, &mut variables, &mut plan)?;
     plan.top(variables);
-    let mut recording = plan.finish(name, selection, Format::Mat { level })?;
+    let mut recording = plan.finish(name, selection, format)?;
     (recording.comment, recording.start_time) = listed;
     Ok(recording)
 }
 
-fn variables(name: &str, bytes: &[u8]) -> Result<(u8, Vec<(String, Value)>), RecordingError> {
+fn variables(name: &str, bytes: &[u8]) -> Result<(Format, Vec<(String, Value)>), RecordingError> {
     if bytes.starts_with(HDF5) {
-        return Err(RecordingError::MatV73 { file: name.into() });
+        return Ok((Format::Hdf5, level73::variables(name, bytes)?));
     }
     if level4::starts(bytes) {
-        return Ok((4, level4::variables(name, bytes)?));
+        return Ok((Format::Mat { level: 4 }, level4::variables(name, bytes)?));
     }
     let Some(big) = level5::is_big_endian(bytes) else {
         return Err(RecordingError::Truncated {
@@ -64,8 +67,8 @@ fn variables(name: &str, bytes: &[u8]) -> Result<(u8, Vec<(String, Value)>), Rec
         });
     };
     match (if big { bytes[124] } else { bytes[125] }, bytes[124].max(bytes[125])) {
-        (1, _) => Ok((5, level5::variables(name, bytes)?)),
-        (2, _) => Err(RecordingError::MatV73 { file: name.into() }),
+        (1, _) => Ok((Format::Mat { level: 5 }, level5::variables(name, bytes)?)),
+        (2, _) => Ok((Format::Mat { level: 73 }, level73::variables(name, bytes)?)),
         (_, other) => Err(RecordingError::Damaged {
             file: name.into(),
             offset: Some(124),

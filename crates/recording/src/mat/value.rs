@@ -23,6 +23,22 @@ impl Value {
         Self::Skip(SkipReason::Unsupported { detail: detail.into() })
     }
 
+    /// An object of MATLAB, of which the file keeps more than its numbers, in a form of its own.
+    pub(super) fn object(class: &str) -> Self {
+        let remedy = match class {
+            "timeseries" => "save t = ts.Time and y = ts.Data",
+            "timetable" => "save t = seconds(tt.Properties.RowTimes - tt.Properties.RowTimes(1)) and y = tt.Variables",
+            "table" => "save s = table2struct(tbl, 'ToScalar', true)",
+            "iddata" => "save u = z.InputData, y = z.OutputData and Ts = z.Ts",
+            "string" => "save it as char(s)",
+            "datetime" => "save seconds(d - d(1))",
+            "duration" => "save seconds(d)",
+            "categorical" => "save double(c)",
+            _ => "save its arrays, or a struct of them",
+        };
+        Self::unsupported(format!("an object of class \"{}\"; {remedy}", class.escape_debug()))
+    }
+
     /// The only text here, blanks at its ends removed.
     pub(super) fn text(&self) -> Option<&str> {
         match self {

@@ -84,19 +84,9 @@ pub fn encode_mat5(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
 }
 
 fn check(recording: &Recording) -> Result<(), RecordingError> {
-    let rasters = recording.rasters.len();
-    for channel in &recording.channels {
-        let (name, raster) = (&channel.name, channel.raster);
-        let Some(clock) = recording.rasters.get(raster) else {
-            return Err(RecordingError::NoSuchRaster { channel: name.clone(), raster, rasters });
-        };
-        let (samples, times) = (channel.samples.len(), clock.time_s.len());
-        if samples != times {
-            return Err(RecordingError::LengthMismatch { channel: name.clone(), samples, times });
-        }
-    }
+    recording.check()?;
     // Each is listed with five texts, and readers bound the number of those.
-    if recording.channels.len() + rasters > MAX_CHANNELS / 4 {
+    if recording.channels.len() + recording.rasters.len() > MAX_CHANNELS / 4 {
         return Err(cannot(NAME, "the number of channels"));
     }
     Ok(())

@@ -116,6 +116,83 @@ fn exact_mat5_of_ours_conforms() {
 }
 
 #[test]
+fn exact_mat73_survives_damage() {
+    for small in [&include_bytes!("data/mat/small73.mat")[..], include_bytes!("data/mat/small.h5")] {
+        let case = Case {
+            read: read("small.mat"),
+            small,
+            duplicates: &[],
+            mixed_rates: &[],
+            unrecognisable_cuts: vec![],
+            numbers_per_byte: 1000,
+        };
+        testkit::reader::refuses_a_wrong_magic(&case);
+        testkit::reader::reports_every_truncation(&case);
+        testkit::reader::survives_every_corrupted_byte(&case);
+    }
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn exact_parquet_conforms() {
+    conform(&Case {
+        read: read("small.parquet"),
+        small: &recording::encode_parquet(&mixed()).unwrap(),
+        duplicates: &recording::encode_parquet(&duplicates()).unwrap(),
+        mixed_rates: &recording::encode_parquet(&mixed()).unwrap(),
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    });
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn exact_arrow_conforms() {
+    conform(&Case {
+        read: read("small.arrow"),
+        small: &recording::encode_arrow(&mixed()).unwrap(),
+        duplicates: &recording::encode_arrow(&duplicates()).unwrap(),
+        mixed_rates: &recording::encode_arrow(&mixed()).unwrap(),
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    });
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn exact_arrow_streams_survive_damage() {
+    let case = Case {
+        read: read("small.arrow"),
+        small: &crate::tables::small_stream(),
+        duplicates: &[],
+        mixed_rates: &[],
+        unrecognisable_cuts: vec![],
+        numbers_per_byte: 1000,
+    };
+    testkit::reader::reports_every_truncation(&case);
+    testkit::reader::survives_every_corrupted_byte(&case);
+}
+
+/// Text with everything that the reader knows.
+#[test]
+fn exact_csv_with_everything_survives_damage() {
+    let small = "sep=;\nBench;4\n# by hand\nDate;time_1;\"n;1\";state;time_2;M\n;s;1/min;;s;Nm\n;;speed;;;\n\
+        21.11.2026;23:59:59,5;1,5;on;21.11.2026 23:59:59;-\n22.11.2026;0:00:00;\"2,5\";off;;\n";
+    let ends = small.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at + 1);
+    let case = Case {
+        read: read("small.csv"),
+        small: small.as_bytes(),
+        duplicates: &[],
+        mixed_rates: &[],
+        unrecognisable_cuts: ends.collect(),
+        numbers_per_byte: 2,
+    };
+    assert!(read("small.csv")(small.as_bytes()).is_ok_and(|content| content.clocks.len() == 2));
+    testkit::reader::reports_every_truncation(&case);
+    testkit::reader::survives_every_corrupted_byte(&case);
+}
+
+#[test]
 fn exact_plain_mat5_conforms() {
     let variables = [("time", 4), ("a", 4), ("time_2", 7), ("b", 7)].map(|(name, n)| {
         let samples: Vec<f64> = (0..n).map(f64::from).collect();

@@ -4,8 +4,13 @@
 
 mod bench_files;
 mod csv;
+mod csv_reference;
 mod damage;
+#[cfg(feature = "parquet")]
+mod interop;
 mod mat;
 mod mdf;
 mod round_trip;
 mod shared;
+#[cfg(feature = "parquet")]
+mod tables;

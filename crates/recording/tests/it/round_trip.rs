@@ -77,6 +77,24 @@ proptest! {
         }
     }
 
+    #[cfg(feature = "parquet")]
+    #[test]
+    fn prop_tables_are_read_back_bit_for_bit(written in recording()) {
+        for bytes in [recording::encode_parquet(&written).unwrap(), recording::encode_arrow(&written).unwrap()] {
+            let read = decode("a", &bytes, &Selection::All).unwrap();
+            prop_assert_eq!((&read.comment, read.start_time), (&written.comment, written.start_time));
+            prop_assert_eq!(read.channels.len(), written.channels.len());
+            for (r, w) in read.rasters.iter().zip(&written.rasters) {
+                prop_assert_eq!(&r.name, &w.name);
+                prop_assert_eq!(bits(&r.time_s), bits(&w.time_s));
+            }
+            for (r, w) in read.channels.iter().zip(&written.channels) {
+                prop_assert_eq!((&r.name, &r.unit, &r.comment, r.raster), (&w.name, &w.unit, &w.comment, w.raster));
+                prop_assert_eq!(bits(&r.samples), bits(&w.samples));
+            }
+        }
+    }
+
     #[test]
     fn prop_mat5_is_read_back_bit_for_bit(written in recording()) {
         let read = decode("a.mat", &encode_mat5(&written).unwrap(), &Selection::All).unwrap();

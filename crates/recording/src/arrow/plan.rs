@@ -1,0 +1,200 @@
+//! From the schema to clocks and channels.
+
+use std::collections::{BTreeSet, HashMap};
+
+use arrow_schema::{DataType, Field, Metadata, Schema, TimeUnit};
+
+use super::key;
+use super::values::is_numeric;
+use crate::error::require_names;
+use crate::heading::{clock_and_unit, name_and_unit, seconds, time_word};
+use crate::mat::start_time;
+use crate::{Finding, RecordingError, Selection, SkipReason, StartTime};
+
+/// What to read, and as what.
+pub(super) struct Plan {
+    /// The columns of the file that are read, in order.
+    pub(super) columns: Vec<usize>,
+    pub(super) groups: Vec<Group>,
+    pub(super) findings: Vec<Finding>,
+    pub(super) comment: Option<String>,
+    pub(super) start_time: Option<StartTime>,
+}
+
+/// Channels that share a clock; columns are counted among those that are read.
+pub(super) struct Group {
+    pub(super) clock: Option<(usize, Clock)>,
+    pub(super) channels: Vec<Heading>,
+    /// Whether rows belong to the group by its first channel, not by its clock.
+    pub(super) is_listed: bool,
+    pub(super) name: Option<String>,
+}
+
+/// How a column tells the time.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Clock {
+    /// Numbers, with seconds per unit as a fraction.
+    Numbers((f64, f64)),
+    Duration(TimeUnit),
+    TimeOfDay(TimeUnit),
+    /// With the zone, where it is known.
+    Stamps(TimeUnit, Option<String>),
+}
+
+/// A channel.
+pub(super) struct Heading {
+    pub(super) column: usize,
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) comment: String,
+}
+
+/// The column of a clock, the number of a raster, and the channels that share them.
+type Sharing = (Option<usize>, Option<u64>, Vec<Heading>);
+
+impl Plan {
+    pub(super) fn new(
+        file: &str,
+        schema: &Schema,
+        selection: &Selection,
+        row_distance_s: Option<f64>,
+    ) -> Result<Self, RecordingError> {
+        let fields = schema.fields();
+        let clocks = clocks(fields.iter().map(AsRef::as_ref));
+        if clocks.is_empty() && row_distance_s.is_none() {
+            let first = fields.first().map(|field| field.name().clone()).unwrap_or_default();
+            return Err(RecordingError::NoTimeColumn { file: file.into(), first });
+        }
+        let names: Vec<String> = fields.iter().map(|field| label(field).0).collect();
+        let candidates = names.iter().enumerate().filter(|(index, _)| !clocks.contains_key(index));
+        require_names(file, selection, candidates.map(|(_, name)| name.as_str()))?;
+        let metadata = schema.metadata();
+        let mut plan = Self {
+            columns: Vec::new(),
+            groups: Vec::new(),
+            findings: Vec::new(),
+            comment: metadata.get(key::COMMENT).cloned(),
+            start_time: metadata.get(key::START_TIME).and_then(|text| start_time(text)),
+        };
+        let groups = plan.groups(file, fields, &clocks, selection)?;
+        plan.place(groups, clocks, metadata);
+        Ok(plan)
+    }
+
+    /// The selected channels, by clock and raster.
+    fn groups(
+        &mut self,
+        file: &str,
+        fields: &arrow_schema::Fields,
+        clocks: &HashMap<usize, Clock>,
+        selection: &Selection,
+    ) -> Result<Vec<Sharing>, RecordingError> {
+        let mut groups: Vec<Sharing> = Vec::new();
+        // What stands before the first clock is its too.
+        let mut clock = clocks.keys().min().copied();
+        for (column, field) in fields.iter().enumerate() {
+            if clocks.contains_key(&column) {
+                clock = Some(column);
+                continue;
+            }
+            let (name, unit, comment) = label(field);
+            if !selection.takes(&name) {
+                continue;
+            }
+            if let Err(kind) = is_numeric(field.data_type()) {
+                let reason = SkipReason::NotNumeric { kind: kind.into() };
+                if let Selection::Names(_) = selection {
+                    return Err(RecordingError::UnusableChannel { file: file.into(), channel: name, reason });
+                }
+                self.findings.push(Finding::SkippedChannel { channel: name, reason });
+                continue;
+            }
+            let raster = field.metadata().get(key::RASTER).and_then(|raster| raster.parse().ok());
+            let heading = Heading { column, name, unit, comment };
+            match groups.iter_mut().find(|(c, r, _)| (*c, *r) == (clock, raster)) {
+                Some((.., headings)) => headings.push(heading),
+                None => groups.push((clock, raster, vec![heading])),
+            }
+        }
+        groups.sort_by_key(|(clock, raster, _)| (*clock, *raster));
+        Ok(groups)
+    }
+
+    /// Counts the columns among those that are read.
+    fn place(&mut self, groups: Vec<Sharing>, clocks: HashMap<usize, Clock>, metadata: &Metadata) {
+        let clock_columns = groups.iter().filter_map(|(clock, ..)| *clock);
+        let channels = groups.iter().flat_map(|(.., headings)| headings.iter().map(|h| h.column));
+        let columns: BTreeSet<usize> = clock_columns.chain(channels).collect();
+        self.columns = columns.into_iter().collect();
+        let place = |column: usize| self.columns.binary_search(&column).unwrap_or(0);
+        let group = |(clock, raster, mut channels): Sharing| {
+            channels.iter_mut().for_each(|heading| heading.column = place(heading.column));
+            Group {
+                clock: clock.and_then(|column| Some((place(column), clocks.get(&column)?.clone()))),
+                channels,
+                is_listed: raster.is_some(),
+                name: raster.and_then(|raster| metadata.get(&format!("raster {raster}")).cloned()),
+            }
+        };
+        self.groups = groups.into_iter().map(group).collect();
+    }
+}
+
+/// Name, unit and comment of a column.
+fn label(field: &Field) -> (String, String, String) {
+    let metadata = field.metadata();
+    let text = |names: &[&str]| names.iter().find_map(|name| metadata.get(name)).cloned();
+    let comment = text(&[key::COMMENT, "description", "Description"]).unwrap_or_default();
+    let unit = text(&[key::UNIT, "units", "Unit", "UNIT"]);
+    match (text(&[key::NAME]), unit) {
+        (Some(name), unit) => (name, unit.unwrap_or_default(), comment),
+        (None, Some(unit)) => (field.name().clone(), unit, comment),
+        (None, None) => {
+            let (name, unit) = name_and_unit(field.name());
+            let unit = if unit.is_empty() && matches!(field.data_type(), DataType::Duration(_)) { "s" } else { unit };
+            (name.into(), unit.into(), comment)
+        }
+    }
+}
+
+/// The columns that are clocks: those named as time, alike where there are several; else the only one that holds times
+/// or dates; else the first, if its unit is one of time.
+fn clocks<'a>(fields: impl Iterator<Item = &'a Field>) -> HashMap<usize, Clock> {
+    let fields: Vec<&Field> = fields.collect();
+    let word = |field: &Field| time_word(clock_and_unit(field.name()).0);
+    let named = |(column, field): &(usize, &&Field)| {
+        let is_letter = word(field) == Some("t") && *column > 0;
+        !field.metadata().contains_key(key::RASTER) && word(field).is_some() && !is_letter && clock(field).is_some()
+    };
+    let stands = |column: usize| fields.get(column).and_then(|field| Some((column, clock(field)?)));
+    if let Some((first, field)) = fields.iter().enumerate().find(named) {
+        let is_like_first = |f: &Field| word(f) == word(field) && !f.metadata().contains_key(key::RASTER);
+        return (first..fields.len()).filter(|&c| is_like_first(fields[c])).filter_map(stands).collect();
+    }
+    let is_temporal =
+        |field: &Field| matches!(clock(field), Some(Clock::Stamps(..) | Clock::Duration(_) | Clock::TimeOfDay(_)));
+    let temporal: Vec<usize> = (0..fields.len()).filter(|&column| is_temporal(fields[column])).collect();
+    let is_first = |field: &&Field| {
+        let unit = label(field).1;
+        !unit.is_empty() && seconds(&unit).is_some()
+    };
+    match (temporal.as_slice(), fields.first().copied().filter(is_first)) {
+        ([only], _) => stands(*only).into_iter().collect(),
+        (_, Some(_)) => stands(0).into_iter().collect(),
+        _ => HashMap::new(),
+    }
+}
+
+/// How this column tells the time, if it can.
+fn clock(field: &Field) -> Option<Clock> {
+    match field.data_type() {
+        DataType::Timestamp(unit, zone) => Some(Clock::Stamps(*unit, zone.as_ref().map(ToString::to_string))),
+        DataType::Duration(unit) => Some(Clock::Duration(*unit)),
+        DataType::Time32(unit) | DataType::Time64(unit) => Some(Clock::TimeOfDay(*unit)),
+        kind if kind.is_numeric() => {
+            let unit = field.metadata().get(key::UNIT).map(String::as_str);
+            seconds(unit.unwrap_or(clock_and_unit(field.name()).1)).map(Clock::Numbers)
+        }
+        _ => None,
+    }
+}

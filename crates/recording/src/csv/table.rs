@@ -1,0 +1,320 @@
+//! Rows of samples to columns.
+
+use super::header::{Column, Header, Role};
+use super::number::{Decimals, Number};
+use super::rows::{Row, Rows};
+use super::stamp::{DAY, Frame, Stamp};
+use crate::{Channel, CsvProblem, Finding, Raster, RecordingError, Selection, SkipReason, StartTime};
+
+/// A problem in a column of a row.
+type Fault = (Option<usize>, CsvProblem);
+
+/// Columns under construction.
+pub(super) struct Table<'a> {
+    file: &'a str,
+    headings: Vec<Column>,
+    columns: Vec<Sink>,
+    blocks: Vec<Block>,
+    pub(super) decimals: Decimals,
+    stamps: Stamps,
+    /// Time from row to row, s, where no column holds time.
+    row_distance_s: Option<f64>,
+}
+
+/// Where a column's cells go.
+enum Sink {
+    Samples {
+        values: Vec<f64>,
+        /// Whether there was a number.
+        is_numeric: bool,
+    },
+    Text,
+    /// Not selected, or the day of a time stamp.
+    Unread,
+    /// Without a name; it has to stay empty.
+    Nameless,
+}
+
+/// Columns side by side that share a clock.
+struct Block {
+    columns: std::ops::Range<usize>,
+    clock: Option<usize>,
+    has_ended: bool,
+    time_s: Vec<f64>,
+    /// The last time stamp and the midnight before it, where the day is not known.
+    last: Option<(i64, i64)>,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn new(
+        file: &'a str,
+        columns: Vec<Column>,
+        selection: &Selection,
+        delimiter: u8,
+        row_distance_s: Option<f64>,
+    ) -> Self {
+        let is_clock = |c: &Column| matches!(c.role, Role::Time(_) | Role::Stamps(_) | Role::SpreadsheetDays);
+        let clocks: Vec<usize> = (0..columns.len()).filter(|&c| is_clock(&columns[c])).collect();
+        let sink = |column: &Column| match column.role {
+            Role::Samples if column.name.is_empty() => Sink::Nameless,
+            Role::Samples if selection.takes(&column.name) => Sink::Samples { values: Vec::new(), is_numeric: false },
+            _ => Sink::Unread,
+        };
+        Self {
+            file,
+            columns: columns.iter().map(sink).collect(),
+            blocks: blocks(&clocks, &columns),
+            headings: columns,
+            decimals: Decimals::new(delimiter),
+            stamps: Stamps::default(),
+            row_distance_s,
+        }
+    }
+
+    /// Reads the rows to the end.
+    pub(super) fn fill(&mut self, mut rows: Rows<'a>) -> Result<Option<Finding>, RecordingError> {
+        let mut row = Row::default();
+        let mut last = None;
+        while rows.next(&mut row) {
+            if self.is_comment(&row) || row.width() == 0 && row.cells.len() == 1 {
+                continue;
+            }
+            if !row.is_ended && row.cells.len() < self.columns.len() {
+                return Ok(Some(Finding::IncompleteLastLine { line: row.line }));
+            }
+            let error = |(column, problem): Fault| RecordingError::Csv {
+                file: self.file.into(),
+                line: row.line,
+                column: column.map(|c| c + 1),
+                problem,
+            };
+            self.row(&row).map_err(error)?;
+            last = (!row.is_ended).then_some(Finding::NoFinalLineEnd { line: row.line });
+        }
+        let Some((line, column, text)) = self.decimals.undecided() else { return Ok(last) };
+        let (file, problem) = (self.file.to_owned(), CsvProblem::AmbiguousSign { text: text.clone() });
+        Err(RecordingError::Csv { file, line: *line, column: Some(column + 1), problem })
+    }
+
+    /// Whether a line is a comment: where the first column is not the clock, a full line may be samples all the same.
+    fn is_comment(&self, row: &Row<'_>) -> bool {
+        let is_clock_first = self.blocks.first().is_some_and(|block| block.clock == Some(0));
+        row.is_comment() && (is_clock_first || row.cells.len() < self.columns.len())
+    }
+
+    fn row(&mut self, row: &Row<'_>) -> Result<(), Fault> {
+        let expected = self.columns.len();
+        if row.cells.len() < expected || row.cells[expected..].iter().any(|cell| !cell.text.is_empty()) {
+            return Err((None, CsvProblem::ColumnCount { found: row.cells.len(), expected }));
+        }
+        (0..self.blocks.len()).try_for_each(|block| self.block(row, block))
+    }
+
+    /// Takes over one line of one block of columns.
+    fn block(&mut self, row: &Row<'_>, block: usize) -> Result<(), Fault> {
+        let Block { columns, clock, has_ended, .. } = &mut self.blocks[block];
+        let has_time = clock.is_some_and(|clock| !row.cells[clock].text.is_empty());
+        if !has_time {
+            let Some(filled) = columns.clone().find(|&c| !row.cells[c].text.is_empty()) else {
+                *has_ended = true;
+                return Ok(());
+            };
+            if clock.is_some() && !*has_ended {
+                return Err((*clock, CsvProblem::NoTimeStamp));
+            }
+            if *has_ended {
+                return Err((Some(filled), CsvProblem::Gap));
+            }
+        } else if *has_ended {
+            return Err((*clock, CsvProblem::Gap));
+        }
+        let columns = columns.clone();
+        self.time(row, block)?;
+        for column in columns {
+            self.cell(row, column).map_err(|problem| (Some(column), problem))?;
+        }
+        Ok(())
+    }
+
+    fn time(&mut self, row: &Row<'_>, block: usize) -> Result<(), Fault> {
+        let Block { clock, time_s, last, .. } = &mut self.blocks[block];
+        let Some(clock) = *clock else {
+            time_s.push(time_s.len() as f64 * self.row_distance_s.unwrap_or(1.0));
+            return Ok(());
+        };
+        let cell = row.cells[clock].text;
+        let stamps = &mut self.stamps;
+        let time = match self.headings[clock].role {
+            Role::Time(factor) => number(&mut self.decimals, cell, row.line, clock).map(|t| t * factor.0 / factor.1),
+            Role::SpreadsheetDays => {
+                number(&mut self.decimals, cell, row.line, clock).and_then(|days| stamps.spreadsheet(days, cell))
+            }
+            Role::Stamps(date) => {
+                let time = stamps.time_s(cell, date.map(|date| row.cells[date].text), last);
+                if let Some(sign) = stamps.sign.take() {
+                    self.decimals.seen(sign);
+                }
+                time
+            }
+            Role::Samples | Role::Date => Ok(f64::NAN),
+        };
+        time_s.push(time.map_err(|problem| (Some(clock), problem))?);
+        Ok(())
+    }
+
+    #[inline]
+    fn cell(&mut self, row: &Row<'_>, column: usize) -> Result<(), CsvProblem> {
+        let text = row.cells[column].text;
+        match &mut self.columns[column] {
+            Sink::Samples { values, is_numeric } => match self.decimals.read(text, row.line, column)? {
+                Number::Value(value) => {
+                    *is_numeric = true;
+                    values.push(value);
+                }
+                Number::Missing => values.push(f64::NAN),
+                Number::Text if *is_numeric => return Err(CsvProblem::NotANumber { text: text.into() }),
+                Number::Text => self.columns[column] = Sink::Text,
+            },
+            Sink::Unread if self.headings[column].role == Role::Samples => {
+                self.decimals.observe(text, row.line, column)?;
+            }
+            Sink::Nameless if !text.is_empty() => return Err(CsvProblem::NoName),
+            Sink::Text | Sink::Unread | Sink::Nameless => {}
+        }
+        Ok(())
+    }
+
+    /// The recording's parts, and what was left out.
+    pub(super) fn finish(self, selection: &Selection) -> Result<Content, RecordingError> {
+        let mut content = Content { start_time: self.stamps.start(), ..Content::default() };
+        let mut columns: Vec<_> = self.headings.into_iter().zip(self.columns).map(Some).collect();
+        for block in self.blocks {
+            let before = content.channels.len();
+            for place in columns.get_mut(block.columns).unwrap_or_default() {
+                match place.take() {
+                    Some((Column { name, unit, comment, .. }, Sink::Samples { values: samples, .. })) => {
+                        let raster = content.rasters.len();
+                        content.channels.push(Channel { name, unit, comment, raster, samples });
+                    }
+                    Some((Column { name, .. }, Sink::Text)) => {
+                        let reason = SkipReason::NotNumeric { kind: "text".into() };
+                        if let Selection::Names(_) = selection {
+                            let (file, channel) = (self.file.to_owned(), name);
+                            return Err(RecordingError::UnusableChannel { file, channel, reason });
+                        }
+                        content.findings.push(Finding::SkippedChannel { channel: name, reason });
+                    }
+                    _ => {}
+                }
+            }
+            if content.channels.len() > before {
+                content.rasters.push(Raster { time_s: block.time_s, name: None });
+            }
+        }
+        Ok(content)
+    }
+}
+
+/// What a table has become.
+#[derive(Default)]
+pub(super) struct Content {
+    pub(super) start_time: Option<StartTime>,
+    pub(super) rasters: Vec<Raster>,
+    pub(super) channels: Vec<Channel>,
+    pub(super) findings: Vec<Finding>,
+}
+
+impl Header<'_> {
+    /// The names of the channels.
+    pub(super) fn names(&self) -> Vec<String> {
+        let named = self.columns.iter().filter(|c| c.role == Role::Samples && !c.name.is_empty());
+        named.map(|c| c.name.clone()).collect()
+    }
+}
+
+/// Each clock's columns go on to the next clock, or its date; what stands before the first clock is its too.
+fn blocks(clocks: &[usize], columns: &[Column]) -> Vec<Block> {
+    let start = |&clock: &usize| match columns[clock].role {
+        Role::Stamps(Some(date)) => date.min(clock),
+        _ => clock,
+    };
+    let block = |columns, clock| Block { columns, clock, has_ended: false, time_s: Vec::new(), last: None };
+    if clocks.is_empty() {
+        return vec![block(0..columns.len(), None)];
+    }
+    let ends = clocks.iter().skip(1).map(start).chain([columns.len()]);
+    let mut begin = 0;
+    let range = |(&clock, end): (&usize, usize)| {
+        let columns = begin..end;
+        begin = end;
+        block(columns, Some(clock))
+    };
+    clocks.iter().zip(ends).map(range).collect()
+}
+
+/// A time stamp that is a number; only `NaN` stands for a missing one.
+fn number(decimals: &mut Decimals, cell: &str, line: u64, column: usize) -> Result<f64, CsvProblem> {
+    match decimals.read(cell, line, column)? {
+        Number::Value(value) => Ok(value),
+        Number::Missing => Err(CsvProblem::NoTimeStamp),
+        Number::Text => Err(CsvProblem::NotANumber { text: cell.into() }),
+    }
+}
+
+/// The days that spreadsheets count begin this many days before 1970.
+const SPREADSHEET_DAYS: f64 = 25_569.0;
+const NANOSECONDS_PER_DAY: f64 = 86_400e9;
+
+/// Written dates and times of day of a file, in seconds since its first.
+#[derive(Default)]
+struct Stamps {
+    /// The first stamp of the file, from which seconds are counted.
+    first: Option<Stamp>,
+    /// The decimal sign of a fraction that was just read.
+    sign: Option<u8>,
+}
+
+impl Stamps {
+    fn time_s(&mut self, cell: &str, date: Option<&str>, last: &mut Option<(i64, i64)>) -> Result<f64, CsvProblem> {
+        let stamp = match date {
+            Some(date) => Stamp::read_pair(date, cell)?,
+            None => Stamp::read(cell)?,
+        };
+        let stamp = stamp.ok_or_else(|| CsvProblem::NotATime { text: cell.into() })?;
+        self.sign = stamp.is_comma.then_some(b',');
+        let first = *self.first.get_or_insert(stamp);
+        if stamp.frame != first.frame {
+            return Err(CsvProblem::NotATime { text: cell.into() });
+        }
+        if stamp.frame != Frame::Clock {
+            return Ok(seconds_between(first.nanoseconds, stamp.nanoseconds));
+        }
+        let (before, midnight) = last.unwrap_or((first.nanoseconds, 0));
+        // A step back by more than half a day is midnight.
+        let midnight = if stamp.nanoseconds < before - DAY / 2 { midnight + DAY } else { midnight };
+        *last = Some((stamp.nanoseconds, midnight));
+        Ok(seconds_between(0, stamp.nanoseconds + midnight))
+    }
+
+    /// Days and their fraction as spreadsheets count them.
+    fn spreadsheet(&mut self, days: f64, cell: &str) -> Result<f64, CsvProblem> {
+        let since_1970 = (days - SPREADSHEET_DAYS) * NANOSECONDS_PER_DAY;
+        if since_1970.is_nan() || since_1970.abs() > 9e18 {
+            return Err(CsvProblem::NotATime { text: cell.into() });
+        }
+        // A double holds today's days to about half a microsecond: the rest is noise.
+        let nanoseconds = (since_1970 / 1e3).round() as i64 * 1000;
+        let stamp = Stamp { nanoseconds, frame: Frame::Local, offset_min: None, is_comma: false };
+        Ok(seconds_between(self.first.get_or_insert(stamp).nanoseconds, nanoseconds))
+    }
+
+    fn start(&self) -> Option<StartTime> {
+        let first = self.first.filter(|first| first.frame != Frame::Clock)?;
+        let is_local = first.frame == Frame::Local;
+        Some(StartTime { nanoseconds: first.nanoseconds, is_local, utc_offset_min: first.offset_min })
+    }
+}
+
+fn seconds_between(from: i64, to: i64) -> f64 {
+    to.saturating_sub(from) as f64 / 1e9
+}

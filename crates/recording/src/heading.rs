@@ -1,0 +1,94 @@
+//! Names, units, and names that mean time, as headings and names of variables spell them.
+
+/// Names that mean the clock, the longer first.
+const WORDS: [&str; 21] = [
+    "samplinginstants",
+    "absolute time",
+    "datum/uhrzeit",
+    "datum uhrzeit",
+    "relative time",
+    "elapsed time",
+    "timestamps",
+    "date/time",
+    "date time",
+    "zeitstempel",
+    "time stamp",
+    "timestamp",
+    "datetime",
+    "sim time",
+    "messzeit",
+    "zeitpunkt",
+    "uhrzeit",
+    "time",
+    "zeit",
+    "tout",
+    "t",
+];
+
+/// The word for time that a name consists of, apart from a number or a rate at its end: `time`, `Zeit`, `time_2`,
+/// `timestamp 100 Hz`. A capital `T` is a temperature or a torque.
+pub(crate) fn time_word(name: &str) -> Option<&'static str> {
+    let name = name.trim();
+    let lower = name.to_lowercase();
+    let word = WORDS.into_iter().find(|word| lower.starts_with(word))?;
+    let rest = &lower[word.len()..];
+    let number = rest.trim_start_matches(['_', ' ', '.', '-', '#']);
+    let rate = number.trim_start_matches(|c: char| c.is_ascii_digit());
+    let numbered = rate.len() < number.len() && matches!(rate.trim(), "" | "hz" | "khz" | "ms" | "us" | "s");
+    ((rest.is_empty() || numbered) && !(word == "t" && name.starts_with('T'))).then_some(word)
+}
+
+/// Seconds per unit as a fraction; no unit means seconds.
+pub(crate) fn seconds(unit: &str) -> Option<(f64, f64)> {
+    Some(match unit.trim() {
+        "" | "s" | "S" | "sec" | "Sec" | "SEC" | "second" | "seconds" | "Seconds" | "Sekunden" | "sec.ms" => (1.0, 1.0),
+        "ms" | "msec" | "millisecond" | "milliseconds" | "Millisekunden" => (1.0, 1e3),
+        "us" | "µs" | "μs" | "usec" | "microsecond" | "microseconds" => (1.0, 1e6),
+        "ns" | "nsec" | "nanosecond" | "nanoseconds" => (1.0, 1e9),
+        "min" | "minutes" | "Minuten" => (60.0, 1.0),
+        "h" | "hours" | "Stunden" => (3600.0, 1.0),
+        "d" | "days" | "Tage" => (86400.0, 1.0),
+        _ => return None,
+    })
+}
+
+/// Splits `Name [unit]` and `Name (unit)`.
+pub(crate) fn name_and_unit(cell: &str) -> (&str, &str) {
+    for (open, close) in [('[', ']'), ('(', ')')] {
+        let inner = cell.strip_suffix(close).and_then(|c| c.rsplit_once(open));
+        if let Some((name, unit)) = inner
+            && !name.trim().is_empty()
+        {
+            return (name.trim(), unit.trim());
+        }
+    }
+    (cell, "")
+}
+
+/// Splits the heading of a clock also where its unit is spelled `t/s`, `Zeit in ms` or `time_us`.
+pub(crate) fn clock_and_unit(cell: &str) -> (&str, &str) {
+    let (name, unit) = name_and_unit(cell);
+    if !unit.is_empty() || time_word(name).is_some() {
+        return (name, unit);
+    }
+    let parts = ["/", " in ", "_"].into_iter().filter_map(|between| name.rsplit_once(between));
+    let mut clocks = parts.map(|(stem, unit)| (stem.trim(), unit.trim()));
+    let is_clock =
+        |(stem, unit): &(&str, &str)| time_word(stem).is_some() && !unit.is_empty() && seconds(unit).is_some();
+    clocks.find(is_clock).unwrap_or((name, unit))
+}
+
+/// What brackets around a whole cell enclose.
+pub(crate) fn unbracketed(cell: &str) -> &str {
+    let cell = cell.trim();
+    let inner = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
+    inner('[', ']').or_else(|| inner('(', ')')).unwrap_or(cell).trim()
+}
+
+/// `name [unit]`; a name that ends in a bracket needs the unit even if it is empty.
+pub(crate) fn heading(name: &str, unit: &str) -> String {
+    match unit.is_empty() && !name.ends_with([']', ')']) {
+        true => name.to_owned(),
+        false => format!("{name} [{unit}]"),
+    }
+}

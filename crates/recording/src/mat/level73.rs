@@ -1,0 +1,218 @@
+//! Level 7.3: an HDF5 file in which MATLAB notes the class of each variable, and other HDF5 files.
+
+use std::collections::HashMap;
+
+use hdf5_pure::{AttrValue, DType, Dataset, File, Group, Object};
+
+use super::value::{Array, MAX_TEXT, Struct, Value, text_rows};
+use crate::RecordingError;
+use crate::error::guarded;
+
+/// The most structs and cells within each other.
+const MAX_DEPTH: usize = 20;
+/// The most variables, cells and fields of a file.
+const MAX_PARTS: usize = 1 << 18;
+/// The most numbers of a file, and of each byte of a larger file: as many as doubles can be deflated.
+const MAX_NUMBERS: usize = 1 << 26;
+const MAX_PER_BYTE: usize = 1032 / 8;
+
+type Attributes = HashMap<String, AttrValue>;
+
+/// The variables of a file with their names.
+pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>, RecordingError> {
+    let damaged = |detail: String| RecordingError::Damaged { file: file.into(), offset: None, detail };
+    let numbers = MAX_NUMBERS.max(bytes.len().saturating_mul(MAX_PER_BYTE));
+    guarded(file, || {
+        let mut reader = Reader { parts: MAX_PARTS, numbers };
+        let root = File::from_bytes(bytes.to_vec()).map_err(|error| damaged(error.to_string()))?.root();
+        reader.members(&root, 0).map_err(damaged)
+    })
+}
+
+/// What may still be read of a file, so that a small one cannot fill the memory.
+struct Reader {
+    parts: usize,
+    numbers: usize,
+}
+
+impl Reader {
+    /// The datasets and groups in a group, with the units that are noted on them.
+    fn members(&mut self, group: &Group, depth: usize) -> Result<Vec<(String, Value)>, String> {
+        let mut found = Vec::new();
+        for (name, dataset) in group.iter_datasets().map_err(text)? {
+            let attributes = dataset.attrs().map_err(text)?;
+            let value = self.dataset(&dataset, &attributes, depth).map_err(|detail| format!("\"{name}\": {detail}"))?;
+            if let Some(unit) = ["unit", "units", "Unit"].iter().find_map(|key| attributes.get(*key)?.as_str()) {
+                found.push((format!("{name}_unit"), Value::Text(vec![unit.to_owned()])));
+            }
+            found.push((name, value));
+        }
+        for (name, group) in group.iter_groups().map_err(text)? {
+            // Where cells and the objects of the file are kept.
+            if !name.starts_with('#') {
+                let value = self.group(&group, depth).map_err(|detail| format!("\"{name}\": {detail}"))?;
+                found.push((name, value));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether another part may be read.
+    fn take_part(&mut self, depth: usize) -> Result<(), String> {
+        self.parts = self.parts.checked_sub(1).ok_or("it has too many cells and fields")?;
+        if depth > MAX_DEPTH {
+            Err(format!("more than {MAX_DEPTH} structs or cells within each other"))
+        } else {
+            Ok(())
+        }
+    }
+
+    fn group(&mut self, group: &Group, depth: usize) -> Result<Value, String> {
+        self.take_part(depth)?;
+        let attributes = group.attrs().map_err(text)?;
+        if attributes.contains_key("MATLAB_sparse") {
+            return Ok(Value::unsupported("a sparse matrix; save it as a full one"));
+        }
+        if let Some(object) = object(&attributes) {
+            return Ok(object);
+        }
+        let datasets: Vec<(String, Dataset)> = group.iter_datasets().map_err(text)?.collect();
+        let references: Vec<&Dataset> = datasets.iter().map(|(_, d)| d).filter(|d| is_unclassed_reference(d)).collect();
+        if !datasets.is_empty() && references.len() == datasets.len() {
+            return self.structs(&datasets, depth);
+        }
+        let (fields, values) = self.members(group, depth + 1)?.into_iter().unzip();
+        Ok(Value::Struct(Struct { fields, elements: vec![values] }))
+    }
+
+    /// An array of structs: each field refers to the values of all elements.
+    fn structs(&mut self, datasets: &[(String, Dataset)], depth: usize) -> Result<Value, String> {
+        let mut elements: Vec<Vec<Value>> = Vec::new();
+        for (index, (_, dataset)) in datasets.iter().enumerate() {
+            let values = self.cells(dataset, depth)?;
+            if index == 0 {
+                elements = values.into_iter().map(|value| vec![value]).collect();
+            } else if values.len() == elements.len() {
+                elements.iter_mut().zip(values).for_each(|(element, value)| element.push(value));
+            } else {
+                return Err("the fields of a struct array have different lengths".into());
+            }
+        }
+        let fields = datasets.iter().map(|(name, _)| name.clone()).collect();
+        Ok(Value::Struct(Struct { fields, elements }))
+    }
+
+    /// What the references in a dataset lead to.
+    fn cells(&mut self, dataset: &Dataset, depth: usize) -> Result<Vec<Value>, String> {
+        self.count(dataset)?;
+        let mut values = Vec::new();
+        for object in dataset.dereference().map_err(text)? {
+            self.take_part(depth + 1)?;
+            values.push(match object {
+                Object::Group(group) => self.group(&group, depth + 1)?,
+                Object::Dataset(dataset) => {
+                    let attributes = dataset.attrs().map_err(text)?;
+                    self.dataset(&dataset, &attributes, depth + 1)?
+                }
+                _ => Value::unsupported("a reference to what is neither a group nor a dataset"),
+            });
+        }
+        Ok(values)
+    }
+
+    /// How many elements a dataset has, if so many may still be read.
+    fn count(&mut self, dataset: &Dataset) -> Result<Vec<usize>, String> {
+        let shape = dataset.shape().map_err(text)?;
+        let sizes: Option<Vec<usize>> = shape.iter().map(|&size| usize::try_from(size).ok()).collect();
+        let count = sizes.as_ref().and_then(|s| s.iter().try_fold(1_usize, |product, &d| product.checked_mul(d)));
+        let left = count.and_then(|count| self.numbers.checked_sub(count));
+        self.numbers = left.ok_or("more numbers than its size makes plausible")?;
+        Ok(sizes.unwrap_or_default())
+    }
+
+    fn dataset(&mut self, dataset: &Dataset, attributes: &Attributes, depth: usize) -> Result<Value, String> {
+        self.take_part(depth)?;
+        if let Some(object) = object(attributes) {
+            return Ok(object);
+        }
+        let class = attributes.get("MATLAB_class").and_then(|class| class.as_str()).unwrap_or_default();
+        if let Some(filter) = dataset.filters().into_iter().find(|filter| !FILTERS.contains(filter)) {
+            return Ok(Value::unsupported(format!("a compression other than deflate (filter {filter})")));
+        }
+        let is_empty = attributes.get("MATLAB_empty").is_some_and(|flag| flag.as_i64() != Some(0));
+        match (class, dataset.dtype().map_err(text)?) {
+            ("cell" | "struct" | "char", _) if is_empty => Ok(Value::Text(Vec::new())),
+            ("cell", DType::ObjectReference) => Ok(Value::Cell(self.cells(dataset, depth)?)),
+            ("function_handle", _) => Ok(Value::not_numeric("a function")),
+            (_, _) if is_empty => Ok(Value::Numbers(Array { rows: 0, columns: 0, values: Vec::new() })),
+            ("char", DType::U16 | DType::U8 | DType::U32) => self.characters(dataset),
+            (_, DType::String | DType::VariableLengthString) => self.strings(dataset),
+            (_, DType::Compound(members)) if is_complex(&members) => Ok(Value::not_numeric("complex numbers")),
+            (_, kind) if is_numeric(&kind) => self.array(dataset),
+            (_, kind) => Ok(Value::unsupported(format!("data of type {kind}"))),
+        }
+    }
+
+    fn array(&mut self, dataset: &Dataset) -> Result<Value, String> {
+        let mut dimensions = self.count(dataset)?;
+        // MATLAB's arrays are stored column by column, and HDF5 names the slowest dimension first.
+        dimensions.reverse();
+        let values = dataset.read_f64().map_err(text)?;
+        if values.len() != dimensions.iter().product::<usize>() {
+            return Err(format!("{} numbers for dimensions {dimensions:?}", values.len()));
+        }
+        let count = dimensions.len();
+        let array = Array::new(&dimensions, values).map(Value::Numbers);
+        Ok(array.unwrap_or_else(|| Value::unsupported(format!("an array of {count} dimensions"))))
+    }
+
+    /// Text stored as the codes of its characters.
+    fn characters(&mut self, dataset: &Dataset) -> Result<Value, String> {
+        let shape = self.count(dataset)?;
+        if shape.iter().product::<usize>() > MAX_TEXT {
+            return Ok(Value::not_numeric("text"));
+        }
+        let units: Vec<u16> = dataset.read_u16().map_err(text)?;
+        let characters = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER));
+        Ok(text_rows(shape.last().copied().unwrap_or(1), &characters.collect::<Vec<_>>()))
+    }
+
+    fn strings(&mut self, dataset: &Dataset) -> Result<Value, String> {
+        let count: usize = self.count(dataset)?.iter().product();
+        if count > MAX_PARTS {
+            return Ok(Value::not_numeric("text"));
+        }
+        let strings = dataset.read_string().map_err(text)?;
+        let is_short = strings.iter().map(String::len).sum::<usize>() <= MAX_TEXT;
+        Ok(if is_short { Value::Text(strings) } else { Value::not_numeric("text") })
+    }
+}
+
+/// Deflate, shuffle, checksum, szip is none of them, bit packing, scaling, LZF.
+const FILTERS: [u16; 6] = [1, 2, 3, 5, 6, 32000];
+
+fn text(error: hdf5_pure::Error) -> String {
+    error.to_string()
+}
+
+/// An object, whose content is in a form of its own.
+fn object(attributes: &Attributes) -> Option<Value> {
+    attributes.get("MATLAB_object_decode").filter(|flag| flag.as_i64() != Some(0))?;
+    let class = attributes.get("MATLAB_class").and_then(|class| class.as_str()).unwrap_or("unknown");
+    Some(Value::object(class))
+}
+
+fn is_unclassed_reference(dataset: &Dataset) -> bool {
+    let is_reference = matches!(dataset.dtype(), Ok(DType::ObjectReference));
+    is_reference && dataset.attrs().is_ok_and(|attributes| !attributes.contains_key("MATLAB_class"))
+}
+
+fn is_complex(members: &[(String, DType)]) -> bool {
+    let names: Vec<&str> = members.iter().map(|(name, _)| name.as_str()).collect();
+    matches!(names.as_slice(), ["real", "imag"] | ["r", "i"])
+}
+
+fn is_numeric(kind: &DType) -> bool {
+    use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
+    matches!(kind, F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64)
+}
