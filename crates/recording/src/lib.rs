@@ -84,9 +84,6 @@ pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Rec
 pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
     let recording = match Kind::detect(name, bytes)? {
         Kind::Mdf => mdf::decode(name, bytes, selection, &|_, _| {})?,
-        Kind::Csv => csv::decode(name, bytes, selection)?,
-        Kind::Mdf4 => mdf4::decode(name, bytes, selection)?,
-        Kind::Mdf3 => mdf3::decode(name, bytes, selection)?,
         Kind::Csv => csv::decode(name, bytes, selection, None)?,
         Kind::Mat => mat::decode(name, bytes, selection, None)?,
         Kind::Table(kind) => arrow::decode(name, bytes, kind, selection, None)?,
@@ -129,7 +126,6 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
         Kind::Table(kind) => {
             arrow::decode(name, bytes, kind, &Selection::All, Some(row_distance_s)).map(with_duplicates)
         }
-        Kind::Mdf3 | Kind::Mdf4 => decode(name, bytes, &Selection::All),
     }
 }
 
@@ -152,9 +148,6 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> {
     let mut catalogue = match Kind::detect(name, bytes)? {
         Kind::Mdf => mdf::catalogue(name, bytes)?,
-        Kind::Csv => csv::decode(name, bytes, &Selection::All)?.catalogue(),
-        Kind::Mdf4 => mdf4::catalogue(name, bytes)?,
-        Kind::Mdf3 => mdf3::catalogue(name, bytes)?,
         Kind::Csv => csv::decode(name, bytes, &Selection::All, None)?.catalogue(),
         Kind::Mat => mat::decode(name, bytes, &Selection::All, None)?.catalogue(),
         Kind::Table(kind) => arrow::decode(name, bytes, kind, &Selection::All, None)?.catalogue(),
