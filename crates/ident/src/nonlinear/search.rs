@@ -7,6 +7,12 @@ use super::{Bounds, Lowest, NonlinearOptions, SumOfSquares, Termination};
 use crate::least_squares::checked_condition;
 use crate::{IdentError, Triangle};
 
+/// A step is missed where the cost was expected to fall by more than this fraction.
+const WORTHWHILE: f64 = 1e-6;
+
+/// A small step is the last where it lowers the cost by less than this fraction.
+const UNNOTICED: f64 = 1e-10;
+
 /// State of one search: the current point, its factor, and the damping.
 pub(super) struct Search<'a, O> {
     objective: &'a mut O,
@@ -24,7 +30,7 @@ pub(super) struct Search<'a, O> {
 /// What one attempted step led to.
 enum Attempt {
     Accepted { relative_step: f64, relative_decrease: f64 },
-    Rejected { predicted_decrease: f64, relative_step: f64 },
+    Rejected { predicted_decrease: f64, relative_step: f64, no_model: bool },
 }
 
 impl<'a, O: SumOfSquares> Search<'a, O> {
@@ -72,27 +78,32 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         factor: &Mat<f64>,
         options: NonlinearOptions,
     ) -> Result<Option<Termination>, IdentError> {
-        let mut growth = 2.0;
+        let (mut growth, mut stopped) = (2.0, false);
+        let ended = |stopped: bool, end| Ok(Some(if stopped { Termination::Edge } else { end }));
         loop {
             match self.attempt(free, factor)? {
-                Attempt::Accepted { relative_step, relative_decrease } => {
-                    if relative_step <= options.step_tolerance {
-                        return Ok(Some(Termination::SmallStep));
-                    }
-                    let small = relative_decrease <= options.cost_tolerance;
-                    return Ok(small.then_some(Termination::SmallDecrease));
+                // Parameters that are barely told apart lower the cost by steps that look negligible.
+                Attempt::Accepted { relative_step, relative_decrease }
+                    if relative_step <= options.step_tolerance && (stopped || relative_decrease <= UNNOTICED) =>
+                {
+                    return ended(stopped, Termination::SmallStep);
                 }
-                Attempt::Rejected { predicted_decrease, relative_step } => {
-                    if predicted_decrease <= options.cost_tolerance {
-                        return Ok(Some(Termination::SmallDecrease));
-                    }
-                    if relative_step <= options.step_tolerance {
-                        return Ok(Some(Termination::SmallStep));
-                    }
+                Attempt::Accepted { relative_decrease, .. } if relative_decrease <= options.cost_tolerance => {
+                    return ended(stopped, Termination::SmallDecrease);
+                }
+                Attempt::Accepted { .. } => return Ok(None),
+                Attempt::Rejected { predicted_decrease, .. } if predicted_decrease <= options.cost_tolerance => {
+                    return ended(stopped, Termination::SmallDecrease);
+                }
+                Attempt::Rejected { relative_step, .. } if relative_step <= options.step_tolerance => {
+                    return ended(stopped, Termination::SmallStep);
+                }
+                Attempt::Rejected { predicted_decrease, no_model, .. } => {
+                    stopped |= no_model && predicted_decrease > WORTHWHILE;
                     self.damping *= growth;
                     growth *= 2.0;
                     if self.damping > 1e20 {
-                        return Ok(Some(Termination::NoDescent));
+                        return ended(stopped, Termination::NoDescent);
                     }
                 }
             }
@@ -113,6 +124,7 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
             return Ok(Attempt::Rejected {
                 predicted_decrease: predicted / self.cost.max(f64::MIN_POSITIVE),
                 relative_step,
+                no_model: !cost.is_finite(),
             });
         }
         let ratio = (self.cost - cost) / predicted.max(f64::MIN_POSITIVE);
