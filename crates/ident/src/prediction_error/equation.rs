@@ -298,7 +298,13 @@ impl Task<'_> {
         }
         dynamics.extend(start::by_noise(&plain, few, &long));
         dynamics.extend(slower);
-        if let Ok(found) = task.simulating_start(few, |_| Ok(dynamics)) {
+        // Where noise and inputs share their poles, what simulates best is one start among several.
+        let found = if self.orders.na > 0 {
+            task.start(few, Aim::Simulation, |_| Ok(dynamics))
+        } else {
+            task.simulating_start(few, |_| Ok(dynamics))
+        };
+        if let Ok(found) = found {
             all.push(with_noise(&found));
         }
         Ok(all)
