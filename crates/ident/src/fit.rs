@@ -71,7 +71,7 @@ pub struct Fit<M> {
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Doubt {
-    /// The search stopped at its limit of iterations.
+    /// The search stopped before a minimum: at its limit of iterations, or at an edge such as that of stability.
     NotConverged,
     /// The parameters are barely told apart by the data.
     IllConditioned {

@@ -147,6 +147,8 @@ pub enum Termination {
     SmallDecrease,
     /// No damping makes the cost fall: as good as the arithmetic allows.
     NoDescent,
+    /// The cost would fall further where there is no model, such as beyond the edge of stability.
+    Edge,
     /// The iteration limit was reached first.
     IterationLimit,
 }
@@ -154,7 +156,7 @@ pub enum Termination {
 impl Termination {
     /// Whether the iteration reached a minimum.
     pub fn converged(self) -> bool {
-        self != Termination::IterationLimit
+        !matches!(self, Termination::Edge | Termination::IterationLimit)
     }
 }
 

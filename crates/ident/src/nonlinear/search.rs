@@ -7,6 +7,14 @@ use super::{Bounds, Lowest, NonlinearOptions, SumOfSquares, Termination};
 use crate::least_squares::checked_condition;
 use crate::{IdentError, Triangle};
 
+const FIRST_DAMPING: f64 = 1e-3;
+const LARGEST_DAMPING: f64 = 1e20;
+/// A step is missed where the cost was expected to fall by more than this fraction.
+const WORTHWHILE: f64 = 1e-6;
+
+/// A small step is the last where it lowers the cost by less than this fraction.
+const UNNOTICED: f64 = 1e-10;
+
 /// State of one search: the current point, its factor, and the damping.
 pub(super) struct Search<'a, O> {
     objective: &'a mut O,
@@ -18,6 +26,8 @@ pub(super) struct Search<'a, O> {
     /// Largest column norms of the Jacobian met so far (Moré's scaling).
     scale: Vec<f64>,
     damping: f64,
+    /// Whether there was no model where a step led, and none has gone nearly undamped since.
+    stopped: bool,
     iterations: usize,
 }
 
@@ -38,7 +48,8 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
             cost: factor.col(columns).squared_norm_l2(),
             factor,
             scale: vec![0.0; columns],
-            damping: 1e-3,
+            damping: FIRST_DAMPING,
+            stopped: false,
             iterations: 0,
         };
         search.update_scale();
@@ -74,33 +85,48 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
     ) -> Result<Option<Termination>, IdentError> {
         let mut growth = 2.0;
         loop {
-            match self.attempt(free, factor)? {
-                Attempt::Accepted { relative_step, relative_decrease } => {
-                    if relative_step <= options.step_tolerance {
-                        return Ok(Some(Termination::SmallStep));
-                    }
-                    let small = relative_decrease <= options.cost_tolerance;
-                    return Ok(small.then_some(Termination::SmallDecrease));
-                }
-                Attempt::Rejected { predicted_decrease, relative_step } => {
-                    if predicted_decrease <= options.cost_tolerance {
-                        return Ok(Some(Termination::SmallDecrease));
-                    }
-                    if relative_step <= options.step_tolerance {
-                        return Ok(Some(Termination::SmallStep));
-                    }
-                    self.damping *= growth;
-                    growth *= 2.0;
-                    if self.damping > 1e20 {
-                        return Ok(Some(Termination::NoDescent));
-                    }
-                }
+            let attempt = self.attempt(free, factor)?;
+            if let Some(end) = self.ended_by(&attempt, options) {
+                let edge = self.stopped && self.promised_decrease(free, factor) > WORTHWHILE;
+                return Ok(Some(if edge { Termination::Edge } else { end }));
             }
+            if let Attempt::Accepted { .. } = attempt {
+                self.stopped &= self.damping > 1.0;
+                return Ok(None);
+            }
+            self.damping *= growth;
+            growth *= 2.0;
         }
     }
 
+    /// The end that an attempt means, if any.
+    fn ended_by(&self, attempt: &Attempt, options: NonlinearOptions) -> Option<Termination> {
+        match *attempt {
+            // Parameters that are barely told apart lower the cost by steps that look negligible.
+            Attempt::Accepted { relative_step, relative_decrease } => {
+                let small = relative_step <= options.step_tolerance && (self.stopped || relative_decrease <= UNNOTICED);
+                let flat = (relative_decrease <= options.cost_tolerance).then_some(Termination::SmallDecrease);
+                if small { Some(Termination::SmallStep) } else { flat }
+            }
+            Attempt::Rejected { predicted_decrease, .. } if predicted_decrease <= options.cost_tolerance => {
+                Some(Termination::SmallDecrease)
+            }
+            Attempt::Rejected { relative_step, .. } if relative_step <= options.step_tolerance => {
+                Some(Termination::SmallStep)
+            }
+            Attempt::Rejected { .. } => (self.damping > LARGEST_DAMPING).then_some(Termination::NoDescent),
+        }
+    }
+
+    /// What a step with next to no damping would lower the cost by, as a fraction, were the residuals linear.
+    fn promised_decrease(&self, free: &[usize], factor: &Mat<f64>) -> f64 {
+        let n = factor.ncols() - 1;
+        let cost = (0..factor.nrows()).map(|i| factor[(i, n)].powi(2)).sum::<f64>();
+        predicted_decrease(factor, &self.damped_step(free, factor, FIRST_DAMPING)) / cost.max(f64::MIN_POSITIVE)
+    }
+
     fn attempt(&mut self, free: &[usize], factor: &Mat<f64>) -> Result<Attempt, IdentError> {
-        let step = self.damped_step(free, factor);
+        let step = self.damped_step(free, factor, self.damping);
         let mut trial = self.parameters.clone();
         for (position, j) in free.iter().enumerate() {
             trial[*j] = self.bounds[*j].clamp(trial[*j] + step[position]);
@@ -109,6 +135,7 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         let predicted = predicted_decrease(factor, &moved).max(0.0);
         let relative_step = self.relative_step(free, &moved);
         let cost = self.objective.cost(&trial).unwrap_or(f64::INFINITY);
+        self.stopped |= !cost.is_finite();
         if cost.is_nan() || cost >= self.cost {
             return Ok(Attempt::Rejected {
                 predicted_decrease: predicted / self.cost.max(f64::MIN_POSITIVE),
@@ -139,9 +166,9 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
     }
 
     /// Minimiser of ‖J δ + ε‖² + λ‖D δ‖².
-    fn damped_step(&self, free: &[usize], factor: &Mat<f64>) -> Vec<f64> {
+    fn damped_step(&self, free: &[usize], factor: &Mat<f64>, damping: f64) -> Vec<f64> {
         let n = free.len();
-        let root = self.damping.sqrt();
+        let root = damping.sqrt();
         let stacked = Mat::from_fn(2 * n, n, |i, j| match i.checked_sub(n) {
             None => factor[(i, j)] / self.scale[free[j]],
             Some(k) if k == j => root,

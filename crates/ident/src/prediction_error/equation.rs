@@ -7,7 +7,9 @@ use faer::Mat;
 use super::Polynomial;
 use super::basin::Basin;
 use super::evaluate::Evaluator;
+use super::excerpt::{excerpt, interpolated};
 use super::orders::Orders;
+use super::reduced::{lowered, raised};
 use super::segment::{Segment, segments};
 use super::signals::Aim;
 use super::slower::{quickened, slow_orders, slowed};
@@ -26,6 +28,8 @@ const START_ITERATIONS: usize = 30;
 /// Factors by which the data are slowed for further starting values, while this many rows a coefficient are left.
 const SLOWER: [usize; 2] = [8, 64];
 const SLOW_ROWS: usize = 20;
+/// By how many poles the order is raised for further starting values.
+const RAISED: [usize; 2] = [1, 2];
 /// Stretches for a covariance under residuals that a filter colours, where none are given.
 const BATCHES: usize = 30;
 
@@ -118,7 +122,11 @@ impl Task<'_> {
             Some((lowest, true)) => lowest,
             Some((lowest, false)) => self.contested(all, lowest)?,
             None => {
-                let start = self.start(all, Aim::Prediction, |few| self.guesses(few))?;
+                let start = if self.orders.is_output_error() {
+                    self.simulating_start(all, |few| self.guesses(few))?
+                } else {
+                    self.start(all, Aim::Prediction, |few| self.guesses(few))?
+                };
                 self.descended(all, Aim::Prediction, &start, self.search)?
             }
         };
@@ -177,7 +185,7 @@ impl Task<'_> {
         let (plain, place) = self.orders.without_noise();
         let bounds = place.iter().map(|j| self.bounds[*j]).collect();
         let dynamics = Task { orders: &plain, bounds, ..*self };
-        let start = dynamics.start(passed, Aim::Simulation, |few| dynamics.guesses(few))?;
+        let start = dynamics.simulating_start(passed, |few| dynamics.guesses(few))?;
         let found = dynamics.descended(passed, Aim::Simulation, &start, self.search)?;
         let (found, covariance, freedom) = dynamics.judged(passed, Aim::Simulation, found, batches)?;
         if place.len() == self.orders.count() {
@@ -290,7 +298,13 @@ impl Task<'_> {
         }
         dynamics.extend(start::by_noise(&plain, few, &long));
         dynamics.extend(slower);
-        if let Ok(found) = task.start(few, Aim::Simulation, |_| Ok(dynamics)) {
+        // Where noise and inputs share their poles, what simulates best is one start among several.
+        let found = if self.orders.na > 0 {
+            task.start(few, Aim::Simulation, |_| Ok(dynamics))
+        } else {
+            task.simulating_start(few, |_| Ok(dynamics))
+        };
+        if let Ok(found) = found {
             all.push(with_noise(&found));
         }
         Ok(all)
@@ -307,9 +321,35 @@ impl Task<'_> {
             }
             let task = Task { orders: &orders, bounds: bounds(&orders, &[]), ..*self };
             let Ok(found) = task.start(&slow, Aim::Simulation, |few| candidates(&orders, few)) else { continue };
-            all.push(start::with_numerators(self.orders, few, &quickened(self.orders, &orders, &found, factor)));
+            let theta = quickened(self.orders, &orders, &found, factor);
+            let refitted = start::with_numerators(self.orders, few, &theta, self.estimate_states);
+            all.extend(refitted.map(|(_, theta)| theta));
         }
         all
+    }
+
+    /// [`Task::start`] for the dynamics alone. Where the inputs tell more of what the best leaves, also by way of models of
+    /// higher order: their searches are not caught as easily where one pole has to do the work of two.
+    fn simulating_start(
+        &self,
+        all: &[Segment<'_>],
+        guesses: impl FnOnce(&[Segment<'_>]) -> Result<Vec<Vec<f64>>, IdentError>,
+    ) -> Result<Vec<f64>, IdentError> {
+        let theta = self.start(all, Aim::Simulation, guesses)?;
+        let few = excerpt(all, START_ROWS);
+        let mut evaluator = Evaluator::new(self.orders, &few, Aim::Simulation, self.estimate_states);
+        let left = evaluator.residuals(&theta)?;
+        if !start::inputs_tell_more(self.orders, &few, &left) {
+            return Ok(theta);
+        }
+        let mut others = vec![theta];
+        for by in RAISED {
+            let orders = raised(self.orders, by);
+            let task = Task { orders: &orders, bounds: bounds(&orders, &[]), ..*self };
+            let Ok(found) = task.start(&few, Aim::Simulation, |few| task.guesses(few)) else { continue };
+            others.extend(lowered(self.orders, &orders, &few, &found, self.estimate_states));
+        }
+        self.start(&few, Aim::Simulation, |_| Ok(others))
     }
 
     /// The best of several starting values, each followed some way down on a part of the data, the most promising first,
@@ -356,61 +396,6 @@ fn placed(place: &[usize], values: &[f64], count: usize) -> Vec<f64> {
     let mut theta = vec![0.0; count];
     place.iter().zip(values).for_each(|(j, v)| theta[*j] = *v);
     theta
-}
-
-/// Enough of the data to start from: where there is much, the stretch in which the inputs move most.
-fn excerpt<'s>(all: &'s [Segment<'_>], enough: usize) -> Vec<Segment<'s>> {
-    let rows: usize = all.iter().map(Segment::len).sum();
-    let whole = |s: &'s Segment<'_>| s.part(0, s.len());
-    if rows <= 2 * enough {
-        return all.iter().map(whole).collect();
-    }
-    let long = all.iter().filter(|s| s.len() >= enough);
-    let windows = long.flat_map(|s| (0..s.len() / enough).map(move |w| (s, w * enough)));
-    let activity = |(s, first): &(&Segment<'_>, usize)| activity(s, *first, enough);
-    if let Some((segment, first)) = windows.max_by(|a, b| activity(a).total_cmp(&activity(b))) {
-        return vec![segment.part(first, enough)];
-    }
-    let mut taken = 0;
-    let first = |s: &&Segment<'_>| {
-        taken += s.len();
-        taken <= 2 * enough
-    };
-    all.iter().take_while(first).map(whole).collect()
-}
-
-/// How much the inputs, or without any the output, change from sample to sample in a window.
-fn activity(segment: &Segment<'_>, first: usize, rows: usize) -> f64 {
-    let change = |x: &[f64]| x[first..first + rows].windows(2).map(|p| (p[1] - p[0]).powi(2)).sum::<f64>();
-    match segment.inputs.as_slice() {
-        [] => change(&segment.output),
-        inputs => inputs.iter().map(|u| change(u)).sum(),
-    }
-}
-
-/// The segment with straight lines through its missing outputs: good enough to start from.
-fn interpolated<'s>(segment: &'s Segment<'_>) -> Segment<'s> {
-    let mut copy = segment.part(0, segment.len());
-    if segment.missing.is_empty() {
-        return copy;
-    }
-    let mut y = segment.output.to_vec();
-    let mut before: Option<usize> = None;
-    let known: Vec<usize> = (0..y.len()).filter(|t| segment.missing.binary_search(t).is_err()).collect();
-    for t in known.iter().copied() {
-        let first = before.map_or(0, |b| b + 1);
-        let from = before.map_or(y[t], |b| y[b]);
-        let span = (t + 1 - first) as f64;
-        (first..t).for_each(|m| y[m] = from + (y[t] - from) * ((m + 1 - first) as f64 / span));
-        before = Some(t);
-    }
-    if let Some(b) = before {
-        let value = y[b];
-        y[b + 1..].fill(value);
-    }
-    copy.output = Cow::Owned(y);
-    copy.missing.clear();
-    copy
 }
 
 fn filtered<'s>(segment: &'s Segment<'_>, filter: &signal::filter::Sos) -> Segment<'s> {

@@ -4,10 +4,12 @@ mod assemble;
 mod basin;
 mod equation;
 mod evaluate;
+mod excerpt;
 #[cfg(test)]
 mod gradient;
 mod line;
 mod orders;
+mod reduced;
 mod segment;
 mod signals;
 mod slower;

@@ -2,9 +2,14 @@
 
 use faer::Mat;
 
+use super::evaluate::Evaluator;
 use super::line::{divide, is_stable, stabilised};
 use super::orders::Orders;
 use super::segment::Segment;
+use super::signals::Aim;
+use crate::distributions::chi_squared_quantile;
+use crate::nonlinear::SumOfSquares;
+use crate::triangle::upper_factor;
 use crate::{IdentError, Triangle};
 
 /// Order of the long ARX model where the data allow it.
@@ -15,6 +20,13 @@ const ROUNDS: usize = 12;
 const SETTLED: f64 = 1e-6;
 /// Singular values below this fraction of the largest carry nothing.
 const TOLERANCE: f64 = 1e-11;
+
+/// Past residuals, and samples of each input, that are asked whether they tell more, and rows a coefficient at least.
+const TOLD_ORDER: usize = 16;
+const TOLD_ROWS: usize = 10;
+/// A fraction of what is left is noticeable from here on, and where chance makes a larger one with this probability only.
+const TOLD: f64 = 0.02;
+const CHANCE: f64 = 1e-3;
 
 /// Starting values of θ, the best guess not necessarily first.
 ///
@@ -145,9 +157,14 @@ struct Term {
     lag: usize,
 }
 
-/// Signal 0 as a linear combination of the terms, by least squares over all segments; rows before the largest lag are
-/// left out where that leaves enough of them, else the past counts as zero.
+/// Signal 0 as a linear combination of the terms, by least squares over all segments.
 fn regress(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Vec<f64>, IdentError> {
+    solve(&factor(signals, terms)?)
+}
+
+/// The factor of the terms and signal 0 over all segments; rows before the largest lag are left out where that leaves
+/// enough of them, else the past counts as zero.
+fn factor(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Mat<f64>, IdentError> {
     let memory = terms.iter().map(|t| t.lag).max().unwrap_or(0);
     let full: usize = signals.iter().map(|s| s[0].len().saturating_sub(memory)).sum();
     let skip = if full > 2 * terms.len() { memory } else { 0 };
@@ -167,7 +184,25 @@ fn regress(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Vec<f64>, IdentErr
     if triangle.rows() == 0 {
         return Err(IdentError::TooFewSamples { samples: 0, parameters: terms.len() });
     }
-    solve(&triangle.finish())
+    Ok(triangle.finish())
+}
+
+/// Whether past inputs tell noticeably more of what a model leaves than its own past does, which they would not if nothing
+/// of their effect were left in it.
+pub(super) fn inputs_tell_more(orders: &Orders, segments: &[Segment<'_>], left: &[Vec<f64>]) -> bool {
+    let signals: Vec<Vec<&[f64]>> = segments
+        .iter()
+        .zip(left)
+        .map(|(s, e)| std::iter::once(e.as_slice()).chain(s.inputs.iter().map(|u| &**u)).collect())
+        .collect();
+    let rows: usize = left.iter().map(Vec::len).sum();
+    let order = (rows / (TOLD_ROWS * (1 + orders.inputs()))).min(TOLD_ORDER);
+    let terms = terms(orders, order);
+    let Ok(factor) = factor(&signals, &terms) else { return false };
+    let energy = |rows: std::ops::RangeInclusive<usize>| rows.map(|i| factor[(i, terms.len())].powi(2)).sum::<f64>();
+    let (gain, rest) = (energy(order..=terms.len() - 1), energy(terms.len()..=terms.len()));
+    let chance = chi_squared_quantile(1.0 - CHANCE, (terms.len() - order) as f64) / rows as f64;
+    order > 0 && gain > rest * chance.max(TOLD)
 }
 
 /// The solution of least norm (with scaled columns) of the problem whose factor of [Φ y] is given: data without noise
@@ -309,23 +344,27 @@ impl Round<'_, '_> {
     }
 }
 
-/// θ with numerators that suit its denominators and the output best, and the noise polynomials of what is left.
-pub(super) fn with_numerators(orders: &Orders, segments: &[Segment<'_>], theta: &[f64]) -> Vec<f64> {
+/// θ with the numerators that, with the initial states that suit them, simulate the output best at its denominators, and the
+/// sum of squares they leave; `None` where a denominator is not stable.
+pub(super) fn with_numerators(
+    orders: &Orders,
+    segments: &[Segment<'_>],
+    theta: &[f64],
+    estimate_states: bool,
+) -> Option<(f64, Vec<f64>)> {
     let mut theta = theta.to_vec();
-    let pass = |s: &Segment<'_>, k: usize| {
-        filtered(&[1.0], &theta[orders.a()], &filtered(&[1.0], &theta[orders.f(k)], &s.inputs[k]))
-    };
-    let rows = |s: &Segment<'_>| -> Vec<Vec<f64>> {
-        std::iter::once(s.output.to_vec()).chain((0..orders.inputs()).map(|k| pass(s, k))).collect()
-    };
-    let owned: Vec<Vec<Vec<f64>>> = segments.iter().map(rows).collect();
-    let signals: Vec<Vec<&[f64]>> = owned.iter().map(|s| s.iter().map(Vec::as_slice).collect()).collect();
-    let of_input = |k: usize| (0..orders.nb[k]).map(move |j| Term { signal: 1 + k, lag: orders.nk[k] + j });
-    let terms: Vec<Term> = (0..orders.inputs()).flat_map(of_input).collect();
-    if let Ok(found) = regress(&signals, &terms) {
-        theta[orders.na..orders.na + found.len()].copy_from_slice(&found);
-    }
-    with_noise(orders, segments, &theta)
+    let numerators = orders.na..orders.c().start;
+    theta[numerators.clone()].fill(0.0);
+    let factor = Evaluator::new(orders, segments, Aim::Simulation, estimate_states).factor(&theta).ok()?;
+    // The error is linear in the numerators: one step from zero leads to the best.
+    let wanted: Vec<usize> = numerators.clone().chain([orders.count()]).collect();
+    let factor = upper_factor(Mat::from_fn(factor.nrows(), wanted.len(), |i, j| factor[(i, wanted[j])]));
+    let step = solve(&factor).ok()?;
+    theta[numerators].iter_mut().zip(&step).for_each(|(slot, v)| *slot = -v);
+    let n = step.len();
+    let left = |i: usize| factor[(i, n)] - (i..n).map(|j| factor[(i, j)] * step[j]).sum::<f64>();
+    let cost: f64 = (0..=n).map(|i| left(i).powi(2)).sum();
+    cost.is_finite().then_some((cost, theta))
 }
 
 /// `C` and `D` from `v = A y − Σ B/F u` at the other values in θ.

@@ -102,3 +102,39 @@ fn regress_bad_starts_and_limits_are_reported() {
     let wrong = minimise(&mut decay(), &[1.0, 5.0], &[Bounds::NONE; 2], NonlinearOptions::default());
     assert!(matches!(wrong, Err(IdentError::Length { .. })));
 }
+
+/// Residuals `x − 2` and `x − 3`, for x below one only.
+struct Fenced;
+
+impl ResidualModel for Fenced {
+    fn parameter_count(&self) -> usize {
+        1
+    }
+
+    fn residual_count(&self) -> usize {
+        2
+    }
+
+    fn evaluate(
+        &mut self,
+        p: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        if p[0] >= 1.0 {
+            return Err(IdentError::Structure { what: "beyond the fence" });
+        }
+        residuals.copy_from_slice(&[p[0] - 2.0, p[0] - 3.0]);
+        if let Some(mut j) = jacobian {
+            j.fill(1.0);
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn regress_a_search_stopped_where_the_model_ends_has_not_converged() {
+    let fit = minimise(&mut Fenced, &[0.0], &[Bounds::NONE], NonlinearOptions::default()).unwrap();
+    assert!(fit.parameters[0] > 1.0 - 1e-6 && fit.termination == Termination::Edge, "{:?}", fit.termination);
+    assert!(!fit.termination.converged());
+}

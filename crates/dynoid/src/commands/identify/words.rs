@@ -48,6 +48,7 @@ pub(super) fn termination(termination: Termination) -> &'static str {
         Termination::SmallStep => "converged: the steps became negligible",
         Termination::SmallDecrease => "converged: the errors no longer fall",
         Termination::NoDescent => "as good as the arithmetic allows",
+        Termination::Edge => "stopped where there is no model any more, as at the edge of stability: the errors would fall further beyond it",
         Termination::IterationLimit => "stopped at the limit of iterations",
     }
 }

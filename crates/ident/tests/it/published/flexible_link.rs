@@ -68,7 +68,21 @@ fn ref_flexible_link_armax() {
 fn ref_flexible_link_output_error() {
     let Some((first, second)) = halves(0) else { return };
     let fit = OutputError::new(6, 6, 3).fit(&first).unwrap();
-    assert!(simulated(&fit, &second) > 95.6 && fit.loss < 0.00265, "{}", fit.loss);
+    assert!(simulated(&fit, &second) > 95.7 && fit.loss < 0.00265, "{}", fit.loss);
+}
+
+/// At a delay that is too short, and at an order that is too low, the slow poles would push out the second resonance, which
+/// moves the output by some hundredths only.
+#[test]
+fn ref_flexible_link_output_error_of_other_orders() {
+    let Some((first, second)) = halves(0) else { return };
+    for (order, delay, loss, percent) in
+        [(6, 1, 0.0074, 93.6), (6, 2, 0.0032, 95.4), (5, 1, 0.0153, 91.3), (5, 3, 0.0132, 91.9)]
+    {
+        let fit = OutputError::new(order, order, delay).fit(&first).unwrap();
+        assert!(fit.loss < loss && fit.condition < 1e8, "{order} {delay}: {} {:e}", fit.loss, fit.condition);
+        assert!(simulated(&fit, &second) > percent, "{order} {delay}: {}", simulated(&fit, &second));
+    }
 }
 
 /// The published 95.6 % is that of a simulation. What predicts best simulates the second half to 91 %; dynamics that simulate
@@ -80,7 +94,7 @@ fn ref_flexible_link_box_jenkins() {
     let predicts = orders.clone().fit(&first).unwrap();
     let simulates = orders.with_focus(Focus::Simulation).fit(&first).unwrap();
     assert!(simulated(&simulates, &second) > 95.6);
-    assert!(simulated(&predicts, &second) > 91.0 && predicts.loss < 0.95 * simulates.loss);
+    assert!(simulated(&predicts, &second) > 91.0 && predicts.loss < 5.93e-4 && 0.95 * simulates.loss > predicts.loss);
 }
 
 /// 88.95 % by N4SID, with nine states in the script and six in the text.
