@@ -171,6 +171,16 @@ pub fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     }
 }
 
+/// Whether two texts may mean the same unit: they are spelt alike, one of them is empty, or both are known and equal.
+pub fn may_be_same(one: &str, other: &str) -> bool {
+    let (spelt, also) = (normalised(one), normalised(other));
+    let equal = |a: Unit, b: Unit| a.quantity == b.quantity && a.factor == b.factor;
+    spelt.is_empty()
+        || also.is_empty()
+        || spelt == also
+        || matches!((parse_unit(one), parse_unit(other)), (Ok(a), Ok(b)) if equal(a, b))
+}
+
 /// Finds the unit a text means, if it measures `quantity`.
 ///
 /// # Errors

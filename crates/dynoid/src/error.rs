@@ -107,6 +107,11 @@ pub(crate) enum CliError {
     /// An estimate is impossible.
     #[error("{data}: the estimate is not possible: {source}{remedy}")]
     Estimate { data: String, source: ident::IdentError, remedy: String },
+    /// A model meets a channel in another unit.
+    #[error(
+        "{data}: \"{channel}\" is recorded in {found}, the model has it in {expected}; bring the recording to the model's unit, or fit the model again"
+    )]
+    UnitOfModel { data: String, channel: String, found: String, expected: String },
     /// Nothing is left between gaps.
     #[error(
         "{data}: {channels}: samples are missing so often that no {shortest} follow each other; choose other channels, or a longer --sample-time"

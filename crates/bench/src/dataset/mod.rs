@@ -10,6 +10,7 @@ use ident::{Dataset, Experiment, IdentError, Intersample, Label};
 use recording::Recording;
 use signal::SignalError;
 
+use crate::units::may_be_same;
 use timed::{Clock, Timed};
 
 /// Sample times that differ by less than this share are the same.
@@ -168,6 +169,20 @@ pub enum DatasetError {
         /// Of the first, s.
         expected_s: f64,
     },
+    /// A channel in another unit than in the first recording.
+    #[error(
+        "{file}: \"{channel}\" is in {found}, in the first recording in {expected}; bring them to one unit before they are used together"
+    )]
+    UnitsDiffer {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// Its unit in this recording.
+        found: String,
+        /// That in the first.
+        expected: String,
+    },
     /// No recording was given.
     #[error("no recording was given")]
     Empty,
@@ -218,6 +233,9 @@ pub fn dataset(
             (Some(before), clock) => part.check_against(before.sample_time_s(), clock)?,
             (None, clock) => part.sample_time_s(clock),
         };
+        if let Some(before) = &data {
+            part.check_units(before)?;
+        }
         let experiment = part.experiment(sample_time_s, options, &mut adjustments)?;
         data = Some(match data {
             Some(before) => before.with_experiment(experiment)?,
@@ -248,6 +266,20 @@ impl<'r> Part<'r> {
         let names = options.inputs.iter().chain(&options.outputs);
         let channels = names.map(|name| Timed::new(file, recording, name, options)).collect::<Result<_, _>>()?;
         Ok(Part { file, channels })
+    }
+
+    fn check_units(&self, before: &Dataset) -> Result<(), DatasetError> {
+        let labels = before.input_labels().iter().chain(before.output_labels());
+        let mut pairs = self.channels.iter().map(|c| c.channel).zip(labels);
+        match pairs.find(|(channel, label)| !may_be_same(&channel.unit, &label.unit)) {
+            None => Ok(()),
+            Some((channel, label)) => Err(DatasetError::UnitsDiffer {
+                file: self.file.to_owned(),
+                channel: channel.name.clone(),
+                found: channel.unit.clone(),
+                expected: label.unit.clone(),
+            }),
+        }
     }
 
     fn sample_time_s(&self, clock: CommonClock) -> f64 {

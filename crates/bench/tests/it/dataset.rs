@@ -108,6 +108,23 @@ fn exact_slow_output_on_a_fast_clock_is_known_where_it_was_measured() {
 }
 
 #[test]
+fn regress_recordings_in_different_units_are_not_mixed() {
+    let rows = (0..50).map(|n| format!("{},1,{n}\n", 0.1 * f64::from(n))).collect::<String>();
+    let in_unit = |unit: &str| recorded(&format!("time [s],u [Nm],y [{unit}]\n{rows}"));
+    let mixed = |a: &str, b: &str| {
+        let (a, b) = (in_unit(a), in_unit(b));
+        dataset(&[("a.csv", &a), ("b.csv", &b)], &options(&["u"], &["y"])).map(|_| ())
+    };
+    let error = mixed("rpm", "rad/s").unwrap_err();
+    let text = error.to_string();
+    assert!(text.starts_with("b.csv: \"y\"") && text.contains("rpm") && text.contains("rad/s"), "{text}");
+    mixed("rpm", "1/min").unwrap();
+    mixed("rpm", "").unwrap();
+    mixed("furlongs", "Furlongs").unwrap();
+    assert!(mixed("furlongs", "V").is_err());
+}
+
+#[test]
 fn regress_channels_of_one_name_are_not_chosen_from() {
     let twice = recorded("time [s],u,u,y\n0,1,2,3\n0.1,2,3,4\n0.2,1,1,5\n");
     let error = dataset(&[("x.csv", &twice)], &options(&["u"], &["y"])).unwrap_err();

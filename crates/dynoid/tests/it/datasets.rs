@@ -189,6 +189,16 @@ fn files_are_called_what_they_are() {
 }
 
 #[test]
+fn models_meet_no_other_units() {
+    let folder = folder();
+    done(&folder, "fit arx run.csv -u valve -y speed --out m.json");
+    let text = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    std::fs::write(folder.path().join("other.csv"), text.replace("[rad/s]", "[rpm]")).unwrap();
+    run(&folder, "compare m.json --on other.csv").assert_refused(3, &["other.csv", "rpm", "rad/s"]);
+    run(&folder, "fit arx run.csv other.csv -u valve -y speed").assert_refused(3, &["other.csv", "rpm", "rad/s"]);
+}
+
+#[test]
 fn recordings_count_once() {
     let folder = folder();
     run(&folder, "fit arx run.csv ./run.csv -u valve -y speed").assert_refused(2, &["run.csv", "twice"]);

@@ -7,7 +7,7 @@ use super::StateSpaceModel;
 use super::coordinates::{directions, entry_scales};
 use super::gather::{check_finite, scaled_columns};
 use super::predictor::{Free, Lineariser, Predictor, Scatter};
-use crate::subspace::linear::{solve_truncated, whitening};
+use crate::subspace::linear::{solve_truncated, spectral_radius, whitening};
 use crate::{Dataset, IdentError, Parametric, Termination};
 
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...
@@ -214,10 +214,31 @@ impl<'a, M: Searchable> Search<'a, M> {
         let model = self.model.moved(basis, step)?;
         let mut x0 = self.x0.clone();
         x0.iter_mut().zip(initial).for_each(|(x, by)| x.iter_mut().zip(by).for_each(|(x, by)| *x += by));
-        let predictor = Predictor::new(&model.innovations(self.data).ok()?);
+        let innovations = model.innovations(self.data).ok()?;
+        if self.forgets_worse(&innovations) {
+            return None;
+        }
+        let predictor = Predictor::new(&innovations);
         let scatter = predictor.scatter(self.data, &model.all_states(&x0, self.data), &[]);
         scatter.sum.norm_max().is_finite().then_some((model, x0, scatter))
     }
+
+    /// Whether a predictor with a noise model does not forget its initial state, and forgets it less than the one now: on
+    /// other data its errors would grow without bound, however well it does on these.
+    fn forgets_worse(&self, tried: &Innovations) -> bool {
+        let radius = |of: &Innovations| predictor_radius(of).unwrap_or(f64::INFINITY);
+        tried.k().norm_max() > 0.0 && {
+            let reached = radius(tried);
+            let now = self.model.innovations(self.data).map_or(f64::INFINITY, |now| radius(&now));
+            reached >= 1.0 && reached > now
+        }
+    }
+}
+
+/// Largest modulus of the eigenvalues of `A − K C`.
+fn predictor_radius(of: &Innovations) -> Result<f64, IdentError> {
+    let system = of.system();
+    spectral_radius((system.a() - of.k() * system.c()).as_ref())
 }
 
 /// Squares of a small part of each output's root mean square; nothing for a single output, whose weight has no part.

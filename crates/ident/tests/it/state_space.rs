@@ -180,6 +180,25 @@ fn robot_arm(first: bool) -> Option<Dataset> {
     Some(Dataset::siso(1.0, &u, &y).unwrap())
 }
 
+/// Few data and many parameters: the least prediction errors on them lie where the predictor never forgets its start.
+#[test]
+fn ref_predictors_of_a_short_record_forget_their_initial_state() {
+    let Some(data) = crate::subspace::slicot_dryer() else { return };
+    for (order, samples) in [(4, 500), (5, 250), (4, 1000)] {
+        let e = &data.experiments()[0];
+        let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len() as f64;
+        let (u, y) = (&e.input(0)[..samples], &e.output(0)[..samples]);
+        let (mu, my) = (mean(u), mean(y));
+        let (u, y): (Vec<f64>, Vec<f64>) = u.iter().zip(y).map(|(u, y)| (u - mu, y - my)).unzip();
+        let fit = StateSpacePem::new(order).fit(&Dataset::siso(0.08, &u, &y).unwrap()).unwrap();
+        let of = fit.model.innovations();
+        let closed = of.system().a() - of.k() * of.system().c();
+        let radius = closed.eigenvalues().unwrap().iter().map(|v| v.norm()).fold(0.0, f64::max);
+        println!("order {order}, {samples} samples: {radius}");
+        assert!(radius < 1.0, "order {order}, {samples} samples: {radius}");
+    }
+}
+
 #[test]
 fn ref_robot_arm_output_error_of_order_four() {
     let (Some(first), Some(second)) = (robot_arm(true), robot_arm(false)) else { return };

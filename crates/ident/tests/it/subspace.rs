@@ -202,7 +202,7 @@ fn prop_unusable_data_are_refused() {
 }
 
 /// The hair dryer as SLICOT's examples have it: input, then output, a thousand of each after the first two lines.
-fn slicot_dryer() -> Option<Dataset> {
+pub(crate) fn slicot_dryer() -> Option<Dataset> {
     let text = std::fs::read_to_string(shared("reference/peers/slicot/IB01AD.dat")?).unwrap();
     let values: Vec<f64> = text.lines().skip(2).flat_map(str::split_whitespace).map(|v| v.parse().unwrap()).collect();
     Some(Dataset::siso(0.08, &values[..1000], &values[1000..2000]).unwrap())

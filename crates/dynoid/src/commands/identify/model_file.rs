@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use bench::dataset::{CommonClock, DatasetError};
+use bench::units::may_be_same;
 use faer::Mat;
 use ident::uncertainty::Dynamics;
 use ident::{Experiment, Intersample, ModelDocument, Trend};
@@ -59,7 +60,24 @@ pub(super) fn meet(document: &ModelDocument, files: &Files, arguments: &MeetArgu
             Intersample::BandLimited => Between::BandLimited,
         },
     };
-    take(files, CommonClock::Slowest, &data)?.cut_at(Gaps::OfInputs)
+    let loaded = take(files, CommonClock::Slowest, &data)?;
+    check_units(document, &loaded)?;
+    loaded.cut_at(Gaps::OfInputs)
+}
+
+/// Refuses channels in another unit than the model's.
+fn check_units(document: &ModelDocument, loaded: &Loaded) -> Result<(), CliError> {
+    let found = loaded.data.input_labels().iter().chain(loaded.data.output_labels());
+    let mut pairs = document.inputs.iter().chain(&document.outputs).zip(found);
+    match pairs.find(|(expected, found)| !may_be_same(&expected.unit, &found.unit)) {
+        None => Ok(()),
+        Some((expected, found)) => Err(CliError::UnitOfModel {
+            data: loaded.sources.iter().map(|s| s.file.as_str()).collect::<Vec<_>>().join(", "),
+            channel: found.name.clone(),
+            found: found.unit.clone(),
+            expected: expected.unit.clone(),
+        }),
+    }
 }
 
 /// The clock of the data that a model meets.

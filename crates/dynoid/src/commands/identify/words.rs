@@ -48,7 +48,9 @@ pub(super) fn termination(termination: Termination) -> &'static str {
         Termination::SmallStep => "converged: the steps became negligible",
         Termination::SmallDecrease => "converged: the errors no longer fall",
         Termination::NoDescent => "as good as the arithmetic allows",
-        Termination::Edge => "stopped where there is no model any more, as at the edge of stability: the errors would fall further beyond it",
+        Termination::Edge => {
+            "stopped where there is no model any more, as at the edge of stability: the errors would fall further beyond it"
+        }
         Termination::IterationLimit => "stopped at the limit of iterations",
     }
 }
@@ -77,10 +79,15 @@ pub(super) fn print_tests(
                 format!("residuals of {name} do not depend on past {input}: the dynamics are captured"),
                 format!("residuals of {name} depend on past {input}: dynamics are missing"),
             );
+            // An input that remembers its past carries missing dynamics to its future too.
+            let seen = match test.dynamics.passes(level) {
+                true => "there is feedback",
+                false => "feedback, or the missing dynamics again, as with an input that is not white",
+            };
             say(
                 &test.feedback,
                 format!("residuals of {name} do not show in future {input}: no feedback"),
-                format!("residuals of {name} show in future {input}: there is feedback"),
+                format!("residuals of {name} show in future {input}: {seen}"),
             );
         }
     }

@@ -1,7 +1,7 @@
 //! Estimates as text, as tables and as JSON.
 
 use ident::validate::Judgement;
-use ident::{AnyModel, IdentError, ModelDocument, Parametric};
+use ident::{AnyModel, IdentError, LinearModel, ModelDocument, Parametric};
 use serde::Serialize;
 
 use super::verdict::Judged;
@@ -90,11 +90,18 @@ impl Finished {
         let is_coloured =
             |report: &ident::validate::ResidualReport| report.whiteness.iter().any(|w| !w.joint.passes(REGION));
         let coloured = self.verdict.residuals.as_ref().is_ok_and(is_coloured);
-        let first = coloured.then(|| {
-            "the residuals are not white: intervals of a model with a noise part (arx, armax, bj, ss) rest on white ones and may be several times too narrow, those of the dynamics alone (oe, tf, process) allow for it; a richer noise model (armax, bj, ss) makes them sharper".to_owned()
+        let first = (coloured && self.has_noise_model()).then(|| {
+            "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; give the noise a higher order, or take armax, bj or ss".to_owned()
         });
         let others = self.fit.doubts.iter().map(|doubt| words::doubt(doubt, &names, &self.document.outputs));
         first.into_iter().chain(others).collect()
+    }
+
+    /// Whether the noise is modelled too; where not, the intervals allow for coloured residuals.
+    fn has_noise_model(&self) -> bool {
+        let document = &self.document;
+        let innovations = self.fit.model.innovations(document.sample_time_s, document.intersample);
+        innovations.is_ok_and(|of| of.k().norm_max() > 0.0)
     }
 
     fn parameters(&self) -> Table {
