@@ -33,7 +33,7 @@ pub enum LtiError {
     #[error("the system is discrete, a continuous one is needed")]
     NotContinuous,
     /// Two systems with different sample times, or one continuous and one discrete.
-    #[error("sample times {first:?} and {second:?} differ")]
+    #[error("sample times differ: {} and {}", clock(*first), clock(*second))]
     SampleTimesDiffer {
         /// The first system's sample time in seconds, `None` for a continuous one.
         first: Option<f64>,
@@ -166,4 +166,8 @@ pub(crate) fn check_shape(what: &'static str, expected: (usize, usize), got: (us
 
 pub(crate) fn check_finite(what: &'static str, mut values: impl Iterator<Item = f64>) -> Result<(), LtiError> {
     if values.all(f64::is_finite) { Ok(()) } else { Err(LtiError::NonFinite { what }) }
+}
+
+fn clock(sample_time_s: Option<f64>) -> String {
+    sample_time_s.map_or_else(|| "continuous time".to_owned(), |time_s| format!("{time_s} s"))
 }

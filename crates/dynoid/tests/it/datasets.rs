@@ -5,7 +5,7 @@ use lti::StateSpace;
 use tempfile::TempDir;
 
 use crate::identify::{fitted, folder, run};
-use crate::support::Ran;
+use crate::support::{Ran, dynoid};
 
 /// A lag of 5 ms, 1.2 ms late: its demand every millisecond, its answer every fourth.
 fn two_rasters() -> TempDir {
@@ -196,6 +196,17 @@ fn models_meet_no_other_units() {
     std::fs::write(folder.path().join("other.csv"), text.replace("[rad/s]", "[rpm]")).unwrap();
     run(&folder, "compare m.json --on other.csv").assert_refused(3, &["other.csv", "rpm", "rad/s"]);
     run(&folder, "fit arx run.csv other.csv -u valve -y speed").assert_refused(3, &["other.csv", "rpm", "rad/s"]);
+}
+
+/// Names that read like the counts they stand for.
+#[test]
+fn advice_names_the_channel_it_means() {
+    let folder = folder();
+    let text = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let swapped = text.replace("valve", "speed_").replace("speed [", "output 1 [").replace("speed_", "speed");
+    std::fs::write(folder.path().join("odd.csv"), swapped).unwrap();
+    let ran = dynoid(folder.path(), &["fit", "arx", "odd.csv", "-u", "output 1", "-y", "speed"]);
+    assert!(ran.stderr.contains("\"output 1\" follows \"speed\""), "{}", ran.stderr);
 }
 
 #[test]

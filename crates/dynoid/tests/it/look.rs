@@ -114,6 +114,20 @@ fn a_spectrum_has_the_peaks_that_are_in_it() {
 }
 
 #[test]
+fn a_spectrum_is_that_of_the_longest_stretch_without_gaps() {
+    let folder = folder();
+    let text = std::fs::read_to_string(folder.path().join("T_TN.csv")).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let cells = lines[60].split(',').count();
+    lines[60] = format!("{}{}", lines[60].split(',').next().unwrap(), ",NaN".repeat(cells - 1));
+    std::fs::write(folder.path().join("gap.csv"), lines.join("\n") + "\n").unwrap();
+    let ran = run(&folder, "spectrum gap.csv -u u -y two --json");
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    assert!(ran.stderr.contains("gap.csv was cut") && ran.stderr.contains("the longest is shown"), "{}", ran.stderr);
+    assert_eq!(ran.json().as_array().unwrap().len(), 1);
+}
+
+#[test]
 fn an_order_at_the_end_of_the_scan_is_said() {
     let folder = folder();
     let text = said(&folder, "order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3");

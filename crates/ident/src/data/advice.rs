@@ -181,7 +181,12 @@ impl fmt::Display for Advice {
                 write!(f, "inputs {} and {} are correlated by {correlation:.3}", inputs.0 + 1, inputs.1 + 1)
             }
             Advice::Feedback { input, output, .. } => {
-                write!(f, "input {} seems to be computed from output {}", input + 1, output + 1)
+                let (input, output) = (input + 1, output + 1);
+                write!(
+                    f,
+                    "input {input} follows output {output}, as under feedback, behind a filter without phase shift, or where one \
+                     of them is clipped"
+                )
             }
             Advice::Feedthrough { input, output, .. } => {
                 write!(f, "input {} acts on output {} without delay", input + 1, output + 1)

@@ -21,13 +21,15 @@ const WORST_COORDINATES: f64 = 1e8;
 /// The errors are affine in the state, `e(t) = e₀(t) − C Φ(t) x(0)`, where `Φ` is the product of `A − L(t) C` or of `A`.
 /// Rows are taken until `Φ` is forgotten: a few for a predictor, all of them for a slow mode in simulation. Coordinates
 /// along the eigenvectors keep modes that grow from hiding those that decay. In simulation only states that inputs can
-/// move are estimated: the free response of a noise model is no part of it, and would take up the disturbance.
+/// move are estimated: the free response of a noise model is no part of it, and would take up the disturbance. Without a
+/// noise model prediction is simulation, and both take the state of the first.
 pub(super) fn estimate(form: &Form, experiment: &Experiment, feedback: bool) -> Result<Vec<f64>, IdentError> {
     let n = form.states;
     if n == 0 || experiment.is_empty() {
         return Ok(vec![0.0; n]);
     }
     let system = form.model.system();
+    let feedback = feedback || form.model.k().norm_max() == 0.0;
     let basis =
         if feedback { modal_basis((system.a() - form.model.k() * system.c()).as_ref()) } else { driven_basis(system) };
     let columns = basis.ncols();

@@ -113,6 +113,27 @@ fn exact_initial_state_is_recovered_in_simulation_and_prediction() {
     }
 }
 
+/// Outputs of unequal noise, of a model whose dynamics are not quite right.
+#[test]
+fn exact_without_a_noise_model_prediction_is_simulation() {
+    let form = system::two_mass_sampled().unwrap();
+    let system = form.system();
+    let mut noise = Noise::new(9);
+    let u = system::white(400, system.inputs(), 6);
+    let exact = system.simulate(u.as_ref(), &[0.02, 10.0, 3.0]).unwrap();
+    let y = Mat::from_fn(400, exact.ncols(), |t, i| exact[(t, i)] * 1.1 + (1.0 + 9.0 * i as f64) * noise.normal());
+    let data = Dataset::new(1e-3, u, y).unwrap();
+    let plain = Innovations::new(
+        system.clone(),
+        Mat::zeros(system.states(), system.outputs()),
+        Mat::from_fn(system.outputs(), system.outputs(), |i, j| if i == j { 1.0 + 80.0 * i as f64 } else { 0.0 }),
+    )
+    .unwrap();
+    let simulated = simulate(&plain, &data, &InitialState::Estimated).unwrap();
+    let predicted = predict(&plain, &data, 1, &InitialState::Estimated).unwrap();
+    assert!(largest_difference(&simulated.outputs[0], &predicted.outputs[0]) < 1e-9);
+}
+
 /// Modes that grow and modes that decay by ten orders of magnitude over the record, in mixed coordinates.
 #[test]
 fn exact_initial_state_of_a_system_with_an_unstable_mode() {

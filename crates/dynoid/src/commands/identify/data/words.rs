@@ -1,7 +1,7 @@
 //! What is said about data.
 
 use bench::dataset::{Adjustment, Resampling};
-use ident::{Advice, Dataset};
+use ident::{Advice, Dataset, Label};
 
 use crate::cli::identify::Detrend;
 use crate::commands::identify::words::significant;
@@ -59,15 +59,22 @@ pub(super) fn advice(advice: &Advice, data: &Dataset) -> String {
 
 /// Advice counts channels and experiments; people know them by name.
 fn with_names(text: &str, data: &Dataset) -> String {
-    let mut named = text.to_owned();
-    // From the last on, so that "input 1" is not found in "input 12".
-    for (kind, labels) in [("input", data.input_labels()), ("output", data.output_labels())] {
-        for (index, label) in labels.iter().enumerate().rev() {
-            named = named.replace(&format!("{kind} {}", index + 1), &format!("\"{}\"", label.name));
-        }
+    let quoted = |labels: &[Label]| labels.iter().map(|label| format!("\"{}\"", label.name)).collect::<Vec<_>>();
+    let experiments = data.experiments().iter().map(|e| e.name.clone()).collect();
+    let kinds = [
+        ("input ", quoted(data.input_labels())),
+        ("output ", quoted(data.output_labels())),
+        ("experiment ", experiments),
+    ];
+    // From the left, so that a name that reads like a count is not taken for one.
+    let (mut named, mut rest) = (String::new(), text);
+    while let Some((at, kind)) = kinds.iter().filter_map(|kind| Some((rest.find(kind.0)?, kind))).min_by_key(|k| k.0) {
+        let after = &rest[at + kind.0.len()..];
+        let digits = after.bytes().take_while(u8::is_ascii_digit).count();
+        let name = after[..digits].parse::<usize>().ok().and_then(|count| kind.1.get(count.checked_sub(1)?));
+        named.push_str(&rest[..at]);
+        named.push_str(name.map_or(&rest[at..at + kind.0.len() + digits], String::as_str));
+        rest = &after[digits..];
     }
-    for (index, experiment) in data.experiments().iter().enumerate().rev() {
-        named = named.replace(&format!("experiment {}", index + 1), &experiment.name);
-    }
-    named
+    named + rest
 }

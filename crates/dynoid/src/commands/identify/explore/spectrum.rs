@@ -6,7 +6,7 @@ use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum};
 
-use super::super::data::load;
+use super::super::data::{Gaps, Loaded, load};
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
 use super::super::words::{digits, range, ratio_unit};
@@ -61,7 +61,7 @@ impl Spectrum {
 
 /// `dynoid spectrum`
 pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let data = load(&arguments.data, terminal)?.data;
+    let data = without_gaps(load(&arguments.data, terminal)?, terminal)?;
     let failed = |source: signal::SignalError| CliError::identify("the spectrum", source.into());
     check_method(arguments, data.inputs())?;
     let spectra = match data.inputs() {
@@ -77,6 +77,25 @@ pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -
         written(&arguments.result.plot, terminal);
     }
     Ok(Outcome::Done)
+}
+
+/// Of each recording the longest stretch in which nothing is missing.
+fn without_gaps(loaded: Loaded, terminal: &mut Terminal) -> Result<Dataset, CliError> {
+    let known = loaded.notes.len();
+    let cut = loaded.cut_at(Gaps::OfAll)?;
+    for note in &cut.notes[known..] {
+        terminal.warning(&format!("{note}; of each recording the longest is shown"));
+    }
+    let experiments = cut.data.experiments();
+    let mut longest: Vec<usize> = Vec::new();
+    for (index, of) in cut.recording.iter().enumerate() {
+        match longest.last_mut().filter(|last| cut.recording[**last] == *of) {
+            Some(last) if experiments[index].len() > experiments[*last].len() => *last = index,
+            Some(_) => {}
+            None => longest.push(index),
+        }
+    }
+    cut.data.only_experiments(&longest).map_err(|source| CliError::identify("the spectrum", source))
 }
 
 /// Refuses several inputs where a method knows but one: it would take what the others do for noise.
