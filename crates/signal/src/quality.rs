@@ -15,7 +15,8 @@ pub struct QualityOptions {
     pub spike_half_window: usize,
     /// A spike departs from the local median by more than this many (robust) standard deviations of such departures.
     pub spike_threshold: f64,
-    /// If more than this fraction of the samples would be spikes, the signal is like that, and none is reported.
+    /// If more than this fraction of the samples would be spikes, the signal is like that, and only what is far beyond
+    /// the rest is reported.
     pub spike_max_fraction: f64,
 }
 
@@ -108,6 +109,9 @@ fn runs(x: &[f64], shortest: usize, wanted: impl Fn(f64) -> bool) -> Vec<Range<u
     found
 }
 
+/// A spike among many edges departs this many times as far as they do.
+const FAR_BEYOND: f64 = 20.0;
+
 fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
     let departures = departures(x, options.spike_half_window);
     let sizes = || departures.iter().map(|d| d.abs()).filter(|d| d.is_finite());
@@ -115,8 +119,15 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
     // Held signals depart nowhere but at spikes: there the plain deviation has to serve.
     let threshold = if deviation > 0.0 { options.spike_threshold * deviation } else { 3.0 * standard_deviation(x) };
     let found: Vec<usize> = (0..x.len()).filter(|&i| departures[i].abs() > threshold).collect();
-    let most = (options.spike_max_fraction * x.len() as f64).max(1.0);
-    if found.len() as f64 > most { vec![] } else { found }
+    let most = (options.spike_max_fraction * x.len() as f64).max(1.0) as usize;
+    if found.len() <= most {
+        return found;
+    }
+    // Edges depart too, all of about the same size: what is far beyond all but a few of the departures is no edge.
+    let mut largest: Vec<f64> = sizes().collect();
+    let (_, usual, _) = largest.select_nth_unstable_by(most, |a, b| b.total_cmp(a));
+    let beyond = FAR_BEYOND * *usual;
+    found.into_iter().filter(|&i| departures[i].abs() > beyond).collect()
 }
 
 /// Each sample less the median of its window; NaN where it is not finite. The window shrinks, symmetrically, at the ends.

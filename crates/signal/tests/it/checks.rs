@@ -39,6 +39,14 @@ fn exact_clipping_and_constancy_are_found() {
     assert!(check_quality(&[], &QualityOptions::default()).unwrap().constant);
 }
 
+/// Steps of a command depart from their surroundings; a spike among them departs much further.
+#[test]
+fn exact_one_wild_sample_among_steps_is_a_spike() {
+    let mut x: Vec<f64> = (0..2000).map(|t: usize| ((t / 7 % 2) as f64 - 0.5) + 0.01 * (t as f64).sin()).collect();
+    x[777] = 1e6;
+    assert_eq!(check_quality(&x, &QualityOptions::default()).unwrap().spikes, [777]);
+}
+
 #[test]
 fn exact_commands_of_levels_have_no_spikes() {
     let timing = Timing { sample_time_s: 1.0, length: 2000 };

@@ -9,7 +9,7 @@ use plot::Axis;
 
 use super::super::words::{digits, ratio_unit, with_range};
 use super::curves::{Curve, Fact, Quantity, show};
-use super::{Model, channel_name, channels, failed, models};
+use super::{Model, channel_name, channels, driven_models, failed};
 use crate::cli::identify::CurveArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -19,7 +19,7 @@ const FREQUENCIES: usize = 400;
 
 /// `dynoid bode`
 pub(crate) fn bode(arguments: &CurveArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let models = models(&arguments.models)?;
+    let models = driven_models(&arguments.models)?;
     let mut curves = Vec::new();
     for (number, model) in models.iter().enumerate() {
         let grid = model.document.model.system().and_then(|s| s.frequency_grid(FREQUENCIES));

@@ -36,6 +36,20 @@ fn models(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
     arguments.models.iter().map(read).collect()
 }
 
+/// The models, each of which has to answer to an input.
+fn driven_models(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
+    let models = models(arguments)?;
+    match models.iter().find(|model| model.document.inputs.is_empty()) {
+        None => Ok(models),
+        Some(model) => Err(CliError::Usage {
+            what: format!(
+                "{}: the model has no inputs, and so no response to one; see its poles, or predict with it",
+                model.name
+            ),
+        }),
+    }
+}
+
 /// Every way from an input to an output of a model.
 fn channels(model: &Model) -> impl Iterator<Item = (usize, usize)> + use<> {
     let (inputs, outputs) = (model.document.model.inputs(), model.document.model.outputs());

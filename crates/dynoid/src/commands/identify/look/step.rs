@@ -6,14 +6,14 @@ use lti::TimeGrid;
 use plot::Axis;
 
 use super::curves::{Curve, Fact, Quantity, show};
-use super::{Model, channel_name, channels, failed, longest_delay_s, models};
+use super::{Model, channel_name, channels, driven_models, failed, longest_delay_s};
 use crate::cli::identify::CurveArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 /// `dynoid step`
 pub(crate) fn step(arguments: &CurveArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let models = models(&arguments.models)?;
+    let models = driven_models(&arguments.models)?;
     let mut curves = Vec::new();
     for (number, model) in models.iter().enumerate() {
         for channel in channels(model) {
