@@ -70,11 +70,6 @@ fn sha256_of(content: &mut impl Read) -> std::io::Result<String> {
     }
 }
 
-/// The SHA-256 of a file's content, hexadecimal.
-pub(crate) fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
 fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |mut text, byte| {
         let _ = write!(text, "{byte:02x}");

@@ -227,11 +227,11 @@ impl<'a, M: Searchable> Search<'a, M> {
     /// other data its errors would grow without bound, however well it does on these.
     fn forgets_worse(&self, tried: &Innovations) -> bool {
         let radius = |of: &Innovations| predictor_radius(of).unwrap_or(f64::INFINITY);
-        tried.k().norm_max() > 0.0 && {
-            let reached = radius(tried);
-            let now = self.model.innovations(self.data).map_or(f64::INFINITY, |now| radius(&now));
-            reached >= 1.0 && reached > now
+        if tried.k().norm_max() == 0.0 {
+            return false;
         }
+        let reached = radius(tried);
+        reached >= 1.0 && self.model.innovations(self.data).is_ok_and(|now| reached > radius(&now))
     }
 }
 

@@ -2,31 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use faer::{Mat, mat};
+use faer::mat;
+use ident::Fit;
 use ident::uncertainty::{Dynamics, Features};
-use ident::{Fit, Parametric, Termination};
 use lti::{LtiError, Mode, PolynomialEquation, PolynomialModel, TimeGrid};
+
+use crate::uncertainty::fit_of;
 
 const T: f64 = 0.1;
 /// Student's t at 97.5 % with very many degrees of freedom.
 const REACH: f64 = 1.959_963_985;
-
-fn fit_of<M: Parametric>(model: M, covariance: Mat<f64>) -> Fit<M> {
-    Fit {
-        model,
-        covariance,
-        degrees_of_freedom: 1e9,
-        noise_covariance: mat![[1.0]],
-        loss: 1.0,
-        samples: 1000,
-        free_parameters: 2,
-        initial_states: Vec::new(),
-        termination: Termination::Direct,
-        iterations: 0,
-        condition: 1.0,
-        doubts: Vec::new(),
-    }
-}
 
 /// `B(q)/A(q)` with a covariance of this scale for [a₁, a₂, b₀, b₁].
 fn fit(a: &[f64], scale: f64) -> Fit<PolynomialModel> {

@@ -11,7 +11,7 @@ use testkit::system::{self, SAMPLE_TIME_S};
 use crate::stand_in;
 
 /// A fit made by hand.
-fn fit_of<M: Parametric>(model: M, covariance: Mat<f64>) -> Fit<M> {
+pub(crate) fn fit_of<M: Parametric>(model: M, covariance: Mat<f64>) -> Fit<M> {
     Fit {
         model,
         covariance,

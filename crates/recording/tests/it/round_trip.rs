@@ -58,56 +58,39 @@ fn values(samples: &[f64]) -> Vec<u64> {
     samples.iter().map(|s| if s.is_nan() { u64::MAX } else { s.to_bits() }).collect()
 }
 
+fn bit_for_bit(read: &Recording, written: &Recording) -> Result<(), TestCaseError> {
+    prop_assert_eq!((&read.comment, read.start_time), (&written.comment, written.start_time));
+    prop_assert_eq!(read.channels.len(), written.channels.len());
+    for (r, w) in read.rasters.iter().zip(&written.rasters) {
+        prop_assert_eq!(&r.name, &w.name);
+        prop_assert_eq!(bits(&r.time_s), bits(&w.time_s));
+    }
+    for (r, w) in read.channels.iter().zip(&written.channels) {
+        prop_assert_eq!((&r.name, &r.unit, &r.comment, r.raster), (&w.name, &w.unit, &w.comment, w.raster));
+        prop_assert_eq!(bits(&r.samples), bits(&w.samples));
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
     fn prop_mdf4_is_read_back_bit_for_bit(written in recording()) {
-        let read = decode("a.mf4", &encode_mdf4(&written).unwrap(), &Selection::All).unwrap();
-        prop_assert_eq!(&read.comment, &written.comment);
-        prop_assert_eq!(read.start_time, written.start_time);
-        prop_assert_eq!(read.channels.len(), written.channels.len());
-        for (r, w) in read.rasters.iter().zip(&written.rasters) {
-            prop_assert_eq!(&r.name, &w.name);
-            prop_assert_eq!(bits(&r.time_s), bits(&w.time_s));
-        }
-        for (r, w) in read.channels.iter().zip(&written.channels) {
-            prop_assert_eq!((&r.name, &r.unit, &r.comment, r.raster), (&w.name, &w.unit, &w.comment, w.raster));
-            prop_assert_eq!(bits(&r.samples), bits(&w.samples));
-        }
+        bit_for_bit(&decode("a.mf4", &encode_mdf4(&written).unwrap(), &Selection::All).unwrap(), &written)?;
     }
 
     #[cfg(feature = "parquet")]
     #[test]
     fn prop_tables_are_read_back_bit_for_bit(written in recording()) {
         for bytes in [recording::encode_parquet(&written).unwrap(), recording::encode_arrow(&written).unwrap()] {
-            let read = decode("a", &bytes, &Selection::All).unwrap();
-            prop_assert_eq!((&read.comment, read.start_time), (&written.comment, written.start_time));
-            prop_assert_eq!(read.channels.len(), written.channels.len());
-            for (r, w) in read.rasters.iter().zip(&written.rasters) {
-                prop_assert_eq!(&r.name, &w.name);
-                prop_assert_eq!(bits(&r.time_s), bits(&w.time_s));
-            }
-            for (r, w) in read.channels.iter().zip(&written.channels) {
-                prop_assert_eq!((&r.name, &r.unit, &r.comment, r.raster), (&w.name, &w.unit, &w.comment, w.raster));
-                prop_assert_eq!(bits(&r.samples), bits(&w.samples));
-            }
+            bit_for_bit(&decode("a", &bytes, &Selection::All).unwrap(), &written)?;
         }
     }
 
     #[test]
     fn prop_mat5_is_read_back_bit_for_bit(written in recording()) {
-        let read = decode("a.mat", &encode_mat5(&written).unwrap(), &Selection::All).unwrap();
-        prop_assert_eq!((&read.comment, read.start_time), (&written.comment, written.start_time));
-        prop_assert_eq!(read.channels.len(), written.channels.len());
-        for (r, w) in read.rasters.iter().zip(&written.rasters) {
-            prop_assert_eq!(&r.name, &w.name);
-            prop_assert_eq!(bits(&r.time_s), bits(&w.time_s));
-        }
-        for (r, w) in read.channels.iter().zip(&written.channels) {
-            prop_assert_eq!((&r.name, &r.unit, &r.comment, r.raster), (&w.name, &w.unit, &w.comment, w.raster));
-            prop_assert_eq!(bits(&r.samples), bits(&w.samples));
-        }
+        bit_for_bit(&decode("a.mat", &encode_mat5(&written).unwrap(), &Selection::All).unwrap(), &written)?;
     }
 
     #[test]
