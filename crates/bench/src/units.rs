@@ -6,8 +6,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::names::closest;
 use crate::role::Quantity;
+use recording::names::closest;
 
 /// One revolution a minute in rad/s, 2π/60.
 pub const RPM_RAD_S: f64 = TAU / 60.0;
