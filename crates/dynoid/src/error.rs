@@ -93,8 +93,8 @@ pub(crate) enum CliError {
     #[error("{source}{}", if *.untimed { "; for text without a time column, give the time from row to row with --sample-time" } else { "" })]
     Recording { source: recording::RecordingError, untimed: bool },
     /// A recording of which nothing is left.
-    #[error("{file}: there is nothing to convert: no numeric channel over time has a sample here")]
-    NothingToConvert { file: String },
+    #[error("{file}: there is nothing to convert: no numeric channel over time has a sample here{}", because(.reasons))]
+    NothingToConvert { file: String, reasons: Vec<String> },
     /// A recording that a format cannot hold.
     #[error("{source}; choose another format, or leave the channel out with --channels")]
     Encode { source: recording::RecordingError },
@@ -172,6 +172,16 @@ impl CliError {
             _ => INPUT,
         }
     }
+}
+
+/// The first reasons, one a line.
+fn because(reasons: &[String]) -> String {
+    const MOST: usize = 5;
+    let mut lines: Vec<String> = reasons.iter().take(MOST).map(|reason| format!("\n  {reason}")).collect();
+    if reasons.len() > MOST {
+        lines.push(format!("\n  and {} more", reasons.len() - MOST));
+    }
+    lines.concat()
 }
 
 fn read_words(error: &io::Error) -> String {

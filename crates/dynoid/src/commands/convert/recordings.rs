@@ -130,7 +130,7 @@ fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Re
         notes.extend(cut(&mut recording, window));
     }
     if recording.channels.is_empty() {
-        return Err(CliError::NothingToConvert { file: target.input.name.clone() });
+        return Err(CliError::NothingToConvert { file: target.input.name.clone(), reasons: notes });
     }
     let sample_time_s = arguments.sample_time.or(arguments.rate.map(|rate_hz| 1.0 / rate_hz));
     if let Some(sample_time_s) = sample_time_s.filter(|_| !is_untimed) {

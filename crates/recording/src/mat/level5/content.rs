@@ -12,6 +12,8 @@ use crate::source::{Shared, Stretch};
 const HEAD: usize = 1 << 10;
 /// Arrays of fewer numbers are read with all their variable.
 const LARGE: usize = 1 << 14;
+/// Deflated bytes read at once: of a variable that is skipped, only so many.
+const BUFFER: usize = 1 << 13;
 /// Bytes of numbers converted at once; a multiple of every width.
 const PIECE: usize = 1 << 16;
 
@@ -40,7 +42,7 @@ impl Content {
         let (mut rest, size): (Box<dyn Read>, usize) = match kind {
             MATRIX => (Box::new(BufReader::new(stored)), size),
             COMPRESSED => {
-                let mut inflated = ZlibDecoder::new(stored);
+                let mut inflated = ZlibDecoder::new_with_buf(stored, vec![0; BUFFER]);
                 let content = inflated_size(&mut inflated, size, big)?;
                 (Box::new(inflated), content)
             }
