@@ -17,7 +17,6 @@ pub mod diagnostics;
 pub mod estimate;
 pub mod experiment;
 pub mod model;
-mod names;
 pub mod prepare;
 pub mod replay;
 pub mod role;

@@ -92,6 +92,12 @@ pub(crate) enum CliError {
     /// A recording that cannot be decoded.
     #[error("{source}{}", if *.untimed { "; for text without a time column, give the time from row to row with --sample-time" } else { "" })]
     Recording { source: recording::RecordingError, untimed: bool },
+    /// A recording of which nothing is left.
+    #[error("{file}: there is nothing to convert: no numeric channel over time has a sample here{}", because(.reasons))]
+    NothingToConvert { file: String, reasons: Vec<String> },
+    /// A recording that a format cannot hold.
+    #[error("{source}; choose another format, or leave the channel out with --channels")]
+    Encode { source: recording::RecordingError },
     /// Channels that are no data.
     #[error(transparent)]
     Dataset(#[from] bench::dataset::DatasetError),
@@ -148,18 +154,34 @@ impl CliError {
         CliError::Internal { what: what.to_string() }
     }
 
+    /// Whether an input is to blame.
+    pub(crate) fn is_of_input(&self) -> bool {
+        self.code() == INPUT || matches!(self, CliError::Encode { .. })
+    }
+
     pub(crate) fn code(&self) -> u8 {
         match self {
             CliError::Write { .. }
             | CliError::InTheWay { .. }
             | CliError::BenchFileExists { .. }
             | CliError::NotADemoFolder { .. }
+            | CliError::Encode { .. }
             | CliError::StandardOutput { .. } => OUTPUT,
             CliError::Usage { .. } | CliError::PlotEnding { .. } | CliError::NoOutputNamed { .. } => USAGE,
             CliError::Internal { .. } => INTERNAL,
             _ => INPUT,
         }
     }
+}
+
+/// The first reasons, one a line.
+fn because(reasons: &[String]) -> String {
+    const MOST: usize = 5;
+    let mut lines: Vec<String> = reasons.iter().take(MOST).map(|reason| format!("\n  {reason}")).collect();
+    if reasons.len() > MOST {
+        lines.push(format!("\n  and {} more", reasons.len() - MOST));
+    }
+    lines.concat()
 }
 
 fn read_words(error: &io::Error) -> String {

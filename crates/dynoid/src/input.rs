@@ -4,11 +4,14 @@ use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
 
 use bench::study::Source;
-use recording::{Selection, decode_from};
+use recording::{
+    Catalogue, CsvProblem, Extras, Recording, RecordingError, Selection, catalogue_from, decode_from, extras_from,
+};
 use sha2::{Digest, Sha256};
 
 use crate::error::CliError;
@@ -48,16 +51,84 @@ pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, Cli
 ///
 /// The file is never in memory as a whole, unless its format asks for it.
 pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
+    let (content, sha256) = opened(file)?;
+    let recording = decode_from(&file.name, content, &Selection::All, None, &|_, _| {});
+    Ok(Source { file: file.name.clone(), sha256, recording })
+}
+
+/// The channels of these names or patterns; all where there are none.
+pub(crate) fn selection(names: &[String]) -> Selection {
+    match names {
+        [] => Selection::All,
+        patterns => Selection::Patterns(patterns.iter().map(|p| p.trim().to_owned()).collect()),
+    }
+}
+
+/// What a recording lists, without its samples where the format allows that.
+pub(crate) fn catalogue(file: &InputFile) -> Result<Catalogue, CliError> {
+    refuse_folder(&file.path)?;
+    let content = File::open(&file.path).map_err(|source| CliError::read(&file.path, source))?;
+    catalogue_from(&file.name, Arc::new(content)).map_err(|source| CliError::Recording { source, untimed: false })
+}
+
+/// A recording that was read.
+pub(crate) struct Read {
+    pub(crate) recording: Recording,
+    pub(crate) sha256: String,
+    /// Whether its time was counted, from row to row.
+    pub(crate) is_untimed: bool,
+}
+
+/// Reads and decodes a recording, or text without a time column where the time from row to row is given.
+pub(crate) fn read_recording(
+    file: &InputFile,
+    selection: &Selection,
+    row_time_s: Option<f64>,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Read, CliError> {
+    let (content, sha256) = opened(file)?;
+    let strictly = decode_from(&file.name, content.clone(), selection, None, progress);
+    let is_usable = match &strictly {
+        Ok(recording) => !recording.channels.is_empty(),
+        Err(RecordingError::NoSuchChannel { .. }) => true,
+        Err(_) => false,
+    };
+    let is_untimed = row_time_s.is_some() && !is_usable;
+    let recording =
+        if is_untimed { decode_from(&file.name, content, selection, row_time_s, progress) } else { strictly };
+    let untimed = |error: &RecordingError| row_time_s.is_none() && lacks_time(error);
+    let recording = recording.map_err(|source| CliError::Recording { untimed: untimed(&source), source })?;
+    Ok(Read { recording, sha256, is_untimed })
+}
+
+/// Whether a table could not be read since no column is its time.
+fn lacks_time(error: &RecordingError) -> bool {
+    match error {
+        RecordingError::NoTimeColumn { .. } => true,
+        RecordingError::Csv { problem, .. } => {
+            matches!(problem, CsvProblem::NoTime { .. } | CsvProblem::NoHeader | CsvProblem::NoDelimiter)
+        }
+        _ => false,
+    }
+}
+
+/// What a recording holds beside its channels.
+pub(crate) fn extras(file: &InputFile) -> Result<Extras, CliError> {
+    let content = File::open(&file.path).map_err(|source| CliError::read(&file.path, source))?;
+    extras_from(&file.name, &content).map_err(|source| CliError::Recording { source, untimed: false })
+}
+
+/// A file, and the hash of its content.
+fn opened(file: &InputFile) -> Result<(Arc<File>, String), CliError> {
     let unreadable = |source| CliError::read(&file.path, source);
     refuse_folder(&file.path)?;
     let mut content = File::open(&file.path).map_err(unreadable)?;
     let sha256 = sha256_of(&mut content).map_err(unreadable)?;
-    let recording = decode_from(&file.name, &content, &Selection::All, &|_, _| {});
-    Ok(Source { file: file.name.clone(), sha256, recording })
+    Ok((Arc::new(content), sha256))
 }
 
 /// The SHA-256 of what is read, hexadecimal.
-fn sha256_of(content: &mut impl Read) -> std::io::Result<String> {
+fn sha256_of(content: &mut impl std::io::Read) -> std::io::Result<String> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 20];
     loop {

@@ -9,6 +9,7 @@
 mod cli;
 mod commands;
 mod error;
+mod formats;
 mod input;
 mod output;
 mod summary;
@@ -55,7 +56,7 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         Command::Bode(arguments) => identify::look::bode(arguments, terminal),
         Command::Step(arguments) => identify::look::step(arguments, terminal),
         Command::Poles(arguments) => identify::look::poles(arguments, terminal),
-        Command::Convert(arguments) => identify::convert::convert(arguments, terminal),
+        Command::Convert(arguments) => commands::convert::run(arguments, terminal),
         Command::Spectrum(arguments) => identify::explore::spectrum(arguments, terminal),
         Command::Delay(arguments) => identify::explore::delay(arguments, terminal),
         Command::Order(arguments) => identify::explore::order(arguments, terminal),

@@ -1,9 +1,10 @@
 //! All that is printed: results on standard output, warnings, errors and progress on standard error.
 
 use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
-use std::time::Duration;
+use std::sync::Once;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
 use crate::cli::{ColorWhen, Global};
@@ -15,6 +16,10 @@ const USUAL_WIDTH: usize = 100;
 /// Lines longer than this are hard to read.
 const WIDEST: usize = 120;
 const NARROWEST: usize = 60;
+/// From frame to frame of a display of progress.
+const TICK: Duration = Duration::from_millis(100);
+/// What takes less than this needs no display.
+const SHORT: Duration = Duration::from_secs(1);
 
 /// Where a command prints. Texts may come from anywhere: escape codes in them are taken out.
 pub(crate) struct Terminal {
@@ -115,14 +120,29 @@ impl Terminal {
         if self.quiet || !io::stderr().is_terminal() {
             return Progress(None);
         }
+        let bar = self.bar(steps);
+        bar.enable_steady_tick(TICK);
+        Progress(Some(bar))
+    }
+
+    fn bar(&self, steps: u64) -> ProgressBar {
         let bar = ProgressBar::new(steps);
         let colour = if self.colour_err { ".cyan" } else { "" };
         let template = format!("{{spinner{colour}}} [{{bar:24{colour}}}] {{wide_msg}}");
         if let Ok(style) = ProgressStyle::with_template(&template) {
             bar.set_style(style.progress_chars("=> "));
         }
-        bar.enable_steady_tick(Duration::from_millis(100));
-        Progress(Some(bar))
+        bar
+    }
+
+    /// A display of the progress of something that may take long, on standard error; nothing where that is no terminal.
+    pub(crate) fn long(&self, what: &str) -> Long {
+        let bar = (!self.quiet && io::stderr().is_terminal()).then(|| self.bar(0));
+        if let Some(bar) = &bar {
+            bar.set_draw_target(ProgressDrawTarget::hidden());
+            bar.set_message(safe(what));
+        }
+        Long { bar, since: Instant::now(), shown: Once::new() }
     }
 
     /// Writes out what is left, and says whether all could be written.
@@ -187,6 +207,34 @@ impl Progress {
 impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = &self.0 {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// A display of progress that appears where something takes more than a second, gone when dropped.
+pub(crate) struct Long {
+    bar: Option<ProgressBar>,
+    since: Instant,
+    shown: Once,
+}
+
+impl Long {
+    /// So much of so much is done; may be told from any thread.
+    pub(crate) fn told(&self, done: u64, all: u64) {
+        let Some(bar) = self.bar.as_ref().filter(|_| self.since.elapsed() > SHORT) else { return };
+        bar.set_length(all);
+        bar.set_position(done);
+        self.shown.call_once(|| {
+            bar.set_draw_target(ProgressDrawTarget::stderr());
+            bar.enable_steady_tick(TICK);
+        });
+    }
+}
+
+impl Drop for Long {
+    fn drop(&mut self) {
+        if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }
     }

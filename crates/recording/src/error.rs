@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::SkipReason;
+use crate::{SkipReason, names};
 
 /// Why a file cannot be read or written. `file` is the name that was passed in.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -95,13 +95,13 @@ pub enum RecordingError {
         feature: String,
     },
     /// A channel that was asked for is not in the file.
-    #[error("{file}: there is no channel \"{channel}\"{}", did_you_mean(similar))]
+    #[error("{file}: there is no channel \"{channel}\"{}", the_closest(similar))]
     NoSuchChannel {
         /// The file.
         file: String,
         /// The name that was asked for.
         channel: String,
-        /// Names in the file that resemble it.
+        /// The names in the file that are closest to it.
         similar: Vec<String>,
     },
     /// A channel that was asked for cannot be had as numbers over time.
@@ -260,12 +260,15 @@ pub enum CsvProblem {
     Gap,
 }
 
-fn did_you_mean(similar: &[String]) -> String {
-    if similar.is_empty() {
-        return String::from("; list the file's channels and correct the name");
+fn the_closest(similar: &[String]) -> String {
+    match similar {
+        [] => String::from("; list the file's channels and correct the name"),
+        [one] => format!("; did you mean \"{one}\"?"),
+        several => {
+            let names: Vec<_> = several.iter().map(|n| format!("\"{n}\"")).collect();
+            format!("; the closest names are {}", names.join(", "))
+        }
     }
-    let names: Vec<_> = similar.iter().map(|n| format!("\"{n}\"")).collect();
-    format!("; did you mean {}?", names.join(" or "))
 }
 
 /// Runs a decoder that is not ours. Where it panics, the file is to blame.
@@ -276,32 +279,19 @@ pub(crate) fn guarded<T>(file: &str, decode: impl FnOnce() -> Result<T, Recordin
     })
 }
 
-/// Fails where a channel that was asked for by name is not among `present`.
+/// Fails where a channel that was asked for is not among `present`.
 pub(crate) fn require_names<'a>(
     file: &str,
     selection: &crate::Selection,
     present: impl Iterator<Item = &'a str> + Clone,
 ) -> Result<(), RecordingError> {
-    let crate::Selection::Names(names) = selection else {
-        return Ok(());
-    };
-    let missing = names.iter().find(|n| !present.clone().any(|p| p == *n));
-    match missing {
+    match selection.missing(present.clone()) {
         None => Ok(()),
         Some(name) => Err(RecordingError::NoSuchChannel {
             file: file.into(),
-            channel: name.clone(),
-            similar: similar(name, present),
+            channel: name.to_owned(),
+            similar: names::likely_meant(name, present.clone())
+                .map_or_else(|| names::closest(name, present, 3), |n| vec![n]),
         }),
     }
-}
-
-/// Up to three names that differ only in case, or contain the other.
-fn similar<'a>(name: &str, present: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let wanted = name.to_lowercase();
-    let resembles = |p: &&str| {
-        let p = p.to_lowercase();
-        !wanted.is_empty() && !p.is_empty() && (p.contains(&wanted) || wanted.contains(&p))
-    };
-    present.filter(resembles).take(3).map(Into::into).collect()
 }

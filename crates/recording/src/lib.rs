@@ -5,13 +5,13 @@
 //! NaN and missing samples are handed on as they are, and what could not be taken over is listed as a [`Finding`].
 //!
 //! This crate knows no SI units (time alone is in seconds), no torque, no resampling, no models, and no paths: its
-//! input and output are bytes, or for large files a [`Source`] of them, of which MDF reads only what is asked for.
+//! input and output are bytes, or for large files a [`Source`] of them, of which only what is asked for is read.
 //!
 //! | format | read | written |
 //! | --- | --- | --- |
 //! | MDF 2.x and 3.x (`.mdf`, `.dat`) | yes | – |
 //! | MDF 4.x (`.mf4`) | yes | 4.10, deflated ([`encode_mdf4`]) |
-//! | CSV | yes | yes ([`encode_csv`]) |
+//! | CSV | yes | yes ([`encode_csv`], [`encode_tsv`]) |
 //! | MAT-files of MATLAB, levels 4, 5 and 7.3 (`-v4`, `-v6`, `-v7`, `-v7.3`; `.mat`), HDF5 | yes | level 5, deflated ([`encode_mat5`]) |
 //! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`encode_parquet`, `encode_arrow`) |
 //!
@@ -46,15 +46,19 @@ mod heading;
 mod mat;
 mod mdf;
 mod model;
+pub mod names;
+mod source;
 
-pub use ::mdf::Source;
+use std::sync::Arc;
+
+pub use ::mdf::{Attachment, Event, Quantity, Source};
 #[cfg(feature = "parquet")]
 pub use arrow::{encode_arrow, encode_parquet};
-pub use csv::encode_csv;
+pub use csv::{encode_csv, encode_tsv, fits_text};
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
 pub use mat::encode_mat5;
-pub use mdf::encode_mdf4;
+pub use mdf::{Extras, encode_mdf4};
 pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime};
 
 /// Decodes the bytes of a measurement file.
@@ -82,13 +86,7 @@ pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Rec
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
 pub fn decode(name: &str, bytes: &[u8], selection: &Selection) -> Result<Recording, RecordingError> {
-    let recording = match Kind::detect(name, bytes)? {
-        Kind::Mdf => mdf::decode(name, bytes, selection, &|_, _| {})?,
-        Kind::Csv => csv::decode(name, bytes, selection, None)?,
-        Kind::Mat => mat::decode(name, bytes, selection, None)?,
-        Kind::Table(kind) => arrow::decode(name, bytes, kind, selection, None)?,
-    };
-    Ok(with_duplicates(recording))
+    decode_from(name, Arc::new(bytes.to_vec()), selection, None, &|_, _| {})
 }
 
 fn with_duplicates(mut recording: Recording) -> Recording {
@@ -116,17 +114,7 @@ fn with_duplicates(mut recording: Recording) -> Recording {
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
 pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<Recording, RecordingError> {
-    if !(row_distance_s.is_finite() && row_distance_s > 0.0) {
-        return Err(RecordingError::RowDistance { given: row_distance_s.to_string() });
-    }
-    match Kind::detect(name, bytes)? {
-        Kind::Csv => csv::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
-        Kind::Mat => mat::decode(name, bytes, &Selection::All, Some(row_distance_s)).map(with_duplicates),
-        Kind::Mdf => decode(name, bytes, &Selection::All),
-        Kind::Table(kind) => {
-            arrow::decode(name, bytes, kind, &Selection::All, Some(row_distance_s)).map(with_duplicates)
-        }
-    }
+    decode_from(name, Arc::new(bytes.to_vec()), &Selection::All, Some(row_distance_s), &|_, _| {})
 }
 
 /// Lists the channels of a measurement file without their samples.
@@ -146,34 +134,37 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
 pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> {
-    let mut catalogue = match Kind::detect(name, bytes)? {
-        Kind::Mdf => mdf::catalogue(name, bytes)?,
-        Kind::Csv => csv::decode(name, bytes, &Selection::All, None)?.catalogue(),
-        Kind::Mat => mat::decode(name, bytes, &Selection::All, None)?.catalogue(),
-        Kind::Table(kind) => arrow::decode(name, bytes, kind, &Selection::All, None)?.catalogue(),
-    };
-    catalogue.note_duplicates();
-    Ok(catalogue)
+    catalogue_from(name, Arc::new(bytes.to_vec()))
 }
 
-/// Decodes as [`decode`] does, from a source: of an MDF file only the selected channels are read, in bounded pieces, so
-/// that memory is taken by the recording and not by the file; another file is read whole.
+/// Decodes as [`decode`] does, or as [`decode_untimed`] where the distance of rows is given, from a source, which is read
+/// in pieces: memory is taken by the channels that are selected, and not by the file.
 ///
-/// `progress` is told the bytes of samples done and in all, from any thread.
+/// Beyond that it takes a few megabytes; for MAT-files of level 5 the content of a variable that is no array of real
+/// numbers, and for Arrow a batch of all columns.
+///
+/// `progress` is told what is done and how much there is in all, from any thread.
 ///
 /// # Errors
 ///
-/// As [`decode`]; [`RecordingError::Unreadable`] where the source fails.
+/// As [`decode`] and [`decode_untimed`]; [`RecordingError::Unreadable`] where the source fails.
 pub fn decode_from(
     name: &str,
-    source: &dyn Source,
+    source: Arc<dyn Source>,
     selection: &Selection,
+    row_distance_s: Option<f64>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
-    match read_unless_mdf(name, source)? {
-        Some(bytes) => decode(name, &bytes, selection),
-        None => mdf::decode(name, source, selection, progress).map(with_duplicates),
+    if let Some(given) = row_distance_s.filter(|given| !(given.is_finite() && *given > 0.0)) {
+        return Err(RecordingError::RowDistance { given: given.to_string() });
     }
+    let recording = match Kind::detect(name, &*source)? {
+        Kind::Mdf => mdf::decode(name, &*source, selection, progress),
+        Kind::Csv => csv::decode(name, &*source, selection, row_distance_s, progress),
+        Kind::Mat => mat::decode(name, &source, selection, row_distance_s, progress),
+        Kind::Table(kind) => arrow::decode(name, &source, kind, selection, row_distance_s, progress),
+    };
+    recording.map(with_duplicates)
 }
 
 /// Lists as [`catalogue`] does, from a source: of an MDF file the structure is read, and samples only where records of
@@ -182,32 +173,29 @@ pub fn decode_from(
 /// # Errors
 ///
 /// As [`decode_from`].
-pub fn catalogue_from(name: &str, source: &dyn Source) -> Result<Catalogue, RecordingError> {
-    if let Some(bytes) = read_unless_mdf(name, source)? {
-        return catalogue(name, &bytes);
+pub fn catalogue_from(name: &str, source: Arc<dyn Source>) -> Result<Catalogue, RecordingError> {
+    if Kind::detect(name, &*source)? != Kind::Mdf {
+        return decode_from(name, source, &Selection::All, None, &|_, _| {}).map(|recording| recording.catalogue());
     }
-    let mut catalogue = mdf::catalogue(name, source)?;
+    let mut catalogue = mdf::catalogue(name, &*source)?;
     catalogue.note_duplicates();
     Ok(catalogue)
 }
 
-/// All bytes of a source, unless they are those of an MDF file.
-fn read_unless_mdf(name: &str, source: &dyn Source) -> Result<Option<Vec<u8>>, RecordingError> {
-    let unreadable = |detail: String| RecordingError::Unreadable { file: name.into(), offset: 0, detail };
-    let failed = |error: std::io::Error| unreadable(error.to_string());
-    let size = source.size().map_err(failed)?;
-    let mut head = vec![0; size.min(8) as usize];
-    source.read_at(0, &mut head).map_err(failed)?;
-    if mdf::is_mdf(&head) {
-        return Ok(None);
+/// What an MDF file holds beside its channels; nothing for other formats.
+///
+/// # Errors
+///
+/// As [`catalogue_from`].
+pub fn extras_from(name: &str, source: &dyn Source) -> Result<Extras, RecordingError> {
+    match Kind::detect(name, source)? {
+        Kind::Mdf => mdf::extras(name, source),
+        _ => Ok(Extras::default()),
     }
-    let size = usize::try_from(size).map_err(|e| unreadable(e.to_string()))?;
-    let mut bytes = Vec::new();
-    bytes.try_reserve_exact(size).map_err(|e| unreadable(e.to_string()))?;
-    bytes.resize(size, 0);
-    source.read_at(0, &mut bytes).map_err(failed)?;
-    Ok(Some(bytes))
 }
+
+/// Bytes at the beginning of a file that tell its format.
+const HEAD: u64 = 1 << 12;
 
 /// The reader that content calls for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -219,7 +207,9 @@ enum Kind {
 }
 
 impl Kind {
-    fn detect(name: &str, bytes: &[u8]) -> Result<Self, RecordingError> {
+    fn detect(name: &str, source: &dyn Source) -> Result<Self, RecordingError> {
+        let bytes = source::bytes(name, source, 0, HEAD)?;
+        let bytes = bytes.as_slice();
         if bytes.is_empty() {
             return Err(RecordingError::Empty { file: name.into() });
         }

@@ -1,10 +1,11 @@
 //! The plain data a measurement file is decoded into.
 
+use std::collections::HashSet;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Finding, RecordingError};
+use crate::{Finding, RecordingError, names};
 
 /// A decoded measurement file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -208,6 +209,9 @@ pub enum Selection {
     /// The channels of these names (all of them, where a name occurs more than once); a name that is not in the
     /// file is an error.
     Names(Vec<String>),
+    /// The numeric channels whose names fit one of these patterns, in which `*` stands for any characters and `?` for one
+    /// (a name fits itself, whatever is in it); a pattern that fits no name in the file is an error.
+    Patterns(Vec<String>),
 }
 
 impl Selection {
@@ -220,6 +224,32 @@ impl Selection {
         match self {
             Self::All => true,
             Self::Names(names) => names.iter().any(|n| n == name),
+            Self::Patterns(patterns) => patterns.iter().any(|pattern| fits(pattern, name)),
         }
     }
+
+    /// Whether a channel is asked for by its very name, so that it has to be there.
+    pub(crate) fn insists_on(&self, name: &str) -> bool {
+        match self {
+            Self::All => false,
+            Self::Names(names) | Self::Patterns(names) => names.iter().any(|n| n == name),
+        }
+    }
+
+    /// The name or pattern that fits none of the names.
+    pub(crate) fn missing<'s, 'a>(&'s self, present: impl Iterator<Item = &'a str> + Clone) -> Option<&'s str> {
+        let missing = match self {
+            Self::All => None,
+            Self::Names(names) => {
+                let present: HashSet<&str> = present.collect();
+                names.iter().find(|n| !present.contains(n.as_str()))
+            }
+            Self::Patterns(patterns) => patterns.iter().find(|p| !present.clone().any(|name| fits(p, name))),
+        };
+        missing.map(String::as_str)
+    }
+}
+
+fn fits(pattern: &str, name: &str) -> bool {
+    pattern == name || names::matches(pattern, name)
 }

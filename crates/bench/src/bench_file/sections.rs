@@ -5,7 +5,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::fault::{BenchFileError, Fault, FaultKind};
 use super::write::PLACEHOLDER;
-use crate::names::likely_meant;
+use recording::names::likely_meant;
 
 /// The text and the faults found in it so far.
 pub(super) struct Faults<'t> {

@@ -3,6 +3,7 @@
 //! This is the way in for data that need no bench: no roles, no conversion of units. What was done to a channel to bring
 //! it onto the common clock is said in [`Adjustment`]s.
 
+mod one_clock;
 mod timed;
 
 use faer::Mat;
@@ -11,6 +12,7 @@ use recording::Recording;
 use signal::SignalError;
 
 use crate::units::may_be_same;
+pub use one_clock::{OnOneClock, instant_s, on_one_clock};
 use timed::{Clock, Timed};
 
 /// Sample times that differ by less than this share are the same.
@@ -70,6 +72,13 @@ pub enum Adjustment {
         channel: String,
         /// Largest distance of a stamp from the clock, s.
         largest_s: f64,
+    },
+    /// It takes few different whole values: each stays until the next.
+    State {
+        /// The channel.
+        channel: String,
+        /// Its own sample time, s.
+        from_s: f64,
     },
     /// It was brought from another sample time.
     Resampled {
@@ -182,6 +191,26 @@ pub enum DatasetError {
         found: String,
         /// That in the first.
         expected: String,
+    },
+    /// A channel with so few samples for its time that they are no record of it.
+    #[error("{file}: \"{channel}\" has only {samples} samples where its clock would have {of}, too few to filter")]
+    MostlyGaps {
+        /// The file.
+        file: String,
+        /// The channel.
+        channel: String,
+        /// Its samples.
+        samples: usize,
+        /// Samples without gaps.
+        of: usize,
+    },
+    /// Nothing can be brought onto a clock.
+    #[error("{file}: no channel can be brought onto a clock of {sample_time_s} s")]
+    NoneOnClock {
+        /// The file.
+        file: String,
+        /// The clock's sample time, s.
+        sample_time_s: f64,
     },
     /// No recording was given.
     #[error("no recording was given")]

@@ -7,10 +7,12 @@ use signal::resample::{Interpolation, interpolate_at};
 use signal::{Signal, SignalError, Sos};
 
 use super::{Adjustment, DatasetError, DatasetOptions, Resampling, SAME_SHARE};
-use crate::names::closest;
+use recording::names::closest;
 
 /// Time stamps further from the clock than this share of the sample time are interpolated.
 const JITTER_SHARE: f64 = 0.1;
+/// A channel is not filtered where its own clock has more ticks than this for each of its samples.
+const MOST_CLOCK_PER_SAMPLE: usize = 100;
 /// A tick this share of a sample time before a sample has the sample's value.
 const NEAR_SHARE: f64 = 1e-4;
 
@@ -55,14 +57,25 @@ impl<'r> Timed<'r> {
             closest: closest(name, recording.channels.iter().map(|c| c.name.as_str()), 3),
         })?;
         let stamps = recording.time_s(channel).unwrap_or_default();
-        let (from_s, to_s) = (options.from_s.unwrap_or(f64::NEG_INFINITY), options.to_s.unwrap_or(f64::INFINITY));
+        let window = (options.from_s.unwrap_or(f64::NEG_INFINITY), options.to_s.unwrap_or(f64::INFINITY));
+        Self::of(file, channel, stamps, window)
+    }
+
+    /// A channel with its time stamps, of the window in s.
+    pub(super) fn of(
+        file: &str,
+        channel: &'r Channel,
+        stamps: &[f64],
+        (from_s, to_s): (f64, f64),
+    ) -> Result<Self, DatasetError> {
+        let name = &channel.name;
         let in_time = stamps.iter().zip(&channel.samples).filter(|(t, _)| (from_s..=to_s).contains(*t));
         let (all_s, all): (Vec<f64>, Vec<f64>) = in_time.map(|(t, v)| (*t, *v)).unzip();
         if let Some(sample) = all_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-            let (file, channel) = (file.to_owned(), name.to_owned());
+            let (file, channel) = (file.to_owned(), name.clone());
             return Err(DatasetError::TimeNotRising { file, channel, sample: sample + 1 });
         }
-        let nothing = || DatasetError::NothingLeft { file: file.to_owned(), channel: name.to_owned(), from_s, to_s };
+        let nothing = || DatasetError::NothingLeft { file: file.to_owned(), channel: name.clone(), from_s, to_s };
         let check = check_clock(&all_s).map_err(|_| nothing())?;
         let (start_s, end_s) = (all_s[0], all_s[all_s.len() - 1]);
         let (time_s, values): (Vec<f64>, Vec<f64>) = all_s.into_iter().zip(all).filter(|(_, v)| v.is_finite()).unzip();
@@ -106,6 +119,9 @@ impl<'r> Timed<'r> {
             let (from_s, to_s) = (self.sample_time_s, clock.sample_time_s);
             log.push(Adjustment::Resampled { channel: name(), from_s, to_s, how });
         }
+        if matches!(how, Some(Resampling::Filtered | Resampling::BandLimited)) {
+            self.check_density(file)?;
+        }
         let failed = |source| DatasetError::Signal { file: file.to_owned(), channel: name(), source };
         let column = match how {
             None | Some(Resampling::Straight) => self.straight(clock),
@@ -115,6 +131,25 @@ impl<'r> Timed<'r> {
         };
         self.log_missing(column.iter().filter(|v| v.is_nan()).count(), column.len(), log);
         Ok(column)
+    }
+
+    /// The channel's last value at every tick of the clock, NaN where samples are missing.
+    pub(super) fn state(&self, clock: Clock, log: &mut Vec<Adjustment>) -> Vec<f64> {
+        if (self.sample_time_s - clock.sample_time_s).abs() > SAME_SHARE * clock.sample_time_s {
+            log.push(Adjustment::State { channel: self.channel.name.clone(), from_s: self.sample_time_s });
+        }
+        let column = self.held(clock);
+        self.log_missing(column.iter().filter(|v| v.is_nan()).count(), column.len(), log);
+        column
+    }
+
+    /// Refuses to fill a clock that the channel has hardly any samples of.
+    fn check_density(&self, file: &str) -> Result<(), DatasetError> {
+        let (samples, of) = (self.values.len(), self.own_count());
+        if of <= MOST_CLOCK_PER_SAMPLE * samples {
+            return Ok(());
+        }
+        Err(DatasetError::MostlyGaps { file: file.to_owned(), channel: self.channel.name.clone(), samples, of })
     }
 
     fn log_missing(&self, count: usize, of: usize, log: &mut Vec<Adjustment>) {
@@ -200,9 +235,10 @@ impl<'r> Timed<'r> {
         }
         let times: Vec<f64> = (0..clock.count).map(|k| clock.at(k).clamp(whole.start_s, whole.end_s())).collect();
         let mut values = interpolate_at(&whole, &times, Interpolation::BandLimited)?;
-        for (value, time_s) in values.iter_mut().zip(&times) {
-            let position = ((time_s - self.start_s) / self.sample_time_s).round() as usize;
-            if marked.get(position).is_none_or(|v| v.is_nan()) {
+        for (tick, value) in values.iter_mut().enumerate() {
+            let is_outside = (clock.at(tick) - times[tick]).abs() > NEAR_SHARE * self.sample_time_s;
+            let position = ((times[tick] - self.start_s) / self.sample_time_s).round() as usize;
+            if is_outside || marked.get(position).is_none_or(|v| v.is_nan()) {
                 *value = f64::NAN;
             }
         }

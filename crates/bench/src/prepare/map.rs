@@ -6,9 +6,9 @@ use super::{Log, Source};
 use crate::bench_file::{BenchFile, ChannelMapping};
 use crate::diagnostics::{Finding, Severity};
 use crate::experiment::ExperimentLabel;
-use crate::names::closest;
 use crate::role::Role;
 use crate::units::{self, Unit};
+use recording::names::closest;
 
 /// Channel names suggested in place of a missing one.
 const SUGGESTIONS: usize = 3;

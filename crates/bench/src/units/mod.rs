@@ -8,7 +8,8 @@ mod table;
 
 use std::f64::consts::TAU;
 
-use crate::names::closest;
+use recording::names::closest;
+
 use crate::role::Quantity;
 use table::{AMBIGUOUS, TABLE};
 

@@ -334,7 +334,7 @@ pub(crate) struct RunArguments {
     /// Starts from rest; otherwise the initial state is fitted to the measured outputs
     #[arg(long)]
     pub(crate) from_rest: bool,
-    /// Writes the outputs to a recording: .csv or .mf4
+    /// Writes the outputs to a recording, its format by the ending: .mf4, .csv, .tsv, .mat, .parquet or .arrow
     #[arg(long, short, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
@@ -381,7 +381,7 @@ pub(crate) struct CurveArguments {
     pub(crate) table: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Representation {
     /// Numerator and denominator
     Tf,
@@ -403,38 +403,6 @@ pub(crate) enum Sampling {
     Impulse,
     /// Matched poles and zeros
     Matched,
-}
-
-#[derive(Debug, Args)]
-#[command(after_help = "\
-Examples:
-  dynoid convert model.json --to zpk
-  dynoid convert model.json --to tf --continuous
-  dynoid convert tf.json --to ss --sample-time 0.001 --method tustin --out ss.json
-
-With --to tf and --to ss the result is a model that every command takes. It keeps the delay; the noise model it keeps only as state space on its own clock. With --to zpk it is a list of numbers.")]
-pub(crate) struct ConvertArguments {
-    /// The model file
-    #[arg(value_name = "MODEL.json")]
-    pub(crate) model: PathBuf,
-    /// The representation wanted
-    #[arg(long, value_enum, default_value_t = Representation::Tf)]
-    pub(crate) to: Representation,
-    /// Makes it discrete, or discrete on another clock
-    #[arg(long, value_name = "SECONDS", conflicts_with = "continuous")]
-    pub(crate) sample_time: Option<f64>,
-    /// Makes a discrete model continuous
-    #[arg(long)]
-    pub(crate) continuous: bool,
-    /// The rule between continuous and discrete
-    #[arg(long, value_enum, default_value_t = Sampling::Zoh)]
-    pub(crate) method: Sampling,
-    /// The model file to write; for --to tf and --to ss
-    #[arg(long, short, value_name = "MODEL.json")]
-    pub(crate) out: Option<PathBuf>,
-    /// Prints the result as JSON: a model file for --to tf and --to ss
-    #[arg(long)]
-    pub(crate) json: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -1,5 +1,6 @@
 //! The command line: commands, options, help.
 
+pub(crate) mod convert;
 pub(crate) mod greybox;
 pub(crate) mod identify;
 
@@ -82,8 +83,8 @@ pub(crate) enum Command {
     Step(identify::CurveArguments),
     /// Poles and zeros of models, with regions
     Poles(identify::ModelArguments),
-    /// Writes a model in another form: transfer function, zeros and poles, state space, continuous or discrete
-    Convert(identify::ConvertArguments),
+    /// Writes recordings in another format, cut and resampled on the way, or a model in another form
+    Convert(convert::ConvertArguments),
     /// Spectra of channels, and frequency responses between them
     Spectrum(identify::SpectrumArguments),
     /// Delay from inputs to an output
@@ -165,11 +166,19 @@ pub(crate) struct InitArguments {
 Examples:
   dynoid inspect BS_T_NT_1200.mf4
   dynoid inspect recordings/ | less
+  dynoid inspect huge.mf4 --list
+  dynoid inspect huge.mf4 --channels 'DynoSpeed,*Torque*'
   dynoid inspect run.mf4 --json | jq '.[].rasters[].channels[].name'")]
 pub(crate) struct InspectArguments {
     /// Recordings, or folders of recordings
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
+    /// Lists channels and rasters alone; of MDF files no samples are read for it
+    #[arg(long)]
+    pub(crate) list: bool,
+    /// Only channels of these names; `*` stands for any characters, `?` for one
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "list")]
+    pub(crate) channels: Vec<String>,
     /// Prints everything as JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod convert;
+mod convert_recordings;
 mod datasets;
 mod demo;
 mod greybox;

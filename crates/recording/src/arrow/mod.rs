@@ -5,23 +5,25 @@
 
 mod kind;
 mod packed;
+mod pages;
 mod plan;
 mod table;
 mod values;
 mod write;
 
-use std::io::Cursor;
+use std::io::BufReader;
 
 use arrow_array::RecordBatch;
 use arrow_ipc::reader::{FileReader, StreamReader};
 use arrow_schema::{ArrowError, Schema, SchemaRef};
-use bytes::Bytes;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
 use crate::error::guarded;
+use crate::source::{self, Shared, Stretch};
 use crate::{Finding, Format, Recording, RecordingError, Selection};
 pub(crate) use kind::Kind;
+use pages::Pages;
 use plan::Plan;
 use table::Table;
 pub use write::{encode_arrow, encode_parquet};
@@ -40,14 +42,19 @@ mod key {
 }
 
 /// Decodes the selected channels; rows without a time column are `row_distance_s` apart, if that is known.
+///
+/// Of Parquet only the pages of selected columns are read. Of Arrow the batches are, one at a time: its decoder reads
+/// them whole.
 pub(crate) fn decode(
     name: &str,
-    bytes: &[u8],
+    source: &Shared,
     kind: Kind,
     selection: &Selection,
     row_distance_s: Option<f64>,
+    progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
-    let reader = Reader { file: name, bytes, selection, row_distance_s };
+    let size = source::size(name, &**source)?;
+    let reader = Reader { file: name, source, size, selection, row_distance_s, progress };
     guarded(name, || match kind {
         Kind::Parquet => reader.parquet(),
         Kind::File => reader.file(),
@@ -61,43 +68,49 @@ pub(crate) fn decode(
 
 struct Reader<'a> {
     file: &'a str,
-    bytes: &'a [u8],
+    source: &'a Shared,
+    size: u64,
     selection: &'a Selection,
     row_distance_s: Option<f64>,
+    progress: &'a (dyn Fn(u64, u64) + Sync),
 }
 
 impl Reader<'_> {
     fn parquet(&self) -> Result<Recording, RecordingError> {
-        let bytes = Bytes::copy_from_slice(self.bytes);
-        let builder = ParquetRecordBatchReaderBuilder::try_new(bytes).map_err(|e| self.damaged(e.to_string()))?;
+        let pages = Pages { source: self.source.clone(), size: self.size };
+        let builder = ParquetRecordBatchReaderBuilder::try_new(pages).map_err(|e| self.damaged(e.to_string()))?;
         let plan = self.plan(builder.schema())?;
-        let rows = builder.metadata().file_metadata().num_rows();
-        self.check_size(u64::try_from(rows).unwrap_or(u64::MAX), plan.columns.len())?;
+        let rows = u64::try_from(builder.metadata().file_metadata().num_rows()).unwrap_or(u64::MAX);
+        self.check_size(rows, plan.columns.len())?;
         let mask = ProjectionMask::roots(builder.parquet_schema(), plan.columns.iter().copied());
         let batches = builder.with_projection(mask).build().map_err(|e| self.damaged(e.to_string()))?;
-        self.gather(plan, batches)
+        self.gather(plan, batches, Some(rows))
     }
 
     fn file(&self) -> Result<Recording, RecordingError> {
-        self.check_packed(packed::is_plausible_file(self.bytes, self.most_bytes()))?;
-        let open =
-            |columns| FileReader::try_new(Cursor::new(self.bytes), columns).map_err(|e| self.damaged(e.to_string()));
+        self.check_packed(packed::is_plausible_file(&**self.source, self.most_bytes()))?;
+        let open = |columns| FileReader::try_new(self.reader(), columns).map_err(|e| self.damaged(e.to_string()));
         let plan = self.plan(&open(None)?.schema())?;
         let batches = open(Some(plan.columns.clone()))?;
-        self.gather(plan, batches)
+        self.gather(plan, batches, None)
     }
 
     fn stream(&self) -> Result<Recording, RecordingError> {
-        self.check_packed(packed::is_plausible_stream(self.bytes, self.most_bytes()))?;
-        let open = |columns| StreamReader::try_new(self.bytes, columns).map_err(|e| self.damaged(e.to_string()));
+        self.check_packed(packed::is_plausible_stream(&**self.source, self.most_bytes()))?;
+        let open = |columns| StreamReader::try_new(self.reader(), columns).map_err(|e| self.damaged(e.to_string()));
         let plan = self.plan(&open(None)?.schema())?;
         let batches = open(Some(plan.columns.clone()))?;
-        let mut recording = self.gather(plan, batches)?;
+        let mut recording = self.gather(plan, batches, None)?;
         // The end may be left out; but then a cut between two batches does not show.
-        if !self.bytes.ends_with(&[0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0]) {
+        let end = source::bytes(self.file, &**self.source, self.size.saturating_sub(8), 8)?;
+        if end != [0xFF, 0xFF, 0xFF, 0xFF, 0, 0, 0, 0] {
             recording.findings.push(Finding::NotFinalised);
         }
         Ok(recording)
+    }
+
+    fn reader(&self) -> BufReader<Stretch> {
+        BufReader::new(Stretch::new(self.source, 0, self.size))
     }
 
     fn plan(&self, schema: &Schema) -> Result<Plan, RecordingError> {
@@ -108,6 +121,7 @@ impl Reader<'_> {
         &self,
         plan: Plan,
         batches: impl Iterator<Item = Result<RecordBatch, ArrowError>>,
+        all: Option<u64>,
     ) -> Result<Recording, RecordingError> {
         let (width, mut rows) = (plan.columns.len(), 0_u64);
         let mut table = Table::new(plan, self.row_distance_s);
@@ -116,13 +130,16 @@ impl Reader<'_> {
             rows = rows.saturating_add(batch.num_rows() as u64);
             self.check_size(rows, width)?;
             table.append(&batch).map_err(|fault| fault.error(self.file))?;
+            if let Some(all) = all {
+                (self.progress)(rows, all);
+            }
         }
         Ok(table.finish())
     }
 
     /// The most bytes that a compressed buffer may become.
     fn most_bytes(&self) -> i64 {
-        let most = MAX_NUMBERS.max((self.bytes.len() as u64).saturating_mul(MAX_PER_BYTE)).saturating_mul(8);
+        let most = MAX_NUMBERS.max(self.size.saturating_mul(MAX_PER_BYTE)).saturating_mul(8);
         i64::try_from(most).unwrap_or(i64::MAX)
     }
 
@@ -132,11 +149,11 @@ impl Reader<'_> {
     }
 
     fn check_size(&self, rows: u64, columns: usize) -> Result<(), RecordingError> {
-        let most = MAX_NUMBERS.max((self.bytes.len() as u64).saturating_mul(MAX_PER_BYTE));
+        let most = MAX_NUMBERS.max(self.size.saturating_mul(MAX_PER_BYTE));
         if rows.saturating_mul(columns as u64) <= most {
             return Ok(());
         }
-        Err(self.damaged(format!("{columns} columns of {rows} rows in {} bytes", self.bytes.len())))
+        Err(self.damaged(format!("{columns} columns of {rows} rows in {} bytes", self.size)))
     }
 
     fn damaged(&self, detail: String) -> RecordingError {

@@ -3,66 +3,83 @@
 use arrow_ipc::reader::read_footer_length;
 use arrow_ipc::{Message, RecordBatch, root_as_footer, root_as_message};
 
-/// Bytes of a message's mark and the length of its description.
-const PREFIX: usize = 8;
+use crate::Source;
+
+/// The mark of a message, which old files leave out.
+const MARK: [u8; 4] = [0xFF; 4];
+/// Bytes at the end of a file: the length of the footer, and what the file began with.
+const TRAILER: u64 = 10;
 
 /// Whether every buffer of a file becomes at most `most` bytes; content that is no such file is left to its decoder.
-pub(super) fn is_plausible_file(bytes: &[u8], most: i64) -> bool {
-    blocks(bytes).unwrap_or_default().into_iter().all(|(offset, body)| {
-        let message = message(bytes, offset).map(|(message, _)| message);
+pub(super) fn is_plausible_file(source: &dyn Source, most: i64) -> bool {
+    blocks(source).unwrap_or_default().into_iter().all(|(offset, length)| {
         // The decoder looks for the buffers where the footer says.
-        message.zip(bytes.get(body..)).is_none_or(|(message, body)| fits(&message, body, most))
+        let Some(block) = bytes(source, offset, length) else { return true };
+        message(&block).is_some_and(|message| fits(&message, source, offset.saturating_add(length), most))
     })
 }
 
 /// As [`is_plausible_file`], of a stream.
-pub(super) fn is_plausible_stream(bytes: &[u8], most: i64) -> bool {
+pub(super) fn is_plausible_stream(source: &dyn Source, most: i64) -> bool {
     let mut at = 0;
-    while let Some((message, body)) = message(bytes, at) {
-        if !fits(&message, body, most) {
+    while let Some((block, body)) = next(source, at) {
+        let Some(message) = message(&block) else { return true };
+        if !fits(&message, source, body, most) {
             return false;
         }
-        let Ok(length) = usize::try_from(message.bodyLength()) else { return true };
-        at = (bytes.len() - body.len()).saturating_add(length);
+        let Ok(length) = u64::try_from(message.bodyLength()) else { return true };
+        at = body.saturating_add(length);
     }
     true
 }
 
-/// Where the batches of a file begin, and where their buffers do.
-fn blocks(bytes: &[u8]) -> Option<Vec<(usize, usize)>> {
-    let trailer: [u8; 10] = *bytes.last_chunk()?;
-    let end = bytes.len() - trailer.len();
-    let footer = bytes.get(end.checked_sub(read_footer_length(trailer).ok()?)?..end)?;
-    let footer = root_as_footer(footer).ok()?;
+/// So many bytes, if they are there.
+fn bytes(source: &dyn Source, at: u64, length: u64) -> Option<Vec<u8>> {
+    if at.checked_add(length)? > source.size().ok()? {
+        return None;
+    }
+    let mut bytes = vec![0; usize::try_from(length).ok()?];
+    source.read_at(at, &mut bytes).ok()?;
+    Some(bytes)
+}
+
+/// Where the batches of a file begin, and how long their descriptions are.
+fn blocks(source: &dyn Source) -> Option<Vec<(u64, u64)>> {
+    let end = source.size().ok()?.checked_sub(TRAILER)?;
+    let trailer: [u8; 10] = bytes(source, end, TRAILER)?.try_into().ok()?;
+    let length = read_footer_length(trailer).ok()? as u64;
+    let footer = bytes(source, end.checked_sub(length)?, length)?;
+    let footer = root_as_footer(&footer).ok()?;
     let blocks = footer.recordBatches().into_iter().flatten().chain(footer.dictionaries().into_iter().flatten());
-    let places = blocks.filter_map(|block| {
-        let offset = usize::try_from(block.offset()).ok()?;
-        Some((offset, offset.checked_add(usize::try_from(block.metaDataLength()).ok()?)?))
-    });
-    Some(places.collect())
-}
-
-/// The message at `at`, and what follows its description, as long as that says it is. Old files leave the mark out.
-fn message(bytes: &[u8], at: usize) -> Option<(Message<'_>, &[u8])> {
-    let prefix = bytes.get(at..)?;
-    let (length, start) = match prefix.get(..4)? {
-        [0xFF, 0xFF, 0xFF, 0xFF] => (prefix.get(4..PREFIX)?, PREFIX),
-        length => (length, 4),
+    let place = |block: &arrow_ipc::Block| {
+        Some((u64::try_from(block.offset()).ok()?, u64::try_from(block.metaDataLength()).ok()?))
     };
-    let length = usize::try_from(i32::from_le_bytes(length.try_into().ok()?)).unwrap_or(usize::MAX);
-    let rest = prefix.get(start..)?;
-    // The decoder of files does not look at the length.
-    Some((root_as_message(rest).ok()?, rest.get(length..).unwrap_or_default()))
+    Some(blocks.filter_map(place).collect())
 }
 
-fn fits(message: &Message<'_>, body: &[u8], most: i64) -> bool {
+/// The description at a place of a stream with what stands before it, and where its buffers begin.
+fn next(source: &dyn Source, at: u64) -> Option<(Vec<u8>, u64)> {
+    let first = bytes(source, at, 4)?;
+    let before = if first == MARK { 8 } else { 4 };
+    let length: [u8; 4] = bytes(source, at.checked_add(before - 4)?, 4)?.try_into().ok()?;
+    let whole = before.checked_add(u64::try_from(i32::from_le_bytes(length)).ok()?)?;
+    Some((bytes(source, at, whole)?, at.checked_add(whole)?))
+}
+
+/// The message in a block.
+fn message(block: &[u8]) -> Option<Message<'_>> {
+    let before = if block.starts_with(&MARK) { 8 } else { 4 };
+    root_as_message(block.get(before..)?).ok()
+}
+
+fn fits(message: &Message<'_>, source: &dyn Source, body: u64, most: i64) -> bool {
     let batch: Option<RecordBatch<'_>> = message
         .header_as_record_batch()
         .or_else(|| message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data()));
     let Some(batch) = batch.filter(|batch| batch.compression().is_some()) else { return true };
     batch.buffers().into_iter().flatten().all(|buffer| {
-        let start = usize::try_from(buffer.offset()).ok();
-        let size = start.and_then(|start| body.get(start..)?.first_chunk().copied());
+        let start = u64::try_from(buffer.offset()).ok().and_then(|start| body.checked_add(start));
+        let size: Option<[u8; 8]> = start.and_then(|start| bytes(source, start, 8)?.try_into().ok());
         size.is_none_or(|size| i64::from_le_bytes(size) <= most)
     })
 }

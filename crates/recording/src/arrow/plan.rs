@@ -103,7 +103,7 @@ impl Plan {
             }
             if let Err(kind) = is_numeric(field.data_type()) {
                 let reason = SkipReason::NotNumeric { kind: kind.into() };
-                if let Selection::Names(_) = selection {
+                if selection.insists_on(&name) {
                     return Err(RecordingError::UnusableChannel { file: file.into(), channel: name, reason });
                 }
                 self.findings.push(Finding::SkippedChannel { channel: name, reason });

@@ -14,6 +14,8 @@ use super::{Written, key};
 use crate::mat::start_text;
 use crate::{Channel, Recording, RecordingError};
 
+/// Numbers in a batch of Arrow.
+const BATCH: usize = 1 << 20;
 /// The name of the column of time stamps.
 const TIME: &str = "time";
 
@@ -59,7 +61,11 @@ pub fn encode_arrow(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     let (schema, batch) = table(recording).map_err(|error| error.into_error("Arrow"))?;
     let write = || -> Result<Vec<u8>, arrow_schema::ArrowError> {
         let mut writer = FileWriter::try_new(Vec::new(), &schema)?;
-        writer.write(&batch)?;
+        // A reader has one batch in memory.
+        let rows = (BATCH / batch.num_columns().max(1)).max(1);
+        for first in (0..batch.num_rows()).step_by(rows) {
+            writer.write(&batch.slice(first, rows.min(batch.num_rows() - first)))?;
+        }
         writer.into_inner()
     };
     write().map_err(|error| cannot("Arrow", error.to_string()))

@@ -12,34 +12,43 @@ mod text;
 mod write;
 
 use crate::error::require_names;
-use crate::{CsvProblem, Finding, Format, Recording, RecordingError, Selection};
+use crate::{CsvProblem, Finding, Format, Recording, RecordingError, Selection, Source};
 use header::{Head, Header};
-use rows::Rows;
+use rows::{MAX_QUOTED, Rows};
 use table::Table;
-use text::Text;
+use text::Pieces;
 pub(crate) use text::is_text;
-pub use write::encode_csv;
+pub use write::{encode_csv, encode_tsv, fits_text};
+
+/// Bytes in which the heading is looked for.
+const HEAD: usize = 1 << 24;
 
 /// Decodes text; rows without a time column are `row_distance_s` apart, if that is known.
 pub(crate) fn decode(
     name: &str,
-    bytes: &[u8],
+    source: &dyn Source,
     selection: &Selection,
     row_distance_s: Option<f64>,
+    progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
-    let text = Text::decode(bytes);
-    let delimiter = text::delimiter(&text.content, row_distance_s.is_some());
+    let mut pieces = Pieces::open(name, source)?;
+    let mut text = String::new();
+    while text.len() < HEAD && !pieces.is_done() {
+        pieces.more(&mut text)?;
+    }
     let no_delimiter =
         || RecordingError::Csv { file: name.into(), line: 1, column: None, problem: CsvProblem::NoDelimiter };
-    let delimiter = delimiter.ok_or_else(no_delimiter)?;
-    let head = Head::read(name, Rows::new(&text.content, delimiter));
+    let delimiter = text::delimiter(&text, row_distance_s.is_some()).ok_or_else(no_delimiter)?;
+    let head = Head::read(name, Rows::new(&text, delimiter));
     let header = heading(&head, row_distance_s)?;
     let names = header.names();
     require_names(name, selection, names.iter().map(String::as_str))?;
     let Header { columns, comment, samples } = header;
+    let place = samples.place();
     let mut table = Table::new(name, columns, selection, delimiter, row_distance_s);
-    let mut findings: Vec<Finding> = text.assumed_latin1.then_some(Finding::AssumedLatin1).into_iter().collect();
-    findings.extend(table.fill(samples)?);
+    let mut findings: Vec<Finding> = pieces.assumed_latin1().then_some(Finding::AssumedLatin1).into_iter().collect();
+    findings.extend(fill(&mut table, pieces, text, (place, delimiter), progress)?);
+    table.check()?;
     let decimal_comma = table.decimals.sign() == Some(b',');
     let content = table.finish(selection)?;
     findings.extend(content.findings);
@@ -51,6 +60,30 @@ pub(crate) fn decode(
         channels: content.channels,
         findings,
     })
+}
+
+/// Reads the rows from a place in the first piece to the end of the last.
+fn fill(
+    table: &mut Table<'_>,
+    mut pieces: Pieces<'_>,
+    mut text: String,
+    (mut place, delimiter): ((usize, u64), u8),
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Option<Finding>, RecordingError> {
+    loop {
+        let (done, all) = pieces.progress();
+        progress(done, all);
+        let is_last = pieces.is_done();
+        // Whether a quote ends shows only in what follows.
+        let limit = if is_last { text.len() } else { text.len().saturating_sub(2 * MAX_QUOTED) };
+        let (next, finding) = table.fill(Rows::resume(&text, delimiter, place), limit)?;
+        if is_last {
+            return Ok(finding);
+        }
+        text.drain(..next.0);
+        place = (0, next.1);
+        pieces.more(&mut text)?;
+    }
 }
 
 /// The heading with a time column, or one without where rows are a known time apart.

@@ -116,7 +116,7 @@ fn parse_with(cell: &str, sign: u8) -> Option<f64> {
 }
 
 /// Whether digits stand in groups of three with this sign between, so that it may be no decimal sign: `1,234`.
-fn is_grouped(cell: &str, sign: char) -> bool {
+pub(super) fn is_grouped(cell: &str, sign: char) -> bool {
     let mut groups = cell.trim_start_matches(['-', '+']).split(sign);
     let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());
     let first = groups.next().unwrap_or_default();

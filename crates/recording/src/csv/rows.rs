@@ -3,7 +3,7 @@
 /// Stands for blanks, any number of them, as what separates cells.
 pub(super) const BLANKS: u8 = b' ';
 /// The longest cell in quotes; a quote without end does not swallow the file.
-const MAX_QUOTED: usize = 1 << 16;
+pub(super) const MAX_QUOTED: usize = 1 << 16;
 
 /// A cell, without the quotes and blanks around it.
 #[derive(Debug, Clone, Copy)]
@@ -68,6 +68,16 @@ pub(super) struct Rows<'a> {
 impl<'a> Rows<'a> {
     pub(super) fn new(content: &'a str, delimiter: u8) -> Self {
         Self { content, delimiter, at: 0, line: 1 }
+    }
+
+    /// Of text whose beginning was dropped: from a place in it on, at a line of the file.
+    pub(super) fn resume(content: &'a str, delimiter: u8, (at, line): (usize, u64)) -> Self {
+        Self { content, delimiter, at, line }
+    }
+
+    /// The place in the text, and the line of the file.
+    pub(super) fn place(&self) -> (usize, u64) {
+        (self.at, self.line)
     }
 
     /// Reads the next row; false at the end.

@@ -9,6 +9,9 @@ use crate::{Channel, CsvProblem, Finding, Raster, RecordingError, Selection, Ski
 /// A problem in a column of a row.
 type Fault = (Option<usize>, CsvProblem);
 
+/// Where the next row begins, and what is to be said about the last.
+type Filled = ((usize, u64), Option<Finding>);
+
 /// Columns under construction.
 pub(super) struct Table<'a> {
     file: &'a str,
@@ -71,16 +74,18 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Reads the rows to the end.
-    pub(super) fn fill(&mut self, mut rows: Rows<'a>) -> Result<Option<Finding>, RecordingError> {
+    /// Reads the rows that end before `limit`, and says where the next one begins and what is to be said about the last.
+    pub(super) fn fill(&mut self, mut rows: Rows<'_>, limit: usize) -> Result<Filled, RecordingError> {
         let mut row = Row::default();
         let mut last = None;
-        while rows.next(&mut row) {
+        let mut place = rows.place();
+        while rows.next(&mut row) && rows.place().0 <= limit {
+            place = rows.place();
             if self.is_comment(&row) || row.width() == 0 && row.cells.len() == 1 {
                 continue;
             }
             if !row.is_ended && row.cells.len() < self.columns.len() {
-                return Ok(Some(Finding::IncompleteLastLine { line: row.line }));
+                return Ok((place, Some(Finding::IncompleteLastLine { line: row.line })));
             }
             let error = |(column, problem): Fault| RecordingError::Csv {
                 file: self.file.into(),
@@ -91,7 +96,12 @@ impl<'a> Table<'a> {
             self.row(&row).map_err(error)?;
             last = (!row.is_ended).then_some(Finding::NoFinalLineEnd { line: row.line });
         }
-        let Some((line, column, text)) = self.decimals.undecided() else { return Ok(last) };
+        Ok((place, last))
+    }
+
+    /// Fails where numbers can be read in two ways.
+    pub(super) fn check(&self) -> Result<(), RecordingError> {
+        let Some((line, column, text)) = self.decimals.undecided() else { return Ok(()) };
         let (file, problem) = (self.file.to_owned(), CsvProblem::AmbiguousSign { text: text.clone() });
         Err(RecordingError::Csv { file, line: *line, column: Some(column + 1), problem })
     }
@@ -198,7 +208,7 @@ impl<'a> Table<'a> {
                     }
                     Some((Column { name, .. }, Sink::Text)) => {
                         let reason = SkipReason::NotNumeric { kind: "text".into() };
-                        if let Selection::Names(_) = selection {
+                        if selection.insists_on(&name) {
                             let (file, channel) = (self.file.to_owned(), name);
                             return Err(RecordingError::UnusableChannel { file, channel, reason });
                         }

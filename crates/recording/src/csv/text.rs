@@ -1,8 +1,8 @@
-//! Characters and delimiters.
-
-use std::borrow::Cow;
+//! Characters, piece by piece, and delimiters.
 
 use super::rows::BLANKS;
+use crate::source::{bytes, size};
+use crate::{RecordingError, Source};
 
 /// Lines looked at to find the delimiter.
 const SAMPLE_LINES: usize = 400;
@@ -10,28 +10,124 @@ const SAMPLE_LINES: usize = 400;
 const MANY: usize = 50;
 const FEW: usize = 4;
 
-/// Content as text.
-pub(crate) struct Text<'a> {
-    pub(crate) content: Cow<'a, str>,
-    pub(crate) assumed_latin1: bool,
+/// Bytes read at once.
+const PIECE: u64 = 1 << 22;
+
+/// How characters are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    Utf8,
+    Latin1,
+    Utf16 { is_big: bool },
 }
 
-impl<'a> Text<'a> {
-    /// Decodes UTF-8, UTF-16 with a byte order mark, or else Latin-1.
-    pub(crate) fn decode(bytes: &'a [u8]) -> Self {
-        let known = |content| Self { content, assumed_latin1: false };
-        if let Some(utf16) = utf16(bytes) {
-            return known(Cow::Owned(utf16));
+/// The text of a file, piece by piece.
+pub(super) struct Pieces<'a> {
+    file: &'a str,
+    source: &'a dyn Source,
+    at: u64,
+    end: u64,
+    encoding: Encoding,
+    /// The beginning of a character that the last piece cut.
+    cut: Vec<u8>,
+}
+
+impl<'a> Pieces<'a> {
+    /// Finds out how the text is stored: UTF-8, UTF-16 with a byte order mark, or else Latin-1.
+    pub(super) fn open(file: &'a str, source: &'a dyn Source) -> Result<Self, RecordingError> {
+        let end = size(file, source)?;
+        let head = bytes(file, source, 0, 3)?;
+        let last = bytes(file, source, end.saturating_sub(1), 1)?;
+        // The end-of-file mark of DOS is no text.
+        let before_mark = if last == [0x1A] { end - 1 } else { end };
+        let (encoding, at, end) = match head.as_slice() {
+            [0xFF, 0xFE, ..] => (Encoding::Utf16 { is_big: false }, 2, end),
+            [0xFE, 0xFF, ..] => (Encoding::Utf16 { is_big: true }, 2, end),
+            [0xEF, 0xBB, 0xBF] => (Encoding::Utf8, 3, before_mark),
+            _ => (Encoding::Utf8, 0, before_mark),
+        };
+        let mut pieces = Self { file, source, at, end, encoding, cut: Vec::new() };
+        if encoding == Encoding::Utf8 && !pieces.is_utf8()? {
+            pieces.encoding = Encoding::Latin1;
         }
-        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-        let bytes = without_end_mark(bytes);
-        match std::str::from_utf8(bytes) {
-            Ok(text) => known(Cow::Borrowed(text)),
-            Err(_) => {
-                Self { content: Cow::Owned(bytes.iter().map(|&b| char::from(b)).collect()), assumed_latin1: true }
+        (pieces.at, pieces.cut) = (at, Vec::new());
+        Ok(pieces)
+    }
+
+    pub(super) fn assumed_latin1(&self) -> bool {
+        self.encoding == Encoding::Latin1
+    }
+
+    /// How many bytes were read, and how many there are.
+    pub(super) fn progress(&self) -> (u64, u64) {
+        (self.at, self.end)
+    }
+
+    pub(super) fn is_done(&self) -> bool {
+        self.at >= self.end
+    }
+
+    /// Appends the next piece, of about as much as there is already but no less than a few megabytes.
+    pub(super) fn more(&mut self, text: &mut String) -> Result<(), RecordingError> {
+        let read = self.read(PIECE.max(text.len() as u64))?;
+        match self.encoding {
+            Encoding::Utf8 => {
+                let whole = whole_characters(&read);
+                // The file was looked through before: what is cut here is no fault.
+                text.push_str(&String::from_utf8_lossy(&read[..whole]));
+                self.cut = read[whole..].to_vec();
+            }
+            Encoding::Latin1 => text.extend(read.iter().map(|&b| char::from(b))),
+            Encoding::Utf16 { is_big } => {
+                let unit = if is_big { u16::from_be_bytes } else { u16::from_le_bytes };
+                self.append_utf16(&read, unit, text);
             }
         }
+        Ok(())
     }
+
+    fn append_utf16(&mut self, read: &[u8], unit: fn([u8; 2]) -> u16, text: &mut String) {
+        let (pairs, rest) = read.as_chunks::<2>();
+        let is_cut = |pair: &[u8; 2]| (0xD800..0xDC00).contains(&unit(*pair)) && !self.is_done();
+        let whole = if pairs.last().is_some_and(is_cut) { pairs.len() - 1 } else { pairs.len() };
+        let units = pairs[..whole].iter().map(|pair| unit(*pair));
+        text.extend(char::decode_utf16(units).map(|c| c.unwrap_or('\u{FFFD}')));
+        match self.is_done() {
+            true if !rest.is_empty() => text.push('\u{FFFD}'),
+            true => {}
+            false => self.cut = read[2 * whole..].to_vec(),
+        }
+    }
+
+    /// What was cut and so many bytes more.
+    fn read(&mut self, length: u64) -> Result<Vec<u8>, RecordingError> {
+        let length = length.min(self.end.saturating_sub(self.at));
+        let mut read = std::mem::take(&mut self.cut);
+        read.extend(bytes(self.file, self.source, self.at, length)?);
+        self.at += length;
+        Ok(read)
+    }
+
+    /// Whether the whole file is UTF-8.
+    fn is_utf8(&mut self) -> Result<bool, RecordingError> {
+        while !self.is_done() {
+            let read = self.read(PIECE)?;
+            let whole = if self.is_done() { read.len() } else { whole_characters(&read) };
+            if std::str::from_utf8(&read[..whole]).is_err() {
+                return Ok(false);
+            }
+            self.cut = read[whole..].to_vec();
+        }
+        Ok(true)
+    }
+}
+
+/// The bytes up to a character of UTF-8 that is cut at the end.
+fn whole_characters(bytes: &[u8]) -> usize {
+    let begins = |back: &usize| bytes[bytes.len() - back] & 0b1100_0000 != 0b1000_0000;
+    let Some(back) = (1..=bytes.len().min(4)).find(begins) else { return bytes.len() };
+    let is_cut = std::str::from_utf8(&bytes[bytes.len() - back..]).is_err_and(|e| e.error_len().is_none());
+    if is_cut { bytes.len() - back } else { bytes.len() }
 }
 
 /// Content without the end-of-file mark of DOS.
@@ -39,26 +135,13 @@ fn without_end_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_suffix(b"\x1A").unwrap_or(bytes)
 }
 
-fn utf16(bytes: &[u8]) -> Option<String> {
-    let (decode, body): (fn([u8; 2]) -> u16, _) = match bytes {
-        [0xFF, 0xFE, body @ ..] => (u16::from_le_bytes, body),
-        [0xFE, 0xFF, body @ ..] => (u16::from_be_bytes, body),
-        _ => return None,
-    };
-    let units = body.chunks(2).map(|pair| match pair {
-        [a, b] => decode([*a, *b]),
-        _ => 0xFFFD,
-    });
-    Some(char::decode_utf16(units).map(|c| c.unwrap_or('\u{FFFD}')).collect())
-}
-
-/// Whether content may be text: no control characters other than white space in its first bytes.
+/// Whether a file that begins so may be text: no control characters other than white space.
 pub(crate) fn is_text(bytes: &[u8]) -> bool {
     if matches!(bytes, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
         return true;
     }
     let control = |b: &u8| b.is_ascii_control() && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0C);
-    !without_end_mark(bytes).iter().take(4096).any(control)
+    !without_end_mark(bytes).iter().any(control)
 }
 
 /// What separates the cells: what a first line `sep=;` says, or else the first of tab, semicolon and comma that occurs,

@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
-use crate::heading::{heading, time_word};
-use crate::{Channel, Recording, RecordingError};
+use super::number::is_grouped;
+use crate::heading::{heading, name_and_unit, time_word};
+use crate::{Channel, Raster, Recording, RecordingError};
 
 /// Encodes a recording as CSV: commas, decimal points, one block `time [s], channel [unit], …` for each raster, side by
-/// side, shorter ones padded with empty cells.
+/// side, shorter ones padded with empty cells, those without samples last.
 ///
 /// Numbers are written with as many digits as it takes to read the same number back. File comment, start time,
 /// raster names and channel comments are not written.
@@ -14,60 +15,93 @@ use crate::{Channel, Recording, RecordingError};
 /// # Errors
 ///
 /// [`RecordingError::NoSuchRaster`] and [`RecordingError::LengthMismatch`] where the recording contradicts itself,
-/// [`RecordingError::CannotExpress`] for a channel whose name would be read back as a time column.
+/// [`RecordingError::CannotExpress`] for a channel whose name or unit would not be read back (see [`fits_text`]).
 pub fn encode_csv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    let rasters = recording.rasters.len();
-    let mut blocks: Vec<Vec<&Channel>> = vec![Vec::new(); rasters];
-    recording.check()?;
-    for channel in &recording.channels {
-        check(channel)?;
-        blocks[channel.raster].push(channel);
+    encode(recording, ',')
+}
+
+/// Encodes a recording as [`encode_csv`] does, with tabs between the columns.
+///
+/// # Errors
+///
+/// As [`encode_csv`].
+pub fn encode_tsv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    encode(recording, '\t')
+}
+
+/// Whether a heading of text can hold a channel's name and unit: the name is not empty, means no time, and neither has
+/// line breaks or blanks at its ends.
+#[must_use]
+pub fn fits_text(name: &str, unit: &str) -> bool {
+    let plain = |text: &str| text.trim() == text && !text.contains(['\n', '\r']);
+    let is_read_back = labelled(name, unit).is_some_and(|label| name_and_unit(&label) == (name, unit));
+    time_word(name) != Some("time") && !name.is_empty() && plain(name) && plain(unit) && is_read_back
+}
+
+/// `name [unit]`, or with other brackets where the unit has such.
+fn labelled(name: &str, unit: &str) -> Option<String> {
+    match unit.contains(['[', ']']) {
+        false => Some(heading(name, unit)),
+        true => (!unit.contains(['(', ')'])).then(|| format!("{name} ({unit})")),
     }
-    let mut out = String::new();
-    let headings = blocks.iter().flat_map(|block| {
-        let names = block.iter().map(|c| quoted(&c.name, &c.unit));
-        std::iter::once(String::from("time [s]")).chain(names)
-    });
-    out.push_str(&headings.collect::<Vec<_>>().join(","));
+}
+
+fn encode(recording: &Recording, delimiter: char) -> Result<Vec<u8>, RecordingError> {
+    recording.check()?;
+    let mut blocks: Vec<(&Raster, Vec<&Channel>)> = recording.rasters.iter().map(|r| (r, Vec::new())).collect();
+    for channel in &recording.channels {
+        blocks[channel.raster].1.push(channel);
+    }
+    // The first block's clock tells a reader where the samples begin.
+    blocks.sort_by_key(|(raster, _)| raster.time_s.is_empty());
+    let mut headings = Vec::new();
+    for (_, channels) in &blocks {
+        headings.push(String::from("time [s]"));
+        for channel in channels {
+            headings.push(quoted(channel)?);
+        }
+    }
+    let mut out = headings.join(&String::from(delimiter));
     out.push('\n');
     let rows = recording.rasters.iter().map(|r| r.time_s.len()).max();
+    let columns: Vec<&[f64]> = blocks.iter().flat_map(|(raster, channels)| columns(raster, channels)).collect();
     for row in 0..rows.unwrap_or(0) {
-        write_row(&mut out, recording, &blocks, row);
+        write_row(&mut out, &columns, row, delimiter);
     }
     Ok(out.into_bytes())
 }
 
-fn check(channel: &Channel) -> Result<(), RecordingError> {
-    if time_word(&channel.name) == Some("time") || channel.name.trim().is_empty() {
-        return Err(RecordingError::CannotExpress {
-            format: "CSV".into(),
-            name: channel.name.clone(),
-            what: "the name".into(),
-        });
-    }
-    Ok(())
+fn columns<'a>(raster: &'a Raster, channels: &'a [&Channel]) -> impl Iterator<Item = &'a [f64]> {
+    std::iter::once(raster.time_s.as_slice()).chain(channels.iter().map(|c| c.samples.as_slice()))
 }
 
 /// `name [unit]`, quoted where necessary.
-fn quoted(name: &str, unit: &str) -> String {
-    let plain = heading(name, unit);
-    match plain.contains(['"', ',', '\n', '\r', ';', '\t']) {
+fn quoted(channel: &Channel) -> Result<String, RecordingError> {
+    let cannot = || RecordingError::CannotExpress {
+        format: "CSV".into(),
+        name: channel.name.clone(),
+        what: "the name or the unit".into(),
+    };
+    let fitting = labelled(&channel.name, &channel.unit).filter(|_| fits_text(&channel.name, &channel.unit));
+    let plain = fitting.ok_or_else(cannot)?;
+    Ok(match plain.contains(['"', ',', ';', '\t', '|']) {
         true => format!("\"{}\"", plain.replace('"', "\"\"")),
         false => plain,
-    }
+    })
 }
 
-fn write_row(out: &mut String, recording: &Recording, blocks: &[Vec<&Channel>], row: usize) {
-    let mut separator = "";
-    for (raster, block) in recording.rasters.iter().zip(blocks) {
-        let samples = block.iter().map(|c| &c.samples);
-        for column in std::iter::once(&raster.time_s).chain(samples) {
-            out.push_str(separator);
-            separator = ",";
-            if let Some(value) = column.get(row) {
-                // Writing to a string does not fail.
-                let _ = write!(out, "{value:?}");
-            }
+fn write_row(out: &mut String, columns: &[&[f64]], row: usize, delimiter: char) {
+    for (place, column) in columns.iter().enumerate() {
+        if place > 0 {
+            out.push(delimiter);
+        }
+        let Some(value) = column.get(row) else { continue };
+        let start = out.len();
+        // Writing to a string does not fail.
+        let _ = write!(out, "{value:?}");
+        // Without commas between the columns, 1.234 may be read as one thousand and more.
+        if delimiter != ',' && is_grouped(&out[start..], '.') {
+            out.push_str("e0");
         }
     }
     out.push('\n');

@@ -1,7 +1,9 @@
 //! Level 4: matrices one after the other, each behind a header of 20 bytes.
 
 use super::value::{Array, Value, text_rows};
-use crate::RecordingError;
+use super::wanted::Wanted;
+use crate::source;
+use crate::{RecordingError, Selection, Source};
 
 const HEADER: usize = 20;
 /// The longest name, with the NUL at its end.
@@ -105,31 +107,41 @@ pub(super) fn starts(bytes: &[u8]) -> bool {
 }
 
 /// The variables in the order of the file, with their names.
-pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>, RecordingError> {
+pub(super) fn variables(
+    file: &str,
+    source: &dyn Source,
+    selection: &Selection,
+) -> Result<Vec<(String, Value)>, RecordingError> {
+    let wanted = Wanted::new(selection);
+    let length = source::size(file, source)?;
     let mut found = Vec::new();
     let mut at = 0;
-    while at < bytes.len() {
-        let rest = &bytes[at..];
-        let truncated = |expected: usize| RecordingError::Truncated {
-            file: file.into(),
-            offset: at as u64,
-            expected: expected as u64,
-            available: rest.len() as u64,
-        };
+    while at < length {
+        let available = length - at;
+        let truncated =
+            |expected: u64| RecordingError::Truncated { file: file.into(), offset: at, expected, available };
         let damaged = || RecordingError::Damaged {
             file: file.into(),
-            offset: Some(at as u64),
+            offset: Some(at),
             detail: "no header of a variable".into(),
         };
-        if rest.len() < HEADER {
-            return Err(truncated(HEADER));
+        if available < HEADER as u64 {
+            return Err(truncated(HEADER as u64));
         }
-        let header = Header::read(rest).ok_or_else(damaged)?;
-        let size = header.size().ok_or_else(damaged)?;
-        let content = rest[HEADER..].get(..size).ok_or_else(|| truncated(HEADER.saturating_add(size)))?;
-        let (label, numbers) = content.split_at(header.name);
-        found.push((name(label).ok_or_else(damaged)?.to_owned(), header.value(numbers)));
-        at += HEADER + size;
+        let header = Header::read(&source::bytes(file, source, at, HEADER as u64)?).ok_or_else(damaged)?;
+        let whole = (header.size().ok_or_else(damaged)? as u64).saturating_add(HEADER as u64);
+        if whole > available {
+            return Err(truncated(whole));
+        }
+        let label = source::bytes(file, source, at + HEADER as u64, header.name as u64)?;
+        let label = name(&label).ok_or_else(damaged)?.to_owned();
+        let begin = HEADER as u64 + header.name as u64;
+        let value = match header.content == 0 && wanted.skips(&label, &[header.rows, header.columns]) {
+            true => Value::Unread,
+            false => header.value(&source::bytes(file, source, at + begin, whole - begin)?),
+        };
+        found.push((label, value));
+        at += whole;
     }
     Ok(found)
 }

@@ -1,11 +1,15 @@
 //! Level 5: tagged elements, nested, each variable deflated or not.
 
-use std::io::Read as _;
+mod content;
 
-use flate2::read::ZlibDecoder;
+use std::collections::HashSet;
 
+use super::listed;
 use super::value::{Array, MAX_TEXT, Struct, Value, text_rows};
-use crate::RecordingError;
+use super::wanted::Wanted;
+use crate::source::{self, Shared};
+use crate::{RecordingError, Selection, Source};
+use content::Content;
 
 /// Bytes before the first element.
 pub(super) const HEADER: usize = 128;
@@ -22,6 +26,9 @@ const MAX_NAME: usize = 128;
 const MAX_NUMBERS: usize = 1 << 26;
 const MAX_PER_BYTE: usize = MAX_EXPANSION / 8;
 
+/// The most numbers in the list of a file, which holds texts.
+const LISTED: usize = 1 << 16;
+
 const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 
@@ -34,77 +41,116 @@ pub(super) fn is_big_endian(header: &[u8]) -> Option<bool> {
     }
 }
 
+/// An element of a file: its type, and where its content is.
+#[derive(Clone, Copy)]
+struct Place {
+    at: u64,
+    kind: u32,
+    size: usize,
+}
+
 /// The variables in the order of the file, with their names.
-pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>, RecordingError> {
-    let big = is_big_endian(bytes).unwrap_or(false);
-    let hidden = bytes.get(116..124).and_then(|b| b.try_into().ok()).map(|b| uint(b, big));
-    let mut budget = Budget { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(bytes.len().saturating_mul(MAX_PER_BYTE)) };
+pub(super) fn variables(
+    file: &str,
+    source: &Shared,
+    selection: &Selection,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Vec<(String, Value)>, RecordingError> {
+    let header = source::bytes(file, &**source, 0, HEADER as u64)?;
+    let big = is_big_endian(&header).unwrap_or(false);
+    let hidden = header.get(116..124).and_then(|b| b.try_into().ok()).map(|b| uint(b, big));
+    let (size, places) = places(file, &**source, big)?;
+    let most = usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(MAX_PER_BYTE);
+    let mut budget = Budget { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most) };
+    let mut wanted = Wanted::new(selection);
+    if *selection != Selection::All {
+        wanted.listed = listed(source, &places, big, selection);
+    }
     let mut found = Vec::new();
-    let mut at = HEADER;
-    // A file without any variable has been cut off.
-    while at < bytes.len() || at == HEADER {
-        let truncated = |expected: usize| RecordingError::Truncated {
-            file: file.into(),
-            offset: at as u64,
-            expected: expected as u64,
-            available: (bytes.len() - at) as u64,
-        };
-        let tag = bytes.get(at..at + 8).ok_or_else(|| truncated(8))?;
-        let (kind, size) = (uint4(&tag[..4], big), uint4(&tag[4..], big) as usize);
-        let end = at.saturating_add(8).saturating_add(size);
-        let data = bytes.get(at + 8..end).ok_or_else(|| truncated(end - at))?;
-        // Where the objects of the file are kept, in a form of their own.
-        if hidden != Some(at as u64) {
-            let variable = variable(kind, data, big, &mut budget);
-            found.extend(variable.map_err(|detail| damaged(file, at, detail))?);
-        }
-        at = end;
+    // Where the objects of the file are kept, in a form of their own.
+    for place in places.iter().filter(|place| hidden != Some(place.at)) {
+        let variable = variable(place, source, big, &mut budget, &wanted);
+        found.extend(variable.map_err(|detail| damaged(file, place.at, detail))?);
+        progress(place.at, size);
     }
     Ok(found)
 }
 
-fn damaged(file: &str, at: usize, detail: String) -> RecordingError {
-    RecordingError::Damaged { file: file.into(), offset: Some(at as u64), detail }
+/// The size of a file and its elements.
+fn places(file: &str, source: &dyn Source, big: bool) -> Result<(u64, Vec<Place>), RecordingError> {
+    let length = source::size(file, source)?;
+    let mut places = Vec::new();
+    let mut at = HEADER as u64;
+    // A file without any variable has been cut off.
+    while at < length || at == HEADER as u64 {
+        let available = length.saturating_sub(at);
+        let truncated =
+            |expected: u64| RecordingError::Truncated { file: file.into(), offset: at, expected, available };
+        if available < 8 {
+            return Err(truncated(8));
+        }
+        let tag = source::bytes(file, source, at, 8)?;
+        let (kind, size) = (uint4(&tag[..4], big), uint4(&tag[4..], big));
+        if u64::from(size) > available - 8 {
+            return Err(truncated(8 + u64::from(size)));
+        }
+        places.push(Place { at, kind, size: size as usize });
+        at += 8 + u64::from(size);
+    }
+    Ok((length, places))
+}
+
+/// The variables for the selected channels, and all that there are, as the file's list has them.
+fn listed(
+    source: &Shared,
+    places: &[Place],
+    big: bool,
+    selection: &Selection,
+) -> Option<(HashSet<String>, HashSet<String>)> {
+    let mut budget = Budget { parts: MAX_PARTS, numbers: LISTED };
+    let name = |place: &&Place| name_of(place, source, big).is_some_and(|name| name == listed::NAME);
+    let place = places.iter().find(name)?;
+    let (_, value) = variable(place, source, big, &mut budget, &Wanted::ALL).ok()??;
+    listed::variables(&value, selection)
+}
+
+/// The name of a struct.
+fn name_of(place: &Place, source: &Shared, big: bool) -> Option<String> {
+    let content = Content::open(place.kind, source, (place.at + 8, place.size), big).ok()?;
+    content.name_of_struct(big)
+}
+
+fn damaged(file: &str, at: u64, detail: String) -> RecordingError {
+    RecordingError::Damaged { file: file.into(), offset: Some(at), detail }
 }
 
 /// A variable with its name; none for one without a name.
-fn variable(kind: u32, data: &[u8], big: bool, budget: &mut Budget) -> Result<Option<(String, Value)>, String> {
-    let inflated;
-    let data = match kind {
-        MATRIX => data,
-        COMPRESSED => {
-            inflated = inflate(data, big)?;
-            &inflated
+fn variable(
+    place: &Place,
+    source: &Shared,
+    big: bool,
+    budget: &mut Budget,
+    wanted: &Wanted<'_>,
+) -> Result<Option<(String, Value)>, String> {
+    let content = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+    if let Some(large) = content.large(big) {
+        if wanted.skips(&large.name, &large.dimensions) {
+            return Ok(Some((large.name, Value::Unread)));
         }
-        other => return Err(format!("an element of type {other} where a variable should be")),
-    };
+        if let Some(left) = budget.numbers.checked_sub(large.count) {
+            budget.numbers = left;
+            let named = |detail: String| format!("variable \"{}\": {detail}", large.name.escape_debug());
+            let array = content.numbers(&large, big).map_err(named)?;
+            return Ok(Some((large.name, array)));
+        }
+    }
+    let data = content.whole()?;
     let mut parser = Parser { big, budget };
-    match parser.matrix(data, 0) {
+    match parser.matrix(&data, 0) {
         Ok((name, value)) => Ok((!name.is_empty()).then_some((name, value))),
         Err(Fault::Damaged(detail)) => Err(detail),
         Err(Fault::Unsupported(name, detail)) => Ok(Some((name, Value::unsupported(detail)))),
     }
-}
-
-/// The content of the variable that is deflated in `data`.
-fn inflate(data: &[u8], big: bool) -> Result<Vec<u8>, String> {
-    let failure = |error: std::io::Error| format!("a variable cannot be inflated ({error})");
-    let mut decoder = ZlibDecoder::new(data);
-    let mut tag = [0; 8];
-    decoder.read_exact(&mut tag).map_err(failure)?;
-    let (kind, size) = (uint4(&tag[..4], big), uint4(&tag[4..], big) as usize);
-    if kind != MATRIX || size > data.len().saturating_mul(MAX_EXPANSION) {
-        return Err(format!("an element of type {kind} and {size} bytes is deflated to {} bytes", data.len()));
-    }
-    let mut content = Vec::new();
-    decoder.by_ref().take(size as u64).read_to_end(&mut content).map_err(failure)?;
-    // Reading on to the end checks the sum over the content.
-    let mut rest = Vec::new();
-    decoder.take(9).read_to_end(&mut rest).map_err(failure)?;
-    if content.len() < size || rest.len() > 8 {
-        return Err(format!("a variable announces {size} bytes and has more or less"));
-    }
-    Ok(content)
 }
 
 /// An unsigned number of up to 8 bytes.
@@ -196,34 +242,46 @@ fn name(content: &[u8]) -> Result<String, Fault> {
 
 /// Numbers of the type that the tag states.
 fn numbers(kind: u32, content: &[u8], big: bool) -> Result<Vec<f64>, Fault> {
+    let mut numbers = Vec::new();
+    converted_all(kind, content, big, &mut numbers)?;
+    Ok(numbers)
+}
+
+/// Appends numbers of the type that the tag states.
+fn converted_all(kind: u32, content: &[u8], big: bool, out: &mut Vec<f64>) -> Result<(), Fault> {
     // Numbers of 64 bits above 2^53 are rounded.
     match kind {
-        1 => converted(content, big, |b| f64::from(i8::from_le_bytes(b))),
-        2 => converted(content, big, |b| f64::from(u8::from_le_bytes(b))),
-        3 => converted(content, big, |b| f64::from(i16::from_le_bytes(b))),
-        4 => converted(content, big, |b| f64::from(u16::from_le_bytes(b))),
-        5 => converted(content, big, |b| f64::from(i32::from_le_bytes(b))),
-        6 => converted(content, big, |b| f64::from(u32::from_le_bytes(b))),
-        7 => converted(content, big, |b| f64::from(f32::from_le_bytes(b))),
-        9 => converted(content, big, f64::from_le_bytes),
-        12 => converted(content, big, |b| i64::from_le_bytes(b) as f64),
-        13 => converted(content, big, |b| u64::from_le_bytes(b) as f64),
+        1 => converted(content, big, out, |b| f64::from(i8::from_le_bytes(b))),
+        2 => converted(content, big, out, |b| f64::from(u8::from_le_bytes(b))),
+        3 => converted(content, big, out, |b| f64::from(i16::from_le_bytes(b))),
+        4 => converted(content, big, out, |b| f64::from(u16::from_le_bytes(b))),
+        5 => converted(content, big, out, |b| f64::from(i32::from_le_bytes(b))),
+        6 => converted(content, big, out, |b| f64::from(u32::from_le_bytes(b))),
+        7 => converted(content, big, out, |b| f64::from(f32::from_le_bytes(b))),
+        9 => converted(content, big, out, f64::from_le_bytes),
+        12 => converted(content, big, out, |b| i64::from_le_bytes(b) as f64),
+        13 => converted(content, big, out, |b| u64::from_le_bytes(b) as f64),
         other => broken(format!("numbers of type {other}")),
     }
 }
 
-fn converted<const N: usize>(content: &[u8], big: bool, number: fn([u8; N]) -> f64) -> Result<Vec<f64>, Fault> {
+fn converted<const N: usize>(
+    content: &[u8],
+    big: bool,
+    out: &mut Vec<f64>,
+    number: fn([u8; N]) -> f64,
+) -> Result<(), Fault> {
     let (chunks, rest) = content.as_chunks::<N>();
     if !rest.is_empty() {
         return broken(format!("{} bytes of numbers of {N} bytes", content.len()));
     }
-    let numbers = chunks.iter().map(|&(mut chunk)| {
+    out.extend(chunks.iter().map(|&(mut chunk)| {
         if big {
             chunk.reverse();
         }
         number(chunk)
-    });
-    Ok(numbers.collect())
+    }));
+    Ok(())
 }
 
 /// The characters of a character array.

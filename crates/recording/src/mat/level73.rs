@@ -2,11 +2,15 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, DType, Dataset, File, Group, Object};
+use hdf5_pure::{AttrValue, DType, Dataset, File, FormatError, Group, Object};
 
+use super::listed;
+use super::scope::joined;
 use super::value::{Array, MAX_TEXT, Struct, Value, text_rows};
-use crate::RecordingError;
+use super::wanted::Wanted;
 use crate::error::guarded;
+use crate::source::{self, Shared};
+use crate::{RecordingError, Selection};
 
 /// The most structs and cells within each other.
 const MAX_DEPTH: usize = 20;
@@ -19,29 +23,59 @@ const MAX_PER_BYTE: usize = 1032 / 8;
 type Attributes = HashMap<String, AttrValue>;
 
 /// The variables of a file with their names.
-pub(super) fn variables(file: &str, bytes: &[u8]) -> Result<Vec<(String, Value)>, RecordingError> {
+pub(super) fn variables(
+    file: &str,
+    source: &Shared,
+    selection: &Selection,
+) -> Result<Vec<(String, Value)>, RecordingError> {
     let damaged = |detail: String| RecordingError::Damaged { file: file.into(), offset: None, detail };
-    let numbers = MAX_NUMBERS.max(bytes.len().saturating_mul(MAX_PER_BYTE));
+    let size = source::size(file, &**source)?;
+    let most = usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(MAX_PER_BYTE);
     guarded(file, || {
-        let mut reader = Reader { parts: MAX_PARTS, numbers };
-        let root = File::from_bytes(bytes.to_vec()).map_err(|error| damaged(error.to_string()))?.root();
-        reader.members(&root, 0).map_err(damaged)
+        let bytes = Bytes { source: source.clone(), size };
+        let root = File::from_source(bytes).map_err(|error| damaged(error.to_string()))?.root();
+        // Where the file lists its channels by other names, everything is read.
+        let is_listed = root.group(listed::NAME).is_ok();
+        let wanted = if is_listed { Wanted::ALL } else { Wanted::new(selection) };
+        let mut reader = Reader { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most), wanted };
+        reader.members(&root, "", 0).map_err(damaged)
     })
 }
 
-/// What may still be read of a file, so that a small one cannot fill the memory.
-struct Reader {
-    parts: usize,
-    numbers: usize,
+/// A file as its library takes it.
+struct Bytes {
+    source: Shared,
+    size: u64,
 }
 
-impl Reader {
+impl hdf5_pure::Source for Bytes {
+    fn len(&self) -> u64 {
+        self.size
+    }
+
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<(), FormatError> {
+        self.source.read_at(offset, buffer).map_err(|error| FormatError::Source(error.to_string()))
+    }
+}
+
+/// What may still be read of a file, so that a small one cannot fill the memory.
+struct Reader<'a> {
+    parts: usize,
+    numbers: usize,
+    wanted: Wanted<'a>,
+}
+
+impl Reader<'_> {
     /// The datasets and groups in a group, with the units that are noted on them.
-    fn members(&mut self, group: &Group, depth: usize) -> Result<Vec<(String, Value)>, String> {
+    fn members(&mut self, group: &Group, path: &str, depth: usize) -> Result<Vec<(String, Value)>, String> {
         let mut found = Vec::new();
         for (name, dataset) in group.iter_datasets().map_err(text)? {
             let attributes = dataset.attrs().map_err(text)?;
-            let value = self.dataset(&dataset, &attributes, depth).map_err(|detail| format!("\"{name}\": {detail}"))?;
+            let value = match self.skips(&joined(path, &name), &dataset) {
+                true => Ok(Value::Unread),
+                false => self.dataset(&dataset, &attributes, depth),
+            };
+            let value = value.map_err(|detail| format!("\"{name}\": {detail}"))?;
             if let Some(unit) = ["unit", "units", "Unit"].iter().find_map(|key| attributes.get(*key)?.as_str()) {
                 found.push((format!("{name}_unit"), Value::Text(vec![unit.to_owned()])));
             }
@@ -50,11 +84,20 @@ impl Reader {
         for (name, group) in group.iter_groups().map_err(text)? {
             // Where cells and the objects of the file are kept.
             if !name.starts_with('#') {
-                let value = self.group(&group, depth).map_err(|detail| format!("\"{name}\": {detail}"))?;
+                let path = joined(path, &name);
+                let value = self.group(&group, &path, depth).map_err(|detail| format!("\"{name}\": {detail}"))?;
                 found.push((name, value));
             }
         }
         Ok(found)
+    }
+
+    /// Whether a dataset is an array that was not asked for.
+    fn skips(&self, path: &str, dataset: &Dataset) -> bool {
+        let is_plain = dataset.dtype().is_ok_and(|kind| is_numeric(&kind)) && !path.starts_with("{}");
+        let sizes = dataset.shape().unwrap_or_default();
+        let sizes: Vec<usize> = sizes.iter().map(|&size| usize::try_from(size).unwrap_or(usize::MAX)).collect();
+        is_plain && self.wanted.skips(path, &sizes)
     }
 
     /// Whether another part may be read.
@@ -67,7 +110,7 @@ impl Reader {
         }
     }
 
-    fn group(&mut self, group: &Group, depth: usize) -> Result<Value, String> {
+    fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<Value, String> {
         self.take_part(depth)?;
         let attributes = group.attrs().map_err(text)?;
         if attributes.contains_key("MATLAB_sparse") {
@@ -81,7 +124,7 @@ impl Reader {
         if !datasets.is_empty() && references.len() == datasets.len() {
             return self.structs(&datasets, depth);
         }
-        let (fields, values) = self.members(group, depth + 1)?.into_iter().unzip();
+        let (fields, values) = self.members(group, path, depth + 1)?.into_iter().unzip();
         Ok(Value::Struct(Struct { fields, elements: vec![values] }))
     }
 
@@ -109,7 +152,8 @@ impl Reader {
         for object in dataset.dereference().map_err(text)? {
             self.take_part(depth + 1)?;
             values.push(match object {
-                Object::Group(group) => self.group(&group, depth + 1)?,
+                // A path that no selection has: what is in cells is read.
+                Object::Group(group) => self.group(&group, "{}", depth + 1)?,
                 Object::Dataset(dataset) => {
                     let attributes = dataset.attrs().map_err(text)?;
                     self.dataset(&dataset, &attributes, depth + 1)?

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::scope::Plan;
 use super::value::{Array, Struct, Value};
-use crate::{Channel, Finding, Raster, RecordingError, StartTime};
+use crate::{Channel, Finding, Raster, RecordingError, Selection, StartTime};
 
 /// Its name.
 pub(super) const NAME: &str = "recording_info";
@@ -15,6 +15,7 @@ pub(super) fn take(
     file: &str,
     variables: &mut Vec<(String, Value)>,
     plan: &mut Plan,
+    selection: &Selection,
 ) -> Result<(Option<String>, Option<StartTime>), RecordingError> {
     let place = variables.iter().position(|(name, value)| name == NAME && List::read(value).is_some());
     let Some(place) = place else { return Ok((None, None)) };
@@ -28,10 +29,19 @@ pub(super) fn take(
             pool.insert(name.clone(), std::mem::replace(array, empty));
             false
         }
+        Value::Unread => !named.contains(name.as_str()),
         _ => true,
     });
-    list.place(file, pool, plan)?;
+    list.place(file, pool, plan, selection)?;
     Ok((list.comment, list.start_time))
+}
+
+/// The variables of the selected channels, and of all, if this is the list.
+pub(super) fn variables(value: &Value, selection: &Selection) -> Option<(HashSet<String>, HashSet<String>)> {
+    let list = List::read(value)?;
+    let selected = list.channels.iter().filter(|channel| selection.takes(channel[1]));
+    let wanted = selected.map(|channel| channel[0].to_owned()).collect();
+    Some((wanted, list.channels.iter().map(|channel| channel[0].to_owned()).collect()))
 }
 
 /// The list: texts of the file.
@@ -66,7 +76,13 @@ impl<'a> List<'a> {
     }
 
     /// Hands the listed clocks and channels over to the plan.
-    fn place(&self, file: &str, mut pool: HashMap<String, Array>, plan: &mut Plan) -> Result<(), RecordingError> {
+    fn place(
+        &self,
+        file: &str,
+        mut pool: HashMap<String, Array>,
+        plan: &mut Plan,
+        selection: &Selection,
+    ) -> Result<(), RecordingError> {
         let mut rasters = HashMap::new();
         for (variable, name) in &self.rasters {
             let Some(array) = pool.remove(*variable) else {
@@ -77,6 +93,10 @@ impl<'a> List<'a> {
             rasters.insert(*variable, plan.listed_clock(variable, raster));
         }
         for [variable, name, unit, comment, clock] in &self.channels {
+            if !selection.takes(name) {
+                plan.unread.push((*name).to_owned());
+                continue;
+            }
             let (Some(array), Some(&raster)) = (pool.remove(*variable), rasters.get(clock)) else {
                 plan.findings.push(Finding::MissingVariable { variable: (*variable).to_owned() });
                 continue;

@@ -10,8 +10,10 @@ mod level73;
 mod listed;
 mod scope;
 mod value;
+mod wanted;
 mod write;
 
+use crate::source::{self, Shared};
 use crate::{Format, Recording, RecordingError, Selection};
 #[cfg(feature = "parquet")]
 pub(crate) use listed::{start_text, start_time};
@@ -21,6 +23,9 @@ pub use write::encode_mat5;
 
 /// What an HDF5 file starts with; one of level 7.3 after a header like that of level 5.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+/// Bytes that tell the level.
+const HEAD: u64 = 256;
 
 /// Whether content is a MAT-file, of a level that can be read or not.
 pub(crate) fn is_mat(bytes: &[u8]) -> bool {
@@ -38,37 +43,46 @@ fn is_level5(bytes: &[u8]) -> bool {
 /// Decodes a MAT-file; arrays without a time vector are left out, or have rows `row_distance_s` apart if that is known.
 pub(crate) fn decode(
     name: &str,
-    bytes: &[u8],
+    source: &Shared,
     selection: &Selection,
     row_distance_s: Option<f64>,
+    progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
-    let (format, mut variables) = variables(name, bytes)?;
+    let (format, mut variables) = variables(name, source, selection, progress)?;
     let mut plan = Plan::new(row_distance_s);
-    let listed = listed::take(name, &mut variables, &mut plan)?;
+    let listed = listed::take(name, &mut variables, &mut plan, selection)?;
     plan.top(variables);
     let mut recording = plan.finish(name, selection, format)?;
     (recording.comment, recording.start_time) = listed;
     Ok(recording)
 }
 
-fn variables(name: &str, bytes: &[u8]) -> Result<(Format, Vec<(String, Value)>), RecordingError> {
-    if bytes.starts_with(HDF5) {
-        return Ok((Format::Hdf5, level73::variables(name, bytes)?));
+type Variables = Vec<(String, Value)>;
+
+fn variables(
+    name: &str,
+    source: &Shared,
+    selection: &Selection,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<(Format, Variables), RecordingError> {
+    let head = source::bytes(name, &**source, 0, HEAD)?;
+    if head.starts_with(HDF5) {
+        return Ok((Format::Hdf5, level73::variables(name, source, selection)?));
     }
-    if level4::starts(bytes) {
-        return Ok((Format::Mat { level: 4 }, level4::variables(name, bytes)?));
+    if level4::starts(&head) {
+        return Ok((Format::Mat { level: 4 }, level4::variables(name, &**source, selection)?));
     }
-    let Some(big) = level5::is_big_endian(bytes) else {
+    let Some(big) = level5::is_big_endian(&head) else {
         return Err(RecordingError::Truncated {
             file: name.into(),
             offset: 0,
             expected: level5::HEADER as u64,
-            available: bytes.len() as u64,
+            available: head.len() as u64,
         });
     };
-    match (if big { bytes[124] } else { bytes[125] }, bytes[124].max(bytes[125])) {
-        (1, _) => Ok((Format::Mat { level: 5 }, level5::variables(name, bytes)?)),
-        (2, _) => Ok((Format::Mat { level: 73 }, level73::variables(name, bytes)?)),
+    match (if big { head[124] } else { head[125] }, head[124].max(head[125])) {
+        (1, _) => Ok((Format::Mat { level: 5 }, level5::variables(name, source, selection, progress)?)),
+        (2, _) => Ok((Format::Mat { level: 73 }, level73::variables(name, source, selection)?)),
         (_, other) => Err(RecordingError::Damaged {
             file: name.into(),
             offset: Some(124),

@@ -29,6 +29,8 @@ pub(super) struct Plan {
     counted: BTreeMap<usize, usize>,
     pub(super) channels: Vec<Channel>,
     skipped: Vec<(String, SkipReason)>,
+    /// What was not asked for.
+    pub(super) unread: Vec<String>,
     pub(super) findings: Vec<Finding>,
 }
 
@@ -42,6 +44,7 @@ impl Plan {
             counted: BTreeMap::new(),
             channels: Vec::new(),
             skipped: Vec::new(),
+            unread: Vec::new(),
             findings: Vec::new(),
         }
     }
@@ -81,6 +84,7 @@ impl Plan {
                 self.array(&path, base, labels, array);
             }
             Value::Struct(structs) => self.structs(&path, structs),
+            Value::Unread => self.unread.push(path),
             // Cells of anything else have been taken apart.
             Value::Text(_) | Value::Cell(_) => self.skip(path, SkipReason::NotNumeric { kind: "text".into() }),
             Value::Skip(reason) => self.skip(path, reason),
@@ -249,10 +253,9 @@ impl Plan {
         format: Format,
     ) -> Result<Recording, RecordingError> {
         let known = self.channels.iter().map(|c| c.name.as_str());
-        require_names(file, selection, known.chain(self.skipped.iter().map(|(name, _)| name.as_str())))?;
-        if let Selection::Names(_) = selection
-            && let Some((name, reason)) = self.skipped.iter().find(|(name, _)| selection.takes(name))
-        {
+        let others = self.skipped.iter().map(|(name, _)| name.as_str()).chain(self.unread.iter().map(String::as_str));
+        require_names(file, selection, known.chain(others))?;
+        if let Some((name, reason)) = self.skipped.iter().find(|(name, _)| selection.insists_on(name)) {
             let (channel, reason) = (name.clone(), reason.clone());
             return Err(RecordingError::UnusableChannel { file: file.into(), channel, reason });
         }
@@ -279,7 +282,7 @@ impl Plan {
     }
 }
 
-fn joined(path: &str, name: &str) -> String {
+pub(super) fn joined(path: &str, name: &str) -> String {
     if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
 }
 
@@ -302,7 +305,7 @@ fn flatten(path: String, name: &str, value: Value, members: &mut Vec<Member>) {
 }
 
 fn is_array(value: &Value) -> bool {
-    matches!(value, Value::Numbers(array) if array.values.len() > 1)
+    matches!(value, Value::Numbers(array) if array.values.len() > 1) || *value == Value::Unread
 }
 
 /// The length of a member that is a clock: a vector of numbers that do not decrease, named like time.

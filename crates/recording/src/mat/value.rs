@@ -10,6 +10,8 @@ pub(super) enum Value {
     Text(Vec<String>),
     Cell(Vec<Value>),
     Struct(Struct),
+    /// Numbers that were not asked for.
+    Unread,
     /// Something that is no channel.
     Skip(SkipReason),
 }

@@ -3,13 +3,22 @@
 mod plan;
 mod write;
 
-use ::mdf::{Mdf, MdfError, Source};
+use ::mdf::{Attachment, Event, Mdf, MdfError, Source};
 
 use crate::error::require_names;
 use crate::{Catalogue, Finding, Format, Recording, RecordingError, Selection, SkipReason, StartTime};
 pub(crate) use plan::some_text;
 use plan::{Assembly, Group};
 pub use write::encode_mdf4;
+
+/// What a file holds beside its channels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Extras {
+    /// Files carried with the measurement, or referred to.
+    pub attachments: Vec<Attachment>,
+    /// What happened during the measurement.
+    pub events: Vec<Event>,
+}
 
 /// Whether the first bytes are those of an MDF file.
 pub(crate) fn is_mdf(bytes: &[u8]) -> bool {
@@ -49,6 +58,12 @@ pub(crate) fn catalogue<S: Source>(name: &str, source: S) -> Result<Catalogue, R
         channels,
         findings: with_findings(&file, findings),
     })
+}
+
+/// Attachments and events.
+pub(crate) fn extras<S: Source>(name: &str, source: S) -> Result<Extras, RecordingError> {
+    let file = Mdf::open(source).map_err(|e| failure(name, e))?;
+    Ok(Extras { attachments: file.attachments().to_vec(), events: file.events().to_vec() })
 }
 
 /// What is to be said about the file, then what about its groups and channels.

@@ -178,7 +178,7 @@ impl<'a> Assembly<'a> {
     }
 
     fn skip(&mut self, item: &Item<'_>, reason: SkipReason) -> Result<(), RecordingError> {
-        if let Selection::Names(_) = self.selection {
+        if self.selection.insists_on(item.name) {
             let (file, channel) = (self.file.into(), item.name.into());
             return Err(RecordingError::UnusableChannel { file, channel, reason });
         }

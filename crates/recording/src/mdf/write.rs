@@ -1,6 +1,7 @@
 //! Writing MDF 4.10: a data group with one channel group for each raster, deflated.
 
 use std::io::Write as _;
+use std::ops::Range;
 
 use flate2::{Compression, write::ZlibEncoder};
 
@@ -124,7 +125,7 @@ impl Out {
         data[8..16].copy_from_slice(&(raster.time_s.len() as u64).to_le_bytes());
         data[24..28].copy_from_slice(&record_bytes.to_le_bytes());
         let group = self.block(b"##CG", &[0, first, name, 0, 0, 0], &data);
-        let records = self.records(&records(raster, &channels), record);
+        let records = self.records(raster, &channels, record);
         Ok(self.block(b"##DG", &[next, group, records, 0], &[0; 8]))
     }
 
@@ -147,17 +148,19 @@ impl Out {
         Ok(self.block(b"##CN", &[next, 0, name, 0, 0, 0, unit, comment], &data))
     }
 
-    fn records(&mut self, records: &[u8], record: usize) -> u64 {
-        if records.is_empty() {
+    fn records(&mut self, raster: &Raster, channels: &[&Channel], record: usize) -> u64 {
+        let count = raster.time_s.len();
+        if count == 0 {
             return 0;
         }
-        if records.len() < SMALL {
-            return self.block(b"##DT", &[], records);
+        if count * record < SMALL {
+            return self.block(b"##DT", &[], &records(raster, channels, 0..count));
         }
-        let chunk = (CHUNK / record).max(1) * record;
+        let rows = (CHUNK / record).max(1);
+        let chunk = rows * record;
         let mut links = vec![0];
-        for part in records.chunks(chunk) {
-            let part = deflated(part, record);
+        for first in (0..count).step_by(rows) {
+            let part = deflated(&records(raster, channels, first..count.min(first + rows)), record);
             links.push(self.block(b"##DZ", &[], &part));
         }
         let mut data = [0; 16];
@@ -208,11 +211,11 @@ fn padded(data: &[u8]) -> Vec<u8> {
     padded
 }
 
-/// All records of a raster: time stamp, then the channels.
-fn records(raster: &Raster, channels: &[&Channel]) -> Vec<u8> {
-    let mut records = Vec::with_capacity(raster.time_s.len() * (channels.len() + 1) * SAMPLE);
-    for (i, time) in raster.time_s.iter().enumerate() {
-        records.extend_from_slice(&time.to_le_bytes());
+/// Records of a raster: time stamp, then the channels.
+fn records(raster: &Raster, channels: &[&Channel], rows: Range<usize>) -> Vec<u8> {
+    let mut records = Vec::with_capacity(rows.len() * (channels.len() + 1) * SAMPLE);
+    for i in rows {
+        records.extend_from_slice(&raster.time_s[i].to_le_bytes());
         for channel in channels {
             records.extend_from_slice(&channel.samples[i].to_le_bytes());
         }

@@ -11,6 +11,7 @@ mod interop;
 mod mat;
 mod mdf;
 mod round_trip;
+mod selection;
 mod shared;
 #[cfg(feature = "parquet")]
 mod tables;

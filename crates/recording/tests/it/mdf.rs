@@ -1,5 +1,6 @@
 //! Small MDF files with known content.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use recording::{
@@ -130,19 +131,19 @@ fn noisy() -> Recording {
 #[test]
 fn exact_of_a_source_only_what_is_asked_for_is_read() {
     let recording = noisy();
-    let source = Counted { bytes: encode_mdf4(&recording).unwrap(), read: AtomicU64::new(0) };
+    let source = Arc::new(Counted { bytes: encode_mdf4(&recording).unwrap(), read: AtomicU64::new(0) });
     let size = source.bytes.len() as u64;
-    assert_eq!(catalogue_from("a.mf4", &source).unwrap(), recording.catalogue());
+    assert_eq!(catalogue_from("a.mf4", source.clone()).unwrap(), recording.catalogue());
     let listed = source.read.swap(0, Ordering::Relaxed);
     // The structure is read in pages of 32 kB.
     assert!(listed < size / 8, "{listed} of {size} bytes were read to list the channels");
-    let some = decode_from("a.mf4", &source, &Selection::names(["noise 1"]), &|_, _| {}).unwrap();
+    let some = decode_from("a.mf4", source.clone(), &Selection::names(["noise 1"]), None, &|_, _| {}).unwrap();
     let read = source.read.swap(0, Ordering::Relaxed);
     assert_eq!(some.channels[0].samples, recording.channels[1].samples);
     assert!(read < size / 8, "{read} of {size} bytes were read for the smaller raster");
     let told = AtomicU64::new(0);
     let progress = |done: u64, all: u64| assert!(told.fetch_max(done, Ordering::Relaxed) <= all && done <= all);
-    assert_eq!(decode_from("a.mf4", &source, &Selection::All, &progress).unwrap(), recording);
+    assert_eq!(decode_from("a.mf4", source, &Selection::All, None, &progress).unwrap(), recording);
     assert_eq!(told.into_inner(), 401_000 * 16);
 }
 
@@ -150,8 +151,9 @@ fn exact_of_a_source_only_what_is_asked_for_is_read() {
 fn exact_other_formats_are_read_from_a_source_too() {
     let text = encode_csv(&read("small.mf4")).unwrap();
     let from_bytes = decode("a.csv", &text, &Selection::All).unwrap();
-    assert_eq!(decode_from("a.csv", &text, &Selection::All, &|_, _| {}).unwrap(), from_bytes);
-    assert_eq!(catalogue_from("a.csv", &text).unwrap(), from_bytes.catalogue());
-    let error = decode_from("a.mf4", &Vec::new(), &Selection::All, &|_, _| {}).unwrap_err();
+    let text = Arc::new(text);
+    assert_eq!(decode_from("a.csv", text.clone(), &Selection::All, None, &|_, _| {}).unwrap(), from_bytes);
+    assert_eq!(catalogue_from("a.csv", text).unwrap(), from_bytes.catalogue());
+    let error = decode_from("a.mf4", Arc::new(Vec::new()), &Selection::All, None, &|_, _| {}).unwrap_err();
     assert!(matches!(error, RecordingError::Empty { .. }), "{error}");
 }

@@ -4,7 +4,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use recording::{
     Channel, Format, Raster, Recording, RecordingError, Selection, StartTime, decode, encode_csv, encode_mat5,
-    encode_mdf4,
+    encode_mdf4, encode_tsv, fits_text,
 };
 
 /// Any number, NaN and infinities included; time stamps need not increase.
@@ -95,16 +95,66 @@ proptest! {
 
     #[test]
     fn prop_csv_is_read_back_number_for_number(written in recording()) {
-        let read = decode("a.csv", &encode_csv(&written).unwrap(), &Selection::All).unwrap();
-        prop_assert_eq!(read.channels.len(), written.channels.len());
-        for (r, w) in read.rasters.iter().zip(&written.rasters) {
-            prop_assert_eq!(values(&r.time_s), values(&w.time_s));
-        }
-        for (r, w) in read.channels.iter().zip(&written.channels) {
-            prop_assert_eq!((&r.name, &r.unit, r.raster), (&w.name, &w.unit, w.raster));
-            prop_assert_eq!(values(&r.samples), values(&w.samples));
+        for bytes in [encode_csv(&written).unwrap(), encode_tsv(&written).unwrap()] {
+            let read = decode("a.csv", &bytes, &Selection::All).unwrap();
+            prop_assert_eq!(read.channels.len(), written.channels.len());
+            for (r, w) in read.rasters.iter().zip(&written.rasters) {
+                prop_assert_eq!(values(&r.time_s), values(&w.time_s));
+            }
+            for (r, w) in read.channels.iter().zip(&written.channels) {
+                prop_assert_eq!((&r.name, &r.unit, r.raster), (&w.name, &w.unit, w.raster));
+                prop_assert_eq!(values(&r.samples), values(&w.samples));
+            }
         }
     }
+
+    #[test]
+    fn prop_headings_that_fit_text_are_read_back(name in "[ -~°ä\t\n]{0,10}", unit in "[ -~°\n]{0,6}") {
+        let recording = one(&name, &unit);
+        match fits_text(&name, &unit) {
+            false => prop_assert!(encode_csv(&recording).is_err()),
+            true => {
+                for bytes in [encode_csv(&recording).unwrap(), encode_tsv(&recording).unwrap()] {
+                    let read = decode("a.csv", &bytes, &Selection::All).unwrap();
+                    prop_assert_eq!((&read.channels[0].name, &read.channels[0].unit), (&name, &unit));
+                }
+            }
+        }
+    }
+}
+
+/// A recording of one channel.
+fn one(name: &str, unit: &str) -> Recording {
+    let (name, unit) = (name.to_owned(), unit.to_owned());
+    Recording {
+        format: Format::Mdf { version: 410 },
+        comment: None,
+        start_time: None,
+        rasters: vec![Raster { time_s: vec![0.0, 1.0], name: None }],
+        channels: vec![Channel { name, unit, comment: String::new(), raster: 0, samples: vec![1.5, 2.5] }],
+        findings: vec![],
+    }
+}
+
+#[test]
+fn exact_numbers_that_look_grouped_are_written_so_that_they_are_not() {
+    let mut recording = one("x", "");
+    recording.rasters[0].time_s = vec![1.001, 1.002];
+    recording.channels[0].samples = vec![1.234, 12.345];
+    let read = decode("a.tsv", &encode_tsv(&recording).unwrap(), &Selection::All).unwrap();
+    assert_eq!((&read.channels, &read.rasters), (&recording.channels, &recording.rasters));
+}
+
+#[test]
+fn exact_a_raster_without_samples_comes_last_in_text() {
+    let mut recording = one("x", "V");
+    recording.rasters.insert(0, Raster { time_s: vec![], name: None });
+    recording.channels[0].raster = 1;
+    let (unit, comment) = ("A".to_owned(), String::new());
+    recording.channels.push(Channel { name: "y".into(), unit, comment, raster: 0, samples: vec![] });
+    let read = decode("a.csv", &encode_csv(&recording).unwrap(), &Selection::All).unwrap();
+    let found: Vec<_> = read.channels.iter().map(|c| (c.name.as_str(), c.unit.as_str(), c.samples.len())).collect();
+    assert_eq!(found, [("x", "V", 2), ("y", "A", 0)]);
 }
 
 #[test]

@@ -1,4 +1,6 @@
-//! `dynoid convert`: a model in another form.
+//! `dynoid convert` on a model file: the model in another form.
+
+use std::path::PathBuf;
 
 use faer::Mat;
 use ident::uncertainty::Dynamics;
@@ -14,10 +16,28 @@ use super::data::check_targets;
 use super::judge::written;
 use super::model_file;
 use super::words::significant;
-use crate::cli::identify::{ConvertArguments, Representation, Sampling};
+use crate::cli::identify::{Representation, Sampling};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
+
+/// What is asked for.
+pub(crate) struct ConvertArguments {
+    /// The model file.
+    pub(crate) model: PathBuf,
+    /// The representation wanted.
+    pub(crate) to: Representation,
+    /// The clock it gets, s, if another.
+    pub(crate) sample_time: Option<f64>,
+    /// Makes a discrete model continuous.
+    pub(crate) continuous: bool,
+    /// The rule between continuous and discrete.
+    pub(crate) method: Sampling,
+    /// The model file to write.
+    pub(crate) out: Option<PathBuf>,
+    /// Prints the result as JSON.
+    pub(crate) json: bool,
+}
 
 fn failed(source: impl Into<IdentError>) -> CliError {
     CliError::identify("the conversion", source.into())

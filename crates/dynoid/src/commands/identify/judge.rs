@@ -12,6 +12,7 @@ use crate::cli::identify::{
     CompareArguments, MeetArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments,
 };
 use crate::error::{CliError, Outcome};
+use crate::formats::FileFormat;
 use crate::output::replace_file;
 use crate::table::{Align, Table};
 use crate::terminal::Terminal;
@@ -192,7 +193,7 @@ fn run(
     })?;
     if let Some(path) = &arguments.out {
         let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
-        replace_file(path, &recorded::encoded(path, &recording)?)?;
+        replace_file(path, &FileFormat::of_output(path)?.encode(&recording)?)?;
     }
     let fit = |number: usize, output: usize| judged.fit_percent[number][output];
     let rows = (0..response.outputs.len()).flat_map(|n| (0..document.outputs.len()).map(move |o| (n, o)));

@@ -10,4 +10,4 @@ pub(crate) mod judge;
 pub(crate) mod look;
 mod model_file;
 mod recorded;
-mod words;
+pub(in crate::commands) mod words;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bench::dataset::instant_s;
 use faer::Mat;
 use ident::prediction::Response;
 use ident::{IdentError, Label, ModelDocument};
@@ -9,9 +10,7 @@ use recording::{Channel, Format, Raster, Recording};
 
 use super::data::Loaded;
 use crate::error::CliError;
-
-/// Instants are written with as few decimals as leave them this close to the clock, in samples.
-const CLOCK_SHARE: f64 = 1e-9;
+use crate::formats::FileFormat;
 
 /// Responses with the trend put back, one raster a recording; what lies in a gap is missing.
 pub(super) fn recording_of(
@@ -64,41 +63,16 @@ fn whole(
     Ok(Some((start_s, all)))
 }
 
-/// The instant of a tick, as a decimal number that is short and still on the clock.
-fn instant_s(start_s: f64, tick: usize, sample_time_s: f64) -> f64 {
-    let exact_s = start_s + tick as f64 * sample_time_s;
-    let tolerance_s = (CLOCK_SHARE * sample_time_s).max(4.0 * f64::EPSILON * exact_s.abs());
-    let rounded = (0..=15).map(|decimals| {
-        let scale = 10_f64.powi(decimals);
-        (exact_s * scale).round() / scale
-    });
-    rounded.into_iter().find(|short_s| (short_s - exact_s).abs() <= tolerance_s).unwrap_or(exact_s)
-}
-
-/// Text has room for one recording.
+/// Checks that a file's ending says a format that has room for these recordings: text has it for one.
 pub(super) fn check_output(path: &Path, recordings: usize) -> Result<(), CliError> {
-    match crate::input::ending(path).map(str::to_lowercase).as_deref() {
-        Some("csv") if recordings > 1 => Err(CliError::Usage {
+    match FileFormat::of_output(path)? {
+        format if format.is_text() && recordings > 1 => Err(CliError::Usage {
             what: format!(
-                "{}: .csv holds one recording, and {recordings} are given; write .mf4, or one after the other",
-                path.display()
+                "{}: .{} holds one recording, and {recordings} are given; write .mf4, or one after the other",
+                path.display(),
+                format.ending()
             ),
         }),
-        Some("csv" | "mf4") => Ok(()),
-        _ => Err(unknown_ending(path)),
+        _ => Ok(()),
     }
-}
-
-fn unknown_ending(path: &Path) -> CliError {
-    CliError::Usage { what: format!("{}: the ending of the output says what it is: .csv or .mf4", path.display()) }
-}
-
-/// A recording in the format that the file's ending says.
-pub(super) fn encoded(path: &Path, recording: &Recording) -> Result<Vec<u8>, CliError> {
-    let encoded = match crate::input::ending(path).map(str::to_lowercase).as_deref() {
-        Some("csv") => recording::encode_csv(recording),
-        Some("mf4") => recording::encode_mdf4(recording),
-        _ => return Err(unknown_ending(path)),
-    };
-    encoded.map_err(|source| CliError::Recording { source, untimed: false })
 }

@@ -112,7 +112,7 @@ pub(super) fn percent(value: f64) -> String {
 }
 
 /// Six significant digits.
-pub(super) fn significant(value: f64) -> String {
+pub(in crate::commands) fn significant(value: f64) -> String {
     digits(value, 6)
 }
 

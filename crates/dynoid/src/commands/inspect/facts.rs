@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use bench::ExperimentLabel;
-use recording::{Channel, Raster, Recording};
+use recording::{Catalogue, Channel, ChannelInfo, Event, Extras, Quantity, Raster, Recording};
 use serde::Serialize;
 use signal::clock::{ClockCheck, check_clock};
 use signal::quality::{Quality, QualityOptions, check_quality};
@@ -21,8 +21,68 @@ pub(super) struct File {
     /// The experiment's label in the file's name.
     pub(super) label: Option<String>,
     pub(super) rasters: Vec<Clock>,
+    #[serde(flatten)]
+    pub(super) extras: Beside,
     /// What the reader has to say.
     pub(super) findings: Vec<String>,
+}
+
+/// What a recording lists, without its samples.
+#[derive(Debug, Serialize)]
+pub(super) struct Listing {
+    pub(super) file: String,
+    pub(super) format: String,
+    pub(super) comment: Option<String>,
+    pub(super) start: Option<String>,
+    pub(super) label: Option<String>,
+    pub(super) rasters: Vec<ListedRaster>,
+    #[serde(flatten)]
+    pub(super) extras: Beside,
+    pub(super) findings: Vec<String>,
+}
+
+/// A clock and its channels by name.
+#[derive(Debug, Serialize)]
+pub(super) struct ListedRaster {
+    pub(super) name: Option<String>,
+    pub(super) samples: usize,
+    pub(super) channels: Vec<ListedChannel>,
+}
+
+/// A channel by name.
+#[derive(Debug, Serialize)]
+pub(super) struct ListedChannel {
+    pub(super) name: String,
+    pub(super) unit: String,
+    pub(super) comment: String,
+}
+
+/// What a file holds beside its channels.
+#[derive(Debug, Serialize)]
+pub(super) struct Beside {
+    pub(super) attachments: Vec<Attached>,
+    pub(super) events: Vec<Happened>,
+}
+
+/// A file carried with the measurement.
+#[derive(Debug, Serialize)]
+pub(super) struct Attached {
+    pub(super) name: String,
+    pub(super) kind: String,
+    pub(super) comment: String,
+    /// 0 where the file is only referred to.
+    pub(super) embedded_bytes: u64,
+}
+
+/// What happened during the measurement.
+#[derive(Debug, Serialize)]
+pub(super) struct Happened {
+    pub(super) kind: &'static str,
+    pub(super) name: String,
+    pub(super) comment: String,
+    pub(super) at: f64,
+    /// The unit of `at`.
+    pub(super) unit: &'static str,
 }
 
 /// One clock with its channels.
@@ -67,21 +127,88 @@ pub(super) struct Values {
     pub(super) spikes: usize,
 }
 
+impl Beside {
+    fn of(extras: &Extras) -> Self {
+        let attached = |a: &recording::Attachment| Attached {
+            name: a.file_name.to_string(),
+            kind: a.mime_type.to_string(),
+            comment: a.comment.to_string(),
+            embedded_bytes: a.embedded_bytes,
+        };
+        Beside {
+            attachments: extras.attachments.iter().map(attached).collect(),
+            events: extras.events.iter().map(happened).collect(),
+        }
+    }
+}
+
+fn happened(event: &Event) -> Happened {
+    Happened {
+        kind: match event.kind {
+            0 => "recording",
+            1 => "recording interrupt",
+            2 => "acquisition interrupt",
+            3 => "start trigger",
+            4 => "stop trigger",
+            5 => "trigger",
+            6 => "marker",
+            _ => "event",
+        },
+        name: event.name.to_string(),
+        comment: event.comment.to_string(),
+        at: event.at,
+        unit: match event.quantity {
+            Some(Quantity::Time) => "s",
+            Some(Quantity::Angle) => "rad",
+            Some(Quantity::Distance) => "m",
+            Some(Quantity::Index) | None => "",
+        },
+    }
+}
+
+/// The experiment's label in a file's name.
+fn label(name: &str) -> Option<String> {
+    let file_name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    file_name.parse().ok().map(|label: ExperimentLabel| label.to_string())
+}
+
+impl Listing {
+    pub(super) fn of(name: &str, catalogue: &Catalogue, extras: &Extras) -> Self {
+        let channel =
+            |c: &ChannelInfo| ListedChannel { name: c.name.clone(), unit: c.unit.clone(), comment: c.comment.clone() };
+        let raster = |(index, raster): (usize, &recording::RasterInfo)| ListedRaster {
+            name: raster.name.clone().filter(|name| !name.trim().is_empty()),
+            samples: raster.samples,
+            channels: catalogue.channels.iter().filter(|c| c.raster == index).map(channel).collect(),
+        };
+        Listing {
+            file: name.to_owned(),
+            format: catalogue.format.to_string(),
+            comment: catalogue.comment.clone(),
+            start: catalogue.start_time.map(|start| start_time::words(&start)),
+            label: label(name),
+            rasters: catalogue.rasters.iter().enumerate().map(raster).collect(),
+            extras: Beside::of(extras),
+            findings: catalogue.findings.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
 impl File {
-    pub(super) fn of(name: &str, sha256: String, recording: &Recording) -> Self {
+    pub(super) fn of(name: &str, sha256: String, recording: &Recording, extras: &Extras) -> Self {
         let clocks = recording.rasters.iter().enumerate().map(|(index, raster)| {
             let channels = recording.channels.iter().filter(|channel| channel.raster == index);
             Clock::of(raster, channels.map(Values::of).collect())
         });
-        let file_name = name.rsplit(['/', '\\']).next().unwrap_or(name);
         File {
             file: name.to_owned(),
             sha256,
             format: recording.format.to_string(),
             comment: recording.comment.clone(),
             start: recording.start_time.map(|start| start_time::words(&start)),
-            label: file_name.parse().ok().map(|label: ExperimentLabel| label.to_string()),
+            label: label(name),
             rasters: clocks.collect(),
+            extras: Beside::of(extras),
             findings: recording.findings.iter().map(ToString::to_string).collect(),
         }
     }

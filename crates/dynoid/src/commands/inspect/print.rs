@@ -2,7 +2,7 @@
 
 use report::wording::{experiment, number};
 
-use super::facts::{Clock, File, Values};
+use super::facts::{Beside, Clock, File, Listing, Values};
 use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
@@ -10,9 +10,50 @@ use crate::terminal::Terminal;
 const SMALL_JITTER: f64 = 0.01;
 /// Shares of the samples at an extreme value smaller than this are not worth a word.
 const SMALL_SHARE: f64 = 0.001;
+/// Most events that are shown.
+const MOST_EVENTS: usize = 20;
 
 pub(super) fn file(facts: &File, terminal: &mut Terminal) {
-    terminal.heading(&facts.file, Style::Bold);
+    let File { file, format, start, label, comment, extras, findings, .. } = facts;
+    head(Head { file, format, start, label, comment, extras, findings }, terminal);
+    for (index, clock) in facts.rasters.iter().enumerate() {
+        raster(index, clock, terminal);
+    }
+    if facts.rasters.is_empty() {
+        terminal.line("  It holds no numeric channel over time.");
+    }
+}
+
+pub(super) fn listing(listing: &Listing, terminal: &mut Terminal) {
+    let Listing { file, format, start, label, comment, extras, findings, .. } = listing;
+    head(Head { file, format, start, label, comment, extras, findings }, terminal);
+    for (index, raster) in listing.rasters.iter().enumerate() {
+        terminal.gap();
+        terminal.line(&format!("  raster {index}{}: {}", named(&raster.name), samples(raster.samples)));
+        let mut table = Table::new(&[("channel", Align::Left), ("unit", Align::Left), ("", Align::Left)]);
+        for channel in &raster.channels {
+            table.row([(&channel.name).into(), (&channel.unit).into(), (&channel.comment).into()]);
+        }
+        terminal.table(&table);
+    }
+    if listing.rasters.is_empty() {
+        terminal.line("  It holds no numeric channel over time.");
+    }
+}
+
+/// What stands above the rasters.
+struct Head<'a> {
+    file: &'a str,
+    format: &'a str,
+    start: &'a Option<String>,
+    label: &'a Option<String>,
+    comment: &'a Option<String>,
+    extras: &'a Beside,
+    findings: &'a [String],
+}
+
+fn head(facts: Head<'_>, terminal: &mut Terminal) {
+    terminal.heading(facts.file, Style::Bold);
     let start = facts.start.as_ref().map(|start| format!(", started {start}")).unwrap_or_default();
     terminal.line(&format!("  {}{start}", facts.format));
     let label = match facts.label.as_deref().map(|label| (label, experiment(label))) {
@@ -24,15 +65,31 @@ pub(super) fn file(facts: &File, terminal: &mut Terminal) {
     if let Some(comment) = facts.comment.as_ref().filter(|comment| !comment.trim().is_empty()) {
         terminal.item(("comment:", Style::Plain), &comment.split_whitespace().collect::<Vec<_>>().join(" "));
     }
-    for finding in &facts.findings {
+    for attached in &facts.extras.attachments {
+        let place = if attached.embedded_bytes > 0 { "in the file" } else { "not in the file" };
+        let kind = [attached.kind.as_str(), place].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>();
+        terminal.item(("attachment:", Style::Plain), &format!("{} ({})", attached.name, kind.join(", ")));
+    }
+    for event in facts.extras.events.iter().take(MOST_EVENTS) {
+        let texts = [event.name.as_str(), event.comment.as_str()].into_iter().filter(|text| !text.is_empty());
+        let texts: String = texts.map(|text| format!(", {text}")).collect();
+        terminal.item(("event:", Style::Plain), &format!("{} at {} {}{texts}", event.kind, event.at, event.unit));
+    }
+    if facts.extras.events.len() > MOST_EVENTS {
+        terminal.line(&format!("  and {} more events (--json)", facts.extras.events.len() - MOST_EVENTS));
+    }
+    for finding in facts.findings {
         terminal.item(("please note:", Style::Caution), finding);
     }
-    for (index, clock) in facts.rasters.iter().enumerate() {
-        raster(index, clock, terminal);
-    }
-    if facts.rasters.is_empty() {
-        terminal.line("  It holds no numeric channel over time.");
-    }
+}
+
+/// A name in brackets, if there is one.
+fn named(name: &Option<String>) -> String {
+    name.as_ref().map(|name| format!(" ({name})")).unwrap_or_default()
+}
+
+fn samples(count: usize) -> String {
+    if count == 1 { "1 sample".to_owned() } else { format!("{count} samples") }
 }
 
 fn raster(index: usize, clock: &Clock, terminal: &mut Terminal) {
@@ -45,9 +102,7 @@ fn raster(index: usize, clock: &Clock, terminal: &mut Terminal) {
         (Some(from), Some(to)) => format!(", from {} to {}", number::time(from), number::time(to)),
         _ => String::new(),
     };
-    let name = clock.name.as_ref().map(|name| format!(" ({name})")).unwrap_or_default();
-    let samples = if clock.samples == 1 { "1 sample".to_owned() } else { format!("{} samples", clock.samples) };
-    terminal.line(&format!("  raster {index}{name}: {samples} {every}{span}"));
+    terminal.line(&format!("  raster {index}{}: {} {every}{span}", named(&clock.name), samples(clock.samples)));
     for remark in clock_remarks(clock) {
         terminal.item(("please note:", Style::Caution), &remark);
     }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use ident::{Dataset, Experiment, Source};
-use recording::Recording;
+use recording::{Recording, Selection};
 
 use crate::error::CliError;
 use crate::input::{self, InputFile};
@@ -110,14 +110,6 @@ fn short_names(files: &[InputFile]) -> Vec<String> {
 /// A recording, the hash of its bytes, and whether it is text without a time column, which is read where the time from
 /// row to row is given.
 fn decode(file: &InputFile, row_time_s: Option<f64>) -> Result<(Recording, String, bool), CliError> {
-    let strictly = input::read_source(file)?;
-    let (recording, untimed) = match (strictly.recording, row_time_s) {
-        (Ok(recording), _) if !recording.channels.is_empty() => (Ok(recording), false),
-        (_, Some(row_time_s)) => {
-            (recording::decode_untimed(&file.name, &input::read_bytes(&file.path)?, row_time_s), true)
-        }
-        (other, None) => (other, false),
-    };
-    let recording = recording.map_err(|source| CliError::Recording { source, untimed: row_time_s.is_none() })?;
-    Ok((recording, strictly.sha256, untimed))
+    let read = input::read_recording(file, &Selection::All, row_time_s, &|_, _| {})?;
+    Ok((read.recording, read.sha256, read.is_untimed))
 }

@@ -20,6 +20,10 @@ pub(super) fn adjustment(adjustment: &Adjustment) -> String {
             "\"{channel}\" has a sample only every {} s and counts as missing between; methods that look at the simulated output (oe, tf, process, greybox) can use it so",
             significant(*sample_time_s)
         ),
+        Adjustment::State { channel, from_s } => format!(
+            "\"{channel}\", every {} s, takes few different whole values; each was held until the next",
+            significant(*from_s)
+        ),
         Adjustment::Missing { channel, count, of } => format!("\"{channel}\": {count} of {of} samples are missing"),
     }
 }

@@ -1,0 +1,104 @@
+//! Arguments of `dynoid convert`.
+
+use std::path::PathBuf;
+
+use clap::builder::PossibleValue;
+use clap::{Args, ValueEnum};
+
+use super::identify::{Between, Representation, Sampling};
+use crate::formats::FileFormat;
+
+/// What comes out: a recording in a format, or a model in a form.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Form {
+    Recording(FileFormat),
+    Model(Representation),
+}
+
+impl ValueEnum for Form {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Form::Recording(FileFormat::Mf4),
+            Form::Recording(FileFormat::Csv),
+            Form::Recording(FileFormat::Tsv),
+            Form::Recording(FileFormat::Mat),
+            Form::Recording(FileFormat::Parquet),
+            Form::Recording(FileFormat::Arrow),
+            Form::Model(Representation::Tf),
+            Form::Model(Representation::Zpk),
+            Form::Model(Representation::Ss),
+        ]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Form::Recording(FileFormat::Mf4) => PossibleValue::new("mf4").help("MDF 4.10"),
+            Form::Recording(FileFormat::Csv) => PossibleValue::new("csv").help("Text, commas between the columns"),
+            Form::Recording(FileFormat::Tsv) => PossibleValue::new("tsv").help("Text, tabs between the columns"),
+            Form::Recording(FileFormat::Mat) => PossibleValue::new("mat").help("MATLAB -v7"),
+            Form::Recording(FileFormat::Parquet) => PossibleValue::new("parquet").help("Parquet"),
+            Form::Recording(FileFormat::Arrow) => PossibleValue::new("arrow").help("Arrow, Feather"),
+            Form::Model(Representation::Tf) => PossibleValue::new("tf").help("Model: numerator and denominator"),
+            Form::Model(Representation::Zpk) => PossibleValue::new("zpk").help("Model: zeros, poles and gain"),
+            Form::Model(Representation::Ss) => PossibleValue::new("ss").help("Model: state space"),
+        })
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Recordings:
+  dynoid convert run.mf4 --out run.parquet
+  dynoid convert run.mf4 --out part.csv --channels 'DynoSpeed,*Torque*' --start 1.5 --end 20
+  dynoid convert run.dat --out run_100hz.csv --rate 100
+  dynoid convert recordings/ --to mat --out converted/
+
+Models:
+  dynoid convert model.json --to zpk
+  dynoid convert tf.json --to ss --sample-time 0.001 --method tustin --out ss.json
+
+Of a recording every raster keeps its own clock, names, units and values are kept bit for bit, and what a format has no place for is said. In text, rasters stand side by side, each with a column `time [s]`; in Parquet and Arrow they share one such column, with nulls between; a MAT-file has a vector of time for each, and lists names and units in `recording_info`.
+
+With --sample-time or --rate all channels come onto one clock: faster ones through a low-pass filter without phase shift, slower ones continued (--between), states such as gears held. What lies in a gap stays missing (NaN).
+
+With --to tf and --to ss a model stays one that every command takes. It keeps the delay; the noise model it keeps only as state space on its own clock. With --to zpk it is a list of numbers.")]
+pub(crate) struct ConvertArguments {
+    /// Recordings, folders of recordings, or one model file
+    #[arg(value_name = "FILE", required = true)]
+    pub(crate) files: Vec<PathBuf>,
+    /// What to write. For recordings --out is then a folder, in which each keeps its name; without --to, the ending of
+    /// --out says it. For a model, tf unless said otherwise
+    #[arg(long, value_enum, value_name = "FORM")]
+    pub(crate) to: Option<Form>,
+    /// The file to write, or with --to the folder for recordings, made if it is not there
+    #[arg(long, short, value_name = "PATH")]
+    pub(crate) out: Option<PathBuf>,
+    /// A sample of every channel so often; for a model, makes it discrete, or discrete on another clock. For text without
+    /// a time column, the time from row to row
+    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["continuous", "rate"])]
+    pub(crate) sample_time: Option<f64>,
+    /// Only channels of these names; `*` stands for any characters, `?` for one
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Recordings")]
+    pub(crate) channels: Vec<String>,
+    /// Leaves out everything before this time of the recording
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Recordings")]
+    pub(crate) start: Option<f64>,
+    /// Leaves out everything after this time of the recording
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Recordings")]
+    pub(crate) end: Option<f64>,
+    /// So many samples of every channel a second
+    #[arg(long, value_name = "HERTZ", help_heading = "Recordings")]
+    pub(crate) rate: Option<f64>,
+    /// What slower channels do between their samples, where they come onto another clock [default: held]
+    #[arg(long, value_enum, value_name = "HOW", help_heading = "Recordings")]
+    pub(crate) between: Option<Between>,
+    /// Makes a discrete model continuous
+    #[arg(long, help_heading = "Models")]
+    pub(crate) continuous: bool,
+    /// The rule between continuous and discrete [default: zoh]
+    #[arg(long, value_enum, help_heading = "Models")]
+    pub(crate) method: Option<Sampling>,
+    /// Prints what was written as JSON; for a model, the model file
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,72 @@
+//! What was done to recordings, in words.
+
+use bench::dataset::{Adjustment, Resampling};
+use recording::Extras;
+
+use crate::commands::identify::words::significant;
+
+/// What of a file is not written.
+pub(super) fn extras(extras: &Extras) -> Option<String> {
+    let count = |count: usize, what: &str| match count {
+        0 => None,
+        1 => Some(format!("1 {what}")),
+        _ => Some(format!("{count} {what}s")),
+    };
+    let lost: Vec<String> = [count(extras.attachments.len(), "attachment"), count(extras.events.len(), "event")]
+        .into_iter()
+        .flatten()
+        .collect();
+    (!lost.is_empty()).then(|| format!("{} of the file are not carried over (see dynoid inspect)", lost.join(" and ")))
+}
+
+/// What was done to channels, one sentence for all to which the same was done.
+pub(super) fn adjustments(adjustments: &[Adjustment]) -> Vec<String> {
+    let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
+    for adjustment in adjustments {
+        let (channel, what) = sentence(adjustment);
+        match groups.iter_mut().find(|(known, _)| *known == what) {
+            Some((_, channels)) => channels.push(channel),
+            None => groups.push((what, vec![channel])),
+        }
+    }
+    groups.into_iter().map(|(what, channels)| format!("{} {what}", named(&channels))).collect()
+}
+
+/// The first names, and how many more there are.
+fn named(channels: &[&str]) -> String {
+    const MOST: usize = 3;
+    let shown: Vec<String> = channels.iter().take(MOST).map(|name| format!("\"{name}\"")).collect();
+    match channels.len().saturating_sub(MOST) {
+        0 => format!("{}:", shown.join(", ")),
+        more => format!("{} and {more} more:", shown.join(", ")),
+    }
+}
+
+/// A channel and what was done to it.
+fn sentence(adjustment: &Adjustment) -> (&str, String) {
+    match adjustment {
+        Adjustment::Jitter { channel, largest_s } => (
+            channel,
+            format!("time stamps are up to {largest_s:.1e} s off an even clock; values were found between the samples"),
+        ),
+        Adjustment::Resampled { channel, from_s, to_s, how } => {
+            (channel, format!("from {} s to {} s, {}", significant(*from_s), significant(*to_s), resampling(*how)))
+        }
+        Adjustment::State { channel, from_s } => {
+            (channel, format!("from {} s, few different whole values, each held until the next", significant(*from_s)))
+        }
+        Adjustment::Sparse { channel, sample_time_s } => {
+            (channel, format!("a sample only every {} s", significant(*sample_time_s)))
+        }
+        Adjustment::Missing { channel, count, of } => (channel, format!("{count} of {of} samples are missing (NaN)")),
+    }
+}
+
+fn resampling(how: Resampling) -> &'static str {
+    match how {
+        Resampling::Filtered => "through a low-pass filter without phase shift",
+        Resampling::Held => "each value held until the next (--between)",
+        Resampling::Straight => "on straight lines from value to value (--between)",
+        Resampling::BandLimited => "as a band-limited signal (--between)",
+    }
+}

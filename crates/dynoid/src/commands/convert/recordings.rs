@@ -1,0 +1,218 @@
+//! Recordings in another format.
+
+use bench::dataset::on_one_clock;
+use ident::Intersample;
+use recording::Recording;
+use serde::Serialize;
+
+use super::notes;
+use super::targets::{Target, plan};
+use crate::cli::convert::ConvertArguments;
+use crate::cli::identify::Between;
+use crate::error::{CliError, Outcome};
+use crate::input::{self, Read};
+use crate::output::replace_file;
+use crate::terminal::Terminal;
+
+/// Most notes that are shown of one file; all are in the JSON.
+const MOST_NOTES: usize = 12;
+
+/// What became of a recording.
+#[derive(Debug, Serialize)]
+struct Written {
+    file: String,
+    sha256: String,
+    out: String,
+    rasters: Vec<RasterFacts>,
+    channels: Vec<ChannelFacts>,
+    /// What was done on the way, and what was lost.
+    notes: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct RasterFacts {
+    name: Option<String>,
+    samples: usize,
+    from_s: Option<f64>,
+    to_s: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct ChannelFacts {
+    name: String,
+    unit: String,
+    raster: usize,
+}
+
+/// `dynoid convert` on recordings
+pub(super) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    check(arguments)?;
+    let targets = plan(input::named(&arguments.files)?, arguments)?;
+    let (mut rows, mut unreadable) = (Vec::new(), 0);
+    for target in &targets {
+        match one(target, arguments, terminal) {
+            Ok(written) => {
+                say(&written, targets.len() > 1, arguments.json, terminal);
+                rows.push(serde_json::to_value(&written).map_err(CliError::internal)?);
+            }
+            // One that cannot be converted leaves the others their conversion; a full disk does not.
+            Err(error) if targets.len() > 1 && error.is_of_input() => {
+                unreadable += 1;
+                terminal.error(&error.to_string());
+                rows.push(serde_json::json!({"file": target.input.name, "error": error.to_string()}));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if arguments.json {
+        terminal.json(&rows)?;
+    }
+    Ok(if unreadable > 0 { Outcome::SomeUnreadable } else { Outcome::Done })
+}
+
+fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
+    let usage = |what: String| Err(CliError::Usage { what });
+    if arguments.continuous || arguments.method.is_some() {
+        return usage("--continuous and --method are for models; these are recordings".into());
+    }
+    if let (Some(start_s), Some(end_s)) = (arguments.start, arguments.end)
+        && start_s > end_s
+    {
+        return usage(format!("--start {start_s} lies after --end {end_s}; give the earlier time first"));
+    }
+    for (option, value) in [("--sample-time", arguments.sample_time), ("--rate", arguments.rate)] {
+        if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
+            return usage(format!("{option} {value}: give a number above 0"));
+        }
+    }
+    if arguments.between.is_some() && arguments.sample_time.is_none() && arguments.rate.is_none() {
+        return usage(
+            "--between says how channels come onto another clock; give one with --sample-time or --rate".into(),
+        );
+    }
+    Ok(())
+}
+
+fn say(written: &Written, is_one_of_many: bool, json: bool, terminal: &mut Terminal) {
+    if json {
+        return;
+    }
+    let prefix = if is_one_of_many { format!("{}: ", written.file) } else { String::new() };
+    for note in written.notes.iter().take(MOST_NOTES) {
+        terminal.warning(&format!("{prefix}{note}"));
+    }
+    if written.notes.len() > MOST_NOTES {
+        terminal.warning(&format!("{prefix}and {} more; see --json", written.notes.len() - MOST_NOTES));
+    }
+    if !terminal.is_quiet() {
+        let (channels, rasters) = (written.channels.len(), written.rasters.len());
+        let counted =
+            |count: usize, what: &str| if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") };
+        terminal.line(&format!(
+            "written: {} ({}, {})",
+            written.out,
+            counted(channels, "channel"),
+            counted(rasters, "raster")
+        ));
+    }
+}
+
+/// Reads, cuts, resamples and writes one recording.
+fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Result<Written, CliError> {
+    let selection = input::selection(&arguments.channels);
+    let progress = terminal.long(&format!("converting {}", target.input.name));
+    let Read { mut recording, sha256, is_untimed } =
+        input::read_recording(&target.input, &selection, arguments.sample_time, &|done, all| progress.told(done, all))?;
+    let mut notes: Vec<String> = recording.findings.iter().map(ToString::to_string).collect();
+    notes.extend(notes::extras(&input::extras(&target.input)?));
+    if arguments.start.is_some() || arguments.end.is_some() {
+        let window = (arguments.start.unwrap_or(f64::NEG_INFINITY), arguments.end.unwrap_or(f64::INFINITY));
+        notes.extend(cut(&mut recording, window));
+    }
+    if recording.channels.is_empty() {
+        return Err(CliError::NothingToConvert { file: target.input.name.clone(), reasons: notes });
+    }
+    let sample_time_s = arguments.sample_time.or(arguments.rate.map(|rate_hz| 1.0 / rate_hz));
+    if let Some(sample_time_s) = sample_time_s.filter(|_| !is_untimed) {
+        let between = between(arguments.between);
+        let brought = on_one_clock(&target.input.name, &recording, sample_time_s, between)?;
+        notes.extend(notes::adjustments(&brought.adjustments));
+        notes.extend(brought.left_out.iter().map(|reason| format!("left out: {reason}")));
+        recording = brought.recording;
+    }
+    notes.extend(target.format.fit(&mut recording));
+    let bytes = target.format.encode(&recording)?;
+    if let Some(folder) = target.out.parent().filter(|_| arguments.to.is_some()) {
+        std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
+    }
+    replace_file(&target.out, &bytes)?;
+    Ok(facts(target, sha256, &recording, notes))
+}
+
+fn between(between: Option<Between>) -> Intersample {
+    match between.unwrap_or(Between::Held) {
+        Between::Held => Intersample::ZeroOrderHold,
+        Between::Straight => Intersample::FirstOrderHold,
+        Between::BandLimited => Intersample::BandLimited,
+    }
+}
+
+/// Leaves out what lies outside the window, in s, and rasters of which nothing is left.
+fn cut(recording: &mut Recording, (start_s, end_s): (f64, f64)) -> Option<String> {
+    let is_inside: Vec<Vec<bool>> = recording
+        .rasters
+        .iter()
+        .map(|raster| raster.time_s.iter().map(|t| (start_s..=end_s).contains(t)).collect())
+        .collect();
+    for channel in &mut recording.channels {
+        keep(&mut channel.samples, &is_inside[channel.raster]);
+    }
+    for (raster, inside) in recording.rasters.iter_mut().zip(&is_inside) {
+        keep(&mut raster.time_s, inside);
+    }
+    let (before, rasters) = (recording.channels.len(), std::mem::take(&mut recording.rasters));
+    let mut places = Vec::new();
+    for raster in rasters {
+        places.push((!raster.time_s.is_empty()).then_some(recording.rasters.len()));
+        if !raster.time_s.is_empty() {
+            recording.rasters.push(raster);
+        }
+    }
+    recording.channels.retain(|channel| places[channel.raster].is_some());
+    for channel in &mut recording.channels {
+        channel.raster = places[channel.raster].unwrap_or_default();
+    }
+    let lost = before - recording.channels.len();
+    (lost > 0).then(|| format!("{lost} of {before} channels have no sample in the time asked for, and were left out"))
+}
+
+fn keep(values: &mut Vec<f64>, is_inside: &[bool]) {
+    let mut places = is_inside.iter();
+    values.retain(|_| places.next().copied().unwrap_or_default());
+    values.shrink_to_fit();
+}
+
+fn facts(target: &Target, sha256: String, recording: &Recording, notes: Vec<String>) -> Written {
+    let raster = |raster: &recording::Raster| {
+        let finite = || raster.time_s.iter().copied().filter(|t| t.is_finite());
+        RasterFacts {
+            name: raster.name.clone(),
+            samples: raster.time_s.len(),
+            from_s: finite().reduce(f64::min),
+            to_s: finite().reduce(f64::max),
+        }
+    };
+    let channel = |channel: &recording::Channel| ChannelFacts {
+        name: channel.name.clone(),
+        unit: channel.unit.clone(),
+        raster: channel.raster,
+    };
+    Written {
+        file: target.input.name.clone(),
+        sha256,
+        out: input::with_slashes(&target.out),
+        rasters: recording.rasters.iter().map(raster).collect(),
+        channels: recording.channels.iter().map(channel).collect(),
+        notes,
+    }
+}

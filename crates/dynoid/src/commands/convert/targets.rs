@@ -1,0 +1,90 @@
+//! Which file each recording becomes.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use crate::cli::convert::{ConvertArguments, Form};
+use crate::error::CliError;
+use crate::formats::FileFormat;
+use crate::input::{InputFile, ending};
+use crate::output::{OutputFolder, check_file};
+
+/// A recording and the file it becomes.
+pub(super) struct Target {
+    pub(super) input: InputFile,
+    pub(super) out: PathBuf,
+    pub(super) format: FileFormat,
+}
+
+/// Where everything goes, so that nothing is written over that is read or written too.
+pub(super) fn plan(files: Vec<InputFile>, arguments: &ConvertArguments) -> Result<Vec<Target>, CliError> {
+    let usage = |what: String| Err(CliError::Usage { what });
+    let Some(out) = &arguments.out else {
+        return usage("give the file to write with --out, or a folder with --out and a format with --to".into());
+    };
+    let targets = match arguments.to {
+        Some(Form::Model(_)) => {
+            return usage("--to: tf, zpk and ss are forms of models; these are recordings".into());
+        }
+        Some(Form::Recording(format)) => in_folder(files, out, format)?,
+        None => vec![alone(files, out)?],
+    };
+    check_apart(&targets)?;
+    for target in targets.iter().filter(|target| arguments.to.is_none() || target.out.exists()) {
+        check_file(&target.out)?;
+    }
+    Ok(targets)
+}
+
+fn alone(files: Vec<InputFile>, out: &Path) -> Result<Target, CliError> {
+    let count = files.len();
+    match files.into_iter().next() {
+        Some(input) if count == 1 && !out.is_dir() => {
+            Ok(Target { input, out: out.to_owned(), format: FileFormat::of_output(out)? })
+        }
+        _ => {
+            let what = format!(
+                "{}: for a folder of recordings say their format with --to, as in --to mf4 --out FOLDER",
+                out.display()
+            );
+            Err(CliError::Usage { what })
+        }
+    }
+}
+
+fn in_folder(files: Vec<InputFile>, out: &Path, format: FileFormat) -> Result<Vec<Target>, CliError> {
+    if !out.is_dir() && ending(out).is_some_and(|_| FileFormat::of(out).is_some()) {
+        let what = format!("{}: with --to, --out is a folder; leave --to out to write this file", out.display());
+        return Err(CliError::Usage { what });
+    }
+    OutputFolder::check(out)?;
+    let target = |input: InputFile| {
+        let stem = input.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Target { out: out.join(format!("{stem}.{}", format.ending())), input, format }
+    };
+    Ok(files.into_iter().map(target).collect())
+}
+
+/// Refuses two recordings of one target, and a target that is read.
+fn check_apart(targets: &[Target]) -> Result<(), CliError> {
+    let mut by_target: HashMap<&Path, &str> = HashMap::new();
+    for target in targets {
+        if let Some(other) = by_target.insert(&target.out, &target.input.name) {
+            let what = format!(
+                "{} and {} would both become {}; convert them into different folders",
+                other,
+                target.input.name,
+                target.out.display()
+            );
+            return Err(CliError::Usage { what });
+        }
+    }
+    for target in targets {
+        let Ok(out) = target.out.canonicalize() else { continue };
+        if targets.iter().any(|t| t.input.path.canonicalize().is_ok_and(|input| input == out)) {
+            let what = format!("{}: this file is read; give the result another name", target.out.display());
+            return Err(CliError::Usage { what });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,160 @@
+//! The formats that recordings are written in.
+
+use std::path::Path;
+
+use clap::ValueEnum;
+use recording::{Recording, RecordingError};
+
+use crate::error::CliError;
+use crate::input::ending;
+
+/// A format of files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FileFormat {
+    Mf4,
+    Csv,
+    Tsv,
+    Mat,
+    Parquet,
+    Arrow,
+}
+
+const ENDINGS: &str = ".mf4, .csv, .tsv, .mat, .parquet or .arrow";
+
+impl FileFormat {
+    /// The ending of its files.
+    pub(crate) fn ending(self) -> &'static str {
+        match self {
+            FileFormat::Mf4 => "mf4",
+            FileFormat::Csv => "csv",
+            FileFormat::Tsv => "tsv",
+            FileFormat::Mat => "mat",
+            FileFormat::Parquet => "parquet",
+            FileFormat::Arrow => "arrow",
+        }
+    }
+
+    /// The format that a file's ending says.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        Some(match ending(path)?.to_lowercase().as_str() {
+            "mf4" | "mdf" => FileFormat::Mf4,
+            "csv" => FileFormat::Csv,
+            "tsv" => FileFormat::Tsv,
+            "mat" => FileFormat::Mat,
+            "parquet" => FileFormat::Parquet,
+            "arrow" | "feather" => FileFormat::Arrow,
+            _ => return None,
+        })
+    }
+
+    /// As [`Self::of`], of a file to be written.
+    pub(crate) fn of_output(path: &Path) -> Result<Self, CliError> {
+        let unknown = || CliError::Usage {
+            what: format!("{}: the ending of the output says what it is: {ENDINGS}", path.display()),
+        };
+        Self::of(path).ok_or_else(unknown)
+    }
+
+    /// Whether its files are text.
+    pub(crate) fn is_text(self) -> bool {
+        matches!(self, FileFormat::Csv | FileFormat::Tsv)
+    }
+
+    /// A recording in this format.
+    pub(crate) fn encode(self, recording: &Recording) -> Result<Vec<u8>, CliError> {
+        let encoded = match self {
+            FileFormat::Mf4 => recording::encode_mdf4(recording),
+            FileFormat::Csv => recording::encode_csv(recording),
+            FileFormat::Tsv => recording::encode_tsv(recording),
+            FileFormat::Mat => recording::encode_mat5(recording),
+            FileFormat::Parquet => parquet(recording),
+            FileFormat::Arrow => arrow(recording),
+        };
+        encoded.map_err(|source| CliError::Encode { source })
+    }
+
+    /// Gives channels names that the format can hold. Returns what was done, and what it has no place for.
+    pub(crate) fn fit(self, recording: &mut Recording) -> Vec<String> {
+        let mut notes = Vec::new();
+        if !self.is_text() {
+            return notes;
+        }
+        for (number, channel) in recording.channels.iter_mut().enumerate() {
+            let (name, unit) = (text_name(&channel.name, number), in_one_line(&channel.unit).replace(['[', ']'], ""));
+            let unit = if recording::fits_text("x", &channel.unit) { channel.unit.clone() } else { unit };
+            if !recording::fits_text(&channel.name, &channel.unit) {
+                let before = (std::mem::replace(&mut channel.name, name), std::mem::replace(&mut channel.unit, unit));
+                notes.push(format!(
+                    "the channel \"{}\" in \"{}\" is written as \"{}\" in \"{}\", since a heading of text would be read as something else",
+                    before.0, before.1, channel.name, channel.unit
+                ));
+            }
+        }
+        notes.extend(lost_in_text(recording));
+        notes
+    }
+}
+
+/// A name that is read back from a heading.
+fn text_name(name: &str, number: usize) -> String {
+    let plain = in_one_line(name);
+    match plain.as_str() {
+        "" => format!("channel {}", number + 1),
+        plain if recording::fits_text(plain, "") => plain.to_owned(),
+        plain => format!("{plain}_channel"),
+    }
+}
+
+fn in_one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What text has no place for.
+fn lost_in_text(recording: &Recording) -> Option<String> {
+    let count = |count: usize, what: &str, one: &str| match count {
+        0 => None,
+        1 => Some(format!("the {what} of 1 {one}")),
+        _ => Some(format!("the {what}s of {count} {one}s")),
+    };
+    let comments = recording.channels.iter().filter(|c| !c.comment.trim().is_empty()).count();
+    let names = recording.rasters.iter().filter(|r| r.name.is_some()).count();
+    let lost: Vec<String> = [
+        recording.start_time.map(|_| "the start time".to_owned()),
+        recording.comment.as_ref().map(|_| "the file's comment".to_owned()),
+        count(comments, "comment", "channel"),
+        count(names, "name", "raster"),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    (!lost.is_empty()).then(|| format!("text has no place for {}", lost.join(", ")))
+}
+
+#[cfg(feature = "parquet")]
+fn parquet(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    recording::encode_parquet(recording)
+}
+
+#[cfg(feature = "parquet")]
+fn arrow(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    recording::encode_arrow(recording)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(_: &Recording) -> Result<Vec<u8>, RecordingError> {
+    Err(left_out("Parquet"))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn arrow(_: &Recording) -> Result<Vec<u8>, RecordingError> {
+    Err(left_out("Arrow"))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn left_out(format: &str) -> RecordingError {
+    RecordingError::CannotExpress {
+        format: format.into(),
+        name: "the recording".into(),
+        what: "anything: this build of the program leaves the format out".into(),
+    }
+}

@@ -1,0 +1,145 @@
+//! Of every format only what is selected is read, whatever lies around it.
+
+use std::sync::Arc;
+
+use recording::{
+    Channel, Format, Raster, Recording, RecordingError, Selection, Source, decode, decode_from, encode_csv,
+    encode_mat5, encode_mdf4,
+};
+
+const CHANNELS: usize = 40;
+const SAMPLES: usize = 20_000;
+
+/// Channels of noise, so that nothing can be packed away, some with names that MATLAB has to change.
+fn noisy() -> Recording {
+    let noise = |k: usize, i: usize| {
+        let mixed = ((k * SAMPLES + i) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) as f64 / 1e3
+    };
+    let channel = |k: usize| Channel {
+        name: if k % 2 == 0 { format!("Speed {k}(°)") } else { format!("torque_{k}") },
+        unit: "Nm".into(),
+        comment: String::new(),
+        raster: 0,
+        samples: (0..SAMPLES).map(|i| noise(k, i)).collect(),
+    };
+    Recording {
+        format: Format::Mdf { version: 410 },
+        comment: None,
+        start_time: None,
+        rasters: vec![Raster { time_s: (0..SAMPLES).map(|i| i as f64 * 1e-3).collect(), name: None }],
+        channels: (0..CHANNELS).map(channel).collect(),
+        findings: vec![],
+    }
+}
+
+/// The formats, with whether their readers skip what is not selected.
+fn encoded(recording: &Recording) -> Vec<(&'static str, Vec<u8>, bool)> {
+    let mut all = vec![
+        ("a.csv", encode_csv(recording).unwrap(), false),
+        ("a.mf4", encode_mdf4(recording).unwrap(), false),
+        ("a.mat", encode_mat5(recording).unwrap(), true),
+    ];
+    if cfg!(feature = "parquet") {
+        all.extend(tables(recording));
+    }
+    all
+}
+
+#[cfg(feature = "parquet")]
+fn tables(recording: &Recording) -> [(&'static str, Vec<u8>, bool); 2] {
+    [
+        ("a.parquet", recording::encode_parquet(recording).unwrap(), true),
+        ("a.arrow", recording::encode_arrow(recording).unwrap(), false),
+    ]
+}
+
+#[cfg(not(feature = "parquet"))]
+fn tables(_: &Recording) -> [(&'static str, Vec<u8>, bool); 0] {
+    []
+}
+
+/// A source that counts the bytes that are read and the most that are read at once.
+struct Counted {
+    bytes: Vec<u8>,
+    read: std::sync::Mutex<(usize, usize)>,
+}
+
+impl Source for Counted {
+    fn size(&self) -> std::io::Result<u64> {
+        self.bytes.size()
+    }
+
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> std::io::Result<()> {
+        let mut read = self.read.lock().unwrap();
+        *read = (read.0 + buffer.len(), read.1.max(buffer.len()));
+        self.bytes.read_at(offset, buffer)
+    }
+}
+
+#[test]
+fn exact_selected_channels_are_read_without_the_others() {
+    let recording = noisy();
+    for (name, bytes, skips) in encoded(&recording) {
+        let size = bytes.len();
+        let source = Arc::new(Counted { bytes, read: Default::default() });
+        let selection = Selection::names(["torque_7", "Speed 8(°)"]);
+        let some = decode_from(name, source.clone(), &selection, None, &|_, _| {}).unwrap();
+        let (read, at_once) = *source.read.lock().unwrap();
+        let expected: Vec<&Channel> = vec![&recording.channels[7], &recording.channels[8]];
+        assert_eq!(some.channels.iter().collect::<Vec<_>>(), expected, "{name}");
+        assert_eq!(some.rasters[0].time_s, recording.rasters[0].time_s, "{name}");
+        assert!(!skips || read < size / 4, "{name}: {read} of {size} bytes were read");
+        // A batch of Arrow is read whole, and the writer's batches are of 8 MB.
+        assert!(at_once <= 9 << 20, "{name}: {at_once} bytes were read at once");
+    }
+}
+
+#[test]
+fn exact_patterns_select_by_stars_and_question_marks() {
+    let recording = noisy();
+    for (name, bytes, _) in encoded(&recording) {
+        let names = |patterns: &[&str]| {
+            let selection = Selection::Patterns(patterns.iter().map(|p| (*p).to_owned()).collect());
+            let channels = decode(name, &bytes, &selection).map(|r| r.channels);
+            channels.map(|channels| channels.into_iter().map(|c| c.name).collect::<Vec<_>>())
+        };
+        assert_eq!(
+            names(&["torque_?"]).unwrap(),
+            ["torque_1", "torque_3", "torque_5", "torque_7", "torque_9"],
+            "{name}"
+        );
+        assert_eq!(names(&["*_11", "Speed 1*(°)"]).unwrap().len(), 6, "{name}");
+        let error = names(&["torque_7", "Torqe_9"]).unwrap_err();
+        assert!(error.to_string().contains("\"torque_9\""), "{name}: {error}");
+        assert!(matches!(names(&["z*"]), Err(RecordingError::NoSuchChannel { .. })), "{name}");
+    }
+}
+
+/// Text is read in pieces of megabytes; what lies across their ends is the same.
+#[test]
+fn exact_text_is_read_across_the_ends_of_pieces() {
+    let line = |i: usize| format!("{};\"note {i}\nof two lines \"\"ä\"\" 😀\";{}\r\n", i as f64 / 1e3, i as f64 * 0.5);
+    let content: String = (0..700_000).map(line).collect();
+    let text = format!("t [s];note;größe [µm]\r\n{content}");
+    let utf16: Vec<u8> = [0xFEFF].into_iter().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let latin1: Vec<u8> = text.replace('😀', "-").chars().map(|c| u32::from(c) as u8).collect();
+    for bytes in [text.into_bytes(), utf16, latin1] {
+        assert!(bytes.len() > 24 << 20, "more than the piece in which the heading is looked for");
+        let recording = decode("a.csv", &bytes, &Selection::All).unwrap();
+        let channel = &recording.channels[0];
+        assert_eq!((channel.name.as_str(), channel.unit.as_str(), channel.samples.len()), ("größe", "µm", 700_000));
+        let is_right = |(i, (t, v)): (usize, (&f64, &f64))| *t == i as f64 / 1e3 && *v == i as f64 * 0.5;
+        assert!(recording.rasters[0].time_s.iter().zip(&channel.samples).enumerate().all(is_right));
+    }
+}
+
+/// An error tells the line, wherever in the file.
+#[test]
+fn regress_lines_are_counted_across_pieces() {
+    let mut text: String = String::from("t [s];x\n");
+    (0..2_500_000).for_each(|i| text.push_str(&format!("{i};{i}.5\n")));
+    text.push_str("2500000;1.5;7\n");
+    let error = decode("a.csv", text.as_bytes(), &Selection::All).unwrap_err();
+    assert!(matches!(error, RecordingError::Csv { line: 2_500_002, .. }), "{error}");
+}
