@@ -1,6 +1,6 @@
 //! `cargo xtask bench`: the estimators' times, alone or beside those of other packages.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 /// Numbers of samples beside peers, and with `--quick`.
@@ -28,13 +28,12 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
 
 fn beside_peers(sizes: &[usize], name: &[String]) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    let folder = std::path::absolute(target.join("benchmark")).map_err(|e| e.to_string())?;
+    let folder = crate::target_folder()?.join("benchmark");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let results = folder.join("results.tsv");
     std::fs::write(&results, "").map_err(|e| format!("{}: {e}", results.display()))?;
     let (folder, file) = (folder.display().to_string(), results.display().to_string());
-    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+    let python = std::env::var(crate::python::VARIABLE).unwrap_or_else(|_| "python3".into());
     for samples in sizes {
         let samples = samples.to_string();
         let options = ["--samples", &samples, "--write-data", &folder, "--results", &file];
