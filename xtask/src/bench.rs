@@ -10,6 +10,9 @@ const QUICK: usize = 2;
 /// Runs the benchmark; with `--peers`, both sides one after the other for each number of samples.
 pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let arguments = absolute_paths(arguments)?;
+    if arguments == ["--mdf"] {
+        return mdf();
+    }
     let Some(position) = arguments.iter().position(|a| a == "--peers") else {
         return ours(&arguments);
     };
@@ -46,6 +49,18 @@ fn beside_peers(sizes: &[usize], name: &[String]) -> Result<(), String> {
     let lines = std::fs::read_to_string(&results).map_err(|e| format!("{}: {e}", results.display()))?;
     println!("\n{}", table(&lines));
     Ok(())
+}
+
+/// Reading MDF files of a gigabyte, beside asammdf.
+fn mdf() -> Result<(), String> {
+    let python = crate::python::interpreter()?.ok_or("there is no asammdf to compare with")?;
+    let target = crate::target_folder()?;
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--quiet", "--release", "--package", "mdf", "--example", "measure"]);
+    succeed("building the reader", &mut build)?;
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/mdf.py");
+    let (files, measure) = (target.join("benchmark/mdf"), target.join("release/examples/measure"));
+    succeed("the comparison", Command::new(python).arg(script).arg(files).arg(measure))
 }
 
 fn ours(arguments: &[String]) -> Result<(), String> {

@@ -14,7 +14,8 @@ const USAGE: &str = "usage: cargo xtask <task>
   check    format, clippy with warnings as errors, layers, tests, slow tests, comparisons with other packages, docs
   layers   hold the crates' dependencies to the table in ARCHITECTURE.md
   bench    time the estimators; with --peers other packages on the same data too (see benchmarks/README.md)
-           [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]";
+           [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]
+           or, with --mdf alone, the reading of MDF files of a gigabyte beside asammdf";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);

@@ -10,6 +10,9 @@ use std::process::Command;
 
 use mdf::{Address, Kind, Mdf, Values};
 
+use crate::features::{LZ4, ZSTANDARD, mixed, one_packed};
+use crate::made::{Cn, cn, one_group};
+
 fn python() -> Option<OsString> {
     let python = std::env::var_os("DYNOID_PYTHON");
     if python.is_none() {
@@ -152,7 +155,7 @@ fn differences(dump: &[u8]) -> Vec<String> {
     let mut dump = Dump { rest: dump };
     let path = dump.line().unwrap()[1].clone();
     if dump.rest.starts_with(b"refused") {
-        println!("{path}\trefused by asammdf");
+        eprintln!("{path}\trefused by asammdf");
         return vec![];
     }
     let file = match Mdf::open(File::open(&path).unwrap()) {
@@ -210,7 +213,7 @@ fn differences(dump: &[u8]) -> Vec<String> {
         differences.push(format!("{path}: {ours} channels, asammdf has {listed}"));
     }
     let unlike = differences.len();
-    println!("{path}\t{listed} channels\t{samples} samples equal\t{clocks} clocks equal\t{unlike} differences");
+    eprintln!("{path}\t{listed} channels\t{samples} samples equal\t{clocks} clocks equal\t{unlike} differences");
     differences
 }
 
@@ -238,6 +241,35 @@ fn ref_files_of_others_are_read_as_asammdf_reads_them() {
     }
     let Some(python) = python() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asammdf-others");
+    dumped(&python, &files, &folder);
+    check(&folder);
+}
+
+/// Files with what asammdf reads but does not write.
+fn made() -> Vec<(&'static str, Vec<u8>)> {
+    // Integers that begin and end within bytes, in both byte orders, signed and not.
+    let fields = [(0, 3, 12), (0, 0, 1), (1, 7, 1), (2, 0, 24), (3, 5, 27), (0, 0, 40), (1, 2, 50)];
+    let field = |data_type| move |&(byte, bit, bits)| Cn { bit, ..cn(data_type, byte, bits) };
+    let bits: Vec<Cn> = [0, 2].into_iter().flat_map(|data_type| fields.iter().map(field(data_type))).collect();
+    let records: Vec<u8> = (0..250_u32).map(|i| (i * 167 % 251) as u8).collect();
+    vec![
+        ("bits.mf4", one_group(&bits, &records, 10, 0)),
+        ("mixed.mf4", mixed(true, 0, 4, [0, 5, 9, 19])),
+        ("zstandard.mf4", one_packed(2, ZSTANDARD)),
+        ("lz4.mf4", one_packed(5, LZ4)),
+    ]
+}
+
+#[test]
+fn ref_made_files_are_read_as_asammdf_reads_them() {
+    let Some(python) = python() else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asammdf-made");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |(name, bytes): &(&str, Vec<u8>)| {
+        std::fs::write(folder.join(name), bytes).unwrap();
+        folder.join(name)
+    };
+    let files: Vec<PathBuf> = made().iter().map(file).collect();
     dumped(&python, &files, &folder);
     check(&folder);
 }

@@ -73,7 +73,7 @@ fn exact_columns_with_invalid_bits_apart() {
 }
 
 /// Two groups and values of varying length in one stream: a record of each, in turn.
-fn mixed(finished: bool, flags: u16, cycles: u64, places: [u64; 4]) -> Vec<u8> {
+pub(crate) fn mixed(finished: bool, flags: u16, cycles: u64, places: [u64; 4]) -> Vec<u8> {
     let mut made = Made::new(finished, flags);
     let words = ["a", "", "longer", "ß"];
     let size = words.iter().map(|w| w.len() as u32).sum();
