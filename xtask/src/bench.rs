@@ -1,6 +1,6 @@
 //! `cargo xtask bench`: the estimators' times, alone or beside those of other packages.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 /// Numbers of samples beside peers, and with `--quick`.
@@ -10,6 +10,9 @@ const QUICK: usize = 2;
 /// Runs the benchmark; with `--peers`, both sides one after the other for each number of samples.
 pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
     let arguments = absolute_paths(arguments)?;
+    if arguments == ["--mdf"] {
+        return mdf();
+    }
     let Some(position) = arguments.iter().position(|a| a == "--peers") else {
         return ours(&arguments);
     };
@@ -28,13 +31,12 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
 
 fn beside_peers(sizes: &[usize], name: &[String]) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    let folder = std::path::absolute(target.join("benchmark")).map_err(|e| e.to_string())?;
+    let folder = crate::target_folder()?.join("benchmark");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let results = folder.join("results.tsv");
     std::fs::write(&results, "").map_err(|e| format!("{}: {e}", results.display()))?;
     let (folder, file) = (folder.display().to_string(), results.display().to_string());
-    let python = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+    let python = std::env::var(crate::python::VARIABLE).unwrap_or_else(|_| "python3".into());
     for samples in sizes {
         let samples = samples.to_string();
         let options = ["--samples", &samples, "--write-data", &folder, "--results", &file];
@@ -47,6 +49,18 @@ fn beside_peers(sizes: &[usize], name: &[String]) -> Result<(), String> {
     let lines = std::fs::read_to_string(&results).map_err(|e| format!("{}: {e}", results.display()))?;
     println!("\n{}", table(&lines));
     Ok(())
+}
+
+/// Reading MDF files of a gigabyte, beside asammdf.
+fn mdf() -> Result<(), String> {
+    let python = crate::python::interpreter()?.ok_or("there is no asammdf to compare with")?;
+    let target = crate::target_folder()?;
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--quiet", "--release", "--package", "mdf", "--example", "measure"]);
+    succeed("building the reader", &mut build)?;
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benchmarks/mdf.py");
+    let (files, measure) = (target.join("benchmark/mdf"), target.join("release/examples/measure"));
+    succeed("the comparison", Command::new(python).arg(script).arg(files).arg(measure))
 }
 
 fn ours(arguments: &[String]) -> Result<(), String> {

@@ -3,16 +3,19 @@
 
 mod bench;
 mod layers;
+mod python;
 
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 const USAGE: &str = "usage: cargo xtask <task>
 
-  check    format, clippy with warnings as errors, layers, tests, slow tests, docs
+  check    format, clippy with warnings as errors, layers, tests, slow tests, comparisons with other packages, docs
   layers   hold the crates' dependencies to the table in ARCHITECTURE.md
   bench    time the estimators; with --peers other packages on the same data too (see benchmarks/README.md)
-           [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]";
+           [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]
+           or, with --mdf alone, the reading of MDF files of a gigabyte beside asammdf";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -35,26 +38,44 @@ fn main() -> ExitCode {
 fn check() -> Result<(), String> {
     cargo("format", &["fmt", "--all", "--check"])?;
     step("layers", layers::check)?;
+    let python = step("packages to compare with", python::interpreter)?;
     cargo("clippy", &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
     // In release, which the program is built in anyway; with the slow statistical suites.
-    cargo("tests", &["test", "--workspace", "--release", "--quiet", "--", "--include-ignored"])?;
+    let tests = ["test", "--workspace", "--release", "--quiet", "--", "--include-ignored"];
+    cargo_with("tests", &tests, python.as_deref())?;
     cargo("docs", &["doc", "--workspace", "--no-deps", "--quiet"])?;
     println!("all checks passed");
+    if python.is_none() {
+        python::warn();
+    }
     Ok(())
 }
 
-fn step(name: &str, action: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+/// Where cargo puts what it builds.
+fn target_folder() -> Result<PathBuf, String> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target");
+    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or(beside, PathBuf::from);
+    std::path::absolute(folder).map_err(|error| error.to_string())
+}
+
+fn step<T>(name: &str, action: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     println!("== {name}");
     let start = Instant::now();
-    action()?;
+    let outcome = action()?;
     println!("== {name}: passed in {:.1} s", start.elapsed().as_secs_f64());
-    Ok(())
+    Ok(outcome)
 }
 
 fn cargo(name: &str, arguments: &[&str]) -> Result<(), String> {
+    cargo_with(name, arguments, None)
+}
+
+/// Runs cargo; `python` is the interpreter of the comparisons.
+fn cargo_with(name: &str, arguments: &[&str], python: Option<&Path>) -> Result<(), String> {
     step(name, || {
         let status = Command::new(env!("CARGO"))
             .args(arguments)
+            .envs(python.map(|path| (python::VARIABLE, path)))
             .env("RUSTDOCFLAGS", "-D warnings")
             // The same cases every time: a check that passed passes again. `cargo test` alone draws new ones.
             .env("PROPTEST_RNG_SEED", "1")

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use flate2::{Decompress, FlushDecompress, Status};
-
+use super::unpack::unpack;
 use super::{Fragment, Packing, Stream};
 use crate::error::damaged;
 use crate::pages::read;
@@ -44,11 +43,11 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
         if let Some(index) = whole {
             let fragment = self.stream.fragments[index];
             match fragment.packing {
-                Packing::Deflate => {
+                Packing::Packed { columns: 0, .. } => {
                     self.unpack(index, fragment.length)?;
                     return Ok(View::Rows(&self.unpacked));
                 }
-                Packing::Transposed { columns }
+                Packing::Packed { columns, .. }
                     if columns as usize == stride && fragment.length.is_multiple_of(stride as u64) =>
                 {
                     let rows = fragment.length / stride as u64;
@@ -89,7 +88,7 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
     /// Copies a part of the fragment that is unpacked, in the order of the stream.
     fn copy(&self, fragment: &Fragment, part: Range<usize>, out: &mut Vec<u8>) {
         match fragment.packing {
-            Packing::Transposed { columns } if columns > 0 => {
+            Packing::Packed { columns, .. } if columns > 0 => {
                 let columns = columns as usize;
                 let rows = self.unpacked.len() / columns;
                 let transposed = rows * columns;
@@ -113,40 +112,10 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
         self.packed.resize(usize::try_from(fragment.stored).map_err(too_large)?, 0);
         read(self.source, fragment.offset, &mut self.packed)?;
         match fragment.packing {
-            Packing::Deflate | Packing::Transposed { .. } => {
-                inflate(&self.packed, &fragment, needed, &mut self.unpacked)?
-            }
+            Packing::Packed { codec, .. } => unpack(codec, &self.packed, &fragment, needed, &mut self.unpacked)?,
             Packing::Plain => std::mem::swap(&mut self.packed, &mut self.unpacked),
-            Packing::Unknown(code) => {
-                return Err(MdfError::Unsupported { offset: fragment.offset, feature: format!("compression {code}") });
-            }
         }
         self.unpacked_is = (needed == fragment.length).then_some(index);
         Ok(())
     }
-}
-
-/// Grows at first by this much: what is announced need not be true.
-const FIRST: usize = 1 << 24;
-
-/// Inflates the first `needed` bytes; all of them are checked against the checksum, if there is no more.
-fn inflate(packed: &[u8], fragment: &Fragment, needed: u64, out: &mut Vec<u8>) -> Result<(), MdfError> {
-    let length = usize::try_from(needed).map_err(|_| MdfError::TooLarge { numbers: needed })?;
-    let mut inflater = Decompress::new(true);
-    out.resize(length.min(out.len().max(FIRST)), 0);
-    let mut done = 0;
-    loop {
-        let rest = packed.get(inflater.total_in() as usize..).unwrap_or_default();
-        let status = inflater.decompress(rest, &mut out[done..], FlushDecompress::Finish);
-        let status = status.map_err(|e| damaged(fragment.offset, format!("data cannot be inflated: {e}")))?;
-        done = inflater.total_out() as usize;
-        if status == Status::StreamEnd || done < out.len() || done == length {
-            break;
-        }
-        out.resize(length.min(done.saturating_mul(4)), 0);
-    }
-    if done < length {
-        return Err(damaged(fragment.offset, format!("{length} bytes are announced, the deflated data hold {done}")));
-    }
-    Ok(())
 }

@@ -1,11 +1,9 @@
 //! Data as a stream of bytes, whatever blocks hold it.
 
 mod load;
+mod unpack;
 
 pub(crate) use load::{Loader, View};
-
-/// Deflate cannot expand more than this.
-pub(crate) const MOST_EXPANSION: u64 = 1032;
 
 /// Data in the order of the records, in pieces of the file.
 #[derive(Debug, Clone, Default)]
@@ -33,12 +31,33 @@ pub(crate) struct Fragment {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Packing {
     Plain,
-    Deflate,
-    /// Records of `columns` bytes, first byte of all, second byte of all, …; then deflated.
-    Transposed {
+    /// Compressed; where `columns` is not 0, records of so many bytes were transposed before: first byte of all, second
+    /// byte of all, ….
+    Packed {
+        codec: Codec,
         columns: u32,
     },
+}
+
+/// How bytes are compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Codec {
+    Deflate,
+    Zstandard,
+    Lz4,
     Unknown(u8),
+}
+
+impl Codec {
+    /// Bytes that one compressed byte can become at most.
+    pub(crate) fn most_expansion(self) -> u64 {
+        match self {
+            Self::Deflate => 1032,
+            // A block of one repeated byte: four bytes for 128 KiB.
+            Self::Zstandard | Self::Unknown(_) => 1 << 15,
+            Self::Lz4 => 255,
+        }
+    }
 }
 
 impl Stream {

@@ -43,6 +43,8 @@ pub(super) enum Raw {
 
 /// Deeper structures are not followed.
 const DEEPEST: usize = 32;
+/// Compositions of MDF 4.30 whose parts change from record to record: lists, variants, unions and streams within a channel.
+const DYNAMIC: [&[u8; 4]; 4] = [b"##CL", b"##CV", b"##CU", b"##DS"];
 
 mod kind {
     pub(super) const VARYING: u8 = 1;
@@ -94,7 +96,8 @@ impl<S: Source + ?Sized> Walk<'_, S> {
     ) -> Result<(), MdfError> {
         let name = self.text(block.link(2))?;
         let composition = block.link(1);
-        if composition != 0 && self.header(composition)?.0 == *b"##CA" {
+        let composed = if composition == 0 { [0; 4] } else { self.header(composition)?.0 };
+        if composed == *b"##CA" {
             return match self.elements(composition, block.offset)? {
                 Some(elements) => {
                     elements.iter().try_for_each(|e| self.element(block, &name, Some(e), context, drafts))
@@ -107,7 +110,7 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             };
         }
         self.element(block, &name, None, context, drafts)?;
-        match depth < DEEPEST {
+        match depth < DEEPEST && !DYNAMIC.contains(&&composed) {
             true => self.chain(composition, context, drafts, depth + 1),
             false => Ok(()),
         }

@@ -98,9 +98,13 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             entries.push((lower, upper, self.outcome(block.link(4 + i), integers, depth)?));
         }
         let otherwise = self.outcome(block.link(4 + ranges.len()), integers, depth)?;
-        let pieces: Option<Vec<_>> = entries.iter().map(piece).collect();
-        if let (Some(pieces), Some(rest)) = (pieces, number(&otherwise)) {
-            return Ok(Conversion::Pieces(RangeTable::new(pieces, integers), rest));
+        let outcomes = || entries.iter().map(|e| &e.2).chain([&otherwise]);
+        if outcomes().all(|o| number(o).is_some()) || outcomes().any(is_scaled) {
+            // A text among numbers, such as "not available", is a number that is missing.
+            let missing = Arc::new(Conversion::Linear { a: f64::NAN, b: 0.0 });
+            let of = |outcome: &Outcome| number(outcome).unwrap_or(missing.clone());
+            let pieces = entries.iter().map(|(lower, upper, outcome)| (*lower, *upper, of(outcome))).collect();
+            return Ok(Conversion::Pieces(RangeTable::new(pieces, integers), of(&otherwise)));
         }
         Ok(Conversion::Texts(RangeTable::new(entries, integers), otherwise))
     }
@@ -157,15 +161,15 @@ fn pairs(values: &[f64]) -> Vec<(f64, f64)> {
     values.chunks_exact(2).map(|c| (c[0], c[1])).collect()
 }
 
-/// A range whose outcome is a number.
-fn piece((lower, upper, outcome): &(f64, f64, Outcome)) -> Option<(f64, f64, Arc<Conversion>)> {
-    Some((*lower, *upper, number(outcome)?))
-}
-
 /// The conversion of an outcome that is a number.
 fn number(outcome: &Outcome) -> Option<Arc<Conversion>> {
     match outcome {
         Outcome::Number(conversion) if conversion.of_numbers() == Yields::Numbers => Some(conversion.clone()),
         _ => None,
     }
+}
+
+/// Whether an outcome is a physical value, and not just the number stored for want of a text.
+fn is_scaled(outcome: &Outcome) -> bool {
+    number(outcome).is_some_and(|conversion| !matches!(*conversion, Conversion::Identity))
 }

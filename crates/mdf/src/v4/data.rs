@@ -4,7 +4,7 @@ use super::block::{HEADER, Walk};
 use crate::bytes::{u8_at, u32_at, u64_at};
 use crate::error::damaged;
 use crate::model::Finding;
-use crate::stream::{MOST_EXPANSION, Packing, Stream};
+use crate::stream::{Codec, Packing, Stream};
 use crate::{MdfError, Source};
 
 /// Size of a DZ block before its data.
@@ -128,20 +128,24 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             other => other?,
         };
         let (columns, length, stored) = (u32_at(&header, 28), u64_at(&header, 32), u64_at(&header, 40));
-        let packing = match u8_at(&header, 26) {
-            0 => Packing::Deflate,
-            1 if columns > 1 => Packing::Transposed { columns },
-            1 => Packing::Deflate,
-            code => Packing::Unknown(code),
+        let code = u8_at(&header, 26);
+        let codec = match code {
+            0 | 1 => Codec::Deflate,
+            2 | 3 => Codec::Zstandard,
+            4 | 5 => Codec::Lz4,
+            _ => Codec::Unknown(code),
         };
+        // Records of one byte are the same either way round.
+        let columns = if code % 2 == 1 && columns > 1 { columns } else { 0 };
         if stored > available - PACKED_HEADER {
             self.findings.push(Finding::CutOff { offset: link });
             return Ok(false);
         }
-        if length > stored.saturating_mul(MOST_EXPANSION).saturating_add(MOST_EXPANSION) {
-            return Err(damaged(link, format!("{stored} deflated bytes cannot hold {length}")));
+        let most = codec.most_expansion();
+        if length > stored.saturating_mul(most).saturating_add(most) {
+            return Err(damaged(link, format!("{stored} packed bytes cannot hold {length}")));
         }
-        stream.push(link + PACKED_HEADER, stored, length, packing);
+        stream.push(link + PACKED_HEADER, stored, length, Packing::Packed { codec, columns });
         Ok(true)
     }
 

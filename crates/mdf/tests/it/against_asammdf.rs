@@ -1,21 +1,24 @@
 //! The reader against asammdf, on files of others and on a grid of files that asammdf writes.
 //!
-//! `tests/against_asammdf/dump.py` writes down what asammdf reads. Where Python or asammdf are absent (`ASAMMDF_PYTHON`
-//! names the interpreter), the tests are skipped.
+//! `tests/against_asammdf/dump.py` writes down what asammdf reads. Where `DYNOID_PYTHON` names no interpreter that has it,
+//! the tests are skipped.
 
+use std::ffi::{OsStr, OsString};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use mdf::{Address, Kind, Mdf, Values};
 
-fn python() -> Option<String> {
-    let python = std::env::var("ASAMMDF_PYTHON").unwrap_or_else(|_| "python3".into());
-    let works = Command::new(&python).args(["-c", "import asammdf"]).output().is_ok_and(|o| o.status.success());
-    if !works {
-        eprintln!("skipped: there is no Python with asammdf");
+use crate::features::{LZ4, ZSTANDARD, mixed, one_packed};
+use crate::made::{Cn, cn, one_group};
+
+fn python() -> Option<OsString> {
+    let python = std::env::var_os("DYNOID_PYTHON");
+    if python.is_none() {
+        eprintln!("skipped: DYNOID_PYTHON names no Python with asammdf");
     }
-    works.then_some(python)
+    python
 }
 
 fn script(name: &str) -> PathBuf {
@@ -152,6 +155,7 @@ fn differences(dump: &[u8]) -> Vec<String> {
     let mut dump = Dump { rest: dump };
     let path = dump.line().unwrap()[1].clone();
     if dump.rest.starts_with(b"refused") {
+        eprintln!("{path}\trefused by asammdf");
         return vec![];
     }
     let file = match Mdf::open(File::open(&path).unwrap()) {
@@ -160,7 +164,7 @@ fn differences(dump: &[u8]) -> Vec<String> {
     };
     let mut differences = vec![];
     let mut next = Address { group: usize::MAX, channel: 0 };
-    let mut listed = 0;
+    let (mut listed, mut clocks, mut samples) = (0, 0, 0);
     while let Some(expected) = dump.channel() {
         let mut fail =
             |what: String| differences.push(format!("{path}: group {} {:?}: {what}", expected.group, expected.name));
@@ -171,8 +175,9 @@ fn differences(dump: &[u8]) -> Vec<String> {
         if expected.kind == b'M' {
             if let Some(master) = group.master {
                 let values = file.read(&[master.address], &|_, _| {});
-                if let Err(e) = values.map_err(|e| e.to_string()).and_then(|v| compare_values(&v[0], &expected)) {
-                    fail(format!("clock: {e}"));
+                match values.map_err(|e| e.to_string()).and_then(|v| compare_values(&v[0], &expected)) {
+                    Ok(()) => clocks += 1,
+                    Err(e) => fail(format!("clock: {e}")),
                 }
             }
             continue;
@@ -197,8 +202,9 @@ fn differences(dump: &[u8]) -> Vec<String> {
             let known = DIFFERS.iter().any(|(f, c)| path.contains(f) && expected.name.starts_with(c));
             let values = file.read(&[address], &|_, _| {}).map_err(|e| e.to_string());
             let values = values.map(|v| if known && v[0].len() == expected.count { vec![] } else { v });
-            if let Err(e) = values.and_then(|v| v.iter().try_for_each(|v| compare_values(v, &expected))) {
-                fail(e);
+            match values.and_then(|v| v.iter().try_for_each(|v| compare_values(v, &expected))) {
+                Ok(()) => samples += if known { 0 } else { expected.count },
+                Err(e) => fail(e),
             }
         }
     }
@@ -206,6 +212,8 @@ fn differences(dump: &[u8]) -> Vec<String> {
     if ours != listed && differences.is_empty() {
         differences.push(format!("{path}: {ours} channels, asammdf has {listed}"));
     }
+    let unlike = differences.len();
+    eprintln!("{path}\t{listed} channels\t{samples} samples equal\t{clocks} clocks equal\t{unlike} differences");
     differences
 }
 
@@ -217,7 +225,7 @@ fn check(folder: &Path) {
     assert!(found.is_empty(), "{} differences in {} files:\n{}", found.len(), dumps.len(), found.join("\n"));
 }
 
-fn dumped(python: &str, files: &[PathBuf], folder: &Path) {
+fn dumped(python: &OsStr, files: &[PathBuf], folder: &Path) {
     let status = Command::new(python).arg(script("dump.py")).arg(folder).args(files).status().unwrap();
     assert!(status.success());
 }
@@ -233,6 +241,35 @@ fn ref_files_of_others_are_read_as_asammdf_reads_them() {
     }
     let Some(python) = python() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asammdf-others");
+    dumped(&python, &files, &folder);
+    check(&folder);
+}
+
+/// Files with what asammdf reads but does not write.
+fn made() -> Vec<(&'static str, Vec<u8>)> {
+    // Integers that begin and end within bytes, in both byte orders, signed and not.
+    let fields = [(0, 3, 12), (0, 0, 1), (1, 7, 1), (2, 0, 24), (3, 5, 27), (0, 0, 40), (1, 2, 50)];
+    let field = |data_type| move |&(byte, bit, bits)| Cn { bit, ..cn(data_type, byte, bits) };
+    let bits: Vec<Cn> = [0, 2].into_iter().flat_map(|data_type| fields.iter().map(field(data_type))).collect();
+    let records: Vec<u8> = (0..250_u32).map(|i| (i * 167 % 251) as u8).collect();
+    vec![
+        ("bits.mf4", one_group(&bits, &records, 10, 0)),
+        ("mixed.mf4", mixed(true, 0, 4, [0, 5, 9, 19])),
+        ("zstandard.mf4", one_packed(2, ZSTANDARD)),
+        ("lz4.mf4", one_packed(5, LZ4)),
+    ]
+}
+
+#[test]
+fn ref_made_files_are_read_as_asammdf_reads_them() {
+    let Some(python) = python() else { return };
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asammdf-made");
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |(name, bytes): &(&str, Vec<u8>)| {
+        std::fs::write(folder.join(name), bytes).unwrap();
+        folder.join(name)
+    };
+    let files: Vec<PathBuf> = made().iter().map(file).collect();
     dumped(&python, &files, &folder);
     check(&folder);
 }

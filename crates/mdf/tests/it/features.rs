@@ -73,7 +73,7 @@ fn exact_columns_with_invalid_bits_apart() {
 }
 
 /// Two groups and values of varying length in one stream: a record of each, in turn.
-fn mixed(finished: bool, flags: u16, cycles: u64, places: [u64; 4]) -> Vec<u8> {
+pub(crate) fn mixed(finished: bool, flags: u16, cycles: u64, places: [u64; 4]) -> Vec<u8> {
     let mut made = Made::new(finished, flags);
     let words = ["a", "", "longer", "ß"];
     let size = words.iter().map(|w| w.len() as u32).sum();
@@ -171,7 +171,11 @@ fn exact_conversions_of_texts_and_bits() {
     let number = |conversion| Cn { conversion, ..cn(0, 3, 8) };
     let shift = made.conversion(1, &[], &[bits(100.0), bits(1.0)]);
     let pieces = made.conversion(8, &[shift, scale], &[bits(2.0), bits(3.0)]);
-    let channels = [text(to_number), text(to_text), number(masks), number(partly), number(pieces)];
+    let unscaled = made.conversion(7, &[other, 0], &[bits(1.0)]);
+    let rest = made.conversion(0, &[], &[]);
+    let mostly = made.conversion(7, &[other, rest], &[bits(1.0)]);
+    let channels = [to_number, to_text].map(text);
+    let channels = [&channels[..], &[masks, partly, pieces, unscaled, mostly].map(number)].concat();
     let first = made.channels(&channels);
     let group = made.group(0, first, Cg { cycles: 4, data_bytes: 4, ..Cg::default() });
     let data = made.block(b"##DT", &[], b"on\0\x00off\x01xyz\x02on\0\x03");
@@ -180,8 +184,12 @@ fn exact_conversions_of_texts_and_bits() {
     assert_eq!(numbers(&bytes, 0, 0), [1.0, 0.0, -1.0, 1.0]);
     assert_eq!(texts(&bytes, 0, 1), ["off", "on", "other", "off"]);
     assert_eq!(texts(&bytes, 0, 2), ["off|off", "on|off", "off|on", "on|on"]);
-    assert_eq!(texts(&bytes, 0, 3), ["5", "7", "9", "other"]);
+    // Among scaled numbers, a text is a number that is missing.
+    let partly = numbers(&bytes, 0, 3);
+    assert!(partly[..3] == [5.0, 7.0, 9.0] && partly[3].is_nan(), "{partly:?}");
     assert_eq!(numbers(&bytes, 0, 4), [5.0, 7.0, 102.0, 103.0]);
+    assert_eq!(texts(&bytes, 0, 5), ["", "other", "", ""]);
+    assert_eq!(texts(&bytes, 0, 6), ["0", "other", "2", "3"]);
 }
 
 #[test]
@@ -254,6 +262,45 @@ fn exact_transposed_blocks_of_any_size_and_place() {
         for channel in [0, 1] {
             let read = numbers(&bytes, 0, channel);
             assert!(read.len() == rows && read.iter().enumerate().all(|(i, &n)| n == i as f64));
+        }
+    }
+}
+
+/// As compressed by zstd 1.5.7 and lz4 1.10 (frames): 0, 3, …, 117, forty times 0, forty times 7.
+pub(crate) const ZSTANDARD: &[u8] = b"\x28\xb5\x2f\xfd\x20\x78\x9d\x01\x00\xa4\x02\x00\x03\x06\x09\x0c\x0f\x12\x15\x18\x1b\
+    \x1e\x21\x24\x27\x2a\x2d\x30\x33\x36\x39\x3c\x3f\x42\x45\x48\x4b\x4e\x51\x54\x57\x5a\x5d\x60\x63\x66\x69\x6c\x6f\x72\x75\x00\
+    \x07\x02\x00\x40\x29\xa2\x04\x65";
+pub(crate) const LZ4: &[u8] = b"\x04\x22\x4d\x18\x6c\x40\x78\x00\x00\x00\x00\x00\x00\x00\x01\x39\x00\x00\x00\xff\x1a\x00\
+    \x03\x06\x09\x0c\x0f\x12\x15\x18\x1b\x1e\x21\x24\x27\x2a\x2d\x30\x33\x36\x39\x3c\x3f\x42\x45\x48\x4b\x4e\x51\x54\x57\x5a\x5d\
+    \x60\x63\x66\x69\x6c\x6f\x72\x75\x00\x01\x00\x14\x1f\x07\x01\x00\x0f\x50\x07\x07\x07\x07\x07\x00\x00\x00\x00\x8d\x08\xa1\x09";
+
+/// A file of one block of 120 packed bytes, transposed for records of three where the code of the compression is odd.
+pub(crate) fn one_packed(code: u8, packed: &[u8]) -> Vec<u8> {
+    let mut made = Made::new(true, 0);
+    let channels = made.channels(&[cn(0, 0, 16), cn(0, 2, 8)]);
+    let group = made.group(0, channels, Cg { cycles: 40, data_bytes: 3, ..Cg::default() });
+    let head = [b'D', b'T', code, 0, 3, 0, 0, 0];
+    let data = [&head[..], &120_u64.to_le_bytes(), &(packed.len() as u64).to_le_bytes(), packed].concat();
+    let data = made.block(b"##DZ", &[], &data);
+    let first = made.data_group(group, data, 0);
+    made.finish(first)
+}
+
+#[test]
+fn exact_blocks_of_zstandard_and_lz4() {
+    let stored: Vec<u8> = (0..120).map(|i| if i < 40 { 3 * i } else { 7 * u8::from(i >= 80) }).collect();
+    for (code, bytes) in [(2, ZSTANDARD), (3, ZSTANDARD), (4, LZ4), (5, LZ4)] {
+        let at = |row: usize, byte: usize| stored[if code % 2 == 1 { byte * 40 + row } else { 3 * row + byte }];
+        let whole = one_packed(code, bytes);
+        let low: Vec<f64> = (0..40).map(|r| f64::from(u16::from_le_bytes([at(r, 0), at(r, 1)]))).collect();
+        let high: Vec<f64> = (0..40).map(|r| f64::from(at(r, 2))).collect();
+        assert_eq!((numbers(&whole, 0, 0), numbers(&whole, 0, 1)), (low, high), "{code}");
+        // Cut short before the marks at its end.
+        for length in 0..bytes.len() - 8 {
+            let cut = one_packed(code, &bytes[..length]);
+            if let Ok(cut) = Mdf::open(&cut[..]) {
+                assert!(cut.read(&[Address { group: 0, channel: 1 }], &|_, _| {}).is_err(), "{code} {length}");
+            }
         }
     }
 }

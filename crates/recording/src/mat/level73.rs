@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, DType, Dataset, File, FormatError, Group, Object};
+use hdf5_pure::{AttrValue, DType, Dataset, Error, File, FormatError, Group, Object};
 
 use super::listed;
 use super::scope::joined;
@@ -179,6 +179,11 @@ impl Reader<'_> {
         if let Some(object) = object(attributes) {
             return Ok(object);
         }
+        if let Err(Error::Format(FormatError::InvalidLayoutVersion(NEWER_LAYOUT))) = dataset.layout() {
+            return Ok(Value::unsupported(
+                "chunks of HDF5 2.0; write the file with libver=\"v110\", or convert it with h5repack",
+            ));
+        }
         let class = attributes.get("MATLAB_class").and_then(|class| class.as_str()).unwrap_or_default();
         if let Some(filter) = dataset.filters().into_iter().find(|filter| !FILTERS.contains(filter)) {
             return Ok(Value::unsupported(format!("a compression other than deflate (filter {filter})")));
@@ -232,10 +237,12 @@ impl Reader<'_> {
     }
 }
 
+/// The version of layouts that came with HDF5 2.0.
+const NEWER_LAYOUT: u8 = 5;
 /// Deflate, shuffle, checksum, szip is none of them, bit packing, scaling, LZF.
 const FILTERS: [u16; 6] = [1, 2, 3, 5, 6, 32000];
 
-fn text(error: hdf5_pure::Error) -> String {
+fn text(error: Error) -> String {
     error.to_string()
 }
 

@@ -30,6 +30,8 @@ impl Value {
         let remedy = match class {
             "timeseries" => "save t = ts.Time and y = ts.Data",
             "timetable" => "save t = seconds(tt.Properties.RowTimes - tt.Properties.RowTimes(1)) and y = tt.Variables",
+            "Simulink.SimulationData.Dataset" => "save t = ds{1}.Values.Time and y = ds{1}.Values.Data of each signal",
+            "Simulink.SimulationOutput" => "log as \"Structure with time\", and save what is logged",
             "table" => "save s = table2struct(tbl, 'ToScalar', true)",
             "iddata" => "save u = z.InputData, y = z.OutputData and Ts = z.Ts",
             "string" => "save it as char(s)",

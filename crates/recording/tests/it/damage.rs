@@ -51,6 +51,41 @@ fn mixed() -> Recording {
     made(&[4, 7], &[("a", 0, 0.0), ("b", 1, 10.0)])
 }
 
+type Encode = fn(&Recording) -> Result<Vec<u8>, RecordingError>;
+
+/// Runs the whole suite on a file, beside those that `encode` makes; a cut at one of `cuts` cannot be recognised.
+fn conforms(name: &'static str, small: &[u8], cuts: Vec<usize>, numbers_per_byte: usize, encode: Encode) {
+    conform(&Case {
+        read: read(name),
+        small,
+        duplicates: &encode(&duplicates()).unwrap(),
+        mixed_rates: &encode(&mixed()).unwrap(),
+        unrecognisable_cuts: cuts,
+        numbers_per_byte,
+    });
+}
+
+/// Reads a file whole, cut at every length, and with every byte corrupted.
+fn survives_damage(name: &'static str, small: &[u8], cuts: Vec<usize>) {
+    let case = Case {
+        read: read(name),
+        small,
+        duplicates: &[],
+        mixed_rates: &[],
+        unrecognisable_cuts: cuts,
+        numbers_per_byte: 1000,
+    };
+    let content = (case.read)(small);
+    assert!(content.as_ref().is_ok_and(|c| c.is_consistent() && c.numbers() > 0), "undamaged file: {content:?}");
+    testkit::reader::reports_every_truncation(&case);
+    testkit::reader::survives_every_corrupted_byte(&case);
+}
+
+/// On two clocks, long enough to be worth compressing.
+fn longer() -> Recording {
+    made(&[40, 100], &[("a", 0, 0.0), ("b", 1, 5.0)])
+}
+
 #[test]
 fn exact_mdf3_conforms() {
     conform(&Case {
@@ -65,112 +100,24 @@ fn exact_mdf3_conforms() {
 
 #[test]
 fn exact_mdf4_of_asammdf_conforms() {
-    conform(&Case {
-        read: read("small.mf4"),
-        small: include_bytes!("data/small.mf4"),
-        duplicates: &encode_mdf4(&duplicates()).unwrap(),
-        mixed_rates: &encode_mdf4(&mixed()).unwrap(),
-        unrecognisable_cuts: vec![],
-        numbers_per_byte: 300,
-    });
+    conforms("small.mf4", include_bytes!("data/small.mf4"), vec![], 300, encode_mdf4);
 }
 
 #[test]
 fn exact_deflated_mdf4_of_ours_conforms() {
-    let small = made(&[40, 100], &[("a", 0, 0.0), ("b", 1, 5.0)]);
-    conform(&Case {
-        read: read("small.mf4"),
-        small: &encode_mdf4(&small).unwrap(),
-        duplicates: &encode_mdf4(&duplicates()).unwrap(),
-        mixed_rates: &encode_mdf4(&mixed()).unwrap(),
-        unrecognisable_cuts: vec![],
-        numbers_per_byte: 1000,
-    });
+    conforms("small.mf4", &encode_mdf4(&longer()).unwrap(), vec![], 1000, encode_mdf4);
+}
+
+/// The lengths after each line.
+fn line_ends(text: &[u8]) -> Vec<usize> {
+    let ends = text.iter().enumerate().filter(|(_, b)| **b == b'\n');
+    ends.map(|(at, _)| at + 1).collect()
 }
 
 #[test]
 fn exact_csv_conforms() {
     let small = encode_csv(&mixed()).unwrap();
-    let line_ends = small.iter().enumerate().filter(|(_, b)| **b == b'\n');
-    conform(&Case {
-        read: read("small.csv"),
-        small: &small,
-        duplicates: &encode_csv(&duplicates()).unwrap(),
-        mixed_rates: &small,
-        unrecognisable_cuts: line_ends.map(|(at, _)| at + 1).collect(),
-        numbers_per_byte: 1,
-    });
-}
-
-#[test]
-fn exact_mat5_of_ours_conforms() {
-    let small = made(&[40, 100], &[("a", 0, 0.0), ("b", 1, 5.0)]);
-    conform(&Case {
-        read: read("small.mat"),
-        small: &encode_mat5(&small).unwrap(),
-        duplicates: &encode_mat5(&duplicates()).unwrap(),
-        mixed_rates: &encode_mat5(&mixed()).unwrap(),
-        unrecognisable_cuts: vec![],
-        numbers_per_byte: 1000,
-    });
-}
-
-#[test]
-fn exact_mat73_survives_damage() {
-    for small in [&include_bytes!("data/mat/small73.mat")[..], include_bytes!("data/mat/small.h5")] {
-        let case = Case {
-            read: read("small.mat"),
-            small,
-            duplicates: &[],
-            mixed_rates: &[],
-            unrecognisable_cuts: vec![],
-            numbers_per_byte: 1000,
-        };
-        testkit::reader::refuses_a_wrong_magic(&case);
-        testkit::reader::reports_every_truncation(&case);
-        testkit::reader::survives_every_corrupted_byte(&case);
-    }
-}
-
-#[cfg(feature = "parquet")]
-#[test]
-fn exact_parquet_conforms() {
-    conform(&Case {
-        read: read("small.parquet"),
-        small: &recording::encode_parquet(&mixed()).unwrap(),
-        duplicates: &recording::encode_parquet(&duplicates()).unwrap(),
-        mixed_rates: &recording::encode_parquet(&mixed()).unwrap(),
-        unrecognisable_cuts: vec![],
-        numbers_per_byte: 1000,
-    });
-}
-
-#[cfg(feature = "parquet")]
-#[test]
-fn exact_arrow_conforms() {
-    conform(&Case {
-        read: read("small.arrow"),
-        small: &recording::encode_arrow(&mixed()).unwrap(),
-        duplicates: &recording::encode_arrow(&duplicates()).unwrap(),
-        mixed_rates: &recording::encode_arrow(&mixed()).unwrap(),
-        unrecognisable_cuts: vec![],
-        numbers_per_byte: 1000,
-    });
-}
-
-#[cfg(feature = "parquet")]
-#[test]
-fn exact_arrow_streams_survive_damage() {
-    let case = Case {
-        read: read("small.arrow"),
-        small: &crate::tables::small_stream(),
-        duplicates: &[],
-        mixed_rates: &[],
-        unrecognisable_cuts: vec![],
-        numbers_per_byte: 1000,
-    };
-    testkit::reader::reports_every_truncation(&case);
-    testkit::reader::survives_every_corrupted_byte(&case);
+    conforms("small.csv", &small, line_ends(&small), 1, encode_csv);
 }
 
 /// Text with everything that the reader knows.
@@ -178,18 +125,48 @@ fn exact_arrow_streams_survive_damage() {
 fn exact_csv_with_everything_survives_damage() {
     let small = "sep=;\nBench;4\n# by hand\nDate;time_1;\"n;1\";state;time_2;M\n;s;1/min;;s;Nm\n;;speed;;;\n\
         21.11.2026;23:59:59,5;1,5;on;21.11.2026 23:59:59;-\n22.11.2026;0:00:00;\"2,5\";off;;\n";
-    let ends = small.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(at, _)| at + 1);
-    let case = Case {
-        read: read("small.csv"),
-        small: small.as_bytes(),
-        duplicates: &[],
-        mixed_rates: &[],
-        unrecognisable_cuts: ends.collect(),
-        numbers_per_byte: 2,
-    };
+    survives_damage("small.csv", small.as_bytes(), line_ends(small.as_bytes()));
     assert!(read("small.csv")(small.as_bytes()).is_ok_and(|content| content.clocks.len() == 2));
-    testkit::reader::reports_every_truncation(&case);
-    testkit::reader::survives_every_corrupted_byte(&case);
+}
+
+#[test]
+fn exact_mat5_of_ours_conforms() {
+    conforms("small.mat", &encode_mat5(&longer()).unwrap(), vec![], 1000, encode_mat5);
+}
+
+#[test]
+fn exact_mat73_survives_damage() {
+    for small in [&include_bytes!("data/mat/small73.mat")[..], include_bytes!("data/mat/small.h5")] {
+        survives_damage("small.mat", small, vec![]);
+    }
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn exact_parquet_conforms() {
+    conforms("small.parquet", &recording::encode_parquet(&mixed()).unwrap(), vec![], 1000, recording::encode_parquet);
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn exact_arrow_conforms() {
+    conforms("small.arrow", &recording::encode_arrow(&mixed()).unwrap(), vec![], 1000, recording::encode_arrow);
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn exact_arrow_streams_survive_damage() {
+    survives_damage("small.arrow", &crate::tables::small_stream(), vec![]);
+}
+
+/// The lengths after each variable of a MAT-file of level 5.
+fn variable_ends(bytes: &[u8]) -> Vec<usize> {
+    let mut ends = vec![128];
+    while let Some(size) = ends.last().and_then(|end| bytes.get(end + 4..end + 8)) {
+        let size = u32::from_le_bytes(size.try_into().unwrap()) as usize;
+        ends.push(ends[ends.len() - 1] + 8 + size);
+    }
+    ends
 }
 
 #[test]
@@ -199,10 +176,6 @@ fn exact_plain_mat5_conforms() {
         variable(name, &samples)
     });
     let header = &include_bytes!("data/mat/variables.mat")[..128];
-    let lengths = variables.iter().scan(128, |end, v| {
-        *end += v.len();
-        Some(*end)
-    });
     let small = [header, &variables.concat()].concat();
     let twice = [variable("a", &[1.0, 2.0, 3.0, 4.0]), variable("a", &[5.0, 6.0, 7.0, 8.0])];
     conform(&Case {
@@ -210,27 +183,33 @@ fn exact_plain_mat5_conforms() {
         small: &small,
         duplicates: &[header, &variables[0], &twice.concat()].concat(),
         mixed_rates: &small,
-        unrecognisable_cuts: std::iter::once(128).chain(lengths).collect(),
+        unrecognisable_cuts: variable_ends(&small),
         numbers_per_byte: 1000,
     });
 }
 
 #[test]
-fn exact_deflated_mat5_with_structs_survives_damage() {
-    let case = |small| Case {
-        read: read("small.mat"),
-        small,
-        duplicates: &[],
-        mixed_rates: &[],
-        unrecognisable_cuts: vec![],
-        numbers_per_byte: 1000,
-    };
+fn exact_mat5_with_structs_survives_damage() {
     for small in [&include_bytes!("data/mat/variables.mat")[..], include_bytes!("data/mat/variables_deflated.mat")] {
-        testkit::reader::survives_every_corrupted_byte(&case(small));
+        survives_damage("small.mat", small, variable_ends(small));
     }
-    let level4 = include_bytes!("data/mat/level4.mat");
-    testkit::reader::survives_every_corrupted_byte(&case(level4));
-    testkit::reader::refuses_a_wrong_magic(&case(level4));
+}
+
+#[test]
+fn exact_mat4_survives_damage() {
+    let small = include_bytes!("data/mat/level4.mat");
+    let field = |at: usize| u32::from_le_bytes(small[at..at + 4].try_into().unwrap()) as usize;
+    // Of each variable: type, rows, columns, whether it is complex, bytes of its name.
+    let mut ends = vec![0];
+    while let Some(&at) = ends.last().filter(|&&at| at < small.len()) {
+        let width = [8, 4, 4, 2, 2, 1][field(at) / 10 % 10];
+        let numbers = field(at + 4) * field(at + 8) * (1 + field(at + 12));
+        ends.push(at + 20 + field(at + 16) + width * numbers);
+    }
+    assert_eq!(ends.last(), Some(&small.len()));
+    survives_damage("small.mat", small, ends);
+    let wrong = [&b"\x7fELF"[..], small].concat();
+    assert!(read("small.mat")(&wrong).is_err());
 }
 
 /// The file with its records moved to the end, as a logger writes them; `link` is where their address is kept.

@@ -241,6 +241,42 @@ fn exact_level_7_3_has_the_same_rules() {
     assert_eq!(recording.channels.len(), 10);
 }
 
+/// Objects have their content at the end of the file, in a form of their own; the variable holds a reference to it.
+#[test]
+fn exact_objects_of_level_5_are_named_with_what_to_do() {
+    let object = |name: &str, class: &str| {
+        let reference = [0xDD00_0000_u32, 2, 1, 1, 1, 1].map(u32::to_le_bytes).concat();
+        let reference = [
+            element(6, &[13, 0, 0, 0, 0, 0, 0, 0]),
+            element(5, &[6_u32.to_le_bytes(), 1_u32.to_le_bytes()].concat()),
+            element(1, b""),
+            element(6, &reference),
+        ];
+        let parts = [
+            element(6, &[17, 0, 0, 0, 0, 0, 0, 0]),
+            element(1, name.as_bytes()),
+            element(1, b"MCOS"),
+            element(1, class.as_bytes()),
+            element(14, &reference.concat()),
+        ];
+        element(14, &parts.concat())
+    };
+    let objects = [
+        ("speed", "timeseries", "save t = ts.Time and y = ts.Data"),
+        ("run", "timetable", "save t = seconds(tt.Properties.RowTimes"),
+        ("logsout", "Simulink.SimulationData.Dataset", "ds{1}.Values.Data"),
+        ("other", "containers.Map", "save its arrays"),
+    ];
+    let mut bytes = plain(("time", &TIME), &[("n", &TIME)]);
+    objects.iter().for_each(|(name, class, _)| bytes.extend(object(name, class)));
+    let recording = read(&bytes);
+    assert_eq!(names(&recording), ["n"]);
+    for (name, class, remedy) in objects {
+        let text = reason(&recording, name).to_string();
+        assert!(text.contains(&format!("an object of class \"{class}\"; ")) && text.contains(remedy), "{text}");
+    }
+}
+
 #[test]
 fn exact_what_is_no_channel_of_level_7_3_is_said() {
     let recording = read(include_bytes!("data/mat/variables73.mat"));
@@ -259,6 +295,14 @@ fn exact_what_is_no_channel_of_level_7_3_is_said() {
         assert_eq!(reason(&recording, name).to_string(), text, "{name}");
     }
     assert_eq!(recording.findings.len(), texts.len(), "{:?}", recording.findings);
+}
+
+#[test]
+fn regress_chunks_of_a_newer_hdf5_are_not_taken_for_damage() {
+    let recording = decode("a.h5", include_bytes!("data/mat/newer.h5"), &Selection::All).unwrap();
+    assert_eq!(names(&recording), Vec::<&str>::new());
+    let text = reason(&recording, "speed").to_string();
+    assert!(text.contains("chunks of HDF5 2.0; write the file with libver=\"v110\""), "{text}");
 }
 
 #[test]

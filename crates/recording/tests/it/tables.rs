@@ -208,6 +208,12 @@ fn exact_announced_sizes_of_compressed_buffers_are_not_believed() {
     for mut bytes in [file.into_inner().unwrap(), stream.into_inner().unwrap()] {
         assert_eq!(decode("a", &bytes, &Selection::All).unwrap().channels[0].samples, [0.0; 1000]);
         let size = bytes.windows(12).rposition(|w| w == b"\x40\x1F\0\0\0\0\0\0\x04\x22\x4D\x18").unwrap();
+        for (place, value) in [(5, 1), (3, 1)] {
+            let mut large = bytes.clone();
+            large[size + place] = value;
+            let error = decode("a", &large, &Selection::All).unwrap_err();
+            assert!(error.to_string().contains("plausible"), "{error}");
+        }
         bytes[size + 5] = 1;
         let error = decode("a", &bytes, &Selection::All).unwrap_err();
         assert!(error.to_string().contains("plausible"), "{error}");
@@ -215,6 +221,25 @@ fn exact_announced_sizes_of_compressed_buffers_are_not_believed() {
         let marks = bytes.windows(4).enumerate().filter(|(_, w)| *w == [0xFF; 4]).map(|(at, _)| at);
         let Some(batch) = marks.filter(|_| bytes.starts_with(b"ARROW1")).nth(1) else { continue };
         bytes[batch + 4..batch + 8].fill(0);
+        let error = decode("a", &bytes, &Selection::All).unwrap_err();
+        assert!(error.to_string().contains("plausible"), "{error}");
+    }
+}
+
+#[test]
+fn regress_announced_sizes_of_batches_are_not_believed() {
+    let numbers = batch(vec![("time", None, floats(&[0.0, 1.0])), ("a", None, floats(&[2.0, 3.0]))]);
+    let mut file = FileWriter::try_new(Vec::new(), &numbers.schema()).unwrap();
+    file.write(&numbers).unwrap();
+    let mut bytes = file.into_inner().unwrap();
+    assert!(decode("a", &bytes, &Selection::All).is_ok());
+    // In the footer: where the batch begins, the length of its description, that of its buffers.
+    let (start, length) = (bytes.len() - 10, bytes.len() - 10);
+    let footer = start - u32::from_le_bytes(bytes[length..length + 4].try_into().unwrap()) as usize;
+    let body = 2 * 64_i64;
+    let place = bytes[footer..start].windows(8).position(|w| w == body.to_le_bytes()).unwrap() + footer;
+    for announced in [1_i64 << 30, 1 << 50, i64::MAX, -1] {
+        bytes[place..place + 8].copy_from_slice(&announced.to_le_bytes());
         let error = decode("a", &bytes, &Selection::All).unwrap_err();
         assert!(error.to_string().contains("plausible"), "{error}");
     }

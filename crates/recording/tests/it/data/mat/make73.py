@@ -79,6 +79,8 @@ with h5py.File(f"{out}/plain.h5", "w", libver="latest") as f:
     speed.attrs["unit"] = "rpm"
     f.create_dataset("table", data=np.arange(2 * n).reshape(n, 2), track_times=False)
 
-with h5py.File(f"{out}/small.h5", "w", libver="latest") as f:
-    f.create_dataset("time", data=np.arange(n) / 10.0, track_times=False)
-    f.create_dataset("speed", data=np.arange(n) * 2, track_times=False, chunks=(4,), compression="gzip", fletcher32=True)
+# The layout of chunks in HDF5 1.10, and in 2.0.
+for name, libver in (("small", ("earliest", "v110")), ("newer", "latest")):
+    with h5py.File(f"{out}/{name}.h5", "w", libver=libver) as f:
+        f.create_dataset("time", data=np.arange(n) / 10.0, track_times=False)
+        f.create_dataset("speed", data=np.arange(n) * 2, track_times=False, chunks=(4,), compression="gzip", fletcher32=True)

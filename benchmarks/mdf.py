@@ -1,9 +1,11 @@
 """Times asammdf and our reader on the same files, each task in a process of its own.
 
-    bench.py make FOLDER           writes plain.mf4 (about 1 GB) and packed.mf4: 500 channels on five rasters
-    bench.py run FOLDER MEASURE    MEASURE is the built example `measure` of the crate
+    mdf.py FOLDER MEASURE    MEASURE is the built example `measure` of the crate
+
+The files, plain.mf4 (1 GB) and packed.mf4 with 500 channels on five rasters, are written to the folder if they are not there.
 """
 
+import re
 import resource
 import subprocess
 import sys
@@ -58,18 +60,36 @@ def task(path, what):
     )
 
 
+def figures(command):
+    """Wall and processor time in s and peak memory in MB, as the last line of a program says."""
+    line = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()[-1]
+    print(line, flush=True)
+    return [float(re.search(rf"{what} ([0-9.]+)", line)[1]) for what in ("wall", "processor", "peak")]
+
+
+def compare(folder, measure):
+    rows = ["| file | task | wall s, ours / asammdf | processor s | processor × | peak MB |", "| --- | --- | --- | --- | --- | --- |"]
+    for name in ("plain", "packed"):
+        path = folder / f"{name}.mf4"
+        print(f"{path}: {path.stat().st_size / 1e6:.0f} MB", flush=True)
+        for what in TASKS:
+            ours = figures([measure, path, what])
+            theirs = figures([sys.executable, __file__, "task", path, what])
+            wall, processor, peak = zip(ours, theirs)
+            ratio = processor[1] / max(processor[0], 0.01)
+            cells = [f"{wall[0]:.2f} / {wall[1]:.2f}", f"{processor[0]:.2f} / {processor[1]:.2f}", f"{ratio:.1f}"]
+            rows.append(" | ".join([f"| {name}", what, *cells, f"{peak[0]:.0f} / {peak[1]:.0f} |"]))
+    print("\n".join(["", *rows]))
+
+
 def main():
-    what, folder = sys.argv[1], Path(sys.argv[2])
-    if what == "make":
+    if sys.argv[1] == "task":
+        return task(*sys.argv[2:])
+    folder = Path(sys.argv[1])
+    if not (folder / "packed.mf4").exists():
         folder.mkdir(parents=True, exist_ok=True)
-        return make(folder)
-    if what == "task":
-        return task(folder, sys.argv[3])
-    for name in ("plain.mf4", "packed.mf4"):
-        print(f"{name}: {(folder / name).stat().st_size / 1e6:.0f} MB", flush=True)
-        for each in TASKS:
-            subprocess.run([sys.argv[3], folder / name, each], check=True)
-            subprocess.run([sys.executable, __file__, "task", folder / name, each], check=True)
+        make(folder)
+    compare(folder, sys.argv[2])
 
 
 main()
