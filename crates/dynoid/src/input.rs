@@ -48,11 +48,16 @@ pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, Cli
 ///
 /// The file is never in memory as a whole, unless its format asks for it.
 pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
+    read_channels(file, &Selection::All)
+}
+
+/// As [`read_source`], of some of the channels; one that lacks a channel named holds that reason.
+pub(crate) fn read_channels(file: &InputFile, channels: &Selection) -> Result<Source, CliError> {
     let unreadable = |source| CliError::read(&file.path, source);
     refuse_folder(&file.path)?;
     let mut content = File::open(&file.path).map_err(unreadable)?;
     let sha256 = sha256_of(&mut content).map_err(unreadable)?;
-    let recording = decode_from(&file.name, &content, &Selection::All, &|_, _| {});
+    let recording = decode_from(&file.name, &content, channels, &|_, _| {});
     Ok(Source { file: file.name.clone(), sha256, recording })
 }
 

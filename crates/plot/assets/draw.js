@@ -116,7 +116,9 @@ const SHAPES = {
   ring: (x, y) => `M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`,
 };
 
-const classOf = (layer) => `series s-${layer.style}`;
+const classOf = (layer) => `series s-${layer.style}${isLine(layer) ? " line" : ""}`;
+const isLine = (layer) => layer.type === "line" || layer.type === "path";
+const DASHED = new Set(["sixth", "seventh", "eighth", "ninth", "tenth"]);
 
 /** How each kind of layer is drawn. */
 const LAYERS = {

@@ -32,6 +32,7 @@ pub(super) fn comparison(models: &[Shown]) -> Vec<Figure> {
 }
 
 fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
+    let mut keys = vec![measurement(models, number, label)];
     let (mut layers, mut errors) = (Vec::new(), Vec::new());
     let mut title = String::new();
     // The first model, the one that matters most, is drawn last and covered by none.
@@ -42,13 +43,15 @@ fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
         let (measured, modelled) = (experiment.output(output), model.response.outputs[number].col_as_slice(output));
         let difference: Vec<f64> = measured.iter().zip(modelled).map(|(y, m)| y - m).collect();
         let style = Style::of_model(index);
+        // Without points, for the legend alone: there the first model is the first.
+        keys.insert(1, Layer::curve(model.name, style, &[], &[]));
         layers.push(Layer::trace(model.name, style, clock, modelled));
         errors.push(Layer::trace(model.name, style, clock, &difference));
         title = format!("{}, {}", label.name, experiment.name);
     }
-    layers.insert(0, measurement(models, number, label));
+    keys.append(&mut layers);
     let panels = vec![
-        Panel::new(Axis::linear(&label.name, &label.unit), 200, layers),
+        Panel::new(Axis::linear(&label.name, &label.unit), 200, keys),
         Panel::new(Axis::linear("measured − model", &label.unit), 90, errors),
     ];
     figure(&title, Axis::time(), panels)
@@ -72,8 +75,10 @@ pub(super) fn residuals(report: &ResidualReport, data: &Dataset, level: f64) -> 
         label: format!("{} % region", 100.0 * level),
     };
     let stems = |name: &str, style, first: f64, values: &[f64]| {
-        let lags: Vec<f64> = (0..values.len()).map(|n| first + n as f64).collect();
-        Layer::Stems { name: name.to_owned(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(values) }
+        // A sum that is zero to the last digit is one of no pairs, as at lags between the samples of a slow output.
+        let there = values.iter().enumerate().filter(|(_, value)| **value != 0.0);
+        let (lags, values): (Vec<f64>, Vec<f64>) = there.map(|(n, value)| (first + n as f64, *value)).unzip();
+        Layer::Stems { name: name.to_owned(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(&values) }
     };
     let own = |w: &Whiteness| {
         let layers =

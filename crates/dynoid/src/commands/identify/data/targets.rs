@@ -23,9 +23,13 @@ pub(in crate::commands::identify) fn check_targets(
     Ok(())
 }
 
-/// Checks before any work that a plot is of a kind that can be drawn.
-pub(in crate::commands::identify) fn check_plot(arguments: &ResultArguments) -> Result<(), CliError> {
-    arguments.plot.as_ref().map_or(Ok(()), |path| kind(path).map(|_| ()))
+/// Checks before any work that a plot is of a kind that can be drawn, and that it can be written.
+pub(in crate::commands::identify) fn check_plot(
+    arguments: &ResultArguments,
+    read: &[&[PathBuf]],
+) -> Result<(), CliError> {
+    arguments.plot.as_ref().map_or(Ok(()), |path| kind(path).map(|_| ()))?;
+    check_targets(&[&arguments.plot], read)
 }
 
 #[derive(Debug, Clone, Copy)]

@@ -1,5 +1,6 @@
 //! `dynoid delay`: by several methods, and what to make of it where they disagree.
 
+use bench::dataset::CommonClock;
 use ident::delay::{
     ArxDelay, DelayEstimate, DelayRanking, FractionalDelay, ImpulseDelay, ImpulseResponseStart, PhaseDelay,
 };
@@ -7,7 +8,7 @@ use ident::distributions::normal_quantile;
 use ident::{Dataset, IdentError};
 use plot::{Axis, Figure, Layer, Panel, Style};
 
-use super::super::data::load;
+use super::super::data::{Gaps, check_plot, read, say, take};
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
 use super::super::words::{digits, range, significant};
@@ -37,8 +38,10 @@ struct Delays {
 
 /// `dynoid delay`
 pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let data = load(&arguments.data, terminal)?.data;
-    let found = estimate(&data, arguments.longest).map_err(|source| CliError::identify("the delay", source))?;
+    check_plot(&arguments.result, &[&arguments.data.recordings])?;
+    let (data, spacing) = data(arguments, terminal)?;
+    let failed = |source| CliError::identify("the delay", source);
+    let found = estimate(&data, spacing, arguments.longest).map_err(failed)?;
     picture(&arguments.result, "Delay", || vec![losses(&found.ranking)])?;
     let doubts = found.doubts(&data);
     if arguments.result.json {
@@ -53,12 +56,45 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     Ok(Outcome::Done)
 }
 
-fn estimate(data: &Dataset, longest: usize) -> Result<Delays, IdentError> {
-    let arx = ArxDelay { highest: longest, ..ArxDelay::default() };
-    let is_single = data.inputs() == 1 && data.outputs() == 1;
+/// The data on the clock of the fastest channel, and how many of its samples lie between two of the output; on that of the
+/// slowest where the output is not known every so many samples.
+fn data(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<(Dataset, usize), CliError> {
+    if arguments.data.inputs.is_empty() {
+        return Err(CliError::Usage { what: "a delay is one from an input: name it with --input".into() });
+    }
+    let files = read(&arguments.data, terminal)?;
+    let mut loaded = take(&files, CommonClock::Fastest, &arguments.data)?;
+    let spacing = spacing(&loaded.data);
+    if spacing.is_none() {
+        loaded = take(&files, CommonClock::Slowest, &arguments.data)?;
+    }
+    // Between samples of a slow output nothing is missing that could be there.
+    let gaps = if spacing.is_some_and(|s| s > 1) { Gaps::OfInputs } else { Gaps::OfAll };
+    let cut = loaded.cut_at(gaps)?;
+    say(&cut.notes, &mut Vec::new(), terminal);
+    Ok((cut.data, spacing.unwrap_or(1)))
+}
+
+/// The samples from one known output to the next, gaps left aside; `None` where they are not always as many.
+fn spacing(data: &Dataset) -> Option<usize> {
+    let known = |e: &ident::Experiment| {
+        let y = e.output(0).iter().enumerate();
+        y.filter(|(_, v)| !v.is_nan()).map(|(i, _)| i).collect::<Vec<usize>>()
+    };
+    let all: Vec<Vec<usize>> = data.experiments().iter().map(known).collect();
+    let steps = || all.iter().flat_map(|known| known.windows(2).map(|w| w[1] - w[0]));
+    let least = steps().min()?;
+    steps().all(|step| step % least == 0).then_some(least)
+}
+
+fn estimate(data: &Dataset, spacing: usize, longest: usize) -> Result<Delays, IdentError> {
+    // A coefficient for each sample from one output to the next, during which the input may have changed.
+    let nb = ArxDelay::default().nb + spacing - 1;
+    let arx = ArxDelay { highest: longest, spacing, nb, ..ArxDelay::default() };
+    let is_single = data.inputs() == 1 && data.outputs() == 1 && spacing == 1;
     Ok(Delays {
         ranking: arx.estimate(data)?,
-        starts: ImpulseDelay { lags: longest, ..ImpulseDelay::default() }.estimate(data)?,
+        starts: ImpulseDelay { lags: longest, spacing, ..ImpulseDelay::default() }.estimate(data)?,
         phase: is_single.then(|| PhaseDelay { highest: longest, ..PhaseDelay::default() }.estimate(data)),
         fraction: is_single.then(|| FractionalDelay(arx).estimate(data)),
         longest,

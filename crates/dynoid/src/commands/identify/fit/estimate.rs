@@ -7,7 +7,7 @@ use ident::{
 use signal::Sos;
 
 use super::greybox;
-use super::orders::{Delay, Members, delays, polynomial_orders, states};
+use super::orders::{Delay, Members, delays, held, polynomial_orders, states};
 use crate::cli::identify::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,
     TransferFunctionArguments,
@@ -93,6 +93,10 @@ fn process(arguments: &ProcessArguments, data: &Dataset) -> Result<Fit<AnyModel>
     if let Some(text) = &arguments.delay {
         let range = Delay::read(text)?;
         options = options.with_delay_between(&[(range.low_s, range.high_s)]);
+    }
+    for text in &arguments.hold {
+        let (name, value) = held(text)?;
+        options = options.hold(name, value);
     }
     options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
 }

@@ -19,8 +19,6 @@ use verdict::Verdict;
 
 /// Confidence of the intervals shown.
 const INTERVAL: f64 = 0.95;
-/// Confidence of the regions of the residual tests.
-const REGION: f64 = 0.99;
 
 /// What an estimate was made of and came to.
 struct Finished {
@@ -61,7 +59,7 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     if let Some(path) = &common.result.plot {
         let shown = unseen.as_ref().unwrap_or(&estimation);
         let title = format!("{} → {}", show::channels(&finished.document), show::method(&finished.document));
-        replace_file(path, &draw(path, &title, &finished.verdict.figures(&shown.data))?)?;
+        replace_file(path, &draw(path, &title, &finished.verdict.figures(&shown.data, finished.has_noise_model()))?)?;
     }
     if common.result.json {
         terminal.json(&finished.json())?;
@@ -74,10 +72,10 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
 
 /// Checks where results go before any work is done.
 fn check_fit(arguments: &FitArguments) -> Result<(), CliError> {
-    let targets = [&arguments.out, &arguments.result.plot];
+    let read = [arguments.data.recordings.as_slice(), &arguments.validate];
     arguments.out.as_deref().map_or(Ok(()), model_file::check_ending)?;
-    check_targets(&targets, &[&arguments.data.recordings, &arguments.validate])?;
-    check_plot(&arguments.result)
+    check_targets(&[&arguments.out], &read)?;
+    check_plot(&arguments.result, &read)
 }
 
 /// Whether the method looks at the simulated output alone, so that outputs may be slower than the inputs.
@@ -139,7 +137,8 @@ fn parts(
     // The window belongs to the recordings of the estimate, the clock to both.
     let row_time_s = data.sample_time_s.unwrap_or(whole.data.sample_time_s());
     (data.from_s, data.to_s, data.sample_time_s) = (None, None, Some(whole.data.sample_time_s()));
-    let files = Files::read(&arguments.validate, Some(row_time_s), terminal)?;
+    let names: Vec<&str> = data.inputs.iter().chain(&data.outputs).map(String::as_str).collect();
+    let files = Files::read(&arguments.validate, &names, Some(row_time_s), terminal)?;
     let mut unseen = take(&files, CommonClock::Slowest, &data)?;
     let same = |a: &Source| whole.sources.iter().any(|b| a.sha256 == b.sha256);
     for source in unseen.sources.iter().filter(|source| same(source)) {

@@ -152,7 +152,17 @@ fn check_process(arguments: &ProcessArguments, inputs: usize) -> Result<(), CliE
     check_inputs(inputs)?;
     arguments.delay.as_deref().map_or(Ok(()), |text| Delay::read(text).map(|_| ()))?;
     let wrong = |reason| usage(format!("--structure {}: {reason}", arguments.structure));
+    arguments.hold.iter().try_for_each(|text| held(text).map(|_| ()))?;
     ProcessFit::named(&arguments.structure).map(|_| ()).map_err(wrong)
+}
+
+/// A parameter that is held, and its value.
+pub(super) fn held(text: &str) -> Result<(&str, f64), CliError> {
+    let parts = text.split_once('=').map(|(name, value)| (name.trim(), value.trim().parse::<f64>()));
+    match parts {
+        Some((name, Ok(value))) if value.is_finite() && !name.is_empty() => Ok((name, value)),
+        _ => Err(usage(format!("--hold {text}: give a parameter and a number, such as K=2"))),
+    }
 }
 
 /// The number of states; none where it is to be found.
