@@ -24,6 +24,9 @@ pub(crate) fn colour(style: Style) -> &'static str {
     }
 }
 
+/// A line that travels so many heights of its panel fills an area.
+const ROUGH: f64 = 20.0;
+
 /// The stroke of a line: a measurement is wide and light, and a model thin upon it. Where points are denser than pixels,
 /// lines become areas: thin strokes then leave what can be left of their shape, and a model lets shine through what it
 /// covers.
@@ -37,6 +40,13 @@ fn stroke(style: Style, is_dense: bool) -> (f64, &'static str) {
     }
 }
 
+/// Whether a line goes up and down so often that it fills an area.
+fn is_rough(y: &[Rounded], frame: &Frame) -> bool {
+    let pixel = |y: &Rounded| frame.y.pixel(y.0);
+    let travel = y.windows(2).map(|pair| (pixel(&pair[1]) - pixel(&pair[0])).abs()).filter(|way| way.is_finite());
+    travel.sum::<f64>() > ROUGH * (frame.bottom - frame.top)
+}
+
 fn dashes(style: Style) -> &'static str {
     if style.is_dashed() { "stroke-dasharray=\"7 3\"" } else { "" }
 }
@@ -45,7 +55,7 @@ pub(crate) fn draw(out: &mut String, layer: &Layer, frame: &Frame) {
     match layer {
         Layer::Line { style, x, y, .. } => {
             let d = polyline(&values(x, y.len()), y, frame, 'M');
-            let is_dense = y.len() as f64 > Frame::RIGHT - Frame::LEFT;
+            let is_dense = y.len() as f64 > Frame::RIGHT - Frame::LEFT && is_rough(y, frame);
             let (width, attributes) = stroke(*style, is_dense);
             // Dashes of what has become an area would be no line but holes.
             path(out, &d, *style, width, if is_dense { attributes } else { dashes(*style) });

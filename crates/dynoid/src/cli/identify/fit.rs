@@ -18,7 +18,8 @@ pub(crate) struct FitArguments {
     /// Estimates from the first part of each recording, this share of it, and judges on the rest
     #[arg(long, value_name = "SHARE", conflicts_with = "validate")]
     pub(crate) split: Option<f64>,
-    /// Judges on another recording
+    /// Judges on another recording, about the operating point of the data of the estimate; its dynamics alone are judged by
+    /// `dynoid compare --detrend mean`
     #[arg(long, value_name = "RECORDING")]
     pub(crate) validate: Vec<PathBuf>,
     #[command(flatten)]

@@ -328,7 +328,7 @@ impl System {
         }
         let gain = self.gain.as_ref().filter(|k| k.norm_max() > 0.0).map(|k| ("K", k.as_ref()));
         let own = [("A", system.a()), ("B", system.b()), ("C", system.c()), ("D", system.d())];
-        for (name, m) in own.into_iter().chain(gain) {
+        for (name, m) in own.into_iter().chain(gain).filter(|(_, m)| m.ncols() > 0) {
             for i in 0..m.nrows() {
                 let row: Vec<String> = (0..m.ncols()).map(|j| format!("{:>14}", significant(m[(i, j)]))).collect();
                 terminal.line(&format!("{} {}", if i == 0 { name } else { " " }, row.join("")));

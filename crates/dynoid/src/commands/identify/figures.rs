@@ -5,6 +5,9 @@ use ident::validate::{Independence, ResidualReport, Whiteness};
 use ident::{Dataset, Label};
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
+/// Correlations below this are rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// A figure whose texts are names of channels and files, not symbols.
 pub(super) fn figure(title: &str, x: Axis, panels: Vec<Panel>) -> Figure {
     Figure::new(title, x, panels).with_plain_text()
@@ -46,7 +49,7 @@ fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
         // Without points, for the legend alone: there the first model is the first.
         keys.insert(1, Layer::curve(model.name, style, &[], &[]));
         layers.push(Layer::trace(model.name, style, clock, modelled));
-        errors.push(Layer::trace(model.name, style, clock, &difference));
+        errors.push(trace(model.name, style, clock, &difference));
         title = format!("{}, {}", label.name, experiment.name);
     }
     keys.append(&mut layers);
@@ -62,9 +65,31 @@ fn measurement(models: &[Shown], number: usize, label: &Label) -> Layer {
         let output = model.data.output_labels().iter().position(|own| own == label)?;
         let experiment = model.data.experiments().get(number)?;
         let clock = (experiment.start_s, model.data.sample_time_s());
-        Some(Layer::trace("measured", Style::Measured, clock, experiment.output(output)))
+        Some(trace("measured", Style::Measured, clock, experiment.output(output)))
     };
     models.iter().find_map(of).unwrap_or_else(|| Layer::curve("measured", Style::Measured, &[], &[]))
+}
+
+/// A trace of which every so many samples only are known, as of an output that is slower than the clock, runs from one to
+/// the next; what is missing beyond that is a gap.
+fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values: &[f64]) -> Layer {
+    let known: Vec<usize> = (0..values.len()).filter(|i| !values[*i].is_nan()).collect();
+    let steps = || known.windows(2).map(|pair| pair[1] - pair[0]);
+    let least = steps().min().unwrap_or(1);
+    let at = |i: usize| start_s + i as f64 * sample_time_s;
+    if steps().all(|step| step % least == 0) {
+        let first = known.first().map_or(0, |i| i % least);
+        let kept: Vec<f64> = values.iter().skip(first).step_by(least).copied().collect();
+        return Layer::trace(name, style, (at(first), least as f64 * sample_time_s), &kept);
+    }
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for (n, i) in known.iter().enumerate() {
+        if n > 0 && i - known[n - 1] > 2 * least + 1 {
+            (x.push(at(*i)), y.push(f64::NAN));
+        }
+        (x.push(at(*i)), y.push(values[*i]));
+    }
+    Layer::curve(name, style, &x, &y)
 }
 
 /// Correlations of the residuals, a figure for each output.
@@ -75,8 +100,8 @@ pub(super) fn residuals(report: &ResidualReport, data: &Dataset, level: f64) -> 
         label: format!("{} % region", 100.0 * level),
     };
     let stems = |name: &str, style, first: f64, values: &[f64]| {
-        // A sum that is zero to the last digit is one of no pairs, as at lags between the samples of a slow output.
-        let there = values.iter().enumerate().filter(|(_, value)| **value != 0.0);
+        // A sum that is but rounding is one of no pairs, as at lags between the samples of a slow output.
+        let there = values.iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
         let (lags, values): (Vec<f64>, Vec<f64>) = there.map(|(n, value)| (first + n as f64, *value)).unzip();
         Layer::Stems { name: name.to_owned(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(&values) }
     };

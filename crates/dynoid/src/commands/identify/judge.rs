@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use ident::InitialState;
+use ident::uncertainty::Dynamics;
 use ident::validate::{Judgement, ResidualReport, ResidualTest, judge};
 use ident::{Dataset, Experiment, IdentError, ModelDocument};
 
@@ -79,7 +80,14 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
         say(&notes, &mut said, terminal);
         let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
         let name = model_file::name(path);
-        if let Ok(judged) = &judged
+        if arguments.horizon.is_none()
+            && let Some(mode) = document.model.system().and_then(|system| system.growing_mode()).ok().flatten()
+        {
+            let pole = words::growing_pole(&mode);
+            let text =
+                format!("{name} is not stable ({pole}): its simulation runs away; --horizon compares predictions");
+            say(&[text], &mut said, terminal);
+        } else if let Ok(judged) = &judged
             && let Some(hint) = operating_point::hint(document, &data, &judged.response, arguments.meet.detrend)
         {
             say(&[format!("{name}: {hint}")], &mut said, terminal);

@@ -26,10 +26,14 @@ pub(super) fn trend(
     }
 }
 
-/// What was taken off the model's own data: of a recording among them its own lines, of any other the mean of their levels.
 fn of_model(document: &ModelDocument, sources: &[Source]) -> Result<Option<Trend>, IdentError> {
-    let Some(trend) = &document.trend else { return Ok(None) };
     let own = document.estimate.as_ref().map_or(&[][..], |estimate| &estimate.sources);
+    of_data(document.trend.as_ref(), own, sources)
+}
+
+/// What was taken off a model's own data: of a recording among them its own lines, of any other the mean of their levels.
+pub(super) fn of_data(trend: Option<&Trend>, own: &[Source], sources: &[Source]) -> Result<Option<Trend>, IdentError> {
+    let Some(trend) = trend else { return Ok(None) };
     let known = |source: &Source| own.iter().position(|own| own.sha256 == source.sha256);
     let lines = |of: &dyn Fn(usize) -> Vec<Line>| {
         let rest = mean_levels(&(0..trend.count()).map(of).collect::<Vec<_>>());

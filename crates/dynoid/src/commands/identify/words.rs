@@ -120,7 +120,11 @@ pub(super) fn tests_json(report: &ResidualReport, level: f64) -> serde_json::Val
 
 /// A fit in percent; a dash where nothing was measured.
 pub(super) fn percent(value: f64) -> String {
-    if value.is_finite() { format!("{value:.2} %") } else { "–".to_owned() }
+    match value {
+        _ if !value.is_finite() => "–".to_owned(),
+        _ if value.abs() < 1e6 => format!("{value:.2} %"),
+        _ => format!("{value:.1e} %"),
+    }
 }
 
 /// Six significant digits.

@@ -40,6 +40,14 @@ struct Delays {
 pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let (data, spacing) = data(arguments, terminal)?;
+    let samples = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    if arguments.longest == 0 || arguments.longest >= samples / 2 {
+        let what = format!(
+            "--longest {}: give at least 1, and less than half of the {samples} samples on end",
+            arguments.longest
+        );
+        return Err(CliError::Usage { what });
+    }
     let failed = |source| CliError::identify("the delay", source);
     let found = estimate(&data, spacing, arguments.longest).map_err(failed)?;
     picture(&arguments.result, "Delay", || vec![losses(&found.ranking)])?;

@@ -9,9 +9,9 @@ mod verdict;
 use bench::dataset::CommonClock;
 use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
 
-use super::data::{Files, Gaps, Loaded, check_plot, check_targets, draw, load_on, named, say, take};
-use super::{greybox, model_file};
-use crate::cli::identify::{FitArguments, FitCommand};
+use super::data::{Files, Gaps, Loaded, Purpose, check_plot, check_targets, draw, load_on, named, say, take_about};
+use super::{greybox, model_file, operating_point};
+use crate::cli::identify::{FitArguments, FitCommand, MeetDetrend};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
@@ -38,6 +38,7 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     let structure = greybox::structure_of(command)?;
     let sees_through = sees_through_missing_outputs(command, structure.as_ref());
     let (estimation, unseen) = data(command, sees_through, terminal)?;
+    orders::check_delays(command, &estimation.data)?;
     let wanted = method::wanted(command);
     let progress = terminal.progress(1);
     progress.say(&format!("estimating {wanted}"));
@@ -67,6 +68,10 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
         finished.print(common, terminal);
     }
     finished.verdict.failures().iter().for_each(|text| terminal.warning(text));
+    if let (Some(unseen), Some(Ok(judged))) = (&unseen, finished.verdict.judged.last().map(|last| &last.simulated)) {
+        let hint = operating_point::hint(&finished.document, &unseen.data, &judged.response, MeetDetrend::Model);
+        hint.iter().for_each(|text| terminal.warning(&format!("{text} (dynoid compare)")));
+    }
     Ok(Outcome::Done)
 }
 
@@ -139,7 +144,8 @@ fn parts(
     (data.from_s, data.to_s, data.sample_time_s) = (None, None, Some(whole.data.sample_time_s()));
     let names: Vec<&str> = data.inputs.iter().chain(&data.outputs).map(String::as_str).collect();
     let files = Files::read(&arguments.validate, &names, Some(row_time_s), terminal)?;
-    let mut unseen = take(&files, CommonClock::Slowest, &data)?;
+    let about = |_: &_, sources: &_| operating_point::of_data(whole.trend.as_ref(), &whole.sources, sources);
+    let mut unseen = take_about(&files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;
     let same = |a: &Source| whole.sources.iter().any(|b| a.sha256 == b.sha256);
     for source in unseen.sources.iter().filter(|source| same(source)) {
         unseen.notes.push(format!("{}: the estimate rests on this recording too, so it is no unseen one", source.file));
@@ -153,6 +159,9 @@ fn refused(error: CliError, command: &FitCommand, estimation: &Loaded) -> CliErr
     let remedy = match &source {
         IdentError::TooFewSamples { .. } | IdentError::RankDeficient { .. } => {
             format!("; lower {}, or give more data", orders::options(command))
+        }
+        IdentError::Structure { what } if what.contains("held") => {
+            "; --hold takes K, Tw, zeta, Tp1, Tp2, Tp3, Tz and Td as far as --structure has them, with several inputs K[1], K[2] …".into()
         }
         _ => String::new(),
     };

@@ -1,5 +1,6 @@
 //! Estimates as text, as tables and as JSON.
 
+use ident::uncertainty::Dynamics;
 use ident::validate::Judgement;
 use ident::{AnyModel, Doubt, IdentError, LinearModel, ModelDocument, Parametric};
 use serde::Serialize;
@@ -102,7 +103,14 @@ impl Finished {
         });
         let is_grave =
             |doubt: &Doubt| matches!(doubt, Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. });
-        let word = |doubt| (is_grave(doubt), words::doubt(doubt, &names, &self.document.outputs));
+        let growing = self.fit.model.system().and_then(|system| system.growing_mode()).ok().flatten();
+        let pole = |doubt: &Doubt| match (&growing, doubt) {
+            (Some(mode), Doubt::Unstable) => format!(" ({})", words::growing_pole(mode)),
+            _ => String::new(),
+        };
+        let word = |doubt| {
+            (is_grave(doubt), format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
+        };
         let mut all: Vec<(bool, String)> = self.fit.doubts.iter().map(word).collect();
         all.extend(first.map(|text| (false, text)));
         all.sort_by_key(|(is_grave, _)| !is_grave);
@@ -158,10 +166,13 @@ impl Finished {
                     let fit = |j: &Result<Judgement, IdentError>| {
                         words::percent(j.as_ref().map_or(f64::NAN, |j| j.fit_percent[experiment][output]))
                     };
+                    // Without inputs there is nothing to simulate from.
+                    let simulated =
+                        if self.document.inputs.is_empty() { "–".to_owned() } else { fit(&judged.simulated) };
                     table.row([
                         on.as_str().into(),
                         label.name.as_str().into(),
-                        fit(&judged.simulated).into(),
+                        simulated.into(),
                         fit(&judged.predicted).into(),
                     ]);
                 }

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use ident::uncertainty::{Dynamics, Feature, Features};
 use ident::{AnyModel, IdentError};
-use lti::{LtiError, Margins};
+use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
 use plot::Axis;
 
 use super::super::data::check_plot;
@@ -18,33 +18,23 @@ use crate::terminal::Terminal;
 /// Frequencies of a Bode plot.
 const FREQUENCIES: usize = 400;
 
-/// Frequencies that differ by less than this share are one.
-const SAME: f64 = 1e-9;
-
 /// `dynoid bode`
 pub(crate) fn bode(arguments: &CurveArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.models.result, &[&arguments.models.models])?;
     let models = models(&arguments.models)?;
-    let grids = models.iter().map(|model| model.document.model.system()?.frequency_grid(FREQUENCIES));
-    let grids: Vec<Vec<f64>> = grids.collect::<Result<_, LtiError>>().map_err(|e| failed(e.into()))?;
+    let systems = models.iter().map(|model| model.document.model.system());
+    let systems: Vec<StateSpace> = systems.collect::<Result<_, LtiError>>().map_err(|e| failed(e.into()))?;
+    let all = common_frequency_grid(&systems, FREQUENCIES).map_err(|e| failed(e.into()))?;
     let mut curves = Vec::new();
     for (number, model) in models.iter().enumerate() {
-        let omega = shared(&grids, model.sample_time_s());
+        // All on one grid, so that curves can be compared point by point, each up to where it ends.
+        let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
+        let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
         for channel in channels(model) {
             curves.push(curve(model, number, channel, &omega, arguments.models.level).map_err(failed)?);
         }
     }
     show(&curves, &models, &Axis::frequency(), arguments, terminal)
-}
-
-/// The frequencies of all models together, up to where a discrete model ends: curves of several can be compared point by
-/// point then.
-fn shared(grids: &[Vec<f64>], sample_time_s: Option<f64>) -> Vec<f64> {
-    let nyquist = sample_time_s.map_or(f64::INFINITY, |t| PI / t);
-    let mut all: Vec<f64> = grids.concat().into_iter().filter(|omega| *omega <= nyquist).collect();
-    all.sort_by(f64::total_cmp);
-    all.dedup_by(|b, a| *b - *a <= SAME * *a);
-    all
 }
 
 fn curve(

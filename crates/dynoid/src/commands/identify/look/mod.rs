@@ -65,6 +65,11 @@ impl Model {
         Ok(Model { name, document, fit, is_noise })
     }
 
+    /// What it is called beside others.
+    fn title(&self) -> String {
+        if self.is_noise { format!("{}, noise", self.name) } else { self.name.clone() }
+    }
+
     /// What its way from an input to an output is summed up by.
     fn features(&self, output: usize, input: usize) -> Features<'_, AnyModel> {
         match &self.fit {

@@ -47,7 +47,7 @@ pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Resu
                 Some(t) => format!("roots in z, sample time {} s", digits(t, 6)),
                 None => "roots in s, in rad/s".to_owned(),
             };
-            terminal.heading(&format!("{}: {clock}", model.name), Style::Bold);
+            terminal.heading(&format!("{}: {clock}", model.title()), Style::Bold);
             print(model, all.iter().filter(|r| r.model == number), level, terminal);
         }
         written(&arguments.result.plot, terminal);

@@ -138,7 +138,8 @@ fn summary(
             .noted(format!("{samples} samples besides the one of the hold")),
         None => number("dead time", &features.number(|m| m.delay_s(output, input))?, "s"),
     };
-    facts.extend(Some(dead).filter(|_| !matches!(model.document.model, AnyModel::StateSpace(_))));
+    let has_delay = !model.is_noise && !matches!(model.document.model, AnyModel::StateSpace(_));
+    facts.extend(Some(dead).filter(|_| has_delay));
     Ok(facts)
 }
 
