@@ -95,6 +95,9 @@ pub(crate) enum CliError {
     /// Channels that are no data.
     #[error(transparent)]
     Dataset(#[from] bench::dataset::DatasetError),
+    /// A channel from which nothing can be computed.
+    #[error("{data}: \"{channel}\": {fault}")]
+    UnusableChannel { data: String, channel: String, fault: String },
     /// No output was named.
     #[error("{file}: name the outputs with --output, and the inputs with --input; the channels are {channels}")]
     NoOutputNamed { file: String, channels: String },

@@ -205,3 +205,18 @@ fn regress_unusable_data_are_named() {
     );
     assert!(matches!(PeakDelay::default().estimate(&gaps), Err(IdentError::Missing { .. })));
 }
+
+#[test]
+fn stat_the_delay_of_an_output_that_is_slower_than_its_input_is_found() {
+    let mut noise = crate::noise::Noise::new(21);
+    let u = noise.normals(12_000);
+    let mut x = vec![0.0; 12_000];
+    (7..12_000).for_each(|t| x[t] = 0.9 * x[t - 1] + 0.1 * u[t - 7]);
+    // Known every fourth sample alone.
+    let y: Vec<f64> = (0..12_000).map(|t| if t % 4 == 0 { x[t] + 0.01 * noise.normal() } else { f64::NAN }).collect();
+    let data = Dataset::siso(0.001, &u, &y).unwrap();
+    let arx = ArxDelay { spacing: 4, nb: 5, ..Default::default() }.estimate(&data).unwrap();
+    assert_eq!((arx.delays[0], arx.samples > 2900), (7, true), "{:?}", arx.samples);
+    let starts = ImpulseDelay { spacing: 4, ..Default::default() }.estimate(&data).unwrap();
+    assert_eq!(starts[0].delay, Some(7));
+}

@@ -37,8 +37,8 @@ pub(crate) struct DataArguments {
     /// Leaves out everything after this time of the recording
     #[arg(long = "to", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
     pub(crate) to_s: Option<f64>,
-    /// Sample time of the data [default: that of the slowest channel; for fits to the simulated output (oe, tf, process,
-    /// greybox) that of the fastest]. For text without a time column, the time from row to row
+    /// Sample time of the data [default: that of the slowest channel; for delay and for fits to the simulated output (oe, tf,
+    /// process, greybox) that of the fastest]. For text without a time column, the time from row to row
     #[arg(long = "sample-time", value_name = "SECONDS", help_heading = "Data")]
     pub(crate) sample_time_s: Option<f64>,
     /// What is taken off every channel first

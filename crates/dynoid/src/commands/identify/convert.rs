@@ -224,41 +224,43 @@ fn system(source: &ModelDocument, arguments: &ConvertArguments) -> Result<System
     Ok(System { system, input_delays_s: Vec::new(), gain: None })
 }
 
-/// A polynomial model continuous, or on another clock: without its noise, whose states would have to have counterparts too,
-/// and with the delays, which have none, beside it.
+/// A polynomial model continuous, or on another clock: with delays, which have no continuous counterpart as states, beside
+/// it.
 fn polynomial_system(model: &PolynomialModel, arguments: &ConvertArguments) -> Result<System, CliError> {
-    let mut equations = model.equations().to_vec();
-    equations.iter_mut().for_each(|e| (e.c, e.d) = (Vec::new(), Vec::new()));
+    let as_states = |system| System { system, input_delays_s: Vec::new(), gain: None };
+    let whole = resampled(without_noise(model, usize::MAX).map_err(failed)?, arguments);
     // One sample of each delay is that of the hold.
-    let samples = |e: &PolynomialEquation| e.nk.iter().map(|nk| nk.saturating_sub(1)).collect::<Vec<usize>>();
-    let delays: Vec<usize> = equations.iter().flat_map(samples).collect();
-    let system = |equations: Vec<PolynomialEquation>| {
-        let noise = model.noise_covariance().to_owned();
-        Ok(PolynomialModel::new(model.sample_time_s(), equations, noise)?.innovations()?.system().clone())
-    };
-    let whole = system(equations.clone()).map_err(failed)?;
-    if delays.iter().all(|samples| *samples == 0) {
-        let system = resampled(whole, arguments).map_err(failed)?;
-        return Ok(System { system, input_delays_s: Vec::new(), gain: None });
-    }
+    let samples = model.equations().iter().flat_map(|e| &e.nk).map(|nk| nk.saturating_sub(1));
+    let delays_s: Vec<f64> = samples.map(|samples| samples as f64 * model.sample_time_s()).collect();
     // A clock of which the new one is a multiple keeps the delays as states.
-    if arguments.sample_time.is_some()
-        && let Ok(system) = resampled(whole, arguments)
-    {
-        return Ok(System { system, input_delays_s: Vec::new(), gain: None });
+    if delays_s.iter().all(|delay_s| *delay_s == 0.0) || (arguments.sample_time.is_some() && whole.is_ok()) {
+        return whole.map(as_states).map_err(failed);
     }
-    for nk in equations.iter_mut().flat_map(|e| &mut e.nk) {
-        *nk = (*nk).min(1);
-    }
-    let delays_s: Vec<f64> = delays.iter().map(|samples| *samples as f64 * model.sample_time_s()).collect();
-    let continuous = system(equations).and_then(|s| s.to_continuous(rule(arguments))).map_err(failed)?;
-    let beside = beside_delays(continuous, &delays_s)?;
+    let continuous = without_noise(model, 1).and_then(|system| system.to_continuous(rule(arguments)));
+    let beside = beside_delays(continuous.map_err(failed)?, &delays_s)?;
     let Some(sample_time_s) = arguments.sample_time else { return Ok(beside) };
-    let held = |System { system, input_delays_s, .. }: System| match rule(arguments) {
-        Discretisation::ZeroOrderHold => system.to_discrete_delayed(&input_delays_s, sample_time_s)?.to_state_space(),
-        _ => Err(LtiError::FractionalDelay { delay_s: delays_s.iter().copied().fold(0.0, f64::max), sample_time_s }),
+    let sampled = match rule(arguments) {
+        Discretisation::ZeroOrderHold => {
+            let delayed = beside.system.to_discrete_delayed(&beside.input_delays_s, sample_time_s);
+            delayed.and_then(|delayed| delayed.to_state_space())
+        }
+        _ => {
+            let delay_s = delays_s.iter().copied().fold(0.0, f64::max);
+            Err(LtiError::FractionalDelay { delay_s, sample_time_s })
+        }
     };
-    Ok(System { system: held(beside).map_err(failed)?, input_delays_s: Vec::new(), gain: None })
+    sampled.map(as_states).map_err(failed)
+}
+
+/// The way from the inputs, with delays of so many samples at most: states of the noise would have to have counterparts too.
+fn without_noise(model: &PolynomialModel, longest: usize) -> Result<StateSpace, LtiError> {
+    let mut equations = model.equations().to_vec();
+    for e in &mut equations {
+        (e.c, e.d) = (Vec::new(), Vec::new());
+        e.nk.iter_mut().for_each(|nk| *nk = longest.min(*nk));
+    }
+    let model = PolynomialModel::new(model.sample_time_s(), equations, model.noise_covariance().to_owned())?;
+    Ok(model.innovations()?.system().clone())
 }
 
 /// A model with delays, sampled: its delays are states.

@@ -73,6 +73,11 @@ impl Files {
         self.all.iter().zip(data.experiments()).map(source).collect()
     }
 
+    /// The recordings and the channels of data, as a message about them begins.
+    pub(super) fn named(&self, data: &Dataset) -> String {
+        super::named(data, &self.sources(data))
+    }
+
     /// A warning for each recording whose content was given before under another name.
     pub(super) fn doubles(&self) -> Vec<String> {
         let double = |(index, file): (usize, &File)| {

@@ -1,5 +1,6 @@
 //! From recordings and channel names to data without trend.
 
+mod faults;
 mod files;
 mod gaps;
 mod targets;
@@ -9,6 +10,7 @@ use bench::dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
 use ident::{Advice, Dataset, IdentError, Intersample, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
 
+pub(super) use faults::check_variation;
 pub(super) use files::Files;
 pub(super) use gaps::Gaps;
 pub(super) use targets::{check_plot, check_targets, draw};
@@ -108,6 +110,7 @@ pub(super) fn take_about(
         intersample: intersample(arguments.between),
     };
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
+    faults::check_sizes(&data, &files.named(&data))?;
     let mut notes = files.doubles();
     // Inputs that stand in for outputs have their own adjustments.
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));

@@ -25,6 +25,8 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
     let failed = |source| CliError::identify("the order scan", source);
     let [na, nb, nk] = ranges.clone();
     let scan = OrderScan::new(na, nb, nk);
+    let progress = terminal.progress(1);
+    progress.say("comparing the structures");
     let table = match share {
         Some(share) => {
             let split = data.split(share).map_err(failed)?;
@@ -33,6 +35,7 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
         None => scan.run(&data),
     };
     let table = table.map_err(failed)?;
+    drop(progress);
     picture(&arguments.result, "Order", || vec![loss_figure(&table)])?;
     let mut criteria = vec![
         ("AIC", Criterion::Aic),
