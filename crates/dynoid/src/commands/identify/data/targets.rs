@@ -28,8 +28,8 @@ pub(in crate::commands::identify) fn check_plot(
     arguments: &ResultArguments,
     read: &[&[PathBuf]],
 ) -> Result<(), CliError> {
-    arguments.plot.as_ref().map_or(Ok(()), |path| kind(path).map(|_| ()))?;
-    check_targets(&[&arguments.plot], read)
+    check_targets(&[&arguments.plot], read)?;
+    arguments.plot.as_ref().map_or(Ok(()), |path| kind(path).map(|_| ()))
 }
 
 #[derive(Debug, Clone, Copy)]

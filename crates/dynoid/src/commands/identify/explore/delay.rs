@@ -29,7 +29,8 @@ type Fine = Option<Result<DelayEstimate, IdentError>>;
 /// What each method says.
 struct Delays {
     ranking: DelayRanking,
-    starts: Vec<ImpulseResponseStart>,
+    /// Not there where the inputs excite fewer orders than there are lags, as held ones may.
+    starts: Result<Vec<ImpulseResponseStart>, IdentError>,
     /// The methods of one input and one output.
     phase: Fine,
     fraction: Fine,
@@ -102,7 +103,7 @@ fn estimate(data: &Dataset, spacing: usize, longest: usize) -> Result<Delays, Id
     let is_single = data.inputs() == 1 && data.outputs() == 1 && spacing == 1;
     Ok(Delays {
         ranking: arx.estimate(data)?,
-        starts: ImpulseDelay { lags: longest, spacing, ..ImpulseDelay::default() }.estimate(data)?,
+        starts: ImpulseDelay { lags: longest, spacing, ..ImpulseDelay::default() }.estimate(data),
         phase: is_single.then(|| PhaseDelay { highest: longest, ..PhaseDelay::default() }.estimate(data)),
         fraction: is_single.then(|| FractionalDelay(arx).estimate(data)),
         longest,
@@ -154,7 +155,8 @@ impl Delays {
                 2 * self.longest
             ));
         }
-        all.extend(match self.starts.get(input).map(|start| start.delay) {
+        let starts = self.starts.as_deref().unwrap_or_default();
+        all.extend(match starts.get(input).map(|start| start.delay) {
             Some(Some(start)) if start < low => Some(format!(
                 "the impulse response to \"{name}\" starts at {start} already, the ARX comparison says {best}: a small \
                  early response that models of low order pass over; trust {best} for such a model, and {start} for one \
@@ -193,7 +195,10 @@ fn table(found: &Delays, data: &Dataset) -> Table {
         let name = format!("ARX comparison, {}", data.input_labels()[input].name);
         table.row([name.into(), delay.to_string().into(), seconds(*delay as f64).into(), certainty.into()]);
     }
-    for (input, start) in found.starts.iter().enumerate() {
+    if let Err(reason) = &found.starts {
+        table.row(["impulse response".into(), "–".into(), "–".into(), reason.to_string().into()]);
+    }
+    for (input, start) in found.starts.iter().flatten().enumerate() {
         let name = format!("impulse response, {}", data.input_labels()[input % data.inputs()].name);
         let (samples, time) = start.delay.map_or(("–".into(), "–".into()), |d| (d.to_string(), seconds(d as f64)));
         table.row([name.into(), samples.into(), time.into(), "first coefficient that is significant".into()]);
@@ -220,7 +225,10 @@ fn json(found: &Delays, data: &Dataset, doubts: &[String]) -> serde_json::Value 
     let candidate =
         |c: &ident::delay::DelayCandidate| serde_json::json!({"samples": c.delays, "loss": c.loss, "weight": c.weight});
     let candidates: Vec<_> = found.ranking.candidates.iter().take(LISTED).map(candidate).collect();
-    let starts: Vec<_> = found.starts.iter().map(|start| start.delay).collect();
+    let starts = match &found.starts {
+        Ok(starts) => serde_json::json!(starts.iter().map(|start| start.delay).collect::<Vec<_>>()),
+        Err(reason) => serde_json::json!({"error": reason.to_string()}),
+    };
     serde_json::json!({
         "sample_time_s": data.sample_time_s(),
         "arx": {"samples": found.ranking.delays, "candidates": candidates},
