@@ -25,7 +25,7 @@ fn ref_the_hair_dryer_has_a_delay_of_three() {
     let arx = ArxDelay { na: 2, nb: 2, lowest: 0, highest: 10, ..Default::default() }.estimate(&data).unwrap();
     assert_eq!(arx.delays, [3], "{:?}", &arx.candidates[..3]);
     assert!(arx.standard_errors[0] < 0.1);
-    let start = &ImpulseDelay { na: 4, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
+    let start = &ImpulseDelay { na: 4, spacing: 1, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
     assert_eq!(start.delay, Some(3), "{start:?}");
 }
 
@@ -35,7 +35,7 @@ fn ref_the_gas_furnace_has_a_delay_of_three() {
     let arx = ArxDelay { na: 2, nb: 3, lowest: 0, highest: 10, ..Default::default() }.estimate(&data).unwrap();
     assert_eq!(arx.delays, [3], "{:?}", &arx.candidates[..3]);
     // The slow input leaves single coefficients uncertain; the one at lag 3 stands out most.
-    let start = &ImpulseDelay { na: 4, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
+    let start = &ImpulseDelay { na: 4, spacing: 1, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
     let size = |i: &usize| (start.coefficients[*i] / start.standard_errors[*i]).abs();
     assert_eq!((0..12).max_by(|a, b| size(a).total_cmp(&size(b))), Some(3), "{start:?}");
     // The whitened correlation peaks at the largest response, later than the first.
@@ -64,7 +64,7 @@ fn stat_delays_of_several_inputs_are_found_jointly_and_in_turns() {
         let turns = ArxDelay { na: 1, nb: 1, lowest: 0, highest: 15, ..Default::default() }.estimate(&data).unwrap();
         assert_eq!(turns.delays, [1, 7, 12]);
         assert!(turns.candidates.len() < 1000);
-        let starts = ImpulseDelay { na: 2, lags: 16, level: 0.99 }.estimate(&data).unwrap();
+        let starts = ImpulseDelay { na: 2, spacing: 1, lags: 16, level: 0.99 }.estimate(&data).unwrap();
         assert_eq!(starts.iter().map(|s| s.delay).collect::<Vec<_>>(), [Some(1), Some(7), Some(12)]);
     }
     let two = three_inputs(2, 1500, 1.0).channels(&[0, 1], &[0]).unwrap();
