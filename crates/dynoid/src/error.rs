@@ -72,7 +72,7 @@ pub(crate) enum CliError {
     #[error("none of the {count} recordings of {} can be used, so there is no study:\n{}", .bench.display(), .reasons.join("\n"))]
     NothingUsable { bench: PathBuf, count: usize, reasons: Vec<String> },
     /// A file or folder that cannot be written.
-    #[error("{}: {}", .path.display(), write_words(.source))]
+    #[error("{}: {}", .path.display(), write_words(.path, .source))]
     Write { path: PathBuf, source: io::Error },
     /// Something else stands where a file or folder is to be written.
     #[error("{}: {what} of this name is already there; remove it, or choose another place with --out", .path.display())]
@@ -101,6 +101,9 @@ pub(crate) enum CliError {
     /// Channels that are no data.
     #[error(transparent)]
     Dataset(#[from] bench::dataset::DatasetError),
+    /// A channel from which nothing can be computed.
+    #[error("{data}: \"{channel}\": {fault}")]
+    UnusableChannel { data: String, channel: String, fault: String },
     /// No output was named.
     #[error("{file}: name the outputs with --output, and the inputs with --input; the channels are {channels}")]
     NoOutputNamed { file: String, channels: String },
@@ -198,7 +201,7 @@ fn read_words(error: &io::Error) -> String {
     }
 }
 
-fn write_words(error: &io::Error) -> String {
+fn write_words(path: &Path, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
             "you may not write here; choose another place with --out".into()
@@ -208,6 +211,9 @@ fn write_words(error: &io::Error) -> String {
         }
         io::ErrorKind::NotADirectory => {
             "part of this path is a file, not a folder; choose another place with --out".into()
+        }
+        io::ErrorKind::NotFound if crate::input::folder_of(path).is_dir() => {
+            "no file can be made in this folder; choose another place with --out".into()
         }
         io::ErrorKind::NotFound => {
             "the folder to write to is not there; make it, or choose another place with --out".into()

@@ -26,7 +26,7 @@ mod state_space;
 mod transfer_function;
 mod zero_pole_gain;
 
-pub use analysis::{GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid};
+pub use analysis::{GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid, common_frequency_grid};
 pub use delayed::DelayedStateSpace;
 pub use error::LtiError;
 pub use expm::expm;

@@ -116,13 +116,17 @@ const SHAPES = {
   ring: (x, y) => `M${x - 4.5} ${y}a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0`,
 };
 
-const classOf = (layer) => `series s-${layer.style}`;
+const classOf = (layer) => `series s-${layer.style}${isLine(layer) ? " line" : ""}`;
+// A line that travels so many heights of its panel fills an area.
+const ROUGH = 20;
+const isLine = (layer) => layer.type === "line" || layer.type === "path";
+const DASHED = new Set(["sixth", "seventh", "eighth", "ninth", "tenth"]);
 
 /** How each kind of layer is drawn. */
 const LAYERS = {
   line(group, layer, { sx, sy }) {
     const [first, end] = visibleRange(layer.x, sx.low, sx.high);
-    const dense = end - first > sx.toPixel(sx.high) - sx.toPixel(sx.low) ? " dense" : "";
+    const dense = end - first > sx.toPixel(sx.high) - sx.toPixel(sx.low) && isRough(layer.y, first, end, sy) ? " dense" : "";
     svg(group, "path", { class: classOf(layer) + dense, d: linePath(layer, sx, sy) });
   },
   points(group, layer, { sx, sy }) {
@@ -185,6 +189,16 @@ const LAYERS = {
     svg(group, "rect", { class: "region", x, width: Math.max(1, end - x), y: top, height: bottom - top });
   },
 };
+
+/** Whether a line goes up and down so often that it fills an area. */
+function isRough(y, first, end, sy) {
+  let travel = 0;
+  for (let n = first + 1; n < end; n++) {
+    const way = Math.abs(sy.toPixel(y[n]) - sy.toPixel(y[n - 1]));
+    if (Number.isFinite(way)) travel += way;
+  }
+  return travel > ROUGH * Math.abs(sy.toPixel(sy.high) - sy.toPixel(sy.low));
+}
 
 /** Joins the path of every sample whose values are finite. */
 function path(layer, piece) {

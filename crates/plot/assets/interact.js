@@ -188,7 +188,8 @@ function swatch(layer) {
     return key;
   }
   const key = document.createElement("i");
-  key.className = `swatch k-${layer.style}${["line", "path"].includes(layer.type) ? "" : " dot"}`;
+  const shape = !isLine(layer) ? " dot" : DASHED.has(layer.style) ? " dashed" : "";
+  key.className = `swatch k-${layer.style}${shape}`;
   return key;
 }
 

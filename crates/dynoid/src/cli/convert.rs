@@ -5,8 +5,32 @@ use std::path::PathBuf;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
-use super::identify::{Between, Representation, Sampling};
+use super::identify::Between;
 use crate::formats::FileFormat;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Representation {
+    /// Numerator and denominator
+    Tf,
+    /// Zeros, poles and gain
+    Zpk,
+    /// State space
+    Ss,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Sampling {
+    /// Zero-order hold
+    Zoh,
+    /// First-order hold
+    Foh,
+    /// Tustin's bilinear rule
+    Tustin,
+    /// Impulse invariance
+    Impulse,
+    /// Matched poles and zeros
+    Matched,
+}
 
 /// What comes out: a recording in a format, or a model in a form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -35,6 +35,8 @@ fn exact_conversions_are_the_same_model_delay_included() {
         ("process", "--to ss --sample-time 0.1"),
         ("armax", "--to ss"),
         ("armax", "--to tf"),
+        ("armax", "--to ss --continuous"),
+        ("armax", "--to tf --continuous"),
     ] {
         let ran = run(&folder, &format!("convert {model}.json {form} --out c.json"));
         assert_eq!(ran.code, Some(0), "{model} {form}: {}", ran.stderr);
@@ -80,7 +82,8 @@ fn what_cannot_be_converted_is_said() {
     run(&folder, "convert tf.json --to ss --out tf.json").assert_refused(2, &["tf.json", "is read"]);
     run(&folder, "convert tf.json --to ss --out c.csv").assert_refused(2, &["c.csv", ".json"]);
     // 0.03 s is no whole number of these samples, and Tustin's rule has no answer to that.
-    run(&folder, "convert tf.json --to ss --sample-time 0.1 --method tustin").assert_refused(3, &["0.03"]);
+    run(&folder, "convert tf.json --to ss --sample-time 0.1 --method tustin")
+        .assert_refused(2, &["0.03", "--method zoh"]);
     let whole = run(&folder, "convert tf.json --to ss --sample-time 0.01 --method tustin --json");
     assert_eq!(whole.code, Some(0), "{}", whole.stderr);
 }

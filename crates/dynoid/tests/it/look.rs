@@ -128,15 +128,6 @@ fn a_spectrum_is_that_of_the_longest_stretch_without_gaps() {
 }
 
 #[test]
-fn responses_of_models_without_inputs_are_refused() {
-    let folder = folder();
-    said(&folder, "fit arx T_TN.csv -y two --na 4 --quiet --out series.json");
-    for command in ["bode", "step"] {
-        run(&folder, &format!("{command} series.json")).assert_refused(2, &["series", "no inputs"]);
-    }
-}
-
-#[test]
 fn an_order_at_the_end_of_the_scan_is_said() {
     let folder = folder();
     let text = said(&folder, "order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3");

@@ -13,6 +13,8 @@ mod identify;
 mod init;
 mod inspect;
 mod look;
+mod operating_point;
 mod study;
 mod support;
 mod terminal;
+mod unusual;

@@ -22,6 +22,9 @@ const ORDER: usize = 6;
 /// A share of equal neighbours above this, away from the extremes, is that of a held signal, not of a clipped one.
 const HELD: f64 = 0.2;
 
+/// Samples that a switch from one level to the other takes, on average and at most.
+const SWITCH: f64 = 2.0;
+
 /// A rise of the step response is sampled well by so many samples (4 to 10 are ideal).
 const RISE: std::ops::RangeInclusive<f64> = 2.0..=50.0;
 
@@ -247,6 +250,7 @@ pub fn advise(data: &Dataset) -> Vec<Advice> {
 fn channel_advice(data: &Dataset, channel: Channel, found: &mut Vec<Advice>) -> bool {
     let of = data.samples();
     let mut known = Vec::with_capacity(of);
+    let is_input = matches!(channel, Channel::Input(_));
     let (mut clipped, mut outliers) = (0, Vec::new());
     for (index, e) in data.experiments().iter().enumerate() {
         let x = e.channel(channel);
@@ -254,7 +258,7 @@ fn channel_advice(data: &Dataset, channel: Channel, found: &mut Vec<Advice>) -> 
         if let Ok(quality) = check_quality(x, &QualityOptions::default()) {
             outliers.extend(quality.spikes.into_iter().map(|row| (index, row)));
             let runs = quality.clipped_low.into_iter().chain(quality.clipped_high);
-            clipped += if is_held(x) { 0 } else { runs.map(|r| r.len()).sum() };
+            clipped += if is_held(x) || (is_input && switches(x)) { 0 } else { runs.map(|r| r.len()).sum() };
         }
     }
     if known.len() < of {
@@ -346,14 +350,27 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
     }
 }
 
-/// Whether most neighbours that differ from the extremes are equal, as in a command that is held.
+/// Whether neighbours away from the extremes are often equal, as in a command that is held.
 fn is_held(x: &[f64]) -> bool {
-    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let (low, high) = extremes(x);
     let inner = |w: &&[f64]| w[0] > low && w[0] < high;
     let count = x.windows(2).filter(inner).count();
     let equal = x.windows(2).filter(inner).filter(|w| w[0] == w[1]).count();
-    // A signal that is hardly ever between its extremes switches between two levels.
-    (count as f64) < HELD * x.len() as f64 || equal as f64 > HELD * count as f64
+    equal as f64 > HELD * count as f64
+}
+
+/// Whether a signal switches between two levels, as a binary excitation does: it is hardly ever between them, and not for
+/// longer than a switch takes. What a linear system answers does not switch; an output that does is cut off.
+fn switches(x: &[f64]) -> bool {
+    let (low, high) = extremes(x);
+    let is_inner = |v: &f64| *v > low && *v < high;
+    let inner = x.iter().filter(|v| is_inner(v)).count();
+    let ways = x.windows(2).filter(|w| !is_inner(&w[0]) && is_inner(&w[1])).count();
+    (inner as f64) < HELD * x.len() as f64 && inner as f64 <= SWITCH * ways.max(1) as f64
+}
+
+fn extremes(x: &[f64]) -> (f64, f64) {
+    x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)))
 }
 
 fn moments(x: &[f64]) -> (f64, f64) {

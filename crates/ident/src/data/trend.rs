@@ -112,6 +112,21 @@ impl Trend {
         Ok(Trend { inputs: levels(inputs), outputs: levels(outputs) })
     }
 
+    /// Known lines, one list an experiment: one line an input, and one an output.
+    ///
+    /// # Errors
+    /// [`IdentError::Length`] for another number of experiments of the outputs than of the inputs.
+    pub fn per_experiment(inputs: Vec<Vec<Line>>, outputs: Vec<Vec<Line>>) -> Result<Self, IdentError> {
+        super::check_count("experiments of the outputs", inputs.len(), outputs.len())?;
+        Ok(Trend { inputs, outputs })
+    }
+
+    /// How many experiments have lines of their own; one where all share them.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.outputs.len()
+    }
+
     /// The lines of the inputs in an experiment.
     #[must_use]
     pub fn inputs(&self, experiment: usize) -> &[Line] {

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::signals;
+use super::{past_outputs, signals};
 use crate::data::check_range;
 use crate::regression::{Lagged, Regression, Signals, factor_of};
 use crate::{Dataset, IdentError};
@@ -16,8 +16,9 @@ const ROUNDS: usize = 20;
 /// Losses below this part of the output's power are rounding.
 const ROUNDING: f64 = 1e-26;
 
-/// Compares `A(q) y(t) = Σ_k B_k(q) u_k(t − nk_k) + e(t)` over the delays `lowest..=highest` of every input, on the same
-/// rows.
+/// Compares `A(q^s) y(t) = Σ_k B_k(q) u_k(t − nk_k) + e(t)` over the delays `lowest..=highest` of every input, on the same
+/// rows, with the `spacing` s of one unless the output is slower than the inputs; then `nb` has to be larger by s − 1 for
+/// the same dynamics.
 ///
 /// The data are read once: the widest regressor is factored, and each model is solved from the factor. Up to 2000
 /// combinations of delays are compared jointly; beyond that inputs take turns, starting with all lags of the others in
@@ -42,6 +43,8 @@ const ROUNDING: f64 = 1e-26;
 pub struct ArxDelay {
     /// Coefficients of `A`; zero for finite impulse responses.
     pub na: usize,
+    /// Samples from one past output to the next: one, or more for an output that is known only so often.
+    pub spacing: usize,
     /// Coefficients of each `B`.
     pub nb: usize,
     /// Shortest delay.
@@ -53,7 +56,7 @@ pub struct ArxDelay {
 impl Default for ArxDelay {
     /// Two coefficients each, delays from 0 to 20.
     fn default() -> Self {
-        ArxDelay { na: 2, nb: 2, lowest: 0, highest: 20 }
+        ArxDelay { na: 2, spacing: 1, nb: 2, lowest: 0, highest: 20 }
     }
 }
 
@@ -121,7 +124,7 @@ struct Comparison<'a> {
 
 impl<'a> Comparison<'a> {
     fn new(options: &'a ArxDelay, signals: &Signals<'_>, inputs: usize) -> Result<Self, IdentError> {
-        let past = Lagged::each(0, 1..=options.na as isize);
+        let past = past_outputs(options.na, options.spacing);
         let lags = options.lowest as isize..(options.highest + options.nb) as isize;
         let width = lags.len();
         let fed = (1..=inputs).flat_map(|k| Lagged::each(k, lags.clone()));

@@ -1,6 +1,6 @@
 //! A delay to a fraction of a sample beside dynamics.
 
-use super::{ArxDelay, DelayEstimate, check_one_input, golden_minimum, signals};
+use super::{ArxDelay, DelayEstimate, check_one_input, golden_minimum, past_outputs, signals};
 use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
@@ -64,7 +64,7 @@ impl FractionalDelay {
         // Two more than wanted and two less in the lags, so that as many rows are cut off for every fraction.
         let delayed = data.delay_input(0, fraction + 2.0)?;
         let first = whole as isize - 2;
-        let past = Lagged::each(0, 1..=self.0.na as isize);
+        let past = past_outputs(self.0.na, self.0.spacing);
         let fed = Lagged::each(1, first..first + self.0.nb as isize);
         let columns: Vec<Lagged> = past.chain(fed).chain([Lagged::new(0, 0)]).collect();
         let parameters = columns.len() - 1;

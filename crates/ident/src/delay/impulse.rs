@@ -1,6 +1,6 @@
 //! The first lag at which an input matters.
 
-use super::signals;
+use super::{past_outputs, signals};
 use crate::data::check_range;
 use crate::distributions::normal_quantile;
 use crate::regression::{Lagged, Regression};
@@ -19,7 +19,7 @@ use crate::{Dataset, IdentError};
 /// # let u: Vec<f64> = (0..400).map(|_| random.normal()).collect();
 /// # let e: Vec<f64> = (0..400).map(|_| 0.1 * random.normal()).collect();
 /// let y: Vec<f64> = (0..400).map(|t| if t < 5 { 0.0 } else { u[t - 4] + 0.5 * u[t - 5] + e[t] }).collect();
-/// let found = ident::delay::ImpulseDelay { na: 0, lags: 20, level: 0.999 };
+/// let found = ident::delay::ImpulseDelay { na: 0, lags: 20, level: 0.999, ..Default::default() };
 /// assert_eq!(found.estimate(&ident::Dataset::siso(0.1, &u, &y)?)?[0].delay, Some(4));
 /// # Ok::<(), ident::IdentError>(())
 /// ```
@@ -30,6 +30,8 @@ use crate::{Dataset, IdentError};
 pub struct ImpulseDelay {
     /// Past outputs in the regression.
     pub na: usize,
+    /// Samples from one past output to the next: one, or more for an output that is known only so often.
+    pub spacing: usize,
     /// Lags of each input, from zero.
     pub lags: usize,
     /// Probability that no lag of an input without effect is taken for one with.
@@ -39,7 +41,7 @@ pub struct ImpulseDelay {
 impl Default for ImpulseDelay {
     /// Ten past outputs, lags 0 to 29, a level of 0.99.
     fn default() -> Self {
-        ImpulseDelay { na: 10, lags: 30, level: 0.99 }
+        ImpulseDelay { na: 10, spacing: 1, lags: 30, level: 0.99 }
     }
 }
 
@@ -67,7 +69,7 @@ impl ImpulseDelay {
         let signals = signals(data)?;
         check_range("lags", self.lags as f64, 1.0, 1e5)?;
         check_range("level", self.level, 0.0, 1.0 - 1e-12)?;
-        let past = Lagged::each(0, 1..=self.na as isize);
+        let past = past_outputs(self.na, self.spacing);
         let fed = (1..=data.inputs()).flat_map(|k| Lagged::each(k, 0..self.lags as isize));
         let columns = past.chain(fed).chain([Lagged::new(0, 0)]).collect();
         let fit = Regression::new(&signals, columns).least_squares()?;

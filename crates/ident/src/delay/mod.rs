@@ -28,6 +28,7 @@ pub use impulse::{ImpulseDelay, ImpulseResponseStart};
 pub use peak::{CorrelationPeak, PeakDelay};
 pub use phase::PhaseDelay;
 
+use crate::regression::Lagged;
 use crate::{Dataset, IdentError};
 
 /// A delay to a fraction of a sample.
@@ -51,6 +52,11 @@ fn signals(data: &Dataset) -> Result<Vec<Vec<&[f64]>>, IdentError> {
     }
     let (experiments, inputs) = (data.experiments().iter(), data.inputs());
     Ok(experiments.map(|e| std::iter::once(e.output(0)).chain((0..inputs).map(|k| e.input(k))).collect()).collect())
+}
+
+/// Past outputs, `spacing` samples from one to the next.
+fn past_outputs(count: usize, spacing: usize) -> impl Iterator<Item = Lagged> {
+    Lagged::each(0, (1..=count).map(move |i| (i * spacing) as isize))
 }
 
 /// Refuses data of more than one input.

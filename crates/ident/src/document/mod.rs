@@ -2,6 +2,7 @@
 
 mod estimate;
 mod model;
+mod noise;
 
 use faer::Mat;
 use lti::LtiError;

@@ -197,12 +197,15 @@ pub(super) fn inputs_tell_more(orders: &Orders, segments: &[Segment<'_>], left: 
         .collect();
     let rows: usize = left.iter().map(Vec::len).sum();
     let order = (rows / (TOLD_ROWS * (1 + orders.inputs()))).min(TOLD_ORDER);
+    if order == 0 {
+        return false;
+    }
     let terms = terms(orders, order);
     let Ok(factor) = factor(&signals, &terms) else { return false };
     let energy = |rows: std::ops::RangeInclusive<usize>| rows.map(|i| factor[(i, terms.len())].powi(2)).sum::<f64>();
     let (gain, rest) = (energy(order..=terms.len() - 1), energy(terms.len()..=terms.len()));
     let chance = chi_squared_quantile(1.0 - CHANCE, (terms.len() - order) as f64) / rows as f64;
-    order > 0 && gain > rest * chance.max(TOLD)
+    gain > rest * chance.max(TOLD)
 }
 
 /// The solution of least norm (with scaled columns) of the problem whose factor of [Φ y] is given: data without noise

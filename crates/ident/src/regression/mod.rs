@@ -214,19 +214,29 @@ fn usable_rows(record: &[&[f64]], columns: &[Lagged], range: Range<usize>) -> Ve
     // Starts and ends of blocked rows; allocated only where something is missing.
     let mut change: Vec<i64> = Vec::new();
     for (signal, samples) in record.iter().enumerate() {
-        let lags = || columns.iter().filter(|c| c.signal == signal).map(|c| c.lag);
-        let (Some(low), Some(high)) = (lags().min(), lags().max()) else { continue };
-        if !has_missing(samples) {
+        let runs = lag_runs(columns, signal);
+        if runs.is_empty() || !has_missing(samples) {
             continue;
         }
         change.resize(range.end + 1, 0);
         for s in (0..samples.len()).filter(|s| samples[*s].is_nan()) {
             let blocked = |lag: isize| s.saturating_add_signed(lag).min(range.end);
-            change[blocked(low)] += 1;
-            change[blocked(high + 1)] -= 1;
+            for (low, high) in &runs {
+                change[blocked(*low)] += 1;
+                change[blocked(high + 1)] -= 1;
+            }
         }
     }
     if change.is_empty() { vec![range] } else { unblocked(&change, range) }
+}
+
+/// The first and the last of each run of neighbouring lags of a signal: between the past values of a slow signal others may
+/// be missing.
+fn lag_runs(columns: &[Lagged], signal: usize) -> Vec<(isize, isize)> {
+    let mut lags: Vec<isize> = columns.iter().filter(|c| c.signal == signal).map(|c| c.lag).collect();
+    lags.sort_unstable();
+    lags.dedup();
+    lags.chunk_by(|a, b| b - a == 1).filter_map(|run| Some((*run.first()?, *run.last()?))).collect()
 }
 
 /// Whether a sample is NaN; a chunk at a time, so that the inner loop has no branch.

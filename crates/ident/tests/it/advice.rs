@@ -142,3 +142,23 @@ fn stat_integrators_are_seen_and_lags_are_not() {
     };
     assert!((0..40).filter(|seed| seen(&walk(*seed))).count() <= 1);
 }
+
+#[test]
+fn regress_heavy_clipping_is_no_switching() {
+    let mut noise = Noise::new(6);
+    let steps = noise.normals(200);
+    // A switch between two levels that takes a sample, as after an anti-alias filter.
+    let mut binary: Vec<f64> = (0..2000).map(|t| if steps[t / 10] > 0.0 { 1.0 } else { -1.0 }).collect();
+    (1..2000).filter(|t| t % 10 == 0 && steps[t / 10] * steps[t / 10 - 1] < 0.0).for_each(|t| binary[t] *= 0.3);
+    let sine = |limit: f64| (0..2000).map(|t| (0.03 * f64::from(t)).sin().clamp(-limit, limit)).collect::<Vec<f64>>();
+    let is_clipped = |u: &[f64], y: &[f64], wanted: Channel| {
+        let found = advise(&Dataset::siso(0.1, u, y).unwrap());
+        found.iter().any(|a| matches!(a, Advice::Clipped { channel, .. } if *channel == wanted))
+    };
+    let other = noise.normals(2000);
+    assert!(!is_clipped(&binary, &other, Channel::Input(0)));
+    assert!(is_clipped(&other, &binary, Channel::Output(0)), "no linear system answers with two levels");
+    for limit in [0.05, 0.2, 0.8] {
+        assert!(is_clipped(&sine(limit), &other, Channel::Input(0)), "{limit}");
+    }
+}

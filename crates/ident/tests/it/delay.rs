@@ -22,20 +22,20 @@ fn recorded(name: &str, rows: std::ops::Range<usize>) -> Option<Dataset> {
 #[test]
 fn ref_the_hair_dryer_has_a_delay_of_three() {
     let Some(data) = recorded("reference/peers/dryer_slicot.csv", 0..300) else { return };
-    let arx = ArxDelay { na: 2, nb: 2, lowest: 0, highest: 10 }.estimate(&data).unwrap();
+    let arx = ArxDelay { na: 2, nb: 2, lowest: 0, highest: 10, ..Default::default() }.estimate(&data).unwrap();
     assert_eq!(arx.delays, [3], "{:?}", &arx.candidates[..3]);
     assert!(arx.standard_errors[0] < 0.1);
-    let start = &ImpulseDelay { na: 4, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
+    let start = &ImpulseDelay { na: 4, spacing: 1, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
     assert_eq!(start.delay, Some(3), "{start:?}");
 }
 
 #[test]
 fn ref_the_gas_furnace_has_a_delay_of_three() {
     let Some(data) = recorded("reference/peers/gas_furnace_seriesJ.csv", 0..296) else { return };
-    let arx = ArxDelay { na: 2, nb: 3, lowest: 0, highest: 10 }.estimate(&data).unwrap();
+    let arx = ArxDelay { na: 2, nb: 3, lowest: 0, highest: 10, ..Default::default() }.estimate(&data).unwrap();
     assert_eq!(arx.delays, [3], "{:?}", &arx.candidates[..3]);
     // The slow input leaves single coefficients uncertain; the one at lag 3 stands out most.
-    let start = &ImpulseDelay { na: 4, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
+    let start = &ImpulseDelay { na: 4, spacing: 1, lags: 12, level: 0.99 }.estimate(&data).unwrap()[0];
     let size = |i: &usize| (start.coefficients[*i] / start.standard_errors[*i]).abs();
     assert_eq!((0..12).max_by(|a, b| size(a).total_cmp(&size(b))), Some(3), "{start:?}");
     // The whitened correlation peaks at the largest response, later than the first.
@@ -61,21 +61,21 @@ fn stat_delays_of_several_inputs_are_found_jointly_and_in_turns() {
     for scale in [1.0, 1e-6, 1e6] {
         let data = three_inputs(1, 1500, scale);
         // 13³ combinations are too many for a joint comparison, 3³ are not.
-        let turns = ArxDelay { na: 1, nb: 1, lowest: 0, highest: 15 }.estimate(&data).unwrap();
+        let turns = ArxDelay { na: 1, nb: 1, lowest: 0, highest: 15, ..Default::default() }.estimate(&data).unwrap();
         assert_eq!(turns.delays, [1, 7, 12]);
         assert!(turns.candidates.len() < 1000);
-        let starts = ImpulseDelay { na: 2, lags: 16, level: 0.99 }.estimate(&data).unwrap();
+        let starts = ImpulseDelay { na: 2, spacing: 1, lags: 16, level: 0.99 }.estimate(&data).unwrap();
         assert_eq!(starts.iter().map(|s| s.delay).collect::<Vec<_>>(), [Some(1), Some(7), Some(12)]);
     }
     let two = three_inputs(2, 1500, 1.0).channels(&[0, 1], &[0]).unwrap();
-    let joint = ArxDelay { na: 1, nb: 1, lowest: 0, highest: 10 }.estimate(&two).unwrap();
+    let joint = ArxDelay { na: 1, nb: 1, lowest: 0, highest: 10, ..Default::default() }.estimate(&two).unwrap();
     assert_eq!((joint.delays, joint.candidates.len()), (vec![1, 7], 121));
 }
 
 #[test]
 fn exact_the_ranking_weighs_models_as_separate_fits_would() {
     let data = three_inputs(3, 400, 1.0).channels(&[0], &[0]).unwrap();
-    let ranking = ArxDelay { na: 1, nb: 2, lowest: 0, highest: 3 }.estimate(&data).unwrap();
+    let ranking = ArxDelay { na: 1, nb: 2, lowest: 0, highest: 3, ..Default::default() }.estimate(&data).unwrap();
     let e = &data.experiments()[0];
     for candidate in &ranking.candidates {
         let nk = candidate.delays[0];
@@ -111,7 +111,9 @@ fn stat_subsample_delays_are_unbiased_and_as_certain_as_they_say() {
         let y: Vec<f64> = (0..rows).map(|t| -wave(t as f64 - truth) + 0.5 * noise.normal()).collect();
         let data = Dataset::siso(1.0, &u, &y).unwrap().with_intersample(Intersample::BandLimited);
         let phase = PhaseDelay { segment: 64, highest: 10, band_hz: Some((0.01, 0.34)) }.estimate(&data).unwrap();
-        let arx = FractionalDelay(ArxDelay { na: 0, nb: 1, lowest: 0, highest: 6 }).estimate(&data).unwrap();
+        let arx = FractionalDelay(ArxDelay { na: 0, nb: 1, lowest: 0, highest: 6, ..Default::default() })
+            .estimate(&data)
+            .unwrap();
         let white = noise.normals(rows);
         let delayed: Vec<f64> = (0..rows).map(|t| if t < 3 { 0.0 } else { white[t - 3] } + noise.normal()).collect();
         let peak = PeakDelay { whitening_order: 5, highest: 10 };
@@ -136,7 +138,10 @@ fn stat_a_fraction_that_numerators_can_make_up_for_is_called_uncertain() {
     let y: Vec<f64> = (0..800).map(|t| wave(t as f64 - 2.4) + 0.1 * noise.normal()).collect();
     let data = Dataset::siso(1.0, &u, &y).unwrap().with_intersample(Intersample::BandLimited);
     let error = |nb: usize| {
-        FractionalDelay(ArxDelay { na: 0, nb, lowest: 0, highest: 5 }).estimate(&data).unwrap().standard_error
+        FractionalDelay(ArxDelay { na: 0, nb, lowest: 0, highest: 5, ..Default::default() })
+            .estimate(&data)
+            .unwrap()
+            .standard_error
     };
     assert!(error(6) > 5.0 * error(1), "{} {}", error(6), error(1));
 }
@@ -194,6 +199,24 @@ fn regress_unusable_data_are_named() {
         })
         .collect();
     let gaps = Dataset::siso(1.0, &u, &y).unwrap();
-    assert_eq!(ArxDelay { na: 0, nb: 1, lowest: 0, highest: 9 }.estimate(&gaps).unwrap().delays, [5]);
+    assert_eq!(
+        ArxDelay { na: 0, nb: 1, lowest: 0, highest: 9, ..Default::default() }.estimate(&gaps).unwrap().delays,
+        [5]
+    );
     assert!(matches!(PeakDelay::default().estimate(&gaps), Err(IdentError::Missing { .. })));
+}
+
+#[test]
+fn stat_the_delay_of_an_output_that_is_slower_than_its_input_is_found() {
+    let mut noise = crate::noise::Noise::new(21);
+    let u = noise.normals(12_000);
+    let mut x = vec![0.0; 12_000];
+    (7..12_000).for_each(|t| x[t] = 0.9 * x[t - 1] + 0.1 * u[t - 7]);
+    // Known every fourth sample alone.
+    let y: Vec<f64> = (0..12_000).map(|t| if t % 4 == 0 { x[t] + 0.01 * noise.normal() } else { f64::NAN }).collect();
+    let data = Dataset::siso(0.001, &u, &y).unwrap();
+    let arx = ArxDelay { spacing: 4, nb: 5, ..Default::default() }.estimate(&data).unwrap();
+    assert_eq!((arx.delays[0], arx.samples > 2900), (7, true), "{:?}", arx.samples);
+    let starts = ImpulseDelay { spacing: 4, ..Default::default() }.estimate(&data).unwrap();
+    assert_eq!(starts[0].delay, Some(7));
 }

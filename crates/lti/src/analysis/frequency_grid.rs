@@ -21,18 +21,26 @@ const FEW_DECADES: f64 = 1e3;
 /// root to a decade above the fastest, or to the Nyquist frequency and no further; more of them about lightly damped
 /// roots.
 pub(crate) fn grid(roots: &[Complex64], sample_time_s: Option<f64>, points: usize) -> Vec<f64> {
+    let roots: Vec<Complex64> = roots.iter().map(|r| continuous_root(*r, sample_time_s)).collect();
+    between(span(&roots, sample_time_s), &roots, points)
+}
+
+/// From where to where roots in `s` shape a response.
+fn span(roots: &[Complex64], sample_time_s: Option<f64>) -> (f64, f64) {
     let nyquist = sample_time_s.map_or(f64::INFINITY, |sample_time_s| PI / sample_time_s);
     // What lies beyond the Nyquist frequency, a discrete root at zero among it, shapes the band but has no place in it.
-    let roots: Vec<Complex64> = roots.iter().map(|r| continuous_root(*r, sample_time_s)).collect();
     let sizes = || roots.iter().map(|s| s.norm()).filter(|w| *w < nyquist);
     let fastest = sizes().fold(0.0, f64::max);
     let slowest = sizes().filter(|w| *w > AT_REST * fastest).fold(f64::INFINITY, f64::min);
-    let (low, high) = match (fastest > 0.0, nyquist.is_finite()) {
+    match (fastest > 0.0, nyquist.is_finite()) {
         (true, false) => (slowest / DECADE, fastest * DECADE),
         (true, true) => ((slowest / DECADE).min(nyquist / FEW_DECADES), nyquist),
         (false, true) => (nyquist / FEW_DECADES, nyquist),
         (false, false) => (1.0 / FEW_DECADES, FEW_DECADES),
-    };
+    }
+}
+
+fn between((low, high): (f64, f64), roots: &[Complex64], points: usize) -> Vec<f64> {
     let intervals = points.max(2) - 1;
     let ratio = (high / low).ln() / intervals as f64;
     let mut all: Vec<f64> = (0..intervals).map(|i| low * (ratio * i as f64).exp()).collect();
@@ -44,6 +52,33 @@ pub(crate) fn grid(roots: &[Complex64], sample_time_s: Option<f64>, points: usiz
     all.sort_by(f64::total_cmp);
     all.dedup();
     all
+}
+
+/// Frequencies for one Bode plot of several systems, from where the first begins to where the last ends, the Nyquist
+/// frequency of each discrete one among them; see [`ZeroPoleGain::frequency_grid`]. A discrete system has no response beyond
+/// its own.
+///
+/// # Errors
+/// [`LtiError::NoConvergence`].
+pub fn common_frequency_grid(systems: &[StateSpace], points: usize) -> Result<Vec<f64>, LtiError> {
+    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+    let (mut roots, mut ends) = (Vec::new(), Vec::new());
+    for system in systems {
+        let time = system.sample_time_s();
+        let own: Vec<Complex64> = system.poles()?.into_iter().map(|r| continuous_root(r, time)).collect();
+        let (from, to) = span(&own, time);
+        (low, high) = (low.min(from), high.max(to));
+        ends.extend(time.map(|sample_time_s| PI / sample_time_s));
+        roots.extend(own);
+    }
+    if systems.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut all = between((low, high), &roots, points);
+    all.extend(ends);
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    Ok(all)
 }
 
 impl ZeroPoleGain {

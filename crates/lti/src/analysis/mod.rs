@@ -6,6 +6,7 @@ mod modes;
 mod step_characteristics;
 mod time_response;
 
+pub use frequency_grid::common_frequency_grid;
 pub use margins::{GainMargin, Margins, PhaseMargin};
 pub use modes::Mode;
 pub use step_characteristics::StepCharacteristics;

@@ -70,6 +70,27 @@ impl StateSpace {
     pub fn modes(&self) -> Result<Vec<Mode>, LtiError> {
         Ok(Mode::table(&self.poles()?, self.sample_time_s()))
     }
+
+    /// The mode that grows fastest, `None` where none does: poles at the limit of stability, such as integrators, stay.
+    ///
+    /// # Errors
+    /// [`LtiError::NoConvergence`].
+    ///
+    /// # Example
+    /// ```
+    /// use faer::mat;
+    /// let runs_away = lti::StateSpace::discrete(mat![[1.0, 0.0], [0.0, -1.5]], mat![[1.0], [1.0]], mat![[1.0, 1.0]], mat![[0.0]], 0.1)?;
+    /// assert_eq!(runs_away.growing_mode()?.map(|mode| mode.pole.re), Some(-1.5));
+    /// # Ok::<(), lti::LtiError>(())
+    /// ```
+    pub fn growing_mode(&self) -> Result<Option<Mode>, LtiError> {
+        let rate = |mode: &Mode| -mode.damping * mode.natural_frequency_rad_s;
+        let modes = self.modes()?;
+        let sizes = modes.iter().map(|mode| mode.natural_frequency_rad_s).filter(|size| size.is_finite());
+        let limit = AT_REST * sizes.fold(self.sample_time_s().map_or(0.0, f64::recip), f64::max);
+        let growing = modes.into_iter().filter(|mode| rate(mode) > limit);
+        Ok(growing.max_by(|a, b| rate(a).total_cmp(&rate(b))))
+    }
 }
 
 impl TransferFunction {

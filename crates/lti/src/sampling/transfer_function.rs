@@ -77,17 +77,15 @@ impl TransferFunction {
         continuous.with_delay(self.delay_s())
     }
 
-    /// This discrete system at another sample time; see [`StateSpace::resampled`](crate::StateSpace::resampled). The
-    /// delay has to be whole samples of the new sample time.
+    /// This discrete system at another sample time; see [`StateSpace::resampled`](crate::StateSpace::resampled). But for
+    /// the zero-order hold and the impulse response the delay has to be whole samples of the new sample time.
     ///
     /// # Errors
     /// Those of [`StateSpace::resampled`](crate::StateSpace::resampled), [`LtiError::FractionalDelay`].
     pub fn resampled(&self, method: Discretisation, sample_time_s: f64) -> Result<Self, LtiError> {
         check_sample_time(sample_time_s)?;
-        if Lag::new(self.delay_s(), sample_time_s)?.fraction() > 0.0 {
-            return Err(LtiError::FractionalDelay { delay_s: self.delay_s(), sample_time_s });
-        }
-        if method != Discretisation::ZeroOrderHold {
+        let is_whole = Lag::new(self.delay_s(), sample_time_s)?.fraction() == 0.0;
+        if method != Discretisation::ZeroOrderHold || !is_whole {
             return self.to_continuous(method)?.to_discrete(method, sample_time_s);
         }
         let system = self.clone().with_delay(0.0)?.to_state_space()?.resampled(method, sample_time_s)?;

@@ -100,7 +100,8 @@ pub(super) fn discrete_ratio(
 ) -> Result<TransferFunction, LtiError> {
     let degree = system.num().len().max(system.den().len()) - 1;
     let map = |p: &[f64]| substituted(p, degree, &[2.0 / tau, -2.0 / tau], &[1.0, 1.0]);
-    TransferFunction::discrete(map(system.num()), map(system.den()), sample_time_s)
+    let (num, den) = monic(map(system.num()), map(system.den()));
+    TransferFunction::discrete(num, den, sample_time_s)
 }
 
 /// Both polynomials with `z = (1 + sτ/2)/(1 − sτ/2)`, times `(1 − sτ/2)^n`; the delay is not looked at.
@@ -111,7 +112,15 @@ pub(super) fn continuous_ratio(system: &TransferFunction, tau: f64) -> Result<Tr
     if den[0] == 0.0 {
         return Err(LtiError::Singular { what: "I + A (a pole at −1)" });
     }
-    TransferFunction::continuous(map(system.num()), den)
+    let (num, den) = monic(map(system.num()), den);
+    TransferFunction::continuous(num, den)
+}
+
+/// A ratio with a leading one in its denominator; as it is where that starts with zero.
+fn monic(num: Vec<f64>, den: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+    let lead = if den[0] == 0.0 { 1.0 } else { den[0] };
+    let scaled = |p: Vec<f64>| p.into_iter().map(|c| c / lead).collect();
+    (scaled(num), scaled(den))
 }
 
 /// `Σ cₖ above^k below^(degree − k)`, by Horner's rule; leading coefficients that are nothing but rounding become zero.

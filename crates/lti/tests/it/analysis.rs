@@ -178,3 +178,27 @@ proptest! {
         prop_assert!(seen.rise_time_s.is_some() && seen.settling_time_s.is_some());
     }
 }
+
+#[test]
+fn exact_a_common_grid_spans_every_system_and_its_nyquist_frequency() {
+    let slow = TransferFunction::continuous(vec![1.0], vec![100.0, 1.0]).unwrap().to_state_space().unwrap();
+    let fast = TransferFunction::discrete(vec![0.1], vec![1.0, -0.9], 0.1).unwrap().to_state_space().unwrap();
+    let grid = lti::common_frequency_grid(&[slow.clone(), fast.clone()], 100).unwrap();
+    let nyquist = std::f64::consts::PI / 0.1;
+    assert!(grid.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!((grid[0] - 0.001).abs() < 1e-12 && grid.contains(&nyquist), "{} {}", grid[0], grid[grid.len() - 1]);
+    assert_eq!(lti::common_frequency_grid(&[fast.clone()], 100).unwrap(), fast.frequency_grid(100).unwrap());
+    assert!(lti::common_frequency_grid(&[], 100).unwrap().is_empty());
+}
+
+#[test]
+fn exact_growing_modes_are_told_from_integrators() {
+    let system = |den: Vec<f64>| TransferFunction::continuous(vec![1.0], den).unwrap().to_state_space().unwrap();
+    // s², s(s + 1), (s − 0.01)(s + 1), and a pair.
+    assert_eq!(system(vec![1.0, 0.0, 0.0]).growing_mode().unwrap(), None);
+    assert_eq!(system(vec![1.0, 1.0, 0.0]).growing_mode().unwrap(), None);
+    let slow = system(vec![1.0, 0.99, -0.01]).growing_mode().unwrap().unwrap();
+    assert!((slow.time_constant_s() + 100.0).abs() < 1e-9);
+    let pair = system(vec![1.0, -0.2, 4.01]).growing_mode().unwrap().unwrap();
+    assert!((pair.pole.re - 0.1).abs() < 1e-12);
+}

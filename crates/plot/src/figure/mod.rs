@@ -86,18 +86,43 @@ pub enum Style {
     Fourth,
     /// A fifth model.
     Fifth,
+    /// A sixth model; from here on lines are dashed.
+    Sixth,
+    /// A seventh model.
+    Seventh,
+    /// An eighth model.
+    Eighth,
+    /// A ninth model.
+    Ninth,
+    /// A tenth model.
+    Tenth,
     /// A thin line to read other things by.
     Guide,
 }
 
 impl Style {
-    /// Every style of a series, in the order of the plotting script's colours.
-    pub(crate) const ALL: [Style; 6] =
-        [Style::Measured, Style::Modelled, Style::Other, Style::Residual, Style::Fourth, Style::Fifth];
+    /// Those of models, in the order of the plotting script's colours.
+    pub(crate) const MODELS: [Style; 10] = [
+        Style::Modelled,
+        Style::Other,
+        Style::Residual,
+        Style::Fourth,
+        Style::Fifth,
+        Style::Sixth,
+        Style::Seventh,
+        Style::Eighth,
+        Style::Ninth,
+        Style::Tenth,
+    ];
 
-    /// The style of model number `index`, counted from zero; colours come back after five.
+    /// The style of model number `index`, counted from zero; styles come back after ten.
     pub fn of_model(index: usize) -> Style {
-        Self::ALL[1 + index % (Self::ALL.len() - 1)]
+        Self::MODELS[index % Self::MODELS.len()]
+    }
+
+    /// Whether lines are dashed, so that more models can be told apart than colours can.
+    pub(crate) fn is_dashed(self) -> bool {
+        Self::MODELS[5..].contains(&self)
     }
 }
 

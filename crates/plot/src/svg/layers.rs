@@ -15,9 +15,17 @@ pub(crate) fn colour(style: Style) -> &'static str {
         Style::Residual => "#7a4f96",
         Style::Fourth => "#1b7a55",
         Style::Fifth => "#a8324a",
+        Style::Sixth => "#1295a8",
+        Style::Seventh => "#a37a00",
+        Style::Eighth => "#cf5a9f",
+        Style::Ninth => "#39424c",
+        Style::Tenth => "#6d9420",
         Style::Guide => "#c9d0d7",
     }
 }
+
+/// A line that travels so many heights of its panel fills an area.
+const ROUGH: f64 = 20.0;
 
 /// The stroke of a line: a measurement is wide and light, and a model thin upon it. Where points are denser than pixels,
 /// lines become areas: thin strokes then leave what can be left of their shape, and a model lets shine through what it
@@ -32,12 +40,25 @@ fn stroke(style: Style, is_dense: bool) -> (f64, &'static str) {
     }
 }
 
+/// Whether a line goes up and down so often that it fills an area.
+fn is_rough(y: &[Rounded], frame: &Frame) -> bool {
+    let pixel = |y: &Rounded| frame.y.pixel(y.0);
+    let travel = y.windows(2).map(|pair| (pixel(&pair[1]) - pixel(&pair[0])).abs()).filter(|way| way.is_finite());
+    travel.sum::<f64>() > ROUGH * (frame.bottom - frame.top)
+}
+
+fn dashes(style: Style) -> &'static str {
+    if style.is_dashed() { "stroke-dasharray=\"7 3\"" } else { "" }
+}
+
 pub(crate) fn draw(out: &mut String, layer: &Layer, frame: &Frame) {
     match layer {
         Layer::Line { style, x, y, .. } => {
             let d = polyline(&values(x, y.len()), y, frame, 'M');
-            let (width, attributes) = stroke(*style, y.len() as f64 > Frame::RIGHT - Frame::LEFT);
-            path(out, &d, *style, width, attributes);
+            let is_dense = y.len() as f64 > Frame::RIGHT - Frame::LEFT && is_rough(y, frame);
+            let (width, attributes) = stroke(*style, is_dense);
+            // Dashes of what has become an area would be no line but holes.
+            path(out, &d, *style, width, if is_dense { attributes } else { dashes(*style) });
         }
         Layer::Points { style, x, y, low, high, .. } => {
             let x = values(x, y.len());
@@ -55,7 +76,7 @@ pub(crate) fn draw(out: &mut String, layer: &Layer, frame: &Frame) {
         Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, (*style, *marker), frame),
         Layer::Path { style, x, y, .. } => {
             let x: Vec<f64> = x.iter().map(|v| v.0).collect();
-            path(out, &polyline(&x, y, frame, 'M'), *style, stroke(*style, false).0, "");
+            path(out, &polyline(&x, y, frame, 'M'), *style, stroke(*style, false).0, dashes(*style));
         }
         Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
         Layer::HorizontalMark { y, label } => horizontal_mark(out, y.0, label, frame),
@@ -124,10 +145,12 @@ pub(crate) fn key(out: &mut String, layer: &Layer, (x, y): (f64, f64)) {
     match layer {
         Layer::Markers { style, marker, .. } => path(out, &shape(*marker, x + 9.0, y - 4.0), *style, 1.7, ""),
         Layer::YRegion { .. } | Layer::XRegion { .. } => region(out, (x, y - 9.0), (x + 18.0, y + 1.0)),
-        Layer::Line { style, .. }
-        | Layer::Points { style, .. }
-        | Layer::Stems { style, .. }
-        | Layer::Path { style, .. } => path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, ""),
+        Layer::Line { style, .. } | Layer::Path { style, .. } => {
+            path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, dashes(*style));
+        }
+        Layer::Points { style, .. } | Layer::Stems { style, .. } => {
+            path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, "");
+        }
         Layer::Band { .. } | Layer::HorizontalMark { .. } | Layer::VerticalMarks { .. } => {}
     }
 }

@@ -88,3 +88,35 @@ fn captions_stand_below_in_lines() {
     let lines = text.lines().filter(|line| line.contains("word word")).count();
     assert!(lines >= 2 && text.matches("word").count() == 60, "{lines} lines");
 }
+
+#[test]
+fn ten_models_are_told_apart_by_colour_and_dashes() {
+    let strokes = |index: usize| {
+        let text = svg(&[one(
+            "",
+            Axis::time(),
+            Axis::linear("y", ""),
+            vec![Layer::curve("model", Style::of_model(index), &[0.0, 1.0], &[0.0, 1.0])],
+        )]);
+        let line =
+            text.lines().find(|line| line.starts_with("<path") && line.contains("stroke-width=\"1.2\"")).unwrap();
+        line[line.find("stroke=").unwrap()..].to_owned()
+    };
+    let mut all: Vec<String> = (0..10).map(strokes).collect();
+    assert_eq!(all.iter().filter(|stroke| stroke.contains("dasharray")).count(), 5);
+    all.sort();
+    all.dedup();
+    assert_eq!(all.len(), 10, "{all:?}");
+}
+
+#[test]
+fn a_smooth_curve_of_many_points_keeps_its_dashes() {
+    let x: Vec<f64> = (0..3000).map(f64::from).collect();
+    let drawn = |y: &dyn Fn(f64) -> f64| {
+        let y: Vec<f64> = x.iter().map(|x| y(*x)).collect();
+        let layer = Layer::curve("model", Style::Sixth, &x, &y);
+        svg(&[one("", Axis::time(), Axis::linear("y", ""), vec![layer])])
+    };
+    assert!(drawn(&|x| (-0.001 * x).exp()).contains("dasharray"));
+    assert!(!drawn(&|x| (0.9 * x).sin()).contains("dasharray"), "an area has no dashes");
+}

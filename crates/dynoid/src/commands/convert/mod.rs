@@ -9,7 +9,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::cli::convert::{ConvertArguments, Form};
-use crate::cli::identify::{Representation, Sampling};
+use crate::cli::convert::{Representation, Sampling};
 use crate::commands::identify;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;

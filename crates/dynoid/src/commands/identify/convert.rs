@@ -16,9 +16,10 @@ use super::data::check_targets;
 use super::judge::written;
 use super::model_file;
 use super::words::significant;
-use crate::cli::identify::{Representation, Sampling};
+use crate::cli::convert::{Representation, Sampling};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
+use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 /// What is asked for.
@@ -40,13 +41,28 @@ pub(crate) struct ConvertArguments {
 }
 
 fn failed(source: impl Into<IdentError>) -> CliError {
-    CliError::identify("the conversion", source.into())
+    let source = source.into();
+    match &source {
+        IdentError::Lti(LtiError::FractionalDelay { delay_s, sample_time_s }) => CliError::Usage {
+            what: format!(
+                "the delay of {} s is no whole number of samples of {sample_time_s} s, which this --method needs; --method zoh is exact for any delay (with --to ss foh is too), or choose a --sample-time that divides it",
+                significant(*delay_s)
+            ),
+        },
+        IdentError::Lti(LtiError::NoLogarithm { re, im }) => CliError::Usage {
+            what: format!(
+                "the model has a pole at {}, which no continuous model of the same order has under this --method: one at 0 is that of numerator coefficients beyond the order of the denominator, a negative one turns at half the sample rate; --method tustin gives an approximation, a fit of another order or of a continuous model (tf) avoids it",
+                pair(Complex64::new(*re, *im))
+            ),
+        },
+        _ => CliError::identify("the conversion", source),
+    }
 }
 
 /// `dynoid convert` on a model file
 pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments)?;
-    let source = model_file::read(&arguments.model)?;
+    let source = from_noise(model_file::read(&arguments.model)?, arguments)?;
     let converted = match arguments.to {
         Representation::Ss => Converted::System(Box::new(system(&source, arguments)?)),
         Representation::Tf | Representation::Zpk => Converted::Ratios(ratios(&source, arguments).map_err(failed)?),
@@ -81,6 +97,15 @@ fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
     }
     model_file::check_ending(path)?;
     check_targets(&[&arguments.out], &[std::slice::from_ref(&arguments.model)])
+}
+
+/// A time series has no way but the one from its noise, which a state space holds anyway.
+fn from_noise(source: ModelDocument, arguments: &ConvertArguments) -> Result<ModelDocument, CliError> {
+    if !source.inputs.is_empty() || arguments.to == Representation::Ss {
+        return Ok(source);
+    }
+    let white = || CliError::Usage { what: "the model is white noise alone: there is nothing to convert".into() };
+    source.of_noise().map_err(failed)?.ok_or_else(white)
 }
 
 /// A model in its new form.
@@ -155,19 +180,40 @@ fn clock_words(sample_time_s: Option<f64>) -> String {
 }
 
 fn print_ratio(name: &str, h: &TransferFunction, to: Representation, terminal: &mut Terminal) -> Result<(), CliError> {
-    terminal.line(&format!("{name}, {}, delay {} s", clock_words(h.sample_time_s()), significant(h.delay_s())));
+    let delay = if h.delay_s() > 0.0 { format!(", delay {} s", significant(h.delay_s())) } else { String::new() };
+    let form = match (to, h.sample_time_s()) {
+        (Representation::Zpk, Some(_)) => "in z",
+        (Representation::Zpk, None) => "in s, rad/s",
+        (_, Some(_)) => "in falling powers of z",
+        (_, None) => "in falling powers of s",
+    };
+    terminal.heading(&format!("{name}, {}{delay}, {form}", clock_words(h.sample_time_s())), Style::Bold);
     if to == Representation::Zpk {
         let zpk = h.to_zero_pole_gain().map_err(failed)?;
-        let list = |roots: &[Complex64]| roots.iter().map(|r| format!("{r:.6}")).collect::<Vec<_>>().join(", ");
-        terminal.line(&format!("  gain  {}", significant(zpk.gain())));
-        terminal.line(&format!("  zeros {}", list(zpk.zeros())));
-        terminal.line(&format!("  poles {}", list(zpk.poles())));
+        let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
+        table.row(["gain".into(), significant(zpk.gain()).into()]);
+        for (name, roots) in [("zeros", zpk.zeros()), ("poles", zpk.poles())] {
+            let all: Vec<String> = roots.iter().filter(|root| root.im >= 0.0).map(|root| pair(*root)).collect();
+            table.row([name.into(), if all.is_empty() { "none".to_owned() } else { all.join(", ") }.into()]);
+        }
+        terminal.table(&table);
         return Ok(());
     }
-    let list = |p: &[f64]| p.iter().map(|v| significant(*v)).collect::<Vec<_>>().join(", ");
-    terminal.line(&format!("  numerator   {}", list(h.num())));
-    terminal.line(&format!("  denominator {}", list(h.den())));
+    // The leading coefficient of the denominator is one.
+    let list = |p: &[f64]| p.iter().map(|v| significant(v / h.den()[0])).collect::<Vec<_>>().join(", ");
+    let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
+    table.row(["numerator".into(), list(h.num()).into()]);
+    table.row(["denominator".into(), list(h.den()).into()]);
+    terminal.table(&table);
     Ok(())
+}
+
+/// A root, with its conjugate where it has one.
+fn pair(root: Complex64) -> String {
+    match root.im.abs() {
+        0.0 => significant(root.re),
+        im => format!("{} ± {}i", significant(root.re), significant(im)),
+    }
 }
 
 /// The covariance of the source's innovations.
@@ -184,6 +230,9 @@ fn system(source: &ModelDocument, arguments: &ConvertArguments) -> Result<System
         let gain = Some(form.k().to_owned());
         return Ok(System { system: form.system().clone(), input_delays_s: Vec::new(), gain });
     }
+    if let AnyModel::Polynomial(model) = &source.model {
+        return polynomial_system(model, arguments);
+    }
     let (inputs, outputs) = (own.inputs(), own.outputs());
     let ways = (0..outputs).flat_map(|output| (0..inputs).map(move |input| (output, input)));
     let delays_s = ways.map(|(o, i)| source.model.delay_s(o, i)).collect::<Result<Vec<f64>, _>>().map_err(failed)?;
@@ -193,6 +242,45 @@ fn system(source: &ModelDocument, arguments: &ConvertArguments) -> Result<System
         None => return beside_delays(own, &delays_s),
     };
     Ok(System { system, input_delays_s: Vec::new(), gain: None })
+}
+
+/// A polynomial model continuous, or on another clock: with delays, which have no continuous counterpart as states, beside
+/// it.
+fn polynomial_system(model: &PolynomialModel, arguments: &ConvertArguments) -> Result<System, CliError> {
+    let as_states = |system| System { system, input_delays_s: Vec::new(), gain: None };
+    let whole = resampled(without_noise(model, usize::MAX).map_err(failed)?, arguments);
+    // One sample of each delay is that of the hold.
+    let samples = model.equations().iter().flat_map(|e| &e.nk).map(|nk| nk.saturating_sub(1));
+    let delays_s: Vec<f64> = samples.map(|samples| samples as f64 * model.sample_time_s()).collect();
+    // A clock of which the new one is a multiple keeps the delays as states.
+    if delays_s.iter().all(|delay_s| *delay_s == 0.0) || (arguments.sample_time.is_some() && whole.is_ok()) {
+        return whole.map(as_states).map_err(failed);
+    }
+    let continuous = without_noise(model, 1).and_then(|system| system.to_continuous(rule(arguments)));
+    let beside = beside_delays(continuous.map_err(failed)?, &delays_s)?;
+    let Some(sample_time_s) = arguments.sample_time else { return Ok(beside) };
+    let sampled = match rule(arguments) {
+        Discretisation::ZeroOrderHold => {
+            let delayed = beside.system.to_discrete_delayed(&beside.input_delays_s, sample_time_s);
+            delayed.and_then(|delayed| delayed.to_state_space())
+        }
+        _ => {
+            let delay_s = delays_s.iter().copied().fold(0.0, f64::max);
+            Err(LtiError::FractionalDelay { delay_s, sample_time_s })
+        }
+    };
+    sampled.map(as_states).map_err(failed)
+}
+
+/// The way from the inputs, with delays of so many samples at most: states of the noise would have to have counterparts too.
+fn without_noise(model: &PolynomialModel, longest: usize) -> Result<StateSpace, LtiError> {
+    let mut equations = model.equations().to_vec();
+    for e in &mut equations {
+        (e.c, e.d) = (Vec::new(), Vec::new());
+        e.nk.iter_mut().for_each(|nk| *nk = longest.min(*nk));
+    }
+    let model = PolynomialModel::new(model.sample_time_s(), equations, model.noise_covariance().to_owned())?;
+    Ok(model.innovations()?.system().clone())
 }
 
 /// A model with delays, sampled: its delays are states.
@@ -262,7 +350,7 @@ impl System {
         }
         let gain = self.gain.as_ref().filter(|k| k.norm_max() > 0.0).map(|k| ("K", k.as_ref()));
         let own = [("A", system.a()), ("B", system.b()), ("C", system.c()), ("D", system.d())];
-        for (name, m) in own.into_iter().chain(gain) {
+        for (name, m) in own.into_iter().chain(gain).filter(|(_, m)| m.ncols() > 0) {
             for i in 0..m.nrows() {
                 let row: Vec<String> = (0..m.ncols()).map(|j| format!("{:>14}", significant(m[(i, j)]))).collect();
                 terminal.line(&format!("{} {}", if i == 0 { name } else { " " }, row.join("")));

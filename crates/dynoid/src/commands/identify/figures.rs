@@ -5,6 +5,9 @@ use ident::validate::{Independence, ResidualReport, Whiteness};
 use ident::{Dataset, Label};
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
+/// Correlations below this are rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// A figure whose texts are names of channels and files, not symbols.
 pub(super) fn figure(title: &str, x: Axis, panels: Vec<Panel>) -> Figure {
     Figure::new(title, x, panels).with_plain_text()
@@ -32,6 +35,7 @@ pub(super) fn comparison(models: &[Shown]) -> Vec<Figure> {
 }
 
 fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
+    let mut keys = vec![measurement(models, number, label)];
     let (mut layers, mut errors) = (Vec::new(), Vec::new());
     let mut title = String::new();
     // The first model, the one that matters most, is drawn last and covered by none.
@@ -42,13 +46,15 @@ fn compared(models: &[Shown], number: usize, label: &Label) -> Figure {
         let (measured, modelled) = (experiment.output(output), model.response.outputs[number].col_as_slice(output));
         let difference: Vec<f64> = measured.iter().zip(modelled).map(|(y, m)| y - m).collect();
         let style = Style::of_model(index);
+        // Without points, for the legend alone: there the first model is the first.
+        keys.insert(1, Layer::curve(model.name, style, &[], &[]));
         layers.push(Layer::trace(model.name, style, clock, modelled));
-        errors.push(Layer::trace(model.name, style, clock, &difference));
+        errors.push(trace(model.name, style, clock, &difference));
         title = format!("{}, {}", label.name, experiment.name);
     }
-    layers.insert(0, measurement(models, number, label));
+    keys.append(&mut layers);
     let panels = vec![
-        Panel::new(Axis::linear(&label.name, &label.unit), 200, layers),
+        Panel::new(Axis::linear(&label.name, &label.unit), 200, keys),
         Panel::new(Axis::linear("measured − model", &label.unit), 90, errors),
     ];
     figure(&title, Axis::time(), panels)
@@ -59,9 +65,33 @@ fn measurement(models: &[Shown], number: usize, label: &Label) -> Layer {
         let output = model.data.output_labels().iter().position(|own| own == label)?;
         let experiment = model.data.experiments().get(number)?;
         let clock = (experiment.start_s, model.data.sample_time_s());
-        Some(Layer::trace("measured", Style::Measured, clock, experiment.output(output)))
+        Some(trace("measured", Style::Measured, clock, experiment.output(output)))
     };
     models.iter().find_map(of).unwrap_or_else(|| Layer::curve("measured", Style::Measured, &[], &[]))
+}
+
+/// A trace of which every so many samples only are known, as of an output that is slower than the clock, runs from one to
+/// the next; what is missing beyond that is a gap.
+fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values: &[f64]) -> Layer {
+    let known: Vec<usize> = (0..values.len()).filter(|i| !values[*i].is_nan()).collect();
+    let steps = || known.windows(2).map(|pair| pair[1] - pair[0]);
+    let least = steps().min().unwrap_or(1);
+    let at = |i: usize| start_s + i as f64 * sample_time_s;
+    if steps().all(|step| step % least == 0) {
+        let first = known.first().map_or(0, |i| i % least);
+        let kept: Vec<f64> = values.iter().skip(first).step_by(least).copied().collect();
+        return Layer::trace(name, style, (at(first), least as f64 * sample_time_s), &kept);
+    }
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    for (n, i) in known.iter().enumerate() {
+        if n > 0 && i - known[n - 1] > 2 * least + 1 {
+            x.push(at(*i));
+            y.push(f64::NAN);
+        }
+        x.push(at(*i));
+        y.push(values[*i]);
+    }
+    Layer::curve(name, style, &x, &y)
 }
 
 /// Correlations of the residuals, a figure for each output.
@@ -72,8 +102,10 @@ pub(super) fn residuals(report: &ResidualReport, data: &Dataset, level: f64) -> 
         label: format!("{} % region", 100.0 * level),
     };
     let stems = |name: &str, style, first: f64, values: &[f64]| {
-        let lags: Vec<f64> = (0..values.len()).map(|n| first + n as f64).collect();
-        Layer::Stems { name: name.to_owned(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(values) }
+        // A sum that is but rounding is one of no pairs, as at lags between the samples of a slow output.
+        let there = values.iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
+        let (lags, values): (Vec<f64>, Vec<f64>) = there.map(|(n, value)| (first + n as f64, *value)).unzip();
+        Layer::Stems { name: name.to_owned(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(&values) }
     };
     let own = |w: &Whiteness| {
         let layers =

@@ -112,20 +112,23 @@ pub(super) fn fixed(model: &AnyModel) -> Vec<usize> {
 }
 
 /// Quantities that the structure says follow from the parameters: their names and values; none where it says nothing.
-fn derived(fit: &Fit<AnyModel>) -> Result<(Vec<String>, Derived), IdentError> {
+fn derived(fit: &Fit<AnyModel>) -> Result<Option<(Vec<String>, Derived)>, IdentError> {
     let of = |model: &AnyModel| match model {
         AnyModel::GreyBox(model) => model.derived(),
         _ => Vec::new(),
     };
-    let names = of(&fit.model).into_iter().map(|(name, _)| name).collect();
-    Ok((names, fit.derive(|model| Ok(of(model).into_iter().map(|(_, value)| value).collect()))?))
+    let names: Vec<String> = of(&fit.model).into_iter().map(|(name, _)| name).collect();
+    if names.is_empty() {
+        return Ok(None);
+    }
+    Ok(Some((names, fit.derive(|model| Ok(of(model).into_iter().map(|(_, value)| value).collect()))?)))
 }
 
 /// The derived quantities as a table, where there are any.
 pub(super) fn print_derived(fit: &Fit<AnyModel>, level: f64, terminal: &mut Terminal) {
     let (names, derived) = match derived(fit) {
-        Ok((names, _)) if names.is_empty() => return,
-        Ok(found) => found,
+        Ok(None) => return,
+        Ok(Some(found)) => found,
         Err(reason) => return terminal.line(&format!("no derived quantities: {reason}")),
     };
     let columns = [
@@ -150,7 +153,11 @@ pub(super) fn print_derived(fit: &Fit<AnyModel>, level: f64, terminal: &mut Term
 
 /// The derived quantities in numbers; null where they cannot be computed.
 pub(super) fn derived_json(fit: &Fit<AnyModel>, level: f64) -> serde_json::Value {
-    let Ok((names, derived)) = derived(fit) else { return serde_json::Value::Null };
+    let (names, derived) = match derived(fit) {
+        Ok(None) => return serde_json::json!([]),
+        Ok(Some(found)) => found,
+        Err(_) => return serde_json::Value::Null,
+    };
     let (errors, intervals) = (derived.standard_errors(), derived.intervals(level));
     let quantity = |(i, name): (usize, &String)| {
         let (low, high) = intervals[i];

@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use ident::InitialState;
-use ident::validate::{Judgement, ResidualTest, judge};
-use ident::{Dataset, IdentError, ModelDocument};
+use ident::uncertainty::Dynamics;
+use ident::validate::{Judgement, ResidualReport, ResidualTest, judge};
+use ident::{Dataset, Experiment, IdentError, ModelDocument};
 
 use super::data::{Files, Loaded, check_plot, check_targets, draw, say};
-use super::{figures, model_file, recorded, words};
+use super::{figures, model_file, operating_point, recorded, words};
 use crate::cli::identify::{
     CompareArguments, MeetArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments,
 };
@@ -18,7 +19,7 @@ use crate::table::{Align, Table};
 use crate::terminal::Terminal;
 
 /// Confidence of the regions of the residual tests.
-const REGION: f64 = 0.99;
+pub(super) const REGION: f64 = 0.99;
 
 /// A model and the recordings it met.
 struct Met {
@@ -29,8 +30,7 @@ struct Met {
 
 /// `dynoid compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
-    check_targets(&[&arguments.result.plot], &[&arguments.meet.on, &arguments.models])?;
+    check_plot(&arguments.result, &[&arguments.meet.on, &arguments.models])?;
     if arguments.horizon == Some(0) {
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }
@@ -74,20 +74,34 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
         let row_time_s = model_file::row_time_s(document, &arguments.meet);
         let read = match files.take() {
             Some(read) if read.serves(row_time_s) => read,
-            _ => Files::read(&arguments.meet.on, Some(row_time_s), terminal)?,
+            _ => Files::read(&arguments.meet.on, &model_file::channels(&documents), Some(row_time_s), terminal)?,
         };
         let Loaded { data, notes, .. } = model_file::meet(document, &read, &arguments.meet)?;
         files = Some(read);
         say(&notes, &mut said, terminal);
         let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
-        all.push(Met { model: model_file::name(path), data, judged });
+        let name = model_file::name(path);
+        if arguments.horizon.is_none()
+            && let Some(mode) = document.model.system().and_then(|system| system.growing_mode()).ok().flatten()
+        {
+            let pole = words::growing_pole(&mode);
+            let text =
+                format!("{name} is not stable ({pole}): its simulation runs away; --horizon compares predictions");
+            say(&[text], &mut said, terminal);
+        } else if let Ok(judged) = &judged
+            && let Some(hint) = operating_point::hint(document, &data, &judged.response, arguments.meet.detrend)
+        {
+            say(&[format!("{name}: {hint}")], &mut said, terminal);
+        }
+        all.push(Met { model: name, data, judged });
     }
     Ok(all)
 }
 
 /// The recordings that one model meets.
 fn recordings(document: &ModelDocument, arguments: &MeetArguments, terminal: &Terminal) -> Result<Files, CliError> {
-    Files::read(&arguments.on, Some(model_file::row_time_s(document, arguments)), terminal)
+    let names = model_file::channels(std::slice::from_ref(document));
+    Files::read(&arguments.on, &names, Some(model_file::row_time_s(document, arguments)), terminal)
 }
 
 fn shown(met: &Met) -> Option<figures::Shown<'_>> {
@@ -123,8 +137,7 @@ fn comparison(all: &[Met]) -> Table {
 
 /// `dynoid resid`
 pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
-    check_targets(&[&arguments.result.plot], &[&arguments.meet.on])?;
+    check_plot(&arguments.result, &[&arguments.meet.on, std::slice::from_ref(&arguments.model)])?;
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let Loaded { data, notes, .. } = model_file::meet(&document, &files, &arguments.meet)?;
@@ -137,8 +150,11 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
         );
         return Err(CliError::Usage { what });
     }
-    let test = ResidualTest { lags: arguments.lags, level: REGION, ..ResidualTest::default() };
-    let report = test.run(&document.model, &data).map_err(|source| CliError::identify("the residual test", source))?;
+    let failed = |source| CliError::identify("the residual test", source);
+    let predicted = judge(&document.model, &data, Some(1), &InitialState::Estimated).map_err(failed)?;
+    let hint = operating_point::hint(&document, &data, &predicted.response, arguments.meet.detrend);
+    hint.iter().for_each(|hint| terminal.warning(hint));
+    let report = residual_test(&predicted, &data, arguments.lags).map_err(failed)?;
     picture(&arguments.result, "Residuals", || figures::residuals(&report, &data, REGION))?;
     if arguments.result.json {
         let mut tests = words::tests_json(&report, REGION);
@@ -150,6 +166,16 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
         written(&arguments.result.plot, terminal);
     }
     Ok(Outcome::Done)
+}
+
+/// The residual tests on the one-step errors of a judgement.
+pub(super) fn residual_test(predicted: &Judgement, data: &Dataset, lags: usize) -> Result<ResidualReport, IdentError> {
+    let mut responses = predicted.response.outputs.iter();
+    let errors = data.map_experiments(|e| {
+        let outputs = responses.next().map_or_else(|| e.outputs.clone(), |modelled| &e.outputs - modelled);
+        Ok(Experiment { outputs, ..e.clone() })
+    })?;
+    ResidualTest { lags, level: REGION, ..ResidualTest::default() }.run_on_residuals(&errors)
 }
 
 /// `dynoid simulate` on a model file
@@ -172,11 +198,12 @@ fn run(
     horizon: Option<usize>,
     terminal: &mut Terminal,
 ) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result)?;
+    let read = [arguments.meet.on.as_slice(), std::slice::from_ref(&arguments.model)];
+    check_plot(&arguments.result, &read)?;
     if let Some(path) = &arguments.out {
         recorded::check_output(path, arguments.meet.on.len())?;
     }
-    check_targets(&[&arguments.out, &arguments.result.plot], &[&arguments.meet.on])?;
+    check_targets(&[&arguments.out], &read)?;
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
     let loaded = match horizon {
@@ -188,6 +215,8 @@ fn run(
     let failed = |source| CliError::identify("the response", source);
     let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
     let response = &judged.response;
+    let hint = operating_point::hint(&document, &loaded.data, response, arguments.meet.detrend);
+    hint.iter().for_each(|hint| terminal.warning(hint));
     picture(&arguments.result, &format!("{}, {what}", model_file::name(&arguments.model)), || {
         figures::comparison(&[figures::Shown { name: what, data: &loaded.data, response }])
     })?;

@@ -9,5 +9,6 @@ mod greybox;
 pub(crate) mod judge;
 pub(crate) mod look;
 mod model_file;
+mod operating_point;
 mod recorded;
 pub(in crate::commands) mod words;

@@ -6,10 +6,11 @@ use bench::dataset::{CommonClock, DatasetError};
 use bench::units::may_be_same;
 use faer::Mat;
 use ident::uncertainty::Dynamics;
-use ident::{Experiment, Intersample, ModelDocument, Trend};
+use ident::{Experiment, Intersample, ModelDocument};
 
-use super::data::{Files, Gaps, Loaded, take};
-use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments};
+use super::data::{Files, Gaps, Loaded, Purpose, take_about};
+use super::operating_point;
+use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
 use crate::error::CliError;
 use crate::input::read_text;
 
@@ -37,6 +38,15 @@ pub(super) fn name(path: &Path) -> String {
     path.file_stem().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
+/// The names of all channels of models, each once.
+pub(super) fn channels(documents: &[ModelDocument]) -> Vec<&str> {
+    let labels = documents.iter().flat_map(|document| document.inputs.iter().chain(&document.outputs));
+    let mut names: Vec<&str> = labels.map(|label| label.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    names
+}
+
 /// The time from row to row of text without a time column: that of the model unless another is given.
 pub(super) fn row_time_s(document: &ModelDocument, arguments: &MeetArguments) -> f64 {
     arguments.sample_time_s.unwrap_or(document.sample_time_s)
@@ -53,14 +63,15 @@ pub(super) fn meet(document: &ModelDocument, files: &Files, arguments: &MeetArgu
         from_s: arguments.from_s,
         to_s: arguments.to_s,
         sample_time_s: Some(clock_s(document, files, arguments)?),
-        detrend: arguments.detrend,
+        detrend: Detrend::None,
         between: match document.intersample {
             Intersample::ZeroOrderHold => Between::Held,
             Intersample::FirstOrderHold => Between::Straight,
             Intersample::BandLimited => Between::BandLimited,
         },
     };
-    let loaded = take(files, CommonClock::Slowest, &data)?;
+    let about = |data: &_, sources: &_| operating_point::trend(document, arguments.detrend, data, sources);
+    let loaded = take_about(files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;
     check_units(document, &loaded)?;
     loaded.cut_at(Gaps::OfInputs)
 }
@@ -97,39 +108,38 @@ fn clock_s(document: &ModelDocument, files: &Files, arguments: &MeetArguments) -
 }
 
 /// As [`meet`], but recordings without the outputs will do: a simulation needs the inputs alone. Unmeasured outputs are
-/// missing throughout, and the inputs are taken about the operating point of the model.
+/// missing throughout.
 pub(super) fn meet_inputs(
     document: &ModelDocument,
     files: &Files,
     arguments: &MeetArguments,
 ) -> Result<Loaded, CliError> {
     let is_output = |name: &str| document.outputs.iter().any(|label| label.name == name);
-    match meet(document, files, arguments) {
-        Err(CliError::Dataset(DatasetError::NoChannel { channel, .. })) if is_output(&channel) => {}
+    let missing = match meet(document, files, arguments) {
+        Err(CliError::Dataset(DatasetError::NoChannel { channel, .. })) if is_output(&channel) => channel,
         other => return other,
-    }
+    };
     let failed = |source| CliError::identify("the simulation", source);
     let Some(first) = document.inputs.first() else {
         return Err(CliError::Usage { what: "a model without inputs has nothing to be simulated on".into() });
     };
+    if matches!(arguments.detrend, MeetDetrend::Mean | MeetDetrend::Line) {
+        let what = format!(
+            "--detrend takes off what the outputs show, and \"{missing}\" is not in the recording; leave the option out, and the operating point of the model is taken"
+        );
+        return Err(CliError::Usage { what });
+    }
     let mut inputs_only = document.clone();
     // A stand-in for every output, so that the data have the model's shape; its values are taken out again.
     inputs_only.outputs = vec![first.clone(); document.outputs.len()];
-    let unchanged = MeetArguments { detrend: Detrend::None, ..arguments.clone() };
-    let loaded = meet(&inputs_only, files, &unchanged)?;
+    let loaded = meet(&inputs_only, files, arguments)?;
     let unmeasured = |e: &Experiment| {
         let outputs = Mat::full(e.len(), document.outputs.len(), f64::NAN);
         Ok(Experiment { outputs, ..e.clone() })
     };
     let data = loaded.data.map_experiments(unmeasured).map_err(failed)?;
     let data = data.with_labels(document.inputs.clone(), document.outputs.clone()).map_err(failed)?;
-    let levels = |lines: &[ident::Line]| lines.iter().map(|line| line.level).collect::<Vec<f64>>();
-    let Some(trend) = document.trend.as_ref().filter(|_| arguments.detrend != Detrend::None) else {
-        return Ok(Loaded { data, trend: None, ..loaded });
-    };
-    let trend = Trend::offsets(&levels(trend.inputs(0)), &levels(trend.outputs(0))).map_err(failed)?;
-    let data = trend.remove(&data).map_err(failed)?;
-    Ok(Loaded { data, trend: Some(trend), ..loaded })
+    Ok(Loaded { data, ..loaded })
 }
 
 /// A number of one to the right of the point, such as a confidence.

@@ -2,6 +2,7 @@
 
 use ident::validate::{Independence, JointTest, ResidualReport};
 use ident::{Doubt, Label, Termination};
+use lti::Mode;
 
 use crate::table::Style;
 use crate::terminal::Terminal;
@@ -23,7 +24,9 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             "{} rests on its bound, so its interval means nothing; widen the bound or leave the parameter out",
             parameters.get(*parameter).map_or("a parameter", String::as_str)
         ),
-        Doubt::Unstable => "the model is not stable: simulating it runs away".into(),
+        Doubt::Unstable => {
+            "the model is not stable: simulating it runs away, and it has no gain at rest and no final value; where the system itself is stable, change the order or the channels, or fit the simulated output (oe, tf, ss --simulation)".into()
+        }
         Doubt::LargerThanNoise { ratio } => format!(
             "what the model leaves is {ratio:.3} times what the measured noise explains, and the intervals rest on that noise: true errors are larger; try another structure"
         ),
@@ -39,6 +42,15 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
         }
         other => format!("{other:?}"),
     }
+}
+
+/// The pole with which a model runs away, and how fast.
+pub(super) fn growing_pole(mode: &Mode) -> String {
+    let pole = match mode.pole.im {
+        0.0 => digits(mode.pole.re, 4),
+        im => format!("{} ± {}i", digits(mode.pole.re, 4), digits(im.abs(), 4)),
+    };
+    format!("pole at {pole}, which grows e-fold in {} s", digits(-mode.time_constant_s(), 3))
 }
 
 /// How a search ended.
@@ -108,7 +120,11 @@ pub(super) fn tests_json(report: &ResidualReport, level: f64) -> serde_json::Val
 
 /// A fit in percent; a dash where nothing was measured.
 pub(super) fn percent(value: f64) -> String {
-    if value.is_finite() { format!("{value:.2} %") } else { "–".to_owned() }
+    match value {
+        _ if !value.is_finite() => "–".to_owned(),
+        _ if value.abs() < 1e6 => format!("{value:.2} %"),
+        _ => format!("{value:.1e} %"),
+    }
 }
 
 /// Six significant digits.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use ident::{Dataset, Experiment, Source};
-use recording::{Recording, Selection};
+use recording::{Recording, RecordingError, Selection};
 
 use crate::error::CliError;
 use crate::input::{self, InputFile};
@@ -25,9 +25,11 @@ struct File {
 }
 
 impl Files {
-    /// Reads recordings. Text without a time column is read where the time from row to row is given.
+    /// Reads these channels of recordings, all where none are named. Text without a time column is read where the time from
+    /// row to row is given.
     pub(in crate::commands::identify) fn read(
         paths: &[PathBuf],
+        channels: &[&str],
         row_time_s: Option<f64>,
         terminal: &Terminal,
     ) -> Result<Self, CliError> {
@@ -38,7 +40,7 @@ impl Files {
         let (mut all, mut untimed) = (Vec::new(), false);
         for (file, name) in files.into_iter().zip(names) {
             progress.say(&format!("reading {}", file.name));
-            let (recording, sha256, is_untimed) = decode(&file, row_time_s)?;
+            let (recording, sha256, is_untimed) = decode(&file, channels, row_time_s)?;
             untimed |= is_untimed;
             all.push(File { file, name, recording, sha256 });
             progress.step();
@@ -69,6 +71,11 @@ impl Files {
             to_s: experiment.start_s + experiment.len().saturating_sub(1) as f64 * data.sample_time_s(),
         };
         self.all.iter().zip(data.experiments()).map(source).collect()
+    }
+
+    /// The recordings and the channels of data, as a message about them begins.
+    pub(super) fn named(&self, data: &Dataset) -> String {
+        super::named(data, &self.sources(data))
     }
 
     /// A warning for each recording whose content was given before under another name.
@@ -108,8 +115,13 @@ fn short_names(files: &[InputFile]) -> Vec<String> {
 }
 
 /// A recording, the hash of its bytes, and whether it is text without a time column, which is read where the time from
-/// row to row is given.
-fn decode(file: &InputFile, row_time_s: Option<f64>) -> Result<(Recording, String, bool), CliError> {
-    let read = input::read_recording(file, &Selection::All, row_time_s, &|_, _| {})?;
+/// row to row is given. Where a channel that is named is not there, it holds all of them: what they are can be said then.
+fn decode(file: &InputFile, channels: &[&str], row_time_s: Option<f64>) -> Result<(Recording, String, bool), CliError> {
+    let wanted = if channels.is_empty() { Selection::All } else { Selection::names(channels.iter().copied()) };
+    let read = |wanted: &Selection| input::read_recording(file, wanted, row_time_s, &|_, _| {});
+    let read = match read(&wanted) {
+        Err(CliError::Recording { source: RecordingError::NoSuchChannel { .. }, .. }) => read(&Selection::All)?,
+        other => other?,
+    };
     Ok((read.recording, read.sha256, read.is_untimed))
 }

@@ -1,14 +1,16 @@
 //! From recordings and channel names to data without trend.
 
+mod faults;
 mod files;
 mod gaps;
 mod targets;
 mod words;
 
 use bench::dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
-use ident::{Dataset, Intersample, Source, Trend, TrendScope, TrendShape, advise};
+use ident::{Advice, Dataset, IdentError, Intersample, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
 
+pub(super) use faults::check_variation;
 pub(super) use files::Files;
 pub(super) use gaps::Gaps;
 pub(super) use targets::{check_plot, check_targets, draw};
@@ -34,31 +36,69 @@ pub(super) struct Loaded {
     pub(super) notes: Vec<String>,
 }
 
-/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way. The data
-/// are on the clock of the slowest channel unless another is asked for.
-pub(super) fn load(arguments: &DataArguments, terminal: &mut Terminal) -> Result<Loaded, CliError> {
-    load_on(CommonClock::Slowest, arguments, terminal)
-}
-
-/// As [`load`], on another clock unless one is asked for.
+/// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way; on a clock
+/// of its own unless one is asked for.
 pub(super) fn load_on(
     usual: CommonClock,
     arguments: &DataArguments,
     terminal: &mut Terminal,
 ) -> Result<Loaded, CliError> {
-    let all: Vec<&String> = arguments.inputs.iter().chain(&arguments.outputs).collect();
-    if let Some(twice) = all.iter().enumerate().find(|(index, name)| all[..*index].contains(name)) {
-        let what = format!("the channel \"{}\" is named twice among --input and --output; name it once", twice.1);
-        return Err(CliError::Usage { what });
-    }
-    let files = Files::read(&arguments.recordings, arguments.sample_time_s, terminal)?;
+    let files = read(arguments, terminal)?;
     let loaded = take(&files, usual, arguments)?;
     say(&loaded.notes, &mut Vec::new(), terminal);
     Ok(loaded)
 }
 
+/// Reads the recordings named.
+pub(super) fn read(arguments: &DataArguments, terminal: &Terminal) -> Result<Files, CliError> {
+    let all: Vec<&String> = arguments.inputs.iter().chain(&arguments.outputs).collect();
+    if let Some(twice) = all.iter().enumerate().find(|(index, name)| all[..*index].contains(name)) {
+        let what = format!("the channel \"{}\" is named twice among --input and --output; name it once", twice.1);
+        return Err(CliError::Usage { what });
+    }
+    // Without outputs nothing is estimated, but what there is will be listed.
+    let names: Vec<&str> =
+        if arguments.outputs.is_empty() { Vec::new() } else { all.iter().map(|n| n.as_str()).collect() };
+    Files::read(&arguments.recordings, &names, arguments.sample_time_s, terminal)
+}
+
+/// As [`load_on`], cut at gaps, which is said too.
+pub(super) fn load_between_gaps(
+    usual: CommonClock,
+    gaps: Gaps,
+    arguments: &DataArguments,
+    terminal: &mut Terminal,
+) -> Result<Loaded, CliError> {
+    let whole = load_on(usual, arguments, terminal)?;
+    let mut said = whole.notes.clone();
+    let cut = whole.cut_at(gaps)?;
+    say(&cut.notes, &mut said, terminal);
+    Ok(cut)
+}
+
 /// The channels of recordings that were read, trend taken off.
 pub(super) fn take(files: &Files, usual: CommonClock, arguments: &DataArguments) -> Result<Loaded, CliError> {
+    let purpose = Purpose::Estimate(arguments.detrend);
+    take_about(files, usual, arguments, purpose, |data, _| trend(data, arguments.detrend))
+}
+
+/// What data are for, which bears on what should be known of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// A model is to be estimated from them, after a trend was taken off.
+    Estimate(Detrend),
+    /// A model that is there is held against them.
+    Judgement,
+}
+
+/// As [`take`], with the trend that is found in the data and where they come from.
+pub(super) fn take_about(
+    files: &Files,
+    usual: CommonClock,
+    arguments: &DataArguments,
+    purpose: Purpose,
+    trend: impl FnOnce(&Dataset, &[Source]) -> Result<Option<Trend>, IdentError>,
+) -> Result<Loaded, CliError> {
     check_window(arguments)?;
     let recordings = files.recordings();
     let options = DatasetOptions {
@@ -70,16 +110,18 @@ pub(super) fn take(files: &Files, usual: CommonClock, arguments: &DataArguments)
         intersample: intersample(arguments.between),
     };
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
+    faults::check_sizes(&data, &files.named(&data))?;
     let mut notes = files.doubles();
     // Inputs that stand in for outputs have their own adjustments.
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
     let is_news = |a: &&Adjustment| !(is_stand_in && matches!(a, Adjustment::Sparse { .. }));
     notes.extend(adjustments.iter().filter(is_news).map(words::adjustment));
     let advice = if is_stand_in { Vec::new() } else { advise(&data) };
-    let advice = advice.iter().filter(|advice| words::matters(advice, arguments.detrend));
+    let is_explained = |advice: &&Advice| words::is_explained(advice, &adjustments, &data);
+    let advice = advice.iter().filter(|advice| words::matters(advice, purpose)).filter(|a| !is_explained(a));
     notes.extend(advice.map(|advice| words::advice(advice, &data)));
-    let trend = trend(&data, arguments.detrend).map_err(|source| CliError::identify("the trend", source))?;
     let sources = files.sources(&data);
+    let trend = trend(&data, &sources).map_err(|source| CliError::identify("the trend", source))?;
     let data = match &trend {
         Some(trend) => trend.remove(&data).map_err(|source| CliError::identify("the trend", source))?,
         None => data,
@@ -129,7 +171,8 @@ fn intersample(between: Between) -> Intersample {
     }
 }
 
-fn trend(data: &Dataset, detrend: Detrend) -> Result<Option<Trend>, ident::IdentError> {
+/// The trend of data themselves.
+pub(super) fn trend(data: &Dataset, detrend: Detrend) -> Result<Option<Trend>, IdentError> {
     let shape = match detrend {
         Detrend::Mean => TrendShape::Mean,
         Detrend::Line => TrendShape::Line,

@@ -3,6 +3,7 @@
 use bench::dataset::{Adjustment, Resampling};
 use ident::{Advice, Dataset, Label};
 
+use super::Purpose;
 use crate::cli::identify::Detrend;
 use crate::commands::identify::words::significant;
 
@@ -39,15 +40,34 @@ fn resampling(how: Resampling) -> &'static str {
     }
 }
 
-/// Whether advice is news: offsets are none where they are taken off, and missing samples have been counted already.
-pub(super) fn matters(advice: &Advice, detrend: Detrend) -> bool {
-    match advice {
-        Advice::Missing { .. } => false,
-        Advice::Offset { .. } => detrend == Detrend::None,
-        Advice::Drift { .. } => detrend != Detrend::Line,
-        Advice::Integrating { .. } => detrend != Detrend::None,
+/// Whether advice is news: offsets are none where they are taken off, missing samples have been counted already, and how
+/// well data suit an estimate is no matter where none is made.
+pub(super) fn matters(advice: &Advice, purpose: Purpose) -> bool {
+    match (advice, purpose) {
+        (Advice::Missing { .. }, _) => false,
+        (Advice::Constant { .. } | Advice::Clipped { .. } | Advice::Outliers { .. }, _) => true,
+        (_, Purpose::Judgement) => false,
+        (Advice::Offset { .. }, Purpose::Estimate(detrend)) => detrend == Detrend::None,
+        (Advice::Drift { .. }, Purpose::Estimate(detrend)) => detrend != Detrend::Line,
+        (Advice::Integrating { .. }, Purpose::Estimate(detrend)) => detrend != Detrend::None,
         _ => true,
     }
+}
+
+/// Whether what was done to bring a channel onto the clock explains the advice: values between samples are found from those
+/// on either side, so that what is to come shows in them.
+pub(super) fn is_explained(advice: &Advice, adjustments: &[Adjustment], data: &Dataset) -> bool {
+    let (Advice::Feedback { input, output, .. } | Advice::Feedthrough { input, output, .. }) = advice else {
+        return false;
+    };
+    let sees_ahead = |label: &Label| {
+        adjustments.iter().any(|adjustment| match adjustment {
+            Adjustment::Jitter { channel, .. } => *channel == label.name,
+            Adjustment::Resampled { channel, how, .. } => *channel == label.name && *how != Resampling::Held,
+            _ => false,
+        })
+    };
+    sees_ahead(&data.input_labels()[*input]) || sees_ahead(&data.output_labels()[*output])
 }
 
 /// Advice by the names of channels and recordings.

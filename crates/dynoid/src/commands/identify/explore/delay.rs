@@ -1,5 +1,6 @@
 //! `dynoid delay`: by several methods, and what to make of it where they disagree.
 
+use bench::dataset::CommonClock;
 use ident::delay::{
     ArxDelay, DelayEstimate, DelayRanking, FractionalDelay, ImpulseDelay, ImpulseResponseStart, PhaseDelay,
 };
@@ -7,7 +8,7 @@ use ident::distributions::normal_quantile;
 use ident::{Dataset, IdentError};
 use plot::{Axis, Figure, Layer, Panel, Style};
 
-use super::super::data::load;
+use super::super::data::{Gaps, check_plot, read, say, take};
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
 use super::super::words::{digits, range, significant};
@@ -28,7 +29,8 @@ type Fine = Option<Result<DelayEstimate, IdentError>>;
 /// What each method says.
 struct Delays {
     ranking: DelayRanking,
-    starts: Vec<ImpulseResponseStart>,
+    /// Not there where the inputs excite fewer orders than there are lags, as held ones may.
+    starts: Result<Vec<ImpulseResponseStart>, IdentError>,
     /// The methods of one input and one output.
     phase: Fine,
     fraction: Fine,
@@ -37,8 +39,18 @@ struct Delays {
 
 /// `dynoid delay`
 pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let data = load(&arguments.data, terminal)?.data;
-    let found = estimate(&data, arguments.longest).map_err(|source| CliError::identify("the delay", source))?;
+    check_plot(&arguments.result, &[&arguments.data.recordings])?;
+    let (data, spacing) = data(arguments, terminal)?;
+    let samples = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    if arguments.longest == 0 || arguments.longest >= samples / 2 {
+        let what = format!(
+            "--longest {}: give at least 1, and less than half of the {samples} samples on end",
+            arguments.longest
+        );
+        return Err(CliError::Usage { what });
+    }
+    let failed = |source| CliError::identify("the delay", source);
+    let found = estimate(&data, spacing, arguments.longest).map_err(failed)?;
     picture(&arguments.result, "Delay", || vec![losses(&found.ranking)])?;
     let doubts = found.doubts(&data);
     if arguments.result.json {
@@ -53,12 +65,45 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     Ok(Outcome::Done)
 }
 
-fn estimate(data: &Dataset, longest: usize) -> Result<Delays, IdentError> {
-    let arx = ArxDelay { highest: longest, ..ArxDelay::default() };
-    let is_single = data.inputs() == 1 && data.outputs() == 1;
+/// The data on the clock of the fastest channel, and how many of its samples lie between two of the output; on that of the
+/// slowest where the output is not known every so many samples.
+fn data(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<(Dataset, usize), CliError> {
+    if arguments.data.inputs.is_empty() {
+        return Err(CliError::Usage { what: "a delay is one from an input: name it with --input".into() });
+    }
+    let files = read(&arguments.data, terminal)?;
+    let mut loaded = take(&files, CommonClock::Fastest, &arguments.data)?;
+    let spacing = spacing(&loaded.data);
+    if spacing.is_none() {
+        loaded = take(&files, CommonClock::Slowest, &arguments.data)?;
+    }
+    // Between samples of a slow output nothing is missing that could be there.
+    let gaps = if spacing.is_some_and(|s| s > 1) { Gaps::OfInputs } else { Gaps::OfAll };
+    let cut = loaded.cut_at(gaps)?;
+    say(&cut.notes, &mut Vec::new(), terminal);
+    Ok((cut.data, spacing.unwrap_or(1)))
+}
+
+/// The samples from one known output to the next, gaps left aside; `None` where they are not always as many.
+fn spacing(data: &Dataset) -> Option<usize> {
+    let known = |e: &ident::Experiment| {
+        let y = e.output(0).iter().enumerate();
+        y.filter(|(_, v)| !v.is_nan()).map(|(i, _)| i).collect::<Vec<usize>>()
+    };
+    let all: Vec<Vec<usize>> = data.experiments().iter().map(known).collect();
+    let steps = || all.iter().flat_map(|known| known.windows(2).map(|w| w[1] - w[0]));
+    let least = steps().min()?;
+    steps().all(|step| step % least == 0).then_some(least)
+}
+
+fn estimate(data: &Dataset, spacing: usize, longest: usize) -> Result<Delays, IdentError> {
+    // A coefficient for each sample from one output to the next, during which the input may have changed.
+    let nb = ArxDelay::default().nb + spacing - 1;
+    let arx = ArxDelay { highest: longest, spacing, nb, ..ArxDelay::default() };
+    let is_single = data.inputs() == 1 && data.outputs() == 1 && spacing == 1;
     Ok(Delays {
         ranking: arx.estimate(data)?,
-        starts: ImpulseDelay { lags: longest, ..ImpulseDelay::default() }.estimate(data)?,
+        starts: ImpulseDelay { lags: longest, spacing, ..ImpulseDelay::default() }.estimate(data),
         phase: is_single.then(|| PhaseDelay { highest: longest, ..PhaseDelay::default() }.estimate(data)),
         fraction: is_single.then(|| FractionalDelay(arx).estimate(data)),
         longest,
@@ -110,7 +155,8 @@ impl Delays {
                 2 * self.longest
             ));
         }
-        all.extend(match self.starts.get(input).map(|start| start.delay) {
+        let starts = self.starts.as_deref().unwrap_or_default();
+        all.extend(match starts.get(input).map(|start| start.delay) {
             Some(Some(start)) if start < low => Some(format!(
                 "the impulse response to \"{name}\" starts at {start} already, the ARX comparison says {best}: a small \
                  early response that models of low order pass over; trust {best} for such a model, and {start} for one \
@@ -149,7 +195,10 @@ fn table(found: &Delays, data: &Dataset) -> Table {
         let name = format!("ARX comparison, {}", data.input_labels()[input].name);
         table.row([name.into(), delay.to_string().into(), seconds(*delay as f64).into(), certainty.into()]);
     }
-    for (input, start) in found.starts.iter().enumerate() {
+    if let Err(reason) = &found.starts {
+        table.row(["impulse response".into(), "–".into(), "–".into(), reason.to_string().into()]);
+    }
+    for (input, start) in found.starts.iter().flatten().enumerate() {
         let name = format!("impulse response, {}", data.input_labels()[input % data.inputs()].name);
         let (samples, time) = start.delay.map_or(("–".into(), "–".into()), |d| (d.to_string(), seconds(d as f64)));
         table.row([name.into(), samples.into(), time.into(), "first coefficient that is significant".into()]);
@@ -176,7 +225,10 @@ fn json(found: &Delays, data: &Dataset, doubts: &[String]) -> serde_json::Value 
     let candidate =
         |c: &ident::delay::DelayCandidate| serde_json::json!({"samples": c.delays, "loss": c.loss, "weight": c.weight});
     let candidates: Vec<_> = found.ranking.candidates.iter().take(LISTED).map(candidate).collect();
-    let starts: Vec<_> = found.starts.iter().map(|start| start.delay).collect();
+    let starts = match &found.starts {
+        Ok(starts) => serde_json::json!(starts.iter().map(|start| start.delay).collect::<Vec<_>>()),
+        Err(reason) => serde_json::json!({"error": reason.to_string()}),
+    };
     serde_json::json!({
         "sample_time_s": data.sample_time_s(),
         "arx": {"samples": found.ranking.delays, "candidates": candidates},

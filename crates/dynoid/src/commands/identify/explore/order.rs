@@ -2,10 +2,11 @@
 
 use std::ops::RangeInclusive;
 
+use bench::dataset::CommonClock;
 use ident::{Criterion, OrderScan, OrderTable, ScannedStructure};
 use plot::{Axis, Figure, Layer, Panel, Style};
 
-use super::super::data::load;
+use super::super::data::{Gaps, check_plot, load_between_gaps};
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
 use super::super::model_file;
@@ -17,19 +18,24 @@ use crate::terminal::Terminal;
 
 /// `dynoid order`
 pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let data = load(&arguments.data, terminal)?.data;
-    let failed = |source| CliError::identify("the order scan", source);
+    check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let ranges = [range("--na", &arguments.na)?, range("--nb", &arguments.nb)?, range("--nk", &arguments.nk)?];
+    let share = arguments.split.map(|share| model_file::checked_share("--split", share)).transpose()?;
+    let data = load_between_gaps(CommonClock::Slowest, Gaps::OfInputs, &arguments.data, terminal)?.data;
+    let failed = |source| CliError::identify("the order scan", source);
     let [na, nb, nk] = ranges.clone();
     let scan = OrderScan::new(na, nb, nk);
-    let table = match arguments.split {
+    let progress = terminal.progress(1);
+    progress.say("comparing the structures");
+    let table = match share {
         Some(share) => {
-            let split = data.split(model_file::checked_share("--split", share)?).map_err(failed)?;
+            let split = data.split(share).map_err(failed)?;
             scan.run_validated(&split.estimation, &split.validation)
         }
         None => scan.run(&data),
     };
     let table = table.map_err(failed)?;
+    drop(progress);
     picture(&arguments.result, "Order", || vec![loss_figure(&table)])?;
     let mut criteria = vec![
         ("AIC", Criterion::Aic),

@@ -1,12 +1,13 @@
 //! `dynoid spectrum`: power spectra and frequency responses.
 
+use bench::dataset::CommonClock;
 use ident::Dataset;
 use ident::distributions::normal_quantile;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum};
 
-use super::super::data::{Gaps, Loaded, load};
+use super::super::data::{Gaps, Loaded, check_plot, load_on};
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
 use super::super::words::{digits, range, ratio_unit};
@@ -61,7 +62,8 @@ impl Spectrum {
 
 /// `dynoid spectrum`
 pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let data = without_gaps(load(&arguments.data, terminal)?, terminal)?;
+    check_plot(&arguments.result, &[&arguments.data.recordings])?;
+    let data = without_gaps(load_on(CommonClock::Slowest, &arguments.data, terminal)?, terminal)?;
     let failed = |source: signal::SignalError| CliError::identify("the spectrum", source.into());
     check_method(arguments, data.inputs())?;
     let spectra = match data.inputs() {

@@ -7,12 +7,13 @@ use ident::{
 use signal::Sos;
 
 use super::greybox;
-use super::orders::{Delay, Members, delays, polynomial_orders, states};
+use super::orders::{Delay, Members, delays, held, polynomial_orders, states};
 use crate::cli::identify::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,
     TransferFunctionArguments,
 };
 use crate::error::CliError;
+use crate::terminal::Progress;
 
 /// Most states that `auto` may choose.
 const MOST_STATES: usize = 10;
@@ -25,6 +26,18 @@ pub(super) fn estimate(
     command: &FitCommand,
     structure: Option<FormulaStructure>,
     data: &Dataset,
+    progress: &Progress,
+) -> Result<Fit<AnyModel>, CliError> {
+    let fit = found(command, structure, data, progress);
+    progress.step();
+    fit
+}
+
+fn found(
+    command: &FitCommand,
+    structure: Option<FormulaStructure>,
+    data: &Dataset,
+    progress: &Progress,
 ) -> Result<Fit<AnyModel>, CliError> {
     match (command, structure) {
         (FitCommand::Greybox(arguments), Some(structure)) => greybox::fit(arguments, structure, data),
@@ -32,7 +45,7 @@ pub(super) fn estimate(
         (FitCommand::Arx(arguments), _) => arx(arguments, data).map_err(failed),
         (FitCommand::Tf(arguments), _) => transfer_function(arguments, data),
         (FitCommand::Process(arguments), _) => process(arguments, data),
-        (FitCommand::Ss(arguments), _) => state_space(arguments, data),
+        (FitCommand::Ss(arguments), _) => state_space(arguments, data, progress),
         (FitCommand::Armax(a) | FitCommand::Oe(a) | FitCommand::Bj(a) | FitCommand::Poly(a), _) => {
             polynomial(a, Members::of(command), data)
         }
@@ -94,10 +107,18 @@ fn process(arguments: &ProcessArguments, data: &Dataset) -> Result<Fit<AnyModel>
         let range = Delay::read(text)?;
         options = options.with_delay_between(&[(range.low_s, range.high_s)]);
     }
+    for text in &arguments.hold {
+        let (name, value) = held(text)?;
+        options = options.hold(name, value);
+    }
     options.fit(data).map(|fit| fit.map(AnyModel::from)).map_err(failed)
 }
 
-fn state_space(arguments: &StateSpaceArguments, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
+fn state_space(
+    arguments: &StateSpaceArguments,
+    data: &Dataset,
+    progress: &Progress,
+) -> Result<Fit<AnyModel>, CliError> {
     let subspace = states(arguments)?.map_or(Subspace::auto(MOST_STATES), Subspace::new);
     let mut subspace = subspace.with_weighting(match arguments.weighting {
         SubspaceWeighting::Cva => Weighting::Cva,
@@ -114,6 +135,8 @@ fn state_space(arguments: &StateSpaceArguments, data: &Dataset) -> Result<Fit<An
     if arguments.subspace {
         return Ok(start.map(AnyModel::from));
     }
+    progress.step();
+    progress.say(&format!("searching from the subspace model of order {}", start.model.system().states()));
     let mut search = StateSpacePem::from_model(start.model);
     if arguments.simulation {
         search = search.with_focus(Focus::Simulation);

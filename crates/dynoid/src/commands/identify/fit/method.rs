@@ -26,7 +26,10 @@ pub(super) fn wanted(command: &FitCommand) -> String {
         FitCommand::Bj(a) => polynomial("Box–Jenkins", a),
         FitCommand::Poly(a) => polynomial("polynomial", a),
         FitCommand::Tf(a) => format!("transfer function, zeros {} poles {}", list(&a.zeros), list(&a.poles)),
-        FitCommand::Process(a) => format!("process model {}", a.structure),
+        FitCommand::Process(a) => {
+            let held = if a.hold.is_empty() { String::new() } else { format!(", {} held", a.hold.join(", ")) };
+            format!("process model {}{held}", a.structure)
+        }
         FitCommand::Ss(a) => {
             let how = if a.subspace { "subspace" } else { "prediction error" };
             format!("state space by {how}, order {}", a.order)
@@ -41,7 +44,12 @@ pub(super) fn fitted(wanted: String, model: &AnyModel) -> String {
     match model {
         AnyModel::Polynomial(model) => {
             let Some(e) = model.equations().first() else { return wanted };
-            let name = wanted.split(" n").next().unwrap_or(&wanted);
+            let name = match wanted.split(" n").next().unwrap_or(&wanted) {
+                // Without inputs the X goes.
+                "ARX" if model.inputs() == 0 => "AR",
+                "ARMAX" if model.inputs() == 0 => "ARMA",
+                name => name,
+            };
             let lengths = |lists: &[Vec<f64>]| list(lists.iter().map(Vec::len).collect());
             let orders = [
                 ("na", lengths(&e.a)),
@@ -52,7 +60,7 @@ pub(super) fn fitted(wanted: String, model: &AnyModel) -> String {
                 ("nk", list(e.nk.clone())),
             ];
             let is_there = |text: &str| text.split(' ').any(|n| n != "0" && !n.is_empty());
-            let orders = orders.iter().filter(|(name, text)| *name == "nk" || is_there(text));
+            let orders = orders.iter().filter(|(name, text)| (*name == "nk" && !text.is_empty()) || is_there(text));
             orders.fold(name.to_owned(), |text, (name, order)| format!("{text} {name} {order}"))
         }
         AnyModel::StateSpace(model) => {

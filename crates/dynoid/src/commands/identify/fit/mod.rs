@@ -9,9 +9,11 @@ mod verdict;
 use bench::dataset::CommonClock;
 use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
 
-use super::data::{Files, Gaps, Loaded, check_plot, check_targets, draw, load_on, named, say, take};
-use super::{greybox, model_file};
-use crate::cli::identify::{FitArguments, FitCommand};
+use super::data::{
+    Files, Gaps, Loaded, Purpose, check_plot, check_targets, check_variation, draw, load_on, named, say, take_about,
+};
+use super::{greybox, model_file, operating_point};
+use crate::cli::identify::{FitArguments, FitCommand, MeetDetrend};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
@@ -19,8 +21,9 @@ use verdict::Verdict;
 
 /// Confidence of the intervals shown.
 const INTERVAL: f64 = 0.95;
-/// Confidence of the regions of the residual tests.
-const REGION: f64 = 0.99;
+
+/// Steps of the display of progress: the start of a search, the search, the judgement.
+const STEPS: u64 = 3;
 
 /// What an estimate was made of and came to.
 struct Finished {
@@ -40,44 +43,63 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     let structure = greybox::structure_of(command)?;
     let sees_through = sees_through_missing_outputs(command, structure.as_ref());
     let (estimation, unseen) = data(command, sees_through, terminal)?;
+    check_variation(&estimation)?;
+    orders::check_delays(command, &estimation.data)?;
     let wanted = method::wanted(command);
-    let progress = terminal.progress(1);
+    let progress = terminal.progress(STEPS);
     progress.say(&format!("estimating {wanted}"));
-    let fit = estimate::estimate(command, structure, &estimation.data);
+    let fit = estimate::estimate(command, structure, &estimation.data, &progress);
     let mut fit = fit.map_err(|error| refused(error, command, &estimation))?;
+    progress.say("judging the model");
+    let verdict = Verdict::new(&fit, &estimation.data, unseen.as_ref().map(|u| &u.data));
     drop(progress);
     if let FitCommand::Greybox(arguments) = command {
         greybox::warnings(arguments, &fit.model).iter().for_each(|text| terminal.warning(text));
     }
-    let verdict = Verdict::new(&fit, &estimation.data, unseen.as_ref().map(|u| &u.data));
     fit.doubts.extend(verdict.doubts(&estimation.data));
     let document = document(&fit, method::fitted(wanted, &fit.model), &estimation);
     let (experiments, notes) = (estimation.data.experiments().len(), estimation.notes.clone());
     let finished = Finished { document, fit, verdict, experiments, notes };
-    if let Some(path) = &common.out {
-        let text = serde_json::to_string_pretty(&finished.document).map_err(CliError::internal)?;
-        replace_file(path, text.as_bytes())?;
-    }
-    if let Some(path) = &common.result.plot {
-        let shown = unseen.as_ref().unwrap_or(&estimation);
-        let title = format!("{} → {}", show::channels(&finished.document), show::method(&finished.document));
-        replace_file(path, &draw(path, &title, &finished.verdict.figures(&shown.data))?)?;
-    }
+    finished.write(common, &unseen.as_ref().unwrap_or(&estimation).data)?;
     if common.result.json {
         terminal.json(&finished.json())?;
     } else if !terminal.is_quiet() {
         finished.print(common, terminal);
     }
     finished.verdict.failures().iter().for_each(|text| terminal.warning(text));
+    let hint = unseen.as_ref().and_then(|unseen| finished.hint(&unseen.data));
+    hint.iter().for_each(|text| terminal.warning(text));
     Ok(Outcome::Done)
+}
+
+impl Finished {
+    /// Writes the model, and draws what it makes of data, where that is asked for.
+    fn write(&self, arguments: &FitArguments, shown: &Dataset) -> Result<(), CliError> {
+        if let Some(path) = &arguments.out {
+            let text = serde_json::to_string_pretty(&self.document).map_err(CliError::internal)?;
+            replace_file(path, text.as_bytes())?;
+        }
+        if let Some(path) = &arguments.result.plot {
+            let title = format!("{} → {}", show::channels(&self.document), show::method(&self.document));
+            let figures = self.verdict.figures(shown, self.has_noise_model());
+            replace_file(path, &draw(path, &title, &figures)?)?;
+        }
+        Ok(())
+    }
+
+    /// Whether unseen data rest elsewhere than those of the estimate.
+    fn hint(&self, unseen: &Dataset) -> Option<String> {
+        let judged = self.verdict.judged.last()?.simulated.as_ref().ok()?;
+        operating_point::hint(&self.document, unseen, &judged.response, MeetDetrend::Model)
+    }
 }
 
 /// Checks where results go before any work is done.
 fn check_fit(arguments: &FitArguments) -> Result<(), CliError> {
-    let targets = [&arguments.out, &arguments.result.plot];
+    let read = [arguments.data.recordings.as_slice(), &arguments.validate];
     arguments.out.as_deref().map_or(Ok(()), model_file::check_ending)?;
-    check_targets(&targets, &[&arguments.data.recordings, &arguments.validate])?;
-    check_plot(&arguments.result)
+    check_targets(&[&arguments.out], &read)?;
+    check_plot(&arguments.result, &read)
 }
 
 /// Whether the method looks at the simulated output alone, so that outputs may be slower than the inputs.
@@ -139,8 +161,10 @@ fn parts(
     // The window belongs to the recordings of the estimate, the clock to both.
     let row_time_s = data.sample_time_s.unwrap_or(whole.data.sample_time_s());
     (data.from_s, data.to_s, data.sample_time_s) = (None, None, Some(whole.data.sample_time_s()));
-    let files = Files::read(&arguments.validate, Some(row_time_s), terminal)?;
-    let mut unseen = take(&files, CommonClock::Slowest, &data)?;
+    let names: Vec<&str> = data.inputs.iter().chain(&data.outputs).map(String::as_str).collect();
+    let files = Files::read(&arguments.validate, &names, Some(row_time_s), terminal)?;
+    let about = |_: &_, sources: &_| operating_point::of_data(whole.trend.as_ref(), &whole.sources, sources);
+    let mut unseen = take_about(&files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;
     let same = |a: &Source| whole.sources.iter().any(|b| a.sha256 == b.sha256);
     for source in unseen.sources.iter().filter(|source| same(source)) {
         unseen.notes.push(format!("{}: the estimate rests on this recording too, so it is no unseen one", source.file));
@@ -154,6 +178,9 @@ fn refused(error: CliError, command: &FitCommand, estimation: &Loaded) -> CliErr
     let remedy = match &source {
         IdentError::TooFewSamples { .. } | IdentError::RankDeficient { .. } => {
             format!("; lower {}, or give more data", orders::options(command))
+        }
+        IdentError::Structure { what } if what.contains("held") => {
+            "; --hold takes K, Tw, zeta, Tp1, Tp2, Tp3, Tz and Td as far as --structure has them, with several inputs K[1], K[2] …".into()
         }
         _ => String::new(),
     };

@@ -1,10 +1,11 @@
 //! Orders and delays on the command line: what they are, and whether they can be.
 
-use ident::ProcessFit;
+use ident::{Dataset, ProcessFit};
 
 use crate::cli::identify::{
     ArxArguments, FitCommand, PolynomialArguments, ProcessArguments, StateSpaceArguments, TransferFunctionArguments,
 };
+use crate::commands::identify::words::significant;
 use crate::error::CliError;
 
 fn usage(what: impl Into<String>) -> CliError {
@@ -24,6 +25,36 @@ pub(super) fn check(command: &FitCommand) -> Result<(), CliError> {
         FitCommand::Ss(a) => states(a).map(|_| ()),
         FitCommand::Greybox(_) => Ok(()),
     }
+}
+
+/// Refuses delays that are longer than the data.
+pub(super) fn check_delays(command: &FitCommand, data: &Dataset) -> Result<(), CliError> {
+    let samples = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    let lasts_s = samples as f64 * data.sample_time_s();
+    let nk = match command {
+        FitCommand::Arx(a) => &a.nk,
+        FitCommand::Armax(a) | FitCommand::Oe(a) | FitCommand::Bj(a) | FitCommand::Poly(a) => &a.nk,
+        _ => &Vec::new(),
+    };
+    if let Some(nk) = nk.iter().find(|nk| **nk >= samples) {
+        return Err(usage(format!(
+            "--nk {nk}: the delay is in samples, and there are no more than {samples} on end; give a shorter one"
+        )));
+    }
+    let texts = match command {
+        FitCommand::Tf(a) => a.delay.as_slice(),
+        FitCommand::Process(a) => a.delay.as_slice(),
+        _ => &[],
+    };
+    for text in texts {
+        if Delay::read(text)?.high_s >= lasts_s {
+            let lasts = significant(lasts_s);
+            return Err(usage(format!(
+                "--delay {text}: the delay is in seconds, and the data last {lasts} s on end at most; give a shorter one"
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The options that make a model smaller.
@@ -152,7 +183,17 @@ fn check_process(arguments: &ProcessArguments, inputs: usize) -> Result<(), CliE
     check_inputs(inputs)?;
     arguments.delay.as_deref().map_or(Ok(()), |text| Delay::read(text).map(|_| ()))?;
     let wrong = |reason| usage(format!("--structure {}: {reason}", arguments.structure));
+    arguments.hold.iter().try_for_each(|text| held(text).map(|_| ()))?;
     ProcessFit::named(&arguments.structure).map(|_| ()).map_err(wrong)
+}
+
+/// A parameter that is held, and its value.
+pub(super) fn held(text: &str) -> Result<(&str, f64), CliError> {
+    let parts = text.split_once('=').map(|(name, value)| (name.trim(), value.trim().parse::<f64>()));
+    match parts {
+        Some((name, Ok(value))) if value.is_finite() && !name.is_empty() => Ok((name, value)),
+        _ => Err(usage(format!("--hold {text}: give a parameter and a number, such as K=2"))),
+    }
 }
 
 /// The number of states; none where it is to be found.

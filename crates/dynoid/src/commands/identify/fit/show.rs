@@ -1,12 +1,14 @@
 //! Estimates as text, as tables and as JSON.
 
+use ident::uncertainty::Dynamics;
 use ident::validate::Judgement;
-use ident::{AnyModel, IdentError, LinearModel, ModelDocument, Parametric};
+use ident::{AnyModel, Doubt, IdentError, LinearModel, ModelDocument, Parametric};
 use serde::Serialize;
 
 use super::verdict::Judged;
-use super::{Finished, INTERVAL, REGION, greybox};
+use super::{Finished, INTERVAL, greybox};
 use crate::cli::identify::FitArguments;
+use crate::commands::identify::judge::REGION;
 use crate::commands::identify::look;
 use crate::commands::identify::words::{self, significant};
 use crate::table::{Align, Style, Table};
@@ -14,7 +16,8 @@ use crate::terminal::Terminal;
 
 pub(super) fn channels(document: &ModelDocument) -> String {
     let names = |labels: &[ident::Label]| labels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ");
-    format!("{} → {}", names(&document.inputs), names(&document.outputs))
+    let inputs = if document.inputs.is_empty() { "e".to_owned() } else { names(&document.inputs) };
+    format!("{inputs} → {}", names(&document.outputs))
 }
 
 pub(super) fn method(document: &ModelDocument) -> &str {
@@ -35,7 +38,7 @@ impl Finished {
             "judged": self.verdict.judged.iter().map(judged_json).collect::<Vec<_>>(),
             "residuals": residuals.as_ref().ok().map(|report| words::tests_json(report, REGION)),
             "residuals_error": self.verdict.no_residuals(),
-            "doubts": self.doubts(),
+            "doubts": self.doubts().into_iter().map(|(_, doubt)| doubt).collect::<Vec<_>>(),
         })
     }
 
@@ -49,6 +52,10 @@ impl Finished {
             self.experiments,
             if self.experiments == 1 { "" } else { "s" }
         ));
+        let (grave, others): (Vec<_>, Vec<_>) = self.doubts().into_iter().partition(|(is_grave, _)| *is_grave);
+        for (_, doubt) in &grave {
+            terminal.item(("doubt:", Style::Bad), doubt);
+        }
         terminal.gap();
         // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
         let shown = matches!(self.fit.model, AnyModel::StateSpace(_))
@@ -61,8 +68,8 @@ impl Finished {
         terminal.table(&self.fits());
         terminal.gap();
         self.print_tests(terminal);
-        for doubt in self.doubts() {
-            terminal.item(("doubt:", Style::Caution), &doubt);
+        for (_, doubt) in &others {
+            terminal.item(("doubt:", Style::Caution), doubt);
         }
         for path in [&arguments.out, &arguments.result.plot].into_iter().flatten() {
             terminal.line(&format!("written: {}", path.display()));
@@ -84,8 +91,9 @@ impl Finished {
         terminal.line(&format!("{} ({} iterations)", words::termination(self.fit.termination), self.fit.iterations));
     }
 
-    /// Every reason to doubt, in words.
-    fn doubts(&self) -> Vec<String> {
+    /// Every reason to doubt, in words, those first with which the model is of no use as it is; each with whether it is one
+    /// of these.
+    fn doubts(&self) -> Vec<(bool, String)> {
         let names = self.fit.model.parameter_names();
         let is_coloured =
             |report: &ident::validate::ResidualReport| report.whiteness.iter().any(|w| !w.joint.passes(REGION));
@@ -93,12 +101,24 @@ impl Finished {
         let first = (coloured && self.has_noise_model()).then(|| {
             "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; give the noise a higher order, or take armax, bj or ss".to_owned()
         });
-        let others = self.fit.doubts.iter().map(|doubt| words::doubt(doubt, &names, &self.document.outputs));
-        first.into_iter().chain(others).collect()
+        let is_grave =
+            |doubt: &Doubt| matches!(doubt, Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. });
+        let growing = self.fit.model.system().and_then(|system| system.growing_mode()).ok().flatten();
+        let pole = |doubt: &Doubt| match (&growing, doubt) {
+            (Some(mode), Doubt::Unstable) => format!(" ({})", words::growing_pole(mode)),
+            _ => String::new(),
+        };
+        let word = |doubt| {
+            (is_grave(doubt), format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
+        };
+        let mut all: Vec<(bool, String)> = self.fit.doubts.iter().map(word).collect();
+        all.extend(first.map(|text| (false, text)));
+        all.sort_by_key(|(is_grave, _)| !is_grave);
+        all
     }
 
     /// Whether the noise is modelled too; where not, the intervals allow for coloured residuals.
-    fn has_noise_model(&self) -> bool {
+    pub(super) fn has_noise_model(&self) -> bool {
         let document = &self.document;
         let innovations = self.fit.model.innovations(document.sample_time_s, document.intersample);
         innovations.is_ok_and(|of| of.k().norm_max() > 0.0)
@@ -146,10 +166,13 @@ impl Finished {
                     let fit = |j: &Result<Judgement, IdentError>| {
                         words::percent(j.as_ref().map_or(f64::NAN, |j| j.fit_percent[experiment][output]))
                     };
+                    // Without inputs there is nothing to simulate from.
+                    let simulated =
+                        if self.document.inputs.is_empty() { "–".to_owned() } else { fit(&judged.simulated) };
                     table.row([
                         on.as_str().into(),
                         label.name.as_str().into(),
-                        fit(&judged.simulated).into(),
+                        simulated.into(),
                         fit(&judged.predicted).into(),
                     ]);
                 }

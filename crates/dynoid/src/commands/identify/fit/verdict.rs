@@ -1,11 +1,11 @@
 //! How good a model is on the data it was fitted to, and on others.
 
 use ident::prediction::{InitialState, Response};
-use ident::validate::{Judgement, ResidualReport, ResidualTest, fit_percent, judge};
-use ident::{AnyModel, Criteria, Dataset, Doubt, Experiment, Fit, IdentError};
+use ident::validate::{Judgement, ResidualReport, fit_percent, judge};
+use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError};
 
-use super::REGION;
 use crate::commands::identify::figures;
+use crate::commands::identify::judge::{REGION, residual_test};
 
 /// Lags of the residual tests.
 const LAGS: usize = 25;
@@ -40,7 +40,11 @@ impl Verdict {
         let last = unseen_judged.as_ref().unwrap_or(&estimation);
         Verdict {
             criteria: Criteria::of(fit.loss, fit.free_parameters, fit.samples, data.outputs()),
-            residuals: residual_test(last, unseen.unwrap_or(data)),
+            residuals: last
+                .predicted
+                .as_ref()
+                .map_err(Clone::clone)
+                .and_then(|predicted| residual_test(predicted, unseen.unwrap_or(data), LAGS)),
             judged: std::iter::once(estimation).chain(unseen_judged).collect(),
         }
     }
@@ -84,11 +88,13 @@ impl Verdict {
         all
     }
 
-    pub(super) fn figures(&self, data: &Dataset) -> Vec<plot::Figure> {
+    /// The simulation, beside it the prediction where a noise model makes it another, and the residual tests.
+    pub(super) fn figures(&self, data: &Dataset, has_noise_model: bool) -> Vec<plot::Figure> {
         let mut all = Vec::new();
         if let Some(judged) = self.judged.last() {
-            let pair = [("simulated", &judged.simulated), ("predicted one step", &judged.predicted)];
-            let there = pair.into_iter().filter_map(|(name, judged)| Some((name, &judged.as_ref().ok()?.response)));
+            let predicted = has_noise_model.then_some(("predicted one step", &judged.predicted));
+            let pair = std::iter::once(("simulated", &judged.simulated)).chain(predicted);
+            let there = pair.filter_map(|(name, judged)| Some((name, &judged.as_ref().ok()?.response)));
             let shown = there.map(|(name, response)| figures::Shown { name, data, response });
             all.extend(figures::comparison(&shown.collect::<Vec<_>>()));
         }
@@ -97,17 +103,6 @@ impl Verdict {
         }
         all
     }
-}
-
-/// The residual tests on the one-step errors that the judgement has found.
-fn residual_test(judged: &Judged, data: &Dataset) -> Result<ResidualReport, IdentError> {
-    let predicted = judged.predicted.as_ref().map_err(Clone::clone)?;
-    let mut responses = predicted.response.outputs.iter();
-    let errors = data.map_experiments(|e| {
-        let outputs = responses.next().map_or_else(|| e.outputs.clone(), |modelled| &e.outputs - modelled);
-        Ok(Experiment { outputs, ..e.clone() })
-    })?;
-    ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() }.run_on_residuals(&errors)
 }
 
 /// The fit of an output over all experiments; none where nothing was measured.

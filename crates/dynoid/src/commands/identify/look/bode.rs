@@ -1,15 +1,16 @@
 //! `dynoid bode`: frequency responses.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use ident::uncertainty::{Dynamics, Feature, Features};
 use ident::{AnyModel, IdentError};
-use lti::Margins;
+use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
 use plot::Axis;
 
+use super::super::data::check_plot;
 use super::super::words::{digits, ratio_unit, with_range};
-use super::curves::{Curve, Fact, Quantity, show};
-use super::{Model, channel_name, channels, driven_models, failed};
+use super::curves::{Curve, Fact, Quantity, show, unstable};
+use super::{Model, channel_name, channels, failed, models};
 use crate::cli::identify::CurveArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -19,11 +20,16 @@ const FREQUENCIES: usize = 400;
 
 /// `dynoid bode`
 pub(crate) fn bode(arguments: &CurveArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let models = driven_models(&arguments.models)?;
+    check_plot(&arguments.models.result, &[&arguments.models.models])?;
+    let models = models(&arguments.models)?;
+    let systems = models.iter().map(|model| model.document.model.system());
+    let systems: Vec<StateSpace> = systems.collect::<Result<_, LtiError>>().map_err(|e| failed(e.into()))?;
+    let all = common_frequency_grid(&systems, FREQUENCIES).map_err(|e| failed(e.into()))?;
     let mut curves = Vec::new();
     for (number, model) in models.iter().enumerate() {
-        let grid = model.document.model.system().and_then(|s| s.frequency_grid(FREQUENCIES));
-        let omega = grid.map_err(|e| failed(e.into()))?;
+        // All on one grid, so that curves can be compared point by point, each up to where it ends.
+        let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
+        let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
         for channel in channels(model) {
             curves.push(curve(model, number, channel, &omega, arguments.models.level).map_err(failed)?);
         }
@@ -63,17 +69,24 @@ fn summary(model: &Model, (output, input): (usize, usize), omega: &[f64], level:
     let in_hertz = |name: &str, f: &Feature| {
         Fact::number(name, f.value / TAU, "Hz", f.interval(level).map(|(low, high)| (low / TAU, high / TAU)))
     };
-    let mut facts = vec![gain_at_rest(model, &features, (output, input), level)?];
+    let growing = model.growing_mode()?;
+    let mut facts = match &growing {
+        Some(mode) => vec![unstable(mode, "nothing rests, so that there is no gain at rest and no bandwidth")],
+        None => vec![gain_at_rest(model, &features, (output, input), level)?],
+    };
     for resonance in features.resonances(omega)? {
         let gain = &resonance.gain;
         let interval = gain.interval(level).map(|(low, high)| (decibel(low), decibel(high)));
         let height = with_range(decibel(gain.value), "dB", interval);
         facts.push(in_hertz("resonance", &resonance.omega_rad_s).noted(height));
     }
+    if growing.is_some() {
+        return Ok(facts);
+    }
     if let Some(bandwidth) = features.bandwidth_rad_s(omega)? {
         facts.push(in_hertz("bandwidth (−3 dB)", &bandwidth));
     }
-    if model.document.outputs[output].unit == model.document.inputs[input].unit {
+    if !model.is_noise && model.document.outputs[output].unit == model.document.inputs[input].unit {
         facts.extend(margins(&features.margins(omega)?));
     }
     Ok(facts)

@@ -1,10 +1,11 @@
 //! Curves with bands: figures, summaries and points.
 
+use lti::Mode;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
-use super::super::words::{range, significant, with_range};
+use super::super::words::{growing_pole, range, significant, with_range};
 use super::Model;
 use crate::cli::identify::CurveArguments;
 use crate::error::{CliError, Outcome};
@@ -54,6 +55,11 @@ impl Fact {
         serde_json::json!({"name": self.name, "value": self.value, "unit": self.unit,
             "interval": self.interval.map(|(low, high)| [low, high]), "remark": self.remark})
     }
+}
+
+/// That a model is not stable, and what follows.
+pub(super) fn unstable(mode: &Mode, what: &str) -> Fact {
+    Fact::remark("not stable", &format!("{}: {what}", growing_pole(mode)))
 }
 
 /// Draws and prints curves, models of the same channel in one figure.

@@ -14,6 +14,8 @@ pub(crate) use step::step;
 use ident::uncertainty::{Dynamics, Features};
 use ident::{AnyModel, Fit, IdentError, LinearModel, ModelDocument};
 
+use lti::Mode;
+
 use super::model_file;
 use crate::cli::identify::ModelArguments;
 use crate::error::CliError;
@@ -23,31 +25,24 @@ struct Model {
     name: String,
     document: ModelDocument,
     fit: Option<Fit<AnyModel>>,
+    /// Whether its inputs are its own noise.
+    is_noise: bool,
 }
 
+/// The models, and with `noise` each as its noise sees it too; of a time series that is all there is.
 fn models(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
     model_file::checked_share("--level", arguments.level)?;
-    let read = |path: &std::path::PathBuf| {
-        let document = model_file::read(path)?;
-        let fit = document.estimate.as_ref().map(|_| document.fit()).transpose();
-        let fit = fit.map_err(|error| CliError::ModelFile { path: path.clone(), reason: error.to_string() })?;
-        Ok(Model { name: model_file::name(path), document, fit })
-    };
-    arguments.models.iter().map(read).collect()
-}
-
-/// The models, each of which has to answer to an input.
-fn driven_models(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
-    let models = models(arguments)?;
-    match models.iter().find(|model| model.document.inputs.is_empty()) {
-        None => Ok(models),
-        Some(model) => Err(CliError::Usage {
-            what: format!(
-                "{}: the model has no inputs, and so no response to one; see its poles, or predict with it",
-                model.name
-            ),
-        }),
+    let mut all = Vec::new();
+    for path in &arguments.models {
+        let wrong = |error: IdentError| CliError::ModelFile { path: path.clone(), reason: error.to_string() };
+        let (document, name) = (model_file::read(path)?, model_file::name(path));
+        let noise = document.of_noise().map_err(wrong)?.filter(|_| arguments.noise || document.inputs.is_empty());
+        if !document.inputs.is_empty() {
+            all.push(Model::new(name.clone(), document, false).map_err(wrong)?);
+        }
+        all.extend(noise.map(|document| Model::new(name, document, true)).transpose().map_err(wrong)?);
     }
+    Ok(all)
 }
 
 /// Every way from an input to an output of a model.
@@ -65,12 +60,27 @@ fn failed(source: IdentError) -> CliError {
 }
 
 impl Model {
+    fn new(name: String, document: ModelDocument, is_noise: bool) -> Result<Self, IdentError> {
+        let fit = document.estimate.as_ref().map(|_| document.fit()).transpose()?;
+        Ok(Model { name, document, fit, is_noise })
+    }
+
+    /// What it is called beside others.
+    fn title(&self) -> String {
+        if self.is_noise { format!("{}, noise", self.name) } else { self.name.clone() }
+    }
+
     /// What its way from an input to an output is summed up by.
     fn features(&self, output: usize, input: usize) -> Features<'_, AnyModel> {
         match &self.fit {
             Some(fit) => Features::of_fit(fit, output, input),
             None => Features::of_model(&self.document.model, output, input),
         }
+    }
+
+    /// The mode with which it runs away; none of a stable model, nor of one that integrates.
+    fn growing_mode(&self) -> Result<Option<Mode>, IdentError> {
+        Ok(self.document.model.system()?.growing_mode()?)
     }
 
     /// `None` for a continuous model.

@@ -6,6 +6,7 @@ use ident::uncertainty::{Dynamics, UncertainMode, UncertainRoot};
 use ident::{IdentError, ModelDocument};
 use lti::{Complex64, LtiError};
 
+use super::super::data::check_plot;
 use super::super::judge::{picture, written};
 use super::super::words::{digits, with_range};
 use super::curves::interval_heading;
@@ -30,6 +31,7 @@ pub(super) struct Roots {
 
 /// `dynoid poles`
 pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    check_plot(&arguments.result, &[&arguments.models])?;
     let (models, level) = (models(arguments)?, arguments.level);
     let mut all = Vec::new();
     for (number, model) in models.iter().enumerate() {
@@ -45,7 +47,7 @@ pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Resu
                 Some(t) => format!("roots in z, sample time {} s", digits(t, 6)),
                 None => "roots in s, in rad/s".to_owned(),
             };
-            terminal.heading(&format!("{}: {clock}", model.name), Style::Bold);
+            terminal.heading(&format!("{}: {clock}", model.title()), Style::Bold);
             print(model, all.iter().filter(|r| r.model == number), level, terminal);
         }
         written(&arguments.result.plot, terminal);
@@ -59,8 +61,8 @@ pub(in crate::commands::identify) fn print_roots(
     level: f64,
     terminal: &mut Terminal,
 ) -> Result<(), IdentError> {
-    let fit = document.estimate.as_ref().map(|_| document.fit()).transpose()?;
-    let model = Model { name: String::new(), document: document.clone(), fit };
+    let of_noise = if document.inputs.is_empty() { document.of_noise()? } else { None };
+    let model = Model::new(String::new(), of_noise.unwrap_or_else(|| document.clone()), false)?;
     print(&model, roots_of(&model, 0)?.iter(), level, terminal);
     Ok(())
 }

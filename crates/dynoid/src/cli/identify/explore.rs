@@ -1,0 +1,75 @@
+//! Arguments of the commands that show what data say before a model is chosen.
+
+use clap::{Args, ValueEnum};
+
+use super::{DataArguments, ResultArguments};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SpectrumMethod {
+    /// Averaged periodograms (Welch)
+    Welch,
+    /// Blackman and Tukey's windowed correlations
+    BlackmanTukey,
+    /// The local polynomial method
+    Lpm,
+    /// The local rational method, for light damping
+    Lrm,
+    /// The quotient of Fourier transforms
+    Etfe,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid spectrum run.mf4 -y N_dyno --plot spectrum.html
+  dynoid spectrum run.mf4 -u T_demand -y N_dyno --method lpm --plot response.html")]
+pub(crate) struct SpectrumArguments {
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
+    /// How; without an input the power spectrum is Welch's
+    #[arg(long, value_enum, default_value_t = SpectrumMethod::Lpm)]
+    pub(crate) method: SpectrumMethod,
+    /// Length of Welch's segments or of the lag window, in samples: longer ones tell nearer peaks apart, shorter ones vary
+    /// less [default: an eighth of the record, 1024 at most]
+    #[arg(long, value_name = "SAMPLES")]
+    pub(crate) window: Option<usize>,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid delay run.mf4 -u T_demand -y N_dyno")]
+pub(crate) struct DelayArguments {
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
+    /// Longest delay looked for, in samples
+    #[arg(long, default_value_t = 30)]
+    pub(crate) longest: usize,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid order run.mf4 -u T_demand -y N_dyno --na 1:10 --nb 1:10 --nk 1:5 --split 0.5")]
+pub(crate) struct OrderArguments {
+    #[command(flatten)]
+    pub(crate) data: DataArguments,
+    /// Orders of A, FIRST:LAST
+    #[arg(long, default_value = "1:6", value_name = "RANGE")]
+    pub(crate) na: String,
+    /// Coefficients of B, FIRST:LAST
+    #[arg(long, default_value = "1:6", value_name = "RANGE")]
+    pub(crate) nb: String,
+    /// Delays in samples, FIRST:LAST
+    #[arg(long, default_value = "1:3", value_name = "RANGE")]
+    pub(crate) nk: String,
+    /// Fits on this share of the data and ranks by the rest too
+    #[arg(long, value_name = "SHARE")]
+    pub(crate) split: Option<f64>,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}

@@ -1,0 +1,79 @@
+//! Arguments of the commands that identify, judge and use linear models.
+
+mod explore;
+mod fit;
+mod judge;
+mod look;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+pub(crate) use explore::{DelayArguments, OrderArguments, SpectrumArguments, SpectrumMethod};
+pub(crate) use fit::{
+    ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
+    SubspaceWeighting, TransferFunctionArguments,
+};
+pub(crate) use judge::{CompareArguments, MeetArguments, MeetDetrend, PredictArguments, ResidArguments, RunArguments};
+pub(crate) use look::{CurveArguments, ModelArguments};
+
+/// Channels, time and clock of the data.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct DataArguments {
+    /// Recordings, one experiment each (MDF 2 to 4, MAT, CSV; text without a time column with --sample-time)
+    #[arg(value_name = "RECORDING", required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// A channel that acts on the system; give it again for each input
+    #[arg(long = "input", short = 'u', value_name = "CHANNEL", help_heading = "Data")]
+    pub(crate) inputs: Vec<String>,
+    /// A channel that answers; give it again for each output
+    #[arg(long = "output", short = 'y', value_name = "CHANNEL", help_heading = "Data")]
+    pub(crate) outputs: Vec<String>,
+    /// Leaves out everything before this time of the recording
+    #[arg(long = "from", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
+    pub(crate) from_s: Option<f64>,
+    /// Leaves out everything after this time of the recording
+    #[arg(long = "to", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
+    pub(crate) to_s: Option<f64>,
+    /// Sample time of the data [default: that of the slowest channel; for delay and for fits to the simulated output (oe, tf,
+    /// process, greybox) that of the fastest]. For text without a time column, the time from row to row
+    #[arg(long = "sample-time", value_name = "SECONDS", help_heading = "Data")]
+    pub(crate) sample_time_s: Option<f64>,
+    /// What is taken off every channel first
+    #[arg(long, value_enum, default_value_t = Detrend::Mean, value_name = "WHAT", help_heading = "Data")]
+    pub(crate) detrend: Detrend,
+    /// What the inputs do between samples
+    #[arg(long, value_enum, default_value_t = Between::Held, value_name = "HOW", help_heading = "Data")]
+    pub(crate) between: Between,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Detrend {
+    /// The mean of each recording
+    Mean,
+    /// The straight line of each recording
+    Line,
+    /// Nothing
+    None,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Between {
+    /// They stay, as the outputs of a computer do
+    Held,
+    /// They run straight to the next sample
+    Straight,
+    /// They hold nothing above half the sample rate
+    BandLimited,
+}
+
+/// What comes out besides the text on the terminal.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct ResultArguments {
+    /// Draws the result into a file, its kind by the ending: .html (interactive), .svg or .png
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Prints the result as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,109 @@
+//! Time series, models that run away, and data that tell nothing.
+
+use tempfile::TempDir;
+
+use crate::identify::{fitted, folder, run};
+
+fn said(folder: &TempDir, line: &str) -> String {
+    let ran = run(folder, line);
+    assert_eq!(ran.code, Some(0), "{line}: {}", ran.stderr);
+    ran.stdout
+}
+
+#[test]
+fn a_time_series_is_shown_from_its_noise() {
+    let folder = folder();
+    let fit = said(&folder, "fit armax run.csv -y speed --na 2 --nc 1 --out series.json");
+    assert!(fit.contains("ARMA na 2 nc 1: e → speed"), "{fit}");
+    for (command, wanted) in [
+        ("poles", "zeros"),
+        ("bode", "e → speed"),
+        ("step", "final value"),
+        ("convert", "numerator"),
+        ("convert --to zpk", "gain"),
+        ("convert --to ss", "K"),
+    ] {
+        let (first, rest) = command.split_once(' ').map_or((command, String::new()), |(a, b)| (a, format!(" {b}")));
+        let text = said(&folder, &format!("{first} series.json{rest}"));
+        assert!(text.contains(wanted), "{command}: {text}");
+    }
+    let roots = run(&folder, "poles series.json --json").json();
+    let root = &roots[0]["poles"][0]["roots"][0];
+    assert!(root["covariance"][0][0].as_f64().unwrap() > 0.0, "poles of the noise have regions: {roots}");
+    fitted(&folder, "fit bj --out bj.json");
+    let both = run(&folder, "poles bj.json --noise --json").json();
+    assert_eq!((both.as_array().unwrap().len(), &both[1]["poles"][0]["channels"][0]), (2, &"e → speed".into()));
+}
+
+#[test]
+fn a_model_that_runs_away_is_said_to() {
+    let folder = folder();
+    fitted(&folder, "fit arx --out model.json");
+    let path = folder.path().join("model.json");
+    let mut model: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    model.as_object_mut().unwrap().remove("estimate");
+    model["model"]["value"]["equations"][0]["a"][0] = serde_json::json!([0.376, -2.814]);
+    std::fs::write(&path, model.to_string()).unwrap();
+    for command in ["bode", "step"] {
+        let text = said(&folder, &format!("{command} model.json"));
+        assert!(text.contains("not stable") && text.contains("pole at -1.876"), "{text}");
+        assert!(!text.contains("bandwidth (") && !text.contains("final value  "), "{text}");
+    }
+    let ran = run(&folder, "compare model.json --on unseen.csv");
+    assert!(ran.stderr.contains("is not stable") && ran.stderr.contains("--horizon"), "{}", ran.stderr);
+    assert!(ran.stdout.lines().all(|line| line.len() < 120), "{}", ran.stdout);
+}
+
+#[test]
+fn data_that_tell_nothing_are_refused_by_name() {
+    let folder = folder();
+    let write = |name: &str, row: &dyn Fn(f64) -> [f64; 2]| {
+        let line = |t: u32| format!("{},{},{}\n", 0.1 * f64::from(t), row(f64::from(t))[0], row(f64::from(t))[1]);
+        let text = format!("time,u,y\n{}", (0..200).map(line).collect::<String>());
+        std::fs::write(folder.path().join(name), text).unwrap();
+    };
+    write("still.csv", &|t| [(0.3 * t * t).sin(), 2.1]);
+    write("off.csv", &|t| [3.3, (0.3 * t * t).sin()]);
+    write("huge.csv", &|t| [1e160 * (0.3 * t * t).sin(), (0.2 * t * t).sin()]);
+    for (file, structure, words) in [
+        ("still", "process --structure P1D", ["\"y\"", "does not vary"]),
+        ("off", "arx", ["\"u\"", "does not vary"]),
+        ("huge", "oe", ["\"u\"", "another unit"]),
+    ] {
+        run(&folder, &format!("fit {structure} {file}.csv -u u -y y")).assert_refused(3, &words);
+    }
+}
+
+#[test]
+fn delays_longer_than_the_data_are_refused_with_their_unit() {
+    let folder = folder();
+    let refused =
+        |line: &str, words: &[&str]| run(&folder, &format!("{line} -u valve -y speed")).assert_refused(2, words);
+    refused("fit arx run.csv --nk 5000", &["--nk 5000", "in samples", "600"]);
+    refused("fit tf run.csv --delay 0:1000", &["--delay 0:1000", "in seconds", "60 s"]);
+    refused("delay run.csv --longest 5000", &["--longest 5000", "600"]);
+}
+
+#[test]
+fn places_that_cannot_be_written_are_found_before_any_work() {
+    let folder = folder();
+    fitted(&folder, "fit arx --out model.json");
+    for command in ["bode model.json", "step model.json", "poles model.json", "spectrum run.csv -y speed"] {
+        run(&folder, &format!("{command} --plot nowhere/x.png")).assert_refused(4, &["nowhere/x.png", "folder"]);
+        run(&folder, &format!("{command} --plot x.bmp")).assert_refused(2, &["x.bmp", ".png"]);
+    }
+    for command in ["order", "delay"] {
+        let line = format!("{command} run.csv -u valve -y speed --plot nowhere/x.png");
+        run(&folder, &line).assert_refused(4, &["nowhere/x.png", "folder"]);
+    }
+}
+
+#[test]
+fn a_parameter_of_a_process_model_can_be_held() {
+    let folder = folder();
+    let held = fitted(&folder, "fit process --structure P2ZU --hold K=7");
+    assert_eq!(held["model"]["model"]["value"]["channels"][0]["gain"], 7.0);
+    assert_eq!(held["standard_errors"][0], 0.0);
+    run(&folder, "fit process run.csv -u valve -y speed --hold K").assert_refused(2, &["--hold K", "K=2"]);
+    run(&folder, "fit process run.csv -u valve -y speed --hold Q=1").assert_refused(3, &["Tp1"]);
+}
