@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, DType, Dataset, Error, File, FormatError, Group, Object};
+use hdf5_pure::{AttrValue, DType, Dataset, File, FormatError, Group, Object};
 
 use super::listed;
 use super::scope::joined;
@@ -179,7 +179,7 @@ impl Reader<'_> {
         if let Some(object) = object(attributes) {
             return Ok(object);
         }
-        if let Err(Error::Format(FormatError::InvalidLayoutVersion(NEWER_LAYOUT))) = dataset.layout() {
+        if let Err(hdf5_pure::Error::Format(FormatError::InvalidLayoutVersion(NEWER_LAYOUT))) = dataset.layout() {
             return Ok(Value::unsupported(
                 "chunks of HDF5 2.0; write the file with libver=\"v110\", or convert it with h5repack",
             ));
@@ -242,7 +242,7 @@ const NEWER_LAYOUT: u8 = 5;
 /// Deflate, shuffle, checksum, szip is none of them, bit packing, scaling, LZF.
 const FILTERS: [u16; 6] = [1, 2, 3, 5, 6, 32000];
 
-fn text(error: Error) -> String {
+fn text(error: hdf5_pure::Error) -> String {
     error.to_string()
 }
 
