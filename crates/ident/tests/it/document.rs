@@ -77,3 +77,38 @@ fn regress_documents_that_are_none_are_refused() {
     bare.estimate = None;
     assert!(matches!(bare.fit(), Err(IdentError::NoEstimate)));
 }
+
+#[test]
+fn exact_a_model_as_its_noise_sees_it() {
+    let equation = lti::PolynomialEquation {
+        a: vec![vec![-0.5]],
+        b: vec![vec![1.0, 0.3]],
+        nk: vec![2],
+        c: vec![0.4],
+        d: vec![-0.2, 0.1],
+        f: vec![vec![-0.8]],
+    };
+    let model = lti::PolynomialModel::siso(0.1, 2, equation).unwrap();
+    let expected = model.noise_transfer_function(0).unwrap();
+    let forms = [AnyModel::from(model.clone()), {
+        AnyModel::from(ident::StateSpaceModel::new(model.innovations().unwrap(), true, true))
+    }];
+    let labels = |name: &str| vec![Label::new(name, "V")];
+    for form in forms {
+        let seen = ModelDocument::new(form, labels("u"), labels("y"), 0.1).of_noise().unwrap().unwrap();
+        assert_eq!((seen.inputs[0].name.as_str(), seen.inputs[0].unit.as_str()), ("e", "V"));
+        let omega = [0.0, 1.0, 10.0, 30.0];
+        let found = ident::uncertainty::Dynamics::frequency_response(&seen.model, 0, 0, &omega).unwrap();
+        let wanted = expected.frequency_response(&omega).unwrap();
+        for (a, b) in found.response.iter().zip(&wanted.response) {
+            assert!((a - b).norm() < 1e-12, "{a} {b}");
+        }
+    }
+    // The covariance goes with the parameters: that of a is the same, the one in front of the noise is certain.
+    let document = arx_document();
+    let seen = document.of_noise().unwrap().unwrap();
+    let (own, of_noise) = (document.estimate.as_ref().unwrap(), seen.estimate.as_ref().unwrap());
+    assert_eq!(of_noise.parameters, [own.parameters[0], 1.0]);
+    assert_eq!(of_noise.covariance, [[own.covariance[0][0], 0.0], [0.0, 0.0]]);
+    assert!(seen.fit().is_ok());
+}

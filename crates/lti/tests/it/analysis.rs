@@ -183,11 +183,14 @@ proptest! {
 fn exact_a_common_grid_spans_every_system_and_its_nyquist_frequency() {
     let slow = TransferFunction::continuous(vec![1.0], vec![100.0, 1.0]).unwrap().to_state_space().unwrap();
     let fast = TransferFunction::discrete(vec![0.1], vec![1.0, -0.9], 0.1).unwrap().to_state_space().unwrap();
-    let grid = lti::common_frequency_grid(&[slow.clone(), fast.clone()], 100).unwrap();
+    let grid = lti::common_frequency_grid(&[slow, fast.clone()], 100).unwrap();
     let nyquist = std::f64::consts::PI / 0.1;
     assert!(grid.windows(2).all(|pair| pair[0] < pair[1]));
     assert!((grid[0] - 0.001).abs() < 1e-12 && grid.contains(&nyquist), "{} {}", grid[0], grid[grid.len() - 1]);
-    assert_eq!(lti::common_frequency_grid(&[fast.clone()], 100).unwrap(), fast.frequency_grid(100).unwrap());
+    assert_eq!(
+        lti::common_frequency_grid(std::slice::from_ref(&fast), 100).unwrap(),
+        fast.frequency_grid(100).unwrap()
+    );
     assert!(lti::common_frequency_grid(&[], 100).unwrap().is_empty());
 }
 

@@ -82,15 +82,14 @@ fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values:
         let kept: Vec<f64> = values.iter().skip(first).step_by(least).copied().collect();
         return Layer::trace(name, style, (at(first), least as f64 * sample_time_s), &kept);
     }
-    let (mut x, mut y) = (Vec::new(), Vec::new());
+    let mut points: Vec<(f64, f64)> = Vec::new();
     for (n, i) in known.iter().enumerate() {
         if n > 0 && i - known[n - 1] > 2 * least + 1 {
-            x.push(at(*i));
-            y.push(f64::NAN);
+            points.push((at(*i), f64::NAN));
         }
-        x.push(at(*i));
-        y.push(values[*i]);
+        points.push((at(*i), values[*i]));
     }
+    let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
     Layer::curve(name, style, &x, &y)
 }
 

@@ -40,17 +40,7 @@ struct Delays {
 /// `dynoid delay`
 pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
-    let (data, spacing) = data(arguments, terminal)?;
-    let samples = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
-    if arguments.longest == 0 || arguments.longest >= samples / 2 {
-        let what = format!(
-            "--longest {}: give at least 1, and less than half of the {samples} samples on end",
-            arguments.longest
-        );
-        return Err(CliError::Usage { what });
-    }
-    let failed = |source| CliError::identify("the delay", source);
-    let found = estimate(&data, spacing, arguments.longest).map_err(failed)?;
+    let (data, found) = found(arguments, terminal)?;
     picture(&arguments.result, "Delay", || vec![losses(&found.ranking)])?;
     let doubts = found.doubts(&data);
     if arguments.result.json {
@@ -65,23 +55,28 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     Ok(Outcome::Done)
 }
 
-/// The data on the clock of the fastest channel, and how many of its samples lie between two of the output; on that of the
-/// slowest where the output is not known every so many samples.
-fn data(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<(Dataset, usize), CliError> {
+/// The data on the clock of the fastest channel and what the methods say of them; on that of the slowest where the output is
+/// not known every so many samples, or the inputs move too rarely to tell the lags between its samples apart.
+fn found(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<(Dataset, Delays), CliError> {
     if arguments.data.inputs.is_empty() {
         return Err(CliError::Usage { what: "a delay is one from an input: name it with --input".into() });
     }
     let files = read(&arguments.data, terminal)?;
-    let mut loaded = take(&files, CommonClock::Fastest, &arguments.data)?;
-    let spacing = spacing(&loaded.data);
-    if spacing.is_none() {
-        loaded = take(&files, CommonClock::Slowest, &arguments.data)?;
+    let fast = take(&files, CommonClock::Fastest, &arguments.data)?;
+    let spacing = spacing(&fast.data);
+    if let Some(spacing) = spacing {
+        // Between samples of a slow output nothing is missing that could be there.
+        let fast = fast.cut_at(if spacing > 1 { Gaps::OfInputs } else { Gaps::OfAll })?;
+        let found = estimate(&fast.data, spacing, arguments.longest)?;
+        if spacing == 1 || found.starts.is_ok() || arguments.data.sample_time_s.is_some() {
+            say(&fast.notes, &mut Vec::new(), terminal);
+            return Ok((fast.data, found));
+        }
     }
-    // Between samples of a slow output nothing is missing that could be there.
-    let gaps = if spacing.is_some_and(|s| s > 1) { Gaps::OfInputs } else { Gaps::OfAll };
-    let cut = loaded.cut_at(gaps)?;
-    say(&cut.notes, &mut Vec::new(), terminal);
-    Ok((cut.data, spacing.unwrap_or(1)))
+    let slow = take(&files, CommonClock::Slowest, &arguments.data)?.cut_at(Gaps::OfAll)?;
+    say(&slow.notes, &mut Vec::new(), terminal);
+    let found = estimate(&slow.data, 1, arguments.longest)?;
+    Ok((slow.data, found))
 }
 
 /// The samples from one known output to the next, gaps left aside; `None` where they are not always as many.
@@ -96,13 +91,19 @@ fn spacing(data: &Dataset) -> Option<usize> {
     steps().all(|step| step % least == 0).then_some(least)
 }
 
-fn estimate(data: &Dataset, spacing: usize, longest: usize) -> Result<Delays, IdentError> {
+fn estimate(data: &Dataset, spacing: usize, longest: usize) -> Result<Delays, CliError> {
+    let samples = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    if longest == 0 || longest >= samples / 2 {
+        let what = format!("--longest {longest}: give at least 1, and less than half of the {samples} samples on end");
+        return Err(CliError::Usage { what });
+    }
+    let failed = |source| CliError::identify("the delay", source);
     // A coefficient for each sample from one output to the next, during which the input may have changed.
     let nb = ArxDelay::default().nb + spacing - 1;
     let arx = ArxDelay { highest: longest, spacing, nb, ..ArxDelay::default() };
     let is_single = data.inputs() == 1 && data.outputs() == 1 && spacing == 1;
     Ok(Delays {
-        ranking: arx.estimate(data)?,
+        ranking: arx.estimate(data).map_err(failed)?,
         starts: ImpulseDelay { lags: longest, spacing, ..ImpulseDelay::default() }.estimate(data),
         phase: is_single.then(|| PhaseDelay { highest: longest, ..PhaseDelay::default() }.estimate(data)),
         fraction: is_single.then(|| FractionalDelay(arx).estimate(data)),
@@ -122,6 +123,15 @@ impl Delays {
     fn doubts(&self, data: &Dataset) -> Vec<String> {
         let of_input = |(input, label): (usize, &ident::Label)| self.doubts_of(input, &label.name);
         let mut all: Vec<String> = data.input_labels().iter().enumerate().flat_map(of_input).collect();
+        if let Err(IdentError::RankDeficient { .. }) = self.starts {
+            all.insert(
+                0,
+                "the inputs move so rarely that neighbouring lags cannot be told apart: the delay may be off by several \
+                 samples; let `fit tf --delay` or `fit process` find it beside the dynamics, or look at it on a longer \
+                 --sample-time"
+                    .to_owned(),
+            );
+        }
         let (low, high) = self.compared(0);
         // A whole number stands for all that is nearer to it than to the next.
         let (low, high) = (low as f64 - 0.5, high as f64 + 0.5);
@@ -189,6 +199,7 @@ fn table(found: &Delays, data: &Dataset) -> Table {
     for (input, delay) in found.ranking.delays.iter().enumerate() {
         let (low, high) = found.compared(input);
         let certainty = match low == high {
+            true if found.starts.is_err() => "lags cannot be told apart, see below".to_owned(),
             true => "no rival among the delays tried".to_owned(),
             false => format!("{low} to {high} fit nearly as well"),
         };
