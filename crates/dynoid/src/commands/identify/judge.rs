@@ -7,6 +7,7 @@ use ident::validate::{Judgement, ResidualTest, judge};
 use ident::{Dataset, IdentError, ModelDocument};
 
 use super::data::{Files, Loaded, check_plot, check_targets, draw, say};
+use super::fit::which_data;
 use super::{figures, model_file, recorded, words};
 use crate::cli::identify::{
     CompareArguments, MeetArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments,
@@ -126,7 +127,7 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
     check_targets(&[&arguments.result.plot], &[&arguments.meet.on])?;
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
-    let Loaded { data, notes, .. } = model_file::meet(&document, &files, &arguments.meet)?;
+    let Loaded { data, notes, sources, .. } = model_file::meet(&document, &files, &arguments.meet)?;
     say(&notes, &mut Vec::new(), terminal);
     if arguments.lags == 0 || arguments.lags > data.samples() / 4 {
         let what = format!(
@@ -137,7 +138,11 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
         return Err(CliError::Usage { what });
     }
     let test = ResidualTest { lags: arguments.lags, level: REGION, ..ResidualTest::default() };
-    let report = test.run(&document.model, &data).map_err(|source| CliError::identify("the residual test", source))?;
+    let report = match &document.estimate {
+        Some(estimate) => document.fit().and_then(|fit| test.run(&fit, &data, which_data(&sources, &estimate.sources))),
+        None => test.run_known(&document.model, &data),
+    };
+    let report = report.map_err(|source| CliError::identify("the residual test", source))?;
     picture(&arguments.result, "Residuals", || figures::residuals(&report, &data, REGION))?;
     if arguments.result.json {
         let mut tests = words::tests_json(&report, REGION);

@@ -1,8 +1,8 @@
 //! How good a model is on the data it was fitted to, and on others.
 
 use ident::prediction::{InitialState, Response};
-use ident::validate::{Judgement, ResidualReport, ResidualTest, fit_percent, judge};
-use ident::{AnyModel, Criteria, Dataset, Doubt, Experiment, Fit, IdentError};
+use ident::validate::{Judgement, ResidualReport, ResidualTest, TestData, fit_percent, judge};
+use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError};
 
 use super::REGION;
 use crate::commands::identify::figures;
@@ -28,7 +28,8 @@ pub(super) struct Judged {
 }
 
 impl Verdict {
-    pub(super) fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<&Dataset>) -> Self {
+    /// On the data of the estimate, and on others with what they are to it.
+    pub(super) fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<(&Dataset, TestData)>) -> Self {
         let judged = |name, data: &Dataset| Judged {
             name,
             experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
@@ -36,11 +37,12 @@ impl Verdict {
             simulated: judge(&fit.model, data, None, &InitialState::Estimated),
         };
         let estimation = judged("estimation", data);
-        let unseen_judged = unseen.map(|unseen| judged("unseen", unseen));
-        let last = unseen_judged.as_ref().unwrap_or(&estimation);
+        let unseen_judged = unseen.map(|(unseen, _)| judged("unseen", unseen));
+        let (tested, which) = unseen.unwrap_or((data, TestData::Own));
+        let test = ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() };
         Verdict {
             criteria: Criteria::of(fit.loss, fit.free_parameters, fit.samples, data.outputs()),
-            residuals: residual_test(last, unseen.unwrap_or(data)),
+            residuals: test.run(fit, tested, which),
             judged: std::iter::once(estimation).chain(unseen_judged).collect(),
         }
     }
@@ -97,17 +99,6 @@ impl Verdict {
         }
         all
     }
-}
-
-/// The residual tests on the one-step errors that the judgement has found.
-fn residual_test(judged: &Judged, data: &Dataset) -> Result<ResidualReport, IdentError> {
-    let predicted = judged.predicted.as_ref().map_err(Clone::clone)?;
-    let mut responses = predicted.response.outputs.iter();
-    let errors = data.map_experiments(|e| {
-        let outputs = responses.next().map_or_else(|| e.outputs.clone(), |modelled| &e.outputs - modelled);
-        Ok(Experiment { outputs, ..e.clone() })
-    })?;
-    ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() }.run_on_residuals(&errors)
 }
 
 /// The fit of an output over all experiments; none where nothing was measured.
