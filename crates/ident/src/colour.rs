@@ -22,6 +22,8 @@ const LAGS_PER_DECADE: f64 = 10.0;
 const ROWS_PER_COEFFICIENT: usize = 10;
 /// What is left of a response when it counts as over.
 const DECAYED: f64 = 1e-10;
+/// What is left of an autocovariance when it counts as over.
+const MEMORY: f64 = 1e-4;
 
 /// The autocorrelation of residuals as an autoregression `ṽ(t) = Σ A_k ṽ(t−k) + e(t)` of the series read backwards.
 #[derive(Debug, Clone)]
@@ -30,6 +32,8 @@ pub(crate) struct Colour {
     coefficients: Vec<Mat<f64>>,
     /// `L` with `L Lᵀ` the covariance of `e`, at the size that the residuals have.
     root: Mat<f64>,
+    /// The autocovariances `E ṽ(t) ṽ(t−k)ᵀ` for k = 0 … order.
+    moments: Vec<Mat<f64>>,
     rows: usize,
 }
 
@@ -38,7 +42,7 @@ impl Colour {
     pub(crate) fn of(series: &[Vec<f64>], outputs: usize) -> Self {
         let moments = Moments::new(series, outputs);
         let mut now = Recursion::new(moments.at(0));
-        let mut chosen = (f64::INFINITY, Vec::new(), Mat::zeros(outputs, outputs));
+        let mut chosen = (f64::INFINITY, Vec::new(), Mat::zeros(outputs, outputs), 0);
         for order in 0..=moments.lags() {
             if order > 0 {
                 now.extend(&moments.reversed(order));
@@ -48,15 +52,34 @@ impl Colour {
             let log_determinant = 2.0 * (0..outputs).map(|i| lower[(i, i)].ln()).sum::<f64>();
             let criterion = moments.rows as f64 * log_determinant + (2 * order * outputs * outputs) as f64;
             if criterion.is_finite() && criterion < chosen.0 {
-                chosen = (criterion, now.forward.clone(), lower);
+                chosen = (criterion, now.forward.clone(), lower, order);
             }
         }
-        Colour { coefficients: chosen.1, root: chosen.2, rows: moments.rows }
+        now.moments.truncate(chosen.3 + 1);
+        Colour { coefficients: chosen.1, root: chosen.2, moments: now.moments, rows: moments.rows }
     }
 
     /// Whether the residuals look white.
     pub(crate) fn is_white(&self) -> bool {
         self.coefficients.is_empty()
+    }
+
+    /// `E v(t) v(t−k)ᵀ` for k = 0, 1, … until it has decayed, at most `reach`.
+    pub(crate) fn autocovariances(&self, reach: usize) -> Vec<Mat<f64>> {
+        let mut moments: Vec<Mat<f64>> = self.moments.iter().take(reach + 1).cloned().collect();
+        let least = MEMORY * self.moments[0].norm_max();
+        let order = self.coefficients.len();
+        while order > 0 && moments.len() <= reach {
+            let now = moments.len();
+            if moments[now - order.min(now)..].iter().all(|m| m.norm_max() <= least) {
+                break;
+            }
+            let next = self.coefficients.iter().enumerate().map(|(k, a)| a * &moments[now - 1 - k]);
+            let zero = Mat::zeros(self.root.nrows(), self.root.nrows());
+            moments.push(next.fold(zero, |sum, part| sum + part));
+        }
+        // Those of the series read backwards are transposed.
+        moments.iter().map(|m| m.transpose().to_owned()).collect()
     }
 
     /// Degrees of freedom of a variance that rests on the spectrum at low frequencies, `N/2p` for `p` lags.
@@ -158,8 +181,9 @@ impl Recursion {
 /// through the autoregression's filter.
 pub(crate) struct Sandwich<'a> {
     colour: &'a Colour,
-    /// `U` with `U Uᵀ = (JᵀJ)⁻¹`: in these directions all is well scaled.
-    unit: Mat<f64>,
+    /// `U` with `U Uᵀ = (JᵀJ)⁻¹`: in these directions all is well scaled. None where the rows are taken as they are.
+    unit: Option<Mat<f64>>,
+    directions: usize,
     /// The filter's latest outputs, outputs × directions by rows, the next to be overwritten at `head`.
     past: Vec<Vec<f64>>,
     head: usize,
@@ -182,19 +206,35 @@ impl<'a> Sandwich<'a> {
 
     /// Of an estimate whose `(JᵀJ)⁻¹` is `unit unitᵀ`.
     pub(crate) fn with_unit(colour: &'a Colour, unit: Mat<f64>) -> Self {
-        let (outputs, directions) = (colour.root.nrows(), unit.ncols());
+        let directions = unit.ncols();
+        Self::with(colour, Some(unit), directions)
+    }
+
+    /// Of `JᵀRJ` itself, for rows of so many columns of about the same size.
+    pub(crate) fn of_rows(colour: &'a Colour, columns: usize) -> Self {
+        Self::with(colour, None, columns)
+    }
+
+    fn with(colour: &'a Colour, unit: Option<Mat<f64>>, directions: usize) -> Self {
+        let outputs = colour.root.nrows();
         let past = vec![vec![0.0; outputs * directions]; colour.coefficients.len() + 1];
         let (weighed, sum) = (vec![0.0; directions], vec![0.0; directions * directions]);
-        Sandwich { colour, unit, past, head: 0, pushed: 0, largest: 0.0, weighed, sum }
+        Sandwich { colour, unit, directions, past, head: 0, pushed: 0, largest: 0.0, weighed, sum }
     }
 
     /// Takes the rows of `J` at the next instant, outputs × parameters by rows; zeros where there is no residual.
     pub(crate) fn push(&mut self, rows: &[f64]) {
-        let (outputs, directions) = (self.colour.root.nrows(), self.unit.ncols());
+        let (outputs, directions) = (self.colour.root.nrows(), self.directions);
         let mut z = std::mem::take(&mut self.past[self.head]);
-        for (row, slot) in rows.chunks_exact(rows.len() / outputs.max(1)).zip(z.chunks_exact_mut(directions.max(1))) {
-            for (k, value) in slot.iter_mut().enumerate() {
-                *value = row.iter().zip(self.unit.col(k).iter()).map(|(j, u)| j * u).sum();
+        match &self.unit {
+            None => z.copy_from_slice(rows),
+            Some(unit) => {
+                let places = z.chunks_exact_mut(directions.max(1));
+                for (row, slot) in rows.chunks_exact(rows.len() / outputs.max(1)).zip(places) {
+                    for (k, value) in slot.iter_mut().enumerate() {
+                        *value = row.iter().zip(unit.col(k).iter()).map(|(j, u)| j * u).sum();
+                    }
+                }
             }
         }
         self.filter(&mut z);
@@ -207,7 +247,7 @@ impl<'a> Sandwich<'a> {
 
     /// `z(t) = x(t) + Σ A_kᵀ z(t−k)`, in place.
     fn filter(&self, z: &mut [f64]) {
-        let (count, directions) = (self.past.len(), self.unit.ncols().max(1));
+        let (count, directions) = (self.past.len(), self.directions.max(1));
         for (k, a) in self.colour.coefficients.iter().enumerate() {
             let before = &self.past[(self.head + count - 1 - k) % count];
             for (i, slot) in z.chunks_exact_mut(directions).enumerate() {
@@ -221,7 +261,7 @@ impl<'a> Sandwich<'a> {
 
     /// Adds `zᵀ L Lᵀ z`.
     fn gather(&mut self, z: &[f64]) {
-        let (outputs, directions) = (self.colour.root.nrows(), self.unit.ncols().max(1));
+        let (outputs, directions) = (self.colour.root.nrows(), self.directions.max(1));
         for l in 0..outputs {
             self.weighed.fill(0.0);
             for (i, row) in z.chunks_exact(directions).enumerate().skip(l) {
@@ -236,7 +276,8 @@ impl<'a> Sandwich<'a> {
 
     /// Ends a series: lets the filter die away, for at most as long as the series was, and starts afresh.
     pub(crate) fn finish_series(&mut self) {
-        let silence = vec![0.0; self.unit.nrows() * self.colour.root.nrows()];
+        let columns = self.unit.as_ref().map_or(self.directions, Mat::nrows);
+        let silence = vec![0.0; columns * self.colour.root.nrows()];
         for _ in 0..self.pushed {
             if self.past.iter().flatten().all(|v| v.abs() <= DECAYED * self.largest) {
                 break;
@@ -247,11 +288,13 @@ impl<'a> Sandwich<'a> {
         (self.pushed, self.largest) = (0, 0.0);
     }
 
-    /// `U Uᵀ (JᵀRJ) U Uᵀ`.
+    /// `U Uᵀ (JᵀRJ) U Uᵀ`; `JᵀRJ` of rows taken as they are.
     pub(crate) fn covariance(&self) -> Mat<f64> {
-        let n = self.unit.ncols();
-        let middle = MatRef::from_row_major_slice(&self.sum, n, n);
-        &self.unit * middle * self.unit.transpose()
+        let middle = MatRef::from_row_major_slice(&self.sum, self.directions, self.directions);
+        match &self.unit {
+            None => middle.to_owned(),
+            Some(unit) => unit * middle * unit.transpose(),
+        }
     }
 }
 
@@ -311,7 +354,10 @@ mod tests {
         let mut recursion = Recursion::new(moments[0].clone());
         recursion.extend(&moments[1].transpose().to_owned());
         let lower = recursion.forward_error.llt(Side::Lower).unwrap().L().to_owned();
-        let known = Colour { coefficients: recursion.forward, root: lower, rows: 0 };
+        let known = Colour { coefficients: recursion.forward, root: lower, moments: recursion.moments, rows: 0 };
+        for (lag, found) in known.autocovariances(40).iter().enumerate() {
+            assert!((found - &moments[lag]).norm_max() < 1e-9, "{lag}");
+        }
         let j: Vec<Vec<f64>> =
             (0..50).map(|t| vec![(0.3 * f64::from(t)).sin(), if t % 7 == 0 { 0.0 } else { 1.0 }]).collect();
         let wanted = dense(&j, &moments);

@@ -99,6 +99,38 @@ pub enum Doubt {
     },
     /// The covariance is the least that any estimate could have; this one may scatter more.
     CovarianceIsLowerBound,
+    /// An input is a linear combination of those before it, but for a constant: the data do not tell their effects apart.
+    DependentInputs {
+        /// Index of the input.
+        input: usize,
+    },
+    /// The errors of an output are a linear combination of those of the outputs before it: their joint covariance is
+    /// singular, the loss is zero, and no criterion is defined.
+    DependentOutputs {
+        /// Index of the output.
+        output: usize,
+    },
+    /// The errors of an output vanish to the arithmetic, or their squares do: no interval or criterion means anything.
+    NothingLeft {
+        /// Index of the output.
+        output: usize,
+    },
+    /// The search stopped where a root of a polynomial would cross the unit circle, as one polynomial too long makes it: the
+    /// numbers hold, short of a minimum that does not exist.
+    RootAtEdge {
+        /// Index of the output.
+        output: usize,
+        /// The polynomial, `C` or `F`.
+        polynomial: char,
+        /// Of which input, for `F`.
+        input: Option<usize>,
+        /// Magnitude of the root.
+        magnitude: f64,
+        /// Its frequency, rad a sample.
+        angle: f64,
+        /// The polynomial that nearly cancels it.
+        cancelled_by: Option<char>,
+    },
     /// The model, simulated or predicted one step ahead, leaves nearly all of an output of the estimation data unexplained.
     ExplainsLittle {
         /// Index of the output.

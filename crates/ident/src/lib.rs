@@ -29,7 +29,7 @@
 //! # Example
 //! A model is fitted to one part of the data and judged on the rest.
 //! ```
-//! use ident::validate::{ResidualTest, judge};
+//! use ident::validate::{ResidualTest, TestData, judge};
 //! use ident::{Arx, Dataset, InitialState};
 //! let mut random = signal::excitation::Random::new(1);
 //! let u: Vec<f64> = (0..1000).map(|_| random.normal()).collect();
@@ -43,7 +43,7 @@
 //! assert!((fit.parameters()[0] + 1.5).abs() < 4.0 * fit.standard_errors()[0]);
 //! let judged = judge(&fit.model, &parts.validation, None, &InitialState::Estimated)?;
 //! assert!(judged.fit_percent[0][0] > 80.0);
-//! let residuals = ResidualTest::default().run(&fit.model, &parts.validation)?;
+//! let residuals = ResidualTest::default().run(&fit, &parts.validation, TestData::Unseen)?;
 //! assert!(residuals.whiteness[0].joint.passes(0.99));
 //! # Ok::<(), ident::IdentError>(())
 //! ```
@@ -57,6 +57,7 @@ mod continuous;
 pub mod covariance;
 mod criteria;
 mod data;
+mod degenerate;
 pub mod delay;
 pub mod distributions;
 pub mod document;

@@ -33,6 +33,7 @@ pub use expm::expm;
 pub use frequency_response::{FrequencyResponse, Peak};
 pub use innovations::Innovations;
 pub use logm::logm;
+pub use matrix::{from_rows, to_rows};
 pub use polynomial_model::{PolynomialEquation, PolynomialModel};
 pub use process_model::{ProcessModel, ProcessPair};
 pub use reduction::Reduction;

@@ -53,17 +53,16 @@ pub(crate) fn elements(m: MatRef<'_, f64>) -> impl Iterator<Item = f64> + '_ {
 }
 
 /// A matrix as a list of its rows, for writing down.
-pub(crate) fn to_rows(m: MatRef<'_, f64>) -> Vec<Vec<f64>> {
+#[must_use]
+pub fn to_rows(m: MatRef<'_, f64>) -> Vec<Vec<f64>> {
     (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect()
 }
 
-/// The matrix whose rows are listed, with its sizes checked.
-pub(crate) fn from_rows(
-    what: &'static str,
-    rows: &[Vec<f64>],
-    count: usize,
-    columns: usize,
-) -> Result<Mat<f64>, LtiError> {
+/// The matrix of `count` rows and so many `columns` whose rows are listed; `what` it is called in errors.
+///
+/// # Errors
+/// [`LtiError::Shape`] where the list is not of these sizes.
+pub fn from_rows(what: &'static str, rows: &[Vec<f64>], count: usize, columns: usize) -> Result<Mat<f64>, LtiError> {
     check_shape(what, (count, columns), (rows.len(), columns))?;
     for row in rows {
         check_shape(what, (count, columns), (count, row.len()))?;

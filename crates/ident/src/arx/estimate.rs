@@ -7,6 +7,7 @@ use super::ArxOrders;
 use crate::regression::{
     Equation, Regression, Solution, noise_covariance, parameter_covariance, robust_covariance, solve,
 };
+use crate::subspace::linear::spectral_radius;
 use crate::{Doubt, Fit, IdentError, Termination};
 
 /// Condition number above which the parameters are barely told apart.
@@ -126,17 +127,17 @@ fn doubts(regression: &Regression<'_>, model: &PolynomialModel, condition: f64) 
     if condition > ILL_CONDITIONED {
         doubts.push(Doubt::IllConditioned { condition });
     }
-    if spectral_radius(model)? >= 1.0 {
+    if largest_pole(model)? >= 1.0 {
         doubts.push(Doubt::Unstable);
     }
     Ok(doubts)
 }
 
-/// Largest magnitude of a pole; inputs are left away, since they bring no poles but zero, and many states.
-pub(crate) fn spectral_radius(model: &PolynomialModel) -> Result<f64, IdentError> {
+/// Largest magnitude of a pole of an ARX model; inputs are left away, since they bring no poles but zero, and many states.
+pub(crate) fn largest_pole(model: &PolynomialModel) -> Result<f64, IdentError> {
     let undriven = |e: &PolynomialEquation| PolynomialEquation { a: e.a.clone(), ..Default::default() };
     let equations = model.equations().iter().map(undriven).collect();
     let noise = model.noise_covariance().to_owned();
     let autonomous = PolynomialModel::new(model.sample_time_s(), equations, noise)?;
-    Ok(autonomous.innovations()?.system().poles()?.iter().map(|p| p.norm()).fold(0.0, f64::max))
+    spectral_radius(autonomous.innovations()?.system().a())
 }

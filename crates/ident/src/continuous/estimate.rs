@@ -173,7 +173,8 @@ pub(crate) fn combine<C: ContinuousChannel>(
         condition,
         doubts: [doubts(data, samples, termination.converged(), condition), resting].concat(),
         model,
-    })
+    }
+    .doubting(data))
 }
 
 fn doubts(data: &Dataset, samples: usize, converged: bool, condition: f64) -> Vec<Doubt> {

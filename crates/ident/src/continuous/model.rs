@@ -1,12 +1,11 @@
 //! [`ContinuousModel`]: continuous channels from every input to every output, with white noise on the outputs.
 
 use faer::Mat;
-use lti::{Innovations, LtiError, ProcessModel, StateSpace, TransferFunction};
+use lti::{Innovations, LtiError, ProcessModel, StateSpace, TransferFunction, from_rows, to_rows};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::companion::Companion;
-use crate::document::{rows, square};
 use crate::{Intersample, LinearModel, Parametric};
 
 /// The way from one input to one output of a [`ContinuousModel`], with parameters of its own.
@@ -66,6 +65,12 @@ impl RationalChannel {
         let channel = RationalChannel { num, den, delay_s };
         channel.transfer_function().map(|_| channel)
     }
+
+    /// The transfer function in z where there is a sample time, of the same coefficients.
+    pub(crate) fn on_clock(&self, sample_time_s: Option<f64>) -> Result<TransferFunction, LtiError> {
+        let den = std::iter::once(1.0).chain(self.den.iter().copied()).collect();
+        TransferFunction::new(self.num.clone(), den, sample_time_s)?.with_delay(self.delay_s)
+    }
 }
 
 impl Parametric for RationalChannel {
@@ -96,8 +101,7 @@ impl ContinuousChannel for RationalChannel {
     }
 
     fn transfer_function(&self) -> Result<TransferFunction, LtiError> {
-        let den = std::iter::once(1.0).chain(self.den.iter().copied()).collect();
-        TransferFunction::continuous(self.num.clone(), den)?.with_delay(self.delay_s)
+        self.on_clock(None)
     }
 }
 
@@ -158,7 +162,7 @@ struct ModelParts<C> {
 
 impl<C> From<ContinuousModel<C>> for ModelParts<C> {
     fn from(model: ContinuousModel<C>) -> Self {
-        let noise_covariance = rows(&model.noise_covariance);
+        let noise_covariance = to_rows(model.noise_covariance.as_ref());
         ModelParts { inputs: model.inputs, channels: model.channels, noise_covariance }
     }
 }
@@ -167,7 +171,9 @@ impl<C: ContinuousChannel> TryFrom<ModelParts<C>> for ContinuousModel<C> {
     type Error = LtiError;
 
     fn try_from(parts: ModelParts<C>) -> Result<Self, LtiError> {
-        Self::new(parts.channels, parts.inputs, square("noise covariance", &parts.noise_covariance)?)
+        let outputs = parts.noise_covariance.len();
+        let noise_covariance = from_rows("noise covariance", &parts.noise_covariance, outputs, outputs)?;
+        Self::new(parts.channels, parts.inputs, noise_covariance)
     }
 }
 

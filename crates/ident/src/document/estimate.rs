@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{rows, square};
+use faer::Mat;
+use lti::{from_rows, to_rows};
+
 use crate::{Doubt, Fit, IdentError, Parametric, Termination};
 
 /// Data that an estimate rests on.
@@ -16,6 +18,14 @@ pub struct Source {
     pub from_s: f64,
     /// Last instant used, s.
     pub to_s: f64,
+}
+
+impl Source {
+    /// Whether both are of one recording and have an instant in common.
+    #[must_use]
+    pub fn overlaps(&self, other: &Source) -> bool {
+        self.sha256 == other.sha256 && self.from_s <= other.to_s && other.from_s <= self.to_s
+    }
 }
 
 /// An estimate without its model: a [`Fit`] written down, with how it was made.
@@ -61,9 +71,9 @@ impl EstimateRecord {
             sources,
             parameter_names: fit.model.parameter_names(),
             parameters: fit.model.parameters(),
-            covariance: rows(&fit.covariance),
+            covariance: to_rows(fit.covariance.as_ref()),
             degrees_of_freedom: fit.degrees_of_freedom,
-            noise_covariance: rows(&fit.noise_covariance),
+            noise_covariance: to_rows(fit.noise_covariance.as_ref()),
             loss: fit.loss,
             samples: fit.samples,
             free_parameters: fit.free_parameters,
@@ -92,17 +102,20 @@ impl EstimateRecord {
         if self.degrees_of_freedom.is_nan() || self.degrees_of_freedom <= 0.0 {
             return Err(IdentError::Structure { what: "the estimate has no positive number of degrees of freedom" });
         }
-        check_covariance(&square("covariance", &self.covariance)?)?;
-        check_covariance(&square("noise covariance", &self.noise_covariance)?)?;
+        let covariance = from_rows("covariance", &self.covariance, count, count)?;
+        let outputs = self.noise_covariance.len();
+        let noise_covariance = from_rows("noise covariance", &self.noise_covariance, outputs, outputs)?;
+        check_covariance(&covariance)?;
+        check_covariance(&noise_covariance)?;
         let names = model.parameter_names();
         if self.parameter_names != names {
             let found = format!("an estimate of {}", self.parameter_names.join(", "));
             return Err(IdentError::Document { found, expected: format!("an estimate of {}", names.join(", ")) });
         }
         Ok(Fit {
-            covariance: square("covariance", &self.covariance)?,
+            covariance,
             degrees_of_freedom: self.degrees_of_freedom,
-            noise_covariance: square("noise covariance", &self.noise_covariance)?,
+            noise_covariance,
             loss: self.loss,
             samples: self.samples,
             free_parameters: self.free_parameters,
@@ -119,7 +132,7 @@ impl EstimateRecord {
 /// Rounding leaves a covariance this part of its largest eigenvalue below zero at most.
 const ROUNDING: f64 = 1e-8;
 
-fn check_covariance(m: &faer::Mat<f64>) -> Result<(), IdentError> {
+fn check_covariance(m: &Mat<f64>) -> Result<(), IdentError> {
     let n = m.nrows();
     let not_one = IdentError::Structure { what: "a covariance of the estimate is not symmetric and non-negative" };
     if (0..n).any(|i| (0..n).any(|j| !m[(i, j)].is_finite())) {
@@ -127,7 +140,7 @@ fn check_covariance(m: &faer::Mat<f64>) -> Result<(), IdentError> {
     }
     // Scaled to a unit diagonal, so that units do not matter.
     let size = |i: usize| if m[(i, i)] > 0.0 { m[(i, i)].sqrt() } else { 1.0 };
-    let scaled = faer::Mat::from_fn(n, n, |i, j| m[(i, j)] / (size(i) * size(j)));
+    let scaled = Mat::from_fn(n, n, |i, j| m[(i, j)] / (size(i) * size(j)));
     let skewed = (0..n).any(|i| (0..n).any(|j| (scaled[(i, j)] - scaled[(j, i)]).abs() > ROUNDING));
     let values = scaled
         .self_adjoint_eigenvalues(faer::Side::Lower)

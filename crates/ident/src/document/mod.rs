@@ -4,8 +4,6 @@ mod estimate;
 mod model;
 mod noise;
 
-use faer::Mat;
-use lti::LtiError;
 use serde::{Deserialize, Serialize};
 
 pub use estimate::{EstimateRecord, Source};
@@ -119,19 +117,5 @@ impl AnyModel {
             });
         }
         Ok(())
-    }
-}
-
-/// A matrix as a list of its rows.
-pub(crate) fn rows(m: &Mat<f64>) -> Vec<Vec<f64>> {
-    (0..m.nrows()).map(|i| (0..m.ncols()).map(|j| m[(i, j)]).collect()).collect()
-}
-
-/// The square matrix whose rows are listed.
-pub(crate) fn square(what: &'static str, rows: &[Vec<f64>]) -> Result<Mat<f64>, LtiError> {
-    let count = rows.len();
-    match rows.iter().find(|row| row.len() != count) {
-        Some(row) => Err(LtiError::Shape { what, expected: (count, count), got: (count, row.len()) }),
-        None => Ok(Mat::from_fn(count, count, |i, j| rows[i][j])),
     }
 }

@@ -8,6 +8,7 @@ use super::basis::Basis;
 use super::data::{Lines, Measured};
 use super::misfit::{Misfit, Response, SpectralFit, search, spectral_fit};
 use super::start;
+use crate::continuous::RationalChannel;
 use crate::{Bounds, Doubt, IdentError, NonlinearOptions, Parametric};
 
 /// Delays tried to start from.
@@ -17,9 +18,7 @@ const DELAYS: usize = 41;
 /// `G(x) = (b_m x^m + … + b₀) / (x^n + a_{n−1} x^{n−1} + … + a₀) · e^{−jω·delay}`, `x = jω` or `x = e^{jωT}`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RationalResponse {
-    num: Vec<f64>,
-    den: Vec<f64>,
-    delay_s: f64,
+    coefficients: RationalChannel,
     sample_time_s: Option<f64>,
 }
 
@@ -29,29 +28,21 @@ impl RationalResponse {
     /// # Errors
     /// None for an estimate; the type is that of [`TransferFunction::new`].
     pub fn transfer_function(&self) -> Result<TransferFunction, LtiError> {
-        let den = std::iter::once(1.0).chain(self.den.iter().copied()).collect();
-        TransferFunction::new(self.num.clone(), den, self.sample_time_s)?.with_delay(self.delay_s)
+        self.coefficients.on_clock(self.sample_time_s)
     }
 }
 
 impl Parametric for RationalResponse {
     fn parameters(&self) -> Vec<f64> {
-        self.num.iter().chain(&self.den).copied().chain([self.delay_s]).collect()
+        self.coefficients.parameters()
     }
 
     fn parameter_names(&self) -> Vec<String> {
-        let b = (0..self.num.len()).rev().map(|power| format!("b{power}"));
-        let a = (0..self.den.len()).rev().map(|power| format!("a{power}"));
-        b.chain(a).chain(["delay".to_owned()]).collect()
+        self.coefficients.parameter_names()
     }
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
-        let (m, n) = (self.num.len(), self.den.len());
-        if parameters.len() != m + n + 1 {
-            return Err(LtiError::Shape { what: "parameters", expected: (m + n + 1, 1), got: (parameters.len(), 1) });
-        }
-        let (num, den) = (parameters[..m].to_vec(), parameters[m..m + n].to_vec());
-        let changed = RationalResponse { num, den, delay_s: parameters[m + n], ..self.clone() };
+        let changed = RationalResponse { coefficients: self.coefficients.with_parameters(parameters)?, ..self.clone() };
         changed.transfer_function().map(|_| changed)
     }
 }
@@ -152,9 +143,11 @@ impl FrequencyTransferFunction {
         let (parameters, jacobian) = misfit.response.coefficients(&minimum.parameters, self.scale(&lines))?;
         let m = self.numerator_degree + 1;
         let model = RationalResponse {
-            num: parameters[..m].to_vec(),
-            den: parameters[m..m + self.poles].to_vec(),
-            delay_s: parameters[m + self.poles],
+            coefficients: RationalChannel::new(
+                parameters[..m].to_vec(),
+                parameters[m..m + self.poles].to_vec(),
+                parameters[m + self.poles],
+            )?,
             sample_time_s: self.sample_time_s,
         };
         let covariance = &jacobian * covariance * jacobian.transpose();

@@ -204,6 +204,7 @@ impl<S: Structure> GreyBox<S> {
             iterations,
             condition: gathered.condition,
             doubts,
-        })
+        }
+        .doubting_errors())
     }
 }

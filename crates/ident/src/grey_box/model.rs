@@ -3,11 +3,10 @@
 use std::collections::BTreeMap;
 
 use faer::Mat;
-use lti::{Innovations, LtiError, StateSpace};
+use lti::{Innovations, LtiError, StateSpace, from_rows, to_rows};
 use serde::{Deserialize, Serialize};
 
 use super::{GreyNoise, Structure};
-use crate::document::{rows, square};
 use crate::fit::check_clock;
 use crate::subspace::linear::kalman;
 use crate::{IdentError, Intersample, LinearModel, Parametric};
@@ -37,7 +36,7 @@ struct Written<S> {
 impl<S: Structure> From<GreyBoxModel<S>> for Written<S> {
     fn from(model: GreyBoxModel<S>) -> Self {
         let parameters = model.parameter_names().into_iter().zip(model.parameters()).collect();
-        Written { parameters, noise_covariance: rows(&model.noise_covariance), structure: model.structure }
+        Written { parameters, noise_covariance: to_rows(model.noise_covariance.as_ref()), structure: model.structure }
     }
 }
 
@@ -52,7 +51,8 @@ impl<S: Structure> TryFrom<Written<S>> for GreyBoxModel<S> {
         if values.len() != expected || found != expected {
             return Err(IdentError::Length { what: "values of the structure's parameters", expected, found });
         }
-        let noise_covariance = square("noise covariance", &written.noise_covariance)?;
+        let outputs = written.noise_covariance.len();
+        let noise_covariance = from_rows("noise covariance", &written.noise_covariance, outputs, outputs)?;
         Ok(start.with_parameters(&values)?.with_noise_covariance(noise_covariance)?)
     }
 }

@@ -3,7 +3,7 @@
 use faer::Mat;
 use lti::PolynomialModel;
 
-use crate::arx::{ArxOrders, Noise, filter, index_of, layout, polynomial_fit, solve_equations, spectral_radius};
+use crate::arx::{ArxOrders, Noise, filter, index_of, largest_pole, layout, polynomial_fit, solve_equations};
 use crate::data::column;
 use crate::regression::{Equation, Lagged, Regression, Signals, outputs_then_inputs};
 use crate::{Dataset, Experiment, Fit, IdentError};
@@ -60,7 +60,8 @@ impl<'a> Instrumented<'a> {
         let (columns, equations) = layout(self.orders);
         let plain = Regression::new(&plain_signals, columns);
         let factor = plain.factor();
-        polynomial_fit(self.orders, self.data.sample_time_s(), (&plain, &factor), &equations, &solved)
+        let fit = polynomial_fit(self.orders, self.data.sample_time_s(), (&plain, &factor), &equations, &solved)?;
+        Ok(fit.doubting(self.data))
     }
 
     fn layout(&self) -> (Vec<Lagged>, Vec<Equation>) {
@@ -123,7 +124,7 @@ fn simulate_experiment(model: &PolynomialModel, experiment: &Experiment) -> Mat<
 
 /// The same model where it is stable, otherwise with all poles pulled towards zero until it is.
 pub(super) fn stabilised(model: &PolynomialModel) -> Result<PolynomialModel, IdentError> {
-    let radius = spectral_radius(model)?;
+    let radius = largest_pole(model)?;
     if radius < 1.0 {
         return Ok(model.clone());
     }

@@ -3,6 +3,7 @@
 use faer::Mat;
 use lti::PolynomialModel;
 
+use super::edge;
 use super::equation::Equation;
 use super::orders::Orders;
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
@@ -49,8 +50,9 @@ pub(super) fn fit(
         termination: termination(&equations),
         iterations: equations.iter().map(|e| e.lowest.iterations).max().unwrap_or(0),
         condition: equations.iter().map(|e| e.lowest.condition).fold(1.0, f64::max),
-        doubts: doubts(&equations, data.samples(), rows),
-    })
+        doubts: doubts(orders, &equations, data.samples(), rows)?,
+    }
+    .doubting(data))
 }
 
 /// Parameters and initial states estimated for an equation.
@@ -93,10 +95,13 @@ fn termination(equations: &[Equation]) -> Termination {
     ends.reduce(worse).unwrap_or(Termination::Direct)
 }
 
-fn doubts(equations: &[Equation], of: usize, rows: usize) -> Vec<Doubt> {
+fn doubts(orders: &Orders, equations: &[Equation], of: usize, rows: usize) -> Result<Vec<Doubt>, IdentError> {
     let mut doubts = Vec::new();
-    if equations.iter().any(|e| !e.lowest.termination.converged()) {
-        doubts.push(Doubt::NotConverged);
+    for (output, equation) in equations.iter().enumerate().filter(|(_, e)| !e.lowest.termination.converged()) {
+        let reason = edge::reason(orders, equation, output)?.unwrap_or(Doubt::NotConverged);
+        if !doubts.contains(&reason) {
+            doubts.push(reason);
+        }
     }
     let condition = equations.iter().map(|e| e.lowest.condition).fold(1.0, f64::max);
     if condition > ILL_CONDITIONED {
@@ -108,5 +113,5 @@ fn doubts(equations: &[Equation], of: usize, rows: usize) -> Vec<Doubt> {
     if equations.iter().any(|e| !e.stable) {
         doubts.push(Doubt::Unstable);
     }
-    doubts
+    Ok(doubts)
 }

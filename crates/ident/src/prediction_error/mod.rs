@@ -2,6 +2,7 @@
 
 mod assemble;
 mod basin;
+mod edge;
 mod equation;
 mod evaluate;
 mod excerpt;

@@ -3,9 +3,9 @@
 use faer::{Mat, MatRef};
 use lti::{Innovations, StateSpace};
 
-use super::StateSpaceModel;
 use super::coordinates::{directions, entry_scales};
 use super::predictor::{Free, Linearised, Lineariser, Predictor, Scatter};
+use super::{StateSpaceModel, correlated};
 use crate::colour::{Colour, Sandwich};
 use crate::data::Experiment;
 use crate::least_squares::checked_condition;
@@ -13,8 +13,8 @@ use crate::subspace::linear::{solve_truncated, whitening};
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
 
 /// Longer data give the information per sample from stretches: so many of them, of so many samples.
-const STRETCHES: usize = 12;
-const STRETCH: usize = 4096;
+const STRETCHES: usize = 8;
+const STRETCH: usize = 1024;
 /// Singular values of the scaled Jacobian are taken as at least this part of the largest, so that what the data do not
 /// determine gets a large variance, not none.
 const FLOOR: f64 = 1e-12;
@@ -40,7 +40,9 @@ pub(crate) fn regress_inputs(data: &Dataset, start: Innovations, feedthrough: bo
     let basis = Mat::<f64>::identity(count, count);
     let lineariser =
         Lineariser { predictor: &predictor, free, basis: basis.as_ref(), whitening: whitening.as_ref(), initial: n };
-    let linearised = lineariser.over(data, &zero);
+    let closed = start.system().a() - start.k() * start.system().c();
+    let correlated = correlated::factor(data, &predictor, closed.as_ref(), feedthrough, whitening.as_ref());
+    let linearised = correlated.unwrap_or_else(|| lineariser.over(data, &zero));
     check_finite(&linearised.factor)?;
     let step = regression(&linearised.factor)?;
     let initial_states = linearised.initial_steps(&step)?;
@@ -250,7 +252,8 @@ pub(crate) fn estimate(
         iterations: 0,
         condition: gathered.condition,
         doubts,
-    })
+    }
+    .doubting(data))
 }
 
 /// `U` with `U Uᵀ = (RᵀR/share + prior)⁻¹`, and the condition of the root with its columns scaled.

@@ -1,6 +1,7 @@
 //! State-space models by minimising the prediction error.
 
 mod coordinates;
+mod correlated;
 mod derivatives;
 mod gather;
 mod model;

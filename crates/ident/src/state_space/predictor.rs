@@ -181,7 +181,7 @@ pub(crate) struct Linearised {
     /// Scalar residuals.
     pub(crate) rows: usize,
     /// For each experiment the equations of its initial state: `[R₀, R₁, r]`, states × (states + parameters + 1).
-    tops: Vec<Mat<f64>>,
+    pub(super) tops: Vec<Mat<f64>>,
 }
 
 impl Linearised {

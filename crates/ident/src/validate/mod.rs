@@ -1,11 +1,14 @@
 //! Judging a model on data: fit, residual tests, comparison of models.
 
 mod compare;
+mod footing;
+mod quadratic;
 mod residual_test;
-mod toeplitz;
+mod sensitivity;
+mod series;
 
 pub use compare::{Judgement, compare, judge};
-pub use residual_test::{Independence, ResidualReport, ResidualTest, Whiteness};
+pub use residual_test::{Independence, ResidualReport, ResidualTest, TestData, Whiteness};
 
 use crate::IdentError;
 use crate::distributions::chi_squared_tail;

@@ -1,16 +1,17 @@
 //! Tests of residuals: are they white, and do they depend on an input?
 
 use faer::Mat;
-use signal::correlation::cross_correlation;
 
 use super::JointTest;
-use super::toeplitz::{STILL, quadratic_form};
+use super::footing::Footing;
+use super::quadratic::STILL;
+use super::sensitivity::{self, Stack};
+use super::series::{Series, pair_counts, products};
 use crate::distributions::normal_quantile;
 use crate::fit::check_channels;
-use crate::gram::dot;
 use crate::prediction::{InitialState, residuals};
 use crate::uncertainty::root::inverse_root;
-use crate::{Dataset, Experiment, IdentError, LinearModel};
+use crate::{Dataset, Fit, IdentError, LinearModel, Parametric};
 
 /// How to test the residuals of a model.
 ///
@@ -24,7 +25,7 @@ use crate::{Dataset, Experiment, IdentError, LinearModel};
 /// let y: Vec<f64> = (0..500).map(|t: usize| if t < 2 { 0.0 } else { u[t - 2] + 0.1 * random.normal() }).collect();
 /// let equation = PolynomialEquation { b: vec![vec![1.0]], ..Default::default() };
 /// let model = PolynomialModel::siso(1.0, 1, equation)?;
-/// let report = ResidualTest::default().run(&model, &Dataset::siso(1.0, &u, &y)?)?;
+/// let report = ResidualTest::default().run_known(&model, &Dataset::siso(1.0, &u, &y)?)?;
 /// assert!(!report.independence[0][0].dynamics.passes(0.99));
 /// assert!(report.independence[0][0].feedback.passes(0.99));
 /// # Ok::<(), ident::IdentError>(())
@@ -46,6 +47,15 @@ impl Default for ResidualTest {
     fn default() -> Self {
         ResidualTest { lags: 25, level: 0.99, initial: InitialState::Estimated, noise_parameters: 0 }
     }
+}
+
+/// Which data the residuals of an estimate are tested on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TestData {
+    /// Those it was fitted to, or some of them.
+    Own,
+    /// Others, whose noise has nothing to do with the errors of the estimate.
+    Unseen,
 }
 
 /// What the residuals of a model show.
@@ -75,47 +85,96 @@ pub struct Whiteness {
 /// The correlation of a residual with an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Independence {
-    /// `r_εu(k)/√(r_ε(0) r_u(0))` for k = −M … M, with `r_εu(k)` the mean of `ε(t) u(t − k)`.
+    /// `r_εu(k)/√(r_ε(0) r_u(0))` for k = −M … M, with `r_εu(k)` the mean of `ε(t) u(t − k)`, of what the parameters cannot
+    /// explain in data that they were fitted to.
     pub cross: Vec<f64>,
-    /// Each stays below this in magnitude, at the level asked for, if ε does not depend on u.
-    pub bound: f64,
+    /// Each stays below its bound in magnitude, at the level asked for, if ε does not depend on u: k = −M … M. Next to
+    /// nothing where the estimate leaves no correlation.
+    pub bounds: Vec<f64>,
     /// Lags 0 to M, the input's present and past: what fails here is dynamics that the model lacks.
     pub dynamics: JointTest,
     /// Lags −M to −1, the input's future: what fails here is feedback from the output to the input.
     pub feedback: JointTest,
 }
 
+impl Independence {
+    /// The widest of the bounds.
+    #[must_use]
+    pub fn widest_bound(&self) -> f64 {
+        self.bounds.iter().copied().fold(0.0, f64::max)
+    }
+}
+
 impl ResidualTest {
-    /// Tests the one-step prediction errors of `model` on `data`.
+    /// Tests the one-step prediction errors of an estimate, on data it was fitted to or on others.
     ///
     /// Correlations are summed over the experiments, never across their borders. Missing outputs are left out, and so are
     /// lags at which no two outputs are known.
-    /// The regions take the parameters for known. Those of an estimate carry errors into the residuals: where the model
-    /// describes the noise too, hardly any, and on its own data the correlations are even smaller than the regions allow;
-    /// where it leaves strongly coloured noise, as output-error models may, `dynamics` fails far more often than the level
-    /// says (with AR(1) noise of 0.95 in one case of six on its own data and in one of three on others), so that a failure
-    /// is to be weighed against the intervals of the parameters.
+    ///
+    /// With `U` the lagged input, `R` the covariance in time of the errors `v`, `Ψ` the sensitivity of the predictions to
+    /// the parameters and to the initial states that are estimated here, and `M = I − Ψ (Ψᵀ Λ⁻¹ Ψ)⁻¹ Ψᵀ Λ⁻¹` for noise of
+    /// covariance `Λ`:
+    /// - on [`TestData::Own`] the sums tested are `Uᵀ M ε`, of covariance `Uᵀ M R Mᵀ U`. Where ε is the smallest in the
+    ///   sense of Λ, `M ε = ε`. An estimate of another kind (instruments, subspaces) is so tested as if a last step had been
+    ///   taken to that minimum: what a step of the parameters explains is no missing dynamics. One that is far from it, as
+    ///   by subspaces from few data, fails more often than the level says.
+    /// - on [`TestData::Unseen`] they are `Uᵀ ε`, of covariance `UᵀRU + Uᵀ Ψ P Ψᵀ U` with `P` the estimate's covariance and
+    ///   `Ψ` that of the parameters; the initial states estimated here are taken out as above.
+    ///
+    /// `R` is that of an autoregression fitted to the residuals. Directions that the estimate holds have no degree of
+    /// freedom. All this is linear in the errors of the parameters, and holds where those are small; the tests of whiteness
+    /// take the parameters for known, but for [`ResidualTest::noise_parameters`].
     ///
     /// # Errors
     /// Those of [`residuals`]; [`IdentError::TooFewSamples`] under four times as many samples as lags;
-    /// [`IdentError::Constant`] where a residual or an input does not vary.
+    /// [`IdentError::Constant`] where a residual or an input does not vary; [`IdentError::NotFinite`] where there is no
+    /// model beside the estimate.
     ///
     /// # Source
-    /// Ljung 1999, §16.6. Ljung, G. M. and Box, *On a measure of lack of fit in time series models*, 1978; for several
-    /// outputs Hosking, *The multivariate portmanteau statistic*, 1980.
-    pub fn run<M: LinearModel + ?Sized>(&self, model: &M, data: &Dataset) -> Result<ResidualReport, IdentError> {
-        check_channels(model, data)?;
-        let mut errors = residuals(model, data, &self.initial)?.outputs.into_iter();
-        let of = |e: &Experiment| Ok(Experiment { outputs: errors.next().unwrap_or_else(Mat::new), ..e.clone() });
-        self.run_on_residuals(&data.map_experiments(of)?)
+    /// Ljung 1999, §16.6; Neyman, *Optimal asymptotic tests of composite statistical hypotheses*, 1959, for sums that
+    /// errors of the parameters leave alone. Ljung, G. M. and Box, *On a measure of lack of fit in time series models*,
+    /// 1978; for several outputs Hosking, *The multivariate portmanteau statistic*, 1980.
+    pub fn run<M: Parametric + LinearModel>(
+        &self,
+        fit: &Fit<M>,
+        data: &Dataset,
+        which: TestData,
+    ) -> Result<ResidualReport, IdentError> {
+        check_channels(&fit.model, data)?;
+        let errors = residuals(&fit.model, data, &self.initial)?.outputs;
+        let parameters = sensitivity::to_parameters(fit, data, &self.initial, &Stack::column(&errors))?;
+        let mut removed = sensitivity::to_states(&fit.model, data, &self.initial)?;
+        let mut uncertain = Vec::new();
+        match which {
+            TestData::Own => removed.extend(parameters),
+            TestData::Unseen => uncertain = parameters,
+        }
+        self.report(data, &errors, &Columns { removed, uncertain, noise_covariance: Some(&fit.noise_covariance) })
     }
 
-    /// Tests residuals that are already there: they stand as the outputs of `data`.
+    /// Tests the one-step prediction errors of a model that is not estimated: its parameters count as known.
+    ///
+    /// # Errors
+    /// As [`ResidualTest::run`].
+    pub fn run_known<M: LinearModel + ?Sized>(&self, model: &M, data: &Dataset) -> Result<ResidualReport, IdentError> {
+        check_channels(model, data)?;
+        let errors = residuals(model, data, &self.initial)?.outputs;
+        let removed = sensitivity::to_states(model, data, &self.initial)?;
+        self.report(data, &errors, &Columns { removed, ..Columns::default() })
+    }
+
+    /// Tests residuals that are already there: they stand as the outputs of `data`, and whatever they are of counts as
+    /// known.
     ///
     /// # Errors
     /// [`IdentError::TooFewSamples`], [`IdentError::Constant`] as [`ResidualTest::run`].
     pub fn run_on_residuals(&self, data: &Dataset) -> Result<ResidualReport, IdentError> {
-        let output = |i: usize| data.experiments().iter().map(|e| e.output(i)).collect::<Vec<_>>();
+        let errors: Vec<Mat<f64>> = data.experiments().iter().map(|e| e.outputs.clone()).collect();
+        self.report(data, &errors, &Columns::default())
+    }
+
+    fn report(&self, data: &Dataset, errors: &[Mat<f64>], columns: &Columns<'_>) -> Result<ResidualReport, IdentError> {
+        let output = |i: usize| errors.iter().map(|e| e.col_as_slice(i)).collect::<Vec<_>>();
         let outputs = (0..data.outputs()).map(|i| Series::new(&output(i))).collect::<Vec<_>>();
         let input = |k: usize| data.experiments().iter().map(|e| e.input(k)).collect::<Vec<_>>();
         let inputs = (0..data.inputs()).map(|k| Series::new(&input(k))).collect::<Vec<_>>();
@@ -125,12 +184,50 @@ impl ResidualTest {
                 return Err(IdentError::TooFewSamples { samples, parameters: self.lags });
             }
         }
-        let independence = |e: &Series| inputs.iter().map(|u| self.independence(e, u)).collect::<Result<_, _>>();
         Ok(ResidualReport {
             whiteness: outputs.iter().map(|e| self.whiteness(e)).collect::<Result<_, _>>()?,
             joint_whiteness: self.joint_whiteness(&outputs.iter().collect::<Vec<_>>())?,
-            independence: outputs.iter().map(independence).collect::<Result<_, _>>()?,
+            independence: self.all_independence(errors, &outputs, &inputs, columns)?,
         })
+    }
+
+    /// Every output against every input. Outputs that are there at different instants are taken one by one.
+    fn all_independence(
+        &self,
+        errors: &[Mat<f64>],
+        outputs: &[Series],
+        inputs: &[Series],
+        columns: &Columns<'_>,
+    ) -> Result<Vec<Vec<Independence>>, IdentError> {
+        if inputs.is_empty() {
+            return Ok(vec![Vec::new(); outputs.len()]);
+        }
+        let lengths: Vec<usize> = errors.iter().map(Mat::nrows).collect();
+        let stack = Stack::new(lengths.clone(), outputs.len());
+        let column = Stack::column(errors);
+        let missing: Vec<bool> = (errors.iter())
+            .flat_map(|e| (0..e.ncols()).flat_map(|i| e.col_as_slice(i).iter().map(|v| v.is_nan())))
+            .collect();
+        let unknown = Mat::identity(outputs.len(), outputs.len());
+        let noise = columns.noise_covariance.unwrap_or(&unknown);
+        let of = |footing: &Footing, place: usize, i: usize| -> Result<Vec<Independence>, IdentError> {
+            inputs.iter().map(|u| self.independence(footing, place, &outputs[i], u)).collect()
+        };
+        if outputs.iter().all(|e| e.there == outputs[0].there) {
+            let footing = Footing::new(stack, &column, &missing, &columns.removed, &columns.uncertain, noise)?;
+            return (0..outputs.len()).map(|i| of(&footing, i, i)).collect();
+        }
+        let alone = |i: usize| {
+            let each = |all: &[Vec<f64>]| all.iter().map(|c| stack.alone(c, i)).collect::<Vec<_>>();
+            let missing: Vec<bool> =
+                (0..lengths.len()).flat_map(|m| missing[stack.range(m, i)].iter().copied()).collect();
+            let (errors, noise) = (stack.alone(&column, i), noise.submatrix(i, i, 1, 1).to_owned());
+            let own = Stack::new(lengths.clone(), 1);
+            let footing =
+                Footing::new(own, &errors, &missing, &each(&columns.removed), &each(&columns.uncertain), &noise)?;
+            of(&footing, 0, i)
+        };
+        (0..outputs.len()).map(alone).collect()
     }
 
     fn whiteness(&self, e: &Series) -> Result<Whiteness, IdentError> {
@@ -177,10 +274,13 @@ impl ResidualTest {
         Ok(JointTest::chi_squared(statistic, freedom as f64))
     }
 
-    fn independence(&self, e: &Series, u: &Series) -> Result<Independence, IdentError> {
-        let lags = self.lags;
-        let cross = products(u, e, lags)?;
-        let variance = sum_covariances(e, u, lags)?;
+    fn independence(
+        &self,
+        footing: &Footing,
+        output: usize,
+        e: &Series,
+        u: &Series,
+    ) -> Result<Independence, IdentError> {
         let (size_e, size_u) = (e.energy(), u.energy());
         if size_e <= 0.0 {
             return Err(IdentError::Constant { what: "the residual" });
@@ -188,87 +288,22 @@ impl ResidualTest {
         if size_u <= 0.0 {
             return Err(IdentError::Constant { what: "an input" });
         }
-        let scale = (size_e * size_u).sqrt();
+        let (lags, scale) = (self.lags, (size_e * size_u).sqrt());
+        let sums = footing.sums(output, e, u, lags)?;
+        let quantile = normal_quantile(0.5 + self.level / 2.0);
         Ok(Independence {
-            bound: normal_quantile(0.5 + self.level / 2.0) * variance[0].max(0.0).sqrt() / scale,
-            dynamics: quadratic_form(&cross[lags..], &variance)?,
-            feedback: quadratic_form(&cross[..lags], &variance)?,
-            cross: cross.iter().map(|s| s / scale).collect(),
+            bounds: sums.variances().iter().map(|v| quantile * v.sqrt() / scale).collect(),
+            dynamics: sums.test(lags, lags + 1)?,
+            feedback: sums.test(0, lags)?,
+            cross: sums.values.iter().map(|s| s / scale).collect(),
         })
     }
 }
 
-/// One channel over all experiments: its mean taken off, zeros for what is missing.
-struct Series {
-    parts: Vec<Vec<f64>>,
-    /// One where a sample is there; none where all are.
-    there: Option<Vec<Vec<f64>>>,
-    mean: f64,
-    present: f64,
-}
-
-impl Series {
-    fn new(parts: &[&[f64]]) -> Self {
-        let there = || parts.iter().flat_map(|p| p.iter()).filter(|v| !v.is_nan());
-        let present = there().count() as f64;
-        let mean = there().sum::<f64>() / present.max(1.0);
-        let gaps = parts.iter().any(|p| p.iter().any(|v| v.is_nan()));
-        let centred = |v: &f64| if v.is_nan() { 0.0 } else { v - mean };
-        let indicator = |v: &f64| f64::from(u8::from(!v.is_nan()));
-        Series {
-            parts: parts.iter().map(|p| p.iter().map(centred).collect()).collect(),
-            there: gaps.then(|| parts.iter().map(|p| p.iter().map(indicator).collect()).collect()),
-            mean,
-            present,
-        }
-    }
-
-    fn energy(&self) -> f64 {
-        self.parts.iter().flatten().map(|v| v * v).sum()
-    }
-
-    fn indicators(&self) -> Vec<Vec<f64>> {
-        self.there.clone().unwrap_or_else(|| self.parts.iter().map(|p| vec![1.0; p.len()]).collect())
-    }
-}
-
-/// `Σ_t x(t) y(t + k)` for k = −M … M, summed over the experiments.
-fn products(x: &Series, y: &Series, lags: usize) -> Result<Vec<f64>, IdentError> {
-    sum_products(&x.parts, &y.parts, lags)
-}
-
-fn sum_products(x: &[Vec<f64>], y: &[Vec<f64>], lags: usize) -> Result<Vec<f64>, IdentError> {
-    let mut sums = vec![0.0; 2 * lags + 1];
-    for (x, y) in x.iter().zip(y).filter(|(x, _)| !x.is_empty()) {
-        let reach = lags.min(x.len() - 1);
-        let correlation = cross_correlation(x, y, reach)?;
-        for (slot, value) in sums[lags - reach..].iter_mut().zip(&correlation.values) {
-            *slot += value * x.len() as f64;
-        }
-    }
-    Ok(sums)
-}
-
-/// How many pairs `x(t)`, `y(t + k)` are there, for k = −M … M.
-fn pair_counts(x: &Series, y: &Series, lags: usize) -> Result<Vec<f64>, IdentError> {
-    if x.there.is_some() || y.there.is_some() {
-        return Ok(sum_products(&x.indicators(), &y.indicators(), lags)?.iter().map(|v| v.round()).collect());
-    }
-    let count = |k: usize| x.parts.iter().map(|p| p.len().saturating_sub(k)).sum::<usize>() as f64;
-    Ok((0..=2 * lags).map(|i| count(i.abs_diff(lags))).collect())
-}
-
-/// The covariances of `S_k = Σ_t ε(t) u(t − k)` and `S_{k+l}` for l = 0 … M under independence: `N Σ_s r_ε(s) r_u(s + l)`.
-///
-/// Parzen's window on `r_ε` keeps them a covariance and leaves out lags at which there is nothing but chance.
-fn sum_covariances(e: &Series, u: &Series, lags: usize) -> Result<Vec<f64>, IdentError> {
-    let rows = e.parts.iter().map(Vec::len).sum::<usize>();
-    let reach = (4 * lags).min(rows / 10).max(1);
-    let (re, ru) = (products(e, e, reach)?, products(u, u, reach + lags)?);
-    let window = |s: usize| {
-        let x = s as f64 / reach as f64;
-        if x < 0.5 { 1.0 - 6.0 * x * x * (1.0 - x) } else { 2.0 * (1.0 - x).powi(3) }
-    };
-    let windowed: Vec<f64> = re.iter().enumerate().map(|(i, r)| window(i.abs_diff(reach)) * r).collect();
-    Ok((0..=lags).map(|l| dot(&windowed, &ru[lags + l..=lags + l + 2 * reach]) / rows as f64).collect())
+/// The columns that make a footing.
+#[derive(Default)]
+struct Columns<'a> {
+    removed: Vec<Vec<f64>>,
+    uncertain: Vec<Vec<f64>>,
+    noise_covariance: Option<&'a Mat<f64>>,
 }

@@ -43,7 +43,8 @@ fn stat_regions_hold_ninety_nine_percent_of_lags_under_independence() {
         let data = Dataset::siso(1.0, &input, &residuals).unwrap();
         let report = ResidualTest::default().run_on_residuals(&data).unwrap();
         let (whiteness, independence) = (&report.whiteness[0], &report.independence[0][0]);
-        outside_cross += independence.cross.iter().filter(|c| c.abs() > independence.bound).count();
+        outside_cross +=
+            independence.cross.iter().zip(&independence.bounds).filter(|(c, bound)| c.abs() > **bound).count();
         outside_auto += whiteness.auto[1..].iter().filter(|c| c.abs() > whiteness.bound).count();
         total += 25;
     }
@@ -70,13 +71,13 @@ fn stat_residual_tests_raise_one_false_alarm_in_a_hundred() {
     let (mut alarms, mut outside) = ([0; 4], 0);
     for seed in 0..runs {
         let data = system::experiments(&system::armax().unwrap(), 0.1, &[700, 500], 1.0, seed).unwrap();
-        let report = test.run(&system::armax().unwrap(), &data).unwrap();
+        let report = test.run_known(&system::armax().unwrap(), &data).unwrap();
         let independence = &report.independence[0][0];
         let tests = [report.whiteness[0].joint, report.joint_whiteness, independence.dynamics, independence.feedback];
         for (count, test) in alarms.iter_mut().zip(tests) {
             *count += usize::from(!test.passes(0.99));
         }
-        outside += independence.cross.iter().filter(|c| c.abs() > independence.bound).count();
+        outside += independence.cross.iter().zip(&independence.bounds).filter(|(c, bound)| c.abs() > **bound).count();
     }
     // Four standard deviations of a binomial count about 1 %.
     assert!(alarms.iter().all(|count| *count <= 12), "{alarms:?}");
@@ -102,7 +103,7 @@ fn stat_joint_tests_are_uniform_for_coloured_residuals_and_inputs() {
     let (mut below_five, mut below_half, runs) = (0, 0, 400);
     for _ in 0..runs {
         let (u, y) = (colour(0.9, noise.normals(2000)), colour(0.7, noise.normals(2000)));
-        let report = test.run(&model, &Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
+        let report = test.run_known(&model, &Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
         let p = report.independence[0][0].dynamics.p_value;
         below_five += usize::from(p < 0.05);
         below_half += usize::from(p < 0.5);
@@ -120,7 +121,7 @@ fn stat_whiteness_of_an_output_known_at_every_fourth_sample_holds_its_level() {
     for _ in 0..runs {
         let (u, mut y) = (noise.normals(1200), noise.normals(1200));
         (0..1200).filter(|t| t % 4 != 0).for_each(|t| y[t] = f64::NAN);
-        let report = ResidualTest::default().run(&model, &Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
+        let report = ResidualTest::default().run_known(&model, &Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
         let joint = report.whiteness[0].joint;
         assert_eq!(joint.degrees_of_freedom, 6.0);
         below_five += usize::from(joint.p_value < 0.05);
@@ -142,7 +143,7 @@ fn stat_whiteness_of_two_outputs_with_missing_samples_holds_its_level() {
         let gap = |t: usize| (200..215).contains(&t) || (400..420).contains(&t);
         let outputs = Mat::from_fn(600, 2, |t, i| if gap(t) { f64::NAN } else { record.outputs[(t, i)] });
         let data = Dataset::new(0.1, record.inputs.clone(), outputs).unwrap();
-        alarms += usize::from(!ResidualTest::default().run(&model, &data).unwrap().joint_whiteness.passes(0.99));
+        alarms += usize::from(!ResidualTest::default().run_known(&model, &data).unwrap().joint_whiteness.passes(0.99));
     }
     assert!(alarms <= 10, "{alarms}");
 }
@@ -160,13 +161,13 @@ fn stat_feedback_and_missed_dynamics_are_told_apart() {
     let siso = |equation| PolynomialModel::siso(1.0, 1, equation).unwrap();
     let (a, b, c) = (vec![vec![-0.5]], vec![vec![1.0]], vec![0.5]);
     let truth = siso(PolynomialEquation { a, b: b.clone(), c, ..Default::default() });
-    let report = ResidualTest::default().run(&truth, &data).unwrap();
+    let report = ResidualTest::default().run_known(&truth, &data).unwrap();
     assert!(report.whiteness[0].joint.passes(0.99));
     let independence = &report.independence[0][0];
     // u(t) depends on e(t) through y(t) without a delay, so lag zero belongs to the feedback here.
     assert!(!independence.feedback.passes(0.99), "{independence:?}");
     let lacking = siso(PolynomialEquation { b, ..Default::default() });
-    let report = ResidualTest::default().run(&lacking, &data).unwrap();
+    let report = ResidualTest::default().run_known(&lacking, &data).unwrap();
     assert!(!report.independence[0][0].dynamics.passes(0.99) && !report.whiteness[0].joint.passes(0.99));
 }
 
@@ -205,9 +206,9 @@ fn exact_comparison_keeps_the_models_that_can_be_judged() {
 fn regress_residual_test_refuses_what_it_cannot_judge() {
     let model = system::arx().unwrap();
     let short = system::data(&model, 0.1, 50, 1.0, 1).unwrap();
-    assert!(matches!(ResidualTest::default().run(&model, &short), Err(IdentError::TooFewSamples { .. })));
+    assert!(matches!(ResidualTest::default().run_known(&model, &short), Err(IdentError::TooFewSamples { .. })));
     let constant = Dataset::siso(0.1, &[1.0; 300], &Noise::new(1).normals(300)).unwrap();
-    assert!(matches!(ResidualTest::default().run(&model, &constant), Err(IdentError::Constant { .. })));
+    assert!(matches!(ResidualTest::default().run_known(&model, &constant), Err(IdentError::Constant { .. })));
     let blank = Dataset::siso(0.1, &[1.0; 300], &[f64::NAN; 300]).unwrap();
-    assert!(ResidualTest::default().run(&model, &blank).is_err());
+    assert!(ResidualTest::default().run_known(&model, &blank).is_err());
 }

@@ -436,8 +436,8 @@ fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest,
         level: TEST_LEVEL,
         autocorrelation: own.auto,
         autocorrelation_bound: own.bound,
+        cross_correlation_bound: cross.widest_bound(),
         cross_correlation: cross.cross,
-        cross_correlation_bound: cross.bound,
         input: Role::DynoTorqueDemand.symbol().to_owned(),
     })
 }

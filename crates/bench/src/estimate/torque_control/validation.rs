@@ -51,8 +51,8 @@ fn residual_test(held: &HeldDemand, seen: &Observed, modelled: &[f64]) -> Option
         level: LEVEL,
         autocorrelation: own.auto,
         autocorrelation_bound: own.bound,
+        cross_correlation_bound: cross.widest_bound(),
         cross_correlation: cross.cross,
-        cross_correlation_bound: cross.bound,
         input: Role::DynoTorqueDemand.symbol().to_owned(),
     })
 }

@@ -100,6 +100,13 @@ pub(super) fn residuals(report: &ResidualReport, data: &Dataset, level: f64) -> 
         high: Rounded(bound),
         label: format!("{} % region", 100.0 * level),
     };
+    // What an estimate holds of its own data varies from lag to lag.
+    let band = |first: f64, bounds: &[f64]| {
+        let lags: Vec<f64> = (0..bounds.len()).map(|n| first + n as f64).collect();
+        let low: Vec<f64> = bounds.iter().map(|bound| -bound).collect();
+        let (name, x) = (format!("{} % region", 100.0 * level), Abscissa::Values(rounded(&lags)));
+        Layer::Band { name, style: Style::Guide, x, low: rounded(&low), high: rounded(bounds) }
+    };
     let stems = |name: &str, style, first: f64, values: &[f64]| {
         // A sum that is but rounding is one of no pairs, as at lags between the samples of a slow output.
         let there = values.iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
@@ -113,7 +120,8 @@ pub(super) fn residuals(report: &ResidualReport, data: &Dataset, level: f64) -> 
     };
     let other = |(input, independence): (usize, &Independence)| {
         let first = -((independence.cross.len() / 2) as f64);
-        let layers = vec![region(independence.bound), stems("with an input", Style::Other, first, &independence.cross)];
+        let layers =
+            vec![band(first, &independence.bounds), stems("with an input", Style::Other, first, &independence.cross)];
         Panel::new(Axis::linear(&format!("with {}", data.input_labels()[input].name), ""), 110, layers)
     };
     let of_output = |(output, whiteness): (usize, &Whiteness)| {

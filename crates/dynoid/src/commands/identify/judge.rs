@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use ident::InitialState;
 use ident::uncertainty::Dynamics;
-use ident::validate::{Judgement, ResidualReport, ResidualTest, judge};
-use ident::{Dataset, Experiment, IdentError, ModelDocument};
+use ident::validate::{Judgement, ResidualTest, judge};
+use ident::{Dataset, IdentError, ModelDocument};
 
 use super::data::{Files, Loaded, check_plot, check_targets, draw, say};
+use super::fit::which_data;
 use super::{figures, model_file, operating_point, recorded, words};
 use crate::cli::identify::{
     CompareArguments, MeetArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments,
@@ -140,7 +141,7 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
     check_plot(&arguments.result, &[&arguments.meet.on, std::slice::from_ref(&arguments.model)])?;
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
-    let Loaded { data, notes, .. } = model_file::meet(&document, &files, &arguments.meet)?;
+    let Loaded { data, notes, sources, .. } = model_file::meet(&document, &files, &arguments.meet)?;
     say(&notes, &mut Vec::new(), terminal);
     if arguments.lags == 0 || arguments.lags > data.samples() / 4 {
         let what = format!(
@@ -154,7 +155,12 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
     let predicted = judge(&document.model, &data, Some(1), &InitialState::Estimated).map_err(failed)?;
     let hint = operating_point::hint(&document, &data, &predicted.response, arguments.meet.detrend);
     hint.iter().for_each(|hint| terminal.warning(hint));
-    let report = residual_test(&predicted, &data, arguments.lags).map_err(failed)?;
+    let test = ResidualTest { lags: arguments.lags, level: REGION, ..ResidualTest::default() };
+    let report = match &document.estimate {
+        Some(estimate) => document.fit().and_then(|fit| test.run(&fit, &data, which_data(&sources, &estimate.sources))),
+        None => test.run_known(&document.model, &data),
+    };
+    let report = report.map_err(failed)?;
     picture(&arguments.result, "Residuals", || figures::residuals(&report, &data, REGION))?;
     if arguments.result.json {
         let mut tests = words::tests_json(&report, REGION);
@@ -166,16 +172,6 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
         written(&arguments.result.plot, terminal);
     }
     Ok(Outcome::Done)
-}
-
-/// The residual tests on the one-step errors of a judgement.
-pub(super) fn residual_test(predicted: &Judgement, data: &Dataset, lags: usize) -> Result<ResidualReport, IdentError> {
-    let mut responses = predicted.response.outputs.iter();
-    let errors = data.map_experiments(|e| {
-        let outputs = responses.next().map_or_else(|| e.outputs.clone(), |modelled| &e.outputs - modelled);
-        Ok(Experiment { outputs, ..e.clone() })
-    })?;
-    ResidualTest { lags, level: REGION, ..ResidualTest::default() }.run_on_residuals(&errors)
 }
 
 /// `dynoid simulate` on a model file

@@ -40,6 +40,26 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
                 "the model explains next to nothing of {name}, {how} (a fit below 5 % on its own data); check the channels, the delay, the orders and the detrending before using it"
             )
         }
+        Doubt::DependentInputs { input } => format!(
+            "input {} is a linear combination of the inputs before it, so the data cannot tell their effects apart; leave it out",
+            input + 1
+        ),
+        Doubt::DependentOutputs { output } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "the errors of {name} follow from those of the outputs before it: its values add nothing, and no criterion is defined; leave it out"
+            )
+        }
+        Doubt::NothingLeft { output } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "the model leaves nothing of {name}, or nothing that can be squared, so intervals and criteria mean nothing; check the channel, and the scale of its values"
+            )
+        }
+        Doubt::RootAtEdge { output, polynomial, input, magnitude, angle, cancelled_by } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            root_at_edge(name, (*polynomial, *input), (*magnitude, *angle), *cancelled_by)
+        }
         other => format!("{other:?}"),
     }
 }
@@ -51,6 +71,33 @@ pub(super) fn growing_pole(mode: &Mode) -> String {
         im => format!("{} ± {}i", digits(mode.pole.re, 4), digits(im.abs(), 4)),
     };
     format!("pole at {pole}, which grows e-fold in {} s", digits(-mode.time_constant_s(), 3))
+}
+
+/// Of a root at which a search had to stop.
+fn root_at_edge(
+    output: &str,
+    (polynomial, input): (char, Option<usize>),
+    (magnitude, angle): (f64, f64),
+    cancelled_by: Option<char>,
+) -> String {
+    let whose = input.map_or(String::new(), |input| format!(" of input {}", input + 1));
+    let order = |letter: char| format!("n{}", letter.to_ascii_lowercase());
+    let (reason, remedy) = match cancelled_by {
+        Some(other) => (
+            format!(", and one of {other} nearly cancels it: both are longer than the data ask for"),
+            format!("lower {} and {}", order(polynomial), order(other)),
+        ),
+        None if polynomial == 'C' => (
+            ": the noise has next to nothing at that frequency, as after a difference or a trend taken off".to_owned(),
+            "lower nc, or leave the data as they are".to_owned(),
+        ),
+        None => {
+            (": the response hardly decays".to_owned(), format!("lower {}, or record for longer", order(polynomial)))
+        }
+    };
+    format!(
+        "the search for {output} stopped with a root of {polynomial}{whose} at the unit circle (magnitude {magnitude:.4}, {angle:.3} rad a sample){reason}; the model can be used, but its intervals hold only roughly; {remedy}"
+    )
 }
 
 /// How a search ended.
@@ -108,7 +155,7 @@ pub(super) fn print_tests(
 /// The residual tests in numbers.
 pub(super) fn tests_json(report: &ResidualReport, level: f64) -> serde_json::Value {
     let joint = |test: &JointTest| serde_json::json!({"p_value": test.p_value, "passed": test.passes(level)});
-    let of = |i: &Independence| serde_json::json!({"dynamics": joint(&i.dynamics), "feedback": joint(&i.feedback), "cross": i.cross, "bound": i.bound});
+    let of = |i: &Independence| serde_json::json!({"dynamics": joint(&i.dynamics), "feedback": joint(&i.feedback), "cross": i.cross, "bounds": i.bounds});
     let independence: Vec<Vec<_>> = report.independence.iter().map(|row| row.iter().map(of).collect()).collect();
     let whiteness: Vec<_> = report
         .whiteness

@@ -7,6 +7,7 @@ mod show;
 mod verdict;
 
 use bench::dataset::CommonClock;
+use ident::validate::TestData;
 use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
 
 use super::data::{
@@ -51,7 +52,8 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     let fit = estimate::estimate(command, structure, &estimation.data, &progress);
     let mut fit = fit.map_err(|error| refused(error, command, &estimation))?;
     progress.say("judging the model");
-    let verdict = Verdict::new(&fit, &estimation.data, unseen.as_ref().map(|u| &u.data));
+    let others = unseen.as_ref().map(|u| (&u.data, which_data(&u.sources, &estimation.sources)));
+    let verdict = Verdict::new(&fit, &estimation.data, others);
     drop(progress);
     if let FitCommand::Greybox(arguments) = command {
         greybox::warnings(arguments, &fit.model).iter().for_each(|text| terminal.warning(text));
@@ -170,6 +172,12 @@ fn parts(
         unseen.notes.push(format!("{}: the estimate rests on this recording too, so it is no unseen one", source.file));
     }
     Ok((whole, Some(unseen)))
+}
+
+/// What data are to an estimate: its own where a part of them is.
+pub(super) fn which_data(sources: &[Source], of_the_estimate: &[Source]) -> TestData {
+    let shared = |source: &Source| of_the_estimate.iter().any(|own| own.overlaps(source));
+    if sources.iter().any(shared) { TestData::Own } else { TestData::Unseen }
 }
 
 /// Why there is no estimate, with the data and with what can be changed.

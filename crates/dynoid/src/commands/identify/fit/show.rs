@@ -79,7 +79,9 @@ impl Finished {
     fn print_tests(&self, terminal: &mut Terminal) {
         let c = &self.verdict.criteria;
         let numbers = [("loss", self.fit.loss), ("FPE", c.fpe), ("AIC", c.aic), ("BIC", c.bic)];
-        let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", significant(*v))).collect();
+        // What is not finite is not defined, as with a loss of zero or as many parameters as samples.
+        let number = |v: f64| if v.is_finite() { significant(v) } else { "–".to_owned() };
+        let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", number(*v))).collect();
         terminal.line(&numbers.join(", "));
         let labels = (self.document.inputs.as_slice(), self.document.outputs.as_slice());
         if let Ok(report) = &self.verdict.residuals {

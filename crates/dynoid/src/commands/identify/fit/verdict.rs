@@ -1,11 +1,11 @@
 //! How good a model is on the data it was fitted to, and on others.
 
 use ident::prediction::{InitialState, Response};
-use ident::validate::{Judgement, ResidualReport, fit_percent, judge};
+use ident::validate::{Judgement, ResidualReport, ResidualTest, TestData, fit_percent, judge};
 use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError};
 
 use crate::commands::identify::figures;
-use crate::commands::identify::judge::{REGION, residual_test};
+use crate::commands::identify::judge::REGION;
 
 /// Lags of the residual tests.
 const LAGS: usize = 25;
@@ -28,7 +28,8 @@ pub(super) struct Judged {
 }
 
 impl Verdict {
-    pub(super) fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<&Dataset>) -> Self {
+    /// On the data of the estimate, and on others with what they are to it.
+    pub(super) fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<(&Dataset, TestData)>) -> Self {
         let judged = |name, data: &Dataset| Judged {
             name,
             experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
@@ -36,15 +37,12 @@ impl Verdict {
             simulated: judge(&fit.model, data, None, &InitialState::Estimated),
         };
         let estimation = judged("estimation", data);
-        let unseen_judged = unseen.map(|unseen| judged("unseen", unseen));
-        let last = unseen_judged.as_ref().unwrap_or(&estimation);
+        let unseen_judged = unseen.map(|(unseen, _)| judged("unseen", unseen));
+        let (tested, which) = unseen.unwrap_or((data, TestData::Own));
+        let test = ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() };
         Verdict {
             criteria: Criteria::of(fit.loss, fit.free_parameters, fit.samples, data.outputs()),
-            residuals: last
-                .predicted
-                .as_ref()
-                .map_err(Clone::clone)
-                .and_then(|predicted| residual_test(predicted, unseen.unwrap_or(data), LAGS)),
+            residuals: test.run(fit, tested, which),
             judged: std::iter::once(estimation).chain(unseen_judged).collect(),
         }
     }

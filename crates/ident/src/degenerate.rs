@@ -1,0 +1,71 @@
+//! What an estimate from degenerate data is to be doubted for.
+
+use faer::{Mat, Side};
+
+use crate::{Dataset, Doubt, Fit, Triangle};
+
+/// What is left of an input, relative to its variation, where it counts as a combination of others.
+const SAME_INPUT: f64 = 1e-11;
+/// The same for errors, of which a covariance tells no more.
+const SAME_ERROR: f64 = 1e-7;
+
+impl<M> Fit<M> {
+    /// The same with what its data make doubtful: inputs or errors that depend on each other, and errors that vanish.
+    pub(crate) fn doubting(mut self, data: &Dataset) -> Self {
+        self.doubts.extend(dependent_inputs(data).into_iter().map(|input| Doubt::DependentInputs { input }));
+        self.doubting_errors()
+    }
+
+    /// The same with what its errors make doubtful.
+    pub(crate) fn doubting_errors(mut self) -> Self {
+        let outputs = 0..self.noise_covariance.nrows();
+        let nothing: Vec<usize> = outputs.filter(|i| !self.noise_covariance[(*i, *i)].is_normal()).collect();
+        let dependent = if nothing.is_empty() { dependent_outputs(&self.noise_covariance) } else { None };
+        if dependent.is_some() {
+            // Rounding leaves the determinant of a singular covariance anything.
+            self.loss = 0.0;
+        }
+        self.doubts.extend(nothing.into_iter().map(|output| Doubt::NothingLeft { output }));
+        self.doubts.extend(dependent.map(|output| Doubt::DependentOutputs { output }));
+        self
+    }
+}
+
+/// The first output whose errors those before it explain.
+fn dependent_outputs(covariance: &Mat<f64>) -> Option<usize> {
+    let size = |i: usize| covariance[(i, i)].sqrt();
+    let of = |n: usize| Mat::from_fn(n, n, |i, j| covariance[(i, j)] / size(i) / size(j));
+    (2..=covariance.nrows()).find_map(|n| {
+        let independent = of(n).llt(Side::Lower).is_ok_and(|factor| factor.L()[(n - 1, n - 1)] > SAME_ERROR);
+        (!independent).then_some(n - 1)
+    })
+}
+
+/// Inputs that are linear combinations of those before them and a constant.
+fn dependent_inputs(data: &Dataset) -> Vec<usize> {
+    let m = data.inputs();
+    if m < 2 {
+        return Vec::new();
+    }
+    let size = |k: usize| {
+        let values = data.experiments().iter().flat_map(|e| e.input(k)).filter(|v| !v.is_nan());
+        values.fold(0.0, |size: f64, v| size.max(v.abs()))
+    };
+    let sizes: Vec<f64> = (0..m).map(size).collect();
+    let mut triangle = Triangle::new(m + 1);
+    let mut row = vec![1.0; m + 1];
+    for e in data.experiments() {
+        for t in 0..e.len() {
+            for (k, slot) in row[1..].iter_mut().enumerate() {
+                *slot = if sizes[k] > 0.0 { e.input(k)[t] / sizes[k] } else { 0.0 };
+            }
+            if row.iter().all(|v| !v.is_nan()) {
+                triangle.push_row(&row);
+            }
+        }
+    }
+    let factor = triangle.finish();
+    // The first row is the mean: what varies lies below it.
+    let varying = |j: usize| (1..=j).map(|i| factor[(i, j)].powi(2)).sum::<f64>().sqrt();
+    (2..=m).filter(|j| factor[(*j, *j)].abs() <= SAME_INPUT * varying(*j)).map(|j| j - 1).collect()
+}

@@ -1,0 +1,151 @@
+//! How residuals change with the parameters and the initial states of the model they are of.
+
+use faer::Mat;
+use lti::Innovations;
+
+use crate::prediction::{InitialState, residuals};
+use crate::uncertainty::root::root;
+use crate::{Dataset, Experiment, Fit, IdentError, LinearModel, Parametric};
+
+/// Parts of a standard deviation by which parameters are moved: the next where there is no model at the one before.
+const STEPS: [f64; 4] = [1e-3, 1e-5, 1e-7, 1e-9];
+/// Sensitivities below this part of the largest are nothing but rounding.
+const ROUNDING: f64 = 1e-4;
+/// Most numbers that the sensitivities to initial states may take.
+const MOST: usize = 30_000_000;
+
+/// Where the samples of every experiment and output lie in one column: output by output within an experiment.
+#[derive(Debug, Clone)]
+pub(super) struct Stack {
+    lengths: Vec<usize>,
+    outputs: usize,
+}
+
+impl Stack {
+    pub(super) fn new(lengths: Vec<usize>, outputs: usize) -> Self {
+        Stack { lengths, outputs }
+    }
+
+    pub(super) fn lengths(&self) -> &[usize] {
+        &self.lengths
+    }
+
+    pub(super) fn outputs(&self) -> usize {
+        self.outputs
+    }
+
+    pub(super) fn rows(&self) -> usize {
+        self.outputs * self.lengths.iter().sum::<usize>()
+    }
+
+    /// Where the samples of one output of one experiment lie.
+    pub(super) fn range(&self, experiment: usize, output: usize) -> std::ops::Range<usize> {
+        let first = self.outputs * self.lengths[..experiment].iter().sum::<usize>() + output * self.lengths[experiment];
+        first..first + self.lengths[experiment]
+    }
+
+    /// One output of every experiment.
+    pub(super) fn series<'a>(&self, column: &'a [f64], output: usize) -> Vec<&'a [f64]> {
+        (0..self.lengths.len()).map(|m| &column[self.range(m, output)]).collect()
+    }
+
+    /// A column that holds one output alone.
+    pub(super) fn alone(&self, column: &[f64], output: usize) -> Vec<f64> {
+        self.series(column, output).concat()
+    }
+
+    /// One table an experiment, samples × outputs, as a column; zero for what is missing.
+    pub(super) fn column(tables: &[Mat<f64>]) -> Vec<f64> {
+        let of = |m: &Mat<f64>| (0..m.ncols()).flat_map(|i| m.col_as_slice(i).to_vec()).collect::<Vec<_>>();
+        tables.iter().flat_map(of).map(|v| if v.is_nan() { 0.0 } else { v }).collect()
+    }
+}
+
+/// The change of the errors along each direction in which the parameters are uncertain, a standard deviation far. Initial
+/// states that are estimated follow the parameters.
+///
+/// # Errors
+/// [`IdentError::NotFinite`] where there is no model however near to the estimate.
+pub(super) fn to_parameters<M: Parametric + LinearModel>(
+    fit: &Fit<M>,
+    data: &Dataset,
+    initial: &InitialState,
+    errors: &[f64],
+) -> Result<Vec<Vec<f64>>, IdentError> {
+    let (root, theta) = (root(&fit.covariance)?, fit.parameters());
+    if theta.len() != root.nrows() {
+        return Err(IdentError::Length { what: "the covariance", expected: theta.len(), found: root.nrows() });
+    }
+    let moved = |k: usize, h: f64| -> Option<Innovations> {
+        let moved: Vec<f64> = theta.iter().enumerate().map(|(i, v)| v + h * root[(i, k)]).collect();
+        fit.model.with_parameters(&moved).ok()?.innovations(data.sample_time_s(), data.intersample()).ok()
+    };
+    let mut columns: Vec<Option<Vec<f64>>> = vec![None; root.ncols()];
+    for h in STEPS {
+        let pending: Vec<usize> = (0..columns.len()).filter(|k| columns[*k].is_none()).collect();
+        let models: Vec<Option<Innovations>> = pending.iter().map(|k| moved(*k, h)).collect();
+        let change = |model: &Option<Innovations>| {
+            let found = Stack::column(&residuals(model.as_ref()?, data, initial).ok()?.outputs);
+            Some(found.iter().zip(errors).map(|(f, e)| (f - e) / h).collect::<Vec<_>>())
+        };
+        for (k, found) in pending.into_iter().zip(on_two_threads(&models, change)) {
+            columns[k] = found;
+        }
+    }
+    if let Some(index) = columns.iter().position(Option::is_none) {
+        return Err(IdentError::NotFinite { what: "the sensitivity to a parameter", index });
+    }
+    let mut columns: Vec<Vec<f64>> = columns.into_iter().flatten().collect();
+    let size = |column: &Vec<f64>| column.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let largest = columns.iter().map(size).fold(0.0, f64::max);
+    columns.retain(|column| size(column) > ROUNDING * largest);
+    Ok(columns)
+}
+
+/// The errors that each entry of each experiment's initial state leaves. None where they are not estimated, and none where
+/// there are so many of them that the regions had better be a little too wide.
+///
+/// # Errors
+/// Those of the model's innovations form.
+pub(super) fn to_states<M: LinearModel + ?Sized>(
+    model: &M,
+    data: &Dataset,
+    initial: &InitialState,
+) -> Result<Vec<Vec<f64>>, IdentError> {
+    let form = model.innovations(data.sample_time_s(), data.intersample())?;
+    let (n, count) = (form.system().states(), data.experiments().len());
+    let numbers = n.saturating_mul(count).saturating_mul(data.samples() * data.outputs());
+    if *initial != InitialState::Estimated || numbers > MOST {
+        return Ok(Vec::new());
+    }
+    let silent = data.map_experiments(|e| {
+        let outputs = Mat::from_fn(e.len(), e.outputs.ncols(), |t, i| 0.0 * e.outputs[(t, i)]);
+        Ok(Experiment { inputs: Mat::zeros(e.inputs.nrows(), e.inputs.ncols()), outputs, ..e.clone() })
+    })?;
+    let mut columns = Vec::with_capacity(n * count);
+    for j in 0..n {
+        let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
+        // What grows without bound is not among the states that are told apart.
+        let Ok(response) = residuals(&form, &silent, &InitialState::Given(vec![unit; count])) else { continue };
+        for m in 0..count {
+            let only = |(l, table): (usize, &Mat<f64>)| match l == m {
+                true => table.clone(),
+                false => Mat::zeros(table.nrows(), table.ncols()),
+            };
+            columns.push(Stack::column(&response.outputs.iter().enumerate().map(only).collect::<Vec<_>>()));
+        }
+    }
+    Ok(columns)
+}
+
+/// The values of a function, half of them found on a thread of its own.
+fn on_two_threads<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let (first, second) = items.split_at(items.len() / 2);
+    let mut later = Vec::new();
+    let mut all: Vec<R> = std::thread::scope(|scope| {
+        scope.spawn(|| later = second.iter().map(&of).collect());
+        first.iter().map(&of).collect()
+    });
+    all.append(&mut later);
+    all
+}
