@@ -112,6 +112,24 @@ pub enum Finding {
         /// Sample time, s.
         sample_time_s: f64,
     },
+    /// The time stamps of a raster begin and end equally far from those of another.
+    ClockOffset {
+        /// A channel of the other raster.
+        against: String,
+        /// How much later they are, s.
+        offset_s: f64,
+    },
+    /// The clock of a raster runs apart from that of another.
+    ClockDrift {
+        /// A channel of the other raster.
+        against: String,
+        /// How much later the channel becomes against it, s each second.
+        rate: f64,
+        /// Standard error of the rate.
+        standard_error: f64,
+        /// What that makes over the recording, s.
+        apart_s: f64,
+    },
     /// The signal never changes although its role says it should.
     Constant {
         /// Its value in SI.

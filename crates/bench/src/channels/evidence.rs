@@ -34,6 +34,17 @@ impl<'r> Samples<'r> {
         (count > 0).then(|| self.finite().sum::<f64>() / count as f64)
     }
 
+    /// Smallest and largest of the finite samples.
+    pub(super) fn range(self) -> Option<(f64, f64)> {
+        self.finite().map(|value| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// Mean time from sample to sample.
+    pub(super) fn sample_time_s(self) -> Option<f64> {
+        let span_s = self.time_s.last()? - self.time_s.first()?;
+        (span_s > 0.0).then(|| span_s / (self.time_s.len() - 1) as f64)
+    }
+
     /// Share of the samples that continue the line through the two before them: 1 for a signal that is held or ramps,
     /// small for anything with noise.
     pub(super) fn noise_free_share(self) -> f64 {

@@ -4,7 +4,10 @@
 //! accepted it there.
 
 mod assign;
+mod candidate;
+mod compare;
 mod evidence;
+mod score;
 mod words;
 
 use std::collections::BTreeMap;
@@ -75,6 +78,27 @@ pub enum Reason {
     Magnitude {
         /// The unit assumed.
         unit: &'static str,
+    },
+    /// The samples lie in a range that the role's quantity allows.
+    InRange {
+        /// Smallest and largest, in the unit recorded or proposed.
+        range: (f64, f64),
+        /// That unit.
+        unit: &'static str,
+    },
+    /// The samples are larger than the role's quantity allows at a bench.
+    OutOfRange {
+        /// The largest magnitude, in the unit recorded or proposed.
+        largest: f64,
+        /// That unit.
+        unit: &'static str,
+    },
+    /// Recorded faster or slower than another channel, as the dynamometer's speed is beside the engine's.
+    Sampled {
+        /// Faster rather than slower.
+        faster: bool,
+        /// The other channel.
+        than: String,
     },
     /// The samples are held or move without noise, as a demand does.
     NoiseFree {
@@ -199,6 +223,14 @@ impl fmt::Display for Reason {
             Reason::Word { word, meaning, in_comment: true } => write!(f, "`{word}` in the comment means {meaning}"),
             Reason::Unit { unit, quantity } => write!(f, "{unit} is a unit of {quantity}"),
             Reason::Magnitude { unit } => write!(f, "its values are those of a channel in {unit}"),
+            Reason::InRange { range: (from, to), unit } => {
+                write!(f, "its values, {} to {} {unit}, are possible", rounded(*from), rounded(*to))
+            }
+            Reason::OutOfRange { largest, unit } => {
+                write!(f, "its values reach {} {unit}, more than a bench can do", rounded(*largest))
+            }
+            Reason::Sampled { faster: true, than } => write!(f, "it is recorded faster than {than}"),
+            Reason::Sampled { faster: false, than } => write!(f, "it is recorded more slowly than {than}"),
             Reason::NoiseFree { share } => write!(f, "{:.0} % of its samples are free of noise", 100.0 * share),
             Reason::Noisy => write!(f, "its samples are noisy"),
             Reason::MeanAgrees { with } => write!(f, "its mean agrees with {with}"),
@@ -212,4 +244,10 @@ impl fmt::Display for Reason {
             }
         }
     }
+}
+
+/// Four significant digits, without an exponent.
+fn rounded(value: f64) -> f64 {
+    let scale = 10f64.powi(3 - value.abs().max(1e-9).log10().floor() as i32);
+    (value * scale).round() / scale
 }

@@ -45,6 +45,7 @@ fn source<'r>(
     Some(Source {
         role,
         channel: &channel.name,
+        raster: channel.raster,
         time_s: recording.time_s(channel).unwrap_or(&[]),
         samples: &channel.samples,
         unit,

@@ -4,6 +4,7 @@ mod clock;
 mod cut;
 mod map;
 mod physics;
+mod rasters;
 mod samples;
 mod sign;
 
@@ -87,6 +88,7 @@ pub fn prepare(
     let Some(signals) = cut::longest_common(mended, &mut log) else {
         return Err(PrepareError::NoCommonStretch { file: file.to_owned(), diagnostics: log.diagnostics });
     };
+    rasters::check(&sources, &signals, &mut log);
     let experiment = Experiment { file: file.to_owned(), label, signals };
     physics::check(&experiment, bench_file, &mut log);
     Ok((experiment, log.diagnostics))
@@ -128,6 +130,7 @@ impl Log {
 struct Source<'r> {
     role: Role,
     channel: &'r str,
+    raster: usize,
     time_s: &'r [f64],
     samples: &'r [f64],
     unit: crate::units::Unit,

@@ -10,14 +10,8 @@ use crate::experiment::{ControlMode, Excitation, ExperimentLabel};
 use crate::role::{Quantity, Role};
 use crate::units::{self, Unit};
 
-/// No bench turns faster, rad/s.
-const FASTEST_RAD_S: f64 = 3000.0;
 /// Few benches turn faster: a channel labelled rad/s that does may hold rpm.
 const FAST_RAD_S: f64 = 700.0;
-/// No bench brakes harder, Nm.
-const LARGEST_TORQUE_NM: f64 = 20_000.0;
-/// Largest throttle that is a fraction of one.
-const LARGEST_RATIO: f64 = 1.5;
 /// A value this many times a limit of the bench file is not believed.
 const BEYOND_LIMIT: f64 = 2.0;
 /// Share of the samples at the largest or smallest value above which a measured signal is called clipped.
@@ -101,11 +95,8 @@ fn stated_limit(role: Role, bench_file: &BenchFile) -> Option<f64> {
 }
 
 fn largest_possible(role: Role, bench_file: &BenchFile) -> f64 {
-    match role.quantity() {
-        Quantity::AngularSpeed => stated_limit(role, bench_file).map_or(FASTEST_RAD_S, |limit| BEYOND_LIMIT * limit),
-        Quantity::Ratio => LARGEST_RATIO,
-        _ => LARGEST_TORQUE_NM,
-    }
+    let stated = stated_limit(role, bench_file).map(|limit| BEYOND_LIMIT * limit);
+    stated.or(role.quantity().largest_at_a_bench()).unwrap_or(f64::INFINITY)
 }
 
 /// The usual unit in which the recorded number would be plausible.

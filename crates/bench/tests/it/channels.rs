@@ -203,3 +203,38 @@ fn regress_empty_and_broken_recordings_are_answered() {
     let guess = guess_roles(&[("a.mf4", &nan)]);
     assert_eq!(guess.choices.len(), 2, "{guess:#?}");
 }
+
+#[test]
+fn regress_values_that_no_bench_reaches_speak_against_a_channel() {
+    let mut recording = named(BENCH_A, "rpm", "Nm");
+    let mut raw = recording.channel("DynoTorqueCalc").unwrap().clone();
+    raw.name = "DynoTorqueAirgapCalc".to_owned();
+    raw.samples.iter_mut().for_each(|value| *value *= 1000.0);
+    recording.channels.push(raw);
+    let guess = guess_roles(&[("WhiteNoise_T_TN.mf4", &recording)]);
+    assert_right(&guess, BENCH_A);
+    let reasons = &guess.choices[&Role::AirGapTorque].reasons;
+    assert!(reasons.iter().any(|r| matches!(r, Reason::InRange { unit: "Nm", .. })), "{reasons:?}");
+}
+
+#[test]
+fn regress_rasters_tell_two_unnamed_speeds_apart() {
+    let guess = guess_roles(&[("WhiteNoise_T_TN.mf4", &named(BENCH_A, "rpm", "Nm"))]);
+    let faster = Reason::Sampled { faster: true, than: "EngineSpeed".to_owned() };
+    assert!(guess.choices[&Role::DynoSpeed].reasons.contains(&faster), "{guess:#?}");
+}
+
+#[test]
+fn regress_units_of_other_quantities_are_no_candidates() {
+    let wave: Vec<f64> = (0..2000).map(|i| 80.0 + (i as f64 * 0.1).sin()).collect();
+    let recording = recording(
+        0.0,
+        &[
+            ("DynoTorque_W", "°C", 1e-3, wave.clone()),
+            ("DynoSpeed", "1/min", 1e-3, wave.clone()),
+            ("TqDyno", "kW", 1e-3, wave),
+        ],
+    );
+    let guess = guess_roles(&[("a.csv", &recording)]);
+    assert_eq!(guess.choices.keys().copied().collect::<Vec<_>>(), [Role::DynoSpeed], "{guess:#?}");
+}

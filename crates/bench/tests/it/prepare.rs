@@ -127,6 +127,34 @@ fn regress_jitter_is_noted_and_straightened() {
 }
 
 #[test]
+fn exact_rasters_that_count_from_elsewhere_are_noted() {
+    for (offset_s, expected) in [(2.5017, true), (-0.3, true), (0.01, false)] {
+        let recording = changed("DynoTorqueCalc", |time_s, _| time_s.iter_mut().for_each(|time| *time += offset_s));
+        let (_, diagnostics) = run(&recording);
+        let found = diagnostics.iter().find_map(|d| match &d.finding {
+            Finding::ClockOffset { against, offset_s } => Some((against.as_str(), *offset_s)),
+            _ => None,
+        });
+        assert_eq!(found.is_some(), expected, "{offset_s}: {diagnostics:#?}");
+        assert!(found.is_none_or(|(against, found_s)| against == "DynoSpeed" && (found_s - offset_s).abs() < 0.01));
+    }
+}
+
+#[test]
+fn regress_clock_that_runs_apart_is_noted() {
+    for rate in [4e-4, -4e-4] {
+        let recording = changed("DynoTorqueCalc", |time_s, _| time_s.iter_mut().for_each(|time| *time *= 1.0 + rate));
+        let (_, diagnostics) = run(&recording);
+        let Finding::ClockDrift { rate: found, standard_error, apart_s, .. } = only(&diagnostics).finding else {
+            panic!("{diagnostics:#?}")
+        };
+        assert!((found - rate).abs() < 4.0 * standard_error && standard_error < 5e-5, "{found} ± {standard_error}");
+        assert!((apart_s - 8.0 * found).abs() < 0.1 * (8.0 * rate).abs());
+        assert_eq!(diagnostics[0].place.channel.as_deref(), Some("DynoTorqueCalc"));
+    }
+}
+
+#[test]
 fn regress_short_gap_is_interpolated() {
     let recording = changed("DynoSpeed", |time_s, samples| {
         time_s.drain(1000..1015);

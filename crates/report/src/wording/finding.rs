@@ -44,6 +44,20 @@ pub fn finding(finding: &Finding) -> String {
         }
         Finding::TimeNotIncreasing => "Time stamps go backwards or repeat.".to_owned(),
         Finding::Jitter { largest_s, sample_time_s } => jitter(*largest_s, *sample_time_s),
+        Finding::ClockOffset { against, offset_s } => {
+            let order = if *offset_s > 0.0 { "after" } else { "before" };
+            let apart = duration(offset_s.abs());
+            format!(
+                "Its time stamps begin and end {apart} {order} those of {against}, as if they counted from elsewhere."
+            )
+        }
+        Finding::ClockDrift { against, rate, standard_error, apart_s } => {
+            let rate = plus_minus(1e6 * rate, 2e6 * standard_error, "ppm");
+            let (apart, order) = (duration(apart_s.abs()), if *apart_s > 0.0 { "later" } else { "earlier" });
+            format!(
+                "Its clock runs apart from that of {against} by {rate}: {apart} {order} at the end than at the start."
+            )
+        }
         Finding::Constant { value } => format!("The signal never changes; it rests at {} (SI).", si(*value)),
         Finding::Clipped { value, share: of } => {
             format!("The signal rests at its extreme value {} (SI) in {} of the samples.", si(*value), share(*of))
@@ -116,6 +130,12 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
         Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
+        Finding::ClockOffset { .. } => {
+            "Check that all devices start on one trigger; only the time that both share is used, as it is stamped."
+        }
+        Finding::ClockDrift { .. } => {
+            "Synchronise the devices, or record for a shorter time: delays and the shaft’s damping are off by a part of it."
+        }
         Finding::Constant { .. } => {
             "Check that the sensor is connected and that the right channel is named in the bench file."
         }

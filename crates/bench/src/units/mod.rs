@@ -4,29 +4,26 @@
 //! `N.m` and `[Nm]` are one unit. What cannot be told for sure is an error: `Hz` on a speed may mean revolutions or
 //! radians a second, and an empty unit may mean anything.
 
-use std::f64::consts::{PI, TAU};
+mod table;
+
+use std::f64::consts::TAU;
 
 use crate::role::Quantity;
 use recording::names::closest;
+use table::{AMBIGUOUS, TABLE};
 
 /// One revolution a minute in rad/s, 2π/60.
 pub const RPM_RAD_S: f64 = TAU / 60.0;
-/// One degree in rad.
-const DEGREE_RAD: f64 = PI / 180.0;
-/// One pound-force foot in Nm: 0.453 592 37 kg · 9.806 65 m/s² · 0.3048 m.
-const POUND_FORCE_FOOT_NM: f64 = 1.355_817_948_331_400_4;
-/// One pound foot squared in kg m²: 0.453 592 37 kg · (0.3048 m)².
-const POUND_FOOT_SQUARED_KG_M2: f64 = 0.453_592_37 * 0.3048 * 0.3048;
-/// One kilogram-force metre in Nm.
-const KILOPOND_METRE_NM: f64 = 9.806_65;
 
 /// A unit of a known quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unit {
     /// What it measures.
     pub quantity: Quantity,
-    /// SI value of one of it: value in SI = factor · value in the unit.
+    /// SI value of one of it: value in SI = factor · value in the unit + offset.
     pub factor: f64,
+    /// SI value of the unit's zero: other than zero for °C and °F only.
+    pub offset: f64,
     /// Its usual spelling, e.g. `kg m²`.
     pub spelling: &'static str,
 }
@@ -34,12 +31,12 @@ pub struct Unit {
 impl Unit {
     /// A value in this unit, converted to SI.
     pub fn to_si(self, value: f64) -> f64 {
-        value * self.factor
+        value * self.factor + self.offset
     }
 
     /// An SI value, converted to this unit.
     pub fn from_si(self, value: f64) -> f64 {
-        value / self.factor
+        (value - self.offset) / self.factor
     }
 }
 
@@ -85,62 +82,6 @@ pub enum UnitError {
     },
 }
 
-use Quantity::{AngularSpeed, Damping, Inertia, Ratio, Stiffness, Torque};
-
-/// Usual spelling, quantity, SI factor, and every other spelling after [`normalised`].
-type Row = (&'static str, Quantity, f64, &'static [&'static str]);
-
-const TABLE: &[Row] = &[
-    ("rad/s", AngularSpeed, 1.0, &["rad/sec", "rads-1", "radian/s", "radians/s", "radps"]),
-    (
-        "rpm",
-        AngularSpeed,
-        RPM_RAD_S,
-        &[
-            "1/min", "/min", "u/min", "r/min", "rev/min", "rot/min", "tr/min", "umdr/min", "min-1", "1min-1", "umin-1",
-            "rmin-1", "revmin-1", "upm", "revs/min", "1/minute",
-        ],
-    ),
-    ("krpm", AngularSpeed, 1000.0 * RPM_RAD_S, &["1000rpm", "1000/min", "x1000rpm"]),
-    ("rev/s", AngularSpeed, TAU, &["rps", "u/s", "r/s", "tr/s", "revs-1", "us-1", "revs/s"]),
-    ("deg/s", AngularSpeed, DEGREE_RAD, &["°/s", "grad/s", "degs-1", "°s-1", "degree/s", "degrees/s"]),
-    ("Nm", Torque, 1.0, &["n-m", "newtonmeter", "newtonmetre", "newton-meter", "newton-metre", "newtonmeters"]),
-    ("kNm", Torque, 1e3, &["kn-m"]),
-    ("mNm", Torque, 1e-3, &["mn-m"]),
-    ("Ncm", Torque, 1e-2, &["n-cm"]),
-    (
-        "lbf ft",
-        Torque,
-        POUND_FORCE_FOOT_NM,
-        &["lbft", "ftlb", "ftlbf", "lbf-ft", "lb-ft", "ft-lb", "ft-lbf", "ftlbs", "ft-lbs", "footpound", "poundfoot"],
-    ),
-    (
-        "lbf in",
-        Torque,
-        POUND_FORCE_FOOT_NM / 12.0,
-        &["lbin", "inlb", "inlbf", "lbf-in", "lb-in", "in-lb", "in-lbf", "inlbs", "in-lbs"],
-    ),
-    ("kgf m", Torque, KILOPOND_METRE_NM, &["kpm", "mkgf", "mkp", "kgf-m"]),
-    ("1", Ratio, 1.0, &["-", "ratio", "frac", "fraction"]),
-    ("%", Ratio, 1e-2, &["percent", "pct", "prozent", "perc", "percentage"]),
-    ("‰", Ratio, 1e-3, &["promille", "permille"]),
-    ("kg m²", Inertia, 1.0, &["kg-m2", "kgm2/rad", "nms2", "nms2/rad"]),
-    ("g m²", Inertia, 1e-3, &["g-m2"]),
-    ("kg cm²", Inertia, 1e-4, &["kg-cm2"]),
-    ("g cm²", Inertia, 1e-7, &["g-cm2"]),
-    ("kg mm²", Inertia, 1e-6, &["kg-mm2"]),
-    ("lb ft²", Inertia, POUND_FOOT_SQUARED_KG_M2, &["lbmft2", "lb-ft2", "lbm-ft2"]),
-    ("Nm/rad", Stiffness, 1.0, &["n-m/rad", "nmrad-1"]),
-    ("kNm/rad", Stiffness, 1e3, &["knmrad-1"]),
-    ("Nm/deg", Stiffness, 1.0 / DEGREE_RAD, &["nm/°", "nm/grad"]),
-    ("Nm s/rad", Damping, 1.0, &["nm/rad/s", "nmsrad-1", "nm-s/rad"]),
-    ("Nm/rpm", Damping, 1.0 / RPM_RAD_S, &["nm/1/min", "nmmin"]),
-];
-
-/// Units with more than one meaning, and what to write instead.
-const AMBIGUOUS: &[(&str, &[&str])] =
-    &[("hz", &["rev/s", "rad/s"]), ("1/s", &["rev/s", "rad/s"]), ("s-1", &["rev/s", "rad/s"])];
-
 /// Finds the unit a text means.
 ///
 /// # Errors
@@ -162,11 +103,8 @@ pub fn parse_unit(text: &str) -> Result<Unit, UnitError> {
     if let Some((_, instead)) = AMBIGUOUS.iter().find(|(name, _)| *name == wanted) {
         return Err(UnitError::Ambiguous { text: text.trim().to_owned(), instead: instead.to_vec() });
     }
-    let row = TABLE.iter().find(|(spelling, _, _, others)| {
-        normalised(spelling) == wanted || others.iter().any(|other| normalised(other) == wanted)
-    });
-    match row {
-        Some(&(spelling, quantity, factor, _)) => Ok(Unit { quantity, factor, spelling }),
+    match TABLE.iter().find(|row| row.spellings().any(|spelling| normalised(spelling) == wanted)) {
+        Some(row) => Ok(row.unit),
         None => Err(UnitError::Unknown { text: text.trim().to_owned(), closest: closest_units(&wanted) }),
     }
 }
@@ -174,7 +112,7 @@ pub fn parse_unit(text: &str) -> Result<Unit, UnitError> {
 /// Whether two texts may mean the same unit: they are spelt alike, one of them is empty, or both are known and equal.
 pub fn may_be_same(one: &str, other: &str) -> bool {
     let (spelt, also) = (normalised(one), normalised(other));
-    let equal = |a: Unit, b: Unit| a.quantity == b.quantity && a.factor == b.factor;
+    let equal = |a: Unit, b: Unit| (a.quantity, a.factor, a.offset) == (b.quantity, b.factor, b.offset);
     spelt.is_empty()
         || also.is_empty()
         || spelt == also
@@ -214,19 +152,17 @@ pub fn parse_value(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
 
 /// The usual spelling of a quantity's SI unit.
 pub fn si_spelling(quantity: Quantity) -> &'static str {
-    match quantity {
-        AngularSpeed => "rad/s",
-        Torque => "Nm",
-        Ratio => "1",
-        Inertia => "kg m²",
-        Stiffness => "Nm/rad",
-        Damping => "Nm s/rad",
-    }
+    let is_si = |unit: &&Unit| unit.factor == 1.0 && unit.offset == 0.0;
+    units(quantity).find(is_si).map_or("", |unit| unit.spelling)
 }
 
 /// The usual spellings of every known unit of a quantity.
 pub fn spellings(quantity: Quantity) -> impl Iterator<Item = &'static str> {
-    TABLE.iter().filter(move |row| row.1 == quantity).map(|row| row.0)
+    units(quantity).map(|unit| unit.spelling)
+}
+
+fn units(quantity: Quantity) -> impl Iterator<Item = &'static Unit> {
+    TABLE.iter().map(|row| &row.unit).filter(move |unit| unit.quantity == quantity)
 }
 
 /// Length of the longest beginning of `text` that is a number.
@@ -258,8 +194,7 @@ fn normalised(text: &str) -> String {
 }
 
 fn closest_units(wanted: &str) -> Vec<String> {
-    let all: Vec<String> =
-        TABLE.iter().flat_map(|row| std::iter::once(row.0).chain(row.3.iter().copied())).map(normalised).collect();
+    let all: Vec<String> = TABLE.iter().flat_map(|row| row.spellings()).map(normalised).collect();
     let mut spellings: Vec<String> = Vec::new();
     for near in closest(wanted, all.iter().map(String::as_str), 6) {
         if let Ok(unit) = parse_unit(&near)

@@ -1,0 +1,68 @@
+//! Whether the rasters of a recording share one clock: time stamps that begin apart, and clocks that run apart.
+
+use std::collections::BTreeMap;
+
+use signal::Signal;
+use signal::drift::{Drift, relative_drift};
+
+use super::{Log, Source};
+use crate::diagnostics::{Finding, Severity};
+use crate::role::Role;
+
+/// Rasters whose time stamps begin and end this far apart, in the same direction, are offset, s.
+const OFFSET_S: f64 = 0.1;
+/// An offset and a difference in length are told apart by this ratio.
+const OFFSET_OVER_STRETCH: f64 = 10.0;
+/// A drift must exceed its standard error by this factor.
+const SIGNIFICANCE: f64 = 5.0;
+/// A drift must add up to this share of the fastest sample time over the recording; time stamps are not trusted further.
+const TRUSTED_SHARE: f64 = 0.05;
+
+pub(super) fn check(sources: &[Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
+    let there = |source: &&Source<'_>| signals.contains_key(&source.role);
+    let Some(first) = sources.iter().filter(there).find(|source| source.role == Role::DynoSpeed) else { return };
+    let mut others: BTreeMap<usize, Vec<&Source<'_>>> = BTreeMap::new();
+    for source in sources.iter().filter(there).filter(|source| source.raster != first.raster) {
+        others.entry(source.raster).or_default().push(source);
+    }
+    for raster in others.values() {
+        check_offset(first, raster[0], log);
+        check_drift(first, raster, signals, log);
+    }
+}
+
+/// Time stamps that begin and end equally far apart: the rasters may count from different instants.
+fn check_offset(first: &Source<'_>, other: &Source<'_>, log: &mut Log) {
+    let (Some(a), Some(b)) = (ends(first.time_s), ends(other.time_s)) else { return };
+    let (begin_s, end_s) = (b.0 - a.0, b.1 - a.1);
+    let (offset_s, stretch_s) = (0.5 * (begin_s + end_s), (end_s - begin_s).abs());
+    if begin_s.abs().min(end_s.abs()) > OFFSET_S && offset_s.abs() > OFFSET_OVER_STRETCH * stretch_s {
+        let finding = Finding::ClockOffset { against: first.channel.to_owned(), offset_s };
+        log.channel(Severity::Warning, other.channel, None, finding);
+    }
+}
+
+fn ends(time_s: &[f64]) -> Option<(f64, f64)> {
+    Some((*time_s.first()?, *time_s.last()?))
+}
+
+/// A clock that runs apart, by the channel of the raster that tells it best.
+fn check_drift(first: &Source<'_>, raster: &[&Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
+    let reference = &signals[&first.role];
+    let told = raster.iter().filter_map(|source| {
+        let signal = &signals[&source.role];
+        let duration_s = signal.end_s().min(reference.end_s()) - signal.start_s.max(reference.start_s);
+        Some((source, relative_drift(reference, signal).ok()?, duration_s))
+    });
+    let Some((source, drift, duration_s)) = told.min_by(|a, b| a.1.standard_error.total_cmp(&b.1.standard_error))
+    else {
+        return;
+    };
+    let Drift { rate, standard_error } = drift;
+    let fastest_s = reference.sample_time_s.min(signals[&source.role].sample_time_s);
+    if rate.abs() > SIGNIFICANCE * standard_error && rate.abs() * duration_s > TRUSTED_SHARE * fastest_s {
+        let against = first.channel.to_owned();
+        let finding = Finding::ClockDrift { against, rate, standard_error, apart_s: rate * duration_s };
+        log.channel(Severity::Warning, source.channel, None, finding);
+    }
+}
