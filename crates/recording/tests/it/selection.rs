@@ -17,7 +17,7 @@ fn noisy() -> Recording {
         (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) as f64 / 1e3
     };
     let channel = |k: usize| Channel {
-        name: if k % 2 == 0 { format!("Speed {k}(°)") } else { format!("torque_{k}") },
+        name: if k.is_multiple_of(2) { format!("Speed {k}(°)") } else { format!("torque_{k}") },
         unit: "Nm".into(),
         comment: String::new(),
         raster: 0,
