@@ -290,8 +290,16 @@ pub(crate) fn require_names<'a>(
         Some(name) => Err(RecordingError::NoSuchChannel {
             file: file.into(),
             channel: name.to_owned(),
-            similar: names::likely_meant(name, present.clone())
-                .map_or_else(|| names::closest(name, present, 3), |n| vec![n]),
+            similar: similar(name, present),
         }),
+    }
+}
+
+/// The name that differs in letter case only, or else the closest.
+fn similar<'a>(name: &str, present: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let closest = names::closest(name, present, 3);
+    match closest.first() {
+        Some(best) if best.to_lowercase() == name.to_lowercase() => vec![best.clone()],
+        _ => closest,
     }
 }

@@ -197,6 +197,22 @@ fn exact_resampling_filters_aliases_and_leaves_gaps() {
 }
 
 #[test]
+fn channels_that_fit_no_clock_are_left_out_and_named() {
+    let mut recording = awkward();
+    recording.rasters[1].time_s[5] = 0.0;
+    let folder = folder_with("a.mf4", &recording);
+    let ran = converted(&folder, "a.mf4 --out a.mat --rate 5000 --json");
+    let notes = ran.json()[0]["notes"].to_string();
+    for word in ["the time stamps do not rise", "fewer than two samples", "once", "Überdruck"] {
+        assert!(notes.contains(word), "{word}: {notes}");
+    }
+    let found = read(&folder.path().join("a.mat"));
+    assert_eq!(found.channels.iter().map(|c| c.unit.as_str()).collect::<Vec<_>>(), ["1/min", "rpm", "rad/s"]);
+    // From 0 s to 0.2304 s, where the left out channels end.
+    assert_eq!(found.rasters[0].time_s.len(), 1153);
+}
+
+#[test]
 fn several_recordings_go_into_a_folder() {
     let folder = folder_with("a.mf4", &awkward());
     std::fs::write(folder.path().join("b.csv"), "time [s],x [V]\n0,1\n1,2\n").unwrap();

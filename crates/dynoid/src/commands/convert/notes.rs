@@ -1,6 +1,6 @@
 //! What was done to recordings, in words.
 
-use bench::dataset::{Adjustment, Resampling};
+use bench::dataset::{Adjustment, DatasetError, Resampling};
 use recording::Extras;
 
 use crate::commands::identify::words::significant;
@@ -21,9 +21,18 @@ pub(super) fn extras(extras: &Extras) -> Option<String> {
 
 /// What was done to channels, one sentence for all to which the same was done.
 pub(super) fn adjustments(adjustments: &[Adjustment]) -> Vec<String> {
+    together(adjustments.iter().map(sentence))
+}
+
+/// Channels that could not be brought onto a clock, those for the same reason together.
+pub(super) fn left_out(reasons: &[DatasetError]) -> Vec<String> {
+    together(reasons.iter().map(reason))
+}
+
+/// One sentence for all channels of which the same is to be said.
+fn together<'a>(said: impl Iterator<Item = (&'a str, String)>) -> Vec<String> {
     let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
-    for adjustment in adjustments {
-        let (channel, what) = sentence(adjustment);
+    for (channel, what) in said {
         match groups.iter_mut().find(|(known, _)| *known == what) {
             Some((_, channels)) => channels.push(channel),
             None => groups.push((what, vec![channel])),
@@ -39,6 +48,19 @@ fn named(channels: &[&str]) -> String {
     match channels.len().saturating_sub(MOST) {
         0 => format!("{}:", shown.join(", ")),
         more => format!("{} and {more} more:", shown.join(", ")),
+    }
+}
+
+/// A channel and why it was left out.
+fn reason(error: &DatasetError) -> (&str, String) {
+    match error {
+        DatasetError::NothingLeft { channel, .. } => (channel, "left out: fewer than two samples are numbers".into()),
+        DatasetError::TimeNotRising { channel, .. } => (channel, "left out: the time stamps do not rise".into()),
+        DatasetError::MostlyGaps { channel, samples, of, .. } => {
+            (channel, format!("left out: {samples} samples where the clock would have {of} are too few to filter"))
+        }
+        DatasetError::Signal { channel, source, .. } => (channel, format!("left out: {source}")),
+        other => ("", format!("left out: {other}")),
     }
 }
 

@@ -137,7 +137,7 @@ fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Re
         let between = between(arguments.between);
         let brought = on_one_clock(&target.input.name, &recording, sample_time_s, between)?;
         notes.extend(notes::adjustments(&brought.adjustments));
-        notes.extend(brought.left_out.iter().map(|reason| format!("left out: {reason}")));
+        notes.extend(notes::left_out(&brought.left_out));
         recording = brought.recording;
     }
     notes.extend(target.format.fit(&mut recording));
