@@ -5,6 +5,7 @@ use faer::{Mat, Side};
 use super::JointTest;
 use crate::IdentError;
 use crate::gram::dot;
+use crate::triangle::upper_factor;
 use crate::uncertainty::root::inverse_root;
 
 /// Directions with less than this part of the largest variance count as not moving.
@@ -15,7 +16,7 @@ const HELD: f64 = 0.03;
 /// So many sums are taken apart into directions in good time.
 const SEPARABLE: usize = 500;
 /// Directions of a correction below this part of the largest are nothing but rounding.
-const ROUNDING: f64 = 1e-10;
+const ROUNDING: f64 = 1e-8;
 
 /// The covariance T of sums at neighbouring lags.
 #[derive(Debug, Clone)]
@@ -120,16 +121,19 @@ fn basis(columns: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
     if columns.ncols() == 0 || columns.nrows() == 0 {
         return Ok(Mat::zeros(columns.nrows(), 0));
     }
-    let norm = |k: usize| columns.col(k).norm_l2();
-    let moving: Vec<usize> = (0..columns.ncols()).filter(|k| norm(*k) > 0.0).collect();
+    let norms: Vec<f64> = (0..columns.ncols()).map(|k| columns.col(k).norm_l2()).collect();
+    let moving: Vec<usize> = (0..columns.ncols()).filter(|k| norms[*k] > 0.0).collect();
     if moving.is_empty() {
         return Ok(Mat::zeros(columns.nrows(), 0));
     }
-    let scaled = Mat::from_fn(columns.nrows(), moving.len(), |i, k| columns[(i, moving[k])] / norm(moving[k]));
-    let svd = scaled.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+    let scaled = Mat::from_fn(columns.nrows(), moving.len(), |i, k| columns[(i, moving[k])] / norms[moving[k]]);
+    // By way of the triangular factor: the columns are few and may be very long.
+    let factor = upper_factor(scaled.clone());
+    let svd = factor.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
     let values = svd.S().column_vector();
     let rank = (0..values.nrows()).filter(|k| values[*k] > ROUNDING * values[0]).count();
-    Ok(svd.U().subcols(0, rank).to_owned())
+    let turn = Mat::from_fn(moving.len(), rank, |i, k| svd.V()[(i, k)] / values[k]);
+    Ok(scaled * turn)
 }
 
 /// `aᵀ C⁻¹ a` over the eigenvectors of C that are not held, and their number.
