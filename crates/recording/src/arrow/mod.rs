@@ -144,7 +144,7 @@ impl Reader<'_> {
     }
 
     fn check_packed(&self, is_plausible: bool) -> Result<(), RecordingError> {
-        let detail = || String::from("a buffer announces more numbers than the file's size makes plausible");
+        let detail = || String::from("it announces more numbers than the file's size makes plausible");
         if is_plausible { Ok(()) } else { Err(self.damaged(detail())) }
     }
 

@@ -1,7 +1,8 @@
-//! A check of compressed Arrow before it is decoded: each buffer says how large it becomes, and is not believed.
+//! A check of Arrow before it is decoded: a file says how large its batches are, and compressed buffers how large they
+//! become, and neither is believed.
 
 use arrow_ipc::reader::read_footer_length;
-use arrow_ipc::{Message, RecordBatch, root_as_footer, root_as_message};
+use arrow_ipc::{Block, CompressionType, Message, RecordBatch, root_as_footer, root_as_message};
 
 use crate::Source;
 
@@ -10,9 +11,12 @@ const MARK: [u8; 4] = [0xFF; 4];
 /// Bytes at the end of a file: the length of the footer, and what the file began with.
 const TRAILER: u64 = 10;
 
-/// Whether every buffer of a file becomes at most `most` bytes; content that is no such file is left to its decoder.
+/// Whether a file has the bytes that its footer says of every batch, and every buffer becomes at most `most` bytes; content
+/// that is no such file is left to its decoder.
 pub(super) fn is_plausible_file(source: &dyn Source, most: i64) -> bool {
-    blocks(source).unwrap_or_default().into_iter().all(|(offset, length)| {
+    let size = source.size().unwrap_or(0);
+    blocks(source).unwrap_or_default().iter().all(|block| {
+        let Some((offset, length)) = place(block, size) else { return false };
         // The decoder looks for the buffers where the footer says.
         let Some(block) = bytes(source, offset, length) else { return true };
         message(&block).is_some_and(|message| fits(&message, source, offset.saturating_add(length), most))
@@ -43,18 +47,24 @@ fn bytes(source: &dyn Source, at: u64, length: u64) -> Option<Vec<u8>> {
     Some(bytes)
 }
 
-/// Where the batches of a file begin, and how long their descriptions are.
-fn blocks(source: &dyn Source) -> Option<Vec<(u64, u64)>> {
+/// Where the batches of a file are.
+fn blocks(source: &dyn Source) -> Option<Vec<Block>> {
     let end = source.size().ok()?.checked_sub(TRAILER)?;
     let trailer: [u8; 10] = bytes(source, end, TRAILER)?.try_into().ok()?;
     let length = read_footer_length(trailer).ok()? as u64;
     let footer = bytes(source, end.checked_sub(length)?, length)?;
     let footer = root_as_footer(&footer).ok()?;
     let blocks = footer.recordBatches().into_iter().flatten().chain(footer.dictionaries().into_iter().flatten());
-    let place = |block: &arrow_ipc::Block| {
-        Some((u64::try_from(block.offset()).ok()?, u64::try_from(block.metaDataLength()).ok()?))
-    };
-    Some(blocks.filter_map(place).collect())
+    Some(blocks.copied().collect())
+}
+
+/// Where a batch begins, and how long its description is; `None` where it reaches beyond the `size` of the file, as the
+/// decoder would only find out after taking memory for it.
+fn place(block: &Block, size: u64) -> Option<(u64, u64)> {
+    let offset = u64::try_from(block.offset()).ok()?;
+    let length = u64::try_from(block.metaDataLength()).ok()?;
+    let end = offset.checked_add(length)?.checked_add(u64::try_from(block.bodyLength()).ok()?)?;
+    (end <= size).then_some((offset, length))
 }
 
 /// The description at a place of a stream with what stands before it, and where its buffers begin.
@@ -76,8 +86,13 @@ fn fits(message: &Message<'_>, source: &dyn Source, body: u64, most: i64) -> boo
     let batch: Option<RecordBatch<'_>> = message
         .header_as_record_batch()
         .or_else(|| message.header_as_dictionary_batch().and_then(|dictionary| dictionary.data()));
-    let Some(batch) = batch.filter(|batch| batch.compression().is_some()) else { return true };
-    batch.buffers().into_iter().flatten().all(|buffer| {
+    let Some((batch, compression)) = batch.and_then(|batch| Some((batch, batch.compression()?))) else { return true };
+    // What a byte can become at most: in LZ4, and in a block of Zstandard that repeats one byte.
+    let expansion = if compression.codec() == CompressionType::LZ4_FRAME { 1 << 8 } else { 1 << 15 };
+    // One without bytes, as where no value is missing, does not even say its size.
+    let mut buffers = batch.buffers().into_iter().flatten().filter(|buffer| buffer.length() != 0);
+    buffers.all(|buffer| {
+        let most = most.min(buffer.length().saturating_mul(expansion));
         let start = u64::try_from(buffer.offset()).ok().and_then(|start| body.checked_add(start));
         let size: Option<[u8; 8]> = start.and_then(|start| bytes(source, start, 8)?.try_into().ok());
         size.is_none_or(|size| i64::from_le_bytes(size) <= most)
