@@ -14,12 +14,12 @@ const TRAILER: u64 = 10;
 /// Whether a file has the bytes that its footer says of every batch, and every buffer becomes at most `most` bytes; content
 /// that is no such file is left to its decoder.
 pub(super) fn is_plausible_file(source: &dyn Source, most: i64) -> bool {
-    let Ok(size) = source.size() else { return true };
+    let size = source.size().unwrap_or(0);
     blocks(source).unwrap_or_default().iter().all(|block| {
-        let Some((offset, body)) = place(block, size) else { return false };
+        let Some((offset, length)) = place(block, size) else { return false };
         // The decoder looks for the buffers where the footer says.
-        let Some(description) = bytes(source, offset, body - offset) else { return true };
-        message(&description).is_some_and(|message| fits(&message, source, body, most))
+        let Some(block) = bytes(source, offset, length) else { return true };
+        message(&block).is_some_and(|message| fits(&message, source, offset.saturating_add(length), most))
     })
 }
 
@@ -58,13 +58,13 @@ fn blocks(source: &dyn Source) -> Option<Vec<Block>> {
     Some(blocks.copied().collect())
 }
 
-/// Where a batch and its buffers begin; `None` where they reach beyond the `length` of the file, as the decoder would only
-/// find out after taking memory for them.
-fn place(block: &Block, length: u64) -> Option<(u64, u64)> {
+/// Where a batch begins, and how long its description is; `None` where it reaches beyond the `size` of the file, as the
+/// decoder would only find out after taking memory for it.
+fn place(block: &Block, size: u64) -> Option<(u64, u64)> {
     let offset = u64::try_from(block.offset()).ok()?;
-    let buffers = offset.checked_add(u64::try_from(block.metaDataLength()).ok()?)?;
-    let end = buffers.checked_add(u64::try_from(block.bodyLength()).ok()?)?;
-    (end <= length).then_some((offset, buffers))
+    let length = u64::try_from(block.metaDataLength()).ok()?;
+    let end = offset.checked_add(length)?.checked_add(u64::try_from(block.bodyLength()).ok()?)?;
+    (end <= size).then_some((offset, length))
 }
 
 /// The description at a place of a stream with what stands before it, and where its buffers begin.
