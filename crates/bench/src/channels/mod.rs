@@ -224,7 +224,7 @@ impl fmt::Display for Reason {
             Reason::Unit { unit, quantity } => write!(f, "{unit} is a unit of {quantity}"),
             Reason::Magnitude { unit } => write!(f, "its values are those of a channel in {unit}"),
             Reason::InRange { range: (from, to), unit } => {
-                write!(f, "its values, {} to {} {unit}, are possible", rounded(*from), rounded(*to))
+                write!(f, "values from {} to {} {unit} are possible at a bench", rounded(*from), rounded(*to))
             }
             Reason::OutOfRange { largest, unit } => {
                 write!(f, "its values reach {} {unit}, more than a bench can do", rounded(*largest))
