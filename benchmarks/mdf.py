@@ -76,8 +76,8 @@ def compare(folder, measure):
             ours = figures([measure, path, what])
             theirs = figures([sys.executable, __file__, "task", path, what])
             wall, processor, peak = zip(ours, theirs)
-            ratio = processor[1] / max(processor[0], 0.01)
-            cells = [f"{wall[0]:.2f} / {wall[1]:.2f}", f"{processor[0]:.2f} / {processor[1]:.2f}", f"{ratio:.1f}"]
+            ratio = f"{processor[1] / processor[0]:.1f}" if processor[0] >= 0.01 else "–"
+            cells = [f"{wall[0]:.2f} / {wall[1]:.2f}", f"{processor[0]:.2f} / {processor[1]:.2f}", ratio]
             rows.append(" | ".join([f"| {name}", what, *cells, f"{peak[0]:.0f} / {peak[1]:.0f} |"]))
     print("\n".join(["", *rows]))
 

@@ -140,7 +140,7 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
 /// Decodes as [`decode`] does, or as [`decode_untimed`] where the distance of rows is given, from a source, which is read
 /// in pieces: memory is taken by the channels that are selected, and not by the file.
 ///
-/// Beyond that it takes a few megabytes; for MAT-files of level 5 the content of a variable that is no array of real
+/// Beyond that it takes some tens of megabytes; for MAT-files of level 5 the content of a variable that is no array of real
 /// numbers, and for Arrow a batch of all columns.
 ///
 /// `progress` is told what is done and how much there is in all, from any thread.

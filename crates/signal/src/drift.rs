@@ -20,6 +20,8 @@ const LARGEST_RATE: f64 = 2e-3;
 const MOST_LINES: usize = 1000;
 /// Share of the slower signal's band that is used: above it there are the flanks of anti-alias filters.
 const BAND_SHARE: f64 = 0.8;
+/// Steps of the search, either way, at most: where they would be more, as over hours, a narrower band is used.
+const MOST_STEPS: f64 = 2000.0;
 /// Steps of the search within the width of the peak.
 const STEPS_PER_PEAK: f64 = 4.0;
 /// How far the likelihood of the best rate must stand above that of unrelated signals, in standard deviations, and above
@@ -114,16 +116,12 @@ impl Stretches {
         let stretch_s = (samples / SEGMENTS) as f64 * slower_s;
         let of = |signal: &Signal| transforms(signal, from_s, stretch_s);
         let (x, y) = (of(earlier)?, of(later)?);
-        let highest_hz = 0.5 * BAND_SHARE / slower_s;
+        let duration_s = SEGMENTS as f64 * stretch_s;
+        let searched_hz = MOST_STEPS / (STEPS_PER_PEAK * LARGEST_RATE * duration_s);
+        let highest_hz = (0.5 * BAND_SHARE / slower_s).min(searched_hz);
         let last = (highest_hz * stretch_s) as usize;
         let every = last.div_ceil(MOST_LINES).max(1);
-        let mut found = Stretches {
-            cross: Vec::new(),
-            freq_hz: Vec::new(),
-            highest_hz,
-            stretch_s,
-            duration_s: SEGMENTS as f64 * stretch_s,
-        };
+        let mut found = Stretches { cross: Vec::new(), freq_hz: Vec::new(), highest_hz, stretch_s, duration_s };
         // Below the second line a linear trend reaches through the window.
         for line in (2..=last).step_by(every) {
             found.add(line, &x, &y);

@@ -8,6 +8,8 @@ use super::{Adjustment, DatasetError, MOST_SAMPLES};
 
 /// Instants are given with as few decimals as leave them this close to the clock, in samples.
 const CLOCK_SHARE: f64 = 1e-9;
+/// However late the instants are, they stay this close to the clock, in samples.
+const LATE_SHARE: f64 = 1e-3;
 /// Channels of whole numbers with no more different values than this are states, such as gears and switches.
 const MOST_STATES: usize = 16;
 
@@ -41,7 +43,7 @@ pub fn on_one_clock(
     let (start_s, end_s) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
     let duration_s = end_s - start_s;
     let is_usable = sample_time_s.is_finite() && sample_time_s > 0.0 && duration_s >= sample_time_s;
-    if !is_usable || duration_s / sample_time_s > MOST_SAMPLES {
+    if !is_usable || duration_s / sample_time_s * recording.channels.len() as f64 > MOST_SAMPLES {
         return Err(DatasetError::SampleTime { file: file.to_owned(), sample_time_s, duration_s });
     }
     let clock = Clock { start_s, sample_time_s, count: (duration_s / sample_time_s + 1e-6).floor() as usize + 1 };
@@ -112,7 +114,8 @@ fn is_state(samples: &[f64]) -> bool {
 #[must_use]
 pub fn instant_s(start_s: f64, tick: usize, sample_time_s: f64) -> f64 {
     let exact_s = start_s + tick as f64 * sample_time_s;
-    let tolerance_s = (CLOCK_SHARE * sample_time_s).max(4.0 * f64::EPSILON * exact_s.abs());
+    let rounding_s = 4.0 * f64::EPSILON * exact_s.abs();
+    let tolerance_s = (CLOCK_SHARE * sample_time_s).max(rounding_s.min(LATE_SHARE * sample_time_s));
     let rounded = (0..=15).map(|decimals| {
         let scale = 10_f64.powi(decimals);
         (exact_s * scale).round() / scale

@@ -13,6 +13,8 @@ use recording::names::closest;
 const JITTER_SHARE: f64 = 0.1;
 /// A channel is not filtered where its own clock has more ticks than this for each of its samples.
 const MOST_CLOCK_PER_SAMPLE: usize = 100;
+/// Samples further from the ticks than this share of the sample time change on the straight lines between them.
+const BESIDE_SHARE: f64 = 0.01;
 /// A tick this share of a sample time before a sample has the sample's value.
 const NEAR_SHARE: f64 = 1e-4;
 
@@ -104,6 +106,7 @@ impl<'r> Timed<'r> {
         let same = (self.sample_time_s - clock.sample_time_s).abs() <= SAME_SHARE * clock.sample_time_s;
         let is_slower = self.sample_time_s > clock.sample_time_s;
         let how = match continued {
+            _ if same && self.is_beside(clock) => Some(Resampling::Straight),
             _ if same => None,
             _ if !is_slower => Some(Resampling::Filtered),
             None => {
@@ -156,6 +159,12 @@ impl<'r> Timed<'r> {
         if count > 0 {
             log.push(Adjustment::Missing { channel: self.channel.name.clone(), count, of });
         }
+    }
+
+    /// Whether the samples lie between the ticks of a clock of the same sample time.
+    fn is_beside(&self, clock: Clock) -> bool {
+        let position = (self.start_s - clock.start_s) / clock.sample_time_s;
+        (position - position.round()).abs() > BESIDE_SHARE
     }
 
     /// Samples that the channel would have on its own clock without gaps.

@@ -121,6 +121,13 @@ impl Trend {
         Ok(Trend { inputs, outputs })
     }
 
+    /// Whether every experiment has a line for each of so many inputs and outputs.
+    pub(crate) fn check_channels(&self, inputs: usize, outputs: usize) -> Result<(), IdentError> {
+        super::check_count("experiments of the trend", self.outputs.len(), self.inputs.len())?;
+        self.inputs.iter().try_for_each(|lines| super::check_count("inputs of the trend", inputs, lines.len()))?;
+        self.outputs.iter().try_for_each(|lines| super::check_count("outputs of the trend", outputs, lines.len()))
+    }
+
     /// How many experiments have lines of their own; one where all share them.
     #[must_use]
     pub fn count(&self) -> usize {

@@ -73,6 +73,9 @@ impl ModelDocument {
                 return Err(IdentError::Length { what, expected, found });
             }
         }
+        if let Some(trend) = &self.trend {
+            trend.check_channels(self.model.inputs(), self.model.outputs())?;
+        }
         self.model.check_size()?;
         if let Some(own_s) = self.model.own_sample_time_s() {
             crate::fit::check_clock(own_s, self.sample_time_s)?;

@@ -13,7 +13,8 @@ use crate::error::damaged;
 /// Grows at first by this much: what is announced need not be true.
 const FIRST: usize = 1 << 24;
 
-/// Unpacks the first `needed` bytes; all of them are checked against the checksum, if there is no more.
+/// Unpacks the first `needed` bytes; those of deflate and LZ4 are checked against the checksum, if there is no more. (The
+/// decoder of Zstandard passes over checksums.)
 pub(super) fn unpack(
     codec: Codec,
     packed: &[u8],

@@ -91,10 +91,14 @@ fn fits(message: &Message<'_>, source: &dyn Source, body: u64, most: i64) -> boo
     let expansion = if compression.codec() == CompressionType::LZ4_FRAME { 1 << 8 } else { 1 << 15 };
     // One without bytes, as where no value is missing, does not even say its size.
     let mut buffers = batch.buffers().into_iter().flatten().filter(|buffer| buffer.length() != 0);
+    let mut together = 0_i64;
     buffers.all(|buffer| {
-        let most = most.min(buffer.length().saturating_mul(expansion));
+        let most_of_it = buffer.length().saturating_mul(expansion);
         let start = u64::try_from(buffer.offset()).ok().and_then(|start| body.checked_add(start));
         let size: Option<[u8; 8]> = start.and_then(|start| bytes(source, start, 8)?.try_into().ok());
-        size.is_none_or(|size| i64::from_le_bytes(size) <= most)
+        size.map(i64::from_le_bytes).is_none_or(|size| {
+            together = together.saturating_add(size.max(0));
+            size <= most_of_it && together <= most
+        })
     })
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::number::is_grouped;
+use super::stamp::Stamp;
 use crate::heading::{heading, name_and_unit, time_word};
 use crate::{Channel, Raster, Recording, RecordingError};
 
@@ -30,11 +31,12 @@ pub fn encode_tsv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
 }
 
 /// Whether a heading of text can hold a channel's name and unit: the name is not empty, means no time, and neither has
-/// line breaks or blanks at its ends.
+/// control characters or blanks at its ends, and together they are not read as a date or a time of day.
 #[must_use]
 pub fn fits_text(name: &str, unit: &str) -> bool {
-    let plain = |text: &str| text.trim() == text && !text.contains(['\n', '\r']);
-    let is_read_back = labelled(name, unit).is_some_and(|label| name_and_unit(&label) == (name, unit));
+    let plain = |text: &str| text.trim() == text && !text.chars().any(char::is_control);
+    let is_label = |label: &String| name_and_unit(label) == (name, unit) && matches!(Stamp::read(label), Ok(None));
+    let is_read_back = labelled(name, unit).as_ref().is_some_and(is_label);
     time_word(name) != Some("time") && !name.is_empty() && plain(name) && plain(unit) && is_read_back
 }
 

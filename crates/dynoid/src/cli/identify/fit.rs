@@ -170,7 +170,7 @@ pub(crate) struct ProcessArguments {
     #[arg(long, value_name = "LOW:HIGH")]
     pub(crate) delay: Option<String>,
     /// Holds a parameter at a value, such as K=2 for a gain that is known; give it again for more. The names are those of
-    /// the result: K, Tp1, Tz, Td …, with several inputs K[1], K[2] …
+    /// the result: K, Tp1, Tz, Td …, with several inputs `K[1]`, `K[2]` …
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) hold: Vec<String>,
 }

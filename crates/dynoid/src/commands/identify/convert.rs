@@ -99,9 +99,10 @@ fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
     check_targets(&[&arguments.out], &[std::slice::from_ref(&arguments.model)])
 }
 
-/// A time series has no way but the one from its noise, which a state space holds anyway.
+/// A time series has no way but the one from its noise, which a state space on its own clock holds anyway.
 fn from_noise(source: ModelDocument, arguments: &ConvertArguments) -> Result<ModelDocument, CliError> {
-    if !source.inputs.is_empty() || arguments.to == Representation::Ss {
+    let keeps_clock = arguments.sample_time.is_none() && !arguments.continuous;
+    if !source.inputs.is_empty() || (arguments.to == Representation::Ss && keeps_clock) {
         return Ok(source);
     }
     let white = || CliError::Usage { what: "the model is white noise alone: there is nothing to convert".into() };

@@ -88,7 +88,8 @@ impl Content {
         loop {
             piece.clear();
             bytes.by_ref().take(PIECE as u64).read_to_end(&mut piece).map_err(failure)?;
-            if piece.is_empty() {
+            // More numbers than announced are not put into memory to be counted.
+            if piece.is_empty() || values.len() > large.count {
                 break;
             }
             converted_all(kind, &piece, big, &mut values).map_err(|_| format!("numbers of type {kind}"))?;
@@ -106,7 +107,11 @@ impl Content {
     /// All of the content.
     pub(super) fn whole(mut self) -> Result<Vec<u8>, String> {
         let mut content = std::mem::take(&mut self.head);
+        let announced = content.len() + self.left;
         self.rest.by_ref().take(self.left as u64).read_to_end(&mut content).map_err(failure)?;
+        if content.len() < announced {
+            return Err(format!("a variable announces {announced} bytes and has {}", content.len()));
+        }
         self.left = 0;
         self.finish()?;
         Ok(content)
