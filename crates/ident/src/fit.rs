@@ -76,6 +76,7 @@ pub enum Doubt {
     /// The parameters are barely told apart by the data.
     IllConditioned {
         /// Condition number of the scaled regressor or Jacobian.
+        #[serde(with = "maybe_infinite")]
         condition: f64,
     },
     /// Rows were left out because of missing samples.
@@ -95,6 +96,7 @@ pub enum Doubt {
     /// What the model leaves is larger than the measured noise, on which alone the covariance rests: true errors are larger.
     LargerThanNoise {
         /// The sum of squares over its expected value.
+        #[serde(with = "maybe_infinite")]
         ratio: f64,
     },
     /// The covariance is the least that any estimate could have; this one may scatter more.
@@ -138,6 +140,19 @@ pub enum Doubt {
         /// Whether it is the simulation alone that does; else the prediction does too.
         simulated: bool,
     },
+}
+
+/// Numbers that may be infinite, which JSON has no word for but null.
+mod maybe_infinite {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        value.is_finite().then_some(*value).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
+    }
 }
 
 impl<M> Fit<M> {

@@ -107,3 +107,21 @@ fn a_parameter_of_a_process_model_can_be_held() {
     run(&folder, "fit process run.csv -u valve -y speed --hold K").assert_refused(2, &["--hold K", "K=2"]);
     run(&folder, "fit process run.csv -u valve -y speed --hold Q=1").assert_refused(3, &["Tp1"]);
 }
+
+#[test]
+fn regress_data_without_noise_have_intervals_without_width() {
+    let folder = folder();
+    let (mut y, mut text) = ([0.0; 3], String::from("time [s],u,y\n"));
+    let input = |i: i32| f64::from((i * 7919 + i * i * 13) % 17 - 8);
+    for i in 0..600 {
+        y = [1.5 * y[0] - 0.7 * y[1] + 0.1 * input(i - 1), y[0], y[1]];
+        text += &format!("{},{},{}\n", f64::from(i) * 0.01, input(i), y[0]);
+    }
+    std::fs::write(folder.path().join("exact.csv"), text).unwrap();
+    for fit in ["arx --na 2 --nb 1", "ss --order 2"] {
+        said(&folder, &format!("fit {fit} exact.csv -u u -y y --detrend none --out exact.json"));
+        for look in ["poles", "bode", "step"] {
+            said(&folder, &format!("{look} exact.json"));
+        }
+    }
+}

@@ -37,6 +37,28 @@ fn exact_estimate_comes_back_bit_for_bit() {
 }
 
 #[test]
+fn regress_infinite_numbers_of_doubts_come_back() {
+    let mut document = arx_document();
+    let doubts = vec![ident::Doubt::IllConditioned { condition: f64::INFINITY }, ident::Doubt::Unstable];
+    document.estimate.as_mut().unwrap().doubts = doubts;
+    assert_eq!(written_and_read(&document), document);
+}
+
+#[test]
+fn regress_trends_of_other_channels_are_refused() {
+    let document = arx_document();
+    let level = || vec![ident::Line::level(1.0)];
+    for (inputs, outputs) in [
+        (vec![level(), vec![]], vec![level(), level()]),
+        (vec![level()], vec![vec![ident::Line::level(1.0), ident::Line::level(2.0)]]),
+    ] {
+        let trend = ident::Trend::per_experiment(inputs, outputs).unwrap();
+        let refused = ModelDocument { trend: Some(trend), ..document.clone() }.checked();
+        assert!(matches!(refused, Err(IdentError::Length { .. })), "{refused:?}");
+    }
+}
+
+#[test]
 fn exact_every_kind_of_model_comes_back() {
     let system = StateSpace::discrete(
         Mat::from_fn(2, 2, |i, j| 0.3 + 0.1 * i as f64 - 0.2 * j as f64),

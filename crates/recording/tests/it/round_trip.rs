@@ -123,6 +123,14 @@ proptest! {
     }
 }
 
+#[test]
+fn regress_names_that_text_reads_as_something_else_do_not_fit_it() {
+    for name in ["2026-11-21", "12:34:56", "a\u{1}b", "a\tb", "time", " a"] {
+        assert!(!fits_text(name, ""), "{name:?}");
+    }
+    assert!(fits_text("12", "Nm") && fits_text("Speed 2026-11-21", "rpm"));
+}
+
 /// A recording of one channel.
 fn one(name: &str, unit: &str) -> Recording {
     let (name, unit) = (name.to_owned(), unit.to_owned());

@@ -209,7 +209,8 @@ pub(super) fn range(interval: Option<(f64, f64)>) -> String {
 
 /// Decimals after which an interval has two digits of its width; none where numbers are too small or too large for that.
 fn decimals(low: f64, high: f64) -> Option<usize> {
-    let decimals = 1 - (high - low).abs().log10().floor() as i32;
+    // Of an interval without width, as of data without noise, −∞.
+    let decimals = 1_i32.saturating_sub((high - low).abs().log10().floor() as i32);
     let largest = low.abs().max(high.abs());
     ((0..=6).contains(&decimals) && (1e-3..1e6).contains(&largest)).then_some(decimals as usize)
 }
