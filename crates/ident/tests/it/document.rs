@@ -53,7 +53,9 @@ fn regress_trends_of_other_channels_are_refused() {
         (vec![level()], vec![vec![ident::Line::level(1.0), ident::Line::level(2.0)]]),
     ] {
         let trend = ident::Trend::per_experiment(inputs, outputs).unwrap();
-        let refused = ModelDocument { trend: Some(trend), ..document.clone() }.checked();
+        let mut written = document.clone();
+        written.trend = Some(trend);
+        let refused = written.checked();
         assert!(matches!(refused, Err(IdentError::Length { .. })), "{refused:?}");
     }
 }
