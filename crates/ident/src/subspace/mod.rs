@@ -13,6 +13,9 @@ use crate::{Dataset, Doubt, Fit, IdentError};
 use hankel::{Hankel, HankelFactor, Horizons};
 use realise::Projection;
 
+/// A canonical correlation this close to one is one.
+const CERTAIN: f64 = 1e-9;
+
 /// How past and future are weighted before the states are read off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Weighting {
@@ -20,7 +23,8 @@ pub enum Weighting {
     N4sid,
     /// Future inputs projected out (PO-MOESP).
     Moesp,
-    /// Future inputs projected out and future outputs made white: canonical variates.
+    /// Future inputs projected out and future outputs made white: canonical variates. Where correlations beyond the order
+    /// are one, as of data without noise, they rank nothing, and the states are those of [`Weighting::N4sid`].
     #[default]
     Cva,
 }
@@ -151,8 +155,13 @@ impl Subspace {
         let horizons = self.horizons(data)?;
         let hankel = Hankel::new(data, horizons, &weights);
         let factor = hankel.factor();
-        let projection = Projection::new(&hankel, &factor, self.weighting)?;
+        let mut projection = Projection::new(&hankel, &factor, self.weighting)?;
         let order = self.choose(&hankel, &factor, &projection)?;
+        // Canonical correlations beyond the order that are one, as of data without noise, rank nothing; sizes do.
+        let is_certain = |correlation: &f64| *correlation > 1.0 - CERTAIN;
+        if self.weighting == Weighting::Cva && projection.singular_values().get(order).is_some_and(is_certain) {
+            projection = Projection::new(&hankel, &factor, Weighting::N4sid)?;
+        }
         let realised = projection.realise(order, self.stable, self.noise_model)?;
         let scaled = realised.unscaled(&weights, data)?;
         self.finish(data, scaled)

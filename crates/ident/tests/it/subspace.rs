@@ -2,7 +2,9 @@
 #![allow(clippy::print_stdout, clippy::disallowed_methods)]
 
 use faer::{Mat, mat};
-use ident::{Dataset, Doubt, Experiment, IdentError, Subspace, Weighting};
+use ident::prediction::InitialState;
+use ident::validate::{fit_percent, judge};
+use ident::{Dataset, Doubt, Experiment, IdentError, Subspace, Trend, TrendScope, TrendShape, Weighting};
 use lti::StateSpace;
 
 use crate::noise::Noise;
@@ -20,6 +22,25 @@ fn exact_siso_of_every_weighting() {
         let error = gain_error(fit.model.system(), truth.system());
         assert!(error < 1e-9, "{weighting:?}: {error:e}");
         assert!(fit.noise_covariance[(0, 0)] < 1e-18, "{weighting:?}: {:e}", fit.noise_covariance[(0, 0)]);
+    }
+}
+
+#[test]
+fn regress_more_states_than_asked_for_without_noise() {
+    let mut noise = Noise::new(5);
+    let u = noise.normals(4000);
+    let mut y = vec![0.0; 4000];
+    for t in 3..4000 {
+        y[t] = 1.5 * y[t - 1] - 0.7 * y[t - 2] + 0.1 * u[t - 2] + 0.1 * u[t - 3];
+    }
+    let data = Dataset::siso(0.01, &u, &y).unwrap();
+    // The level that is taken off is one more state without noise.
+    let data = Trend::estimate(&data, TrendShape::Mean, TrendScope::Common).unwrap().remove(&data).unwrap();
+    for (order, least_percent) in [(2, 90.0), (3, 99.0)] {
+        let model = Subspace::new(order).fit(&data).unwrap().model;
+        let judged = judge(&model, &data, None, &InitialState::Estimated).unwrap();
+        let percent = fit_percent(data.experiments()[0].output(0), judged.response.outputs[0].col_as_slice(0)).unwrap();
+        assert!(percent > least_percent, "order {order}: {percent} %");
     }
 }
 
