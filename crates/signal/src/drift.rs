@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::correlation::{golden_maximum, is_constant};
 use crate::error::{SignalError, check_at_least, check_finite};
-use crate::spectrum::fft_real;
+use crate::spectrum::SegmentTransform;
 use crate::window::Window;
 use crate::{Complex64, Signal};
 
@@ -206,17 +206,16 @@ fn transforms(signal: &Signal, from_s: f64, stretch_s: f64) -> Result<Vec<Transf
     check_finite(&signal.samples)?;
     let length = (stretch_s / signal.sample_time_s).round() as usize;
     let window = Window::Hann.periodic(length)?;
+    if is_constant(&signal.samples) {
+        return Err(SignalError::Constant);
+    }
+    let mut transform = SegmentTransform::new(&window);
     let of_stretch = |k: usize| {
         let wanted =
             ((from_s + k as f64 * stretch_s - signal.start_s) / signal.sample_time_s).round().max(0.0) as usize;
         let first = wanted.min(signal.len() - length);
-        let samples = &signal.samples[first..first + length];
-        let mean = samples.iter().sum::<f64>() / length as f64;
-        let tapered: Vec<f64> = samples.iter().zip(&window).map(|(v, w)| (v - mean) * w).collect();
-        Ok(Transform { start_s: signal.time_s(first), lines: fft_real(&tapered)? })
+        let lines = transform.apply(&signal.samples[first..first + length])?.to_vec();
+        Ok(Transform { start_s: signal.time_s(first), lines })
     };
-    if is_constant(&signal.samples) {
-        return Err(SignalError::Constant);
-    }
     (0..SEGMENTS).map(of_stretch).collect()
 }

@@ -7,6 +7,7 @@ mod peaks;
 mod welch;
 
 pub use peaks::{SpectralPeak, peaks};
+pub(crate) use welch::SegmentTransform;
 pub use welch::{CrossSpectrum, PowerSpectrum, Welch, cross_spectrum, power_spectrum};
 
 use std::f64::consts::TAU;

@@ -176,7 +176,8 @@ fn scale_one_sided(sum: &mut CrossSpectrum, scale: f64, n: usize) {
     }
 }
 
-struct SegmentTransform<'a> {
+/// The transform of segments of one length, each without its mean and under a window; planned once.
+pub(crate) struct SegmentTransform<'a> {
     window: &'a [f64],
     plan: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
     input: Vec<f64>,
@@ -185,13 +186,13 @@ struct SegmentTransform<'a> {
 }
 
 impl<'a> SegmentTransform<'a> {
-    fn new(window: &'a [f64]) -> Self {
+    pub(crate) fn new(window: &'a [f64]) -> Self {
         let plan = RealFftPlanner::<f64>::new().plan_fft_forward(window.len());
         let (input, output, scratch) = (plan.make_input_vec(), plan.make_output_vec(), plan.make_scratch_vec());
         Self { window, plan, input, output, scratch }
     }
 
-    fn apply(&mut self, segment: &[f64]) -> Result<&[Complex64], SignalError> {
+    pub(crate) fn apply(&mut self, segment: &[f64]) -> Result<&[Complex64], SignalError> {
         let mean = mean(segment).unwrap_or(0.0);
         for ((slot, v), w) in self.input.iter_mut().zip(segment).zip(self.window) {
             *slot = (v - mean) * w;
