@@ -132,6 +132,12 @@ pub(crate) enum CliError {
     /// A file that is no model.
     #[error("{}: this is no model file ({reason}); model files are written by `dynoid fit … --out model.json`", .path.display())]
     ModelFile { path: PathBuf, reason: String },
+    /// A model file of another version.
+    #[error("{}: {source}", .path.display())]
+    ModelVersion { path: PathBuf, source: ident::IdentError },
+    /// A model file where recordings are wanted.
+    #[error("{}: this is a model file, not a recording; `dynoid poles`, `bode`, `step` and `convert` show what it holds", .path.display())]
+    IsModel { path: PathBuf },
     /// A file that is no structure of a grey-box model.
     #[error("{}: this is no structure of a grey-box model: {reason}\nthe layout is shown by `dynoid fit greybox --help`", .path.display())]
     StructureFile { path: PathBuf, reason: String },

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::ErrorKind;
+use std::io::{ErrorKind, Read as _};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
@@ -41,6 +41,27 @@ fn refuse_folder(path: &Path) -> Result<(), CliError> {
     }
 }
 
+/// The first bytes of a file, without a byte order mark; none where it cannot be read.
+fn beginning(path: &Path) -> Vec<u8> {
+    let mut head = [0; 64];
+    let read = File::open(path).and_then(|mut file| file.read(&mut head)).unwrap_or(0);
+    let text = head[..read].strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head[..read]);
+    text.trim_ascii_start().to_vec()
+}
+
+/// Whether a file begins like JSON, as model files do and no recording does.
+pub(crate) fn is_json(path: &Path) -> bool {
+    beginning(path).starts_with(b"{")
+}
+
+/// Refuses a model file where a recording is wanted.
+fn refuse_model(file: &InputFile) -> Result<(), CliError> {
+    match is_json(&file.path) && String::from_utf8_lossy(&beginning(&file.path)).contains("\"dynoid model\"") {
+        true => Err(CliError::IsModel { path: file.path.clone() }),
+        false => Ok(()),
+    }
+}
+
 /// The text of a file, without a byte order mark; what is `wanted` is said where it is no text.
 pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, CliError> {
     let text = String::from_utf8(read_bytes(path)?).map_err(|_| CliError::NotText { path: path.to_owned(), wanted })?;
@@ -51,9 +72,12 @@ pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, Cli
 ///
 /// The file is never in memory as a whole, unless its format asks for it.
 pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
-    let (content, sha256) = opened(file)?;
-    let recording = decode_from(&file.name, content, &Selection::All, None, &|_, _| {});
-    Ok(Source { file: file.name.clone(), sha256, recording })
+    Ok(Source { file: file.name.clone(), sha256: sha256(file)?, recording: decode(file)? })
+}
+
+/// Decodes a recording, all of it.
+pub(crate) fn decode(file: &InputFile) -> Result<Result<Recording, RecordingError>, CliError> {
+    Ok(decode_from(&file.name, opened(file)?, &Selection::All, None, &|_, _| {}))
 }
 
 /// The channels of these names or patterns; all where there are none.
@@ -66,15 +90,13 @@ pub(crate) fn selection(names: &[String]) -> Selection {
 
 /// What a recording lists, without its samples where the format allows that.
 pub(crate) fn catalogue(file: &InputFile) -> Result<Catalogue, CliError> {
-    refuse_folder(&file.path)?;
-    let content = File::open(&file.path).map_err(|source| CliError::read(&file.path, source))?;
-    catalogue_from(&file.name, Arc::new(content)).map_err(|source| CliError::Recording { source, untimed: false })
+    refuse_model(file)?;
+    catalogue_from(&file.name, opened(file)?).map_err(|source| CliError::Recording { source, untimed: false })
 }
 
 /// A recording that was read.
 pub(crate) struct Read {
     pub(crate) recording: Recording,
-    pub(crate) sha256: String,
     /// Whether its time was counted, from row to row.
     pub(crate) is_untimed: bool,
 }
@@ -86,7 +108,8 @@ pub(crate) fn read_recording(
     row_time_s: Option<f64>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Read, CliError> {
-    let (content, sha256) = opened(file)?;
+    refuse_model(file)?;
+    let content = opened(file)?;
     let strictly = decode_from(&file.name, content.clone(), selection, None, progress);
     let is_usable = match &strictly {
         Ok(recording) => !recording.channels.is_empty(),
@@ -98,7 +121,7 @@ pub(crate) fn read_recording(
         if is_untimed { decode_from(&file.name, content, selection, row_time_s, progress) } else { strictly };
     let untimed = |error: &RecordingError| row_time_s.is_none() && lacks_time(error);
     let recording = recording.map_err(|source| CliError::Recording { untimed: untimed(&source), source })?;
-    Ok(Read { recording, sha256, is_untimed })
+    Ok(Read { recording, is_untimed })
 }
 
 /// Whether a table could not be read since no column is its time.
@@ -114,20 +137,19 @@ fn lacks_time(error: &RecordingError) -> bool {
 
 /// What a recording holds beside its channels.
 pub(crate) fn extras(file: &InputFile) -> Result<Extras, CliError> {
-    let content = File::open(&file.path).map_err(|source| CliError::read(&file.path, source))?;
-    extras_from(&file.name, &content).map_err(|source| CliError::Recording { source, untimed: false })
+    extras_from(&file.name, &*opened(file)?).map_err(|source| CliError::Recording { source, untimed: false })
 }
 
-/// A file, and the hash of its content.
-fn opened(file: &InputFile) -> Result<(Arc<File>, String), CliError> {
-    let unreadable = |source| CliError::read(&file.path, source);
+fn opened(file: &InputFile) -> Result<Arc<File>, CliError> {
     refuse_folder(&file.path)?;
-    let mut content = File::open(&file.path).map_err(unreadable)?;
-    let sha256 = sha256_of(&mut content).map_err(unreadable)?;
-    Ok((Arc::new(content), sha256))
+    File::open(&file.path).map(Arc::new).map_err(|source| CliError::read(&file.path, source))
 }
 
-/// The SHA-256 of what is read, hexadecimal.
+/// The SHA-256 of a file's content, hexadecimal: for it the whole file is read.
+pub(crate) fn sha256(file: &InputFile) -> Result<String, CliError> {
+    sha256_of(&mut &*opened(file)?).map_err(|source| CliError::read(&file.path, source))
+}
+
 fn sha256_of(content: &mut impl std::io::Read) -> std::io::Result<String> {
     let mut hash = Sha256::new();
     let mut buffer = vec![0; 1 << 20];

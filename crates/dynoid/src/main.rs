@@ -18,15 +18,13 @@ mod terminal;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use crate::cli::{Cli, Command, StudyCommand};
 use crate::commands::identify;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
 fn main() -> ExitCode {
-    let outcome = std::panic::catch_unwind(|| run(Cli::parse()));
+    let outcome = std::panic::catch_unwind(|| run(Cli::read()));
     outcome.unwrap_or(ExitCode::from(error::INTERNAL))
 }
 

@@ -105,6 +105,13 @@ impl Terminal {
         Ok(())
     }
 
+    /// What was done on the way, on standard error.
+    pub(crate) fn note(&mut self, text: &str) {
+        if !self.quiet {
+            self.complain("note:", Style::Faint, text);
+        }
+    }
+
     /// A warning, on standard error.
     pub(crate) fn warning(&mut self, text: &str) {
         self.complain("warning:", Style::Caution, text);

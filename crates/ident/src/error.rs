@@ -14,7 +14,7 @@ pub enum IdentError {
         found: usize,
     },
     /// Fewer data than parameters.
-    #[error("{samples} samples cannot determine {parameters} parameters")]
+    #[error("{samples} sample{} cannot determine {parameters} parameter{}", plural(*.samples), plural(*.parameters))]
     TooFewSamples {
         /// Samples given.
         samples: usize,
@@ -104,7 +104,18 @@ pub enum IdentError {
         /// Index of the first missing sample.
         index: usize,
     },
-    /// A document of another kind or version.
+    /// A document of another version.
+    #[error(
+        "this is version {found} of the layout, and version {known} is understood: {}",
+        if found > known { "a later dynoid wrote it; take that one, or write the model again with this one" } else { "write the model again" }
+    )]
+    DocumentVersion {
+        /// The version it says it has.
+        found: u32,
+        /// The version that can be read.
+        known: u32,
+    },
+    /// A document of another kind.
     #[error("this is a document of \"{found}\", where \"{expected}\" is understood")]
     Document {
         /// What it says it is.
@@ -178,4 +189,9 @@ pub enum StructureFault {
     /// Input delays in seconds of a discrete model.
     #[error("a discrete model takes no input delays in seconds; give them as states, or leave the sample time out")]
     DelayOfDiscrete,
+}
+
+/// The ending of the plural.
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
 }

@@ -90,7 +90,7 @@ pub use frequency_domain::{FrequencyData, Lines, Measured, SpectralData};
 
 // Models and fits.
 pub use continuous::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
-pub use document::{AnyModel, EstimateRecord, ModelDocument, Source};
+pub use document::{AnyModel, DocumentHeader, EstimateRecord, ModelDocument, Source};
 pub use error::{IdentError, StructureFault};
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
 pub use frequency_domain::{FrequencyModel, RationalResponse, ResponseFunction, SpectralFit};

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 
-use super::identify::Between;
+use super::identify::{Between, ResultArguments};
+use super::number;
 use crate::formats::FileFormat;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -79,13 +80,14 @@ Recordings:
 
 Models:
   dynoid convert model.json --to zpk
+  dynoid convert model.json --to tf --continuous --plot both.html
   dynoid convert tf.json --to ss --sample-time 0.001 --method tustin --out ss.json
 
 Of a recording every raster keeps its own clock, names, units and values are kept bit for bit, and what a format has no place for is said. In text, rasters stand side by side, each with a column `time [s]`; in Parquet and Arrow they share one such column, with nulls between; a MAT-file has a vector of time for each, and lists names and units in `recording_info`.
 
 With --sample-time or --rate all channels come onto one clock: faster ones through a low-pass filter without phase shift, slower ones continued (--between), states such as gears held. What lies in a gap stays missing (NaN).
 
-With --to tf and --to ss a model stays one that every command takes. It keeps the delay; the noise model it keeps only as state space on its own clock. With --to zpk it is a list of numbers.")]
+With --to tf and --to ss a model stays one that every command takes. It keeps the delay; the noise model it keeps only as state space on its own clock. With --to zpk it is a list of numbers. With --plot both forms are drawn over frequency; of recordings what was written.")]
 pub(crate) struct ConvertArguments {
     /// Recordings, folders of recordings, or one model file
     #[arg(value_name = "FILE", required = true)]
@@ -99,19 +101,19 @@ pub(crate) struct ConvertArguments {
     pub(crate) out: Option<PathBuf>,
     /// A sample of every channel so often; for a model, makes it discrete, or discrete on another clock. For text without
     /// a time column, the time from row to row
-    #[arg(long, value_name = "SECONDS", conflicts_with_all = ["continuous", "rate"])]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive, conflicts_with_all = ["continuous", "rate"])]
     pub(crate) sample_time: Option<f64>,
     /// Only channels of these names; `*` stands for any characters, `?` for one
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Recordings")]
     pub(crate) channels: Vec<String>,
     /// Leaves out everything before this time of the recording
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Recordings")]
+    #[arg(long, value_name = "SECONDS", value_parser = number::finite, help_heading = "Recordings")]
     pub(crate) start: Option<f64>,
     /// Leaves out everything after this time of the recording
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Recordings")]
+    #[arg(long, value_name = "SECONDS", value_parser = number::finite, help_heading = "Recordings")]
     pub(crate) end: Option<f64>,
     /// So many samples of every channel a second
-    #[arg(long, value_name = "HERTZ", help_heading = "Recordings")]
+    #[arg(long, value_name = "HERTZ", value_parser = number::positive, help_heading = "Recordings")]
     pub(crate) rate: Option<f64>,
     /// What slower channels do between their samples, where they come onto another clock [default: held]
     #[arg(long, value_enum, value_name = "HOW", help_heading = "Recordings")]
@@ -122,7 +124,9 @@ pub(crate) struct ConvertArguments {
     /// The rule between continuous and discrete [default: zoh]
     #[arg(long, value_enum, help_heading = "Models")]
     pub(crate) method: Option<Sampling>,
-    /// Prints what was written as JSON; for a model, the model file
-    #[arg(long)]
-    pub(crate) json: bool,
+    /// The frequency at which Tustin's rule is to be exact; at rest unless it is given
+    #[arg(long, value_name = "HERTZ", value_parser = number::positive, help_heading = "Models")]
+    pub(crate) prewarp: Option<f64>,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
 }

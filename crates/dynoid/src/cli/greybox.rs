@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::identify::FitArguments;
+use super::number;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -40,7 +41,7 @@ pub(crate) struct GreyBoxArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
     /// Further starting points against local minima, within the bounds or from a tenth to ten times the value
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = number::count)]
     pub(crate) starts: usize,
     /// Takes the system to be at rest at the first sample; with `--detrend none`, for what is taken off is no rest
     #[arg(long)]

@@ -3,10 +3,11 @@
 pub(crate) mod convert;
 pub(crate) mod greybox;
 pub(crate) mod identify;
+mod number;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -32,6 +33,21 @@ pub(crate) struct Cli {
     pub(crate) global: Global,
     #[command(subcommand)]
     pub(crate) command: Command,
+}
+
+impl Cli {
+    /// The command line this program was started with; on a wrong one, and for help, the program ends here.
+    pub(crate) fn read() -> Self {
+        let matches = negative_numbers(Cli::command()).get_matches();
+        Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit())
+    }
+}
+
+/// Takes what looks like a negative number for a value, not for an option, so that what is said of it makes sense.
+fn negative_numbers(command: clap::Command) -> clap::Command {
+    let takes_values = |arg: &clap::Arg| arg.get_long().is_some() && arg.get_action().takes_values();
+    let args = command.mut_args(|arg| if takes_values(&arg) { arg.allow_negative_numbers(true) } else { arg });
+    args.mut_subcommands(negative_numbers)
 }
 
 #[derive(Debug, Args)]

@@ -62,7 +62,7 @@ fn decode_all(files: &[InputFile], terminal: &mut Terminal) -> Result<Vec<(Input
     let mut faults = Vec::new();
     for file in files {
         progress.say(&format!("reading {}", file.name));
-        match input::read_source(file)?.recording {
+        match input::decode(file)? {
             Ok(recording) => recordings.push((file.clone(), recording)),
             Err(error) => faults.push(error.to_string()),
         }

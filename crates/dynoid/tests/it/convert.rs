@@ -87,3 +87,51 @@ fn what_cannot_be_converted_is_said() {
     let whole = run(&folder, "convert tf.json --to ss --sample-time 0.01 --method tustin --json");
     assert_eq!(whole.code, Some(0), "{}", whole.stderr);
 }
+
+#[test]
+fn what_a_form_does_not_hold_is_said() {
+    let folder = folder();
+    for (model, to, words) in [
+        ("armax", "tf", "the noise model and the covariance"),
+        ("oe", "tf", "the covariance"),
+        ("armax", "ss", "the covariance"),
+    ] {
+        fitted(&folder, &format!("fit {model} --out m.json"));
+        let ran = run(&folder, &format!("convert m.json --to {to} --out c.json"));
+        assert!(ran.stderr.contains(words), "{model} to {to}: {}", ran.stderr);
+        let again = run(&folder, "convert c.json --to ss --out d.json");
+        assert_eq!((again.code, again.stderr.as_str()), (Some(0), ""), "nothing is lost a second time");
+    }
+}
+
+#[test]
+fn both_forms_are_drawn() {
+    let folder = folder();
+    fitted(&folder, "fit oe --out m.json");
+    let line = "convert m.json --to tf --continuous --method tustin --prewarp 0.5 --plot both.svg";
+    let ran = run(&folder, line);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let svg = std::fs::read_to_string(folder.path().join("both.svg")).unwrap();
+    assert!(svg.contains("as it was") && svg.contains("converted"), "the legend names both");
+    run(&folder, "convert m.json --to tf --prewarp 0.5").assert_refused(2, &["--prewarp", "tustin"]);
+}
+
+#[test]
+fn exact_prewarping_keeps_the_response_at_its_frequency() {
+    let folder = folder();
+    fitted(&folder, "fit oe --out m.json");
+    let zpk = |options: &str| {
+        let ran = run(&folder, &format!("convert m.json --to tf --continuous --method tustin {options}--out c.json"));
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        run(&folder, "bode m.json c.json --json").json()
+    };
+    let difference = |both: &serde_json::Value, at_hz: f64| {
+        let curve = |model: usize| &both[model];
+        let frequencies = curve(0)["frequency"].as_array().unwrap();
+        let place = frequencies.iter().position(|f| f.as_f64().unwrap() >= at_hz).unwrap();
+        let of = |model: usize| curve(model)["quantities"][0]["values"][place].as_f64().unwrap();
+        (of(0) - of(1)).abs()
+    };
+    let (plain, prewarped) = (zpk(""), zpk("--prewarp 2 "));
+    assert!(difference(&prewarped, 2.0) < 0.1 * difference(&plain, 2.0), "closer by far at 2 Hz");
+}

@@ -252,7 +252,7 @@ fn what_cannot_be_converted_is_refused() {
     refused("a.mf4 --out b.csv --channels rpm_engine", 3, &["no channel \"rpm_engine\""]);
     refused("a.mf4 --out b.csv --start 5", 3, &["nothing to convert"]);
     refused("a.mf4 --out b.csv --start 2 --end 1", 2, &["--start 2"]);
-    refused("a.mf4 --out b.csv --rate 0", 2, &["--rate 0"]);
+    refused("a.mf4 --out b.csv --rate 0", 2, &["--rate <HERTZ>", "above 0"]);
     refused("a.mf4 --out b.csv --sample-time 100", 3, &["100 s"]);
     refused("a.mf4 --out nowhere/b.csv", 4, &["nowhere"]);
     refused("missing.mf4 --out b.csv", 3, &["missing.mf4"]);
@@ -277,4 +277,13 @@ fn inspect_lists_without_samples_and_selects() {
     assert_eq!(one[0]["rasters"].as_array().unwrap().len(), 1);
     assert_eq!(one[0]["rasters"][0]["channels"][0]["maximum"], 42.0);
     dynoid(folder.path(), &["inspect", "a.mf4", "--channels", "onze"]).assert_refused(3, &["\"once\""]);
+}
+
+#[test]
+fn what_was_written_is_drawn() {
+    let folder = crate::identify::folder();
+    let ran = crate::identify::run(&folder, "convert run.csv --out run.mf4 --plot run.svg");
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let svg = std::fs::read_to_string(folder.path().join("run.svg")).unwrap();
+    assert!(svg.contains("valve") && svg.contains("speed") && svg.contains("rad/s"), "{svg}");
 }

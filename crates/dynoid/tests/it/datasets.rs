@@ -301,3 +301,33 @@ fn an_integrator_and_a_trend_taken_off_are_noticed() {
     let settling = crate::identify::folder();
     assert!(!run(&settling, "fit arx run.csv -u valve -y speed").stderr.contains("integrate"));
 }
+
+#[test]
+fn regress_a_recording_left_out_at_its_gaps_is_no_source() {
+    let folder = folder();
+    // No twenty values of the input on end.
+    let text = std::fs::read_to_string(folder.path().join("unseen.csv")).unwrap();
+    let sparse = |(row, line): (usize, &str)| match line.split(',').collect::<Vec<_>>()[..] {
+        [time, _, speed] if row > 0 && row % 10 == 0 => format!("{time},,{speed}\n"),
+        _ => format!("{line}\n"),
+    };
+    let sparse = text.lines().enumerate().map(sparse).collect::<String>();
+    std::fs::write(folder.path().join("sparse.csv"), sparse).unwrap();
+    let line = "fit arx sparse.csv run.csv -u valve -y speed --json --out m.json";
+    let ran = done(&folder, line);
+    assert!(ran.stderr.contains("warning: sparse.csv was left out"), "{}", ran.stderr);
+    let model = &ran.json()["model"];
+    let sources = model["estimate"]["sources"].as_array().unwrap();
+    assert_eq!((sources.len(), sources[0]["file"].as_str()), (1, Some("run.csv")));
+    let own = fitted(&folder, "fit arx");
+    assert_eq!(model["trend"], own["model"]["trend"], "the operating point is that of the one used");
+}
+
+#[test]
+fn what_was_done_is_a_note_and_what_may_be_wrong_a_warning() {
+    let folder = two_rasters();
+    let ran = done(&folder, "fit tf run.csv -u demand -y torque");
+    assert!(ran.stderr.contains("note: \"torque\" has a sample only every 0.004 s"), "{}", ran.stderr);
+    assert!(!ran.stderr.contains("warning"), "{}", ran.stderr);
+    assert_eq!(done(&folder, "fit tf run.csv -u demand -y torque --quiet").stderr, "");
+}

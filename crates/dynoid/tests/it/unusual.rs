@@ -125,3 +125,68 @@ fn regress_data_without_noise_have_intervals_without_width() {
         }
     }
 }
+
+#[test]
+fn numbers_that_are_none_are_refused_with_what_is_wanted() {
+    let folder = folder();
+    for (line, words) in [
+        ("convert run.csv --out c.csv --rate -5", ["--rate", "above 0"]),
+        ("convert run.csv --out c.csv --start nan", ["--start", "give a number"]),
+        ("convert run.csv --out c.csv --sample-time 0", ["--sample-time", "above 0"]),
+        ("fit ss run.csv -u valve -y speed --order -3", ["--order -3", "from 1 on, or auto"]),
+        ("fit arx run.csv -u valve -y speed --na -2", ["--na", "whole number"]),
+        ("fit arx run.csv -u valve -y speed --nb 2,x", ["--nb", "whole number"]),
+        ("fit arx run.csv -u valve -y speed --split 1.5", ["--split", "between 0 and 1"]),
+        ("fit arx run.csv -u valve -y speed --from inf", ["--from", "give a number"]),
+    ] {
+        run(&folder, line).assert_refused(2, &words);
+    }
+    let ran = run(&folder, "convert run.csv --out c.csv --start -5");
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+}
+
+#[test]
+fn model_files_are_told_from_recordings_and_by_their_version() {
+    let folder = folder();
+    run(&folder, "fit arx run.csv -u valve -y speed --out m.json");
+    for line in ["inspect m.json", "inspect m.json --list", "fit arx m.json -u valve -y speed"] {
+        let ran = run(&folder, line);
+        assert_eq!(ran.code, Some(3), "{line}");
+        assert!(ran.stderr.contains("this is a model file, not a recording"), "{line}: {}", ran.stderr);
+    }
+    let text = std::fs::read_to_string(folder.path().join("m.json")).unwrap();
+    let later = text.replace("\"version\": 1", "\"version\": 2").replace("\"inputs\"", "\"entries\"");
+    std::fs::write(folder.path().join("later.json"), later).unwrap();
+    run(&folder, "poles later.json").assert_refused(3, &["later.json", "version 2", "a later dynoid wrote it"]);
+    std::fs::write(folder.path().join("other.json"), "{\"format\": \"shopping list\", \"version\": 1}").unwrap();
+    run(&folder, "poles other.json").assert_refused(3, &["other.json", "no model file", "shopping list"]);
+}
+
+#[test]
+fn a_transfer_function_that_integrates_is_fitted_from_where_it_stood() {
+    let folder = TempDir::new().unwrap();
+    let mut random = signal::excitation::Random::new(5);
+    // 2/(s (0.5 s + 1)) from rest, on a level of 7; every value of the input is held for a tenth of a second.
+    let pole = (-0.1_f64 / 0.5).exp();
+    let (mut speed, mut angle) = (0.0, 0.0);
+    let mut text = "time [s],torque [Nm],angle [rad]\n".to_owned();
+    for n in 0..800 {
+        let torque = random.normal().signum();
+        text += &format!("{},{torque},{}\n", 0.1 * f64::from(n), 7.0 + angle + 0.01 * random.normal());
+        let rest = 2.0 * torque;
+        angle += rest * 0.1 + (speed - rest) * 0.5 * (1.0 - pole);
+        speed = rest + (speed - rest) * pole;
+    }
+    std::fs::write(folder.path().join("run.csv"), text).unwrap();
+    let line = "fit tf run.csv -u torque -y angle --poles 2 --integrators 1 --offset --initial zero --detrend none";
+    let ran = run(&folder, &format!("{line} --json"));
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let result = ran.json();
+    let parameters = result["model"]["estimate"]["parameters"].as_array().unwrap();
+    let errors = result["standard_errors"].as_array().unwrap();
+    // 4/(s² + 2 s)
+    for (truth, at) in [(4.0, 0), (2.0, 1)] {
+        let (value, error) = (parameters[at].as_f64().unwrap(), errors[at].as_f64().unwrap());
+        assert!((value - truth).abs() < 4.0 * error && error < 0.02 * truth, "{value} ± {error} for {truth}");
+    }
+}

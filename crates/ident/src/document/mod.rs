@@ -16,6 +16,31 @@ const FORMAT: &str = "dynoid model";
 /// The version of documents written here, and the only one read.
 const VERSION: u32 = 1;
 
+/// What a document is: the part that stays the same in every version.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+pub struct DocumentHeader {
+    /// The kind of document.
+    pub format: String,
+    /// The version of its layout.
+    pub version: u32,
+}
+
+impl DocumentHeader {
+    /// Whether a document that begins so is understood here.
+    ///
+    /// # Errors
+    /// [`IdentError::Document`] for another kind, [`IdentError::DocumentVersion`] for another version.
+    pub fn check(&self) -> Result<(), IdentError> {
+        if self.format != FORMAT {
+            return Err(IdentError::Document { found: self.format.clone(), expected: FORMAT.to_owned() });
+        }
+        if self.version != VERSION {
+            return Err(IdentError::DocumentVersion { found: self.version, known: VERSION });
+        }
+        Ok(())
+    }
+}
+
 /// A model, its channels and its operating point, and how it was estimated. Serialised, this is the model file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ModelDocument {
@@ -58,13 +83,10 @@ impl ModelDocument {
     /// Whether this is a document of the kind and version that is understood here.
     ///
     /// # Errors
-    /// [`IdentError::Document`]; [`IdentError::Length`] where there is not one label a channel.
+    /// As [`DocumentHeader::check`]; [`IdentError::Length`] where there is not one label a channel.
     pub fn checked(self) -> Result<Self, IdentError> {
         use crate::LinearModel;
-        if self.format != FORMAT || self.version != VERSION {
-            let found = format!("{} {}", self.format, self.version);
-            return Err(IdentError::Document { found, expected: format!("{FORMAT} {VERSION}") });
-        }
+        DocumentHeader { format: self.format.clone(), version: self.version }.check()?;
         for (what, expected, found) in [
             ("input labels", self.model.inputs(), self.inputs.len()),
             ("output labels", self.model.outputs(), self.outputs.len()),

@@ -92,7 +92,9 @@ fn regress_documents_that_are_none_are_refused() {
     let text = serde_json::to_string(&arx_document()).unwrap();
     let read = |text: String| serde_json::from_str::<ModelDocument>(&text).map(ModelDocument::checked);
     let later = read(text.replace("\"version\":1", "\"version\":2")).unwrap();
-    assert!(matches!(later, Err(IdentError::Document { .. })));
+    assert!(matches!(later, Err(IdentError::DocumentVersion { found: 2, .. })));
+    let other = read(text.replace("dynoid model", "another model")).unwrap();
+    assert!(matches!(other, Err(IdentError::Document { .. })));
     let no_input = read(text.replace("\"inputs\":[{\"name\":\"u\",\"unit\":\"V\"}]", "\"inputs\":[]")).unwrap();
     assert!(matches!(no_input, Err(IdentError::Length { .. })));
     let backwards = text.replace("\"sample_time_s\":0.1", "\"sample_time_s\":-1.0");

@@ -274,6 +274,17 @@ impl Layer {
         Layer::Line { name: name.to_owned(), style, x, y }
     }
 
+    /// A trace at times of its own, thinned if it is long.
+    pub fn timed_trace(name: &str, style: Style, time_s: &[f64], values: &[f64]) -> Self {
+        match kept_indices(values, MAX_POINTS) {
+            None => Layer::curve(name, style, time_s, values),
+            Some(kept) => {
+                let (time_s, values): (Vec<f64>, Vec<f64>) = kept.iter().map(|&n| (time_s[n], values[n])).unzip();
+                Layer::curve(name, style, &time_s, &values)
+            }
+        }
+    }
+
     /// A curve over frequency or the like.
     pub fn curve(name: &str, style: Style, x: &[f64], y: &[f64]) -> Self {
         Layer::Line { name: name.to_owned(), style, x: Abscissa::Values(rounded(x)), y: rounded(y) }

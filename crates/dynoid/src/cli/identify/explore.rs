@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 
 use super::{DataArguments, ResultArguments};
+use crate::cli::number;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SpectrumMethod {
@@ -31,7 +32,7 @@ pub(crate) struct SpectrumArguments {
     pub(crate) method: SpectrumMethod,
     /// Length of Welch's segments or of the lag window, in samples: longer ones tell nearer peaks apart, shorter ones vary
     /// less [default: an eighth of the record, 1024 at most]
-    #[arg(long, value_name = "SAMPLES")]
+    #[arg(long, value_name = "SAMPLES", value_parser = number::count)]
     pub(crate) window: Option<usize>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
@@ -45,7 +46,7 @@ pub(crate) struct DelayArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
     /// Longest delay looked for, in samples
-    #[arg(long, default_value_t = 30)]
+    #[arg(long, default_value_t = 30, value_parser = number::count)]
     pub(crate) longest: usize,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
@@ -68,7 +69,7 @@ pub(crate) struct OrderArguments {
     #[arg(long, default_value = "1:3", value_name = "RANGE")]
     pub(crate) nk: String,
     /// Fits on this share of the data and ranks by the rest too
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", value_parser = number::share)]
     pub(crate) split: Option<f64>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,

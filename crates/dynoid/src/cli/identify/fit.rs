@@ -6,6 +6,7 @@ use clap::{Args, Subcommand, ValueEnum};
 
 use super::{DataArguments, ResultArguments};
 use crate::cli::greybox::GreyBoxArguments;
+use crate::cli::number;
 
 /// Where a model goes, and what it is held against.
 #[derive(Debug, Clone, Args)]
@@ -16,7 +17,7 @@ pub(crate) struct FitArguments {
     #[arg(long, short, value_name = "MODEL.json")]
     pub(crate) out: Option<PathBuf>,
     /// Estimates from the first part of each recording, this share of it, and judges on the rest
-    #[arg(long, value_name = "SHARE", conflicts_with = "validate")]
+    #[arg(long, value_name = "SHARE", conflicts_with = "validate", value_parser = number::share)]
     pub(crate) split: Option<f64>,
     /// Judges on another recording, about the operating point of the data of the estimate; its dynamics alone are judged by
     /// `dynoid compare --detrend mean`
@@ -80,13 +81,13 @@ pub(crate) struct ArxArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
     /// Order of A
-    #[arg(long, default_value_t = 2)]
+    #[arg(long, default_value_t = 2, value_parser = number::count)]
     pub(crate) na: usize,
     /// Coefficients of B; one number, or one an input
-    #[arg(long, value_delimiter = ',', default_value = "2")]
+    #[arg(long, value_delimiter = ',', default_value = "2", value_parser = number::count)]
     pub(crate) nb: Vec<usize>,
     /// Delay in samples; one number, or one an input
-    #[arg(long, value_delimiter = ',', default_value = "1")]
+    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = number::count)]
     pub(crate) nk: Vec<usize>,
     /// Estimates by four-step instrumental variables: right for any colour of the noise
     #[arg(long)]
@@ -105,22 +106,22 @@ pub(crate) struct PolynomialArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
     /// Order of A
-    #[arg(long)]
+    #[arg(long, value_parser = number::count)]
     pub(crate) na: Option<usize>,
     /// Coefficients of B; one number, or one an input [default: 2]
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = number::count)]
     pub(crate) nb: Vec<usize>,
     /// Order of C
-    #[arg(long)]
+    #[arg(long, value_parser = number::count)]
     pub(crate) nc: Option<usize>,
     /// Order of D
-    #[arg(long)]
+    #[arg(long, value_parser = number::count)]
     pub(crate) nd: Option<usize>,
     /// Order of F; one number, or one an input
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = number::count)]
     pub(crate) nf: Vec<usize>,
     /// Delay in samples; one number, or one an input [default: 1]
-    #[arg(long, value_delimiter = ',')]
+    #[arg(long, value_delimiter = ',', value_parser = number::count)]
     pub(crate) nk: Vec<usize>,
     /// What is taken for the initial state
     #[arg(long, value_enum, default_value_t = Initial::Estimated)]
@@ -129,7 +130,7 @@ pub(crate) struct PolynomialArguments {
     #[arg(long)]
     pub(crate) simulation: bool,
     /// Makes the errors small in this band alone, in Hz
-    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',')]
+    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', value_parser = number::finite)]
     pub(crate) band: Vec<f64>,
 }
 
@@ -137,19 +138,32 @@ pub(crate) struct PolynomialArguments {
 #[command(after_help = "\
 Examples:
   dynoid fit tf run.mf4 -u T_demand -y T_calc --zeros 0 --poles 1 --delay 0:0.01
-  dynoid fit tf run.mf4 -u u -y y --zeros 1 --poles 2 --out model.json --plot fit.html")]
+  dynoid fit tf run.mf4 -u u -y y --zeros 1 --poles 2 --out model.json --plot fit.html
+  dynoid fit tf run.mf4 -u T_d -y N_d --poles 2 --integrators 1 --offset --detrend none")]
 pub(crate) struct TransferFunctionArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
     /// Degree of the numerator; one number, or one an input
-    #[arg(long, value_delimiter = ',', default_value = "0")]
+    #[arg(long, value_delimiter = ',', default_value = "0", value_parser = number::count)]
     pub(crate) zeros: Vec<usize>,
     /// Degree of the denominator; one number, or one an input
-    #[arg(long, value_delimiter = ',', default_value = "1")]
+    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = number::count)]
     pub(crate) poles: Vec<usize>,
     /// Delay in seconds: a number to keep it there, or a range LOW:HIGH to look in; one, or one an input [default: none]
     #[arg(long, value_delimiter = ',', value_name = "SECONDS")]
     pub(crate) delay: Vec<String>,
+    /// Of the poles from each input, so many are known to be at zero; with `--detrend none`
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = number::count)]
+    pub(crate) integrators: usize,
+    /// Estimates a constant on the output of each recording besides
+    #[arg(long)]
+    pub(crate) offset: bool,
+    /// Lets poles be unstable
+    #[arg(long)]
+    pub(crate) unstable: bool,
+    /// What is taken for the initial state
+    #[arg(long, value_enum, default_value_t = Initial::Estimated)]
+    pub(crate) initial: Initial,
 }
 
 #[derive(Debug, Args)]

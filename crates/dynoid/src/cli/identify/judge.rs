@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::ResultArguments;
+use super::{ResultArguments, Window};
+use crate::cli::number;
 
 /// Recordings that a model meets; channels and clock are those of the model.
 #[derive(Debug, Clone, Args)]
@@ -12,15 +13,11 @@ pub(crate) struct MeetArguments {
     /// A recording with the model's channels; give it again for more
     #[arg(long = "on", value_name = "RECORDING", required = true, help_heading = "Data")]
     pub(crate) on: Vec<PathBuf>,
-    /// Leaves out everything before this time of the recording
-    #[arg(long = "from", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
-    pub(crate) from_s: Option<f64>,
-    /// Leaves out everything after this time of the recording
-    #[arg(long = "to", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
-    pub(crate) to_s: Option<f64>,
+    #[command(flatten)]
+    pub(crate) window: Window,
     /// Clock that a continuous model is sampled on, and, for text without a time column, the time from row to row
     /// [default: the model's sample time]
-    #[arg(long = "sample-time", value_name = "SECONDS", help_heading = "Data")]
+    #[arg(long = "sample-time", value_name = "SECONDS", value_parser = number::positive, help_heading = "Data")]
     pub(crate) sample_time_s: Option<f64>,
     /// What is taken off every channel first, and put back on what the model says of it
     #[arg(long, value_enum, default_value_t = MeetDetrend::Model, value_name = "WHAT", help_heading = "Data")]
@@ -52,7 +49,7 @@ pub(crate) struct CompareArguments {
     #[command(flatten)]
     pub(crate) meet: MeetArguments,
     /// Compares predictions so many samples ahead, not simulations
-    #[arg(long, value_name = "SAMPLES")]
+    #[arg(long, value_name = "SAMPLES", value_parser = number::count)]
     pub(crate) horizon: Option<usize>,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
@@ -69,7 +66,7 @@ pub(crate) struct ResidArguments {
     #[command(flatten)]
     pub(crate) meet: MeetArguments,
     /// Correlations up to this lag, in samples
-    #[arg(long, default_value_t = 25)]
+    #[arg(long, default_value_t = 25, value_parser = number::count)]
     pub(crate) lags: usize,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
@@ -101,6 +98,6 @@ pub(crate) struct PredictArguments {
     #[command(flatten)]
     pub(crate) run: RunArguments,
     /// How many samples ahead
-    #[arg(long, default_value_t = 1, value_name = "SAMPLES")]
+    #[arg(long, default_value_t = 1, value_name = "SAMPLES", value_parser = number::count)]
     pub(crate) horizon: usize,
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::ResultArguments;
+use crate::cli::number;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
@@ -16,7 +17,7 @@ pub(crate) struct ModelArguments {
     #[arg(value_name = "MODEL.json", required = true)]
     pub(crate) models: Vec<PathBuf>,
     /// Confidence of bands and regions
-    #[arg(long, default_value_t = 0.95, value_name = "SHARE")]
+    #[arg(long, default_value_t = 0.95, value_name = "SHARE", value_parser = number::share)]
     pub(crate) level: f64,
     /// Shows the way from the noise e to each output too; of a time series it is shown anyway
     #[arg(long)]

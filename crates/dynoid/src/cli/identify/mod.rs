@@ -9,6 +9,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::number;
+
 pub(crate) use explore::{DelayArguments, OrderArguments, SpectrumArguments, SpectrumMethod};
 pub(crate) use fit::{
     ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
@@ -17,10 +19,21 @@ pub(crate) use fit::{
 pub(crate) use judge::{CompareArguments, MeetArguments, MeetDetrend, PredictArguments, ResidArguments, RunArguments};
 pub(crate) use look::{CurveArguments, ModelArguments};
 
+/// The part of a recording that is used.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(crate) struct Window {
+    /// Leaves out everything before this time of the recording
+    #[arg(long = "from", value_name = "SECONDS", value_parser = number::finite, help_heading = "Data")]
+    pub(crate) from_s: Option<f64>,
+    /// Leaves out everything after this time of the recording
+    #[arg(long = "to", value_name = "SECONDS", value_parser = number::finite, help_heading = "Data")]
+    pub(crate) to_s: Option<f64>,
+}
+
 /// Channels, time and clock of the data.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct DataArguments {
-    /// Recordings, one experiment each (MDF 2 to 4, MAT, CSV; text without a time column with --sample-time)
+    /// Recordings, one experiment each (MDF 2 to 4, CSV, MAT, HDF5, Parquet, Arrow; text without a time column with --sample-time)
     #[arg(value_name = "RECORDING", required = true)]
     pub(crate) recordings: Vec<PathBuf>,
     /// A channel that acts on the system; give it again for each input
@@ -29,15 +42,11 @@ pub(crate) struct DataArguments {
     /// A channel that answers; give it again for each output
     #[arg(long = "output", short = 'y', value_name = "CHANNEL", help_heading = "Data")]
     pub(crate) outputs: Vec<String>,
-    /// Leaves out everything before this time of the recording
-    #[arg(long = "from", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
-    pub(crate) from_s: Option<f64>,
-    /// Leaves out everything after this time of the recording
-    #[arg(long = "to", value_name = "SECONDS", allow_negative_numbers = true, help_heading = "Data")]
-    pub(crate) to_s: Option<f64>,
+    #[command(flatten)]
+    pub(crate) window: Window,
     /// Sample time of the data [default: that of the slowest channel; for delay and for fits to the simulated output (oe, tf,
     /// process, greybox) that of the fastest]. For text without a time column, the time from row to row
-    #[arg(long = "sample-time", value_name = "SECONDS", help_heading = "Data")]
+    #[arg(long = "sample-time", value_name = "SECONDS", value_parser = number::positive, help_heading = "Data")]
     pub(crate) sample_time_s: Option<f64>,
     /// What is taken off every channel first
     #[arg(long, value_enum, default_value_t = Detrend::Mean, value_name = "WHAT", help_heading = "Data")]

@@ -1,32 +1,24 @@
 //! `dynoid convert`: recordings in another format, or a model in another form.
 
+mod figures;
 mod notes;
 mod recordings;
 mod targets;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::cli::convert::{ConvertArguments, Form};
 use crate::cli::convert::{Representation, Sampling};
 use crate::commands::identify;
 use crate::error::{CliError, Outcome};
+use crate::input;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    match arguments.files.iter().find(|file| is_model(file)) {
+    match arguments.files.iter().find(|file| input::is_json(file)) {
         Some(model) => identify::convert::convert(&of_model(arguments, model)?, terminal),
         None => recordings::convert(arguments, terminal),
     }
-}
-
-/// Whether a file begins like JSON, as model files do and no recording does.
-fn is_model(path: &Path) -> bool {
-    let mut head = [0; 64];
-    let read = File::open(path).and_then(|mut file| file.read(&mut head)).unwrap_or(0);
-    let text = head[..read].strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head[..read]);
-    text.trim_ascii_start().starts_with(b"{")
 }
 
 fn of_model(arguments: &ConvertArguments, model: &Path) -> Result<identify::convert::ConvertArguments, CliError> {
@@ -56,6 +48,7 @@ fn of_model(arguments: &ConvertArguments, model: &Path) -> Result<identify::conv
         continuous: arguments.continuous,
         method: arguments.method.unwrap_or(Sampling::Zoh),
         out: arguments.out.clone(),
-        json: arguments.json,
+        prewarp_hz: arguments.prewarp,
+        result: arguments.result.clone(),
     })
 }

@@ -2,13 +2,18 @@
 
 use bench::dataset::on_one_clock;
 use ident::Intersample;
+use plot::Figure;
 use recording::Recording;
 use serde::Serialize;
 
+use super::figures::figures;
 use super::notes;
 use super::targets::{Target, plan};
 use crate::cli::convert::ConvertArguments;
 use crate::cli::identify::Between;
+use crate::commands::identify::data::check_plot;
+use crate::commands::identify::judge::{picture, written};
+use crate::commands::identify::words::counted;
 use crate::error::{CliError, Outcome};
 use crate::input::{self, Read};
 use crate::output::replace_file;
@@ -21,7 +26,8 @@ const MOST_NOTES: usize = 12;
 #[derive(Debug, Serialize)]
 struct Written {
     file: String,
-    sha256: String,
+    /// Of the whole file, which is read for it; only where it is shown.
+    sha256: Option<String>,
     out: String,
     rasters: Vec<RasterFacts>,
     channels: Vec<ChannelFacts>,
@@ -48,11 +54,13 @@ struct ChannelFacts {
 pub(super) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments)?;
     let targets = plan(input::named(&arguments.files)?, arguments)?;
-    let (mut rows, mut unreadable) = (Vec::new(), 0);
+    check_plot(&arguments.result, &[&arguments.files])?;
+    let (mut rows, mut drawn, mut unreadable) = (Vec::new(), Vec::new(), 0);
     for target in &targets {
         match one(target, arguments, terminal) {
-            Ok(written) => {
-                say(&written, targets.len() > 1, arguments.json, terminal);
+            Ok((written, figures)) => {
+                drawn.extend(figures);
+                say(&written, targets.len() > 1, arguments.result.json, terminal);
                 rows.push(serde_json::to_value(&written).map_err(CliError::internal)?);
             }
             // One that cannot be converted leaves the others their conversion; a full disk does not.
@@ -64,26 +72,24 @@ pub(super) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
             Err(error) => return Err(error),
         }
     }
-    if arguments.json {
+    picture(&arguments.result, "Converted", || drawn)?;
+    if arguments.result.json {
         terminal.json(&rows)?;
+    } else if !terminal.is_quiet() {
+        written(&arguments.result.plot, terminal);
     }
     Ok(if unreadable > 0 { Outcome::SomeUnreadable } else { Outcome::Done })
 }
 
 fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
     let usage = |what: String| Err(CliError::Usage { what });
-    if arguments.continuous || arguments.method.is_some() {
-        return usage("--continuous and --method are for models; these are recordings".into());
+    if arguments.continuous || arguments.method.is_some() || arguments.prewarp.is_some() {
+        return usage("--continuous, --method and --prewarp are for models; these are recordings".into());
     }
     if let (Some(start_s), Some(end_s)) = (arguments.start, arguments.end)
         && start_s > end_s
     {
         return usage(format!("--start {start_s} lies after --end {end_s}; give the earlier time first"));
-    }
-    for (option, value) in [("--sample-time", arguments.sample_time), ("--rate", arguments.rate)] {
-        if let Some(value) = value.filter(|value| !(value.is_finite() && *value > 0.0)) {
-            return usage(format!("{option} {value}: give a number above 0"));
-        }
     }
     if arguments.between.is_some() && arguments.sample_time.is_none() && arguments.rate.is_none() {
         return usage(
@@ -106,8 +112,6 @@ fn say(written: &Written, is_one_of_many: bool, json: bool, terminal: &mut Termi
     }
     if !terminal.is_quiet() {
         let (channels, rasters) = (written.channels.len(), written.rasters.len());
-        let counted =
-            |count: usize, what: &str| if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") };
         terminal.line(&format!(
             "written: {} ({}, {})",
             written.out,
@@ -117,11 +121,11 @@ fn say(written: &Written, is_one_of_many: bool, json: bool, terminal: &mut Termi
     }
 }
 
-/// Reads, cuts, resamples and writes one recording.
-fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Result<Written, CliError> {
+/// Reads, cuts, resamples and writes one recording; draws what was written where a picture is asked for.
+fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Result<(Written, Vec<Figure>), CliError> {
     let selection = input::selection(&arguments.channels);
     let progress = terminal.long(&format!("converting {}", target.input.name));
-    let Read { mut recording, sha256, is_untimed } =
+    let Read { mut recording, is_untimed } =
         input::read_recording(&target.input, &selection, arguments.sample_time, &|done, all| progress.told(done, all))?;
     let mut notes: Vec<String> = recording.findings.iter().map(ToString::to_string).collect();
     notes.extend(notes::extras(&input::extras(&target.input)?));
@@ -145,8 +149,10 @@ fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Re
     if let Some(folder) = target.out.parent().filter(|_| arguments.to.is_some()) {
         std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
     }
+    let sha256 = arguments.result.json.then(|| input::sha256(&target.input)).transpose()?;
     replace_file(&target.out, &bytes)?;
-    Ok(facts(target, sha256, &recording, notes))
+    let drawn = arguments.result.plot.as_ref().map(|_| figures(&input::with_slashes(&target.out), &recording));
+    Ok((facts(target, sha256, &recording, notes), drawn.unwrap_or_default()))
 }
 
 fn between(between: Option<Between>) -> Intersample {
@@ -192,7 +198,7 @@ fn keep(values: &mut Vec<f64>, is_inside: &[bool]) {
     values.shrink_to_fit();
 }
 
-fn facts(target: &Target, sha256: String, recording: &Recording, notes: Vec<String>) -> Written {
+fn facts(target: &Target, sha256: Option<String>, recording: &Recording, notes: Vec<String>) -> Written {
     let raster = |raster: &recording::Raster| {
         let finite = || raster.time_s.iter().copied().filter(|t| t.is_finite());
         RasterFacts {

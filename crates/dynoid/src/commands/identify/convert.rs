@@ -1,5 +1,6 @@
 //! `dynoid convert` on a model file: the model in another form.
 
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use faer::Mat;
@@ -12,11 +13,12 @@ use lti::{
     Complex64, Discretisation, Innovations, LtiError, PolynomialEquation, PolynomialModel, StateSpace, TransferFunction,
 };
 
-use super::data::check_targets;
-use super::judge::written;
-use super::model_file;
-use super::words::significant;
+use super::data::{check_plot, check_targets};
+use super::judge::{picture, written};
+use super::words::{self, significant};
+use super::{look, model_file};
 use crate::cli::convert::{Representation, Sampling};
+use crate::cli::identify::ResultArguments;
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::table::{Align, Style, Table};
@@ -36,8 +38,10 @@ pub(crate) struct ConvertArguments {
     pub(crate) method: Sampling,
     /// The model file to write.
     pub(crate) out: Option<PathBuf>,
-    /// Prints the result as JSON.
-    pub(crate) json: bool,
+    /// Where Tustin's rule is to be exact, Hz; at rest unless it is given.
+    pub(crate) prewarp_hz: Option<f64>,
+    /// The result as JSON or as a picture.
+    pub(crate) result: ResultArguments,
 }
 
 fn failed(source: impl Into<IdentError>) -> CliError {
@@ -70,26 +74,59 @@ pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
     let document = match arguments.to {
         // No kind of model is written down by its zeros and poles.
         Representation::Zpk => None,
-        _ if arguments.json || arguments.out.is_some() => Some(converted.document(&source)?),
+        _ if arguments.result.json || arguments.out.is_some() => Some(converted.document(&source)?),
         _ => None,
     };
+    if arguments.result.plot.is_some() {
+        let both = [("as it was", source.clone()), ("converted", converted.document(&source)?)];
+        let figures = look::bode_figures(both.map(|(name, document)| (name.to_owned(), document)))?;
+        picture(&arguments.result, &model_file::name(&arguments.model), || figures)?;
+    }
+    if let Some(document) = &document
+        && let Some(lost) = lost(&source, document).map_err(failed)?
+    {
+        terminal.note(lost);
+    }
     if let (Some(path), Some(document)) = (&arguments.out, &document) {
         let text = serde_json::to_string_pretty(document).map_err(CliError::internal)?;
         replace_file(path, text.as_bytes())?;
     }
     match document {
-        Some(document) if arguments.json => terminal.json(&document)?,
-        _ if arguments.json => terminal.json(&converted.zeros_and_poles(&source)?)?,
+        Some(document) if arguments.result.json => terminal.json(&document)?,
+        _ if arguments.result.json => terminal.json(&converted.zeros_and_poles(&source)?)?,
         _ if terminal.is_quiet() => {}
         _ => {
             converted.print(&source, arguments.to, terminal)?;
-            written(&arguments.out, terminal);
+            [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
         }
     }
     Ok(Outcome::Done)
 }
 
+/// What of a model its new form does not hold.
+fn lost(source: &ModelDocument, converted: &ModelDocument) -> Result<Option<&'static str>, IdentError> {
+    let models_noise = |document: &ModelDocument| -> Result<bool, IdentError> {
+        let form = document.model.innovations(document.sample_time_s, document.intersample)?;
+        Ok(form.k().norm_max() > 0.0)
+    };
+    let loses_noise = models_noise(source)? && !models_noise(converted)?;
+    Ok(match (loses_noise, source.estimate.is_some()) {
+        (true, true) => Some(
+            "the noise model and the covariance of the estimate are left out: the noise model is kept by --to ss on the model's own clock alone, a covariance by no other form",
+        ),
+        (true, false) => Some("the noise model is left out: it is kept by --to ss on the model's own clock alone"),
+        (false, true) => {
+            Some("the covariance of the estimate is left out: it belongs to the parameters of the old form")
+        }
+        (false, false) => None,
+    })
+}
+
 fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
+    check_plot(&arguments.result, &[std::slice::from_ref(&arguments.model)])?;
+    if arguments.prewarp_hz.is_some() && arguments.method != Sampling::Tustin {
+        return Err(CliError::Usage { what: "--prewarp belongs to --method tustin; give both".into() });
+    }
     let Some(path) = &arguments.out else { return Ok(()) };
     if arguments.to == Representation::Zpk {
         let what = "--out writes a model file, which has no form of zeros and poles; give --to tf or --to ss".into();
@@ -201,7 +238,7 @@ fn print_ratio(name: &str, h: &TransferFunction, to: Representation, terminal: &
         return Ok(());
     }
     // The leading coefficient of the denominator is one.
-    let list = |p: &[f64]| p.iter().map(|v| significant(v / h.den()[0])).collect::<Vec<_>>().join(", ");
+    let list = |p: &[f64]| words::coefficients(&p.iter().map(|v| v / h.den()[0]).collect::<Vec<_>>());
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["numerator".into(), list(h.num()).into()]);
     table.row(["denominator".into(), list(h.den()).into()]);
@@ -438,7 +475,7 @@ fn rule(arguments: &ConvertArguments) -> Discretisation {
     match arguments.method {
         Sampling::Zoh => Discretisation::ZeroOrderHold,
         Sampling::Foh => Discretisation::FirstOrderHold,
-        Sampling::Tustin => Discretisation::Tustin { prewarp_rad_s: None },
+        Sampling::Tustin => Discretisation::Tustin { prewarp_rad_s: arguments.prewarp_hz.map(|hz| TAU * hz) },
         Sampling::Impulse => Discretisation::ImpulseInvariant,
         Sampling::Matched => Discretisation::Matched,
     }

@@ -7,7 +7,7 @@ use ident::uncertainty::Dynamics;
 use ident::validate::{Judgement, ResidualTest, judge};
 use ident::{Dataset, IdentError, ModelDocument};
 
-use super::data::{Files, Loaded, check_plot, check_targets, draw, say};
+use super::data::{Files, Loaded, Note, check_plot, check_targets, draw, say};
 use super::fit::which_data;
 use super::{figures, model_file, operating_point, recorded, words};
 use crate::cli::identify::{
@@ -88,11 +88,11 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
             let pole = words::growing_pole(&mode);
             let text =
                 format!("{name} is not stable ({pole}): its simulation runs away; --horizon compares predictions");
-            say(&[text], &mut said, terminal);
+            say(&[Note::Warning(text)], &mut said, terminal);
         } else if let Ok(judged) = &judged
             && let Some(hint) = operating_point::hint(document, &data, &judged.response, arguments.meet.detrend)
         {
-            say(&[format!("{name}: {hint}")], &mut said, terminal);
+            say(&[Note::Warning(format!("{name}: {hint}"))], &mut said, terminal);
         }
         all.push(Met { model: name, data, judged });
     }
@@ -242,7 +242,7 @@ fn run(
 }
 
 /// Draws figures where a plot is asked for.
-pub(super) fn picture(
+pub(in crate::commands) fn picture(
     arguments: &ResultArguments,
     title: &str,
     figures: impl FnOnce() -> Vec<plot::Figure>,
@@ -254,7 +254,7 @@ pub(super) fn picture(
 }
 
 /// Says where something was written.
-pub(super) fn written(path: &Option<PathBuf>, terminal: &mut Terminal) {
+pub(in crate::commands) fn written(path: &Option<PathBuf>, terminal: &mut Terminal) {
     if let Some(path) = path {
         terminal.line(&format!("written: {}", path.display()));
     }

@@ -1,7 +1,7 @@
 //! Identification of linear models from any recording: the library `ident` at the command line.
 
 pub(crate) mod convert;
-mod data;
+pub(in crate::commands) mod data;
 pub(crate) mod explore;
 mod figures;
 pub(crate) mod fit;

@@ -6,7 +6,7 @@ use bench::dataset::{CommonClock, DatasetError};
 use bench::units::may_be_same;
 use faer::Mat;
 use ident::uncertainty::Dynamics;
-use ident::{Experiment, Intersample, ModelDocument};
+use ident::{DocumentHeader, Experiment, IdentError, Intersample, ModelDocument};
 
 use super::data::{Files, Gaps, Loaded, Purpose, take_about};
 use super::operating_point;
@@ -17,9 +17,16 @@ use crate::input::read_text;
 /// Reads a model file.
 pub(super) fn read(path: &Path) -> Result<ModelDocument, CliError> {
     let wrong = |reason: String| CliError::ModelFile { path: path.to_owned(), reason };
-    let document: ModelDocument =
-        serde_json::from_str(&read_text(path, "a model file as `dynoid fit … --out model.json` writes")?)
-            .map_err(|error| wrong(error.to_string()))?;
+    let text = read_text(path, "a model file as `dynoid fit … --out model.json` writes")?;
+    // First of all what it is: a later version may have another layout.
+    match serde_json::from_str::<DocumentHeader>(&text).map(|header| header.check()) {
+        Err(error) => return Err(wrong(error.to_string())),
+        Ok(Err(source @ IdentError::DocumentVersion { .. })) => {
+            return Err(CliError::ModelVersion { path: path.to_owned(), source });
+        }
+        Ok(known) => known.map_err(|error| wrong(error.to_string()))?,
+    }
+    let document: ModelDocument = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
     document.checked().map_err(|error| wrong(error.to_string()))
 }
 
@@ -60,8 +67,7 @@ pub(super) fn meet(document: &ModelDocument, files: &Files, arguments: &MeetArgu
         recordings: arguments.on.clone(),
         inputs: names(&document.inputs),
         outputs: names(&document.outputs),
-        from_s: arguments.from_s,
-        to_s: arguments.to_s,
+        window: arguments.window,
         sample_time_s: Some(clock_s(document, files, arguments)?),
         detrend: Detrend::None,
         between: match document.intersample {
@@ -140,12 +146,4 @@ pub(super) fn meet_inputs(
     let data = loaded.data.map_experiments(unmeasured).map_err(failed)?;
     let data = data.with_labels(document.inputs.clone(), document.outputs.clone()).map_err(failed)?;
     Ok(Loaded { data, ..loaded })
-}
-
-/// A number of one to the right of the point, such as a confidence.
-pub(super) fn checked_share(option: &str, share: f64) -> Result<f64, CliError> {
-    if share > 0.0 && share < 1.0 {
-        return Ok(share);
-    }
-    Err(CliError::Usage { what: format!("{option} {share}: give a share between 0 and 1") })
 }

@@ -165,6 +165,19 @@ pub(super) fn tests_json(report: &ResidualReport, level: f64) -> serde_json::Val
     serde_json::json!({"level": level, "whiteness": whiteness, "independence": independence})
 }
 
+/// So many of something, in the plural where it is not one.
+pub(in crate::commands) fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// Six significant digits of each coefficient of a polynomial; what is rounding beside the largest is none.
+pub(super) fn coefficients(all: &[f64]) -> String {
+    const ROUNDING: f64 = 1e-15;
+    let largest = all.iter().fold(0.0, |largest: f64, v| largest.max(v.abs()));
+    let text = |v: &f64| if v.abs() < ROUNDING * largest { "0".to_owned() } else { significant(*v) };
+    all.iter().map(text).collect::<Vec<_>>().join(", ")
+}
+
 /// A fit in percent; a dash where nothing was measured.
 pub(super) fn percent(value: f64) -> String {
     match value {

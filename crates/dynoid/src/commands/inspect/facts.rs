@@ -14,7 +14,8 @@ use super::start_time;
 #[derive(Debug, Serialize)]
 pub(super) struct File {
     pub(super) file: String,
-    pub(super) sha256: String,
+    /// Of all that the file holds; for it the whole file is read, so only where it is shown.
+    pub(super) sha256: Option<String>,
     pub(super) format: String,
     pub(super) comment: Option<String>,
     pub(super) start: Option<String>,
@@ -195,7 +196,7 @@ impl Listing {
 }
 
 impl File {
-    pub(super) fn of(name: &str, sha256: String, recording: &Recording, extras: &Extras) -> Self {
+    pub(super) fn of(name: &str, sha256: Option<String>, recording: &Recording, extras: &Extras) -> Self {
         let clocks = recording.rasters.iter().enumerate().map(|(index, raster)| {
             let channels = recording.channels.iter().filter(|channel| channel.raster == index);
             Clock::of(raster, channels.map(Values::of).collect())

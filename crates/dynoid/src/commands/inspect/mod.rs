@@ -57,10 +57,11 @@ fn look(file: &InputFile, arguments: &InspectArguments, terminal: &Terminal) -> 
     let progress = terminal.long(&format!("reading {}", file.name));
     let told = |done: u64, all: u64| progress.told(done, all);
     let read = input::read_recording(file, &input::selection(&arguments.channels), None, &told);
-    let Read { recording, sha256, .. } = read.map_err(|error| match error {
+    let Read { recording, .. } = read.map_err(|error| match error {
         // There is no option for it here.
         CliError::Recording { source, .. } => CliError::Recording { source, untimed: false },
         other => other,
     })?;
+    let sha256 = arguments.json.then(|| input::sha256(file)).transpose()?;
     Ok(Shown::File(File::of(&file.name, sha256, &recording, &input::extras(file)?)))
 }

@@ -40,7 +40,8 @@ impl Files {
         let (mut all, mut untimed) = (Vec::new(), false);
         for (file, name) in files.into_iter().zip(names) {
             progress.say(&format!("reading {}", file.name));
-            let (recording, sha256, is_untimed) = decode(&file, channels, row_time_s)?;
+            let (recording, is_untimed) = decode(&file, channels, row_time_s)?;
+            let sha256 = input::sha256(&file)?;
             untimed |= is_untimed;
             all.push(File { file, name, recording, sha256 });
             progress.step();
@@ -114,14 +115,14 @@ fn short_names(files: &[InputFile]) -> Vec<String> {
     files.iter().zip(&names).map(name).collect()
 }
 
-/// A recording, the hash of its bytes, and whether it is text without a time column, which is read where the time from
+/// A recording, and whether it is text without a time column, which is read where the time from
 /// row to row is given. Where a channel that is named is not there, it holds all of them: what they are can be said then.
-fn decode(file: &InputFile, channels: &[&str], row_time_s: Option<f64>) -> Result<(Recording, String, bool), CliError> {
+fn decode(file: &InputFile, channels: &[&str], row_time_s: Option<f64>) -> Result<(Recording, bool), CliError> {
     let wanted = if channels.is_empty() { Selection::All } else { Selection::names(channels.iter().copied()) };
     let read = |wanted: &Selection| input::read_recording(file, wanted, row_time_s, &|_, _| {});
     let read = match read(&wanted) {
         Err(CliError::Recording { source: RecordingError::NoSuchChannel { .. }, .. }) => read(&Selection::All)?,
         other => other?,
     };
-    Ok((read.recording, read.sha256, read.is_untimed))
+    Ok((read.recording, read.is_untimed))
 }

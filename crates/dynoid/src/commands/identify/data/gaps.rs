@@ -2,7 +2,7 @@
 
 use ident::{Channel, Dataset, IdentError};
 
-use super::Loaded;
+use super::{Loaded, Note};
 use crate::error::CliError;
 
 /// Stretches between gaps that are shorter than this, in samples, are left out: their initial states would cost what they
@@ -42,7 +42,7 @@ impl Loaded {
             channels: missing_channels(&self.data, gaps).join(", "),
             shortest: SHORTEST,
         })?;
-        Ok(Loaded { data, recording, notes, ..self })
+        Loaded { data, recording, notes, ..self }.without_unused()
     }
 }
 
@@ -68,7 +68,7 @@ fn missing_channels(data: &Dataset, gaps: Gaps) -> Vec<String> {
 }
 
 /// What became of one recording; nothing where it has no gap.
-fn note(before: &Dataset, parts: Option<&Dataset>, gaps: Gaps) -> Option<String> {
+fn note(before: &Dataset, parts: Option<&Dataset>, gaps: Gaps) -> Option<Note> {
     let channels = missing_channels(before, gaps);
     if channels.is_empty() {
         return None;
@@ -76,15 +76,16 @@ fn note(before: &Dataset, parts: Option<&Dataset>, gaps: Gaps) -> Option<String>
     let name = &before.experiments().first()?.name;
     let channels = channels.join(", ");
     let Some(parts) = parts else {
-        return Some(format!(
+        return Some(Note::Warning(format!(
             "{name} was left out: {channels} {} never there for {SHORTEST} samples on end",
             if channels.contains(", ") { "are" } else { "is" }
-        ));
+        )));
     };
     let (count, used, of) = (parts.experiments().len(), parts.samples(), before.samples());
     let stretches = match count {
         1 => "one stretch".to_owned(),
         _ => format!("{count} stretches, each with an initial state of its own"),
     };
-    Some(format!("{name} was cut at the gaps of {channels} into {stretches}: {used} of {of} samples are used"))
+    let text = format!("{name} was cut at the gaps of {channels} into {stretches}: {used} of {of} samples are used");
+    Some(Note::Done(text))
 }

@@ -3,19 +3,24 @@
 mod faults;
 mod files;
 mod gaps;
+mod note;
 mod targets;
 mod words;
 
+use std::collections::BTreeSet;
+
 use bench::dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
-use ident::{Advice, Dataset, IdentError, Intersample, Source, Trend, TrendScope, TrendShape, advise};
+use ident::{Advice, Dataset, IdentError, Intersample, Line, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
 
 pub(super) use faults::check_variation;
 pub(super) use files::Files;
 pub(super) use gaps::Gaps;
-pub(super) use targets::{check_plot, check_targets, draw};
+pub(super) use note::{Note, say};
+pub(in crate::commands) use targets::check_plot;
+pub(super) use targets::{check_targets, draw};
 
-use crate::cli::identify::{Between, DataArguments, Detrend};
+use crate::cli::identify::{Between, DataArguments, Detrend, Window};
 use crate::error::CliError;
 use crate::terminal::Terminal;
 
@@ -33,7 +38,27 @@ pub(super) struct Loaded {
     /// Which of them each experiment is of, or is a part of.
     pub(super) recording: Vec<usize>,
     /// What was done to the channels on the way, and what should be known of them.
-    pub(super) notes: Vec<String>,
+    pub(super) notes: Vec<Note>,
+}
+
+impl Loaded {
+    /// The same without the recordings that no experiment is left of: nothing is known of them, and nothing rests on them.
+    pub(super) fn without_unused(mut self) -> Result<Self, CliError> {
+        let used: BTreeSet<usize> = self.recording.iter().copied().collect();
+        if used.len() == self.sources.len() {
+            return Ok(self);
+        }
+        let place = |of: &usize| used.range(..of).count();
+        self.recording = self.recording.iter().map(place).collect();
+        if let Some(trend) = self.trend.take() {
+            let lines = |of: &dyn Fn(usize) -> Vec<Line>| used.iter().copied().map(of).collect();
+            let (inputs, outputs) = (lines(&|n| trend.inputs(n).to_vec()), lines(&|n| trend.outputs(n).to_vec()));
+            let left = Trend::per_experiment(inputs, outputs);
+            self.trend = Some(left.map_err(|source| CliError::identify("the trend", source))?);
+        }
+        self.sources = used.into_iter().map(|n| self.sources[n].clone()).collect();
+        Ok(self)
+    }
 }
 
 /// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way; on a clock
@@ -99,27 +124,27 @@ pub(super) fn take_about(
     purpose: Purpose,
     trend: impl FnOnce(&Dataset, &[Source]) -> Result<Option<Trend>, IdentError>,
 ) -> Result<Loaded, CliError> {
-    check_window(arguments)?;
+    check_window(arguments.window)?;
     let recordings = files.recordings();
     let options = DatasetOptions {
         inputs: arguments.inputs.clone(),
         outputs: chosen_outputs(arguments, &recordings)?,
-        from_s: arguments.from_s,
-        to_s: arguments.to_s,
+        from_s: arguments.window.from_s,
+        to_s: arguments.window.to_s,
         clock: arguments.sample_time_s.map_or(usual, CommonClock::Every),
         intersample: intersample(arguments.between),
     };
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
     faults::check_sizes(&data, &files.named(&data))?;
-    let mut notes = files.doubles();
+    let mut notes: Vec<Note> = files.doubles().into_iter().map(Note::Warning).collect();
     // Inputs that stand in for outputs have their own adjustments.
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
     let is_news = |a: &&Adjustment| !(is_stand_in && matches!(a, Adjustment::Sparse { .. }));
-    notes.extend(adjustments.iter().filter(is_news).map(words::adjustment));
+    notes.extend(adjustments.iter().filter(is_news).map(|a| Note::Done(words::adjustment(a))));
     let advice = if is_stand_in { Vec::new() } else { advise(&data) };
     let is_explained = |advice: &&Advice| words::is_explained(advice, &adjustments, &data);
     let advice = advice.iter().filter(|advice| words::matters(advice, purpose)).filter(|a| !is_explained(a));
-    notes.extend(advice.map(|advice| words::advice(advice, &data)));
+    notes.extend(advice.map(|advice| Note::Warning(words::advice(advice, &data))));
     let sources = files.sources(&data);
     let trend = trend(&data, &sources).map_err(|source| CliError::identify("the trend", source))?;
     let data = match &trend {
@@ -130,18 +155,8 @@ pub(super) fn take_about(
     Ok(Loaded { data, trend, sources, recording, notes })
 }
 
-/// Says what was not said before.
-pub(super) fn say(notes: &[String], said: &mut Vec<String>, terminal: &mut Terminal) {
-    for note in notes {
-        if !said.contains(note) {
-            terminal.warning(note);
-            said.push(note.clone());
-        }
-    }
-}
-
-fn check_window(arguments: &DataArguments) -> Result<(), CliError> {
-    match (arguments.from_s, arguments.to_s) {
+fn check_window(window: Window) -> Result<(), CliError> {
+    match (window.from_s, window.to_s) {
         (Some(from_s), Some(to_s)) if from_s >= to_s => Err(CliError::Usage {
             what: format!("--from {from_s} lies at or after --to {to_s}; give the earlier time first"),
         }),

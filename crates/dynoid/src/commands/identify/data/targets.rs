@@ -24,10 +24,7 @@ pub(in crate::commands::identify) fn check_targets(
 }
 
 /// Checks before any work that a plot is of a kind that can be drawn, and that it can be written.
-pub(in crate::commands::identify) fn check_plot(
-    arguments: &ResultArguments,
-    read: &[&[PathBuf]],
-) -> Result<(), CliError> {
+pub(in crate::commands) fn check_plot(arguments: &ResultArguments, read: &[&[PathBuf]]) -> Result<(), CliError> {
     check_targets(&[&arguments.plot], read)?;
     arguments.plot.as_ref().map_or(Ok(()), |path| kind(path).map(|_| ()))
 }

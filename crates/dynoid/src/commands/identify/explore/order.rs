@@ -9,7 +9,6 @@ use plot::{Axis, Figure, Layer, Panel, Style};
 use super::super::data::{Gaps, check_plot, load_between_gaps};
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
-use super::super::model_file;
 use super::super::words::significant;
 use crate::cli::identify::OrderArguments;
 use crate::error::{CliError, Outcome};
@@ -20,7 +19,7 @@ use crate::terminal::Terminal;
 pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let ranges = [range("--na", &arguments.na)?, range("--nb", &arguments.nb)?, range("--nk", &arguments.nk)?];
-    let share = arguments.split.map(|share| model_file::checked_share("--split", share)).transpose()?;
+    let share = arguments.split;
     let data = load_between_gaps(CommonClock::Slowest, Gaps::OfInputs, &arguments.data, terminal)?.data;
     let failed = |source| CliError::identify("the order scan", source);
     let [na, nb, nk] = ranges.clone();

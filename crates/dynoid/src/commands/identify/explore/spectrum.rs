@@ -86,7 +86,7 @@ fn without_gaps(loaded: Loaded, terminal: &mut Terminal) -> Result<Dataset, CliE
     let known = loaded.notes.len();
     let cut = loaded.cut_at(Gaps::OfAll)?;
     for note in &cut.notes[known..] {
-        terminal.warning(&format!("{note}; of each recording the longest is shown"));
+        note.clone().with("; of each recording the longest is shown").say(terminal);
     }
     let experiments = cut.data.experiments();
     let mut longest: Vec<usize> = Vec::new();

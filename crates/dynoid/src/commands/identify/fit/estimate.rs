@@ -90,7 +90,11 @@ fn band(arguments: &PolynomialArguments, data: &Dataset) -> Result<Option<Sos>, 
 }
 
 fn transfer_function(arguments: &TransferFunctionArguments, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
-    let mut options = ContinuousTransferFunction::per_input(arguments.zeros.clone(), arguments.poles.clone());
+    let mut options = ContinuousTransferFunction::per_input(arguments.zeros.clone(), arguments.poles.clone())
+        .with_integrators(arguments.integrators);
+    options = if arguments.offset { options.with_offset() } else { options };
+    options = if arguments.unstable { options.allow_unstable() } else { options };
+    options = if arguments.initial == Initial::Zero { options.from_rest() } else { options };
     let ranges = delays(&arguments.delay)?;
     if !ranges.is_empty() {
         options = match ranges.iter().all(Delay::is_known) {

@@ -11,10 +11,11 @@ use ident::validate::TestData;
 use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
 
 use super::data::{
-    Files, Gaps, Loaded, Purpose, check_plot, check_targets, check_variation, draw, load_on, named, say, take_about,
+    Files, Gaps, Loaded, Note, Purpose, check_plot, check_targets, check_variation, draw, load_on, named, say,
+    take_about,
 };
 use super::{greybox, model_file, operating_point};
-use crate::cli::identify::{FitArguments, FitCommand, MeetDetrend};
+use crate::cli::identify::{FitArguments, FitCommand, MeetDetrend, Window};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
@@ -34,7 +35,7 @@ struct Finished {
     /// Experiments that the estimate rests on.
     experiments: usize,
     /// What was said of the data on the way.
-    notes: Vec<String>,
+    notes: Vec<Note>,
 }
 
 pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -153,7 +154,7 @@ fn parts(
     terminal: &mut Terminal,
 ) -> Result<(Loaded, Option<Loaded>), CliError> {
     if let Some(share) = arguments.split {
-        let (first, rest) = whole.split(model_file::checked_share("--split", share)?)?;
+        let (first, rest) = whole.split(share)?;
         return Ok((first, Some(rest)));
     }
     if arguments.validate.is_empty() {
@@ -162,14 +163,15 @@ fn parts(
     let mut data = arguments.data.clone();
     // The window belongs to the recordings of the estimate, the clock to both.
     let row_time_s = data.sample_time_s.unwrap_or(whole.data.sample_time_s());
-    (data.from_s, data.to_s, data.sample_time_s) = (None, None, Some(whole.data.sample_time_s()));
+    (data.window, data.sample_time_s) = (Window::default(), Some(whole.data.sample_time_s()));
     let names: Vec<&str> = data.inputs.iter().chain(&data.outputs).map(String::as_str).collect();
     let files = Files::read(&arguments.validate, &names, Some(row_time_s), terminal)?;
     let about = |_: &_, sources: &_| operating_point::of_data(whole.trend.as_ref(), &whole.sources, sources);
     let mut unseen = take_about(&files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;
     let same = |a: &Source| whole.sources.iter().any(|b| a.sha256 == b.sha256);
     for source in unseen.sources.iter().filter(|source| same(source)) {
-        unseen.notes.push(format!("{}: the estimate rests on this recording too, so it is no unseen one", source.file));
+        let text = format!("{}: the estimate rests on this recording too, so it is no unseen one", source.file);
+        unseen.notes.push(Note::Warning(text));
     }
     Ok((whole, Some(unseen)))
 }
@@ -221,8 +223,8 @@ impl Loaded {
                 sources[*of].to_s =
                     experiment.start_s + experiment.len().saturating_sub(1) as f64 * data.sample_time_s();
             }
-            Loaded { data, trend: self.trend.clone(), sources, recording, notes: self.notes.clone() }
+            Loaded { data, trend: self.trend.clone(), sources, recording, notes: self.notes.clone() }.without_unused()
         };
-        Ok((part(split.estimation), part(split.validation)))
+        Ok((part(split.estimation)?, part(split.validation)?))
     }
 }

@@ -14,6 +14,35 @@ use crate::commands::identify::words::{self, significant};
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
+/// How much a reason to doubt matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Weight {
+    /// The model is of no use as it is.
+    Grave,
+    /// The model can be used with care.
+    Doubt,
+    /// It is as it has to be, and should be known.
+    Note,
+}
+
+impl Weight {
+    fn of(doubt: &Doubt) -> Self {
+        match doubt {
+            Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. } => Weight::Grave,
+            Doubt::RowsLeftOut { .. } | Doubt::CovarianceIsLowerBound => Weight::Note,
+            _ => Weight::Doubt,
+        }
+    }
+
+    fn mark(self) -> (&'static str, Style) {
+        match self {
+            Weight::Grave => ("doubt:", Style::Bad),
+            Weight::Doubt => ("doubt:", Style::Caution),
+            Weight::Note => ("note:", Style::Faint),
+        }
+    }
+}
+
 pub(super) fn channels(document: &ModelDocument) -> String {
     let names = |labels: &[ident::Label]| labels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ");
     let inputs = if document.inputs.is_empty() { "e".to_owned() } else { names(&document.inputs) };
@@ -46,15 +75,15 @@ impl Finished {
         let document = &self.document;
         terminal.heading(&format!("{}: {}", method(document), channels(document)), Style::Bold);
         terminal.line(&format!(
-            "{} samples of {} s, {} experiment{}",
-            self.fit.samples,
+            "{} of {} s, {}",
+            words::counted(self.fit.samples, "sample"),
             significant(document.sample_time_s),
-            self.experiments,
-            if self.experiments == 1 { "" } else { "s" }
+            words::counted(self.experiments, "experiment"),
         ));
-        let (grave, others): (Vec<_>, Vec<_>) = self.doubts().into_iter().partition(|(is_grave, _)| *is_grave);
-        for (_, doubt) in &grave {
-            terminal.item(("doubt:", Style::Bad), doubt);
+        let (grave, others): (Vec<_>, Vec<_>) =
+            self.doubts().into_iter().partition(|(weight, _)| *weight == Weight::Grave);
+        for (weight, doubt) in &grave {
+            terminal.item(weight.mark(), doubt);
         }
         terminal.gap();
         // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
@@ -68,8 +97,8 @@ impl Finished {
         terminal.table(&self.fits());
         terminal.gap();
         self.print_tests(terminal);
-        for (_, doubt) in &others {
-            terminal.item(("doubt:", Style::Caution), doubt);
+        for (weight, doubt) in &others {
+            terminal.item(weight.mark(), doubt);
         }
         for path in [&arguments.out, &arguments.result.plot].into_iter().flatten() {
             terminal.line(&format!("written: {}", path.display()));
@@ -93,9 +122,8 @@ impl Finished {
         terminal.line(&format!("{} ({} iterations)", words::termination(self.fit.termination), self.fit.iterations));
     }
 
-    /// Every reason to doubt, in words, those first with which the model is of no use as it is; each with whether it is one
-    /// of these.
-    fn doubts(&self) -> Vec<(bool, String)> {
+    /// Every reason to doubt, in words, those first with which the model is of no use as it is.
+    fn doubts(&self) -> Vec<(Weight, String)> {
         let names = self.fit.model.parameter_names();
         let is_coloured =
             |report: &ident::validate::ResidualReport| report.whiteness.iter().any(|w| !w.joint.passes(REGION));
@@ -103,19 +131,17 @@ impl Finished {
         let first = (coloured && self.has_noise_model()).then(|| {
             "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; give the noise a higher order, or take armax, bj or ss".to_owned()
         });
-        let is_grave =
-            |doubt: &Doubt| matches!(doubt, Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. });
         let growing = self.fit.model.system().and_then(|system| system.growing_mode()).ok().flatten();
         let pole = |doubt: &Doubt| match (&growing, doubt) {
             (Some(mode), Doubt::Unstable) => format!(" ({})", words::growing_pole(mode)),
             _ => String::new(),
         };
         let word = |doubt| {
-            (is_grave(doubt), format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
+            (Weight::of(doubt), format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
         };
-        let mut all: Vec<(bool, String)> = self.fit.doubts.iter().map(word).collect();
-        all.extend(first.map(|text| (false, text)));
-        all.sort_by_key(|(is_grave, _)| !is_grave);
+        let mut all: Vec<(Weight, String)> = self.fit.doubts.iter().map(word).collect();
+        all.extend(first.map(|text| (Weight::Doubt, text)));
+        all.sort_by_key(|(weight, _)| *weight);
         all
     }
 

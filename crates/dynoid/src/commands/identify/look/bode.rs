@@ -3,13 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use ident::uncertainty::{Dynamics, Feature, Features};
-use ident::{AnyModel, IdentError};
+use ident::{AnyModel, IdentError, ModelDocument};
 use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
-use plot::Axis;
+use plot::{Axis, Figure};
 
 use super::super::data::check_plot;
 use super::super::words::{digits, ratio_unit, with_range};
-use super::curves::{Curve, Fact, Quantity, show, unstable};
+use super::curves::{Curve, Fact, Quantity, figures, show, unstable};
 use super::{Model, channel_name, channels, failed, models};
 use crate::cli::identify::CurveArguments;
 use crate::error::{CliError, Outcome};
@@ -17,11 +17,27 @@ use crate::terminal::Terminal;
 
 /// Frequencies of a Bode plot.
 const FREQUENCIES: usize = 400;
+/// Confidence of bands where none is asked for.
+const LEVEL: f64 = 0.95;
 
 /// `dynoid bode`
 pub(crate) fn bode(arguments: &CurveArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.models.result, &[&arguments.models.models])?;
     let models = models(&arguments.models)?;
+    let curves = curves(&models, arguments.models.level)?;
+    show(&curves, &models, &Axis::frequency(), arguments, terminal)
+}
+
+/// Bode plots of models that are called so, in one figure a channel.
+pub(in crate::commands::identify) fn bode_figures<const N: usize>(
+    documents: [(String, ModelDocument); N],
+) -> Result<Vec<Figure>, CliError> {
+    let model = |(name, document)| Model::new(name, document, false).map_err(failed);
+    let models: Vec<Model> = documents.into_iter().map(model).collect::<Result<_, _>>()?;
+    Ok(figures(&curves(&models, LEVEL)?, &models, &Axis::frequency()))
+}
+
+fn curves(models: &[Model], level: f64) -> Result<Vec<Curve>, CliError> {
     let systems = models.iter().map(|model| model.document.model.system());
     let systems: Vec<StateSpace> = systems.collect::<Result<_, LtiError>>().map_err(|e| failed(e.into()))?;
     let all = common_frequency_grid(&systems, FREQUENCIES).map_err(|e| failed(e.into()))?;
@@ -31,10 +47,10 @@ pub(crate) fn bode(arguments: &CurveArguments, terminal: &mut Terminal) -> Resul
         let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
         let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
         for channel in channels(model) {
-            curves.push(curve(model, number, channel, &omega, arguments.models.level).map_err(failed)?);
+            curves.push(curve(model, number, channel, &omega, level).map_err(failed)?);
         }
     }
-    show(&curves, &models, &Axis::frequency(), arguments, terminal)
+    Ok(curves)
 }
 
 fn curve(

@@ -99,7 +99,7 @@ fn curve_json(curve: &Curve, model: &str, x: &Axis) -> serde_json::Value {
         "quantities": quantities, "summary": summary})
 }
 
-fn figures(curves: &[Curve], models: &[Model], x: &Axis) -> Vec<Figure> {
+pub(super) fn figures(curves: &[Curve], models: &[Model], x: &Axis) -> Vec<Figure> {
     let mut names: Vec<&str> = Vec::new();
     for curve in curves {
         if !names.contains(&curve.channel.as_str()) {

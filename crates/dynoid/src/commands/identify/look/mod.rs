@@ -7,6 +7,7 @@ mod poles;
 mod step;
 
 pub(crate) use bode::bode;
+pub(super) use bode::bode_figures;
 pub(crate) use poles::poles;
 pub(super) use poles::print_roots;
 pub(crate) use step::step;
@@ -31,7 +32,6 @@ struct Model {
 
 /// The models, and with `noise` each as its noise sees it too; of a time series that is all there is.
 fn models(arguments: &ModelArguments) -> Result<Vec<Model>, CliError> {
-    model_file::checked_share("--level", arguments.level)?;
     let mut all = Vec::new();
     for path in &arguments.models {
         let wrong = |error: IdentError| CliError::ModelFile { path: path.clone(), reason: error.to_string() };
