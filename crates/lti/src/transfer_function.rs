@@ -8,7 +8,7 @@ use crate::error::{LtiError, check_delay, check_finite, check_sample_time};
 use crate::frequency_response::FrequencyResponse;
 use crate::matrix::{balance, norm_2};
 use crate::polynomial::{add, evaluate, multiply, roots, without_leading_zeros};
-use crate::state_space::{StateSpace, check_same_clock, frequency_point};
+use crate::state_space::{StateSpace, check_same_clock, frequency_point, is_algebraic_loop};
 
 /// One input, one output: `H(s) = num(s)/den(s) · e^{−s·delay}`, or `H(z) = num(z)/den(z) · z^{−delay/T}`.
 ///
@@ -192,20 +192,32 @@ impl TransferFunction {
         Self::new(num, multiply(&p.den, &q.den), self.sample_time_s)?.with_delay(common)
     }
 
-    /// The loop closed through `back` with a negative sign, `H / (1 + H·H_back)`; nothing is cancelled.
+    /// The loop closed through `back` with a negative sign, `H / (1 + H·H_back)`; nothing is cancelled. Delays of discrete
+    /// systems become poles at zero.
     ///
     /// # Errors
-    /// [`LtiError::DelayPresent`] where either has a delay, [`LtiError::AlgebraicLoop`] where the denominator vanishes,
-    /// [`LtiError::SampleTimesDiffer`].
+    /// [`LtiError::DelayPresent`] where either of continuous systems has a delay, [`LtiError::FractionalDelay`] where one
+    /// of discrete ones is not whole samples; [`LtiError::AlgebraicLoop`] where `1 + D·D_back` vanishes, so that no signal
+    /// in the loop is determined; [`LtiError::SampleTimesDiffer`].
     pub fn feedback(&self, back: &Self) -> Result<Self, LtiError> {
         check_same_clock(self.sample_time_s, back.sample_time_s)?;
-        self.check_no_delay()?;
-        back.check_no_delay()?;
-        let den = add(&multiply(&self.den, &back.den), &multiply(&self.num, &back.num));
-        Self::new(multiply(&self.num, &back.den), den, self.sample_time_s).map_err(|error| match error {
-            LtiError::ZeroPolynomial { .. } => LtiError::AlgebraicLoop,
-            other => other,
-        })
+        let (p, q) = (self.delay_as_poles()?, back.delay_as_poles()?);
+        let (open, around) = (multiply(&p.den, &q.den), multiply(&p.num, &q.num));
+        if open.len() == around.len() {
+            let (first, second) = (open[0], around[0]);
+            if is_algebraic_loop(first + second, first.abs() + second.abs()) {
+                return Err(LtiError::AlgebraicLoop);
+            }
+        }
+        Self::new(multiply(&p.num, &q.den), add(&open, &around), self.sample_time_s)
+    }
+
+    /// This system without a delay: that of a discrete one as poles at zero.
+    fn delay_as_poles(&self) -> Result<Self, LtiError> {
+        match self.sample_time_s {
+            Some(_) if self.delay_s != 0.0 => self.with_delay_absorbed(),
+            _ => self.check_no_delay().map(|()| self.clone()),
+        }
     }
 
     /// The system in state space: controllable canonical form, its states scaled by powers of two so that `A` is

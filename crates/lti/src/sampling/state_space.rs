@@ -1,9 +1,10 @@
 //! Sampling of systems in state space.
 
-use faer::Scale;
+use faer::{Mat, MatRef, Scale};
 
 use super::{Discretisation, hold, matched, tustin};
 use crate::error::{LtiError, check_sample_time};
+use crate::matrix::{balance, inverse};
 use crate::state_space::StateSpace;
 
 impl StateSpace {
@@ -94,7 +95,13 @@ impl StateSpace {
         }
         let (phi, _) = self.transition(sample_time_s)?;
         let b = &phi * self.b() * Scale(sample_time_s);
-        let d = self.c() * self.b() * Scale(sample_time_s);
+        let first = self.c() * self.b() * Scale(sample_time_s);
+        // A response that starts at zero must not get a feed-through of rounding, and with it a zero far away.
+        let rounding = 4.0 * f64::EPSILON * self.states() as f64;
+        let terms = magnitudes(self.c()) * magnitudes(self.b()) * Scale(rounding * sample_time_s);
+        let d = Mat::from_fn(first.nrows(), first.ncols(), |i, j| {
+            if first[(i, j)].abs() <= terms[(i, j)] { 0.0 } else { first[(i, j)] }
+        });
         Self::discrete(phi, b, self.c().to_owned(), d, sample_time_s)
     }
 
@@ -103,11 +110,32 @@ impl StateSpace {
         let before = crate::expm((&a * Scale(-sample_time_s)).as_ref())?;
         let b = before * self.b() * Scale(1.0 / sample_time_s);
         let first = self.c() * &b * Scale(sample_time_s);
-        // D is the first sample of the impulse response, or there is feed-through that no impulse response has.
-        if (self.d() - &first).norm_max() > 1e-6 * first.norm_max().max(self.d().norm_max()) {
+        // D is the first sample of the impulse response, or there is feed-through that no impulse response has. Where
+        // that sample is zero both are rounding, so their difference counts against the sizes of C and B.
+        let (_, states) = balance(a.as_ref());
+        let c = Mat::from_fn(self.outputs(), states.len(), |i, j| self.c()[(i, j)] * states[j]);
+        let scaled = Mat::from_fn(states.len(), self.inputs(), |i, j| b[(i, j)] / states[i]);
+        let terms = sample_time_s * c.norm_l2() * scaled.norm_l2();
+        let missed = self.d() - &first;
+        if missed.norm_max() > 1e-6 * terms.max(self.d().norm_max()) {
             return Err(LtiError::Improper { numerator: self.states(), denominator: self.states() });
         }
-        let zero = faer::Mat::zeros(self.outputs(), self.inputs());
+        // The smallest change of B that has `T C B = D`: without it rounding would be a zero far away.
+        let b = match pseudo_inverse(self.c()) {
+            Some(inverse) => b + inverse * missed * Scale(1.0 / sample_time_s),
+            None => b,
+        };
+        let zero = Mat::zeros(self.outputs(), self.inputs());
         Self::continuous(a, b, self.c().to_owned(), zero)
     }
+}
+
+fn magnitudes(m: MatRef<'_, f64>) -> Mat<f64> {
+    Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)].abs())
+}
+
+/// `C⁺`, where rows of C are independent.
+fn pseudo_inverse(c: MatRef<'_, f64>) -> Option<Mat<f64>> {
+    let gram = c * c.transpose();
+    Some(c.transpose() * inverse(gram.as_ref())?)
 }

@@ -4,7 +4,7 @@ use faer::Mat;
 
 use super::StateSpace;
 use crate::error::{LtiError, check_shape};
-use crate::matrix::{blocks, identity, inverse};
+use crate::matrix::{blocks, identity, inverse, norm_1};
 
 impl StateSpace {
     /// This system followed by `next`: `y = next(self(u))`. The states are this one's, then `next`'s.
@@ -61,8 +61,12 @@ impl StateSpace {
     pub fn feedback(&self, back: &Self) -> Result<Self, LtiError> {
         self.check_same_clock(back)?;
         check_shape("feedback system's D", (self.inputs(), self.outputs()), back.d.shape())?;
-        let loop_gain = identity(self.inputs()) + &back.d * &self.d;
+        let through = &back.d * &self.d;
+        let loop_gain = identity(self.inputs()) + &through;
         let e = inverse(loop_gain.as_ref()).ok_or(LtiError::AlgebraicLoop)?;
+        if is_algebraic_loop(1.0 / norm_1(e.as_ref()), 1.0 + norm_1(through.as_ref())) {
+            return Err(LtiError::AlgebraicLoop);
+        }
         // The forward system's input is E u − e1 x₁ − e2 x₂.
         let (e1, e2) = (&e * &back.d * &self.c, &e * &back.c);
         let y1 = &self.c - &self.d * &e1;
@@ -93,6 +97,11 @@ impl StateSpace {
     fn check_same_clock(&self, other: &Self) -> Result<(), LtiError> {
         check_same_clock(self.sample_time_s, other.sample_time_s)
     }
+}
+
+/// Whether what is left of `1 + D·D_back` is rounding, its two terms being of this size together.
+pub(crate) fn is_algebraic_loop(left: f64, terms: f64) -> bool {
+    left.abs() <= 4.0 * f64::EPSILON * terms
 }
 
 pub(crate) fn check_same_clock(first: Option<f64>, second: Option<f64>) -> Result<(), LtiError> {

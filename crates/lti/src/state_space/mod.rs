@@ -8,7 +8,7 @@ use faer::prelude::Solve;
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 
-pub(crate) use connect::check_same_clock;
+pub(crate) use connect::{check_same_clock, is_algebraic_loop};
 pub use discretise::FirstOrderHold;
 
 use crate::Complex64;

@@ -42,6 +42,43 @@ fn exact_algebraic_loops_are_refused() {
     assert!(matches!(gain(1.0).series(&discrete), Err(LtiError::SampleTimesDiffer { .. })));
 }
 
+/// Whatever the form, a loop that is one of gains alone at infinite frequency has no solution, rounding or not.
+#[test]
+fn regress_algebraic_loops_are_refused_in_both_forms() {
+    let rational = |num: Vec<f64>, den: Vec<f64>| TransferFunction::continuous(num, den).unwrap();
+    let gain = |k: f64| rational(vec![k], vec![1.0]);
+    let pairs = [
+        (rational(vec![1.0, 2.0], vec![1.0, 1.0]), gain(-1.0)),
+        (rational(vec![3e7, 2.0], vec![1e8, 1.0]), gain(-10.0 / 3.0)),
+        (rational(vec![0.1, 5.0], vec![0.3, 1.0]), rational(vec![-9.0, 1.0], vec![3.0, 7.0])),
+    ];
+    for (forward, back) in pairs {
+        assert_eq!(forward.feedback(&back), Err(LtiError::AlgebraicLoop), "{forward:?}");
+        let (forward, back) = (forward.to_state_space().unwrap(), back.to_state_space().unwrap());
+        assert_eq!(forward.feedback(&back), Err(LtiError::AlgebraicLoop), "{forward:?}");
+    }
+    let nearly = rational(vec![1.0, 2.0], vec![1.0, 1.0]).feedback(&gain(-1.0 + 1e-9)).unwrap();
+    assert_eq!(nearly.den().len(), 2);
+}
+
+#[test]
+fn exact_a_loop_takes_whole_samples_of_delay_in() {
+    let late = TransferFunction::discrete(vec![0.5], vec![1.0, -0.8], 0.1).unwrap().with_delay(0.2).unwrap();
+    let gain = TransferFunction::discrete(vec![0.3], vec![1.0], 0.1).unwrap();
+    for (forward, back) in [(&late, &gain), (&gain, &late)] {
+        let closed = forward.feedback(back).unwrap();
+        let w = 4.0;
+        let at = |system: &TransferFunction| system.frequency_response(&[w]).unwrap().response[0];
+        let expected = at(forward) / (1.0 + at(forward) * at(back));
+        assert!((at(&closed) - expected).norm() < 1e-14 && closed.delay_s() == 0.0);
+    }
+    let between = late.clone().with_delay(0.25).unwrap();
+    assert!(matches!(between.feedback(&gain), Err(LtiError::FractionalDelay { .. })));
+    let continuous = |num: f64| TransferFunction::continuous(vec![num], vec![1.0, 1.0]).unwrap();
+    let delayed = continuous(1.0).with_delay(0.2).unwrap();
+    assert!(matches!(continuous(1.0).feedback(&delayed), Err(LtiError::DelayPresent { .. })));
+}
+
 #[test]
 fn exact_integrators_have_no_gain_at_rest() {
     let integrator = TransferFunction::continuous(vec![1.0], vec![1.0, 2.0, 0.0]).unwrap();

@@ -203,9 +203,15 @@ fn distance(a: &[Complex64], b: &[Complex64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).norm() / largest).fold(0.0, f64::max)
 }
 
-fn methods() -> [Discretisation; 5] {
+/// All methods, that of the impulse response where the system has one.
+fn methods(system: &ZeroPoleGain) -> Vec<Discretisation> {
     let prewarped = Discretisation::Tustin { prewarp_rad_s: Some(7.0) };
-    [Discretisation::ZeroOrderHold, Discretisation::FirstOrderHold, TUSTIN, prewarped, Discretisation::Matched]
+    let mut all =
+        vec![Discretisation::ZeroOrderHold, Discretisation::FirstOrderHold, TUSTIN, prewarped, Discretisation::Matched];
+    if system.zeros().len() < system.poles().len() {
+        all.push(Discretisation::ImpulseInvariant);
+    }
+    all
 }
 
 /// What sampling and back changes, as matrices and as zeros and poles.
@@ -215,6 +221,38 @@ fn round_trips(system: &ZeroPoleGain, method: Discretisation, sample_time_s: f64
     let matrices = matrices.to_continuous(method).unwrap().frequency_response(0, 0, &GRID).unwrap().response;
     let roots = system.to_discrete(method, sample_time_s).unwrap().to_continuous(method).unwrap();
     [distance(&truth, &matrices), distance(&truth, &roots.frequency_response(&GRID).unwrap().response)]
+}
+
+/// Impulse responses that start at zero, as ratios, matrices in any coordinates, and zeros and poles.
+#[test]
+fn regress_impulse_responses_that_start_at_zero_come_back() {
+    let method = Discretisation::ImpulseInvariant;
+    let ratio = TransferFunction::continuous(vec![3.0], vec![1.0, 2.0, 5.0]).unwrap();
+    let sampled = ratio.to_discrete(method, 0.1).unwrap();
+    assert_eq!(sampled.num().len(), 2, "{sampled:?}");
+    for back in [sampled.to_continuous(method), sampled.resampled(method, 0.03).unwrap().to_continuous(method)] {
+        let back = back.unwrap();
+        assert_coefficients(back.num(), &[3.0], 1e-12);
+        assert_coefficients(back.den(), &[1.0, 2.0, 5.0], 1e-12);
+    }
+    let turned = |angle: f64| {
+        let (c, s) = (angle.cos(), angle.sin());
+        let (t, back) = (mat![[c, -s], [s, c]], mat![[c, s], [-s, c]]);
+        let system = ratio.to_state_space().unwrap();
+        StateSpace::continuous(&t * system.a() * &back, t * system.b(), system.c() * back, mat![[0.0]]).unwrap()
+    };
+    for angle in [0.3, 1.0, 2.0] {
+        let sampled = turned(angle).to_discrete(method, 0.1).unwrap();
+        assert_eq!(sampled.to_transfer_function().unwrap().num().len(), 2, "{angle}");
+        assert_eq!(sampled.to_continuous(method).unwrap().to_transfer_function().unwrap().num().len(), 1, "{angle}");
+    }
+    // Of three poles more than zeros: as many zeros near the samples' band as there are.
+    let cubed = TransferFunction::continuous(vec![8.0], vec![1.0, 6.0, 12.0, 8.0]).unwrap();
+    let back = cubed.to_discrete(method, 0.1).unwrap().to_continuous(method).unwrap();
+    assert!((back.dc_gain() - 1.0).abs() < 1e-8, "{back:?}");
+    // Held, the response that starts at zero is another; it is no impulse response.
+    let held = ratio.to_discrete(Discretisation::ZeroOrderHold, 0.1).unwrap();
+    assert!(matches!(held.to_continuous(method), Err(LtiError::Improper { .. })));
 }
 
 /// Six poles within a tenth of one after sampling, where eigenvalues of the whole state matrix are poor.
@@ -230,7 +268,7 @@ fn regress_slow_poles_close_together_come_back() {
     let poles = [real(&[-0.5, -0.5]), pairs.concat()].concat();
     let two = ZeroPoleGain::continuous(vec![], poles, 42.9).unwrap();
     for (system, sample_time_s) in [(one, 0.01146021095513652), (two, 0.01)] {
-        for method in methods() {
+        for method in methods(&system) {
             let errors = round_trips(&system, method, sample_time_s);
             assert!(errors.iter().all(|e| *e < 1e-7), "{method:?}: {errors:?}");
         }
@@ -274,7 +312,7 @@ proptest! {
 
     #[test]
     fn prop_sampling_is_undone(system in systems(), sample_time_s in 0.01_f64..0.1) {
-        for method in methods() {
+        for method in methods(&system) {
             let errors = round_trips(&system, method, sample_time_s);
             prop_assert!(errors.iter().all(|e| *e < 1e-7), "{method:?}: {errors:?}");
         }
@@ -286,7 +324,7 @@ proptest! {
         prop_assume!(system.poles().len() <= 4);
         let truth = system.frequency_response(&GRID).unwrap().response;
         let ratio = system.to_transfer_function().unwrap();
-        for method in methods() {
+        for method in methods(&system) {
             let back = ratio.to_discrete(method, sample_time_s).and_then(|s| s.to_continuous(method)).unwrap();
             let error = distance(&truth, &back.frequency_response(&GRID).unwrap().response);
             prop_assert!(error < 1e-5, "{method:?}: {error:e}");
@@ -295,7 +333,7 @@ proptest! {
 
     #[test]
     fn prop_the_forms_are_sampled_alike(system in systems(), sample_time_s in 0.01_f64..0.1) {
-        for method in methods() {
+        for method in methods(&system) {
             let zpk = system.to_discrete(method, sample_time_s).unwrap().frequency_response(&GRID).unwrap().response;
             let ss = system.to_state_space().unwrap().to_discrete(method, sample_time_s).unwrap();
             prop_assert!(distance(&zpk, &ss.frequency_response(0, 0, &GRID).unwrap().response) < 1e-7);
@@ -307,7 +345,7 @@ proptest! {
     #[test]
     fn prop_resampling_equals_sampling(system in systems(), first in 0.01_f64..0.1, second in 0.01_f64..0.1) {
         let matrices = system.to_state_space().unwrap();
-        for method in methods() {
+        for method in methods(&system) {
             let direct = matrices.to_discrete(method, second).unwrap();
             let indirect = matrices.to_discrete(method, first).unwrap().resampled(method, second).unwrap();
             let response = |s: &StateSpace| s.frequency_response(0, 0, &GRID).unwrap().response;
