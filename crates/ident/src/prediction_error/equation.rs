@@ -106,13 +106,19 @@ impl Task<'_> {
     fn estimate(&self, all: &[Segment<'_>], options: &Polynomial) -> Result<Estimate, IdentError> {
         let passed: Option<Vec<_>> =
             options.prefilter.as_ref().map(|filter| all.iter().map(|s| filtered(s, filter)).collect());
+        let batches = options.batches;
         match (options.focus, &passed) {
-            (Focus::Prediction, None) => self.predicting(all, options.batches),
-            (Focus::Prediction, Some(passed)) => {
-                let usual = (!self.orders.is_output_error()).then_some(BATCHES);
-                self.predicting(passed, options.batches.or(usual))
+            (Focus::Prediction, None) => self.predicting(all, batches),
+            (Focus::Prediction, Some(passed)) if self.orders.is_output_error() => self.predicting(passed, batches),
+            (Focus::Prediction, Some(passed)) if self.orders.na == 0 => {
+                let (found, covariance, freedom) = self.predicting(passed, batches.or(Some(BATCHES)))?;
+                let (_, place) = self.orders.without_noise();
+                let parameters = place.iter().map(|j| found.parameters[*j]).collect();
+                let covariance = Mat::from_fn(place.len(), place.len(), |i, j| covariance[(place[i], place[j])]);
+                self.with_noise(all, &place, (Lowest { parameters, ..found }, covariance, freedom), batches)
             }
-            (Focus::Simulation, passed) => self.simulating(passed.as_deref().unwrap_or(all), all, options.batches),
+            // Where noise and inputs share their poles, the noise that the filter colours would take part in A.
+            (_, passed) => self.simulating(passed.as_deref().unwrap_or(all), all, batches),
         }
     }
 
@@ -187,20 +193,39 @@ impl Task<'_> {
         let dynamics = Task { orders: &plain, bounds, ..*self };
         let start = dynamics.simulating_start(passed, |few| dynamics.guesses(few))?;
         let found = dynamics.descended(passed, Aim::Simulation, &start, self.search)?;
-        let (found, covariance, freedom) = dynamics.judged(passed, Aim::Simulation, found, batches)?;
+        let found = dynamics.judged(passed, Aim::Simulation, found, batches)?;
+        self.with_noise(all, &place, found, batches)
+    }
+
+    /// `C` and `D` from all there is, with the dynamics held that were found to stand at these places.
+    ///
+    /// The errors of the dynamics carry over to `C` and `D` by `−(JᵀJ)⁻¹ Jᵀ J_d`, with `J` and `J_d` the columns of `C` and
+    /// `D`, and of the dynamics. Apart from that both are independent: the former come of the noise times inputs, the
+    /// latter of the noise times itself.
+    fn with_noise(
+        &self,
+        all: &[Segment<'_>],
+        place: &[usize],
+        (found, covariance, freedom): Estimate,
+        batches: Option<usize>,
+    ) -> Result<Estimate, IdentError> {
         if place.len() == self.orders.count() {
             return Ok((found, covariance, freedom));
         }
-        let theta = placed(&place, &found.parameters, self.orders.count());
+        let theta = placed(place, &found.parameters, self.orders.count());
         let mut noise = Task { orders: self.orders, bounds: self.bounds.clone(), ..*self };
         place.iter().for_each(|j| noise.bounds[*j] = Bounds::new(theta[*j], theta[*j]));
         let begin = noise.start(all, Aim::Prediction, |few| Ok(vec![start::with_noise(self.orders, few, &theta)]))?;
         let lowest = noise.descended(all, Aim::Prediction, &begin, self.search)?;
-        let (lowest, mut whole, _) = noise.judged(all, Aim::Prediction, lowest, batches)?;
-        for (i, row) in place.iter().enumerate() {
-            place.iter().enumerate().for_each(|(j, column)| whole[(*row, *column)] = covariance[(i, j)]);
-        }
-        Ok((Lowest { at_bound: vec![false; theta.len()], ..lowest }, whole, freedom))
+        let (lowest, own, noise_freedom) = noise.judged(all, Aim::Prediction, lowest, batches)?;
+        let influence = influence(&lowest, place);
+        let whole = own + &influence * covariance * influence.transpose();
+        let at_bound = self.bounds.iter().map(|b| b.lower == b.upper).collect();
+        let ended = if found.termination.converged() { lowest.termination } else { found.termination };
+        let iterations = found.iterations.max(lowest.iterations);
+        let condition = found.condition.max(lowest.condition);
+        let lowest = Lowest { at_bound, termination: ended, iterations, condition, ..lowest };
+        Ok((lowest, whole, freedom.min(noise_freedom)))
     }
 
     /// The minimum that a start leads to.
@@ -389,6 +414,14 @@ impl Task<'_> {
             best.ok_or(IdentError::Structure { what: "the held coefficients make no stable predictor" })?;
         Ok(theta)
     }
+}
+
+/// What one unit of each coefficient held, at these places, does to all.
+fn influence(lowest: &Lowest, place: &[usize]) -> Mat<f64> {
+    let n = lowest.parameters.len();
+    let jacobian = lowest.factor.get(.., ..n);
+    let carried = &lowest.unscaled_covariance * (jacobian.transpose() * jacobian);
+    Mat::from_fn(n, place.len(), |i, j| f64::from(u8::from(i == place[j])) - carried[(i, place[j])])
 }
 
 /// The values at their places among zeros.

@@ -95,7 +95,13 @@ impl Polynomial {
         Polynomial { focus, ..self }
     }
 
-    /// Makes the errors small after this filter, such as a band pass around what matters.
+    /// Finds the dynamics where this filter lets pass, such as a band around what matters: `B` and `F` from filtered
+    /// prediction errors, whose noise model is thrown away, or from the simulated output under [`Focus::Simulation`] and
+    /// wherever there is an `A`, since errors that the filter colours would take part in it. `C` and `D` are those that
+    /// predict all of the data best with these dynamics; residuals and criteria are those of unfiltered data.
+    ///
+    /// # Source
+    /// Ljung 1999, §14.4: a filter on the errors is a noise model `1/L` times as large, which a free noise model undoes.
     #[must_use]
     pub fn with_prefilter(self, prefilter: Sos) -> Self {
         Polynomial { prefilter: Some(prefilter), ..self }
@@ -103,8 +109,8 @@ impl Polynomial {
 
     /// Takes the covariance from the scatter between `batches` stretches of the data, two at least and each long against
     /// the memory of the residuals, right also where the residuals are coloured or change in size. It is what happens,
-    /// with 30 stretches, to the prediction errors of a noise model after a filter. Otherwise the residuals of a noise
-    /// model are taken as white, and those of an output-error model, or under [`Focus::Simulation`], as having the
+    /// with 30 stretches, to dynamics from filtered prediction errors. Otherwise the residuals of a noise model are taken
+    /// as white, and those of an output-error model, or of dynamics that were found by simulation, as having the
     /// autocorrelation they show, independent of the inputs.
     #[must_use]
     pub fn robust(self, batches: usize) -> Self {
@@ -130,7 +136,8 @@ impl Polynomial {
     /// [`PolynomialModel::innovations`]; zero stands for an experiment whose first sample is missing.
     ///
     /// # Errors
-    /// [`IdentError::Structure`] for orders that make no model or a held coefficient that there is not;
+    /// [`IdentError::Structure`] for orders that make no model, a held coefficient that there is not, or a simulation or
+    /// prefilter without inputs;
     /// [`IdentError::Length`] for orders of another number of inputs; [`IdentError::TooFewSamples`];
     /// [`IdentError::RankDeficient`] where the data do not determine every coefficient.
     ///
@@ -177,6 +184,11 @@ impl Polynomial {
         };
         if orders.nb.contains(&0) {
             return Err(IdentError::Structure { what: "nb is zero: leave out an input that has no effect" });
+        }
+        if inputs == 0 && (self.prefilter.is_some() || self.focus == Focus::Simulation) {
+            return Err(IdentError::Structure {
+                what: "without inputs there are no dynamics to simulate or to filter",
+            });
         }
         if orders.count() == 0 {
             return Err(IdentError::Structure { what: "the model has no coefficient: raise an order" });

@@ -129,7 +129,7 @@ pub(crate) struct PolynomialArguments {
     /// Makes the errors of the simulation small, not those of the prediction
     #[arg(long)]
     pub(crate) simulation: bool,
-    /// Makes the errors small in this band alone, in Hz
+    /// Finds the dynamics in this band alone, in Hz; the noise is that of all frequencies
     #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', value_parser = number::finite)]
     pub(crate) band: Vec<f64>,
 }
