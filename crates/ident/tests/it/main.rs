@@ -11,6 +11,7 @@ mod covariance;
 mod dataset;
 mod degenerate;
 mod delay;
+mod delay_modelled;
 mod distributions;
 mod document;
 mod features;

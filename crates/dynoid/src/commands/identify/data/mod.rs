@@ -10,7 +10,7 @@ use bench::dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
 use ident::{Advice, Dataset, IdentError, Intersample, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
 
-pub(super) use faults::check_variation;
+pub(super) use faults::{check_movement, check_variation};
 pub(super) use files::Files;
 pub(super) use gaps::Gaps;
 pub(super) use targets::{check_plot, check_targets, draw};
@@ -32,7 +32,9 @@ pub(super) struct Loaded {
     pub(super) sources: Vec<Source>,
     /// Which of them each experiment is of, or is a part of.
     pub(super) recording: Vec<usize>,
-    /// What was done to the channels on the way, and what should be known of them.
+    /// What was done to the channels on the way.
+    pub(super) adjustments: Vec<Adjustment>,
+    /// The same in words, and what should be known of the channels.
     pub(super) notes: Vec<String>,
 }
 
@@ -127,7 +129,7 @@ pub(super) fn take_about(
         None => data,
     };
     let recording = (0..data.experiments().len()).collect();
-    Ok(Loaded { data, trend, sources, recording, notes })
+    Ok(Loaded { data, trend, sources, recording, adjustments, notes })
 }
 
 /// Says what was not said before.

@@ -5,7 +5,7 @@ use ident::validate::Judgement;
 use ident::{AnyModel, Doubt, IdentError, LinearModel, ModelDocument, Parametric};
 use serde::Serialize;
 
-use super::verdict::Judged;
+use super::verdict::{Judged, is_singular};
 use super::{Finished, INTERVAL, greybox};
 use crate::cli::identify::FitArguments;
 use crate::commands::identify::judge::REGION;
@@ -57,12 +57,7 @@ impl Finished {
             terminal.item(("doubt:", Style::Bad), doubt);
         }
         terminal.gap();
-        // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
-        let shown = matches!(self.fit.model, AnyModel::StateSpace(_))
-            && look::print_roots(document, INTERVAL, terminal).is_ok();
-        if !shown {
-            terminal.table(&self.parameters());
-        }
+        self.print_model(terminal);
         terminal.gap();
         greybox::print_derived(&self.fit, INTERVAL, terminal);
         terminal.table(&self.fits());
@@ -76,13 +71,30 @@ impl Finished {
         }
     }
 
+    /// The poles and zeros of a state-space model, whose entries depend on the choice of the states; the parameters of others.
+    fn print_model(&self, terminal: &mut Terminal) {
+        if is_singular(&self.fit) {
+            return;
+        }
+        match &self.fit.model {
+            AnyModel::StateSpace(_) => {
+                if let Err(reason) = look::print_roots(&self.document, INTERVAL, terminal) {
+                    terminal.line(&format!("no poles and zeros: {reason}; the entries of the matrices are in --json"));
+                }
+            }
+            _ => terminal.table(&self.parameters()),
+        }
+    }
+
     fn print_tests(&self, terminal: &mut Terminal) {
         let c = &self.verdict.criteria;
         let numbers = [("loss", self.fit.loss), ("FPE", c.fpe), ("AIC", c.aic), ("BIC", c.bic)];
         // What is not finite is not defined, as with a loss of zero or as many parameters as samples.
         let number = |v: f64| if v.is_finite() { significant(v) } else { "–".to_owned() };
         let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", number(*v))).collect();
-        terminal.line(&numbers.join(", "));
+        if !is_singular(&self.fit) {
+            terminal.line(&numbers.join(", "));
+        }
         let labels = (self.document.inputs.as_slice(), self.document.outputs.as_slice());
         if let Ok(report) = &self.verdict.residuals {
             words::print_tests(report, labels, REGION, terminal);
@@ -103,8 +115,12 @@ impl Finished {
         let first = (coloured && self.has_noise_model()).then(|| {
             "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; give the noise a higher order, or take armax, bj or ss".to_owned()
         });
-        let is_grave =
-            |doubt: &Doubt| matches!(doubt, Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. });
+        let is_grave = |doubt: &Doubt| {
+            matches!(
+                doubt,
+                Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. } | Doubt::DependentOutputs { .. }
+            )
+        };
         let growing = self.fit.model.system().and_then(|system| system.growing_mode()).ok().flatten();
         let pole = |doubt: &Doubt| match (&growing, doubt) {
             (Some(mode), Doubt::Unstable) => format!(" ({})", words::growing_pole(mode)),
