@@ -2,17 +2,21 @@
 
 use faer::{Mat, Side};
 
+use crate::regression::factor_of;
 use crate::{Dataset, Doubt, Fit, Triangle};
 
 /// What is left of an input, relative to its variation, where it counts as a combination of others.
 const SAME_INPUT: f64 = 1e-11;
-/// The same for errors, of which a covariance tells no more.
+/// Shares of an input below this are rounding.
+const SHARE: f64 = 1e-8;
+/// What is left of errors alike, of which a covariance tells no more.
 const SAME_ERROR: f64 = 1e-7;
 
 impl<M> Fit<M> {
     /// The same with what its data make doubtful: inputs or errors that depend on each other, and errors that vanish.
     pub(crate) fn doubting(mut self, data: &Dataset) -> Self {
-        self.doubts.extend(dependent_inputs(data).into_iter().map(|input| Doubt::DependentInputs { input }));
+        let dependent = dependent_inputs(data).into_iter();
+        self.doubts.extend(dependent.map(|Combination { input, .. }| Doubt::DependentInputs { input }));
         self.doubting_errors()
     }
 
@@ -41,8 +45,16 @@ fn dependent_outputs(covariance: &Mat<f64>) -> Option<usize> {
     })
 }
 
+/// An input that is `Σ weight · u_j + level`.
+pub(crate) struct Combination {
+    pub(crate) input: usize,
+    /// Inputs before it and their weights; none for a constant.
+    pub(crate) of: Vec<(usize, f64)>,
+    pub(crate) level: f64,
+}
+
 /// Inputs that are linear combinations of those before them and a constant.
-fn dependent_inputs(data: &Dataset) -> Vec<usize> {
+pub(crate) fn dependent_inputs(data: &Dataset) -> Vec<Combination> {
     let m = data.inputs();
     if m < 2 {
         return Vec::new();
@@ -67,5 +79,35 @@ fn dependent_inputs(data: &Dataset) -> Vec<usize> {
     let factor = triangle.finish();
     // The first row is the mean: what varies lies below it.
     let varying = |j: usize| (1..=j).map(|i| factor[(i, j)].powi(2)).sum::<f64>().sqrt();
-    (2..=m).filter(|j| factor[(*j, *j)].abs() <= SAME_INPUT * varying(*j)).map(|j| j - 1).collect()
+    let mut found = Vec::new();
+    // Columns that do not depend on those before them, the constant first. Others are left out: beside them a later column
+    // would look dependent too.
+    let mut independent = vec![0];
+    for j in 1..=m {
+        let own = factor_of(&factor, &[independent.as_slice(), &[j]].concat());
+        let left = own[(own.ncols() - 1, own.ncols() - 1)].abs();
+        if j == 1 || left > SAME_INPUT * varying(j) {
+            independent.push(j);
+        } else {
+            found.push(combination(&own, &sizes, &independent, j - 1));
+        }
+    }
+    found
+}
+
+/// The last column of a factor by the others, which are the constant and inputs; `named` says which.
+fn combination(own: &Mat<f64>, sizes: &[f64], named: &[usize], input: usize) -> Combination {
+    let n = named.len();
+    let mut weights = own.get(..n, n..).to_owned();
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(
+        own.get(..n, ..n),
+        weights.as_mut(),
+        faer::Par::Seq,
+    );
+    let size = sizes[input];
+    let matters = |(_, weight): &(usize, f64)| weight.is_finite() && weight.abs() > SHARE;
+    let of = named.iter().enumerate().skip(1).map(|(i, column)| (column - 1, weights[(i, 0)])).filter(matters);
+    let of = of.map(|(input, weight)| (input, weight * size / sizes[input])).collect();
+    let level = Some(weights[(0, 0)]).filter(|level| level.is_finite() && level.abs() > SHARE).unwrap_or(0.0);
+    Combination { input, of, level: level * size }
 }

@@ -73,6 +73,73 @@ fn stat_fits_to_the_simulated_output_run_on_the_fastest_clock() {
 }
 
 #[test]
+fn stat_the_delay_of_a_held_demand_is_found_on_the_fastest_clock() {
+    let folder = two_rasters();
+    let line = "delay run.csv -u demand -y torque";
+    let found = done(&folder, &format!("{line} --json")).json();
+    assert_eq!(found["sample_time_s"], 0.001);
+    let delay = &found["delay"][0];
+    let [low, high] = [0, 1].map(|end| delay["interval_95"][end].as_f64().unwrap());
+    assert!(low <= 0.0012 && 0.0012 <= high && high - low < 3e-4, "{delay}");
+    let text = done(&folder, line).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("clock of the fastest channel, 0.001 s"), "{text}");
+    assert!(text.contains("the dead time beside a lag of first order"), "{text}");
+    // Brought to a slower clock, the demand is blurred: then nothing is claimed.
+    let slow = done(&folder, &format!("{line} --sample-time 0.004 --json")).json();
+    assert!(slow["delay"][0]["interval_95"].is_null(), "{slow}");
+    assert!(slow["delay"][0]["unclaimed"].as_str().unwrap().contains("low-pass filter"), "{slow}");
+}
+
+#[test]
+fn regress_no_delay_is_claimed_of_channels_that_do_not_vary() {
+    let folder = TempDir::new().unwrap();
+    let mut random = signal::excitation::Random::new(9);
+    let rows = (0..600).map(|n| format!("{},{},5\n", 0.1 * f64::from(n), random.normal()));
+    std::fs::write(folder.path().join("run.csv"), format!("time,moves,rests\n{}", rows.collect::<String>())).unwrap();
+    for [input, output] in [["rests", "moves"], ["moves", "rests"]] {
+        for detrend in ["mean", "none"] {
+            let line = format!("delay run.csv -u {input} -y {output} --detrend {detrend}");
+            run(&folder, &line).assert_refused(3, &["\"rests\"", "does not vary"]);
+        }
+    }
+}
+
+#[test]
+fn regress_outputs_that_depend_on_each_other_make_a_short_result() {
+    let folder = folder();
+    let text = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
+    let doubled = |(n, line): (usize, &str)| match (n, line.rsplit(',').next().unwrap().parse::<f64>()) {
+        (0, _) => format!("{line},twice\n"),
+        (_, Ok(speed)) => format!("{line},{}\n", 2.0 * speed),
+        _ => format!("{line},\n"),
+    };
+    std::fs::write(folder.path().join("twice.csv"), text.lines().enumerate().map(doubled).collect::<String>()).unwrap();
+    let shown = done(&folder, "fit ss twice.csv -u valve -y speed -y twice --order auto").stdout;
+    assert!(shown.contains("twice follow from those of the outputs before it"), "{shown}");
+    assert!(!shown.contains("does not vary") && !shown.contains("loss 0"), "{shown}");
+    assert!(shown.lines().count() < 25, "{shown}");
+}
+
+#[test]
+fn regress_more_structures_than_can_be_compared_are_refused() {
+    let folder = folder();
+    let line = "order run.csv -u valve -y speed --na 1:100 --nb 1:100 --nk 1:200";
+    run(&folder, line).assert_refused(2, &["2000000 structures", "100000", "--nk"]);
+}
+
+#[test]
+fn a_peak_says_where_its_top_may_be() {
+    let folder = folder();
+    let spectra = done(&folder, "spectrum run.csv -u valve -y speed --json").json();
+    for peak in spectra[0]["peaks"].as_array().unwrap() {
+        let at = |end: usize| peak["frequency_interval_95_hz"][end].as_f64().unwrap();
+        let top = peak["frequency_hz"].as_f64().unwrap();
+        assert!(at(0) <= top && top <= at(1) && at(1) > at(0), "{peak}");
+    }
+    assert!(!done(&folder, "spectrum run.csv -u valve -y speed").stdout.contains('±'));
+}
+
+#[test]
 fn a_model_that_explains_nothing_is_doubted() {
     let folder = TempDir::new().unwrap();
     let mut random = signal::excitation::Random::new(8);

@@ -139,7 +139,7 @@ impl OrderScan {
     /// [`IdentError::Structure`] for an empty range or no parameter at all, [`IdentError::TooFewSamples`],
     /// [`IdentError::RankDeficient`] where the data determine no structure of the grid.
     pub fn run(&self, data: &Dataset) -> Result<OrderTable, IdentError> {
-        self.scan(data, None)
+        self.run_told(data, None, |_, _| ())
     }
 
     /// Fits every structure to `data` and predicts `validation` with it.
@@ -147,6 +147,27 @@ impl OrderScan {
     /// # Errors
     /// Those of [`OrderScan::run`], for either data; [`IdentError::Length`] where their channels differ.
     pub fn run_validated(&self, data: &Dataset, validation: &Dataset) -> Result<OrderTable, IdentError> {
+        self.run_told(data, Some(validation), |_, _| ())
+    }
+
+    /// Structures of the grid.
+    #[must_use]
+    pub fn structures(&self) -> usize {
+        length(&self.na).saturating_mul(length(&self.nb)).saturating_mul(length(&self.nk))
+    }
+
+    /// As [`OrderScan::run`], or [`OrderScan::run_validated`] where there are validation data, and tells again and again how
+    /// many structures of how many are done.
+    ///
+    /// # Errors
+    /// Theirs.
+    pub fn run_told(
+        &self,
+        data: &Dataset,
+        validation: Option<&Dataset>,
+        told: impl FnMut(usize, usize),
+    ) -> Result<OrderTable, IdentError> {
+        let Some(validation) = validation else { return self.scan(data, None, told) };
         for (what, expected, found) in [
             ("inputs of the validation data", data.inputs(), validation.inputs()),
             ("outputs of the validation data", data.outputs(), validation.outputs()),
@@ -155,17 +176,24 @@ impl OrderScan {
                 return Err(IdentError::Length { what, expected, found });
             }
         }
-        self.scan(data, Some(validation))
+        self.scan(data, Some(validation), told)
     }
 
-    fn scan(&self, data: &Dataset, validation: Option<&Dataset>) -> Result<OrderTable, IdentError> {
+    fn scan(
+        &self,
+        data: &Dataset,
+        validation: Option<&Dataset>,
+        mut told: impl FnMut(usize, usize),
+    ) -> Result<OrderTable, IdentError> {
         let widest = self.widest(data)?;
         let (outputs, inputs) = (data.outputs(), data.inputs());
         let (estimation, validation) =
             (Factored::new(data, &widest)?, validation.map(|v| Factored::new(v, &widest)).transpose()?);
-        let mut structures = Vec::new();
+        let (mut structures, all, mut done) = (Vec::new(), self.structures(), 0);
         for nk in self.nk.clone() {
             for nb in self.nb.clone() {
+                told(done, all);
+                done += length(&self.na);
                 // Without coefficients of inputs their number and delay make no difference: the first stands for all.
                 let undriven = inputs == 0 || nb == 0;
                 let first = nk == *self.nk.start() && (inputs > 0 || nb == *self.nb.start());
@@ -200,6 +228,11 @@ impl OrderScan {
         widest.check(data)?;
         Ok(widest)
     }
+}
+
+/// Numbers in a range.
+fn length(range: &RangeInclusive<usize>) -> usize {
+    if range.is_empty() { 0 } else { (range.end() - range.start()).saturating_add(1) }
 }
 
 /// Data as the factor of their widest regression.

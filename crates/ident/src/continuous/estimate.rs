@@ -30,9 +30,9 @@ pub(crate) struct OutputFit<C> {
     pub(crate) model: ContinuousModel<C>,
     pub(crate) minimum: Minimum,
     /// Of the parameters; that of coloured errors where the residuals are.
-    covariance: Mat<f64>,
+    pub(crate) covariance: Mat<f64>,
     /// Of Student's t for intervals.
-    degrees_of_freedom: f64,
+    pub(crate) degrees_of_freedom: f64,
     /// Initial states and offsets that took degrees of freedom.
     nuisance: usize,
     /// Parameters that rest on a bound they were free to leave.
@@ -41,7 +41,7 @@ pub(crate) struct OutputFit<C> {
 
 impl<C: ContinuousChannel> OutputFit<C> {
     /// Residuals less whatever was estimated.
-    fn remaining(&self) -> f64 {
+    pub(crate) fn remaining(&self) -> f64 {
         self.minimum.degrees_of_freedom() - self.nuisance as f64
     }
 }

@@ -134,16 +134,41 @@ impl ContinuousTransferFunction {
     /// with too many poles.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<TransferFunctionModel>, IdentError> {
         let options = self.spread(data)?;
-        let first = options.first_sample(data);
-        let settings = options.settings();
-        let mut parts = Vec::with_capacity(data.outputs());
-        for output in 0..data.outputs() {
-            let records = records(data, output, first)?;
-            options.check_length(&records)?;
-            let starts = options.starts(data, &records)?;
-            parts.push(fit_output(data, &records, &starts, &options.bounds(), settings)?);
-        }
-        combine(data, first, &parts as &[OutputFit<RationalChannel>], settings)
+        let parts = (0..data.outputs()).map(|output| options.search(data, output, None));
+        let parts: Vec<OutputFit<RationalChannel>> = parts.collect::<Result<_, _>>()?;
+        combine(data, options.first_sample(data), &parts, options.settings())
+    }
+
+    /// The estimate for one output, from a model of it or from starting values of its own.
+    pub(crate) fn fit_one(
+        &self,
+        data: &Dataset,
+        output: usize,
+        start: Option<&TransferFunctionModel>,
+    ) -> Result<OutputFit<RationalChannel>, IdentError> {
+        self.spread(data)?.search(data, output, start)
+    }
+
+    /// [`Self::fit`] from what was found for each output.
+    pub(crate) fn fit_of(
+        &self,
+        data: &Dataset,
+        parts: &[OutputFit<RationalChannel>],
+    ) -> Result<Fit<TransferFunctionModel>, IdentError> {
+        let options = self.spread(data)?;
+        combine(data, options.first_sample(data), parts, options.settings())
+    }
+
+    fn search(
+        &self,
+        data: &Dataset,
+        output: usize,
+        start: Option<&TransferFunctionModel>,
+    ) -> Result<OutputFit<RationalChannel>, IdentError> {
+        let records = records(data, output, self.first_sample(data))?;
+        self.check_length(&records)?;
+        let starts = start.map_or_else(|| self.starts(data, &records), |start| Ok(vec![start.clone()]))?;
+        fit_output(data, &records, &starts, &self.bounds(), self.settings())
     }
 
     /// The options with one entry an input.

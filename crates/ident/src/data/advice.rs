@@ -6,6 +6,7 @@ use signal::quality::{QualityOptions, check_quality};
 
 use super::dynamics::{Dynamics, look_for_dynamics};
 use super::{Channel, Dataset, ExcitationOptions, Experiment, Line, Trend, TrendScope, TrendShape};
+use crate::degenerate::dependent_inputs;
 
 /// A mean above this many standard deviations is an offset.
 const OFFSET: f64 = 0.3;
@@ -15,6 +16,9 @@ const DRIFT: f64 = 1.0;
 
 /// Inputs correlated by more than this are nearly the same.
 const CORRELATION: f64 = 0.95;
+
+/// A weight so near to one is one.
+const SAME: f64 = 1e-6;
 
 /// Orders of excitation below this leave little to estimate.
 const ORDER: usize = 6;
@@ -87,6 +91,15 @@ pub enum Advice {
     WeakExcitation {
         /// They are persistently exciting up to this order.
         order: usize,
+    },
+    /// An input is a combination of others, `Σ weight · u + level`: no data tell their effects apart. Leave one out.
+    Dependent {
+        /// Index of the input.
+        input: usize,
+        /// Indices of the others and their weights.
+        of: Vec<(usize, f64)>,
+        /// The constant beside them.
+        level: f64,
     },
     /// Two inputs move together: their effects are hard to tell apart.
     Collinear {
@@ -180,6 +193,13 @@ impl fmt::Display for Advice {
                 write!(f, "{channel} drifts by {rise:.3} over experiment {}", experiment + 1)
             }
             Advice::WeakExcitation { order } => write!(f, "the inputs excite only {order} orders"),
+            Advice::Dependent { input, of, level } => {
+                write!(
+                    f,
+                    "{}, so that no data tell their effects apart; leave one of them out",
+                    combination(*input, of, *level)
+                )
+            }
             Advice::Collinear { inputs, correlation } => {
                 write!(f, "inputs {} and {} are correlated by {correlation:.3}", inputs.0 + 1, inputs.1 + 1)
             }
@@ -206,6 +226,36 @@ impl fmt::Display for Advice {
             Advice::Short { samples, needed } => write!(f, "{samples} samples where {needed} are advisable"),
         }
     }
+}
+
+/// What an input is made of, in words.
+fn combination(input: usize, of: &[(usize, f64)], level: f64) -> String {
+    let is_one = |weight: f64| (weight - 1.0).abs() < SAME;
+    let besides = if level == 0.0 { "" } else { " but for a constant" };
+    if let [(other, weight)] = of
+        && is_one(*weight)
+    {
+        return format!("input {} is the same as input {}{besides}", input + 1, other + 1);
+    }
+    let part = |(place, (other, weight)): (usize, &(usize, f64))| {
+        let sign = match (place, *weight < 0.0) {
+            (0, false) => "",
+            (0, true) => "-",
+            (_, false) => " + ",
+            (_, true) => " - ",
+        };
+        match is_one(weight.abs()) {
+            true => format!("{sign}input {}", other + 1),
+            false => format!("{sign}{} times input {}", shortened(weight.abs()), other + 1),
+        }
+    };
+    let parts: String = of.iter().enumerate().map(part).collect();
+    format!("input {} is {parts}{besides}", input + 1)
+}
+
+/// A number with six digits at most.
+fn shortened(value: f64) -> String {
+    format!("{:.5e}", value).parse::<f64>().unwrap_or(value).to_string()
 }
 
 /// Looks through data for what bears on how to estimate from them; nothing is changed. Channel by channel first, then the
@@ -241,7 +291,8 @@ pub fn advise(data: &Dataset) -> Vec<Advice> {
     let Ok(varying) = data.channels(&inputs, &all_outputs) else { return found };
     let means = Trend::estimate(&varying, TrendShape::Mean, TrendScope::PerExperiment);
     let Ok(centred) = means.and_then(|trend| trend.remove(&varying)) else { return found };
-    input_advice(&centred, &inputs, &mut found);
+    let dependent = dependence_advice(&varying, &inputs, &mut found);
+    input_advice(&centred, (&inputs, &dependent), &mut found);
     dynamics_advice(&centred, &inputs, &outputs, &mut found);
     found
 }
@@ -300,18 +351,33 @@ fn drift_advice(data: &Dataset, channel: Channel, found: &mut Vec<Advice>) {
     }
 }
 
-fn input_advice(centred: &Dataset, inputs: &[usize], found: &mut Vec<Advice>) {
-    if let Ok(excitation) = ExcitationOptions::default().of_inputs(centred)
+/// Which of the varying inputs depend on others.
+fn dependence_advice(varying: &Dataset, inputs: &[usize], found: &mut Vec<Advice>) -> Vec<usize> {
+    let all = dependent_inputs(varying);
+    found.extend(all.iter().filter(|c| !c.of.is_empty()).map(|c| Advice::Dependent {
+        input: inputs[c.input],
+        of: c.of.iter().map(|(other, weight)| (inputs[*other], *weight)).collect(),
+        level: c.level,
+    }));
+    all.iter().map(|c| c.input).collect()
+}
+
+/// What the inputs show together, those left aside that depend on others.
+fn input_advice(centred: &Dataset, (inputs, dependent): (&[usize], &[usize]), found: &mut Vec<Advice>) {
+    let free: Vec<usize> = (0..inputs.len()).filter(|k| !dependent.contains(k)).collect();
+    let outputs: Vec<usize> = (0..centred.outputs()).collect();
+    if let Ok(free) = centred.channels(&free, &outputs)
+        && let Ok(excitation) = ExcitationOptions::default().of_inputs(&free)
         && excitation.order < ORDER
         && !excitation.at_least
     {
         found.push(Advice::WeakExcitation { order: excitation.order });
     }
-    for b in 0..inputs.len() {
-        for a in 0..b {
-            let correlation = correlation(centred.experiments(), a, b);
+    for (index, b) in free.iter().enumerate() {
+        for a in &free[..index] {
+            let correlation = correlation(centred.experiments(), *a, *b);
             if correlation.abs() > CORRELATION {
-                found.push(Advice::Collinear { inputs: (inputs[a], inputs[b]), correlation });
+                found.push(Advice::Collinear { inputs: (inputs[*a], inputs[*b]), correlation });
             }
         }
     }

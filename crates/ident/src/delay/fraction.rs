@@ -1,11 +1,22 @@
 //! A delay to a fraction of a sample beside dynamics.
 
 use super::{ArxDelay, DelayEstimate, check_one_input, golden_minimum, past_outputs, signals};
+use crate::distributions::chi_squared_quantile;
 use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
 /// Step of the second difference, in samples.
 const STEP: f64 = 0.05;
+
+/// Samples by which the input is delayed before lags are taken.
+const AHEAD: isize = 2;
+
+/// Correlations by which errors are tested for colour, and with which confidence.
+const LAGS: usize = 25;
+const WHITE: f64 = 0.999;
+
+/// Errors below this part of the output's power are those of rounding and of interpolation.
+const EXACT: f64 = 1e-8;
 
 /// Where the search for the fraction ends, in samples.
 const TOLERANCE: f64 = 1e-4;
@@ -14,7 +25,8 @@ const TOLERANCE: f64 = 1e-4;
 /// the neighbours of the best, with the input interpolated as [`Dataset::delay_input`] does.
 ///
 /// The standard error follows from the curvature of the loss at the minimum, `2V/(N V″)`, with `A` and `B` estimated
-/// along; it is large where coefficients of `B` can do what the delay does.
+/// along; it is large where coefficients of `B` can do what the delay does, and infinite where the errors are not white: the
+/// model is biased then, and the delay with it (test of Ljung and Box).
 ///
 /// # Example
 /// ```
@@ -55,18 +67,24 @@ impl FractionalDelay {
         let (below, at, above) = (loss(fraction - STEP)?, loss(fraction)?, loss(fraction + STEP)?);
         let curvature = (below - 2.0 * at + above) / (STEP * STEP);
         let variance = 2.0 * at / (ranking.samples as f64 * curvature);
-        let standard_error = if curvature > 0.0 { variance.sqrt() } else { f64::INFINITY };
+        let is_told = curvature > 0.0 && self.leaves_white_errors(data, whole, fraction)?;
+        let standard_error = if is_told { variance.sqrt() } else { f64::INFINITY };
         Ok(DelayEstimate { samples: whole + fraction, standard_error })
+    }
+
+    /// The regression with the input delayed by [`AHEAD`] samples more, and so many less in the lags: for every fraction as
+    /// many rows are cut off.
+    fn columns(&self, whole: f64) -> Vec<Lagged> {
+        let first = whole as isize - AHEAD;
+        let past = past_outputs(self.0.na, self.0.spacing);
+        let fed = Lagged::each(1, first..first + self.0.nb as isize);
+        past.chain(fed).chain([Lagged::new(0, 0)]).collect()
     }
 
     /// Mean squared error with the input delayed by `whole + fraction`.
     fn loss(&self, data: &Dataset, whole: f64, fraction: f64) -> Result<f64, IdentError> {
-        // Two more than wanted and two less in the lags, so that as many rows are cut off for every fraction.
-        let delayed = data.delay_input(0, fraction + 2.0)?;
-        let first = whole as isize - 2;
-        let past = past_outputs(self.0.na, self.0.spacing);
-        let fed = Lagged::each(1, first..first + self.0.nb as isize);
-        let columns: Vec<Lagged> = past.chain(fed).chain([Lagged::new(0, 0)]).collect();
+        let delayed = data.delay_input(0, fraction + AHEAD as f64)?;
+        let columns = self.columns(whole);
         let parameters = columns.len() - 1;
         let signals = signals(&delayed)?;
         let regression = Regression::new(&signals, columns);
@@ -74,5 +92,33 @@ impl FractionalDelay {
             return Err(IdentError::TooFewSamples { samples: regression.rows, parameters });
         }
         Ok(regression.factor()[(parameters, parameters)].powi(2) / regression.rows as f64)
+    }
+
+    /// Whether the errors look white: with others the model, and the delay with it, is biased.
+    fn leaves_white_errors(&self, data: &Dataset, whole: f64, fraction: f64) -> Result<bool, IdentError> {
+        let delayed = data.delay_input(0, fraction + AHEAD as f64)?;
+        let (signals, columns) = (signals(&delayed)?, self.columns(whole));
+        let theta = Regression::new(&signals, columns.clone()).least_squares()?.parameters;
+        let first = columns.iter().map(|c| c.lag.max(0)).max().unwrap_or(0);
+        let ahead = columns.iter().map(|c| (-c.lag).max(0)).max().unwrap_or(0);
+        let (mut sums, mut rows) = (vec![0.0; LAGS + 1], 0);
+        for record in &signals {
+            let read = |c: &Lagged, t: isize| record[c.signal][(t - c.lag) as usize];
+            let explained = |t: isize| columns.iter().zip(&theta).map(|(c, b)| b * read(c, t)).sum::<f64>();
+            let errors: Vec<f64> =
+                (first..record[0].len() as isize - ahead).map(|t| record[0][t as usize] - explained(t)).collect();
+            rows += errors.len();
+            for (lag, sum) in sums.iter_mut().enumerate() {
+                *sum += errors.iter().skip(lag).zip(&errors).map(|(e, before)| e * before).sum::<f64>();
+            }
+        }
+        let n = rows as f64;
+        let part = |(lag, sum): (usize, &f64)| (sum / sums[0]).powi(2) / (n - lag as f64);
+        let statistic = n * (n + 2.0) * sums.iter().enumerate().skip(1).map(part).sum::<f64>();
+        // Errors that are rounding have no colour.
+        Ok(statistic.is_nan() || statistic <= chi_squared_quantile(WHITE, LAGS as f64) || {
+            let power: f64 = signals.iter().flat_map(|record| record[0].iter()).map(|y| y * y).sum();
+            sums[0] <= EXACT * power
+        })
     }
 }

@@ -10,7 +10,8 @@
 //! | [`ImpulseDelay`]: first lag that matters in a long regression | systems of any order, several inputs | responses that start below the noise (too long, by the slow start); a false alarm at an early lag with the probability of the level |
 //! | [`PeakDelay`]: peak of the correlation with the whitened input | the same signal measured twice, a pure delay and gain | anything with a lag: it finds the lag of the *largest* response, later than the first; feedback (finds the way back as well) |
 //! | [`PhaseDelay`]: slope of the phase of the cross-spectrum | as before, to a small part of a sample, with noise of any colour on the output | anything with phase of its own; noise on the input costs nothing but certainty; feedback |
-//! | [`FractionalDelay`]: ARX with a continuously delayed input | delays of a broken number of samples beside known dynamics | more numerator coefficients than needed, or held inputs, whose coefficients make up for a fraction of a sample: the standard error then says so |
+//! | [`FractionalDelay`]: ARX with a continuously delayed input | delays of a broken number of samples beside known dynamics | more numerator coefficients than needed, whose coefficients make up for a fraction of a sample: the standard error then says so; held inputs, whose values between samples are none that it could find |
+//! | [`ModelledDelay`]: dead time of the best of several continuous models | held inputs, to a fraction of a sample; outputs slower than the inputs; coloured noise, ripple | feedback, and dynamics beyond four poles: it claims nothing then |
 //!
 //! # Source
 //! Björklund & Ljung, *A review of time-delay estimation techniques*, 42nd IEEE Conference on Decision and Control, 2003;
@@ -19,12 +20,14 @@
 mod arx;
 mod fraction;
 mod impulse;
+mod modelled;
 mod peak;
 mod phase;
 
 pub use arx::{ArxDelay, DelayCandidate, DelayRanking};
 pub use fraction::FractionalDelay;
 pub use impulse::{ImpulseDelay, ImpulseResponseStart};
+pub use modelled::{DelayFault, DelayModel, DelayModels, ModelledDelay};
 pub use peak::{CorrelationPeak, PeakDelay};
 pub use phase::PhaseDelay;
 
@@ -49,6 +52,16 @@ fn signals(data: &Dataset) -> Result<Vec<Vec<&[f64]>>, IdentError> {
     }
     if data.inputs() == 0 {
         return Err(IdentError::Structure { what: "a delay needs an input" });
+    }
+    let varies = |x: &[f64]| {
+        let mut known = x.iter().filter(|v| !v.is_nan());
+        known.next().is_some_and(|first| known.any(|v| v != first))
+    };
+    if !data.experiments().iter().any(|e| varies(e.output(0))) {
+        return Err(IdentError::Constant { what: "the output" });
+    }
+    if (0..data.inputs()).any(|k| !data.experiments().iter().any(|e| varies(e.input(k)))) {
+        return Err(IdentError::Constant { what: "an input" });
     }
     let (experiments, inputs) = (data.experiments().iter(), data.inputs());
     Ok(experiments.map(|e| std::iter::once(e.output(0)).chain((0..inputs).map(|k| e.input(k))).collect()).collect())

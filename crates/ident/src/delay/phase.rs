@@ -7,13 +7,20 @@ use signal::spectrum::{Welch, cross_spectrum};
 
 use super::{DelayEstimate, check_one_input, golden_minimum, signals};
 use crate::data::check_range;
+use crate::distributions::chi_squared_quantile;
 use crate::{Dataset, IdentError};
+
+/// Confidence with which the phase of anything but a delay is told from a straight line.
+const STRAIGHT: f64 = 0.999;
 
 /// One less the coherence is at least this, so that exact data have weights.
 const INCOHERENCE: f64 = 1e-12;
 
 /// Estimates `τ` of `y(t) = g u(t − τ) + v(t)`, `g` of either sign, from the phase `−ωτ` of the averaged cross-spectrum:
 /// each frequency with the weight `γ²/(1 − γ²)` of its coherence, which is that of maximum likelihood.
+///
+/// Where the phase is no straight line through zero, as with a lag beside the delay, the standard error is infinite; a lag so
+/// short that its phase is straight counts as delay.
 ///
 /// The signals are aligned to the nearest sample by [`signal::correlation::delay_by_correlation`] first, so segments need
 /// not be long against the delay; the fraction is searched a sample either way.
@@ -57,6 +64,16 @@ struct Line {
     weight: f64,
 }
 
+/// Whether the phases lie on the line `−ωτ` within their errors: their variance is `1/(2nw)` for a weight `w` and `n` averages.
+fn is_straight(lines: &[Line], averages: f64, tau: f64) -> bool {
+    let off = |l: &Line| {
+        let angle = l.phase + l.angle * tau;
+        2.0 * averages * l.weight * angle.sin().atan2(angle.cos()).powi(2)
+    };
+    let freedom = lines.len().saturating_sub(1).max(1) as f64;
+    lines.iter().map(off).sum::<f64>() <= chi_squared_quantile(STRAIGHT, freedom)
+}
+
 impl PhaseDelay {
     /// The delay for data of one input and one output.
     ///
@@ -79,7 +96,9 @@ impl PhaseDelay {
         let misfit = |tau: f64| lines.iter().map(|l| -l.weight * (l.phase + l.angle * tau).cos()).sum();
         let fraction = golden_minimum(|tau| Ok(misfit(tau)), -1.0, 1.0, 1e-8)?;
         let information: f64 = lines.iter().map(|l| 2.0 * averages * l.angle * l.angle * l.weight).sum();
-        Ok(DelayEstimate { samples: whole as f64 + fraction, standard_error: information.powf(-0.5) })
+        let is_straight = is_straight(&lines, averages, fraction);
+        let standard_error = if is_straight { information.powf(-0.5) } else { f64::INFINITY };
+        Ok(DelayEstimate { samples: whole as f64 + fraction, standard_error })
     }
 
     /// The lines of the aligned signals, and how many independent averages each rests on.

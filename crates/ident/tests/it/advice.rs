@@ -162,3 +162,26 @@ fn regress_heavy_clipping_is_no_switching() {
         assert!(is_clipped(&sine(limit), &other, Channel::Input(0)), "{limit}");
     }
 }
+
+#[test]
+fn exact_inputs_that_depend_on_others_are_named_with_what_they_are_made_of() {
+    let mut noise = Noise::new(12);
+    let (u, v) = (noise.normals(600), noise.normals(600));
+    let y: Vec<f64> = (0..600).map(|t| if t == 0 { 0.0 } else { u[t - 1] + v[t - 1] + noise.normal() }).collect();
+    let said = |columns: [&dyn Fn(usize) -> f64; 3]| -> Vec<String> {
+        let inputs = Mat::from_fn(600, 3, |t, k| columns[k](t));
+        let data = Dataset::new(0.1, inputs, Mat::from_fn(600, 1, |t, _| y[t])).unwrap();
+        advise(&data).iter().map(ToString::to_string).collect()
+    };
+    let remedy = "so that no data tell their effects apart; leave one of them out";
+    let same = said([&|t| u[t], &|t| v[t], &|t| u[t]]);
+    assert_eq!(same, [format!("input 3 is the same as input 1, {remedy}")]);
+    let shifted = said([&|t| u[t], &|t| v[t], &|t| v[t] + 50.0]);
+    assert!(shifted.contains(&format!("input 3 is the same as input 2 but for a constant, {remedy}")), "{shifted:?}");
+    let scaled = said([&|t| u[t], &|t| -2.5e3 * u[t], &|t| v[t]]);
+    assert_eq!(scaled, [format!("input 2 is -2500 times input 1, {remedy}")]);
+    let mixed = said([&|t| u[t], &|t| v[t], &|t| u[t] - 0.5 * v[t]]);
+    assert_eq!(mixed, [format!("input 3 is input 1 - 0.5 times input 2, {remedy}")]);
+    let nearly = said([&|t| u[t], &|t| v[t], &|t| u[t] + 1e-3 * v[t].powi(3)]);
+    assert!(nearly.iter().any(|text| text.contains("correlated")), "{nearly:?}");
+}

@@ -175,7 +175,7 @@ fn stat_no_delay_is_seen_where_there_is_no_effect() {
 fn regress_unusable_data_are_named() {
     let flat = Dataset::siso(1.0, &[1.0; 500], &[0.0; 500]).unwrap();
     assert!(matches!(ArxDelay::default().estimate(&flat), Err(IdentError::Constant { .. })));
-    assert!(matches!(ImpulseDelay::default().estimate(&flat), Err(IdentError::RankDeficient { .. })));
+    assert!(matches!(ImpulseDelay::default().estimate(&flat), Err(IdentError::Constant { .. })));
     assert!(PeakDelay::default().estimate(&flat).is_err());
     assert!(PhaseDelay::default().estimate(&flat).is_err());
     let short = Dataset::siso(1.0, &[1.0, 2.0], &[0.0, 1.0]).unwrap();

@@ -12,6 +12,7 @@ mod coverage;
 mod dataset;
 mod degenerate;
 mod delay;
+mod delay_modelled;
 mod distributions;
 mod document;
 mod features;

@@ -6,7 +6,7 @@ mod chi_squared;
 mod peaks;
 mod welch;
 
-pub use peaks::{SpectralPeak, peaks};
+pub use peaks::{SpectralPeak, peaks, top_range};
 pub(crate) use welch::SegmentTransform;
 pub use welch::{CrossSpectrum, PowerSpectrum, Welch, cross_spectrum, power_spectrum};
 

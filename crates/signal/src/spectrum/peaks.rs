@@ -52,6 +52,24 @@ pub fn peaks(freq_hz: &[f64], values: &[f64], intervals: &[(f64, f64)], lobe: us
     without_ripples(found, values, intervals, excess.sqrt())
 }
 
+/// The first and the last place around `index` at which the top of a peak may be: as far as the upper ends of the intervals
+/// reach above the lower end at the peak. With intervals that hold all at once, as probably as those do.
+///
+/// # Example
+/// ```
+/// // Broad, and known to a tenth: four values may be the largest.
+/// let intervals: Vec<(f64, f64)> = [1.0, 2.9, 3.0, 3.1, 2.9, 1.0].iter().map(|p| (0.9 * p, 1.1 * p)).collect();
+/// assert_eq!(signal::spectrum::top_range(&intervals, 3), (1, 4));
+/// ```
+#[must_use]
+pub fn top_range(intervals: &[(f64, f64)], index: usize) -> (usize, usize) {
+    let Some((lower, _)) = intervals.get(index) else { return (index, index) };
+    let may_be = |(_, upper): &&(f64, f64)| upper >= lower;
+    let before = intervals[..index].iter().rev().take_while(may_be).count();
+    let after = intervals[index + 1..].iter().take_while(may_be).count();
+    (index - before, index + after)
+}
+
 fn without_ripples(
     mut found: Vec<SpectralPeak>,
     values: &[f64],

@@ -47,8 +47,22 @@ pub(super) fn check_sizes(data: &Dataset, files: &str) -> Result<(), CliError> {
 
 /// Refuses to estimate from outputs that do not vary, and from inputs of which nothing is left without their trend.
 pub(in crate::commands::identify) fn check_variation(loaded: &Loaded) -> Result<(), CliError> {
+    refuse_still(loaded, |channel, [low, high, whole]| match channel {
+        // Without a trend taken off, an input that is switched on before the record begins may tell something.
+        Channel::Input(_) => low.abs().max(high.abs()) <= ROUNDING * whole,
+        Channel::Output(_) => high - low <= ROUNDING * whole.max(high.abs()),
+    })
+}
+
+/// Refuses channels that do not move: no answer begins there.
+pub(in crate::commands::identify) fn check_movement(loaded: &Loaded) -> Result<(), CliError> {
+    refuse_still(loaded, |_, [low, high, whole]| high - low <= ROUNDING * whole.max(high.abs()))
+}
+
+/// Refuses a channel that is still by its smallest and its largest value and the level that was taken off.
+fn refuse_still(loaded: &Loaded, is_still: impl Fn(Channel, [f64; 3]) -> bool) -> Result<(), CliError> {
     let data = &loaded.data;
-    let is_still = |channel: &Channel| {
+    let still = |channel: &Channel| {
         let known = || data.experiments().iter().flat_map(|e| e.channel(*channel)).copied().filter(|v| !v.is_nan());
         let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
         let whole = match (&loaded.trend, channel) {
@@ -56,13 +70,9 @@ pub(in crate::commands::identify) fn check_variation(loaded: &Loaded) -> Result<
             (Some(trend), Channel::Output(i)) => trend.outputs(0).get(*i).map_or(0.0, |line| line.level.abs()),
             _ => 0.0,
         };
-        match channel {
-            // Without a trend taken off, an input that is switched on before the record begins may tell something.
-            Channel::Input(_) => low.abs().max(high.abs()) <= ROUNDING * whole,
-            Channel::Output(_) => high - low <= ROUNDING * whole.max(high.abs()),
-        }
+        is_still(*channel, [low, high, whole])
     };
-    match channels(data).find(is_still) {
+    match channels(data).find(still) {
         None => Ok(()),
         Some(channel) => Err(CliError::UnusableChannel {
             data: super::named(data, &loaded.sources),

@@ -13,7 +13,7 @@ use bench::dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
 use ident::{Advice, Dataset, IdentError, Intersample, Line, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
 
-pub(super) use faults::check_variation;
+pub(super) use faults::{check_movement, check_variation};
 pub(super) use files::Files;
 pub(super) use gaps::Gaps;
 pub(super) use note::{Note, say};
@@ -37,7 +37,9 @@ pub(super) struct Loaded {
     pub(super) sources: Vec<Source>,
     /// Which of them each experiment is of, or is a part of.
     pub(super) recording: Vec<usize>,
-    /// What was done to the channels on the way, and what should be known of them.
+    /// What was done to the channels on the way.
+    pub(super) adjustments: Vec<Adjustment>,
+    /// The same in words, and what should be known of the channels.
     pub(super) notes: Vec<Note>,
 }
 
@@ -152,7 +154,7 @@ pub(super) fn take_about(
         None => data,
     };
     let recording = (0..data.experiments().len()).collect();
-    Ok(Loaded { data, trend, sources, recording, notes })
+    Ok(Loaded { data, trend, sources, recording, adjustments, notes })
 }
 
 fn check_window(window: Window) -> Result<(), CliError> {

@@ -15,23 +15,27 @@ use crate::error::{CliError, Outcome};
 use crate::table::{Align, Style as Text, Table};
 use crate::terminal::Terminal;
 
+/// Structures compared, at most.
+const MOST: usize = 100_000;
+
 /// `dynoid order`
 pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let ranges = [range("--na", &arguments.na)?, range("--nb", &arguments.nb)?, range("--nk", &arguments.nk)?];
     let share = arguments.split;
-    let data = load_between_gaps(CommonClock::Slowest, Gaps::OfInputs, &arguments.data, terminal)?.data;
-    let failed = |source| CliError::identify("the order scan", source);
     let [na, nb, nk] = ranges.clone();
     let scan = OrderScan::new(na, nb, nk);
-    let progress = terminal.progress(1);
-    progress.say("comparing the structures");
+    check_size(scan.structures(), arguments)?;
+    let data = load_between_gaps(CommonClock::Slowest, Gaps::OfInputs, &arguments.data, terminal)?.data;
+    let failed = |source| CliError::identify("the order scan", source);
+    let progress = terminal.long("comparing the structures");
+    let told = |done: usize, all: usize| progress.told(done as u64, all as u64);
     let table = match share {
         Some(share) => {
             let split = data.split(share).map_err(failed)?;
-            scan.run_validated(&split.estimation, &split.validation)
+            scan.run_told(&split.estimation, Some(&split.validation), told)
         }
-        None => scan.run(&data),
+        None => scan.run_told(&data, None, told),
     };
     let table = table.map_err(failed)?;
     drop(progress);
@@ -65,6 +69,19 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
         written(&arguments.result.plot, terminal);
     }
     Ok(Outcome::Done)
+}
+
+/// Refuses more structures than can be compared in good time.
+fn check_size(structures: usize, arguments: &OrderArguments) -> Result<(), CliError> {
+    if structures <= MOST {
+        return Ok(());
+    }
+    let OrderArguments { na, nb, nk, .. } = arguments;
+    let what = format!(
+        "--na {na} --nb {nb} --nk {nk} are {structures} structures, and at most {MOST} are compared: find the delay first, \
+         with `dynoid delay`, and give a narrow --nk about it, or shorter ranges of orders"
+    );
+    Err(CliError::Usage { what })
 }
 
 /// What each criterion likes best.

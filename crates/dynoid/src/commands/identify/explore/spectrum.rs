@@ -5,7 +5,7 @@ use ident::Dataset;
 use ident::distributions::normal_quantile;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
-use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum};
+use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
 
 use super::super::data::{Gaps, Loaded, check_plot, load_on};
 use super::super::figures::figure;
@@ -53,6 +53,13 @@ impl Spectrum {
     fn resolution_hz(&self) -> f64 {
         let spacing = self.freq_hz.get(1).zip(self.freq_hz.first()).map_or(0.0, |(b, a)| b - a);
         0.5 * self.lobe as f64 * spacing
+    }
+
+    /// Where the top of a peak may lie: what the intervals allow, and what frequencies cannot be told apart.
+    fn top_hz(&self, peak: &SpectralPeak) -> (f64, f64) {
+        let (first, last) = top_range(&self.all_hold, peak.index);
+        let resolution_hz = self.resolution_hz();
+        ((self.freq_hz[first] - resolution_hz).max(0.0), self.freq_hz[last] + resolution_hz)
     }
 
     fn excess_db(&self, peak: &SpectralPeak) -> f64 {
@@ -113,7 +120,8 @@ fn check_method(arguments: &SpectrumArguments, inputs: usize) -> Result<(), CliE
 fn json(s: &Spectrum) -> serde_json::Value {
     let band: Vec<[f64; 2]> = s.band.iter().map(|(a, b)| [*a, *b]).collect();
     let peak = |p: &SpectralPeak| {
-        serde_json::json!({"frequency_hz": s.freq_hz[p.index], "resolution_hz": s.resolution_hz(),
+        serde_json::json!({"frequency_hz": s.freq_hz[p.index], "frequency_interval_95_hz": <[f64; 2]>::from(s.top_hz(p)),
+            "resolution_hz": s.resolution_hz(),
             "magnitude": s.magnitude[p.index], "interval_95": band[p.index], "excess_db": s.excess_db(p)})
     };
     let peaks: Vec<_> = s.peaks().iter().map(peak).collect();
@@ -136,15 +144,16 @@ fn print(s: &Spectrum, terminal: &mut Terminal) {
     found.sort_by_key(|peak| peak.index);
     let columns = [
         ("peak at", Align::Right),
+        ("its top lies within (95 %)", Align::Left),
         ("magnitude", Align::Right),
         ("above its surroundings", Align::Right),
         ("95 % interval of the magnitude", Align::Left),
     ];
     let mut table = Table::new(&columns);
     for peak in found {
-        let place = format!("{} ± {} Hz", digits(s.freq_hz[peak.index], 5), digits(s.resolution_hz(), 2));
         table.row([
-            place.into(),
+            format!("{} Hz", digits(s.freq_hz[peak.index], 5)).into(),
+            format!("{} Hz", range(Some(s.top_hz(&peak)))).into(),
             format!("{} {}", digits(s.magnitude[peak.index], 4), s.unit).into(),
             format!("{:.1} dB", s.excess_db(&peak)).into(),
             range(Some(s.band[peak.index])).into(),

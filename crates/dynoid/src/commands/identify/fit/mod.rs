@@ -223,7 +223,8 @@ impl Loaded {
                 sources[*of].to_s =
                     experiment.start_s + experiment.len().saturating_sub(1) as f64 * data.sample_time_s();
             }
-            Loaded { data, trend: self.trend.clone(), sources, recording, notes: self.notes.clone() }.without_unused()
+            let (adjustments, notes) = (self.adjustments.clone(), self.notes.clone());
+            Loaded { data, trend: self.trend.clone(), sources, recording, adjustments, notes }.without_unused()
         };
         Ok((part(split.estimation)?, part(split.validation)?))
     }

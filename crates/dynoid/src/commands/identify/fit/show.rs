@@ -5,7 +5,7 @@ use ident::validate::Judgement;
 use ident::{AnyModel, Doubt, IdentError, LinearModel, ModelDocument, Parametric};
 use serde::Serialize;
 
-use super::verdict::Judged;
+use super::verdict::{Judged, is_singular};
 use super::{Finished, INTERVAL, greybox};
 use crate::cli::identify::FitArguments;
 use crate::commands::identify::judge::REGION;
@@ -28,7 +28,10 @@ enum Weight {
 impl Weight {
     fn of(doubt: &Doubt) -> Self {
         match doubt {
-            Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. } => Weight::Grave,
+            Doubt::Unstable
+            | Doubt::NotConverged
+            | Doubt::ExplainsLittle { .. }
+            | Doubt::DependentOutputs { .. } => Weight::Grave,
             Doubt::RowsLeftOut { .. } | Doubt::CovarianceIsLowerBound => Weight::Note,
             _ => Weight::Doubt,
         }
@@ -86,12 +89,7 @@ impl Finished {
             terminal.item(weight.mark(), doubt);
         }
         terminal.gap();
-        // The entries of a state-space model depend on the choice of the states; its poles and zeros do not.
-        let shown = matches!(self.fit.model, AnyModel::StateSpace(_))
-            && look::print_roots(document, INTERVAL, terminal).is_ok();
-        if !shown {
-            terminal.table(&self.parameters());
-        }
+        self.print_model(terminal);
         terminal.gap();
         greybox::print_derived(&self.fit, INTERVAL, terminal);
         terminal.table(&self.fits());
@@ -105,13 +103,30 @@ impl Finished {
         }
     }
 
+    /// The poles and zeros of a state-space model, whose entries depend on the choice of the states; the parameters of others.
+    fn print_model(&self, terminal: &mut Terminal) {
+        if is_singular(&self.fit) {
+            return;
+        }
+        match &self.fit.model {
+            AnyModel::StateSpace(_) => {
+                if let Err(reason) = look::print_roots(&self.document, INTERVAL, terminal) {
+                    terminal.line(&format!("no poles and zeros: {reason}; the entries of the matrices are in --json"));
+                }
+            }
+            _ => terminal.table(&self.parameters()),
+        }
+    }
+
     fn print_tests(&self, terminal: &mut Terminal) {
         let c = &self.verdict.criteria;
         let numbers = [("loss", self.fit.loss), ("FPE", c.fpe), ("AIC", c.aic), ("BIC", c.bic)];
         // What is not finite is not defined, as with a loss of zero or as many parameters as samples.
         let number = |v: f64| if v.is_finite() { significant(v) } else { "–".to_owned() };
         let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", number(*v))).collect();
-        terminal.line(&numbers.join(", "));
+        if !is_singular(&self.fit) {
+            terminal.line(&numbers.join(", "));
+        }
         let labels = (self.document.inputs.as_slice(), self.document.outputs.as_slice());
         if let Ok(report) = &self.verdict.residuals {
             words::print_tests(report, labels, REGION, terminal);

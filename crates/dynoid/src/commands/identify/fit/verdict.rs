@@ -42,7 +42,10 @@ impl Verdict {
         let test = ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() };
         Verdict {
             criteria: Criteria::of(fit.loss, fit.free_parameters, fit.samples, data.outputs()),
-            residuals: test.run(fit, tested, which),
+            residuals: match is_singular(fit) {
+                true => Err(IdentError::Structure { what: "the errors of the outputs follow from each other" }),
+                false => test.run(fit, tested, which),
+            },
             judged: std::iter::once(estimation).chain(unseen_judged).collect(),
         }
     }
@@ -101,6 +104,11 @@ impl Verdict {
         }
         all
     }
+}
+
+/// Whether the outputs of an estimate depend on each other, so that their joint errors tell nothing.
+pub(super) fn is_singular(fit: &Fit<AnyModel>) -> bool {
+    fit.doubts.iter().any(|doubt| matches!(doubt, Doubt::DependentOutputs { .. }))
 }
 
 /// The fit of an output over all experiments; none where nothing was measured.

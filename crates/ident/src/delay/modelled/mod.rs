@@ -1,0 +1,263 @@
+//! The delay beside dynamics, from the error of a simulated output.
+
+mod pure;
+mod ripple;
+mod structure;
+
+use super::{DelayEstimate, signals};
+use crate::data::check_range;
+use crate::distributions::{chi_squared_quantile, normal_quantile};
+use crate::{Dataset, Experiment, IdentError, Intersample};
+use structure::Structure;
+
+/// Zeros and poles of what is tried, the simplest first.
+const LADDER: [(usize, usize); 5] = [(0, 1), (0, 2), (1, 2), (2, 3), (2, 4)];
+
+/// Samples by which outputs are made later, so that a dead time of none lies within what is searched.
+const LEAD: usize = 2;
+
+/// Confidence with which a richer model has to be better, or to find another dead time.
+const RICHER: f64 = 0.99;
+
+/// Losses below this part of the output's power are rounding.
+const ROUNDING: f64 = 1e-18;
+
+/// Estimates the dead times `τ_k` of `y(t) = Σ_k G_k(s) e^{−sτ_k} u_k(t) + r(t) + v(t)` by minimising the error of the
+/// simulated output: what is fed in is known between the samples ([`Intersample`]), so that held inputs give the
+/// fraction of a sample too, and the output may be slower than the inputs, or have gaps.
+///
+/// `G_k` is the simplest of 0, 1, 2, 3, 4 poles (with up to two zeros) that no richer one improves upon and whose errors do not
+/// depend on the inputs any more. Ripple `r`, lines in the errors that the inputs do not have, is estimated along, added
+/// and in proportion to the output: where it keeps time with a held input, it biases the dead time. The covariance is
+/// that of errors with the autocorrelation of the residuals.
+///
+/// A dead time is claimed by [`DelayModels::claimed`] alone; the other models are there to be looked at.
+///
+/// # Example
+/// ```
+/// # let mut random = signal::excitation::Random::new(1);
+/// # let levels: Vec<f64> = (0..120).map(|_| random.normal()).collect();
+/// // Held for ten samples; a lag of two samples and a dead time of 1.3.
+/// let u: Vec<f64> = (0..1200).map(|t| levels[t / 10]).collect();
+/// let mut y = vec![0.0; 1200];
+/// for t in 2..1200 {
+///     // Over the sample before t the input is u(t − 2) for 0.3 samples more, and u(t − 2 + 1) after.
+///     let (early, whole) = ((-0.35_f64).exp(), (-0.5_f64).exp());
+///     y[t] = whole * y[t - 1] + (early - whole) * u[t - 2] + (1.0 - early) * u[t - 1];
+/// }
+/// # y.rotate_right(1);
+/// # y[0] = 0.0;
+/// let found = ident::delay::ModelledDelay::default().estimate(&ident::Dataset::siso(0.001, &u, &y)?)?;
+/// let model = found.claimed().ok_or(ident::IdentError::Structure { what: "no claim" })?;
+/// assert!((model.dead_times[0].samples - 1.3).abs() < 1e-3);
+/// # Ok::<(), ident::IdentError>(())
+/// ```
+///
+/// # Source
+/// Ljung 1999, §10.2 (the minimisation), (9.42) (the covariance), §16.4–16.6 (the choice); Hausman, *Specification tests in
+/// econometrics*, Econometrica 46, 1978, for dead times of two models.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModelledDelay {
+    /// Longest dead time, in samples.
+    pub longest: usize,
+    /// Standard uncertainty of the instants of inputs against outputs, in samples: it is in every error below.
+    pub dating: f64,
+    /// Confidence of the intervals.
+    pub level: f64,
+}
+
+impl Default for ModelledDelay {
+    /// Up to 30 samples, exact instants, intervals of 95 %.
+    fn default() -> Self {
+        ModelledDelay { longest: 30, dating: 0.0, level: 0.95 }
+    }
+}
+
+/// Dead times by models of rising order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DelayModels {
+    /// The models that could be fitted, the simplest first; never empty.
+    pub models: Vec<DelayModel>,
+    /// Index of the best of them.
+    pub best: usize,
+}
+
+impl DelayModels {
+    /// The best model.
+    #[must_use]
+    pub fn best(&self) -> &DelayModel {
+        &self.models[self.best]
+    }
+
+    /// The model whose intervals can be relied on, where there is one.
+    #[must_use]
+    pub fn claimed(&self) -> Option<&DelayModel> {
+        Some(self.best()).filter(|model| model.faults.is_empty())
+    }
+}
+
+/// One model and its dead times, in samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DelayModel {
+    /// Zeros of each `G_k`.
+    pub zeros: usize,
+    /// Poles of each `G_k`; none for a gain.
+    pub poles: usize,
+    /// The dead time of each input. Of a gain under a held input it is known to a sample alone.
+    pub dead_times: Vec<DelayEstimate>,
+    /// Their intervals, as far as they lie between zero and the longest dead time.
+    pub intervals: Vec<(f64, f64)>,
+    /// By how much the answer to slow changes is late: dead time and lags together, `−d arg G/dω` at rest. None for a gain,
+    /// and where an input comes through without its mean.
+    pub late_by: Vec<Option<DelayEstimate>>,
+    /// Mean squared error of the simulated output.
+    pub loss: f64,
+    /// 100 (1 − √loss/σ), with σ the standard deviation of the output without ripple.
+    pub fit_percent: f64,
+    /// Lines found in the errors and taken into the model.
+    pub ripple_hz: Vec<f64>,
+    /// Rows of errors.
+    pub samples: usize,
+    /// Why the intervals cannot be relied on.
+    pub faults: Vec<DelayFault>,
+    parameters: usize,
+    /// The variance of estimates over what it would be with white errors.
+    inflation: f64,
+}
+
+/// Why an interval of a dead time cannot be relied on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum DelayFault {
+    /// A richer model is better, or finds another dead time.
+    Outdone,
+    /// The search did not converge.
+    NotConverged,
+    /// The longest dead time is the best.
+    AtLongest {
+        /// Index of the input.
+        input: usize,
+    },
+    /// The output answers before the input moves: instants that do not fit together, or an input that is not held.
+    TooEarly {
+        /// Index of the input.
+        input: usize,
+    },
+    /// The errors depend on past inputs.
+    DynamicsMissing {
+        /// The probability of that by chance.
+        p_value: f64,
+    },
+    /// The errors depend on inputs to come, as in a closed loop.
+    Feedback {
+        /// The probability of that by chance.
+        p_value: f64,
+    },
+    /// Too few data to test the errors.
+    Untested,
+}
+
+impl ModelledDelay {
+    /// The dead times for data of one output and inputs without gaps.
+    ///
+    /// # Errors
+    /// Those of [`ContinuousTransferFunction::fit`](crate::ContinuousTransferFunction::fit) where no model could be fitted;
+    /// [`signal::SignalError::Parameter`] for options out of range.
+    pub fn estimate(&self, data: &Dataset) -> Result<DelayModels, IdentError> {
+        signals(data)?;
+        check_range("longest", self.longest as f64, 1.0, 1e5)?;
+        check_range("dating", self.dating, 0.0, 1e5)?;
+        check_range("level", self.level, 0.0, 1.0 - 1e-12)?;
+        let late = made_late(data)?;
+        let (mut models, mut failure): (Vec<DelayModel>, _) = (Vec::new(), None);
+        let mut clean: Option<Dataset> = None;
+        for (zeros, poles) in LADDER {
+            let structure = Structure { options: self, zeros, poles };
+            // Whether a richer model is better shows without its own ripple and tests.
+            let mut start = None;
+            if let Some((best, clean)) = choice(&models).zip(clean.as_ref()) {
+                let Ok((model, found)) = structure.glance(clean) else { break };
+                let is_better = models[best].is_outdone_by(&model);
+                if !is_better {
+                    models.push(model);
+                    break;
+                }
+                start = Some(found);
+            }
+            match structure.fit(&late, start.as_ref()) {
+                Ok((model, without_ripple)) => {
+                    if models.is_empty() && data.inputs() == 1 && data.intersample() == Intersample::ZeroOrderHold {
+                        models.extend(pure::fit(self, &without_ripple, &model));
+                    }
+                    models.push(model);
+                    clean = Some(without_ripple);
+                }
+                Err(error) => failure = failure.or(Some(error)),
+            }
+        }
+        if models.is_empty() {
+            return Err(failure.unwrap_or(IdentError::Structure { what: "no model could be fitted" }));
+        }
+        let outdone = outdone(&models);
+        let best = choice(&models).unwrap_or_else(|| outdone.iter().position(|is| !is).unwrap_or(models.len() - 1));
+        for (model, is_outdone) in models.iter_mut().zip(outdone) {
+            if is_outdone {
+                model.faults.push(DelayFault::Outdone);
+            }
+        }
+        Ok(DelayModels { models, best })
+    }
+
+    /// The error of an estimate together with that of the instants.
+    fn dated(&self, standard_error: f64) -> f64 {
+        standard_error.hypot(self.dating)
+    }
+
+    fn reach(&self) -> f64 {
+        normal_quantile(0.5 + 0.5 * self.level)
+    }
+}
+
+/// The simplest model without fault that none richer outdoes.
+fn choice(models: &[DelayModel]) -> Option<usize> {
+    outdone(models).iter().zip(models).position(|(is_outdone, model)| !is_outdone && model.faults.is_empty())
+}
+
+/// Which models a richer one outdoes.
+fn outdone(models: &[DelayModel]) -> Vec<bool> {
+    let by_any = |index: usize| models[index + 1..].iter().any(|richer| models[index].is_outdone_by(richer));
+    (0..models.len()).map(by_any).collect()
+}
+
+impl DelayModel {
+    fn is_outdone_by(&self, richer: &DelayModel) -> bool {
+        if richer.loss > self.loss {
+            return false;
+        }
+        let more = richer.parameters.saturating_sub(self.parameters).max(1) as f64;
+        let gained = self.samples as f64 * (self.loss / richer.loss).ln();
+        gained > richer.inflation.max(self.inflation) * chi_squared_quantile(RICHER, more) || self.is_elsewhere(richer)
+    }
+
+    /// Whether the dead times are further apart than they would be if both models were right.
+    fn is_elsewhere(&self, richer: &DelayModel) -> bool {
+        let reach = normal_quantile(0.5 + 0.5 * RICHER);
+        let is_apart = |(own, other): (&DelayEstimate, &DelayEstimate)| {
+            let variance = other.standard_error.powi(2) - own.standard_error.powi(2);
+            variance > 0.0 && (own.samples - other.samples).abs() > reach * variance.sqrt()
+        };
+        let is_found = !richer.faults.contains(&DelayFault::NotConverged);
+        is_found && self.poles > 0 && self.dead_times.iter().zip(&richer.dead_times).any(is_apart)
+    }
+}
+
+/// The same data with every output [`LEAD`] samples later.
+fn made_late(data: &Dataset) -> Result<Dataset, IdentError> {
+    data.map_experiments(|e| {
+        let outputs = faer::Mat::from_fn(e.len(), e.outputs.ncols(), |t, i| match t.checked_sub(LEAD) {
+            Some(t) => e.outputs[(t, i)],
+            None => f64::NAN,
+        });
+        Ok(Experiment { outputs, ..e.clone() })
+    })
+}

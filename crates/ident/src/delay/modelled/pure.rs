@@ -1,0 +1,89 @@
+//! A gain and a dead time under a held input: the output jumps with the input, some samples later.
+
+use faer::Mat;
+
+use super::structure::{dependence, variance};
+use super::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
+use crate::delay::DelayEstimate;
+use crate::distributions::chi_squared_quantile;
+use crate::validate::ResidualTest;
+use crate::{Dataset, Experiment};
+
+/// A gain and a level by least squares.
+struct Line {
+    gain: f64,
+    level: f64,
+    cost: f64,
+}
+
+/// The best gain without dynamics. `y(t) = g u(t − k)` at whole samples leaves the dead time between k − 1 and k; as far as a
+/// model with a lag goes, its rows are those of `lagged`, and so is the colour of its errors.
+pub(super) fn fit(options: &ModelledDelay, clean: &Dataset, lagged: &DelayModel) -> Option<DelayModel> {
+    let longest = options.longest + LEAD;
+    let lines: Vec<Line> = (0..=longest).map(|k| line(clean, k, longest)).collect::<Option<_>>()?;
+    let best = (0..lines.len()).min_by(|a, b| lines[*a].cost.total_cmp(&lines[*b].cost))?;
+    let (rows, variance) = (lagged.samples as f64, variance(clean));
+    let loss = |k: usize| (lines[k].cost / rows).max(ROUNDING * variance);
+    let worse = lagged.inflation * chi_squared_quantile(options.level, 1.0);
+    let as_good = |k: &usize| rows * (loss(*k) / loss(best)).ln() <= worse;
+    let (first, last) = (lines.len().checked_sub(1)?, 0);
+    let (first, last) =
+        (0..lines.len()).filter(as_good).fold((first, last), |(low, high), k| (low.min(k), high.max(k)));
+    let (low, high) = (first as f64 - 1.0 - LEAD as f64, last as f64 - LEAD as f64);
+    let spread = options.dated((high - low) / 12.0_f64.sqrt());
+    let widened = options.reach() * options.dating;
+    let mut faults: Vec<DelayFault> = Vec::new();
+    if last == longest {
+        faults.push(DelayFault::AtLongest { input: 0 });
+    } else if high + widened < 0.0 {
+        faults.push(DelayFault::TooEarly { input: 0 });
+    }
+    if loss(best) > ROUNDING * variance {
+        faults.extend(tested(clean, best, longest, &lines[best]));
+    }
+    let within = |end: f64| end.clamp(0.0, options.longest as f64);
+    Some(DelayModel {
+        zeros: 0,
+        poles: 0,
+        dead_times: vec![DelayEstimate { samples: 0.5 * (low + high), standard_error: spread }],
+        intervals: vec![(within(low - widened), within(high + widened))],
+        late_by: vec![None],
+        loss: loss(best),
+        fit_percent: 100.0 * (1.0 - (loss(best) / variance.max(f64::MIN_POSITIVE)).sqrt()),
+        ripple_hz: lagged.ripple_hz.clone(),
+        samples: lagged.samples,
+        faults,
+        parameters: lagged.parameters.saturating_sub(1),
+        inflation: lagged.inflation,
+    })
+}
+
+/// Pairs of input `k` samples before and output, of the rows from `first` on.
+fn pairs(data: &Dataset, k: usize, first: usize) -> impl Iterator<Item = (f64, f64)> + Clone {
+    data.experiments().iter().flat_map(move |e| {
+        let (u, y) = (e.input(0), e.output(0));
+        (first..e.len()).map(move |t| (u[t - k], y[t])).filter(|(_, y)| !y.is_nan())
+    })
+}
+
+fn line(data: &Dataset, k: usize, first: usize) -> Option<Line> {
+    let all = pairs(data, k, first);
+    let (rows, u, y) = all.clone().fold((0.0, 0.0, 0.0), |(n, su, sy), (u, y)| (n + 1.0, su + u, sy + y));
+    let (u, y) = (u / rows, y / rows);
+    let (uu, uy) = all.clone().fold((0.0, 0.0), |(uu, uy), (v, w)| (uu + (v - u).powi(2), uy + (v - u) * (w - y)));
+    let gain = uy / uu;
+    let cost = all.map(|(v, w)| (w - y - gain * (v - u)).powi(2)).sum();
+    gain.is_finite().then_some(Line { gain, level: y - gain * u, cost })
+}
+
+fn tested(data: &Dataset, k: usize, first: usize, line: &Line) -> Vec<DelayFault> {
+    let left = data.map_experiments(|e| {
+        let error = |t: usize| match t < first {
+            true => f64::NAN,
+            false => e.outputs[(t, 0)] - line.gain * e.inputs[(t - k, 0)] - line.level,
+        };
+        Ok(Experiment { outputs: Mat::from_fn(e.len(), 1, |t, _| error(t)), ..e.clone() })
+    });
+    let report = left.and_then(|left| ResidualTest::default().run_on_residuals(&left));
+    report.map_or(vec![DelayFault::Untested], |report| report.independence[0].iter().flat_map(dependence).collect())
+}

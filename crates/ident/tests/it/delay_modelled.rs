@@ -1,0 +1,118 @@
+//! Dead times beside dynamics, from the simulated output.
+
+use ident::delay::{DelayFault, ModelledDelay};
+use ident::{Dataset, IdentError};
+
+use crate::noise::Noise;
+
+/// Levels that are held for so many samples.
+fn held(noise: &mut Noise, samples: usize, hold: usize) -> Vec<f64> {
+    let levels = noise.normals(samples / hold + 1);
+    (0..samples).map(|t| levels[t / hold]).collect()
+}
+
+/// The answer of lags in series to a held input, a dead time later; both in samples, the lags all different.
+fn answer(u: &[f64], dead: f64, lags: &[f64]) -> Vec<f64> {
+    let (whole, fraction) = (dead.floor() as usize, dead.fract());
+    let at = |t: usize, back: usize| t.checked_sub(back).map_or(0.0, |t| u[t]);
+    let mut y = vec![0.0; u.len()];
+    for (i, lag) in lags.iter().enumerate() {
+        let others = lags.iter().enumerate().filter(|(j, _)| *j != i);
+        let share: f64 = others.map(|(_, other)| lag / (lag - other)).product();
+        let (decay, late) = ((-1.0 / lag).exp(), (-(1.0 - fraction) / lag).exp());
+        let mut x = 0.0;
+        for (t, y) in y.iter_mut().enumerate() {
+            x = decay * x + (late - decay) * at(t, whole + 2) + (1.0 - late) * at(t, whole + 1);
+            *y += share * x;
+        }
+    }
+    y
+}
+
+/// A demand held for ten samples, its answer with ripple that keeps time with it, coloured noise, every fourth sample.
+fn rippled(seed: u64, samples: usize, dead: f64, lags: &[f64]) -> Dataset {
+    let mut noise = Noise::new(seed);
+    let u: Vec<f64> = held(&mut noise, samples, 10).iter().map(|v| 10.0 * v + 20.0).collect();
+    let clean = answer(&u, dead, lags);
+    let phase = 6.28 * noise.uniform();
+    let mut coloured = 0.0;
+    let y: Vec<f64> = (0..samples)
+        .map(|t| {
+            if t % 4 != 0 {
+                return f64::NAN;
+            }
+            coloured = 0.7 * coloured + 0.2 * noise.normal();
+            let wave = (std::f64::consts::TAU * 0.1 * t as f64 + phase).cos();
+            clean[t] * (1.0 + 0.03 * wave) + 1.2 * wave + coloured + 0.1 * noise.normal()
+        })
+        .collect();
+    Dataset::siso(0.001, &u, &y).unwrap()
+}
+
+/// How many of the claims hold the truth, how many there are, and the mean width of the intervals.
+fn coverage(runs: u64, truth: f64, data: impl Fn(u64) -> Dataset) -> (usize, usize, f64) {
+    let (mut holding, mut claims, mut width) = (0, 0, 0.0);
+    for seed in 0..runs {
+        let found = ModelledDelay::default().estimate(&data(seed)).unwrap();
+        let Some(model) = found.claimed() else { continue };
+        let (low, high) = model.intervals[0];
+        claims += 1;
+        width += high - low;
+        holding += usize::from(low <= truth && truth <= high);
+    }
+    (holding, claims, width / claims.max(1) as f64)
+}
+
+/// Of 30 intervals of 95 %, 26 or more hold the truth in 98.5 % of cases.
+const RUNS: u64 = 30;
+const LEAST: usize = 26;
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_hold_the_dead_time_under_ripple_and_coloured_noise() {
+    let (holding, claims, width) = coverage(RUNS, 1.25, |seed| rippled(seed, 4000, 1.25, &[1.77]));
+    assert!(claims >= 27 && width < 0.1, "{claims} claims of width {width}");
+    assert!(holding + (RUNS as usize - LEAST) >= claims, "{holding} of {claims}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_two_lags_are_not_taken_for_a_longer_dead_time() {
+    for lags in [[6.0, 2.0], [6.0, 0.7]] {
+        let (holding, claims, _) = coverage(RUNS, 1.25, |seed| rippled(seed, 4000, 1.25, &lags));
+        assert!(holding + (RUNS as usize - LEAST) >= claims, "{lags:?}: {holding} of {claims}");
+    }
+}
+
+#[test]
+fn stat_a_gain_under_a_held_input_is_told_to_a_sample() {
+    let mut noise = Noise::new(5);
+    let u = held(&mut noise, 1500, 5);
+    let y: Vec<f64> =
+        (0..1500).map(|t: usize| 2.0 * t.checked_sub(4).map_or(0.0, |t| u[t]) + 0.1 * noise.normal()).collect();
+    let found = ModelledDelay::default().estimate(&Dataset::siso(0.01, &u, &y).unwrap()).unwrap();
+    let model = found.claimed().unwrap();
+    assert_eq!((model.poles, model.intervals[0]), (0, (3.0, 4.0)));
+}
+
+#[test]
+fn regress_an_output_that_answers_before_the_input_claims_nothing() {
+    let mut noise = Noise::new(6);
+    let u = held(&mut noise, 2000, 10);
+    let clean = answer(&u, 0.3, &[3.0]);
+    // A whole sample earlier than a held input allows.
+    let y: Vec<f64> = (0..2000).map(|t| clean[(t + 1).min(1999)] + 0.01 * noise.normal()).collect();
+    let found = ModelledDelay::default().estimate(&Dataset::siso(0.01, &u, &y).unwrap()).unwrap();
+    assert!(found.claimed().is_none(), "{found:?}");
+    assert!(found.best().faults.contains(&DelayFault::TooEarly { input: 0 }), "{found:?}");
+}
+
+#[test]
+fn regress_constant_channels_are_named() {
+    let mut noise = Noise::new(7);
+    let moving = noise.normals(300);
+    for (u, y) in [(vec![1.0; 300], moving.clone()), (moving, vec![2.0; 300])] {
+        let found = ModelledDelay::default().estimate(&Dataset::siso(0.1, &u, &y).unwrap());
+        assert!(matches!(found, Err(IdentError::Constant { .. })), "{found:?}");
+    }
+}
