@@ -126,7 +126,7 @@ pub enum Doubt {
         polynomial: char,
         /// Of which input, for `F`.
         input: Option<usize>,
-        /// Magnitude of the root.
+        /// Magnitude of the root, within a few percent of one.
         magnitude: f64,
         /// Its frequency, rad a sample.
         angle: f64,

@@ -56,7 +56,7 @@ pub struct ScannedStructure {
     pub loss: f64,
     /// The same on the validation data.
     pub validation_loss: Option<f64>,
-    /// One-step prediction fit on the validation data, in percent, the mean over the outputs.
+    /// One-step prediction fit on the validation data, in percent, the mean over the outputs that vary.
     pub validation_fit: Option<f64>,
     /// The criteria.
     pub criteria: Criteria,
@@ -239,8 +239,8 @@ fn length(range: &RangeInclusive<usize>) -> usize {
 struct Factored {
     columns: Vec<Lagged>,
     factor: Mat<f64>,
-    /// Norms of the outputs about their means.
-    spread: Vec<f64>,
+    /// Norms of the outputs about their means, of those that vary.
+    spread: Vec<Option<f64>>,
     rows: usize,
     outputs: usize,
     inputs: usize,
@@ -313,9 +313,10 @@ impl<'a> Nest<'a> {
             nk,
             parameters,
             loss,
-            validation_fit: validated.as_ref().map(|(e, v)| {
-                let fit = |i: usize| 100.0 * (1.0 - e[(i, i)].sqrt() / v.spread[i]);
-                (0..outputs).map(fit).sum::<f64>() / outputs as f64
+            validation_fit: validated.as_ref().and_then(|(e, v)| {
+                let fit = |i: usize| Some(100.0 * (1.0 - e[(i, i)].sqrt() / v.spread[i]?));
+                let fits: Vec<f64> = (0..outputs).filter_map(fit).collect();
+                (!fits.is_empty()).then(|| fits.iter().sum::<f64>() / fits.len() as f64)
             }),
             validation_loss: validated.map(|(e, v)| determinant_of_mean(e, v.rows)),
             criteria: Criteria::of(loss, parameters, rows, outputs),

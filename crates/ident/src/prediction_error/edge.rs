@@ -8,8 +8,8 @@ use super::equation::Equation;
 use super::orders::Orders;
 use crate::{Doubt, IdentError, Termination};
 
-/// Magnitude from which on a root counts as being at the unit circle.
-const AT_EDGE: f64 = 0.97;
+/// How far from one, in its logarithm, the magnitude of a root at the unit circle is at most.
+const AT_EDGE: f64 = 0.03;
 /// Distance within which two roots nearly cancel.
 const NEAR: f64 = 0.05;
 
@@ -22,7 +22,8 @@ struct Guarded {
     others: Vec<(char, Range<usize>)>,
 }
 
-/// The root that would cross the unit circle, where that is what stopped the search for an equation.
+/// The root that would cross the unit circle, where that is what stopped the search for an equation; none for roots well
+/// outside, which are what [`Doubt::Unstable`] says.
 ///
 /// # Errors
 /// Those of [`polynomial::roots`].
@@ -34,15 +35,17 @@ pub(super) fn reason(orders: &Orders, equation: &Equation, output: usize) -> Res
         |k: usize| Guarded { name: 'F', input: Some(k), place: orders.f(k), others: vec![('B', orders.b(k))] };
     let noise = vec![('D', orders.d()), ('A', orders.a())];
     let guarded = std::iter::once(Guarded { name: 'C', input: None, place: orders.c(), others: noise });
-    let mut largest: Option<(Complex64, Guarded)> = None;
+    let distance = |root: &Complex64| root.norm().ln().abs();
+    let mut nearest: Option<(Complex64, Guarded)> = None;
     for polynomial in guarded.chain((0..orders.inputs()).map(of_input)) {
         for root in roots(&equation.theta[polynomial.place.clone()])? {
-            if root.norm() >= AT_EDGE && largest.as_ref().is_none_or(|(other, _)| root.norm() > other.norm()) {
-                largest = Some((root, polynomial.clone()));
+            let is_nearer = nearest.as_ref().is_none_or(|(other, _)| distance(&root) < distance(other));
+            if distance(&root) <= AT_EDGE && is_nearer {
+                nearest = Some((root, polynomial.clone()));
             }
         }
     }
-    let Some((root, polynomial)) = largest else { return Ok(None) };
+    let Some((root, polynomial)) = nearest else { return Ok(None) };
     let mut cancelled_by = None;
     for (name, place) in &polynomial.others {
         let coefficients = &equation.theta[place.clone()];

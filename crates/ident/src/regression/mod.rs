@@ -9,6 +9,7 @@ use faer::Mat;
 pub(crate) use solution::{Solution, factor_of, noise_covariance, parameter_covariance, robust_covariance, solve};
 
 use crate::least_squares::{LinearFit, solve_factor};
+use crate::validate::variation;
 use crate::{Dataset, IdentError, Triangle};
 
 /// Multiplications from which a second thread pays.
@@ -116,14 +117,10 @@ impl<'a> Regression<'a> {
         solve_factor(&self.factor(), self.rows)
     }
 
-    /// The norm of each of these columns about its mean.
-    pub(crate) fn spreads(&self, columns: Range<usize>) -> Vec<f64> {
-        let samples = |j| self.stretches.iter().flat_map(move |s| self.column(j, s));
-        let spread = |j| {
-            let mean = samples(j).sum::<f64>() / self.rows as f64;
-            samples(j).map(|v| (v - mean).powi(2)).sum::<f64>().sqrt()
-        };
-        columns.map(spread).collect()
+    /// The norm of each of these columns about its mean; none of a column that does not vary.
+    pub(crate) fn spreads(&self, columns: Range<usize>) -> Vec<Option<f64>> {
+        let samples = |j| self.stretches.iter().flat_map(move |s| self.column(j, s).iter().copied());
+        columns.map(|j| variation(|| samples(j)).map(f64::sqrt)).collect()
     }
 
     fn gather(&self, rows: Range<usize>) -> Triangle {

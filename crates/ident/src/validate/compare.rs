@@ -9,7 +9,8 @@ use crate::{Dataset, Experiment, IdentError, LinearModel};
 /// How well one model reproduces the outputs of a dataset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
-    /// [`fit_percent`] for each experiment and output, `[experiment][output]`; NaN where every sample is missing.
+    /// [`fit_percent`] for each experiment and output, `[experiment][output]`; NaN where every sample is missing,
+    /// and where the output does not vary.
     pub fit_percent: Vec<Vec<f64>>,
     /// [`rms_error`] likewise, in units of the output.
     pub rms_error: Vec<Vec<f64>>,

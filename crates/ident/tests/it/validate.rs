@@ -212,3 +212,25 @@ fn regress_residual_test_refuses_what_it_cannot_judge() {
     let blank = Dataset::siso(0.1, &[1.0; 300], &[f64::NAN; 300]).unwrap();
     assert!(ResidualTest::default().run_known(&model, &blank).is_err());
 }
+
+/// A constant that arithmetic has touched: no fit, whatever the model says, nor one of the other outputs' fits lost.
+#[test]
+fn regress_an_output_that_does_not_vary_has_no_fit() {
+    for level in [0.0, 0.1, -1e12, 3.3e-9] {
+        let mut y = vec![level; 1000];
+        y[3] *= 1.0 + f64::EPSILON;
+        assert!(fit_percent(&y, &y).unwrap().is_nan(), "{level}");
+        let modelled: Vec<f64> = y.iter().map(|v| v + 1.0).collect();
+        assert!(fit_percent(&y, &modelled).unwrap().is_nan(), "{level}");
+    }
+    // What varies in its last digits but one still varies.
+    let y: Vec<f64> = (0..100).map(|t| 1.0 + 1e-13 * f64::from(t)).collect();
+    assert!(fit_percent(&y, &y).unwrap() == 100.0);
+    let model = system::arx_two_by_two().unwrap();
+    let data = system::data(&model, 0.1, 60, 1.0, 3).unwrap();
+    let record = &data.experiments()[0];
+    let outputs = Mat::from_fn(60, 2, |t, i| if i == 0 { record.outputs[(t, 0)] } else { 0.3 });
+    let data = Dataset::new(0.1, record.inputs.clone(), outputs).unwrap();
+    let fit = judge(&model, &data, None, &InitialState::Estimated).unwrap().fit_percent;
+    assert!(fit[0][0].is_finite() && fit[0][1].is_nan(), "{fit:?}");
+}

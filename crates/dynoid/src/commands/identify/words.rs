@@ -95,8 +95,9 @@ fn root_at_edge(
             (": the response hardly decays".to_owned(), format!("lower {}, or record for longer", order(polynomial)))
         }
     };
+    let side = if magnitude > 1.0 { "just outside" } else { "just inside" };
     format!(
-        "the search for {output} stopped with a root of {polynomial}{whose} at the unit circle (magnitude {magnitude:.4}, {angle:.3} rad a sample){reason}; the model can be used, but its intervals hold only roughly; {remedy}"
+        "the search for {output} stopped with a root of {polynomial}{whose} {side} the unit circle (magnitude {magnitude:.4}, {angle:.3} rad a sample){reason}; the model can be used, but its intervals hold only roughly; {remedy}"
     )
 }
 
