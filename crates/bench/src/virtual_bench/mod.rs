@@ -18,16 +18,17 @@
 //!
 //! Glans & Kärnell, Chalmers EX112/2018, chapters 2, 5 and 6 for the bench and its equations.
 
-mod controller;
+mod control;
+mod demands;
+mod drive;
 mod engine;
 mod error;
-mod inverter;
-mod mechanics;
 mod noise;
 mod parameters;
 mod plan;
 mod run;
 mod sensors;
+mod train;
 mod truth;
 mod waveform;
 mod write;
@@ -37,12 +38,13 @@ use serde::Serialize;
 
 pub use error::VirtualBenchError;
 pub use parameters::{
-    BenchParameters, ClockParameters, ControllerParameters, EngineParameters, Harmonic, InverterParameters,
-    MechanicsParameters, SensorParameters,
+    BenchParameters, ClockParameters, ControllerParameters, DualMassFlywheel, DynoTwist, EngineParameters,
+    FlangeParameters, Harmonic, InverterParameters, LossFactor, MachineKnowledge, MechanicsParameters,
+    SensorParameters, ThrottleMap,
 };
-pub use plan::ExperimentPlan;
+pub use plan::{ExperimentPlan, TorqueTarget};
 pub use truth::Truth;
-pub use waveform::Waveform;
+pub use waveform::{Sine, Waveform};
 
 /// Time from one update of controllers, sensors and registers to the next, s.
 pub const UPDATE_S: f64 = 0.001;
@@ -104,6 +106,20 @@ impl HiddenTruth {
             engine_torque_nm: Vec::new(),
             air_gap_torque_nm: Vec::new(),
             friction_torque_nm: Vec::new(),
+        }
+    }
+
+    /// Makes room for samples.
+    fn reserve(&mut self, samples: usize) {
+        for signal in [
+            &mut self.dyno_speed_rad_s,
+            &mut self.engine_speed_rad_s,
+            &mut self.shaft_torque_nm,
+            &mut self.engine_torque_nm,
+            &mut self.air_gap_torque_nm,
+            &mut self.friction_torque_nm,
+        ] {
+            signal.reserve_exact(samples);
         }
     }
 }
