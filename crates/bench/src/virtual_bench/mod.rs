@@ -39,8 +39,8 @@ use serde::Serialize;
 pub use error::VirtualBenchError;
 pub use parameters::{
     BenchParameters, ClockParameters, ControllerParameters, DualMassFlywheel, DynoTwist, EngineParameters,
-    FlangeParameters, Harmonic, InverterParameters, LossFactor, MachineKnowledge, MechanicsParameters,
-    SensorParameters, ThrottleMap,
+    FlangeParameters, Harmonic, InductionMachine, InverterParameters, LossFactor, MachineKnowledge,
+    MechanicsParameters, PulseParameters, SensorParameters, ThrottleMap,
 };
 pub use plan::{ExperimentPlan, TorqueTarget};
 pub use truth::Truth;
@@ -66,10 +66,14 @@ impl Default for Numerics {
 }
 
 impl Numerics {
-    fn check(self) -> Result<(), VirtualBenchError> {
+    fn check(self, has_machine: bool) -> Result<(), VirtualBenchError> {
         let (steps, hidden) = (self.steps_per_update, self.steps_per_hidden_sample);
         let requirement = "between 1 and 10 000";
         error::require("numerics.steps_per_update", steps as f64, (1..=10_000).contains(&steps), requirement)?;
+        let samples = drive::SAMPLES_PER_UPDATE;
+        let fits = !has_machine || steps.is_multiple_of(samples);
+        let whole = "a multiple of 4, as the inverter samples four times a millisecond";
+        error::require("numerics.steps_per_update", steps as f64, fits, whole)?;
         error::require("numerics.steps_per_hidden_sample", hidden as f64, hidden > 0, "at least 1")
     }
 }
@@ -175,7 +179,7 @@ pub fn simulate_hidden(
 ) -> Result<VirtualRun, VirtualBenchError> {
     parameters.check()?;
     plan.check()?;
-    numerics.check()?;
+    numerics.check(parameters.inverter.machine.is_some())?;
     let (registers, hidden) = run::run(parameters, plan, seed, &numerics)?;
     Ok(VirtualRun { recording: write::recording(parameters, plan, &registers), hidden })
 }

@@ -20,6 +20,10 @@ pub(super) enum Source {
     Throttle = 10,
     Ignition = 11,
     Speed = 12,
+    DynoEdges = 13,
+    EngineEdges = 14,
+    DynoSlits = 15,
+    EngineSlits = 16,
 }
 
 /// Uniform and normal numbers from one ChaCha stream.

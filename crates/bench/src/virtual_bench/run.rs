@@ -110,7 +110,7 @@ impl Bench {
         let computed_nm = rest.air_gap_nm / knowledge.gain();
         Ok(Self {
             dyno_control: dyno_control(parameters, plan, speed, &rest, computed_nm),
-            inverter: Inverter::new(&parameters.inverter, computed_nm),
+            inverter: Inverter::new(&parameters.inverter, computed_nm, speed, (UPDATE_S, numerics.steps_per_update)),
             knowledge,
             engine: Engine::new(&parameters.engine, combustion, seed, angle, rest.engine_nm),
             engine_control: match (is_fired, plan.label.mode) {
@@ -206,7 +206,7 @@ impl Bench {
 
     fn advance_one_step(&mut self) {
         let (start_s, end_s) = (self.time_s(), (self.step + 1) as f64 * self.step_s);
-        let torque_nm = self.inverter.advance(start_s, end_s);
+        let torque_nm = self.inverter.advance(start_s, end_s, self.train.dyno_speed_rad_s());
         let end_air_gap_nm = self.knowledge.gain() * self.inverter.with_ripple_nm(torque_nm, end_s);
         let engine = self.engine.step(&self.train, self.step_s, self.engine_level_nm);
         let start = Torques { air_gap_nm: self.air_gap_torque_nm, engine_nm: engine.start_nm };

@@ -4,17 +4,21 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
+use super::InductionMachine;
 use crate::virtual_bench::error::{VirtualBenchError, require, require_not_negative, require_positive};
 
-/// Inverter and machine: T = e^{−s d} a/(s + a) T_d* with T_d* within ± the limit; the real air-gap torque is
+/// Inverter and machine: T = e^{−s d} a/(s + a) T_d* with T_d* within ± the limit, or, in place of the lag, an induction
+/// machine under field-oriented control; the real air-gap torque is
 /// T_d = g (T (1 + r_m sin(2π f t)) + r_a sin(2π f t)), with g one where the inverter knows its machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct InverterParameters {
     /// d, delay, s.
     pub delay_s: f64,
-    /// a, bandwidth of the closed torque loop, rad/s.
+    /// a, bandwidth of the closed torque loop, rad/s; without a part where the machine is simulated.
     pub bandwidth_rad_s: f64,
+    /// The induction machine; none: the lag.
+    pub machine: Option<InductionMachine>,
     /// Largest torque demand in either direction, Nm.
     pub torque_limit_nm: f64,
     /// f, frequency of the drive's ripple, Hz.
@@ -63,6 +67,7 @@ impl Default for InverterParameters {
         Self {
             delay_s: 0.00125,
             bandwidth_rad_s: 90.0 * TAU,
+            machine: None,
             torque_limit_nm: 400.0,
             ripple_hz: 100.0,
             additive_ripple_nm: 1.2,
@@ -81,6 +86,7 @@ impl InverterParameters {
         require_not_negative("inverter.ripple_hz", self.ripple_hz)?;
         require_not_negative("inverter.additive_ripple_nm", self.additive_ripple_nm)?;
         require_not_negative("inverter.multiplicative_ripple", self.multiplicative_ripple)?;
+        self.machine.map_or(Ok(()), |machine| machine.check())?;
         self.knowledge.check()
     }
 }

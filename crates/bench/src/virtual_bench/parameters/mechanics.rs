@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::virtual_bench::error::{VirtualBenchError, require, require_not_negative, require_positive};
+use crate::virtual_bench::train::RelaxingSprings;
 
 /// Masses and the shafts between them; as it stands, two masses and one shaft: J_d dω_d/dt = T_shaft − T_d − T_fric,
 /// J_e dω_e/dt = T_e − T_shaft, T_shaft = K φ + B (ω_e − ω_d), dφ/dt = ω_e − ω_d (thesis 6.1, 6.4, 2.7).
@@ -39,8 +40,8 @@ pub struct MechanicsParameters {
 /// Damping of rubber and the like: the complex stiffness is K(1 + iη) near the reference, and its loss factor stays
 /// near η over the band, where a viscous damper's grows with frequency. Below and above the band it falls off.
 ///
-/// A sum of relaxing springs: K(ω) = K_0 (1 + g Σ iωτ_i/(1 + iωτ_i)), two τ_i a decade, K_0 and g such that real part and
-/// loss factor at the reference are K and η.
+/// A sum of relaxing springs: K(ω) = K_0 (1 + Σ g_i iωτ_i/(1 + iωτ_i)), two τ_i a decade, such that real part and loss
+/// factor at the reference are K and η. The real part grows slowly with frequency, as causality asks for.
 ///
 /// # Source
 ///
@@ -133,7 +134,9 @@ impl LossFactor {
         require("mechanics.shaft_loss.lowest_hz", low, low >= 1e-3, "at least 1 mHz")?;
         let requirement = "within the band";
         require("mechanics.shaft_loss.reference_hz", reference, (low..=high).contains(&reference), requirement)?;
-        require("mechanics.shaft_loss.highest_hz", high, high <= 1e4 * low, "at most 10 000 times the lowest")
+        require("mechanics.shaft_loss.highest_hz", high, high <= 1e4 * low, "at most 10 000 times the lowest")?;
+        let ratio = RelaxingSprings::new(Some(*self)).static_ratio;
+        require("mechanics.shaft_loss.static_ratio", ratio, ratio > 0.0 && ratio <= 1.0, "reached by a narrower band")
     }
 }
 

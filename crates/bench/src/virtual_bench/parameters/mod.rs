@@ -4,6 +4,7 @@ mod clocks;
 mod controller;
 mod engine;
 mod inverter;
+mod machine;
 mod mechanics;
 mod sensors;
 
@@ -16,8 +17,9 @@ pub use clocks::ClockParameters;
 pub use controller::ControllerParameters;
 pub use engine::{EngineParameters, Harmonic, ThrottleMap};
 pub use inverter::{InverterParameters, MachineKnowledge};
+pub use machine::InductionMachine;
 pub use mechanics::{DualMassFlywheel, DynoTwist, LossFactor, MechanicsParameters};
-pub use sensors::{FlangeParameters, SensorParameters};
+pub use sensors::{FlangeParameters, PulseParameters, SensorParameters};
 
 /// The parameters of a virtual bench. `Default` resembles the DTB bench of Glans & Kärnell (Chalmers EX112/2018):
 /// four-stroke engine with four cylinders, load cell, welded flywheel, shaft resonance near 18 Hz.

@@ -38,8 +38,32 @@ pub struct SensorParameters {
     pub cell_noise_nm: f64,
     /// N of the moving average in the system's shaft torque.
     pub moving_average: usize,
+    /// The encoders' pulses; none: the mean over the gate as it is.
+    pub pulses: Option<PulseParameters>,
     /// The torque flange at the dynamometer's end of the shaft.
     pub flange: FlangeParameters,
+}
+
+/// Both encoders as disks with slits, read by a counter and a timer: N = slits passed · pitch over the time between the
+/// last edges before the two ends of the gate, which is a whole number of milliseconds. Between slits it knows nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PulseParameters {
+    /// Slits of the disk.
+    pub slits: u32,
+    /// Standard deviation of the places of the slits, which stay, rad.
+    pub slit_error_rad: f64,
+    /// Standard deviation of the jitter of every edge, rad.
+    pub edge_jitter_rad: f64,
+    /// Clock of the timer, Hz; zero: exact times.
+    pub timer_hz: f64,
+}
+
+impl Default for PulseParameters {
+    /// 1024 slits (thesis §3.4.3) and a timer of 10 MHz.
+    fn default() -> Self {
+        Self { slits: 1024, slit_error_rad: 5e-6, edge_jitter_rad: 2e-6, timer_hz: 1e7 }
+    }
 }
 
 /// A torque flange: T_shaft late and through ω_0²/(s² + 2ζω_0 s + ω_0²), plus white noise, rounded.
@@ -79,13 +103,14 @@ impl Default for SensorParameters {
             cell_damping_ratio: 0.25,
             cell_noise_nm: 0.0,
             moving_average: 16,
+            pulses: None,
             flange: FlangeParameters::default(),
         }
     }
 }
 
 impl SensorParameters {
-    /// The same sensors without noise, rounding and once-a-turn errors; gates, delays and resonance stay.
+    /// The same sensors without noise, rounding, pulses and once-a-turn errors; gates, delays and resonance stay.
     #[must_use]
     pub fn without_errors(self) -> Self {
         Self {
@@ -96,6 +121,7 @@ impl SensorParameters {
             demand_resolution_nm: 0.0,
             calc_noise_nm: 0.0,
             cell_noise_nm: 0.0,
+            pulses: None,
             flange: FlangeParameters { noise_nm: 0.0, resolution_nm: 0.0, ..self.flange },
             ..self
         }
@@ -118,7 +144,23 @@ impl SensorParameters {
         require_not_negative("sensors.cell_noise_nm", self.cell_noise_nm)?;
         let average = self.moving_average;
         require("sensors.moving_average", average as f64, (1..=1000).contains(&average), "between 1 and 1000")?;
+        self.pulses.map_or(Ok(()), |pulses| pulses.check())?;
         self.flange.check()
+    }
+}
+
+impl PulseParameters {
+    fn check(&self) -> Result<(), VirtualBenchError> {
+        let slits = f64::from(self.slits);
+        require("sensors.pulses.slits", slits, (1..=100_000).contains(&self.slits), "between 1 and 100 000")?;
+        let most = 0.1 * std::f64::consts::TAU / slits;
+        for (name, value) in [
+            ("sensors.pulses.slit_error_rad", self.slit_error_rad),
+            ("sensors.pulses.edge_jitter_rad", self.edge_jitter_rad),
+        ] {
+            require(name, value, (0.0..=most).contains(&value), "between 0 and a tenth of the pitch")?;
+        }
+        require_not_negative("sensors.pulses.timer_hz", self.timer_hz)
     }
 }
 

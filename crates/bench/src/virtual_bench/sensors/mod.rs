@@ -1,11 +1,12 @@
 //! Encoders, load cell, flange, computed torques: what the bench reads of itself every millisecond.
 
 mod encoder;
+mod pulses;
 mod rotation;
 mod system_shaft;
 mod torque;
 
-use encoder::Encoder;
+use encoder::{Encoder, EncoderStreams};
 use rotation::Rotation;
 use system_shaft::SystemShaftTorque;
 use torque::{SensorDynamics, TorqueSensor};
@@ -27,6 +28,11 @@ pub(super) struct Readings {
     /// T_shaft as the bench knows it: its own, or the flange's.
     pub(super) shaft_torque_nm: f64,
 }
+
+const DYNO_STREAMS: EncoderStreams =
+    EncoderStreams { noise: Source::DynoEncoder, edges: Source::DynoEdges, slits: Source::DynoSlits };
+const ENGINE_STREAMS: EncoderStreams =
+    EncoderStreams { noise: Source::EngineEncoder, edges: Source::EngineEdges, slits: Source::EngineSlits };
 
 /// All sensors of a bench.
 #[derive(Debug, Clone)]
@@ -64,7 +70,7 @@ impl Sensors {
     ) -> Result<Self, VirtualBenchError> {
         let sensors = &parameters.sensors;
         let rotation = |angle_rad, speed_rad_s| Rotation::new(sensors.gate_s, step_s, angle_rad, speed_rad_s);
-        let encoder = |eccentricity, source| Encoder::new(sensors, eccentricity, Random::new(seed, source));
+        let encoder = |eccentricity, streams, motion| Encoder::new(sensors, eccentricity, (streams, seed), motion);
         let inertia = parameters.mechanics.dyno_inertia_kg_m2;
         let speed = train.dyno_speed_rad_s();
         let cell = SensorDynamics {
@@ -75,8 +81,8 @@ impl Sensors {
         Ok(Self {
             dyno_rotation: rotation(train.dyno_angle_rad(), speed),
             engine_rotation: rotation(train.engine_angle_rad(), train.engine_speed_rad_s()),
-            dyno_encoder: encoder(sensors.dyno_eccentricity, Source::DynoEncoder),
-            engine_encoder: encoder(sensors.engine_eccentricity, Source::EngineEncoder),
+            dyno_encoder: encoder(sensors.dyno_eccentricity, DYNO_STREAMS, (train.dyno_angle_rad(), speed)),
+            engine_encoder: encoder(sensors.engine_eccentricity, ENGINE_STREAMS, (train.engine_angle_rad(), speed)),
             calc_noise_nm: sensors.calc_noise_nm,
             calc_random: Random::new(seed, Source::CalcTorque),
             cell: TorqueSensor::new(cell, step_s, air_gap_nm)?,

@@ -27,6 +27,11 @@ impl Rotation {
         self.points.push_back((angle_rad, speed_rad_s));
     }
 
+    /// Speed now, rad/s.
+    pub(super) fn speed_rad_s(&self) -> f64 {
+        self.points.back().map_or(0.0, |(_, speed_rad_s)| *speed_rad_s)
+    }
+
     /// Angle a while ago, rad, by the cubic through two points and their slopes.
     pub(super) fn angle_before_rad(&self, age_s: f64) -> f64 {
         let newest = self.points.len() - 1;

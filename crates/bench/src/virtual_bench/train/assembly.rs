@@ -3,7 +3,7 @@
 use faer::Mat;
 use lti::StateSpace;
 
-use super::loss::RelaxingSprings;
+use super::loss::{RelaxingSpring, RelaxingSprings};
 use crate::virtual_bench::parameters::MechanicsParameters;
 
 /// Where the air-gap torque and the bearings' friction act.
@@ -30,9 +30,10 @@ pub(super) struct Assembly {
     pub(super) connections: Vec<Connection>,
     /// Which connection the shaft is.
     pub(super) shaft: usize,
-    pub(super) springs: RelaxingSprings,
-    /// Torque of one relaxing spring, Nm/rad.
-    pub(super) spring_stiffness: f64,
+    /// Relaxing springs of the shaft, their ratios those to the whole stiffness.
+    springs: Vec<RelaxingSpring>,
+    /// K as stated, zero without a shaft.
+    stated_stiffness: f64,
     pub(super) viscous: f64,
 }
 
@@ -40,10 +41,10 @@ impl Assembly {
     /// The train, its shaft bolted on or not.
     pub(super) fn new(parameters: &MechanicsParameters, is_connected: bool) -> Self {
         let on = if is_connected { 1.0 } else { 0.0 };
-        let springs = RelaxingSprings::new(parameters.shaft_loss.filter(|_| is_connected));
+        let relaxing = RelaxingSprings::new(parameters.shaft_loss.filter(|_| is_connected));
         let stiffness = on * parameters.shaft_stiffness_nm_per_rad;
         let shaft = Connection {
-            stiffness: stiffness * springs.static_ratio,
+            stiffness: stiffness * relaxing.static_ratio,
             damping: on * parameters.shaft_damping_nm_s_per_rad,
         };
         let (mut inertias, mut connections) = (vec![parameters.dyno_inertia_kg_m2], Vec::new());
@@ -62,11 +63,11 @@ impl Assembly {
         inertias.push(engine);
         Self {
             shaft: usize::from(parameters.dyno_twist.is_some()),
-            spring_stiffness: stiffness * springs.ratio,
+            stated_stiffness: stiffness,
             viscous: parameters.viscous_friction_nm_s_per_rad,
             inertias,
             connections,
-            springs,
+            springs: relaxing.springs,
         }
     }
 
@@ -83,7 +84,7 @@ impl Assembly {
     }
 
     pub(super) fn rotor_angle(&self) -> usize {
-        self.spring(self.springs.rates.len())
+        self.spring(self.springs.len())
     }
 
     pub(super) fn engine_angle(&self) -> usize {
@@ -102,7 +103,9 @@ impl Assembly {
         row[connection + 1] += damping;
         row[self.twist(connection)] = stiffness;
         if connection == self.shaft {
-            (0..self.springs.rates.len()).for_each(|spring| row[self.spring(spring)] = self.spring_stiffness);
+            for (index, spring) in self.springs.iter().enumerate() {
+                row[self.spring(index)] = self.stated_stiffness * spring.ratio;
+            }
         }
         row
     }
@@ -120,11 +123,11 @@ impl Assembly {
             a[(self.twist(connection), connection)] = -1.0;
             a[(self.twist(connection), connection + 1)] = 1.0;
         }
-        for (spring, rate) in self.springs.rates.iter().enumerate() {
-            let state = self.spring(spring);
+        for (index, spring) in self.springs.iter().enumerate() {
+            let state = self.spring(index);
             a[(state, self.shaft)] = -1.0;
             a[(state, self.shaft + 1)] = 1.0;
-            a[(state, state)] = -rate;
+            a[(state, state)] = -spring.rate;
         }
         a[(ROTOR, ROTOR)] -= self.viscous / self.inertias[ROTOR];
         a[(self.rotor_angle(), ROTOR)] = 1.0;

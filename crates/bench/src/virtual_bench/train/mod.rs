@@ -8,6 +8,8 @@ mod shaft_law;
 use assembly::{Assembly, BRAKE, ENGINE, INPUTS, ROTOR, SHAFT};
 use shaft_law::ShaftLaw;
 
+pub(super) use loss::RelaxingSprings;
+
 use super::error::VirtualBenchError;
 use super::parameters::MechanicsParameters;
 
