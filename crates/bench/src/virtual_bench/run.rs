@@ -105,7 +105,11 @@ impl Bench {
         let rest = Rest::new(parameters, plan, demands, train.friction_nm(speed));
         train.rest_at(speed, angle, rest.engine_nm);
         let is_fired = plan.has_shaft && !plan.is_motored;
-        let combustion = if is_fired { Combustion::Fired } else { Combustion::Motored };
+        let combustion = match (plan.has_shaft, is_fired) {
+            (false, _) => Combustion::Stopped,
+            (true, true) => Combustion::Fired,
+            (true, false) => Combustion::Motored,
+        };
         let knowledge = Knowledge::new(parameters, UPDATE_S);
         let computed_nm = rest.air_gap_nm / knowledge.gain();
         Ok(Self {
@@ -212,6 +216,7 @@ impl Bench {
         let start = Torques { air_gap_nm: self.air_gap_torque_nm, engine_nm: engine.start_nm };
         let end = Torques { air_gap_nm: end_air_gap_nm, engine_nm: engine.end_nm };
         self.train.advance(start, end, engine.firing);
+        self.train.correct_engine(self.engine.unforeseen_nm(&self.train, &engine));
         self.air_gap_torque_nm = end_air_gap_nm;
         self.step += 1;
         self.sensors.advance(&self.train, end_air_gap_nm);
@@ -222,7 +227,7 @@ impl Bench {
         hidden.dyno_speed_rad_s.push(train.dyno_speed_rad_s());
         hidden.engine_speed_rad_s.push(train.engine_speed_rad_s());
         hidden.shaft_torque_nm.push(train.shaft_torque_nm());
-        hidden.engine_torque_nm.push(self.engine.torque_nm(train.engine_angle_rad()));
+        hidden.engine_torque_nm.push(self.engine.now_nm(train));
         hidden.air_gap_torque_nm.push(self.air_gap_torque_nm);
         hidden.friction_torque_nm.push(train.friction_nm(train.dyno_speed_rad_s()));
     }

@@ -23,5 +23,6 @@ mod torque_bench;
 mod torque_control;
 mod units;
 mod virtual_bench;
+mod virtual_engine;
 mod virtual_modes;
 mod virtual_train;

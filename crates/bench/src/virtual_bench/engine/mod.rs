@@ -2,12 +2,14 @@
 
 mod air;
 mod control;
+mod cylinder;
+mod pulsation;
+mod slider_crank;
 
-use std::f64::consts::TAU;
-
-use super::noise::{Random, Source};
 use super::parameters::EngineParameters;
 use super::train::{Jump, Train};
+use pulsation::Pulsation;
+use slider_crank::CrankEngine;
 
 pub(super) use air::Air;
 pub(super) use control::EngineSpeedControl;
@@ -17,22 +19,8 @@ pub(super) use control::EngineSpeedControl;
 pub(super) enum Combustion {
     Fired,
     Motored,
-}
-
-/// The engine's torque, firing by firing.
-#[derive(Debug, Clone)]
-pub(super) struct Engine {
-    parameters: EngineParameters,
-    combustion: Combustion,
-    random: Random,
-    /// Crank angle from one firing to the next, rad.
-    firing_interval_rad: f64,
-    next_firing_rad: f64,
-    cylinder: usize,
-    firing_torque_nm: f64,
-    pulsation: f64,
-    /// (a_n cos φ_n, a_n sin φ_n).
-    harmonics: Vec<(f64, f64)>,
+    /// The shaft is off: the engine does not turn.
+    Stopped,
 }
 
 /// The engine's torque over a step. `end_nm` is that of the cylinder firing at its start, continued to its end.
@@ -41,6 +29,13 @@ pub(super) struct EngineStep {
     pub(super) start_nm: f64,
     pub(super) end_nm: f64,
     pub(super) firing: Option<Jump>,
+}
+
+/// The engine's torque over crank angle, in two fidelities.
+#[derive(Debug, Clone)]
+pub(super) enum Engine {
+    Pulsation(Box<Pulsation>),
+    SliderCrank(Box<CrankEngine>),
 }
 
 impl Engine {
@@ -52,71 +47,35 @@ impl Engine {
         angle_rad: f64,
         level_nm: f64,
     ) -> Self {
-        let interval_rad = parameters.cycle_rad() / parameters.cylinder_factors.len() as f64;
-        let harmonics = parameters.firing_harmonics.iter().map(|h| {
-            let (sine, cosine) = h.phase_rad.sin_cos();
-            (h.relative_amplitude * cosine, h.relative_amplitude * sine)
-        });
-        Self {
-            combustion,
-            random: Random::new(seed, Source::Firing),
-            firing_interval_rad: interval_rad,
-            next_firing_rad: ((angle_rad / interval_rad).floor() + 1.0) * interval_rad,
-            cylinder: 0,
-            firing_torque_nm: level_nm,
-            pulsation: if combustion == Combustion::Fired { 1.0 } else { parameters.motored_pulsation },
-            harmonics: harmonics.collect(),
-            parameters: parameters.clone(),
-        }
-    }
-
-    /// Torque at a crank angle, Nm: T_j (1 + p Σ a_n cos(2n c θ/s + φ_n)).
-    pub(super) fn torque_nm(&self, angle_rad: f64) -> f64 {
-        self.firing_torque_nm * self.pulse(angle_rad)
-    }
-
-    fn pulse(&self, angle_rad: f64) -> f64 {
-        let (sine, cosine) = (TAU * angle_rad / self.firing_interval_rad).sin_cos();
-        let (mut s, mut c) = (sine, cosine);
-        let mut sum = 0.0;
-        for &(in_phase, quadrature) in &self.harmonics {
-            sum += in_phase * c - quadrature * s;
-            (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
-        }
-        1.0 + self.pulsation * sum
-    }
-
-    /// The torque over the next step, with the crank's angle predicted to second order; `level_nm` is used where a
-    /// cylinder fires within the step.
-    pub(super) fn step(&mut self, train: &Train, step_s: f64, level_nm: f64) -> EngineStep {
-        let (angle_rad, speed) = (train.engine_angle_rad(), train.engine_speed_rad_s());
-        let start_nm = self.torque_nm(angle_rad);
-        let acceleration = train.engine_acceleration_rad_s2(start_nm);
-        let turned = |time_s: f64| (speed + 0.5 * acceleration * time_s) * time_s;
-        let end_nm = self.torque_nm(angle_rad + turned(step_s));
-        let to_firing_rad = self.next_firing_rad - angle_rad;
-        let firing = (turned(step_s) >= to_firing_rad && speed > 0.0).then(|| {
-            let first_guess_s = (to_firing_rad / speed).clamp(0.0, step_s);
-            let mean_speed = speed + 0.5 * acceleration * first_guess_s;
-            let time_s = (to_firing_rad / mean_speed).clamp(0.0, step_s);
-            Jump { remaining_s: step_s - time_s, jump_nm: self.fire(level_nm) }
-        });
-        EngineStep { start_nm, end_nm, firing }
-    }
-
-    /// The next cylinder takes over; returns the jump of the torque, Nm.
-    fn fire(&mut self, level_nm: f64) -> f64 {
-        let before_nm = self.firing_torque_nm;
-        self.cylinder = (self.cylinder + 1) % self.parameters.cylinder_factors.len();
-        self.firing_torque_nm = match self.combustion {
-            Combustion::Motored => level_nm,
-            Combustion::Fired => {
-                let factor = self.parameters.cylinder_factors[self.cylinder];
-                level_nm * factor * (1.0 + self.parameters.cycle_variation * self.random.normal())
+        match &parameters.slider_crank {
+            Some(crank) if combustion != Combustion::Stopped => {
+                Self::SliderCrank(Box::new(CrankEngine::new(parameters, crank, combustion, seed, angle_rad, level_nm)))
             }
-        };
-        let jump_nm = (self.firing_torque_nm - before_nm) * self.pulse(self.next_firing_rad);
-        self.next_firing_rad += self.firing_interval_rad;
-        jump_nm
+            _ => Self::Pulsation(Box::new(Pulsation::new(parameters, combustion, seed, angle_rad, level_nm))),
+        }
+    }
+
+    /// The torque over the next step; `level_nm` is used where a cylinder fires within the step.
+    pub(super) fn step(&mut self, train: &Train, step_s: f64, level_nm: f64) -> EngineStep {
+        match self {
+            Self::Pulsation(engine) => engine.step(train, step_s, level_nm),
+            Self::SliderCrank(engine) => engine.step(train, step_s, level_nm),
+        }
+    }
+
+    /// Torque now, Nm.
+    pub(super) fn now_nm(&self, train: &Train) -> f64 {
+        match self {
+            Self::Pulsation(engine) => engine.now_nm(train),
+            Self::SliderCrank(engine) => engine.now_nm(train),
+        }
+    }
+
+    /// How much more torque ends a step than was foreseen, now that its end is known, Nm.
+    pub(super) fn unforeseen_nm(&self, train: &Train, foreseen: &EngineStep) -> f64 {
+        match self {
+            Self::Pulsation(_) => 0.0,
+            Self::SliderCrank(engine) => engine.now_nm(train) - foreseen.end_nm,
+        }
     }
 }

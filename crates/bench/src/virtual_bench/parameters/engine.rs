@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::SliderCrank;
 use crate::units::RPM_RAD_S;
 use crate::virtual_bench::error::{VirtualBenchError, require, require_not_negative};
 
@@ -34,6 +35,8 @@ pub struct EngineParameters {
     pub strokes: u32,
     /// a_n, φ_n: harmonics of the firing order, first harmonic first.
     pub firing_harmonics: Vec<Harmonic>,
+    /// Cylinders on a crankshaft in place of the harmonics; none: the harmonics.
+    pub slider_crank: Option<SliderCrank>,
     /// Standard deviation of ε, 1.
     pub cycle_variation: f64,
     /// Mean torque of the motored engine, Nm (negative).
@@ -88,6 +91,7 @@ impl Default for EngineParameters {
             cylinder_factors: vec![1.0, 0.93, 1.05, 0.98],
             strokes: 4,
             firing_harmonics: vec![harmonic(2.0, 0.3), harmonic(0.9, 1.1), harmonic(0.4, -0.5), harmonic(0.2, 0.2)],
+            slider_crank: None,
             cycle_variation: 0.02,
             motored_torque_nm: -15.8,
             motored_pulsation: 0.2,
@@ -123,6 +127,7 @@ impl EngineParameters {
         require_not_negative("engine.speed_control_proportional_nm_s_per_rad", gain)?;
         require_not_negative("engine.speed_control_integral_nm_per_rad", self.speed_control_integral_nm_per_rad)?;
         require_not_negative("engine.intake_lag_s", self.intake_lag_s)?;
+        self.slider_crank.map_or(Ok(()), |crank| crank.check())?;
         self.throttle_map.check()
     }
 }

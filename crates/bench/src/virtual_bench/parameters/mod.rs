@@ -7,6 +7,7 @@ mod inverter;
 mod machine;
 mod mechanics;
 mod sensors;
+mod slider_crank;
 
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +21,7 @@ pub use inverter::{InverterParameters, MachineKnowledge};
 pub use machine::InductionMachine;
 pub use mechanics::{DualMassFlywheel, DynoTwist, LossFactor, MechanicsParameters};
 pub use sensors::{FlangeParameters, PulseParameters, SensorParameters};
+pub use slider_crank::SliderCrank;
 
 /// The parameters of a virtual bench. `Default` resembles the DTB bench of Glans & Kärnell (Chalmers EX112/2018):
 /// four-stroke engine with four cylinders, load cell, welded flywheel, shaft resonance near 18 Hz.

@@ -1,7 +1,9 @@
 //! The equations of the masses and the shafts between them, in state space.
 
+use std::f64::consts::TAU;
+
 use faer::Mat;
-use lti::StateSpace;
+use lti::{Complex64, StateSpace};
 
 use super::loss::{RelaxingSpring, RelaxingSprings};
 use crate::virtual_bench::parameters::MechanicsParameters;
@@ -139,7 +141,31 @@ impl Assembly {
         (a, b)
     }
 
-    /// The same with no outputs of interest.
+    /// Gain of T_d → T_shaft with play and stiffening left out.
+    ///
+    /// From the engine's end inwards: what lies beyond mass i takes I_i ω_i, with I_i = Z/(1 + Z/(J_{i+1} s + I_{i+1})) and
+    /// Z = T/Δω of the connection.
+    pub(super) fn shaft_gain(&self, frequency_hz: f64) -> f64 {
+        let s = Complex64::new(0.0, TAU * frequency_hz);
+        let mut gain = Complex64::new(1.0, 0.0);
+        let mut beyond = Complex64::new(0.0, 0.0);
+        for (connection, linear) in self.connections.iter().enumerate().rev() {
+            let mut stiffness = Complex64::new(linear.stiffness, 0.0);
+            if connection == self.shaft {
+                let relaxing = |spring: &RelaxingSpring| s * (self.stated_stiffness * spring.ratio) / (s + spring.rate);
+                stiffness += self.springs.iter().map(relaxing).sum::<Complex64>();
+            }
+            let impedance = stiffness / s + linear.damping;
+            beyond = impedance / (impedance / (s * self.inertias[connection + 1] + beyond) + 1.0);
+            if connection <= self.shaft {
+                let bearing = if connection == ROTOR { self.viscous } else { 0.0 };
+                gain *= beyond / (s * self.inertias[connection] + beyond + bearing);
+            }
+        }
+        gain.norm()
+    }
+
+    /// The equations as a system with its states as outputs.
     pub(super) fn state_space(&self) -> Result<StateSpace, lti::LtiError> {
         let (a, b) = self.matrices();
         let n = self.states();

@@ -3,12 +3,14 @@
 
 mod assembly;
 mod loss;
+mod resonance;
 mod shaft_law;
 
 use assembly::{Assembly, BRAKE, ENGINE, INPUTS, ROTOR, SHAFT};
 use shaft_law::ShaftLaw;
 
 pub(super) use loss::RelaxingSprings;
+pub(super) use resonance::resonance_hz;
 
 use super::error::VirtualBenchError;
 use super::parameters::MechanicsParameters;
@@ -137,6 +139,11 @@ impl Train {
         self.correct(SHAFT, beyond_change_nm);
     }
 
+    /// Adds torque of the engine that ended the last step beside what was foreseen.
+    pub(super) fn correct_engine(&mut self, change_nm: f64) {
+        self.correct(ENGINE, change_nm);
+    }
+
     /// What a torque does that ends the step higher than predicted.
     fn correct(&mut self, input: usize, change_nm: f64) {
         if change_nm != 0.0 {
@@ -175,7 +182,7 @@ impl Train {
     }
 
     /// Torque that the engine gives on: to the shaft, or to the flywheel's springs.
-    fn torque_on_engine_nm(&self) -> f64 {
+    pub(super) fn torque_on_engine_nm(&self) -> f64 {
         let is_shaft = self.assembly.shaft + 1 == self.assembly.connections.len();
         self.row_nm(&self.engine_row) + if is_shaft { self.beyond_linear_nm() } else { 0.0 }
     }
@@ -190,9 +197,14 @@ impl Train {
         self.coulomb_nm(dyno_speed_rad_s) + self.assembly.viscous * dyno_speed_rad_s
     }
 
+    /// Inertia on which T_e acts: J_e, or without the flywheel's secondary, kg m².
+    pub(super) fn engine_inertia_kg_m2(&self) -> f64 {
+        self.assembly.inertias[self.assembly.engine()]
+    }
+
     /// Acceleration of the engine, rad/s².
     pub(super) fn engine_acceleration_rad_s2(&self, engine_nm: f64) -> f64 {
-        (engine_nm - self.torque_on_engine_nm()) / self.assembly.inertias[self.assembly.engine()]
+        (engine_nm - self.torque_on_engine_nm()) / self.engine_inertia_kg_m2()
     }
 
     /// ω_d of the rotor, on which the encoder sits, rad/s.
