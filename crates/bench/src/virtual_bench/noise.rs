@@ -8,13 +8,22 @@ use rand_chacha::ChaCha8Rng;
 /// What a stream of random numbers is for: each source has its own, so that changing one leaves the others alone.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Source {
-    Plan = 1,
+    DynoTorque = 1,
     Firing = 2,
     StartAngle = 3,
     DynoEncoder = 4,
     EngineEncoder = 5,
     CalcTorque = 6,
     LoadCell = 7,
+    Flange = 8,
+    EngineTorque = 9,
+    Throttle = 10,
+    Ignition = 11,
+    Speed = 12,
+    DynoEdges = 13,
+    EngineEdges = 14,
+    DynoSlits = 15,
+    EngineSlits = 16,
 }
 
 /// Uniform and normal numbers from one ChaCha stream.

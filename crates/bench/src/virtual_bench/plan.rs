@@ -8,6 +8,17 @@ use super::error::{VirtualBenchError, require, require_not_negative, require_pos
 use super::waveform::Waveform;
 use crate::units::RPM_RAD_S;
 
+/// Which torque the dynamometer controls in TN mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TorqueTarget {
+    /// T_d, the air-gap torque: the demand goes straight to the inverter.
+    #[default]
+    AirGap,
+    /// T_shaft, the shaft torque: a controller demands T_d* (thesis §3.2, third mode).
+    Shaft,
+}
+
 /// What is done to the bench, and for how long. The constructors give the experiments of the method with the levels
 /// and times of the thesis' bench; every field may be changed afterwards.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,14 +31,28 @@ pub struct ExperimentPlan {
     pub settling_s: f64,
     /// ω_d*, speed demand of the dynamometer (NT), rad/s. In TN it is the engine's.
     pub speed_rad_s: Waveform,
-    /// T_d*, air-gap torque demand (TN), Nm.
+    /// T_d* or T_shaft*, the dynamometer's torque demand (TN), Nm.
     pub dyno_torque_nm: Waveform,
-    /// Engine torque demand (NT), Nm; taken up firing by firing.
+    /// Which of the two it is.
+    #[serde(default)]
+    pub torque_target: TorqueTarget,
+    /// Engine torque demand (NT), Nm; it goes through the intake and is taken up firing by firing.
     pub engine_torque_nm: Waveform,
+    /// α_e, throttle in place of the torque demand (NT), 0 … 1.
+    #[serde(default)]
+    pub throttle: Option<Waveform>,
+    /// η, efficiency of the ignition angle, 1 at the best one; taken up firing by firing, past the intake.
+    #[serde(default = "best_ignition")]
+    pub ignition_efficiency: Waveform,
     /// Whether the engine is motored instead of fired. Its torque is then that of the parameters.
     pub is_motored: bool,
     /// Whether dynamometer and engine are connected.
     pub has_shaft: bool,
+}
+
+/// The best ignition angle throughout.
+fn best_ignition() -> Waveform {
+    Waveform::Constant { value: 1.0 }
 }
 
 impl ExperimentPlan {
@@ -38,7 +63,10 @@ impl ExperimentPlan {
             settling_s: 2.0,
             speed_rad_s: Waveform::Constant { value: speed_rpm * RPM_RAD_S },
             dyno_torque_nm: Waveform::Constant { value: 60.0 },
+            torque_target: TorqueTarget::AirGap,
             engine_torque_nm: Waveform::Constant { value: 60.0 },
+            throttle: None,
+            ignition_efficiency: best_ignition(),
             is_motored: false,
             has_shaft: true,
         }
@@ -128,6 +156,8 @@ impl ExperimentPlan {
         require("plan.settling_s", self.settling_s, self.settling_s <= 1e4, "at most 10 000 s")?;
         self.speed_rad_s.check("plan.speed_rad_s")?;
         self.dyno_torque_nm.check("plan.dyno_torque_nm")?;
-        self.engine_torque_nm.check("plan.engine_torque_nm")
+        self.engine_torque_nm.check("plan.engine_torque_nm")?;
+        self.throttle.as_ref().map_or(Ok(()), |throttle| throttle.check("plan.throttle"))?;
+        self.ignition_efficiency.check("plan.ignition_efficiency")
     }
 }

@@ -1,61 +1,29 @@
 //! The bench in motion: all parts connected, update by update.
 
-use crate::ControlMode;
+use std::f64::consts::TAU;
 
-use super::controller::SpeedController;
-use super::engine::{Combustion, Engine, EngineSpeedControl};
+use super::control::{ShaftTorqueController, SpeedController};
+use super::demands::Demands;
+use super::drive::{Inverter, Knowledge, TimedDemand};
+use super::engine::{Air, Combustion, Engine, EngineSpeedControl};
 use super::error::VirtualBenchError;
-use super::inverter::{Inverter, TimedDemand};
-use super::mechanics::{DrivingTorques, MechanicalState, TwoMasses};
 use super::noise::{Random, Source};
 use super::parameters::BenchParameters;
-use super::plan::ExperimentPlan;
-use super::sensors::{Encoder, LoadCell, Rotation, SystemShaftTorque, rounded};
-use super::waveform::hold;
+use super::plan::{ExperimentPlan, TorqueTarget};
+use super::sensors::{Readings, Sensors, rounded};
+use super::train::{Torques, Train};
 use super::{HiddenTruth, Numerics, UPDATE_S};
-
-/// Demands at every update of the recording.
-struct Demands {
-    speed_rad_s: Vec<f64>,
-    dyno_torque_nm: Vec<f64>,
-    engine_torque_nm: Vec<f64>,
-}
-
-impl Demands {
-    fn new(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64, updates: usize) -> Self {
-        let mut random = Random::new(seed, Source::Plan);
-        let mut held = Vec::from([Vec::new(), Vec::new()]);
-        let held_updates = (parameters.controller.demand_hold_s / UPDATE_S).round() as usize;
-        for (values, waveform) in held.iter_mut().zip([&plan.dyno_torque_nm, &plan.engine_torque_nm]) {
-            *values = waveform.sample(&mut random, UPDATE_S, updates);
-            hold(values, held_updates);
-        }
-        let speed_rad_s = plan.speed_rad_s.sample(&mut random, UPDATE_S, updates);
-        let engine_torque_nm = held.pop().unwrap_or_default();
-        let dyno_torque_nm = held.pop().unwrap_or_default();
-        Self { speed_rad_s, dyno_torque_nm, engine_torque_nm }
-    }
-}
+use crate::ControlMode;
 
 /// What the automation system holds in its registers at every update of the recording. SI.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Registers {
-    pub(super) dyno_speed_rad_s: Vec<f64>,
-    pub(super) engine_speed_rad_s: Vec<f64>,
+    pub(super) readings: Vec<Readings>,
     pub(super) dyno_speed_demand_rad_s: Vec<f64>,
     pub(super) dyno_torque_demand_nm: Vec<f64>,
-    pub(super) dyno_torque_calc_nm: Vec<f64>,
-    pub(super) dyno_torque_meas_nm: Vec<f64>,
-    pub(super) shaft_torque_calc_nm: Vec<f64>,
-}
-
-/// What the sensors read at one update.
-struct Readings {
-    dyno_speed_rad_s: f64,
-    engine_speed_rad_s: f64,
-    calc_torque_nm: f64,
-    cell_torque_nm: f64,
-    shaft_torque_nm: f64,
+    pub(super) shaft_torque_demand_nm: Vec<f64>,
+    /// Empty where the engine gets a torque.
+    pub(super) throttle: Vec<f64>,
 }
 
 /// Runs a plan on a bench.
@@ -69,26 +37,45 @@ pub(super) fn run(
     let settling = (plan.settling_s / UPDATE_S).round() as usize;
     let demands = Demands::new(parameters, plan, seed, updates);
     let mut bench = Bench::new(parameters, plan, seed, numerics, &demands, settling)?;
+    bench.reserve(updates);
     for update in 0..settling + updates {
         bench.update(&demands, update.checked_sub(settling));
         bench.advance(numerics, update >= settling);
-        if !bench.state.is_finite() {
+        if !bench.train.is_finite() {
             return Err(VirtualBenchError::Diverged { time_s: bench.time_s() });
         }
     }
+    bench.registers.dyno_speed_demand_rad_s = demands.speed_rad_s;
+    bench.registers.shaft_torque_demand_nm = demands.dyno_torque_nm;
+    bench.registers.throttle = demands.throttle;
     Ok((bench.registers, bench.hidden))
+}
+
+/// What the dynamometer controls.
+enum DynoControl {
+    Speed(SpeedController),
+    AirGapTorque,
+    ShaftTorque(ShaftTorqueController),
+}
+
+/// What decides the engine's torque level.
+enum EngineControl {
+    /// It turns without fuel.
+    Motored,
+    /// The plan's torque or throttle.
+    Demanded,
+    Speed(EngineSpeedControl),
 }
 
 /// All parts, and where they are.
 struct Bench {
-    mode: ControlMode,
-    masses: TwoMasses,
-    state: MechanicalState,
+    train: Train,
     inverter: Inverter,
-    controller: SpeedController,
+    knowledge: Knowledge,
+    dyno_control: DynoControl,
     engine: Engine,
-    engine_control: EngineSpeedControl,
-    engine_is_controlled: bool,
+    engine_control: EngineControl,
+    air: Air,
     engine_level_nm: f64,
     air_gap_torque_nm: f64,
     step_s: f64,
@@ -99,19 +86,6 @@ struct Bench {
     /// The recorded T_d* is rounded to this.
     demand_resolution_nm: f64,
     hidden: HiddenTruth,
-}
-
-struct Sensors {
-    dyno_rotation: Rotation,
-    engine_rotation: Rotation,
-    dyno_encoder: Encoder,
-    engine_encoder: Encoder,
-    calc_noise_nm: f64,
-    calc_random: Random,
-    cell: LoadCell,
-    cell_noise_nm: f64,
-    cell_random: Random,
-    system_shaft: SystemShaftTorque,
 }
 
 impl Bench {
@@ -125,38 +99,50 @@ impl Bench {
         settling: usize,
     ) -> Result<Self, VirtualBenchError> {
         let step_s = UPDATE_S / numerics.steps_per_update as f64;
-        let masses = TwoMasses::new(&parameters.mechanics, plan.has_shaft, step_s)?;
         let speed = demands.speed_rad_s[0];
-        let (air_gap_nm, engine_nm) = torques_at_rest(parameters, plan, demands, masses.friction_nm(speed));
-        let angle = Random::new(seed, Source::StartAngle).between(0.0, 2.0 * std::f64::consts::TAU);
-        let state = MechanicalState {
-            dyno_speed_rad_s: speed,
-            engine_speed_rad_s: speed,
-            twist_rad: masses.twist_at_rad(engine_nm),
-            dyno_angle_rad: angle,
-            engine_angle_rad: angle,
-        };
+        let angle = Random::new(seed, Source::StartAngle).between(0.0, 2.0 * TAU);
+        let mut train = Train::new(&parameters.mechanics, plan.has_shaft, step_s)?;
+        let rest = Rest::new(parameters, plan, demands, train.friction_nm(speed));
+        train.rest_at(speed, angle, rest.engine_nm);
         let is_fired = plan.has_shaft && !plan.is_motored;
-        let combustion = if is_fired { Combustion::Fired } else { Combustion::Motored };
-        let limit_nm = parameters.inverter.torque_limit_nm;
+        let combustion = match (plan.has_shaft, is_fired) {
+            (false, _) => Combustion::Stopped,
+            (true, true) => Combustion::Fired,
+            (true, false) => Combustion::Motored,
+        };
+        let knowledge = Knowledge::new(parameters, UPDATE_S);
+        let computed_nm = rest.air_gap_nm / knowledge.gain();
         Ok(Self {
-            mode: plan.label.mode,
-            masses,
-            state,
-            inverter: Inverter::new(&parameters.inverter, air_gap_nm),
-            controller: SpeedController::new(&parameters.controller, limit_nm, UPDATE_S, speed, air_gap_nm),
-            engine: Engine::new(&parameters.engine, combustion, seed, angle, engine_nm),
-            engine_control: EngineSpeedControl::new(&parameters.engine, engine_nm),
-            engine_is_controlled: is_fired,
-            engine_level_nm: engine_nm,
-            air_gap_torque_nm: air_gap_nm,
+            dyno_control: dyno_control(parameters, plan, speed, &rest, computed_nm),
+            inverter: Inverter::new(&parameters.inverter, computed_nm, speed, (UPDATE_S, numerics.steps_per_update)),
+            knowledge,
+            engine: Engine::new(&parameters.engine, combustion, seed, angle, rest.engine_nm),
+            engine_control: match (is_fired, plan.label.mode) {
+                (false, _) => EngineControl::Motored,
+                (true, ControlMode::Nt) => EngineControl::Demanded,
+                (true, ControlMode::Tn) => {
+                    EngineControl::Speed(EngineSpeedControl::new(&parameters.engine, rest.best_nm))
+                }
+            },
+            air: Air::new(&parameters.engine, rest.best_nm, UPDATE_S),
+            engine_level_nm: rest.engine_nm,
+            air_gap_torque_nm: rest.air_gap_nm,
             step_s,
             step: -((settling * numerics.steps_per_update) as i64),
-            sensors: Sensors::new(parameters, &state, air_gap_nm, step_s, seed)?,
+            sensors: Sensors::new(parameters, &train, rest.air_gap_nm, step_s, seed)?,
             registers: Registers::default(),
             demand_resolution_nm: parameters.sensors.demand_resolution_nm,
             hidden: HiddenTruth::new(numerics.steps_per_hidden_sample as f64 * step_s),
+            train,
         })
+    }
+
+    /// Makes room for what will be recorded.
+    fn reserve(&mut self, updates: usize) {
+        self.registers.readings.reserve_exact(updates);
+        self.registers.dyno_torque_demand_nm.reserve_exact(updates);
+        let samples = (updates as f64 * UPDATE_S / self.hidden.sample_time_s).ceil() as usize + 1;
+        self.hidden.reserve(samples);
     }
 
     fn time_s(&self) -> f64 {
@@ -166,37 +152,50 @@ impl Bench {
     /// One update of sensors, controllers and registers; `k` counts from the recording's start on.
     fn update(&mut self, demands: &Demands, k: Option<usize>) {
         let at = k.unwrap_or(0);
-        let (time_s, speed_demand_rad_s) = (self.time_s(), demands.speed_rad_s[at]);
-        let readings = self.sensors.read(self.air_gap_torque_nm);
-        let torque_demand_nm = match self.mode {
-            ControlMode::Nt => self.control_speed(time_s, readings.dyno_speed_rad_s, speed_demand_rad_s),
-            ControlMode::Tn => {
-                let demand = TimedDemand { time_s, torque_nm: demands.dyno_torque_nm[at] };
-                self.inverter.demand(demand);
-                demand.torque_nm
-            }
-        };
-        if self.engine_is_controlled {
-            self.engine_level_nm = match self.mode {
-                ControlMode::Nt => demands.engine_torque_nm[at],
-                ControlMode::Tn => {
-                    self.engine_control.update(speed_demand_rad_s - readings.engine_speed_rad_s, UPDATE_S)
-                }
-            };
-        }
+        let computed_nm = self.air_gap_torque_nm / self.knowledge.gain();
+        let readings = self.sensors.read(computed_nm);
+        self.knowledge.update(self.air_gap_torque_nm, computed_nm, readings.cell_torque_nm);
+        let torque_demand_nm = self.control_dyno(demands, at, &readings);
+        self.control_engine(demands, at, &readings);
         if k.is_some() {
             let recorded_nm = rounded(torque_demand_nm, self.demand_resolution_nm);
-            self.registers.push(&readings, speed_demand_rad_s, recorded_nm);
+            self.registers.dyno_torque_demand_nm.push(recorded_nm);
+            self.registers.readings.push(readings);
         }
     }
 
-    fn control_speed(&mut self, time_s: f64, speed_rad_s: f64, demand_rad_s: f64) -> f64 {
-        let update = self.controller.update(time_s, speed_rad_s, demand_rad_s);
-        self.inverter.demand(update.now);
-        if let Some(later) = update.later {
+    /// Gives the inverter its demand; returns it, Nm.
+    fn control_dyno(&mut self, demands: &Demands, at: usize, readings: &Readings) -> f64 {
+        let time_s = self.time_s();
+        let (now, later) = match &mut self.dyno_control {
+            DynoControl::Speed(controller) => {
+                let update = controller.update(time_s, readings.dyno_speed_rad_s, demands.speed_rad_s[at]);
+                (update.now, update.later)
+            }
+            DynoControl::AirGapTorque => (TimedDemand { time_s, torque_nm: demands.dyno_torque_nm[at] }, None),
+            DynoControl::ShaftTorque(controller) => {
+                let torque_nm = controller.update(demands.dyno_torque_nm[at], readings.shaft_torque_nm);
+                (TimedDemand { time_s, torque_nm }, None)
+            }
+        };
+        self.inverter.demand(now);
+        if let Some(later) = later {
             self.inverter.demand(later);
         }
-        update.now.torque_nm
+        now.torque_nm
+    }
+
+    fn control_engine(&mut self, demands: &Demands, at: usize, readings: &Readings) {
+        let speed_rad_s = readings.engine_speed_rad_s;
+        let towards_nm = match &mut self.engine_control {
+            EngineControl::Motored => return,
+            EngineControl::Demanded => match demands.throttle.get(at) {
+                Some(throttle) => self.air.mapped_nm(*throttle, speed_rad_s),
+                None => demands.engine_torque_nm[at],
+            },
+            EngineControl::Speed(control) => control.update(demands.speed_rad_s[at] - speed_rad_s, UPDATE_S),
+        };
+        self.engine_level_nm = self.air.update(towards_nm, demands.ignition_efficiency[at]);
     }
 
     /// From one update to the next, step by step.
@@ -211,105 +210,87 @@ impl Bench {
 
     fn advance_one_step(&mut self) {
         let (start_s, end_s) = (self.time_s(), (self.step + 1) as f64 * self.step_s);
-        let coulomb_nm = self.masses.coulomb_nm(self.state.dyno_speed_rad_s);
-        let torque_nm = self.inverter.advance(start_s, end_s);
-        let end_air_gap_nm = self.inverter.with_ripple_nm(torque_nm, end_s);
-        let engine = self.engine.step(&self.masses, &self.state, self.step_s, self.engine_level_nm);
-        let start = DrivingTorques { braking_nm: self.air_gap_torque_nm + coulomb_nm, engine_nm: engine.start_nm };
-        let end = DrivingTorques { braking_nm: end_air_gap_nm + coulomb_nm, engine_nm: engine.end_nm };
-        self.state = self.masses.advance(&self.state, start, end);
-        if let Some(firing) = engine.firing {
-            self.masses.add_engine_jump(&mut self.state, firing.jump_nm, firing.remaining_s);
-        }
+        let torque_nm = self.inverter.advance(start_s, end_s, self.train.dyno_speed_rad_s());
+        let end_air_gap_nm = self.knowledge.gain() * self.inverter.with_ripple_nm(torque_nm, end_s);
+        let engine = self.engine.step(&self.train, self.step_s, self.engine_level_nm);
+        let start = Torques { air_gap_nm: self.air_gap_torque_nm, engine_nm: engine.start_nm };
+        let end = Torques { air_gap_nm: end_air_gap_nm, engine_nm: engine.end_nm };
+        self.train.advance(start, end, engine.firing);
+        self.train.correct_engine(self.engine.unforeseen_nm(&self.train, &engine));
         self.air_gap_torque_nm = end_air_gap_nm;
         self.step += 1;
-        self.sensors.advance(&self.state, end_air_gap_nm);
+        self.sensors.advance(&self.train, end_air_gap_nm);
     }
 
     fn show(&mut self) {
-        let (state, hidden) = (&self.state, &mut self.hidden);
-        hidden.dyno_speed_rad_s.push(state.dyno_speed_rad_s);
-        hidden.engine_speed_rad_s.push(state.engine_speed_rad_s);
-        hidden.shaft_torque_nm.push(self.masses.shaft_torque_nm(state));
-        hidden.engine_torque_nm.push(self.engine.torque_nm(state.engine_angle_rad));
+        let (train, hidden) = (&self.train, &mut self.hidden);
+        hidden.dyno_speed_rad_s.push(train.dyno_speed_rad_s());
+        hidden.engine_speed_rad_s.push(train.engine_speed_rad_s());
+        hidden.shaft_torque_nm.push(train.shaft_torque_nm());
+        hidden.engine_torque_nm.push(self.engine.now_nm(train));
         hidden.air_gap_torque_nm.push(self.air_gap_torque_nm);
-        hidden.friction_torque_nm.push(self.masses.friction_nm(state.dyno_speed_rad_s));
+        hidden.friction_torque_nm.push(train.friction_nm(train.dyno_speed_rad_s()));
     }
 }
 
-/// (T_d, T_e) that keep the bench at its first speed.
-fn torques_at_rest(
+/// The controller of the plan's mode, holding the bench as it is.
+fn dyno_control(
     parameters: &BenchParameters,
     plan: &ExperimentPlan,
-    demands: &Demands,
-    friction_nm: f64,
-) -> (f64, f64) {
-    if !plan.has_shaft {
-        return (-friction_nm, 0.0);
-    }
-    if plan.is_motored {
-        let engine_nm = parameters.engine.motored_torque_nm;
-        return (engine_nm - friction_nm, engine_nm);
-    }
-    match plan.label.mode {
-        ControlMode::Nt => (demands.engine_torque_nm[0] - friction_nm, demands.engine_torque_nm[0]),
-        ControlMode::Tn => (demands.dyno_torque_nm[0], demands.dyno_torque_nm[0] + friction_nm),
-    }
-}
-
-impl Sensors {
-    fn new(
-        parameters: &BenchParameters,
-        state: &MechanicalState,
-        air_gap_nm: f64,
-        step_s: f64,
-        seed: u64,
-    ) -> Result<Self, VirtualBenchError> {
-        let sensors = &parameters.sensors;
-        let rotation = |angle_rad, speed_rad_s| Rotation::new(sensors.gate_s, step_s, angle_rad, speed_rad_s);
-        let encoder = |eccentricity, source| Encoder::new(sensors, eccentricity, Random::new(seed, source));
-        let inertia = parameters.mechanics.dyno_inertia_kg_m2;
-        Ok(Self {
-            dyno_rotation: rotation(state.dyno_angle_rad, state.dyno_speed_rad_s),
-            engine_rotation: rotation(state.engine_angle_rad, state.engine_speed_rad_s),
-            dyno_encoder: encoder(sensors.dyno_eccentricity, Source::DynoEncoder),
-            engine_encoder: encoder(sensors.engine_eccentricity, Source::EngineEncoder),
-            calc_noise_nm: sensors.calc_noise_nm,
-            calc_random: Random::new(seed, Source::CalcTorque),
-            cell: LoadCell::new(sensors, step_s, air_gap_nm)?,
-            cell_noise_nm: sensors.cell_noise_nm,
-            cell_random: Random::new(seed, Source::LoadCell),
-            system_shaft: SystemShaftTorque::new(inertia, UPDATE_S, sensors.moving_average, state.dyno_speed_rad_s),
-        })
-    }
-
-    fn advance(&mut self, state: &MechanicalState, air_gap_nm: f64) {
-        self.dyno_rotation.advance(state.dyno_angle_rad, state.dyno_speed_rad_s);
-        self.engine_rotation.advance(state.engine_angle_rad, state.engine_speed_rad_s);
-        self.cell.advance(air_gap_nm);
-    }
-
-    fn read(&mut self, air_gap_nm: f64) -> Readings {
-        let dyno_speed_rad_s = self.dyno_encoder.read_rad_s(&self.dyno_rotation);
-        let calc_torque_nm = air_gap_nm + self.calc_noise_nm * self.calc_random.normal();
-        Readings {
-            dyno_speed_rad_s,
-            engine_speed_rad_s: self.engine_encoder.read_rad_s(&self.engine_rotation),
-            calc_torque_nm,
-            cell_torque_nm: self.cell.reading_nm() + self.cell_noise_nm * self.cell_random.normal(),
-            shaft_torque_nm: self.system_shaft.update(dyno_speed_rad_s, calc_torque_nm),
+    speed_rad_s: f64,
+    rest: &Rest,
+    computed_nm: f64,
+) -> DynoControl {
+    let (controller, limit_nm) = (&parameters.controller, parameters.inverter.torque_limit_nm);
+    match (plan.label.mode, plan.torque_target) {
+        (ControlMode::Nt, _) => {
+            DynoControl::Speed(SpeedController::new(controller, limit_nm, UPDATE_S, speed_rad_s, computed_nm))
+        }
+        (ControlMode::Tn, TorqueTarget::AirGap) => DynoControl::AirGapTorque,
+        (ControlMode::Tn, TorqueTarget::Shaft) => {
+            let shaft_nm = rest.engine_nm;
+            DynoControl::ShaftTorque(ShaftTorqueController::new(controller, limit_nm, UPDATE_S, shaft_nm, computed_nm))
         }
     }
 }
 
-impl Registers {
-    fn push(&mut self, readings: &Readings, speed_demand_rad_s: f64, torque_demand_nm: f64) {
-        self.dyno_speed_rad_s.push(readings.dyno_speed_rad_s);
-        self.engine_speed_rad_s.push(readings.engine_speed_rad_s);
-        self.dyno_speed_demand_rad_s.push(speed_demand_rad_s);
-        self.dyno_torque_demand_nm.push(torque_demand_nm);
-        self.dyno_torque_calc_nm.push(readings.calc_torque_nm);
-        self.dyno_torque_meas_nm.push(readings.cell_torque_nm);
-        self.shaft_torque_calc_nm.push(readings.shaft_torque_nm);
+/// Torques that keep the bench at its first speed.
+struct Rest {
+    air_gap_nm: f64,
+    engine_nm: f64,
+    /// The engine's at the best ignition angle.
+    best_nm: f64,
+}
+
+impl Rest {
+    fn new(parameters: &BenchParameters, plan: &ExperimentPlan, demands: &Demands, friction_nm: f64) -> Self {
+        if !plan.has_shaft {
+            return Self { air_gap_nm: -friction_nm, engine_nm: 0.0, best_nm: 0.0 };
+        }
+        let motored_nm = parameters.engine.motored_torque_nm;
+        if plan.is_motored {
+            return Self { air_gap_nm: motored_nm - friction_nm, engine_nm: motored_nm, best_nm: motored_nm };
+        }
+        let efficiency = demands.ignition_efficiency[0];
+        match plan.label.mode {
+            ControlMode::Nt => {
+                let mut air = Air::new(&parameters.engine, 0.0, UPDATE_S);
+                let mapped = |throttle: &f64| air.mapped_nm(*throttle, demands.speed_rad_s[0]);
+                let best_nm = demands.throttle.first().map_or(demands.engine_torque_nm[0], mapped);
+                air = Air::new(&parameters.engine, best_nm, UPDATE_S);
+                let engine_nm = air.update(best_nm, efficiency);
+                Self { air_gap_nm: engine_nm - friction_nm, engine_nm, best_nm }
+            }
+            ControlMode::Tn => {
+                let dyno_nm = demands.dyno_torque_nm[0];
+                let (air_gap_nm, engine_nm) = match plan.torque_target {
+                    TorqueTarget::AirGap => (dyno_nm, dyno_nm + friction_nm),
+                    TorqueTarget::Shaft => (dyno_nm - friction_nm, dyno_nm),
+                };
+                let best_nm =
+                    if efficiency > 0.0 { (engine_nm - motored_nm) / efficiency + motored_nm } else { engine_nm };
+                Self { air_gap_nm, engine_nm, best_nm }
+            }
+        }
     }
 }

@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
+use super::UPDATE_S;
+use super::drive::SAMPLES_PER_UPDATE;
 use super::parameters::BenchParameters;
-use crate::model::Mechanics;
+use super::train::resonance_hz;
 use crate::units::RPM_RAD_S;
 
 /// The true values of what a study estimates, in the study's units.
@@ -23,9 +25,10 @@ pub struct Truth {
     pub speed_feed_forward_nm_per_rpm: f64,
     /// k_a, Nm/(rpm/s).
     pub acceleration_feed_forward_nm_s_per_rpm: f64,
-    /// Delay and lag of the torque control together, d + 1/a, s.
+    /// Delay and lag of the torque control together, d + 1/a, s; with a machine, d, a sample of its control, and 1 over the
+    /// bandwidth of its currents.
     pub torque_control_delay_s: f64,
-    /// Frequency of the largest gain of T_d → T_shaft in torque control, Hz.
+    /// Frequency of the largest gain of T_d → T_shaft in torque control, Hz; without play and stiffening.
     pub resonance_hz: f64,
 }
 
@@ -40,11 +43,9 @@ impl BenchParameters {
     /// ```
     pub fn truth(&self) -> Truth {
         let (mechanics, controller) = (&self.mechanics, &self.controller);
-        let masses = Mechanics {
-            dyno_inertia_kg_m2: mechanics.dyno_inertia_kg_m2,
-            engine_inertia_kg_m2: mechanics.engine_inertia_kg_m2,
-            stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
-            damping_nm_s_per_rad: mechanics.shaft_damping_nm_s_per_rad,
+        let lag_s = match self.inverter.machine {
+            None => 1.0 / self.inverter.bandwidth_rad_s,
+            Some(machine) => UPDATE_S / SAMPLES_PER_UPDATE as f64 + 1.0 / machine.current_bandwidth_rad_s,
         };
         Truth {
             stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
@@ -54,8 +55,8 @@ impl BenchParameters {
             controller_delay_s: controller.delay_s,
             speed_feed_forward_nm_per_rpm: controller.speed_feed_forward_nm_s_per_rad * RPM_RAD_S,
             acceleration_feed_forward_nm_s_per_rpm: controller.acceleration_feed_forward_nm_s2_per_rad * RPM_RAD_S,
-            torque_control_delay_s: self.inverter.delay_s + 1.0 / self.inverter.bandwidth_rad_s,
-            resonance_hz: masses.resonance().frequency_hz,
+            torque_control_delay_s: self.inverter.delay_s + lag_s,
+            resonance_hz: resonance_hz(mechanics),
         }
     }
 }

@@ -81,6 +81,32 @@ pub enum Waveform {
         /// Time for each, s.
         dwell_s: f64,
     },
+    /// Sines at once: mean + Σ a cos(2πft + φ).
+    Multisine {
+        /// Mean.
+        mean: f64,
+        /// The sines.
+        sines: Vec<Sine>,
+    },
+    /// Values of one's own, each held until the next; the last one to the end.
+    Sampled {
+        /// Time from one value to the next, s.
+        sample_time_s: f64,
+        /// The values.
+        values: Vec<f64>,
+    },
+}
+
+/// One sine of a multisine.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sine {
+    /// Frequency, Hz.
+    pub frequency_hz: f64,
+    /// Amplitude.
+    pub amplitude: f64,
+    /// φ, phase of the cosine at time zero, rad.
+    pub phase_rad: f64,
 }
 
 impl Waveform {
@@ -106,6 +132,14 @@ impl Waveform {
             Self::RandomLevels { .. } => self.sample_levels(random, update_s, updates),
             Self::SineLadder { mean, amplitude, frequencies_hz, dwell_s } => {
                 times.map(|t| mean + amplitude * ladder_at(t, frequencies_hz, *dwell_s)).collect()
+            }
+            Self::Multisine { mean, sines } => {
+                times.map(|t| mean + sines.iter().map(|s| s.at(t)).sum::<f64>()).collect()
+            }
+            Self::Sampled { sample_time_s, values } => {
+                let last = values.len().saturating_sub(1);
+                let at = |t| values.get(ticks_at(t, *sample_time_s).min(last)).copied().unwrap_or(0.0);
+                times.map(at).collect()
             }
         }
     }
@@ -168,7 +202,23 @@ impl Waveform {
                 frequencies_hz.iter().try_for_each(|&f| finite(f))?;
                 require_time(name, *dwell_s)
             }
+            Self::Multisine { mean, sines } => {
+                finite(*mean)?;
+                let numbers = sines.iter().flat_map(|s| [s.frequency_hz, s.amplitude, s.phase_rad]);
+                numbers.into_iter().try_for_each(finite)
+            }
+            Self::Sampled { sample_time_s, values } => {
+                require(name, values.len() as f64, !values.is_empty(), "at least one value")?;
+                values.iter().try_for_each(|&value| finite(value))?;
+                require_time(name, *sample_time_s)
+            }
         }
+    }
+}
+
+impl Sine {
+    fn at(&self, time_s: f64) -> f64 {
+        self.amplitude * (TAU * self.frequency_hz * time_s + self.phase_rad).cos()
     }
 }
 

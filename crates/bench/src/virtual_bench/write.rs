@@ -4,28 +4,35 @@ use recording::{Channel, Format, Raster, Recording};
 
 use super::UPDATE_S;
 use super::parameters::{BenchParameters, ClockParameters};
-use super::plan::ExperimentPlan;
+use super::plan::{ExperimentPlan, TorqueTarget};
 use super::run::Registers;
+use crate::ControlMode;
+use crate::study::BenchVariant;
 use crate::units::RPM_RAD_S;
 
-/// The recording of a run, with the channel names of a DTB bench: speeds in rpm, torques in Nm.
+/// The recording of a run, with channel names of a DTB or a TB bench: speeds in rpm, torques in Nm, throttle in %.
 pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, registers: &Registers) -> Recording {
     let clocks = &parameters.clocks;
-    let mut writer = Writer { rasters: Vec::new(), channels: Vec::new(), updates: registers.dyno_speed_rad_s.len() };
-    writer.raster(clocks, 1, clocks.fast_skew_s);
-    writer.speed("DynoSpeed", &registers.dyno_speed_rad_s, 1);
-    writer.torque("DynoTorqueDemand", &registers.dyno_torque_demand_nm, 1);
-    writer.speed("DynoSpeedDemand", &registers.dyno_speed_demand_rad_s, 1);
+    let updates = registers.readings.len();
+    let mut writer = Writer { rasters: Vec::new(), channels: Vec::new(), updates, decimation: 1 };
+    writer.fast(plan, registers, clocks);
     if plan.has_shaft {
-        let decimation = clocks.engine_speed_decimation;
-        writer.raster(clocks, decimation, clocks.engine_speed_skew_s);
-        writer.speed("EngineSpeed", &registers.engine_speed_rad_s, decimation);
+        writer.raster(clocks, clocks.engine_speed_decimation, clocks.engine_speed_skew_s, clocks.engine_speed_drift);
+        writer.channel("EngineSpeed", "rpm", |k| registers.readings[k].engine_speed_rad_s / RPM_RAD_S);
     }
-    let decimation = clocks.torque_decimation;
-    writer.raster(clocks, decimation, clocks.torque_skew_s);
-    writer.torque("DynoTorqueCalc", &registers.dyno_torque_calc_nm, decimation);
-    writer.torque("DynoTorqueMeas", &registers.dyno_torque_meas_nm, decimation);
-    writer.torque("ShaftTorqueCalc", &registers.shaft_torque_calc_nm, decimation);
+    writer.raster(clocks, clocks.torque_decimation, clocks.torque_skew_s, clocks.torque_drift);
+    let readings = &registers.readings;
+    writer.channel("DynoTorqueCalc", "Nm", |k| readings[k].calc_torque_nm);
+    match parameters.variant {
+        BenchVariant::LoadCell => {
+            writer.channel("DynoTorqueMeas", "Nm", |k| readings[k].cell_torque_nm);
+            writer.channel("ShaftTorqueCalc", "Nm", |k| readings[k].shaft_torque_nm);
+        }
+        BenchVariant::TorqueFlange => writer.channel("FlangeTorque", "Nm", |k| readings[k].shaft_torque_nm),
+    }
+    if !registers.throttle.is_empty() {
+        writer.channel("Throttle", "%", |k| 100.0 * registers.throttle[k]);
+    }
     Recording {
         format: Format::Mdf { version: 410 },
         comment: Some(format!("{}, virtual bench", plan.label)),
@@ -40,31 +47,37 @@ struct Writer {
     rasters: Vec<Raster>,
     channels: Vec<Channel>,
     updates: usize,
+    /// Of the last raster.
+    decimation: usize,
 }
 
 impl Writer {
-    fn raster(&mut self, clocks: &ClockParameters, decimation: usize, skew_s: f64) {
+    /// The controllers' own raster.
+    fn fast(&mut self, plan: &ExperimentPlan, registers: &Registers, clocks: &ClockParameters) {
+        self.raster(clocks, 1, clocks.fast_skew_s, clocks.fast_drift);
+        self.channel("DynoSpeed", "rpm", |k| registers.readings[k].dyno_speed_rad_s / RPM_RAD_S);
+        self.channel("DynoTorqueDemand", "Nm", |k| registers.dyno_torque_demand_nm[k]);
+        self.channel("DynoSpeedDemand", "rpm", |k| registers.dyno_speed_demand_rad_s[k] / RPM_RAD_S);
+        if plan.label.mode == ControlMode::Tn && plan.torque_target == TorqueTarget::Shaft {
+            self.channel("ShaftTorqueDemand", "Nm", |k| registers.shaft_torque_demand_nm[k]);
+        }
+    }
+
+    fn raster(&mut self, clocks: &ClockParameters, decimation: usize, skew_s: f64, drift: f64) {
         let start_s = clocks.start_offset_s + skew_s;
-        let stamps = (0..self.updates).step_by(decimation).map(|k| start_s + k as f64 * UPDATE_S);
+        let stamps = (0..self.updates).step_by(decimation).map(|k| start_s + k as f64 * UPDATE_S * (1.0 + drift));
+        self.decimation = decimation;
         self.rasters.push(Raster { time_s: stamps.collect(), name: None });
     }
 
-    fn speed(&mut self, name: &str, values_rad_s: &[f64], decimation: usize) {
-        let samples = values_rad_s.iter().step_by(decimation).map(|v| v / RPM_RAD_S);
-        self.channel(name, "rpm", samples.collect());
-    }
-
-    fn torque(&mut self, name: &str, values_nm: &[f64], decimation: usize) {
-        self.channel(name, "Nm", values_nm.iter().step_by(decimation).copied().collect());
-    }
-
-    fn channel(&mut self, name: &str, unit: &str, samples: Vec<f64>) {
+    /// A channel on the last raster, of values at each update.
+    fn channel(&mut self, name: &str, unit: &str, value: impl Fn(usize) -> f64) {
         self.channels.push(Channel {
             name: name.to_owned(),
             unit: unit.to_owned(),
             comment: String::new(),
             raster: self.rasters.len().saturating_sub(1),
-            samples,
+            samples: (0..self.updates).step_by(self.decimation).map(value).collect(),
         });
     }
 }

@@ -10,7 +10,7 @@ use bench::virtual_bench::{
 use recording::Recording;
 
 /// The default bench with ideal sensors and no ripple.
-fn clean() -> BenchParameters {
+pub(crate) fn clean() -> BenchParameters {
     let mut parameters = BenchParameters::default();
     parameters.sensors = parameters.sensors.without_errors();
     parameters.inverter.additive_ripple_nm = 0.0;
@@ -19,7 +19,7 @@ fn clean() -> BenchParameters {
 }
 
 /// A clean bench whose engine torque has no pulsation.
-fn smooth() -> BenchParameters {
+pub(crate) fn smooth() -> BenchParameters {
     let mut parameters = clean();
     parameters.engine.firing_harmonics.clear();
     parameters.engine.cylinder_factors.fill(1.0);
@@ -27,20 +27,20 @@ fn smooth() -> BenchParameters {
     parameters
 }
 
-fn run(parameters: &BenchParameters, plan: &ExperimentPlan, numerics: Numerics) -> VirtualRun {
+pub(crate) fn run(parameters: &BenchParameters, plan: &ExperimentPlan, numerics: Numerics) -> VirtualRun {
     simulate_hidden(parameters, plan, 7, numerics).expect("a possible bench")
 }
 
-fn samples<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
+pub(crate) fn samples<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
     &recording.channel(name).expect("a channel of this name").samples
 }
 
-fn mean(x: &[f64]) -> f64 {
+pub(crate) fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
 /// Amplitude of a line by correlation with a Hann-weighted sine.
-fn amplitude(x: &[f64], sample_time_s: f64, frequency_hz: f64) -> f64 {
+pub(crate) fn amplitude(x: &[f64], sample_time_s: f64, frequency_hz: f64) -> f64 {
     let (average, n) = (mean(x), x.len() as f64);
     let (mut real, mut imaginary, mut weight) = (0.0, 0.0, 0.0);
     for (k, x) in x.iter().enumerate() {
@@ -308,7 +308,7 @@ fn shaft_gain(frequency_hz: f64) -> f64 {
 }
 
 /// |H_d H_s/(1 + H_s (H_d + H_e))| (7.2).
-fn expected_shaft_gain(frequency_hz: f64) -> f64 {
+pub(crate) fn expected_shaft_gain(frequency_hz: f64) -> f64 {
     let (jd, je, k, b, w) = (0.6, 0.28, 2437.7_f64, 5.8, TAU * frequency_hz);
     // (K + Bs)/J_d over s² + (K + Bs)(1/J_d + 1/J_e).
     let inverse = 1.0 / jd + 1.0 / je;

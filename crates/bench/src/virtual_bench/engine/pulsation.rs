@@ -1,21 +1,15 @@
-//! The four-stroke engine: torque over crank angle, and its speed control.
+//! The engine's torque as harmonics of the firing order.
 
 use std::f64::consts::TAU;
 
-use super::mechanics::{MechanicalState, TwoMasses};
-use super::noise::{Random, Source};
-use super::parameters::EngineParameters;
-
-/// Whether fuel burns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Combustion {
-    Fired,
-    Motored,
-}
+use super::{Combustion, EngineStep};
+use crate::virtual_bench::noise::{Random, Source};
+use crate::virtual_bench::parameters::EngineParameters;
+use crate::virtual_bench::train::{Jump, Train};
 
 /// The engine's torque, firing by firing.
 #[derive(Debug, Clone)]
-pub(super) struct Engine {
+pub(crate) struct Pulsation {
     parameters: EngineParameters,
     combustion: Combustion,
     random: Random,
@@ -29,22 +23,7 @@ pub(super) struct Engine {
     harmonics: Vec<(f64, f64)>,
 }
 
-/// A firing within a step: when, and by how much the torque jumps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Firing {
-    pub(super) remaining_s: f64,
-    pub(super) jump_nm: f64,
-}
-
-/// The engine's torque over a step. `end_nm` is that of the cylinder firing at its start, continued to its end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct EngineStep {
-    pub(super) start_nm: f64,
-    pub(super) end_nm: f64,
-    pub(super) firing: Option<Firing>,
-}
-
-impl Engine {
+impl Pulsation {
     /// The engine at a crank angle, running at a torque level.
     pub(super) fn new(
         parameters: &EngineParameters,
@@ -53,7 +32,7 @@ impl Engine {
         angle_rad: f64,
         level_nm: f64,
     ) -> Self {
-        let interval_rad = 2.0 * TAU / parameters.cylinder_factors.len() as f64;
+        let interval_rad = parameters.cycle_rad() / parameters.cylinder_factors.len() as f64;
         let harmonics = parameters.firing_harmonics.iter().map(|h| {
             let (sine, cosine) = h.phase_rad.sin_cos();
             (h.relative_amplitude * cosine, h.relative_amplitude * sine)
@@ -71,8 +50,13 @@ impl Engine {
         }
     }
 
-    /// Torque at a crank angle, Nm: T_j (1 + p Σ a_n cos(n c θ/2 + φ_n)).
-    pub(super) fn torque_nm(&self, angle_rad: f64) -> f64 {
+    /// Torque now, Nm.
+    pub(super) fn now_nm(&self, train: &Train) -> f64 {
+        self.torque_nm(train.engine_angle_rad())
+    }
+
+    /// Torque at a crank angle, Nm: T_j (1 + p Σ a_n cos(2n c θ/s + φ_n)).
+    fn torque_nm(&self, angle_rad: f64) -> f64 {
         self.firing_torque_nm * self.pulse(angle_rad)
     }
 
@@ -89,24 +73,18 @@ impl Engine {
 
     /// The torque over the next step, with the crank's angle predicted to second order; `level_nm` is used where a
     /// cylinder fires within the step.
-    pub(super) fn step(
-        &mut self,
-        masses: &TwoMasses,
-        state: &MechanicalState,
-        step_s: f64,
-        level_nm: f64,
-    ) -> EngineStep {
-        let start_nm = self.torque_nm(state.engine_angle_rad);
-        let speed = state.engine_speed_rad_s;
-        let acceleration = masses.engine_acceleration_rad_s2(state, start_nm);
+    pub(super) fn step(&mut self, train: &Train, step_s: f64, level_nm: f64) -> EngineStep {
+        let (angle_rad, speed) = (train.engine_angle_rad(), train.engine_speed_rad_s());
+        let start_nm = self.torque_nm(angle_rad);
+        let acceleration = train.engine_acceleration_rad_s2(start_nm);
         let turned = |time_s: f64| (speed + 0.5 * acceleration * time_s) * time_s;
-        let end_nm = self.torque_nm(state.engine_angle_rad + turned(step_s));
-        let to_firing_rad = self.next_firing_rad - state.engine_angle_rad;
+        let end_nm = self.torque_nm(angle_rad + turned(step_s));
+        let to_firing_rad = self.next_firing_rad - angle_rad;
         let firing = (turned(step_s) >= to_firing_rad && speed > 0.0).then(|| {
             let first_guess_s = (to_firing_rad / speed).clamp(0.0, step_s);
             let mean_speed = speed + 0.5 * acceleration * first_guess_s;
             let time_s = (to_firing_rad / mean_speed).clamp(0.0, step_s);
-            Firing { remaining_s: step_s - time_s, jump_nm: self.fire(level_nm) }
+            Jump { remaining_s: step_s - time_s, jump_nm: self.fire(level_nm) }
         });
         EngineStep { start_nm, end_nm, firing }
     }
@@ -116,7 +94,7 @@ impl Engine {
         let before_nm = self.firing_torque_nm;
         self.cylinder = (self.cylinder + 1) % self.parameters.cylinder_factors.len();
         self.firing_torque_nm = match self.combustion {
-            Combustion::Motored => level_nm,
+            Combustion::Motored | Combustion::Stopped => level_nm,
             Combustion::Fired => {
                 let factor = self.parameters.cylinder_factors[self.cylinder];
                 level_nm * factor * (1.0 + self.parameters.cycle_variation * self.random.normal())
@@ -125,31 +103,5 @@ impl Engine {
         let jump_nm = (self.firing_torque_nm - before_nm) * self.pulse(self.next_firing_rad);
         self.next_firing_rad += self.firing_interval_rad;
         jump_nm
-    }
-}
-
-/// Engine speed control in TN mode: T = K_p (ω_e* − ω_e) + I, dI/dt = K_i (ω_e* − ω_e), every update.
-#[derive(Debug, Clone)]
-pub(super) struct EngineSpeedControl {
-    proportional: f64,
-    integral_gain: f64,
-    integral_nm: f64,
-}
-
-impl EngineSpeedControl {
-    /// The control at rest at a torque.
-    pub(super) fn new(parameters: &EngineParameters, torque_nm: f64) -> Self {
-        Self {
-            proportional: parameters.speed_control_proportional_nm_s_per_rad,
-            integral_gain: parameters.speed_control_integral_nm_per_rad,
-            integral_nm: torque_nm,
-        }
-    }
-
-    /// One update; returns the torque level, Nm.
-    pub(super) fn update(&mut self, error_rad_s: f64, update_s: f64) -> f64 {
-        let level_nm = self.proportional * error_rad_s + self.integral_nm;
-        self.integral_nm += self.integral_gain * update_s * error_rad_s;
-        level_nm
     }
 }

@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::inverter::TimedDemand;
-use super::parameters::ControllerParameters;
+use crate::virtual_bench::drive::TimedDemand;
+use crate::virtual_bench::parameters::ControllerParameters;
 
 /// Part of an update below which a delay counts as a whole number of updates.
 const WHOLE: f64 = 1e-9;
@@ -11,7 +11,7 @@ const WHOLE: f64 = 1e-9;
 /// T_d* = e^{−sτ} (K_p + K_i/s)(N_d − N_d*) + k N_d* + m + k_a dN_d*/dt in discrete form (thesis 6.2, 6.6, 6.7); see
 /// [`ControllerParameters`].
 #[derive(Debug, Clone)]
-pub(super) struct SpeedController {
+pub(crate) struct SpeedController {
     parameters: ControllerParameters,
     limit_nm: f64,
     update_s: f64,
@@ -26,16 +26,16 @@ pub(super) struct SpeedController {
 
 /// What one update of the controller demands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Update {
+pub(crate) struct Update {
     /// From the update on.
-    pub(super) now: TimedDemand,
+    pub(crate) now: TimedDemand,
     /// From a time before the next update on, where τ is no whole number of updates.
-    pub(super) later: Option<TimedDemand>,
+    pub(crate) later: Option<TimedDemand>,
 }
 
 impl SpeedController {
     /// The controller at rest: holding a speed with a torque.
-    pub(super) fn new(
+    pub(crate) fn new(
         parameters: &ControllerParameters,
         limit_nm: f64,
         update_s: f64,
@@ -61,7 +61,7 @@ impl SpeedController {
     }
 
     /// One update with the measured speed and the demand.
-    pub(super) fn update(&mut self, time_s: f64, speed_rad_s: f64, demand_rad_s: f64) -> Update {
+    pub(crate) fn update(&mut self, time_s: f64, speed_rad_s: f64, demand_rad_s: f64) -> Update {
         let feed_forward_nm = self.feed_forward_nm(demand_rad_s);
         self.last_demand_rad_s = demand_rad_s;
         let output_nm = self.pi_nm(speed_rad_s - demand_rad_s, feed_forward_nm);

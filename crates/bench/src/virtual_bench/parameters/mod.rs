@@ -1,0 +1,84 @@
+//! Everything a virtual bench is made of, in SI.
+
+mod clocks;
+mod controller;
+mod engine;
+mod inverter;
+mod machine;
+mod mechanics;
+mod sensors;
+mod slider_crank;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::VirtualBenchError;
+use crate::study::BenchVariant;
+
+pub use clocks::ClockParameters;
+pub use controller::ControllerParameters;
+pub use engine::{EngineParameters, Harmonic, ThrottleMap};
+pub use inverter::{InverterParameters, MachineKnowledge};
+pub use machine::InductionMachine;
+pub use mechanics::{DualMassFlywheel, DynoTwist, LossFactor, MechanicsParameters};
+pub use sensors::{FlangeParameters, PulseParameters, SensorParameters};
+pub use slider_crank::SliderCrank;
+
+/// The parameters of a virtual bench. `Default` resembles the DTB bench of Glans & Kärnell (Chalmers EX112/2018):
+/// four-stroke engine with four cylinders, load cell, welded flywheel, shaft resonance near 18 Hz.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BenchParameters {
+    /// How torque is measured: by a load cell (DTB) or a flange (TB).
+    pub variant: BenchVariant,
+    /// Inertias, shaft and friction.
+    pub mechanics: MechanicsParameters,
+    /// The dynamometer's speed controller.
+    pub controller: ControllerParameters,
+    /// Inverter and machine: from T_d* to the real air-gap torque.
+    pub inverter: InverterParameters,
+    /// The engine and its control.
+    pub engine: EngineParameters,
+    /// Encoders, load cell, computed torques.
+    pub sensors: SensorParameters,
+    /// The clocks of the recording.
+    pub clocks: ClockParameters,
+}
+
+impl Default for BenchParameters {
+    fn default() -> Self {
+        Self {
+            variant: BenchVariant::LoadCell,
+            mechanics: MechanicsParameters::default(),
+            controller: ControllerParameters::default(),
+            inverter: InverterParameters::default(),
+            engine: EngineParameters::default(),
+            sensors: SensorParameters::default(),
+            clocks: ClockParameters::default(),
+        }
+    }
+}
+
+impl BenchParameters {
+    /// A bench like the default one but of variant TB: a torque flange, and a dual-mass flywheel that makes it a
+    /// three-mass system (thesis §3.5).
+    #[must_use]
+    pub fn torque_flange() -> Self {
+        let flywheel = Some(DualMassFlywheel::default());
+        let mechanics = MechanicsParameters { flywheel, ..MechanicsParameters::default() };
+        Self { variant: BenchVariant::TorqueFlange, mechanics, ..Self::default() }
+    }
+
+    /// Checks every parameter that has impossible values.
+    ///
+    /// # Errors
+    ///
+    /// [`VirtualBenchError::Parameter`] naming the first impossible one.
+    pub fn check(&self) -> Result<(), VirtualBenchError> {
+        self.mechanics.check()?;
+        self.controller.check()?;
+        self.inverter.check()?;
+        self.engine.check()?;
+        self.sensors.check()?;
+        self.clocks.check()
+    }
+}

@@ -1,0 +1,53 @@
+//! Loss-factor damping as a sum of relaxing springs.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::virtual_bench::parameters::LossFactor;
+
+/// Relaxing springs in a decade of frequency; with two, the loss factor ripples by less than 3 %.
+const A_DECADE: f64 = 2.0;
+/// Decades by which the springs reach beyond the band, so that the loss factor holds up to its ends.
+const BEYOND_DECADES: f64 = 1.0;
+
+/// K(ω) = K_0 (1 + Σ g_i iωτ_i/(1 + iωτ_i)). In time: T = K_0 (φ + Σ g_i z_i), dz_i/dt = dφ/dt − z_i/τ_i.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct RelaxingSprings {
+    /// K_0 ÷ K.
+    pub(crate) static_ratio: f64,
+    pub(crate) springs: Vec<RelaxingSpring>,
+}
+
+/// One of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct RelaxingSpring {
+    /// 1/τ_i, 1/s.
+    pub(crate) rate: f64,
+    /// K_0 g_i ÷ K.
+    pub(crate) ratio: f64,
+}
+
+impl RelaxingSprings {
+    /// The springs that give a loss factor; none without one.
+    ///
+    /// A constant loss factor belongs to K(ω) ∝ (iω)^β with η = tan(πβ/2), hence to g_i ∝ τ_i^{−β}. With S' + iS'' the sum
+    /// at the reference for g_i = g (τ ω_ref)^{−β}, the two numbers follow from (1 + g S') K_0 = K and
+    /// g S''/(1 + g S') = η.
+    pub(crate) fn new(loss: Option<LossFactor>) -> Self {
+        let Some(loss) = loss.filter(|loss| loss.loss_factor > 0.0) else {
+            return Self { static_ratio: 1.0, springs: Vec::new() };
+        };
+        let decades = (loss.highest_hz / loss.lowest_hz).log10() + 2.0 * BEYOND_DECADES;
+        let count = (decades * A_DECADE).ceil() as i32;
+        let lowest = TAU * loss.lowest_hz * 10f64.powf(-BEYOND_DECADES);
+        let power = loss.loss_factor.atan() / FRAC_PI_2;
+        let reference = TAU * loss.reference_hz;
+        let relative = |i: i32| lowest * 10f64.powf(decades * f64::from(i) / f64::from(count)) / reference;
+        let rates: Vec<f64> = (0..=count).map(relative).collect();
+        let real: f64 = rates.iter().map(|a| a.powf(power) / (a * a + 1.0)).sum();
+        let imaginary: f64 = rates.iter().map(|a| a.powf(power) * a / (a * a + 1.0)).sum();
+        let weight = loss.loss_factor / (imaginary - loss.loss_factor * real);
+        let static_ratio = 1.0 / (1.0 + weight * real);
+        let spring = |a: &f64| RelaxingSpring { rate: a * reference, ratio: static_ratio * weight * a.powf(power) };
+        Self { static_ratio, springs: rates.iter().map(spring).collect() }
+    }
+}
