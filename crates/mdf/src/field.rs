@@ -51,6 +51,53 @@ impl<'a> Rows<'a> {
     }
 }
 
+/// Transposed records in memory: the first byte of all, their second byte, ….
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Planes<'a> {
+    pub bytes: &'a [u8],
+    /// How many records there are.
+    pub total: usize,
+    /// The first that is read.
+    pub first: usize,
+}
+
+/// Records that are brought together at once.
+const LANES: usize = 64;
+
+impl Planes<'_> {
+    /// Reads the number that begins at byte `at` of as many records as `out` has room for.
+    fn each<const N: usize>(self, at: usize, out: &mut [f64], number: impl Fn([u8; N]) -> f64) {
+        let plane = |k: usize| {
+            let start = (at + k) * self.total + self.first;
+            self.bytes.get(start..start + out.len()).unwrap_or_default()
+        };
+        let planes: [&[u8]; N] = std::array::from_fn(plane);
+        if planes.iter().any(|plane| plane.len() < out.len()) {
+            return;
+        }
+        let mut cells = [[0; N]; LANES];
+        let whole = planes.map(|plane| plane.as_chunks::<LANES>().0);
+        let (chunks, rest) = out.as_chunks_mut::<LANES>();
+        for (index, chunk) in chunks.iter_mut().enumerate() {
+            for (k, plane) in whole.iter().enumerate() {
+                cells.iter_mut().zip(&plane[index]).for_each(|(cell, byte)| cell[k] = *byte);
+            }
+            chunk.iter_mut().zip(&cells).for_each(|(out, cell)| *out = number(*cell));
+        }
+        let done = chunks.len() * LANES;
+        for (row, out) in rest.iter_mut().enumerate() {
+            *out = number(planes.map(|plane| plane[done + row]));
+        }
+    }
+}
+
+/// Records in memory, in either order of their bytes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Records<'a> {
+    Rows(Rows<'a>),
+    Planes(Planes<'a>),
+}
+
 impl Field {
     /// An unsigned number of whole bytes.
     pub(crate) fn unsigned(byte: usize, bytes: u32) -> Self {
@@ -75,7 +122,7 @@ impl Field {
     }
 
     /// Reads the number of each record into `out`.
-    pub(crate) fn read(&self, rows: Rows<'_>, out: &mut [f64]) {
+    pub(crate) fn read(&self, rows: Records<'_>, out: &mut [f64]) {
         let is_whole = self.bit == 0 && matches!(self.bits, 8 | 16 | 32 | 64);
         match self.coding {
             Coding::Float => self.floats(rows, out),
@@ -89,7 +136,7 @@ impl Field {
         }
     }
 
-    fn floats(&self, rows: Rows<'_>, out: &mut [f64]) {
+    fn floats(&self, rows: Records<'_>, out: &mut [f64]) {
         match (self.bits, self.big_endian) {
             (64, false) => each(rows, self.byte, out, f64::from_le_bytes),
             (64, true) => each(rows, self.byte, out, f64::from_be_bytes),
@@ -100,7 +147,7 @@ impl Field {
         }
     }
 
-    fn integers(&self, rows: Rows<'_>, out: &mut [f64]) {
+    fn integers(&self, rows: Records<'_>, out: &mut [f64]) {
         let at = self.byte;
         let signed = self.coding == Coding::Signed;
         match (self.bits, signed, self.big_endian) {
@@ -121,7 +168,7 @@ impl Field {
         }
     }
 
-    fn bit_fields(&self, rows: Rows<'_>, out: &mut [f64]) {
+    fn bit_fields(&self, rows: Records<'_>, out: &mut [f64]) {
         match self.width() {
             1 => self.bit_fields_of::<1>(rows, out),
             2 => self.bit_fields_of::<2>(rows, out),
@@ -135,7 +182,7 @@ impl Field {
         }
     }
 
-    fn bit_fields_of<const N: usize>(&self, rows: Rows<'_>, out: &mut [f64]) {
+    fn bit_fields_of<const N: usize>(&self, rows: Records<'_>, out: &mut [f64]) {
         let (bit, unused) = (self.bit, 64 - self.bits);
         let signed = self.coding == Coding::Signed;
         let number = |raw: u64| match signed {
@@ -153,7 +200,11 @@ impl Field {
     }
 }
 
-fn each<const N: usize>(rows: Rows<'_>, at: usize, out: &mut [f64], number: impl Fn([u8; N]) -> f64) {
+fn each<const N: usize>(records: Records<'_>, at: usize, out: &mut [f64], number: impl Fn([u8; N]) -> f64) {
+    let rows = match records {
+        Records::Rows(rows) => rows,
+        Records::Planes(planes) => return planes.each(at, out, number),
+    };
     for (rest, out) in rows.from(at).zip(out) {
         if let Some(bytes) = rest.first_chunk::<N>() {
             *out = number(*bytes);

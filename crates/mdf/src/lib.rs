@@ -21,7 +21,8 @@ mod v3;
 mod v4;
 mod values;
 
-use std::sync::{Arc, OnceLock};
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 pub use error::MdfError;
 pub use model::{Address, Attachment, Channel, Event, Finding, Group, Kind, Master, Obstacle, Quantity, StartTime};
@@ -37,6 +38,8 @@ pub struct Mdf<S> {
     source: S,
     version: u16,
     parts: Parts,
+    /// Channels whose integers were rounded.
+    rounded: Mutex<BTreeSet<Address>>,
 }
 
 /// What the blocks of a file say.
@@ -88,7 +91,7 @@ impl<S: Source> Mdf<S> {
             400.. => v4::open(pages, &id, is_open)?,
             _ => v3::open(pages, &id, version, is_open)?,
         };
-        Ok(Self { source, version, parts })
+        Ok(Self { source, version, parts, rounded: Mutex::default() })
     }
 
     /// Version times one hundred: 410 is 4.10.
@@ -125,6 +128,12 @@ impl<S: Source> Mdf<S> {
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.parts.events
+    }
+
+    /// The channels read so far in which integers of 2^53 and more were met: as `f64` they are rounded.
+    #[must_use]
+    pub fn rounded(&self) -> Vec<Address> {
+        self.rounded.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect()
     }
 
     /// What should be known about the file.

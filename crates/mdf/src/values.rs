@@ -5,7 +5,7 @@ use std::collections::HashMap;
 /// The samples of a channel, one for each record of its group.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Values {
-    /// Numbers; NaN where marked invalid. Integers of more than 53 bits are rounded.
+    /// Numbers; NaN where marked invalid. Integers of 2^53 and more are rounded ([`crate::Mdf::rounded`]).
     Numbers(Vec<f64>),
     /// Text; empty where marked invalid.
     Text(Texts),

@@ -1,10 +1,11 @@
 //! Columns, and the work of filling them from records.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::MdfError;
 use crate::conversion::Conversion;
-use crate::field::{Field, Rows};
+use crate::field::{Field, Planes, Records, Rows};
 use crate::stream::View;
 
 /// What is taken from each record.
@@ -23,6 +24,8 @@ pub(crate) struct Task {
     pub conversion: Option<Arc<Conversion>>,
     /// Bit of the invalidation bytes.
     pub invalid_bit: Option<u32>,
+    /// Takes down that there was an integer that is not exact as a number.
+    pub rounds: Option<Arc<AtomicBool>>,
 }
 
 /// A column under construction.
@@ -61,6 +64,8 @@ pub(crate) enum Invalid<'a> {
     Apart(&'a [u8], usize),
 }
 
+/// 2^53: integers below it are exact as numbers.
+const EXACT: f64 = 9_007_199_254_740_992.0;
 /// Bytes of records that are worked on at once, so that they stay in the cache while one column after another is read.
 const BLOCK: usize = 1 << 17;
 /// The same for transposed records, of which only the bytes of one column are brought together.
@@ -101,20 +106,24 @@ impl Task {
 
     /// Fills `cells` from records; `scratch` is working memory.
     fn run(&self, block: &Block<'_>, part: Part, scratch: &mut Vec<u8>, mut cells: Cells<'_>) {
-        let (byte, width) = self.place();
-        let (rows, byte) = block.rows(part, byte, width, scratch);
         match (&mut cells, self.take) {
-            (Cells::Numbers(out), Take::Number(field)) => Field { byte, ..field }.read(rows, out),
+            (Cells::Numbers(out), Take::Number(field)) => block.numbers(part, field, scratch, out),
             (Cells::Numbers(out), Take::Index) => {
                 let first = block.first + part.first as u64;
                 out.iter_mut().enumerate().for_each(|(i, out)| *out = (first + i as u64) as f64);
             }
             (Cells::Bytes { width, bytes }, _) => {
+                let (rows, byte) = block.rows(part, self.place().0, *width, scratch);
                 for (out, part) in bytes.chunks_exact_mut((*width).max(1)).zip(rows.parts(byte, *width)) {
                     out[..part.len()].copy_from_slice(part);
                 }
             }
             (Cells::Numbers(_), Take::Bytes { .. }) => {}
+        }
+        if let (Cells::Numbers(out), Some(rounds)) = (&cells, &self.rounds)
+            && out.iter().any(|number| number.abs() >= EXACT)
+        {
+            rounds.store(true, Ordering::Relaxed);
         }
         if let (Cells::Numbers(out), Some(conversion)) = (&mut cells, &self.conversion) {
             conversion.numbers(out);
@@ -133,6 +142,20 @@ struct Part {
 }
 
 impl<'a> Block<'a> {
+    /// Reads a number of each of the records.
+    fn numbers(&self, part: Part, field: Field, scratch: &mut Vec<u8>, out: &mut [f64]) {
+        match self.view {
+            View::Rows(_) => {
+                let (rows, byte) = self.rows(part, field.byte, 0, scratch);
+                Field { byte, ..field }.read(Records::Rows(rows), out);
+            }
+            View::Columns { bytes, rows } => {
+                let planes = Planes { bytes, total: rows, first: part.first };
+                Field { byte: self.shift + field.byte, ..field }.read(Records::Planes(planes), out);
+            }
+        }
+    }
+
     /// Rows of which `width` bytes at the returned place are those that are `byte` bytes into the records.
     fn rows<'s>(&self, part: Part, byte: usize, width: usize, scratch: &'s mut Vec<u8>) -> (Rows<'s>, usize)
     where

@@ -7,7 +7,8 @@ mod mixed;
 mod varying;
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, PoisonError};
 
 use crate::conversion::{Conversion, Yields};
 use crate::error::damaged;
@@ -79,6 +80,8 @@ struct Wanted<'a> {
     answer: usize,
     channel: &'a Channel,
     raw: bool,
+    /// Whether integers were met that are not exact as numbers.
+    rounds: Arc<AtomicBool>,
 }
 
 impl Wanted<'_> {
@@ -91,9 +94,12 @@ impl Wanted<'_> {
 
     fn tasks(&self) -> Vec<Task> {
         let invalid_bit = self.channel.invalid_bit;
-        let plain = |take| Task { take, conversion: None, invalid_bit };
+        let plain = |take| Task { take, conversion: None, invalid_bit, rounds: None };
         match &self.channel.storage {
-            Storage::Number(field) => vec![Task { conversion: self.early(), ..plain(Take::Number(*field)) }],
+            Storage::Number(field) => {
+                let rounds = (is_integer(field) && field.bits > 53).then(|| self.rounds.clone());
+                vec![Task { conversion: self.early(), rounds, ..plain(Take::Number(*field)) }]
+            }
             Storage::Index => vec![Task { conversion: self.early(), ..plain(Take::Index) }],
             Storage::Bytes { byte, width, .. } => vec![plain(Take::Bytes { byte: *byte, width: *width })],
             Storage::Sized { byte, width, size, .. } => {
@@ -155,7 +161,7 @@ impl<S: Source> Mdf<S> {
             }
             let data = self.parts.groups[address.group].records.data;
             let groups = wanted.entry(data).or_default();
-            groups.entry(address.group).or_default().push(Wanted { answer, channel, raw });
+            groups.entry(address.group).or_default().push(Wanted { answer, channel, raw, rounds: Arc::default() });
         }
         let total = wanted.keys().map(|&data| self.parts.data[data].stream.length).sum();
         let mut progress = Progress { tell, before: 0, total };
@@ -164,6 +170,9 @@ impl<S: Source> Mdf<S> {
             for (answer, values) in self.read_data(data, &groups, &progress)? {
                 answers[answer] = Some(values);
             }
+            let rounded = groups.values().flatten().filter(|wanted| wanted.rounds.load(Ordering::Relaxed));
+            let rounded = rounded.map(|wanted| addresses[wanted.answer]);
+            self.rounded.lock().unwrap_or_else(PoisonError::into_inner).extend(rounded);
             progress.before += self.parts.data[data].stream.length;
         }
         Ok(answers.into_iter().flatten().collect())

@@ -4,6 +4,7 @@ mod load;
 mod unpack;
 
 pub(crate) use load::{Loader, View};
+pub(crate) use unpack::zstandard_size;
 
 /// Data in the order of the records, in pieces of the file.
 #[derive(Debug, Clone, Default)]

@@ -2,19 +2,19 @@
 
 use std::io::Read;
 
-use flate2::{Decompress, FlushDecompress, Status};
+use fdeflate::Decompressor;
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
 use super::{Codec, Fragment};
 use crate::MdfError;
+use crate::bytes::{u16_at, u32_at, u64_at};
 use crate::error::damaged;
 
 /// Grows at first by this much: what is announced need not be true.
 const FIRST: usize = 1 << 24;
 
-/// Unpacks the first `needed` bytes; those of deflate and LZ4 are checked against the checksum, if there is no more. (The
-/// decoder of Zstandard passes over checksums.)
+/// Unpacks the first `needed` bytes, which are checked against the checksum, if there is one and no more of them.
 pub(super) fn unpack(
     codec: Codec,
     packed: &[u8],
@@ -25,9 +25,7 @@ pub(super) fn unpack(
     let length = usize::try_from(needed).map_err(|_| MdfError::TooLarge { numbers: needed })?;
     let done = match codec {
         Codec::Deflate => inflate(packed, length, out),
-        Codec::Zstandard => {
-            StreamingDecoder::new(packed).map_err(|e| e.to_string()).and_then(|decoder| drain(decoder, length, out))
-        }
+        Codec::Zstandard => zstandard(packed, length, out),
         Codec::Lz4 => drain(FrameDecoder::new(packed), length, out),
         Codec::Unknown(code) => {
             return Err(MdfError::Unsupported { offset: fragment.offset, feature: format!("compression {code}") });
@@ -42,18 +40,42 @@ pub(super) fn unpack(
 }
 
 fn inflate(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, String> {
-    let mut inflater = Decompress::new(true);
+    let mut inflater = Decompressor::new();
     out.resize(length.min(out.len().max(FIRST)), 0);
-    let mut done = 0;
+    let (mut taken, mut done) = (0, 0);
     loop {
-        let rest = packed.get(inflater.total_in() as usize..).unwrap_or_default();
-        let status = inflater.decompress(rest, &mut out[done..], FlushDecompress::Finish);
-        let status = status.map_err(|e| e.to_string())?;
-        done = inflater.total_out() as usize;
-        if status == Status::StreamEnd || done < out.len() || done == length {
+        let rest = packed.get(taken..).unwrap_or_default();
+        let (input, output) = inflater.read(rest, out, done, true).map_err(|e| format!("{e:?}"))?;
+        (taken, done) = (taken + input, done + output);
+        if inflater.is_done() || done < out.len() || done == length {
             return Ok(done);
         }
         out.resize(length.min(done.saturating_mul(4)), 0);
+    }
+}
+
+fn zstandard(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, String> {
+    let mut decoder = StreamingDecoder::new(packed).map_err(|e| e.to_string())?;
+    let done = drain(&mut decoder, length, out)?;
+    let frame = &decoder.decoder;
+    let sums = frame.get_checksum_from_data().zip(frame.get_calculated_checksum());
+    match frame.is_finished() && sums.is_some_and(|(stored, computed)| stored != computed) {
+        true => Err("its checksum is another".into()),
+        false => Ok(done),
+    }
+}
+
+/// The size that the frame of Zstandard beginning with `head` says it becomes, if it says so (RFC 8878, 3.1.1.1).
+pub(crate) fn zstandard_size(head: &[u8]) -> Option<u64> {
+    let descriptor = *head.strip_prefix(b"\x28\xB5\x2F\xFD")?.first()?;
+    let is_single = descriptor & 0x20 != 0;
+    let identifier = [0, 1, 2, 4][usize::from(descriptor & 3)];
+    let at = 5 + usize::from(!is_single) + identifier;
+    match descriptor >> 6 {
+        0 => is_single.then(|| head.get(at).map(|&size| u64::from(size))).flatten(),
+        1 => (at + 2 <= head.len()).then(|| u64::from(u16_at(head, at)) + 256),
+        2 => (at + 4 <= head.len()).then(|| u64::from(u32_at(head, at))),
+        _ => (at + 8 <= head.len()).then(|| u64_at(head, at)),
     }
 }
 

@@ -4,11 +4,14 @@ use super::block::{HEADER, Walk};
 use crate::bytes::{u8_at, u32_at, u64_at};
 use crate::error::damaged;
 use crate::model::Finding;
-use crate::stream::{Codec, Packing, Stream};
+use crate::stream::{Codec, Packing, Stream, zstandard_size};
 use crate::{MdfError, Source};
 
 /// Size of a DZ block before its data.
 const PACKED_HEADER: u64 = 48;
+
+/// The longest header of a frame of Zstandard.
+const ZSTANDARD_HEADER: u64 = 18;
 
 /// What a link to data leads to.
 #[derive(Debug, Default)]
@@ -142,7 +145,14 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             return Ok(false);
         }
         let most = codec.most_expansion();
-        if length > stored.saturating_mul(most).saturating_add(most) {
+        let stated = match codec {
+            Codec::Zstandard => {
+                let head = self.pages.bytes(link + PACKED_HEADER, stored.min(ZSTANDARD_HEADER))?;
+                zstandard_size(&head)
+            }
+            _ => None,
+        };
+        if length > stored.saturating_mul(most).saturating_add(most) || stated.is_some_and(|stated| length > stated) {
             return Err(damaged(link, format!("{stored} packed bytes cannot hold {length}")));
         }
         stream.push(link + PACKED_HEADER, stored, length, Packing::Packed { codec, columns });

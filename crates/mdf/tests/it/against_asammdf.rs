@@ -151,12 +151,14 @@ fn compare_values(values: &Values, expected: &Expected) -> Result<(), String> {
 }
 
 /// Differences between what asammdf reads in a file and what we read.
-fn differences(dump: &[u8]) -> Vec<String> {
+fn differences(dump: &[u8], of_others: bool) -> Vec<String> {
     let mut dump = Dump { rest: dump };
     let path = dump.line().unwrap()[1].clone();
     if dump.rest.starts_with(b"refused") {
-        eprintln!("{path}\trefused by asammdf");
-        return vec![];
+        let refused = format!("{path}\trefused by asammdf");
+        eprintln!("{refused}");
+        // Files of others may be damaged on purpose; where nothing is read, nothing is compared.
+        return if of_others { vec![] } else { vec![refused] };
     }
     let file = match Mdf::open(File::open(&path).unwrap()) {
         Ok(file) => file,
@@ -217,11 +219,11 @@ fn differences(dump: &[u8]) -> Vec<String> {
     differences
 }
 
-fn check(folder: &Path) {
+fn check(folder: &Path, of_others: bool) {
     let mut dumps: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
     dumps.retain(|p| p.extension().is_some_and(|e| e == "samples"));
     dumps.sort();
-    let found: Vec<String> = dumps.iter().flat_map(|p| differences(&std::fs::read(p).unwrap())).collect();
+    let found: Vec<String> = dumps.iter().flat_map(|p| differences(&std::fs::read(p).unwrap(), of_others)).collect();
     assert!(found.is_empty(), "{} differences in {} files:\n{}", found.len(), dumps.len(), found.join("\n"));
 }
 
@@ -242,7 +244,7 @@ fn ref_files_of_others_are_read_as_asammdf_reads_them() {
     let Some(python) = python() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asammdf-others");
     dumped(&python, &files, &folder);
-    check(&folder);
+    check(&folder, true);
 }
 
 /// Files with what asammdf reads but does not write.
@@ -271,7 +273,7 @@ fn ref_made_files_are_read_as_asammdf_reads_them() {
     };
     let files: Vec<PathBuf> = made().iter().map(file).collect();
     dumped(&python, &files, &folder);
-    check(&folder);
+    check(&folder, false);
 }
 
 #[test]
@@ -284,5 +286,5 @@ fn ref_files_of_asammdf_are_read_as_it_reads_them() {
     let mut files = vec![];
     files_in(&folder, &mut files);
     dumped(&python, &files, &folder);
-    check(&folder);
+    check(&folder, false);
 }

@@ -286,6 +286,30 @@ pub(crate) fn one_packed(code: u8, packed: &[u8]) -> Vec<u8> {
     made.finish(first)
 }
 
+/// The sum of what [`ZSTANDARD`] becomes: the low half of its XXH64.
+const SUM: [u8; 4] = [0xDD, 0x47, 0xAE, 0xBD];
+
+/// A frame of Zstandard may end with the sum of its content, and may say how long that is.
+#[test]
+fn exact_sums_and_sizes_of_zstandard_are_compared() {
+    let mut packed = ZSTANDARD.to_vec();
+    packed[4] |= 4;
+    packed.extend(SUM);
+    let read = |packed: &[u8]| {
+        let made = one_packed(2, packed);
+        let file = Mdf::open(&made[..])?;
+        file.read(&[Address { group: 0, channel: 0 }, Address { group: 0, channel: 1 }], &|_, _| {})
+    };
+    assert_eq!(read(&packed).unwrap(), read(ZSTANDARD).unwrap());
+    let last = packed.len() - 1;
+    packed[last] ^= 1;
+    assert!(read(&packed).unwrap_err().to_string().contains("checksum"));
+    // One byte says 119 where the block says 120.
+    let mut short = ZSTANDARD.to_vec();
+    short[5] -= 1;
+    assert!(matches!(read(&short), Err(mdf::MdfError::Damaged { .. })));
+}
+
 #[test]
 fn exact_blocks_of_zstandard_and_lz4() {
     let stored: Vec<u8> = (0..120).map(|i| if i < 40 { 3 * i } else { 7 * u8::from(i >= 80) }).collect();
@@ -324,4 +348,17 @@ fn exact_clock_of_another_group_from_a_file_on_disk() {
     assert_eq!(file.groups()[1].master, Some(master));
     let read = file.read(&[Address { group: 1, channel: 0 }, master.address], &|_, _| {}).unwrap();
     assert_eq!(read, [Values::Numbers(vec![1.0, -1.0, 3.0]), Values::Numbers(vec![0.5, 1.5, 2.5])]);
+}
+
+/// Which integers are too large for a double is told, before they are converted.
+#[test]
+fn exact_rounded_integers_are_told() {
+    let channels = [cn(0, 0, 64), cn(0, 8, 64), cn(0, 0, 53)];
+    let records: Vec<u8> = [(1_u64 << 53) + 1, 5, 7, (1 << 53) - 1].into_iter().flat_map(u64::to_le_bytes).collect();
+    let made = one_group(&channels, &records, 16, 0);
+    let file = Mdf::open(&made[..]).unwrap();
+    let all = [0, 1, 2].map(|channel| Address { group: 0, channel });
+    assert!(file.rounded().is_empty());
+    file.read(&all, &|_, _| {}).unwrap();
+    assert_eq!(file.rounded(), [all[0]]);
 }
