@@ -34,6 +34,7 @@ mod process;
 mod published;
 mod recursive;
 mod residual_levels;
+mod response_intervals;
 mod shared;
 mod stand_in;
 mod state_space;

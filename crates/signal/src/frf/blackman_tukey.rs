@@ -138,8 +138,7 @@ struct Analysis {
 impl Analysis {
     fn at(&self, freqs_hz: &[f64]) -> Result<SpectralAnalysis, SignalError> {
         let inputs = self.inputs;
-        let mut response =
-            FrequencyResponse { freq_hz: vec![], outputs: 1, inputs, response: vec![], variance: vec![] };
+        let mut response = FrequencyResponse::empty(1, inputs);
         let (mut density, mut degrees_of_freedom) = (vec![], vec![]);
         let mut problem = LeastSquares::new(inputs, inputs);
         for &freq_hz in freqs_hz {
@@ -157,6 +156,7 @@ impl Analysis {
         match (response.freq_hz.is_empty(), freqs_hz.first()) {
             (true, Some(&freq_hz)) => Err(SignalError::NotExcited { freq_hz }),
             _ => {
+                response.degrees_of_freedom.clone_from(&degrees_of_freedom);
                 let noise = PowerSpectrum { freq_hz: response.freq_hz.clone(), density, degrees_of_freedom };
                 Ok(SpectralAnalysis { response, noise })
             }

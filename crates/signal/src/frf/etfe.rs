@@ -55,8 +55,7 @@ impl Etfe {
         let (u, y) = (transform(input)?, transform(output)?);
         let bins = 1..=(period - 1) / 2;
         let strongest = u.iter().map(|v| v.norm_sqr()).fold(0.0, f64::max);
-        let mut found =
-            FrequencyResponse { freq_hz: vec![], outputs: 1, inputs: 1, response: vec![], variance: vec![] };
+        let mut found = FrequencyResponse::empty(1, 1);
         for k in bins.clone() {
             let window = k.saturating_sub(self.half_width).max(1)..=k.saturating_add(self.half_width).min(*bins.end());
             let sums = Sums::over(window.map(|i| (self.weight(i.abs_diff(k)), u[i], y[i])));
@@ -64,6 +63,7 @@ impl Etfe {
                 found.freq_hz.push(k as f64 / (period as f64 * sample_time_s));
                 found.response.push(sums.cross / sums.input);
                 found.variance.push(sums.variance());
+                found.degrees_of_freedom.push(sums.degrees_of_freedom());
             }
         }
         if found.freq_hz.is_empty() {
@@ -90,6 +90,7 @@ fn fold(x: &[f64], period: usize) -> Vec<f64> {
 #[derive(Default)]
 struct Sums {
     weight: f64,
+    squared_weight: f64,
     input: f64,
     output: f64,
     cross: Complex64,
@@ -100,12 +101,18 @@ impl Sums {
     fn over(bins: impl Iterator<Item = (f64, Complex64, Complex64)>) -> Self {
         bins.fold(Self::default(), |mut sums, (w, u, y)| {
             sums.weight += w;
+            sums.squared_weight += w * w;
             sums.input += w * u.norm_sqr();
             sums.output += w * y.norm_sqr();
             sums.cross += w * y * u.conj();
             sums.input_squared_weight += w * w * u.norm_sqr();
             sums
         })
+    }
+
+    /// Two for each independent bin, `(Σ w)²/Σ w²` of them, but the one that the response took.
+    fn degrees_of_freedom(&self) -> f64 {
+        2.0 * (self.weight * self.weight / self.squared_weight - 1.0)
     }
 
     /// `σ² Σ w²|U|² / (Σ w|U|²)²`, `σ²` from the weighted residuals, whose expectation is

@@ -136,13 +136,7 @@ impl LocalModel {
     ) -> Result<LocalEstimate, SignalError> {
         let mut window = Window::new(self, u, y);
         let bin_hz = 1.0 / (length as f64 * sample_time_s);
-        let mut response = FrequencyResponse {
-            freq_hz: vec![],
-            outputs: y.len(),
-            inputs: u.len(),
-            response: vec![],
-            variance: vec![],
-        };
+        let mut response = FrequencyResponse::empty(y.len(), u.len());
         let mut noise_density = Vec::new();
         for k in 1..=(length - 1) / 2 {
             if window.solve(k, (length - 1) / 2) {
@@ -156,6 +150,7 @@ impl LocalModel {
             return Err(SignalError::NotExcited { freq_hz: bin_hz });
         }
         let degrees_of_freedom = 2 * self.half_width + 1 - self.unknowns(u.len());
+        response.degrees_of_freedom = vec![2.0 * degrees_of_freedom as f64; response.freq_hz.len()];
         Ok(LocalEstimate { response, noise_density, degrees_of_freedom })
     }
 }

@@ -40,9 +40,18 @@ pub struct FrequencyResponse {
     pub response: Vec<Complex64>,
     /// Variance `E|Ĝ − EĜ|²` of each entry; NaN where the method knows none.
     pub variance: Vec<f64>,
+    /// Degrees of freedom ν of the variances at each frequency: `ν·V̂/V` is distributed as χ² with ν of them, so that the
+    /// real part, with half the variance, has an interval by Student's t. Zero where no variance is known.
+    pub degrees_of_freedom: Vec<f64>,
 }
 
 impl FrequencyResponse {
+    /// No frequency yet.
+    fn empty(outputs: usize, inputs: usize) -> Self {
+        let (freq_hz, response, variance, degrees_of_freedom) = (vec![], vec![], vec![], vec![]);
+        FrequencyResponse { freq_hz, outputs, inputs, response, variance, degrees_of_freedom }
+    }
+
     /// The response from one input to one output, one value a frequency; empty where there is no such channel.
     #[must_use]
     pub fn response_of(&self, output: usize, input: usize) -> Vec<Complex64> {

@@ -143,7 +143,8 @@ fn average(records: &[PeriodicSpectra], inputs: usize) -> Result<PeriodicRespons
     let outputs = records[0].channels - inputs;
     let entries = outputs * inputs;
     let realisations = records.len() / inputs;
-    let mut response = FrequencyResponse { freq_hz: vec![], outputs, inputs, response: vec![], variance: vec![] };
+    let mut response = FrequencyResponse::empty(outputs, inputs);
+    let freedom: usize = records.iter().map(|record| 2 * record.periods.saturating_sub(1)).sum();
     let mut total = Vec::new();
     let mut problem = LeastSquares::new(inputs, inputs);
     // Below this an input counts as absent: rounding.
@@ -155,6 +156,7 @@ fn average(records: &[PeriodicSpectra], inputs: usize) -> Result<PeriodicRespons
             records.chunks(inputs).map(|group| solve_group(&mut problem, group, &no_power, k)).collect();
         let Some(solutions) = solutions else { continue };
         response.freq_hz.push(freq_hz);
+        response.degrees_of_freedom.push(freedom as f64);
         let count = realisations as f64;
         for e in 0..entries {
             let mean = solutions.iter().map(|s| s[e].0).sum::<Complex64>() / count;

@@ -2,7 +2,7 @@
 
 use bench::dataset::CommonClock;
 use ident::Dataset;
-use ident::distributions::normal_quantile;
+use ident::distributions::interval as student_interval;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
@@ -241,7 +241,10 @@ fn response(
         SpectrumMethod::Welch => {
             let cross = cross_spectrum(inputs[0], y, sample_time_s, Welch::half_overlapping(samples))?;
             let (response, variance) = (cross.response_h1(), cross.response_h1_variance());
-            Ok(FrequencyResponse { freq_hz: cross.freq_hz, outputs: 1, inputs: 1, response, variance })
+            // Two go into the response.
+            let degrees_of_freedom = vec![cross.degrees_of_freedom - 2.0; response.len()];
+            let freq_hz = cross.freq_hz;
+            Ok(FrequencyResponse { freq_hz, outputs: 1, inputs: 1, response, variance, degrees_of_freedom })
         }
     }
 }
@@ -260,10 +263,9 @@ fn one_response(whole: &FrequencyResponse, input: usize, channel: String, unit: 
     let (gains, variance) = (whole.response_of(0, input), whole.variance_of(0, input));
     // The part of the variance along the gain is half of it.
     let interval = |level: f64| {
-        let reach = normal_quantile(0.5 + level / 2.0);
-        let ends = gains.iter().zip(&variance).map(move |(g, v)| {
-            let half = reach * (0.5 * v).sqrt();
-            ((g.norm() - half).max(0.0), g.norm() + half)
+        let ends = gains.iter().zip(&variance).zip(&whole.degrees_of_freedom).map(|((g, v), freedom)| {
+            let (low, high) = student_interval(g.norm(), (0.5 * v).sqrt(), *freedom, level);
+            (low.max(0.0), high)
         });
         ends.collect::<Vec<_>>()
     };

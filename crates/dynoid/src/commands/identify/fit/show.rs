@@ -28,10 +28,9 @@ enum Weight {
 impl Weight {
     fn of(doubt: &Doubt) -> Self {
         match doubt {
-            Doubt::Unstable
-            | Doubt::NotConverged
-            | Doubt::ExplainsLittle { .. }
-            | Doubt::DependentOutputs { .. } => Weight::Grave,
+            Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. } | Doubt::DependentOutputs { .. } => {
+                Weight::Grave
+            }
             Doubt::RowsLeftOut { .. } | Doubt::CovarianceIsLowerBound => Weight::Note,
             _ => Weight::Doubt,
         }
