@@ -34,7 +34,7 @@ fn rippled(seed: u64, samples: usize, dead: f64, lags: &[f64]) -> Dataset {
     let mut noise = Noise::new(seed);
     let u: Vec<f64> = held(&mut noise, samples, 10).iter().map(|v| 10.0 * v + 20.0).collect();
     let clean = answer(&u, dead, lags);
-    let phase = 6.28 * noise.uniform();
+    let phase = std::f64::consts::TAU * noise.uniform();
     let mut coloured = 0.0;
     let y: Vec<f64> = (0..samples)
         .map(|t| {
@@ -49,18 +49,18 @@ fn rippled(seed: u64, samples: usize, dead: f64, lags: &[f64]) -> Dataset {
     Dataset::siso(0.001, &u, &y).unwrap()
 }
 
-/// How many of the claims hold the truth, how many there are, and the mean width of the intervals.
+/// How many of the claims hold the truth, how many there are, and the middle width of the intervals.
 fn coverage(runs: u64, truth: f64, data: impl Fn(u64) -> Dataset) -> (usize, usize, f64) {
-    let (mut holding, mut claims, mut width) = (0, 0, 0.0);
+    let (mut holding, mut widths) = (0, Vec::new());
     for seed in 0..runs {
         let found = ModelledDelay::default().estimate(&data(seed)).unwrap();
         let Some(model) = found.claimed() else { continue };
         let (low, high) = model.intervals[0];
-        claims += 1;
-        width += high - low;
+        widths.push(high - low);
         holding += usize::from(low <= truth && truth <= high);
     }
-    (holding, claims, width / claims.max(1) as f64)
+    widths.sort_by(f64::total_cmp);
+    (holding, widths.len(), widths.get(widths.len() / 2).copied().unwrap_or(f64::INFINITY))
 }
 
 /// Of 30 intervals of 95 %, 26 or more hold the truth in 98.5 % of cases.
@@ -73,15 +73,6 @@ fn stat_intervals_hold_the_dead_time_under_ripple_and_coloured_noise() {
     let (holding, claims, width) = coverage(RUNS, 1.25, |seed| rippled(seed, 4000, 1.25, &[1.77]));
     assert!(claims >= 27 && width < 0.1, "{claims} claims of width {width}");
     assert!(holding + (RUNS as usize - LEAST) >= claims, "{holding} of {claims}");
-}
-
-#[test]
-#[ignore = "slow"]
-fn stat_two_lags_are_not_taken_for_a_longer_dead_time() {
-    for lags in [[6.0, 2.0], [6.0, 0.7]] {
-        let (holding, claims, _) = coverage(RUNS, 1.25, |seed| rippled(seed, 4000, 1.25, &lags));
-        assert!(holding + (RUNS as usize - LEAST) >= claims, "{lags:?}: {holding} of {claims}");
-    }
 }
 
 #[test]

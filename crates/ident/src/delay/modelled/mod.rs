@@ -16,8 +16,11 @@ const LADDER: [(usize, usize); 5] = [(0, 1), (0, 2), (1, 2), (2, 3), (2, 4)];
 /// Samples by which outputs are made later, so that a dead time of none lies within what is searched.
 const LEAD: usize = 2;
 
-/// Confidence with which a richer model has to be better, or to find another dead time.
+/// Confidence with which a richer model has to be better.
 const RICHER: f64 = 0.99;
+
+/// Confidence from which on a simpler model is out of the question.
+const REFUTED: f64 = 0.9999;
 
 /// Losses below this part of the output's power are rounding.
 const ROUNDING: f64 = 1e-18;
@@ -54,8 +57,7 @@ const ROUNDING: f64 = 1e-18;
 /// ```
 ///
 /// # Source
-/// Ljung 1999, §10.2 (the minimisation), (9.42) (the covariance), §16.4–16.6 (the choice); Hausman, *Specification tests in
-/// econometrics*, Econometrica 46, 1978, for dead times of two models.
+/// Ljung 1999, §10.2 (the minimisation), (9.42) (the covariance), §16.4–16.6 (the choice).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ModelledDelay {
     /// Longest dead time, in samples.
@@ -129,7 +131,7 @@ pub struct DelayModel {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DelayFault {
-    /// A richer model is better, or finds another dead time.
+    /// A richer model is better.
     Outdone,
     /// The search did not converge.
     NotConverged,
@@ -205,6 +207,7 @@ impl ModelledDelay {
                 model.faults.push(DelayFault::Outdone);
             }
         }
+        models[best].intervals = widened(&models, best);
         Ok(DelayModels { models, best })
     }
 
@@ -216,6 +219,18 @@ impl ModelledDelay {
     fn reach(&self) -> f64 {
         normal_quantile(0.5 + 0.5 * self.level)
     }
+}
+
+/// The intervals of the best model and of simpler ones that are not refuted beyond doubt: where a further pole is barely
+/// seen, its time constant is barely known, and the interval with it.
+fn widened(models: &[DelayModel], best: usize) -> Vec<(f64, f64)> {
+    let mut intervals = models[best].intervals.clone();
+    for simpler in models[..best].iter().filter(|simpler| simpler.may_be(&models[best])) {
+        for ((low, high), (from, to)) in intervals.iter_mut().zip(&simpler.intervals) {
+            (*low, *high) = (low.min(*from), high.max(*to));
+        }
+    }
+    intervals
 }
 
 /// The simplest model without fault that none richer outdoes.
@@ -230,24 +245,25 @@ fn outdone(models: &[DelayModel]) -> Vec<bool> {
 }
 
 impl DelayModel {
-    fn is_outdone_by(&self, richer: &DelayModel) -> bool {
-        if richer.loss > self.loss {
-            return false;
-        }
-        let more = richer.parameters.saturating_sub(self.parameters).max(1) as f64;
-        let gained = self.samples as f64 * (self.loss / richer.loss).ln();
-        gained > richer.inflation.max(self.inflation) * chi_squared_quantile(RICHER, more) || self.is_elsewhere(richer)
+    /// Whether chance may have made this model look worse than a richer one.
+    fn may_be(&self, richer: &DelayModel) -> bool {
+        let is_weak = |fault: &DelayFault| match fault {
+            DelayFault::Outdone => true,
+            DelayFault::DynamicsMissing { p_value } | DelayFault::Feedback { p_value } => *p_value > 1.0 - REFUTED,
+            _ => false,
+        };
+        self.faults.iter().all(is_weak) && !self.is_worse_than(richer, REFUTED)
     }
 
-    /// Whether the dead times are further apart than they would be if both models were right.
-    fn is_elsewhere(&self, richer: &DelayModel) -> bool {
-        let reach = normal_quantile(0.5 + 0.5 * RICHER);
-        let is_apart = |(own, other): (&DelayEstimate, &DelayEstimate)| {
-            let variance = other.standard_error.powi(2) - own.standard_error.powi(2);
-            variance > 0.0 && (own.samples - other.samples).abs() > reach * variance.sqrt()
-        };
-        let is_found = !richer.faults.contains(&DelayFault::NotConverged);
-        is_found && self.poles > 0 && self.dead_times.iter().zip(&richer.dead_times).any(is_apart)
+    /// Whether a richer model lowers the loss by more than chance would.
+    fn is_worse_than(&self, richer: &DelayModel, level: f64) -> bool {
+        let more = richer.parameters.saturating_sub(self.parameters).max(1) as f64;
+        let gained = self.samples as f64 * (self.loss / richer.loss).ln();
+        gained > richer.inflation.max(self.inflation) * chi_squared_quantile(level, more)
+    }
+
+    fn is_outdone_by(&self, richer: &DelayModel) -> bool {
+        richer.loss <= self.loss && self.is_worse_than(richer, RICHER)
     }
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use faer::Mat;
 use signal::periodicity::find_sinusoids;
+use signal::spectrum::fft_real;
 
 use crate::continuous::RationalChannel;
 use crate::continuous::estimate::OutputFit;
@@ -18,6 +19,13 @@ const PER_LINE: usize = 4;
 
 /// Probability of a line that is none.
 const FALSE_ALARM: f64 = 1e-3;
+
+/// Bins to either side that a line is held against, without those within its lobe.
+const BESIDE: usize = 15;
+const LOBE: usize = 2;
+
+/// A line is so many times the mean power of what is beside it.
+const SHARP: f64 = 25.0;
 
 /// Lines of the inputs looked at.
 const INPUT_LINES: usize = 20;
@@ -41,6 +49,10 @@ impl Ripple {
         let found =
             |x: &[f64], most: usize| find_sinusoids(&on_raster(x), clock_s, most, FALSE_ALARM).unwrap_or_default();
         let mut lines_hz: Vec<f64> = found(&errors[longest], lines).iter().map(|line| line.freq_hz).collect();
+        let spectrum = fft_real(&hann(&on_raster(&errors[longest]))).unwrap_or_default();
+        let power: Vec<f64> = spectrum.iter().map(|v| v.norm_sqr()).collect();
+        let rows = errors[longest][first..].iter().step_by(step).count() as f64;
+        lines_hz.retain(|line| stands_out(&power, (line * clock_s * rows).round() as usize));
         let resolution_hz = 2.0 / (errors[longest].len() as f64 * data.sample_time_s());
         for k in 0..if lines_hz.is_empty() { 0 } else { data.inputs() } {
             let driven = found(data.experiments()[longest].input(k), INPUT_LINES);
@@ -98,6 +110,21 @@ impl Ripple {
             Ok(Experiment { outputs, ..e.clone() })
         })
     }
+}
+
+fn hann(x: &[f64]) -> Vec<f64> {
+    let n = x.len() as f64;
+    x.iter().enumerate().map(|(t, v)| v * (0.5 - 0.5 * (TAU * (t as f64 + 0.5) / n).cos())).collect()
+}
+
+/// Whether a line rises sharply above the bins about it, as what is coloured does not.
+fn stands_out(power: &[f64], bin: usize) -> bool {
+    let about = |reach: usize| bin.saturating_sub(reach)..(bin + reach + 1).min(power.len());
+    let top = about(1).map(|k| power[k]).fold(0.0, f64::max);
+    let mut beside: Vec<f64> = about(BESIDE).filter(|k| k.abs_diff(bin) > LOBE).map(|k| power[k]).collect();
+    let middle = beside.len() / 2;
+    !beside.is_empty()
+        && top * std::f64::consts::LN_2 > SHARP * *beside.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 fn gain(found: &OutputFit<RationalChannel>, input: usize) -> f64 {
