@@ -31,6 +31,7 @@ mod process;
 mod published;
 mod recursive;
 mod residual_levels;
+mod scaling;
 mod shared;
 mod stand_in;
 mod state_space;
