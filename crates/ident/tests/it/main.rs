@@ -31,6 +31,7 @@ mod process;
 mod published;
 mod recursive;
 mod residual_levels;
+mod residual_whiteness;
 mod scaling;
 mod shared;
 mod stand_in;
