@@ -150,18 +150,12 @@ impl<M: Parametric + Dynamics> Fit<M> {
         entries: impl Fn(&M) -> Result<Vec<f64>, LtiError>,
     ) -> Result<Vec<UncertainRoot>, IdentError> {
         let derived = self.derive(entries)?;
-        let n = derived.values.len().isqrt();
-        let nulls =
-            values.iter().map(|z| null_vectors(&derived.values, n, states, *z)).collect::<Result<Vec<_>, _>>()?;
+        let pencils =
+            values.iter().map(|z| Shifted::new(&derived.values, states, *z)).collect::<Result<Vec<_>, _>>()?;
         let slopes = |root: &Complex64| {
-            let index = values.iter().position(|v| v == root).unwrap_or(0);
-            let (left, right) = &nulls[index];
-            let weight: Complex64 = (0..states).map(|i| left[i].conj() * right[i]).sum();
-            let slope = |k: usize| {
-                let at = |i: usize, j: usize| left[i].conj() * derived.factor[(i * n + j, k)] * right[j];
-                (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| at(i, j)).sum::<Complex64>() / weight
-            };
-            (0..derived.factor.ncols()).map(slope).collect()
+            let shifted = &pencils[values.iter().position(|v| v == root).unwrap_or(0)];
+            let change = |k: usize| shifted.along(|i| derived.factor[(i, k)]);
+            (0..derived.factor.ncols()).map(change).collect()
         };
         Ok(with_regions(values, slopes, &derived))
     }
@@ -180,20 +174,66 @@ fn pencil(s: &StateSpace, bordered: bool) -> Vec<f64> {
     (0..size).flat_map(|i| (0..size).map(move |j| (i, j))).map(|(i, j)| at(i, j)).collect()
 }
 
-/// Left and right null vectors of `P − λ E`.
-fn null_vectors(
-    entries: &[f64],
-    n: usize,
-    states: usize,
-    root: Complex64,
-) -> Result<(Vec<Complex64>, Vec<Complex64>), IdentError> {
-    let shifted = Mat::from_fn(n, n, |i, j| {
-        let value = Complex64::new(entries[i * n + j], 0.0);
-        if i == j && i < states { value - root } else { value }
-    });
-    let svd = shifted.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let last = |m: faer::MatRef<'_, Complex64>| (0..n).map(|i| m[(i, n - 1)]).collect();
-    Ok((last(svd.U()), last(svd.V())))
+/// `P − λ E` at a root, with its null vectors. Inputs and outputs are brought to the size of the states first: they have
+/// units of their own, and beside much larger numbers the null vectors would be rounding.
+struct Shifted {
+    rows: Vec<f64>,
+    columns: Vec<f64>,
+    left: Vec<Complex64>,
+    right: Vec<Complex64>,
+    /// `wᴴ E v`.
+    weight: Complex64,
+}
+
+impl Shifted {
+    fn new(entries: &[f64], states: usize, root: Complex64) -> Result<Self, IdentError> {
+        let n = entries.len().isqrt();
+        let whole = Mat::from_fn(n, n, |i, j| {
+            let value = Complex64::new(entries[i * n + j], 0.0);
+            if i == j && i < states { value - root } else { value }
+        });
+        let (rows, columns) = scales(entries, states, root.norm());
+        let scaled = Mat::from_fn(n, n, |i, j| whole[(i, j)] * rows[i] * columns[j]);
+        let svd = scaled.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+        let last = |m: faer::MatRef<'_, Complex64>| (0..n).map(|i| m[(i, n - 1)]).collect::<Vec<_>>();
+        let (left, right) = (last(svd.U()), last(svd.V()));
+        let weight = (0..states).map(|i| left[i].conj() * right[i] * (rows[i] * columns[i])).sum();
+        Ok(Shifted { rows, columns, left, right, weight })
+    }
+
+    /// How far the root moves with these changes of the entries of `P`: `wᴴ ∂P v / wᴴ E v`.
+    fn along(&self, change: impl Fn(usize) -> f64) -> Complex64 {
+        let n = self.rows.len();
+        let at = |i: usize, j: usize| {
+            self.left[i].conj() * (change(i * n + j) * self.rows[i] * self.columns[j]) * self.right[j]
+        };
+        let all = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        all.map(|(i, j)| at(i, j)).sum::<Complex64>() / self.weight
+    }
+}
+
+/// Powers of two for the rows and the columns of `[A B; C D]` that bring `B`, `C` and `D` to no more than the size of
+/// `A − λ E`.
+fn scales(entries: &[f64], states: usize, root: f64) -> (Vec<f64>, Vec<f64>) {
+    let n = entries.len().isqrt();
+    let (mut rows, mut columns) = (vec![1.0; n], vec![1.0; n]);
+    let largest = |places: &dyn Fn(usize, usize) -> bool| {
+        let all = (0..n * n).filter(|place| places(place / n, place % n)).map(|place| entries[place].abs());
+        all.fold(0.0, f64::max)
+    };
+    let states_alone = |i: usize, j: usize| i < states && j < states;
+    let size = largest(&states_alone).max(root);
+    if n == states || size == 0.0 {
+        return (rows, columns);
+    }
+    let power = |value: f64| if value > 0.0 { value.log2() } else { 0.0 };
+    let to_input = power(largest(&|i, j| i < states && j >= states) / size);
+    let to_output = power(largest(&|i, j| i >= states && j < states) / size);
+    let through = power(largest(&|i, j| i >= states && j >= states) / size) - to_input - to_output;
+    let less = 0.5 * through.max(0.0);
+    rows[states..].fill((-to_output - less).round().exp2());
+    columns[states..].fill((-to_input - less).round().exp2());
+    (rows, columns)
 }
 
 fn with_regions(

@@ -6,6 +6,8 @@ mod quadratic;
 mod residual_test;
 mod sensitivity;
 mod series;
+mod span;
+mod whiteness;
 
 pub use compare::{Judgement, compare, judge};
 pub use residual_test::{Independence, ResidualReport, ResidualTest, TestData, Whiteness};

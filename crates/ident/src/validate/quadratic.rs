@@ -12,7 +12,7 @@ use crate::uncertainty::root::inverse_root;
 pub(super) const STILL: f64 = 1e-8;
 /// Directions of which an estimate leaves less than this part of the variance count as held: there, terms that the
 /// linearisation leaves out are no longer small against what is left.
-const HELD: f64 = 0.03;
+pub(super) const HELD: f64 = 0.03;
 /// So many sums are taken apart into directions in good time.
 const SEPARABLE: usize = 500;
 /// Directions of a correction below this part of the largest are nothing but rounding.
@@ -21,9 +21,11 @@ const ROUNDING: f64 = 1e-8;
 /// The covariance T of sums at neighbouring lags.
 #[derive(Debug, Clone)]
 pub(super) enum Covariance {
+    /// One for each sum.
+    Identity,
     /// Written out.
     Dense(Mat<f64>),
-    /// `scale(i) · covariance(|i − j|) · scale(j)`.
+    /// `scale(i) · covariance(|i − j|) · scale(j)`; a scale of zero where there is no sum.
     Toeplitz { covariances: Vec<f64>, scales: Vec<f64> },
 }
 
@@ -31,6 +33,7 @@ impl Covariance {
     /// That of the sums `first…` alone.
     fn block(&self, first: usize, count: usize) -> Covariance {
         match self {
+            Covariance::Identity => Covariance::Identity,
             Covariance::Dense(t) => Covariance::Dense(t.submatrix(first, first, count, count).to_owned()),
             Covariance::Toeplitz { covariances, scales } => Covariance::Toeplitz {
                 covariances: covariances[..count.max(1)].to_vec(),
@@ -41,6 +44,7 @@ impl Covariance {
 
     fn variance(&self, i: usize) -> f64 {
         match self {
+            Covariance::Identity => 1.0,
             Covariance::Dense(t) => t[(i, i)],
             Covariance::Toeplitz { covariances, scales } => scales[i].powi(2) * covariances[0],
         }
@@ -49,20 +53,28 @@ impl Covariance {
     /// `S` with `SᵀTS = I` applied to columns, and the degrees of freedom that are left.
     fn whiten(&self, columns: &Mat<f64>) -> Result<(Mat<f64>, f64), IdentError> {
         match self {
+            Covariance::Identity => Ok((columns.clone(), columns.nrows() as f64)),
             Covariance::Dense(t) => along_directions(t, columns),
             Covariance::Toeplitz { covariances, scales } => {
-                let scaled = Mat::from_fn(columns.nrows(), columns.ncols(), |i, j| columns[(i, j)] / scales[i]);
-                whiten_toeplitz(covariances, &scaled)
+                let kept: Vec<usize> = (0..scales.len()).filter(|i| scales[*i] > 0.0).collect();
+                let scaled = Mat::from_fn(kept.len(), columns.ncols(), |i, j| columns[(kept[i], j)] / scales[kept[i]]);
+                if kept.windows(2).all(|pair| pair[1] == pair[0] + 1) {
+                    return whiten_toeplitz(covariances, &scaled);
+                }
+                let among = |i: usize, j: usize| covariances[kept[i].abs_diff(kept[j])];
+                along_directions(&Mat::from_fn(kept.len(), kept.len(), among), &scaled)
             }
         }
     }
 }
 
-/// Sums whose covariance is `T − Z Bᵀ − B Zᵀ + B K Bᵀ + J Jᵀ`: what an estimate took out, and what its errors add.
+/// Sums whose covariance is `T + C − Z Bᵀ − B Zᵀ + B K Bᵀ + J Jᵀ`: what an estimate took out, and what its errors add.
 #[derive(Debug, Clone)]
 pub(super) struct Sums {
     pub(super) values: Vec<f64>,
     pub(super) covariance: Covariance,
+    /// `C`: what is taken out otherwise than along `B`, if anything.
+    pub(super) change: Option<Mat<f64>>,
     /// Sums × directions taken out.
     pub(super) z: Mat<f64>,
     pub(super) b: Mat<f64>,
@@ -78,7 +90,9 @@ impl Sums {
         let variance = |i: usize| {
             let taken = dots(&self.z, &self.b, i);
             let whole = self.covariance.variance(i);
-            (whole - 2.0 * taken + dots(&correction, &self.b, i) + dots(&self.j, &self.j, i)).max(STILL * whole)
+            let change = self.change.as_ref().map_or(0.0, |change| change[(i, i)]);
+            (whole + change - 2.0 * taken + dots(&correction, &self.b, i) + dots(&self.j, &self.j, i))
+                .max(STILL * whole)
         };
         (0..self.values.len()).map(variance).collect()
     }
@@ -92,16 +106,25 @@ impl Sums {
             c if c <= 2 * r => self.b[(first + i, c - 1 - r)],
             c => self.j[(first + i, c - 1 - 2 * r)],
         });
-        let (white, freedom) = self.covariance.block(first, count).whiten(&columns)?;
+        let block = self.covariance.block(first, count);
+        let (white, freedom) = block.whiten(&columns)?;
         let part = |from: usize, count: usize| white.subcols(from, count);
         let (s, z, b, j) = (part(0, 1), part(1, r), part(1 + r, r), part(1 + 2 * r, d));
-        let basis = basis(&white.subcols(1, 2 * r + d).to_owned())?;
+        let basis = match &self.change {
+            // All directions may change.
+            Some(_) => Mat::identity(white.nrows(), white.nrows()),
+            None => basis(&white.subcols(1, 2 * r + d).to_owned())?,
+        };
         let (zq, bq, jq) = (basis.transpose() * z, basis.transpose() * b, basis.transpose() * j);
         let taken = &zq * bq.transpose();
         let n = basis.ncols();
-        let inner = Mat::<f64>::identity(n, n) - &taken - taken.transpose()
+        let mut inner = Mat::<f64>::identity(n, n) - &taken - taken.transpose()
             + &bq * &self.k * bq.transpose()
             + &jq * jq.transpose();
+        if let Some(change) = &self.change {
+            let half = block.whiten(&change.submatrix(first, first, count, count).to_owned())?.0;
+            inner += block.whiten(&half.transpose().to_owned())?.0;
+        }
         let along = basis.transpose() * s;
         let outside = (s - &basis * &along).squared_norm_l2();
         let (inside, kept) = over_eigenvectors(&inner, &along)?;
@@ -267,6 +290,7 @@ mod tests {
         let sums = Sums {
             values: (0..m).map(|i| values[(i, 0)]).collect(),
             covariance: Covariance::Dense(u.transpose() * &u),
+            change: None,
             z: b.clone(),
             b,
             k: Mat::identity(4, 4),
@@ -282,7 +306,17 @@ mod tests {
         let form = values.subrows(1, 7).transpose() * inverse * values.subrows(1, 7);
         assert_eq!(test.degrees_of_freedom, 7.0);
         assert!((test.statistic / form[(0, 0)] - 1.0).abs() < 1e-9, "{} {}", test.statistic, form[(0, 0)]);
-        let without = Sums { j: Mat::zeros(m, 0), ..sums };
-        assert_eq!(without.test(0, 8).unwrap().degrees_of_freedom, 7.0);
+        let otherwise = Sums {
+            change: Some(w.transpose() * &w - u.transpose() * &u),
+            z: Mat::zeros(m, 0),
+            b: Mat::zeros(m, 0),
+            k: Mat::zeros(0, 0),
+            ..sums.clone()
+        };
+        assert!((otherwise.test(1, 7).unwrap().statistic / test.statistic - 1.0).abs() < 1e-9);
+        for sums in [sums, otherwise] {
+            let without = Sums { j: Mat::zeros(m, 0), ..sums };
+            assert_eq!(without.test(0, 8).unwrap().degrees_of_freedom, 7.0);
+        }
     }
 }

@@ -3,15 +3,14 @@
 use faer::Mat;
 
 use super::JointTest;
-use super::footing::Footing;
-use super::quadratic::STILL;
+use super::footing::{Columns, Footing};
 use super::sensitivity::{self, Stack};
-use super::series::{Series, pair_counts, products};
+use super::series::{Series, pair_counts};
+use super::whiteness::PastSums;
 use crate::distributions::normal_quantile;
 use crate::fit::check_channels;
 use crate::prediction::{InitialState, residuals};
-use crate::uncertainty::root::inverse_root;
-use crate::{Dataset, Fit, IdentError, LinearModel, Parametric};
+use crate::{Dataset, Experiment, Fit, IdentError, LinearModel, Parametric};
 
 /// How to test the residuals of a model.
 ///
@@ -38,14 +37,11 @@ pub struct ResidualTest {
     pub level: f64,
     /// The initial state of each experiment.
     pub initial: InitialState,
-    /// Parameters of the noise model that were fitted to these very data, taken off the degrees of freedom of the tests of
-    /// whiteness; zero on other data.
-    pub noise_parameters: usize,
 }
 
 impl Default for ResidualTest {
     fn default() -> Self {
-        ResidualTest { lags: 25, level: 0.99, initial: InitialState::Estimated, noise_parameters: 0 }
+        ResidualTest { lags: 25, level: 0.99, initial: InitialState::Estimated }
     }
 }
 
@@ -63,7 +59,7 @@ pub enum TestData {
 pub struct ResidualReport {
     /// One test an output.
     pub whiteness: Vec<Whiteness>,
-    /// Every output against the past of every output, at lags 1 to M. For one output the test of Ljung and Box.
+    /// Every output against the past of every output, at lags 1 to M; for one output as its own test.
     pub joint_whiteness: JointTest,
     /// Each output against each input, `[output][input]`.
     pub independence: Vec<Vec<Independence>>,
@@ -74,22 +70,32 @@ pub struct ResidualReport {
 pub struct Whiteness {
     /// Mean of the residual; the correlations are taken about it.
     pub mean: f64,
-    /// `r_ε(k)/r_ε(0)` for k = 0 … M.
+    /// `r_ε(k)/r_ε(0)` for k = 0 … M, of what the parameters cannot explain in data that they were fitted to. NaN at lags at
+    /// which no two samples are known.
     pub auto: Vec<f64>,
-    /// Each of them after the first stays below this in magnitude, at the level asked for, if ε is white.
-    pub bound: f64,
-    /// The test of Ljung and Box over lags 1 to M.
+    /// Each of them after the first stays below its bound in magnitude, at the level asked for, if ε is white: k = 0 … M,
+    /// NaN where there is no correlation. Narrow where the estimate leaves little.
+    pub bounds: Vec<f64>,
+    /// The test over lags 1 to M. With parameters that are known it is that of Ljung and Box.
     pub joint: JointTest,
+}
+
+impl Whiteness {
+    /// The widest of the bounds.
+    #[must_use]
+    pub fn widest_bound(&self) -> f64 {
+        self.bounds.iter().copied().fold(0.0, f64::max)
+    }
 }
 
 /// The correlation of a residual with an input.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Independence {
     /// `r_εu(k)/√(r_ε(0) r_u(0))` for k = −M … M, with `r_εu(k)` the mean of `ε(t) u(t − k)`, of what the parameters cannot
-    /// explain in data that they were fitted to.
+    /// explain in data that they were fitted to. NaN at lags at which no sample meets another.
     pub cross: Vec<f64>,
     /// Each stays below its bound in magnitude, at the level asked for, if ε does not depend on u: k = −M … M. Next to
-    /// nothing where the estimate leaves no correlation.
+    /// nothing where the estimate leaves no correlation, NaN where there is none.
     pub bounds: Vec<f64>,
     /// Lags 0 to M, the input's present and past: what fails here is dynamics that the model lacks.
     pub dynamics: JointTest,
@@ -109,9 +115,9 @@ impl ResidualTest {
     /// Tests the one-step prediction errors of an estimate, on data it was fitted to or on others.
     ///
     /// Correlations are summed over the experiments, never across their borders. Missing outputs are left out, and so are
-    /// lags at which no two outputs are known.
+    /// lags at which no two samples are known, as those longer than every experiment: they have no degree of freedom.
     ///
-    /// With `U` the lagged input, `R` the covariance in time of the errors `v`, `Ψ` the sensitivity of the predictions to
+    /// With `U` the lagged input, or the lagged residual for whiteness, `R` the covariance in time of the errors `v`, `Ψ` the sensitivity of the predictions to
     /// the parameters and to the initial states that are estimated here, and `M = I − Ψ (Ψᵀ Λ⁻¹ Ψ)⁻¹ Ψᵀ Λ⁻¹` for noise of
     /// covariance `Λ`:
     /// - on [`TestData::Own`] the sums tested are `Uᵀ M ε`, of covariance `Uᵀ M R Mᵀ U`. Where ε is the smallest in the
@@ -121,9 +127,12 @@ impl ResidualTest {
     /// - on [`TestData::Unseen`] they are `Uᵀ ε`, of covariance `UᵀRU + Uᵀ Ψ P Ψᵀ U` with `P` the estimate's covariance and
     ///   `Ψ` that of the parameters; the initial states estimated here are taken out as above.
     ///
-    /// `R` is that of an autoregression fitted to the residuals. Directions that the estimate holds have no degree of
-    /// freedom. All this is linear in the errors of the parameters, and holds where those are small; the tests of whiteness
-    /// take the parameters for known, but for [`ResidualTest::noise_parameters`].
+    /// `R` is that of an autoregression fitted to the residuals; for whiteness, that of white errors, with `UᵀU` what it
+    /// then is on average. Directions that the estimate holds have no degree of freedom: of an autoregression estimated with
+    /// `n` coefficients that are forgotten within M lags, M − n are left on its own data. On unseen data its errors change no
+    /// correlation on average, but all of them together by as much as chance does: `Uᵀ Ψ P Ψᵀ U` is of the order of `UᵀRU`.
+    /// All this is linear in the errors of the parameters, and holds where those are small. A model of the dynamics alone
+    /// has nothing that would make its residuals white.
     ///
     /// # Errors
     /// Those of [`residuals`]; [`IdentError::TooFewSamples`] under four times as many samples as lags;
@@ -131,7 +140,9 @@ impl ResidualTest {
     /// model beside the estimate.
     ///
     /// # Source
-    /// Ljung 1999, §16.6; Neyman, *Optimal asymptotic tests of composite statistical hypotheses*, 1959, for sums that
+    /// Ljung 1999, §16.6; Box and Pierce, *Distribution of residual autocorrelations in autoregressive-integrated moving
+    /// average time series models*, 1970, and McLeod, *On the distribution of residual autocorrelations in Box–Jenkins
+    /// models*, 1978, for whiteness on own data; Neyman, *Optimal asymptotic tests of composite statistical hypotheses*, 1959, for sums that
     /// errors of the parameters leave alone. Ljung, G. M. and Box, *On a measure of lack of fit in time series models*,
     /// 1978; for several outputs Hosking, *The multivariate portmanteau statistic*, 1980.
     pub fn run<M: Parametric + LinearModel>(
@@ -143,13 +154,13 @@ impl ResidualTest {
         check_channels(&fit.model, data)?;
         let errors = residuals(&fit.model, data, &self.initial)?.outputs;
         let parameters = sensitivity::to_parameters(fit, data, &self.initial, &Stack::column(&errors))?;
-        let mut removed = sensitivity::to_states(&fit.model, data, &self.initial)?;
-        let mut uncertain = Vec::new();
+        let mut columns =
+            Columns { states: sensitivity::to_states(&fit.model, data, &self.initial)?, ..Columns::default() };
         match which {
-            TestData::Own => removed.extend(parameters),
-            TestData::Unseen => uncertain = parameters,
+            TestData::Own => columns.removed = parameters,
+            TestData::Unseen => columns.uncertain = parameters,
         }
-        self.report(data, &errors, &Columns { removed, uncertain, noise_covariance: Some(&fit.noise_covariance) })
+        self.report(data, &errors, &columns, Some(&fit.noise_covariance))
     }
 
     /// Tests the one-step prediction errors of a model that is not estimated: its parameters count as known.
@@ -159,8 +170,8 @@ impl ResidualTest {
     pub fn run_known<M: LinearModel + ?Sized>(&self, model: &M, data: &Dataset) -> Result<ResidualReport, IdentError> {
         check_channels(model, data)?;
         let errors = residuals(model, data, &self.initial)?.outputs;
-        let removed = sensitivity::to_states(model, data, &self.initial)?;
-        self.report(data, &errors, &Columns { removed, ..Columns::default() })
+        let states = sensitivity::to_states(model, data, &self.initial)?;
+        self.report(data, &errors, &Columns { states, ..Columns::default() }, None)
     }
 
     /// Tests residuals that are already there: they stand as the outputs of `data`, and whatever they are of counts as
@@ -170,116 +181,76 @@ impl ResidualTest {
     /// [`IdentError::TooFewSamples`], [`IdentError::Constant`] as [`ResidualTest::run`].
     pub fn run_on_residuals(&self, data: &Dataset) -> Result<ResidualReport, IdentError> {
         let errors: Vec<Mat<f64>> = data.experiments().iter().map(|e| e.outputs.clone()).collect();
-        self.report(data, &errors, &Columns::default())
+        self.report(data, &errors, &Columns::default(), None)
     }
 
-    fn report(&self, data: &Dataset, errors: &[Mat<f64>], columns: &Columns<'_>) -> Result<ResidualReport, IdentError> {
-        let output = |i: usize| errors.iter().map(|e| e.col_as_slice(i)).collect::<Vec<_>>();
-        let outputs = (0..data.outputs()).map(|i| Series::new(&output(i))).collect::<Vec<_>>();
-        let input = |k: usize| data.experiments().iter().map(|e| e.input(k)).collect::<Vec<_>>();
-        let inputs = (0..data.inputs()).map(|k| Series::new(&input(k))).collect::<Vec<_>>();
-        for output in &outputs {
+    fn report(
+        &self,
+        data: &Dataset,
+        errors: &[Mat<f64>],
+        columns: &Columns,
+        noise_covariance: Option<&Mat<f64>>,
+    ) -> Result<ResidualReport, IdentError> {
+        let residuals = Residuals::new(data, errors, columns, noise_covariance);
+        for output in &residuals.outputs {
             let samples = output.present as usize;
             if samples < 4 * self.lags.max(1) {
                 return Err(IdentError::TooFewSamples { samples, parameters: self.lags });
             }
         }
-        Ok(ResidualReport {
-            whiteness: outputs.iter().map(|e| self.whiteness(e)).collect::<Result<_, _>>()?,
-            joint_whiteness: self.joint_whiteness(&outputs.iter().collect::<Vec<_>>())?,
-            independence: self.all_independence(errors, &outputs, &inputs, columns)?,
+        let longest = data.experiments().iter().map(Experiment::len).max().unwrap_or(0);
+        let reach = self.lags.min(longest.saturating_sub(1));
+        let together = residuals.together()?;
+        let past = PastSums::new(&together, &residuals.outputs, reach)?;
+        let whiteness: Vec<Whiteness> =
+            (0..residuals.outputs.len()).map(|i| self.whiteness(&past, i, &residuals)).collect::<Result<_, _>>()?;
+        let joint_whiteness = if let [alone] = whiteness.as_slice() { alone.joint } else { past.joint()? };
+        let independence = self.all_independence(&residuals, together, reach)?;
+        Ok(ResidualReport { whiteness, joint_whiteness, independence })
+    }
+
+    fn whiteness(&self, past: &PastSums, output: usize, residuals: &Residuals<'_>) -> Result<Whiteness, IdentError> {
+        let own = past.own(output)?;
+        let quantile = normal_quantile(0.5 + self.level / 2.0);
+        let padded = |mut values: Vec<f64>| {
+            values.resize(self.lags + 1, f64::NAN);
+            values
+        };
+        Ok(Whiteness {
+            mean: residuals.outputs[output].mean,
+            auto: padded(own.auto),
+            bounds: padded(own.deviations.iter().map(|d| quantile * d).collect()),
+            joint: own.joint,
         })
     }
 
     /// Every output against every input. Outputs that are there at different instants are taken one by one.
     fn all_independence(
         &self,
-        errors: &[Mat<f64>],
-        outputs: &[Series],
-        inputs: &[Series],
-        columns: &Columns<'_>,
+        residuals: &Residuals<'_>,
+        together: Footing,
+        reach: usize,
     ) -> Result<Vec<Vec<Independence>>, IdentError> {
-        if inputs.is_empty() {
+        let outputs = &residuals.outputs;
+        if residuals.inputs.is_empty() {
             return Ok(vec![Vec::new(); outputs.len()]);
         }
-        let lengths: Vec<usize> = errors.iter().map(Mat::nrows).collect();
-        let stack = Stack::new(lengths.clone(), outputs.len());
-        let column = Stack::column(errors);
-        let missing: Vec<bool> = (errors.iter())
-            .flat_map(|e| (0..e.ncols()).flat_map(|i| e.col_as_slice(i).iter().map(|v| v.is_nan())))
-            .collect();
-        let unknown = Mat::identity(outputs.len(), outputs.len());
-        let noise = columns.noise_covariance.unwrap_or(&unknown);
         let of = |footing: &Footing, place: usize, i: usize| -> Result<Vec<Independence>, IdentError> {
-            inputs.iter().map(|u| self.independence(footing, place, &outputs[i], u)).collect()
+            residuals.inputs.iter().map(|u| self.independence(footing, place, (&outputs[i], u), reach)).collect()
         };
-        if outputs.iter().all(|e| e.there == outputs[0].there) {
-            let footing = Footing::new(stack, &column, &missing, &columns.removed, &columns.uncertain, noise)?;
-            return (0..outputs.len()).map(|i| of(&footing, i, i)).collect();
+        if residuals.meet() {
+            return (0..outputs.len()).map(|i| of(&together, i, i)).collect();
         }
-        let alone = |i: usize| {
-            let each = |all: &[Vec<f64>]| all.iter().map(|c| stack.alone(c, i)).collect::<Vec<_>>();
-            let missing: Vec<bool> =
-                (0..lengths.len()).flat_map(|m| missing[stack.range(m, i)].iter().copied()).collect();
-            let (errors, noise) = (stack.alone(&column, i), noise.submatrix(i, i, 1, 1).to_owned());
-            let own = Stack::new(lengths.clone(), 1);
-            let footing =
-                Footing::new(own, &errors, &missing, &each(&columns.removed), &each(&columns.uncertain), &noise)?;
-            of(&footing, 0, i)
-        };
-        (0..outputs.len()).map(alone).collect()
-    }
-
-    fn whiteness(&self, e: &Series) -> Result<Whiteness, IdentError> {
-        let sums = products(e, e, self.lags)?;
-        let joint = self.joint_whiteness(&[e])?;
-        Ok(Whiteness {
-            mean: e.mean,
-            auto: sums[self.lags..].iter().map(|s| s / sums[self.lags]).collect(),
-            bound: normal_quantile(0.5 + self.level / 2.0) / e.present.sqrt(),
-            joint,
-        })
-    }
-
-    /// `n (n + 2) Σ_k tr(C_kᵀ C_0⁻¹ C_k C_0⁻¹)/n_k`, with `n_k` the pairs behind `C_k`.
-    fn joint_whiteness(&self, outputs: &[&Series]) -> Result<JointTest, IdentError> {
-        let (p, lags) = (outputs.len(), self.lags);
-        let mut sums = Vec::with_capacity(p * p);
-        let mut pairs = Vec::with_capacity(p * p);
-        for a in outputs {
-            for b in outputs {
-                sums.push(products(a, b, lags)?);
-                pairs.push(pair_counts(a, b, lags)?);
-            }
-        }
-        let at = |k: usize| Mat::from_fn(p, p, |i, j| sums[i * p + j][lags + k] / pairs[i * p + j][lags].max(1.0));
-        let whiten = inverse_root(&at(0), STILL)?;
-        if whiten.ncols() < p {
-            return Err(IdentError::Constant { what: "the residual" });
-        }
-        let (mut statistic, mut correlations) = (0.0, 0);
-        for k in 1..=lags {
-            // An output slower than the data's clock has no pairs at most lags: nothing is tested there.
-            let there = (0..p * p).filter(|i| pairs[*i][lags + k] > 0.0).count();
-            if there == 0 {
-                continue;
-            }
-            let normal = whiten.transpose() * at(k) * &whiten;
-            let n = pairs[0][lags];
-            let count = (0..p * p).map(|i| pairs[i][lags + k]).sum::<f64>() / there as f64;
-            statistic += n * (n + 2.0) / count * normal.squared_norm_l2();
-            correlations += there;
-        }
-        let freedom = correlations.saturating_sub(self.noise_parameters);
-        Ok(JointTest::chi_squared(statistic, freedom as f64))
+        drop(together);
+        (0..outputs.len()).map(|i| of(&residuals.alone(i)?, 0, i)).collect()
     }
 
     fn independence(
         &self,
         footing: &Footing,
         output: usize,
-        e: &Series,
-        u: &Series,
+        (e, u): (&Series, &Series),
+        reach: usize,
     ) -> Result<Independence, IdentError> {
         let (size_e, size_u) = (e.energy(), u.energy());
         if size_e <= 0.0 {
@@ -288,22 +259,78 @@ impl ResidualTest {
         if size_u <= 0.0 {
             return Err(IdentError::Constant { what: "an input" });
         }
-        let (lags, scale) = (self.lags, (size_e * size_u).sqrt());
-        let sums = footing.sums(output, e, u, lags)?;
+        let scale = (size_e * size_u).sqrt();
+        let (sums, pairs) = (footing.sums(output, e, u, reach)?, pair_counts(u, e, reach)?);
         let quantile = normal_quantile(0.5 + self.level / 2.0);
+        let at_lags = |values: &[f64]| {
+            let mut all = vec![f64::NAN; 2 * self.lags + 1];
+            let there = values.iter().zip(&pairs).map(|(v, n)| if *n > 0.0 { *v } else { f64::NAN });
+            all[self.lags - reach..].iter_mut().zip(there).for_each(|(slot, v)| *slot = v);
+            all
+        };
+        let bounds: Vec<f64> = sums.variances().iter().map(|v| quantile * v.sqrt() / scale).collect();
         Ok(Independence {
-            bounds: sums.variances().iter().map(|v| quantile * v.sqrt() / scale).collect(),
-            dynamics: sums.test(lags, lags + 1)?,
-            feedback: sums.test(0, lags)?,
-            cross: sums.values.iter().map(|s| s / scale).collect(),
+            bounds: at_lags(&bounds),
+            dynamics: sums.test(reach, reach + 1)?,
+            feedback: sums.test(0, reach)?,
+            cross: at_lags(&sums.values.iter().map(|s| s / scale).collect::<Vec<_>>()),
         })
     }
 }
 
-/// The columns that make a footing.
-#[derive(Default)]
-struct Columns<'a> {
-    removed: Vec<Vec<f64>>,
-    uncertain: Vec<Vec<f64>>,
-    noise_covariance: Option<&'a Mat<f64>>,
+/// Residuals with the inputs, and what they rest on.
+struct Residuals<'a> {
+    outputs: Vec<Series>,
+    inputs: Vec<Series>,
+    lengths: Vec<usize>,
+    /// One column of them all.
+    stacked: Vec<f64>,
+    missing: Vec<bool>,
+    columns: &'a Columns,
+    noise_covariance: Mat<f64>,
+}
+
+impl<'a> Residuals<'a> {
+    fn new(data: &Dataset, errors: &[Mat<f64>], columns: &'a Columns, noise: Option<&Mat<f64>>) -> Self {
+        let output = |i: usize| errors.iter().map(|e| e.col_as_slice(i)).collect::<Vec<_>>();
+        let input = |k: usize| data.experiments().iter().map(|e| e.input(k)).collect::<Vec<_>>();
+        let outputs = data.outputs();
+        let mut residuals = Residuals {
+            outputs: (0..outputs).map(|i| Series::new(&output(i))).collect(),
+            inputs: (0..data.inputs()).map(|k| Series::new(&input(k))).collect(),
+            lengths: errors.iter().map(Mat::nrows).collect(),
+            stacked: Stack::column(errors),
+            missing: (errors.iter())
+                .flat_map(|e| (0..e.ncols()).flat_map(|i| e.col_as_slice(i).iter().map(|v| v.is_nan())))
+                .collect(),
+            columns,
+            noise_covariance: noise.map_or_else(|| Mat::identity(outputs, outputs), Mat::clone),
+        };
+        if !residuals.meet() {
+            // No weight may carry an output to instants at which it is not there.
+            let all = &residuals.noise_covariance;
+            residuals.noise_covariance = Mat::from_fn(outputs, outputs, |i, j| if i == j { all[(i, i)] } else { 0.0 });
+        }
+        residuals
+    }
+
+    /// Whether all outputs are there at the same instants.
+    fn meet(&self) -> bool {
+        self.outputs.iter().all(|e| e.there == self.outputs[0].there)
+    }
+
+    fn together(&self) -> Result<Footing, IdentError> {
+        let stack = Stack::new(self.lengths.clone(), self.outputs.len());
+        Footing::new(stack, &self.stacked, &self.missing, self.columns, &self.noise_covariance)
+    }
+
+    /// The footing of an output by itself.
+    fn alone(&self, i: usize) -> Result<Footing, IdentError> {
+        let stack = Stack::new(self.lengths.clone(), self.outputs.len());
+        let missing: Vec<bool> =
+            (0..self.lengths.len()).flat_map(|m| self.missing[stack.range(m, i)].iter().copied()).collect();
+        let noise = self.noise_covariance.submatrix(i, i, 1, 1).to_owned();
+        let (own, columns) = (Stack::new(self.lengths.clone(), 1), self.columns.alone(&stack, i));
+        Footing::new(own, &stack.alone(&self.stacked, i), &missing, &columns, &noise)
+    }
 }

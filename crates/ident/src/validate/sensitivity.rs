@@ -18,12 +18,16 @@ const MOST: usize = 30_000_000;
 #[derive(Debug, Clone)]
 pub(super) struct Stack {
     lengths: Vec<usize>,
+    /// Where each experiment begins.
+    firsts: Vec<usize>,
     outputs: usize,
 }
 
 impl Stack {
     pub(super) fn new(lengths: Vec<usize>, outputs: usize) -> Self {
-        Stack { lengths, outputs }
+        let begin = |first: &mut usize, length: &usize| Some(std::mem::replace(first, *first + outputs * length));
+        let firsts = lengths.iter().scan(0, begin).collect();
+        Stack { lengths, firsts, outputs }
     }
 
     pub(super) fn lengths(&self) -> &[usize] {
@@ -40,8 +44,14 @@ impl Stack {
 
     /// Where the samples of one output of one experiment lie.
     pub(super) fn range(&self, experiment: usize, output: usize) -> std::ops::Range<usize> {
-        let first = self.outputs * self.lengths[..experiment].iter().sum::<usize>() + output * self.lengths[experiment];
+        let first = self.firsts[experiment] + output * self.lengths[experiment];
         first..first + self.lengths[experiment]
+    }
+
+    /// Where an experiment lies.
+    pub(super) fn rows_of(&self, experiment: usize) -> std::ops::Range<usize> {
+        let first = self.range(experiment, 0).start;
+        first..first + self.outputs * self.lengths[experiment]
     }
 
     /// One output of every experiment.
@@ -102,8 +112,9 @@ pub(super) fn to_parameters<M: Parametric + LinearModel>(
     Ok(columns)
 }
 
-/// The errors that each entry of each experiment's initial state leaves. None where they are not estimated, and none where
-/// there are so many of them that the regions had better be a little too wide.
+/// The errors that the entries of each experiment's initial state leave: the rows of the experiment in the stack × entries,
+/// a table an experiment. No tables where they are not estimated, and none where they would take so much memory that the
+/// regions had better be a little too wide.
 ///
 /// # Errors
 /// Those of the model's innovations form.
@@ -111,10 +122,10 @@ pub(super) fn to_states<M: LinearModel + ?Sized>(
     model: &M,
     data: &Dataset,
     initial: &InitialState,
-) -> Result<Vec<Vec<f64>>, IdentError> {
+) -> Result<Vec<Mat<f64>>, IdentError> {
     let form = model.innovations(data.sample_time_s(), data.intersample())?;
     let (n, count) = (form.system().states(), data.experiments().len());
-    let numbers = n.saturating_mul(count).saturating_mul(data.samples() * data.outputs());
+    let numbers = n.saturating_mul(data.samples() * data.outputs());
     if *initial != InitialState::Estimated || numbers > MOST {
         return Ok(Vec::new());
     }
@@ -122,20 +133,19 @@ pub(super) fn to_states<M: LinearModel + ?Sized>(
         let outputs = Mat::from_fn(e.len(), e.outputs.ncols(), |t, i| 0.0 * e.outputs[(t, i)]);
         Ok(Experiment { inputs: Mat::zeros(e.inputs.nrows(), e.inputs.ncols()), outputs, ..e.clone() })
     })?;
-    let mut columns = Vec::with_capacity(n * count);
+    let mut entries = Vec::with_capacity(n);
     for j in 0..n {
         let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
         // What grows without bound is not among the states that are told apart.
-        let Ok(response) = residuals(&form, &silent, &InitialState::Given(vec![unit; count])) else { continue };
-        for m in 0..count {
-            let only = |(l, table): (usize, &Mat<f64>)| match l == m {
-                true => table.clone(),
-                false => Mat::zeros(table.nrows(), table.ncols()),
-            };
-            columns.push(Stack::column(&response.outputs.iter().enumerate().map(only).collect::<Vec<_>>()));
+        if let Ok(response) = residuals(&form, &silent, &InitialState::Given(vec![unit; count])) {
+            entries.push(response.outputs);
         }
     }
-    Ok(columns)
+    let table = |m: usize| {
+        let columns: Vec<Vec<f64>> = entries.iter().map(|e| Stack::column(&e[m..=m])).collect();
+        Mat::from_fn(columns.first().map_or(0, Vec::len), columns.len(), |i, k| columns[k][i])
+    };
+    Ok((0..count).map(table).collect())
 }
 
 /// The values of a function, half of them found on a thread of its own.

@@ -3,6 +3,7 @@
 use signal::correlation::cross_correlation;
 
 use crate::IdentError;
+use crate::gram::dot;
 
 /// One channel over all experiments: its mean taken off, zeros for what is missing.
 pub(super) struct Series {
@@ -55,16 +56,50 @@ pub(super) fn products(x: &Series, y: &Series, lags: usize) -> Result<Vec<f64>, 
     sum_products(&x.parts, &y.parts, lags)
 }
 
+/// `Σ_t x(t) y(t + k)` for k = 0 … M alone.
+pub(super) fn later_products(x: &Series, y: &Series, lags: usize) -> Result<Vec<f64>, IdentError> {
+    if lags > FEW_LAGS {
+        return Ok(products(x, y, lags)?.split_off(lags));
+    }
+    let mut sums = vec![0.0; lags + 1];
+    x.parts.iter().zip(&y.parts).for_each(|(x, y)| add_one_by_one(x, y, sums.iter_mut()));
+    finite(sums)
+}
+
+/// Lags up to which sums one by one cost less than transforms.
+const FEW_LAGS: usize = 40;
+
 fn sum_products(x: &[Vec<f64>], y: &[Vec<f64>], lags: usize) -> Result<Vec<f64>, IdentError> {
     let mut sums = vec![0.0; 2 * lags + 1];
     for (x, y) in x.iter().zip(y).filter(|(x, _)| !x.is_empty()) {
         let reach = lags.min(x.len() - 1);
+        if reach <= FEW_LAGS {
+            let (before, after) = sums.split_at_mut(lags);
+            add_one_by_one(x, y, after.iter_mut());
+            // Lag zero is among those after.
+            add_one_by_one(y, x, std::iter::once(&mut 0.0).chain(before.iter_mut().rev()));
+            continue;
+        }
         let correlation = cross_correlation(x, y, reach)?;
         for (slot, value) in sums[lags - reach..].iter_mut().zip(&correlation.values) {
             *slot += value * x.len() as f64;
         }
     }
-    Ok(sums)
+    finite(sums)
+}
+
+/// Adds `Σ_t x(t) y(t + k)` for k = 0, 1, …
+fn add_one_by_one<'a>(x: &[f64], y: &[f64], sums: impl Iterator<Item = &'a mut f64>) {
+    for (k, slot) in sums.take(x.len()).enumerate() {
+        *slot += dot(&x[..x.len() - k], &y[k..]);
+    }
+}
+
+fn finite(sums: Vec<f64>) -> Result<Vec<f64>, IdentError> {
+    match sums.iter().position(|sum| !sum.is_finite()) {
+        Some(index) => Err(IdentError::NotFinite { what: "a correlation", index }),
+        None => Ok(sums),
+    }
 }
 
 /// How many pairs `x(t)`, `y(t + k)` are there, for k = −M … M.

@@ -9,11 +9,11 @@ use ident::{
 
 use crate::noise::Noise;
 
-type Estimator = fn(&Dataset) -> Result<Fit<AnyModel>, IdentError>;
+pub(crate) type Estimator = fn(&Dataset) -> Result<Fit<AnyModel>, IdentError>;
 
 /// How the noise of the data comes about.
 #[derive(Clone, Copy, Debug)]
-enum Disturbance {
+pub(crate) enum Disturbance {
     /// On the output, remembering this part of its last value.
     Output(f64),
     /// Through the poles of the system, after `1 + c q⁻¹`.
@@ -21,7 +21,7 @@ enum Disturbance {
 }
 
 /// `y = (q⁻¹ + 0.5 q⁻²)/(1 − 1.5 q⁻¹ + 0.7 q⁻²) u + v`, with an input that remembers 0.7 of itself.
-fn record(samples: usize, disturbance: Disturbance, noise: &mut Noise) -> Dataset {
+pub(crate) fn record(samples: usize, disturbance: Disturbance, noise: &mut Noise) -> Dataset {
     let (u, e) = (noise.coloured(samples, 1.0, 0.7), noise.normals(samples));
     let v = match disturbance {
         Disturbance::Output(memory) => noise.coloured(samples, 1.0, memory),
@@ -74,23 +74,23 @@ fn alarms(estimate: Estimator, disturbance: Disturbance, samples: usize, runs: u
     all
 }
 
-fn oe(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
+pub(crate) fn oe(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     OutputError::new(2, 2, 1).fit(data).map(|fit| fit.map(Into::into))
 }
 
-fn arx(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
+pub(crate) fn arx(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     Arx::new(2, 2, 1).fit(data).map(|fit| fit.map(Into::into))
 }
 
-fn armax(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
+pub(crate) fn armax(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     Armax::new(2, 2, 1, 1).fit(data).map(|fit| fit.map(Into::into))
 }
 
-fn bj(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
+pub(crate) fn bj(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     BoxJenkins::new(2, 0, 1, 2, 1).fit(data).map(|fit| fit.map(Into::into))
 }
 
-fn state_space(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
+pub(crate) fn state_space(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     StateSpacePem::new(2).fit(data).map(|fit| fit.map(Into::into))
 }
 
@@ -98,7 +98,7 @@ fn simulating_state_space(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     StateSpacePem::new(2).with_focus(Focus::Simulation).fit(data).map(|fit| fit.map(Into::into))
 }
 
-fn instruments(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
+pub(crate) fn instruments(data: &Dataset) -> Result<Fit<AnyModel>, IdentError> {
     Iv4::new(2, 2, 1).fit(data).map(|fit| fit.map(Into::into))
 }
 

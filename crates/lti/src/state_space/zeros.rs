@@ -57,19 +57,22 @@ impl StateSpace {
         let c = Mat::from_fn(1, self.states(), |_, j| self.c[(0, j)] * scale[j]);
         let mut system = Reduced { a, b, c, d: self.d[(0, 0)] };
         let rounding = 10.0 * f64::EPSILON * self.states() as f64;
-        let (small_d, small_c) = (rounding * norm_2(system.b.as_ref()), rounding * norm_2(system.a.as_ref()));
+        let (size_a, size_b) = (norm_2(system.a.as_ref()), norm_2(system.b.as_ref()));
+        let (small_d, small_c) = (rounding * size_b, rounding * size_a);
         let mut gain = 1.0;
-        if system.d == 0.0 {
+        // Units of input and output are no measure of what is small: a feed-through is compared with what the states add.
+        let of_states = size_b * norm_2(system.c.as_ref());
+        if system.d == 0.0 || (size_a > 0.0 && system.d.abs() * size_a <= rounding * of_states) {
             if norm_2(system.c.as_ref()) == 0.0 {
                 return Err(LtiError::ZeroSystem);
             }
             gain *= system.differentiate();
-        }
-        while system.d.abs() <= small_d {
-            if system.a.nrows() == 0 || norm_2(system.c.as_ref()) <= small_c {
-                return Err(LtiError::ZeroSystem);
+            while system.d.abs() <= small_d {
+                if system.a.nrows() == 0 || norm_2(system.c.as_ref()) <= small_c {
+                    return Err(LtiError::ZeroSystem);
+                }
+                gain *= system.differentiate();
             }
-            gain *= system.differentiate();
         }
         Ok((eigenvalues(system.inverted().as_ref())?, gain * system.d))
     }

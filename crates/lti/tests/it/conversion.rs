@@ -182,3 +182,26 @@ fn exact_phase_is_unwrapped_across_a_delay() {
     let phase = delay.frequency_response(&grid).unwrap().phase_deg();
     assert!((phase[199] + 19.9_f64.to_degrees()).abs() < 1e-9);
 }
+
+/// Units of input and output: zeros stay, with a feed-through and without.
+#[test]
+fn prop_zeros_do_not_depend_on_the_scale_of_input_and_output() {
+    let a = mat![[0.5, 0.3, 0.0], [-0.2, 0.7, 0.1], [0.0, 0.4, -0.3]];
+    let (b, c) = (mat![[1.0], [0.5], [-0.3]], mat![[0.7, -0.2, 1.0]]);
+    for d in [0.0, 0.4] {
+        let zeros = |input: f64, output: f64| {
+            let (b, c) = (faer::Scale(input) * &b, faer::Scale(output) * &c);
+            let system = StateSpace::discrete(a.clone(), b, c, mat![[d * input * output]], 0.1).unwrap();
+            let mut zeros = system.zeros().unwrap();
+            zeros.sort_by(|x, y| (x.re, x.im).partial_cmp(&(y.re, y.im)).unwrap());
+            zeros
+        };
+        let wanted = zeros(1.0, 1.0);
+        assert_eq!(wanted.len(), if d == 0.0 { 2 } else { 3 });
+        for (input, output) in [(1e-15, 1.0), (1e-15, 1e-15), (1e15, 1e-15), (1.0, 1e-30), (1e12, 1e15), (1.0, 1e-15)] {
+            let found = zeros(input, output);
+            assert_eq!(found.len(), wanted.len(), "{d} {input} {output}");
+            assert!(found.iter().zip(&wanted).all(|(f, w)| (f - w).norm() < 1e-12), "{d} {input} {output} {found:?}");
+        }
+    }
+}

@@ -49,8 +49,8 @@ fn residual_test(held: &HeldDemand, seen: &Observed, modelled: &[f64]) -> Option
     Some(ResidualTest {
         sample_time_s: seen.sample_time_s,
         level: LEVEL,
+        autocorrelation_bound: own.widest_bound(),
         autocorrelation: own.auto,
-        autocorrelation_bound: own.bound,
         cross_correlation_bound: cross.widest_bound(),
         cross_correlation: cross.cross,
         input: Role::DynoTorqueDemand.symbol().to_owned(),

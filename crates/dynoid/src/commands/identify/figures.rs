@@ -3,7 +3,7 @@
 use ident::prediction::Response;
 use ident::validate::{Independence, ResidualReport, Whiteness};
 use ident::{Dataset, Label};
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 /// Correlations below this are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -95,27 +95,23 @@ fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values:
 
 /// Correlations of the residuals, a figure for each output.
 pub(super) fn residuals(report: &ResidualReport, data: &Dataset, level: f64) -> Vec<Figure> {
-    let region = |bound: f64| Layer::YRegion {
-        low: Rounded(-bound),
-        high: Rounded(bound),
-        label: format!("{} % region", 100.0 * level),
-    };
-    // What an estimate holds of its own data varies from lag to lag.
+    // What an estimate holds of its own data varies from lag to lag; there is no region at lags without pairs.
     let band = |first: f64, bounds: &[f64]| {
-        let lags: Vec<f64> = (0..bounds.len()).map(|n| first + n as f64).collect();
-        let low: Vec<f64> = bounds.iter().map(|bound| -bound).collect();
+        let there = bounds.iter().enumerate().filter(|(_, bound)| bound.is_finite());
+        let (lags, high): (Vec<f64>, Vec<f64>) = there.map(|(n, bound)| (first + n as f64, *bound)).unzip();
+        let low: Vec<f64> = high.iter().map(|bound| -bound).collect();
         let (name, x) = (format!("{} % region", 100.0 * level), Abscissa::Values(rounded(&lags)));
-        Layer::Band { name, style: Style::Guide, x, low: rounded(&low), high: rounded(bounds) }
+        Layer::Band { name, style: Style::Guide, x, low: rounded(&low), high: rounded(&high) }
     };
     let stems = |name: &str, style, first: f64, values: &[f64]| {
-        // A sum that is but rounding is one of no pairs, as at lags between the samples of a slow output.
+        // There is no number at lags without pairs, and but rounding where an estimate holds a correlation.
         let there = values.iter().enumerate().filter(|(_, value)| value.abs() > ROUNDING);
         let (lags, values): (Vec<f64>, Vec<f64>) = there.map(|(n, value)| (first + n as f64, *value)).unzip();
         Layer::Stems { name: name.to_owned(), style, x: Abscissa::Values(rounded(&lags)), y: rounded(&values) }
     };
     let own = |w: &Whiteness| {
-        let layers =
-            vec![region(w.bound), stems("with itself", Style::Modelled, 1.0, w.auto.get(1..).unwrap_or_default())];
+        let past = |values: &[f64]| values.get(1..).unwrap_or_default().to_vec();
+        let layers = vec![band(1.0, &past(&w.bounds)), stems("with itself", Style::Modelled, 1.0, &past(&w.auto))];
         Panel::new(Axis::linear("with itself", ""), 110, layers)
     };
     let other = |(input, independence): (usize, &Independence)| {

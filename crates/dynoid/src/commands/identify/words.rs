@@ -161,7 +161,7 @@ pub(super) fn tests_json(report: &ResidualReport, level: f64) -> serde_json::Val
     let whiteness: Vec<_> = report
         .whiteness
         .iter()
-        .map(|w| serde_json::json!({"joint": joint(&w.joint), "auto": w.auto, "bound": w.bound}))
+        .map(|w| serde_json::json!({"joint": joint(&w.joint), "auto": w.auto, "bounds": w.bounds}))
         .collect();
     serde_json::json!({"level": level, "whiteness": whiteness, "independence": independence})
 }
@@ -179,7 +179,7 @@ pub(super) fn coefficients(all: &[f64]) -> String {
     all.iter().map(text).collect::<Vec<_>>().join(", ")
 }
 
-/// A fit in percent; a dash where nothing was measured.
+/// A fit in percent; a dash where nothing was measured, or nothing that varies.
 pub(super) fn percent(value: f64) -> String {
     match value {
         _ if !value.is_finite() => "–".to_owned(),
