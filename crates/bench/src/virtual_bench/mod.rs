@@ -28,6 +28,7 @@
 mod control;
 mod demands;
 mod drive;
+mod effects;
 mod engine;
 mod error;
 mod noise;
@@ -43,6 +44,7 @@ mod write;
 use recording::Recording;
 use serde::Serialize;
 
+pub use effects::{Effects, ShownTrace, Spectrum};
 pub use error::VirtualBenchError;
 pub use parameters::{
     BenchParameters, ClockParameters, ControllerParameters, DualMassFlywheel, DynoTwist, EngineParameters,
