@@ -25,7 +25,11 @@ fn figures(effects: &Effects) -> [Figure; 5] {
             Layer::trace(&t.name, Style::of_model(index), (t.start_s, t.sample_time_s), &t.values)
         };
         let layers = shown.iter().enumerate().map(layer).collect();
-        Figure::new(title, Axis::linear("time after the step", "s"), vec![Panel::new(Axis::linear("torque", "Nm"), 260, layers)])
+        Figure::new(
+            title,
+            Axis::linear("time after the step", "s"),
+            vec![Panel::new(Axis::linear("torque", "Nm"), 260, layers)],
+        )
     };
     [
         spectra("Firing follows the speed", "rpm", &effects.firing).with_caption(
@@ -36,8 +40,8 @@ fn figures(effects: &Effects) -> [Figure; 5] {
             "Recorded at 250 Hz, everything above 125 Hz comes back below it. The drive's own ripple is off here.",
         ),
         spectra("A sine of 8 Hz comes with lines at 92 and 108 Hz", "Nm", &effects.side_lines).with_caption(
-            "Two causes: a demand held for 10 ms has them in T_d* already; a ripple in proportion to the torque puts them \
-             into T_d alone. The line at 100 Hz is the ripple itself.",
+            "Two causes: a demand held for 10 ms has them in T_d* already; a ripple in proportion to the torque puts \
+             them into T_d alone. The line at 100 Hz is the ripple itself.",
         ),
         traces("The load cell is late, the computed torque is not", &effects.step).with_caption(
             "T_d,calc follows T_d* within one of its samples of 4 ms; T_d,meas comes later and rings near 75 Hz.",

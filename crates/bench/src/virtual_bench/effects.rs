@@ -72,8 +72,9 @@ impl Effects {
     /// ```
     /// let effects = bench::virtual_bench::Effects::of(&Default::default(), 1)?;
     /// let firing = &effects.firing[0];
-    /// let strongest = (1..firing.amplitude.len()).max_by(|a, b| firing.amplitude[*a].total_cmp(&firing.amplitude[*b]));
-    /// assert!((firing.frequency_hz[strongest.unwrap()] - 40.0).abs() < 0.2);
+    /// let largest = firing.amplitude.iter().copied().fold(0.0, f64::max);
+    /// let strongest = firing.amplitude.iter().position(|a| *a == largest).unwrap_or(0);
+    /// assert!((firing.frequency_hz[strongest] - 40.0).abs() < 0.2);
     /// # Ok::<(), bench::virtual_bench::VirtualBenchError>(())
     /// ```
     pub fn of(parameters: &BenchParameters, seed: u64) -> Result<Self, VirtualBenchError> {
