@@ -6,11 +6,13 @@
 //! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
 //! text and `null` in JSON.
 
+mod effects;
 mod html;
 mod json;
 pub mod verdict;
 pub mod wording;
 
+pub use effects::page as effects;
 pub use html::html;
 pub use json::{FORMAT_VERSION, json};
 pub use verdict::verdict;

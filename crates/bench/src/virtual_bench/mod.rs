@@ -2,21 +2,21 @@
 //! records them as a real bench would.
 //!
 //! Speed or shaft-torque controller → inverter (delay and lag, or an induction machine under field-oriented control) →
-//! masses and shafts (two masses; more with a dual-mass flywheel or a rotor that twists; play, stiffening, loss factor) ←
-//! engine over crank angle (harmonics of the firing order, or cylinders on a crankshaft; intake, throttle, ignition);
+//! masses and shafts (two masses; more with a dual-mass flywheel or a rotor that twists; play, stiffening, loss factor)
+//! ← engine over crank angle (harmonics of the firing order, or cylinders on a crankshaft; intake, throttle, ignition);
 //! encoders, load cell or flange and the automation system's own torques on top. It exists to test estimators against
 //! known truth and to try an experiment before it is run. [`BenchParameters`] and [`ExperimentPlan`] are plain data.
 //!
 //! # Numerical scheme
 //!
-//! Controllers and sensors work every millisecond, the inverter's machine every quarter of one, the mechanics in steps of
-//! 50 µs (see [`Numerics`]). Within a step the mechanics and the torque sensors are exact for torques that run straight
-//! in time; the inverter's delay and lag are exact whatever the delays, the machine for a speed that stays; the step in
-//! which a cylinder fires is split at the firing. What depends on the state in a non-linear way (play, stiffening,
-//! Coulomb friction, the crankshaft) is predicted and corrected once. The error is of second order in the step size. In
-//! T_shaft, from 50 to 25 µs steps on the default bench: 5·10⁻⁴ Nm of the engine's harmonics, 1.5·10⁻³ Nm of the ripple
-//! in a white-noise test, 1.3·10⁻³ Nm of the machine, 5·10⁻⁴ Nm of the slider crank, 8·10⁻³ Nm with play, which is of
-//! second order from 12.5 µs on only.
+//! Controllers and sensors work every millisecond, the inverter's machine every quarter of one, the mechanics in steps
+//! of 50 µs (see [`Numerics`]). Within a step the mechanics and the torque sensors are exact for torques that run
+//! straight in time; the inverter's delay and lag are exact whatever the delays, the machine for a speed that stays;
+//! the step in which a cylinder fires is split at the firing. What depends on the state in a non-linear way (play,
+//! stiffening, Coulomb friction, the crankshaft) is predicted and corrected once. The error is of second order in the
+//! step size. In T_shaft, from 50 to 25 µs steps on the default bench: 5·10⁻⁴ Nm of the engine's harmonics, 1.5·10⁻³ Nm
+//! of the ripple in a white-noise test, 1.3·10⁻³ Nm of the machine, 5·10⁻⁴ Nm of the slider crank, 8·10⁻³ Nm with play,
+//! which is of second order from 12.5 µs on only.
 //!
 //! Randomness comes from ChaCha streams, one for each source: equal parameters, plan and seed give equal bits, and a
 //! source that is switched on or off leaves what the others draw alone.
@@ -28,6 +28,7 @@
 mod control;
 mod demands;
 mod drive;
+mod effects;
 mod engine;
 mod error;
 mod noise;
@@ -43,6 +44,7 @@ mod write;
 use recording::Recording;
 use serde::Serialize;
 
+pub use effects::{Effects, ShownTrace, Spectrum};
 pub use error::VirtualBenchError;
 pub use parameters::{
     BenchParameters, ClockParameters, ControllerParameters, DualMassFlywheel, DynoTwist, EngineParameters,
@@ -148,8 +150,8 @@ pub struct VirtualRun {
 ///
 /// Channels: `DynoSpeed`, `DynoSpeedDemand` (rpm), `DynoTorqueDemand` (Nm) every 1 ms, `EngineSpeed` (rpm) every 2 ms,
 /// `DynoTorqueCalc`, `DynoTorqueMeas`, `ShaftTorqueCalc` (Nm) every 4 ms with default clocks. Without a shaft there is
-/// no `EngineSpeed`. A bench with a flange has `FlangeTorque` in place of `DynoTorqueMeas` and `ShaftTorqueCalc`. Where the
-/// engine gets a throttle there is `Throttle` (%), and in shaft-torque control `ShaftTorqueDemand` (Nm).
+/// no `EngineSpeed`. A bench with a flange has `FlangeTorque` in place of `DynoTorqueMeas` and `ShaftTorqueCalc`. Where
+/// the engine gets a throttle there is `Throttle` (%), and in shaft-torque control `ShaftTorqueDemand` (Nm).
 ///
 /// # Errors
 ///

@@ -99,8 +99,8 @@ impl ExperimentPlan {
         Self { speed_rad_s, ..Self::new("Ramp", Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s) }
     }
 
-    /// Levels_N_NT: every 3 s N_d* leaves for a random level between the speed and 1800 rpm more, with a random slope of
-    /// 100 to 1000 rpm/s.
+    /// Levels_N_NT: every 3 s N_d* leaves for a random level between the speed and 1800 rpm more, with a random slope
+    /// of 100 to 1000 rpm/s.
     pub fn levels_n_nt(speed_rpm: f64, duration_s: f64) -> Self {
         let speed_rad_s = Waveform::RandomLevels {
             low: speed_rpm * RPM_RAD_S,

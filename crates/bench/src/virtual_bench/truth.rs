@@ -25,8 +25,8 @@ pub struct Truth {
     pub speed_feed_forward_nm_per_rpm: f64,
     /// k_a, Nm/(rpm/s).
     pub acceleration_feed_forward_nm_s_per_rpm: f64,
-    /// Delay and lag of the torque control together, d + 1/a, s; with a machine, d, a sample of its control, and 1 over the
-    /// bandwidth of its currents.
+    /// Delay and lag of the torque control together, d + 1/a, s; with a machine, d, a sample of its control, and 1 over
+    /// the bandwidth of its currents.
     pub torque_control_delay_s: f64,
     /// Frequency of the largest gain of T_d → T_shaft in torque control, Hz; without play and stiffening.
     pub resonance_hz: f64,

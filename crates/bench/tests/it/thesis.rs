@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 
 use bench::study::Source;
 use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, Numerics, Waveform, simulate};
+use bench::virtual_bench::{
+    BenchParameters, Effects, ExperimentPlan, Numerics, ShownTrace, Spectrum, Waveform, simulate,
+};
 use faer::c64;
 use recording::Recording;
 use signal::filter::Sos;
@@ -251,4 +253,29 @@ fn stat_the_naive_zero_of_the_shaft_scatters_and_the_projects_does_not() {
     let lowest = zeros.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = zeros.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     assert!(lowest < -520.0 && highest > -340.0, "{zeros:?}");
+}
+
+#[test]
+fn stat_the_figures_of_the_effects_show_them() {
+    let effects = Effects::of(&BenchParameters::default(), 11).unwrap();
+    let at = |spectrum: &Spectrum, hz: f64| {
+        let near = |k: &usize| (spectrum.frequency_hz[*k] - hz).abs() < 0.15;
+        (0..spectrum.amplitude.len()).filter(near).map(|k| spectrum.amplitude[k]).fold(0.0, f64::max)
+    };
+    for (spectrum, hz) in effects.firing.iter().zip([40.0, 100.0, 150.0]) {
+        assert!(at(spectrum, hz) >= spectrum.amplitude.iter().copied().fold(0.0, f64::max), "{}", spectrum.name);
+    }
+    let [fast, slow] = [&effects.folding[0], &effects.folding[1]];
+    assert!(at(slow, 100.0) > 10.0 * at(fast, 100.0) && (at(slow, 100.0) / at(fast, 150.0) - 1.0).abs() < 0.1);
+    // Held: the lines are in T_d* too. Ripple: they are in T_d alone.
+    let lines: Vec<f64> = effects.side_lines.iter().map(|spectrum| at(spectrum, 92.0)).collect();
+    assert!(lines[0] > 0.5 && lines[1] > 0.3 && lines[2] < 0.02 && lines[3] > 0.1, "{lines:?}");
+    let rises_s = |trace: &ShownTrace| {
+        let half = 0.5 * (trace.values[0] + trace.values[trace.values.len() - 1]);
+        let index = trace.values.iter().position(|t| *t > half).unwrap();
+        trace.start_s + index as f64 * trace.sample_time_s
+    };
+    let rises: Vec<f64> = effects.step.iter().map(rises_s).collect();
+    assert!(rises[0].abs() < 1e-9 && rises[1] < 0.0041 && rises[2] > 0.008, "{rises:?}");
+    assert_eq!(effects.shaft_torque.len(), 2);
 }

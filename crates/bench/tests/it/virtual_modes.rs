@@ -231,8 +231,8 @@ fn exact_machine_follows_its_demand_with_the_bandwidth_of_its_currents() {
     let torque = run(&with_machine(), &plan, FINE).hidden.air_gap_torque_nm;
     assert!((torque[39_990] - 60.0).abs() < 0.1 && (torque[59_990] - 85.0).abs() < 0.1, "{}", torque[59_990]);
     let rises_s = |level: f64| torque[40_000..].iter().position(|t| *t > level).expect("rises") as f64 * 5e-5;
-    // 1.25 ms on the way, a sample of the control, and ln 2 of 1/(2π 120 Hz); 10 to 90 % in 2.2/(2π 120 Hz) = 2.9 ms, or
-    // sooner, as the sample's delay takes damping from the loop.
+    // 1.25 ms on the way, a sample of the control, and ln 2 of 1/(2π 120 Hz); 10 to 90 % in 2.2/(2π 120 Hz) = 2.9 ms,
+    // or sooner, as the sample's delay takes damping from the loop.
     assert!((rises_s(72.5) - 0.00242).abs() < 0.0004, "{}", rises_s(72.5));
     assert!((0.0014..0.0032).contains(&(rises_s(82.5) - rises_s(62.5))), "{} {}", rises_s(62.5), rises_s(82.5));
     let highest = torque[40_000..].iter().copied().fold(0.0, f64::max);

@@ -213,9 +213,12 @@ fn is_of_second_order(name: &str, parameters: &BenchParameters, plan: &Experimen
     assert!((2.8..6.0).contains(&(torque_nm / torque_halved_nm)), "{name}: {torque_nm}, halved {torque_halved_nm} Nm");
 }
 
+/// Switches an option on.
+type Set = fn(&mut BenchParameters);
+
 #[test]
 fn exact_every_option_of_the_shaft_converges_with_the_square_of_the_step() {
-    let options: [(&str, usize, fn(&mut BenchParameters)); 5] = [
+    let options: [(&str, usize, Set); 5] = [
         ("stiffening", 20, |p| p.mechanics.shaft_stiffening_nm_per_rad3 = 4e6),
         ("backlash", 80, |p| p.mechanics.shaft_backlash_rad = 0.01),
         ("loss factor", 20, |p| p.mechanics.shaft_loss = Some(RUBBER)),

@@ -122,7 +122,7 @@ Examples:
   dynoid demo --out /tmp/bench --seed 7
   dynoid demo --json | jq '.comparison[] | select(.contains_truth | not)'
 
-The folder then holds recordings/*.mf4, bench.toml, report.html and study.json; try things out in bench.toml: leave recordings away, change an inertia, and run `dynoid study run` on it.")]
+The folder then holds recordings/*.mf4, bench.toml, report.html, effects.html and study.json; try things out in bench.toml: leave recordings away, change an inertia, and run `dynoid study run` on it.")]
 pub(crate) struct DemoArguments {
     /// Folder to write to; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "dynoid-demo")]

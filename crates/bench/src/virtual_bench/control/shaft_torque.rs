@@ -2,8 +2,9 @@
 
 use crate::virtual_bench::parameters::ControllerParameters;
 
-/// T_d* = T_shaft* + I, dI/dt = K (T_shaft* − T_shaft), within ± the torque limit; the integrator rests while the limit is
-/// exceeded and the error would drive it further. At rest T_d* = T_shaft* − T_fric: the integrator finds the friction.
+/// T_d* = T_shaft* + I, dI/dt = K (T_shaft* − T_shaft), within ± the torque limit; the integrator rests while the limit
+/// is exceeded and the error would drive it further. At rest T_d* = T_shaft* − T_fric: the integrator finds the
+/// friction.
 #[derive(Debug, Clone)]
 pub(crate) struct ShaftTorqueController {
     integral_per_s: f64,

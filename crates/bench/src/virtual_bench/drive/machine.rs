@@ -66,8 +66,8 @@ impl Machine {
         ]
     }
 
-    /// The state a step later: x∞ + e^{Ah} (x − x∞) with A x∞ + b u = 0; e^{Ah} = e^{mh} (cosh qh I + sinh(qh)/q (A − mI))
-    /// with m half the trace and q² = m² − det A.
+    /// The state a step later: x∞ + e^{Ah} (x − x∞) with A x∞ + b u = 0; e^{Ah} = e^{mh} (cosh qh I + sinh(qh)/q (A −
+    /// mI)) with m half the trace and q² = m² − det A.
     pub(super) fn advance(
         &self,
         state: &Electrical,

@@ -114,8 +114,8 @@ impl Inverter {
 }
 
 impl MachineDrive {
-    /// One step; a sample of the control comes first where one is due. The rotor's speed in the step is that half a step
-    /// on, from the last two.
+    /// One step; a sample of the control comes first where one is due. The rotor's speed in the step is that half a
+    /// step on, from the last two.
     fn advance(&mut self, on_the_way: &mut VecDeque<TimedDemand>, start_s: f64, end_s: f64, speed_rad_s: f64) -> f64 {
         if self.step_in_sample == 0 {
             while let Some(next) = on_the_way.front().filter(|next| next.time_s <= start_s + 1e-9) {

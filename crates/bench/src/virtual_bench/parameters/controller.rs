@@ -26,8 +26,8 @@ pub struct ControllerParameters {
     pub offset_feed_forward_nm: f64,
     /// k_a, feed-forward of dN_d*/dt, Nm s²/rad.
     pub acceleration_feed_forward_nm_s2_per_rad: f64,
-    /// Integral gain of the shaft-torque control, 1/s. It runs every millisecond too:
-    /// T_d* = T_shaft* + I, dI/dt = K (T_shaft* − T_shaft) with T_shaft as the bench knows it: from its flange, or its own.
+    /// Integral gain of the shaft-torque control, 1/s. It runs every millisecond too: T_d* = T_shaft* + I, dI/dt = K
+    /// (T_shaft* − T_shaft) with T_shaft as the bench knows it: from its flange, or its own.
     pub shaft_torque_integral_per_s: f64,
     /// The automation system's torque demands (T_d* and the engine's) change only once in this time, s.
     pub demand_hold_s: f64,

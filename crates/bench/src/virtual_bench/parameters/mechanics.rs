@@ -8,8 +8,9 @@ use crate::virtual_bench::train::RelaxingSprings;
 /// Masses and the shafts between them; as it stands, two masses and one shaft: J_d dω_d/dt = T_shaft − T_d − T_fric,
 /// J_e dω_e/dt = T_e − T_shaft, T_shaft = K φ + B (ω_e − ω_d), dφ/dt = ω_e − ω_d (thesis 6.1, 6.4, 2.7).
 ///
-/// The options add: backlash and stiffening, T_shaft = K p + K_3 p³ + B dp/dt with p the twist beyond the play; loss-factor
-/// damping; a rotor that twists against its coupling; a dual-mass flywheel, which makes three masses of two.
+/// The options add: backlash and stiffening, T_shaft = K p + K_3 p³ + B dp/dt with p the twist beyond the play;
+/// loss-factor damping; a rotor that twists against its coupling; a dual-mass flywheel, which makes three masses of
+/// two.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MechanicsParameters {

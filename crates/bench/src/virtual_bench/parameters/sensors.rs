@@ -5,12 +5,12 @@ use serde::{Deserialize, Serialize};
 use crate::units::RPM_RAD_S;
 use crate::virtual_bench::error::{VirtualBenchError, require, require_not_negative, require_positive};
 
-/// Sensors. An encoder reads the mean speed over a gate that ends at the time stamp:
-/// N = (θ̃(t) − θ̃(t − gate))/gate with θ̃ = θ + ε sin θ, plus white noise, rounded. The load cell reads the air-gap
-/// torque late and through ω_0²/(s² + 2ζω_0 s + ω_0²). The system's shaft torque is
-/// T_d,calc + J_d dN̄_d/dt, with N̄_d the moving average of N_d over N updates (1 ms each) and a backward difference for
-/// its derivative: the inertia part is late by (N − 1)/2 ms, T_d,calc is not (thesis, figure 3.3 and the text below it).
-/// A bench with a flange (TB) has neither load cell nor shaft torque of its own.
+/// Sensors. An encoder reads the mean speed over a gate that ends at the time stamp: N = (θ̃(t) − θ̃(t − gate))/gate
+/// with θ̃ = θ + ε sin θ, plus white noise, rounded. The load cell reads the air-gap torque late and through ω_0²/(s² +
+/// 2ζω_0 s + ω_0²). The system's shaft torque is T_d,calc + J_d dN̄_d/dt, with N̄_d the moving average of N_d over N
+/// updates (1 ms each) and a backward difference for its derivative: the inertia part is late by (N − 1)/2 ms, T_d,calc
+/// is not (thesis, figure 3.3 and the text below it). A bench with a flange (TB) has neither load cell nor shaft torque
+/// of its own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorParameters {

@@ -19,8 +19,8 @@ pub(crate) struct SensorDynamics {
     pub(crate) damping_ratio: f64,
 }
 
-/// A mass on a spring, or a filter, and a delay: e^{−s d} ω_0²/(s² + 2ζω_0 s + ω_0²), exact for torques that run straight
-/// within a step.
+/// A mass on a spring, or a filter, and a delay: e^{−s d} ω_0²/(s² + 2ζω_0 s + ω_0²), exact for torques that run
+/// straight within a step.
 #[derive(Debug, Clone)]
 pub(crate) struct TorqueSensor {
     transition: [[f64; 2]; 2],

@@ -143,8 +143,8 @@ impl Assembly {
 
     /// Gain of T_d → T_shaft with play and stiffening left out.
     ///
-    /// From the engine's end inwards: what lies beyond mass i takes I_i ω_i, with I_i = Z/(1 + Z/(J_{i+1} s + I_{i+1})) and
-    /// Z = T/Δω of the connection.
+    /// From the engine's end inwards: what lies beyond mass i takes I_i ω_i, with I_i = Z/(1 + Z/(J_{i+1} s + I_{i+1}))
+    /// and Z = T/Δω of the connection.
     pub(super) fn shaft_gain(&self, frequency_hz: f64) -> f64 {
         let s = Complex64::new(0.0, TAU * frequency_hz);
         let mut gain = Complex64::new(1.0, 0.0);

@@ -29,9 +29,9 @@ pub(crate) struct RelaxingSpring {
 impl RelaxingSprings {
     /// The springs that give a loss factor; none without one.
     ///
-    /// A constant loss factor belongs to K(ω) ∝ (iω)^β with η = tan(πβ/2), hence to g_i ∝ τ_i^{−β}. With S' + iS'' the sum
-    /// at the reference for g_i = g (τ ω_ref)^{−β}, the two numbers follow from (1 + g S') K_0 = K and
-    /// g S''/(1 + g S') = η.
+    /// A constant loss factor belongs to K(ω) ∝ (iω)^β with η = tan(πβ/2), hence to g_i ∝ τ_i^{−β}. With S' + iS'' the
+    /// sum at the reference for g_i = g (τ ω_ref)^{−β}, the two numbers follow from (1 + g S') K_0 = K and g S''/(1 + g
+    /// S') = η.
     pub(crate) fn new(loss: Option<LossFactor>) -> Self {
         let Some(loss) = loss.filter(|loss| loss.loss_factor > 0.0) else {
             return Self { static_ratio: 1.0, springs: Vec::new() };

@@ -6,7 +6,7 @@ mod comparison;
 use std::path::{Path, PathBuf};
 
 use bench::BenchFile;
-use bench::virtual_bench::BenchParameters;
+use bench::virtual_bench::{BenchParameters, Effects};
 
 use crate::cli::DemoArguments;
 use crate::commands::study::{self, Written};
@@ -18,6 +18,7 @@ use crate::terminal::Terminal;
 
 const RECORDINGS: &str = "recordings";
 const BENCH_FILE: &str = "bench.toml";
+const EFFECTS: &str = "effects.html";
 /// The first line of the bench file the demo writes, by which it knows its own folder.
 const FIRST_LINE: &str = "# The bench file of the dynoid demo: a simulated bench.";
 
@@ -35,6 +36,8 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
     OutputFolder::check(&folder)?.write(&files)?;
+    let effects = Effects::of(&parameters, arguments.seed).map_err(CliError::internal)?;
+    output::replace_file(&out.join(EFFECTS), report::effects(&effects).as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
     let written = study::study(&bench, out, Some(arguments.seed), terminal)?;
@@ -66,7 +69,7 @@ fn check_folder(out: &Path, recordings: &[String]) -> Result<(), CliError> {
     {
         return Err(refuse(out.join(BENCH_FILE)));
     }
-    let own = |name: &str| [RECORDINGS, BENCH_FILE, "report.html", "study.json", "study"].contains(&name);
+    let own = |name: &str| [RECORDINGS, BENCH_FILE, EFFECTS, "report.html", "study.json", "study"].contains(&name);
     let foreign = stranger(out, own)
         .or_else(|| stranger(&out.join(RECORDINGS), |name| recordings.iter().any(|recording| recording == name)));
     foreign.map_or(Ok(()), |found| Err(refuse(found)))
@@ -94,6 +97,8 @@ fn print(written: &Written, bench: &Path, rows: &[comparison::Row<'_>], terminal
     terminal.gap();
     terminal.heading("Next", Style::Bold);
     terminal.line(&format!("  open {} in a browser", shown(&written.report)));
+    let effects = shown(&written.report.with_file_name(EFFECTS));
+    terminal.line(&format!("  open {effects}: firing, folding and late sensors in the recordings"));
     terminal.line(&format!("  dynoid inspect {}", shown(&written.report.with_file_name(RECORDINGS))));
     terminal.line(&format!("  change {} and: dynoid study run {0}", shown(bench)));
     terminal.line("  your own recordings: dynoid init FOLDER");

@@ -1,0 +1,181 @@
+//! What a bench shows before any model is made of it: the effects of the thesis, run and measured.
+
+use std::f64::consts::TAU;
+
+use recording::Recording;
+use serde::Serialize;
+use signal::spectrum::{fft_frequencies_hz, fft_real};
+
+use super::error::VirtualBenchError;
+use super::parameters::BenchParameters;
+use super::plan::ExperimentPlan;
+use super::waveform::Waveform;
+use super::{Numerics, UPDATE_S, simulate, simulate_hidden};
+use crate::study::BenchVariant;
+
+/// Length of the runs whose spectra are taken, s.
+const SPECTRUM_S: f64 = 10.0;
+/// Spectra are given up to this frequency, Hz.
+const HIGHEST_HZ: f64 = 200.0;
+/// What is shown before and after a step, s.
+const AROUND_STEP_S: (f64, f64) = (0.02, 0.1);
+const STEP_S: f64 = 2.0;
+
+/// Amplitudes of a signal over frequency.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Spectrum {
+    /// Which signal, and of which run.
+    pub name: String,
+    /// Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Amplitude of a sine there, in the signal's unit.
+    pub amplitude: Vec<f64>,
+}
+
+/// A signal over time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShownTrace {
+    /// Which signal.
+    pub name: String,
+    /// Time of the first sample, s after the step.
+    pub start_s: f64,
+    /// Time between samples, s.
+    pub sample_time_s: f64,
+    /// The samples, Nm.
+    pub values: Vec<f64>,
+}
+
+/// The effects, each the figure of a finding of the thesis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Effects {
+    /// N_e in rpm at 1200, 3000 and 4500 rpm: the firing frequency follows the speed (§5.2).
+    pub firing: Vec<Spectrum>,
+    /// T_d,shaft,calc in Nm at 4500 rpm, recorded at 1 kHz and at 250 Hz: 150 Hz folds to 100 Hz (§5.3.1).
+    pub folding: Vec<Spectrum>,
+    /// T_d* and T_d,calc in Nm with an 8 Hz sine: lines at 100 ± 8 Hz by the demand's hold, and by the ripple (§5.3.2).
+    pub side_lines: Vec<Spectrum>,
+    /// T_d*, T_d,calc and T_d,meas about a step: the load cell is late (§6.1).
+    pub step: Vec<ShownTrace>,
+    /// T_shaft as it is and as the system computes it, about the same step: late by its moving average (§3.4.3).
+    pub shaft_torque: Vec<ShownTrace>,
+}
+
+impl Effects {
+    /// Runs what shows the effects on a bench, with a load cell whatever its variant.
+    ///
+    /// # Errors
+    ///
+    /// As [`simulate`].
+    ///
+    /// # Example
+    ///
+    /// ```
+    /// let effects = bench::virtual_bench::Effects::of(&Default::default(), 1)?;
+    /// let firing = &effects.firing[0];
+    /// let largest = firing.amplitude.iter().copied().fold(0.0, f64::max);
+    /// let strongest = firing.amplitude.iter().position(|a| *a == largest).unwrap_or(0);
+    /// assert!((firing.frequency_hz[strongest] - 40.0).abs() < 0.2);
+    /// # Ok::<(), bench::virtual_bench::VirtualBenchError>(())
+    /// ```
+    pub fn of(parameters: &BenchParameters, seed: u64) -> Result<Self, VirtualBenchError> {
+        let bench = BenchParameters { variant: BenchVariant::LoadCell, ..parameters.clone() };
+        let (step, shaft_torque) = step(&bench, seed)?;
+        Ok(Self {
+            firing: firing(&bench, seed)?,
+            folding: folding(&bench, seed)?,
+            side_lines: side_lines(&bench, seed)?,
+            step,
+            shaft_torque,
+        })
+    }
+}
+
+fn firing(bench: &BenchParameters, seed: u64) -> Result<Vec<Spectrum>, VirtualBenchError> {
+    let at = |speed_rpm: f64| {
+        let recording = simulate(bench, &constant(speed_rpm), seed)?;
+        Ok(spectrum(format!("N_e at {speed_rpm} rpm"), &recording, "EngineSpeed"))
+    };
+    [1200.0, 3000.0, 4500.0].into_iter().map(at).collect()
+}
+
+fn folding(bench: &BenchParameters, seed: u64) -> Result<Vec<Spectrum>, VirtualBenchError> {
+    let mut bench = bench.clone();
+    // The drive's own line is where the folded one comes to lie.
+    (bench.inverter.additive_ripple_nm, bench.inverter.multiplicative_ripple) = (0.0, 0.0);
+    let at = |(decimation, rate): (usize, &str)| {
+        let mut bench = bench.clone();
+        bench.clocks.torque_decimation = decimation;
+        let recording = simulate(&bench, &constant(4500.0), seed)?;
+        Ok(spectrum(format!("T_d,shaft,calc at {rate}"), &recording, "ShaftTorqueCalc"))
+    };
+    [(1, "1 kHz"), (4, "250 Hz")].into_iter().map(at).collect()
+}
+
+fn side_lines(bench: &BenchParameters, seed: u64) -> Result<Vec<Spectrum>, VirtualBenchError> {
+    let mut plan = ExperimentPlan::sine_t_tn(1200.0, SPECTRUM_S);
+    plan.dyno_torque_nm =
+        Waveform::SineLadder { mean: 60.0, amplitude: 8.0, frequencies_hz: vec![8.0], dwell_s: SPECTRUM_S };
+    let mut spectra = Vec::new();
+    for (cause, is_held) in [("held demand", true), ("ripple", false)] {
+        let mut bench = bench.clone();
+        bench.clocks.torque_decimation = 1;
+        if is_held {
+            (bench.inverter.additive_ripple_nm, bench.inverter.multiplicative_ripple) = (0.0, 0.0);
+        } else {
+            bench.controller.demand_hold_s = UPDATE_S;
+        }
+        let recording = simulate(&bench, &plan, seed)?;
+        for (signal, channel) in [("T_d*", "DynoTorqueDemand"), ("T_d,calc", "DynoTorqueCalc")] {
+            spectra.push(spectrum(format!("{signal}, {cause}"), &recording, channel));
+        }
+    }
+    Ok(spectra)
+}
+
+/// Traces about a step of T_d*: of the air-gap torques, and of the shaft's.
+fn step(bench: &BenchParameters, seed: u64) -> Result<(Vec<ShownTrace>, Vec<ShownTrace>), VirtualBenchError> {
+    let run = simulate_hidden(bench, &ExperimentPlan::step_t_tn(1200.0, 2.0 * STEP_S), seed, Numerics::default())?;
+    let recorded = |name: &str, channel: &str| {
+        let channel = run.recording.channel(channel);
+        let sample_time_s = channel.and_then(|c| run.recording.time_s(c)).map_or(UPDATE_S, |t| t[1] - t[0]);
+        around_step(name, channel.map_or(&[], |c| c.samples.as_slice()), sample_time_s)
+    };
+    let torques = [("T_d*", "DynoTorqueDemand"), ("T_d,calc", "DynoTorqueCalc"), ("T_d,meas", "DynoTorqueMeas")];
+    let shaft = vec![
+        around_step("T_shaft", &run.hidden.shaft_torque_nm, run.hidden.sample_time_s),
+        recorded("T_d,shaft,calc", "ShaftTorqueCalc"),
+    ];
+    Ok((torques.into_iter().map(|(name, channel)| recorded(name, channel)).collect(), shaft))
+}
+
+fn around_step(name: &str, samples: &[f64], sample_time_s: f64) -> ShownTrace {
+    let index = |time_s: f64| ((time_s / sample_time_s).round() as usize).min(samples.len());
+    let (from, to) = (index(STEP_S - AROUND_STEP_S.0), index(STEP_S + AROUND_STEP_S.1));
+    let start_s = from as f64 * sample_time_s - STEP_S;
+    ShownTrace { name: name.to_owned(), start_s, sample_time_s, values: samples[from..to].to_vec() }
+}
+
+/// A fired engine at a constant speed and torque.
+fn constant(speed_rpm: f64) -> ExperimentPlan {
+    let mut plan = ExperimentPlan::bs_t_nt(speed_rpm, SPECTRUM_S);
+    plan.engine_torque_nm = Waveform::Constant { value: 45.0 };
+    plan
+}
+
+/// Amplitudes of a channel, its mean taken out, seen through a Hann window.
+fn spectrum(name: String, recording: &Recording, channel: &str) -> Spectrum {
+    let mut spectrum = Spectrum { name, frequency_hz: Vec::new(), amplitude: Vec::new() };
+    let Some(channel) = recording.channel(channel) else { return spectrum };
+    let Some(&[first, second, ..]) = recording.time_s(channel) else { return spectrum };
+    let count = channel.samples.len() as f64;
+    let mean = channel.samples.iter().sum::<f64>() / count;
+    let window = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / count).cos();
+    let seen: Vec<f64> = channel.samples.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
+    let Ok(lines) = fft_real(&seen) else { return spectrum };
+    let frequencies = fft_frequencies_hz(seen.len(), second - first);
+    for (frequency_hz, line) in frequencies.into_iter().zip(lines).take_while(|(f, _)| *f <= HIGHEST_HZ) {
+        spectrum.frequency_hz.push(frequency_hz);
+        spectrum.amplitude.push(2.0 * line.norm() / count);
+    }
+    spectrum
+}
