@@ -33,6 +33,7 @@ mod process;
 mod published;
 mod recursive;
 mod residual_levels;
+mod several_outputs;
 mod shared;
 mod stand_in;
 mod state_space;
