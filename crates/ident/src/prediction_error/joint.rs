@@ -97,7 +97,8 @@ fn of_stage(stages: &[&Stage<'_>], lengths: &[usize]) -> Result<(Mat<f64>, f64),
     let noise = simultaneous(stages, &errors);
     let inverse = inverse_root(&noise, DEPENDENT)?;
     let mixing = noise * &inverse;
-    if coloured {
+    // Without any error there is no colour.
+    if coloured && inverse.ncols() > 0 {
         errors.iter_mut().for_each(|e| *e = unmixed(e, &inverse));
         let colour = Colour::of(&errors, inverse.ncols());
         if !colour.is_white() {
@@ -121,7 +122,7 @@ fn series(stages: &[&Stage<'_>], lengths: &[usize]) -> Result<Vec<Vec<f64>>, Ide
     for (output, stage) in stages.iter().enumerate() {
         let errors = stage.evaluator().residuals(&stage.theta)?;
         for (segment, errors) in stage.segments.iter().zip(&errors) {
-            let places = all[segment.experiment][output..].iter_mut().step_by(outputs).skip(segment.first);
+            let places = all[segment.experiment].iter_mut().skip(output).step_by(outputs).skip(segment.first);
             places.zip(errors).for_each(|(slot, e)| *slot = *e);
             segment.missing.iter().for_each(|t| all[segment.experiment][(segment.first + t) * outputs] = f64::NAN);
         }
