@@ -59,6 +59,12 @@ impl Colour {
         Colour { coefficients: chosen.1, root: chosen.2, moments: now.moments, rows: moments.rows }
     }
 
+    /// That of independent white errors of variance one.
+    pub(crate) fn white(outputs: usize) -> Self {
+        let identity = Mat::identity(outputs, outputs);
+        Colour { coefficients: Vec::new(), root: identity.clone(), moments: vec![identity], rows: 0 }
+    }
+
     /// Whether the residuals look white.
     pub(crate) fn is_white(&self) -> bool {
         self.coefficients.is_empty()

@@ -219,37 +219,62 @@ impl<C: ContinuousChannel> ResidualModel for OutputError<'_, C> {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use lti::ProcessModel;
+    use proptest::prelude::*;
+
     use super::*;
     use crate::continuous::RationalChannel;
 
-    /// Projected errors and derivatives on two channels, one with a delay between samples, from a state not at zero.
-    #[test]
-    fn prop_gradient_equals_differences() {
-        let u: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 7 + k) % 13) - 6.0).collect();
-        let v: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 5 + 3 * k) % 11) - 5.0).collect();
-        let y: Vec<f64> = (0..300).map(|k: i32| f64::from((k * 31) % 17) + 3.0 * 0.97_f64.powi(k)).collect();
-        let late = [Record { inputs: vec![&u, &v], output: &y, first: 9 }];
+    /// Gradients on channels of this kind under either behaviour of the inputs, from a state not at zero or from rest.
+    fn check_all<C: ContinuousChannel>(channels: &[C], signals: &[f64]) {
+        let rows = signals.len() / 3;
+        let (u, v) = (&signals[..rows], &signals[rows..2 * rows]);
+        let drifting = |(k, y): (usize, &f64)| 10.0 * y + 3.0 * 0.97_f64.powi(k as i32);
+        let y: Vec<f64> = signals[2 * rows..].iter().enumerate().map(drifting).collect();
+        let late = [Record { inputs: vec![u, v], output: &y, first: 9 }];
         let from_rest = [Record { first: 0, ..late[0].clone() }];
-        let one = RationalChannel::new(vec![1.0, 30.0], vec![4.0, 25.0], 0.237).unwrap();
-        let two = RationalChannel::new(vec![2.0], vec![3.0], 0.52).unwrap();
         for intersample in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold] {
-            for nuisance in [(true, true), (true, false), (false, true)] {
-                let (initial_state, offset) = nuisance;
-                let mut problem = OutputError {
-                    model: ContinuousModel::new(vec![one.clone(), two.clone()], 2, Mat::identity(1, 1)).unwrap(),
+            for (initial_state, offset) in [(true, true), (true, false), (false, true)] {
+                check(&mut OutputError {
+                    model: ContinuousModel::new(channels.to_vec(), 2, Mat::identity(1, 1)).unwrap(),
                     records: if initial_state { &late } else { &from_rest },
                     sample_time_s: 0.1,
                     intersample,
                     nuisance: Nuisance { initial_state, offset },
                     stable: true,
-                };
-                check(&mut problem);
+                });
             }
         }
     }
 
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(6))]
+
+        /// Projected errors and derivatives on two channels with delays between samples.
+        #[test]
+        fn prop_gradient_equals_differences(
+            gain in 1.0_f64..40.0, damping in 0.5_f64..5.0, stiffness in 15.0_f64..35.0, lag in 1.0_f64..5.0,
+            delay in 0.21_f64..0.29, later in 0.51_f64..0.59, signals in prop::collection::vec(-6.0_f64..6.0, 3 * 250),
+        ) {
+            let one = RationalChannel::new(vec![1.0, gain], vec![damping, stiffness], delay).unwrap();
+            let two = RationalChannel::new(vec![2.0], vec![lag], later).unwrap();
+            check_all(&[one, two], &signals);
+        }
+
+        /// The same on process models, by their gains, times and damping.
+        #[test]
+        fn prop_gradient_of_process_models_equals_differences(
+            gain in 1.0_f64..4.0, fast in 0.2_f64..0.5, slow in 0.8_f64..2.0, zero in 0.1_f64..0.7,
+            damping in 0.2_f64..0.8, delay in 0.21_f64..0.29, signals in prop::collection::vec(-6.0_f64..6.0, 3 * 250),
+        ) {
+            let lags = ProcessModel::new(gain).unwrap().with_lags(vec![slow, fast]).unwrap();
+            let pair = ProcessModel::new(-gain).unwrap().with_pair(fast, damping).unwrap();
+            check_all(&[lags.with_zero(zero).unwrap(), pair.with_delay(delay).unwrap()], &signals);
+        }
+    }
+
     /// The projected Jacobian is that of the errors up to a part within what is projected out, so gradients are compared.
-    fn check(problem: &mut OutputError<'_, RationalChannel>) {
+    fn check<C: ContinuousChannel>(problem: &mut OutputError<'_, C>) {
         let theta = problem.model.parameters();
         let (rows, columns) = (problem.residual_count(), theta.len());
         let (mut residuals, mut jacobian) = (vec![0.0; rows], Mat::zeros(rows, columns));

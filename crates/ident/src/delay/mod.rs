@@ -46,9 +46,7 @@ pub struct DelayEstimate {
 /// The signals of each experiment: the output, then the inputs.
 fn signals(data: &Dataset) -> Result<Vec<Vec<&[f64]>>, IdentError> {
     if data.outputs() != 1 {
-        return Err(IdentError::Structure {
-            what: "a delay is estimated for one output: choose it by Dataset::channels",
-        });
+        return Err(IdentError::Structure { what: "a delay is estimated for one output: choose one of them" });
     }
     if data.inputs() == 0 {
         return Err(IdentError::Structure { what: "a delay needs an input" });
@@ -77,7 +75,7 @@ fn check_one_input(data: &Dataset) -> Result<(), IdentError> {
     if data.inputs() == 1 {
         return Ok(());
     }
-    Err(IdentError::Structure { what: "this delay is estimated from one input: choose it by Dataset::channels" })
+    Err(IdentError::Structure { what: "this delay is estimated from one input: choose one of them" })
 }
 
 /// Golden-section search for the minimum between two points.

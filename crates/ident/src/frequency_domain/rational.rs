@@ -315,24 +315,36 @@ impl Response for Rational {
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
     use crate::ResidualModel;
     use crate::frequency_domain::SpectralData;
 
-    #[test]
-    fn prop_gradient_equals_differences() {
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        #[test]
+        fn prop_gradient_equals_differences(
+            zeros in 0_usize..2, poles in 1_usize..3, delay in 0.0_f64..0.03, slow in 0.6_f64..0.8, fast in 1.0_f64..1.2,
+        ) {
+            check(FrequencyTransferFunction::continuous(zeros.min(poles), poles).with_delay(delay), slow, fast);
+        }
+    }
+
+    /// The slopes at the start of a search through spectra that wave at these rates.
+    fn check(options: FrequencyTransferFunction, slow: f64, fast: f64) {
         let count = 40;
         let wave = |k: usize, a: f64| Complex64::new((a * k as f64).sin() + 1.5, (a * k as f64).cos());
         let data = SpectralData {
             omega_rad_s: (1..=count).map(|k| 0.3 * k as f64).collect(),
-            input: (0..count).map(|k| wave(k, 0.7)).collect(),
-            output: (0..count).map(|k| wave(k, 1.1)).collect(),
+            input: (0..count).map(|k| wave(k, slow)).collect(),
+            output: (0..count).map(|k| wave(k, fast)).collect(),
             input_variance: vec![0.3; count],
             output_variance: vec![0.2; count],
             covariance: (0..count).map(|k| 0.05 * wave(k, 0.2)).collect(),
             averages: None,
         };
-        let options = FrequencyTransferFunction::continuous(1, 2).with_delay(0.02);
         let lines = data.lines().unwrap();
         let points = options.points(&lines);
         let start = options.start(&lines, &points).unwrap();

@@ -5,6 +5,7 @@ use lti::PolynomialModel;
 
 use super::edge;
 use super::equation::Equation;
+use super::joint;
 use super::orders::Orders;
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
 
@@ -21,7 +22,7 @@ pub(super) fn model(orders: &Orders, data: &Dataset, thetas: &[Vec<f64>]) -> Res
 pub(super) fn fit(
     orders: &Orders,
     data: &Dataset,
-    equations: Vec<Equation>,
+    equations: Vec<Equation<'_>>,
 ) -> Result<Fit<PolynomialModel>, IdentError> {
     let thetas: Vec<Vec<f64>> = equations.iter().map(|e| e.theta.clone()).collect();
     let (moments, rows) = error_moments(&equations);
@@ -35,13 +36,15 @@ pub(super) fn fit(
     let noise_covariance = Mat::from_fn(outputs, outputs, |i, j| moments[(i, j)] / (left(i) * left(j)));
     // Rounding may take the determinant of a singular covariance below zero.
     let loss = (faer::Scale(1.0 / rows as f64) * &moments).determinant().max(0.0);
-    let free = |e: &Equation| e.lowest.at_bound.iter().filter(|b| !**b).count();
+    let free = |e: &Equation<'_>| e.lowest.at_bound.iter().filter(|b| !**b).count();
+    let stages: Vec<&[joint::Stage<'_>]> = equations.iter().map(|e| e.stages.as_slice()).collect();
+    let (covariance, degrees_of_freedom) = joint::covariance(&stages, data)?;
     let experiments = data.experiments().len();
     let state = |m: usize| equations.iter().flat_map(|e| e.states[m].iter().copied()).collect();
     Ok(Fit {
         model: model(orders, data, &thetas)?.with_noise_covariance(noise_covariance.clone())?,
-        covariance: block_diagonal(&equations, orders.count()),
-        degrees_of_freedom: equations.iter().map(|e| e.degrees_of_freedom).fold(f64::INFINITY, f64::min),
+        covariance,
+        degrees_of_freedom,
         noise_covariance,
         loss,
         samples: rows,
@@ -56,12 +59,12 @@ pub(super) fn fit(
 }
 
 /// Parameters and initial states estimated for an equation.
-fn spent(equation: &Equation) -> f64 {
+fn spent(equation: &Equation<'_>) -> f64 {
     (equation.lowest.at_bound.iter().filter(|b| !**b).count() + equation.state_parameters) as f64
 }
 
 /// Σ ε(t) ε(t)ᵀ over the rows in which every output has an error, and their number.
-fn error_moments(equations: &[Equation]) -> (Mat<f64>, usize) {
+fn error_moments(equations: &[Equation<'_>]) -> (Mat<f64>, usize) {
     let n = equations.len();
     let (mut moments, mut rows) = (Mat::zeros(n, n), 0);
     let experiments = equations.first().map_or(0, |e| e.errors.len());
@@ -81,21 +84,14 @@ fn error_moments(equations: &[Equation]) -> (Mat<f64>, usize) {
     (moments, rows)
 }
 
-fn block_diagonal(equations: &[Equation], count: usize) -> Mat<f64> {
-    let total = count * equations.len();
-    Mat::from_fn(total, total, |i, j| {
-        if i / count == j / count { equations[i / count].covariance[(i % count, j % count)] } else { 0.0 }
-    })
-}
-
 /// That of the equation that ended worst.
-fn termination(equations: &[Equation]) -> Termination {
+fn termination(equations: &[Equation<'_>]) -> Termination {
     let ends = equations.iter().map(|e| e.lowest.termination);
     let worse = |a: Termination, b: Termination| if a.converged() { b } else { a };
     ends.reduce(worse).unwrap_or(Termination::Direct)
 }
 
-fn doubts(orders: &Orders, equations: &[Equation], of: usize, rows: usize) -> Result<Vec<Doubt>, IdentError> {
+fn doubts(orders: &Orders, equations: &[Equation<'_>], of: usize, rows: usize) -> Result<Vec<Doubt>, IdentError> {
     let mut doubts = Vec::new();
     for (output, equation) in equations.iter().enumerate().filter(|(_, e)| !e.lowest.termination.converged()) {
         let reason = edge::reason(orders, equation, output)?.unwrap_or(Doubt::NotConverged);

@@ -27,7 +27,7 @@ struct Guarded {
 ///
 /// # Errors
 /// Those of [`polynomial::roots`].
-pub(super) fn reason(orders: &Orders, equation: &Equation, output: usize) -> Result<Option<Doubt>, IdentError> {
+pub(super) fn reason(orders: &Orders, equation: &Equation<'_>, output: usize) -> Result<Option<Doubt>, IdentError> {
     if equation.lowest.termination != Termination::Edge {
         return Ok(None);
     }

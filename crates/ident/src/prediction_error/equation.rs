@@ -8,6 +8,7 @@ use super::Polynomial;
 use super::basin::Basin;
 use super::evaluate::Evaluator;
 use super::excerpt::{excerpt, interpolated};
+use super::joint::{Errors, Stage};
 use super::orders::Orders;
 use super::reduced::{lowered, raised};
 use super::segment::{Segment, segments};
@@ -34,10 +35,10 @@ const RAISED: [usize; 2] = [1, 2];
 const BATCHES: usize = 30;
 
 /// One equation at its estimate.
-pub(super) struct Equation {
+pub(super) struct Equation<'a> {
     pub(super) theta: Vec<f64>,
-    pub(super) covariance: Mat<f64>,
-    pub(super) degrees_of_freedom: f64,
+    /// What its covariance rests on.
+    pub(super) stages: Vec<Stage<'a>>,
     pub(super) lowest: Lowest,
     /// Prediction errors of every experiment, NaN where there are none.
     pub(super) errors: Vec<Vec<f64>>,
@@ -57,13 +58,13 @@ struct Task<'a> {
     search: NonlinearOptions,
 }
 
-pub(super) fn estimate(
+pub(super) fn estimate<'a>(
     options: &Polynomial,
     orders: &Orders,
-    data: &Dataset,
+    data: &'a Dataset,
     output: usize,
     held: &[(usize, f64)],
-) -> Result<Equation, IdentError> {
+) -> Result<Equation<'a>, IdentError> {
     let skip = orders.is_output_error();
     let mut all = segments(data, output, skip);
     let estimate_states = !options.from_rest;
@@ -74,7 +75,7 @@ pub(super) fn estimate(
         return Err(IdentError::TooFewSamples { samples: rows, parameters: orders.count() + states });
     }
     let task = Task { orders, estimate_states, bounds: bounds(orders, held), search: options.search };
-    let (lowest, covariance, degrees_of_freedom) = task.estimate(&all, options)?;
+    let (lowest, stages) = task.estimate(&all, options)?;
     let mut evaluator = Evaluator::new(orders, &all, Aim::Prediction, estimate_states);
     let errors = evaluator.residuals(&lowest.parameters)?;
     Ok(Equation {
@@ -83,8 +84,7 @@ pub(super) fn estimate(
         state_parameters: states * all.len(),
         stable: is_stable(orders, &lowest.parameters),
         theta: lowest.parameters.clone(),
-        covariance,
-        degrees_of_freedom,
+        stages,
         lowest,
     })
 }
@@ -100,29 +100,31 @@ fn is_stable(orders: &Orders, theta: &[f64]) -> bool {
     inputs.chain([orders.a(), orders.c(), orders.d()]).all(|range| super::line::is_stable(&theta[range], 1.0))
 }
 
-type Estimate = (Lowest, Mat<f64>, f64);
+type Estimate<'a> = (Lowest, Vec<Stage<'a>>);
 
 impl Task<'_> {
-    fn estimate(&self, all: &[Segment<'_>], options: &Polynomial) -> Result<Estimate, IdentError> {
-        let passed: Option<Vec<_>> =
+    fn estimate<'a>(&self, all: &[Segment<'a>], options: &Polynomial) -> Result<Estimate<'a>, IdentError> {
+        let passed: Option<Vec<Segment<'a>>> =
             options.prefilter.as_ref().map(|filter| all.iter().map(|s| filtered(s, filter)).collect());
         let batches = options.batches;
         match (options.focus, &passed) {
             (Focus::Prediction, None) => self.predicting(all, batches),
             (Focus::Prediction, Some(passed)) if self.orders.is_output_error() => self.predicting(passed, batches),
             (Focus::Prediction, Some(passed)) if self.orders.na == 0 => {
-                let (found, covariance, freedom) = self.predicting(passed, batches.or(Some(BATCHES)))?;
+                let (found, mut stages) = self.predicting(passed, batches.or(Some(BATCHES)))?;
                 let (_, place) = self.orders.without_noise();
                 let parameters = place.iter().map(|j| found.parameters[*j]).collect();
-                let covariance = Mat::from_fn(place.len(), place.len(), |i, j| covariance[(place[i], place[j])]);
-                self.with_noise(all, &place, (Lowest { parameters, ..found }, covariance, freedom), batches)
+                let taken = |i: usize, j: usize| f64::from(u8::from(place[i] == j));
+                let taken = Mat::from_fn(place.len(), self.orders.count(), taken);
+                stages.iter_mut().for_each(|s| s.share = &taken * &s.share);
+                self.with_noise(all, &place, (Lowest { parameters, ..found }, stages), batches)
             }
             // Where noise and inputs share their poles, the noise that the filter colours would take part in A.
             (_, passed) => self.simulating(passed.as_deref().unwrap_or(all), all, batches),
         }
     }
 
-    fn predicting(&self, all: &[Segment<'_>], batches: Option<usize>) -> Result<Estimate, IdentError> {
+    fn predicting<'a>(&self, all: &[Segment<'a>], batches: Option<usize>) -> Result<Estimate<'a>, IdentError> {
         let direct = self.direct(all);
         let lowest = match direct {
             Some((lowest, true)) => lowest,
@@ -136,7 +138,7 @@ impl Task<'_> {
                 self.descended(all, Aim::Prediction, &start, self.search)?
             }
         };
-        self.judged(all, Aim::Prediction, lowest, batches)
+        Ok(self.judged(all, Aim::Prediction, lowest, batches))
     }
 
     /// The minimum that the shortest way leads to, and whether a long ARX model says that no other lies lower. Only for
@@ -182,18 +184,18 @@ impl Task<'_> {
     }
 
     /// `A`, `B`, `F` from the simulated output, filtered or not, then `C` and `D` from all there is with those held.
-    fn simulating(
+    fn simulating<'a>(
         &self,
-        passed: &[Segment<'_>],
-        all: &[Segment<'_>],
+        passed: &[Segment<'a>],
+        all: &[Segment<'a>],
         batches: Option<usize>,
-    ) -> Result<Estimate, IdentError> {
+    ) -> Result<Estimate<'a>, IdentError> {
         let (plain, place) = self.orders.without_noise();
         let bounds = place.iter().map(|j| self.bounds[*j]).collect();
         let dynamics = Task { orders: &plain, bounds, ..*self };
         let start = dynamics.simulating_start(passed, |few| dynamics.guesses(few))?;
         let found = dynamics.descended(passed, Aim::Simulation, &start, self.search)?;
-        let found = dynamics.judged(passed, Aim::Simulation, found, batches)?;
+        let found = dynamics.judged(passed, Aim::Simulation, found, batches);
         self.with_noise(all, &place, found, batches)
     }
 
@@ -202,30 +204,31 @@ impl Task<'_> {
     /// The errors of the dynamics carry over to `C` and `D` by `−(JᵀJ)⁻¹ Jᵀ J_d`, with `J` and `J_d` the columns of `C` and
     /// `D`, and of the dynamics. Apart from that both are independent: the former come of the noise times inputs, the
     /// latter of the noise times itself.
-    fn with_noise(
+    fn with_noise<'a>(
         &self,
-        all: &[Segment<'_>],
+        all: &[Segment<'a>],
         place: &[usize],
-        (found, covariance, freedom): Estimate,
+        (found, mut stages): Estimate<'a>,
         batches: Option<usize>,
-    ) -> Result<Estimate, IdentError> {
+    ) -> Result<Estimate<'a>, IdentError> {
         if place.len() == self.orders.count() {
-            return Ok((found, covariance, freedom));
+            return Ok((found, stages));
         }
         let theta = placed(place, &found.parameters, self.orders.count());
         let mut noise = Task { orders: self.orders, bounds: self.bounds.clone(), ..*self };
         place.iter().for_each(|j| noise.bounds[*j] = Bounds::new(theta[*j], theta[*j]));
         let begin = noise.start(all, Aim::Prediction, |few| Ok(vec![start::with_noise(self.orders, few, &theta)]))?;
         let lowest = noise.descended(all, Aim::Prediction, &begin, self.search)?;
-        let (lowest, own, noise_freedom) = noise.judged(all, Aim::Prediction, lowest, batches)?;
+        let (lowest, own) = noise.judged(all, Aim::Prediction, lowest, batches);
         let influence = influence(&lowest, place);
-        let whole = own + &influence * covariance * influence.transpose();
+        stages.iter_mut().for_each(|s| s.share = &influence * &s.share);
+        stages.extend(own);
         let at_bound = self.bounds.iter().map(|b| b.lower == b.upper).collect();
         let ended = if found.termination.converged() { lowest.termination } else { found.termination };
         let iterations = found.iterations.max(lowest.iterations);
         let condition = found.condition.max(lowest.condition);
         let lowest = Lowest { at_bound, termination: ended, iterations, condition, ..lowest };
-        Ok((lowest, whole, freedom.min(noise_freedom)))
+        Ok((lowest, stages))
     }
 
     /// The minimum that a start leads to.
@@ -251,37 +254,27 @@ impl Task<'_> {
         theta
     }
 
-    /// A minimum, or a lower one across the edge of stability, with its covariance.
-    fn judged(
-        &self,
-        all: &[Segment<'_>],
-        aim: Aim,
-        lowest: Lowest,
-        batches: Option<usize>,
-    ) -> Result<Estimate, IdentError> {
-        let mut evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
+    /// A minimum, or a lower one across the edge of stability, with what its covariance rests on.
+    fn judged<'a>(&self, all: &[Segment<'a>], aim: Aim, lowest: Lowest, batches: Option<usize>) -> Estimate<'a> {
+        let evaluator = Evaluator::new(self.orders, all, aim, self.estimate_states);
         let lowest = self.beyond_the_edge(all, aim, &evaluator, &lowest).unwrap_or(lowest);
         let free = lowest.at_bound.iter().filter(|b| !**b).count();
-        let freedom = evaluator.residual_count() as f64 - free as f64;
-        if let Some(batches) = batches {
-            let scores = evaluator.scores(&lowest.parameters, batches)?;
-            let middle = crate::covariance::middle_of_batches(&scores);
-            let covariance = &lowest.unscaled_covariance * middle * &lowest.unscaled_covariance;
-            return Ok((lowest, covariance, batches as f64 - 1.0));
-        }
         // Nothing else speaks for white errors of a model of the dynamics alone.
         let unexplained = aim == Aim::Simulation || self.orders.is_output_error();
-        let coloured = if unexplained {
-            evaluator.coloured_covariance(&lowest.parameters, &lowest.unscaled_covariance)?
-        } else {
-            None
+        let white = if unexplained { Errors::Coloured } else { Errors::White };
+        let stage = Stage {
+            orders: self.orders.clone(),
+            segments: all.to_vec(),
+            aim,
+            estimate_states: self.estimate_states,
+            theta: lowest.parameters.clone(),
+            unscaled: lowest.unscaled_covariance.clone(),
+            cost: lowest.cost,
+            freedom: evaluator.residual_count() as f64 - free as f64,
+            errors: batches.map_or(white, Errors::Stretches),
+            share: Mat::identity(self.orders.count(), self.orders.count()),
         };
-        if let Some((covariance, limit)) = coloured {
-            let rows = all.iter().map(Segment::known).sum::<usize>() as f64;
-            return Ok((lowest, faer::Scale(rows / freedom) * covariance, freedom.min(limit)));
-        }
-        let covariance = faer::Scale(lowest.cost / freedom) * &lowest.unscaled_covariance;
-        Ok((lowest, covariance, freedom))
+        (lowest, vec![stage])
     }
 
     /// A lower minimum inside the edge of stability that is reached across it, where a search was stopped at the edge.
@@ -431,14 +424,15 @@ fn placed(place: &[usize], values: &[f64], count: usize) -> Vec<f64> {
     theta
 }
 
-fn filtered<'s>(segment: &'s Segment<'_>, filter: &signal::filter::Sos) -> Segment<'s> {
+fn filtered(segment: &Segment<'_>, filter: &signal::filter::Sos) -> Segment<'static> {
     let pass = |x: &[f64]| Cow::Owned(filter.filter(x, &mut filter.state_at_level(x.first().copied().unwrap_or(0.0))));
     let whole = interpolated(segment);
     Segment {
         inputs: whole.inputs.iter().map(|u| pass(u)).collect(),
         output: pass(&whole.output),
         missing: segment.missing.clone(),
-        ..whole
+        experiment: segment.experiment,
+        first: segment.first,
     }
 }
 

@@ -11,7 +11,6 @@ use super::orders::Orders;
 use super::segment::Segment;
 use super::signals::{Aim, Block, Column, Lines, Polynomials, columns};
 use super::split::Split;
-use crate::colour::{Colour, Sandwich};
 use crate::nonlinear::SumOfSquares;
 use crate::{IdentError, Triangle};
 
@@ -145,52 +144,15 @@ impl<'a> Evaluator<'a> {
         Ok((state, cost))
     }
 
-    /// The sums of `J_tᵀ e_t` over consecutive stretches of equal length, one row a stretch, with the initial states
-    /// projected out of J.
-    ///
-    /// # Errors
-    /// Fewer than two stretches, or stretches shorter than θ.
-    pub(super) fn scores(&mut self, theta: &[f64], batches: usize) -> Result<Mat<f64>, IdentError> {
-        let (total, n) = (self.segments.iter().map(Segment::len).sum::<usize>(), self.orders.count());
-        if batches < 2 || total / batches <= n {
-            return Err(IdentError::TooFewSamples { samples: total, parameters: n * batches.max(2) });
-        }
-        let (segments, mut before) = (self.segments, 0);
-        let mut sums = Mat::zeros(batches, n);
-        for (index, segment) in segments.iter().enumerate() {
-            self.gradient_rows(theta, index, |t, row, e| {
-                let batch = (before + t) * batches / total;
-                row.iter().enumerate().for_each(|(j, v)| sums[(batch, j)] += v * e);
-            })?;
-            before += segment.len();
-        }
-        Ok(sums)
-    }
-
-    /// The covariance of θ under errors with the autocorrelation of the residuals, from the one for white errors of
-    /// variance one, and its degrees of freedom; `None` where the residuals look white.
+    /// Goes to θ, and tells for each segment what the directions of the initial state explain of each column of J.
     ///
     /// # Errors
     /// θ whose predictor is not stable.
-    pub(super) fn coloured_covariance(
-        &mut self,
-        theta: &[f64],
-        unscaled: &Mat<f64>,
-    ) -> Result<Option<(Mat<f64>, f64)>, IdentError> {
-        let mut series = self.residuals(theta)?;
-        for (errors, segment) in series.iter_mut().zip(self.segments) {
-            segment.missing.iter().for_each(|t| errors[*t] = f64::NAN);
-        }
-        let colour = Colour::of(&series, 1);
-        if colour.is_white() {
-            return Ok(None);
-        }
-        let mut sandwich = Sandwich::new(&colour, unscaled)?;
-        for index in 0..self.segments.len() {
-            self.gradient_rows(theta, index, |_, row, _| sandwich.push(row))?;
-            sandwich.finish_series();
-        }
-        Ok(Some((sandwich.covariance(), colour.degrees_of_freedom())))
+    pub(super) fn linearise(&mut self, theta: &[f64]) -> Result<Vec<Mat<f64>>, IdentError> {
+        self.settle_at(theta)?;
+        let (segments, states) = (self.segments, self.states.clone());
+        let p = Polynomials::new(self.orders, theta);
+        segments.iter().zip(&states).map(|(segment, state)| self.explained(segment, state, &p)).collect()
     }
 
     /// What the directions of the initial state explain of each column of J in one segment.
@@ -210,40 +172,36 @@ impl<'a> Evaluator<'a> {
         Ok(Split::new(&triangle.finish(), count)?.explained())
     }
 
-    /// Shows `visit` the index, the row of J and the error of every sample of a segment, with the initial state projected
-    /// out of J.
-    fn gradient_rows(
+    /// Writes the rows of J, with the initial state projected out, and the errors of the part of a segment from a row on
+    /// that follows the part written last, at the θ of [`Evaluator::linearise`]; at most [`BLOCK`] rows.
+    pub(super) fn gradient(
         &mut self,
         theta: &[f64],
-        index: usize,
-        mut visit: impl FnMut(usize, &[f64], f64),
-    ) -> Result<(), IdentError> {
-        self.settle_at(theta)?;
-        let (segment, state, p) =
-            (&self.segments[index], self.states[index].clone(), Polynomials::new(self.orders, theta));
-        let explained = self.explained(segment, &state, &p)?;
-        let (count, n) = (self.state_count(), self.orders.count());
-        let (mut slot, mut rows) = (vec![0.0; BLOCK], vec![0.0; BLOCK * n]);
-        self.lines.clear();
-        for block in Block::all(segment, &state) {
-            self.lines.all(&block, &p);
-            rows.fill(0.0);
-            for j in 0..count + n {
-                self.lines.write(self.columns[j], &block, 0, &mut slot[..block.rows]);
-                for (row, x) in rows.chunks_exact_mut(n).zip(&slot[..block.rows]) {
-                    if j < count {
-                        row.iter_mut().enumerate().for_each(|(m, v)| *v -= explained[(j, m)] * x);
-                    } else {
-                        row[j - count] += x;
-                    }
+        (index, first): (usize, usize),
+        explained: &Mat<f64>,
+        rows: &mut [f64],
+        errors: &mut [f64],
+    ) {
+        if first == 0 {
+            self.lines.clear();
+        }
+        let (p, count, n) = (Polynomials::new(self.orders, theta), self.state_count(), self.orders.count());
+        let block = Block { segment: &self.segments[index], first, rows: errors.len(), state: &self.states[index] };
+        self.lines.all(&block, &p);
+        let mut slot = [0.0; BLOCK];
+        rows.fill(0.0);
+        for j in 0..count + n {
+            self.lines.write(self.columns[j], &block, 0, &mut slot[..block.rows]);
+            for (row, x) in rows.chunks_exact_mut(n).zip(&slot[..block.rows]) {
+                if j < count {
+                    row.iter_mut().enumerate().for_each(|(m, v)| *v -= explained[(j, m)] * x);
+                } else {
+                    row[j - count] += x;
                 }
             }
-            for (i, (row, e)) in rows.chunks_exact(n).zip(self.lines.e.now(block.rows)).enumerate() {
-                visit(block.first + i, row, *e);
-            }
-            self.lines.advance(block.rows);
         }
-        Ok(())
+        errors.copy_from_slice(self.lines.e.now(block.rows));
+        self.lines.advance(block.rows);
     }
 
     /// Appends the rows [J e] of one segment, with its initial state projected out of J.

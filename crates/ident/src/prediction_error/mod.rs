@@ -8,6 +8,7 @@ mod evaluate;
 mod excerpt;
 #[cfg(test)]
 mod gradient;
+mod joint;
 mod line;
 mod orders;
 mod reduced;
@@ -132,8 +133,10 @@ impl Polynomial {
 
     /// Estimates the model.
     ///
-    /// The covariances of different equations are those of independent estimates. `initial_states` belong to
-    /// [`PolynomialModel::innovations`]; zero stands for an experiment whose first sample is missing.
+    /// Every equation is estimated by itself: consistent whatever the noise of the outputs has in common, and efficient
+    /// where it has nothing. The covariance is that of all equations together, with what they share of the noise.
+    /// `initial_states` belong to [`PolynomialModel::innovations`]; zero stands for an experiment whose first sample is
+    /// missing.
     ///
     /// # Errors
     /// [`IdentError::Structure`] for orders that make no model, a held coefficient that there is not, or a simulation or

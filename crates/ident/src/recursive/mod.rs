@@ -140,9 +140,7 @@ impl Recursive {
     /// [`IdentError::Structure`] for several outputs; [`IdentError::Length`] for a wrong number of inputs.
     pub fn run(&mut self, data: &Dataset) -> Result<Trajectory, IdentError> {
         if data.outputs() != 1 {
-            return Err(IdentError::Structure {
-                what: "one output is followed at a time: choose it by Dataset::channels",
-            });
+            return Err(IdentError::Structure { what: "one output is followed at a time: choose one of them" });
         }
         let (count, rows) = (self.parameters.len(), data.samples());
         let mut trajectory = Trajectory {

@@ -272,3 +272,61 @@ impl Regressor {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The predictions of a structure whose parameters stay, and their gradients.
+    fn follow(structure: &RecursiveStructure, theta: &[f64], records: &[Vec<f64>; 3]) -> Vec<(f64, Vec<f64>)> {
+        let mut regressor = Regressor::new(structure.clone()).unwrap();
+        let inputs = regressor.nb.len();
+        let (mut phi, mut psi) = (vec![0.0; theta.len()], vec![0.0; theta.len()]);
+        let mut step = |t: usize| {
+            let u: Vec<f64> = records[..inputs].iter().map(|u| u[t]).collect();
+            regressor.read_inputs(&u, theta, false);
+            regressor.write(false, &mut phi, &mut psi);
+            let value = phi.iter().zip(theta).map(|(x, p)| x * p).sum();
+            regressor.advance(theta, records[2][t], value, false);
+            (value, psi.clone())
+        };
+        (0..records[2].len()).map(&mut step).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+
+        #[test]
+        fn prop_gradients_equal_differences(
+            values in prop::collection::vec(-0.45_f64..0.45, 8),
+            u in prop::collection::vec(-1.0_f64..1.0, 60),
+            v in prop::collection::vec(-1.0_f64..1.0, 60),
+            y in prop::collection::vec(-1.0_f64..1.0, 60),
+        ) {
+            let records = [u, v, y];
+            for structure in [
+                RecursiveStructure::Arx { na: 2, nb: vec![2, 1], nk: vec![1, 2] },
+                RecursiveStructure::Armax { na: 2, nb: vec![2, 1], nc: 2, nk: vec![1, 0] },
+                RecursiveStructure::OutputError { nb: vec![2, 1], nf: vec![2, 2], nk: vec![1, 2] },
+            ] {
+                let theta = &values[..Regressor::new(structure.clone()).unwrap().parameter_count()];
+                let at = follow(&structure, theta, &records);
+                for j in 0..theta.len() {
+                    let moved = |by: f64| {
+                        let mut theta = theta.to_vec();
+                        theta[j] += by;
+                        follow(&structure, &theta, &records)
+                    };
+                    let (above, below) = (moved(1e-6), moved(-1e-6));
+                    for t in 0..at.len() {
+                        let difference = (above[t].0 - below[t].0) / 2e-6;
+                        prop_assert!((at[t].1[j] - difference).abs() < 1e-7, "{structure:?} {j} {t}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -286,46 +286,64 @@ fn damped_step(equations: &Mat<f64>, damping: f64) -> Result<(Vec<f64>, f64), Id
 mod tests {
     use faer::mat;
     use lti::StateSpace;
+    use proptest::prelude::*;
 
     use super::*;
 
-    fn model() -> StateSpaceModel {
-        let a = mat![[0.8, 0.4, 0.0], [-0.4, 0.8, 0.1], [0.0, 0.0, 0.5]];
-        let b = mat![[1.0, 0.2], [0.0, 0.5], [0.7, -1.0]];
-        let c = mat![[1.0, 0.0, 0.4], [0.2, 0.8, 0.0]];
+    /// A stable model, its matrices moved by these values.
+    fn model(values: &[f64]) -> StateSpaceModel {
+        let moved = |m: Mat<f64>, first: usize| {
+            Mat::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] + values[first + i * m.ncols() + j])
+        };
+        let a = moved(mat![[0.8, 0.4, 0.0], [-0.4, 0.8, 0.1], [0.0, 0.0, 0.5]], 0);
+        let b = moved(mat![[1.0, 0.2], [0.0, 0.5], [0.7, -1.0]], 9);
+        let c = moved(mat![[1.0, 0.0, 0.4], [0.2, 0.8, 0.0]], 15);
         let system = StateSpace::discrete(a, b, c, mat![[0.0, 0.3], [0.1, 0.0]], 0.1).unwrap();
-        let k = mat![[0.2, 0.1], [0.0, 0.3], [0.1, 0.0]];
+        let k = moved(mat![[0.2, 0.1], [0.0, 0.3], [0.1, 0.0]], 21);
         StateSpaceModel::new(Innovations::new(system, k, Mat::identity(2, 2)).unwrap(), true, true)
     }
 
-    #[test]
-    fn prop_gradient_equals_finite_differences() {
-        let wave = |i: usize, j: usize| (0.7 * i as f64 + 1.3 * j as f64).sin() + (0.01 * (i * i) as f64).cos();
-        let (u, y) = (Mat::from_fn(300, 2, wave), Mat::from_fn(300, 2, |i, j| wave(2 * i, j + 5)));
-        let data = Dataset::new(0.1, u, y).unwrap();
-        let (model, x0) = (model(), [vec![0.5, -1.0, 2.0]]);
-        let count = model.parameters().len();
-        let (basis, whitening) = (Mat::<f64>::identity(count, count), Mat::<f64>::identity(2, 2));
-        let lineariser = Lineariser {
-            predictor: &Predictor::new(model.innovations()),
-            free: StateSpaceModel::free(&model),
-            basis: basis.as_ref(),
-            whitening: whitening.as_ref(),
-            initial: 0,
-        };
-        let factor = lineariser.over(&data, &x0).factor;
-        let cost = |j: usize, by: f64| {
-            let mut parameters = model.parameters();
-            parameters[j] += by;
-            let moved = model.with_parameters(&parameters).unwrap();
-            let sum = Predictor::new(moved.innovations()).scatter(&data, &x0, &[]).sum;
-            sum[(0, 0)] + sum[(1, 1)]
-        };
-        for j in 0..count {
-            let analytic: f64 = (0..=j).map(|i| factor[(i, j)] * factor[(i, count)]).sum();
-            // The errors fall by Ψ δ, so the cost falls by 2 εᵀΨ δ.
-            let numeric = -(cost(j, 1e-6) - cost(j, -1e-6)) / 4e-6;
-            assert!((analytic - numeric).abs() < 1e-6 * (1.0 + numeric.abs()), "{j}: {analytic} {numeric}");
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+
+        /// Those of the parameters, and of the initial state where it is estimated.
+        #[test]
+        fn prop_gradient_equals_finite_differences(
+            values in prop::collection::vec(-0.05_f64..0.05, 27),
+            start in prop::collection::vec(-2.0_f64..2.0, 3),
+            signals in prop::collection::vec(-1.0_f64..1.0, 4 * 120),
+            estimated in any::<bool>(),
+        ) {
+            let table = |first: usize| Mat::from_fn(120, 2, |i, j| signals[(first + j) * 120 + i]);
+            let data = Dataset::new(0.1, table(0), table(2)).unwrap();
+            let (model, x0) = (model(&values), [start]);
+            let count = model.parameters().len();
+            let (basis, whitening) = (Mat::<f64>::identity(count, count), Mat::<f64>::identity(2, 2));
+            let states = if estimated { 3 } else { 0 };
+            let lineariser = Lineariser {
+                predictor: &Predictor::new(model.innovations()),
+                free: StateSpaceModel::free(&model),
+                basis: basis.as_ref(),
+                whitening: whitening.as_ref(),
+                initial: states,
+            };
+            let linearised = lineariser.over(&data, &x0);
+            let (top, rest, last) = (&linearised.tops[0], &linearised.factor, states + count);
+            let cost = |j: usize, by: f64| {
+                let (mut x0, mut parameters) = (x0.clone(), model.parameters());
+                *(if j < states { &mut x0[0][j] } else { &mut parameters[j - states] }) += by;
+                let moved = model.with_parameters(&parameters).unwrap();
+                let sum = Predictor::new(moved.innovations()).scatter(&data, &x0, &[]).sum;
+                sum[(0, 0)] + sum[(1, 1)]
+            };
+            for j in 0..last {
+                let of_state: f64 = (0..states).map(|i| top[(i, j)] * top[(i, last)]).sum();
+                let of_rest = |p: usize| (0..=p).map(|i| rest[(i, p)] * rest[(i, count)]).sum::<f64>();
+                let analytic = of_state + j.checked_sub(states).map_or(0.0, of_rest);
+                // The errors fall by Ψ δ, so the cost falls by 2 εᵀΨ δ.
+                let numeric = -(cost(j, 1e-6) - cost(j, -1e-6)) / 4e-6;
+                prop_assert!((analytic - numeric).abs() < 1e-5 * (1.0 + numeric.abs()), "{j}: {analytic} {numeric}");
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
-use faer::{Mat, MatMut};
+use faer::Mat;
 use ident::closed_loop::{Indirect, JointInputOutput, TwoStage, direct};
-use ident::{Bounds, Dataset, Fit, IdentError, NonlinearOptions, ResidualModel, Termination, least_squares, minimise};
+use ident::{Arx, BoxJenkins, Dataset, Doubt, Fit, IdentError, OutputError, Termination};
 use lti::{Complex64, PolynomialEquation, PolynomialModel, TransferFunction};
 
 use crate::noise::Noise;
@@ -37,52 +37,17 @@ fn packed(model: PolynomialModel, covariance: Mat<f64>, variance: f64, samples: 
     }
 }
 
-/// ARX(1, 1, 1) by least squares: a1, b1.
 fn arx(data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
-    let e = &data.experiments()[0];
-    let (u, y) = (e.input(0), e.output(0));
-    let phi = Mat::from_fn(e.len() - 1, 2, |i, j| [-y[i], u[i]][j]);
-    let fit = least_squares(phi.as_ref(), &y[1..])?;
-    let (a, b) = (vec![vec![fit.parameters[0]]], vec![vec![fit.parameters[1]]]);
-    let model = PolynomialModel::siso(1.0, 1, PolynomialEquation { a, b, ..Default::default() })?;
-    Ok(packed(model, fit.covariance(), fit.noise_variance(), e.len() - 1))
+    Arx::new(1, 1, 1).fit(data)
 }
 
-/// `y(t) = b/(1 + f q⁻¹) u(t−1) + e(t)`.
-struct FirstOrder<'a>(&'a [f64], &'a [f64]);
-
-impl ResidualModel for FirstOrder<'_> {
-    fn parameter_count(&self) -> usize {
-        2
-    }
-
-    fn residual_count(&self) -> usize {
-        self.1.len()
-    }
-
-    fn evaluate(&mut self, p: &[f64], out: &mut [f64], mut slopes: Option<MatMut<'_, f64>>) -> Result<(), IdentError> {
-        let (mut w, mut to_b, mut to_f) = (0.0, 0.0, 0.0);
-        for t in 0..out.len() {
-            out[t] = w - self.1[t];
-            if let Some(j) = slopes.as_mut() {
-                (j[(t, 0)], j[(t, 1)]) = (to_b, to_f);
-            }
-            (to_b, to_f) = (self.0[t] - p[1] * to_b, -w - p[1] * to_f);
-            w = p[0] * self.0[t] - p[1] * w;
-        }
-        Ok(())
-    }
-}
-
-/// Output error OE(1, 1, 1): b1, f1.
 fn output_error(data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
-    let e = &data.experiments()[0];
-    let mut model = FirstOrder(e.input(0), e.output(0));
-    let bounds = [Bounds::NONE, Bounds::new(-0.999, 0.999)];
-    let minimum = minimise(&mut model, &[0.3, -0.5], &bounds, NonlinearOptions::default())?;
-    let (b, f) = (vec![vec![minimum.parameters[0]]], vec![vec![minimum.parameters[1]]]);
-    let model = PolynomialModel::siso(1.0, 1, PolynomialEquation { b, f, ..Default::default() })?;
-    Ok(packed(model, minimum.covariance(), minimum.noise_variance(), e.len()))
+    OutputError::new(1, 1, 1).fit(data)
+}
+
+/// A noise model that describes noise filtered by one pole.
+fn box_jenkins(data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
+    BoxJenkins::new(1, 0, 1, 1, 1).fit(data)
 }
 
 /// Pole and numerator of a first-order plant, whatever polynomial the pole is in.
@@ -99,6 +64,48 @@ fn bias(estimate: impl Fn(&Dataset) -> Fit<PolynomialModel>) -> f64 {
     mean / (spread / 25.0).sqrt()
 }
 
+/// How often pole and numerator lie in their 95 % intervals, and the mean of their standardised errors.
+fn coverage(rows: usize, estimate: impl Fn(&Dataset) -> Fit<PolynomialModel>) -> ([f64; 2], [f64; 2]) {
+    let (runs, mut inside, mut mean) = (200, [0.0; 2], [0.0; 2]);
+    for seed in 0..runs {
+        let fit = estimate(&closed_loop(5000 + seed, rows, 1.0));
+        let names = fit.model.coefficient_names();
+        for (k, (letters, truth)) in [("af", -0.8), ("b", 0.5)].into_iter().enumerate() {
+            let j = names.iter().position(|n| letters.contains(&n[..1])).unwrap();
+            let (low, high) = fit.intervals(0.95)[j];
+            inside[k] += f64::from(u8::from(low <= truth && truth <= high)) / runs as f64;
+            mean[k] += (fit.parameters()[j] - truth) / fit.standard_errors()[j] / runs as f64;
+        }
+    }
+    (inside, mean)
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_the_direct_method_covers_the_truth() {
+    for estimate in [arx, box_jenkins] {
+        judge(coverage(1000, |data| direct(data, 1, estimate).unwrap()));
+    }
+}
+
+/// Three standard deviations of the binomial: 3 √(0.95 · 0.05 / 200).
+fn judge((inside, mean): ([f64; 2], [f64; 2])) {
+    assert!(inside.iter().all(|c| (c - 0.95).abs() < 0.047), "{inside:?} {mean:?}");
+    assert!(mean.iter().all(|m| m.abs() < 0.35), "{inside:?} {mean:?}");
+}
+
+/// The noise that circulates hides from the residuals, and the intervals are too short, as is said of them. Ten lags: what
+/// they leave of the sensitivity is 10⁻⁴, and they follow little of the noise.
+#[test]
+#[ignore = "slow"]
+fn stat_two_stages_are_less_certain_than_their_residuals() {
+    let stages = TwoStage { lags: 10, leads: 0 };
+    let (inside, mean) = coverage(2000, |data| stages.fit(data, output_error).unwrap());
+    assert!((0.5..0.8).contains(&inside[0]) && (0.75..0.97).contains(&inside[1]), "{inside:?} {mean:?}");
+    let fit = stages.fit(&closed_loop(1, 2000, 1.0), output_error).unwrap();
+    assert!(fit.doubts.contains(&Doubt::CovarianceIsLowerBound));
+}
+
 fn proportional() -> Indirect {
     Indirect { regulator: TransferFunction::discrete(vec![REGULATOR], vec![1.0], 1.0).unwrap() }
 }
@@ -106,15 +113,18 @@ fn proportional() -> Indirect {
 #[test]
 fn stat_the_direct_method_is_biased_by_a_poor_noise_model_alone() {
     let sufficient = bias(|data| direct(data, 1, arx).unwrap());
+    let general = bias(|data| direct(data, 1, box_jenkins).unwrap());
     let poor = bias(|data| direct(data, 1, output_error).unwrap());
-    assert!(sufficient.abs() < 3.5 && poor.abs() > 10.0, "{sufficient} {poor}");
+    assert!(sufficient.abs() < 3.5 && general.abs() < 3.5 && poor.abs() > 10.0, "{sufficient} {general} {poor}");
 }
 
 #[test]
 fn stat_two_stages_need_no_noise_model() {
     let stages = TwoStage { lags: 30, leads: 0 };
-    let found = bias(|data| stages.fit(data, output_error).unwrap());
-    assert!(found.abs() < 3.5, "{found}");
+    for estimate in [output_error, box_jenkins] {
+        let found = bias(|data| stages.fit(data, estimate).unwrap());
+        assert!(found.abs() < 3.5, "{found}");
+    }
     let projected = TwoStage { lags: 30, leads: 5 };
     assert!(bias(|data| projected.fit(data, output_error).unwrap()).abs() < 3.5);
     // Too few lags leave part of the input unexplained, which then is missing from the plant's input.

@@ -1,9 +1,11 @@
 //! Intervals of prediction-error estimates hold the truth as often as they say.
 
-use ident::{Armax, BoxJenkins, Dataset, Focus, OutputError, Polynomial};
+use faer::Mat;
+use ident::{Ararx, Arma, Armax, BoxJenkins, Dataset, Focus, OutputError, Polynomial};
 use lti::{PolynomialEquation, PolynomialModel};
 
-use crate::polynomials::{armax_model, bj_model, low_pass, oe_model, simulated, siso};
+use crate::noise::Noise;
+use crate::polynomials::{armax_model, binary, bj_model, low_pass, oe_model, respond, simulated, siso, table};
 
 /// Bias and coverage over many runs: the mean of the standardised errors, and how many lie in their 95 % interval.
 fn judge(options: &Polynomial, model: &PolynomialModel, samples: usize) {
@@ -85,4 +87,86 @@ fn stat_output_error_covers_the_truth_under_coloured_noise() {
 #[ignore = "slow"]
 fn stat_box_jenkins_covers_the_truth() {
     judge(&BoxJenkins::new(2, 2, 2, 2, 1), &bj_model(), 2000);
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_ararx_covers_the_truth() {
+    let (a, b, d) = (vec![vec![-1.5, 0.7]], vec![vec![1.0, 0.5]], vec![0.6]);
+    let model = siso(1, PolynomialEquation { a, b, d, ..Default::default() });
+    judge(&Ararx::new(2, 2, 1, 1), &model, 1000);
+}
+
+/// All five polynomials: the pole in `A` is that which noise and input share.
+#[test]
+#[ignore = "slow"]
+fn stat_the_whole_polynomial_covers_the_truth() {
+    let (a, b, f) = (vec![vec![-0.9]], vec![vec![1.0, 0.5]], vec![vec![0.6]]);
+    let model = siso(1, PolynomialEquation { a, b, c: vec![0.7], d: vec![-0.3], f, nk: vec![1] });
+    judge(&Polynomial::new(1, 2, 1, 1, 1, 1), &model, 3000);
+}
+
+/// Data of a model without inputs.
+fn series(equation: PolynomialEquation, samples: usize) -> impl Fn(u64) -> Dataset {
+    let model = PolynomialModel::new(1.0, vec![equation], Mat::identity(1, 1)).unwrap();
+    move |seed| {
+        let y = respond(&model, &[], &[&Noise::new(seed).normals(samples)], None);
+        Dataset::new(1.0, Mat::zeros(samples, 0), y).unwrap()
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_arma_covers_the_truth() {
+    let truth = PolynomialEquation { a: vec![vec![-1.2, 0.5]], c: vec![0.6], ..Default::default() };
+    judge_data(&Arma::new(2, 1), &[-1.2, 0.5, 0.6], series(truth, 2000));
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_autoregression_covers_the_truth() {
+    let truth = PolynomialEquation { a: vec![vec![-1.2, 0.5]], ..Default::default() };
+    judge_data(&Arma::new(2, 0), &[-1.2, 0.5], series(truth, 1000));
+}
+
+/// Data of a model with two inputs.
+fn from_two_inputs(model: &PolynomialModel, samples: usize) -> impl Fn(u64) -> Dataset {
+    move |seed| {
+        let mut noise = Noise::new(seed);
+        let (u, v) = (binary(&mut noise, samples, 3), binary(&mut noise, samples, 5));
+        let e: Vec<f64> = noise.normals(samples).iter().map(|v| 0.5 * v).collect();
+        Dataset::new(1.0, table(&[&u, &v]), respond(model, &[&u, &v], &[&e], None)).unwrap()
+    }
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_armax_of_two_inputs_covers_the_truth() {
+    let equation = PolynomialEquation {
+        a: vec![vec![-1.5, 0.7]],
+        b: vec![vec![1.0, 0.5], vec![-0.4]],
+        nk: vec![1, 2],
+        c: vec![0.4],
+        f: vec![vec![], vec![]],
+        ..Default::default()
+    };
+    let model = PolynomialModel::new(1.0, vec![equation], Mat::identity(1, 1)).unwrap();
+    let options = Armax::new(2, [2, 1], 1, [1, 2]);
+    judge_data(&options, &model.coefficients(), from_two_inputs(&model, 1000));
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_box_jenkins_of_two_inputs_covers_the_truth() {
+    let equation = PolynomialEquation {
+        a: vec![vec![]],
+        b: vec![vec![1.0], vec![-0.4, 0.8]],
+        nk: vec![1, 2],
+        c: vec![0.6],
+        d: vec![-0.8],
+        f: vec![vec![-0.7], vec![-1.1, 0.5]],
+    };
+    let model = PolynomialModel::new(1.0, vec![equation], Mat::identity(1, 1)).unwrap();
+    let options = BoxJenkins::new([1, 2], 1, 1, [1, 2], [1, 2]);
+    judge_data(&options, &model.coefficients(), from_two_inputs(&model, 2000));
 }

@@ -58,6 +58,96 @@ fn exact_least_squares_is_arx_without_a() {
     assert!((response.fit.loss / arx.loss - 1.0).abs() < 1e-12);
 }
 
+/// The covariance of a kernel of scale one, by its definition.
+fn unit_prior(kernel: Kernel, taps: usize, decay: f64, correlation: f64) -> Mat<f64> {
+    Mat::from_fn(taps, taps, |i, j| {
+        let (i, j) = (i as f64 + 1.0, j as f64 + 1.0);
+        let (l, m) = (decay, i.max(j));
+        match kernel {
+            Kernel::TunedCorrelated => l.powf(m),
+            Kernel::DiagonalCorrelated => l.powf((i + j) / 2.0) * correlation.powf((i - j).abs()),
+            Kernel::StableSpline => l.powf(i + j + m) / 2.0 - l.powf(3.0 * m) / 6.0,
+            Kernel::Diagonal if i == j => l.powf(i),
+            Kernel::Diagonal => 0.0,
+        }
+    })
+}
+
+/// Regressors and target of a response that begins after one sample.
+fn regression(data: &Dataset, taps: usize) -> (Mat<f64>, Mat<f64>) {
+    let (u, y) = (data.experiments()[0].input(0), data.experiments()[0].output(0));
+    let rows = y.len() - taps;
+    (Mat::from_fn(rows, taps, |t, l| u[t + taps - 1 - l]), Mat::from_fn(rows, 1, |t, _| y[t + taps]))
+}
+
+/// Minus twice the logarithm of the marginal likelihood, up to a constant, where `c` is so many noise variances and that
+/// variance makes the data most likely: `N ln yᵀ S⁻¹ y + ln det S`, `S = I + c Φ K Φᵀ`.
+fn unlikelihood(spread: &Mat<f64>, target: &Mat<f64>, ratio: f64) -> f64 {
+    use faer::linalg::solvers::Solve;
+    let rows = target.nrows();
+    let factor = (faer::Scale(ratio) * spread + Mat::<f64>::identity(rows, rows)).llt(faer::Side::Lower).unwrap();
+    let squares = (target.transpose() * factor.solve(target))[(0, 0)];
+    rows as f64 * squares.ln() + 2.0 * (0..rows).map(|i| factor.L()[(i, i)].ln()).sum::<f64>()
+}
+
+/// The hyperparameters found make the data most likely: no slope is left, and no point of a grid is better.
+#[test]
+fn exact_hyperparameters_maximise_the_marginal_likelihood() {
+    let (taps, data) = (20, data(80, 0.5, 3));
+    let (phi, target) = regression(&data, taps);
+    for kernel in KERNELS {
+        let h = ImpulseResponse::new(taps).delay(1).kernel(kernel).fit(&data).unwrap().hyperparameters[0][0];
+        let logistic = |p: f64| 1.0 / (1.0 + (-p).exp());
+        let at = |p: &[f64; 3]| {
+            let prior = unit_prior(kernel, taps, logistic(p[1]), p[2].tanh());
+            unlikelihood(&(&phi * prior * phi.transpose()), &target, p[0].exp())
+        };
+        // c in noise variances, the variance that which makes the data most likely.
+        let shape = [(h.decay / (1.0 - h.decay)).ln(), h.correlation.atanh()];
+        let ratio = scale_in_variances(&phi, &target, &unit_prior(kernel, taps, h.decay, h.correlation), h.scale);
+        let found = [ratio.ln(), shape[0], shape[1]];
+        let least = at(&found);
+        for j in 0..if kernel == Kernel::DiagonalCorrelated { 3 } else { 2 } {
+            let moved = |by: f64| {
+                let mut p = found;
+                p[j] += by;
+                at(&p)
+            };
+            let (above, below) = (moved(1e-3), moved(-1e-3));
+            let (slope, bend) = ((above - below) / 2e-3, (above + below - 2.0 * least) / 1e-6);
+            // What a step along the slope could still gain of a likelihood whose unit is one.
+            assert!(bend > 0.0 && slope * slope / (2.0 * bend) < 1e-3, "{kernel:?} {j}: {slope} {bend}");
+        }
+        let steps = |from: f64, to: f64, count: i32| {
+            (0..=count).map(move |k| from + (to - from) * f64::from(k) / f64::from(count))
+        };
+        let correlations: Vec<f64> =
+            if kernel == Kernel::DiagonalCorrelated { steps(-2.0, 4.0, 6).collect() } else { vec![0.0] };
+        for (scale, decay) in steps(-6.0, 24.0, 30).flat_map(|c| steps(-3.0, 5.0, 16).map(move |l| (c, l))) {
+            for correlation in &correlations {
+                let other = at(&[scale, decay, *correlation]);
+                assert!(
+                    other > least - 1e-3,
+                    "{kernel:?}: {other} at {scale} {decay} {correlation}, {least} at {found:?}"
+                );
+            }
+        }
+    }
+}
+
+/// `c` over the noise variance that makes the data most likely with it.
+fn scale_in_variances(phi: &Mat<f64>, target: &Mat<f64>, unit: &Mat<f64>, scale: f64) -> f64 {
+    use faer::linalg::solvers::Solve;
+    let (rows, mut variance) = (target.nrows(), 0.25);
+    let spread = faer::Scale(scale) * (phi * unit * phi.transpose());
+    for _ in 0..200 {
+        let whole = &spread + faer::Scale(variance) * Mat::<f64>::identity(rows, rows);
+        let solved = whole.llt(faer::Side::Lower).unwrap().solve(target);
+        variance *= (target.transpose() * &solved)[(0, 0)] / rows as f64;
+    }
+    scale / variance
+}
+
 #[test]
 fn exact_posterior_of_a_kernel_by_its_definition() {
     // θ̂ = P Φᵀ (Φ P Φᵀ + σ² I)⁻¹ y and its covariance, written out for the covariance the fit settled on.
@@ -66,27 +156,9 @@ fn exact_posterior_of_a_kernel_by_its_definition() {
     for kernel in KERNELS {
         let estimate = ImpulseResponse::new(taps).delay(1).kernel(kernel).fit(&data).unwrap();
         let h = estimate.hyperparameters[0][0];
-        let prior = Mat::from_fn(taps, taps, |i, j| {
-            let (i, j) = (i as f64 + 1.0, j as f64 + 1.0);
-            let (l, m) = (h.decay, i.max(j));
-            h.scale
-                * match kernel {
-                    Kernel::TunedCorrelated => l.powf(m),
-                    Kernel::DiagonalCorrelated => l.powf((i + j) / 2.0) * h.correlation.powf((i - j).abs()),
-                    Kernel::StableSpline => l.powf(i + j + m) / 2.0 - l.powf(3.0 * m) / 6.0,
-                    Kernel::Diagonal => {
-                        if i == j {
-                            l.powf(i)
-                        } else {
-                            0.0
-                        }
-                    }
-                }
-        });
-        let (u, y) = (data.experiments()[0].input(0), data.experiments()[0].output(0));
-        let rows = 80 - taps;
-        let phi = Mat::from_fn(rows, taps, |t, l| u[t + taps - 1 - l]);
-        let target = Mat::from_fn(rows, 1, |t, _| y[t + taps]);
+        let prior = faer::Scale(h.scale) * unit_prior(kernel, taps, h.decay, h.correlation);
+        let (phi, target) = regression(&data, taps);
+        let rows = phi.nrows();
         let spread = &phi * &prior * phi.transpose();
         // The noise variance follows from the likelihood's own stationarity: σ̂² = yᵀ (Φ P Φᵀ/σ² + I)⁻¹ y / N.
         let (mut variance, mut inverse) = (0.25, Mat::new());

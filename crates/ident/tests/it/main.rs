@@ -37,6 +37,7 @@ mod residual_levels;
 mod residual_whiteness;
 mod response_intervals;
 mod scaling;
+mod several_outputs;
 mod shared;
 mod stand_in;
 mod state_space;

@@ -131,17 +131,29 @@ fn stat_coverage_of_a_simulation_with_coloured_errors() {
     assert!(found[..2].iter().all(|c| (c - 0.95).abs() < 0.066), "{found:?}");
 }
 
+/// The covariance of a subspace estimate is a lower bound, and a close one: intervals of 95 % hold 87 to 95 %.
+fn judge_subspace(weighting: Weighting, least: f64) {
+    let found = coverage(200, 4000, |data| Subspace::new(4).with_weighting(weighting).fit(data).unwrap());
+    println!("{weighting:?} {found:?}");
+    assert!(found.iter().all(|c| (least..=0.97).contains(c)), "{weighting:?} {found:?}");
+}
+
 #[test]
 #[ignore = "slow"]
 fn stat_coverage_of_canonical_variates() {
-    // The covariance is a lower bound, and a close one with canonical variates.
-    for weighting in [Weighting::Cva, Weighting::N4sid, Weighting::Moesp] {
-        let found = coverage(100, 4000, |data| Subspace::new(4).with_weighting(weighting).fit(data).unwrap());
-        println!("{weighting:?} {found:?}");
-        if weighting == Weighting::Cva {
-            assert!(found.iter().all(|c| *c > 0.83), "{found:?}");
-        }
-    }
+    judge_subspace(Weighting::Cva, 0.9);
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_coverage_of_n4sid() {
+    judge_subspace(Weighting::N4sid, 0.84);
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_coverage_of_moesp() {
+    judge_subspace(Weighting::Moesp, 0.84);
 }
 
 #[test]
