@@ -21,6 +21,8 @@ use crate::{Channel, Recording, RecordingError};
 const BATCH: usize = 1 << 20;
 /// Batches in a row group of Parquet, which its writer keeps in memory.
 const GROUP: usize = 2;
+/// Bytes of different values beyond which a column is not written by their numbers: all columns keep so many in memory.
+const DIFFERENT: usize = 1 << 14;
 /// The name of the column of time stamps.
 const TIME: &str = "time";
 
@@ -53,6 +55,7 @@ pub fn write_parquet(recording: &Recording, out: impl Write + Send) -> Result<()
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(Default::default()))
         .set_max_row_group_row_count(Some(batches.rows * GROUP))
+        .set_dictionary_page_size_limit(DIFFERENT)
         .build();
     let write = || -> Result<(), ParquetError> {
         let mut writer = ArrowWriter::try_new(out, batches.schema.clone(), Some(properties))?;
