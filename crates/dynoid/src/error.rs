@@ -90,7 +90,7 @@ pub(crate) enum CliError {
     #[error("the standard output cannot be written: {source}; is the disk full?")]
     StandardOutput { source: io::Error },
     /// A recording that cannot be decoded.
-    #[error("{source}{}", if *.untimed { "; for text without a time column, give the time from row to row with --sample-time" } else { "" })]
+    #[error("{source}{}", if *.untimed { "; where no column is time, give the time from row to row with --sample-time" } else { "" })]
     Recording { source: recording::RecordingError, untimed: bool },
     /// A recording of which nothing is left.
     #[error("{file}: there is nothing to convert: no numeric channel over time has a sample here{}", because(.reasons))]

@@ -1,5 +1,6 @@
 //! The formats that recordings are written in.
 
+use std::io::{self, Write};
 use std::path::Path;
 
 use clap::ValueEnum;
@@ -7,6 +8,7 @@ use recording::{Recording, RecordingError};
 
 use crate::error::CliError;
 use crate::input::ending;
+use crate::output::replace_with;
 
 /// A format of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -60,17 +62,22 @@ impl FileFormat {
         matches!(self, FileFormat::Csv | FileFormat::Tsv)
     }
 
-    /// A recording in this format.
-    pub(crate) fn encode(self, recording: &Recording) -> Result<Vec<u8>, CliError> {
-        let encoded = match self {
-            FileFormat::Mf4 => recording::encode_mdf4(recording),
-            FileFormat::Csv => recording::encode_csv(recording),
-            FileFormat::Tsv => recording::encode_tsv(recording),
-            FileFormat::Mat => recording::encode_mat5(recording),
-            FileFormat::Parquet => parquet(recording),
-            FileFormat::Arrow => arrow(recording),
-        };
-        encoded.map_err(|source| CliError::Encode { source })
+    /// Writes a recording in this format, piece by piece.
+    pub(crate) fn write(self, recording: &Recording, path: &Path) -> Result<(), CliError> {
+        replace_with(path, |out| {
+            let written = match self {
+                FileFormat::Mf4 => recording::write_mdf4(recording, out),
+                FileFormat::Csv => recording::write_csv(recording, out),
+                FileFormat::Tsv => recording::write_tsv(recording, out),
+                FileFormat::Mat => recording::write_mat5(recording, out),
+                FileFormat::Parquet => parquet(recording, out),
+                FileFormat::Arrow => arrow(recording, out),
+            };
+            written.map_err(|source| match source {
+                RecordingError::Unwritable { kind, detail } => CliError::write(path, io::Error::new(kind, detail)),
+                source => CliError::Encode { source },
+            })
+        })
     }
 
     /// Gives channels names that the format can hold. Returns what was done, and what it has no place for.
@@ -131,22 +138,22 @@ fn lost_in_text(recording: &Recording) -> Option<String> {
 }
 
 #[cfg(feature = "parquet")]
-fn parquet(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    recording::encode_parquet(recording)
+fn parquet(recording: &Recording, out: impl Write + Send) -> Result<(), RecordingError> {
+    recording::write_parquet(recording, out)
 }
 
 #[cfg(feature = "parquet")]
-fn arrow(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    recording::encode_arrow(recording)
+fn arrow(recording: &Recording, out: impl Write) -> Result<(), RecordingError> {
+    recording::write_arrow(recording, out)
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet(_: &Recording) -> Result<Vec<u8>, RecordingError> {
+fn parquet(_: &Recording, _: impl Write) -> Result<(), RecordingError> {
     Err(left_out("Parquet"))
 }
 
 #[cfg(not(feature = "parquet"))]
-fn arrow(_: &Recording) -> Result<Vec<u8>, RecordingError> {
+fn arrow(_: &Recording, _: impl Write) -> Result<(), RecordingError> {
     Err(left_out("Arrow"))
 }
 

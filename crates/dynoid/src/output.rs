@@ -4,7 +4,7 @@
 //! name: whoever looks finds the old file or the new one, never a part.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile};
@@ -63,16 +63,37 @@ pub(crate) fn check_file(path: &Path) -> Result<(), CliError> {
 
 /// Writes one file, replacing an existing one. What is no file, such as a device, is written to and stays what it is.
 pub(crate) fn replace_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
+    replace_with(path, |file| file.write_all(content).map_err(|source| CliError::write(path, source)))
+}
+
+/// Writes one file as [`replace_file`] does, with what `write` puts into it, piece by piece.
+pub(crate) fn replace_with(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), CliError>,
+) -> Result<(), CliError> {
     let failed = |source| CliError::write(path, source);
+    let fill = |file: &File| {
+        let mut buffered = BufWriter::with_capacity(1 << 16, file);
+        write(&mut buffered)?;
+        buffered.flush().map_err(failed)
+    };
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => return Err(CliError::InTheWay { path: path.to_owned(), what: "a folder" }),
         Ok(there) if !there.is_file() => {
-            return File::options().write(true).open(path).and_then(|mut f| f.write_all(content)).map_err(failed);
+            // Parts of a file are written again when others are known, which a device does not allow.
+            let mut whole = tempfile::tempfile().map_err(failed)?;
+            fill(&whole)?;
+            let mut device = File::options().write(true).open(path).map_err(failed)?;
+            whole.rewind().and_then(|()| io::copy(&mut whole, &mut device)).map_err(failed)?;
+            return Ok(());
         }
         _ => {}
     }
     let folder = crate::input::folder_of(path);
-    stage(&folder, content).map_err(failed)?.persist(path).map_err(|error| failed(error.error))?;
+    let file = staged(&folder).map_err(failed)?;
+    fill(file.as_file())?;
+    file.as_file().sync_all().map_err(failed)?;
+    file.persist(path).map_err(|error| failed(error.error))?;
     sync_folder(&folder);
     Ok(())
 }
@@ -91,6 +112,14 @@ pub(crate) fn create_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
 
 /// A temporary file with the content on the disk.
 fn stage(folder: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
+    let mut file = staged(folder)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    Ok(file)
+}
+
+/// An empty temporary file.
+fn staged(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".dynoid-").suffix(".tmp");
     #[cfg(unix)]
@@ -99,10 +128,7 @@ fn stage(folder: &Path, content: &[u8]) -> io::Result<NamedTempFile> {
         // What the user's mask leaves of it, as for any other file.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(content)?;
-    file.as_file().sync_all()?;
-    Ok(file)
+    builder.tempfile_in(folder)
 }
 
 fn backup(target: &Path) -> io::Result<NamedTempFile> {

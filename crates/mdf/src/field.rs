@@ -75,20 +75,43 @@ impl Planes<'_> {
         if planes.iter().any(|plane| plane.len() < out.len()) {
             return;
         }
-        let mut cells = [[0; N]; LANES];
+        let (chunks, _) = out.as_chunks_mut::<LANES>();
+        // Of up to eight bytes.
+        let joined = if N <= 8 { chunks.len() } else { 0 };
         let whole = planes.map(|plane| plane.as_chunks::<LANES>().0);
-        let (chunks, rest) = out.as_chunks_mut::<LANES>();
-        for (index, chunk) in chunks.iter_mut().enumerate() {
-            for (k, plane) in whole.iter().enumerate() {
-                cells.iter_mut().zip(&plane[index]).for_each(|(cell, byte)| cell[k] = *byte);
+        for (index, chunk) in chunks.iter_mut().enumerate().take(joined) {
+            let words = joined_bytes(whole.map(|plane| &plane[index]));
+            for (out, word) in chunk.iter_mut().zip(words) {
+                let bytes = word.to_le_bytes();
+                *out = number(std::array::from_fn(|k| bytes[k % 8]));
             }
-            chunk.iter_mut().zip(&cells).for_each(|(out, cell)| *out = number(*cell));
         }
-        let done = chunks.len() * LANES;
-        for (row, out) in rest.iter_mut().enumerate() {
-            *out = number(planes.map(|plane| plane[done + row]));
+        for (row, out) in out.iter_mut().enumerate().skip(joined * LANES) {
+            *out = number(planes.map(|plane| plane[row]));
         }
     }
+}
+
+/// The bytes of each record as a word, its first the lowest: joined to pairs, these to fours, these to eights, so that
+/// many records are worked on by one instruction.
+#[inline(always)]
+fn joined_bytes<const N: usize>(planes: [&[u8; LANES]; N]) -> [u64; LANES] {
+    const NONE: [u8; LANES] = [0; LANES];
+    let plane = |k: usize| if k < N { planes[k] } else { &NONE };
+    let mut pairs = [[0_u16; LANES]; 4];
+    for (k, pair) in pairs.iter_mut().enumerate().take(N.div_ceil(2)) {
+        let (low, high) = (plane(2 * k), plane(2 * k + 1));
+        for i in 0..LANES {
+            pair[i] = u16::from(low[i]) | u16::from(high[i]) << 8;
+        }
+    }
+    let mut fours = [[0_u32; LANES]; 2];
+    for (k, four) in fours.iter_mut().enumerate().take(N.div_ceil(4)) {
+        for i in 0..LANES {
+            four[i] = u32::from(pairs[2 * k][i]) | u32::from(pairs[2 * k + 1][i]) << 16;
+        }
+    }
+    std::array::from_fn(|i| u64::from(fours[0][i]) | u64::from(fours[1][i]) << 32)
 }
 
 /// Records in memory, in either order of their bytes.

@@ -34,6 +34,14 @@ pub enum RecordingError {
         /// What the system says.
         detail: String,
     },
+    /// What is to be written cannot be: a disk is full, a connection closed.
+    #[error("it cannot be written: {detail}")]
+    Unwritable {
+        /// What the system says, as a kind.
+        kind: std::io::ErrorKind,
+        /// And in words.
+        detail: String,
+    },
     /// The time between rows that was passed in is none.
     #[error("a sample time of {given} s was given; it has to be a positive number")]
     RowDistance {

@@ -69,6 +69,11 @@ pub enum Finding {
         /// The variable that states the sampling rate or time.
         stated_by: String,
     },
+    /// Integers of a channel, or of a clock, are too large for a double and were rounded.
+    RoundedIntegers {
+        /// The channel.
+        channel: String,
+    },
     /// A file that lists its variables lacks one of them, or its clock.
     MissingVariable {
         /// The variable.
@@ -123,6 +128,10 @@ impl fmt::Display for Finding {
             Self::AssumedTimeUnit { clock, unit, stated_by } => {
                 write!(f, "time \"{clock}\" was read in {unit}, which its distance and \"{stated_by}\" agree on")
             }
+            Self::RoundedIntegers { channel } => write!(
+                f,
+                "channel \"{channel}\" holds integers of 2^53 or more, which were rounded to the closest double"
+            ),
             Self::MissingVariable { variable } => {
                 write!(f, "variable \"{variable}\" is listed in the file, but it or its clock is not there")
             }
@@ -193,6 +202,11 @@ impl fmt::Display for SkipReason {
             Self::SingleNumber { number } => write!(f, "it is the single number {number}, not samples over time"),
         }
     }
+}
+
+/// Whether some of these, which were integers, may have been rounded: those below 2^53 are exact.
+pub(crate) fn are_rounded(integers: &[f64]) -> bool {
+    integers.iter().any(|number| number.abs() >= 9_007_199_254_740_992.0)
 }
 
 /// One finding for each name that occurs more than once.

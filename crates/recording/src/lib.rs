@@ -10,10 +10,10 @@
 //! | format | read | written |
 //! | --- | --- | --- |
 //! | MDF 2.x and 3.x (`.mdf`, `.dat`) | yes | – |
-//! | MDF 4.x (`.mf4`) | yes | 4.10, deflated ([`encode_mdf4`]) |
-//! | CSV | yes | yes ([`encode_csv`], [`encode_tsv`]) |
-//! | MAT-files of MATLAB, levels 4, 5 and 7.3 (`-v4`, `-v6`, `-v7`, `-v7.3`; `.mat`), HDF5 | yes | level 5, deflated ([`encode_mat5`]) |
-//! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`encode_parquet`, `encode_arrow`) |
+//! | MDF 4.x (`.mf4`) | yes | 4.10, deflated ([`write_mdf4`]) |
+//! | CSV | yes | yes ([`write_csv`], [`write_tsv`]) |
+//! | MAT-files of MATLAB, levels 4, 5 and 7.3 (`-v4`, `-v6`, `-v7`, `-v7.3`; `.mat`), HDF5 | yes | level 5, deflated ([`write_mat5`]) |
+//! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`write_parquet`, `write_arrow`) |
 //!
 //! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8,
 //! UTF-16 or Latin-1. A heading is one row with a name of time in it, and up to two more with units and comments; what
@@ -53,12 +53,12 @@ use std::sync::Arc;
 
 pub use ::mdf::{Attachment, Event, Quantity, Source};
 #[cfg(feature = "parquet")]
-pub use arrow::{encode_arrow, encode_parquet};
-pub use csv::{encode_csv, encode_tsv, fits_text};
+pub use arrow::{encode_arrow, encode_parquet, write_arrow, write_parquet};
+pub use csv::{encode_csv, encode_tsv, fits_text, write_csv, write_tsv};
 pub use error::{CsvProblem, RecordingError};
 pub use finding::{Finding, SkipReason};
-pub use mat::encode_mat5;
-pub use mdf::{Extras, encode_mdf4};
+pub use mat::{encode_mat5, write_mat5};
+pub use mdf::{Extras, encode_mdf4, write_mdf4};
 pub use model::{Catalogue, Channel, ChannelInfo, Format, Raster, RasterInfo, Recording, Selection, StartTime};
 
 /// Decodes the bytes of a measurement file.
@@ -119,7 +119,9 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 
 /// Lists the channels of a measurement file without their samples.
 ///
-/// For MDF only the structure is read; any other file is read whole.
+/// Only what is listed is read: of MDF, Parquet, Arrow and HDF5 the structure, of MAT-files also what tells the clocks
+/// and what is small, of text the first megabytes. Where longer text goes on after them, nothing is said of the number of
+/// its samples, and a column that is empty up to there is taken for a channel.
 ///
 /// # Errors
 ///
@@ -130,7 +132,7 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 /// ```
 /// let list = recording::catalogue("run.csv", b"time,speed (rpm)\n0,1200\n")?;
 /// assert_eq!(list.channels[0].name, "speed");
-/// assert_eq!(list.rasters[list.channels[0].raster].samples, 1);
+/// assert_eq!(list.rasters[list.channels[0].raster].samples, Some(1));
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
 pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> {
@@ -141,7 +143,7 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
 /// in pieces: memory is taken by the channels that are selected, and not by the file.
 ///
 /// Beyond that it takes some tens of megabytes; for MAT-files of level 5 the content of a variable that is no array of real
-/// numbers, and for Arrow a batch of all columns.
+/// numbers, for arrays whose rows are the channels as much again, and for compressed Arrow a column of a batch.
 ///
 /// `progress` is told what is done and how much there is in all, from any thread.
 ///
@@ -167,17 +169,19 @@ pub fn decode_from(
     recording.map(with_duplicates)
 }
 
-/// Lists as [`catalogue`] does, from a source: of an MDF file the structure is read, and samples only where records of
-/// several groups have to be counted since the file was never closed.
+/// Lists as [`catalogue`] does, from a source. The samples of an MDF file are read where records of several groups have to
+/// be counted, since the file was never closed.
 ///
 /// # Errors
 ///
 /// As [`decode_from`].
 pub fn catalogue_from(name: &str, source: Arc<dyn Source>) -> Result<Catalogue, RecordingError> {
-    if Kind::detect(name, &*source)? != Kind::Mdf {
-        return decode_from(name, source, &Selection::All, None, &|_, _| {}).map(|recording| recording.catalogue());
-    }
-    let mut catalogue = mdf::catalogue(name, &*source)?;
+    let mut catalogue = match Kind::detect(name, &*source)? {
+        Kind::Mdf => mdf::catalogue(name, &*source),
+        Kind::Csv => csv::catalogue(name, &*source),
+        Kind::Mat => mat::catalogue(name, &source),
+        Kind::Table(kind) => arrow::catalogue(name, &source, kind),
+    }?;
     catalogue.note_duplicates();
     Ok(catalogue)
 }

@@ -56,7 +56,7 @@ impl Recording {
     /// The list of channels without their samples.
     #[must_use]
     pub fn catalogue(&self) -> Catalogue {
-        let raster = |r: &Raster| RasterInfo { name: r.name.clone(), samples: r.time_s.len() };
+        let raster = |r: &Raster| RasterInfo { name: r.name.clone(), samples: Some(r.time_s.len()) };
         let channel = |c: &Channel| ChannelInfo {
             name: c.name.clone(),
             unit: c.unit.clone(),
@@ -129,8 +129,8 @@ impl Catalogue {
 pub struct RasterInfo {
     /// The name or comment that the file gives the group.
     pub name: Option<String>,
-    /// How many samples each of its channels has.
-    pub samples: usize,
+    /// How many samples each of its channels has; none where only reading all of them would tell.
+    pub samples: Option<usize>,
 }
 
 /// A [`Channel`] without its samples.
@@ -220,7 +220,9 @@ impl Selection {
         Self::Names(names.into_iter().map(Into::into).collect())
     }
 
-    pub(crate) fn takes(&self, name: &str) -> bool {
+    /// Whether a channel of this name is among them.
+    #[must_use]
+    pub fn takes(&self, name: &str) -> bool {
         match self {
             Self::All => true,
             Self::Names(names) => names.iter().any(|n| n == name),

@@ -59,6 +59,10 @@ pub(crate) fn bytes(file: &str, source: &dyn Source, at: u64, length: u64) -> Re
     Ok(bytes)
 }
 
+pub(crate) fn unwritable(error: &io::Error) -> RecordingError {
+    RecordingError::Unwritable { kind: error.kind(), detail: error.to_string() }
+}
+
 pub(crate) fn unreadable(file: &str, offset: u64, error: &dyn std::fmt::Display) -> RecordingError {
     RecordingError::Unreadable { file: file.into(), offset, detail: error.to_string() }
 }

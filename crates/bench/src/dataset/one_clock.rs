@@ -35,7 +35,7 @@ pub struct OnOneClock {
 /// channel can be brought onto it.
 pub fn on_one_clock(
     file: &str,
-    recording: &Recording,
+    mut recording: Recording,
     sample_time_s: f64,
     between: Intersample,
 ) -> Result<OnOneClock, DatasetError> {
@@ -48,10 +48,11 @@ pub fn on_one_clock(
     }
     let clock = Clock { start_s, sample_time_s, count: (duration_s / sample_time_s + 1e-6).floor() as usize + 1 };
     let (mut channels, mut adjustments, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
-    for channel in &recording.channels {
+    // What is done is given up, so that no more than one channel is there twice.
+    for channel in std::mem::take(&mut recording.channels) {
         let before = adjustments.len();
-        match on_clock(file, recording, channel, clock, between, &mut adjustments) {
-            Ok(samples) => channels.push(Channel { raster: 0, samples, ..without_samples(channel) }),
+        match on_clock(file, &recording, &channel, clock, between, &mut adjustments) {
+            Ok(samples) => channels.push(Channel { raster: 0, samples, ..channel }),
             Err(reason) => {
                 adjustments.truncate(before);
                 left_out.push(reason);
@@ -62,14 +63,7 @@ pub fn on_one_clock(
         return Err(DatasetError::NoneOnClock { file: file.to_owned(), sample_time_s });
     }
     let time_s = (0..clock.count).map(|tick| instant_s(start_s, tick, sample_time_s)).collect();
-    let recording = Recording {
-        format: recording.format,
-        comment: recording.comment.clone(),
-        start_time: recording.start_time,
-        rasters: vec![Raster { time_s, name: None }],
-        channels,
-        findings: recording.findings.clone(),
-    };
+    let recording = Recording { rasters: vec![Raster { time_s, name: None }], channels, ..recording };
     Ok(OnOneClock { recording, adjustments, left_out })
 }
 
@@ -87,16 +81,6 @@ fn on_clock(
         return Ok(timed.state(clock, log));
     }
     timed.on_clock(file, clock, Some(between), log)
-}
-
-fn without_samples(channel: &Channel) -> Channel {
-    Channel {
-        name: channel.name.clone(),
-        unit: channel.unit.clone(),
-        comment: channel.comment.clone(),
-        raster: channel.raster,
-        samples: Vec::new(),
-    }
 }
 
 /// Whether the values are few different whole numbers.

@@ -85,7 +85,7 @@ Models:
 
 Of a recording every raster keeps its own clock, names, units and values are kept bit for bit, and what a format has no place for is said. In text, rasters stand side by side, each with a column `time [s]`; in Parquet and Arrow they share one such column, with nulls between; a MAT-file has a vector of time for each, and lists names and units in `recording_info`.
 
-With --sample-time or --rate all channels come onto one clock: faster ones through a low-pass filter without phase shift, slower ones continued (--between), states such as gears held. What lies in a gap stays missing (NaN).
+With --sample-time or --rate all channels come onto one clock: faster ones through a low-pass filter without phase shift, which halves the amplitude (−6 dB) at 0.4 times the new rate, slower ones continued (--between), states such as gears held. What lies in a gap stays missing (NaN).
 
 With --to tf and --to ss a model stays one that every command takes. It keeps the delay; the noise model it keeps only as state space on its own clock. With --to zpk it is a list of numbers. With --plot both forms are drawn over frequency; of recordings what was written.")]
 pub(crate) struct ConvertArguments {
@@ -99,11 +99,12 @@ pub(crate) struct ConvertArguments {
     /// The file to write, or with --to the folder for recordings, made if it is not there
     #[arg(long, short, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
-    /// A sample of every channel so often; for a model, makes it discrete, or discrete on another clock. For text without
-    /// a time column, the time from row to row
-    #[arg(long, value_name = "SECONDS", value_parser = number::positive, conflicts_with_all = ["continuous", "rate"])]
+    /// A sample of every channel so often; for a model, makes it discrete, or discrete on another clock. Where no column
+    /// is time, the time from row to row, which --rate may then change
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive, conflicts_with = "continuous")]
     pub(crate) sample_time: Option<f64>,
-    /// Only channels of these names; `*` stands for any characters, `?` for one
+    /// Only channels of these names; `*` stands for any characters, `?` for one. Of several recordings one at least has to
+    /// have each
     #[arg(long, value_name = "NAMES", value_delimiter = ',', help_heading = "Recordings")]
     pub(crate) channels: Vec<String>,
     /// Leaves out everything before this time of the recording
@@ -112,7 +113,7 @@ pub(crate) struct ConvertArguments {
     /// Leaves out everything after this time of the recording
     #[arg(long, value_name = "SECONDS", value_parser = number::finite, help_heading = "Recordings")]
     pub(crate) end: Option<f64>,
-    /// So many samples of every channel a second
+    /// So many samples of every channel a second, also where --sample-time says how far rows are apart
     #[arg(long, value_name = "HERTZ", value_parser = number::positive, help_heading = "Recordings")]
     pub(crate) rate: Option<f64>,
     /// What slower channels do between their samples, where they come onto another clock [default: held]

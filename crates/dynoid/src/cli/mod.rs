@@ -189,7 +189,7 @@ pub(crate) struct InspectArguments {
     /// Recordings, or folders of recordings
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
-    /// Lists channels and rasters alone; of MDF files no samples are read for it
+    /// Lists channels and rasters alone, without reading samples
     #[arg(long)]
     pub(crate) list: bool,
     /// Only channels of these names; `*` stands for any characters, `?` for one

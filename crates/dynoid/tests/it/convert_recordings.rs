@@ -287,3 +287,38 @@ fn what_was_written_is_drawn() {
     let svg = std::fs::read_to_string(folder.path().join("run.svg")).unwrap();
     assert!(svg.contains("valve") && svg.contains("speed") && svg.contains("rad/s"), "{svg}");
 }
+
+/// A pattern has to fit in one of several recordings; those without it say so.
+#[test]
+fn patterns_fit_at_least_one_of_several_recordings() {
+    let folder = folder_with("a.mf4", &sines());
+    let mut other = sines();
+    other.channels.iter_mut().for_each(|channel| channel.name.push_str("_b"));
+    let first = format!("{},", sines().channels[0].name);
+    std::fs::write(folder.path().join("b.mf4"), encode_mdf4(&other).unwrap()).unwrap();
+    let ran = converted(&folder, &format!("a.mf4 b.mf4 --to csv --out out --channels {first}*_b"));
+    assert!(!ran.stderr.contains("error"), "{}", ran.stderr);
+    let names = |file: &str| read(&folder.path().join(file)).channels.into_iter().map(|c| c.name).collect::<Vec<_>>();
+    assert_eq!(names("out/a.csv"), [sines().channels[0].name.as_str()]);
+    assert_eq!(names("out/b.csv").len(), sines().channels.len());
+    assert!(ran.stderr.contains("a.mf4: it has no channel *_b"), "{}", ran.stderr);
+    let ran = converted(&folder, "a.mf4 b.mf4 --to csv --out only --channels *_b");
+    assert!(ran.stderr.contains("a.mf4: it has no channel *_b; it is not converted"), "{}", ran.stderr);
+    assert!(folder.path().join("only/b.csv").exists() && !folder.path().join("only/a.csv").exists());
+    convert(&folder, "a.mf4 b.mf4 --to csv --out out --channels nowhere*")
+        .assert_refused(2, &["nowhere*", "no recording"]);
+}
+
+/// Rows without time, so far apart, come onto another clock in one go.
+#[test]
+fn exact_rows_without_time_are_resampled() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows: String = (0..400).map(|i| format!("{}\n", (i as f64 * 0.01).sin())).collect();
+    std::fs::write(folder.path().join("a.csv"), format!("x,y\n{}", rows.replace('\n', ",1\n"))).unwrap();
+    converted(&folder, "a.csv --sample-time 0.01 --out whole.csv --quiet");
+    converted(&folder, "whole.csv --rate 50 --out twice.csv --quiet");
+    converted(&folder, "a.csv --sample-time 0.01 --rate 50 --out once.csv --quiet");
+    let [once, twice] = ["once.csv", "twice.csv"].map(|file| read(&folder.path().join(file)));
+    assert_eq!(content(&once), content(&twice));
+    assert_eq!(once.rasters[0].time_s[..3], [0.0, 0.02, 0.04]);
+}

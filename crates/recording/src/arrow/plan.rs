@@ -9,7 +9,7 @@ use super::values::is_numeric;
 use crate::error::require_names;
 use crate::heading::{clock_and_unit, name_and_unit, seconds, time_word};
 use crate::mat::start_time;
-use crate::{Finding, RecordingError, Selection, SkipReason, StartTime};
+use crate::{Catalogue, ChannelInfo, Finding, Format, RasterInfo, RecordingError, Selection, SkipReason, StartTime};
 
 /// What to read, and as what.
 pub(super) struct Plan {
@@ -118,6 +118,50 @@ impl Plan {
         }
         groups.sort_by_key(|(clock, raster, _)| (*clock, *raster));
         Ok(groups)
+    }
+
+    /// For each group the column, among those that are read, that is null in rows of others; `None` where all rows are the
+    /// group's.
+    pub(super) fn marks(&self) -> impl Iterator<Item = Option<usize>> {
+        self.groups.iter().map(|group| match (&group.clock, group.channels.first()) {
+            (_, Some(heading)) if group.is_listed => Some(heading.column),
+            (clock, _) => clock.as_ref().map(|(column, _)| *column),
+        })
+    }
+
+    /// The first clock of dates, and its column among those that are read.
+    pub(super) fn dates(&self) -> Option<&(usize, Clock)> {
+        self.groups
+            .iter()
+            .filter_map(|group| group.clock.as_ref())
+            .find(|(_, clock)| matches!(clock, Clock::Stamps(..)))
+    }
+
+    /// A list of the channels, whose groups have so many samples.
+    pub(super) fn into_catalogue(
+        self,
+        format: Format,
+        samples: &[Option<usize>],
+        start_time: Option<StartTime>,
+    ) -> Catalogue {
+        let mut channels: Vec<(usize, ChannelInfo)> = Vec::new();
+        let mut rasters = Vec::new();
+        for (raster, (group, samples)) in self.groups.into_iter().zip(samples).enumerate() {
+            rasters.push(RasterInfo { name: group.name, samples: *samples });
+            let channel = |Heading { column, name, unit, comment }: Heading| {
+                (column, ChannelInfo { name, unit, comment, raster })
+            };
+            channels.extend(group.channels.into_iter().map(channel));
+        }
+        channels.sort_by_key(|(column, _)| *column);
+        Catalogue {
+            format,
+            comment: self.comment,
+            start_time: start_time.or(self.start_time),
+            rasters,
+            channels: channels.into_iter().map(|(_, channel)| channel).collect(),
+            findings: self.findings,
+        }
     }
 
     /// Counts the columns among those that are read.

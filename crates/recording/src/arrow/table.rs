@@ -1,12 +1,17 @@
 //! Batches of rows to columns.
 
-use arrow_array::{Array, RecordBatch};
+use std::collections::BTreeSet;
+
+use arrow_array::{Array, ArrayRef};
 
 use super::plan::{Clock, Group, Plan};
-use super::values::{numbers, per_second, ticks};
-use crate::{Channel, Format, Raster, Recording, RecordingError, StartTime};
+use super::values::{is_wide, numbers, per_second, ticks};
+use crate::finding::are_rounded;
+use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, StartTime};
 
 const DAY_S: f64 = 86_400.0;
+/// Values that are turned into numbers at once.
+const PIECE: usize = 1 << 16;
 
 /// Columns under construction.
 pub(super) struct Table {
@@ -16,6 +21,8 @@ pub(super) struct Table {
     row_distance_s: Option<f64>,
     /// Rows of the batches so far.
     rows: usize,
+    /// Columns whose integers were rounded.
+    rounded: BTreeSet<String>,
 }
 
 /// What a group has become.
@@ -39,70 +46,91 @@ impl Fault {
 }
 
 impl Table {
-    pub(super) fn new(plan: Plan, row_distance_s: Option<f64>) -> Self {
-        let part = |group: &Group| Part {
-            time_s: Vec::new(),
-            channels: group.channels.iter().map(|_| Vec::new()).collect(),
+    /// `expected` says for each group how many samples there will be, which is memory that is taken at once.
+    pub(super) fn new(plan: Plan, row_distance_s: Option<f64>, expected: &[usize]) -> Self {
+        let column = |count: usize| {
+            let mut column = Vec::new();
+            // If there is not so much, it shows when the numbers are there.
+            let _ = column.try_reserve_exact(count);
+            column
+        };
+        let part = |(group, &count): (&Group, &usize)| Part {
+            time_s: column(count),
+            channels: group.channels.iter().map(|_| column(count)).collect(),
             last: None,
         };
-        let parts = plan.groups.iter().map(part).collect();
-        Self { parts, plan, start_time: None, row_distance_s, rows: 0 }
+        let parts = plan.groups.iter().zip(expected).map(part).collect();
+        Self { parts, plan, start_time: None, row_distance_s, rows: 0, rounded: BTreeSet::new() }
     }
 
-    pub(super) fn append(&mut self, batch: &RecordBatch) -> Result<(), Fault> {
+    /// Appends rows, of which `read` gives one column after the other; it is told the place among the columns that are read.
+    pub(super) fn append(
+        &mut self,
+        rows: usize,
+        mut read: impl FnMut(usize) -> Result<ArrayRef, String>,
+    ) -> Result<(), Fault> {
         for index in 0..self.parts.len() {
-            let present = self.present(index, batch);
-            self.time(index, batch, present.as_deref())?;
+            let group = &self.plan.groups[index];
+            let array = |read: &mut dyn FnMut(usize) -> Result<ArrayRef, String>, column: usize, name: &str| {
+                read(column).map_err(|detail| Fault { column: name.into(), detail })
+            };
+            let clock = group.clock.as_ref().map(|(column, _)| array(&mut read, *column, "time")).transpose()?;
+            // The first channel of a group that is listed also says which rows are the group's.
+            let mut first = match group.channels.first() {
+                Some(heading) if group.is_listed => Some(array(&mut read, heading.column, &heading.name)?),
+                _ => None,
+            };
+            let present = first.as_ref().or(clock.as_ref()).and_then(present);
+            self.time(index, rows, clock.as_deref(), present.as_deref())?;
             let group = &self.plan.groups[index];
             for (heading, samples) in group.channels.iter().zip(&mut self.parts[index].channels) {
-                let fault = |detail: String| Fault { column: heading.name.clone(), detail };
-                let array = batch.column(heading.column).as_ref();
-                let values = numbers(array).ok_or_else(|| fault("its type changes".into()))?;
-                match &present {
-                    None => samples.extend_from_slice(&values),
-                    Some(present) => {
-                        let lost = (0..values.len()).find(|&row| !present[row] && !array.is_null(row));
-                        if let Some(row) = lost {
-                            return Err(fault(format!("row {} has a value but no time stamp", self.rows + row + 1)));
+                let array = match first.take() {
+                    Some(first) => first,
+                    None => array(&mut read, heading.column, &heading.name)?,
+                };
+                let before = samples.len();
+                append(&array, present.as_deref(), samples).map_err(|lack| Fault {
+                    column: heading.name.clone(),
+                    detail: match lack {
+                        Lack::Numbers => "its type changes".into(),
+                        Lack::TimeStamp(row) => {
+                            format!("row {} has a value but no time stamp", self.rows + row + 1)
                         }
-                        samples.extend(values.iter().zip(present).filter(|(_, present)| **present).map(|(v, _)| v));
-                    }
+                    },
+                })?;
+                if is_wide(array.data_type()) && are_rounded(&samples[before..]) {
+                    self.rounded.insert(heading.name.clone());
                 }
             }
         }
-        self.rows += batch.num_rows();
+        self.rows += rows;
         Ok(())
     }
 
-    /// Which rows belong to a group; `None` where all do.
-    fn present(&self, index: usize, batch: &RecordBatch) -> Option<Vec<bool>> {
-        let group = &self.plan.groups[index];
-        let column = match (&group.clock, group.channels.first()) {
-            (_, Some(heading)) if group.is_listed => heading.column,
-            (Some((clock, _)), _) => *clock,
-            _ => return None,
-        };
-        let array = batch.column(column);
-        (array.null_count() > 0).then(|| (0..array.len()).map(|row| !array.is_null(row)).collect())
-    }
-
     /// Appends the time stamps of the rows that are present.
-    fn time(&mut self, index: usize, batch: &RecordBatch, present: Option<&[bool]>) -> Result<(), Fault> {
+    fn time(
+        &mut self,
+        index: usize,
+        rows: usize,
+        array: Option<&dyn Array>,
+        present: Option<&[bool]>,
+    ) -> Result<(), Fault> {
         let is_present = |row: &usize| present.is_none_or(|present| present[*row]);
         let part = &mut self.parts[index];
-        let Some((column, clock)) = &self.plan.groups[index].clock else {
+        let (Some((_, clock)), Some(array)) = (&self.plan.groups[index].clock, array) else {
             let distance_s = self.row_distance_s.unwrap_or(1.0);
-            part.time_s.extend((self.rows..self.rows + batch.num_rows()).map(|row| row as f64 * distance_s));
+            part.time_s.extend((self.rows..self.rows + rows).map(|row| row as f64 * distance_s));
             return Ok(());
         };
-        let name = batch.schema().field(*column).name().clone();
-        let array = batch.column(*column).as_ref();
-        let fault = |detail: String| Fault { column: name.clone(), detail };
+        let fault = |detail: String| Fault { column: "time".into(), detail };
         if let Some(row) = (0..array.len()).filter(is_present).find(|&row| array.is_null(row)) {
             return Err(fault(format!("row {} has no time stamp", self.rows + row + 1)));
         }
         if let Clock::Numbers((factor, divisor)) = clock {
             let values = numbers(array).ok_or_else(|| fault("its type changes".into()))?;
+            if is_wide(array.data_type()) && are_rounded(&values) {
+                self.rounded.insert("time".into());
+            }
             part.time_s.extend((0..values.len()).filter(is_present).map(|row| values[row] * factor / divisor));
             return Ok(());
         }
@@ -135,15 +163,52 @@ impl Table {
             rasters.push(Raster { time_s: part.time_s, name: group.name });
         }
         channels.sort_by_key(|(column, _)| *column);
+        let rounded = self.rounded.into_iter().map(|channel| Finding::RoundedIntegers { channel });
         Recording {
             format: Format::Arrow,
             comment: self.plan.comment,
             start_time: self.start_time.or(self.plan.start_time),
             rasters,
             channels: channels.into_iter().map(|(_, channel)| channel).collect(),
-            findings: self.plan.findings,
+            findings: self.plan.findings.into_iter().chain(rounded).collect(),
         }
     }
+}
+
+/// What a value lacks.
+enum Lack {
+    Numbers,
+    /// In this row.
+    TimeStamp(usize),
+}
+
+/// Which rows have a value; `None` where all have.
+fn present(array: &ArrayRef) -> Option<Vec<bool>> {
+    (array.null_count() > 0).then(|| (0..array.len()).map(|row| !array.is_null(row)).collect())
+}
+
+/// Appends the numbers of the rows that are present.
+fn append(array: &ArrayRef, present: Option<&[bool]>, samples: &mut Vec<f64>) -> Result<(), Lack> {
+    for first in (0..array.len()).step_by(PIECE) {
+        let part = array.slice(first, PIECE.min(array.len() - first));
+        let values = numbers(part.as_ref()).ok_or(Lack::Numbers)?;
+        let Some(present) = present.map(|present| &present[first..]) else {
+            samples.extend_from_slice(&values);
+            continue;
+        };
+        if let Some(row) = (0..values.len()).find(|&row| !present[row] && !part.is_null(row)) {
+            return Err(Lack::TimeStamp(first + row));
+        }
+        samples.extend(values.iter().zip(present).filter(|(_, present)| **present).map(|(value, _)| value));
+    }
+    Ok(())
+}
+
+/// The start that the first of these stamps states; none where all are missing.
+pub(super) fn start_of(array: &ArrayRef, clock: &Clock) -> Option<StartTime> {
+    let Clock::Stamps(unit, zone) = clock else { return None };
+    let tick = ticks(array.as_ref())?.into_iter().flatten().next()?;
+    Some(start(tick.checked_mul(1_000_000_000 / per_second(*unit))?, zone.as_deref()))
 }
 
 impl Part {

@@ -24,6 +24,14 @@ pub(super) fn is_numeric(kind: &DataType) -> Result<(), &'static str> {
     }
 }
 
+/// Whether a column of this type holds integers of more bits than a double keeps.
+pub(super) fn is_wide(kind: &DataType) -> bool {
+    match kind {
+        DataType::Dictionary(_, values) => is_wide(values),
+        _ => matches!(kind, DataType::Int64 | DataType::UInt64),
+    }
+}
+
 /// The numbers of an array, NaN where there is none; `None` for another type. Durations are in seconds.
 pub(super) fn numbers(array: &dyn Array) -> Option<Vec<f64>> {
     Some(match array.data_type() {
@@ -33,7 +41,7 @@ pub(super) fn numbers(array: &dyn Array) -> Option<Vec<f64>> {
         DataType::Int8 => plain::<Int8Type>(array, f64::from),
         DataType::Int16 => plain::<Int16Type>(array, f64::from),
         DataType::Int32 => plain::<Int32Type>(array, f64::from),
-        // Numbers of 64 bits above 2^53 are rounded.
+        // Numbers of 64 bits above 2^53 are rounded, which is said.
         DataType::Int64 => plain::<Int64Type>(array, |v| v as f64),
         DataType::UInt8 => plain::<UInt8Type>(array, f64::from),
         DataType::UInt16 => plain::<UInt16Type>(array, f64::from),

@@ -1,25 +1,32 @@
 //! Writing Parquet and Arrow.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::io::{Error, Write};
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, Float64Array, RecordBatch};
 use arrow_ipc::writer::FileWriter;
-use arrow_schema::{DataType, Field, Schema};
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
+use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 
-use super::{Written, key};
+use super::key;
 use crate::mat::start_text;
+use crate::source::unwritable;
 use crate::{Channel, Recording, RecordingError};
 
-/// Numbers in a batch of Arrow.
+/// Numbers in a batch.
 const BATCH: usize = 1 << 20;
+/// Batches in a row group of Parquet, which its writer keeps in memory.
+const GROUP: usize = 2;
+/// Bytes of different values beyond which a column is not written by their numbers: all columns keep so many in memory.
+const DIFFERENT: usize = 1 << 14;
 /// The name of the column of time stamps.
 const TIME: &str = "time";
 
-/// Encodes a recording as Parquet, compressed with Zstandard: one table, as data frames are kept.
+/// Writes a recording as Parquet, compressed with Zstandard: one table, as data frames are kept.
 ///
 /// The column `time` holds the time stamps of all rasters, s, merged in their order; each channel is a column of
 /// doubles, null in the rows of other rasters' stamps (a missing sample is NaN, not null). Columns are named like their
@@ -30,74 +37,92 @@ const TIME: &str = "time";
 ///
 /// # Errors
 ///
-/// [`RecordingError::NoSuchRaster`] and [`RecordingError::LengthMismatch`] where the recording contradicts itself.
+/// [`RecordingError::NoSuchRaster`] and [`RecordingError::LengthMismatch`] where the recording contradicts itself,
+/// [`RecordingError::Unwritable`] where `out` fails.
 ///
 /// # Example
 ///
 /// ```
 /// let recording = recording::decode("run.csv", b"time [s],n [rpm]\n0,1200\n1,1210\n", &recording::Selection::All)?;
-/// let bytes = recording::encode_parquet(&recording)?;
+/// let mut bytes = Vec::new();
+/// recording::write_parquet(&recording, &mut bytes)?;
 /// let read = recording::decode("run.parquet", &bytes, &recording::Selection::All)?;
 /// assert_eq!((read.channels, read.rasters), (recording.channels, recording.rasters));
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
-pub fn encode_parquet(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    let (schema, batch) = table(recording).map_err(|error| error.into_error("Parquet"))?;
-    let properties = WriterProperties::builder().set_compression(Compression::ZSTD(Default::default())).build();
-    let write = || -> Result<Vec<u8>, parquet::errors::ParquetError> {
-        let mut writer = ArrowWriter::try_new(Vec::new(), schema, Some(properties))?;
-        writer.write(&batch)?;
-        writer.into_inner()
+pub fn write_parquet(recording: &Recording, out: impl Write + Send) -> Result<(), RecordingError> {
+    let batches = Batches::new(recording)?;
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(Default::default()))
+        .set_max_row_group_row_count(Some(batches.rows * GROUP))
+        .set_dictionary_page_size_limit(DIFFERENT)
+        .build();
+    let write = || -> Result<(), ParquetError> {
+        let mut writer = ArrowWriter::try_new(out, batches.schema.clone(), Some(properties))?;
+        for batch in batches {
+            writer.write(&batch?)?;
+        }
+        writer.close().map(drop)
     };
-    write().map_err(|error| cannot("Parquet", error.to_string()))
+    write().map_err(|error| match error {
+        ParquetError::External(error) => match error.downcast_ref::<Error>() {
+            Some(error) => unwritable(error),
+            None => cannot("Parquet", error.to_string()),
+        },
+        error => cannot("Parquet", error.to_string()),
+    })
 }
 
-/// Encodes a recording as a file of Arrow (Feather version 2), with the table of [`encode_parquet`].
+/// A recording as [`write_parquet`] writes it, in memory.
 ///
 /// # Errors
 ///
-/// As [`encode_parquet`].
-pub fn encode_arrow(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    let (schema, batch) = table(recording).map_err(|error| error.into_error("Arrow"))?;
-    let write = || -> Result<Vec<u8>, arrow_schema::ArrowError> {
-        let mut writer = FileWriter::try_new(Vec::new(), &schema)?;
-        // A reader has one batch in memory.
-        let rows = (BATCH / batch.num_columns().max(1)).max(1);
-        for first in (0..batch.num_rows()).step_by(rows) {
-            writer.write(&batch.slice(first, rows.min(batch.num_rows() - first)))?;
+/// As [`write_parquet`].
+pub fn encode_parquet(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    let mut bytes = Vec::new();
+    write_parquet(recording, &mut bytes).map(|()| bytes)
+}
+
+/// Writes a recording as a file of Arrow (Feather version 2), with the table of [`write_parquet`].
+///
+/// # Errors
+///
+/// As [`write_parquet`].
+pub fn write_arrow(recording: &Recording, out: impl Write) -> Result<(), RecordingError> {
+    let batches = Batches::new(recording)?;
+    let write = || -> Result<(), ArrowError> {
+        let mut writer = FileWriter::try_new(out, &batches.schema)?;
+        // A reader may have to have a batch in memory.
+        for batch in batches {
+            writer.write(&batch?)?;
         }
-        writer.into_inner()
+        writer.finish()
     };
-    write().map_err(|error| cannot("Arrow", error.to_string()))
+    write().map_err(|error| match error {
+        ArrowError::IoError(_, error) => unwritable(&error),
+        error => cannot("Arrow", error.to_string()),
+    })
+}
+
+/// A recording as [`write_arrow`] writes it, in memory.
+///
+/// # Errors
+///
+/// As [`write_parquet`].
+pub fn encode_arrow(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    let mut bytes = Vec::new();
+    write_arrow(recording, &mut bytes).map(|()| bytes)
 }
 
 fn cannot(format: &str, what: String) -> RecordingError {
     RecordingError::CannotExpress { format: format.into(), name: TIME.into(), what }
 }
 
-/// Why there is no table.
-enum Fault {
-    Recording(RecordingError),
-    Arrow(arrow_schema::ArrowError),
-}
-
-impl Fault {
-    fn into_error(self, format: &str) -> RecordingError {
-        match self {
-            Self::Recording(error) => error,
-            Self::Arrow(error) => cannot(format, error.to_string()),
-        }
-    }
-}
-
-fn table(recording: &Recording) -> Result<Written, Fault> {
-    recording.check().map_err(Fault::Recording)?;
-    let used: HashSet<usize> = recording.channels.iter().map(|channel| channel.raster).collect();
-    let merged = Merged::new(recording, &used);
+/// The columns: the time stamps and each channel.
+fn schema(recording: &Recording) -> SchemaRef {
     let field = |name: &str, metadata| Field::new(name, DataType::Float64, true).with_metadata(metadata);
     let mut names = HashSet::from([TIME.to_owned()]);
     let mut fields = vec![field(TIME, HashMap::from([(key::UNIT.into(), "s".into())]))];
-    let mut columns: Vec<ArrayRef> = Vec::new();
     for channel in &recording.channels {
         let mut name = channel.name.clone();
         let mut number = 1;
@@ -106,12 +131,8 @@ fn table(recording: &Recording) -> Result<Written, Fault> {
             name = format!("{}_{number}", channel.name);
         }
         fields.push(field(&name, metadata_of(channel)));
-        columns.push(Arc::new(merged.column(channel)));
     }
-    columns.insert(0, Arc::new(Float64Array::from(merged.time_s)));
-    let schema = Arc::new(Schema::new_with_metadata(fields, metadata(recording)));
-    let batch = RecordBatch::try_new(schema.clone(), columns).map_err(Fault::Arrow)?;
-    Ok((schema, batch))
+    Arc::new(Schema::new_with_metadata(fields, metadata(recording)))
 }
 
 fn metadata_of(channel: &Channel) -> HashMap<String, String> {
@@ -128,47 +149,79 @@ fn metadata(recording: &Recording) -> HashMap<String, String> {
     names.chain(comment).chain(start).collect()
 }
 
-/// The time stamps of all rasters in one column.
-struct Merged {
-    time_s: Vec<f64>,
-    /// For each raster the rows of its stamps; `None` where these are all.
-    rows: Vec<Option<Vec<usize>>>,
+/// The table, some rows at a time: the time stamps of all rasters merged, the smallest of the rasters' next ones again and
+/// again. Equal ones share a row. Each raster keeps its order, whatever its stamps.
+struct Batches<'r> {
+    recording: &'r Recording,
+    schema: SchemaRef,
+    /// Rows of a batch.
+    rows: usize,
+    /// The rasters that have channels.
+    used: Vec<usize>,
+    /// For each raster the stamps that are written.
+    done: Vec<usize>,
 }
 
-impl Merged {
-    /// Takes the smallest of the rasters' next stamps, again and again; equal ones share a row. Each raster keeps its
-    /// order, whatever its stamps.
-    fn new(recording: &Recording, used: &HashSet<usize>) -> Self {
-        let rasters: Vec<&[f64]> = recording.rasters.iter().map(|raster| raster.time_s.as_slice()).collect();
-        if used.len() == 1 {
-            let time_s = used.iter().next().map_or(Vec::new(), |&only| rasters[only].to_vec());
-            return Self { time_s, rows: vec![None; rasters.len()] };
-        }
-        let mut rows: Vec<Vec<usize>> = vec![Vec::new(); rasters.len()];
+/// The rows of a batch.
+struct Merged {
+    time_s: Vec<f64>,
+    /// For each raster the rows of its stamps.
+    rows: Vec<Vec<usize>>,
+}
+
+impl<'r> Batches<'r> {
+    fn new(recording: &'r Recording) -> Result<Self, RecordingError> {
+        recording.check()?;
+        let used: BTreeSet<usize> = recording.channels.iter().map(|channel| channel.raster).collect();
+        let rows = (BATCH / (recording.channels.len() + 1)).max(1);
+        let (used, done) = (used.into_iter().collect(), vec![0; recording.rasters.len()]);
+        Ok(Self { recording, schema: schema(recording), rows, used, done })
+    }
+
+    fn merged(&self) -> Merged {
+        let mut rows: Vec<Vec<usize>> = vec![Vec::new(); self.done.len()];
         let mut time_s = Vec::new();
-        loop {
-            let next = |raster: &usize| rasters[*raster].get(rows[*raster].len()).copied();
-            let Some(stamp) = used.iter().filter_map(next).min_by(f64::total_cmp) else { break };
-            let due: Vec<usize> = used
-                .iter()
-                .copied()
-                .filter(|raster| next(raster).is_some_and(|t| t.to_bits() == stamp.to_bits()))
-                .collect();
-            due.into_iter().for_each(|raster| rows[raster].push(time_s.len()));
+        while time_s.len() < self.rows {
+            let next = |raster: usize, rows: &[Vec<usize>]| {
+                self.recording.rasters[raster].time_s.get(self.done[raster] + rows[raster].len()).copied()
+            };
+            let due = self.used.iter().filter_map(|&raster| next(raster, &rows)).min_by(f64::total_cmp);
+            let Some(stamp) = due else { break };
+            for &raster in &self.used {
+                if next(raster, &rows).is_some_and(|t| t.to_bits() == stamp.to_bits()) {
+                    rows[raster].push(time_s.len());
+                }
+            }
             time_s.push(stamp);
         }
-        Self { time_s, rows: rows.into_iter().map(Some).collect() }
+        Merged { time_s, rows }
     }
 
     /// The samples in the rows of their stamps, null elsewhere.
-    fn column(&self, channel: &Channel) -> Float64Array {
-        let Some(Some(rows)) = self.rows.get(channel.raster) else {
-            return Float64Array::from(channel.samples.clone());
-        };
-        let mut column = vec![None; self.time_s.len()];
-        for (&row, &sample) in rows.iter().zip(&channel.samples) {
-            column[row] = Some(sample);
+    fn column(&self, channel: &Channel, merged: &Merged) -> Float64Array {
+        let (first, rows) = (self.done[channel.raster], &merged.rows[channel.raster]);
+        let samples = &channel.samples[first..first + rows.len()];
+        if rows.len() == merged.time_s.len() {
+            return Float64Array::from(samples.to_vec());
         }
+        let mut column = vec![None; merged.time_s.len()];
+        rows.iter().zip(samples).for_each(|(&row, &sample)| column[row] = Some(sample));
         Float64Array::from(column)
+    }
+}
+
+impl Iterator for Batches<'_> {
+    type Item = Result<RecordBatch, ArrowError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let merged = self.merged();
+        if merged.time_s.is_empty() {
+            return None;
+        }
+        let channels = self.recording.channels.iter();
+        let mut columns: Vec<ArrayRef> = channels.map(|c| Arc::new(self.column(c, &merged)) as ArrayRef).collect();
+        self.done.iter_mut().zip(&merged.rows).for_each(|(done, rows)| *done += rows.len());
+        columns.insert(0, Arc::new(Float64Array::from(merged.time_s)));
+        Some(RecordBatch::try_new(self.schema.clone(), columns))
     }
 }

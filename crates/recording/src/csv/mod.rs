@@ -12,16 +12,18 @@ mod text;
 mod write;
 
 use crate::error::require_names;
-use crate::{CsvProblem, Finding, Format, Recording, RecordingError, Selection, Source};
+use crate::{Catalogue, CsvProblem, Finding, Format, Recording, RecordingError, Selection, Source};
 use header::{Head, Header};
 use rows::{MAX_QUOTED, Rows};
 use table::Table;
 use text::Pieces;
 pub(crate) use text::is_text;
-pub use write::{encode_csv, encode_tsv, fits_text};
+pub use write::{encode_csv, encode_tsv, fits_text, write_csv, write_tsv};
 
 /// Bytes in which the heading is looked for.
 const HEAD: usize = 1 << 24;
+/// Lines that are enough to find it, and the kinds of columns, for a list.
+const LISTED_LINES: usize = 1000;
 
 /// Decodes text; rows without a time column are `row_distance_s` apart, if that is known.
 pub(crate) fn decode(
@@ -31,24 +33,82 @@ pub(crate) fn decode(
     row_distance_s: Option<f64>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
-    let mut pieces = Pieces::open(name, source)?;
-    let mut text = String::new();
-    while text.len() < HEAD && !pieces.is_done() {
-        pieces.more(&mut text)?;
-    }
-    let no_delimiter =
-        || RecordingError::Csv { file: name.into(), line: 1, column: None, problem: CsvProblem::NoDelimiter };
-    let delimiter = text::delimiter(&text, row_distance_s.is_some()).ok_or_else(no_delimiter)?;
-    let head = Head::read(name, Rows::new(&text, delimiter));
-    let header = heading(&head, row_distance_s)?;
-    let names = header.names();
-    require_names(name, selection, names.iter().map(String::as_str))?;
-    let Header { columns, comment, samples } = header;
-    let place = samples.place();
-    let mut table = Table::new(name, columns, selection, delimiter, row_distance_s);
-    let mut findings: Vec<Finding> = pieces.assumed_latin1().then_some(Finding::AssumedLatin1).into_iter().collect();
+    let opened = Opened::open(name, source, selection, row_distance_s, false)?;
+    let Opened { pieces, text, mut table, place, delimiter, comment, mut findings } = opened;
     findings.extend(fill(&mut table, pieces, text, (place, delimiter), progress)?);
     table.check()?;
+    finished(table, delimiter, comment, findings, selection)
+}
+
+/// Lists the channels of text from its beginning. Where more follows, it is not known how many samples there are, and no
+/// column is known to hold text that is empty so far.
+pub(crate) fn catalogue(name: &str, source: &dyn Source) -> Result<Catalogue, RecordingError> {
+    let Opened { pieces, text, mut table, place, delimiter, comment, mut findings } =
+        Opened::open(name, source, &Selection::All, None, true)?;
+    let is_whole = pieces.is_done();
+    let limit = if is_whole { text.len() } else { text.len().saturating_sub(2 * MAX_QUOTED) };
+    let (_, finding) = table.fill(Rows::resume(&text, delimiter, place), limit)?;
+    if is_whole {
+        findings.extend(finding);
+        table.check()?;
+    }
+    let mut catalogue = finished(table, delimiter, comment, findings, &Selection::All)?.catalogue();
+    if !is_whole {
+        catalogue.rasters.iter_mut().for_each(|raster| raster.samples = None);
+    }
+    Ok(catalogue)
+}
+
+/// Text whose heading is read.
+struct Opened<'a> {
+    pieces: Pieces<'a>,
+    /// What is read of it.
+    text: String,
+    table: Table<'a>,
+    /// Where in it the samples begin, and in which line.
+    place: (usize, u64),
+    delimiter: u8,
+    comment: Option<String>,
+    findings: Vec<Finding>,
+}
+
+impl<'a> Opened<'a> {
+    fn open(
+        name: &'a str,
+        source: &'a dyn Source,
+        selection: &Selection,
+        row_distance_s: Option<f64>,
+        is_list: bool,
+    ) -> Result<Self, RecordingError> {
+        let mut pieces = Pieces::open(name, source, is_list)?;
+        let mut text = String::new();
+        let is_enough = |text: &str| text.len() >= HEAD || (is_list && text.lines().nth(LISTED_LINES).is_some());
+        while !pieces.is_done() && !is_enough(&text) {
+            pieces.more(&mut text)?;
+        }
+        let no_delimiter =
+            || RecordingError::Csv { file: name.into(), line: 1, column: None, problem: CsvProblem::NoDelimiter };
+        let delimiter = text::delimiter(&text, row_distance_s.is_some()).ok_or_else(no_delimiter)?;
+        let head = Head::read(name, Rows::new(&text, delimiter));
+        let header = heading(&head, row_distance_s)?;
+        let names = header.names();
+        require_names(name, selection, names.iter().map(String::as_str))?;
+        let Header { columns, comment, samples } = header;
+        let place = samples.place();
+        let mut table = Table::new(name, columns, selection, delimiter, row_distance_s);
+        table.expect(pieces.lines().unwrap_or(0), pieces.progress().1);
+        let findings = pieces.assumed_latin1().then_some(Finding::AssumedLatin1).into_iter().collect();
+        Ok(Self { pieces, text, table, place, delimiter, comment, findings })
+    }
+}
+
+fn finished(
+    table: Table<'_>,
+    delimiter: u8,
+    comment: Option<String>,
+    mut findings: Vec<Finding>,
+    selection: &Selection,
+) -> Result<Recording, RecordingError> {
     let decimal_comma = table.decimals.sign() == Some(b',');
     let content = table.finish(selection)?;
     findings.extend(content.findings);

@@ -4,6 +4,7 @@ use super::header::{Column, Header, Role};
 use super::number::{Decimals, Number};
 use super::rows::{Row, Rows};
 use super::stamp::{DAY, Frame, Stamp};
+use crate::finding::are_rounded;
 use crate::{Channel, CsvProblem, Finding, Raster, RecordingError, Selection, SkipReason, StartTime};
 
 /// A problem in a column of a row.
@@ -30,6 +31,8 @@ enum Sink {
         values: Vec<f64>,
         /// Whether there was a number.
         is_numeric: bool,
+        /// Whether there was an integer that is too large to be exact.
+        is_rounded: bool,
     },
     Text,
     /// Not selected, or the day of a time stamp.
@@ -60,7 +63,9 @@ impl<'a> Table<'a> {
         let clocks: Vec<usize> = (0..columns.len()).filter(|&c| is_clock(&columns[c])).collect();
         let sink = |column: &Column| match column.role {
             Role::Samples if column.name.is_empty() => Sink::Nameless,
-            Role::Samples if selection.takes(&column.name) => Sink::Samples { values: Vec::new(), is_numeric: false },
+            Role::Samples if selection.takes(&column.name) => {
+                Sink::Samples { values: Vec::new(), is_numeric: false, is_rounded: false }
+            }
             _ => Sink::Unread,
         };
         Self {
@@ -72,6 +77,20 @@ impl<'a> Table<'a> {
             stamps: Stamps::default(),
             row_distance_s,
         }
+    }
+
+    /// Takes the memory for `lines` of a text of `size` bytes at once, for what grows is copied, and leaves holes.
+    pub(super) fn expect(&mut self, lines: usize, size: u64) {
+        // Every cell takes a byte at least.
+        let most = usize::try_from(size / self.columns.len().max(1) as u64).unwrap_or(usize::MAX);
+        let rows = lines.min(most.saturating_add(1));
+        let samples = self.columns.iter_mut().filter_map(|sink| match sink {
+            Sink::Samples { values, .. } => Some(values),
+            _ => None,
+        });
+        let times = self.blocks.iter_mut().map(|block| &mut block.time_s);
+        // If there is not so much, it shows when the numbers are there.
+        samples.chain(times).for_each(|column| drop(column.try_reserve_exact(rows)));
     }
 
     /// Reads the rows that end before `limit`, and says where the next one begins and what is to be said about the last.
@@ -176,9 +195,10 @@ impl<'a> Table<'a> {
     fn cell(&mut self, row: &Row<'_>, column: usize) -> Result<(), CsvProblem> {
         let text = row.cells[column].text;
         match &mut self.columns[column] {
-            Sink::Samples { values, is_numeric } => match self.decimals.read(text, row.line, column)? {
+            Sink::Samples { values, is_numeric, is_rounded } => match self.decimals.read(text, row.line, column)? {
                 Number::Value(value) => {
                     *is_numeric = true;
+                    *is_rounded |= are_rounded(&[value]) && is_integer(text);
                     values.push(value);
                 }
                 Number::Missing => values.push(f64::NAN),
@@ -202,9 +222,12 @@ impl<'a> Table<'a> {
             let before = content.channels.len();
             for place in columns.get_mut(block.columns).unwrap_or_default() {
                 match place.take() {
-                    Some((Column { name, unit, comment, .. }, Sink::Samples { values: samples, .. })) => {
+                    Some((Column { name, unit, comment, .. }, Sink::Samples { values: samples, is_rounded, .. })) => {
                         let raster = content.rasters.len();
-                        content.channels.push(Channel { name, unit, comment, raster, samples });
+                        if is_rounded {
+                            content.findings.push(Finding::RoundedIntegers { channel: name.clone() });
+                        }
+                        content.channels.push(Channel { name, unit, comment, raster, samples: exactly(samples) });
                     }
                     Some((Column { name, .. }, Sink::Text)) => {
                         let reason = SkipReason::NotNumeric { kind: "text".into() };
@@ -218,11 +241,22 @@ impl<'a> Table<'a> {
                 }
             }
             if content.channels.len() > before {
-                content.rasters.push(Raster { time_s: block.time_s, name: None });
+                content.rasters.push(Raster { time_s: exactly(block.time_s), name: None });
             }
         }
         Ok(content)
     }
+}
+
+/// Whether a number is written without fraction and exponent.
+fn is_integer(text: &str) -> bool {
+    text.trim().trim_start_matches(['-', '+']).bytes().all(|b| b.is_ascii_digit())
+}
+
+/// Gives back what was expected and did not come.
+fn exactly(mut samples: Vec<f64>) -> Vec<f64> {
+    samples.shrink_to_fit();
+    samples
 }
 
 /// What a table has become.

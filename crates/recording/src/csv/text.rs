@@ -10,8 +10,9 @@ const SAMPLE_LINES: usize = 400;
 const MANY: usize = 50;
 const FEW: usize = 4;
 
-/// Bytes read at once.
+/// Bytes read at once, of a list those that are looked through for its encoding.
 const PIECE: u64 = 1 << 22;
+const LISTED_PIECE: u64 = 1 << 18;
 
 /// How characters are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,11 +31,16 @@ pub(super) struct Pieces<'a> {
     encoding: Encoding,
     /// The beginning of a character that the last piece cut.
     cut: Vec<u8>,
+    /// Bytes read at once.
+    piece: u64,
+    /// The most lines that there are; none where the file was not looked through.
+    lines: Option<usize>,
 }
 
 impl<'a> Pieces<'a> {
-    /// Finds out how the text is stored: UTF-8, UTF-16 with a byte order mark, or else Latin-1.
-    pub(super) fn open(file: &'a str, source: &'a dyn Source) -> Result<Self, RecordingError> {
+    /// Finds out how the text is stored: UTF-8, UTF-16 with a byte order mark, or else Latin-1. That, and how many lines
+    /// there are, takes looking through all of it, of a list only through what is read of it.
+    pub(super) fn open(file: &'a str, source: &'a dyn Source, is_list: bool) -> Result<Self, RecordingError> {
         let end = size(file, source)?;
         let head = bytes(file, source, 0, 3)?;
         let last = bytes(file, source, end.saturating_sub(1), 1)?;
@@ -46,12 +52,20 @@ impl<'a> Pieces<'a> {
             [0xEF, 0xBB, 0xBF] => (Encoding::Utf8, 3, before_mark),
             _ => (Encoding::Utf8, 0, before_mark),
         };
-        let mut pieces = Self { file, source, at, end, encoding, cut: Vec::new() };
-        if encoding == Encoding::Utf8 && !pieces.is_utf8()? {
+        let piece = if is_list { LISTED_PIECE } else { PIECE };
+        let mut pieces = Self { file, source, at, end, encoding, cut: Vec::new(), piece, lines: None };
+        let (is_utf8, lines) = pieces.survey(if is_list { piece } else { u64::MAX })?;
+        if encoding == Encoding::Utf8 && !is_utf8 {
             pieces.encoding = Encoding::Latin1;
         }
+        pieces.lines = pieces.is_done().then_some(lines);
         (pieces.at, pieces.cut) = (at, Vec::new());
         Ok(pieces)
+    }
+
+    /// The most lines that there are, if they were counted.
+    pub(super) fn lines(&self) -> Option<usize> {
+        self.lines
     }
 
     pub(super) fn assumed_latin1(&self) -> bool {
@@ -67,9 +81,9 @@ impl<'a> Pieces<'a> {
         self.at >= self.end
     }
 
-    /// Appends the next piece, of about as much as there is already but no less than a few megabytes.
+    /// Appends the next piece, of about as much as there is already but no less than is read at once.
     pub(super) fn more(&mut self, text: &mut String) -> Result<(), RecordingError> {
-        let read = self.read(PIECE.max(text.len() as u64))?;
+        let read = self.read(self.piece.max(text.len() as u64))?;
         match self.encoding {
             Encoding::Utf8 => {
                 let whole = whole_characters(&read);
@@ -108,18 +122,23 @@ impl<'a> Pieces<'a> {
         Ok(read)
     }
 
-    /// Whether the whole file is UTF-8.
-    fn is_utf8(&mut self) -> Result<bool, RecordingError> {
-        while !self.is_done() {
-            let read = self.read(PIECE)?;
+    /// Whether the first `most` bytes are UTF-8, and how many lines begin in them, at most.
+    fn survey(&mut self, most: u64) -> Result<(bool, usize), RecordingError> {
+        let (mut is_utf8, mut feeds, mut returns) = (true, 0, 0);
+        while !self.is_done() && self.at < most {
+            let read = self.read(self.piece)?;
             let whole = if self.is_done() { read.len() } else { whole_characters(&read) };
-            if std::str::from_utf8(&read[..whole]).is_err() {
-                return Ok(false);
-            }
+            is_utf8 &= !is_utf8 || std::str::from_utf8(&read[..whole]).is_ok();
+            feeds += count(&read[..whole], b'\n');
+            returns += count(&read[..whole], b'\r');
             self.cut = read[whole..].to_vec();
         }
-        Ok(true)
+        Ok((is_utf8, feeds.max(returns) + 1))
     }
+}
+
+fn count(bytes: &[u8], wanted: u8) -> usize {
+    bytes.iter().filter(|byte| **byte == wanted).count()
 }
 
 /// The bytes up to a character of UTF-8 that is cut at the end.

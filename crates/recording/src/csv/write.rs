@@ -1,13 +1,18 @@
 //! Writing CSV.
 
 use std::fmt::Write as _;
+use std::io::Write;
 
 use super::number::is_grouped;
 use super::stamp::Stamp;
 use crate::heading::{heading, name_and_unit, time_word};
+use crate::source::unwritable;
 use crate::{Channel, Raster, Recording, RecordingError};
 
-/// Encodes a recording as CSV: commas, decimal points, one block `time [s], channel [unit], …` for each raster, side by
+/// Bytes of text that are written at once.
+const PIECE: usize = 1 << 16;
+
+/// Writes a recording as CSV: commas, decimal points, one block `time [s], channel [unit], …` for each raster, side by
 /// side, shorter ones padded with empty cells, those without samples last.
 ///
 /// Numbers are written with as many digits as it takes to read the same number back. File comment, start time,
@@ -16,18 +21,39 @@ use crate::{Channel, Raster, Recording, RecordingError};
 /// # Errors
 ///
 /// [`RecordingError::NoSuchRaster`] and [`RecordingError::LengthMismatch`] where the recording contradicts itself,
-/// [`RecordingError::CannotExpress`] for a channel whose name or unit would not be read back (see [`fits_text`]).
-pub fn encode_csv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    encode(recording, ',')
+/// [`RecordingError::CannotExpress`] for a channel whose name or unit would not be read back (see [`fits_text`]),
+/// [`RecordingError::Unwritable`] where `out` fails.
+pub fn write_csv(recording: &Recording, out: impl Write) -> Result<(), RecordingError> {
+    write(recording, ',', out)
 }
 
-/// Encodes a recording as [`encode_csv`] does, with tabs between the columns.
+/// Writes a recording as [`write_csv`] does, with tabs between the columns.
 ///
 /// # Errors
 ///
-/// As [`encode_csv`].
+/// As [`write_csv`].
+pub fn write_tsv(recording: &Recording, out: impl Write) -> Result<(), RecordingError> {
+    write(recording, '\t', out)
+}
+
+/// A recording as [`write_csv`] writes it, in memory.
+///
+/// # Errors
+///
+/// As [`write_csv`].
+pub fn encode_csv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    let mut bytes = Vec::new();
+    write_csv(recording, &mut bytes).map(|()| bytes)
+}
+
+/// A recording as [`write_tsv`] writes it, in memory.
+///
+/// # Errors
+///
+/// As [`write_csv`].
 pub fn encode_tsv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    encode(recording, '\t')
+    let mut bytes = Vec::new();
+    write_tsv(recording, &mut bytes).map(|()| bytes)
 }
 
 /// Whether a heading of text can hold a channel's name and unit: the name is not empty, means no time, and neither has
@@ -48,7 +74,7 @@ fn labelled(name: &str, unit: &str) -> Option<String> {
     }
 }
 
-fn encode(recording: &Recording, delimiter: char) -> Result<Vec<u8>, RecordingError> {
+fn write(recording: &Recording, delimiter: char, mut out: impl Write) -> Result<(), RecordingError> {
     recording.check()?;
     let mut blocks: Vec<(&Raster, Vec<&Channel>)> = recording.rasters.iter().map(|r| (r, Vec::new())).collect();
     for channel in &recording.channels {
@@ -63,14 +89,18 @@ fn encode(recording: &Recording, delimiter: char) -> Result<Vec<u8>, RecordingEr
             headings.push(quoted(channel)?);
         }
     }
-    let mut out = headings.join(&String::from(delimiter));
-    out.push('\n');
+    let mut text = headings.join(&String::from(delimiter));
+    text.push('\n');
     let rows = recording.rasters.iter().map(|r| r.time_s.len()).max();
     let columns: Vec<&[f64]> = blocks.iter().flat_map(|(raster, channels)| columns(raster, channels)).collect();
     for row in 0..rows.unwrap_or(0) {
-        write_row(&mut out, &columns, row, delimiter);
+        write_row(&mut text, &columns, row, delimiter);
+        if text.len() >= PIECE {
+            out.write_all(text.as_bytes()).map_err(|error| unwritable(&error))?;
+            text.clear();
+        }
     }
-    Ok(out.into_bytes())
+    out.write_all(text.as_bytes()).map_err(|error| unwritable(&error))
 }
 
 fn columns<'a>(raster: &'a Raster, channels: &'a [&Channel]) -> impl Iterator<Item = &'a [f64]> {

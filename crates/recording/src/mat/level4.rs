@@ -1,9 +1,9 @@
 //! Level 4: matrices one after the other, each behind a header of 20 bytes.
 
-use super::value::{Array, Value, text_rows};
-use super::wanted::Wanted;
+use super::value::{Value, text_rows};
+use super::wanted::{Need, Wanted};
 use crate::source;
-use crate::{RecordingError, Selection, Source};
+use crate::{RecordingError, Source};
 
 const HEADER: usize = 20;
 /// The longest name, with the NUL at its end.
@@ -62,7 +62,7 @@ impl Header {
         }
         let values = self.numbers(content);
         if self.content == 0 {
-            return Value::Numbers(Array { rows: self.rows, columns: self.columns, values });
+            return Value::array(&[self.rows, self.columns], values, false);
         }
         // Text is stored as the codes of its characters.
         let character = |&code: &f64| char::from_u32(code as u32).unwrap_or(char::REPLACEMENT_CHARACTER);
@@ -110,9 +110,8 @@ pub(super) fn starts(bytes: &[u8]) -> bool {
 pub(super) fn variables(
     file: &str,
     source: &dyn Source,
-    selection: &Selection,
+    wanted: &Wanted<'_>,
 ) -> Result<Vec<(String, Value)>, RecordingError> {
-    let wanted = Wanted::new(selection);
     let length = source::size(file, source)?;
     let mut found = Vec::new();
     let mut at = 0;
@@ -136,9 +135,12 @@ pub(super) fn variables(
         let label = source::bytes(file, source, at + HEADER as u64, header.name as u64)?;
         let label = name(&label).ok_or_else(damaged)?.to_owned();
         let begin = HEADER as u64 + header.name as u64;
-        let value = match header.content == 0 && wanted.skips(&label, &[header.rows, header.columns]) {
-            true => Value::Unread,
-            false => header.value(&source::bytes(file, source, at + begin, whole - begin)?),
+        let dimensions = [header.rows, header.columns];
+        let is_real = header.content == 0 && !header.is_complex;
+        let value = match if is_real { wanted.need(&label, &dimensions) } else { Need::Values } {
+            Need::Values => header.value(&source::bytes(file, source, at + begin, whole - begin)?),
+            Need::Shape => Value::shape(&dimensions),
+            Need::Nothing => Value::Unread,
         };
         found.push((label, value));
         at += whole;

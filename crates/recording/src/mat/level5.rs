@@ -5,8 +5,8 @@ mod content;
 use std::collections::HashSet;
 
 use super::listed;
-use super::value::{Array, MAX_TEXT, Struct, Value, text_rows};
-use super::wanted::Wanted;
+use super::value::{MAX_TEXT, Struct, Value, text_rows};
+use super::wanted::{Need, Wanted};
 use crate::source::{self, Shared};
 use crate::{RecordingError, Selection, Source};
 use content::Content;
@@ -53,7 +53,7 @@ struct Place {
 pub(super) fn variables(
     file: &str,
     source: &Shared,
-    selection: &Selection,
+    mut wanted: Wanted<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<(String, Value)>, RecordingError> {
     let header = source::bytes(file, &**source, 0, HEADER as u64)?;
@@ -62,9 +62,8 @@ pub(super) fn variables(
     let (size, places) = places(file, &**source, big)?;
     let most = usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(MAX_PER_BYTE);
     let mut budget = Budget { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most) };
-    let mut wanted = Wanted::new(selection);
-    if *selection != Selection::All {
-        wanted.listed = listed(source, &places, big, selection);
+    if *wanted.selection != Selection::All {
+        wanted.listed = listed(source, &places, big, wanted.selection);
     }
     let mut found = Vec::new();
     // Where the objects of the file are kept, in a form of their own.
@@ -134,8 +133,10 @@ fn variable(
 ) -> Result<Option<(String, Value)>, String> {
     let content = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
     if let Some(large) = content.large(big) {
-        if wanted.skips(&large.name, &large.dimensions) {
-            return Ok(Some((large.name, Value::Unread)));
+        match wanted.need(&large.name, &large.dimensions) {
+            Need::Values => {}
+            Need::Shape => return Ok(Some((large.name, Value::shape(&large.dimensions)))),
+            Need::Nothing => return Ok(Some((large.name, Value::Unread))),
         }
         if let Some(left) = budget.numbers.checked_sub(large.count) {
             budget.numbers = left;
@@ -247,9 +248,14 @@ fn numbers(kind: u32, content: &[u8], big: bool) -> Result<Vec<f64>, Fault> {
     Ok(numbers)
 }
 
+/// Whether this is the type of integers of 64 bits.
+fn is_wide(kind: u32) -> bool {
+    matches!(kind, 12 | 13)
+}
+
 /// Appends numbers of the type that the tag states.
 fn converted_all(kind: u32, content: &[u8], big: bool, out: &mut Vec<f64>) -> Result<(), Fault> {
-    // Numbers of 64 bits above 2^53 are rounded.
+    // Numbers of 64 bits above 2^53 are rounded, which is said.
     match kind {
         1 => converted(content, big, out, |b| f64::from(i8::from_le_bytes(b))),
         2 => converted(content, big, out, |b| f64::from(u8::from_le_bytes(b))),
@@ -331,7 +337,7 @@ impl Parser<'_> {
     /// Name and value of a matrix, the format's word for anything that a variable, cell or field can hold.
     fn matrix(&mut self, content: &[u8], depth: usize) -> Result<(String, Value), Fault> {
         if content.is_empty() {
-            return Ok((String::new(), Value::Numbers(Array { rows: 0, columns: 0, values: vec![] })));
+            return Ok((String::new(), Value::empty()));
         }
         let mut elements = Elements { rest: content, big: self.big };
         let (kind, flags) = elements.next()?;
@@ -413,13 +419,13 @@ impl Parser<'_> {
         let Some(left) = self.budget.numbers.checked_sub(count) else {
             return Ok(Value::unsupported("it brings the file to more numbers than its size makes plausible"));
         };
-        let values = elements.numbers()?;
+        let (kind, content) = elements.next()?;
+        let values = numbers(kind, content, self.big)?;
         if values.len() != count {
             return broken(format!("{} numbers for dimensions {dimensions:?}", values.len()));
         }
         self.budget.numbers = left;
-        let array = Array::new(dimensions, values).map(Value::Numbers);
-        Ok(array.unwrap_or_else(|| Value::unsupported(format!("an array of {} dimensions", dimensions.len()))))
+        Ok(Value::array(dimensions, values, is_wide(kind)))
     }
 }
 

@@ -6,11 +6,11 @@ use hdf5_pure::{AttrValue, DType, Dataset, File, FormatError, Group, Object};
 
 use super::listed;
 use super::scope::joined;
-use super::value::{Array, MAX_TEXT, Struct, Value, text_rows};
-use super::wanted::Wanted;
+use super::value::{MAX_TEXT, Struct, Value, text_rows};
+use super::wanted::{Need, Wanted};
+use crate::RecordingError;
 use crate::error::guarded;
 use crate::source::{self, Shared};
-use crate::{RecordingError, Selection};
 
 /// The most structs and cells within each other.
 const MAX_DEPTH: usize = 20;
@@ -20,13 +20,18 @@ const MAX_PARTS: usize = 1 << 18;
 const MAX_NUMBERS: usize = 1 << 26;
 const MAX_PER_BYTE: usize = 1032 / 8;
 
+/// Numbers read at once.
+const PIECE: usize = 1 << 20;
+/// A path that no selection has, since what is in cells is read.
+const IN_CELL: &str = "{}";
+
 type Attributes = HashMap<String, AttrValue>;
 
 /// The variables of a file with their names.
 pub(super) fn variables(
     file: &str,
     source: &Shared,
-    selection: &Selection,
+    wanted: Wanted<'_>,
 ) -> Result<Vec<(String, Value)>, RecordingError> {
     let damaged = |detail: String| RecordingError::Damaged { file: file.into(), offset: None, detail };
     let size = source::size(file, &**source)?;
@@ -34,9 +39,9 @@ pub(super) fn variables(
     guarded(file, || {
         let bytes = Bytes { source: source.clone(), size };
         let root = File::from_source(bytes).map_err(|error| damaged(error.to_string()))?.root();
-        // Where the file lists its channels by other names, everything is read.
+        // Where the file lists its channels by other names, all of them are.
         let is_listed = root.group(listed::NAME).is_ok();
-        let wanted = if is_listed { Wanted::ALL } else { Wanted::new(selection) };
+        let wanted = if is_listed { wanted.of_all() } else { wanted };
         let mut reader = Reader { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most), wanted };
         reader.members(&root, "", 0).map_err(damaged)
     })
@@ -71,10 +76,7 @@ impl Reader<'_> {
         let mut found = Vec::new();
         for (name, dataset) in group.iter_datasets().map_err(text)? {
             let attributes = dataset.attrs().map_err(text)?;
-            let value = match self.skips(&joined(path, &name), &dataset) {
-                true => Ok(Value::Unread),
-                false => self.dataset(&dataset, &attributes, depth),
-            };
+            let value = self.dataset(&dataset, &attributes, &joined(path, &name), depth);
             let value = value.map_err(|detail| format!("\"{name}\": {detail}"))?;
             if let Some(unit) = ["unit", "units", "Unit"].iter().find_map(|key| attributes.get(*key)?.as_str()) {
                 found.push((format!("{name}_unit"), Value::Text(vec![unit.to_owned()])));
@@ -90,14 +92,6 @@ impl Reader<'_> {
             }
         }
         Ok(found)
-    }
-
-    /// Whether a dataset is an array that was not asked for.
-    fn skips(&self, path: &str, dataset: &Dataset) -> bool {
-        let is_plain = dataset.dtype().is_ok_and(|kind| is_numeric(&kind)) && !path.starts_with("{}");
-        let sizes = dataset.shape().unwrap_or_default();
-        let sizes: Vec<usize> = sizes.iter().map(|&size| usize::try_from(size).unwrap_or(usize::MAX)).collect();
-        is_plain && self.wanted.skips(path, &sizes)
     }
 
     /// Whether another part may be read.
@@ -152,11 +146,10 @@ impl Reader<'_> {
         for object in dataset.dereference().map_err(text)? {
             self.take_part(depth + 1)?;
             values.push(match object {
-                // A path that no selection has: what is in cells is read.
-                Object::Group(group) => self.group(&group, "{}", depth + 1)?,
+                Object::Group(group) => self.group(&group, IN_CELL, depth + 1)?,
                 Object::Dataset(dataset) => {
                     let attributes = dataset.attrs().map_err(text)?;
-                    self.dataset(&dataset, &attributes, depth + 1)?
+                    self.dataset(&dataset, &attributes, IN_CELL, depth + 1)?
                 }
                 _ => Value::unsupported("a reference to what is neither a group nor a dataset"),
             });
@@ -164,17 +157,22 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    /// How many elements a dataset has, if so many may still be read.
+    /// The sizes of a dataset, if so many elements may still be read.
     fn count(&mut self, dataset: &Dataset) -> Result<Vec<usize>, String> {
-        let shape = dataset.shape().map_err(text)?;
-        let sizes: Option<Vec<usize>> = shape.iter().map(|&size| usize::try_from(size).ok()).collect();
-        let count = sizes.as_ref().and_then(|s| s.iter().try_fold(1_usize, |product, &d| product.checked_mul(d)));
+        let sizes = sizes(dataset)?;
+        let count = sizes.iter().try_fold(1_usize, |product, &d| product.checked_mul(d));
         let left = count.and_then(|count| self.numbers.checked_sub(count));
         self.numbers = left.ok_or("more numbers than its size makes plausible")?;
-        Ok(sizes.unwrap_or_default())
+        Ok(sizes)
     }
 
-    fn dataset(&mut self, dataset: &Dataset, attributes: &Attributes, depth: usize) -> Result<Value, String> {
+    fn dataset(
+        &mut self,
+        dataset: &Dataset,
+        attributes: &Attributes,
+        path: &str,
+        depth: usize,
+    ) -> Result<Value, String> {
         self.take_part(depth)?;
         if let Some(object) = object(attributes) {
             return Ok(object);
@@ -193,26 +191,30 @@ impl Reader<'_> {
             ("cell" | "struct" | "char", _) if is_empty => Ok(Value::Text(Vec::new())),
             ("cell", DType::ObjectReference) => Ok(Value::Cell(self.cells(dataset, depth)?)),
             ("function_handle", _) => Ok(Value::not_numeric("a function")),
-            (_, _) if is_empty => Ok(Value::Numbers(Array { rows: 0, columns: 0, values: Vec::new() })),
+            (_, _) if is_empty => Ok(Value::empty()),
             ("char", DType::U16 | DType::U8 | DType::U32) => self.characters(dataset),
             (_, DType::String | DType::VariableLengthString) => self.strings(dataset),
             (_, DType::Compound(members)) if is_complex(&members) => Ok(Value::not_numeric("complex numbers")),
-            (_, kind) if is_numeric(&kind) => self.array(dataset),
+            (_, kind) if is_numeric(&kind) => self.array(dataset, path),
             (_, kind) => Ok(Value::unsupported(format!("data of type {kind}"))),
         }
     }
 
-    fn array(&mut self, dataset: &Dataset) -> Result<Value, String> {
-        let mut dimensions = self.count(dataset)?;
+    fn array(&mut self, dataset: &Dataset, path: &str) -> Result<Value, String> {
         // MATLAB's arrays are stored column by column, and HDF5 names the slowest dimension first.
+        let mut dimensions = sizes(dataset)?;
         dimensions.reverse();
-        let values = dataset.read_f64().map_err(text)?;
+        match if path.starts_with(IN_CELL) { Need::Values } else { self.wanted.need(path, &dimensions) } {
+            Need::Values => {}
+            Need::Shape => return Ok(Value::shape(&dimensions)),
+            Need::Nothing => return Ok(Value::Unread),
+        }
+        let values = numbers(dataset, &self.count(dataset)?)?;
         if values.len() != dimensions.iter().product::<usize>() {
             return Err(format!("{} numbers for dimensions {dimensions:?}", values.len()));
         }
-        let count = dimensions.len();
-        let array = Array::new(&dimensions, values).map(Value::Numbers);
-        Ok(array.unwrap_or_else(|| Value::unsupported(format!("an array of {count} dimensions"))))
+        let is_wide = matches!(dataset.dtype(), Ok(DType::I64 | DType::U64));
+        Ok(Value::array(&dimensions, values, is_wide))
     }
 
     /// Text stored as the codes of its characters.
@@ -235,6 +237,32 @@ impl Reader<'_> {
         let is_short = strings.iter().map(String::len).sum::<usize>() <= MAX_TEXT;
         Ok(if is_short { Value::Text(strings) } else { Value::not_numeric("text") })
     }
+}
+
+/// The sizes of a dataset, the slowest dimension first.
+fn sizes(dataset: &Dataset) -> Result<Vec<usize>, String> {
+    let too_large = |_| "more numbers than its size makes plausible".to_owned();
+    dataset.shape().map_err(text)?.into_iter().map(|size| usize::try_from(size).map_err(too_large)).collect()
+}
+
+/// The numbers of a dataset, read some rows of the slowest dimension at a time.
+fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
+    let [rows, rest @ ..] = sizes else { return dataset.read_f64().map_err(text) };
+    let width: usize = rest.iter().product();
+    if width == 0 {
+        return Ok(Vec::new());
+    }
+    let chunk = dataset.chunk_shape().map_err(text)?.and_then(|shape| shape.first().copied()).unwrap_or(1).max(1);
+    // Chunks that are begun are read to their end.
+    let step = usize::try_from(chunk).unwrap_or(*rows).max(1);
+    let step = (PIECE / width).max(1).next_multiple_of(step);
+    let mut values = Vec::new();
+    values.try_reserve_exact(rows * width).map_err(|error| error.to_string())?;
+    for first in (0..*rows).step_by(step) {
+        let count = step.min(rows - first);
+        values.extend(dataset.read_f64_rows(first as u64, count as u64).map_err(text)?);
+    }
+    Ok(values)
 }
 
 /// The version of layouts that came with HDF5 2.0.

@@ -25,7 +25,7 @@ pub(super) fn take(
     let named: HashSet<&str> = list.rasters.iter().map(|r| r.0).chain(list.channels.iter().map(|c| c[0])).collect();
     variables.retain_mut(|(name, value)| match value {
         Value::Numbers(array) if named.contains(name.as_str()) && !pool.contains_key(name) => {
-            let empty = Array { rows: 0, columns: 0, values: Vec::new() };
+            let empty = Array { rows: 0, columns: 0, values: Vec::new(), is_wide: false };
             pool.insert(name.clone(), std::mem::replace(array, empty));
             false
         }
@@ -101,7 +101,7 @@ impl<'a> List<'a> {
                 plan.findings.push(Finding::MissingVariable { variable: (*variable).to_owned() });
                 continue;
             };
-            let (samples, times) = (array.values.len(), plan.rasters[raster].time_s.len());
+            let (samples, times) = (array.len(), plan.rasters[raster].time_s.len());
             if samples != times {
                 let detail = format!("it has {samples} samples, its clock {times}");
                 return Err(RecordingError::DamagedChannel { file: file.into(), channel: (*name).to_owned(), detail });

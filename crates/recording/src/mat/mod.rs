@@ -14,12 +14,13 @@ mod wanted;
 mod write;
 
 use crate::source::{self, Shared};
-use crate::{Format, Recording, RecordingError, Selection};
+use crate::{Catalogue, Format, Recording, RecordingError, Selection};
 #[cfg(feature = "parquet")]
 pub(crate) use listed::{start_text, start_time};
 use scope::Plan;
 use value::Value;
-pub use write::encode_mat5;
+use wanted::Wanted;
+pub use write::{encode_mat5, write_mat5};
 
 /// What an HDF5 file starts with; one of level 7.3 after a header like that of level 5.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
@@ -48,7 +49,23 @@ pub(crate) fn decode(
     row_distance_s: Option<f64>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
-    let (format, mut variables) = variables(name, source, selection, progress)?;
+    read(name, source, Wanted::new(selection), row_distance_s, progress)
+}
+
+/// Lists a MAT-file: of arrays that are neither small nor clocks, the shape is read.
+pub(crate) fn catalogue(name: &str, source: &Shared) -> Result<Catalogue, RecordingError> {
+    read(name, source, Wanted::LIST, None, &|_, _| {}).map(|recording| recording.catalogue())
+}
+
+fn read(
+    name: &str,
+    source: &Shared,
+    wanted: Wanted<'_>,
+    row_distance_s: Option<f64>,
+    progress: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Recording, RecordingError> {
+    let selection = wanted.selection;
+    let (format, mut variables) = variables(name, source, wanted, progress)?;
     let mut plan = Plan::new(row_distance_s);
     let listed = listed::take(name, &mut variables, &mut plan, selection)?;
     plan.top(variables);
@@ -62,15 +79,15 @@ type Variables = Vec<(String, Value)>;
 fn variables(
     name: &str,
     source: &Shared,
-    selection: &Selection,
+    wanted: Wanted<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<(Format, Variables), RecordingError> {
     let head = source::bytes(name, &**source, 0, HEAD)?;
     if head.starts_with(HDF5) {
-        return Ok((Format::Hdf5, level73::variables(name, source, selection)?));
+        return Ok((Format::Hdf5, level73::variables(name, source, wanted)?));
     }
     if level4::starts(&head) {
-        return Ok((Format::Mat { level: 4 }, level4::variables(name, &**source, selection)?));
+        return Ok((Format::Mat { level: 4 }, level4::variables(name, &**source, &wanted)?));
     }
     let Some(big) = level5::is_big_endian(&head) else {
         return Err(RecordingError::Truncated {
@@ -81,8 +98,8 @@ fn variables(
         });
     };
     match (if big { head[124] } else { head[125] }, head[124].max(head[125])) {
-        (1, _) => Ok((Format::Mat { level: 5 }, level5::variables(name, source, selection, progress)?)),
-        (2, _) => Ok((Format::Mat { level: 73 }, level73::variables(name, source, selection)?)),
+        (1, _) => Ok((Format::Mat { level: 5 }, level5::variables(name, source, wanted, progress)?)),
+        (2, _) => Ok((Format::Mat { level: 73 }, level73::variables(name, source, wanted)?)),
         (_, other) => Err(RecordingError::Damaged {
             file: name.into(),
             offset: Some(124),

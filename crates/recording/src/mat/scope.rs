@@ -78,7 +78,7 @@ impl Plan {
         let Member { path, name, value } = member;
         match value {
             Value::Text(_) | Value::Cell(_) if describes => {}
-            Value::Numbers(array) if describes && array.values.len() <= 2 => {}
+            Value::Numbers(array) if describes && array.len() <= 2 => {}
             Value::Numbers(array) => {
                 let base = if name == "values" { without_signals(scope) } else { scope };
                 self.array(&path, base, labels, array);
@@ -133,6 +133,9 @@ impl Plan {
 
     /// The clock that a member is, in seconds. A period that is stated beside it may betray a smaller unit.
     fn clock(&mut self, scope: &str, member: &Member, array: &Array, stated: Option<&(String, f64)>) -> usize {
+        if array.is_rounded() {
+            self.findings.push(Finding::RoundedIntegers { channel: member.path.clone() });
+        }
         let mut factor = clock_unit(&member.name).unwrap_or((1.0, 1.0));
         let steps = array.values.len() - 1;
         let step = (array.values[steps] - array.values[0]) / steps as f64;
@@ -176,7 +179,7 @@ impl Plan {
         for member in &members.list {
             let Value::Numbers(array) = &member.value else { continue };
             let is_data = matches!(member.name.to_lowercase().as_str(), "u" | "y" | "inputdata" | "outputdata");
-            let samples = if array.is_vector() { array.values.len() } else { array.rows };
+            let samples = if array.is_vector() { array.len() } else { array.rows };
             if is_data && samples > 0 && !clocks.contains_key(&samples) {
                 let time_s = (0..samples).map(|i| start_s + i as f64 * step_s).collect();
                 clocks.insert(samples, Ok(self.raster(path, time_s)));
@@ -196,7 +199,7 @@ impl Plan {
     /// Takes over an array: a vector as one channel, a matrix as one for each column, or for each row where only the
     /// number of columns is that of a clock.
     fn array(&mut self, name: &str, base: &str, labels: &Labels, array: Array) {
-        if array.values.is_empty() {
+        if array.len() == 0 {
             return self.skip(name.to_owned(), SkipReason::NotNumeric { kind: "nothing".into() });
         }
         if let ([number], None) = (array.values.as_slice(), self.clock_of(1)) {
@@ -206,10 +209,13 @@ impl Plan {
             Ok(found) => found,
             Err(reason) => return self.skip(name.to_owned(), reason),
         };
-        let width = array.values.len() / self.rasters[raster].time_s.len().max(1);
+        let width = array.len() / self.rasters[raster].time_s.len().max(1);
         if self.channels.len().saturating_add(width) > MAX_CHANNELS {
             let detail = format!("its {width} columns bring the file to more than {MAX_CHANNELS} channels");
             return self.skip(name.to_owned(), SkipReason::Unsupported { detail });
+        }
+        if array.is_rounded() {
+            self.findings.push(Finding::RoundedIntegers { channel: name.to_owned() });
         }
         let parts = if by_rows { array.into_rows() } else { array.into_columns() };
         let names = channel_names(name, base, labels, parts.len(), by_rows);
@@ -222,7 +228,7 @@ impl Plan {
     /// The raster of an array, and whether its rows are the channels.
     fn raster_of(&mut self, array: &Array) -> Result<(usize, bool), SkipReason> {
         let is_vector = array.is_vector();
-        let samples = if is_vector { array.values.len() } else { array.rows };
+        let samples = if is_vector { array.len() } else { array.rows };
         let down = self.clock_of(samples).map(|clock| (clock, false));
         let across = || self.clock_of(array.columns).filter(|_| !is_vector).map(|clock| (clock, true));
         match down.or_else(across) {
@@ -305,7 +311,7 @@ fn flatten(path: String, name: &str, value: Value, members: &mut Vec<Member>) {
 }
 
 fn is_array(value: &Value) -> bool {
-    matches!(value, Value::Numbers(array) if array.values.len() > 1) || *value == Value::Unread
+    matches!(value, Value::Numbers(array) if array.len() > 1) || *value == Value::Unread
 }
 
 /// The length of a member that is a clock: a vector of numbers that do not decrease, named like time.

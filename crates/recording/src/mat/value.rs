@@ -1,6 +1,7 @@
 //! What a variable holds.
 
 use crate::SkipReason;
+use crate::finding::are_rounded;
 
 /// A variable of a file, or a part of one.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +24,22 @@ impl Value {
 
     pub(super) fn unsupported(detail: impl Into<String>) -> Self {
         Self::Skip(SkipReason::Unsupported { detail: detail.into() })
+    }
+
+    /// An array of these dimensions; `is_wide` where integers of 64 bits were stored.
+    pub(super) fn array(dimensions: &[usize], values: Vec<f64>, is_wide: bool) -> Self {
+        let array = Array::new(dimensions, values, is_wide).map(Self::Numbers);
+        array.unwrap_or_else(|| Self::unsupported(format!("an array of {} dimensions", dimensions.len())))
+    }
+
+    /// The shape of an array that is not read.
+    pub(super) fn shape(dimensions: &[usize]) -> Self {
+        Self::array(dimensions, Vec::new(), false)
+    }
+
+    /// No numbers.
+    pub(super) fn empty() -> Self {
+        Self::array(&[0, 0], Vec::new(), false)
     }
 
     /// An object of MATLAB, of which the file keeps more than its numbers, in a form of its own.
@@ -76,12 +93,15 @@ impl Value {
 pub(super) struct Array {
     pub(super) rows: usize,
     pub(super) columns: usize,
+    /// None where only the shape was asked for.
     pub(super) values: Vec<f64>,
+    /// They were integers of 64 bits.
+    pub(super) is_wide: bool,
 }
 
 impl Array {
     /// An array of these dimensions; `None` where more than two of them are not 1.
-    pub(super) fn new(dimensions: &[usize], values: Vec<f64>) -> Option<Self> {
+    fn new(dimensions: &[usize], values: Vec<f64>, is_wide: bool) -> Option<Self> {
         let (rows, columns) = match dimensions {
             [rows, columns] => (*rows, *columns),
             _ => {
@@ -94,18 +114,37 @@ impl Array {
                 }
             }
         };
-        Some(Self { rows, columns, values })
+        Some(Self { rows, columns, values, is_wide })
+    }
+
+    /// Whether integers in it were too large to be exact.
+    pub(super) fn is_rounded(&self) -> bool {
+        self.is_wide && are_rounded(&self.values)
+    }
+
+    /// How many numbers it has.
+    pub(super) fn len(&self) -> usize {
+        self.rows.saturating_mul(self.columns)
     }
 
     pub(super) fn is_vector(&self) -> bool {
         self.rows == 1 || self.columns == 1
     }
 
+    /// Takes the columns off from the last to the first, and gives their memory back as it goes.
     pub(super) fn into_columns(self) -> Vec<Vec<f64>> {
         if self.is_vector() {
             return vec![self.values];
         }
-        self.values.chunks(self.rows.max(1)).map(<[f64]>::to_vec).collect()
+        let mut rest = self.values;
+        let column = |column: usize| {
+            let last = rest.split_off((column * self.rows).min(rest.len()));
+            rest.shrink_to_fit();
+            last
+        };
+        let mut columns: Vec<Vec<f64>> = (0..self.columns).rev().map(column).collect();
+        columns.reverse();
+        columns
     }
 
     pub(super) fn into_rows(self) -> Vec<Vec<f64>> {

@@ -10,35 +10,58 @@ const SMALL: usize = 1 << 12;
 /// Names of arrays whose channels may be called otherwise.
 const RENAMED: [&str; 5] = ["values", "u", "y", "inputdata", "outputdata"];
 
+/// How much of an array is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Need {
+    Values,
+    /// Its dimensions, to list it.
+    Shape,
+    Nothing,
+}
+
 /// What is asked for.
 pub(super) struct Wanted<'a> {
-    selection: &'a Selection,
+    pub(super) selection: &'a Selection,
+    /// Channels are listed, not read.
+    is_list: bool,
     /// The variables that the file's own list gives for the selected channels, and all that it gives.
     pub(super) listed: Option<(HashSet<String>, HashSet<String>)>,
 }
 
 impl<'a> Wanted<'a> {
     pub(super) fn new(selection: &'a Selection) -> Self {
-        Self { selection, listed: None }
+        Self { selection, is_list: false, listed: None }
     }
 
     /// Everything, whatever is selected.
-    pub(super) const ALL: Wanted<'static> = Wanted { selection: &Selection::All, listed: None };
+    pub(super) const ALL: Wanted<'static> = Wanted { selection: &Selection::All, is_list: false, listed: None };
 
-    /// Whether an array is neither a selected channel nor a clock; `path` is its place in the file.
-    pub(super) fn skips(&self, path: &str, dimensions: &[usize]) -> bool {
+    /// What it takes to list all channels.
+    pub(super) const LIST: Wanted<'static> = Wanted { selection: &Selection::All, is_list: true, listed: None };
+
+    /// The same of all channels.
+    pub(super) fn of_all(self) -> Wanted<'static> {
+        Wanted { selection: &Selection::All, is_list: self.is_list, listed: None }
+    }
+
+    /// How much is asked for of an array, whose place in the file is `path`: all of selected channels, of clocks, and of
+    /// what is small.
+    pub(super) fn need(&self, path: &str, dimensions: &[usize]) -> Need {
         let numbers = dimensions.iter().fold(1_usize, |product, &d| product.saturating_mul(d));
         let name = path.rsplit('.').next().unwrap_or(path);
         if numbers < SMALL || clock_unit(name).is_some() {
-            return false;
-        }
-        if let Some((wanted, all)) = &self.listed
-            && all.contains(path)
-        {
-            return !wanted.contains(path);
+            return Need::Values;
         }
         let is_vector = dimensions.iter().filter(|&&d| d != 1).count() <= 1;
-        !RENAMED.contains(&name.to_lowercase().as_str()) && !self.asks_for(path, is_vector)
+        let is_wanted = match &self.listed {
+            Some((wanted, all)) if all.contains(path) => wanted.contains(path),
+            _ => RENAMED.contains(&name.to_lowercase().as_str()) || self.asks_for(path, is_vector),
+        };
+        match (is_wanted, self.is_list) {
+            (false, _) => Need::Nothing,
+            (true, true) => Need::Shape,
+            (true, false) => Need::Values,
+        }
     }
 
     /// Whether an array, or a row or column of it, is selected.

@@ -1,17 +1,20 @@
 //! Writing level 5: a list of what there is, then a vector for each clock and channel, deflated.
 
 use std::collections::{HashMap, HashSet};
-use std::io::Write as _;
+use std::io::{Cursor, Result as Io, Seek, SeekFrom, Write};
 
 use flate2::{Compression, write::ZlibEncoder};
 
 use super::listed::{NAME, start_text};
 use super::scope::MAX_CHANNELS;
 use super::value::MAX_TEXT;
+use crate::source::unwritable;
 use crate::{Recording, RecordingError};
 
 /// Below this, compression does not pay.
 const SMALL: usize = 1 << 10;
+/// Samples that are written at once.
+const PIECE: usize = 1 << 13;
 /// The longest name of a variable in MATLAB.
 const MAX_NAME: usize = 63;
 /// The largest variable that MATLAB reads.
@@ -20,6 +23,8 @@ const MAX_BYTES: usize = i32::MAX as usize;
 const STRUCT: u32 = 2;
 const TEXT: u32 = 4;
 const DOUBLE: u32 = 6;
+/// Doubles as an element.
+const DOUBLE_DATA: u32 = 9;
 
 /// Words that cannot be names of variables in MATLAB.
 const KEYWORDS: [&str; 20] = [
@@ -45,7 +50,7 @@ const KEYWORDS: [&str; 20] = [
     "while",
 ];
 
-/// Encodes a recording as a MAT-file of level 5, as MATLAB saves it with `-v7`.
+/// Writes a recording as a MAT-file of level 5 to `out`, which is empty, as MATLAB saves it with `-v7`.
 ///
 /// Each raster becomes a column vector `time` (`time_2`, … where there are more), each channel a column vector of
 /// doubles named like the channel as far as MATLAB allows: other characters become `_`, and a number is appended where a name
@@ -56,7 +61,8 @@ const KEYWORDS: [&str; 20] = [
 /// # Errors
 ///
 /// [`RecordingError::NoSuchRaster`] and [`RecordingError::LengthMismatch`] where the recording contradicts itself,
-/// [`RecordingError::CannotExpress`] for a channel or text longer than the format allows and for too many channels.
+/// [`RecordingError::CannotExpress`] for a channel or text longer than the format allows and for too many channels,
+/// [`RecordingError::Unwritable`] where `out` fails.
 ///
 /// # Example
 ///
@@ -67,20 +73,30 @@ const KEYWORDS: [&str; 20] = [
 /// assert_eq!((read.channels, read.rasters), (recording.channels, recording.rasters));
 /// # Ok::<(), recording::RecordingError>(())
 /// ```
-pub fn encode_mat5(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+pub fn write_mat5(recording: &Recording, mut out: impl Write + Seek) -> Result<(), RecordingError> {
     check(recording)?;
     let mut names = Names { used: HashSet::from([NAME.to_owned()]), numbers: HashMap::new() };
     let clocks: Vec<String> = recording.rasters.iter().map(|_| names.variable("time")).collect();
     let variables: Vec<String> = recording.channels.iter().map(|c| names.variable(&c.name)).collect();
-    let mut out = header();
-    put(&mut out, NAME, info(recording, &clocks, &variables)?)?;
+    out.write_all(&header()).map_err(|error| unwritable(&error))?;
+    put(&mut out, NAME, &info(recording, &clocks, &variables)?, &[])?;
     for (name, raster) in clocks.iter().zip(&recording.rasters) {
-        put(&mut out, name, vector(name, &raster.time_s)?)?;
+        put(&mut out, name, &vector(name, raster.time_s.len())?, &raster.time_s)?;
     }
     for (name, channel) in variables.iter().zip(&recording.channels) {
-        put(&mut out, name, vector(name, &channel.samples)?)?;
+        put(&mut out, name, &vector(name, channel.samples.len())?, &channel.samples)?;
     }
-    Ok(out)
+    out.flush().map_err(|error| unwritable(&error))
+}
+
+/// A recording as [`write_mat5`] writes it, in memory.
+///
+/// # Errors
+///
+/// As [`write_mat5`].
+pub fn encode_mat5(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    let mut out = Cursor::new(Vec::new());
+    write_mat5(recording, &mut out).map(|()| out.into_inner())
 }
 
 fn check(recording: &Recording) -> Result<(), RecordingError> {
@@ -131,22 +147,42 @@ fn header() -> Vec<u8> {
     out
 }
 
-/// Appends a variable, deflated if that pays.
-fn put(out: &mut Vec<u8>, name: &str, matrix: Vec<u8>) -> Result<(), RecordingError> {
-    if matrix.len() > MAX_BYTES {
+/// Appends a variable that begins with `head` and goes on with samples, deflated if that pays.
+fn put(out: &mut (impl Write + Seek), name: &str, head: &[u8], samples: &[f64]) -> Result<(), RecordingError> {
+    let size = head.len().saturating_add(samples.len().saturating_mul(8));
+    if size > MAX_BYTES {
         return Err(cannot(name, "the size"));
     }
-    if matrix.len() < SMALL {
-        out.extend_from_slice(&matrix);
-        return Ok(());
+    if size < SMALL {
+        return put_into(out, head, samples).map_err(|error| unwritable(&error));
     }
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(4));
-    // Writing to memory does not fail.
-    let packed = encoder.write_all(&matrix).and_then(|()| encoder.finish()).unwrap_or_default();
-    let size = u32::try_from(packed.len()).map_err(|_| cannot(name, "the size"))?;
-    out.extend_from_slice(&15_u32.to_le_bytes());
-    out.extend_from_slice(&size.to_le_bytes());
-    out.extend_from_slice(&packed);
+    let packed = deflated(out, head, samples).map_err(|error| unwritable(&error))?;
+    let size = u32::try_from(packed.1 - packed.0).map_err(|_| cannot(name, "the size"))?;
+    let mut note = || {
+        out.seek(SeekFrom::Start(packed.0 - 4))?;
+        out.write_all(&size.to_le_bytes())?;
+        out.seek(SeekFrom::Start(packed.1))
+    };
+    note().map(drop).map_err(|error| unwritable(&error))
+}
+
+/// Appends a deflated variable, without its size, and says where it begins and ends.
+fn deflated(out: &mut (impl Write + Seek), head: &[u8], samples: &[f64]) -> Io<(u64, u64)> {
+    out.write_all(&15_u32.to_le_bytes())?;
+    out.write_all(&[0; 4])?;
+    let begin = out.stream_position()?;
+    let mut encoder = ZlibEncoder::new(&mut *out, Compression::new(4));
+    put_into(&mut encoder, head, samples)?;
+    encoder.finish()?;
+    Ok((begin, out.stream_position()?))
+}
+
+fn put_into(out: &mut impl Write, head: &[u8], samples: &[f64]) -> Io<()> {
+    out.write_all(head)?;
+    for piece in samples.chunks(PIECE) {
+        let bytes: Vec<u8> = piece.iter().flat_map(|sample| sample.to_le_bytes()).collect();
+        out.write_all(&bytes)?;
+    }
     Ok(())
 }
 
@@ -175,9 +211,15 @@ fn matrix(class: u32, [rows, columns]: [usize; 2], name: &str, body: &[u8]) -> R
     element(14, &content)
 }
 
-fn vector(name: &str, samples: &[f64]) -> Result<Vec<u8>, RecordingError> {
-    let content: Vec<u8> = samples.iter().flat_map(|s| s.to_le_bytes()).collect();
-    matrix(DOUBLE, [samples.len(), 1], name, &element(9, &content)?)
+/// What a column vector of `count` doubles begins with.
+fn vector(name: &str, count: usize) -> Result<Vec<u8>, RecordingError> {
+    // Eight bytes a number leave nothing to be filled up.
+    let size = |bytes: usize| u32::try_from(bytes).map_err(|_| cannot(name, "the size"));
+    let bytes = size(count.saturating_mul(8))?;
+    let mut head = matrix(DOUBLE, [count, 1], name, &[DOUBLE_DATA.to_le_bytes(), bytes.to_le_bytes()].concat())?;
+    let whole = size(head.len() - 8 + bytes as usize)?;
+    head[4..8].copy_from_slice(&whole.to_le_bytes());
+    Ok(head)
 }
 
 fn text(owner: &str, text: &str) -> Result<Vec<u8>, RecordingError> {

@@ -9,7 +9,7 @@ use crate::error::require_names;
 use crate::{Catalogue, Finding, Format, Recording, RecordingError, Selection, SkipReason, StartTime};
 pub(crate) use plan::some_text;
 use plan::{Assembly, Group};
-pub use write::encode_mdf4;
+pub use write::{encode_mdf4, write_mdf4};
 
 /// What a file holds beside its channels.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -88,6 +88,8 @@ pub(super) struct Assembly<'a> {
     pub(super) rasters: Vec<Raster>,
     pub(super) channels: Vec<Channel>,
     pub(super) findings: Vec<Finding>,
+    /// Channels whose integers were rounded.
+    rounded: Vec<Address>,
 }
 
 impl<'a> Assembly<'a> {
@@ -100,7 +102,7 @@ impl<'a> Assembly<'a> {
         progress: &(dyn Fn(u64, u64) + Sync),
     ) -> Result<Self, RecordingError> {
         let mut assembly =
-            Self { file: name, selection, rasters: Vec::new(), channels: Vec::new(), findings: Vec::new() };
+            Self { file: name, selection, rasters: vec![], channels: vec![], findings: vec![], rounded: vec![] };
         // Everything is read in one go, so that groups stored between each other are gone through once.
         let mut addresses = Vec::new();
         let mut chosen = Vec::new();
@@ -116,6 +118,7 @@ impl<'a> Assembly<'a> {
             chosen.push((group, items, skipped));
         }
         let mut values = file.read(&addresses, progress).map_err(|e| failure(name, e))?.into_iter();
+        assembly.rounded = file.rounded();
         for (group, items, skipped) in chosen {
             assembly.findings.extend(skipped);
             if group.time.is_ok() && !items.is_empty() {
@@ -132,6 +135,12 @@ impl<'a> Assembly<'a> {
         values: &mut impl Iterator<Item = Values>,
     ) -> Result<(), RecordingError> {
         let time_s = self.numbers("time", values.next())?;
+        let clock = group.time.iter().map(|address| ("time", address));
+        for (channel, address) in clock.chain(items.iter().map(|item| (item.name, &item.address))) {
+            if self.rounded.contains(address) {
+                self.findings.push(Finding::RoundedIntegers { channel: channel.into() });
+            }
+        }
         for item in items {
             let samples = self.numbers(item.name, values.next())?;
             if samples.len() != time_s.len() {
@@ -210,7 +219,7 @@ pub(super) fn list<S: Source>(name: &str, file: &Mdf<S>, groups: &[Group<'_>]) -
         if channels.len() > first {
             let found = file.count(group.index).map_err(|e| failure(name, e))?;
             findings.extend(count_finding(rasters.len(), group.announced, found));
-            let samples = usize::try_from(found).unwrap_or(usize::MAX);
+            let samples = usize::try_from(found).ok();
             rasters.push(RasterInfo { name: group.name.clone(), samples });
         }
     }

@@ -1,10 +1,11 @@
 //! Writing MDF 4.10: a data group with one channel group for each raster, deflated.
 
-use std::io::Write as _;
+use std::io::{Cursor, Result as Io, Seek, SeekFrom, Write};
 use std::ops::Range;
 
 use flate2::{Compression, write::ZlibEncoder};
 
+use crate::source::unwritable;
 use crate::{Channel, Raster, Recording, RecordingError, StartTime};
 
 /// Samples are stored as f64.
@@ -14,7 +15,17 @@ const CHUNK: usize = 1 << 22;
 /// Below this, compression does not pay.
 const SMALL: usize = 1 << 10;
 
-/// Encodes a recording as MDF 4.10.
+/// A recording as [`write_mdf4`] writes it, in memory.
+///
+/// # Errors
+///
+/// As [`write_mdf4`].
+pub fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
+    let mut out = Cursor::new(Vec::new());
+    write_mdf4(recording, &mut out).map(|()| out.into_inner())
+}
+
+/// Writes a recording as MDF 4.10 to `out`, which is empty.
 ///
 /// Each raster becomes a channel group with its time stamps as master channel `time` in seconds; samples are stored as
 /// f64, so that what is read back equals what was written bit for bit. Of the findings nothing is written, and NaN is
@@ -23,10 +34,11 @@ const SMALL: usize = 1 << 10;
 /// # Errors
 ///
 /// [`RecordingError::NoSuchRaster`] and [`RecordingError::LengthMismatch`] where the recording contradicts itself,
-/// [`RecordingError::CannotExpress`] for a raster of more channels than a record can hold, and for text with a NUL.
-pub fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
-    let mut out = Out::begin();
-    let history = out.history();
+/// [`RecordingError::CannotExpress`] for a raster of more channels than a record can hold, and for text with a NUL,
+/// [`RecordingError::Unwritable`] where `out` fails.
+pub fn write_mdf4(recording: &Recording, out: impl Write + Seek) -> Result<(), RecordingError> {
+    let mut out = Out::begin(out).map_err(|e| unwritable(&e))?;
+    let history = out.history().map_err(|e| unwritable(&e))?;
     let comment = match &recording.comment {
         Some(comment) => out.text("the file", comment)?,
         None => 0,
@@ -36,8 +48,7 @@ pub fn encode_mdf4(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
         next = out.raster(recording, index, next)?;
     }
     check_rasters(recording)?;
-    out.head(next, history, comment, recording.start_time);
-    Ok(out.bytes)
+    out.head(next, history, comment, recording.start_time).map_err(|e| unwritable(&e))
 }
 
 fn check_rasters(recording: &Recording) -> Result<(), RecordingError> {
@@ -46,30 +57,39 @@ fn check_rasters(recording: &Recording) -> Result<(), RecordingError> {
     stray.map_or(Ok(()), |c| Err(RecordingError::NoSuchRaster { channel: c.name.clone(), raster: c.raster, rasters }))
 }
 
-struct Out {
-    bytes: Vec<u8>,
+struct Out<W> {
+    out: W,
+    /// Bytes that are written.
+    length: u64,
 }
 
-impl Out {
+impl<W: Write + Seek> Out<W> {
     /// The identification block and room for the header.
-    fn begin() -> Self {
-        let mut bytes = Vec::with_capacity(1 << 16);
-        bytes.extend_from_slice(b"MDF     4.10    dynoid  ");
+    fn begin(out: W) -> Io<Self> {
+        let mut bytes = b"MDF     4.10    dynoid  ".to_vec();
         bytes.extend_from_slice(&[0; 4]);
         bytes.extend_from_slice(&410_u16.to_le_bytes());
         bytes.resize(64 + 104, 0);
-        Self { bytes }
+        let mut begun = Self { out, length: 0 };
+        begun.append(&bytes)?;
+        Ok(begun)
+    }
+
+    fn append(&mut self, bytes: &[u8]) -> Io<()> {
+        self.length += bytes.len() as u64;
+        self.out.write_all(bytes)
     }
 
     /// Appends a block and returns its offset.
-    fn block(&mut self, id: &[u8; 4], links: &[u64], data: &[u8]) -> u64 {
-        self.bytes.resize(self.bytes.len().next_multiple_of(8), 0);
-        let offset = self.bytes.len() as u64;
-        self.bytes.extend_from_slice(&block(id, links, data));
-        offset
+    fn block(&mut self, id: &[u8; 4], links: &[u64], data: &[u8]) -> Io<u64> {
+        let gap = self.length.next_multiple_of(8) - self.length;
+        self.append(&[0; 8][..gap as usize])?;
+        let offset = self.length;
+        self.append(&block(id, links, data))?;
+        Ok(offset)
     }
 
-    fn head(&mut self, groups: u64, history: u64, comment: u64, start: Option<StartTime>) {
+    fn head(&mut self, groups: u64, history: u64, comment: u64, start: Option<StartTime>) -> Io<()> {
         let mut data = [0; 32];
         if let Some(start) = start {
             let offset = start.utc_offset_min.and_then(|m| i16::try_from(m).ok());
@@ -78,18 +98,20 @@ impl Out {
             data[12] = u8::from(start.is_local) | (u8::from(offset.is_some()) << 1);
         }
         let head = block(b"##HD", &[groups, history, 0, 0, 0, comment], &data);
-        self.bytes[64..64 + 104].copy_from_slice(&head);
+        self.out.seek(SeekFrom::Start(64))?;
+        self.out.write_all(&head)?;
+        self.out.flush()
     }
 
     /// The change history, which the format requires.
-    fn history(&mut self) -> u64 {
+    fn history(&mut self) -> Io<u64> {
         let xml = concat!(
             "<FHcomment xmlns='http://www.asam.net/mdf/v4'><TX>written</TX><tool_id>dynoid</tool_id>",
             "<tool_vendor>dynoid</tool_vendor><tool_version>",
             env!("CARGO_PKG_VERSION"),
             "</tool_version></FHcomment>\0"
         );
-        let comment = self.block(b"##MD", &[], &padded(xml.as_bytes()));
+        let comment = self.block(b"##MD", &[], &padded(xml.as_bytes()))?;
         self.block(b"##FH", &[0, comment], &[0; 16])
     }
 
@@ -102,7 +124,7 @@ impl Out {
         }
         let mut data = text.as_bytes().to_vec();
         data.push(0);
-        Ok(self.block(b"##TX", &[], &padded(&data)))
+        self.block(b"##TX", &[], &padded(&data)).map_err(|e| unwritable(&e))
     }
 
     /// A raster with its channels and records; `next` is the data group that follows.
@@ -125,8 +147,9 @@ impl Out {
         data[8..16].copy_from_slice(&(raster.time_s.len() as u64).to_le_bytes());
         data[24..28].copy_from_slice(&record_bytes.to_le_bytes());
         let group = self.block(b"##CG", &[0, first, name, 0, 0, 0], &data);
-        let records = self.records(raster, &channels, record);
-        Ok(self.block(b"##DG", &[next, group, records, 0], &[0; 8]))
+        let records = |group| Ok((group, self.records(raster, &channels, record)?));
+        let (group, records) = group.and_then(records).map_err(|e| unwritable(&e))?;
+        self.block(b"##DG", &[next, group, records, 0], &[0; 8]).map_err(|e| unwritable(&e))
     }
 
     fn channel(&mut self, channel: &Channel, place: usize, next: u64) -> Result<u64, RecordingError> {
@@ -145,13 +168,13 @@ impl Out {
         data[..3].copy_from_slice(if column.is_time { &[2, 1, 4] } else { &[0, 0, 4] });
         data[4..8].copy_from_slice(&place.to_le_bytes());
         data[8..12].copy_from_slice(&64_u32.to_le_bytes());
-        Ok(self.block(b"##CN", &[next, 0, name, 0, 0, 0, unit, comment], &data))
+        self.block(b"##CN", &[next, 0, name, 0, 0, 0, unit, comment], &data).map_err(|e| unwritable(&e))
     }
 
-    fn records(&mut self, raster: &Raster, channels: &[&Channel], record: usize) -> u64 {
+    fn records(&mut self, raster: &Raster, channels: &[&Channel], record: usize) -> Io<u64> {
         let count = raster.time_s.len();
         if count == 0 {
-            return 0;
+            return Ok(0);
         }
         if count * record < SMALL {
             return self.block(b"##DT", &[], &records(raster, channels, 0..count));
@@ -161,14 +184,14 @@ impl Out {
         let mut links = vec![0];
         for first in (0..count).step_by(rows) {
             let part = deflated(&records(raster, channels, first..count.min(first + rows)), record);
-            links.push(self.block(b"##DZ", &[], &part));
+            links.push(self.block(b"##DZ", &[], &part)?);
         }
         let mut data = [0; 16];
         data[0] = 1;
-        // At most as many chunks as fit in memory; the count is 32 bits wide by definition of the format.
+        // There are at most as many chunks as samples in memory; the count is 32 bits wide by definition of the format.
         data[4..8].copy_from_slice(&u32::try_from(links.len() - 1).unwrap_or(u32::MAX).to_le_bytes());
         data[8..16].copy_from_slice(&(chunk as u64).to_le_bytes());
-        let list = self.block(b"##DL", &links, &data);
+        let list = self.block(b"##DL", &links, &data)?;
         self.block(b"##HL", &[list], &[1, 0, 1, 0, 0, 0, 0, 0])
     }
 }

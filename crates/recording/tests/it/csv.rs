@@ -230,3 +230,16 @@ fn regress_dos_end_mark_and_trailing_blanks() {
     assert_eq!((r.channels[0].name.as_str(), r.channels[0].unit.as_str()), ("CH1", "msr"));
     assert_eq!((&r.rasters[0].time_s[..], r.findings), (&[0.0, 40e-6][..], vec![]));
 }
+
+/// Integers that a double cannot hold are said, whoever wrote them.
+#[test]
+fn exact_rounded_integers_are_said() {
+    let rounded = |text: &str| {
+        let findings = decode("a.csv", text.as_bytes(), &Selection::All).unwrap().findings;
+        findings.contains(&Finding::RoundedIntegers { channel: "n".into() })
+    };
+    assert!(rounded("t [s],n\n0,1\n1,9007199254740993\n"));
+    assert!(rounded("t [s],n\n0,1\n1,-18446744073709551615\n"));
+    assert!(!rounded("t [s],n\n0,1\n1,9007199254740991\n"));
+    assert!(!rounded("t [s],n\n0,1.5\n1,1e300\n"));
+}

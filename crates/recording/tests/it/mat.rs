@@ -350,6 +350,8 @@ fn ref_files_equal_scipy() {
             eprintln!("skipped: {file} is not there");
             continue;
         };
+        let timed = decode(file, &bytes, &Selection::All).map(|recording| recording.catalogue());
+        assert_eq!(catalogue(file, &bytes), timed, "{file}");
         let recording = decode_untimed(file, &bytes, 1.0).unwrap();
         let mut clocks = 0;
         for fields in &expected {

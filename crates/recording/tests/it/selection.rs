@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use recording::{
-    Channel, Format, Raster, Recording, RecordingError, Selection, Source, decode, decode_from, encode_csv,
-    encode_mat5, encode_mdf4,
+    Channel, Format, Raster, Recording, RecordingError, Selection, Source, catalogue_from, decode, decode_from,
+    encode_csv, encode_mat5, encode_mdf4,
 };
 
 const CHANNELS: usize = 40;
@@ -50,7 +50,7 @@ fn encoded(recording: &Recording) -> Vec<(&'static str, Vec<u8>, bool)> {
 fn tables(recording: &Recording) -> [(&'static str, Vec<u8>, bool); 2] {
     [
         ("a.parquet", recording::encode_parquet(recording).unwrap(), true),
-        ("a.arrow", recording::encode_arrow(recording).unwrap(), false),
+        ("a.arrow", recording::encode_arrow(recording).unwrap(), true),
     ]
 }
 
@@ -90,8 +90,65 @@ fn exact_selected_channels_are_read_without_the_others() {
         assert_eq!(some.channels.iter().collect::<Vec<_>>(), expected, "{name}");
         assert_eq!(some.rasters[0].time_s, recording.rasters[0].time_s, "{name}");
         assert!(!skips || read < size / 4, "{name}: {read} of {size} bytes were read");
-        // A batch of Arrow is read whole, and the writer's batches are of 8 MB.
         assert!(at_once <= 9 << 20, "{name}: {at_once} bytes were read at once");
+    }
+}
+
+/// A list is made of the structure, and of what tells the clocks.
+#[test]
+fn exact_lists_are_made_without_the_samples() {
+    let recording = noisy();
+    for (name, bytes, _) in encoded(&recording) {
+        let mut expected = decode(name, &bytes, &Selection::All).unwrap().catalogue();
+        if name == "a.csv" {
+            // Only its end would tell.
+            expected.rasters[0].samples = None;
+        }
+        let size = bytes.len();
+        let source = Arc::new(Counted { bytes, read: Default::default() });
+        assert_eq!(catalogue_from(name, source.clone()).unwrap(), expected, "{name}");
+        let (read, _) = *source.read.lock().unwrap();
+        assert!(read < size / 7, "{name}: {read} of {size} bytes were read");
+    }
+}
+
+/// What is written goes out piece by piece.
+#[test]
+fn exact_files_are_written_in_pieces() {
+    struct Most(std::io::Cursor<Vec<u8>>, usize);
+    impl std::io::Write for Most {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.1 = self.1.max(bytes.len());
+            self.0.write(bytes)
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    impl std::io::Seek for Most {
+        fn seek(&mut self, to: std::io::SeekFrom) -> std::io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+    let recording = noisy();
+    type Write = fn(&Recording, &mut Most) -> Result<(), RecordingError>;
+    let mut writers: Vec<(&str, Write)> = vec![
+        ("a.csv", |recording, out| recording::write_csv(recording, out)),
+        ("a.mf4", |recording, out| recording::write_mdf4(recording, out)),
+        ("a.mat", |recording, out| recording::write_mat5(recording, out)),
+    ];
+    #[cfg(feature = "parquet")]
+    writers.extend([
+        ("a.parquet", (|recording, out| recording::write_parquet(recording, out)) as Write),
+        ("a.arrow", |recording, out| recording::write_arrow(recording, out)),
+    ]);
+    let whole = encoded(&recording);
+    for (name, write) in writers {
+        let mut out = Most(Default::default(), 0);
+        write(&recording, &mut out).unwrap();
+        let (_, bytes, _) = whole.iter().find(|(other, ..)| *other == name).unwrap();
+        assert!(out.0.get_ref() == bytes, "{name}");
+        assert!(out.1 <= 9 << 19, "{name}: {} bytes were written at once", out.1);
     }
 }
 

@@ -13,8 +13,8 @@ use arrow_ipc::writer::{FileWriter, IpcWriteOptions, StreamWriter};
 use arrow_schema::{Field, Schema};
 use parquet::arrow::ArrowWriter;
 use recording::{
-    CsvProblem, Finding, Recording, RecordingError, Selection, SkipReason, StartTime, decode, decode_untimed,
-    encode_csv, encode_parquet,
+    CsvProblem, Finding, Recording, RecordingError, Selection, SkipReason, StartTime, catalogue, decode,
+    decode_untimed, encode_csv, encode_parquet,
 };
 
 /// A column: name, unit in its metadata, values.
@@ -61,6 +61,12 @@ fn read(columns: Vec<Column>) -> Recording {
     assert_eq!(of_parquet.format.to_string(), "Parquet");
     let of_arrow = decode("a.arrow", &arrow(&batch), &Selection::All).unwrap();
     let of_stream = decode("a.arrow", &stream(std::slice::from_ref(&batch)), &Selection::All).unwrap();
+    for (bytes, read) in [(parquet(&batch), &of_parquet), (arrow(&batch), &of_arrow)] {
+        let mut expected = read.catalogue();
+        // Of numbers that are not read, nothing is known.
+        expected.findings.retain(|finding| !matches!(finding, Finding::RoundedIntegers { .. }));
+        assert_eq!(catalogue("a", &bytes).unwrap(), expected);
+    }
     assert_eq!(of_arrow.format.to_string(), "Arrow");
     of_parquet.format = of_arrow.format;
     for other in [of_stream, of_parquet] {
@@ -249,4 +255,50 @@ fn regress_announced_sizes_of_batches_are_not_believed() {
 fn regress_text_is_no_stream() {
     let error = decode("a", &[0xFF, 0xFF, 0xFF, 0xFF, 8, 0, 0, 0, 1, 2], &Selection::All).unwrap_err();
     assert!(!matches!(error, RecordingError::Csv { problem: CsvProblem::NoData, .. }), "{error}");
+}
+
+/// A batch of more rows than are read at once, of values of one bit, of codes, with missing ones, between columns of text.
+#[test]
+fn exact_long_batches_are_read_in_parts() {
+    const ROWS: usize = 200_001;
+    let on = |i: usize| (i % 7 != 3).then_some(i % 5 < 2);
+    let gear = |i: usize| (!i.is_multiple_of(11)).then(|| ["1.5", "2.5", "-3"][i % 3]);
+    let gears = [1.5, 2.5, -3.0];
+    let codes = (0..ROWS).map(|i| gear(i).map(|_| (i % 3) as i32));
+    let gear_values: ArrayRef = Arc::new(Float64Array::from(gears.to_vec()));
+    let columns: Vec<Column> = vec![
+        ("note", None, Arc::new((0..ROWS).map(|i| (i % 2 == 0).then(|| format!("n{i}"))).collect::<StringArray>())),
+        ("time", None, floats(&(0..ROWS).map(|i| i as f64 * 1e-3).collect::<Vec<_>>())),
+        ("on", None, Arc::new((0..ROWS).map(on).collect::<BooleanArray>())),
+        ("gear", None, Arc::new(DictionaryArray::<Int32Type>::new(codes.collect(), gear_values))),
+        ("count", None, Arc::new((0..ROWS).map(|i| Some(i as i64 * 3)).collect::<Int64Array>())),
+    ];
+    let batch = batch(columns);
+    for packed in [None, Some(CompressionType::LZ4_FRAME), Some(CompressionType::ZSTD)] {
+        let options = IpcWriteOptions::default().try_with_compression(packed).unwrap();
+        let mut writer = FileWriter::try_new_with_options(Vec::new(), &batch.schema(), options).unwrap();
+        writer.write(&batch).unwrap();
+        let bytes = writer.into_inner().unwrap();
+        let recording = decode("a.arrow", &bytes, &Selection::All).unwrap();
+        assert_eq!(catalogue("a.arrow", &bytes).unwrap(), recording.catalogue());
+        let is = |name: &str, value: &dyn Fn(usize) -> f64| {
+            let samples = &recording.channel(name).unwrap().samples;
+            let is_same = |i: usize| samples[i] == value(i) || (samples[i].is_nan() && value(i).is_nan());
+            samples.len() == ROWS && (0..ROWS).all(is_same)
+        };
+        assert!(is("on", &|i| on(i).map_or(f64::NAN, |on| f64::from(u8::from(on)))), "{packed:?}");
+        assert!(is("gear", &|i| gear(i).map_or(f64::NAN, |_| gears[i % 3])), "{packed:?}");
+        assert!(is("count", &|i| i as f64 * 3.0), "{packed:?}");
+        assert_eq!(recording.rasters[0].time_s.len(), ROWS);
+    }
+}
+
+#[test]
+fn exact_rounded_integers_are_said() {
+    let rounded = |count: i64| {
+        let counts: ArrayRef = Arc::new(Int64Array::from(vec![1, count]));
+        let r = read(vec![("time", None, floats(&[0.0, 1.0])), ("n", None, counts)]);
+        r.findings.contains(&Finding::RoundedIntegers { channel: "n".into() })
+    };
+    assert!(rounded(i64::MAX) && rounded((1 << 53) + 1) && !rounded((1 << 53) - 1));
 }

@@ -1,5 +1,6 @@
 //! `dynoid convert`: recordings in another format, or a model in another form.
 
+mod choice;
 mod figures;
 mod notes;
 mod recordings;

@@ -3,9 +3,10 @@
 use bench::dataset::on_one_clock;
 use ident::Intersample;
 use plot::Figure;
-use recording::Recording;
+use recording::{Recording, Selection};
 use serde::Serialize;
 
+use super::choice::choices;
 use super::figures::figures;
 use super::notes;
 use super::targets::{Target, plan};
@@ -16,7 +17,6 @@ use crate::commands::identify::judge::{picture, written};
 use crate::commands::identify::words::counted;
 use crate::error::{CliError, Outcome};
 use crate::input::{self, Read};
-use crate::output::replace_file;
 use crate::terminal::Terminal;
 
 /// Most notes that are shown of one file; all are in the JSON.
@@ -55,9 +55,19 @@ pub(super) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
     check(arguments)?;
     let targets = plan(input::named(&arguments.files)?, arguments)?;
     check_plot(&arguments.result, &[&arguments.files])?;
+    let chosen = choices(&targets, &arguments.channels)?;
     let (mut rows, mut drawn, mut unreadable) = (Vec::new(), Vec::new(), 0);
-    for target in &targets {
-        match one(target, arguments, terminal) {
+    for (target, choice) in targets.iter().zip(chosen) {
+        let without = choice.without;
+        let Some(selection) = choice.selection else {
+            let note = format!("{}; it is not converted", without.unwrap_or_default());
+            if !arguments.result.json {
+                terminal.warning(&format!("{}: {note}", target.input.name));
+            }
+            rows.push(serde_json::json!({"file": target.input.name, "notes": [note]}));
+            continue;
+        };
+        match one(target, &selection, without, arguments, terminal) {
             Ok((written, figures)) => {
                 drawn.extend(figures);
                 say(&written, targets.len() > 1, arguments.result.json, terminal);
@@ -122,12 +132,18 @@ fn say(written: &Written, is_one_of_many: bool, json: bool, terminal: &mut Termi
 }
 
 /// Reads, cuts, resamples and writes one recording; draws what was written where a picture is asked for.
-fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Result<(Written, Vec<Figure>), CliError> {
-    let selection = input::selection(&arguments.channels);
+fn one(
+    target: &Target,
+    selection: &Selection,
+    without: Option<String>,
+    arguments: &ConvertArguments,
+    terminal: &Terminal,
+) -> Result<(Written, Vec<Figure>), CliError> {
     let progress = terminal.long(&format!("converting {}", target.input.name));
     let Read { mut recording, is_untimed } =
-        input::read_recording(&target.input, &selection, arguments.sample_time, &|done, all| progress.told(done, all))?;
-    let mut notes: Vec<String> = recording.findings.iter().map(ToString::to_string).collect();
+        input::read_recording(&target.input, selection, arguments.sample_time, &|done, all| progress.told(done, all))?;
+    let mut notes: Vec<String> = without.into_iter().collect();
+    notes.extend(recording.findings.iter().map(ToString::to_string));
     notes.extend(notes::extras(&input::extras(&target.input)?));
     if arguments.start.is_some() || arguments.end.is_some() {
         let window = (arguments.start.unwrap_or(f64::NEG_INFINITY), arguments.end.unwrap_or(f64::INFINITY));
@@ -136,21 +152,22 @@ fn one(target: &Target, arguments: &ConvertArguments, terminal: &Terminal) -> Re
     if recording.channels.is_empty() {
         return Err(CliError::NothingToConvert { file: target.input.name.clone(), reasons: notes });
     }
-    let sample_time_s = arguments.sample_time.or(arguments.rate.map(|rate_hz| 1.0 / rate_hz));
-    if let Some(sample_time_s) = sample_time_s.filter(|_| !is_untimed) {
+    // Where time is counted from row to row, that is what --sample-time said.
+    let clock_s = arguments.sample_time.filter(|_| !is_untimed);
+    let sample_time_s = arguments.rate.map(|rate_hz| 1.0 / rate_hz).or(clock_s);
+    if let Some(sample_time_s) = sample_time_s {
         let between = between(arguments.between);
-        let brought = on_one_clock(&target.input.name, &recording, sample_time_s, between)?;
+        let brought = on_one_clock(&target.input.name, recording, sample_time_s, between)?;
         notes.extend(notes::adjustments(&brought.adjustments));
         notes.extend(notes::left_out(&brought.left_out));
         recording = brought.recording;
     }
     notes.extend(target.format.fit(&mut recording));
-    let bytes = target.format.encode(&recording)?;
     if let Some(folder) = target.out.parent().filter(|_| arguments.to.is_some()) {
         std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
     }
     let sha256 = arguments.result.json.then(|| input::sha256(&target.input)).transpose()?;
-    replace_file(&target.out, &bytes)?;
+    target.format.write(&recording, &target.out)?;
     let drawn = arguments.result.plot.as_ref().map(|_| figures(&input::with_slashes(&target.out), &recording));
     Ok((facts(target, sha256, &recording, notes), drawn.unwrap_or_default()))
 }

@@ -218,7 +218,7 @@ fn run(
     })?;
     if let Some(path) = &arguments.out {
         let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
-        replace_file(path, &FileFormat::of_output(path)?.encode(&recording)?)?;
+        FileFormat::of_output(path)?.write(&recording, path)?;
     }
     let fit = |number: usize, output: usize| judged.fit_percent[number][output];
     let rows = (0..response.outputs.len()).flat_map(|n| (0..document.outputs.len()).map(move |o| (n, o)));

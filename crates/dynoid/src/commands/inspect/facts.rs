@@ -46,7 +46,8 @@ pub(super) struct Listing {
 #[derive(Debug, Serialize)]
 pub(super) struct ListedRaster {
     pub(super) name: Option<String>,
-    pub(super) samples: usize,
+    /// None where it takes reading all of them to tell.
+    pub(super) samples: Option<usize>,
     pub(super) channels: Vec<ListedChannel>,
 }
 

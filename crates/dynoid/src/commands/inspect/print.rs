@@ -29,7 +29,7 @@ pub(super) fn listing(listing: &Listing, terminal: &mut Terminal) {
     head(Head { file, format, start, label, comment, extras, findings }, terminal);
     for (index, raster) in listing.rasters.iter().enumerate() {
         terminal.gap();
-        terminal.line(&format!("  raster {index}{}: {}", named(&raster.name), samples(raster.samples)));
+        terminal.line(&format!("  raster {index}{}: {}", named(&raster.name), listed_samples(raster.samples)));
         let mut table = Table::new(&[("channel", Align::Left), ("unit", Align::Left), ("", Align::Left)]);
         for channel in &raster.channels {
             table.row([(&channel.name).into(), (&channel.unit).into(), (&channel.comment).into()]);
@@ -86,6 +86,11 @@ fn head(facts: Head<'_>, terminal: &mut Terminal) {
 /// A name in brackets, if there is one.
 fn named(name: &Option<String>) -> String {
     name.as_ref().map(|name| format!(" ({name})")).unwrap_or_default()
+}
+
+/// How many samples a list knows of.
+fn listed_samples(count: Option<usize>) -> String {
+    count.map_or_else(|| "samples that only reading counts (leave out --list)".to_owned(), samples)
 }
 
 fn samples(count: usize) -> String {

@@ -4,14 +4,14 @@ use std::io::{BufReader, Read};
 
 use flate2::read::ZlibDecoder;
 
-use super::{COMPRESSED, Elements, MATRIX, MAX_EXPANSION, converted_all, uint4};
-use crate::mat::value::{Array, Value};
+use super::{COMPRESSED, Elements, MATRIX, MAX_EXPANSION, converted_all, is_wide, uint4};
+use crate::mat::value::Value;
 use crate::source::{Shared, Stretch};
 
 /// Bytes of a variable in which its flags, dimensions and name are.
 const HEAD: usize = 1 << 10;
 /// Arrays of fewer numbers are read with all their variable.
-const LARGE: usize = 1 << 14;
+const LARGE: usize = 1 << 12;
 /// Deflated bytes read at once: of a variable that is skipped, only so many.
 const BUFFER: usize = 1 << 13;
 /// Bytes of numbers converted at once; a multiple of every width.
@@ -84,6 +84,10 @@ impl Content {
         }
         let mut bytes = begun.as_slice().chain(&mut self.rest).take(size as u64);
         let mut values = Vec::new();
+        // All of it is announced, by no more than deflate can hold, so the memory is taken once.
+        if size <= 8 * large.count {
+            values.try_reserve_exact(large.count).map_err(|error| error.to_string())?;
+        }
         let mut piece = Vec::with_capacity(PIECE);
         loop {
             piece.clear();
@@ -100,8 +104,7 @@ impl Content {
         self.left -= size.saturating_sub(begun.len());
         self.finish()?;
         values.shrink_to_fit();
-        let array = Array::new(&large.dimensions, values).map(Value::Numbers);
-        Ok(array.unwrap_or_else(|| Value::unsupported(format!("an array of {} dimensions", large.dimensions.len()))))
+        Ok(Value::array(&large.dimensions, values, is_wide(kind)))
     }
 
     /// All of the content.
