@@ -13,8 +13,11 @@ pub(crate) mod start;
 
 use faer::Mat;
 
+pub(crate) use sampled::response_to_powers;
+
 pub use model::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 
+use crate::course::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use estimate::{OutputFit, Settings, combine, fit_output};
 use output_error::Nuisance;
@@ -27,6 +30,8 @@ use start::Candidate;
 /// `G(s) = (b_m s^m + … + b₀) / (s^n + a_{n−1} s^{n−1} + … + a₀) · e^{−s·delay}`.
 ///
 /// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample included.
+/// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
+/// an experiment, where they rest on a guess of the inputs beyond it, are left out.
 /// Instrumental variables give starting values. Initial states are estimated; where a delay is searched, the samples
 /// before its upper bound only serve as past inputs. Each output is estimated on its own. The covariance
 /// allows for noise with the autocorrelation of the residuals.
@@ -134,16 +139,17 @@ impl ContinuousTransferFunction {
     /// with too many poles.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<TransferFunctionModel>, IdentError> {
         let options = self.spread(data)?;
-        let first = options.first_sample(data);
+        let ground = Ground::new(data, self.at_rest)?;
+        let first = ground.edge + options.first_sample(data);
         let settings = options.settings();
         let mut parts = Vec::with_capacity(data.outputs());
         for output in 0..data.outputs() {
-            let records = records(data, output, first)?;
+            let records = records(&ground, output, first)?;
             options.check_length(&records)?;
             let starts = options.starts(data, &records)?;
             parts.push(fit_output(data, &records, &starts, &options.bounds(), settings)?);
         }
-        combine(data, first, &parts as &[OutputFit<RationalChannel>], settings)
+        combine(&ground, first, &parts as &[OutputFit<RationalChannel>], settings)
     }
 
     /// The options with one entry an input.

@@ -106,7 +106,7 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         let mut state = vec![0.0; 2 * n];
         state[..initial.len()].copy_from_slice(initial);
         let mut by_coefficient = vec![0.0; part.slopes.nrows()];
-        cascade.run(record.inputs[input], record.first, &mut state, |k, state, v, slope| {
+        cascade.run(&record.inputs[input], record.first, &mut state, |k, state, v, slope| {
             if record.output[k].is_nan() {
                 return;
             }
@@ -228,11 +228,24 @@ mod tests {
         let u: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 7 + k) % 13) - 6.0).collect();
         let v: Vec<f64> = (0..300).map(|k: i32| f64::from((k * k * 5 + 3 * k) % 11) - 5.0).collect();
         let y: Vec<f64> = (0..300).map(|k: i32| f64::from((k * 31) % 17) + 3.0 * 0.97_f64.powi(k)).collect();
-        let late = [Record { inputs: vec![&u, &v], output: &y, first: 9 }];
-        let from_rest = [Record { first: 0, ..late[0].clone() }];
+        let courses = |x: &[f64]| {
+            let data = crate::Dataset::siso(0.1, x, x).unwrap();
+            crate::course::with_courses(&data, &[(0, 0.0)], true).unwrap()
+        };
+        let (smooth_u, smooth_v) = (courses(&u), courses(&v));
         let one = RationalChannel::new(vec![1.0, 30.0], vec![4.0, 25.0], 0.237).unwrap();
         let two = RationalChannel::new(vec![2.0], vec![3.0], 0.52).unwrap();
-        for intersample in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold] {
+        for intersample in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold, Intersample::BandLimited] {
+            let columns = |x: &crate::Dataset| (0..7).map(|j| x.experiments()[0].input(j).to_vec()).collect::<Vec<_>>();
+            let (us, vs) = match intersample {
+                Intersample::BandLimited => (columns(&smooth_u), columns(&smooth_v)),
+                _ => (vec![u.clone()], vec![v.clone()]),
+            };
+            fn slices(x: &[Vec<f64>]) -> Vec<&[f64]> {
+                x.iter().map(Vec::as_slice).collect()
+            }
+            let late = [Record { inputs: vec![slices(&us), slices(&vs)], output: &y, first: 9 }];
+            let from_rest = [Record { first: 0, ..late[0].clone() }];
             for nuisance in [(true, true), (true, false), (false, true)] {
                 let (initial_state, offset) = nuisance;
                 let mut problem = OutputError {
