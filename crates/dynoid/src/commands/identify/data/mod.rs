@@ -26,6 +26,8 @@ const MOST_NAMES: usize = 20;
 pub(super) struct Loaded {
     /// The data, trend taken off.
     pub(super) data: Dataset,
+    /// What the inputs do between the samples of their recordings.
+    pub(super) between: Intersample,
     /// What was taken off, per recording.
     pub(super) trend: Option<Trend>,
     /// The recordings they come from.
@@ -115,7 +117,8 @@ pub(super) fn take_about(
     // Inputs that stand in for outputs have their own adjustments.
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
     let is_news = |a: &&Adjustment| !(is_stand_in && matches!(a, Adjustment::Sparse { .. }));
-    notes.extend(adjustments.iter().filter(is_news).map(words::adjustment));
+    let given = arguments.sample_time_s.is_some();
+    notes.extend(adjustments.iter().filter(is_news).map(|a| words::adjustment(a, purpose, given)));
     let advice = if is_stand_in { Vec::new() } else { advise(&data) };
     let is_explained = |advice: &&Advice| words::is_explained(advice, &adjustments, &data);
     let advice = advice.iter().filter(|advice| words::matters(advice, purpose)).filter(|a| !is_explained(a));
@@ -127,7 +130,7 @@ pub(super) fn take_about(
         None => data,
     };
     let recording = (0..data.experiments().len()).collect();
-    Ok(Loaded { data, trend, sources, recording, notes })
+    Ok(Loaded { data, between: options.intersample, trend, sources, recording, notes })
 }
 
 /// Says what was not said before.
