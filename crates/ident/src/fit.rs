@@ -3,6 +3,7 @@
 use faer::Mat;
 use lti::{Innovations, LtiError, PolynomialModel};
 
+use crate::course::BandLimitedForm;
 use crate::{IdentError, Intersample, Termination};
 
 /// A model with parameters θ that can be read and replaced. Everything derived from an estimate — intervals, bands, ellipses,
@@ -22,19 +23,29 @@ pub trait Parametric: Clone {
 }
 
 /// A model that says how sampled outputs come from sampled inputs and noise.
-pub trait LinearModel {
+pub trait LinearModel: Sync {
     /// Number of inputs.
     fn inputs(&self) -> usize;
 
     /// Number of outputs.
     fn outputs(&self) -> usize;
 
-    /// The model in innovations form on a sample time. Models in continuous time are discretised exactly under the given
-    /// behaviour of the inputs.
+    /// The model in innovations form on a sample time. Models in continuous time are discretised exactly under inputs that
+    /// are held or straight. Under band-limited ones no form in the samples is exact: theirs is that of straight inputs,
+    /// whose gain at ω is lower by the part (ωT)²/12, while estimates, [`prediction`](crate::prediction) and
+    /// [`validate`](crate::validate) go by [`LinearModel::band_limited`].
     ///
     /// # Errors
     /// A discrete model of another sample time, or a continuous one that cannot be discretised.
     fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError>;
+
+    /// A model in continuous time under band-limited inputs; none for a discrete one, which only knows samples.
+    ///
+    /// # Errors
+    /// Those of [`LinearModel::innovations`].
+    fn band_limited(&self, _sample_time_s: f64) -> Result<Option<BandLimitedForm>, LtiError> {
+        Ok(None)
+    }
 }
 
 /// An estimate: the model, how certain it is, and how it came about.
@@ -79,7 +90,7 @@ pub enum Doubt {
         #[serde(with = "maybe_infinite")]
         condition: f64,
     },
-    /// Rows were left out because of missing samples.
+    /// Rows were left out because of missing samples, or since inputs are not known well enough near the ends.
     RowsLeftOut {
         /// How many.
         rows: usize,

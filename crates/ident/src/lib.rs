@@ -54,6 +54,7 @@ mod arx;
 pub mod closed_loop;
 mod colour;
 mod continuous;
+mod course;
 pub mod covariance;
 mod criteria;
 mod data;
@@ -90,6 +91,7 @@ pub use frequency_domain::{FrequencyData, Lines, Measured, SpectralData};
 
 // Models and fits.
 pub use continuous::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
+pub use course::BandLimitedForm;
 pub use document::{AnyModel, DocumentHeader, EstimateRecord, ModelDocument, Source};
 pub use error::{IdentError, StructureFault};
 pub use fit::{Doubt, Fit, LinearModel, Parametric};

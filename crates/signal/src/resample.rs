@@ -150,6 +150,60 @@ pub fn resample_rational(x: &Signal, up: usize, down: usize) -> Result<Signal, S
     Signal::new(x.start_s, x.sample_time_s * down as f64 / up as f64, (0..length).map(value).collect())
 }
 
+/// What lies below the Nyquist frequency of the signal that holds each sample until the next, on the same clock.
+///
+/// The held signal at `t` has there the mean of the band-limited signal through the samples over the sample time before
+/// `t`: half a sample later, and lower by `sin(ωT/2)/(ωT/2)`. This is what a low-pass filter has to be given before a held
+/// signal is brought to a longer sample time. Beyond the ends the record continues by odd reflection.
+///
+/// # Errors
+/// [`SignalError::TooShort`] for an empty signal.
+///
+/// # Example
+/// ```
+/// let x = signal::Signal::new(0.0, 1.0, (0..200).map(f64::from).collect())?;
+/// let y = signal::resample::band_of_held(&x)?;
+/// assert!((y.samples[100] - 99.5).abs() < 1e-6);
+/// # Ok::<(), signal::SignalError>(())
+/// ```
+pub fn band_of_held(x: &Signal) -> Result<Signal, SignalError> {
+    let nodes = GAUSS.map(|(at, weight)| (0.5 + 0.5 * at, 0.5 * weight));
+    averaged(x, &nodes)
+}
+
+/// What lies below the Nyquist frequency of the signal that runs straight from sample to sample, on the same clock: lower
+/// than the band-limited signal through the samples by `(sin(ωT/2)/(ωT/2))²`, and no later. See [`band_of_held`].
+///
+/// # Errors
+/// [`SignalError::TooShort`] for an empty signal.
+pub fn band_of_straight(x: &Signal) -> Result<Signal, SignalError> {
+    let after = GAUSS.map(|(at, weight)| (0.5 + 0.5 * at, 0.5 * weight * (0.5 - 0.5 * at)));
+    let before = after.map(|(at, weight)| (-at, weight));
+    averaged(x, &[after, before].concat())
+}
+
+/// Nodes and weights of Gauss and Legendre on −1 … 1.
+const GAUSS: [(f64, f64); 4] = [
+    (-0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+    (-0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
+    (0.339_981_043_584_856_3, 0.652_145_154_862_546_1),
+    (0.861_136_311_594_052_6, 0.347_854_845_137_453_85),
+];
+
+/// The sum of the band-limited signal at so many samples before each, weighed.
+fn averaged(x: &Signal, nodes: &[(f64, f64)]) -> Result<Signal, SignalError> {
+    check_at_least(1, x.len())?;
+    let reach = sinc::HALF_WIDTH as i64 + 1;
+    let tap = |place: i64| -> f64 {
+        let lone = |index: i64| f64::from(u8::from(index == place));
+        nodes.iter().map(|(late, weight)| weight * sinc::interpolate(lone, -late)).sum()
+    };
+    let taps: Vec<f64> = (-reach..=reach).map(tap).collect();
+    let padded: Vec<f64> = (-reach..x.len() as i64 + reach).map(|i| odd_extended(&x.samples, i)).collect();
+    let sum = |near: &[f64]| near.iter().zip(&taps).map(|(v, tap)| v * tap).sum();
+    Ok(x.with_samples(padded.windows(taps.len()).map(sum).collect()))
+}
+
 const MAX_FACTOR: f64 = 1e4;
 
 /// The anti-alias filter, tap `k` in branch `k mod up`, each branch of gain one at rest; and its delay in fine samples.

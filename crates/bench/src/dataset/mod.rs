@@ -13,7 +13,7 @@ use signal::SignalError;
 
 use crate::units::may_be_same;
 pub use one_clock::{OnOneClock, instant_s, on_one_clock};
-use timed::{Clock, Timed};
+use timed::{Clock, Part, Timed};
 
 /// Sample times that differ by less than this share are the same.
 const SAME_SHARE: f64 = 1e-3;
@@ -46,7 +46,7 @@ pub struct DatasetOptions {
     pub to_s: Option<f64>,
     /// The clock of the data.
     pub clock: CommonClock,
-    /// What the inputs do between samples: this is how inputs that are slower than the clock are continued.
+    /// What the inputs do between their own samples: this is how inputs that are slower than the clock are continued.
     pub intersample: Intersample,
 }
 
@@ -97,6 +97,14 @@ pub enum Adjustment {
         channel: String,
         /// Its own sample time, s.
         sample_time_s: f64,
+    },
+    /// Of the inputs one was filtered and is band-limited between samples, and another was not: all are taken for
+    /// band-limited.
+    Mixed {
+        /// The filtered one.
+        filtered: String,
+        /// The other.
+        other: String,
     },
     /// Samples are missing, and marked so.
     Missing {
@@ -242,7 +250,11 @@ fn window(from_s: f64, to_s: f64) -> String {
 
 /// Channels of several recordings, one experiment a recording.
 ///
-/// A channel that is faster than the data's clock is interpolated after a low-pass filter. An input that is slower is
+/// A channel that is faster than the data's clock is interpolated after a low-pass filter: of an input, what it does
+/// between its own samples is filtered, and between those of the data it is band-limited, as they then say
+/// ([`Dataset::intersample`]). Samples of an output hold besides what images of a held input above half of its own sample
+/// rate leave: on a clock only twice as long this moved the pole of a lag at 0.06 of its rate by 0.7 %, and on one five
+/// times as long by 0.01 %. An input that is slower is
 /// continued as the options say inputs behave between samples; an output that is slower is known only at the instants
 /// nearest to its samples, and missing between them: values that were not measured are not made up. Missing samples and
 /// NaN stay missing.
@@ -254,9 +266,9 @@ pub fn dataset(
     options: &DatasetOptions,
 ) -> Result<(Dataset, Vec<Adjustment>), DatasetError> {
     let mut adjustments = Vec::new();
-    let mut data: Option<Dataset> = None;
+    let (mut data, mut is_filtered): (Option<Dataset>, bool) = (None, false);
     for (file, recording) in recordings {
-        let part = Part::new(file, recording, options)?;
+        let part = Taken::new(file, recording, options)?;
         let sample_time_s = match (&data, options.clock) {
             (_, CommonClock::Every(given_s)) => given_s,
             (Some(before), clock) => part.check_against(before.sample_time_s(), clock)?,
@@ -266,15 +278,25 @@ pub fn dataset(
             part.check_units(before)?;
         }
         let experiment = part.experiment(sample_time_s, options, &mut adjustments)?;
+        let inputs = || part.channels.iter().take(options.inputs.len());
+        let (filtered, others): (Vec<_>, Vec<_>) = inputs().partition(|c| c.is_faster(sample_time_s));
+        if let (Some(filtered), Some(other)) = (filtered.first(), others.first())
+            && options.intersample != Intersample::BandLimited
+        {
+            let name = |timed: &Timed<'_>| timed.channel.name.clone();
+            adjustments.push(Adjustment::Mixed { filtered: name(filtered), other: name(other) });
+        }
+        is_filtered |= !filtered.is_empty();
         data = Some(match data {
             Some(before) => before.with_experiment(experiment)?,
-            None => first(experiment, sample_time_s, &part)?.with_intersample(options.intersample),
+            None => first(experiment, sample_time_s, &part)?,
         });
     }
-    Ok((data.ok_or(DatasetError::Empty)?, adjustments))
+    let intersample = if is_filtered { Intersample::BandLimited } else { options.intersample };
+    Ok((data.ok_or(DatasetError::Empty)?.with_intersample(intersample), adjustments))
 }
 
-fn first(experiment: Experiment, sample_time_s: f64, part: &Part<'_>) -> Result<Dataset, DatasetError> {
+fn first(experiment: Experiment, sample_time_s: f64, part: &Taken<'_>) -> Result<Dataset, DatasetError> {
     let labels = part.channels.iter().map(|c| Label::new(&c.channel.name, &c.channel.unit));
     let mut labels: Vec<Label> = labels.collect();
     let outputs = labels.split_off(experiment.inputs.ncols());
@@ -285,16 +307,16 @@ fn first(experiment: Experiment, sample_time_s: f64, part: &Part<'_>) -> Result<
 }
 
 /// The channels of one recording, inputs first.
-struct Part<'r> {
+struct Taken<'r> {
     file: &'r str,
     channels: Vec<Timed<'r>>,
 }
 
-impl<'r> Part<'r> {
+impl<'r> Taken<'r> {
     fn new(file: &'r str, recording: &'r Recording, options: &DatasetOptions) -> Result<Self, DatasetError> {
         let names = options.inputs.iter().chain(&options.outputs);
         let channels = names.map(|name| Timed::new(file, recording, name, options)).collect::<Result<_, _>>()?;
-        Ok(Part { file, channels })
+        Ok(Taken { file, channels })
     }
 
     fn check_units(&self, before: &Dataset) -> Result<(), DatasetError> {
@@ -345,8 +367,8 @@ impl<'r> Part<'r> {
         let clock = Clock { start_s, sample_time_s, count };
         let inputs = options.inputs.len();
         let on_clock = |(index, c): (usize, &Timed<'_>)| {
-            let continued = (index < inputs).then_some(options.intersample);
-            c.on_clock(self.file, clock, continued, adjustments)
+            let part = if index < inputs { Part::Input(options.intersample) } else { Part::Output };
+            c.on_clock(self.file, clock, part, adjustments)
         };
         let columns = self.channels.iter().enumerate().map(on_clock);
         let columns: Vec<Vec<f64>> = columns.collect::<Result<_, _>>()?;

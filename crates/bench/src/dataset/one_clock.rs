@@ -3,7 +3,7 @@
 use ident::Intersample;
 use recording::{Channel, Raster, Recording};
 
-use super::timed::{Clock, Timed};
+use super::timed::{Clock, Part, Timed};
 use super::{Adjustment, DatasetError, MOST_SAMPLES};
 
 /// Instants are given with as few decimals as leave them this close to the clock, in samples.
@@ -80,7 +80,7 @@ fn on_clock(
     if is_state(&channel.samples) {
         return Ok(timed.state(clock, log));
     }
-    timed.on_clock(file, clock, Some(between), log)
+    timed.on_clock(file, clock, Part::Alone(between), log)
 }
 
 /// Whether the values are few different whole numbers.

@@ -3,7 +3,7 @@
 use ident::Intersample;
 use recording::{Channel, Recording};
 use signal::clock::check_clock;
-use signal::resample::{Interpolation, interpolate_at};
+use signal::resample::{Interpolation, band_of_held, band_of_straight, interpolate_at};
 use signal::{Signal, SignalError, Sos};
 
 use super::{Adjustment, DatasetError, DatasetOptions, Resampling, SAME_SHARE};
@@ -26,6 +26,17 @@ pub(super) struct Timed<'r> {
     pub(super) sample_time_s: f64,
     pub(super) start_s: f64,
     pub(super) end_s: f64,
+}
+
+/// What a channel is to those that ask for it.
+#[derive(Clone, Copy)]
+pub(super) enum Part {
+    /// It answers: between its samples nothing is known of it.
+    Output,
+    /// It acts on the system, and does this between its samples.
+    Input(Intersample),
+    /// Its samples are wanted on another clock, and it is continued like this.
+    Alone(Intersample),
 }
 
 /// The clock of the data.
@@ -89,13 +100,18 @@ impl<'r> Timed<'r> {
         Ok(Timed { channel, time_s, values, sample_time_s, start_s, end_s })
     }
 
-    /// The channel's values on the clock, NaN where they are missing. An input is `continued` between its samples, an
+    /// Whether the channel has to be filtered for this clock.
+    pub(super) fn is_faster(&self, clock_s: f64) -> bool {
+        self.sample_time_s < clock_s && (self.sample_time_s - clock_s).abs() > SAME_SHARE * clock_s
+    }
+
+    /// The channel's values on the clock, NaN where they are missing. An input is continued between its samples, an
     /// output is not.
     pub(super) fn on_clock(
         &self,
         file: &str,
         clock: Clock,
-        continued: Option<Intersample>,
+        part: Part,
         log: &mut Vec<Adjustment>,
     ) -> Result<Vec<f64>, DatasetError> {
         let name = || self.channel.name.clone();
@@ -104,19 +120,22 @@ impl<'r> Timed<'r> {
             log.push(Adjustment::Jitter { channel: name(), largest_s });
         }
         let same = (self.sample_time_s - clock.sample_time_s).abs() <= SAME_SHARE * clock.sample_time_s;
-        let is_slower = self.sample_time_s > clock.sample_time_s;
-        let how = match continued {
+        let how = match part {
             _ if same && self.is_beside(clock) => Some(Resampling::Straight),
             _ if same => None,
-            _ if !is_slower => Some(Resampling::Filtered),
-            None => {
+            _ if self.is_faster(clock.sample_time_s) => Some(Resampling::Filtered),
+            Part::Output => {
                 log.push(Adjustment::Sparse { channel: name(), sample_time_s: self.sample_time_s });
                 self.log_missing(self.own_count().saturating_sub(self.values.len()), self.own_count(), log);
                 return Ok(self.sparse(clock));
             }
-            Some(Intersample::ZeroOrderHold) => Some(Resampling::Held),
-            Some(Intersample::FirstOrderHold) => Some(Resampling::Straight),
-            Some(Intersample::BandLimited) => Some(Resampling::BandLimited),
+            Part::Input(Intersample::ZeroOrderHold) | Part::Alone(Intersample::ZeroOrderHold) => Some(Resampling::Held),
+            Part::Input(Intersample::FirstOrderHold) | Part::Alone(Intersample::FirstOrderHold) => {
+                Some(Resampling::Straight)
+            }
+            Part::Input(Intersample::BandLimited) | Part::Alone(Intersample::BandLimited) => {
+                Some(Resampling::BandLimited)
+            }
         };
         if let Some(how) = how {
             let (from_s, to_s) = (self.sample_time_s, clock.sample_time_s);
@@ -129,8 +148,8 @@ impl<'r> Timed<'r> {
         let column = match how {
             None | Some(Resampling::Straight) => self.straight(clock),
             Some(Resampling::Held) => self.held(clock),
-            Some(Resampling::Filtered) => self.resampled(clock, true).map_err(failed)?,
-            Some(Resampling::BandLimited) => self.resampled(clock, false).map_err(failed)?,
+            Some(Resampling::Filtered) => self.resampled(clock, Some(part)).map_err(failed)?,
+            Some(Resampling::BandLimited) => self.resampled(clock, None).map_err(failed)?,
         };
         self.log_missing(column.iter().filter(|v| v.is_nan()).count(), column.len(), log);
         Ok(column)
@@ -231,13 +250,19 @@ impl<'r> Timed<'r> {
         (0..clock.count).map(value).collect()
     }
 
-    /// The channel on its own clock, without gaps, through an anti-alias filter where that is asked for, and then as a
-    /// band-limited signal at the instants of the data's clock; what lies in a gap is missing.
-    fn resampled(&self, clock: Clock, filtered: bool) -> Result<Vec<f64>, SignalError> {
+    /// The channel on its own clock, without gaps, through an anti-alias filter where it is `filtered`, and then as a
+    /// band-limited signal at the instants of the data's clock; what lies in a gap is missing. Of an input, what it does
+    /// between its samples is filtered, not the samples alone.
+    fn resampled(&self, clock: Clock, filtered: Option<Part>) -> Result<Vec<f64>, SignalError> {
         let own = Clock { start_s: self.start_s, sample_time_s: self.sample_time_s, count: self.own_count() };
         let marked = self.straight(own);
         let mut whole = Signal::new(self.start_s, self.sample_time_s, bridged(&marked))?;
-        if filtered {
+        if let Some(part) = filtered {
+            whole = match part {
+                Part::Input(Intersample::ZeroOrderHold) => band_of_held(&whole)?,
+                Part::Input(Intersample::FirstOrderHold) => band_of_straight(&whole)?,
+                _ => whole,
+            };
             let cutoff_hz = 0.4 / clock.sample_time_s;
             let filter = Sos::butterworth_lowpass(8, cutoff_hz, self.sample_time_s)?;
             whole.samples = filter.filtfilt(&whole.samples)?;

@@ -58,13 +58,60 @@ fn exact_slower_clock_of_two_is_the_datas() {
     let mut slow = slow.into_iter();
     let rows = fast.lines().map(|line| format!("{line},{}\n", slow.next().unwrap_or_else(|| ",".into())));
     let text = format!("time [s],u,time 2 [s],y\n{}", rows.collect::<String>());
-    let (data, adjustments) = dataset(&[("x.csv", &recorded(&text))], &options(&["u"], &["y"])).unwrap();
-    assert!((data.sample_time_s() - 0.02).abs() < 1e-9);
-    assert!(matches!(&adjustments[..], [Adjustment::Resampled { channel, .. }] if channel == "u"));
-    let u = data.experiments()[0].input(0);
-    for k in 50..450 {
-        assert!((u[k] - (0.06 * k as f64).sin()).abs() < 1e-4, "sample {k}");
+    // An input that is held lags half of its own sample behind the wave that was sampled.
+    let ways =
+        [(Intersample::ZeroOrderHold, 0.0025), (Intersample::FirstOrderHold, 0.0), (Intersample::BandLimited, 0.0)];
+    for (intersample, late_s) in ways {
+        let asked = DatasetOptions { intersample, ..options(&["u"], &["y"]) };
+        let (data, adjustments) = dataset(&[("x.csv", &recorded(&text))], &asked).unwrap();
+        assert!((data.sample_time_s() - 0.02).abs() < 1e-9);
+        assert!(matches!(&adjustments[..], [Adjustment::Resampled { channel, .. }] if channel == "u"));
+        assert_eq!(data.intersample(), Intersample::BandLimited);
+        let u = data.experiments()[0].input(0);
+        for k in 50..450 {
+            assert!((u[k] - (3.0 * (0.02 * k as f64 - late_s)).sin()).abs() < 1e-4, "{intersample:?}: sample {k}");
+        }
     }
+}
+
+/// A lag of 20 rad/s under an input that is held for 10 ms, every 50 ms and every 20 ms of it.
+#[test]
+fn regress_filtered_inputs_are_band_limited() {
+    let (mut u, mut y, mut seed, mut rows) = (0.0, 0.0, 12_345_u64, String::new());
+    for k in 0..6000 {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        if (seed >> 33).is_multiple_of(4) {
+            u = (seed >> 40) as f64 / f64::from(1 << 24) - 0.5;
+        }
+        rows += &format!("{},{u},{y}\n", f64::from(k) / 100.0);
+        y = (-0.2_f64).exp() * y + (1.0 - (-0.2_f64).exp()) * u;
+    }
+    let recording = recorded(&format!("time [s],u,y\n{rows}"));
+    for sample_time_s in [0.05, 0.02] {
+        let every = DatasetOptions { clock: CommonClock::Every(sample_time_s), ..options(&["u"], &["y"]) };
+        let (data, adjustments) = dataset(&[("x.csv", &recording)], &every).unwrap();
+        assert!(!adjustments.iter().any(|a| matches!(a, Adjustment::Mixed { .. })), "{adjustments:?}");
+        assert_eq!(data.intersample(), Intersample::BandLimited);
+        let fit = ident::ContinuousTransferFunction::new(0, 1).fit(&data).unwrap();
+        let (pole, error) = (fit.model.transfer_function(0, 0).unwrap().den()[1], fit.standard_errors()[1]);
+        assert!((pole - 20.0).abs() < 0.3 && error < 0.3, "{sample_time_s}: {pole} ± {error}");
+    }
+}
+
+#[test]
+fn exact_inputs_of_which_one_is_filtered_are_told() {
+    let fast: Vec<String> =
+        (0..400).map(|n| format!("{},{}", 0.005 * f64::from(n), (0.3 * f64::from(n)).sin())).collect();
+    let rows = fast.iter().enumerate().map(|(n, row)| match n {
+        0..200 => format!("{row},{},{n},{n}\n", 0.01 * n as f64),
+        _ => format!("{row},,,\n"),
+    });
+    let recording = recorded(&format!("time [s],u,time 2 [s],v,y\n{}", rows.collect::<String>()));
+    let (data, adjustments) = dataset(&[("x.csv", &recording)], &options(&["u", "v"], &["y"])).unwrap();
+    assert_eq!(data.intersample(), Intersample::BandLimited);
+    assert!(adjustments.contains(&Adjustment::Mixed { filtered: "u".into(), other: "v".into() }), "{adjustments:?}");
+    let (alone, _) = dataset(&[("x.csv", &recording)], &options(&["v"], &["y"])).unwrap();
+    assert_eq!(alone.intersample(), Intersample::ZeroOrderHold);
 }
 
 #[test]

@@ -87,6 +87,8 @@ Of a recording every raster keeps its own clock, names, units and values are kep
 
 With --sample-time or --rate all channels come onto one clock: faster ones through a low-pass filter without phase shift, which halves the amplitude (−6 dB) at 0.4 times the new rate, slower ones continued (--between), states such as gears held. What lies in a gap stays missing (NaN).
 
+A continuous model is made discrete by --method, whatever the inputs of its data did between samples: no discrete model is exact for band-limited ones, and commands that meet a continuous model with such data go by the model itself.
+
 With --to tf and --to ss a model stays one that every command takes. It keeps the delay; the noise model it keeps only as state space on its own clock. With --to zpk it is a list of numbers. With --plot both forms are drawn over frequency; of recordings what was written.")]
 pub(crate) struct ConvertArguments {
     /// Recordings, folders of recordings, or one model file

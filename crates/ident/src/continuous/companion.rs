@@ -92,9 +92,23 @@ impl Companion {
         Sampled::new(&both, &input, self.delay, intersample)
     }
 
+    /// The sampled system; band-limited inputs are taken as straight.
     pub(crate) fn to_state_space(&self, sample_time_s: f64, intersample: Intersample) -> Result<StateSpace, LtiError> {
         let (c, d) = self.output();
-        self.sampled(intersample)?.to_state_space(&c, d, sample_time_s)
+        let jumps = intersample == Intersample::ZeroOrderHold;
+        let between = if jumps { intersample } else { Intersample::FirstOrderHold };
+        self.sampled(between)?.to_state_space(&c, d, sample_time_s)
+    }
+
+    /// The sampled system with the coefficients of the delayed input's course as inputs.
+    pub(crate) fn band_limited(&self, sample_time_s: f64) -> Result<StateSpace, LtiError> {
+        let ((f, g), (c, d)) = (self.matrices(), self.output());
+        Sampled::new(&f, &g, 0.0, Intersample::BandLimited)?.to_state_space(&c, d, sample_time_s)
+    }
+
+    /// In samples.
+    pub(crate) fn delay(&self) -> f64 {
+        self.delay
     }
 
     /// Derivatives of `y` by `b_m … b₀`, `a_n … a₀` (not divided by the leading one, in SI) and the delay in seconds,

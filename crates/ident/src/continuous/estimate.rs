@@ -6,6 +6,7 @@ use super::model::{ContinuousChannel, ContinuousModel};
 use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, records};
 use crate::colour::{Colour, Sandwich};
+use crate::course::Ground;
 use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, minimise};
 
 /// Samples that starting models are compared on.
@@ -136,13 +137,14 @@ fn clamped(theta: &[f64], bounds: &[Bounds]) -> Vec<f64> {
 
 /// One model of all outputs. Parameters of different outputs are taken as uncorrelated.
 pub(crate) fn combine<C: ContinuousChannel>(
-    data: &Dataset,
+    ground: &Ground<'_>,
     first: usize,
     parts: &[OutputFit<C>],
     settings: Settings,
 ) -> Result<Fit<ContinuousModel<C>>, IdentError> {
     let channels: Vec<C> = parts.iter().flat_map(|p| p.model.channels().to_vec()).collect();
-    let noise_covariance = noise_covariance(data, first, parts)?;
+    let data = ground.plain;
+    let noise_covariance = noise_covariance(ground, first, parts)?;
     let model = ContinuousModel::new(channels, data.inputs(), noise_covariance.clone())?;
     let total = model.parameters().len();
     let (mut covariance, mut at_bound) = (Mat::zeros(total, total), Vec::with_capacity(total));
@@ -193,7 +195,7 @@ fn doubts(data: &Dataset, samples: usize, converged: bool, condition: f64) -> Ve
 
 /// Covariance of the errors over the rows that all outputs share, degrees of freedom taken off.
 fn noise_covariance<C: ContinuousChannel>(
-    data: &Dataset,
+    ground: &Ground<'_>,
     first: usize,
     parts: &[OutputFit<C>],
 ) -> Result<Mat<f64>, IdentError> {
@@ -201,7 +203,7 @@ fn noise_covariance<C: ContinuousChannel>(
     let mut series = Vec::with_capacity(count);
     for (i, part) in parts.iter().enumerate() {
         let mut errors = part.minimum.residuals.iter();
-        let spread = records(data, i, first)?.iter().flat_map(|r| r.output[first..].to_vec()).collect::<Vec<f64>>();
+        let spread = records(ground, i, first)?.iter().flat_map(|r| r.output[first..].to_vec()).collect::<Vec<f64>>();
         let aligned = |y: f64| if y.is_nan() { f64::NAN } else { errors.next().copied().unwrap_or(f64::NAN) };
         series.push(spread.into_iter().map(aligned).collect::<Vec<f64>>());
     }

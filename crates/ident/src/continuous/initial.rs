@@ -5,7 +5,8 @@ use lti::Simulator;
 
 use super::model::{ContinuousChannel, ContinuousModel};
 use super::output_error::Nuisance;
-use crate::{Dataset, Experiment, IdentError, LinearModel, Triangle};
+use crate::course::OnData;
+use crate::{Dataset, Experiment, IdentError, Triangle};
 
 /// Samples from which an initial state is found, at most.
 const SAMPLES: usize = 20_000;
@@ -21,11 +22,12 @@ pub(crate) fn initial_states<C: ContinuousChannel>(
     data: &Dataset,
     nuisance: Nuisance,
 ) -> Result<Vec<Vec<f64>>, IdentError> {
-    let system = model.innovations(data.sample_time_s(), data.intersample())?.system().clone();
+    let OnData { form, data, .. } = OnData::new(model, data, !nuisance.initial_state)?;
+    let system = form.system();
     if !nuisance.initial_state {
         return Ok(vec![vec![0.0; system.states()]; data.experiments().len()]);
     }
-    data.experiments().iter().map(|e| initial_state(&system, e, nuisance.offset)).collect()
+    data.experiments().iter().map(|e| initial_state(system, e, nuisance.offset)).collect()
 }
 
 fn initial_state(system: &lti::StateSpace, data: &Experiment, offset: bool) -> Result<Vec<f64>, IdentError> {

@@ -13,8 +13,11 @@ pub(crate) mod start;
 
 use faer::Mat;
 
+pub(crate) use sampled::response_to_powers;
+
 pub use model::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 
+use crate::course::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use estimate::{OutputFit, Settings, combine, fit_output};
 use output_error::Nuisance;
@@ -27,6 +30,8 @@ use start::Candidate;
 /// `G(s) = (b_m s^m + … + b₀) / (s^n + a_{n−1} s^{n−1} + … + a₀) · e^{−s·delay}`.
 ///
 /// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample included.
+/// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
+/// an experiment, where they rest on a guess of the inputs beyond it, are left out.
 /// Instrumental variables give starting values. Initial states are estimated; where a delay is searched, the samples
 /// before its upper bound only serve as past inputs. Each output is estimated on its own. The covariance
 /// allows for noise with the autocorrelation of the residuals.
@@ -134,9 +139,10 @@ impl ContinuousTransferFunction {
     /// with too many poles.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<TransferFunctionModel>, IdentError> {
         let options = self.spread(data)?;
-        let parts = (0..data.outputs()).map(|output| options.search(data, output, None));
+        let ground = Ground::new(data, self.at_rest)?;
+        let parts = (0..data.outputs()).map(|output| options.search(&ground, output, None));
         let parts: Vec<OutputFit<RationalChannel>> = parts.collect::<Result<_, _>>()?;
-        combine(data, options.first_sample(data), &parts, options.settings())
+        combine(&ground, options.first(&ground), &parts, options.settings())
     }
 
     /// The estimate for one output, from a model of it or from starting values of its own.
@@ -146,7 +152,7 @@ impl ContinuousTransferFunction {
         output: usize,
         start: Option<&TransferFunctionModel>,
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
-        self.spread(data)?.search(data, output, start)
+        self.spread(data)?.search(&Ground::new(data, self.at_rest)?, output, start)
     }
 
     /// [`Self::fit`] from what was found for each output.
@@ -155,17 +161,17 @@ impl ContinuousTransferFunction {
         data: &Dataset,
         parts: &[OutputFit<RationalChannel>],
     ) -> Result<Fit<TransferFunctionModel>, IdentError> {
-        let options = self.spread(data)?;
-        combine(data, options.first_sample(data), parts, options.settings())
+        let (options, ground) = (self.spread(data)?, Ground::new(data, self.at_rest)?);
+        combine(&ground, options.first(&ground), parts, options.settings())
     }
 
     fn search(
         &self,
-        data: &Dataset,
+        ground: &Ground<'_>,
         output: usize,
         start: Option<&TransferFunctionModel>,
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
-        let records = records(data, output, self.first_sample(data))?;
+        let (data, records) = (ground.plain, records(ground, output, self.first(ground))?);
         self.check_length(&records)?;
         let starts = start.map_or_else(|| self.starts(data, &records), |start| Ok(vec![start.clone()]))?;
         fit_output(data, &records, &starts, &self.bounds(), self.settings())
@@ -206,6 +212,11 @@ impl ContinuousTransferFunction {
     fn settings(&self) -> Settings {
         let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
         Settings { nuisance, stable: !self.unstable, search: self.search }
+    }
+
+    /// The first sample that counts: behind the edge, and with every delayed input known.
+    fn first(&self, ground: &Ground<'_>) -> usize {
+        ground.edge + self.first_sample(ground.plain)
     }
 
     fn first_sample(&self, data: &Dataset) -> usize {

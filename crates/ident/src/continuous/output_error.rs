@@ -106,7 +106,7 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         let mut state = vec![0.0; 2 * n];
         state[..initial.len()].copy_from_slice(initial);
         let mut by_coefficient = vec![0.0; part.slopes.nrows()];
-        cascade.run(record.inputs[input], record.first, &mut state, |k, state, v, slope| {
+        cascade.run(&record.inputs[input], record.first, &mut state, |k, state, v, slope| {
             if record.output[k].is_nan() {
                 return;
             }
@@ -225,15 +225,30 @@ mod tests {
     use super::*;
     use crate::continuous::RationalChannel;
 
-    /// Gradients on channels of this kind under either behaviour of the inputs, from a state not at zero or from rest.
+    /// The coefficients of a band-limited course through samples.
+    fn course(samples: &[f64]) -> Vec<Vec<f64>> {
+        let data = crate::Dataset::siso(0.1, samples, samples).unwrap();
+        let courses = crate::course::with_courses(&data, &[(0, 0.0)], true).unwrap();
+        (0..courses.inputs()).map(|j| courses.experiments()[0].input(j).to_vec()).collect()
+    }
+
+    fn slices(columns: &[Vec<f64>]) -> Vec<&[f64]> {
+        columns.iter().map(Vec::as_slice).collect()
+    }
+
+    /// Gradients on channels of this kind under every behaviour of the inputs, from a state not at zero or from rest.
     fn check_all<C: ContinuousChannel>(channels: &[C], signals: &[f64]) {
         let rows = signals.len() / 3;
         let (u, v) = (&signals[..rows], &signals[rows..2 * rows]);
         let drifting = |(k, y): (usize, &f64)| 10.0 * y + 3.0 * 0.97_f64.powi(k as i32);
         let y: Vec<f64> = signals[2 * rows..].iter().enumerate().map(drifting).collect();
-        let late = [Record { inputs: vec![u, v], output: &y, first: 9 }];
-        let from_rest = [Record { first: 0, ..late[0].clone() }];
-        for intersample in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold] {
+        for intersample in [Intersample::ZeroOrderHold, Intersample::FirstOrderHold, Intersample::BandLimited] {
+            let [us, vs] = [u, v].map(|x| match intersample {
+                Intersample::BandLimited => course(x),
+                _ => vec![x.to_vec()],
+            });
+            let late = [Record { inputs: vec![slices(&us), slices(&vs)], output: &y, first: 9 }];
+            let from_rest = [Record { first: 0, ..late[0].clone() }];
             for (initial_state, offset) in [(true, true), (true, false), (false, true)] {
                 check(&mut OutputError {
                     model: ContinuousModel::new(channels.to_vec(), 2, Mat::identity(1, 1)).unwrap(),

@@ -1,11 +1,13 @@
 //! What one output of one experiment gives to the search.
 
+use crate::course::Ground;
 use crate::{Dataset, IdentError};
 
 /// Inputs and one output of one experiment, from the first sample on at which every delayed input is known.
 #[derive(Debug, Clone)]
 pub(crate) struct Record<'a> {
-    pub(crate) inputs: Vec<&'a [f64]>,
+    /// Each as one column of samples, or as the coefficients of its course.
+    pub(crate) inputs: Vec<Vec<&'a [f64]>>,
     pub(crate) output: &'a [f64],
     pub(crate) first: usize,
 }
@@ -25,7 +27,7 @@ impl<'a> Record<'a> {
     /// At most so many samples from the start.
     pub(crate) fn shortened(&self, most: usize) -> Record<'a> {
         let end = self.output.len().min(self.first + most);
-        let inputs = self.inputs.iter().map(|u| &u[..end]).collect();
+        let inputs = self.inputs.iter().map(|u| u.iter().map(|column| &column[..end]).collect()).collect();
         Record { inputs, output: &self.output[..end], first: self.first }
     }
 }
@@ -34,17 +36,20 @@ impl<'a> Record<'a> {
 ///
 /// # Errors
 /// No input; a missing sample or no variation in an input.
-pub(crate) fn records(data: &Dataset, output: usize, first: usize) -> Result<Vec<Record<'_>>, IdentError> {
-    if data.inputs() == 0 {
+pub(crate) fn records<'a>(ground: &'a Ground<'_>, output: usize, first: usize) -> Result<Vec<Record<'a>>, IdentError> {
+    let inputs = ground.plain.inputs();
+    if inputs == 0 {
         return Err(IdentError::Structure { what: "a transfer function needs an input; model a time series as noise" });
     }
-    for k in 0..data.inputs() {
-        check_input(data, k)?;
+    for k in 0..inputs {
+        check_input(ground.plain, k)?;
     }
-    let record = |e: &'_ crate::Experiment| e.len() > first;
-    let chosen = data.experiments().iter().filter(|e| record(e));
+    let columns = |e: &'a crate::Experiment, k: usize| -> Vec<&'a [f64]> {
+        (0..ground.width).map(|j| e.input(ground.width * k + j)).collect()
+    };
+    let chosen = ground.data.experiments().iter().filter(|e| e.len() > first);
     Ok(chosen
-        .map(|e| Record { inputs: (0..data.inputs()).map(|k| e.input(k)).collect(), output: e.output(output), first })
+        .map(|e| Record { inputs: (0..inputs).map(|k| columns(e, k)).collect(), output: e.output(output), first })
         .collect())
 }
 

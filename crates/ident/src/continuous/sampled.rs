@@ -4,6 +4,7 @@ use faer::Mat;
 use lti::{LtiError, StateSpace};
 
 use crate::Intersample;
+use crate::course::COEFFICIENTS;
 
 /// A delay this close to a whole number of samples counts as whole, as in [`lti::DelayedStateSpace`].
 const WHOLE: f64 = 1e-9;
@@ -13,9 +14,11 @@ const MAX_SAMPLES: f64 = 1e9;
 
 /// `ẋ = F x + g v`, `v(t) = u(t − τ)`, at the samples `t = k` (time in samples, `τ = w + f`, `w` whole, `0 ≤ f < 1`):
 ///
-/// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + γ u_{k−w} + γ₋ u_{k−w−1}`, `v_k = s u_{k−w} + s₋ u_{k−w−1}`.
+/// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + Γ c_{k−w} + Γ₋ c_{k−w−1}`, `v_k = s c_{k−w} + s₋ c_{k−w−1}`.
 ///
-/// Between samples `u` is held, or runs straight; a fractional delay puts the change of `u` within the interval.
+/// Between samples `u` is held, or runs straight, and `c_k = u_k`; or it is band-limited, and `c_k` are the coefficients of
+/// its [course](crate::course) from sample k on. A fractional delay puts the change from one interval's `u` to the next
+/// within the interval.
 ///
 /// # Source
 /// Van Loan, C. F. (1978), IEEE Trans. Autom. Control 23(3), 395–404; Åström & Wittenmark (1997), *Computer-Controlled
@@ -23,34 +26,44 @@ const MAX_SAMPLES: f64 = 1e9;
 #[derive(Debug, Clone)]
 pub(crate) struct Sampled {
     states: usize,
+    /// Columns that the input comes in.
+    width: usize,
     /// Φ by rows.
     phi: Vec<f64>,
-    /// γ₊, γ, γ₋.
-    gains: [Vec<f64>; 3],
+    /// γ₊.
+    late: Vec<f64>,
+    /// Γ and Γ₋ by rows.
+    gains: [Vec<f64>; 2],
     whole: usize,
     /// s, s₋.
-    seen: [f64; 2],
-    straight: bool,
+    seen: [Vec<f64>; 2],
+    /// The slope of `v` at the samples, from the same, and from `u_{k−w+1}`.
+    slope: [Vec<f64>; 2],
+    slope_ahead: f64,
 }
 
-/// Response over a stretch of time: transition, to a unit step, to a unit ramp.
+/// Response over a stretch of time: transition, and to an input `τ^j` for each j.
 struct Stretch {
     phi: Mat<f64>,
-    step: Mat<f64>,
-    ramp: Mat<f64>,
+    powers: Mat<f64>,
 }
 
-fn stretch(f: &Mat<f64>, g: &[f64], length: f64) -> Result<Stretch, LtiError> {
+/// The response to powers below `count`.
+fn stretch(f: &Mat<f64>, g: &[f64], length: f64, count: usize) -> Result<Stretch, LtiError> {
     let n = g.len();
-    let generator = Mat::from_fn(n + 2, n + 2, |i, j| match (i < n, j < n) {
+    if length == 0.0 {
+        return Ok(Stretch { phi: Mat::identity(n, n), powers: Mat::zeros(n, count) });
+    }
+    // After the states: the input and what its derivatives are made of, `ċ_j = (j + 1) c_{j+1}`.
+    let generator = Mat::from_fn(n + count, n + count, |i, j| match (i < n, j < n) {
         (true, true) => length * f[(i, j)],
         (true, false) if j == n => length * g[i],
-        (false, false) if i == n && j == n + 1 => length,
+        (false, false) if j == i + 1 => length * (j - n) as f64,
         _ => 0.0,
     });
     let e = lti::expm(generator.as_ref())?;
     let part = |column: usize, width: usize| Mat::from_fn(n, width, |i, j| e[(i, column + j)]);
-    Ok(Stretch { phi: part(0, n), step: part(n, 1), ramp: part(n + 1, 1) })
+    Ok(Stretch { phi: part(0, n), powers: part(n, count) })
 }
 
 impl Sampled {
@@ -62,39 +75,98 @@ impl Sampled {
         let nearly_whole = (delay - delay.round()).abs() < WHOLE;
         let (whole, fraction) =
             if nearly_whole { (delay.round() as usize, 0.0) } else { (delay.floor() as usize, delay.fract()) };
-        let straight = intersample != Intersample::ZeroOrderHold;
-        let all = stretch(f, g, 1.0)?;
-        let gains = if fraction == 0.0 { undivided(&all, straight) } else { divided(f, g, fraction, straight)? };
-        let seen = match (straight, fraction > 0.0) {
-            (true, _) => [1.0 - fraction, fraction],
-            (false, false) => [1.0, 0.0],
-            (false, true) => [0.0, 1.0],
-        };
         let n = g.len();
-        let phi = (0..n * n).map(|i| all.phi[(i / n, i % n)]).collect();
-        Ok(Sampled { states: n, phi, gains, whole, seen, straight })
+        let all = stretch(f, g, 1.0, 2)?;
+        let sampled = Sampled {
+            states: n,
+            width: 1,
+            phi: (0..n * n).map(|i| all.phi[(i / n, i % n)]).collect(),
+            late: vec![0.0; n],
+            gains: [vec![0.0; n], vec![0.0; n]],
+            whole,
+            seen: [vec![0.0], vec![0.0]],
+            slope: [vec![0.0], vec![0.0]],
+            slope_ahead: 0.0,
+        };
+        match intersample {
+            Intersample::ZeroOrderHold => sampled.held(f, g, fraction),
+            Intersample::FirstOrderHold => sampled.straight(f, g, fraction),
+            Intersample::BandLimited => sampled.band_limited(f, g, fraction),
+        }
     }
 
-    /// Runs from the state `x` at sample `first` through the record `u` and shows `visit` the sample, the state, what
-    /// the input is behind its delay, and its slope there. Inputs before the record are zero.
-    pub(crate) fn run(&self, u: &[f64], first: usize, x: &mut [f64], mut visit: impl FnMut(usize, &[f64], f64, f64)) {
-        let n = self.states;
-        let at = |k: usize, ahead: usize| (k + ahead).checked_sub(self.whole + 1).and_then(|i| u.get(i)).copied();
-        let mut next = vec![0.0; n];
-        let [late, now, before] = &self.gains;
-        for k in first..u.len() {
-            let (older, middle) = (at(k, 0).unwrap_or(0.0), at(k, 1).unwrap_or(0.0));
-            let newer = at(k, 2).unwrap_or(middle);
-            let slope = match (self.straight, self.seen[1] > 0.0) {
-                (false, _) => 0.0,
-                (true, true) => middle - older,
-                (true, false) => newer - middle,
-            };
-            visit(k, x, self.seen[0] * middle + self.seen[1] * older, slope);
+    fn held(mut self, f: &Mat<f64>, g: &[f64], fraction: f64) -> Result<Self, LtiError> {
+        let (early, rest) = (stretch(f, g, fraction, 1)?, stretch(f, g, 1.0 - fraction, 1)?);
+        self.gains = [by_rows(&rest.powers), by_rows(&(rest.phi * early.powers))];
+        let before = f64::from(u8::from(fraction > 0.0));
+        self.seen = [vec![1.0 - before], vec![before]];
+        Ok(self)
+    }
+
+    /// The input changes its slope at the fraction `f` of the interval: first `v₀ + (u_{k−w} − u_{k−w−1}) t`, then from
+    /// `u_{k−w}` on towards `u_{k−w+1}`.
+    fn straight(mut self, f: &Mat<f64>, g: &[f64], fraction: f64) -> Result<Self, LtiError> {
+        let (early, rest) = (stretch(f, g, fraction, 2)?, stretch(f, g, 1.0 - fraction, 2)?);
+        let first = &rest.phi * &early.powers;
+        for i in 0..self.states {
+            let (step, ramp) = (first[(i, 0)], first[(i, 1)]);
+            self.late[i] = rest.powers[(i, 1)];
+            self.gains[0][i] = (1.0 - fraction) * step + ramp + rest.powers[(i, 0)] - rest.powers[(i, 1)];
+            self.gains[1][i] = fraction * step - ramp;
+        }
+        self.seen = [vec![1.0 - fraction], vec![fraction]];
+        if fraction > 0.0 {
+            self.slope = [vec![1.0], vec![-1.0]];
+        } else {
+            (self.slope[0], self.slope_ahead) = (vec![-1.0], 1.0);
+        }
+        Ok(self)
+    }
+
+    /// The delayed input is the end of one course, from `1 − f` on, and then the next from its beginning.
+    fn band_limited(mut self, f: &Mat<f64>, g: &[f64], fraction: f64) -> Result<Self, LtiError> {
+        let (early, rest) = (stretch(f, g, fraction, COEFFICIENTS)?, stretch(f, g, 1.0 - fraction, COEFFICIENTS)?);
+        let from = shifted(1.0 - fraction);
+        self.width = COEFFICIENTS;
+        self.gains = [by_rows(&rest.powers), by_rows(&(&rest.phi * &early.powers * &from))];
+        let row = |m: &Mat<f64>, i: usize| (0..COEFFICIENTS).map(|j| m[(i, j)]).collect::<Vec<f64>>();
+        let (at_start, none) = (shifted(0.0), vec![0.0; COEFFICIENTS]);
+        if fraction > 0.0 {
+            self.seen = [none.clone(), row(&from, 0)];
+            self.slope = [none, row(&from, 1)];
+        } else {
+            self.seen = [row(&at_start, 0), none.clone()];
+            self.slope = [row(&at_start, 1), none];
+        }
+        Ok(self)
+    }
+
+    /// Runs from the state `x` at sample `first` through the record `u` (one column, or the coefficients of its course) and
+    /// shows `visit` the sample, the state, what the input is behind its delay, and its slope there. Inputs before the
+    /// record are zero.
+    pub(crate) fn run(
+        &self,
+        u: &[&[f64]],
+        first: usize,
+        x: &mut [f64],
+        mut visit: impl FnMut(usize, &[f64], f64, f64),
+    ) {
+        let (n, width) = (self.states, self.width);
+        let length = u.first().map_or(0, |column| column.len());
+        let at = |k: usize, back: usize, column: &[f64]| k.checked_sub(back).map_or(0.0, |i| column[i]);
+        let (mut next, mut now, mut before) = (vec![0.0; n], vec![0.0; width], vec![0.0; width]);
+        for k in first..length {
+            for (j, column) in u.iter().enumerate() {
+                (now[j], before[j]) = (at(k, self.whole, column), at(k, self.whole + 1, column));
+            }
+            let newer = if k + 1 < self.whole { 0.0 } else { u[0].get(k + 1 - self.whole).copied().unwrap_or(now[0]) };
+            let [seen, slope] = [&self.seen, &self.slope].map(|of| dot(&of[0], &now) + dot(&of[1], &before));
+            visit(k, x, seen, slope + self.slope_ahead * newer);
             for i in 0..n {
-                let row = &self.phi[i * n..(i + 1) * n];
-                let carried: f64 = row.iter().zip(x.iter()).map(|(p, v)| p * v).sum();
-                next[i] = carried + late[i] * newer + now[i] * middle + before[i] * older;
+                let carried = dot(&self.phi[i * n..(i + 1) * n], x);
+                let row = i * width..(i + 1) * width;
+                let driven = dot(&self.gains[0][row.clone()], &now) + dot(&self.gains[1][row], &before);
+                next[i] = carried + self.late[i] * newer + driven;
             }
             x.copy_from_slice(&next);
         }
@@ -111,66 +183,79 @@ impl Sampled {
     }
 
     /// The discrete system with the output `c x + d v`: `x` first (less `γ₊ u_k` where the input ahead of it is not yet
-    /// delayed), then the inputs before as far back as they are needed.
+    /// delayed), then the inputs before as far back as they are needed. An input by its course must not be delayed.
     pub(crate) fn to_state_space(&self, c: &[f64], d: f64, sample_time_s: f64) -> Result<StateSpace, LtiError> {
         let n = self.states;
-        let ahead = self.gains[0].iter().any(|g| *g != 0.0);
-        let reach = self.whole + usize::from(self.gains[2].iter().any(|g| *g != 0.0) || self.seen[1] != 0.0);
+        let is_zero = |v: &[f64]| v.iter().all(|v| *v == 0.0);
+        let (ahead, [now, before]) = (!is_zero(&self.late), &self.gains);
+        let reach = self.whole + usize::from(!is_zero(before) || !is_zero(&self.seen[1]));
+        if self.width > 1 && reach > 0 {
+            return Err(LtiError::DelayPresent { delay_s: self.whole as f64 * sample_time_s });
+        }
         let total = n + reach;
-        let (mut a, mut b) = (Mat::zeros(total, total), Mat::zeros(total, 1));
-        let (mut out, mut direct) = (Mat::zeros(1, total), 0.0);
+        let (mut a, mut b) = (Mat::zeros(total, total), Mat::zeros(total, self.width));
+        let (mut out, mut direct) = (Mat::zeros(1, total), Mat::zeros(1, self.width));
         for (i, j) in (0..n * n).map(|i| (i / n, i % n)) {
             a[(i, j)] = self.phi[i * n + j];
         }
         (0..n).for_each(|j| out[(0, j)] = c[j]);
         (0..reach).for_each(|i| if i == 0 { b[(n, 0)] = 1.0 } else { a[(n + i, n + i - 1)] = 1.0 });
         let mut enter = |gain: &[f64], back: usize| {
-            for (i, g) in gain.iter().enumerate() {
-                if back == 0 { b[(i, 0)] += g } else { a[(i, n + back - 1)] += g }
+            for (place, g) in gain.iter().enumerate() {
+                let (i, j) = (place / self.width, place % self.width);
+                if back == 0 { b[(i, j)] += g } else { a[(i, n + back - 1)] += g }
             }
         };
-        enter(&self.gains[1], self.whole);
-        if self.gains[2].iter().any(|g| *g != 0.0) {
-            enter(&self.gains[2], self.whole + 1);
+        enter(now, self.whole);
+        if !is_zero(before) {
+            enter(before, self.whole + 1);
         }
         if ahead && self.whole > 0 {
-            enter(&self.gains[0], self.whole - 1);
+            enter(&self.late, self.whole - 1);
         } else if ahead {
-            let late = &self.gains[0];
-            let carried = |i: usize| (0..n).map(|j| self.phi[i * n + j] * late[j]).sum::<f64>();
+            let carried = |i: usize| dot(&self.phi[i * n..(i + 1) * n], &self.late);
             enter(&(0..n).map(carried).collect::<Vec<f64>>(), 0);
-            direct += c.iter().zip(late).map(|(c, g)| c * g).sum::<f64>();
+            direct[(0, 0)] += dot(c, &self.late);
         }
-        for (weight, back) in [(self.seen[0], self.whole), (self.seen[1], self.whole + 1)] {
-            if weight == 0.0 {
-                continue;
+        for (weights, back) in self.seen.iter().zip([self.whole, self.whole + 1]) {
+            for (j, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                if back == 0 { direct[(0, j)] += d * weight } else { out[(0, n + back - 1)] += d * weight }
             }
-            if back == 0 { direct += d * weight } else { out[(0, n + back - 1)] += d * weight }
         }
-        StateSpace::discrete(a, b, out, Mat::full(1, 1, direct), sample_time_s)
+        StateSpace::discrete(a, b, out, direct, sample_time_s)
     }
 }
 
-/// γ₊, γ, γ₋ without a fraction.
-fn undivided(all: &Stretch, straight: bool) -> [Vec<f64>; 3] {
-    let n = all.step.nrows();
-    let late: Vec<f64> = (0..n).map(|i| if straight { all.ramp[(i, 0)] } else { 0.0 }).collect();
-    let now = (0..n).map(|i| all.step[(i, 0)] - late[i]).collect();
-    [late, now, vec![0.0; n]]
+/// The transition over a sample, and the response to one input of the powers of time counted in samples.
+pub(crate) fn response_to_powers(
+    system: &StateSpace,
+    input: usize,
+    sample_time_s: f64,
+) -> Result<(Mat<f64>, Mat<f64>), LtiError> {
+    let f = system.a() * faer::Scale(sample_time_s);
+    let g: Vec<f64> = system.b().col(input).iter().map(|b| b * sample_time_s).collect();
+    let Stretch { phi, powers } = stretch(&f, &g, 1.0, COEFFICIENTS)?;
+    Ok((phi, powers))
 }
 
-/// γ₊, γ, γ₋ where the input changes at the fraction `f` of the interval: first `v₀ + (u_{k−w} − u_{k−w−1}) t`, then from
-/// `u_{k−w}` on towards `u_{k−w+1}`.
-fn divided(f: &Mat<f64>, g: &[f64], fraction: f64, straight: bool) -> Result<[Vec<f64>; 3], LtiError> {
-    let (early, rest) = (stretch(f, g, fraction)?, stretch(f, g, 1.0 - fraction)?);
-    let column = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, 0)]).collect::<Vec<f64>>();
-    let (first_step, first_ramp) = (column(&(&rest.phi * &early.step)), column(&(&rest.phi * &early.ramp)));
-    let n = g.len();
-    if !straight {
-        return Ok([vec![0.0; n], column(&rest.step), first_step]);
+fn dot(x: &[f64], y: &[f64]) -> f64 {
+    x.iter().zip(y).map(|(x, y)| x * y).sum()
+}
+
+fn by_rows(m: &Mat<f64>) -> Vec<f64> {
+    (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
+}
+
+/// What makes the coefficients in `τ − by` of those of a polynomial in `τ`.
+fn shifted(by: f64) -> Mat<f64> {
+    let mut m = Mat::zeros(COEFFICIENTS, COEFFICIENTS);
+    for j in 0..COEFFICIENTS {
+        // C(j, i) by^{j − i}, from the last row up.
+        let mut term = 1.0;
+        for i in (0..=j).rev() {
+            m[(i, j)] = term;
+            term *= by * i as f64 / (j - i + 1) as f64;
+        }
     }
-    let late = column(&rest.ramp);
-    let now = (0..n).map(|i| (1.0 - fraction) * first_step[i] + first_ramp[i] + rest.step[(i, 0)] - late[i]).collect();
-    let before = (0..n).map(|i| fraction * first_step[i] - first_ramp[i]).collect();
-    Ok([late, now, before])
+    m
 }

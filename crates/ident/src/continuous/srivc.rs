@@ -102,7 +102,7 @@ impl Structure<'_> {
     ) -> Result<Vec<Vec<f64>>, IdentError> {
         let n = self.poles;
         let y = filled(record);
-        let (mut from_y, target) = derivatives(&y, record.first, (filter, 0.0), Intersample::FirstOrderHold)?;
+        let (mut from_y, target) = derivatives(&[&y], record.first, (filter, 0.0), Intersample::FirstOrderHold)?;
         let mut columns = vec![target];
         if let Some(model) = model {
             columns.extend(self.instruments(record, filter, model)?);
@@ -164,15 +164,15 @@ impl Structure<'_> {
 type Derivatives = (Vec<Vec<f64>>, Vec<f64>);
 
 fn derivatives(
-    x: &[f64],
+    x: &[&[f64]],
     first: usize,
     (filter, delay): (&[f64], f64),
     intersample: Intersample,
 ) -> Result<Derivatives, IdentError> {
     let n = filter.len();
     let sampled = Companion::monic(filter, &[1.0], delay).sampled(intersample)?;
-    let mut columns = vec![Vec::with_capacity(x.len()); n];
-    let mut highest = Vec::with_capacity(x.len());
+    let mut columns = vec![Vec::new(); n];
+    let mut highest = Vec::new();
     sampled.run(x, first, &mut vec![0.0; n], |_, z, v, _| {
         columns.iter_mut().zip(z).for_each(|(column, z)| column.push(*z));
         highest.push(v - filter.iter().zip(z).map(|(a, z)| a * z).sum::<f64>());

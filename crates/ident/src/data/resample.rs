@@ -1,7 +1,9 @@
 //! Other sample times, and delays taken out of inputs.
 
 use signal::Signal;
-use signal::resample::{Interpolation, fractional_delay, hold, interpolate_at, resample_rational};
+use signal::resample::{
+    Interpolation, band_of_held, band_of_straight, fractional_delay, hold, interpolate_at, resample_rational,
+};
 
 use super::select::{check_indices, check_range};
 use super::{Dataset, Experiment, Intersample};
@@ -11,7 +13,8 @@ impl Dataset {
     /// The data with `up` samples where there were `down`.
     ///
     /// Values go through the low-pass of [`resample_rational`], without a shift in time; to fewer samples it takes off what
-    /// lies above the new Nyquist frequency and leaves what lies below 0.8 of it, on inputs and outputs alike. Inputs are then band-limited between samples, whatever they were, and so does the result say. To a multiple
+    /// lies above the new Nyquist frequency and leaves what lies below 0.8 of it, on inputs and outputs alike: of inputs that are
+    /// held or straight between samples, of what they do there. They are then band-limited, and so does the result say. To a multiple
     /// of the samples, held inputs are held and straight ones stay straight; all else is interpolated band-limited.
     /// Interpolated samples bring no information: noise becomes coloured.
     ///
@@ -43,7 +46,11 @@ impl Dataset {
         let clock = (self.sample_time_s, up, down);
         let way = if down > 1 { Intersample::BandLimited } else { self.intersample };
         for (experiment, original) in resampled.experiments.iter_mut().zip(&self.experiments) {
-            experiment.inputs = columns(original.inputs.ncols(), |k| resample(original.input(k), clock, way))?;
+            let input = |k: usize| match down {
+                1 => resample(original.input(k), clock, way),
+                _ => resample(&band_of(original.input(k), self.intersample)?, clock, way),
+            };
+            experiment.inputs = columns(original.inputs.ncols(), input)?;
             let smooth = Intersample::BandLimited;
             experiment.outputs = columns(original.outputs.ncols(), |i| resample(original.output(i), clock, smooth))?;
             if experiment.inputs.ncols() == 0 {
@@ -119,6 +126,19 @@ impl Dataset {
 fn columns(count: usize, column: impl Fn(usize) -> Result<Vec<f64>, IdentError>) -> Result<faer::Mat<f64>, IdentError> {
     let all: Vec<Vec<f64>> = (0..count).map(column).collect::<Result<_, _>>()?;
     Ok(faer::Mat::from_fn(all.first().map_or(0, Vec::len), count, |i, j| all[j][i]))
+}
+
+/// What lies below the Nyquist frequency of an input that does this between its samples, at the samples.
+fn band_of(x: &[f64], intersample: Intersample) -> Result<Vec<f64>, IdentError> {
+    if x.is_empty() {
+        return Ok(Vec::new());
+    }
+    let signal = Signal::new(0.0, 1.0, x.to_vec())?;
+    Ok(match intersample {
+        Intersample::ZeroOrderHold => band_of_held(&signal)?.samples,
+        Intersample::FirstOrderHold => band_of_straight(&signal)?.samples,
+        Intersample::BandLimited => signal.samples,
+    })
 }
 
 /// As many samples as lie within the record.

@@ -4,7 +4,7 @@ use lti::{FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace}
 use serde::{Deserialize, Serialize};
 
 use crate::uncertainty::{Dynamics, Ratio};
-use crate::{FormulaStructure, GreyBoxModel, Intersample, LinearModel, Parametric};
+use crate::{BandLimitedForm, FormulaStructure, GreyBoxModel, Intersample, LinearModel, Parametric};
 use crate::{ProcessSystem, StateSpaceModel, TransferFunctionModel};
 
 /// A model of any kind.
@@ -62,6 +62,10 @@ impl LinearModel for AnyModel {
 
     fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError> {
         each!(self, m => LinearModel::innovations(m, sample_time_s, intersample))
+    }
+
+    fn band_limited(&self, sample_time_s: f64) -> Result<Option<BandLimitedForm>, LtiError> {
+        each!(self, m => LinearModel::band_limited(m, sample_time_s))
     }
 }
 

@@ -7,11 +7,13 @@ mod search;
 mod structure;
 
 use faer::Mat;
+use lti::LtiError;
 use signal::excitation::Random;
 
-use crate::prediction::InitialState;
+use crate::course::{REACH, with_courses};
+use crate::prediction::{InitialState, residuals};
 use crate::state_space::{Information, Known, Search, Searchable, check_missing, gather};
-use crate::{Dataset, Doubt, Fit, IdentError, LinearModel, Parametric, Termination};
+use crate::{Dataset, Doubt, Experiment, Fit, IdentError, Intersample, Parametric, Termination};
 
 pub use formula::Formula;
 pub use formula_structure::{FormulaParts, FormulaStructure};
@@ -22,7 +24,8 @@ pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatric
 /// Grey-box estimation: the parameters of a [`Structure`] by minimising the prediction error.
 ///
 /// Minimises `det Σ ε(t) ε(t)ᵀ`, with a prior the posterior density, over the free parameters and the initial states.
-/// A continuous structure is sampled exactly under what the data say of their inputs between samples. With
+/// A continuous structure is sampled exactly under what the data say of their inputs between samples: held, straight, or
+/// band-limited (without input delays; up to 0.45 of the sample rate, rows within 32 samples of an end left out). With
 /// [`GreyNoise::OutputError`] the errors are those of a simulation, otherwise those one step ahead. Derivatives of the
 /// sampled matrices are central differences with steps of 6e-6 of the parameter (relative error about 1e-10); the
 /// derivatives of the errors with respect to the matrices are exact.
@@ -77,10 +80,51 @@ impl<S: Structure> GreyBox<S> {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
         let start = GreyBoxModel::new(self.structure.clone())?;
         self.check(&start, data)?;
-        let innovations = start.innovations(data.sample_time_s(), data.intersample())?;
-        let output_error = innovations.k().norm_max() == 0.0;
+        let continuous = start.system()?.sample_time_s().is_none();
+        if !continuous || data.intersample() != Intersample::BandLimited || data.inputs() == 0 {
+            return self.fit_driven_by(data, start, false);
+        }
+        let mut fit = self.fit_driven_by(&self.courses(&start, data)?, start, true)?;
+        if self.initial_state == InitialState::Estimated {
+            // The search began where the inputs are known; the model starts with the record.
+            fit.initial_states = residuals(&fit.model, data, &InitialState::Estimated)?.initial_states;
+        }
+        if fit.samples < data.samples() {
+            fit.doubts.retain(|doubt| !matches!(doubt, Doubt::RowsLeftOut { .. }));
+            fit.doubts.push(Doubt::RowsLeftOut { rows: data.samples() - fit.samples, of: data.samples() });
+        }
+        Ok(fit)
+    }
+
+    /// The data with the courses of their band-limited inputs, without the rows near the ends where these rest on a guess;
+    /// an initial state that is known keeps the first ones.
+    fn courses(&self, start: &GreyBoxModel<S>, data: &Dataset) -> Result<Dataset, IdentError> {
+        let delays_s = self.structure.input_delays_s(&start.parameters());
+        if let Some(delay_s) = delays_s.into_iter().find(|d| *d != 0.0) {
+            return Err(LtiError::DelayPresent { delay_s }.into());
+        }
+        check_missing(data, true)?;
+        let first = if self.initial_state == InitialState::Estimated { REACH } else { 0 };
+        if let Some(short) = data.experiments().iter().find(|e| e.len() <= first + REACH) {
+            return Err(IdentError::TooFewSamples { samples: short.len(), parameters: first + REACH });
+        }
+        let inputs: Vec<(usize, f64)> = (0..data.inputs()).map(|k| (k, 0.0)).collect();
+        with_courses(data, &inputs, self.initial_state == InitialState::Zero)?.map_experiments(|e| {
+            let rows = e.len() - first - REACH;
+            let cut = |m: &Mat<f64>| m.subrows(first, rows).to_owned();
+            Ok(Experiment { inputs: cut(&e.inputs), outputs: cut(&e.outputs), ..e.clone() })
+        })
+    }
+
+    fn fit_driven_by(
+        &self,
+        data: &Dataset,
+        start: GreyBoxModel<S>,
+        courses: bool,
+    ) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
+        let parameters = Parameters::new(start, courses);
+        let output_error = parameters.innovations(data)?.k().norm_max() == 0.0;
         let missing = check_missing(data, output_error)?;
-        let parameters = Parameters::new(start);
         let estimated = if self.initial_state == InitialState::Estimated { parameters.model.own_states()? } else { 0 };
         let first = Search::new(data, parameters.clone(), self.states(data, &parameters)?, estimated)?;
         let mut search = self.best_start(data, &parameters, first, estimated)?;

@@ -7,6 +7,8 @@ use lti::{Innovations, LtiError, StateSpace, from_rows, to_rows};
 use serde::{Deserialize, Serialize};
 
 use super::{GreyNoise, Structure};
+use crate::continuous::response_to_powers;
+use crate::course::{BandLimitedForm, COEFFICIENTS};
 use crate::fit::check_clock;
 use crate::subspace::linear::kalman;
 use crate::{IdentError, Intersample, LinearModel, Parametric};
@@ -112,6 +114,28 @@ impl<S: Structure> GreyBoxModel<S> {
         delays_s.iter().map(|d| (d / sample_time_s - 1e-9).ceil().max(0.0) as usize).collect()
     }
 
+    /// The sampled system, whose states begin with the structure's `own`, with the structure's noise.
+    fn with_noise(&self, own: &StateSpace, system: StateSpace, sample_time_s: f64) -> Result<Innovations, LtiError> {
+        let (n, p) = (own.states(), system.outputs());
+        let gain = match self.structure.noise(&self.parameters) {
+            GreyNoise::OutputError => Mat::zeros(n, p),
+            GreyNoise::Gain(k) => k,
+            GreyNoise::Covariances { process, measurement } => {
+                check("process noise covariance", &process, (n, n))?;
+                check("measurement noise covariance", &measurement, (p, p))?;
+                let continuous = own.sample_time_s().is_none();
+                let q = if continuous { sampled_noise(own.a(), &process, sample_time_s)? } else { process };
+                let (a, c) = (system.a().submatrix(0, 0, n, n), system.c().subcols(0, n));
+                let cross = Mat::zeros(n, p);
+                let filter = kalman(a, c, q.as_ref(), cross.as_ref(), measurement.as_ref());
+                filter.ok_or(LtiError::Singular { what: "the Riccati equation of the noise covariances" })?.0
+            }
+        };
+        check("K", &gain, (n, p))?;
+        let k = Mat::from_fn(system.states(), p, |i, j| if i < n { gain[(i, j)] } else { 0.0 });
+        Innovations::new(system, k, self.noise_covariance.clone())
+    }
+
     /// The continuous system sampled; states that remember delayed inputs come last.
     fn sampled(&self, system: &StateSpace, sample_time_s: f64, held: bool) -> Result<StateSpace, LtiError> {
         let delays_s = self.structure.input_delays_s(&self.parameters);
@@ -122,6 +146,21 @@ impl<S: Structure> GreyBoxModel<S> {
             (false, false) => system.to_discrete_foh(sample_time_s)?.to_state_space(),
         }
     }
+}
+
+/// The continuous system sampled, with the coefficients of every input's course as inputs.
+fn sampled_with_courses(system: &StateSpace, sample_time_s: f64) -> Result<StateSpace, LtiError> {
+    let (n, inputs, outputs) = (system.states(), system.inputs(), system.outputs());
+    let mut b = Mat::zeros(n, COEFFICIENTS * inputs);
+    let mut a = Mat::identity(n, n);
+    for input in 0..inputs {
+        let (phi, powers) = response_to_powers(system, input, sample_time_s)?;
+        b.subcols_mut(COEFFICIENTS * input, COEFFICIENTS).copy_from(&powers);
+        a = phi;
+    }
+    let now = |i: usize, j: usize| if j.is_multiple_of(COEFFICIENTS) { system.d()[(i, j / COEFFICIENTS)] } else { 0.0 };
+    let d = Mat::from_fn(outputs, COEFFICIENTS * inputs, now);
+    StateSpace::discrete(a, b, system.c().to_owned(), d, sample_time_s)
 }
 
 /// Covariance of the state's noise over a sample: `∫₀ᵀ e^{As} Q e^{Aᵀs} ds`.
@@ -174,33 +213,30 @@ impl<S: Structure> LinearModel for GreyBoxModel<S> {
         self.noise_covariance.nrows()
     }
 
-    /// Inputs that are band-limited are taken as straight between the samples, which is right to `(ωT)²/12`.
     fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError> {
         let own = self.system()?;
-        let n = own.states();
-        let (system, continuous) = match own.sample_time_s() {
+        match own.sample_time_s() {
             Some(model_s) => {
                 check_clock(model_s, sample_time_s)?;
-                (own.clone(), false)
+                self.with_noise(&own, own.clone(), sample_time_s)
             }
-            None => (self.sampled(&own, sample_time_s, intersample == Intersample::ZeroOrderHold)?, true),
-        };
-        let p = system.outputs();
-        let gain = match self.structure.noise(&self.parameters) {
-            GreyNoise::OutputError => Mat::zeros(n, p),
-            GreyNoise::Gain(k) => k,
-            GreyNoise::Covariances { process, measurement } => {
-                check("process noise covariance", &process, (n, n))?;
-                check("measurement noise covariance", &measurement, (p, p))?;
-                let q = if continuous { sampled_noise(own.a(), &process, sample_time_s)? } else { process };
-                let (a, c) = (system.a().submatrix(0, 0, n, n), system.c().subcols(0, n));
-                let cross = Mat::zeros(n, p);
-                let filter = kalman(a, c, q.as_ref(), cross.as_ref(), measurement.as_ref());
-                filter.ok_or(LtiError::Singular { what: "the Riccati equation of the noise covariances" })?.0
+            None => {
+                let held = intersample == Intersample::ZeroOrderHold;
+                self.with_noise(&own, self.sampled(&own, sample_time_s, held)?, sample_time_s)
             }
-        };
-        check("K", &gain, (n, p))?;
-        let k = Mat::from_fn(system.states(), p, |i, j| if i < n { gain[(i, j)] } else { 0.0 });
-        Innovations::new(system, k, self.noise_covariance.clone())
+        }
+    }
+
+    /// The noise enters at the samples, or between them as it does under any input.
+    fn band_limited(&self, sample_time_s: f64) -> Result<Option<BandLimitedForm>, LtiError> {
+        let own = self.system()?;
+        if own.sample_time_s().is_some() || own.inputs() == 0 {
+            return Ok(None);
+        }
+        let delays_s = self.structure.input_delays_s(&self.parameters);
+        let system = sampled_with_courses(&own, sample_time_s)?;
+        let innovations = self.with_noise(&own, system, sample_time_s)?;
+        let delay = |j: usize| delays_s.get(j).map_or(0.0, |delay_s| delay_s / sample_time_s);
+        Ok(Some(BandLimitedForm { innovations, courses: (0..own.inputs()).map(|j| (j, delay(j))).collect() }))
     }
 }

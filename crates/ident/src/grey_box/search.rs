@@ -1,7 +1,7 @@
 //! The parameters of a grey-box model as the search sees them.
 
 use faer::Mat;
-use lti::Innovations;
+use lti::{Innovations, LtiError};
 use signal::excitation::Random;
 
 use super::{GreyBoxModel, GreyNoise, GreyParameter, Structure};
@@ -19,14 +19,17 @@ pub(super) struct Parameters<S> {
     pub(super) model: GreyBoxModel<S>,
     about: Vec<GreyParameter>,
     free: Vec<usize>,
+    /// Whether the data have the courses of band-limited inputs.
+    courses: bool,
 }
 
 impl<S: Structure> Parameters<S> {
-    pub(super) fn new(model: GreyBoxModel<S>) -> Self {
+    /// For data with the courses of band-limited inputs, or with samples.
+    pub(super) fn new(model: GreyBoxModel<S>, courses: bool) -> Self {
         let about = model.structure().parameters();
         let free = (0..about.len()).filter(|j| !about[*j].fixed && about[*j].bounds.lower < about[*j].bounds.upper);
         let free = free.collect();
-        Parameters { model, about, free }
+        Parameters { model, about, free, courses }
     }
 
     /// Which parameter each direction is.
@@ -48,6 +51,14 @@ impl<S: Structure> Parameters<S> {
     /// The reciprocal standard deviation that is known beforehand; zero where none is.
     pub(super) fn prior_weight(&self, direction: usize) -> f64 {
         self.about[self.free[direction]].prior.map_or(0.0, |(_, deviation)| 1.0 / deviation)
+    }
+
+    fn form(&self, model: &GreyBoxModel<S>, data: &Dataset) -> Result<Innovations, LtiError> {
+        let band_limited = if self.courses { model.band_limited(data.sample_time_s())? } else { None };
+        match band_limited {
+            Some(form) => Ok(form.innovations),
+            None => model.innovations(data.sample_time_s(), data.intersample()),
+        }
     }
 
     /// A size that a parameter's steps are measured by.
@@ -77,7 +88,7 @@ impl<S: Structure> Parameters<S> {
 
 impl<S: Structure> Searchable for Parameters<S> {
     fn innovations(&self, data: &Dataset) -> Result<Innovations, IdentError> {
-        Ok(self.model.innovations(data.sample_time_s(), data.intersample())?)
+        Ok(self.form(&self.model, data)?)
     }
 
     fn free(&self) -> Free {
@@ -91,7 +102,7 @@ impl<S: Structure> Searchable for Parameters<S> {
             let mut moved = values.clone();
             moved[j] = value;
             let model = self.model.with_parameters(&moved)?;
-            Ok(entries(&model.innovations(data.sample_time_s(), data.intersample())?, self.free()))
+            Ok(entries(&self.form(&model, data)?, self.free()))
         };
         let mut columns = Vec::with_capacity(self.free.len());
         for j in &self.free {
@@ -135,9 +146,9 @@ impl<S: Structure> Searchable for Parameters<S> {
 
     /// Inputs are taken to have been before an experiment what they are at its start.
     fn all_states(&self, x0: &[Vec<f64>], data: &Dataset) -> Vec<Vec<f64>> {
-        let backs = self.model.delayed_inputs(data.sample_time_s());
+        let delayed = if self.courses { Vec::new() } else { self.model.delayed_inputs(data.sample_time_s()) };
         let extended = |(states, experiment): (&Vec<f64>, &crate::Experiment)| {
-            let past = backs
+            let past = delayed
                 .iter()
                 .enumerate()
                 .flat_map(|(j, back)| std::iter::repeat_n(experiment.input(j).first().copied().unwrap_or(0.0), *back));

@@ -88,7 +88,7 @@ pub enum GreyNoise {
 /// assert!((fit.parameters()[0] - 0.2).abs() < 1e-8 && (fit.parameters()[1] - 0.5).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub trait Structure: Clone {
+pub trait Structure: Clone + Sync {
     /// The parameters, in a fixed order, with starting values.
     fn parameters(&self) -> Vec<GreyParameter>;
 

@@ -1,6 +1,7 @@
 //! What a model says of data: simulation, k-step prediction, residuals, and the initial state they start from.
 //!
-//! Every model is taken in innovations form, so all of it is written once.
+//! Every model is taken in innovations form, so all of it is written once. Band-limited inputs of a model in continuous time
+//! are followed between the samples; within 32 samples of an end they rest on a mirrored record.
 
 mod form;
 mod gain;
@@ -8,6 +9,7 @@ mod initial;
 
 use faer::Mat;
 
+use crate::course::OnData;
 use crate::fit::check_channels;
 use crate::{Dataset, Experiment, IdentError, LinearModel};
 use form::Form;
@@ -64,7 +66,7 @@ pub fn simulate<M: LinearModel + ?Sized>(
     data: &Dataset,
     initial: &InitialState,
 ) -> Result<Response, IdentError> {
-    respond(model, data, initial, None)
+    Ok(respond(model, data, initial, None)?.0)
 }
 
 /// Predicts each output from the outputs up to `horizon` samples earlier and the inputs up to the same sample:
@@ -92,11 +94,12 @@ pub fn predict<M: LinearModel + ?Sized>(
     if horizon == 0 {
         return Err(IdentError::Structure { what: "a horizon of no samples predicts nothing; take one or more" });
     }
-    respond(model, data, initial, Some(horizon))
+    Ok(respond(model, data, initial, Some(horizon))?.0)
 }
 
 /// The one-step prediction errors `ε(t) = y(t) − ŷ(t | t−1)`, samples × outputs for each experiment, NaN where the output
-/// is missing.
+/// is missing, and near the ends of an experiment where a model in continuous time would rest on a guess of band-limited
+/// inputs beyond it.
 ///
 /// # Errors
 /// Those of [`simulate`].
@@ -105,26 +108,37 @@ pub fn residuals<M: LinearModel + ?Sized>(
     data: &Dataset,
     initial: &InitialState,
 ) -> Result<Response, IdentError> {
-    let mut response = predict(model, data, 1, initial)?;
+    let (mut response, (first, last)) = respond(model, data, initial, Some(1))?;
     for (predicted, experiment) in response.outputs.iter_mut().zip(data.experiments()) {
-        *predicted = &experiment.outputs - &*predicted;
+        let known = first..experiment.len().saturating_sub(last);
+        let error = |t: usize, i: usize| experiment.outputs[(t, i)] - predicted[(t, i)];
+        *predicted =
+            Mat::from_fn(
+                experiment.len(),
+                predicted.ncols(),
+                |t, i| {
+                    if known.contains(&t) { error(t, i) } else { f64::NAN }
+                },
+            );
     }
     Ok(response)
 }
 
-/// The responses of every experiment; no horizon is simulation.
+/// The responses of every experiment, and how many rows at its ends rest on a guess of inputs beyond it; no horizon is
+/// simulation.
 fn respond<M: LinearModel + ?Sized>(
     model: &M,
     data: &Dataset,
     initial: &InitialState,
     horizon: Option<usize>,
-) -> Result<Response, IdentError> {
+) -> Result<(Response, (usize, usize)), IdentError> {
     check_channels(model, data)?;
     check_inputs(data)?;
-    let form = Form::new(model.innovations(data.sample_time_s(), data.intersample())?);
+    let OnData { form, data, edges } = OnData::new(model, data, *initial == InitialState::Zero)?;
+    let form = Form::new(form);
     let initial_states = match initial {
         InitialState::Zero => vec![vec![0.0; form.states]; data.experiments().len()],
-        InitialState::Given(states) => checked_states(states, &form, data)?,
+        InitialState::Given(states) => checked_states(states, &form, &data)?,
         InitialState::Estimated => {
             let estimate = |e: &Experiment| initial::estimate(&form, e, horizon.is_some());
             data.experiments().iter().map(estimate).collect::<Result<_, _>>()?
@@ -135,7 +149,7 @@ fn respond<M: LinearModel + ?Sized>(
         Some(steps) => predicted(&form, experiment, x0, steps),
     };
     let outputs = data.experiments().iter().zip(&initial_states).map(run).collect::<Result<_, _>>()?;
-    Ok(Response { outputs, initial_states })
+    Ok((Response { outputs, initial_states }, edges))
 }
 
 fn checked_states(states: &[Vec<f64>], form: &Form, data: &Dataset) -> Result<Vec<Vec<f64>>, IdentError> {

@@ -9,6 +9,7 @@ use crate::continuous::estimate::{OutputFit, Settings, combine, fit_output};
 use crate::continuous::output_error::Nuisance;
 use crate::continuous::record::{Record, records};
 use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};
+use crate::course::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 
 /// Longest delay searched unless told otherwise, in samples.
@@ -21,7 +22,8 @@ const MOST_DAMPED: f64 = 10.0;
 ///
 /// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`, `G(s) = K (1 + T_z s) / Π(1 + T_p s) · e^{−T_d s}`, see [`ProcessModel`].
 ///
-/// The model is sampled exactly, and the delay is a continuous parameter found below a sample. The search starts from the
+/// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
+/// an experiment, where they rest on a guess of the inputs beyond it, are left out. The model is sampled exactly, and the delay is a continuous parameter found below a sample. The search starts from the
 /// best of a grid of delays and lags. Initial states are estimated; the samples before the longest delay only serve as
 /// past inputs, unless the system starts from rest. Each output is estimated on its own. The covariance allows
 /// for noise with the autocorrelation of the residuals.
@@ -147,13 +149,14 @@ impl ProcessFit {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
         let ranges = self.ranges(data)?;
         let longest = |r: &Ranges| first_sample(&r.delay_s, data.sample_time_s());
-        let first = if self.at_rest { 0 } else { ranges.iter().map(longest).max().unwrap_or(0) };
+        let ground = Ground::new(data, self.at_rest)?;
+        let first = if self.at_rest { 0 } else { ground.edge + ranges.iter().map(longest).max().unwrap_or(0) };
         let nuisance = Nuisance { initial_state: !self.at_rest, offset: self.offset };
         let settings = Settings { nuisance, stable: true, search: self.search };
         let mut parts: Vec<OutputFit<ProcessModel>> = Vec::with_capacity(data.outputs());
         for (output, ranges) in ranges.iter().enumerate() {
             let bounds = ranges.bounds();
-            let records = records(data, output, first)?;
+            let records = records(&ground, output, first)?;
             let samples = records.iter().map(Record::rows).sum();
             if samples <= 2 * bounds.len() {
                 return Err(IdentError::TooFewSamples { samples, parameters: 2 * bounds.len() });
@@ -161,7 +164,7 @@ impl ProcessFit {
             let starts = start::candidates(ranges, data, &records, settings)?;
             parts.push(fit_output(data, &records, &starts, &bounds, settings)?);
         }
-        combine(data, first, &parts, settings)
+        combine(&ground, first, &parts, settings)
     }
 
     /// What is searched for each output.

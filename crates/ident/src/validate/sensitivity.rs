@@ -1,8 +1,8 @@
 //! How residuals change with the parameters and the initial states of the model they are of.
 
 use faer::Mat;
-use lti::Innovations;
 
+use crate::course::OnData;
 use crate::prediction::{InitialState, residuals};
 use crate::uncertainty::root::root;
 use crate::{Dataset, Experiment, Fit, IdentError, LinearModel, Parametric};
@@ -86,15 +86,15 @@ pub(super) fn to_parameters<M: Parametric + LinearModel>(
     if theta.len() != root.nrows() {
         return Err(IdentError::Length { what: "the covariance", expected: theta.len(), found: root.nrows() });
     }
-    let moved = |k: usize, h: f64| -> Option<Innovations> {
+    let moved = |k: usize, h: f64| -> Option<M> {
         let moved: Vec<f64> = theta.iter().enumerate().map(|(i, v)| v + h * root[(i, k)]).collect();
-        fit.model.with_parameters(&moved).ok()?.innovations(data.sample_time_s(), data.intersample()).ok()
+        fit.model.with_parameters(&moved).ok()
     };
     let mut columns: Vec<Option<Vec<f64>>> = vec![None; root.ncols()];
     for h in STEPS {
         let pending: Vec<usize> = (0..columns.len()).filter(|k| columns[*k].is_none()).collect();
-        let models: Vec<Option<Innovations>> = pending.iter().map(|k| moved(*k, h)).collect();
-        let change = |model: &Option<Innovations>| {
+        let models: Vec<Option<M>> = pending.iter().map(|k| moved(*k, h)).collect();
+        let change = |model: &Option<M>| {
             let found = Stack::column(&residuals(model.as_ref()?, data, initial).ok()?.outputs);
             Some(found.iter().zip(errors).map(|(f, e)| (f - e) / h).collect::<Vec<_>>())
         };
@@ -123,8 +123,7 @@ pub(super) fn to_states<M: LinearModel + ?Sized>(
     data: &Dataset,
     initial: &InitialState,
 ) -> Result<Vec<Mat<f64>>, IdentError> {
-    let form = model.innovations(data.sample_time_s(), data.intersample())?;
-    let (n, count) = (form.system().states(), data.experiments().len());
+    let (n, count) = (OnData::new(model, data, false)?.form.system().states(), data.experiments().len());
     let numbers = n.saturating_mul(data.samples() * data.outputs());
     if *initial != InitialState::Estimated || numbers > MOST {
         return Ok(Vec::new());
@@ -137,7 +136,7 @@ pub(super) fn to_states<M: LinearModel + ?Sized>(
     for j in 0..n {
         let unit: Vec<f64> = (0..n).map(|i| f64::from(u8::from(i == j))).collect();
         // What grows without bound is not among the states that are told apart.
-        if let Ok(response) = residuals(&form, &silent, &InitialState::Given(vec![unit; count])) {
+        if let Ok(response) = residuals(model, &silent, &InitialState::Given(vec![unit; count])) {
             entries.push(response.outputs);
         }
     }

@@ -157,7 +157,15 @@ fn exact_resampling_keeps_slow_sines_and_holds_held_inputs() {
     let finer = data.resample(2, 1).unwrap();
     assert_eq!(finer.intersample(), Intersample::ZeroOrderHold);
     assert_eq!(finer.experiments()[0].input(0)[101], x[50]);
-    assert_eq!(data.resample(1, 2).unwrap().intersample(), Intersample::BandLimited);
+    for (intersample, late) in
+        [(Intersample::ZeroOrderHold, 0.05), (Intersample::FirstOrderHold, 0.0), (Intersample::BandLimited, 0.0)]
+    {
+        let coarser = data.clone().with_intersample(intersample).resample(1, 2).unwrap();
+        assert_eq!(coarser.intersample(), Intersample::BandLimited);
+        // What is held lags half a sample behind what was sampled; both holds weaken it, by (ωT)²/24 and twice that.
+        let u = coarser.experiments()[0].input(0);
+        assert!((80..220).all(|i| (u[i] - wave(0.2 * i as f64 - late)).abs() < 1e-3), "{intersample:?}");
+    }
     assert_eq!(data.resample(5, 5).unwrap(), data);
 }
 

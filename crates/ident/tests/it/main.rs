@@ -3,6 +3,7 @@
 
 mod advice;
 mod arx;
+mod band_limited;
 mod bands;
 mod closed_loop;
 mod conformance;

@@ -51,7 +51,9 @@ pub(crate) struct DataArguments {
     /// What is taken off every channel first
     #[arg(long, value_enum, default_value_t = Detrend::Mean, value_name = "WHAT", help_heading = "Data")]
     pub(crate) detrend: Detrend,
-    /// What the inputs do between samples
+    /// What the inputs do between the samples of the recording. A continuous model (tf, process, greybox) is exact for each,
+    /// for band-limited inputs up to 0.45 of the sample rate and but for 32 samples at either end, which are left out. An
+    /// input faster than --sample-time is filtered, and band-limited since
     #[arg(long, value_enum, default_value_t = Between::Held, value_name = "HOW", help_heading = "Data")]
     pub(crate) between: Between,
 }

@@ -80,6 +80,7 @@ fn sentence(adjustment: &Adjustment) -> (&str, String) {
         Adjustment::Sparse { channel, sample_time_s } => {
             (channel, format!("a sample only every {} s", significant(*sample_time_s)))
         }
+        Adjustment::Mixed { filtered, other } => (filtered, format!("filtered, and {other} is not")),
         Adjustment::Missing { channel, count, of } => (channel, format!("{count} of {of} samples are missing (NaN)")),
     }
 }

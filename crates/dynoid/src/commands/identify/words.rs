@@ -18,7 +18,7 @@ pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             "the data barely tell the parameters apart (condition number {condition:.1e}); lower the order or excite the system better"
         ),
         Doubt::RowsLeftOut { rows, of } => format!(
-            "{rows} of {of} rows were left out: samples are missing there (those of a slower output count so), or the past that the model needs was not recorded"
+            "{rows} of {of} rows were left out: samples are missing there (those of a slower output count so), or what the model needs of the past, or of the time around a record with band-limited inputs, was not recorded"
         ),
         Doubt::AtBound { parameter } => format!(
             "{} rests on its bound, so its interval means nothing; widen the bound or leave the parameter out",

@@ -31,6 +31,8 @@ const MOST_NAMES: usize = 20;
 pub(super) struct Loaded {
     /// The data, trend taken off.
     pub(super) data: Dataset,
+    /// What the inputs do between the samples of their recordings.
+    pub(super) between: Intersample,
     /// What was taken off, per recording.
     pub(super) trend: Option<Trend>,
     /// The recordings they come from.
@@ -142,7 +144,8 @@ pub(super) fn take_about(
     // Inputs that stand in for outputs have their own adjustments.
     let is_stand_in = arguments.outputs.iter().all(|name| arguments.inputs.contains(name));
     let is_news = |a: &&Adjustment| !(is_stand_in && matches!(a, Adjustment::Sparse { .. }));
-    notes.extend(adjustments.iter().filter(is_news).map(|a| Note::Done(words::adjustment(a))));
+    let given = arguments.sample_time_s.is_some();
+    notes.extend(adjustments.iter().filter(is_news).map(|a| Note::Done(words::adjustment(a, purpose, given))));
     let advice = if is_stand_in { Vec::new() } else { advise(&data) };
     let is_explained = |advice: &&Advice| words::is_explained(advice, &adjustments, &data);
     let advice = advice.iter().filter(|advice| words::matters(advice, purpose)).filter(|a| !is_explained(a));
@@ -154,7 +157,8 @@ pub(super) fn take_about(
         None => data,
     };
     let recording = (0..data.experiments().len()).collect();
-    Ok(Loaded { data, trend, sources, recording, adjustments, notes })
+    let between = options.intersample;
+    Ok(Loaded { data, between, trend, sources, recording, adjustments, notes })
 }
 
 fn check_window(window: Window) -> Result<(), CliError> {

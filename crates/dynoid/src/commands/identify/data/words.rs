@@ -7,19 +7,27 @@ use super::Purpose;
 use crate::cli::identify::Detrend;
 use crate::commands::identify::words::significant;
 
-/// What was done to a channel.
-pub(super) fn adjustment(adjustment: &Adjustment) -> String {
+/// What was done to a channel, and what would avoid it where the data are for an estimate, on a clock that was `given` or
+/// that of the method.
+pub(super) fn adjustment(adjustment: &Adjustment, purpose: Purpose, given: bool) -> String {
     match adjustment {
         Adjustment::Jitter { channel, largest_s } => format!(
             "\"{channel}\": its time stamps are up to {largest_s:.3e} s off an even clock; values were found on straight lines between the samples"
         ),
         Adjustment::Resampled { channel, from_s, to_s, how } => {
             let (from, to) = (significant(*from_s), significant(*to_s));
-            format!("\"{channel}\" was brought from a sample time of {from} s to {to} s{}", resampling(*how))
+            let remedy = match (how, purpose) {
+                (Resampling::Filtered, Purpose::Estimate(_)) => filter_remedy(given),
+                _ => "",
+            };
+            format!("\"{channel}\" was brought from a sample time of {from} s to {to} s{}{remedy}", resampling(*how))
         }
         Adjustment::Sparse { channel, sample_time_s } => format!(
             "\"{channel}\" has a sample only every {} s and counts as missing between; methods that look at the simulated output (oe, tf, process, greybox) can use it so",
             significant(*sample_time_s)
+        ),
+        Adjustment::Mixed { filtered, other } => format!(
+            "between samples \"{filtered}\" is band-limited, as the low-pass filter left it, and \"{other}\" is not; a continuous model takes both for band-limited, so choose a --sample-time that filters neither or both"
         ),
         Adjustment::State { channel, from_s } => format!(
             "\"{channel}\", every {} s, takes few different whole values; each was held until the next",
@@ -31,12 +39,19 @@ pub(super) fn adjustment(adjustment: &Adjustment) -> String {
 
 fn resampling(how: Resampling) -> &'static str {
     match how {
-        Resampling::Filtered => {
-            ", through a low-pass filter without phase shift; for fast dynamics choose a fit to the simulated output (oe, tf, process, greybox), which takes the faster clock and filters nothing"
-        }
+        Resampling::Filtered => ", through a low-pass filter without phase shift, and is band-limited since",
         Resampling::Held => ", each value held until the next (--between)",
         Resampling::Straight => ", on straight lines from value to value (--between)",
         Resampling::BandLimited => ", as a band-limited signal (--between)",
+    }
+}
+
+/// What spares a channel the filter.
+fn filter_remedy(given: bool) -> &'static str {
+    if given {
+        "; without --sample-time, fits to the simulated output (oe, tf, process, greybox) take the faster clock and filter nothing"
+    } else {
+        "; for fast dynamics choose a fit to the simulated output (oe, tf, process, greybox), which takes the faster clock and filters nothing"
     }
 }
 

@@ -200,7 +200,7 @@ fn refused(error: CliError, command: &FitCommand, estimation: &Loaded) -> CliErr
 fn document(fit: &Fit<AnyModel>, method: String, data: &Loaded) -> ModelDocument {
     let (inputs, outputs) = (data.data.input_labels().to_vec(), data.data.output_labels().to_vec());
     let mut document = ModelDocument::new(fit.model.clone(), inputs, outputs, data.data.sample_time_s());
-    document.intersample = data.data.intersample();
+    document.intersample = data.between;
     document.trend = data.trend.clone();
     document.estimate = Some(EstimateRecord::new(fit, method, data.sources.clone()));
     document
@@ -223,8 +223,8 @@ impl Loaded {
                 sources[*of].to_s =
                     experiment.start_s + experiment.len().saturating_sub(1) as f64 * data.sample_time_s();
             }
-            let (adjustments, notes) = (self.adjustments.clone(), self.notes.clone());
-            Loaded { data, trend: self.trend.clone(), sources, recording, adjustments, notes }.without_unused()
+            let (trend, adjustments, notes) = (self.trend.clone(), self.adjustments.clone(), self.notes.clone());
+            Loaded { data, between: self.between, trend, sources, recording, adjustments, notes }.without_unused()
         };
         Ok((part(split.estimation)?, part(split.validation)?))
     }
