@@ -50,7 +50,6 @@ fn stat_intervals_of_every_method_hold_the_response() {
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
         let scatter = shares.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (shares.len() - 1) as f64;
         let error = (scatter / shares.len() as f64).sqrt();
-        println!("{name}: {mean:.4} ± {error:.4}");
         assert!((mean - 0.95).abs() < 0.01 + 3.0 * error, "{name}: {mean:.4} ± {error:.4} of 0.95");
     }
 }
