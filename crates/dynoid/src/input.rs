@@ -56,7 +56,8 @@ pub(crate) fn is_json(path: &Path) -> bool {
 
 /// Refuses a model file where a recording is wanted.
 fn refuse_model(file: &InputFile) -> Result<(), CliError> {
-    match is_json(&file.path) && String::from_utf8_lossy(&beginning(&file.path)).contains("\"dynoid model\"") {
+    let head = beginning(&file.path);
+    match head.starts_with(b"{") && String::from_utf8_lossy(&head).contains("\"dynoid model\"") {
         true => Err(CliError::IsModel { path: file.path.clone() }),
         false => Ok(()),
     }

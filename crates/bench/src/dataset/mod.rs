@@ -266,7 +266,8 @@ pub fn dataset(
     options: &DatasetOptions,
 ) -> Result<(Dataset, Vec<Adjustment>), DatasetError> {
     let mut adjustments = Vec::new();
-    let (mut data, mut is_filtered): (Option<Dataset>, bool) = (None, false);
+    let mut data: Option<Dataset> = None;
+    let (mut filtered, mut others) = (Vec::new(), Vec::new());
     for (file, recording) in recordings {
         let part = Taken::new(file, recording, options)?;
         let sample_time_s = match (&data, options.clock) {
@@ -278,21 +279,23 @@ pub fn dataset(
             part.check_units(before)?;
         }
         let experiment = part.experiment(sample_time_s, options, &mut adjustments)?;
-        let inputs = || part.channels.iter().take(options.inputs.len());
-        let (filtered, others): (Vec<_>, Vec<_>) = inputs().partition(|c| c.is_faster(sample_time_s));
-        if let (Some(filtered), Some(other)) = (filtered.first(), others.first())
-            && options.intersample != Intersample::BandLimited
-        {
-            let name = |timed: &Timed<'_>| timed.channel.name.clone();
-            adjustments.push(Adjustment::Mixed { filtered: name(filtered), other: name(other) });
+        for input in part.channels.iter().take(options.inputs.len()) {
+            let name = (input.channel.name.clone(), *file);
+            if input.is_faster(sample_time_s) { filtered.push(name) } else { others.push(name) }
         }
-        is_filtered |= !filtered.is_empty();
         data = Some(match data {
             Some(before) => before.with_experiment(experiment)?,
             None => first(experiment, sample_time_s, &part)?,
         });
     }
-    let intersample = if is_filtered { Intersample::BandLimited } else { options.intersample };
+    if let (Some((one, in_file)), Some((other, in_other))) = (filtered.first(), others.first())
+        && options.intersample != Intersample::BandLimited
+    {
+        let name =
+            |name: &str, file: &str| if in_file == in_other { name.to_owned() } else { format!("{name}, {file}") };
+        adjustments.push(Adjustment::Mixed { filtered: name(one, in_file), other: name(other, in_other) });
+    }
+    let intersample = if filtered.is_empty() { options.intersample } else { Intersample::BandLimited };
     Ok((data.ok_or(DatasetError::Empty)?.with_intersample(intersample), adjustments))
 }
 

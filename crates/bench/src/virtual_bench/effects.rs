@@ -137,7 +137,10 @@ fn step(bench: &BenchParameters, seed: u64) -> Result<(Vec<ShownTrace>, Vec<Show
     let run = simulate_hidden(bench, &ExperimentPlan::step_t_tn(1200.0, 2.0 * STEP_S), seed, Numerics::default())?;
     let recorded = |name: &str, channel: &str| {
         let channel = run.recording.channel(channel);
-        let sample_time_s = channel.and_then(|c| run.recording.time_s(c)).map_or(UPDATE_S, |t| t[1] - t[0]);
+        let sample_time_s = match channel.and_then(|c| run.recording.time_s(c)) {
+            Some(&[first, second, ..]) => second - first,
+            _ => UPDATE_S,
+        };
         around_step(name, channel.map_or(&[], |c| c.samples.as_slice()), sample_time_s)
     };
     let torques = [("T_d*", "DynoTorqueDemand"), ("T_d,calc", "DynoTorqueCalc"), ("T_d,meas", "DynoTorqueMeas")];

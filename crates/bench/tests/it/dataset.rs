@@ -115,6 +115,19 @@ fn exact_inputs_of_which_one_is_filtered_are_told() {
 }
 
 #[test]
+fn regress_a_recording_filtered_among_others_is_told() {
+    let every = |step_s: f64| {
+        let row = |n: u32| format!("{},{},{n}\n", step_s * f64::from(n), (0.3 * f64::from(n)).sin());
+        recorded(&format!("time [s],u,y\n{}", (0..400).map(row).collect::<String>()))
+    };
+    let (fast, slow) = (every(0.005), every(0.01));
+    let clock = DatasetOptions { clock: CommonClock::Every(0.01), ..options(&["u"], &["y"]) };
+    let (_, adjustments) = dataset(&[("fast.csv", &fast), ("slow.csv", &slow)], &clock).unwrap();
+    let mixed = Adjustment::Mixed { filtered: "u, fast.csv".into(), other: "u, slow.csv".into() };
+    assert!(adjustments.contains(&mixed), "{adjustments:?}");
+}
+
+#[test]
 fn regress_impossible_requests_are_refused_with_names() {
     let recording = table(50, |t| format!("{t}"), |t| format!("{t}"));
     let refused = |options: DatasetOptions| dataset(&[("x.csv", &recording)], &options).unwrap_err();

@@ -13,6 +13,10 @@ use crate::{Dataset, IdentError};
 /// Confidence with which the phase of anything but a delay is told from a straight line.
 const STRAIGHT: f64 = 0.999;
 
+/// Coherences that signals without anything in common exceed with this probability count.
+const CHANCE: f64 = 0.05;
+/// Independent averages that Hann windows overlapping by half make of one stretch (Welch 1967).
+const OVERLAPPING: f64 = 1.64;
 /// One less the coherence is at least this, so that exact data have weights.
 const INCOHERENCE: f64 = 1e-12;
 
@@ -65,13 +69,17 @@ struct Line {
 }
 
 /// Whether the phases lie on the line `−ωτ` within their errors: their variance is `1/(2nw)` for a weight `w` and `n` averages.
+/// Only where the coherence is significant: elsewhere phases lie anywhere, and say nothing of a line.
 fn is_straight(lines: &[Line], averages: f64, tau: f64) -> bool {
+    let averages = OVERLAPPING * averages;
+    let chance = 1.0 - CHANCE.powf(1.0 / (averages - 1.0).max(1.0));
+    let coherent = || lines.iter().filter(|l| l.weight / (1.0 + l.weight) > chance);
     let off = |l: &Line| {
         let angle = l.phase + l.angle * tau;
         2.0 * averages * l.weight * angle.sin().atan2(angle.cos()).powi(2)
     };
-    let freedom = lines.len().saturating_sub(1).max(1) as f64;
-    lines.iter().map(off).sum::<f64>() <= chi_squared_quantile(STRAIGHT, freedom)
+    let freedom = coherent().count().saturating_sub(1).max(1) as f64;
+    coherent().map(off).sum::<f64>() <= chi_squared_quantile(STRAIGHT, freedom)
 }
 
 impl PhaseDelay {

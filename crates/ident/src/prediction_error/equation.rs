@@ -219,7 +219,10 @@ impl Task<'_> {
         place.iter().for_each(|j| noise.bounds[*j] = Bounds::new(theta[*j], theta[*j]));
         let begin = noise.start(all, Aim::Prediction, |few| Ok(vec![start::with_noise(self.orders, few, &theta)]))?;
         let lowest = noise.descended(all, Aim::Prediction, &begin, self.search)?;
-        let (lowest, own) = noise.judged(all, Aim::Prediction, lowest, batches);
+        let (lowest, mut own) = noise.judged(all, Aim::Prediction, lowest, batches);
+        // What the dynamics took of the residuals is gone too.
+        let taken = place.iter().filter(|j| self.bounds[**j].lower < self.bounds[**j].upper).count();
+        own.iter_mut().for_each(|stage| stage.freedom = (stage.freedom - taken as f64).max(1.0));
         let influence = influence(&lowest, place);
         stages.iter_mut().for_each(|s| s.share = &influence * &s.share);
         stages.extend(own);

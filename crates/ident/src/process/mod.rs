@@ -23,10 +23,11 @@ const MOST_DAMPED: f64 = 10.0;
 /// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`, `G(s) = K (1 + T_z s) / Π(1 + T_p s) · e^{−T_d s}`, see [`ProcessModel`].
 ///
 /// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
-/// an experiment, where they rest on a guess of the inputs beyond it, are left out. The model is sampled exactly, and the delay is a continuous parameter found below a sample. The search starts from the
-/// best of a grid of delays and lags. Initial states are estimated; the samples before the longest delay only serve as
-/// past inputs, unless the system starts from rest. Each output is estimated on its own. The covariance allows
-/// for noise with the autocorrelation of the residuals.
+/// an experiment, where they rest on a guess of the inputs beyond it, are left out. The model is sampled exactly, and
+/// the delay is a continuous parameter found below a sample. The search starts from the best of a grid of delays and
+/// lags. Initial states are estimated; the samples before the longest delay only serve as past inputs, unless the
+/// system starts from rest. Each output is estimated on its own. The covariance allows for noise with the
+/// autocorrelation of the residuals.
 ///
 /// # Example
 /// ```
@@ -143,9 +144,10 @@ impl ProcessFit {
     ///
     /// # Errors
     /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for bounds that
-    /// are no range, a zero and no pole, or a held parameter that there is not; [`IdentError::Missing`] for a gap in an input (gaps in outputs are left out);
-    /// [`IdentError::Constant`]; [`IdentError::TooFewSamples`]; [`IdentError::RankDeficient`] where the data do not
-    /// determine every parameter, as with two lags where one is enough.
+    /// are no range, a zero and no pole, or a held parameter that there is not; [`IdentError::Missing`] for a gap in
+    /// an input (gaps in outputs are left out); [`IdentError::Constant`]; [`IdentError::TooFewSamples`];
+    /// [`IdentError::RankDeficient`] where the data do not determine every parameter, as with two lags where one is
+    /// enough.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<ProcessSystem>, IdentError> {
         let ranges = self.ranges(data)?;
         let longest = |r: &Ranges| first_sample(&r.delay_s, data.sample_time_s());

@@ -117,9 +117,9 @@ impl ResidualTest {
     /// Correlations are summed over the experiments, never across their borders. Missing outputs are left out, and so are
     /// lags at which no two samples are known, as those longer than every experiment: they have no degree of freedom.
     ///
-    /// With `U` the lagged input, or the lagged residual for whiteness, `R` the covariance in time of the errors `v`, `Ψ` the sensitivity of the predictions to
-    /// the parameters and to the initial states that are estimated here, and `M = I − Ψ (Ψᵀ Λ⁻¹ Ψ)⁻¹ Ψᵀ Λ⁻¹` for noise of
-    /// covariance `Λ`:
+    /// With `U` the lagged input, or the lagged residual for whiteness, `R` the covariance in time of the errors `v`,
+    /// `Ψ` the sensitivity of the predictions to the parameters and to the initial states that are estimated here,
+    /// and `M = I − Ψ (Ψᵀ Λ⁻¹ Ψ)⁻¹ Ψᵀ Λ⁻¹` for noise of covariance `Λ`:
     /// - on [`TestData::Own`] the sums tested are `Uᵀ M ε`, of covariance `Uᵀ M R Mᵀ U`. Where ε is the smallest in the
     ///   sense of Λ, `M ε = ε`. An estimate of another kind (instruments, subspaces) is so tested as if a last step had been
     ///   taken to that minimum: what a step of the parameters explains is no missing dynamics. One that is far from it, as
@@ -142,9 +142,10 @@ impl ResidualTest {
     /// # Source
     /// Ljung 1999, §16.6; Box and Pierce, *Distribution of residual autocorrelations in autoregressive-integrated moving
     /// average time series models*, 1970, and McLeod, *On the distribution of residual autocorrelations in Box–Jenkins
-    /// models*, 1978, for whiteness on own data; Neyman, *Optimal asymptotic tests of composite statistical hypotheses*, 1959, for sums that
-    /// errors of the parameters leave alone. Ljung, G. M. and Box, *On a measure of lack of fit in time series models*,
-    /// 1978; for several outputs Hosking, *The multivariate portmanteau statistic*, 1980.
+    /// models*, 1978, for whiteness on own data; Neyman, *Optimal asymptotic tests of composite statistical
+    /// hypotheses*, 1959, for sums that errors of the parameters leave alone. Ljung, G. M. and Box, *On a measure of
+    /// lack of fit in time series models*, 1978; for several outputs Hosking, *The multivariate portmanteau
+    /// statistic*, 1980.
     pub fn run<M: Parametric + LinearModel>(
         &self,
         fit: &Fit<M>,

@@ -142,7 +142,9 @@ pub(super) fn to_states<M: LinearModel + ?Sized>(
     }
     let table = |m: usize| {
         let columns: Vec<Vec<f64>> = entries.iter().map(|e| Stack::column(&e[m..=m])).collect();
-        Mat::from_fn(columns.first().map_or(0, Vec::len), columns.len(), |i, k| columns[k][i])
+        // Of a model without states all rows are there all the same.
+        let rows = data.experiments()[m].len() * data.outputs();
+        Mat::from_fn(rows, columns.len(), |i, k| columns[k][i])
     };
     Ok((0..count).map(table).collect())
 }

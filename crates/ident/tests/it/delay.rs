@@ -220,3 +220,15 @@ fn stat_the_delay_of_an_output_that_is_slower_than_its_input_is_found() {
     let starts = ImpulseDelay { spacing: 4, ..Default::default() }.estimate(&data).unwrap();
     assert_eq!(starts[0].delay, Some(7));
 }
+
+#[test]
+fn regress_the_phase_of_a_delay_is_straight_where_the_input_has_power() {
+    let mut noise = Noise::new(21);
+    let rows = 4000;
+    // Next to nothing of the input above a third of the band.
+    let low = signal::Sos::butterworth_lowpass(6, 1.0 / 6.0, 1.0).unwrap();
+    let u = low.filter(&noise.normals(rows), &mut low.state_at_rest());
+    let y: Vec<f64> = (0..rows).map(|t| if t < 5 { 0.0 } else { u[t - 5] } + 0.05 * noise.normal()).collect();
+    let found = PhaseDelay::default().estimate(&Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
+    assert!((found.samples - 5.0).abs() < 4.0 * found.standard_error && found.standard_error < 0.05, "{found:?}");
+}

@@ -265,3 +265,29 @@ fn regress_hundreds_of_short_stretches_are_tested_at_the_lags_they_have() {
     // As many of 8 at 5 % come once in some three hundred times.
     assert!(alarms.iter().all(|count| *count <= 3), "{alarms:?}");
 }
+
+#[test]
+fn regress_models_without_states_are_tested_over_gaps_that_differ() {
+    let mut noise = Noise::new(8);
+    let equation = |gain: f64| PolynomialEquation {
+        a: vec![Vec::new(); 2],
+        b: vec![vec![gain]],
+        f: vec![Vec::new()],
+        nk: vec![0],
+        ..Default::default()
+    };
+    let model = PolynomialModel::new(1.0, vec![equation(2.0), equation(-1.0)], Mat::identity(2, 2)).unwrap();
+    let u = noise.normals(400);
+    let outputs = Mat::from_fn(400, 2, |t, i| match (t, i) {
+        (50..60, 0) | (200..230, 1) => f64::NAN,
+        (_, 0) => 2.0 * u[t] + noise.normal(),
+        _ => -u[t] + noise.normal(),
+    });
+    let data = Dataset::new(1.0, Mat::from_fn(400, 1, |t, _| u[t]), outputs).unwrap();
+    let report = ResidualTest::default().run_known(&model, &data).unwrap();
+    for output in 0..2 {
+        assert!(
+            report.whiteness[output].joint.p_value > 1e-3 && report.independence[output][0].dynamics.p_value > 1e-3
+        );
+    }
+}

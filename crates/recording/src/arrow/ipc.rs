@@ -31,6 +31,8 @@ impl<'r> Ipc<'r> {
         let counts = counts(reader, &messages, &plan)?;
         let most = usize::try_from(reader.size.saturating_mul(8)).unwrap_or(usize::MAX);
         let expected: Vec<usize> = counts.iter().map(|count| *count.min(&most)).collect();
+        let all = expected.iter().fold(0_u64, |all, count| all.saturating_add(*count as u64));
+        reader.check_size(all, 1)?;
         let mut table = Table::new(plan, reader.row_distance_s, &expected);
         let mut work =
             Work { reader, messages: &messages, columns: &columns, dictionaries: Dictionaries::new(), rows: 0 };

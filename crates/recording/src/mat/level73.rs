@@ -248,14 +248,14 @@ fn sizes(dataset: &Dataset) -> Result<Vec<usize>, String> {
 /// The numbers of a dataset, read some rows of the slowest dimension at a time.
 fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
     let [rows, rest @ ..] = sizes else { return dataset.read_f64().map_err(text) };
-    let width: usize = rest.iter().product();
-    if width == 0 {
+    if *rows == 0 || rest.contains(&0) {
         return Ok(Vec::new());
     }
+    let width: usize = rest.iter().product();
     let chunk = dataset.chunk_shape().map_err(text)?.and_then(|shape| shape.first().copied()).unwrap_or(1).max(1);
     // Chunks that are begun are read to their end.
     let step = usize::try_from(chunk).unwrap_or(*rows).max(1);
-    let step = (PIECE / width).max(1).next_multiple_of(step);
+    let step = (PIECE / width).max(1).checked_next_multiple_of(step).unwrap_or(*rows);
     let mut values = Vec::new();
     values.try_reserve_exact(rows * width).map_err(|error| error.to_string())?;
     for first in (0..*rows).step_by(step) {

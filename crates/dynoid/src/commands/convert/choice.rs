@@ -31,8 +31,11 @@ pub(super) fn choices(targets: &[Target], patterns: &[String]) -> Result<Vec<Cho
     let is_anywhere = |pattern: &&String| listed.iter().any(|names| names.as_ref().is_none_or(|n| fits(pattern, n)));
     if let Some(nowhere) = patterns.iter().find(|pattern| !is_anywhere(pattern)) {
         let closest = names::closest(nowhere, known(), 3).iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>();
-        let what =
-            format!("--channels {nowhere}: no recording has such a channel; the closest are {}", closest.join(", "));
+        let closest = match closest.join(", ") {
+            none if none.is_empty() => String::new(),
+            some => format!("; the closest are {some}"),
+        };
+        let what = format!("--channels {nowhere}: no recording has such a channel{closest}");
         return Err(CliError::Usage { what });
     }
     let choice = |names: &Option<Vec<String>>| {

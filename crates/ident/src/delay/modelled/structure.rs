@@ -6,6 +6,7 @@ use super::ripple::Ripple;
 use super::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
 use crate::continuous::estimate::OutputFit;
 use crate::continuous::{ContinuousTransferFunction, RationalChannel, TransferFunctionModel};
+use crate::course::Ground;
 use crate::delay::DelayEstimate;
 use crate::distributions::student_t_quantile;
 use crate::validate::{Independence, ResidualTest, TestData};
@@ -45,9 +46,9 @@ impl Structure<'_> {
         let mut found = plain.fit_one(data, 0, start)?;
         let mut clean = data.clone();
         let first = self.options.longest + LEAD;
-        let ripple = Ripple::of(data, &errors(data, &found, first));
+        let ripple = Ripple::of(data, &errors(data, &found, first)?);
         for _ in 0..if ripple.lines_hz.is_empty() { 0 } else { ROUNDS } {
-            let with = ripple.beside(data, &clean, &errors(&clean, &found, first))?;
+            let with = ripple.beside(data, &clean, &errors(&clean, &found, first)?)?;
             let start = self.start(&found, data.inputs(), with.inputs())?;
             found = self.with_ripple(data, with.inputs() - data.inputs()).fit_one(&with, 0, Some(&start))?;
             clean = ripple.removed(data, &with, &found)?;
@@ -176,13 +177,15 @@ fn root(variance: f64) -> f64 {
 }
 
 /// The errors of each experiment at its instants, NaN where there is none.
-fn errors(data: &Dataset, found: &OutputFit<RationalChannel>, first: usize) -> Vec<Vec<f64>> {
+fn errors(data: &Dataset, found: &OutputFit<RationalChannel>, first: usize) -> Result<Vec<Vec<f64>>, IdentError> {
+    let ground = Ground::new(data, false)?;
+    let first = ground.edge + first;
     let mut residuals = found.minimum.residuals.iter();
     let mut placed = |(t, y): (usize, &f64)| match y.is_nan() || t < first {
         true => f64::NAN,
         false => residuals.next().copied().unwrap_or(f64::NAN),
     };
-    data.experiments().iter().map(|e| e.output(0).iter().enumerate().map(&mut placed).collect()).collect()
+    Ok(ground.data.experiments().iter().map(|e| e.output(0).iter().enumerate().map(&mut placed).collect()).collect())
 }
 
 /// The variance of the output about the mean of each experiment.
