@@ -107,3 +107,21 @@ fn regress_constant_channels_are_named() {
         assert!(matches!(found, Err(IdentError::Constant { .. })), "{found:?}");
     }
 }
+
+#[test]
+fn regress_nothing_is_claimed_of_signals_without_relation() {
+    for (seed, pole) in [(1, 0.0), (2, 0.9)] {
+        let mut noise = Noise::new(seed);
+        let coloured = |white: Vec<f64>| {
+            let mut state = 0.0;
+            let next = |v: f64| {
+                state = pole * state + v;
+                state
+            };
+            white.into_iter().map(next).collect::<Vec<f64>>()
+        };
+        let (u, y) = (coloured(noise.normals(1500)), coloured(noise.normals(1500)));
+        let found = ModelledDelay::default().estimate(&Dataset::siso(1.0, &u, &y).unwrap()).unwrap();
+        assert!(found.claimed().is_none(), "{pole}: {:?}", found.best());
+    }
+}

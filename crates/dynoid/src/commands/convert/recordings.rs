@@ -152,6 +152,11 @@ fn one(
     if recording.channels.is_empty() {
         return Err(CliError::NothingToConvert { file: target.input.name.clone(), reasons: notes });
     }
+    if arguments.sample_time.is_some() && arguments.rate.is_some() && !is_untimed {
+        return Err(CliError::Usage {
+            what: format!("{}: it has time stamps, so give --sample-time or --rate, not both", target.input.name),
+        });
+    }
     // Where time is counted from row to row, that is what --sample-time said.
     let clock_s = arguments.sample_time.filter(|_| !is_untimed);
     let sample_time_s = arguments.rate.map(|rate_hz| 1.0 / rate_hz).or(clock_s);

@@ -22,6 +22,9 @@ const RICHER: f64 = 0.99;
 /// Confidence from which on a simpler model is out of the question.
 const REFUTED: f64 = 0.9999;
 
+/// An interval that takes more than this share of what was searched tells nothing.
+const UNDETERMINED: f64 = 0.8;
+
 /// Losses below this part of the output's power are rounding.
 const ROUNDING: f64 = 1e-18;
 
@@ -145,6 +148,11 @@ pub enum DelayFault {
         /// Index of the input.
         input: usize,
     },
+    /// The inputs explain no more of the output than chance would, or the interval is nearly as wide as what was searched.
+    Undetermined {
+        /// Index of the input.
+        input: usize,
+    },
     /// The errors depend on past inputs.
     DynamicsMissing {
         /// The probability of that by chance.
@@ -207,7 +215,14 @@ impl ModelledDelay {
                 model.faults.push(DelayFault::Outdone);
             }
         }
-        models[best].intervals = widened(&models, best);
+        let intervals = widened(&models, best);
+        let best_model = &mut models[best];
+        best_model.intervals = intervals;
+        let spread = |input: &usize| best_model.intervals[*input].1 - best_model.intervals[*input].0;
+        let (all, explains) = (0..best_model.intervals.len(), best_model.explains());
+        let undetermined = all.filter(|input| !explains || spread(input) > UNDETERMINED * self.longest as f64);
+        let undetermined: Vec<DelayFault> = undetermined.map(|input| DelayFault::Undetermined { input }).collect();
+        best_model.faults.extend(undetermined);
         Ok(DelayModels { models, best })
     }
 
@@ -260,6 +275,12 @@ impl DelayModel {
         let more = richer.parameters.saturating_sub(self.parameters).max(1) as f64;
         let gained = self.samples as f64 * (self.loss / richer.loss).ln();
         gained > richer.inflation.max(self.inflation) * chi_squared_quantile(level, more)
+    }
+
+    /// Whether it lowers the loss by more than chance would, beside no effect of any input.
+    fn explains(&self) -> bool {
+        let gained = -2.0 * self.samples as f64 * (1.0 - self.fit_percent / 100.0).ln();
+        gained > self.inflation * chi_squared_quantile(REFUTED, self.parameters as f64)
     }
 
     fn is_outdone_by(&self, richer: &DelayModel) -> bool {

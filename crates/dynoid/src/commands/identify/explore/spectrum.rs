@@ -71,6 +71,7 @@ impl Spectrum {
 pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let data = without_gaps(load_on(CommonClock::Slowest, &arguments.data, terminal)?, terminal)?;
+    check_window(arguments, &data)?;
     let failed = |source: signal::SignalError| CliError::identify("the spectrum", source.into());
     check_method(arguments, data.inputs())?;
     let spectra = match data.inputs() {
@@ -112,6 +113,17 @@ fn check_method(arguments: &SpectrumArguments, inputs: usize) -> Result<(), CliE
     match arguments.method {
         SpectrumMethod::Welch | SpectrumMethod::Etfe if inputs > 1 => Err(CliError::Usage {
             what: "--method welch and etfe take one input; lpm, lrm and blackman-tukey take several".into(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses windows that no recording is long enough for.
+fn check_window(arguments: &SpectrumArguments, data: &Dataset) -> Result<(), CliError> {
+    let shortest = data.experiments().iter().map(|e| e.len()).min().unwrap_or(0);
+    match arguments.window {
+        Some(window) if window < 2 || window > shortest => Err(CliError::Usage {
+            what: format!("--window {window}: give at least 2, and at most the {shortest} samples on end"),
         }),
         _ => Ok(()),
     }

@@ -80,7 +80,9 @@ impl Modelled {
             let (low, high) = model.intervals[input];
             let dead = digits(model.dead_times[input].samples.clamp(low, high) * t);
             let ends = range(Some((low * t, high * t)));
-            let late = model.late_by[input].map_or(String::new(), |late| {
+            // One below zero is no lag of a causal system.
+            let late = model.late_by[input].as_ref().filter(|late| late.samples >= 0.0);
+            let late = late.map_or(String::new(), |late| {
                 format!("; with it slow changes come out {} s late", digits(late.samples * t))
             });
             let beside = beside(model);
@@ -232,6 +234,11 @@ fn words(fault: &DelayFault, name: &str) -> String {
         DelayFault::NotConverged => "the search did not converge".to_owned(),
         DelayFault::AtLongest { .. } => {
             format!("the longest delay{of} that was looked for is the best; raise --longest")
+        }
+        DelayFault::Undetermined { .. } => {
+            format!(
+                "the data do not tell the delay{of}: the input may have no effect, or too little of it is in the output"
+            )
         }
         DelayFault::TooEarly { .. } => format!(
             "the output answers before the input{of} moves: the clocks differ, or the input is not held (--between), or the \
