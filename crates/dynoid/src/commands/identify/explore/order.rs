@@ -22,7 +22,6 @@ const MOST: usize = 100_000;
 pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let ranges = [range("--na", &arguments.na)?, range("--nb", &arguments.nb)?, range("--nk", &arguments.nk)?];
-    let share = arguments.split;
     let [na, nb, nk] = ranges.clone();
     let scan = OrderScan::new(na, nb, nk);
     check_size(scan.structures(), arguments)?;
@@ -30,7 +29,7 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
     let failed = |source| CliError::identify("the order scan", source);
     let progress = terminal.long("comparing the structures");
     let told = |done: usize, all: usize| progress.told(done as u64, all as u64);
-    let table = match share {
+    let table = match arguments.split {
         Some(share) => {
             let split = data.split(share).map_err(failed)?;
             scan.run_told(&split.estimation, Some(&split.validation), told)

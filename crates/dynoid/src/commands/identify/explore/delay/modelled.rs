@@ -5,7 +5,7 @@ use ident::{Dataset, IdentError, Intersample};
 use serde_json::{Value, json};
 
 use super::super::super::data::Loaded;
-use super::super::super::words::{probability, range, significant};
+use super::super::super::words::{counted, probability, range, significant};
 use super::filtered;
 use super::others::Others;
 use crate::table::{Style as Text, Table};
@@ -203,10 +203,6 @@ fn span(found: Option<&DelayModels>, others: &Others, longest: usize, input: usi
 }
 
 fn structure(model: &DelayModel) -> String {
-    let counted = |count: usize, one: &str| match count {
-        1 => format!("1 {one}"),
-        _ => format!("{count} {one}s"),
-    };
     match (model.zeros, model.poles) {
         (_, 0) => "gain alone".to_owned(),
         (0, poles) => counted(poles, "pole"),
