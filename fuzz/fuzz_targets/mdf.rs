@@ -1,4 +1,4 @@
-//! Any bytes may be opened and read as an MDF file: `cargo +nightly fuzz run mdf`.
+//! Any bytes may be opened, listed and read as an MDF file: `cargo +nightly fuzz run mdf`.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
@@ -8,6 +8,8 @@ use mdf::{Address, Mdf};
 const MOST: u64 = 1 << 20;
 
 fuzz_target!(|bytes: &[u8]| {
+    fuzz::list("run.mf4", bytes);
+    let _ = recording::extras_from("run.mf4", &bytes.to_vec());
     let Ok(file) = Mdf::open(bytes) else { return };
     for (group, info) in file.groups().iter().enumerate() {
         let _ = file.count(group);
