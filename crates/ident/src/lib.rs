@@ -60,7 +60,6 @@ mod criteria;
 mod data;
 mod degenerate;
 pub mod delay;
-pub mod distributions;
 pub mod document;
 mod error;
 mod fit;
@@ -121,5 +120,6 @@ pub use subspace::{StateOrder, Subspace, Weighting};
 pub use triangle::Triangle;
 
 // Judgement; more in `validate` and `uncertainty`.
+pub use signal::distributions;
 pub use criteria::Criteria;
 pub use frequency_domain::CostTest;

@@ -9,6 +9,7 @@
 pub mod clock;
 pub mod correlation;
 pub mod derivative;
+pub mod distributions;
 pub mod drift;
 mod error;
 pub mod excitation;

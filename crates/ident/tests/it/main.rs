@@ -14,7 +14,6 @@ mod dataset;
 mod degenerate;
 mod delay;
 mod delay_modelled;
-mod distributions;
 mod document;
 mod features;
 mod formula;

@@ -2,7 +2,7 @@
 //!
 //! Transforms use `e^{−jωt}` and no factor in front.
 
-mod chi_squared;
+mod coherence;
 mod peaks;
 mod welch;
 

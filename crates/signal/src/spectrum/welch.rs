@@ -3,9 +3,9 @@
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
-use super::chi_squared::chi_squared_quantile;
 use super::fft_frequencies_hz;
 use crate::Complex64;
+use crate::distributions::chi_squared_quantile;
 use crate::error::{SignalError, check_at_least, check_finite, check_range, check_same_length, check_sample_time};
 use crate::series::mean;
 use crate::window::Window;
@@ -62,6 +62,8 @@ pub struct CrossSpectrum {
     pub pxy: Vec<Complex64>,
     /// Number of segments averaged.
     pub segments: usize,
+    /// Whether segments have an even number of samples, so that the last frequency is half the sample rate.
+    pub has_even_segments: bool,
     /// Degrees of freedom ν of the averages for noise: `ν·P̂/P` is distributed as χ² with ν of them. Half as many at rest and
     /// at half the sample rate. Fewer than two a segment where segments overlap.
     pub degrees_of_freedom: f64,
@@ -145,6 +147,7 @@ pub fn cross_spectrum(x: &[f64], y: &[f64], sample_time_s: f64, welch: Welch) ->
         pyy: vec![0.0; n / 2 + 1],
         pxy: vec![Complex64::ZERO; n / 2 + 1],
         segments: 0,
+        has_even_segments: n.is_multiple_of(2),
         degrees_of_freedom: 0.0,
     };
     let mut transform = SegmentTransform::new(&window);

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod checks;
+mod distributions;
 mod drift;
 mod excitations;
 mod filters;

@@ -1,6 +1,6 @@
 //! Spectra, correlations and delays.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use signal::correlation::{auto_correlation, cross_correlation, delay_by_correlation};
 use signal::derivative::smoothed_derivative;
@@ -283,4 +283,61 @@ fn exact_slopes_are_no_peaks_and_widths_count_once() {
         peaks(&freq_hz, &values, &ends, 1, 4.0).len()
     };
     assert_eq!((dipped(0.8), dipped(0.3)), (1, 2));
+}
+
+/// White noise of a known coherence through a phase of π/2 of a delay at a quarter of the sample rate: intervals of
+/// coherence, magnitude and phase hold the truth as often as they say.
+#[test]
+fn stat_intervals_of_coherence_and_cross_spectrum() {
+    let cases = [(0.02, 640), (0.3, 640), (0.3, 4000), (0.9, 640), (0.99, 640)];
+    for (coherence, length) in cases {
+        let (mut total, mut held) = (0.0, [0.0; 3]);
+        let gain = f64::sqrt(coherence / (1.0 - coherence));
+        for run in 0..400_000 / length as u64 {
+            let mut random = Random::new(run);
+            let x: Vec<f64> = (0..length).map(|_| random.normal()).collect();
+            let y: Vec<f64> = x.iter().map(|x| -gain * x + random.normal()).collect();
+            let s = cross_spectrum(&x, &y, 1.0, Welch::half_overlapping(64)).unwrap();
+            let intervals = [s.coherence_interval(0.95), s.magnitude_interval(0.95), s.phase_interval(0.95)];
+            let intervals = intervals.map(Result::unwrap);
+            for k in (4..32).step_by(4) {
+                let phase = intervals[2][k];
+                // The phase is π, or −π.
+                let has_phase = [-1.0, 1.0].iter().any(|s| phase[0] <= s * PI && s * PI <= phase[1]);
+                let inside =
+                    |which: usize, truth: f64| intervals[which][k][0] <= truth && truth <= intervals[which][k][1];
+                let here = [inside(0, coherence), inside(1, 2.0 * gain), has_phase];
+                for (count, held) in held.iter_mut().zip(here) {
+                    *count += f64::from(u8::from(held));
+                }
+                total += 1.0;
+            }
+        }
+        let share = held.map(|h| h / total);
+        let bound = 3.0 * (0.95_f64 * 0.05 / total).sqrt();
+        assert!((share[0] - 0.95).abs() < bound + 0.01, "coherence {coherence}: {share:?}");
+        // Those of magnitude and phase are approximations; frequencies of a record share what leaks.
+        assert!(share[1..].iter().all(|s| (s - 0.95).abs() < bound + 0.01), "coherence {coherence}: {share:?}");
+    }
+}
+
+#[test]
+fn exact_intervals_where_nothing_or_everything_is_known() {
+    let mut random = Random::new(3);
+    let x: Vec<f64> = (0..640).map(|_| random.normal()).collect();
+    let same = cross_spectrum(&x, &x, 1.0, Welch::half_overlapping(64)).unwrap();
+    let [low, high] = same.coherence_interval(0.95).unwrap()[5];
+    assert!(low > 1.0 - 1e-9 && high == 1.0, "{low} {high}");
+    let [low, high] = same.phase_interval(0.95).unwrap()[5];
+    assert!(low.abs() < 1e-6 && high.abs() < 1e-6);
+    let power = power_spectrum(&x, 1.0, Welch::half_overlapping(64)).unwrap().interval(0.95).unwrap()[5];
+    let magnitude = same.magnitude_interval(0.95).unwrap()[5];
+    assert_close(&magnitude, &power, 1e-9 * power[1]);
+    for k in [0, 32] {
+        assert_eq!(same.coherence_interval(0.95).unwrap()[k], [0.0, 1.0]);
+        assert_eq!(same.magnitude_interval(0.95).unwrap()[k], [0.0, f64::INFINITY]);
+    }
+    let one = cross_spectrum(&x, &x, 1.0, Welch::half_overlapping(640)).unwrap();
+    assert_eq!(one.coherence_interval(0.95).unwrap()[5], [0.0, 1.0]);
+    assert!(one.coherence_interval(1.0).is_err());
 }

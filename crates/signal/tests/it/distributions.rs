@@ -1,4 +1,4 @@
-use ident::distributions::{
+use signal::distributions::{
     chi_squared_quantile, chi_squared_tail, f_quantile, f_tail, interval, normal_quantile, student_t_quantile,
 };
 
@@ -47,4 +47,22 @@ fn ref_f_and_chi_squared_equal_scipy() {
     close(f_tail(3.5, 4.0, 50.0), 0.013507380248756947, 1e-12);
     close(chi_squared_tail(30.0, 12.0), 0.0027924293327009145, 1e-12);
     assert_eq!(chi_squared_tail(0.0, 0.0), 1.0);
+}
+
+/// SciPy 1.17: `chi2.ppf(p, nu)`.
+#[test]
+fn ref_chi_squared_quantiles_of_few_and_many_degrees() {
+    let cases = [
+        (0.025, 1.0, 0.0009820691171752555),
+        (0.975, 1.0, 5.023886187314888),
+        (0.025, 2.0, 0.05063561596857975),
+        (0.975, 2.0, 7.377758908227871),
+        (0.005, 37.3, 18.796328107425605),
+        (0.995, 37.3, 63.2731793264587),
+        (0.025, 2400.0, 2266.113830823127),
+        (0.999, 200000.0, 201960.13558391845),
+    ];
+    for (p, freedom, expected) in cases {
+        close(chi_squared_quantile(p, freedom), expected, 1e-9);
+    }
 }
