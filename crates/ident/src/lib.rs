@@ -104,7 +104,7 @@ pub use state_space::StateSpaceModel;
 
 // Estimators, and what they are told.
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
-pub use continuous::ContinuousTransferFunction;
+pub use continuous::{ContinuousTransferFunction, TransferFunctionMethod};
 pub use focus::Focus;
 pub use frequency_domain::{FrequencyGreyBox, FrequencyTransferFunction};
 pub use grey_box::GreyBox;
@@ -120,6 +120,6 @@ pub use subspace::{StateOrder, Subspace, Weighting};
 pub use triangle::Triangle;
 
 // Judgement; more in `validate` and `uncertainty`.
-pub use signal::distributions;
 pub use criteria::Criteria;
 pub use frequency_domain::CostTest;
+pub use signal::distributions;

@@ -7,7 +7,7 @@ use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, records};
 use crate::colour::{Colour, Sandwich};
 use crate::course::Ground;
-use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, minimise};
+use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, Termination, minimise};
 
 /// Samples that starting models are compared on.
 const COMPARED: usize = 20_000;
@@ -92,6 +92,31 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
     };
     let mut problem = errors(&starts[0], records, data, settings);
     let minimum = minimise(&mut problem, &theta, bounds, settings.search)?;
+    judged(&starts[0], minimum, &problem, bounds, records)
+}
+
+/// A model that needs no search as the estimate of one output.
+pub(crate) fn judge_at<C: ContinuousChannel>(
+    data: &Dataset,
+    records: &[Record<'_>],
+    model: &ContinuousModel<C>,
+    bounds: &[Bounds],
+    settings: Settings,
+    termination: Termination,
+) -> Result<OutputFit<C>, IdentError> {
+    let mut problem = errors(model, records, data, settings);
+    let stay = NonlinearOptions { iteration_limit: 0, ..settings.search };
+    let minimum = minimise(&mut problem, &model.parameters(), bounds, stay)?;
+    judged(model, Minimum { termination, ..minimum }, &problem, bounds, records)
+}
+
+fn judged<C: ContinuousChannel>(
+    start: &ContinuousModel<C>,
+    minimum: Minimum,
+    problem: &OutputError<'_, C>,
+    bounds: &[Bounds],
+    records: &[Record<'_>],
+) -> Result<OutputFit<C>, IdentError> {
     let nuisance = problem.nuisance_rank(&minimum.parameters)?;
     if minimum.degrees_of_freedom() - nuisance as f64 <= 0.0 {
         let parameters = minimum.parameters.len() + nuisance;
@@ -100,7 +125,7 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
     let free = |j: &usize| bounds[*j].lower < bounds[*j].upper;
     let resting = (0..bounds.len()).filter(free).filter(|j| minimum.at_bound[*j]).collect();
     let (covariance, degrees_of_freedom) = covariance(&minimum, records, nuisance)?;
-    let model = starts[0].with_parameters(&minimum.parameters)?;
+    let model = start.with_parameters(&minimum.parameters)?;
     Ok(OutputFit { model, minimum, covariance, degrees_of_freedom, nuisance, resting })
 }
 

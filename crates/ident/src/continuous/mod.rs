@@ -19,10 +19,21 @@ pub use model::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChann
 
 use crate::course::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
-use estimate::{OutputFit, Settings, combine, fit_output};
+use estimate::{OutputFit, Settings, combine, fit_output, judge_at};
 use output_error::Nuisance;
 use record::{Record, records};
 use start::Candidate;
+
+/// How [`ContinuousTransferFunction`] comes to its estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TransferFunctionMethod {
+    /// The smallest error of the simulated output, searched for from instrumental variables.
+    #[default]
+    OutputError,
+    /// Simplified refined instrumental variables (SRIVC) until they settle, each round solved at once: as certain as the
+    /// output error, and no search that could end in a local minimum. Of one input, with a known delay.
+    InstrumentalVariables,
+}
 
 /// Estimates continuous-time transfer functions from sampled data, by minimising the error of the simulated output:
 ///
@@ -32,7 +43,7 @@ use start::Candidate;
 /// The model is sampled exactly under the inputs' [`Intersample`] behaviour, delays of any fraction of a sample included.
 /// Band-limited inputs are followed between the samples, up to 0.45 of the sample rate; rows within 32 samples of an end of
 /// an experiment, where they rest on a guess of the inputs beyond it, are left out.
-/// Instrumental variables give starting values. Initial states are estimated; where a delay is searched, the samples
+/// Instrumental variables give starting values, or the estimate ([`TransferFunctionMethod`]). Initial states are estimated; where a delay is searched, the samples
 /// before its upper bound only serve as past inputs. Each output is estimated on its own. The covariance
 /// allows for noise with the autocorrelation of the residuals.
 ///
@@ -64,6 +75,7 @@ pub struct ContinuousTransferFunction {
     offset: bool,
     at_rest: bool,
     unstable: bool,
+    method: TransferFunctionMethod,
     search: NonlinearOptions,
 }
 
@@ -83,6 +95,7 @@ impl ContinuousTransferFunction {
             offset: false,
             at_rest: false,
             unstable: false,
+            method: TransferFunctionMethod::default(),
             search: NonlinearOptions::default(),
         }
     }
@@ -123,6 +136,12 @@ impl ContinuousTransferFunction {
         ContinuousTransferFunction { unstable: true, ..self }
     }
 
+    /// By another method.
+    #[must_use]
+    pub fn by(self, method: TransferFunctionMethod) -> Self {
+        ContinuousTransferFunction { method, ..self }
+    }
+
     /// How far and how exactly to search.
     #[must_use]
     pub fn with_search(self, search: NonlinearOptions) -> Self {
@@ -133,7 +152,8 @@ impl ContinuousTransferFunction {
     ///
     /// # Errors
     /// [`IdentError::Length`] where the options do not fit the number of inputs; [`IdentError::Structure`] for a
-    /// numerator of higher degree than its denominator, more integrators than poles, or delays that are no range;
+    /// numerator of higher degree than its denominator, more integrators than poles, delays that are no range, or what
+    /// instrumental variables do not take;
     /// [`IdentError::Missing`] for a gap in an input (gaps in outputs are left out); [`IdentError::Constant`];
     /// [`IdentError::TooFewSamples`]; [`IdentError::RankDeficient`] where the data do not determine every parameter, as
     /// with too many poles.
@@ -173,6 +193,11 @@ impl ContinuousTransferFunction {
     ) -> Result<OutputFit<RationalChannel>, IdentError> {
         let (data, records) = (ground.plain, records(ground, output, self.first(ground))?);
         self.check_length(&records)?;
+        if self.method == TransferFunctionMethod::InstrumentalVariables {
+            let settled = start::settle(&self.structure(data, &self.known_delays(data)), &records)?;
+            let model = self.model_of(&settled.candidate, data.sample_time_s())?;
+            return judge_at(data, &records, &model, &self.bounds(), self.settings(), settled.termination());
+        }
         let starts = start.map_or_else(|| self.starts(data, &records), |start| Ok(vec![start.clone()]))?;
         fit_output(data, &records, &starts, &self.bounds(), self.settings())
     }
@@ -201,10 +226,28 @@ impl ContinuousTransferFunction {
             }
         }
         check_delays(&self.delay_s)?;
+        self.check_method()?;
         let proper = self.numerator_degree.iter().zip(&self.poles).zip(&self.delay_s);
         let jumps = intersample == Intersample::ZeroOrderHold;
         if jumps && proper.into_iter().any(|((m, n), (low, high))| m == n && low < high) {
             return refuse("with held inputs and as many zeros as poles the delay can only be given, not searched");
+        }
+        Ok(())
+    }
+
+    fn check_method(&self) -> Result<(), IdentError> {
+        let refuse = |what| Err(IdentError::Structure { what });
+        if self.method == TransferFunctionMethod::OutputError {
+            return Ok(());
+        }
+        if self.numerator_degree.len() > 1 {
+            return refuse("refined instrumental variables take one input; take output error for several");
+        }
+        if self.delay_s.iter().any(|(low, high)| low < high) {
+            return refuse("refined instrumental variables take a known delay; search for it by output error");
+        }
+        if self.at_rest || self.unstable {
+            return refuse("refined instrumental variables estimate the initial state, and stable poles");
         }
         Ok(())
     }
@@ -243,17 +286,27 @@ impl ContinuousTransferFunction {
         bounds
     }
 
-    fn starts(&self, data: &Dataset, records: &[Record<'_>]) -> Result<Vec<TransferFunctionModel>, IdentError> {
-        let t = data.sample_time_s();
-        let delays: Vec<(f64, f64)> = self.delay_s.iter().map(|(low, high)| (low / t, high / t)).collect();
-        let structure = srivc::Structure {
+    /// The lower bound of each delay, in samples.
+    fn known_delays(&self, data: &Dataset) -> Vec<f64> {
+        self.delay_s.iter().map(|(low, _)| low / data.sample_time_s()).collect()
+    }
+
+    fn structure<'a>(&'a self, data: &Dataset, delays: &'a [f64]) -> srivc::Structure<'a> {
+        srivc::Structure {
             degrees: &self.numerator_degree,
-            delays: &delays.iter().map(|d| d.0).collect::<Vec<f64>>(),
+            delays,
             poles: self.poles.iter().copied().max().unwrap_or(0),
             integrators: self.integrators,
             offset: self.offset,
             intersample: data.intersample(),
-        };
+        }
+    }
+
+    fn starts(&self, data: &Dataset, records: &[Record<'_>]) -> Result<Vec<TransferFunctionModel>, IdentError> {
+        let t = data.sample_time_s();
+        let delays: Vec<(f64, f64)> = self.delay_s.iter().map(|(low, high)| (low / t, high / t)).collect();
+        let known = self.known_delays(data);
+        let structure = self.structure(data, &known);
         let searched = delays.iter().any(|(low, high)| low < high);
         let candidates = if searched {
             start::candidates_over_delays(&structure, records, &delays)?

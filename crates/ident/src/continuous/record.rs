@@ -18,6 +18,11 @@ impl<'a> Record<'a> {
         self.output.iter().skip(self.first).filter(|y| !y.is_nan()).count()
     }
 
+    /// Sum of squares of the output from the first sample on.
+    pub(crate) fn energy(&self) -> f64 {
+        self.output.iter().skip(self.first).filter(|y| !y.is_nan()).map(|y| y * y).sum()
+    }
+
     /// Keeps of a series that starts at the first sample what stands where the output is there.
     pub(crate) fn keep(&self, series: &mut Vec<f64>) {
         let mut measured = self.output.iter().skip(self.first);

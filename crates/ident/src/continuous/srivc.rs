@@ -50,7 +50,10 @@ impl Structure<'_> {
     /// One round of instrumental variables about the estimate before.
     pub(crate) fn refine(&self, records: &[Record<'_>], before: &Estimate) -> Result<Estimate, IdentError> {
         let length = records.iter().map(|r| r.output.len()).max().unwrap_or(1);
-        let filter = stable_filter(&before.a, 1.0 / length as f64)?;
+        // The filter of a settled estimate is its denominator, known integrators included: only then does y⁽ⁿ⁾/Â + … come to
+        // y itself, whatever is assumed of it between the samples.
+        let mut filter = vec![0.0; self.integrators];
+        filter.extend(stable_filter(&before.a[self.integrators..], 1.0 / length as f64)?);
         self.regress(records, &filter, Some(before))
     }
 

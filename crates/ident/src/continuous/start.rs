@@ -4,7 +4,7 @@ use super::companion::Companion;
 use super::projection::Basis;
 use super::record::Record;
 use super::srivc::{Estimate, Structure, stable_filter};
-use crate::IdentError;
+use crate::{IdentError, Termination};
 
 /// Samples that a starting value may rest on, and a comparison of delays.
 const SAMPLES: usize = 30_000;
@@ -15,6 +15,12 @@ const CORNERS: usize = 8;
 
 /// Rounds of instrumental variables.
 const ROUNDS: usize = 12;
+
+/// Rounds until instrumental variables have settled, at most.
+const SETTLING_ROUNDS: usize = 100;
+
+/// The part by which the error still changes when they have; an error that is this part of the output is none.
+const SETTLED: f64 = 1e-12;
 
 /// Best corners that are refined.
 const REFINED: usize = 3;
@@ -79,6 +85,35 @@ fn refine(structure: &Structure<'_>, records: &[Record<'_>], best: &mut Candidat
             return;
         }
     }
+}
+
+/// Instrumental variables after as many rounds as they needed.
+pub(crate) struct Settled {
+    pub(crate) candidate: Candidate,
+    /// Whether further rounds would change nothing.
+    has_settled: bool,
+}
+
+impl Settled {
+    pub(crate) fn termination(&self) -> Termination {
+        if self.has_settled { Termination::SmallStep } else { Termination::IterationLimit }
+    }
+}
+
+/// Rounds of instrumental variables over all of the data until they settle, from the best starting value.
+pub(crate) fn settle(structure: &Structure<'_>, records: &[Record<'_>]) -> Result<Settled, IdentError> {
+    let start = candidates(structure, records)?.swap_remove(0);
+    let mut candidate = judge(structure, records, start.estimate)?;
+    let nothing = SETTLED * records.iter().map(Record::energy).sum::<f64>();
+    for _ in 0..SETTLING_ROUNDS {
+        let next = judge(structure, records, structure.refine(records, &candidate.estimate)?)?;
+        let has_settled = (next.cost - candidate.cost).abs() <= SETTLED * next.cost || next.cost <= nothing;
+        candidate = next;
+        if has_settled {
+            return Ok(Settled { candidate, has_settled });
+        }
+    }
+    Ok(Settled { candidate, has_settled: false })
 }
 
 /// What is left of the output, initial states and offset taken off, with the poles mirrored to where they are stable.

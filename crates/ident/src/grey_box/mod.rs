@@ -21,6 +21,10 @@ pub use model::GreyBoxModel;
 use search::Parameters;
 pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatrices};
 
+/// Beyond this condition the data do not tell the parameters apart: what is left of a direction are the errors of the
+/// derivatives by differences.
+const UNTOLD: f64 = 1e9;
+
 /// Grey-box estimation: the parameters of a [`Structure`] by minimising the prediction error.
 ///
 /// Minimises `det Σ ε(t) ε(t)ᵀ`, with a prior the posterior density, over the free parameters and the initial states.
@@ -208,7 +212,7 @@ impl<S: Structure> GreyBox<S> {
         let prior: Vec<f64> = kept.iter().map(|j| found.prior_weight(*j)).collect();
         let known = Known { free: found.free(), basis: basis.as_ref(), prior: &prior };
         let gathered = gather(data, &innovations, &known, &all_states, estimated, Information::All)?;
-        if gathered.condition > 1e12 {
+        if gathered.condition > UNTOLD {
             let (parameters, condition) = (kept.len(), gathered.condition);
             return Err(IdentError::RankDeficient { rank: parameters - 1, parameters, condition });
         }

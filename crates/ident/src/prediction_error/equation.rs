@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use faer::Mat;
+use signal::Sos;
 
 use super::Polynomial;
 use super::basin::Basin;
@@ -105,7 +106,7 @@ type Estimate<'a> = (Lowest, Vec<Stage<'a>>);
 impl Task<'_> {
     fn estimate<'a>(&self, all: &[Segment<'a>], options: &Polynomial) -> Result<Estimate<'a>, IdentError> {
         let passed: Option<Vec<Segment<'a>>> =
-            options.prefilter.as_ref().map(|filter| all.iter().map(|s| filtered(s, filter)).collect());
+            options.prefilter.as_ref().map(|f| all.iter().map(|s| filtered(s, f, options.from_rest)).collect());
         let batches = options.batches;
         match (options.focus, &passed) {
             (Focus::Prediction, None) => self.predicting(all, batches),
@@ -427,13 +428,23 @@ fn placed(place: &[usize], values: &[f64], count: usize) -> Vec<f64> {
     theta
 }
 
-fn filtered(segment: &Segment<'_>, filter: &signal::filter::Sos) -> Segment<'static> {
-    let pass = |x: &[f64]| Cow::Owned(filter.filter(x, &mut filter.state_at_level(x.first().copied().unwrap_or(0.0))));
+/// A segment through a filter that starts at rest at its first row. What the system did before then acts as an initial
+/// state whose impulse goes through the filter too, so that nothing of the start is laid to the dynamics. Unless the
+/// system starts from rest the means are taken off before, so that an offset does not start with a step.
+fn filtered(segment: &Segment<'_>, filter: &Sos, from_rest: bool) -> Segment<'static> {
+    let pass = |x: &[f64]| {
+        let level = if from_rest { 0.0 } else { x.iter().sum::<f64>() / x.len().max(1) as f64 };
+        let centred: Vec<f64> = x.iter().map(|x| x - level).collect();
+        Cow::Owned(filter.filter(&centred, &mut filter.state_at_rest()))
+    };
     let whole = interpolated(segment);
+    let mut impulse = vec![0.0; segment.len()];
+    impulse.iter_mut().take(1).for_each(|v| *v = 1.0);
     Segment {
         inputs: whole.inputs.iter().map(|u| pass(u)).collect(),
         output: pass(&whole.output),
         missing: segment.missing.clone(),
+        impulse: Some(Cow::Owned(filter.filter(&impulse, &mut filter.state_at_rest()))),
         experiment: segment.experiment,
         first: segment.first,
     }

@@ -126,7 +126,7 @@ impl<'a> Evaluator<'a> {
             match early.as_mut() {
                 None => cost += self.lines.e.now(block.rows).iter().map(|v| v * v).sum::<f64>(),
                 Some(triangle) => {
-                    self.lines.impulses(block.first, block.rows, p);
+                    self.lines.impulses(&block, p);
                     triangle.push_columns(block.rows, |j, start, slot| {
                         let column = if j < count { j } else { last };
                         self.lines.write(self.columns[column], &block, start, slot);
@@ -224,7 +224,7 @@ impl<'a> Evaluator<'a> {
                     all.push_columns(block.rows, |j, start, slot| lines.write(columns[count + j], &block, start, slot))
                 }
                 Some(triangle) => {
-                    lines.impulses(block.first, block.rows, p);
+                    lines.impulses(&block, p);
                     triangle.push_columns(block.rows, |j, start, slot| lines.write(columns[j], &block, start, slot));
                 }
             }

@@ -18,7 +18,14 @@ fn segment(rows: usize, seed: u64) -> Segment<'static> {
         (state >> 33) as f64 / f64::from(1_u32 << 30) - 1.0
     };
     let mut signal = || Cow::Owned((0..rows).map(|_| next()).collect::<Vec<f64>>());
-    Segment { inputs: vec![signal(), signal()], output: signal(), missing: vec![], experiment: 0, first: 0 }
+    Segment {
+        inputs: vec![signal(), signal()],
+        output: signal(),
+        missing: vec![],
+        impulse: None,
+        experiment: 0,
+        first: 0,
+    }
 }
 
 proptest! {

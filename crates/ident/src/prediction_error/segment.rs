@@ -11,6 +11,9 @@ pub(super) struct Segment<'a> {
     pub(super) output: Cow<'a, [f64]>,
     /// Rows whose output is missing; it is zero there.
     pub(super) missing: Vec<usize>,
+    /// What became of an impulse at its first row, of the same length: the impulse response of the filter that inputs
+    /// and output went through from there on, if they did. The initial state acts through it.
+    pub(super) impulse: Option<Cow<'a, [f64]>>,
     /// Which experiment it is of.
     pub(super) experiment: usize,
     /// Its first row in the experiment.
@@ -40,6 +43,8 @@ impl Segment<'_> {
             inputs: self.inputs.iter().map(|u| Cow::Borrowed(&u[first..first + rows])).collect(),
             output: Cow::Borrowed(&self.output[first..first + rows]),
             missing: self.missing_in(first, rows).iter().map(|t| t - first).collect(),
+            // Later on the filter has run in.
+            impulse: self.impulse.as_ref().filter(|_| first == 0).map(|l| Cow::Borrowed(&l[..rows])),
             experiment: self.experiment,
             first: self.first + first,
         }
@@ -80,6 +85,7 @@ fn segment(experiment: &Experiment, index: usize, output: usize, rows: std::ops:
         inputs: (0..experiment.inputs.ncols()).map(|k| Cow::Borrowed(&experiment.input(k)[rows.clone()])).collect(),
         output: filled,
         missing,
+        impulse: None,
         experiment: index,
         first: rows.start,
     }

@@ -183,24 +183,25 @@ impl<'a> Lines<'a> {
         self.y.now_mut(rows).copy_from_slice(&segment.output[first..first + rows]);
         let mut taken = orders.output_states();
         let of_state = |from: usize, count: usize| state.get(from..from + count).unwrap_or(&[]);
+        let inject = |rows: &mut [f64], state: &[f64], sign: f64| inject(rows, state, sign, (first, segment));
         for k in 0..orders.inputs() {
             self.u[k].now_mut(rows).copy_from_slice(&segment.inputs[k][first..first + rows]);
             self.w[k].weigh(&self.u[k], p.b[k], orders.nk[k], rows);
             let count = orders.input_states(k);
-            inject(self.w[k].now_mut(rows), of_state(taken, count), first, 1.0);
+            inject(self.w[k].now_mut(rows), of_state(taken, count), 1.0);
             self.w[k].recur(p.f[k], rows);
             taken += count;
         }
         self.v.now_mut(rows).fill(0.0);
         self.w.iter().for_each(|w| self.v.add_weighed(w, &[1.0], 0, rows));
-        inject(self.v.now_mut(rows), of_state(0, orders.output_states()), first, 1.0);
+        inject(self.v.now_mut(rows), of_state(0, orders.output_states()), 1.0);
         match self.aim {
             Aim::Prediction => {
                 self.v.now_mut(rows).iter_mut().zip(self.y.now(rows)).for_each(|(v, y)| *v = y - *v);
                 self.v.add_weighed(&self.y, p.a, 1, rows);
                 self.e.weigh(&self.v, &[1.0], 0, rows);
                 self.e.add_weighed(&self.v, p.d, 1, rows);
-                inject(self.e.now_mut(rows), of_state(taken, orders.noise_states()), first, -1.0);
+                inject(self.e.now_mut(rows), of_state(taken, orders.noise_states()), -1.0);
                 self.e.recur(p.c, rows);
             }
             Aim::Simulation => {
@@ -216,7 +217,7 @@ impl<'a> Lines<'a> {
     pub(super) fn all(&mut self, block: &Block<'_>, p: &Polynomials<'_>) {
         self.errors(block, p);
         self.regressors(block.rows, p);
-        self.impulses(block.first, block.rows, p);
+        self.impulses(block, p);
     }
 
     /// The filtered signals of the gradient, after [`Lines::errors`].
@@ -246,10 +247,14 @@ impl<'a> Lines<'a> {
     }
 
     /// The responses of the error to impulses of the initial state.
-    pub(super) fn impulses(&mut self, first: usize, rows: usize, p: &Polynomials<'_>) {
-        self.impulse.now_mut(rows).fill(0.0);
-        if first == 0 && rows > 0 {
-            self.impulse.now_mut(rows)[0] = 1.0;
+    pub(super) fn impulses(&mut self, block: &Block<'_>, p: &Polynomials<'_>) {
+        let Block { segment, first, rows, .. } = *block;
+        match &segment.impulse {
+            Some(impulse) => self.impulse.now_mut(rows).copy_from_slice(&impulse[first..first + rows]),
+            None => {
+                self.impulse.now_mut(rows).fill(0.0);
+                self.impulse.now_mut(rows).iter_mut().take(usize::from(first == 0)).for_each(|v| *v = 1.0);
+            }
         }
         let (num, den) = p.filter(self.aim);
         self.output_impulse.run_through(&self.impulse, num, den, rows);
@@ -287,8 +292,16 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Adds `sign · state` to the first rows of a segment, of which `block` holds those from `first` on.
-fn inject(block: &mut [f64], state: &[f64], first: usize, sign: f64) {
-    let part = state.get(first..).unwrap_or(&[]);
-    block.iter_mut().zip(part).for_each(|(slot, x)| *slot += sign * x);
+/// Adds `sign · state` to the first rows of a segment, of which `rows` are those from `first` on, each through what
+/// became of an impulse there.
+fn inject(rows: &mut [f64], state: &[f64], sign: f64, (first, segment): (usize, &Segment<'_>)) {
+    let Some(impulse) = &segment.impulse else {
+        let part = state.get(first..).unwrap_or(&[]);
+        return rows.iter_mut().zip(part).for_each(|(slot, x)| *slot += sign * x);
+    };
+    for (lag, x) in state.iter().enumerate().filter(|(_, x)| **x != 0.0) {
+        let skipped = lag.saturating_sub(first);
+        let later = impulse.get(first + skipped - lag..).unwrap_or(&[]);
+        rows.iter_mut().skip(skipped).zip(later).for_each(|(slot, l)| *slot += sign * x * l);
+    }
 }

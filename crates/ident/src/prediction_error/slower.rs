@@ -17,6 +17,7 @@ pub(super) fn slowed(segments: &[Segment<'_>], factor: usize) -> Vec<Segment<'st
         inputs: s.inputs.iter().map(|u| mean(u)).collect(),
         output: mean(&s.output),
         missing: Vec::new(),
+        impulse: None,
         experiment: s.experiment,
         first: 0,
     };

@@ -126,7 +126,14 @@ mod tests {
                 energy += e * e;
                 y[t] = 1.5 * y[t - 1] - 0.7 * y[t - 2] + u[t - 2] + e;
             }
-            Segment { inputs: vec![Cow::Owned(u)], output: Cow::Owned(y), missing: vec![], experiment: 0, first: 0 }
+            Segment {
+                inputs: vec![Cow::Owned(u)],
+                output: Cow::Owned(y),
+                missing: vec![],
+                impulse: None,
+                experiment: 0,
+                first: 0,
+            }
         };
         (vec![one(3000), one(5000)], energy)
     }

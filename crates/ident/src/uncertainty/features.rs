@@ -11,7 +11,12 @@ use crate::{Fit, IdentError, LinearModel, Parametric};
 const PROMINENCE_DB: f64 = 0.5;
 /// Resonances found at most: the ones that stand out most.
 const MOST_PEAKS: usize = 6;
-const REFINEMENTS: usize = 6;
+/// What a section of an interval in golden ratio leaves of it.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Sections after which a ten-thousandth of the interval is left.
+const SECTIONS: usize = 20;
+/// Reach of the last parabola, as a part of the interval.
+const LAST: f64 = 1e-3;
 /// Part of the grid's spacing to which the parabola of a resonance reaches: narrow, so that it moves as the maximum does.
 const STENCIL: f64 = 0.1;
 const BISECTIONS: usize = 60;
@@ -153,22 +158,42 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     pub fn margins(&self, omega_rad_s: &[f64]) -> Result<Margins, IdentError> {
         self.gain_at(self.model, 0.0)?;
         let nowhere = Complex64::new(f64::NAN, f64::NAN);
-        Ok(Margins::new(omega_rad_s, |omega| self.gain_at(self.model, omega).unwrap_or(nowhere)))
+        let clock_s = self.model.system()?.sample_time_s();
+        Ok(Margins::new(omega_rad_s, clock_s, |omega| self.gain_at(self.model, omega).unwrap_or(nowhere)))
     }
 
     fn resonance(&self, around: &[f64]) -> Result<Resonance, IdentError> {
-        let step = STENCIL * (around[1] / around[0]).ln().min((around[2] / around[1]).ln());
-        let mut omega = around[1];
-        for _ in 0..REFINEMENTS {
-            let next = omega * self.top(self.model, omega, step)?.0.clamp(-5.0 * step, 5.0 * step).exp();
-            omega = next.clamp(around[0], around[2]);
-        }
+        let step = 0.5 * STENCIL * (around[2] / around[0]).ln();
+        let omega = self.highest(around)?;
         let gain = self.gain_at(self.model, omega)?.norm();
         let errors = self.errors(|m| self.top(m, omega, step).map(|(shift, height)| vec![shift, height]))?;
         Ok(Resonance {
             omega_rad_s: self.feature(omega, errors.as_ref().map(|e| e[0]), true),
             gain: self.feature(gain, errors.as_ref().map(|e| e[1]), true),
         })
+    }
+
+    /// Where the gain is largest between the ends of a grid's three points of which the middle one is the highest: by golden
+    /// section, which no shape of the peak leads astray, and a parabola where rounding ends it.
+    fn highest(&self, around: &[f64]) -> Result<f64, IdentError> {
+        let gain = |omega: f64| Ok::<f64, IdentError>(self.gain_at(self.model, omega)?.norm());
+        let (mut low, mut high) = (around[0].ln(), around[2].ln());
+        let inner = |low: f64, high: f64| (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
+        let (mut left, mut right) = inner(low, high);
+        let (mut at_left, mut at_right) = (gain(left.exp())?, gain(right.exp())?);
+        for _ in 0..SECTIONS {
+            if at_left >= at_right {
+                (high, right, at_right) = (right, left, at_left);
+                left = inner(low, high).0;
+                at_left = gain(left.exp())?;
+            } else {
+                (low, left, at_left) = (left, right, at_right);
+                right = inner(low, high).1;
+                at_right = gain(right.exp())?;
+            }
+        }
+        let (omega, step) = ((0.5 * (low + high)).exp(), LAST * (around[2] / around[0]).ln());
+        Ok(omega * self.top(self.model, omega, step)?.0.clamp(-step, step).exp())
     }
 
     /// The top of the parabola about a frequency: how far away in `ln ω`, and `ln|H|` there.

@@ -99,6 +99,9 @@ pub struct Independence {
     pub bounds: Vec<f64>,
     /// Lags 0 to M, the input's present and past: what fails here is dynamics that the model lacks.
     pub dynamics: JointTest,
+    /// Lags 1 to M, the input's past alone. Where this passes and [`Independence::dynamics`] fails, the residual goes with the
+    /// input of the same sample only: the input acts at once, or it follows the output within a sample.
+    pub past: JointTest,
     /// Lags −M to −1, the input's future: what fails here is feedback from the output to the input.
     pub feedback: JointTest,
 }
@@ -273,6 +276,7 @@ impl ResidualTest {
         Ok(Independence {
             bounds: at_lags(&bounds),
             dynamics: sums.test(reach, reach + 1)?,
+            past: sums.test(reach + 1, reach)?,
             feedback: sums.test(0, reach)?,
             cross: at_lags(&sums.values.iter().map(|s| s / scale).collect::<Vec<_>>()),
         })

@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use faer::mat;
-use ident::Fit;
+use faer::{Mat, mat};
 use ident::uncertainty::{Dynamics, Features};
+use ident::{Fit, RationalChannel, TransferFunctionModel};
 use lti::{LtiError, Mode, PolynomialEquation, PolynomialModel, TimeGrid};
 
 use crate::uncertainty::fit_of;
@@ -124,6 +124,20 @@ fn exact_a_resonance_moves_as_its_whole_search_does() {
     let peak = response.peak(1.0, 19.0).unwrap();
     assert!((found[0].omega_rad_s.value / peak.omega_rad_s - 1.0).abs() < 1e-4, "{}", peak.omega_rad_s / TAU);
     assert_eq!(Features::of_model(&fit.model, 0, 0).resonances(&omega).unwrap()[0].gain.interval(0.95), None);
+}
+
+/// ω₀²/(s² + 2ζω₀s + ω₀²) peaks at ω₀√(1 − 2ζ²), whatever points the grid has beside it.
+#[test]
+fn exact_resonances_of_any_damping() {
+    for damping in [0.001, 0.01, 0.05, 0.096, 0.098, 0.1, 0.102, 0.104, 0.106, 0.108, 0.2, 0.3] {
+        let channel = RationalChannel::new(vec![100.0], vec![20.0 * damping, 100.0], 0.0).unwrap();
+        let model = TransferFunctionModel::new(vec![channel], 1, Mat::identity(1, 1)).unwrap();
+        let omega = lti::TransferFunction::continuous(vec![100.0], vec![1.0, 20.0 * damping, 100.0]).unwrap();
+        let omega = omega.frequency_grid(400).unwrap();
+        let found = Features::of_model(&model, 0, 0).resonances(&omega).unwrap();
+        let peak = 10.0 * (1.0 - 2.0 * damping * damping).sqrt();
+        assert!((found[0].omega_rad_s.value / peak - 1.0).abs() < 1e-8, "{damping}: {:?}", found[0].omega_rad_s);
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 use faer::Mat;
 use ident::prediction::InitialState;
-use ident::validate::{ResidualTest, compare, fit_percent, judge, rms_error};
-use ident::{Dataset, IdentError, LinearModel};
+use ident::validate::{ResidualTest, TestData, compare, fit_percent, judge, rms_error};
+use ident::{Arx, Dataset, IdentError, LinearModel};
 use lti::{PolynomialEquation, PolynomialModel};
 use testkit::system;
 
@@ -290,4 +290,22 @@ fn regress_models_without_states_are_tested_over_gaps_that_differ() {
             report.whiteness[output].joint.p_value > 1e-3 && report.independence[output][0].dynamics.p_value > 1e-3
         );
     }
+}
+
+/// A controller without delay makes the input follow the residual within the sample: only lag 0 shows it.
+#[test]
+fn stat_feedback_within_the_sample_shows_at_lag_zero_alone() {
+    let mut noise = crate::noise::Noise::new(77);
+    let (w, e) = (noise.normals(3000), noise.normals(3000));
+    let (mut u, mut y) = (vec![0.0; 3000], vec![0.0; 3000]);
+    for t in 0..3000 {
+        let past = if t > 0 { 0.5 * y[t - 1] + u[t - 1] } else { 0.0 };
+        y[t] = past + 0.5 * e[t];
+        u[t] = w[t] - 0.3 * y[t];
+    }
+    let data = Dataset::siso(1.0, &u, &y).unwrap();
+    let fit = Arx::new(1, 1, 1).fit(&data).unwrap();
+    let report = ResidualTest::default().run(&fit, &data, TestData::Own).unwrap();
+    let independence = &report.independence[0][0];
+    assert!(!independence.dynamics.passes(0.99) && independence.past.passes(0.99), "{independence:?}");
 }

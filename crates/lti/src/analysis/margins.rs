@@ -1,5 +1,7 @@
 //! Stability margins.
 
+use std::f64::consts::PI;
+
 use serde::{Deserialize, Serialize};
 
 use crate::Complex64;
@@ -41,23 +43,28 @@ const GRID_POINTS: usize = 4000;
 const BISECTIONS: usize = 60;
 /// Octaves beyond the grid in which the unit circle is looked for.
 const MOST_STEPS: f64 = 200.0;
-/// Distance from the real axis, relative to the gain, that is rounding.
+/// Distance from the real axis, relative to the gain, that is none where a crossing has been found.
 const ON_AXIS: f64 = 1e-6;
+/// And that is rounding anywhere.
+const ROUNDING: f64 = 1e-12;
 
 impl Margins {
-    /// The margins of a loop gain given at any frequency, looked for on a rising grid in rad/s and refined between its
-    /// points; two crossings between neighbouring points are missed.
+    /// The margins of a loop gain given at any frequency, continuous or of this sample time, looked for on a rising grid in
+    /// rad/s, and beyond its ends where the gain comes to one there with the slope it has, and refined between its points;
+    /// two crossings between neighbouring points are missed. A gain that stays real crosses nothing.
     ///
     /// # Source
     /// Åström, K. J. and Murray, R. M. (2021), *Feedback Systems*, 2nd ed., §10.3.
     #[must_use]
-    pub fn new(omega_rad_s: &[f64], open_loop: impl Fn(f64) -> Complex64) -> Self {
+    pub fn new(omega_rad_s: &[f64], sample_time_s: Option<f64>, open_loop: impl Fn(f64) -> Complex64) -> Self {
+        let omega_rad_s = &extended(omega_rad_s, sample_time_s.is_none(), &open_loop);
         let values: Vec<Complex64> = omega_rad_s.iter().map(|w| open_loop(*w)).collect();
         let on_axis = |l: Complex64| l.re < 0.0 && l.im.abs() <= ON_AXIS * l.norm();
-        let mut real = crossings(omega_rad_s, &values, |l| l.im, &open_loop);
+        let imaginary = |l: Complex64| if l.im.abs() <= ROUNDING * l.norm() { 0.0 } else { l.im };
+        let mut real = crossings(omega_rad_s, &values, imaginary, &open_loop);
         // A discrete loop is real at the Nyquist frequency, where no sign changes.
-        if let Some(last) = omega_rad_s.last().filter(|_| values.last().is_some_and(|l| l.im.abs() <= 1e-12 * l.norm()))
-        {
+        let nyquist = sample_time_s.map_or(f64::INFINITY, |t| (1.0 - ON_AXIS) * PI / t);
+        if let Some(last) = omega_rad_s.last().filter(|last| **last >= nyquist) {
             real.retain(|w| (w - last).abs() > ON_AXIS * last);
             real.push(*last);
         }
@@ -82,9 +89,9 @@ fn crossings(
 ) -> Vec<f64> {
     let mut found = Vec::new();
     for k in 1..values.len() {
-        let rises = measure(values[k - 1]) < 0.0;
-        let either_is_nan = measure(values[k - 1]).is_nan() || measure(values[k]).is_nan();
-        if either_is_nan || rises == (measure(values[k]) < 0.0) {
+        let (before, after) = (measure(values[k - 1]), measure(values[k]));
+        let rises = before < 0.0;
+        if before.is_nan() || after.is_nan() || rises == (after < 0.0) {
             continue;
         }
         let (mut low, mut high) = (omega_rad_s[k - 1], omega_rad_s[k]);
@@ -101,8 +108,20 @@ fn crossings(
     found
 }
 
+/// A grid with what is beyond its ends until the unit circle, at high frequencies only where there is no Nyquist frequency.
+fn extended(grid: &[f64], is_continuous: bool, gain: &impl Fn(f64) -> Complex64) -> Vec<f64> {
+    let (Some(first), Some(last)) = (grid.first(), grid.last()) else { return Vec::new() };
+    let mut all = beyond(*first, 0.5, gain);
+    all.reverse();
+    all.extend(grid);
+    if is_continuous {
+        all.extend(beyond(*last, 2.0, gain));
+    }
+    all
+}
+
 /// Steps of `factor` from the end of a grid until past where the gain, which keeps its slope there, comes to one.
-fn beyond(end: f64, factor: f64, gain: impl Fn(f64) -> Complex64) -> Vec<f64> {
+fn beyond(end: f64, factor: f64, gain: &impl Fn(f64) -> Complex64) -> Vec<f64> {
     let (size, next) = (gain(end).norm(), gain(end * factor).norm());
     let steps = -size.ln() / (next / size).ln();
     if !(steps > 0.0 && steps <= MOST_STEPS) {
@@ -127,14 +146,6 @@ impl TransferFunction {
     /// ```
     pub fn margins(&self) -> Result<Margins, LtiError> {
         let grid = self.frequency_grid(GRID_POINTS)?;
-        let gain = |w: f64| self.evaluate_at(w);
-        let (first, last) = (grid[0], grid[grid.len() - 1]);
-        let mut all = beyond(first, 0.5, gain);
-        all.reverse();
-        all.extend(&grid);
-        if self.sample_time_s().is_none() {
-            all.extend(beyond(last, 2.0, gain));
-        }
-        Ok(Margins::new(&all, gain))
+        Ok(Margins::new(&grid, self.sample_time_s(), |w| self.evaluate_at(w)))
     }
 }

@@ -148,7 +148,14 @@ fn exact_margins() {
     // An undamped pole turns the phase at once, which is no margin.
     let jump = TransferFunction::continuous(vec![-1.0, 1.0], vec![1.0, 0.0, 1.0]).unwrap().margins().unwrap();
     assert!(jump.gain.iter().all(|m| m.gain_db.is_finite()), "{jump:?}");
-    let empty = Margins::new(&[], |_| Complex64::ONE);
+    // The gain of 1/(s (s + 5)) is one far below its roots, and 1/s² is real everywhere, which is no crossing.
+    let low = TransferFunction::continuous(vec![1.0], vec![1.0, 5.0, 0.0]).unwrap();
+    let w = (0.5 * (629_f64.sqrt() - 25.0)).sqrt();
+    let found = Margins::new(&[1.0, 3.0, 9.0, 27.0], None, |w| low.evaluate(Complex64::new(0.0, w)));
+    assert!((found.phase[0].omega_rad_s - w).abs() < 1e-9, "{found:?}");
+    let double = TransferFunction::continuous(vec![1.0], vec![1.0, 0.0, 0.0]).unwrap().margins().unwrap();
+    assert!(double.gain.is_empty() && double.phase.len() == 1, "{double:?}");
+    let empty = Margins::new(&[], None, |_| Complex64::ONE);
     assert!(empty.gain.is_empty() && empty.phase.is_empty());
 }
 

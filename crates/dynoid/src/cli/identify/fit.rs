@@ -27,6 +27,15 @@ pub(crate) struct FitArguments {
     pub(crate) result: ResultArguments,
 }
 
+/// How a transfer function is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TransferFunctionBy {
+    /// By the smallest error of the simulated output, searched for
+    Oe,
+    /// By refined instrumental variables, without a search: one input, a known delay
+    Srivc,
+}
+
 /// The initial state of each recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Initial {
@@ -139,6 +148,7 @@ pub(crate) struct PolynomialArguments {
 Examples:
   dynoid fit tf run.mf4 -u T_demand -y T_calc --zeros 0 --poles 1 --delay 0:0.01
   dynoid fit tf run.mf4 -u u -y y --zeros 1 --poles 2 --out model.json --plot fit.html
+  dynoid fit tf run.mf4 -u u -y y --poles 2 --delay 0.004 --method srivc
   dynoid fit tf run.mf4 -u T_d -y N_d --poles 2 --integrators 1 --offset --detrend none")]
 pub(crate) struct TransferFunctionArguments {
     #[command(flatten)]
@@ -152,6 +162,9 @@ pub(crate) struct TransferFunctionArguments {
     /// Delay in seconds: a number to keep it there, or a range LOW:HIGH to look in; one, or one an input [default: none]
     #[arg(long, value_delimiter = ',', value_name = "SECONDS")]
     pub(crate) delay: Vec<String>,
+    /// How
+    #[arg(long, value_enum, default_value_t = TransferFunctionBy::Oe)]
+    pub(crate) method: TransferFunctionBy,
     /// Of the poles from each input, so many are known to be at zero; with `--detrend none`
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = number::count)]
     pub(crate) integrators: usize,

@@ -14,7 +14,7 @@ use super::number;
 pub(crate) use explore::{DelayArguments, OrderArguments, SpectrumArguments, SpectrumMethod};
 pub(crate) use fit::{
     ArxArguments, FitArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments,
-    SubspaceWeighting, TransferFunctionArguments,
+    SubspaceWeighting, TransferFunctionArguments, TransferFunctionBy,
 };
 pub(crate) use judge::{CompareArguments, MeetArguments, MeetDetrend, PredictArguments, ResidArguments, RunArguments};
 pub(crate) use look::{CurveArguments, ModelArguments};

@@ -134,10 +134,17 @@ pub(super) fn print_tests(
         say(&whiteness.joint, good, bad);
         for (input, test) in report.independence[output].iter().enumerate() {
             let input = &inputs[input].name;
+            let missing = match test.past.passes(level) {
+                true => format!(
+                    "residuals of {name} go with {input} of the same sample only: {input} acts at once, or follows {name} \
+                     within the sample, as a controller's output does"
+                ),
+                false => format!("residuals of {name} depend on past {input}: dynamics are missing"),
+            };
             say(
                 &test.dynamics,
                 format!("residuals of {name} do not depend on past {input}: the dynamics are captured"),
-                format!("residuals of {name} depend on past {input}: dynamics are missing"),
+                missing,
             );
             // An input that remembers its past carries missing dynamics to its future too.
             let seen = match test.dynamics.passes(level) {
@@ -156,7 +163,7 @@ pub(super) fn print_tests(
 /// The residual tests in numbers.
 pub(super) fn tests_json(report: &ResidualReport, level: f64) -> serde_json::Value {
     let joint = |test: &JointTest| serde_json::json!({"p_value": test.p_value, "passed": test.passes(level)});
-    let of = |i: &Independence| serde_json::json!({"dynamics": joint(&i.dynamics), "feedback": joint(&i.feedback), "cross": i.cross, "bounds": i.bounds});
+    let of = |i: &Independence| serde_json::json!({"dynamics": joint(&i.dynamics), "past": joint(&i.past), "feedback": joint(&i.feedback), "cross": i.cross, "bounds": i.bounds});
     let independence: Vec<Vec<_>> = report.independence.iter().map(|row| row.iter().map(of).collect()).collect();
     let whiteness: Vec<_> = report
         .whiteness

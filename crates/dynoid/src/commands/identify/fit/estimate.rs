@@ -2,7 +2,7 @@
 
 use ident::{
     AnyModel, Arx, ArxOrders, ContinuousTransferFunction, Dataset, Fit, Focus, FormulaStructure, IdentError, Iv4,
-    Polynomial, ProcessFit, StateSpacePem, Subspace, Weighting,
+    Polynomial, ProcessFit, StateSpacePem, Subspace, TransferFunctionMethod, Weighting,
 };
 use signal::Sos;
 
@@ -10,7 +10,7 @@ use super::greybox;
 use super::orders::{Delay, Members, delays, held, polynomial_orders, states};
 use crate::cli::identify::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,
-    TransferFunctionArguments,
+    TransferFunctionArguments, TransferFunctionBy,
 };
 use crate::error::CliError;
 use crate::terminal::Progress;
@@ -92,6 +92,10 @@ fn band(arguments: &PolynomialArguments, data: &Dataset) -> Result<Option<Sos>, 
 fn transfer_function(arguments: &TransferFunctionArguments, data: &Dataset) -> Result<Fit<AnyModel>, CliError> {
     let mut options = ContinuousTransferFunction::per_input(arguments.zeros.clone(), arguments.poles.clone())
         .with_integrators(arguments.integrators);
+    options = match arguments.method {
+        TransferFunctionBy::Oe => options,
+        TransferFunctionBy::Srivc => options.by(TransferFunctionMethod::InstrumentalVariables),
+    };
     options = if arguments.offset { options.with_offset() } else { options };
     options = if arguments.unstable { options.allow_unstable() } else { options };
     options = if arguments.initial == Initial::Zero { options.from_rest() } else { options };

@@ -1,5 +1,7 @@
 //! `dynoid spectrum`: power spectra and frequency responses.
 
+mod coherence;
+
 use bench::dataset::CommonClock;
 use ident::Dataset;
 use ident::distributions::interval as student_interval;
@@ -7,10 +9,12 @@ use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
 
-use super::super::data::{Gaps, Loaded, check_plot, load_on};
-use super::super::figures::figure;
-use super::super::judge::{picture, written};
-use super::super::words::{digits, range, ratio_unit};
+use crate::commands::identify::data::{Gaps, Loaded, check_plot, load_on};
+use crate::commands::identify::figures::figure;
+use crate::commands::identify::judge::{picture, written};
+use crate::commands::identify::words::{digits, range, ratio_unit};
+use coherence::Coherence;
+
 use crate::cli::identify::{SpectrumArguments, SpectrumMethod};
 use crate::error::{CliError, Outcome};
 use crate::table::{Align, Style as Text, Table};
@@ -41,6 +45,8 @@ struct Spectrum {
     all_hold: Vec<(f64, f64)>,
     /// Values to either side that hold a part of the same peak.
     lobe: usize,
+    /// That of the channels of a response, where there is but one input.
+    coherence: Option<Coherence>,
 }
 
 impl Spectrum {
@@ -138,12 +144,16 @@ fn json(s: &Spectrum) -> serde_json::Value {
     };
     let peaks: Vec<_> = s.peaks().iter().map(peak).collect();
     serde_json::json!({"channel": s.channel, "unit": s.unit, "frequency_hz": s.freq_hz,
-        "magnitude": s.magnitude, "phase_deg": s.phase_deg, "interval_95": band, "peaks": peaks})
+        "magnitude": s.magnitude, "phase_deg": s.phase_deg, "interval_95": band, "peaks": peaks,
+        "coherence": s.coherence.as_ref().map(Coherence::json)})
 }
 
 /// The peaks that stand out most, by rising frequency.
 fn print(s: &Spectrum, terminal: &mut Terminal) {
     terminal.heading(&s.channel, Text::Bold);
+    if let Some(coherence) = &s.coherence {
+        terminal.line(&coherence.sentence());
+    }
     let mut found = s.peaks();
     if found.is_empty() {
         return terminal.line(&format!(
@@ -200,6 +210,7 @@ fn powers(data: &Dataset, arguments: &SpectrumArguments) -> Result<Vec<Spectrum>
                 phase_deg: None,
                 // Half the main lobe of a Hann window.
                 lobe: 2,
+                coherence: None,
             });
         }
     }
@@ -221,11 +232,17 @@ fn responses(data: &Dataset, arguments: &SpectrumArguments) -> Result<Vec<Spectr
         let inputs: Vec<&[f64]> = (0..data.inputs()).map(|k| experiment.input(k)).collect();
         for (output, label) in data.output_labels().iter().enumerate() {
             let y = experiment.output(output);
+            let welch = Welch::half_overlapping(window(arguments, y.len()));
             let response = response(&inputs, y, data.sample_time_s(), arguments)?;
             for (input, input_label) in data.input_labels().iter().enumerate() {
                 let name = format!("{} → {}, {}", input_label.name, label.name, experiment.name);
                 let unit = ratio_unit(&label.unit, &input_label.unit);
-                all.push(Spectrum { lobe: lobe(arguments), ..one_response(&response, input, name, unit) });
+                let coherence = match inputs[..] {
+                    [u] => Coherence::of(u, y, data.sample_time_s(), welch)?,
+                    _ => None,
+                };
+                let lobe = lobe(arguments);
+                all.push(Spectrum { lobe, coherence, ..one_response(&response, input, name, unit) });
             }
         }
     }
@@ -292,6 +309,7 @@ fn one_response(whole: &FrequencyResponse, input: usize, channel: String, unit: 
         band: interval(LEVEL),
         all_hold: interval(1.0 - 2.0 * FALSE_ALARM / gains.len().max(1) as f64),
         lobe: 1,
+        coherence: None,
     }
 }
 
@@ -308,5 +326,6 @@ fn drawn(spectrum: &Spectrum) -> Figure {
         let dots = Layer::dots("estimate", style, x, &phase[first..]);
         panels.push(Panel::new(Axis::angle("phase").within(-190.0, 190.0), 130, vec![dots]));
     }
+    panels.extend(spectrum.coherence.as_ref().map(Coherence::panel));
     figure(&spectrum.channel, Axis::frequency(), panels)
 }
