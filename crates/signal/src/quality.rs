@@ -13,17 +13,17 @@ pub struct QualityOptions {
     pub clip_run: usize,
     /// Samples on each side whose median a spike is held against; at least one.
     pub spike_half_window: usize,
-    /// A spike departs from the local median by more than this many (robust) standard deviations of such departures.
-    pub spike_threshold: f64,
+    /// Probability that Gaussian data of any colour show a spike anywhere, with the scale estimated robustly.
+    pub spike_false_alarm: f64,
     /// If more than this fraction of the samples would be spikes, the signal is like that, and only what is far beyond
     /// the rest is reported.
     pub spike_max_fraction: f64,
 }
 
 impl Default for QualityOptions {
-    /// Runs of 5; medians over 7 samples; 10 standard deviations; at most 1 % of the samples.
+    /// Runs of 5; medians over 7 samples; a false alarm in a thousand series; at most 1 % of the samples.
     fn default() -> Self {
-        Self { clip_run: 5, spike_half_window: 3, spike_threshold: 10.0, spike_max_fraction: 0.01 }
+        Self { clip_run: 5, spike_half_window: 3, spike_false_alarm: 1e-3, spike_max_fraction: 0.01 }
     }
 }
 
@@ -70,12 +70,17 @@ impl Quality {
 /// # Ok::<(), signal::SignalError>(())
 /// ```
 ///
+/// A spike at sample t stands out from the middle of its neighbours, `r(t) = x(t) − (x(t−1) + x(t+1))/2`, or where data do not
+/// remember their past from the median of all, by more than `s √(2 ln(N/p))`, which N Gaussian values of deviation s exceed with a probability below p whatever their colour, and from
+/// the median of its window as well, as a step does not.
+///
 /// # Source
-/// Spikes: Hampel, F. R. (1974), J. Am. Stat. Assoc. 69, 383–393 (median and median absolute deviation).
+/// Spikes: Hampel, F. R. (1974), J. Am. Stat. Assoc. 69, 383–393 (median and median absolute deviation); the largest of N:
+/// the union bound with P(|z| > c) ≤ exp(−c²/2).
 pub fn check_quality(x: &[f64], options: &QualityOptions) -> Result<Quality, SignalError> {
     check_range("clip_run", options.clip_run as f64, 2.0, f64::INFINITY)?;
     check_range("spike_half_window", options.spike_half_window as f64, 1.0, f64::INFINITY)?;
-    check_range("spike_threshold", options.spike_threshold, 0.0, f64::INFINITY)?;
+    check_range("spike_false_alarm", options.spike_false_alarm, 0.0, 1.0)?;
     check_range("spike_max_fraction", options.spike_max_fraction, 0.0, 1.0)?;
     let finite = || x.iter().copied().filter(|v| v.is_finite());
     let low = finite().fold(f64::INFINITY, f64::min);
@@ -112,22 +117,71 @@ fn runs(x: &[f64], shortest: usize, wanted: impl Fn(f64) -> bool) -> Vec<Range<u
 /// A spike among many edges departs this many times as far as they do.
 const FAR_BEYOND: f64 = 20.0;
 
+/// A spike departs from the median of its window by at least this part of what it does from its neighbours.
+const ALONE: f64 = 0.5;
+
+/// The share of samples that sets the scale where their tails are heavier than Gaussian ones, and how many Gaussian standard
+/// deviations that share lies beyond.
+const TAIL: (f64, f64) = (0.02, 2.326_347_874);
+
 fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
     let departures = departures(x, options.spike_half_window);
-    let sizes = || departures.iter().map(|d| d.abs()).filter(|d| d.is_finite());
-    let deviation = 1.4826 * median(&mut sizes().collect::<Vec<f64>>());
+    let (errors, least) = [bends(x), about_median(x)]
+        .map(|errors| (largest_by_chance(&errors, options.spike_false_alarm), errors))
+        .into_iter()
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or((Vec::new(), f64::INFINITY), |(least, errors)| (errors, least));
+    let mut sizes: Vec<f64> = departures.iter().map(|d| d.abs()).filter(|d| d.is_finite()).collect();
     // Held signals depart nowhere but at spikes: there the plain deviation has to serve.
-    let threshold = if deviation > 0.0 { options.spike_threshold * deviation } else { 3.0 * standard_deviation(x) };
-    let found: Vec<usize> = (0..x.len()).filter(|&i| departures[i].abs() > threshold).collect();
+    let threshold = if median(&mut sizes) > 0.0 { least } else { least.max(3.0 * standard_deviation(x)) };
+    let is_spike = |i: &usize| errors[*i].abs() > threshold && departures[*i].abs() > ALONE * errors[*i].abs();
+    let found = with_neighbours(&(0..x.len()).filter(is_spike).collect::<Vec<_>>(), &departures);
     let most = (options.spike_max_fraction * x.len() as f64).max(1.0) as usize;
     if found.len() <= most {
         return found;
     }
     // Edges depart too, all of about the same size: what is far beyond all but a few of the departures is no edge.
-    let mut largest: Vec<f64> = sizes().collect();
-    let (_, usual, _) = largest.select_nth_unstable_by(most, |a, b| b.total_cmp(a));
+    let (_, usual, _) = sizes.select_nth_unstable_by(most, |a, b| b.total_cmp(a));
     let beyond = FAR_BEYOND * *usual;
     found.into_iter().filter(|&i| departures[i].abs() > beyond).collect()
+}
+
+/// What the largest of so many Gaussian values stays below but with the probability of a false alarm.
+fn largest_by_chance(errors: &[f64], false_alarm: f64) -> f64 {
+    let mut sizes: Vec<f64> = errors.iter().map(|r| r.abs()).filter(|r| r.is_finite()).collect();
+    let Some(last) = sizes.len().checked_sub(1) else { return f64::INFINITY };
+    let usual = 1.4826 * median(&mut sizes);
+    let rank = (TAIL.0 * last as f64).ceil() as usize;
+    let tail = *sizes.select_nth_unstable_by(rank, |a, b| b.total_cmp(a)).1 / TAIL.1;
+    usual.max(tail) * (2.0 * ((last + 1) as f64 / false_alarm).ln()).sqrt()
+}
+
+/// Spikes of several samples: beside one, what departs to the same side at least half as far.
+fn with_neighbours(found: &[usize], departures: &[f64]) -> Vec<usize> {
+    let belongs = |i: usize, to: usize| i == to || departures[i] / departures[to] > 0.5;
+    let mut all = Vec::new();
+    for &i in found {
+        all.extend((i.saturating_sub(1)..=i + 1).filter(|j| *j < departures.len() && belongs(*j, i)));
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Each sample less the median of all.
+fn about_median(x: &[f64]) -> Vec<f64> {
+    let middle = median(&mut x.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>());
+    x.iter().map(|v| v - middle).collect()
+}
+
+/// Each sample less the middle of its two neighbours, Gaussian where the samples are; NaN at the ends and beside gaps.
+fn bends(x: &[f64]) -> Vec<f64> {
+    let finite = |v: f64| if v.is_finite() { v } else { f64::NAN };
+    let bend = |i: usize| match (i.checked_sub(1).map(|before| x[before]), x.get(i + 1)) {
+        (Some(before), Some(after)) => finite(x[i] - 0.5 * before - 0.5 * after),
+        _ => f64::NAN,
+    };
+    (0..x.len()).map(bend).collect()
 }
 
 /// Each sample less the median of its window; NaN where it is not finite. The window shrinks, symmetrically, at the ends.

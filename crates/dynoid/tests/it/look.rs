@@ -140,11 +140,15 @@ fn an_order_at_the_end_of_the_scan_is_said() {
 #[test]
 fn a_delay_before_a_resonance_is_told_from_its_lag() {
     let folder = folder();
-    let delay = run(&folder, "delay T_TN.csv -u u -y two --json").json();
+    let delay = run(&folder, "delay T_TN.csv -u u -y two --between held --json").json();
     // Three samples, one of which is that of the hold.
     assert_eq!(delay["arx"]["samples"][0], 3);
     let ends = &delay["delay"][0]["interval_95"];
     assert!(ends[0].as_f64().unwrap() < 0.02 && 0.02 < ends[1].as_f64().unwrap(), "{delay}");
+    // The input moves with every sample: nobody said that it is held.
+    let unsaid = run(&folder, "delay T_TN.csv -u u -y two --json").json();
+    assert!(unsaid["delay"][0]["interval_95"].is_null(), "{unsaid}");
+    assert!(unsaid["delay"][0]["unclaimed"].as_str().unwrap().contains("--between held"), "{unsaid}");
     let short = said(&folder, "delay T_TN.csv -u u -y two --longest 3");
     assert!(short.contains("try --longest 6"), "{short}");
 }
@@ -155,4 +159,24 @@ fn residual_tests_say_what_they_found() {
     let text = said(&folder, "resid ss.json --on T_TN.csv");
     assert!(!text.contains("p 0.000") && text.contains("p < 0.001"), "{text}");
     assert!(text.contains("failed: residuals of N_one are not white"), "{text}");
+}
+
+#[test]
+fn regress_no_delay_is_claimed_of_one_sine() {
+    let folder = TempDir::new().unwrap();
+    let at = |t: f64| (std::f64::consts::TAU * 5.0 * t).sin();
+    let mut random = signal::excitation::Random::new(3);
+    for deviation in [0.0, 0.05] {
+        let row = |n: u32| {
+            let t = 0.01 * f64::from(n);
+            format!("{t:.2},{},{}\n", at(t), 0.7 * at(t - 0.06) + deviation * random.normal())
+        };
+        let rows: String = (0..1000).map(row).collect();
+        std::fs::write(folder.path().join("sine.csv"), format!("time,u,y\n{rows}")).unwrap();
+        let ran = run(&folder, "delay sine.csv -u u -y y");
+        let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        assert!(text.contains("no interval is claimed: \"u\" is one sine of 5 Hz"), "{text}");
+        assert!(!text.contains("methods leave") && !text.contains("(95 % interval"), "{text}");
+    }
 }

@@ -185,7 +185,10 @@ impl fmt::Display for Advice {
             Advice::Clipped { channel, samples, of } => {
                 write!(f, "{channel} rests at its extremes for {samples} of {of} samples")
             }
-            Advice::Outliers { channel, at } => write!(f, "{channel} has {} samples that stand out", at.len()),
+            Advice::Outliers { channel, at } => match at.len() {
+                1 => write!(f, "{channel} has 1 sample that stands out"),
+                count => write!(f, "{channel} has {count} samples that stand out"),
+            },
             Advice::Offset { channel, mean, standard_deviation } => {
                 write!(f, "{channel} varies by {standard_deviation:.3} about {mean:.3}, not about zero")
             }
@@ -212,7 +215,12 @@ impl fmt::Display for Advice {
                 )
             }
             Advice::Feedthrough { input, output, .. } => {
-                write!(f, "input {} acts on output {} without delay", input + 1, output + 1)
+                let (input, output) = (input + 1, output + 1);
+                write!(
+                    f,
+                    "input {input} and output {output} move together within a sample: the input acts without delay, or the output \
+                     on it"
+                )
             }
             Advice::SampledTooFast { input, output, rise_samples } => {
                 write!(f, "output {} takes {rise_samples:.0} samples to follow input {}", output + 1, input + 1)
@@ -394,6 +402,8 @@ fn dynamics_advice(centred: &Dataset, inputs: &[usize], outputs: &[usize], found
             let (input, output) = (*input, *output);
             if channel.ahead > threshold_ahead {
                 found.push(Advice::Feedback { input, output, statistic: channel.ahead, threshold: threshold_ahead });
+                // What the output does to the input reads like a response to it.
+                continue;
             }
             if channel.present > threshold_present {
                 let (statistic, threshold) = (channel.present, threshold_present);

@@ -27,7 +27,7 @@ mod phase;
 pub use arx::{ArxDelay, DelayCandidate, DelayRanking};
 pub use fraction::FractionalDelay;
 pub use impulse::{ImpulseDelay, ImpulseResponseStart};
-pub use modelled::{DelayFault, DelayModel, DelayModels, ModelledDelay};
+pub use modelled::{DelayFault, DelayModel, DelayModels, ModelledDelay, single_line};
 pub use peak::{CorrelationPeak, PeakDelay};
 pub use phase::PhaseDelay;
 

@@ -29,6 +29,35 @@ fn stat_feedback_is_seen_in_closed_loop_alone() {
     }
 }
 
+/// The channels the wrong way round: what is called the output drives what is called the input.
+#[test]
+fn stat_what_drives_the_input_is_not_said_to_follow_it() {
+    for seed in 0..20 {
+        let mut noise = Noise::new(seed);
+        let y = noise.coloured(1500, 1.0, 0.9);
+        let (mut u, mut x) = (vec![0.0; 1500], 0.0);
+        for t in 0..1500 {
+            u[t] = x + 0.05 * noise.normal();
+            x += 0.2 * (y[t] - x);
+        }
+        let found = advise(&Dataset::siso(0.01, &u, &y).unwrap());
+        assert!(found.iter().any(|a| matches!(a, Advice::Feedback { input: 0, output: 0, .. })), "{found:?}");
+        let is_response = |a: &Advice| match a {
+            Advice::Feedthrough { .. } | Advice::Integrating { .. } => true,
+            Advice::SampledTooFast { .. } | Advice::SampledTooSlowly { .. } => true,
+            _ => false,
+        };
+        assert!(!found.iter().any(is_response), "{found:?}");
+    }
+}
+
+#[test]
+fn exact_one_outlier_is_counted_in_the_singular() {
+    let of = |count: usize| Advice::Outliers { channel: Channel::Input(0), at: vec![(0, 3); count] }.to_string();
+    assert_eq!(of(1), "input 1 has 1 sample that stands out");
+    assert_eq!(of(7), "input 1 has 7 samples that stand out");
+}
+
 #[test]
 fn stat_the_sample_rate_is_held_against_the_rise() {
     let fast = advise(&loop_data(1, 20_000, 0.98, 0.0));

@@ -47,6 +47,60 @@ fn exact_one_wild_sample_among_steps_is_a_spike() {
     assert_eq!(check_quality(&x, &QualityOptions::default()).unwrap().spikes, [777]);
 }
 
+/// Gaussian noise behind lags in series, which colours it.
+fn filtered(seed: u64, length: usize, poles: &[f64]) -> Vec<f64> {
+    let mut random = Random::new(seed);
+    let mut state = vec![0.0; poles.len()];
+    let mut next = || {
+        let mut v = random.normal();
+        for (x, pole) in state.iter_mut().zip(poles) {
+            *x = pole * *x + (1.0 - pole.abs()) * v;
+            v = *x;
+        }
+        v
+    };
+    (0..200).for_each(|_| _ = next());
+    (0..length).map(|_| next()).collect()
+}
+
+const COLOURS: [&[f64]; 7] = [&[], &[0.5], &[0.9], &[0.5, 0.5], &[0.8, 0.8], &[0.9, 0.9, 0.9], &[-0.5]];
+
+/// Nominally one series in a thousand; of 2100 series, 8 or more alarms have a probability of 0.2 %.
+#[test]
+fn stat_gaussian_data_of_any_colour_have_no_spikes() {
+    for length in [300, 3000] {
+        let has_spike = |x: &[f64]| !check_quality(x, &QualityOptions::default()).unwrap().spikes.is_empty();
+        let alarms = |poles: &[f64]| (0..300).filter(|seed| has_spike(&filtered(*seed, length, poles))).count();
+        let found: Vec<usize> = COLOURS.iter().map(|poles| alarms(poles)).collect();
+        assert!(found.iter().all(|count| *count <= 3), "more than 1 %: {found:?} of 300");
+        assert!(found.iter().sum::<usize>() < 8, "{found:?}");
+    }
+}
+
+#[test]
+fn stat_a_spike_of_ten_deviations_is_found_among_data_of_any_colour() {
+    for poles in COLOURS {
+        for length in [300, 3000] {
+            let is_found = |seed: &u64| {
+                let mut x = filtered(*seed, length, poles);
+                let deviation = (x.iter().map(|v| v * v).sum::<f64>() / length as f64).sqrt();
+                let at = 20 + (*seed as usize * 37) % (length - 40);
+                x[at] += if seed % 2 == 0 { 10.0 } else { -10.0 } * deviation;
+                check_quality(&x, &QualityOptions::default()).unwrap().spikes == [at]
+            };
+            let found = (0..100).filter(is_found).count();
+            assert!(found >= 97, "{found} of 100 behind {poles:?}, {length} samples");
+        }
+    }
+}
+
+#[test]
+fn exact_a_spike_of_three_samples_is_found_whole() {
+    let mut x = filtered(3, 500, &[0.9]);
+    x[100..103].fill(30.0);
+    assert_eq!(check_quality(&x, &QualityOptions::default()).unwrap().spikes, [100, 101, 102]);
+}
+
 #[test]
 fn exact_commands_of_levels_have_no_spikes() {
     let timing = Timing { sample_time_s: 1.0, length: 2000 };

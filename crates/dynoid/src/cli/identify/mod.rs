@@ -53,9 +53,9 @@ pub(crate) struct DataArguments {
     pub(crate) detrend: Detrend,
     /// What the inputs do between the samples of the recording. A continuous model (tf, process, greybox) is exact for each,
     /// for band-limited inputs up to 0.45 of the sample rate and but for 32 samples at either end, which are left out. An
-    /// input faster than --sample-time is filtered, and band-limited since
-    #[arg(long, value_enum, default_value_t = Between::Held, value_name = "HOW", help_heading = "Data")]
-    pub(crate) between: Between,
+    /// input faster than --sample-time is filtered, and band-limited since [default: held]
+    #[arg(long, value_enum, value_name = "HOW", help_heading = "Data")]
+    pub(crate) between: Option<Between>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

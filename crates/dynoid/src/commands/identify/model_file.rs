@@ -70,11 +70,11 @@ pub(super) fn meet(document: &ModelDocument, files: &Files, arguments: &MeetArgu
         window: arguments.window,
         sample_time_s: Some(clock_s(document, files, arguments)?),
         detrend: Detrend::None,
-        between: match document.intersample {
+        between: Some(match document.intersample {
             Intersample::ZeroOrderHold => Between::Held,
             Intersample::FirstOrderHold => Between::Straight,
             Intersample::BandLimited => Between::BandLimited,
-        },
+        }),
     };
     let about = |data: &_, sources: &_| operating_point::trend(document, arguments.detrend, data, sources);
     let loaded = take_about(files, CommonClock::Slowest, &data, Purpose::Judgement, about)?;

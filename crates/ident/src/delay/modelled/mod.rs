@@ -1,13 +1,16 @@
 //! The delay beside dynamics, from the error of a simulated output.
 
+mod lines;
 mod pure;
 mod ripple;
 mod structure;
 
 use super::{DelayEstimate, signals};
+use crate::continuous::RationalChannel;
 use crate::data::check_range;
 use crate::distributions::{chi_squared_quantile, normal_quantile};
 use crate::{Dataset, Experiment, IdentError, Intersample};
+use lines::Lines;
 use structure::Structure;
 
 /// Zeros and poles of what is tried, the simplest first.
@@ -27,6 +30,10 @@ const UNDETERMINED: f64 = 0.8;
 
 /// Losses below this part of the output's power are rounding.
 const ROUNDING: f64 = 1e-18;
+
+/// What is left of an input's part of the output beside its strongest lines counts as seen where its energy is so many times
+/// the variance of the errors.
+const SEEN: f64 = 20.0;
 
 /// Estimates the dead times `τ_k` of `y(t) = Σ_k G_k(s) e^{−sτ_k} u_k(t) + r(t) + v(t)` by minimising the error of the
 /// simulated output: what is fed in is known between the samples ([`Intersample`]), so that held inputs give the
@@ -115,6 +122,8 @@ pub struct DelayModel {
     /// By how much the answer to slow changes is late: dead time and lags together, `−d arg G/dω` at rest. None for a gain,
     /// and where an input comes through without its mean.
     pub late_by: Vec<Option<DelayEstimate>>,
+    /// Their intervals, from the covariance of dead time and coefficients to first order.
+    pub late_intervals: Vec<Option<(f64, f64)>>,
     /// Mean squared error of the simulated output.
     pub loss: f64,
     /// 100 (1 − √loss/σ), with σ the standard deviation of the output without ripple.
@@ -125,6 +134,8 @@ pub struct DelayModel {
     pub samples: usize,
     /// Why the intervals cannot be relied on.
     pub faults: Vec<DelayFault>,
+    /// The dynamics of each input; none for a gain.
+    channels: Vec<RationalChannel>,
     parameters: usize,
     /// The variance of estimates over what it would be with white errors.
     inflation: f64,
@@ -152,6 +163,18 @@ pub enum DelayFault {
     Undetermined {
         /// Index of the input.
         input: usize,
+    },
+    /// The input moves the output by so few lines of frequency that a delay cannot be told from the phase of the dynamics: each
+    /// line tells a gain and a phase.
+    FewLines {
+        /// Index of the input.
+        input: usize,
+        /// Lines there are.
+        lines: usize,
+        /// Lines that the model asks for, one more value than it has parameters.
+        needed: usize,
+        /// The strongest of them.
+        strongest_hz: f64,
     },
     /// The errors depend on past inputs.
     DynamicsMissing {
@@ -181,13 +204,16 @@ impl ModelledDelay {
         let late = made_late(data)?;
         let (mut models, mut failure): (Vec<DelayModel>, _) = (Vec::new(), None);
         let mut clean: Option<Dataset> = None;
-        for (zeros, poles) in LADDER {
+        let is_held = data.intersample() == Intersample::ZeroOrderHold;
+        // Of an input that is one sine nothing can be claimed, however rich the model.
+        let tried = if (0..data.inputs()).any(|input| single_line(data, input).is_some()) { 1 } else { LADDER.len() };
+        for (zeros, poles) in LADDER.into_iter().take(tried) {
             let structure = Structure { options: self, zeros, poles };
             // Whether a richer model is better shows without its own ripple and tests.
             let mut start = None;
             if let Some((best, clean)) = choice(&models).zip(clean.as_ref()) {
                 let Ok((model, found)) = structure.glance(clean) else { break };
-                let is_better = models[best].is_outdone_by(&model);
+                let is_better = model.loss <= models[best].loss && models[best].is_worse_than(&model, RICHER);
                 if !is_better {
                     models.push(model);
                     break;
@@ -196,7 +222,7 @@ impl ModelledDelay {
             }
             match structure.fit(&late, start.as_ref()) {
                 Ok((model, without_ripple)) => {
-                    if models.is_empty() && data.inputs() == 1 && data.intersample() == Intersample::ZeroOrderHold {
+                    if models.is_empty() && data.inputs() == 1 && is_held {
                         models.extend(pure::fit(self, &without_ripple, &model));
                     }
                     models.push(model);
@@ -215,15 +241,22 @@ impl ModelledDelay {
                 model.faults.push(DelayFault::Outdone);
             }
         }
-        let intervals = widened(&models, best);
+        let (intervals, late_intervals) = (widened(&models, best), widened_late(&models, best));
         let best_model = &mut models[best];
-        best_model.intervals = intervals;
-        let spread = |input: &usize| best_model.intervals[*input].1 - best_model.intervals[*input].0;
-        let (all, explains) = (0..best_model.intervals.len(), best_model.explains());
-        let undetermined = all.filter(|input| !explains || spread(input) > UNDETERMINED * self.longest as f64);
-        let undetermined: Vec<DelayFault> = undetermined.map(|input| DelayFault::Undetermined { input }).collect();
+        (best_model.intervals, best_model.late_intervals) = (intervals, late_intervals);
+        let undetermined = self.undetermined(best_model);
         best_model.faults.extend(undetermined);
+        let few = best_model.few_lines(data);
+        best_model.faults.splice(..0, few);
         Ok(DelayModels { models, best })
+    }
+
+    /// The inputs that explain nothing, or whose delay could be nearly any that was looked for.
+    fn undetermined(&self, best: &DelayModel) -> Vec<DelayFault> {
+        let explains = best.explains();
+        let is_wide = |(low, high): &(f64, f64)| high - low > UNDETERMINED * self.longest as f64;
+        let all = best.intervals.iter().enumerate().filter(|(_, interval)| !explains || is_wide(interval));
+        all.map(|(input, _)| DelayFault::Undetermined { input }).collect()
     }
 
     /// The error of an estimate together with that of the instants.
@@ -243,6 +276,17 @@ fn widened(models: &[DelayModel], best: usize) -> Vec<(f64, f64)> {
     for simpler in models[..best].iter().filter(|simpler| simpler.may_be(&models[best])) {
         for ((low, high), (from, to)) in intervals.iter_mut().zip(&simpler.intervals) {
             (*low, *high) = (low.min(*from), high.max(*to));
+        }
+    }
+    intervals
+}
+
+/// As [`widened`], of what slow changes are late by; a gain says nothing of that.
+fn widened_late(models: &[DelayModel], best: usize) -> Vec<Option<(f64, f64)>> {
+    let mut intervals = models[best].late_intervals.clone();
+    for simpler in models[..best].iter().filter(|simpler| simpler.may_be(&models[best])) {
+        for (own, other) in intervals.iter_mut().zip(&simpler.late_intervals) {
+            *own = own.map(|(low, high)| other.map_or((low, high), |(from, to)| (low.min(from), high.max(to))));
         }
     }
     intervals
@@ -283,9 +327,32 @@ impl DelayModel {
         gained > self.inflation * chi_squared_quantile(REFUTED, self.parameters as f64)
     }
 
-    fn is_outdone_by(&self, richer: &DelayModel) -> bool {
-        richer.loss <= self.loss && self.is_worse_than(richer, RICHER)
+    /// The inputs whose lines are too few for this structure: it takes a gain, a delay, zeros and poles, and one value more
+    /// has to be there to refute it.
+    fn few_lines(&self, data: &Dataset) -> Vec<DelayFault> {
+        let needed = (self.zeros + self.poles + 2) / 2 + 1;
+        let error = (1.0 - self.fit_percent / 100.0).powi(2).max(ROUNDING);
+        let share = SEEN * self.inflation * error / ((1.0 - error).max(ROUNDING) * self.samples as f64);
+        let of = |input: usize| {
+            let found = Lines::of(data, input, self.channels.get(input), share.min(0.5)).all_hz;
+            let strongest_hz = found.first().copied().unwrap_or(0.0);
+            (found.len() < needed).then_some(DelayFault::FewLines { input, lines: found.len(), needed, strongest_hz })
+        };
+        (0..data.inputs()).filter_map(of).collect()
     }
+
+    /// A search that does not end is often one for a pole and a zero that cancel: it outdoes only what is refuted.
+    fn is_outdone_by(&self, richer: &DelayModel) -> bool {
+        let level = if richer.faults.contains(&DelayFault::NotConverged) { REFUTED } else { RICHER };
+        richer.loss <= self.loss && self.is_worse_than(richer, level)
+    }
+}
+
+/// The frequency, in hertz, of an input that is one sine, all but 1 % of its amplitude: it tells a delay from no phase shift.
+#[must_use]
+pub fn single_line(data: &Dataset, input: usize) -> Option<f64> {
+    let found = (input < data.inputs()).then(|| Lines::of(data, input, None, 0.0).all_hz)?;
+    if let [only] = found[..] { Some(only) } else { None }
 }
 
 /// The same data with every output [`LEAD`] samples later.

@@ -48,11 +48,13 @@ pub(super) fn fit(options: &ModelledDelay, clean: &Dataset, lagged: &DelayModel)
         dead_times: vec![DelayEstimate { samples: 0.5 * (low + high), standard_error: spread }],
         intervals: vec![(within(low - widened), within(high + widened))],
         late_by: vec![None],
+        late_intervals: vec![None],
         loss: loss(best),
         fit_percent: 100.0 * (1.0 - (loss(best) / variance.max(f64::MIN_POSITIVE)).sqrt()),
         ripple_hz: lagged.ripple_hz.clone(),
         samples: lagged.samples,
         faults,
+        channels: Vec::new(),
         parameters: lagged.parameters.saturating_sub(1),
         inflation: lagged.inflation,
     })

@@ -105,11 +105,13 @@ impl Structure<'_> {
             dead_times: Vec::with_capacity(inputs),
             intervals: Vec::with_capacity(inputs),
             late_by: Vec::with_capacity(inputs),
+            late_intervals: Vec::with_capacity(inputs),
             loss,
             fit_percent: 100.0 * (1.0 - (loss / variance.max(f64::MIN_POSITIVE)).sqrt()),
             ripple_hz,
             samples,
             faults,
+            channels: found.model.channels()[..inputs].to_vec(),
             parameters: inputs * (self.zeros + self.poles + 2) + found.model.channels().len() - inputs,
             inflation: self.inflation(found, inputs),
         };
@@ -131,7 +133,10 @@ impl Structure<'_> {
             model.dead_times.push(DelayEstimate { samples, standard_error });
             let within = |end: f64| end.clamp(0.0, self.options.longest as f64);
             model.intervals.push((within(samples - reach * standard_error), within(high)));
-            model.late_by.push(self.late_by(found, at - width, clean.sample_time_s()));
+            let late = self.late_by(found, at - width, clean.sample_time_s());
+            let about = |late: DelayEstimate| [-reach, reach].map(|z| late.samples + z * late.standard_error).into();
+            model.late_intervals.push(late.map(about));
+            model.late_by.push(late);
         }
         model
     }

@@ -136,7 +136,7 @@ pub(super) fn take_about(
         from_s: arguments.window.from_s,
         to_s: arguments.window.to_s,
         clock: arguments.sample_time_s.map_or(usual, CommonClock::Every),
-        intersample: intersample(arguments.between),
+        intersample: intersample(arguments.between.unwrap_or(Between::Held)),
     };
     let (data, adjustments) = dataset(&recordings, &options).map_err(CliError::from)?;
     faults::check_sizes(&data, &files.named(&data))?;

@@ -43,16 +43,18 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     progress.step();
     progress.say("fitting models with a delay");
     let options = ModelledDelay { longest: arguments.longest, dating: dating(&loaded), level: LEVEL };
-    let modelled = Modelled::of(&options, &loaded, &others);
+    let modelled = Modelled::of(&options, &loaded, &others, arguments.data.between.is_some());
     drop(progress);
     picture(&arguments.result, "Delay", || others.figures())?;
-    let doubts: Vec<String> = modelled.doubts(data).into_iter().chain(others.doubts(data)).collect();
+    let notes = modelled.notes();
+    let doubts = others.doubts(data, |input| modelled.is_claimed(input));
     if arguments.result.json {
         let mut result = others.json();
         result["sample_time_s"] = data.sample_time_s().into();
         result["clock"] = clock(data, &arguments.data.sample_time_s).into();
         result["delay"] = modelled.claims_json(data);
         result["models"] = modelled.json(data);
+        result["notes"] = serde_json::json!(notes);
         result["doubts"] = serde_json::json!(doubts);
         terminal.json(&result)?;
     } else if !terminal.is_quiet() {
@@ -66,6 +68,7 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
         for (mark, style, text) in modelled.claims(data) {
             terminal.item((mark, style), &text);
         }
+        notes.iter().for_each(|note| terminal.item(("note:", Text::Plain), note));
         doubts.iter().for_each(|doubt| terminal.item(("doubt:", Text::Caution), doubt));
         written(&arguments.result.plot, terminal);
     }

@@ -1,6 +1,6 @@
 //! Dead times of models with dynamics, and what is claimed of them.
 
-use ident::delay::{DelayFault, DelayModel, DelayModels, ModelledDelay};
+use ident::delay::{DelayFault, DelayModel, DelayModels, ModelledDelay, single_line};
 use ident::{Dataset, IdentError, Intersample};
 use serde_json::{Value, json};
 
@@ -23,13 +23,25 @@ pub(super) struct Modelled {
 }
 
 impl Modelled {
-    pub(super) fn of(options: &ModelledDelay, loaded: &Loaded, others: &Others) -> Self {
+    /// On data of which it was said, or not, what inputs do between samples.
+    pub(super) fn of(options: &ModelledDelay, loaded: &Loaded, others: &Others, is_said: bool) -> Self {
         let data = &loaded.data;
         let found = options.estimate(data);
-        let inputs = 0..data.inputs();
-        let span = inputs.clone().map(|input| span(found.as_ref().ok(), others, options.longest, input)).collect();
-        let unclaimed = inputs.map(|input| reason(found.as_ref(), loaded, others, input)).collect();
+        let one = |input: usize| match unexcited(found.as_ref(), data, input) {
+            Some(reason) => (Some(reason), (f64::NEG_INFINITY, f64::INFINITY)),
+            None => {
+                let reason = reason(found.as_ref(), loaded, others, input);
+                let reason = reason.or_else(|| unknown_between(data, input).filter(|_| !is_said));
+                (reason, span(found.as_ref().ok(), others, options.longest, input))
+            }
+        };
+        let (unclaimed, span) = (0..data.inputs()).map(one).unzip();
         Modelled { found, unclaimed, span }
+    }
+
+    /// Whether a delay of this input is claimed.
+    pub(super) fn is_claimed(&self, input: usize) -> bool {
+        self.unclaimed[input].is_none()
     }
 
     fn models(&self) -> &[DelayModel] {
@@ -55,6 +67,8 @@ impl Modelled {
         let model = &found.models[index];
         let interval = || format!("95 % interval {} samples", range(Some(model.intervals[input])));
         match model.faults.first() {
+            // A pole and a zero that cancel leave nothing to converge to.
+            Some(DelayFault::NotConverged) if index > found.best => "no better; its search did not converge".to_owned(),
             Some(fault) => words(fault, ""),
             None if index == found.best && self.unclaimed[input].is_none() => interval(),
             None if index > found.best => format!("no better; {}", interval()),
@@ -83,7 +97,9 @@ impl Modelled {
             // One below zero is no lag of a causal system.
             let late = model.late_by[input].as_ref().filter(|late| late.samples >= 0.0);
             let late = late.map_or(String::new(), |late| {
-                format!("; with it slow changes come out {} s late", digits(late.samples * t))
+                let ends = model.late_intervals[input].map(|(low, high)| (low.max(0.0) * t, high * t));
+                let ends = format!("95 % interval {} s", range(ends));
+                format!("; with it slow changes come out {} s late ({ends})", digits(late.samples * t))
             });
             let beside = beside(model);
             (
@@ -127,34 +143,49 @@ impl Modelled {
                 "standard_error_s": model.dead_times.iter().map(|d| d.standard_error * t).collect::<Vec<_>>(),
                 "interval_95_s": model.intervals.iter().map(|(low, high)| [low * t, high * t]).collect::<Vec<_>>(),
                 "late_by_s": model.late_by.iter().map(|late| late.map(|d| d.samples * t)).collect::<Vec<_>>(),
+                "late_by_interval_95_s": model.late_intervals.iter().map(|ends| ends.map(|(low, high)| [low * t, high * t])).collect::<Vec<_>>(),
                 "faults": model.faults.iter().map(|fault| words(fault, "")).collect::<Vec<_>>(),
             })
         };
         self.models().iter().map(one).collect()
     }
 
-    /// What an estimate rests on without the data telling.
-    pub(super) fn doubts(&self, data: &Dataset) -> Vec<String> {
-        let mut all = Vec::new();
-        let Ok(found) = &self.found else { return all };
-        if let [first, ..] = found.best().ripple_hz.as_slice() {
-            all.push(format!(
+    /// What was estimated beside the delays.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let ripple = |found: &DelayModels| found.best().ripple_hz.first().copied();
+        let said = |hz: f64| {
+            format!(
                 "the output has ripple that no input has, at {} Hz; it was estimated along, added and in proportion",
-                significant(*first)
-            ));
-        }
-        let held = data.intersample() == Intersample::ZeroOrderHold;
-        for (input, label) in data.input_labels().iter().enumerate().filter(|_| held) {
-            if is_restless(data, input) && self.unclaimed[input].is_none() {
-                all.push(format!(
-                    "\"{}\" changes with nearly every sample and is taken as held in between; if it runs on, as what is \
-                     measured does, say so with --between straight: the delay is longer by about half a sample then",
-                    label.name
-                ));
-            }
-        }
-        all
+                significant(hz)
+            )
+        };
+        self.found.as_ref().ok().and_then(ripple).map(said).into_iter().collect()
     }
+}
+
+/// Why an input excites too little to tell a delay from a phase shift.
+fn unexcited(found: Result<&DelayModels, &IdentError>, data: &Dataset, input: usize) -> Option<String> {
+    let name = &data.input_labels()[input].name;
+    if let Some(hz) = single_line(data, input) {
+        return Some(format!(
+            "\"{name}\" is one sine of {} Hz: a delay and a phase shift cannot be told apart; excite with steps or noise",
+            digits(hz)
+        ));
+    }
+    let is_it = |fault: &&DelayFault| matches!(fault, DelayFault::FewLines { input: of, .. } if *of == input);
+    found.ok()?.best().faults.iter().find(is_it).map(|fault| words(fault, name))
+}
+
+/// That an input may or may not be held between its samples, where that makes a difference.
+fn unknown_between(data: &Dataset, input: usize) -> Option<String> {
+    let is_open = data.intersample() == Intersample::ZeroOrderHold && is_restless(data, input);
+    is_open.then(|| {
+        format!(
+            "\"{}\" changes with nearly every sample, and whether it is held in between or runs on, as what is measured does, \
+             makes half a sample of difference; say which with --between held or --between straight",
+            data.input_labels()[input].name
+        )
+    })
 }
 
 /// Whether an input changes with most samples.
@@ -236,6 +267,12 @@ fn words(fault: &DelayFault, name: &str) -> String {
                 "the data do not tell the delay{of}: the input may have no effect, or too little of it is in the output"
             )
         }
+        DelayFault::FewLines { lines, needed, strongest_hz, .. } => format!(
+            "the input{of} moves the output by {} of frequency alone, the strongest at {} Hz, and a delay beside these dynamics \
+             asks for {needed}: it cannot be told from a phase shift; excite with steps or noise",
+            counted(*lines, "line"),
+            digits(*strongest_hz)
+        ),
         DelayFault::TooEarly { .. } => format!(
             "the output answers before the input{of} moves: the clocks differ, or the input is not held (--between), or the \
              output acts on it"

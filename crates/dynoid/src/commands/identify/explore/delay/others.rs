@@ -121,11 +121,11 @@ impl Others {
         }
     }
 
-    /// What the methods cannot tell.
-    pub(super) fn doubts(&self, data: &Dataset) -> Vec<String> {
+    /// What the methods cannot tell of inputs of whose delay nothing is claimed.
+    pub(super) fn doubts(&self, data: &Dataset, is_claimed: impl Fn(usize) -> bool) -> Vec<String> {
         let Some(ranking) = &self.ranking else { return Vec::new() };
         let mut all = Vec::new();
-        for (input, label) in data.input_labels().iter().enumerate() {
+        for (input, label) in data.input_labels().iter().enumerate().filter(|(input, _)| !is_claimed(*input)) {
             let name = &label.name;
             if ranking.delays[input] == self.longest {
                 all.push(format!(
