@@ -44,6 +44,9 @@ pub(crate) enum CliError {
     /// A folder where a file is needed.
     #[error("{}: this is a folder, not a file; {remedy}", .path.display())]
     IsFolder { path: PathBuf, remedy: String },
+    /// A pipe or a device where a file is needed.
+    #[error("{}: this is a pipe or a device, not a file, and recordings are read from any place of theirs; save it to a file first", .path.display())]
+    IsStream { path: PathBuf },
     /// A file that is not text.
     #[error("{}: this is not text in UTF-8; give {wanted}, saved as UTF-8", .path.display())]
     NotText { path: PathBuf, wanted: &'static str },

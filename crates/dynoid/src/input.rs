@@ -41,8 +41,16 @@ fn refuse_folder(path: &Path) -> Result<(), CliError> {
     }
 }
 
+/// Whether a path names a pipe or a device. Recordings are read from any place of theirs, which those do not allow.
+fn is_stream(path: &Path) -> bool {
+    path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
 /// The first bytes of a file, without a byte order mark; none where it cannot be read.
 fn beginning(path: &Path) -> Vec<u8> {
+    if is_stream(path) {
+        return Vec::new();
+    }
     let mut head = [0; 64];
     let read = File::open(path).and_then(|mut file| file.read(&mut head)).unwrap_or(0);
     let text = head[..read].strip_prefix(b"\xEF\xBB\xBF").unwrap_or(&head[..read]);
@@ -143,6 +151,9 @@ pub(crate) fn extras(file: &InputFile) -> Result<Extras, CliError> {
 
 fn opened(file: &InputFile) -> Result<Arc<File>, CliError> {
     refuse_folder(&file.path)?;
+    if is_stream(&file.path) {
+        return Err(CliError::IsStream { path: file.path.clone() });
+    }
     File::open(&file.path).map(Arc::new).map_err(|source| CliError::read(&file.path, source))
 }
 

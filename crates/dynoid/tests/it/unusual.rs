@@ -190,3 +190,21 @@ fn a_transfer_function_that_integrates_is_fitted_from_where_it_stood() {
         assert!((value - truth).abs() < 4.0 * error && error < 0.02 * truth, "{value} ± {error} for {truth}");
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn a_device_is_refused_as_a_recording() {
+    let folder = folder();
+    for command in ["inspect /dev/zero", "inspect /dev/null --list", "convert /dev/zero --out a.csv"] {
+        run(&folder, command).assert_refused(3, &["pipe or a device", "save it to a file"]);
+    }
+}
+
+#[test]
+fn edges_of_a_band_are_refused_in_words() {
+    let folder = folder();
+    for band in ["0,15", "15,5"] {
+        let command = format!("fit oe run.csv -u valve -y speed --nb 1 --nf 1 --band {band}");
+        run(&folder, &command).assert_refused(2, &["lower edge first"]);
+    }
+}

@@ -85,7 +85,7 @@ fn stat_a_spike_of_ten_deviations_is_found_among_data_of_any_colour() {
                 let mut x = filtered(*seed, length, poles);
                 let deviation = (x.iter().map(|v| v * v).sum::<f64>() / length as f64).sqrt();
                 let at = 20 + (*seed as usize * 37) % (length - 40);
-                x[at] += if seed % 2 == 0 { 10.0 } else { -10.0 } * deviation;
+                x[at] += if seed.is_multiple_of(2) { 10.0 } else { -10.0 } * deviation;
                 check_quality(&x, &QualityOptions::default()).unwrap().spikes == [at]
             };
             let found = (0..100).filter(is_found).count();

@@ -54,7 +54,7 @@ fn failed(source: impl Into<IdentError>) -> CliError {
         },
         IdentError::Lti(LtiError::NoLogarithm { re, im }) => CliError::Usage {
             what: format!(
-                "the model has a pole at {}, which no continuous model of the same order has under this --method: one at 0 is that of numerator coefficients beyond the order of the denominator, a negative one turns at half the sample rate; --method tustin gives an approximation, a fit of another order or of a continuous model (tf) avoids it",
+                "the model has a pole (or with --method matched a zero) at {}, which no continuous model of the same order has under this --method: one at 0 is that of numerator coefficients beyond the order of the denominator, a negative one turns at half the sample rate; --method tustin gives an approximation, a fit of another order or of a continuous model (tf) avoids it",
                 pair(Complex64::new(*re, *im))
             ),
         },

@@ -12,6 +12,7 @@ use crate::cli::identify::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,
     TransferFunctionArguments, TransferFunctionBy,
 };
+use crate::commands::identify::words::digits;
 use crate::error::CliError;
 use crate::terminal::Progress;
 
@@ -82,6 +83,13 @@ fn polynomial(arguments: &PolynomialArguments, members: Members, data: &Dataset)
 fn band(arguments: &PolynomialArguments, data: &Dataset) -> Result<Option<Sos>, CliError> {
     match arguments.band[..] {
         [] => Ok(None),
+        [low_hz, high_hz] if low_hz <= 0.0 || low_hz >= high_hz => Err(CliError::Usage {
+            what: format!(
+                "--band {low_hz},{high_hz}: give the lower edge first, above 0 Hz; to let all low frequencies pass too, make \
+                 it small, such as {}",
+                digits(0.1 / (data.samples() as f64 * data.sample_time_s()), 2)
+            ),
+        }),
         [low_hz, high_hz] => Sos::butterworth_bandpass(4, low_hz, high_hz, data.sample_time_s())
             .map(Some)
             .map_err(|source| CliError::Usage { what: format!("--band: {source}") }),
