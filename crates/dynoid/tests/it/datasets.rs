@@ -75,7 +75,11 @@ fn stat_fits_to_the_simulated_output_run_on_the_fastest_clock() {
 #[test]
 fn stat_the_delay_of_a_held_demand_is_found_on_the_fastest_clock() {
     let folder = two_rasters();
-    let line = "delay run.csv -u demand -y torque";
+    // A demand that changes with every sample may be held or run straight in between: half a sample of delay apart.
+    let unsaid = done(&folder, "delay run.csv -u demand -y torque --json").json();
+    assert!(unsaid["delay"][0]["interval_95"].is_null(), "{unsaid}");
+    assert!(unsaid["delay"][0]["unclaimed"].as_str().unwrap().contains("--between"), "{unsaid}");
+    let line = "delay run.csv -u demand -y torque --between held";
     let found = done(&folder, &format!("{line} --json")).json();
     assert_eq!(found["sample_time_s"], 0.001);
     let delay = &found["delay"][0];
