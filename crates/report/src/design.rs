@@ -70,7 +70,7 @@ fn demands(designed: &Designed<'_>) -> Figure {
 fn excitation(designed: &Designed<'_>, spectrum: &ExcitationSpectrum) -> Figure {
     let name = demand_name(spectrum.of);
     let largest = spectrum.density.iter().copied().fold(0.0, f64::max);
-    let floor = largest * 1e-8;
+    let floor = largest * 1e-4;
     let shown: Vec<f64> = spectrum.density.iter().map(|density| density.max(floor)).collect();
     let mut layers = vec![Layer::curve(name, Style::Modelled, &spectrum.frequency_hz, &shown)];
     let marks = |at: &[f64], label: &str| Layer::VerticalMarks { x: rounded(at), label: label.to_owned() };

@@ -4,10 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::parameters::{BenchParameters, DualMassFlywheel, EngineParameters};
 use super::{UPDATE_S, VirtualBenchError};
-use crate::BenchFile;
+use crate::experiment::ExperimentPlan;
 use crate::model::{BenchModel, FeedForwardGains, InverterModel, Mechanics, PiController};
 use crate::role::Role;
 use crate::study::BenchVariant;
+use crate::{BenchFile, ControlMode};
 
 /// Damping ratio of the resonance where no damping is stated: that of steel shafts with rubber couplings.
 const ASSUMED_DAMPING_RATIO: f64 = 0.1;
@@ -85,6 +86,18 @@ impl StatedBench {
         parameters.check()?;
         let assumptions = assumptions(file, model, &parameters);
         Ok(Self { parameters, assumptions })
+    }
+
+    /// The assumptions that an experiment rests on: without a shaft, or in torque control, not all matter.
+    pub fn assumed_for(&self, plan: &ExperimentPlan) -> Vec<Assumption> {
+        let matters = |assumption: &&Assumption| match assumption {
+            Assumption::Shaft { .. } | Assumption::Damping { .. } | Assumption::Flywheel | Assumption::Engine => {
+                plan.has_shaft
+            }
+            Assumption::SpeedController { .. } | Assumption::FeedForward => plan.label.mode == ControlMode::Nt,
+            Assumption::TorqueControl { .. } | Assumption::TorqueLimit { .. } => true,
+        };
+        self.assumptions.iter().filter(matters).copied().collect()
     }
 
     /// Whether the shaft's stiffness is known, and not assumed.

@@ -88,14 +88,14 @@ fn rehearse(experiment: &str, arguments: &SimulateArguments, terminal: &mut Term
             "duration_s": plan.duration_s,
             "seed": seed,
             "channels": channels(&recording),
-            "assumptions": bench.stated.assumptions,
+            "assumptions": bench.stated.assumed_for(&plan),
             "doubts": doubts,
             "out": run.out,
             "truth": arguments.truth,
             "seconds_taken": since.elapsed().as_secs_f64(),
         }))?;
     } else if !terminal.is_quiet() {
-        say_assumed(&bench, terminal);
+        say_assumed(&bench, &plan, terminal);
         [&run.out, &arguments.truth, &run.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
     Ok(Outcome::Done)

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use bench::model::ModelUncertainty;
 use bench::study::{Part, Study};
 
 use crate::fixture;
@@ -182,6 +183,7 @@ fn exact_thinned_traces_keep_their_peaks_and_times() {
 #[test]
 fn exact_the_model_of_a_study_is_read_back() {
     let study = fixture::complete();
+    assert!(study.model.as_ref().is_some_and(|model| model.uncertainty != ModelUncertainty::default()));
     assert_eq!(report::model(&report::json(&study)).as_ref(), Ok(study.model.as_ref().unwrap()));
 }
 

@@ -218,7 +218,7 @@ fn print(
         if let Some(resonance_hz) = predicted.resonance_hz {
             terminal.line(&format!("  resonance: {}", number::measure(resonance_hz, "Hz")));
         }
-        say_assumed(bench, terminal);
+        say_assumed(bench, plan, terminal);
         terminal.gap();
     }
     for path in targets.all(predicted.is_some()) {
@@ -227,8 +227,8 @@ fn print(
 }
 
 /// What the prediction or simulation takes for granted.
-pub(in crate::commands) fn say_assumed(bench: &Bench, terminal: &mut Terminal) {
-    for assumption in &bench.stated.assumptions {
+pub(in crate::commands) fn say_assumed(bench: &Bench, plan: &ExperimentPlan, terminal: &mut Terminal) {
+    for assumption in &bench.stated.assumed_for(plan) {
         terminal.item(("assumed:", Style::Caution), &wording::assumption(assumption));
     }
 }
@@ -289,7 +289,7 @@ fn facts(
     };
     let prediction = predicted.as_ref().ok().map(|p| {
         json!({"from": if bench.assembled.is_some() { "study" } else { "bench file" }, "resonance_hz": p.resonance_hz,
-            "assumptions": bench.stated.assumptions,
+            "assumptions": bench.stated.assumed_for(plan),
             "peaks": p.prediction.peaks.iter().enumerate().map(|one| peak(one, &p.errors)).collect::<Vec<_>>()})
     });
     json!({
