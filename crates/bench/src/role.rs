@@ -50,6 +50,8 @@ pub enum Quantity {
     Angle,
     /// Angular acceleration, SI unit rad/s².
     AngularAcceleration,
+    /// Change of torque in time, SI unit Nm/s.
+    TorqueRate,
     /// Time, SI unit s.
     Time,
     /// Power, SI unit W.
@@ -74,7 +76,7 @@ pub enum Quantity {
 
 impl Quantity {
     /// Every quantity.
-    pub const ALL: [Quantity; 18] = [
+    pub const ALL: [Quantity; 19] = [
         Quantity::AngularSpeed,
         Quantity::Torque,
         Quantity::Ratio,
@@ -83,6 +85,7 @@ impl Quantity {
         Quantity::Damping,
         Quantity::Angle,
         Quantity::AngularAcceleration,
+        Quantity::TorqueRate,
         Quantity::Time,
         Quantity::Power,
         Quantity::Temperature,
@@ -118,6 +121,7 @@ impl fmt::Display for Quantity {
             Quantity::Damping => "damping",
             Quantity::Angle => "angle",
             Quantity::AngularAcceleration => "angular acceleration",
+            Quantity::TorqueRate => "torque slew",
             Quantity::Time => "time",
             Quantity::Power => "power",
             Quantity::Temperature => "temperature",

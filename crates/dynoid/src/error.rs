@@ -144,6 +144,15 @@ pub(crate) enum CliError {
     /// A file that is no structure of a grey-box model.
     #[error("{}: this is no structure of a grey-box model: {reason}\nthe layout is shown by `dynoid fit greybox --help`", .path.display())]
     StructureFile { path: PathBuf, reason: String },
+    /// A file of demands that gives no experiment.
+    #[error("{}: {source}", .path.display())]
+    Demands { path: PathBuf, source: bench::experiment::free_form::FreeFormError },
+    /// A file that holds no bench model.
+    #[error("{}: {source}", .path.display())]
+    StudyModel { path: PathBuf, source: report::StudyModelError },
+    /// A bench that cannot be simulated.
+    #[error("{}: {source}", .path.display())]
+    VirtualBench { path: PathBuf, source: bench::virtual_bench::VirtualBenchError },
     /// Something that cannot happen did.
     #[error("a fault in dynoid itself: {what}; please report it with this message")]
     Internal { what: String },

@@ -18,6 +18,7 @@ mod terminal;
 
 use std::process::ExitCode;
 
+use crate::cli::experiment::ExperimentCommand;
 use crate::cli::{Cli, Command, StudyCommand};
 use crate::commands::identify;
 use crate::error::{CliError, Outcome};
@@ -44,12 +45,18 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
     match command {
         Command::Demo(arguments) => commands::demo::run(arguments, terminal),
         Command::Study { command: StudyCommand::Run(arguments) } => commands::study::run(arguments, terminal),
+        Command::Experiment { command: ExperimentCommand::List(arguments) } => {
+            commands::experiment::list::run(arguments, terminal)
+        }
+        Command::Experiment { command: ExperimentCommand::Design(arguments) } => {
+            commands::experiment::design::run(arguments, terminal)
+        }
         Command::Init(arguments) => commands::init::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
         Command::Fit { command } => identify::fit::run(command, terminal),
         Command::Compare(arguments) => identify::judge::compare(arguments, terminal),
         Command::Resid(arguments) => identify::judge::resid(arguments, terminal),
-        Command::Simulate(arguments) => identify::judge::simulate_model(arguments, terminal),
+        Command::Simulate(arguments) => commands::simulate::run(arguments, terminal),
         Command::Predict(arguments) => identify::judge::predict_model(arguments, terminal),
         Command::Bode(arguments) => identify::look::bode(arguments, terminal),
         Command::Step(arguments) => identify::look::step(arguments, terminal),

@@ -1,10 +1,14 @@
 //! The study as one JSON document.
 
 use bench::Study;
-use serde::Serialize;
+use bench::model::AssembledModel;
+use serde::{Deserialize, Serialize};
 
 /// Version of the JSON document's shape. It grows by one when a field changes its meaning or disappears.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// What a file of another kind calls itself.
+const FORMAT: &str = "dynoid-study";
 
 #[derive(Serialize)]
 struct Document<'a> {
@@ -18,9 +22,80 @@ struct Document<'a> {
 /// Numbers keep their full precision; one that is NaN or infinite is `null`. Should serialisation ever fail, the
 /// document holds an `error` text in place of `study`, so that a reader of the file sees why.
 pub fn json(study: &Study) -> String {
-    let document = Document { format: "dynoid-study", format_version: FORMAT_VERSION, study };
+    let document = Document { format: FORMAT, format_version: FORMAT_VERSION, study };
     serde_json::to_string(&document).unwrap_or_else(|error| {
         let reason = serde_json::Value::String(error.to_string());
         format!(r#"{{"format":"dynoid-study","format_version":{FORMAT_VERSION},"error":{reason}}}"#)
     })
+}
+
+/// Why a text holds no bench model of a study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StudyModelError {
+    /// The text is no JSON of a study.
+    NotAStudy {
+        /// The reader's words.
+        reason: String,
+    },
+    /// A study of another version.
+    OtherVersion {
+        /// Its version.
+        found: u64,
+    },
+    /// A study that keeps no model: it could not be assembled, or the study is older than that.
+    NoModel,
+}
+
+impl std::fmt::Display for StudyModelError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            StudyModelError::NotAStudy { reason } => {
+                write!(f, "this is no study.json ({reason}); one is written by `dynoid study run bench.toml`")
+            }
+            StudyModelError::OtherVersion { found } => write!(
+                f,
+                "this study is of version {found}, where {FORMAT_VERSION} is read; run `dynoid study run bench.toml` again"
+            ),
+            StudyModelError::NoModel => f.write_str(
+                "this study holds no bench model: its recordings did not give one, or an earlier dynoid wrote it; run \
+                 `dynoid study run bench.toml` again and see what it says of the shaft",
+            ),
+        }
+    }
+}
+
+impl std::error::Error for StudyModelError {}
+
+/// What a document says of itself; looked at before anything else, since another version may have another shape.
+#[derive(Deserialize)]
+struct Header {
+    format: String,
+    format_version: u64,
+}
+
+#[derive(Deserialize)]
+struct WithModel {
+    study: ModelAlone,
+}
+
+#[derive(Deserialize)]
+struct ModelAlone {
+    model: Option<AssembledModel>,
+}
+
+/// The bench model of a study, from the text that [`json`] wrote.
+///
+/// # Errors
+/// [`StudyModelError`] with what to do.
+pub fn model(text: &str) -> Result<AssembledModel, StudyModelError> {
+    let not_a_study = |reason: String| StudyModelError::NotAStudy { reason };
+    let header: Header = serde_json::from_str(text).map_err(|error| not_a_study(error.to_string()))?;
+    if header.format != FORMAT {
+        return Err(not_a_study(format!("it calls itself “{}”", header.format)));
+    }
+    if header.format_version != u64::from(FORMAT_VERSION) {
+        return Err(StudyModelError::OtherVersion { found: header.format_version });
+    }
+    let document: WithModel = serde_json::from_str(text).map_err(|error| not_a_study(error.to_string()))?;
+    document.study.model.ok_or(StudyModelError::NoModel)
 }

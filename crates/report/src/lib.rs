@@ -6,6 +6,7 @@
 //! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
 //! text and `null` in JSON.
 
+pub mod design;
 mod effects;
 mod html;
 mod json;
@@ -14,5 +15,5 @@ pub mod wording;
 
 pub use effects::page as effects;
 pub use html::html;
-pub use json::{FORMAT_VERSION, json};
+pub use json::{FORMAT_VERSION, StudyModelError, json, model};
 pub use verdict::verdict;

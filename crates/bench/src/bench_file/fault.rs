@@ -120,6 +120,18 @@ pub enum FaultKind {
         /// The other role's key.
         other: String,
     },
+    /// Two keys that say the same.
+    #[error("this and `{other}` say the same thing; keep one of them")]
+    Excludes {
+        /// The other key.
+        other: &'static str,
+    },
+    /// A value that the virtual bench cannot take.
+    #[error("{message}")]
+    VirtualBench {
+        /// The reader's words.
+        message: String,
+    },
     /// A text is not a label.
     #[error("`{text}` is no label; write {{test}}_{{T|N}}_{{NT|TN}}, such as \"BS_T_NT\"")]
     NotALabel {

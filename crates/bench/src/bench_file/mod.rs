@@ -22,6 +22,7 @@
 mod fault;
 mod read;
 mod sections;
+mod virtual_bench;
 mod write;
 
 use std::collections::BTreeMap;
@@ -54,6 +55,11 @@ pub struct BenchFile {
     pub engine_inertia_kg_m2: f64,
     /// What the bench must not exceed.
     pub limits: Limits,
+    /// What is known of the shaft before anything was estimated.
+    pub shaft: ShaftPrior,
+    /// Fields of [`BenchParameters`](crate::virtual_bench::BenchParameters) for simulations of this bench; empty where
+    /// none is stated.
+    pub virtual_bench: toml::Table,
     /// Channel of each role.
     pub channels: BTreeMap<Role, ChannelMapping>,
     /// Which recordings belong to the campaign.
@@ -69,6 +75,39 @@ pub struct Limits {
     pub shaft_torque_nm: Option<f64>,
     /// Speed limit, rad/s.
     pub speed_rad_s: Option<f64>,
+    /// Largest change of the torque demand, Nm/s.
+    pub torque_slew_nm_per_s: Option<f64>,
+    /// Largest change of the shaft torque, Nm/s.
+    pub shaft_torque_slew_nm_per_s: Option<f64>,
+    /// Longest time that the firing may stay near the resonance, s.
+    pub time_at_resonance_s: Option<f64>,
+}
+
+/// What is known of the shaft before anything was estimated: for predictions and simulations alone, no study looks at it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ShaftPrior {
+    /// K, Nm/rad.
+    pub stiffness_nm_per_rad: Option<f64>,
+    /// Resonance in torque control, √(K(1/J_d + 1/J_e))/2π, Hz, in place of K.
+    pub resonance_hz: Option<f64>,
+    /// B, Nm s/rad.
+    pub damping_nm_s_per_rad: Option<f64>,
+}
+
+impl ShaftPrior {
+    /// K, Nm/rad: the one stated, or K = (2πf)²/(1/J_d + 1/J_e) of the resonance stated.
+    ///
+    /// # Example
+    /// ```
+    /// use bench::bench_file::ShaftPrior;
+    /// let prior = ShaftPrior { resonance_hz: Some(18.0), ..ShaftPrior::default() };
+    /// assert!((prior.stiffness_nm_per_rad((0.6, 0.28)).unwrap() - 2441.9).abs() < 0.1);
+    /// ```
+    pub fn stiffness_nm_per_rad(&self, (dyno_kg_m2, engine_kg_m2): (f64, f64)) -> Option<f64> {
+        let mobility = 1.0 / dyno_kg_m2 + 1.0 / engine_kg_m2;
+        let of_resonance = |f: f64| (std::f64::consts::TAU * f).powi(2) / mobility;
+        self.stiffness_nm_per_rad.or(self.resonance_hz.map(of_resonance))
+    }
 }
 
 /// How a role is recorded.

@@ -6,7 +6,9 @@ use toml::de::DeTable;
 
 use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
-use super::{BenchFile, ChannelMapping, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList};
+use super::{
+    BenchFile, ChannelMapping, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ShaftPrior, virtual_bench,
+};
 use crate::role::{Quantity, Role};
 use crate::study::BenchVariant;
 use crate::units::{self, Unit};
@@ -41,7 +43,7 @@ pub(super) fn read(text: &str) -> Result<BenchFile, BenchFileError> {
 }
 
 fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFile> {
-    root.only(&["bench", "limits", "channels", "recordings"], faults);
+    root.only(&["bench", "limits", "shaft", "virtual_bench", "channels", "recordings"], faults);
     let bench = root.section("bench", faults);
     bench.only(BENCH_KEYS, faults);
     let name = read_name(&bench, faults);
@@ -52,6 +54,8 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
     let engine_inertia = read_inertia(&bench, "engine_inertia", faults);
     let uncertainty = read_uncertainty(&bench, faults);
     let limits = read_limits(&root.section("limits", faults), faults);
+    let shaft = read_shaft(&root.section("shaft", faults), faults);
+    let virtual_bench = virtual_bench::read(&root.section("virtual_bench", faults), faults);
     let channels = read_channels(&root.section("channels", faults), variant, faults);
     let recordings = read_recordings(&root.section("recordings", faults), faults);
     Some(BenchFile {
@@ -63,6 +67,8 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
         dynamometer_inertia_uncertainty_percent: uncertainty,
         engine_inertia_kg_m2: engine_inertia?,
         limits,
+        shaft,
+        virtual_bench,
         channels,
         recordings,
     })
@@ -156,12 +162,47 @@ fn read_inertia(bench: &Section<'_, '_>, key: &str, faults: &mut Faults<'_>) -> 
 }
 
 fn read_limits(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Limits {
-    section.only(&["torque", "shaft_torque", "speed"], faults);
+    let keys = ["torque", "shaft_torque", "speed", "torque_slew", "shaft_torque_slew", "time_at_resonance"];
+    section.only(&keys, faults);
+    let slew = "\"5000 Nm/s\"";
     Limits {
         torque_nm: read_limit(section, "torque", Quantity::Torque, "\"400 Nm\"", faults),
         shaft_torque_nm: read_limit(section, "shaft_torque", Quantity::Torque, "\"500 Nm\"", faults),
         speed_rad_s: read_limit(section, "speed", Quantity::AngularSpeed, "\"6000 rpm\"", faults),
+        torque_slew_nm_per_s: read_limit(section, "torque_slew", Quantity::TorqueRate, slew, faults),
+        shaft_torque_slew_nm_per_s: read_limit(section, "shaft_torque_slew", Quantity::TorqueRate, slew, faults),
+        time_at_resonance_s: read_limit(section, "time_at_resonance", Quantity::Time, "\"5 s\"", faults),
     }
+}
+
+fn read_shaft(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> ShaftPrior {
+    section.only(&["stiffness", "damping", "resonance"], faults);
+    if let (Some(place), Some(_)) = (section.get("resonance"), section.get("stiffness")) {
+        faults.add(place.offset, section.path_of("resonance"), FaultKind::Excludes { other: "stiffness" });
+    }
+    ShaftPrior {
+        stiffness_nm_per_rad: read_limit(section, "stiffness", Quantity::Stiffness, "\"2400 Nm/rad\"", faults),
+        resonance_hz: read_resonance(section, faults),
+        damping_nm_s_per_rad: read_limit(section, "damping", Quantity::Damping, "\"6 Nm s/rad\"", faults),
+    }
+}
+
+fn read_resonance(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<f64> {
+    const EXAMPLE: &str = "\"18 Hz\"";
+    let place = section.get("resonance")?;
+    let text = section.text("resonance", place, EXAMPLE, faults)?;
+    let kind = match units::parse_frequency_hz(&text) {
+        Ok(value) if (0.1..=1000.0).contains(&value) => return Some(value),
+        Ok(value) => FaultKind::OutOfRange {
+            value,
+            low: 0.1,
+            high: 1000.0,
+            remedy: "write the shaft's resonance in Hz, such as \"18 Hz\"".to_owned(),
+        },
+        Err(error) => FaultKind::Unit { error, example: EXAMPLE.to_owned() },
+    };
+    faults.add(place.offset, section.path_of("resonance"), kind);
+    None
 }
 
 fn read_limit(
@@ -180,7 +221,7 @@ fn read_limit(
     if value > 0.0 {
         return Some(value);
     }
-    let remedy = format!("write the limit's magnitude, such as {example}");
+    let remedy = format!("write a value above 0, such as {example}");
     let kind = FaultKind::OutOfRange { value, low: 0.0, high: f64::INFINITY, remedy };
     faults.add(place.offset, section.path_of(key), kind);
     None

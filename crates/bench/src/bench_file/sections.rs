@@ -95,6 +95,16 @@ impl<'v, 'i> Section<'v, 'i> {
         Some(Section { table: Some(place.value.as_table()?), path, offset: place.offset })
     }
 
+    /// The table itself, if there is one.
+    pub(super) fn table(&self) -> Option<&'v DeTable<'i>> {
+        self.table
+    }
+
+    /// Where it stands.
+    pub(super) fn offset(&self) -> usize {
+        self.offset
+    }
+
     /// The table of a key; an absent one is an empty table at the end of this one's head.
     pub(super) fn section(&self, key: &str, faults: &mut Faults<'_>) -> Self {
         let empty = Section { table: None, path: self.path_of(key), offset: self.offset };
@@ -170,8 +180,9 @@ impl<'v, 'i> Section<'v, 'i> {
         None
     }
 
-    /// Notes every key that is not one of `known`.
-    pub(super) fn only(&self, known: &[&str], faults: &mut Faults<'_>) {
+    /// Notes every key that is not one of `known`; says whether there is one.
+    pub(super) fn only(&self, known: &[&str], faults: &mut Faults<'_>) -> bool {
+        let mut found = false;
         for (name, _) in self.table.into_iter().flatten() {
             let key: &str = name.get_ref();
             if !known.contains(&key) {
@@ -180,7 +191,9 @@ impl<'v, 'i> Section<'v, 'i> {
                     known: known.iter().map(|&key| key.to_owned()).collect(),
                 };
                 faults.add(name.span().start, self.path_of(key), kind);
+                found = true;
             }
         }
+        found
     }
 }

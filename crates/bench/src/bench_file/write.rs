@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::{BenchFile, ChannelMapping, Limits};
+use super::{BenchFile, ChannelMapping, Limits, ShaftPrior};
 use crate::channels::{Ambiguity, Guess};
 use crate::role::Role;
 use crate::study::BenchVariant;
@@ -52,6 +52,16 @@ engine_inertia = "{PLACEHOLDER}"
 # torque = "400 Nm"       # the inverter's limit; demands that reach it are not used to identify anything
 # shaft_torque = "500 Nm"
 # speed = "6000 rpm"
+# torque_slew = "5000 Nm/s"        # of the torque demand
+# shaft_torque_slew = "5000 Nm/s"
+# time_at_resonance = "5 s"        # longest stay of the firing near the shaft's resonance
+
+# What is known of the shaft, for experiments that are predicted or simulated before a model is estimated: its resonance,
+# or its stiffness.
+# [shaft]
+# resonance = "18 Hz"
+# stiffness = "2400 Nm/rad"
+# damping = "6 Nm s/rad"
 
 # role = "channel name", or {{ name = "channel name", unit = "rpm", sign = -1, gate_ms = 1.0 }}.
 # Torques of the dynamometer are positive when they brake; if yours are negative then, write sign = -1.
@@ -81,12 +91,14 @@ engine_inertia = "{PLACEHOLDER}"
         }
         let _ = writeln!(text, "engine_inertia = \"{} kg m²\"", self.engine_inertia_kg_m2);
         write_limits(&mut text, self.limits);
+        write_shaft(&mut text, self.shaft);
         write_channels(&mut text, &self.channels);
         let _ = writeln!(text, "\n[recordings]\nfiles = [{}]", quoted_list(&self.recordings.files));
         for stated in &self.recordings.labels {
             let label = quoted(&stated.label.to_string());
             let _ = writeln!(text, "\n[[recordings.label]]\nfile = {}\nlabel = {label}", quoted(&stated.file));
         }
+        write_virtual_bench(&mut text, &self.virtual_bench);
         text
     }
 }
@@ -97,12 +109,40 @@ fn write_limits(text: &mut String, limits: Limits) {
         ("torque", limits.torque_nm, "Nm"),
         ("shaft_torque", limits.shaft_torque_nm, "Nm"),
         ("speed", limits.speed_rad_s, "rad/s"),
+        ("torque_slew", limits.torque_slew_nm_per_s, "Nm/s"),
+        ("shaft_torque_slew", limits.shaft_torque_slew_nm_per_s, "Nm/s"),
+        ("time_at_resonance", limits.time_at_resonance_s, "s"),
     ];
+    write_values(text, &values);
+}
+
+fn write_shaft(text: &mut String, shaft: ShaftPrior) {
+    if shaft == ShaftPrior::default() {
+        return;
+    }
+    text.push_str("\n[shaft]\n");
+    let values = [
+        ("stiffness", shaft.stiffness_nm_per_rad, "Nm/rad"),
+        ("resonance", shaft.resonance_hz, "Hz"),
+        ("damping", shaft.damping_nm_s_per_rad, "Nm s/rad"),
+    ];
+    write_values(text, &values);
+}
+
+fn write_values(text: &mut String, values: &[(&str, Option<f64>, &str)]) {
     for (key, value, unit) in values {
         if let Some(value) = value {
             let _ = writeln!(text, "{key} = \"{value} {unit}\"");
         }
     }
+}
+
+fn write_virtual_bench(text: &mut String, table: &toml::Table) {
+    if table.is_empty() {
+        return;
+    }
+    let whole = toml::Table::from_iter([("virtual_bench".to_owned(), toml::Value::Table(table.clone()))]);
+    let _ = write!(text, "\n{whole}");
 }
 
 fn write_channels(text: &mut String, channels: &BTreeMap<Role, ChannelMapping>) {

@@ -1,8 +1,8 @@
 //! From the parts of a study to one model and its uncertainty. Gains per rpm become SI here and nowhere else.
 
 use super::{
-    BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
-    PiController,
+    AssembledModel, BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty,
+    PartCovariance, PiController,
 };
 use crate::study::{BenchFacts, Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
 use crate::units::RPM_RAD_S;
@@ -41,7 +41,7 @@ const INVERTER: Names = &[("τ", ModelParameter::InverterDelay, 1.0), ("a", Mode
 
 /// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
 /// one of its numbers is left out. Inertias and gate are taken as exact.
-pub fn assemble(parts: &StudyParts<'_>) -> Option<(BenchModel, ModelUncertainty)> {
+pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     let shaft = &parts.shaft.estimate;
     let mechanics = Mechanics {
         dyno_inertia_kg_m2: parts.facts.dynamometer_inertia_kg_m2,
@@ -67,7 +67,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<(BenchModel, ModelUncertainty)
     .flatten()
     .filter_map(|(estimate, names)| block(estimate, names))
     .collect();
-    Some((model, ModelUncertainty::new(&blocks).ok()?))
+    Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()? })
 }
 
 fn si(estimate: &Estimate, names: Names, which: ModelParameter) -> Option<f64> {

@@ -80,6 +80,15 @@ pub struct BenchModel {
     pub encoder_gate_s: f64,
 }
 
+/// A model with its uncertainty, as a study keeps it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AssembledModel {
+    /// The model.
+    pub model: BenchModel,
+    /// Of its parameters.
+    pub uncertainty: ModelUncertainty,
+}
+
 impl BenchModel {
     /// The model without feed-forward.
     pub fn without_feed_forward(&self) -> Self {

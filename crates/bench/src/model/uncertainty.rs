@@ -1,19 +1,21 @@
 //! Uncertainty of what is computed from the model.
 
 use faer::Mat;
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{BenchModel, ModelParameter};
 use crate::estimate::Label;
 use crate::study::Parameter;
 
 /// Covariance of the parameters of one part of the model, SI.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartCovariance {
     /// Parameters, in the covariance's order.
     pub parameters: Vec<ModelParameter>,
     /// Their covariance, SI.
     pub covariance: Vec<Vec<f64>>,
-    /// Degrees of freedom behind it.
+    /// Degrees of freedom behind it; infinite ones are written as null.
+    #[serde(deserialize_with = "infinite_if_null")]
     pub degrees_of_freedom: f64,
 }
 
@@ -38,7 +40,8 @@ pub enum UncertaintyError {
 
 /// Uncertainty of a [`BenchModel`]: parts estimated from different data, hence independent; the covariance of all
 /// parameters is block diagonal. A parameter in no part is taken as exact, as inertias stated in the bench file are.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(into = "Vec<PartCovariance>", try_from = "Vec<PartCovariance>")]
 pub struct ModelUncertainty {
     parts: Vec<(Vec<ModelParameter>, Mat<f64>, f64)>,
 }
@@ -84,6 +87,28 @@ impl ModelUncertainty {
         let degrees_of_freedom = if weighted > 0.0 { total * total / weighted } else { f64::INFINITY };
         Derived { value: function(model), standard_error: total.sqrt(), degrees_of_freedom }
     }
+}
+
+impl TryFrom<Vec<PartCovariance>> for ModelUncertainty {
+    type Error = UncertaintyError;
+
+    fn try_from(parts: Vec<PartCovariance>) -> Result<Self, UncertaintyError> {
+        ModelUncertainty::new(&parts)
+    }
+}
+
+impl From<ModelUncertainty> for Vec<PartCovariance> {
+    fn from(uncertainty: ModelUncertainty) -> Self {
+        let part = |(parameters, covariance, degrees_of_freedom): (Vec<ModelParameter>, Mat<f64>, f64)| {
+            let row = |i| (0..covariance.ncols()).map(|j| covariance[(i, j)]).collect();
+            PartCovariance { covariance: (0..covariance.nrows()).map(row).collect(), parameters, degrees_of_freedom }
+        };
+        uncertainty.parts.into_iter().map(part).collect()
+    }
+}
+
+fn infinite_if_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
 
 impl Derived {

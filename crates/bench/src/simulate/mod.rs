@@ -10,6 +10,8 @@ mod encoder;
 mod plant;
 mod ripple;
 
+use std::borrow::Cow;
+
 use crate::model::BenchModel;
 use controller::Pi;
 use encoder::Encoder;
@@ -82,6 +84,18 @@ pub struct Response {
     pub torque_demand_nm: Vec<f64>,
     /// Share of the samples at which T_d* rests at its limit, 0…1.
     pub limited_share: f64,
+}
+
+/// Engine speed control in TN mode, every sample: T_e = K_p (ω_e* − ω_e) + I, dI/dt = K_i (ω_e* − ω_e), ω_e as the encoder
+/// reads it. The torque gets there straight, within a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EngineSpeedControl<'a> {
+    /// ω_e*, rad/s.
+    pub demand_rad_s: &'a [f64],
+    /// K_p, Nm s/rad.
+    pub proportional_nm_s_per_rad: f64,
+    /// K_i, Nm/rad.
+    pub integral_nm_per_rad: f64,
 }
 
 /// Why a simulation cannot run.
@@ -168,8 +182,34 @@ pub fn simulate_with_ripple(
     ripple: Ripple<'_>,
     start: &InitialState,
 ) -> Result<Response, SimulationError> {
+    run(model, inputs, ripple, None, start)
+}
+
+/// Simulates the bench with the engine under speed control: its torque starts with the first of `inputs`, and follows the
+/// control from then on.
+///
+/// # Errors
+/// Those of [`simulate`]; a demand of another length than the inputs.
+pub fn simulate_governed(
+    model: &BenchModel,
+    inputs: &Inputs<'_>,
+    engine: &EngineSpeedControl<'_>,
+    start: &InitialState,
+) -> Result<Response, SimulationError> {
+    run(model, inputs, Ripple::NONE, Some(engine), start)
+}
+
+fn run(
+    model: &BenchModel,
+    inputs: &Inputs<'_>,
+    ripple: Ripple<'_>,
+    engine_control: Option<&EngineSpeedControl<'_>>,
+    start: &InitialState,
+) -> Result<Response, SimulationError> {
     check_lengths(inputs)?;
     ripple.check_length(inputs.engine_torque_nm.len())?;
+    let mut governor = engine_control.map(|control| Governor::new(control, inputs)).transpose()?;
+    let mut engine_torque_nm = Cow::Borrowed(inputs.engine_torque_nm);
     let mut plant = Plant::new(model, inputs, ripple, start)?;
     let samples = inputs.engine_torque_nm.len();
     let mut response = Response::with_capacity(samples);
@@ -185,7 +225,12 @@ pub fn simulate_with_ripple(
         let state = plant.state();
         let reading = dyno.read(state.dyno_angle_rad, state.dyno_speed_rad_s);
         response.dyno_speed_rad_s.push(reading);
-        response.engine_speed_rad_s.push(engine.read(state.engine_angle_rad, state.engine_speed_rad_s));
+        let engine_reading = engine.read(state.engine_angle_rad, state.engine_speed_rad_s);
+        response.engine_speed_rad_s.push(engine_reading);
+        if let Some(governor) = &mut governor {
+            governor.update(k, engine_reading, engine_torque_nm.to_mut());
+        }
+        let inputs = &Inputs { engine_torque_nm: &engine_torque_nm, ..*inputs };
         let demand = match (inputs.drive, pi.as_mut()) {
             (Drive::SpeedDemand(demand), Some(pi)) => pi.update(reading, demand[k], &mut streams),
             (Drive::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
@@ -213,6 +258,34 @@ impl Response {
             shaft_torque_nm: series(),
             torque_demand_nm: series(),
             limited_share: 0.0,
+        }
+    }
+}
+
+/// Engine speed control at work.
+struct Governor<'a> {
+    control: EngineSpeedControl<'a>,
+    sample_time_s: f64,
+    integral_nm: f64,
+}
+
+impl<'a> Governor<'a> {
+    fn new(control: &EngineSpeedControl<'a>, inputs: &Inputs<'_>) -> Result<Self, SimulationError> {
+        let (expected, found) = (inputs.engine_torque_nm.len(), control.demand_rad_s.len());
+        if expected != found {
+            return Err(SimulationError::Length { what: "engine speed demand", expected, found });
+        }
+        let integral_nm = inputs.engine_torque_nm[0];
+        Ok(Governor { control: *control, sample_time_s: inputs.sample_time_s, integral_nm })
+    }
+
+    /// The torque that sample `k` asks for is there at the next one.
+    fn update(&mut self, k: usize, reading_rad_s: f64, engine_torque_nm: &mut [f64]) {
+        let error_rad_s = self.control.demand_rad_s[k] - reading_rad_s;
+        let torque_nm = self.control.proportional_nm_s_per_rad * error_rad_s + self.integral_nm;
+        self.integral_nm += self.control.integral_nm_per_rad * self.sample_time_s * error_rad_s;
+        if let Some(next) = engine_torque_nm.get_mut(k + 1) {
+            *next = torque_nm;
         }
     }
 }

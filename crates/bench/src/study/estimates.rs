@@ -5,9 +5,10 @@ use crate::estimate::speed_controller::{self, Encoder, SpeedControllerFit};
 use crate::estimate::stretch::need;
 use crate::estimate::torque_control::{self, TorqueControlFit};
 use crate::estimate::{EstimateError, timing};
+use crate::model::AssembledModel;
 use crate::study::findings::{Findings, needs_part};
 use crate::study::torque::{air_gap_torque, sampled_torque};
-use crate::study::whole::{self, Pieces};
+use crate::study::whole::{self, Pieces, Whole};
 use crate::study::{
     BenchVariant, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
 };
@@ -27,6 +28,7 @@ pub(super) struct Estimates {
     pub(super) torque_control: Part<TorqueControl>,
     pub(super) shaft: Part<Shaft>,
     pub(super) whole: Part<WholeModel>,
+    pub(super) model: Option<AssembledModel>,
     pub(super) replays: Vec<Replay>,
 }
 
@@ -57,8 +59,8 @@ pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
     let torque_control = torque_control(findings);
     let timing = timing(findings, torque_control.as_ref().ok());
     let shaft = shaft(findings, controller.as_ref().ok(), torque_control.as_ref().ok());
-    let (whole, replays) = match &shaft {
-        Err(_) => (Err(needs_part("shaft")), Vec::new()),
+    let Whole { model, analysis, replays } = match &shaft {
+        Err(_) => Whole::missing(),
         Ok(shaft) => whole::assemble(
             findings,
             &Pieces {
@@ -75,7 +77,8 @@ pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
         feed_forward: part(feed_forward),
         torque_control: part(torque_control.map(|t| t.result)),
         shaft: part(shaft),
-        whole: part(whole),
+        whole: part(analysis),
+        model,
         replays,
     }
 }

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::model::AssembledModel;
 use crate::{ControlMode, Diagnostic, Role};
 
 /// Everything learnt from one campaign.
@@ -25,6 +26,8 @@ pub struct Study {
     pub shaft: Part<Shaft>,
     /// The assembled model's analysis.
     pub whole: Part<WholeModel>,
+    /// The assembled model itself, in SI, for those who compute with it.
+    pub model: Option<AssembledModel>,
     /// Replays of recordings on the assembled model.
     pub replays: Vec<Replay>,
     /// Doubts.

@@ -94,6 +94,7 @@ pub fn run(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result
         torque_control: estimates.torque_control,
         shaft: estimates.shaft,
         whole: estimates.whole,
+        model: estimates.model,
         replays: estimates.replays,
         diagnostics,
     })

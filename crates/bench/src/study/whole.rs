@@ -3,7 +3,7 @@
 use crate::analysis::{SignalSkews, SineTest, WholeInputs, whole_model};
 use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
-use crate::model::{BenchModel, Engine, StudyParts, assemble as assemble_model};
+use crate::model::{AssembledModel, BenchModel, Engine, StudyParts, assemble as assemble_model};
 use crate::replay::{EncoderError, ReplayInputs, replay};
 use crate::study::findings::{Findings, needs_part};
 use crate::study::torque::modelled_torque;
@@ -37,11 +37,22 @@ impl Pieces<'_> {
     }
 }
 
+/// The model that the parts make up, its analysis, and replays.
+pub(super) struct Whole {
+    pub(super) model: Option<AssembledModel>,
+    pub(super) analysis: Result<WholeModel, Vec<Need>>,
+    pub(super) replays: Vec<Replay>,
+}
+
+impl Whole {
+    /// Without a shaft there is no model.
+    pub(super) fn missing() -> Self {
+        Whole { model: None, analysis: Err(needs_part("shaft")), replays: Vec::new() }
+    }
+}
+
 /// Analysis and replays of the model that the parts make up.
-pub(super) fn assemble(
-    findings: &mut Findings<'_>,
-    pieces: &Pieces<'_>,
-) -> (Result<WholeModel, Vec<Need>>, Vec<Replay>) {
+pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whole {
     (findings.progress)(Progress::Estimating { part: "whole model" });
     let facts = findings.bench.facts();
     let parts = StudyParts {
@@ -52,9 +63,8 @@ pub(super) fn assemble(
         torque_control: pieces.torque_control.map(|t| &t.result),
         encoder_gate_s: pieces.gate_s(),
     };
-    let Some((model, uncertainty)) = assemble_model(&parts) else {
-        return (Err(needs_part("shaft")), Vec::new());
-    };
+    let Some(assembled) = assemble_model(&parts) else { return Whole::missing() };
+    let AssembledModel { model, uncertainty } = &assembled;
     let sines = findings.of_tests(&["Sine"]);
     let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
     let skews = pieces.skews();
@@ -64,12 +74,13 @@ pub(super) fn assemble(
         .map(|(experiment, torque)| SineTest { experiment, air_gap_torque: torque.as_ref(), skews })
         .collect();
     let engine = Engine { cylinders: facts.cylinders, strokes: facts.strokes };
-    let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine, sine_tests: &sine_tests };
+    let inputs = WholeInputs { model, uncertainty, engine, sine_tests: &sine_tests };
     let whole = whole_model(&inputs).map_err(|error| {
         let file = sines.first().map_or_else(String::new, |e| e.file.clone());
         vec![Need::UsableData { file, reason: error.to_string() }]
     });
-    (whole, replays(findings, pieces, &model))
+    let replays = replays(findings, pieces, model);
+    Whole { model: Some(assembled), analysis: whole, replays }
 }
 
 /// The recordings of a mode to replay: one of each test, those first that nothing was estimated from.

@@ -151,6 +151,24 @@ pub fn parse_value(text: &str, quantity: Quantity) -> Result<f64, UnitError> {
     Ok(parse_unit_of(&text[split..], quantity)?.to_si(number))
 }
 
+/// Reads a frequency, such as `18 Hz`, in Hz. Only where nothing but cycles a second can be meant: of a speed `Hz` has two
+/// meanings.
+///
+/// # Errors
+///
+/// [`UnitError`] if there is no number, or no `Hz` behind it.
+pub fn parse_frequency_hz(text: &str) -> Result<f64, UnitError> {
+    let text = text.trim();
+    let split = number_length(text);
+    let number = text[..split].parse::<f64>().ok().filter(|value| value.is_finite());
+    let Some(number) = number else { return Err(UnitError::NotANumber { text: text.to_owned() }) };
+    match normalised(&text[split..]).as_str() {
+        "hz" => Ok(number),
+        "" => Err(UnitError::Empty),
+        _ => Err(UnitError::Unknown { text: text[split..].trim().to_owned(), closest: vec!["Hz".to_owned()] }),
+    }
+}
+
 /// The usual spelling of a quantity's SI unit.
 pub fn si_spelling(quantity: Quantity) -> &'static str {
     let is_si = |unit: &&Unit| unit.factor == 1.0 && unit.offset == 0.0;

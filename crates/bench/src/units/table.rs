@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::{RPM_RAD_S, Unit};
 use crate::role::Quantity::{
     self, Angle, AngularAcceleration, AngularSpeed, Current, Damping, Force, Inertia, Length, MassFlow, Power,
-    Pressure, Ratio, Speed, Stiffness, Temperature, Time, Torque, Voltage,
+    Pressure, Ratio, Speed, Stiffness, Temperature, Time, Torque, TorqueRate, Voltage,
 };
 
 /// One degree in rad.
@@ -114,6 +114,9 @@ pub(super) const TABLE: &[Row] = &[
         RPM_RAD_S,
         &["1/min/s", "u/min/s", "r/min/s", "rev/min/s", "min-1/s", "min-1s-1", "1/mins", "rpm/sec", "upm/s"],
     ),
+    row("Nm/s", TorqueRate, 1.0, &["n-m/s", "nms-1", "nm/sec"]),
+    row("kNm/s", TorqueRate, 1e3, &["kn-m/s", "knms-1"]),
+    row("Nm/ms", TorqueRate, 1e3, &["n-m/ms"]),
     row("s", Time, 1.0, &["sec", "second", "seconds", "sek", "sekunde", "sekunden"]),
     row("ms", Time, 1e-3, &["msec", "millisecond", "milliseconds"]),
     row("µs", Time, 1e-6, &["us", "μs", "usec", "µsec"]),

@@ -8,9 +8,9 @@ use signal::spectrum::{fft_frequencies_hz, fft_real};
 
 use super::error::VirtualBenchError;
 use super::parameters::BenchParameters;
-use super::plan::ExperimentPlan;
-use super::waveform::Waveform;
 use super::{Numerics, UPDATE_S, simulate, simulate_hidden};
+use crate::experiment::ExperimentPlan;
+use crate::experiment::Waveform;
 use crate::study::BenchVariant;
 
 /// Length of the runs whose spectra are taken, s.

@@ -1,5 +1,7 @@
 //! Why a virtual bench cannot run.
 
+use crate::experiment::PlanError;
+
 /// Why a virtual bench cannot run.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -7,13 +9,21 @@ pub enum VirtualBenchError {
     /// A parameter has a value that no bench can have.
     #[error("virtual bench: {name} = {value} is impossible; it must be {requirement}")]
     Parameter {
-        /// The field, as a path in [`BenchParameters`](super::BenchParameters) or
-        /// [`ExperimentPlan`](super::ExperimentPlan).
+        /// The field, as a path in [`BenchParameters`](super::BenchParameters).
         name: &'static str,
         /// Its value.
         value: f64,
         /// What it must be.
         requirement: &'static str,
+    },
+    /// The plan asks for something impossible.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The table `[virtual_bench]` does not fit the rest of the bench.
+    #[error("virtual bench: [virtual_bench] does not fit: {reason}")]
+    Unfit {
+        /// Why not.
+        reason: String,
     },
     /// The equations cannot be discretised.
     #[error("virtual bench: {0}")]

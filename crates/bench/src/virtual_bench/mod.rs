@@ -26,37 +26,34 @@
 //! Glans & Kärnell, Chalmers EX112/2018, chapters 2, 5 and 6 for the bench and its equations.
 
 mod control;
-mod demands;
 mod drive;
 mod effects;
 mod engine;
 mod error;
-mod noise;
+mod names;
 mod parameters;
-mod plan;
 mod run;
 mod sensors;
+mod stated;
 mod train;
 mod truth;
-mod waveform;
 mod write;
 
+pub(crate) use engine::demanded_torque_nm;
 use recording::Recording;
 use serde::Serialize;
 
+pub use crate::experiment::{ExperimentPlan, Sine, TorqueTarget, UPDATE_S, Waveform};
 pub use effects::{Effects, ShownTrace, Spectrum};
 pub use error::VirtualBenchError;
+pub use names::{CHANNELS, rename};
 pub use parameters::{
     BenchParameters, ClockParameters, ControllerParameters, DualMassFlywheel, DynoTwist, EngineParameters,
     FlangeParameters, Harmonic, InductionMachine, InverterParameters, LossFactor, MachineKnowledge,
     MechanicsParameters, PulseParameters, SensorParameters, SliderCrank, ThrottleMap,
 };
-pub use plan::{ExperimentPlan, TorqueTarget};
+pub use stated::{Assumption, StatedBench};
 pub use truth::Truth;
-pub use waveform::{Sine, Waveform};
-
-/// Time from one update of controllers, sensors and registers to the next, s.
-pub const UPDATE_S: f64 = 0.001;
 
 /// How finely the bench is simulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,6 +117,11 @@ impl HiddenTruth {
             air_gap_torque_nm: Vec::new(),
             friction_torque_nm: Vec::new(),
         }
+    }
+
+    /// The truth as a recording: channels named `true_…`, speeds in rpm, torques in Nm, on one raster from zero on.
+    pub fn recording(&self) -> Recording {
+        write::hidden(self)
     }
 
     /// Makes room for samples.
@@ -187,9 +189,24 @@ pub fn simulate_hidden(
     seed: u64,
     numerics: Numerics,
 ) -> Result<VirtualRun, VirtualBenchError> {
+    simulate_told(parameters, plan, seed, numerics, &mut |_, _| {})
+}
+
+/// As [`simulate_hidden`]; tells now and then how many updates of how many are done.
+///
+/// # Errors
+///
+/// As [`simulate_hidden`].
+pub fn simulate_told(
+    parameters: &BenchParameters,
+    plan: &ExperimentPlan,
+    seed: u64,
+    numerics: Numerics,
+    told: &mut dyn FnMut(u64, u64),
+) -> Result<VirtualRun, VirtualBenchError> {
     parameters.check()?;
     plan.check()?;
     numerics.check(parameters.inverter.machine.is_some())?;
-    let (registers, hidden) = run::run(parameters, plan, seed, &numerics)?;
+    let (registers, hidden) = run::run(parameters, plan, seed, &numerics, told)?;
     Ok(VirtualRun { recording: write::recording(parameters, plan, &registers), hidden })
 }

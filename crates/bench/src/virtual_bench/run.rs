@@ -3,17 +3,20 @@
 use std::f64::consts::TAU;
 
 use super::control::{ShaftTorqueController, SpeedController};
-use super::demands::Demands;
 use super::drive::{Inverter, Knowledge, TimedDemand};
 use super::engine::{Air, Combustion, Engine, EngineSpeedControl};
 use super::error::VirtualBenchError;
-use super::noise::{Random, Source};
 use super::parameters::BenchParameters;
-use super::plan::{ExperimentPlan, TorqueTarget};
 use super::sensors::{Readings, Sensors, rounded};
 use super::train::{Torques, Train};
 use super::{HiddenTruth, Numerics, UPDATE_S};
 use crate::ControlMode;
+use crate::experiment::Demands;
+use crate::experiment::{ExperimentPlan, TorqueTarget};
+use crate::random::{Random, Source};
+
+/// Updates from one word about progress to the next.
+const TOLD_EVERY: usize = 500;
 
 /// What the automation system holds in its registers at every update of the recording. SI.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -32,13 +35,17 @@ pub(super) fn run(
     plan: &ExperimentPlan,
     seed: u64,
     numerics: &Numerics,
+    told: &mut dyn FnMut(u64, u64),
 ) -> Result<(Registers, HiddenTruth), VirtualBenchError> {
-    let updates = ((plan.duration_s / UPDATE_S).round() as usize).max(1);
+    let updates = plan.updates();
     let settling = (plan.settling_s / UPDATE_S).round() as usize;
-    let demands = Demands::new(parameters, plan, seed, updates);
+    let demands = Demands::of(plan, seed, parameters.controller.demand_hold_s);
     let mut bench = Bench::new(parameters, plan, seed, numerics, &demands, settling)?;
     bench.reserve(updates);
     for update in 0..settling + updates {
+        if update.is_multiple_of(TOLD_EVERY) {
+            told(update as u64, (settling + updates) as u64);
+        }
         bench.update(&demands, update.checked_sub(settling));
         bench.advance(numerics, update >= settling);
         if !bench.train.is_finite() {

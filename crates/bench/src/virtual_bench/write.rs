@@ -2,11 +2,11 @@
 
 use recording::{Channel, Format, Raster, Recording};
 
-use super::UPDATE_S;
 use super::parameters::{BenchParameters, ClockParameters};
-use super::plan::{ExperimentPlan, TorqueTarget};
 use super::run::Registers;
+use super::{HiddenTruth, UPDATE_S};
 use crate::ControlMode;
+use crate::experiment::{ExperimentPlan, TorqueTarget};
 use crate::study::BenchVariant;
 use crate::units::RPM_RAD_S;
 
@@ -39,6 +39,33 @@ pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, reg
         start_time: None,
         rasters: writer.rasters,
         channels: writer.channels,
+        findings: Vec::new(),
+    }
+}
+
+/// What really happened.
+pub(super) fn hidden(truth: &HiddenTruth) -> Recording {
+    let time_s = (0..truth.dyno_speed_rad_s.len()).map(|k| k as f64 * truth.sample_time_s).collect();
+    let channel = |name: &str, unit: &str, factor: f64, samples: &[f64]| Channel {
+        name: name.to_owned(),
+        unit: unit.to_owned(),
+        comment: String::new(),
+        raster: 0,
+        samples: samples.iter().map(|value| value / factor).collect(),
+    };
+    Recording {
+        format: Format::Mdf { version: 410 },
+        comment: Some("hidden truth of a virtual bench".to_owned()),
+        start_time: None,
+        rasters: vec![Raster { time_s, name: None }],
+        channels: vec![
+            channel("true_dyno_speed", "rpm", RPM_RAD_S, &truth.dyno_speed_rad_s),
+            channel("true_engine_speed", "rpm", RPM_RAD_S, &truth.engine_speed_rad_s),
+            channel("true_shaft_torque", "Nm", 1.0, &truth.shaft_torque_nm),
+            channel("true_engine_torque", "Nm", 1.0, &truth.engine_torque_nm),
+            channel("true_air_gap_torque", "Nm", 1.0, &truth.air_gap_torque_nm),
+            channel("true_friction_torque", "Nm", 1.0, &truth.friction_torque_nm),
+        ],
         findings: Vec::new(),
     }
 }

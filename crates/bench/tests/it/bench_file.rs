@@ -2,6 +2,7 @@ use bench::bench_file::{BenchFileError, Draft, FaultKind, PLACEHOLDER};
 use bench::channels::guess_roles;
 use bench::study::BenchVariant;
 use bench::units::RPM_RAD_S;
+use bench::virtual_bench::{BenchParameters, StatedBench};
 use bench::{BenchFile, Role};
 use proptest::prelude::*;
 
@@ -265,4 +266,58 @@ proptest! {
         let back = parse(&file.to_toml()).unwrap().channels[&Role::DynoSpeed].gate_s.unwrap();
         prop_assert!((back - gate * 1e-3).abs() < 1e-15);
     }
+}
+
+/// The good file with more text in front of its recordings.
+fn with(more: &str) -> Result<BenchFile, BenchFileError> {
+    parse(&GOOD.replace("[recordings]\n", &format!("{more}\n[recordings]\n")))
+}
+
+#[test]
+fn exact_shaft_limits_and_virtual_bench() {
+    let limits = "torque_slew = \"5 kNm/s\"\nshaft_torque_slew = \"800 Nm/s\"\ntime_at_resonance = \"500 ms\"\n";
+    let more = "[shaft]\nresonance = \"18 Hz\"\ndamping = \"6 Nm s/rad\"\n\n[virtual_bench.mechanics]\n\
+                shaft_backlash_rad = 0.002\n[virtual_bench.sensors]\nmoving_average = 8\n";
+    let text = GOOD.replace("[channels]", &format!("{limits}[channels]"));
+    let file = parse(&text.replace("[recordings]\n", &format!("{more}\n[recordings]\n"))).unwrap();
+    assert_eq!(file.limits.torque_slew_nm_per_s, Some(5000.0));
+    assert_eq!((file.limits.shaft_torque_slew_nm_per_s, file.limits.time_at_resonance_s), (Some(800.0), Some(0.5)));
+    assert_eq!((file.shaft.resonance_hz, file.shaft.damping_nm_s_per_rad), (Some(18.0), Some(6.0)));
+    let stated = StatedBench::of(&file, None).unwrap();
+    let mechanics = &stated.parameters.mechanics;
+    assert_eq!((mechanics.shaft_backlash_rad, stated.parameters.sensors.moving_average), (0.002, 8));
+    assert_eq!((mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2), (0.6, 0.2));
+    let resonance = stated.parameters.linear_model().mechanics.resonance();
+    assert!((resonance.natural_frequency_hz - 18.0).abs() < 1e-9);
+    assert_eq!(parse(&file.to_toml()).unwrap(), file);
+}
+
+#[test]
+fn regress_faults_of_the_new_tables_have_line_and_remedy() {
+    let words = |more: &str| with(more).unwrap_err().to_string();
+    assert!(words("[shaft]\nstifness = \"2400 Nm/rad\"").contains("did you mean `stiffness`"));
+    assert!(words("[shaft]\nstiffness = \"2400 Nm\"").contains("unit of torque, where one of stiffness is needed"));
+    assert!(words("[shaft]\nresonance = \"18 rpm\"").contains("the closest known ones are Hz"));
+    assert!(words("[shaft]\nresonance = \"18 Hz\"\nstiffness = \"2400 Nm/rad\"").contains("say the same thing"));
+    assert!(words("[shaft]\ndamping = \"-6 Nm s/rad\"").contains("a value above 0"));
+    let found = words("[virtual_bench.mechanics]\nshaft_stifness_nm_per_rad = 2400.0");
+    assert!(found.contains("line 19: virtual_bench.mechanics.shaft_stifness_nm_per_rad"), "{found}");
+    assert!(found.contains("did you mean `shaft_stiffness_nm_per_rad`"), "{found}");
+    assert!(words("[virtual_bench]\nmechanisc = 1").contains("did you mean `mechanics`"));
+    let found = words("[virtual_bench.mechanics]\nshaft_stiffness_nm_per_rad = \"stiff\"");
+    assert!(found.contains("line 19: virtual_bench: ") && found.contains("invalid type"), "{found}");
+    let file = with("[virtual_bench.mechanics]\nshaft_stiffness_nm_per_rad = -1").unwrap();
+    let error = StatedBench::of(&file, None).unwrap_err().to_string();
+    assert!(error.contains("mechanics.shaft_stiffness_nm_per_rad = -1 is impossible"), "{error}");
+}
+
+#[test]
+fn exact_a_bench_of_which_nothing_is_stated_says_what_is_assumed() {
+    let stated = StatedBench::of(&parse(GOOD).unwrap(), None).unwrap();
+    assert!(!stated.knows_shaft());
+    let model = BenchParameters::default().linear_model();
+    let known = StatedBench::of(&parse(GOOD).unwrap(), Some(&model)).unwrap();
+    assert!(known.knows_shaft());
+    assert_eq!(known.assumptions, [bench::virtual_bench::Assumption::Engine]);
+    assert_eq!(known.parameters.mechanics.shaft_stiffness_nm_per_rad, 2437.7);
 }

@@ -1,6 +1,7 @@
 //! The command line: commands, options, help.
 
 pub(crate) mod convert;
+pub(crate) mod experiment;
 pub(crate) mod greybox;
 pub(crate) mod identify;
 mod number;
@@ -22,6 +23,13 @@ A new bench, in three steps:
   dynoid init recordings/        proposes bench.toml; fill in cylinders and inertias
   dynoid study run bench.toml    estimates, judges and writes study/report.html
   dynoid inspect FILE            looks into a recording that causes trouble
+
+An experiment, before it is run:
+  dynoid experiment list         what there is, and what can be set
+  dynoid experiment design bench.toml BS_T_NT
+                                 writes its demands, and predicts what the bench will do
+  dynoid simulate bench.toml --experiment BS_T_NT --out run.mf4
+                                 runs it on a virtual bench
 
 To see what comes out, without recordings of your own: dynoid demo";
 
@@ -76,6 +84,11 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: StudyCommand,
     },
+    /// Experiments of the method: what there is, and demands with predictions before one is run
+    Experiment {
+        #[command(subcommand)]
+        command: experiment::ExperimentCommand,
+    },
     /// Proposes a bench file from recordings: which channel plays which role
     Init(InitArguments),
     /// Shows what recordings hold: channels, units, clocks, gaps, values
@@ -89,8 +102,8 @@ pub(crate) enum Command {
     Compare(identify::CompareArguments),
     /// Tests whether a model's residuals are white and independent of the inputs
     Resid(identify::ResidArguments),
-    /// Simulates a model on the inputs of a recording
-    Simulate(identify::RunArguments),
+    /// Simulates a model on the inputs of a recording, or with --experiment a whole bench
+    Simulate(experiment::SimulateArguments),
     /// Predicts the outputs of a recording some samples ahead
     Predict(identify::PredictArguments),
     /// Frequency responses of models, with bands

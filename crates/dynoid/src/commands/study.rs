@@ -37,8 +37,7 @@ pub(crate) fn run(arguments: &StudyRunArguments, terminal: &mut Terminal) -> Res
 
 /// Reads a bench file and its recordings, studies them, and writes the results.
 pub(crate) fn study(bench: &Path, out: &Path, seed: Option<u64>, terminal: &mut Terminal) -> Result<Written, CliError> {
-    let text = bench_text(bench)?;
-    let file: BenchFile = text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
+    let (file, text) = read_bench(bench)?;
     let files = input::listed(bench, &file.recordings.files)?;
     let folder = OutputFolder::check(out)?;
     let progress = terminal.progress(2 * files.len() as u64 + PARTS + REPLAYS);
@@ -58,6 +57,13 @@ pub(crate) fn study(bench: &Path, out: &Path, seed: Option<u64>, terminal: &mut 
     drop(progress);
     let [data, report] = <[PathBuf; 2]>::try_from(paths).map_err(|_| CliError::internal("results without a path"))?;
     Ok(Written { study, report, data })
+}
+
+/// A bench file and its text.
+pub(crate) fn read_bench(bench: &Path) -> Result<(BenchFile, String), CliError> {
+    let text = bench_text(bench)?;
+    let file = text.parse().map_err(|source| CliError::BenchFile { path: bench.to_owned(), source })?;
+    Ok((file, text))
 }
 
 fn bench_text(bench: &Path) -> Result<String, CliError> {

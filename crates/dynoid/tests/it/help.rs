@@ -35,6 +35,12 @@ fn snap_help_inspect() {
 }
 
 #[test]
+fn snap_help_experiment() {
+    insta::assert_snapshot!("help_experiment_design", help(&["experiment", "design", "--help"]));
+    insta::assert_snapshot!("help_simulate", help(&["simulate", "--help"]));
+}
+
+#[test]
 fn a_wrong_command_line_ends_with_code_2() {
     for arguments in [&[][..], &["estimate"], &["study", "run"], &["demo", "--seed", "many"]] {
         assert_eq!(dynoid(&std::env::temp_dir(), arguments).code, Some(2), "{arguments:?}");

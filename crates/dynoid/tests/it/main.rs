@@ -7,6 +7,7 @@ mod convert;
 mod convert_recordings;
 mod datasets;
 mod demo;
+mod experiment;
 mod greybox;
 mod help;
 mod identify;

@@ -3,11 +3,13 @@
 //! All texts are plain Unicode without markup, fit for a terminal. Symbols are written as in the thesis (`T_d*`,
 //! `K_p`); the HTML report typesets them.
 
+mod assumption;
 mod experiment;
 mod finding;
 mod need;
 pub mod number;
 
+pub use assumption::{assumption, peak};
 pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding};
 pub use need::{need, needs};

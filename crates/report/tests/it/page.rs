@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use bench::model::ModelUncertainty;
 use bench::study::{Part, Study};
 
 use crate::fixture;
@@ -177,4 +178,24 @@ fn exact_thinned_traces_keep_their_peaks_and_times() {
     let peak = values.iter().position(|value| *value == 4321).unwrap();
     assert_eq!(skips[..=peak].iter().sum::<u64>(), 12_345);
     assert_eq!(skips.iter().sum::<u64>(), 19_999);
+}
+
+#[test]
+fn exact_the_model_of_a_study_is_read_back() {
+    let study = fixture::complete();
+    assert!(study.model.as_ref().is_some_and(|model| model.uncertainty != ModelUncertainty::default()));
+    assert_eq!(report::model(&report::json(&study)).as_ref(), Ok(study.model.as_ref().unwrap()));
+}
+
+#[test]
+fn regress_what_holds_no_model_is_refused_in_words() {
+    let words = |text: &str| report::model(text).unwrap_err().to_string();
+    let json = report::json(&fixture::complete());
+    assert!(
+        words(&json.replace("\"format_version\":1", "\"format_version\":7")).contains("version 7, where 1 is read")
+    );
+    assert!(words(&json.replace("dynoid-study", "dynoid model")).contains("calls itself “dynoid model”"));
+    assert!(words("{}").contains("no study.json"));
+    assert!(words(&json[..json.len() / 2]).contains("no study.json"));
+    assert!(words(&report::json(&fixture::bare())).contains("holds no bench model"));
 }

@@ -1,5 +1,6 @@
 //! From demand or throttle to the torque level that the next firing takes up.
 
+use crate::experiment::{Demands, UPDATE_S};
 use crate::virtual_bench::parameters::{EngineParameters, ThrottleMap};
 
 /// T_b = demand or T(α, ω_e) through 1/(1 + sτ), exact for an input held between updates;
@@ -35,6 +36,17 @@ impl Air {
     pub(crate) fn mapped_nm(&self, throttle: f64, speed_rad_s: f64) -> f64 {
         torque_at_rest_nm(&self.map, throttle, speed_rad_s)
     }
+}
+
+/// The engine's mean torque under the demands of NT mode, Nm, at every update; with a throttle, at the speed demanded.
+pub(crate) fn demanded_torque_nm(parameters: &EngineParameters, demands: &Demands) -> Vec<f64> {
+    let map = &parameters.throttle_map;
+    let best_nm = |k: usize| match demands.throttle.get(k) {
+        Some(throttle) => torque_at_rest_nm(map, *throttle, demands.speed_rad_s[k]),
+        None => demands.engine_torque_nm[k],
+    };
+    let mut air = Air::new(parameters, best_nm(0), UPDATE_S);
+    (0..demands.speed_rad_s.len()).map(|k| air.update(best_nm(k), demands.ignition_efficiency[k])).collect()
 }
 
 /// The map at a throttle and a speed, Nm.

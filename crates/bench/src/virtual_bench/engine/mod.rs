@@ -12,6 +12,7 @@ use pulsation::Pulsation;
 use slider_crank::CrankEngine;
 
 pub(super) use air::Air;
+pub(crate) use air::demanded_torque_nm;
 pub(super) use control::EngineSpeedControl;
 
 /// Whether fuel burns.

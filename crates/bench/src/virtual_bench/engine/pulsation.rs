@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::{Combustion, EngineStep};
-use crate::virtual_bench::noise::{Random, Source};
+use crate::random::{Random, Source};
 use crate::virtual_bench::parameters::EngineParameters;
 use crate::virtual_bench::train::{Jump, Train};
 

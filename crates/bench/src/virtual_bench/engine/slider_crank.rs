@@ -2,7 +2,7 @@
 
 use super::cylinder::{Angle, Cycle, charge_pa};
 use super::{Combustion, EngineStep};
-use crate::virtual_bench::noise::{Random, Source};
+use crate::random::{Random, Source};
 use crate::virtual_bench::parameters::{EngineParameters, SliderCrank};
 use crate::virtual_bench::train::Train;
 

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::experiment::DEMAND_HOLD_S;
 use crate::units::RPM_RAD_S;
 use crate::virtual_bench::error::{VirtualBenchError, require, require_not_negative};
 
@@ -43,7 +44,7 @@ impl Default for ControllerParameters {
             offset_feed_forward_nm: -4.0,
             acceleration_feed_forward_nm_s2_per_rad: -0.085 / RPM_RAD_S,
             shaft_torque_integral_per_s: 4.0,
-            demand_hold_s: 0.01,
+            demand_hold_s: DEMAND_HOLD_S,
         }
     }
 }

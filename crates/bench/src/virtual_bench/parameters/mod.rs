@@ -68,6 +68,19 @@ impl BenchParameters {
         Self { variant: BenchVariant::TorqueFlange, mechanics, ..Self::default() }
     }
 
+    /// With every option that there is, whether or not they go together: all keys that a file of parameters may hold.
+    pub(crate) fn with_every_option() -> Self {
+        let mut all = Self::torque_flange();
+        all.mechanics.shaft_loss =
+            Some(LossFactor { loss_factor: 0.1, reference_hz: 18.0, lowest_hz: 1.0, highest_hz: 100.0 });
+        all.mechanics.dyno_twist =
+            Some(DynoTwist { coupling_inertia_kg_m2: 0.05, stiffness_nm_per_rad: 1e5, damping_nm_s_per_rad: 10.0 });
+        all.inverter.machine = Some(InductionMachine::default());
+        all.engine.slider_crank = Some(SliderCrank::default());
+        all.sensors.pulses = Some(PulseParameters::default());
+        all
+    }
+
     /// Checks every parameter that has impossible values.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::pulses::Pulses;
 use super::{Rotation, rounded};
-use crate::virtual_bench::noise::{Random, Source};
+use crate::random::{Random, Source};
 use crate::virtual_bench::parameters::SensorParameters;
 
 /// Speed from an encoder: N = (θ̃(t) − θ̃(t − gate))/gate with θ̃ = θ + ε sin θ, or from the disk's pulses; plus noise,

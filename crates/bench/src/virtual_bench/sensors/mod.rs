@@ -13,9 +13,9 @@ use torque::{SensorDynamics, TorqueSensor};
 
 use super::UPDATE_S;
 use super::error::VirtualBenchError;
-use super::noise::{Random, Source};
 use super::parameters::BenchParameters;
 use super::train::Train;
+use crate::random::{Random, Source};
 use crate::study::BenchVariant;
 
 /// What the sensors read at one update.

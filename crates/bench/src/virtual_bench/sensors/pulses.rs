@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use super::Rotation;
+use crate::random::Random;
 use crate::virtual_bench::UPDATE_S;
-use crate::virtual_bench::noise::Random;
 use crate::virtual_bench::parameters::PulseParameters;
 
 /// Newton steps for the time of an edge; the angle is nearly linear between two steps of the bench.

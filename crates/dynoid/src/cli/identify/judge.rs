@@ -75,7 +75,6 @@ pub(crate) struct ResidArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid simulate model.json --on demand.mf4 --out simulated.csv
   dynoid predict model.json --on run.mf4 --horizon 10 --out predicted.mf4 --plot predicted.html")]
 pub(crate) struct RunArguments {
     /// The model file

@@ -7,7 +7,7 @@ use recording::Recording;
 const MOST_CHANNELS: usize = 24;
 
 /// The channels of a recording over time, a figure for each raster.
-pub(super) fn figures(title: &str, recording: &Recording) -> Vec<Figure> {
+pub(in crate::commands) fn figures(title: &str, recording: &Recording) -> Vec<Figure> {
     let shown = &recording.channels[..recording.channels.len().min(MOST_CHANNELS)];
     let count = recording.rasters.iter().filter(|raster| !raster.time_s.is_empty()).count();
     let mut all = Vec::new();

@@ -1,7 +1,7 @@
 //! `dynoid convert`: recordings in another format, or a model in another form.
 
 mod choice;
-mod figures;
+pub(in crate::commands) mod figures;
 mod notes;
 mod recordings;
 mod targets;

@@ -3,25 +3,15 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use bench::bench_file::{ChannelMapping, Limits, RecordingList};
+use bench::bench_file::{ChannelMapping, Limits, RecordingList, ShaftPrior};
+use bench::experiment::ExperimentPlan;
 use bench::study::BenchVariant;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+use bench::virtual_bench::{BenchParameters, CHANNELS, simulate};
 use bench::{BenchFile, Role};
 use recording::encode_mdf4;
 
 use crate::error::CliError;
 use crate::terminal::Progress;
-
-/// The channels of a virtual bench.
-const CHANNELS: [(Role, &str); 7] = [
-    (Role::DynoSpeed, "DynoSpeed"),
-    (Role::EngineSpeed, "EngineSpeed"),
-    (Role::DynoSpeedDemand, "DynoSpeedDemand"),
-    (Role::DynoTorqueDemand, "DynoTorqueDemand"),
-    (Role::AirGapTorque, "DynoTorqueCalc"),
-    (Role::LoadCellTorque, "DynoTorqueMeas"),
-    (Role::SystemShaftTorque, "ShaftTorqueCalc"),
-];
 
 /// An experiment and the file its recording goes to.
 pub(super) struct Planned {
@@ -85,6 +75,7 @@ fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Res
 
 /// What the user of a real bench would state about it.
 pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> BenchFile {
+    let is_recorded = |(role, _): &&(Role, &str)| !matches!(role, Role::FlangeTorque | Role::Throttle);
     BenchFile {
         name: "Virtual bench".to_owned(),
         variant: BenchVariant::LoadCell,
@@ -94,7 +85,13 @@ pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> Benc
         dynamometer_inertia_uncertainty_percent: None,
         engine_inertia_kg_m2: parameters.mechanics.engine_inertia_kg_m2,
         limits: Limits { torque_nm: Some(parameters.inverter.torque_limit_nm), ..Limits::default() },
-        channels: CHANNELS.iter().map(|(role, name)| (*role, ChannelMapping::named(*name))).collect(),
+        shaft: ShaftPrior::default(),
+        virtual_bench: toml::Table::new(),
+        channels: CHANNELS
+            .iter()
+            .filter(is_recorded)
+            .map(|(role, name)| (*role, ChannelMapping::named(*name)))
+            .collect(),
         recordings: RecordingList { files: vec![recordings.to_owned()], labels: Vec::new() },
     }
 }

@@ -17,8 +17,8 @@ pub(super) use faults::{check_movement, check_variation};
 pub(super) use files::Files;
 pub(super) use gaps::Gaps;
 pub(super) use note::{Note, say};
-pub(in crate::commands) use targets::check_plot;
-pub(super) use targets::{check_targets, draw};
+pub(super) use targets::draw;
+pub(in crate::commands) use targets::{check_plot, check_targets};
 
 use crate::cli::identify::{Between, DataArguments, Detrend, Window};
 use crate::error::CliError;

@@ -8,10 +8,7 @@ use crate::input;
 use crate::output::check_file;
 
 /// Checks before any work that results can be written to these places, and refuses to write over a file that is read.
-pub(in crate::commands::identify) fn check_targets(
-    targets: &[&Option<PathBuf>],
-    read: &[&[PathBuf]],
-) -> Result<(), CliError> {
+pub(in crate::commands) fn check_targets(targets: &[&Option<PathBuf>], read: &[&[PathBuf]]) -> Result<(), CliError> {
     let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
     for target in targets.iter().filter_map(|target| target.as_ref()) {
         if read.iter().flat_map(|list| list.iter()).any(|file| same(file, target)) {

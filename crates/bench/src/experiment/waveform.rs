@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{VirtualBenchError, require, require_positive};
-use super::noise::Random;
+use super::error::{PlanError, require, require_positive};
+use crate::random::Random;
 
 /// Guards the division of times against rounding, as a part of the divisor.
 const ROUNDING: f64 = 1e-9;
@@ -88,6 +88,13 @@ pub enum Waveform {
         /// The sines.
         sines: Vec<Sine>,
     },
+    /// Values held one after another, again and again from the first.
+    Periodic {
+        /// Time from one value to the next, s.
+        sample_time_s: f64,
+        /// The values of one period.
+        values: Vec<f64>,
+    },
     /// Values of one's own, each held until the next; the last one to the end.
     Sampled {
         /// Time from one value to the next, s.
@@ -136,6 +143,11 @@ impl Waveform {
             Self::Multisine { mean, sines } => {
                 times.map(|t| mean + sines.iter().map(|s| s.at(t)).sum::<f64>()).collect()
             }
+            Self::Periodic { sample_time_s, values } => {
+                let period = values.len().max(1);
+                let at = |t| values.get(ticks_at(t, *sample_time_s) % period).copied().unwrap_or(0.0);
+                times.map(at).collect()
+            }
             Self::Sampled { sample_time_s, values } => {
                 let last = values.len().saturating_sub(1);
                 let at = |t| values.get(ticks_at(t, *sample_time_s).min(last)).copied().unwrap_or(0.0);
@@ -164,7 +176,7 @@ impl Waveform {
         values
     }
 
-    pub(super) fn check(&self, name: &'static str) -> Result<(), VirtualBenchError> {
+    pub(super) fn check(&self, name: &'static str) -> Result<(), PlanError> {
         let finite = |value: f64| require(name, value, true, "finite");
         match self {
             Self::Constant { value } => finite(*value),
@@ -207,7 +219,7 @@ impl Waveform {
                 let numbers = sines.iter().flat_map(|s| [s.frequency_hz, s.amplitude, s.phase_rad]);
                 numbers.into_iter().try_for_each(finite)
             }
-            Self::Sampled { sample_time_s, values } => {
+            Self::Sampled { sample_time_s, values } | Self::Periodic { sample_time_s, values } => {
                 require(name, values.len() as f64, !values.is_empty(), "at least one value")?;
                 values.iter().try_for_each(|&value| finite(value))?;
                 require_time(name, *sample_time_s)
@@ -222,7 +234,7 @@ impl Sine {
     }
 }
 
-fn require_time(name: &'static str, time_s: f64) -> Result<(), VirtualBenchError> {
+fn require_time(name: &'static str, time_s: f64) -> Result<(), PlanError> {
     require(name, time_s, time_s >= 0.001, "a time of at least 1 ms")
 }
 

@@ -1,13 +1,9 @@
-//! An experiment: one labelled recording, in SI, by role, each signal still on its own clock.
+//! The name of an experiment: what was done, to what, in which control mode.
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use signal::Signal;
-
-use crate::Role;
 
 /// What is excited: the letter after the test's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -94,28 +90,4 @@ fn label_from_words(words: &[&str]) -> Option<ExperimentLabel> {
         excitation,
         mode,
     })
-}
-
-/// One labelled recording in SI. Every signal is uniformly sampled on its own clock and free of gaps and NaN; what was
-/// mended to make it so stands in the diagnostics.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Experiment {
-    /// The file the recording came from, as the user knows it.
-    pub file: String,
-    /// The experiment's label.
-    pub label: ExperimentLabel,
-    /// Signals by role: rad/s, Nm, 1.
-    pub signals: BTreeMap<Role, Signal>,
-}
-
-impl Experiment {
-    /// The signal of a role, if it was recorded.
-    pub fn signal(&self, role: Role) -> Option<&Signal> {
-        self.signals.get(&role)
-    }
-
-    /// Whether the label's test is `test` (case does not matter).
-    pub fn is_test(&self, test: &str) -> bool {
-        self.label.test.eq_ignore_ascii_case(test)
-    }
 }

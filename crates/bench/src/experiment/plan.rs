@@ -1,11 +1,13 @@
-//! The experiments a virtual bench can run.
+//! What is done to a bench, and for how long.
+
+use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{ControlMode, Excitation, ExperimentLabel};
-
-use super::error::{VirtualBenchError, require, require_not_negative, require_positive};
+use super::error::{PlanError, require, require_not_negative, require_positive};
 use super::waveform::Waveform;
+use super::{ControlMode, Excitation, ExperimentLabel, UPDATE_S};
+use crate::model::Engine;
 use crate::units::RPM_RAD_S;
 
 /// Which torque the dynamometer controls in TN mode.
@@ -56,7 +58,7 @@ fn best_ignition() -> Waveform {
 }
 
 impl ExperimentPlan {
-    fn new(test: &str, excitation: Excitation, mode: ControlMode, speed_rpm: f64, duration_s: f64) -> Self {
+    pub(super) fn new(test: &str, excitation: Excitation, mode: ControlMode, speed_rpm: f64, duration_s: f64) -> Self {
         Self {
             label: ExperimentLabel { test: test.to_owned(), excitation, mode },
             duration_s,
@@ -144,12 +146,29 @@ impl ExperimentPlan {
         Self { speed_rad_s, has_shaft: false, ..plan }
     }
 
+    /// Where the engine's torque is switched faster than it fires at the plan's speed: the time of a level and that of a
+    /// firing, s. A level that no cylinder takes up is lost.
+    pub fn switches_within_a_firing(&self, engine: Engine) -> Option<(f64, f64)> {
+        let (Waveform::RandomBinary { clock_s, .. }, Waveform::Constant { value }) =
+            (&self.engine_torque_nm, &self.speed_rad_s)
+        else {
+            return None;
+        };
+        let firing_s = TAU / (value.abs() * engine.firings_per_turn());
+        (*clock_s < firing_s && self.has_shaft && !self.is_motored).then_some((*clock_s, firing_s))
+    }
+
+    /// Updates of the controllers in the recording; at least one.
+    pub(crate) fn updates(&self) -> usize {
+        ((self.duration_s / UPDATE_S).round() as usize).max(1)
+    }
+
     /// Checks times and waveforms.
     ///
     /// # Errors
     ///
-    /// [`VirtualBenchError::Parameter`] naming the first impossible value.
-    pub fn check(&self) -> Result<(), VirtualBenchError> {
+    /// [`PlanError`] naming the first impossible value.
+    pub fn check(&self) -> Result<(), PlanError> {
         require_positive("plan.duration_s", self.duration_s)?;
         require("plan.duration_s", self.duration_s, self.duration_s <= 1e4, "at most 10 000 s")?;
         require_not_negative("plan.settling_s", self.settling_s)?;

@@ -1,0 +1,120 @@
+//! Arguments of `dynoid experiment`, and of `dynoid simulate`, which has two uses.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+use super::identify::{ResultArguments, RunArguments};
+use super::number;
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum ExperimentCommand {
+    /// Lists the experiments of the method with their parameters
+    List(ListArguments),
+    /// Writes the demands of an experiment, draws them, and predicts what the bench will do
+    Design(DesignArguments),
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid experiment list
+  dynoid experiment list BS_T_NT
+  dynoid experiment list --json | jq '.experiments[].label'")]
+pub(crate) struct ListArguments {
+    /// Only this experiment, with its parameters
+    #[arg(value_name = "NAME")]
+    pub(crate) name: Option<String>,
+    /// Prints everything as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The numbers of an experiment.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct PlanArguments {
+    /// Speed, rpm: constant, or the one from which it changes
+    #[arg(long, value_name = "RPM", value_parser = number::finite, requires = "experiment", help_heading = "Experiment")]
+    pub(crate) speed: Option<f64>,
+    /// Length of the recording
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive, requires = "experiment", help_heading = "Experiment")]
+    pub(crate) duration: Option<f64>,
+    /// Another parameter, such as low=35 or low="35 Nm"; give it again for more. `dynoid experiment list NAME` shows them
+    #[arg(long = "set", value_name = "NAME=VALUE", requires = "experiment", help_heading = "Experiment")]
+    pub(crate) set: Vec<String>,
+    /// Seed of what is random in demands and bench; the same seed gives the same bytes [default: 1]
+    #[arg(long, value_name = "N", requires = "experiment", help_heading = "Experiment")]
+    pub(crate) seed: Option<u64>,
+    /// Takes shaft, speed controller, feed-forward and torque control from a study, in place of what the bench file states
+    #[arg(long = "model", value_name = "STUDY.json", requires = "experiment", help_heading = "Experiment")]
+    pub(crate) study: Option<PathBuf>,
+}
+
+impl PlanArguments {
+    /// The seed, or the usual one.
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed.unwrap_or(1)
+    }
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid experiment design bench.toml BS_T_NT --speed 1500 --duration 60 --set low=35 --set high=55
+  dynoid experiment design bench.toml Multisine_T_TN --model study/study.json
+  dynoid experiment design bench.toml cycle.csv --out cycle
+
+Writes NAME_SPEED.csv and NAME_SPEED.mf4 (the demands: speeds every 1 ms, all others every 10 ms, as the automation system takes them), NAME_SPEED.html (demands, their spectrum with resonance and firing, predicted speeds and torques) and NAME_SPEED_predicted.mf4.
+
+Demands of one's own are a recording with columns named dyno_speed_demand (rpm; dynamometer controls speed) or engine_speed_demand (rpm) with dyno_torque_demand or shaft_torque_demand (Nm; it controls torque), engine_torque_demand (Nm) or throttle_demand (%), and ignition_efficiency (1). Speeds run straight between their stamps, the others are held.
+
+The prediction is the linear bench model, of a study with --model, otherwise of what the bench file states ([shaft] resonance or stiffness); what had to be assumed is said. Firing pulses are no part of it; `dynoid simulate bench.toml --experiment NAME` has them.")]
+pub(crate) struct DesignArguments {
+    /// The bench file
+    #[arg(value_name = "BENCH.toml")]
+    pub(crate) bench: PathBuf,
+    /// An experiment of the method, such as BS_T_NT, or a file of demands
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) experiment: String,
+    #[command(flatten)]
+    pub(crate) plan: PlanArguments,
+    /// Folder to write to; made if it is not there
+    #[arg(long, value_name = "DIR", default_value = "experiments")]
+    pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(
+    mut_arg("model", |arg| arg.value_name("MODEL.json|BENCH.toml").help("A model file, or with --experiment a bench file")),
+    mut_arg("on", |arg| arg.required(false)),
+    override_usage = "dynoid simulate [OPTIONS] MODEL.json --on RECORDING\n       dynoid simulate [OPTIONS] BENCH.toml --experiment NAME --out FILE",
+    after_help = "\
+A model, on the inputs of a recording:
+  dynoid simulate model.json --on demand.mf4 --out simulated.csv
+
+A bench, in an experiment:
+  dynoid simulate bench.toml --experiment BS_T_NT --out recordings/BS_T_NT_1200.mf4
+  dynoid simulate bench.toml --experiment Sine_T_TN --speed 2000 --set amplitude=12 --out sine.parquet --truth truth.mf4
+  dynoid simulate bench.toml --experiment experiments/Step_T_TN_1200.csv --model study/study.json --out run.mf4
+
+A bench is simulated with firing engine, inverter and sensors, and recorded under the names of [channels], so that `dynoid study run` reads it as the bench's own. It is the default virtual bench with what the bench file states; [virtual_bench] in it sets any other field, as [virtual_bench.mechanics] shaft_backlash_rad = 0.002 does. What really happened is written with --truth alone."
+)]
+pub(crate) struct SimulateArguments {
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+    /// Runs an experiment on the bench of a bench file: one of the method, such as BS_T_NT, or a file of demands
+    #[arg(
+        long,
+        value_name = "NAME|FILE",
+        conflicts_with_all = ["on", "from_s", "to_s", "sample_time_s", "detrend", "from_rest"],
+        help_heading = "Experiment"
+    )]
+    pub(crate) experiment: Option<String>,
+    #[command(flatten)]
+    pub(crate) plan: PlanArguments,
+    /// Writes what really happened, without sensors, to a recording of its own
+    #[arg(long, value_name = "FILE", requires = "experiment", help_heading = "Experiment")]
+    pub(crate) truth: Option<PathBuf>,
+}

@@ -1,0 +1,304 @@
+//! `dynoid experiment design`: demands, a picture of them, and what the bench will do.
+
+use std::path::PathBuf;
+
+use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
+use bench::model::BenchModel;
+use bench::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
+use bench::role::Role;
+use bench::units::RPM_RAD_S;
+use bench::virtual_bench::CHANNELS;
+use recording::{Channel, Format, Raster, Recording};
+use report::design::Designed;
+use report::wording::{self, number};
+use serde_json::json;
+
+use super::planned::{self, Planned};
+use super::stated::Bench;
+use crate::cli::experiment::DesignArguments;
+use crate::cli::identify::ResultArguments;
+use crate::commands::identify::data::check_plot;
+use crate::commands::identify::judge::picture;
+use crate::error::{CliError, Outcome};
+use crate::formats::FileFormat;
+use crate::output::OutputFolder;
+use crate::summary::shown;
+use crate::table::{Align, Cell, Style, Table};
+use crate::terminal::Terminal;
+
+/// What was predicted, or why nothing was.
+struct Predicted {
+    prediction: Prediction,
+    /// Standard errors of the peaks; empty without a study.
+    errors: Vec<f64>,
+    resonance_hz: Option<f64>,
+}
+
+pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let bench = Bench::read(&arguments.bench, arguments.plan.study.as_deref(), terminal)?;
+    let Planned { plan, speed_rpm } = planned::plan(&arguments.experiment, &arguments.plan, terminal)?;
+    let demands = Demands::of(&plan, arguments.plan.seed(), DEMAND_HOLD_S);
+    let speed_rpm = speed_rpm.unwrap_or(demands.speed_rad_s[0] / RPM_RAD_S);
+    let stem = format!("{}_{speed_rpm:.0}", plan.label);
+    let targets = Targets::new(arguments, &stem)?;
+    let doubts = planned::doubts(&plan, &bench.file);
+    doubts.iter().for_each(|doubt| terminal.warning(doubt));
+    let predicted = predicted(&bench, &plan, &demands, terminal);
+    targets.write(&bench, &plan, &demands, predicted.as_ref().ok())?;
+    if let Ok(predicted) = &predicted {
+        reached(predicted).for_each(|warning| terminal.warning(&warning));
+    }
+    if let Err(reason) = &predicted {
+        terminal.warning(&format!("nothing is predicted: {reason}"));
+    }
+    if arguments.result.json {
+        terminal.json(&facts(&bench, &plan, &demands, &targets, &predicted, &doubts))?;
+    } else if !terminal.is_quiet() {
+        print(&bench, &plan, &targets, predicted.as_ref().ok(), terminal);
+    }
+    Ok(Outcome::Done)
+}
+
+/// The files that are written.
+struct Targets {
+    csv: PathBuf,
+    mf4: PathBuf,
+    plot: ResultArguments,
+    predicted: PathBuf,
+}
+
+impl Targets {
+    fn new(arguments: &DesignArguments, stem: &str) -> Result<Self, CliError> {
+        let folder = &arguments.out;
+        OutputFolder::check(folder)?;
+        let file = |ending: &str| folder.join(format!("{stem}{ending}"));
+        let plot = Some(arguments.result.plot.clone().unwrap_or_else(|| file(".html")));
+        let targets = Targets {
+            csv: file(".csv"),
+            mf4: file(".mf4"),
+            plot: ResultArguments { plot, json: arguments.result.json },
+            predicted: file("_predicted.mf4"),
+        };
+        let read = planned::file(&arguments.experiment);
+        for target in [&targets.csv, &targets.mf4, &targets.predicted] {
+            if let (Some(Ok(read)), Ok(target)) = (read.as_ref().map(|file| file.canonicalize()), target.canonicalize())
+                && read == target
+            {
+                let what = format!("{}: these demands are read; choose another folder with --out", target.display());
+                return Err(CliError::Usage { what });
+            }
+        }
+        if let Some(plot) = &arguments.result.plot {
+            check_plot(&ResultArguments { plot: Some(plot.clone()), json: false }, &[])?;
+        }
+        Ok(targets)
+    }
+
+    fn write(
+        &self,
+        bench: &Bench,
+        plan: &ExperimentPlan,
+        demands: &Demands,
+        predicted: Option<&Predicted>,
+    ) -> Result<(), CliError> {
+        if let Some(folder) = self.csv.parent() {
+            std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
+        }
+        let recording = demands.recording(plan);
+        let mut text = recording.clone();
+        // Text has no place for the names of rasters; nothing of the demands is lost.
+        FileFormat::Csv.fit(&mut text);
+        FileFormat::Csv.write(&text, &self.csv)?;
+        FileFormat::Mf4.write(&recording, &self.mf4)?;
+        if let Some(predicted) = predicted {
+            FileFormat::Mf4.write(&responses(bench, plan, &predicted.prediction), &self.predicted)?;
+        }
+        let spectrum = demands.spectrum(plan).ok().flatten();
+        let designed = Designed {
+            plan,
+            demands,
+            spectrum: spectrum.as_ref(),
+            engine: planned::engine(&bench.file),
+            resonance_hz: predicted.and_then(|predicted| predicted.resonance_hz),
+            prediction: predicted.map(|predicted| &predicted.prediction),
+            limits: bench.file.limits,
+        };
+        picture(&self.plot, &format!("{}, designed", plan.label), || report::design::figures(&designed))
+    }
+
+    fn all(&self, has_prediction: bool) -> Vec<&PathBuf> {
+        let predicted = has_prediction.then_some(&self.predicted);
+        [Some(&self.csv), Some(&self.mf4), self.plot.plot.as_ref(), predicted].into_iter().flatten().collect()
+    }
+}
+
+/// The prediction, or in words why there is none.
+fn predicted(
+    bench: &Bench,
+    plan: &ExperimentPlan,
+    demands: &Demands,
+    terminal: &Terminal,
+) -> Result<Predicted, String> {
+    if plan.has_shaft && !bench.stated.knows_shaft() {
+        return Err(
+            "the shaft is not known; add [shaft] with resonance = \"18 Hz\" (or stiffness) to the bench file, or \
+                    give a study with --model; the demands were written"
+                .to_owned(),
+        );
+    }
+    // Parts that the study lacks are those of the virtual bench; they are among the assumptions.
+    let model = bench.stated.parameters.linear_model();
+    let model = BenchModel {
+        speed_controller: bench.assembled.as_ref().and_then(|a| a.model.speed_controller).or(model.speed_controller),
+        encoder_gate_s: bench.assembled.as_ref().map_or(model.encoder_gate_s, |a| a.model.encoder_gate_s),
+        ..model
+    };
+    let inputs = PredictionInputs {
+        plan,
+        demands,
+        model: &model,
+        engine: &bench.stated.parameters.engine,
+        limits: bench.file.limits,
+    };
+    let progress = terminal.progress(2);
+    progress.say("predicting");
+    let prediction = predict(&inputs).map_err(|error| error.to_string())?;
+    progress.step();
+    let errors = bench.assembled.as_ref().map(|assembled| peak_errors(&inputs, &assembled.uncertainty));
+    let resonance_hz = plan.has_shaft.then(|| model.mechanics.resonance().frequency_hz);
+    Ok(Predicted { prediction, errors: errors.unwrap_or_default(), resonance_hz })
+}
+
+/// What the bench will do, as a recording.
+fn responses(bench: &Bench, plan: &ExperimentPlan, prediction: &Prediction) -> Recording {
+    let response = &prediction.response;
+    let name = |role: Role| {
+        let usual = CHANNELS.iter().find(|(other, _)| *other == role).map_or(role.key(), |(_, name)| name);
+        let stated = bench.file.channels.get(&role).map_or(usual, |mapping| mapping.name.as_str());
+        format!("{stated}_predicted")
+    };
+    let channel = |name: String, unit: &str, si: f64, values: &[f64]| Channel {
+        name,
+        unit: unit.to_owned(),
+        comment: String::new(),
+        raster: 0,
+        samples: values.iter().map(|value| value / si).collect(),
+    };
+    let mut channels = vec![
+        channel(name(Role::DynoSpeed), "rpm", RPM_RAD_S, &response.dyno_speed_rad_s),
+        channel(name(Role::DynoTorqueDemand), "Nm", 1.0, &response.torque_demand_nm),
+        channel(name(Role::AirGapTorque), "Nm", 1.0, &response.air_gap_torque_nm),
+    ];
+    if prediction.has_shaft {
+        channels.push(channel(name(Role::EngineSpeed), "rpm", RPM_RAD_S, &response.engine_speed_rad_s));
+        channels.push(channel("ShaftTorque_predicted".to_owned(), "Nm", 1.0, &response.shaft_torque_nm));
+    }
+    let samples = response.dyno_speed_rad_s.len();
+    let time_s = (0..samples).map(|k| k as f64 * prediction.sample_time_s).collect();
+    Recording {
+        format: Format::Mdf { version: 410 },
+        comment: Some(format!("{}, predicted by the bench model", plan.label)),
+        start_time: None,
+        rasters: vec![Raster { time_s, name: None }],
+        channels,
+        findings: Vec::new(),
+    }
+}
+
+fn print(
+    bench: &Bench,
+    plan: &ExperimentPlan,
+    targets: &Targets,
+    predicted: Option<&Predicted>,
+    terminal: &mut Terminal,
+) {
+    terminal.heading(&format!("{}, {} s", plan.label, plan.duration_s), Style::Bold);
+    if let Some(predicted) = predicted {
+        terminal.table(&peaks(predicted));
+        if let Some(resonance_hz) = predicted.resonance_hz {
+            terminal.line(&format!("  resonance: {}", number::measure(resonance_hz, "Hz")));
+        }
+        say_assumed(bench, plan, terminal);
+        terminal.gap();
+    }
+    for path in targets.all(predicted.is_some()) {
+        terminal.line(&format!("written: {}", shown(path)));
+    }
+}
+
+/// What the prediction or simulation takes for granted.
+pub(in crate::commands) fn say_assumed(bench: &Bench, plan: &ExperimentPlan, terminal: &mut Terminal) {
+    for assumption in &bench.stated.assumed_for(plan) {
+        terminal.item(("assumed:", Style::Caution), &wording::assumption(assumption));
+    }
+}
+
+/// The limits that the prediction reaches, in words.
+fn reached(predicted: &Predicted) -> impl Iterator<Item = String> {
+    predicted.prediction.peaks.iter().filter(|peak| peak.is_beyond_limit()).map(|peak| {
+        let (symbol, unit, si) = wording::peak(peak.of);
+        let number = |value: f64| number::significant(value / si, 4);
+        let limit = number(peak.limit.unwrap_or(f64::NAN));
+        format!("{symbol} reaches {} {unit}, where the limit is {limit} {unit}", number(peak.value))
+    })
+}
+
+fn peaks(predicted: &Predicted) -> Table {
+    let headings =
+        [("peak of", Align::Left), ("predicted", Align::Right), ("at", Align::Right), ("limit", Align::Left)];
+    let mut table = Table::new(&headings);
+    for (index, peak) in predicted.prediction.peaks.iter().enumerate() {
+        let (symbol, unit, si) = wording::peak(peak.of);
+        let value = match predicted.errors.get(index).filter(|error| error.is_finite()) {
+            Some(error) => {
+                format!("{} ± {} {unit}", number::significant(peak.value / si, 4), number::significant(error / si, 2))
+            }
+            None => format!("{} {unit}", number::significant(peak.value / si, 4)),
+        };
+        let limit = match peak.limit {
+            None => Cell::styled("none stated", Style::Faint),
+            Some(limit) => {
+                let words = format!("{} {unit}", number::significant(limit / si, 4));
+                let style = if peak.is_beyond_limit() { Style::Bad } else { Style::Good };
+                Cell::styled(if peak.is_beyond_limit() { format!("{words}: REACHED") } else { words }, style)
+            }
+        };
+        table.row([symbol.into(), value.into(), format!("{:.3} s", peak.time_s).into(), limit]);
+    }
+    table
+}
+
+fn facts(
+    bench: &Bench,
+    plan: &ExperimentPlan,
+    demands: &Demands,
+    targets: &Targets,
+    predicted: &Result<Predicted, String>,
+    doubts: &[String],
+) -> serde_json::Value {
+    let demand = |demand: bench::experiment::NamedDemand<'_>| {
+        let si = demand.kind.si_per_unit();
+        let range = demand.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        json!({"name": demand.kind.name(), "unit": demand.kind.unit(), "lowest": range.0 / si, "highest": range.1 / si})
+    };
+    let peak = |(index, peak): (usize, &Peak), errors: &[f64]| {
+        let (symbol, unit, si) = wording::peak(peak.of);
+        json!({"of": peak.of, "symbol": symbol, "unit": unit, "value": peak.value / si, "time_s": peak.time_s,
+            "standard_error": errors.get(index).map(|error| error / si),
+            "limit": peak.limit.map(|limit| limit / si), "is_beyond_limit": peak.is_beyond_limit()})
+    };
+    let prediction = predicted.as_ref().ok().map(|p| {
+        json!({"from": if bench.assembled.is_some() { "study" } else { "bench file" }, "resonance_hz": p.resonance_hz,
+            "assumptions": bench.stated.assumed_for(plan),
+            "peaks": p.prediction.peaks.iter().enumerate().map(|one| peak(one, &p.errors)).collect::<Vec<_>>()})
+    });
+    json!({
+        "label": plan.label.to_string(),
+        "duration_s": plan.duration_s,
+        "demands": demands.named(plan).into_iter().map(demand).collect::<Vec<_>>(),
+        "doubts": doubts,
+        "prediction": prediction,
+        "not_predicted": predicted.as_ref().err(),
+        "files": targets.all(predicted.is_ok()).into_iter().map(|path| shown(path)).collect::<Vec<_>>(),
+    })
+}

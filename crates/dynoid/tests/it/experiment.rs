@@ -1,0 +1,211 @@
+//! `dynoid experiment`, and `dynoid simulate` on a bench file.
+
+use std::collections::BTreeSet;
+
+use recording::{Recording, Selection, decode};
+
+use crate::support::{BENCH, Campaign};
+
+/// A bench file with a shaft that is known, and more tables.
+fn bench(more: &str) -> String {
+    BENCH.replace("[channels]", &format!("{more}\n[channels]"))
+}
+
+const SHAFT: &str = "[shaft]\nresonance = \"18 Hz\"\n";
+
+fn recorded(campaign: &Campaign, name: &str) -> Recording {
+    let bytes = std::fs::read(campaign.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+    decode(name, &bytes, &Selection::All).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+fn samples<'a>(recording: &'a Recording, name: &str) -> &'a [f64] {
+    let names = || recording.channels.iter().map(|c| c.name.as_str()).collect::<Vec<_>>();
+    &recording.channel(name).unwrap_or_else(|| panic!("{name} is not in {:?}", names())).samples
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[track_caller]
+fn done(campaign: &Campaign, arguments: &[&str]) {
+    let ran = campaign.run(arguments);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+}
+
+#[test]
+fn snap_list() {
+    let campaign = Campaign::empty();
+    insta::assert_snapshot!("experiment_list", campaign.run(&["experiment", "list"]).stdout);
+    insta::assert_snapshot!("experiment_list_one", campaign.run(&["experiment", "list", "BS_T_NT"]).stdout);
+    let json = campaign.run(&["experiment", "list", "--json"]).json();
+    assert_eq!(json["experiments"].as_array().map(Vec::len), Some(10));
+    assert_eq!(json["experiments"][0]["parameters"][3]["name"], "low");
+}
+
+#[test]
+fn snap_design() {
+    let campaign = Campaign::empty();
+    let limits = "[limits]\nshaft_torque = \"50 Nm\"\nspeed = \"6000 rpm\"\n";
+    campaign.write("bench.toml", bench(&format!("{limits}{SHAFT}")).as_bytes());
+    let arguments = ["experiment", "design", "bench.toml", "Step_T_TN", "--duration", "6", "--speed", "1500"];
+    let ran = campaign.run(&arguments);
+    assert_eq!(ran.code, Some(0));
+    assert!(ran.stderr.starts_with("warning: T_shaft reaches 9"), "{}", ran.stderr);
+    insta::assert_snapshot!("experiment_design", ran.stdout);
+    let csv = recorded(&campaign, "experiments/Step_T_TN_1500.csv");
+    let mf4 = recorded(&campaign, "experiments/Step_T_TN_1500.mf4");
+    assert_eq!(samples(&csv, "dyno_torque_demand"), samples(&mf4, "dyno_torque_demand"));
+    assert_eq!((samples(&csv, "dyno_torque_demand").len(), samples(&csv, "engine_speed_demand").len()), (600, 6000));
+    let page = campaign.read("experiments/Step_T_TN_1500.html");
+    assert!(page.contains("What the bench will do") && page.contains("resonance") && page.contains("firing, /2, /4"));
+    let predicted = recorded(&campaign, "experiments/Step_T_TN_1500_predicted.mf4");
+    assert_eq!(samples(&predicted, "DynoSpeed_predicted").len(), 6000);
+}
+
+#[test]
+fn a_design_without_a_known_shaft_is_written_and_says_what_is_missing() {
+    let campaign = Campaign::empty();
+    let ran = campaign.run(&["experiment", "design", "bench.toml", "BS_T_NT", "--duration", "4", "--json"]);
+    assert_eq!(ran.code, Some(0));
+    assert!(
+        ran.stderr.contains("nothing is predicted") && ran.stderr.contains("resonance = \"18 Hz\""),
+        "{}",
+        ran.stderr
+    );
+    let json = ran.json();
+    assert!(json["prediction"].is_null() && json["not_predicted"].is_string());
+    assert!(campaign.path("experiments/BS_T_NT_1200.csv").exists());
+    assert!(!campaign.path("experiments/BS_T_NT_1200_predicted.mf4").exists());
+    let alone = campaign.run(&["experiment", "design", "bench.toml", "NoShaft_N_NT", "--json"]).json();
+    assert!(alone["prediction"]["peaks"].as_array().is_some_and(|peaks| peaks.len() == 3), "the shaft is off: {alone}");
+}
+
+#[test]
+fn exact_demands_of_a_design_are_those_that_are_recorded() {
+    let campaign = Campaign::empty();
+    for (name, stem, recorded_as, demand, tolerance) in [
+        ("Levels_N_NT", "Levels_N_NT_1200", "DynoSpeedDemand", "dyno_speed_demand", 1e-9),
+        ("WhiteNoise_T_TN", "WhiteNoise_T_TN_1200", "DynoTorqueDemand", "dyno_torque_demand", 0.00501),
+    ] {
+        let ran =
+            campaign.run(&["experiment", "design", "bench.toml", name, "--duration", "5", "--seed", "3", "--json"]);
+        let csv = ran.json()["files"][0].as_str().unwrap().to_owned();
+        assert!(csv.contains(stem), "{csv}");
+        let simulate = ["simulate", "bench.toml", "--quiet", "--seed", "3", "--experiment"];
+        let by_name = [&simulate[..], &[name, "--duration", "5", "--out", "by_name.mf4"]].concat();
+        let by_file = [&simulate[..], &[csv.as_str(), "--out", "by_file.mf4"]].concat();
+        done(&campaign, &by_name);
+        done(&campaign, &by_file);
+        let (one, other) = (recorded(&campaign, "by_name.mf4"), recorded(&campaign, "by_file.mf4"));
+        assert!(largest_difference(samples(&one, recorded_as), samples(&other, recorded_as)) < 1e-9, "{name}");
+        assert!(largest_difference(samples(&one, "DynoSpeed"), samples(&other, "DynoSpeed")) < 0.011, "{name}");
+        // What is recorded every millisecond is what the file says, each of its values held.
+        let (told, every) = (recorded(&campaign, &csv), samples(&one, recorded_as));
+        let step = every.len() / samples(&told, demand).len();
+        let held: Vec<f64> = every.iter().step_by(step).copied().collect();
+        assert!(largest_difference(&held, samples(&told, demand)) <= tolerance, "{name}");
+    }
+}
+
+#[test]
+fn exact_equal_seeds_give_equal_bytes_and_the_truth_only_on_request() {
+    let campaign = Campaign::empty();
+    let run = |seed: &str, out: &str, more: &[&str]| {
+        let arguments =
+            ["simulate", "bench.toml", "--experiment", "BS_T_NT", "--duration", "2", "--seed", seed, "--out", out];
+        let ran = campaign.run(&[&arguments[..], more].concat());
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        std::fs::read(campaign.path(out)).unwrap()
+    };
+    for ending in ["mf4", "csv", "mat", "parquet", "arrow"] {
+        let (one, two) = (format!("BS_T_NT_1.{ending}"), format!("BS_T_NT_2.{ending}"));
+        assert_eq!(run("4", &one, &[]), run("4", &two, &["--truth", "truth.mf4"]), "{ending}");
+    }
+    assert_ne!(run("4", "BS_T_NT_1.csv", &[]), run("5", "BS_T_NT_1.csv", &[]));
+    let names = |name: &str| recorded(&campaign, name).channels.into_iter().map(|c| c.name).collect::<BTreeSet<_>>();
+    assert!(names("BS_T_NT_1.mf4").iter().all(|name| !name.contains("true")));
+    assert!(names("truth.mf4").contains("true_shaft_torque"));
+    let comment = recorded(&campaign, "BS_T_NT_1.mf4").comment.unwrap_or_default();
+    assert_eq!(comment, "BS_T_NT, virtual bench");
+}
+
+#[test]
+fn exact_channels_have_the_names_units_and_signs_of_the_bench_file() {
+    let campaign = Campaign::empty();
+    let text = BENCH
+        .replace("dyno_speed = \"DynoSpeed\"", "dyno_speed = { name = \"n_Br\", unit = \"rad/s\" }")
+        .replace("air_gap_torque = \"DynoTorqueCalc\"", "air_gap_torque = { name = \"M_Br\", sign = -1 }");
+    campaign.write("other.toml", text.as_bytes());
+    for (bench, out) in [("bench.toml", "BS_T_NT_a.mf4"), ("other.toml", "BS_T_NT_b.mf4")] {
+        done(&campaign, &["simulate", bench, "--experiment", "BS_T_NT", "--duration", "1", "--out", out]);
+    }
+    let (usual, other) = (recorded(&campaign, "BS_T_NT_a.mf4"), recorded(&campaign, "BS_T_NT_b.mf4"));
+    let rpm: Vec<f64> = samples(&other, "n_Br").iter().map(|w| w * 30.0 / std::f64::consts::PI).collect();
+    assert!(largest_difference(&rpm, samples(&usual, "DynoSpeed")) < 1e-9);
+    assert_eq!(other.channel("n_Br").unwrap().unit, "rad/s");
+    let turned: Vec<f64> = samples(&other, "M_Br").iter().map(|torque| -torque).collect();
+    assert_eq!(turned, samples(&usual, "DynoTorqueCalc"));
+}
+
+#[test]
+fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
+    let campaign = Campaign::empty();
+    let more = "[virtual_bench.mechanics]\nshaft_stiffness_nm_per_rad = 3100.0\nshaft_damping_nm_s_per_rad = 8.0\n";
+    campaign.write("bench.toml", bench(more).as_bytes());
+    for experiment in ["BS_T_NT", "WhiteNoise_T_TN"] {
+        let out = format!("recordings/{experiment}_1200.mf4");
+        done(&campaign, &["simulate", "bench.toml", "--experiment", experiment, "--duration", "20", "--out", &out]);
+    }
+    let study = campaign.run(&["study", "run", "bench.toml", "--json"]).study();
+    let text = campaign.read("study/study.json");
+    let model = report::model(&text).unwrap();
+    let mechanics = model.model.mechanics;
+    assert!((mechanics.stiffness_nm_per_rad / 3100.0 - 1.0).abs() < 0.03, "{study}");
+    assert!((mechanics.damping_nm_s_per_rad / 8.0 - 1.0).abs() < 0.1, "{study}");
+    let design = ["experiment", "design", "bench.toml", "BS_T_NT", "--duration", "4", "--model", "study/study.json"];
+    let json = campaign.run(&[&design[..], &["--json"]].concat()).json();
+    assert_eq!(json["prediction"]["from"], "study");
+    let peaks = json["prediction"]["peaks"].as_array().unwrap();
+    assert!(
+        peaks.iter().any(|peak| peak["of"] == "shaft_torque" && peak["standard_error"].as_f64() > Some(0.0)),
+        "{json}"
+    );
+    campaign.write("old.json", text.replace("\"format_version\":1", "\"format_version\":9").as_bytes());
+    let old = [&design[..6], &["--model", "old.json"]].concat();
+    campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 1 is read", "study run"]);
+}
+
+#[test]
+fn regress_wrong_combinations_are_refused_in_words() {
+    let campaign = Campaign::empty();
+    let refused = |arguments: &[&str], code, words: &[&str]| campaign.run(arguments).assert_refused(code, words);
+    refused(&["simulate", "bench.toml"], 2, &["--experiment BS_T_NT", "experiment list"]);
+    refused(&["simulate", "bench.toml", "--experiment", "BS_T_NT"], 2, &["--out run.mf4"]);
+    refused(&["simulate", "bench.toml", "--on", "run.mf4", "--experiment", "BS_T_NT"], 2, &["--on", "--experiment"]);
+    refused(&["simulate", "model.json"], 2, &["--on", "--experiment"]);
+    refused(&["simulate", "model.json", "--on", "run.mf4", "--seed", "1"], 2, &["--experiment"]);
+    campaign.write("model.json", b"{\"format\": \"dynoid model\"}");
+    let model = ["simulate", "model.json", "--experiment", "BS_T_NT", "--out", "run.mf4"];
+    refused(&model, 2, &["model.json", "this is a model file", "--model"]);
+    let run = |more: &[&'static str]| [&["simulate", "bench.toml", "--out", "run.mf4", "--experiment"], more].concat();
+    refused(&run(&["BS_N_NT"]), 2, &["did you mean `BS_T_NT`"]);
+    refused(&run(&["BS_T_NT", "--set", "hihg=3"]), 2, &["did you mean `high`"]);
+    refused(&run(&["BS_T_NT", "--set", "high"]), 2, &["NAME=VALUE"]);
+    refused(&run(&["none.csv"]), 3, &["none.csv", "no such file"]);
+    refused(&run(&["BS_T_NT", "--model", "bench.toml"]), 3, &["bench.toml", "no study.json"]);
+    refused(&run(&["BS_T_NT", "--truth", "run.mf4"]), 2, &["a file each"]);
+    campaign.write("demands.csv", b"time [s],speed\n0,1\n1,2\n");
+    refused(&run(&["demands.csv"]), 3, &["demands.csv", "dyno_speed_demand"]);
+    campaign.write("bench.toml", bench("[virtual_bench.mechanics]\nshaft_stifness = 1\n").as_bytes());
+    refused(&run(&["BS_T_NT"]), 3, &["line 10", "shaft_stiffness_nm_per_rad"]);
+    assert!(!campaign.path("run.mf4").exists());
+}
+
+#[test]
+fn a_level_shorter_than_a_firing_is_said() {
+    let campaign = Campaign::empty();
+    let ran = campaign.run(&["experiment", "design", "bench.toml", "BS_T_NT", "--speed", "300", "--duration", "2"]);
+    assert!(ran.stderr.contains("every 80 ms, but a cylinder fires every 100 ms"), "{}", ran.stderr);
+}

@@ -1,0 +1,129 @@
+//! Figures of an experiment that is to be run: its demands, their spectrum, what the bench will do.
+
+use bench::bench_file::Limits;
+use bench::experiment::{DemandKind, Demands, ExcitationSpectrum, ExperimentPlan, NamedDemand, UPDATE_S};
+use bench::model::Engine;
+use bench::prediction::Prediction;
+use bench::units::RPM_RAD_S;
+use plot::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+
+/// Height of a panel on the page.
+const HEIGHT: u32 = 170;
+
+/// A designed experiment.
+#[derive(Debug, Clone, Copy)]
+pub struct Designed<'a> {
+    /// The plan.
+    pub plan: &'a ExperimentPlan,
+    /// Its demands.
+    pub demands: &'a Demands,
+    /// What they excite.
+    pub spectrum: Option<&'a ExcitationSpectrum>,
+    /// Of the bench: its firing is drawn into the spectrum.
+    pub engine: Engine,
+    /// Resonance of the shaft, Hz, if it is known.
+    pub resonance_hz: Option<f64>,
+    /// What the bench will do.
+    pub prediction: Option<&'a Prediction>,
+    /// What it must not exceed.
+    pub limits: Limits,
+}
+
+/// The figures, from demands to predictions.
+pub fn figures(designed: &Designed<'_>) -> Vec<Figure> {
+    let mut figures = vec![demands(designed)];
+    figures.extend(designed.spectrum.map(|spectrum| excitation(designed, spectrum)));
+    figures.extend(designed.prediction.map(|prediction| predicted(designed, prediction)));
+    figures
+}
+
+/// A demand in words, with its symbol where it has one.
+pub fn demand_name(kind: DemandKind) -> &'static str {
+    match kind {
+        DemandKind::DynoSpeed => "N_d*",
+        DemandKind::EngineSpeed => "N_e*",
+        DemandKind::DynoTorque => "T_d*",
+        DemandKind::ShaftTorque => "T_shaft*",
+        DemandKind::EngineTorque => "engine torque demand",
+        DemandKind::Throttle => "throttle",
+        DemandKind::IgnitionEfficiency => "ignition efficiency",
+    }
+}
+
+fn demands(designed: &Designed<'_>) -> Figure {
+    let is_shown = |demand: &NamedDemand<'_>| {
+        demand.kind != DemandKind::IgnitionEfficiency || demand.values.iter().any(|value| *value != 1.0)
+    };
+    let panel = |demand: NamedDemand<'_>| {
+        let name = demand_name(demand.kind);
+        let values: Vec<f64> = demand.values.iter().map(|value| value / demand.kind.si_per_unit()).collect();
+        let layer = Layer::trace(name, Style::Modelled, (0.0, UPDATE_S), &values);
+        Panel::new(Axis::linear(name, demand.kind.unit()), HEIGHT, vec![layer])
+    };
+    let panels = designed.demands.named(designed.plan).into_iter().filter(is_shown).map(panel).collect();
+    Figure::new("Demands", Axis::time(), panels).with_caption(
+        "Speeds change every millisecond, all other demands every 10 ms. Before zero the bench settles at the first \
+         demands.",
+    )
+}
+
+fn excitation(designed: &Designed<'_>, spectrum: &ExcitationSpectrum) -> Figure {
+    let name = demand_name(spectrum.of);
+    let largest = spectrum.density.iter().copied().fold(0.0, f64::max);
+    let floor = largest * 1e-4;
+    let shown: Vec<f64> = spectrum.density.iter().map(|density| density.max(floor)).collect();
+    let mut layers = vec![Layer::curve(name, Style::Modelled, &spectrum.frequency_hz, &shown)];
+    let marks = |at: &[f64], label: &str| Layer::VerticalMarks { x: rounded(at), label: label.to_owned() };
+    let highest = spectrum.frequency_hz.last().copied().unwrap_or(0.0);
+    layers.extend(designed.resonance_hz.filter(|f| *f <= highest).map(|f| marks(&[f], "resonance")));
+    let turns_hz = designed.demands.speed_rad_s[0].abs() / std::f64::consts::TAU;
+    if designed.plan.has_shaft && !designed.plan.is_motored && turns_hz > 0.0 {
+        let orders = designed.engine.orders().into_iter().map(|order| order * turns_hz);
+        let shown: Vec<f64> = orders.filter(|f| *f <= highest).collect();
+        if !shown.is_empty() {
+            layers.push(marks(&shown, "firing, /2, /4"));
+        }
+    }
+    let unit = format!("{}²/Hz", spectrum.of.unit());
+    let panel = Panel::new(Axis::log(&format!("density of {name}"), &unit), 220, layers);
+    Figure::new("What is excited", Axis::frequency(), vec![panel]).with_caption(
+        "Power density of the demand about its mean, over segments of 10 s. The shaft is learnt where there is power \
+         near its resonance; there it also answers most. Firing lines are those of the first speed.",
+    )
+}
+
+fn predicted(designed: &Designed<'_>, prediction: &Prediction) -> Figure {
+    let (response, clock) = (&prediction.response, (0.0, prediction.sample_time_s));
+    let rpm = |values: &[f64]| -> Vec<f64> { values.iter().map(|value| value / RPM_RAD_S).collect() };
+    let limit = |limit: Option<f64>, values: &[f64]| -> Vec<Layer> {
+        let Some(limit) = limit else { return Vec::new() };
+        // A limit far away is said by the table of peaks; drawn, it would flatten what there is to see.
+        let near = |edge: f64| values.iter().any(|value| value * edge.signum() > 0.5 * edge.abs());
+        let mark = |y: f64| Layer::HorizontalMark { y: Rounded(y), label: "limit".to_owned() };
+        [limit, -limit].into_iter().filter(|edge| near(*edge)).map(mark).collect()
+    };
+    let mut speeds = Vec::new();
+    if prediction.has_shaft {
+        speeds.push(Layer::trace("N_e", Style::Other, clock, &rpm(&response.engine_speed_rad_s)));
+    }
+    let dyno_rpm = rpm(&response.dyno_speed_rad_s);
+    speeds.push(Layer::trace("N_d", Style::Modelled, clock, &dyno_rpm));
+    speeds.extend(limit(designed.limits.speed_rad_s.map(|limit| limit / RPM_RAD_S), &dyno_rpm));
+    let mut torques = vec![
+        Layer::trace("T_d*", Style::Other, clock, &response.torque_demand_nm),
+        Layer::trace("T_d", Style::Modelled, clock, &response.air_gap_torque_nm),
+    ];
+    torques.extend(limit(designed.limits.torque_nm, &response.torque_demand_nm));
+    let mut panels = vec![
+        Panel::new(Axis::linear("speed", "rpm"), HEIGHT, speeds),
+        Panel::new(Axis::linear("T_d", "Nm"), HEIGHT, torques),
+    ];
+    if prediction.has_shaft {
+        let mut shaft = vec![Layer::trace("T_shaft", Style::Modelled, clock, &response.shaft_torque_nm)];
+        shaft.extend(limit(designed.limits.shaft_torque_nm, &response.shaft_torque_nm));
+        panels.push(Panel::new(Axis::linear("T_shaft", "Nm"), HEIGHT, shaft));
+    }
+    Figure::new("What the bench will do", Axis::time(), panels).with_caption(
+        "The linear bench model under these demands. Firing pulses of the engine are no part of it: they add to T_shaft.",
+    )
+}
