@@ -8,6 +8,7 @@ mod analysis;
 mod bench_file;
 mod channels;
 mod dataset;
+mod excitation_design;
 mod model;
 mod prepare;
 mod recorded;
