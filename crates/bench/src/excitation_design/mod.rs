@@ -13,6 +13,23 @@
 //! estimator looks through a window and reaches 2.6 times the variances predicted here, whatever the demand: compare
 //! predictions with each other.
 //!
+//! # What it gains
+//!
+//! Variance after white noise over variance after the design, at the same realised peak of T_shaft (60 Nm) and the same
+//! length (12 s): predicted on the nominal bench, and measured with the shaft's estimator on 40 virtual benches with
+//! resonances up to 15 % off, skewed rasters, a fired engine at 1500 rpm and encoders with noise, rounding and a
+//! once-a-turn error (a measured ratio is known to a factor of two):
+//!
+//! | demand | K predicted | K measured | B predicted | B measured |
+//! | --- | --- | --- | --- | --- |
+//! | multisine | 4.2 | 4.8 | 4.1 | 1.3 |
+//! | binary | 3.4 | 2.7 | 2.8 | 2.3 |
+//!
+//! B falls short of what is predicted. Firing tells of B whatever the demand, which the prediction leaves out and white
+//! noise profits from most. The once-a-turn error is not white as the prediction takes the noise to be: slow excitation
+//! swings the speed, which throws its sidebands beyond the band the estimator leaves out. Narrow limits of speed keep
+//! them small.
+//!
 //! Limits hold for deviations from the operating point, from rest on, the engine at a constant torque. A fired engine
 //! adds its own shaft torque.
 //!
@@ -193,14 +210,14 @@ pub struct ExcitationDesign {
 /// let found = design(&task)?;
 /// assert!(found.duality_gap < 0.01);
 /// assert!(found.multisine.peaks.shaft_torque_nm < 30.0 * (1.0 + 1e-9));
-/// assert!(found.multisine.parameters.iter().all(|p| p.gain_over_white_noise > 3.0));
+/// assert!(found.multisine.parameters.iter().all(|p| p.gain_over_white_noise > 2.0));
 /// # Ok::<(), bench::excitation_design::DesignError>(())
 /// ```
 pub fn design(task: &DesignTask) -> Result<ExcitationDesign, DesignError> {
     task.check()?;
     let mut trials = Trials::new(task);
-    let white = white::variances(task, &mut trials)?;
     let spectrum = BestSpectrum::new(task, &trials)?;
+    let white = white::variances(task, &mut trials)?;
     let amplitudes = &spectrum.amplitudes;
     let phases = spectrum.phases(task)?;
     let steps = task.steps();
@@ -310,19 +327,21 @@ impl BestSpectrum {
         })
     }
 
-    /// Phases under which the limited responses of the nominal model have low peaks.
+    /// Phases under which the limited responses of all models have low peaks.
     fn phases(&self, task: &DesignTask) -> Result<Vec<f64>, DesignError> {
         let limits = task.limits.in_order();
-        let mut gains = vec![Vec::with_capacity(self.harmonics.len()); limits.len()];
-        for harmonic in &self.harmonics {
-            let omega = std::f64::consts::TAU * *harmonic as f64 / task.period_s;
-            let of = task.models.first().and_then(|m| signals::limited(task, m, omega));
-            let of = of.ok_or(DesignError::MissingPart { part: "demand" })?;
-            for ((gains, gain), limit) in gains.iter_mut().zip(of).zip(limits) {
-                gains.extend(limit.map(|l| gain / l));
+        let mut gains = Vec::new();
+        for model in &task.models {
+            let mut of_model = vec![Vec::with_capacity(self.harmonics.len()); limits.len()];
+            for harmonic in &self.harmonics {
+                let omega = std::f64::consts::TAU * *harmonic as f64 / task.period_s;
+                let of = signals::limited(task, model, omega).ok_or(DesignError::MissingPart { part: "demand" })?;
+                for ((gains, gain), limit) in of_model.iter_mut().zip(of).zip(limits) {
+                    gains.extend(limit.map(|l| gain / l));
+                }
             }
+            gains.extend(of_model.into_iter().filter(|g| !g.is_empty()));
         }
-        gains.retain(|g| !g.is_empty());
         let responses = Responses { harmonics: self.harmonics.clone(), amplitudes: self.amplitudes.clone(), gains };
         Ok(responses.optimise()?.phases_rad)
     }

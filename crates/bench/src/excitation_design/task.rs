@@ -161,7 +161,7 @@ pub struct DesignTask {
 }
 
 impl DesignTask {
-    /// K and B from torque control at 20 s: 1 to 45 Hz, T_d* held 10 ms, period 4 s. The skew of N_e, the delay of the
+    /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms, period 4 s. The skew of N_e, the delay of the
     /// inverter (with it that of T_d) and the gate (to a tenth) are unknown as they are to the shaft's estimator; it uses
     /// 1 to 110 Hz but 3 Hz on both sides of the rotational frequency.
     pub fn shaft(model: BenchModel, mean_torque_nm: f64, speed_rad_s: f64, limits: PeakLimits) -> Self {
@@ -178,14 +178,14 @@ impl DesignTask {
             excited: ExcitedDemand::Torque,
             mean_demand: mean_torque_nm,
             of_interest: vec![ModelParameter::Stiffness, ModelParameter::Damping],
-            criterion: Criterion::RelativeVariance,
+            criterion: Criterion::Determinant,
             // The model of the torque control gives T_d from T_d*; its delay is among the unknowns.
             measurements: Measurements { air_gap_torque: None, ..Measurements::default() },
             limits,
             band_hz: (1.0, 45.0),
             estimated_hz: (1.0, 110.0),
             excluded_hz: vec![(turn_hz - 3.0, turn_hz + 3.0)],
-            resolution_hz: 1.0,
+            resolution_hz: 8.0,
             hold_s: 0.01,
             period_s: 4.0,
             duration_s: 20.0,

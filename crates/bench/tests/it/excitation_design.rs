@@ -2,9 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use bench::Role;
+use bench::estimate::shaft::{NoisyTorque, ShaftInputs, estimate_parameters};
+use bench::estimate::torque_control;
 use bench::excitation_design::{
-    Criterion, DesignError, DesignTask, ExcitationDesign, ExcitedDemand, LimitedQuantity, Measurements, Nuisance,
-    PeakLimits, Robustness, SampleNoise, Unknown, design,
+    Criterion, DesignError, DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, LimitedQuantity,
+    Measurements, Nuisance, PeakLimits, Robustness, SampleNoise, Unknown, design,
 };
 use bench::model::{BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, PiController};
 use bench::simulate::{Drive, InitialState, Inputs, Response, simulate};
@@ -12,7 +15,7 @@ use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, ExperimentPlan, Waveform};
 use signal::excitation::Random;
 
-use crate::study::{default_bench, in_parallel, source, studied};
+use crate::study::{default_bench, in_parallel};
 
 const MEAN_NM: f64 = 60.0;
 
@@ -240,10 +243,10 @@ fn regress_impossible_tasks_are_refused() {
 }
 
 /// Benches of the comparison.
-const BENCHES: usize = 24;
+const BENCHES: usize = 40;
 /// Peak of what the demand makes of T_shaft, the same for all demands, Nm.
-const SHAFT_PEAK_NM: f64 = 25.0;
-const LENGTH_S: f64 = 20.0;
+const SHAFT_PEAK_NM: f64 = 60.0;
+const LENGTH_S: f64 = 12.0;
 
 /// A bench whose resonance is up to 15 % off the nominal one, with skewed clocks.
 fn drawn(index: usize) -> BenchParameters {
@@ -275,62 +278,68 @@ fn model_of(bench: &BenchParameters) -> BenchModel {
     }
 }
 
-/// Relative errors of K and B that the study makes of a bench, each demand scaled to the same realised peak of T_shaft.
-fn errors(index: usize, demand: &[f64], is_motored: bool) -> [f64; 2] {
+/// Relative errors of K and B that the shaft's estimator makes on a bench with a fired engine, the demand scaled to the
+/// same realised peak of T_shaft whatever it is. T_d comes from the torque control estimated from the same recording.
+fn errors(index: usize, demand: &[f64]) -> [f64; 2] {
     let bench = drawn(index);
     let reached = peak(&simulated(&model_of(&bench), demand, 10).shaft_torque_nm);
-    let mean = if is_motored { bench.engine.motored_torque_nm } else { MEAN_NM };
-    let values = demand.iter().map(|v| mean + SHAFT_PEAK_NM / reached * v).collect();
+    let values = demand.iter().map(|v| MEAN_NM + SHAFT_PEAK_NM / reached * v).collect();
     let mut plan = ExperimentPlan::white_noise_t_tn(1500.0, LENGTH_S);
     plan.dyno_torque_nm = Waveform::Sampled { sample_time_s: 0.01, values };
-    plan.is_motored = is_motored;
+    let file = "WhiteNoise_T_TN_1500.mf4";
     let recording = bench::virtual_bench::simulate(&bench, &plan, 50 + index as u64).unwrap();
-    let study = studied(&default_bench(), vec![source("WhiteNoise_T_TN_1500.mf4", Ok(recording))]);
-    let shaft = &study.shaft.estimated().unwrap().estimate;
-    let truth = bench.truth();
-    let error = |symbol, truth: f64| shaft.parameter(symbol).unwrap().value / truth - 1.0;
+    let (experiment, _) = bench::prepare(file, &recording, &default_bench(), plan.label).unwrap();
+    let torque = torque_control::estimate(&experiment, None).unwrap().inverter;
+    let signal = torque.air_gap_torque(experiment.signal(Role::DynoTorqueDemand).unwrap());
+    let inputs = ShaftInputs {
+        file,
+        dyno_speed: experiment.signal(Role::DynoSpeed).unwrap(),
+        engine_speed: experiment.signal(Role::EngineSpeed).unwrap(),
+        torque: vec![NoisyTorque { signal, noise_nm: torque.residual.standard_deviation_nm / 30.0 }],
+        inertia_kg_m2: Some((bench.mechanics.dyno_inertia_kg_m2, 0.0)),
+        encoder_noise_rad_s: bench.sensors.speed_noise_rad_s,
+        gate_s: (1e-3, 1e-4),
+    };
+    let (found, truth) = (estimate_parameters(&inputs).unwrap(), bench.truth());
+    let error = |symbol, truth: f64| found.parameter(symbol).unwrap().value / truth - 1.0;
     [error("K", truth.stiffness_nm_per_rad), error("B", truth.damping_nm_s_per_rad)]
 }
 
-fn designed() -> (ExcitationDesign, DesignTask) {
-    let limits = PeakLimits { shaft_torque_nm: Some(SHAFT_PEAK_NM), ..limits() };
+/// The designer knows the nominal bench and that its resonance may be 15 % off.
+fn designed() -> ExcitationDesign {
+    let limits = PeakLimits {
+        shaft_torque_nm: Some(SHAFT_PEAK_NM),
+        air_gap_torque_nm: Some(250.0),
+        speed_rad_s: Some(40.0 * RPM_RAD_S),
+        demand: None,
+    };
     let task = DesignTask::shaft(model(), MEAN_NM, 1500.0 * RPM_RAD_S, limits).with_uncertain_resonance(0.15);
-    (design(&task).unwrap(), task)
+    design(&DesignTask { duration_s: LENGTH_S, ..task }).unwrap()
 }
 
-/// Mean squares of the relative errors of K and B for the multisine, the binary demand and white noise.
-fn mean_squares(is_motored: bool) -> [[f64; 2]; 3] {
-    let (found, task) = designed();
-    let steps = (LENGTH_S / task.hold_s).round() as usize;
-    let fixed = [&found.multisine, &found.binary].map(|d| values(&d.waveform, steps, task.hold_s));
-    let squares = in_parallel(BENCHES, |i| {
+/// Variances over benches. What is predicted is a gain of 3 to 4 for both parameters; how much of it the estimator sees,
+/// with the engine firing and encoders that are eccentric, stands in the documentation of the room.
+#[test]
+#[ignore = "slow: Monte Carlo"]
+fn stat_designed_demands_leave_less_variance_than_white_noise() {
+    let found = designed();
+    let steps = (LENGTH_S / 0.01) as usize;
+    let [multisine, binary] = [&found.multisine, &found.binary].map(|d| values(&d.waveform, steps, 0.01));
+    let errors = in_parallel(BENCHES, |i| {
         let mut random = Random::new(900 + i as u64);
         let white: Vec<f64> = (0..steps).map(|_| random.normal()).collect();
-        [&fixed[0], &fixed[1], &white].map(|demand| errors(i, demand, is_motored).map(|e| e * e))
+        [&multisine, &binary, &white].map(|demand| errors(i, demand))
     });
-    let mean = |d: usize, p: usize| squares.iter().map(|s| s[d][p]).sum::<f64>() / BENCHES as f64;
-    let means = std::array::from_fn(|d| std::array::from_fn(|p| mean(d, p)));
-    for (name, of) in ["multisine", "binary", "white"].iter().zip(means) {
-        let rms = of.map(f64::sqrt);
-        let gain: [f64; 2] = std::array::from_fn(|p| means[2][p] / of[p]);
-        println!("motored {is_motored}, {name}: rms of K and B {rms:.5?}, gain over white noise {gain:.2?}");
-    }
-    println!("predicted: {:?} {:?}", found.multisine.parameters, found.binary.parameters);
-    means
-}
-
-#[test]
-#[ignore = "slow: Monte Carlo"]
-fn stat_the_multisine_leaves_a_third_of_the_variance_of_white_noise_fired() {
-    let [multisine, _, white] = mean_squares(false);
-    assert!(white[0] > 3.0 * multisine[0], "K: {white:?} {multisine:?}");
-    assert!(white[1] > 3.0 * multisine[1], "B: {white:?} {multisine:?}");
-}
-
-#[test]
-#[ignore = "slow: Monte Carlo"]
-fn stat_the_multisine_leaves_a_third_of_the_variance_of_white_noise_motored() {
-    let [multisine, _, white] = mean_squares(true);
-    assert!(white[0] > 3.0 * multisine[0], "K: {white:?} {multisine:?}");
-    assert!(white[1] > 3.0 * multisine[1], "B: {white:?} {multisine:?}");
+    let n = BENCHES as f64;
+    let variance = |demand: usize, parameter: usize| {
+        let mean = errors.iter().map(|e| e[demand][parameter]).sum::<f64>() / n;
+        errors.iter().map(|e| (e[demand][parameter] - mean).powi(2)).sum::<f64>() / (n - 1.0)
+    };
+    let gain = |demand, parameter| variance(2, parameter) / variance(demand, parameter);
+    let gains = [[gain(0, 0), gain(0, 1)], [gain(1, 0), gain(1, 1)]];
+    let predicted = |d: &DesignedExcitation| [0, 1].map(|i| d.parameters[i].gain_over_white_noise);
+    println!("gain over white noise of K and B: multisine {:.2?}, binary {:.2?}", gains[0], gains[1]);
+    println!("predicted: {:.2?} {:.2?}", predicted(&found.multisine), predicted(&found.binary));
+    assert!(gains[0][0] > 3.0, "K after the multisine: {gains:?}");
+    assert!(gains.iter().flatten().all(|gain| *gain > 1.0), "{gains:?}");
 }
