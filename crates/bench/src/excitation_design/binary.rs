@@ -31,10 +31,10 @@ pub(super) fn search(
 ) -> Result<HeldDemand, DesignError> {
     let mut best: Option<Candidate> = None;
     for high in candidates(task, wanted)? {
-        if let Some(candidate) = judged(task, trials, &high)? {
-            if best.as_ref().is_none_or(|b| candidate.value < b.value) {
-                best = Some(candidate);
-            }
+        if let Some(candidate) = judged(task, trials, &high)?
+            && best.as_ref().is_none_or(|b| candidate.value < b.value)
+        {
+            best = Some(candidate);
         }
     }
     let Some(mut best) = best else {
@@ -43,10 +43,10 @@ pub(super) fn search(
     let mut random = Random::new(1);
     for _ in 0..CHANGES {
         let high = changed(&best.demand, &mut random);
-        if let Some(candidate) = judged(task, trials, &high)? {
-            if candidate.value < best.value {
-                best = candidate;
-            }
+        if let Some(candidate) = judged(task, trials, &high)?
+            && candidate.value < best.value
+        {
+            best = candidate;
         }
     }
     Ok(best.demand)

@@ -224,7 +224,7 @@ pub fn design(task: &DesignTask) -> Result<ExcitationDesign, DesignError> {
     let period = HeldDemand::of_lines(steps, &spectrum.harmonics, amplitudes, &phases)?;
     let Some(nominal) = task.models.first() else { return Err(DesignError::Task { requirement: "a model is needed" }) };
     let start = period.quietest_step(task, nominal)?;
-    let (demand, factor) = at_the_limit(task, period.from_step(start))?;
+    let (demand, factor) = at_the_limit(task, period.started_at(start))?;
     let turned = |(k, phase): (&usize, &f64)| phase + std::f64::consts::TAU * (*k * start) as f64 / steps as f64;
     let phases: Vec<f64> = spectrum.harmonics.iter().zip(&phases).map(turned).collect();
     let spectral: Vec<SpectralLine> = (spectrum.harmonics.iter().zip(amplitudes))
@@ -239,7 +239,7 @@ pub fn design(task: &DesignTask) -> Result<ExcitationDesign, DesignError> {
     let multisine = described(task, &mut trials, &demand, waveform, &white)?;
     let binary = binary::search(task, &mut trials, &demand)?;
     let start = binary.quietest_step(task, nominal)?;
-    let (binary, _) = at_the_limit(task, binary.from_step(start))?;
+    let (binary, _) = at_the_limit(task, binary.started_at(start))?;
     let waveform = sampled(task, &binary);
     let binary = described(task, &mut trials, &binary, waveform, &white)?;
     Ok(ExcitationDesign { multisine, binary, spectrum: spectral, duality_gap: spectrum.gap, rounds: spectrum.rounds })

@@ -175,3 +175,44 @@ impl Neighbours {
         self.around.iter().map(derivative).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation_design::PeakLimits;
+    use crate::model::{InverterModel, ModelParameter};
+
+    /// ∂/∂K and ∂/∂B of T_d → T_shaft = (K + Bs)/J_d/D, D = s² + (K + Bs)μ, are s²/J_d/D² and s³/J_d/D².
+    #[test]
+    fn exact_differences_are_the_derivatives() -> Result<(), &'static str> {
+        let mechanics = Mechanics {
+            dyno_inertia_kg_m2: 0.6,
+            engine_inertia_kg_m2: 0.28,
+            stiffness_nm_per_rad: 2437.7,
+            damping_nm_s_per_rad: 5.8,
+        };
+        let model = BenchModel {
+            mechanics,
+            speed_controller: None,
+            feed_forward: None,
+            inverter: Some(InverterModel { delay_s: 1e-3, bandwidth_rad_s: Some(500.0) }),
+            torque_limit_nm: None,
+            encoder_gate_s: 1e-3,
+        };
+        let task = DesignTask::shaft(model.clone(), 0.0, 100.0, PeakLimits::default());
+        let unknowns = [Unknown::Model(ModelParameter::Stiffness), Unknown::Model(ModelParameter::Damping)];
+        let neighbours = Neighbours::new(&model, &unknowns);
+        for omega in [10.0, 113.0, 400.0] {
+            let found = neighbours.derivatives(&task, omega).ok_or("an inverter")?;
+            let torque = by_demand(&model, task.excited, task.hold_s, omega).ok_or("an inverter")?.air_gap;
+            let s = Complex64::new(0.0, omega);
+            let (k, b) = (mechanics.stiffness_nm_per_rad, mechanics.damping_nm_s_per_rad);
+            let denominator = s * s + (s * b + k) * mechanics.mobility();
+            let by_stiffness = s * s / mechanics.dyno_inertia_kg_m2 / (denominator * denominator) * torque;
+            for (found, exact) in found.iter().zip([by_stiffness * k, by_stiffness * s * b]) {
+                assert!((found[2] - exact).norm() < 1e-9 * exact.norm(), "{omega}: {} {exact}", found[2]);
+            }
+        }
+        Ok(())
+    }
+}

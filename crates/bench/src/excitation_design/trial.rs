@@ -134,7 +134,7 @@ impl HeldDemand {
     }
 
     /// The same period from another step on.
-    pub(super) fn from_step(mut self, step: usize) -> Self {
+    pub(super) fn started_at(mut self, step: usize) -> Self {
         self.values.rotate_left(step);
         self
     }
