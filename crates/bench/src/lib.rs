@@ -15,6 +15,7 @@ pub mod channels;
 pub mod dataset;
 pub mod diagnostics;
 pub mod estimate;
+pub mod excitation_design;
 pub mod experiment;
 pub mod model;
 pub mod prediction;

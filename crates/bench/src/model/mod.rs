@@ -12,6 +12,7 @@ mod uncertainty;
 use serde::{Deserialize, Serialize};
 
 pub use assemble::{StudyParts, assemble};
+pub(crate) use linear::mean_over;
 pub use parameter::ModelParameter;
 pub use resonance::Resonance;
 pub use uncertainty::{Derived, ModelUncertainty, PartCovariance, UncertaintyError};

@@ -9,6 +9,7 @@ mod bench_file;
 mod channels;
 mod dataset;
 mod experiment;
+mod excitation_design;
 mod model;
 mod prediction;
 mod prepare;

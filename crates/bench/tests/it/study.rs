@@ -43,7 +43,7 @@ fn campaign(bench: &BenchFile, sources: Vec<Source>) -> Campaign<'_> {
     Campaign { bench, bench_file: ("bench.toml", "as written"), sources, seed: Some(3) }
 }
 
-fn default_bench() -> BenchFile {
+pub(crate) fn default_bench() -> BenchFile {
     bench_file("0.6", "0.28", "400 Nm", BENCH_A)
 }
 
@@ -78,12 +78,12 @@ fn sources(wanted: impl Fn(&str) -> bool) -> Vec<Source> {
     recorded().iter().filter(|(file, _)| wanted(file)).map(|(file, r)| source(file, Ok(r.clone()))).collect()
 }
 
-fn source(file: &str, recording: Result<Recording, RecordingError>) -> Source {
+pub(crate) fn source(file: &str, recording: Result<Recording, RecordingError>) -> Source {
     Source { file: file.to_owned(), sha256: format!("hash of {file}"), recording }
 }
 
 /// What `work` makes of 0, 1, … on two threads, in order.
-fn in_parallel<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
+pub(crate) fn in_parallel<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let worker = || {
         let indices = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed)).take_while(|i| *i < count);
