@@ -11,6 +11,9 @@ use crate::IdentError;
 const DEPTH: usize = 48;
 /// Most operands that wait for their operator.
 const STACK: usize = 64;
+
+/// Characters of a formula that a message shows, at most.
+const SHOWN: usize = 80;
 /// Names that mean something else than a parameter.
 const RESERVED: [&str; 3] = ["pi", "sqrt", "exp"];
 
@@ -224,7 +227,7 @@ impl Parser<'_> {
 
     fn expected<T>(&self, expected: &'static str) -> Result<T, IdentError> {
         let position = self.text[..self.at].chars().count() + 1;
-        Err(IdentError::Formula { formula: self.text.to_owned(), position, expected })
+        Err(IdentError::Formula { formula: shown(self.text, position), position, expected })
     }
 
     fn then(&mut self, step: Step) -> Result<(), IdentError> {
@@ -350,4 +353,16 @@ impl Parser<'_> {
             }
         }
     }
+}
+
+/// A formula, or of a long one what stands around a character.
+fn shown(text: &str, position: usize) -> String {
+    let characters: Vec<char> = text.chars().collect();
+    if characters.len() <= SHOWN {
+        return text.to_owned();
+    }
+    let first = position.saturating_sub(SHOWN / 2).min(characters.len() - SHOWN);
+    let last = first + SHOWN;
+    let (before, after) = (if first > 0 { "…" } else { "" }, if last < characters.len() { "…" } else { "" });
+    format!("{before}{}{after}", characters[first..last].iter().collect::<String>())
 }

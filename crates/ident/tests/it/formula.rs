@@ -246,3 +246,10 @@ fn regress_faults_of_a_structure_are_named() {
     let shape = StructureFault::Shape { expected: (1, 1), found: (0, 1) };
     assert_eq!(found, IdentError::FormulaStructure { place: "A".into(), fault: shape });
 }
+
+#[test]
+fn regress_messages_show_a_part_of_long_formulas() {
+    let long = format!("{}1", "(".repeat(100_000));
+    let message = long.parse::<Formula>().unwrap_err().to_string();
+    assert!(message.len() < 400, "{}", message.len());
+}

@@ -112,7 +112,7 @@ pub(super) fn fixed(model: &AnyModel) -> Vec<usize> {
 }
 
 /// Quantities that the structure says follow from the parameters: their names and values; none where it says nothing.
-fn derived(fit: &Fit<AnyModel>) -> Result<Option<(Vec<String>, Derived)>, IdentError> {
+fn derived(fit: &Fit<AnyModel>) -> Result<Option<(Vec<String>, Derived)>, String> {
     let of = |model: &AnyModel| match model {
         AnyModel::GreyBox(model) => model.derived(),
         _ => Vec::new(),
@@ -121,7 +121,13 @@ fn derived(fit: &Fit<AnyModel>) -> Result<Option<(Vec<String>, Derived)>, IdentE
     if names.is_empty() {
         return Ok(None);
     }
-    Ok(Some((names, fit.derive(|model| Ok(of(model).into_iter().map(|(_, value)| value).collect()))?)))
+    match fit.derive(|model| Ok(of(model).into_iter().map(|(_, value)| value).collect())) {
+        Ok(found) => Ok(Some((names, found))),
+        Err(IdentError::NotFinite { index, .. }) if index < names.len() => {
+            Err(format!("{} has no finite value at these parameters", names[index]))
+        }
+        Err(other) => Err(other.to_string()),
+    }
 }
 
 /// The derived quantities as a table, where there are any.
