@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::quantity::{self, Quantity};
 use super::sines::{self, Ladder};
-use crate::model::BenchModel;
+use super::spread::Drawn;
 use crate::prediction::{PredictionError, PredictionInputs, predict};
 
 /// What one bench did.
@@ -20,12 +20,12 @@ pub(super) struct Outcome {
 /// The outcomes of all benches, in their order.
 pub(super) fn outcomes(
     inputs: &PredictionInputs<'_>,
-    benches: &[BenchModel],
+    benches: &[Drawn],
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<Outcome>, PredictionError> {
     let done = AtomicU64::new(0);
-    let run = |bench: &BenchModel| {
-        let outcome = outcome(&PredictionInputs { model: bench, ..*inputs });
+    let run = |bench: &Drawn| {
+        let outcome = outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
         told(done.fetch_add(1, Ordering::Relaxed) + 1, benches.len() as u64);
         outcome
     };

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::quantity::{demand_samples, largest, reaches, slew};
 use super::run::{self, Outcome};
+use super::spread::Drawn;
 use super::{ALLOWED, Proportion, Quantity};
 use crate::ControlMode;
 use crate::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S, Waveform};
@@ -163,7 +164,7 @@ fn allowed_of(inputs: &PredictionInputs<'_>, ladder: &Ladder<'_>, prediction: &P
 /// that the test as a whole is safe.
 pub(super) fn propose(
     inputs: &PredictionInputs<'_>,
-    benches: &[BenchModel],
+    benches: &[Drawn],
     outcomes: &[Outcome],
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Option<Proposal>, PredictionError> {

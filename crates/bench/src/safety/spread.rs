@@ -4,7 +4,23 @@ use serde::Serialize;
 
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::random::Random;
+use crate::virtual_bench::EngineParameters;
 use signal::distributions::normal_quantile;
+
+/// A bench that could be the one at hand.
+pub(super) struct Drawn {
+    pub(super) model: BenchModel,
+    pub(super) engine: EngineParameters,
+}
+
+/// The engine with a share of its speed control's bandwidth, at the same damping: K_p by the share, K_i by its square.
+pub(super) fn slowed(engine: &EngineParameters, share: f64) -> EngineParameters {
+    EngineParameters {
+        speed_control_proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad * share,
+        speed_control_integral_nm_per_rad: engine.speed_control_integral_nm_per_rad * share * share,
+        ..engine.clone()
+    }
+}
 
 /// How the benches drawn differ from the nominal one.
 #[derive(Debug, Clone, Copy)]

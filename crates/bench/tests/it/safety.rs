@@ -6,13 +6,18 @@ use bench::model::{ModelParameter, ModelUncertainty, PartCovariance};
 use bench::prediction::PredictionInputs;
 use bench::safety::{BenchSpread, Checked, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check};
 use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, MechanicsParameters, TorqueTarget};
+use bench::virtual_bench::{BenchParameters, EngineParameters, MechanicsParameters, TorqueTarget};
 use signal::distributions::{chi_squared_tail, normal_quantile};
 
-/// A bench with a sharp resonance near 18 Hz.
+/// A bench with a sharp resonance near 18 Hz, and an engine whose speed control does not damp it.
 fn sharp() -> BenchParameters {
     let mechanics = MechanicsParameters { shaft_damping_nm_s_per_rad: 2.0, ..BenchParameters::default().mechanics };
-    BenchParameters { mechanics, ..BenchParameters::default() }
+    let engine = EngineParameters {
+        speed_control_proportional_nm_s_per_rad: 0.1,
+        speed_control_integral_nm_per_rad: 0.02,
+        ..BenchParameters::default().engine
+    };
+    BenchParameters { mechanics, engine, ..BenchParameters::default() }
 }
 
 const EXACT: Prior = Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 };
@@ -39,7 +44,8 @@ impl Case<'_> {
             engine: &parameters.engine,
             limits: self.limits,
         };
-        let inputs = SafetyInputs { prediction, spread: self.spread, samples: self.samples, seed };
+        let inputs =
+            SafetyInputs { prediction, spread: self.spread, slowest_engine_control: 1.0, samples: self.samples, seed };
         check(&inputs, &|_, _| ()).unwrap()
     }
 }
@@ -211,7 +217,13 @@ fn regress_control_of_the_shaft_torque_is_refused() {
     let (model, limits) = (parameters.linear_model(), Limits::default());
     let prediction =
         PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &parameters.engine, limits };
-    let inputs = SafetyInputs { prediction, spread: BenchSpread::Prior(Prior::default()), samples: 3, seed: 1 };
+    let inputs = SafetyInputs {
+        prediction,
+        spread: BenchSpread::Prior(Prior::default()),
+        slowest_engine_control: 1.0,
+        samples: 3,
+        seed: 1,
+    };
     assert!(check(&inputs, &|_, _| ()).is_err());
     assert!(check(&SafetyInputs { samples: 0, ..inputs }, &|_, _| ()).is_err());
 }

@@ -94,7 +94,7 @@ Examples:
   dynoid experiment check bench.toml cycle.csv --model study/study.json --samples 1000
   dynoid experiment check bench.toml BS_T_NT --quiet && echo safe
 
-Many benches are drawn that could be this one, and the experiment is predicted on each. With --model they follow the covariance of the study's estimates; without, the resonance is known within ±20 %, the damping within ±50 % and the engine's inertia within ±10 % of what the bench file states (95 % ranges of log-normal distributions).
+Many benches are drawn that could be this one, and the experiment is predicted on each. With --model they follow the covariance of the study's estimates; without, the resonance is known within ±20 %, the damping within ±50 % and the engine's inertia within ±10 % of what the bench file states (95 % ranges of log-normal distributions). The speed control of an engine of which [virtual_bench] says nothing has between a tenth of the assumed bandwidth and all of it: the slower it is, the less it damps the resonance.
 
 A limit of [limits] is safe where at most 5 % of the benches reach it and the 95 % interval of that probability ends below 5 % too; risky where only the interval reaches beyond; unsafe otherwise. What is not stated is not checked. For a sine test of T_d* the largest safe amplitude at each frequency is proposed.
 

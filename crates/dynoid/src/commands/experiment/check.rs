@@ -1,10 +1,13 @@
 //! `dynoid experiment check`: whether an experiment is safe.
 
+use bench::ControlMode;
 use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use bench::prediction::PredictionInputs;
 use bench::safety::{
-    BenchSpread, Checked, Prior, Proportion, Proposal, Quantity, SafeSine, Safety, SafetyCheck, SafetyInputs, check,
+    ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proportion, Proposal, Quantity, SafeSine, Safety, SafetyCheck,
+    SafetyInputs, check,
 };
+use bench::virtual_bench::Assumption;
 use report::wording::{self, number};
 use serde_json::json;
 
@@ -51,7 +54,9 @@ fn checked(
         None => BenchSpread::Prior(Prior::default()),
     };
     let samples = arguments.samples as usize;
-    let inputs = SafetyInputs { prediction, spread, samples, seed: arguments.plan.seed() };
+    let slowest_engine_control =
+        if bench.stated.assumptions.contains(&Assumption::Engine) { ASSUMED_ENGINE } else { 1.0 };
+    let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples, seed: arguments.plan.seed() };
     let progress = terminal.long("running the experiment on benches");
     check(&inputs, &|done, all| progress.told(done, all)).map_err(|error| not_checkable(error.to_string()))
 }
@@ -63,6 +68,10 @@ fn print(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, terminal: 
     terminal.gap();
     let drawn = checked.unstable.of;
     terminal.paragraph(&format!("{drawn} benches drawn: {}.", spread_words(bench)));
+    if plan.label.mode == ControlMode::Tn && bench.stated.assumed_for(plan).contains(&Assumption::Engine) {
+        terminal
+            .paragraph("The engine's speed control is drawn between a tenth of the assumed bandwidth and all of it.");
+    }
     if checked.safety == Safety::NotChecked {
         terminal
             .item(("not checked:", Style::Caution), "the bench file states no limit that bears on this; add [limits]");
