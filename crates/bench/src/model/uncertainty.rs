@@ -105,11 +105,10 @@ impl ModelUncertainty {
                 let normal: Vec<f64> = parameters.iter().map(|_| random.normal()).collect();
                 let spread = student_scale(random, *degrees_of_freedom);
                 let steps = factor.iter().map(|row| spread * row.iter().zip(&normal).map(|(l, z)| l * z).sum::<f64>());
-                let drawn = parameters.iter().zip(steps).try_fold(model.clone(), |drawn, (parameter, step)| {
+                parameters.iter().zip(steps).try_fold(model.clone(), |drawn, (parameter, step)| {
                     let value = model.value(*parameter).unwrap_or(0.0) + step;
                     parameter.can_be(value).then(|| drawn.with(*parameter, value))
-                });
-                drawn
+                })
             })
         })
     }

@@ -5,9 +5,8 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use super::sines::Ladder;
-use crate::ControlMode;
 use crate::bench_file::Limits;
-use crate::experiment::{DEMAND_HOLD_S, ExperimentPlan, UPDATE_S};
+use crate::experiment::{DEMAND_HOLD_S, ExperimentPlan};
 use crate::model::{BenchModel, Engine};
 use crate::prediction::{Prediction, PredictionInputs};
 
@@ -24,8 +23,7 @@ pub enum Quantity {
     ShaftTorqueSlew,
     /// Largest |T_d*|, Nm, held by the inverter's limit.
     TorqueDemand,
-    /// Largest change of T_d* from one update to the next over the time between, Nm/s: updates come every 10 ms in torque
-    /// control (from the automation system), and from the speed controller whenever it runs.
+    /// Largest change of T_d* within 10 ms over that time, Nm/s: how often it is updated does not matter.
     TorqueSlew,
     /// Largest |N_d| or |N_e|, rad/s.
     Speed,
@@ -104,7 +102,7 @@ pub(super) fn values(
     set(Quantity::ShaftTorque, largest(&response.shaft_torque_nm));
     set(Quantity::ShaftTorqueSlew, slew(&response.shaft_torque_nm, 1, step_s));
     set(Quantity::TorqueDemand, largest(&response.torque_demand_nm));
-    set(Quantity::TorqueSlew, slew(&response.torque_demand_nm, demand_samples(inputs.plan), step_s));
+    set(Quantity::TorqueSlew, slew(&response.torque_demand_nm, demand_samples(step_s), step_s));
     set(Quantity::Speed, speeds().fold(0.0, f64::max));
     set(Quantity::LowestSpeed, speeds().fold(f64::INFINITY, f64::min));
     set(Quantity::LimitedShare, response.limited_share);
@@ -123,22 +121,22 @@ pub(super) fn unbounded() -> [f64; Quantity::COUNT] {
     values
 }
 
-/// Samples from one update of T_d* to the next.
-pub(super) fn demand_samples(plan: &ExperimentPlan) -> usize {
-    match plan.label.mode {
-        ControlMode::Tn => (DEMAND_HOLD_S / UPDATE_S).round() as usize,
-        ControlMode::Nt => 1,
-    }
+/// Samples within which changes of T_d* count together: those between two demands of the automation system.
+pub(super) fn demand_samples(step_s: f64) -> usize {
+    ((DEMAND_HOLD_S / step_s).round() as usize).max(1)
 }
 
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// The largest change over `apart` samples, per s.
+/// The largest change between values at most `apart` samples from each other, over the time of `apart`, per s.
 pub(super) fn slew(values: &[f64], apart: usize, step_s: f64) -> f64 {
-    let changes = values.iter().zip(values.iter().skip(apart)).map(|(before, after)| (after - before).abs());
-    changes.fold(0.0, f64::max) / (apart as f64 * step_s)
+    let change = |apart: usize| {
+        let pairs = values.iter().zip(values.iter().skip(apart));
+        pairs.fold(0.0_f64, |most, (before, after)| most.max((after - before).abs()))
+    };
+    (1..=apart).map(change).fold(0.0, f64::max) / (apart as f64 * step_s)
 }
 
 fn longest_at_resonance(inputs: &PredictionInputs<'_>, bench: &BenchModel, prediction: &Prediction) -> f64 {

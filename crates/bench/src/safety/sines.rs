@@ -67,7 +67,7 @@ impl<'a> Ladder<'a> {
             amplitude_nm: amplitude.abs(),
             mean_nm: *mean,
             dwell_s: *dwell_s,
-            hold: demand_samples(plan),
+            hold: demand_samples(UPDATE_S),
         })
     }
 
@@ -130,7 +130,7 @@ pub(super) fn allowed_nm(
 
 fn allowed_of(inputs: &PredictionInputs<'_>, ladder: &Ladder<'_>, prediction: &Prediction) -> Vec<f64> {
     let (response, limits) = (&prediction.response, &inputs.limits);
-    let hold = demand_samples(inputs.plan);
+    let hold = demand_samples(prediction.sample_time_s);
     let peaks = [
         (&response.shaft_torque_nm, limits.shaft_torque_nm),
         (&response.torque_demand_nm, limits.torque_nm),

@@ -13,8 +13,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  done, with a verdict that is not good: a study whose data are insufficient for a model, or an experiment that was
-     checked and is not safe
+  1  done, but the verdict is bad: data insufficient for a model, or an experiment not safe
   2  the command line is wrong
   3  an input cannot be read or understood
   4  an output cannot be written

@@ -113,9 +113,9 @@ fn limits(checked: &SafetyCheck) -> Table {
     let mut table = Table::new(&[
         ("", Align::Left),
         ("median", Align::Right),
-        ("1 bench in 20 beyond", Align::Right),
+        ("1 in 20 beyond", Align::Right),
         ("limit", Align::Right),
-        ("reached with probability (95 % interval)", Align::Left),
+        ("reached (95 % interval)", Align::Left),
         ("", Align::Left),
     ]);
     for one in &checked.checked {
@@ -172,7 +172,7 @@ fn propose(proposal: &Proposal, terminal: &mut Terminal) {
         ("sine", Align::Right),
         ("planned", Align::Right),
         ("safe amplitude", Align::Right),
-        ("a limit is reached as planned", Align::Left),
+        ("as planned, reaches a limit (95 % interval)", Align::Left),
     ]);
     for sine in &too_large {
         table.row([
