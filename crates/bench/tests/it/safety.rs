@@ -59,9 +59,9 @@ fn shaft_limit(limit_nm: f64) -> Limits {
 }
 
 fn sine(amplitude: f64) -> ExperimentPlan {
-    let mut plan = ExperimentPlan::sine_t_tn(1200.0, 40.0);
+    let mut plan = ExperimentPlan::sine_t_tn(1200.0, 20.0);
     let frequencies_hz = (1..=20).map(f64::from).collect();
-    plan.dyno_torque_nm = Waveform::SineLadder { mean: 60.0, amplitude, frequencies_hz, dwell_s: 2.0 };
+    plan.dyno_torque_nm = Waveform::SineLadder { mean: 60.0, amplitude, frequencies_hz, dwell_s: 1.0 };
     plan
 }
 
@@ -91,7 +91,7 @@ fn exact_a_sine_test_trips_near_the_resonance_alone() {
 fn prop_proposed_amplitudes_pass_the_check() {
     let plan = sine(30.0);
     let limits = Limits { speed_rad_s: Some(2000.0 * RPM_RAD_S), ..shaft_limit(140.0) };
-    let case = Case { plan: &plan, limits, spread: BenchSpread::Prior(Prior::default()), samples: 100 };
+    let case = Case { plan: &plan, limits, spread: BenchSpread::Prior(Prior::default()), samples: 80 };
     let checked = case.check();
     assert_eq!(checked.safety, Safety::Unsafe);
     let sines = checked.sines.unwrap();
