@@ -176,6 +176,25 @@ fn normal_cdf(z: f64) -> f64 {
 }
 
 #[test]
+fn prop_an_engine_of_slow_speed_control_damps_less() {
+    let plan = sine(20.0);
+    let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), sharp().linear_model());
+    let engine = BenchParameters::default().engine;
+    let limits = shaft_limit(140.0);
+    let prediction = PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, limits };
+    let peak = |slowest_engine_control: f64| {
+        let spread = BenchSpread::Prior(EXACT);
+        let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples: 20, seed: 3 };
+        let checked = check(&inputs, &|_, _| ()).unwrap();
+        let shaft = of(&checked, Quantity::ShaftTorque);
+        (shaft.quantile(0.0), shaft.worst)
+    };
+    let (stated, slower) = (peak(1.0), peak(0.1));
+    assert!((stated.1 - stated.0).abs() < 1e-9, "{stated:?}");
+    assert!(slower.0 > stated.0 - 1e-9 && slower.1 > 1.1 * stated.1, "{slower:?} against {stated:?}");
+}
+
+#[test]
 fn prop_a_study_narrows_what_the_prior_leaves_open() {
     let plan = sine(8.0);
     let stiffness = sharp().linear_model().mechanics.stiffness_nm_per_rad;
