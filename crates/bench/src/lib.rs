@@ -23,6 +23,7 @@ pub mod prepare;
 mod random;
 pub mod replay;
 pub mod role;
+pub mod safety;
 pub mod simulate;
 pub mod study;
 pub mod units;

@@ -24,6 +24,7 @@ pub(crate) enum Source {
     EngineEdges = 14,
     DynoSlits = 15,
     EngineSlits = 16,
+    Safety = 17,
 }
 
 /// Uniform and normal numbers from one ChaCha stream.

@@ -21,6 +21,8 @@ pub(crate) enum Outcome {
     Done,
     /// The study is there, and says that the data are insufficient for a model.
     Insufficient,
+    /// An experiment was checked, and is not known to be safe.
+    NotSafe,
     /// The command went on past inputs that cannot be read; each was named.
     SomeUnreadable,
 }
@@ -29,7 +31,7 @@ impl Outcome {
     pub(crate) fn code(self) -> u8 {
         match self {
             Outcome::Done => 0,
-            Outcome::Insufficient => 1,
+            Outcome::Insufficient | Outcome::NotSafe => 1,
             Outcome::SomeUnreadable => INPUT,
         }
     }
@@ -150,6 +152,9 @@ pub(crate) enum CliError {
     /// A file that holds no bench model.
     #[error("{}: {source}", .path.display())]
     StudyModel { path: PathBuf, source: report::StudyModelError },
+    /// An experiment that cannot be checked.
+    #[error("{}: the experiment cannot be checked: {reason}", .path.display())]
+    NotCheckable { path: PathBuf, reason: String },
     /// A bench that cannot be simulated.
     #[error("{}: {source}", .path.display())]
     VirtualBench { path: PathBuf, source: bench::virtual_bench::VirtualBenchError },

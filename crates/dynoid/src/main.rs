@@ -51,6 +51,9 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         Command::Experiment { command: ExperimentCommand::Design(arguments) } => {
             commands::experiment::design::run(arguments, terminal)
         }
+        Command::Experiment { command: ExperimentCommand::Check(arguments) } => {
+            commands::experiment::check::run(arguments, terminal)
+        }
         Command::Init(arguments) => commands::init::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
         Command::Fit { command } => identify::fit::run(command, terminal),

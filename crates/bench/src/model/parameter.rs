@@ -32,6 +32,25 @@ pub enum ModelParameter {
     InverterBandwidth,
 }
 
+impl ModelParameter {
+    /// Whether a bench can have this value: gains are free, all else has a sign.
+    pub(super) fn can_be(self, value: f64) -> bool {
+        match self {
+            ModelParameter::Proportional
+            | ModelParameter::Integral
+            | ModelParameter::SpeedFeedForward
+            | ModelParameter::AccelerationFeedForward => value.is_finite(),
+            ModelParameter::DynoInertia
+            | ModelParameter::EngineInertia
+            | ModelParameter::Stiffness
+            | ModelParameter::InverterBandwidth => value.is_finite() && value > 0.0,
+            ModelParameter::Damping | ModelParameter::ControllerDelay | ModelParameter::InverterDelay => {
+                value.is_finite() && value >= 0.0
+            }
+        }
+    }
+}
+
 impl BenchModel {
     /// A parameter's value; `None` where the model lacks the part.
     pub fn value(&self, parameter: ModelParameter) -> Option<f64> {

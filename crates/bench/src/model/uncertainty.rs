@@ -2,10 +2,17 @@
 
 use faer::Mat;
 use serde::{Deserialize, Deserializer, Serialize};
+use signal::distributions::chi_squared_quantile;
 
 use super::{BenchModel, ModelParameter};
 use crate::estimate::Label;
+use crate::random::Random;
 use crate::study::Parameter;
+
+/// Draws after which a model is given up that hardly ever gives a possible bench.
+const MOST_DRAWS: usize = 1000;
+/// Pivots of a correlation matrix below this are rounding.
+const SMALLEST_PIVOT: f64 = 1e-14;
 
 /// Covariance of the parameters of one part of the model, SI.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -87,6 +94,57 @@ impl ModelUncertainty {
         let degrees_of_freedom = if weighted > 0.0 { total * total / weighted } else { f64::INFINITY };
         Derived { value: function(model), standard_error: total.sqrt(), degrees_of_freedom }
     }
+
+    /// A model drawn from this uncertainty: each part from a multivariate Student t with its covariance as scale and its
+    /// degrees of freedom. A draw that no bench can have (a stiffness or bandwidth of zero or below, a negative damping,
+    /// inertia or delay) is drawn again; `None` where nearly all are such.
+    pub(crate) fn draw(&self, model: &BenchModel, random: &mut Random) -> Option<BenchModel> {
+        self.parts.iter().try_fold(model.clone(), |model, (parameters, covariance, degrees_of_freedom)| {
+            let factor = cholesky(covariance);
+            (0..MOST_DRAWS).find_map(|_| {
+                let normal: Vec<f64> = parameters.iter().map(|_| random.normal()).collect();
+                let spread = student_scale(random, *degrees_of_freedom);
+                let steps = factor.iter().map(|row| spread * row.iter().zip(&normal).map(|(l, z)| l * z).sum::<f64>());
+                parameters.iter().zip(steps).try_fold(model.clone(), |drawn, (parameter, step)| {
+                    let value = model.value(*parameter).unwrap_or(0.0) + step;
+                    parameter.can_be(value).then(|| drawn.with(*parameter, value))
+                })
+            })
+        })
+    }
+}
+
+/// √(ν/χ²_ν), by which normal draws become those of Student's t; 1 where ν is no finite number above zero.
+fn student_scale(random: &mut Random, degrees_of_freedom: f64) -> f64 {
+    if !degrees_of_freedom.is_finite() || degrees_of_freedom <= 0.0 {
+        return 1.0;
+    }
+    let chi_squared = chi_squared_quantile(1.0 - random.uniform(), degrees_of_freedom);
+    (degrees_of_freedom / chi_squared).sqrt()
+}
+
+/// L with L Lᵀ = P, of the scaled matrix; a direction without variance gets zeros.
+fn cholesky(covariance: &Mat<f64>) -> Vec<Vec<f64>> {
+    let n = covariance.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
+    let mut lower = vec![vec![0.0; n]; n];
+    for j in 0..n {
+        for i in j..n {
+            let product = scale[i] * scale[j];
+            let entry = if product > 0.0 { covariance[(i, j)] / product } else { 0.0 };
+            let rest = entry - (0..j).map(|k| lower[i][k] * lower[j][k]).sum::<f64>();
+            let pivot: f64 = lower[j][j];
+            lower[i][j] = match (i == j, rest > SMALLEST_PIVOT, pivot > 0.0) {
+                (true, true, _) => rest.sqrt(),
+                (false, _, true) => rest / pivot,
+                _ => 0.0,
+            };
+        }
+    }
+    for (row, scale) in lower.iter_mut().zip(&scale) {
+        row.iter_mut().for_each(|entry| *entry *= scale);
+    }
+    lower
 }
 
 impl TryFrom<Vec<PartCovariance>> for ModelUncertainty {

@@ -15,6 +15,7 @@ mod prediction;
 mod prepare;
 mod recorded;
 mod replay;
+mod safety;
 mod shaft;
 mod speed_controller;
 mod study;

@@ -13,6 +13,8 @@ pub(crate) enum ExperimentCommand {
     List(ListArguments),
     /// Writes the demands of an experiment, draws them, and predicts what the bench will do
     Design(DesignArguments),
+    /// Checks whether an experiment is safe on a bench that is not known exactly
+    Check(CheckArguments),
 }
 
 #[derive(Debug, Args)]
@@ -81,6 +83,34 @@ pub(crate) struct DesignArguments {
     /// Folder to write to; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "experiments")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid experiment check bench.toml Sine_T_TN --set amplitude=20
+  dynoid experiment check bench.toml cycle.csv --model study/study.json --samples 1000
+  dynoid experiment check bench.toml BS_T_NT --quiet && echo safe
+
+Many benches are drawn that could be this one, and the experiment is predicted on each. With --model they follow the covariance of the study's estimates; without, the resonance is known within ±20 %, the damping within ±50 % and the engine's inertia within ±10 % of what the bench file states (95 % ranges of log-normal distributions). The speed control of an engine of which [virtual_bench] says nothing has between a tenth of the assumed bandwidth and all of it: the slower it is, the less it damps the resonance.
+
+A limit of [limits] is safe where at most 5 % of the benches reach it and the 95 % interval of that probability ends below 5 % too; risky where only the interval reaches beyond; unsafe otherwise. What is not stated is not checked. For a sine test of T_d* the largest safe amplitude at each frequency is proposed.
+
+The exit code is 0 where all limits stated are safe, and 1 otherwise, also where none is stated. Firing pulses are no part of the prediction: leave room for them.")]
+pub(crate) struct CheckArguments {
+    /// The bench file
+    #[arg(value_name = "BENCH.toml")]
+    pub(crate) bench: PathBuf,
+    /// An experiment of the method, such as Sine_T_TN, or a file of demands
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) experiment: String,
+    #[command(flatten)]
+    pub(crate) plan: PlanArguments,
+    /// Benches drawn; fewer than 72 are never enough for `safe`
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) samples: u32,
     #[command(flatten)]
     pub(crate) result: ResultArguments,
 }

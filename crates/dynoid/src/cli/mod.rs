@@ -13,7 +13,7 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 const EXIT_CODES: &str = "\
 Exit codes:
   0  done
-  1  a study was made, but its verdict is that the data are insufficient for a model
+  1  done, but the verdict is bad: data insufficient for a model, or an experiment not safe
   2  the command line is wrong
   3  an input cannot be read or understood
   4  an output cannot be written
@@ -28,6 +28,8 @@ An experiment, before it is run:
   dynoid experiment list         what there is, and what can be set
   dynoid experiment design bench.toml BS_T_NT
                                  writes its demands, and predicts what the bench will do
+  dynoid experiment check bench.toml BS_T_NT
+                                 how probably it exceeds a limit of the bench
   dynoid simulate bench.toml --experiment BS_T_NT --out run.mf4
                                  runs it on a virtual bench
 

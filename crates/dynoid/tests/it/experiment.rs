@@ -172,6 +172,11 @@ fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
         peaks.iter().any(|peak| peak["of"] == "shaft_torque" && peak["standard_error"].as_f64() > Some(0.0)),
         "{json}"
     );
+    let check = ["experiment", "check", "bench.toml", "BS_T_NT", "--duration", "4", "--samples", "10", "--json"];
+    let json = campaign.run(&[&check[..], &["--model", "study/study.json"]].concat()).json();
+    assert_eq!((&json["spread"]["from"], &json["verdict"]), (&"study".into(), &"not_checked".into()));
+    let shaft = &json["limits"][0];
+    assert!(shaft["quantile_95"].as_f64() > shaft["quantile_5"].as_f64(), "{json}");
     campaign.write("old.json", text.replace("\"format_version\":1", "\"format_version\":9").as_bytes());
     let old = [&design[..6], &["--model", "old.json"]].concat();
     campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 1 is read", "study run"]);
@@ -208,4 +213,39 @@ fn a_level_shorter_than_a_firing_is_said() {
     let campaign = Campaign::empty();
     let ran = campaign.run(&["experiment", "design", "bench.toml", "BS_T_NT", "--speed", "300", "--duration", "2"]);
     assert!(ran.stderr.contains("every 80 ms, but a cylinder fires every 100 ms"), "{}", ran.stderr);
+}
+
+#[test]
+fn regress_an_experiment_is_checked_before_it_is_run() {
+    let campaign = Campaign::empty();
+    let file = |limits: &str| bench(&format!("[limits]\n{limits}\n{SHAFT}damping = \"2 Nm s/rad\"\n"));
+    campaign.write("bench.toml", file("shaft_torque = \"140 Nm\"\nspeed = \"3000 rpm\"").as_bytes());
+    let check = ["experiment", "check", "bench.toml", "--samples", "80", "--duration", "10"];
+    let of = |more: &[&'static str]| campaign.run(&[&check[..], more].concat());
+    let sine = of(&["Sine_T_TN", "--set", "amplitude=40", "--plot", "check.html"]);
+    assert_eq!(sine.code, Some(1), "{}", sine.stderr);
+    assert!(sine.stdout.contains("UNSAFE") && sine.stdout.contains("18 Hz"), "{}", sine.stdout);
+    assert!(campaign.read("check.html").contains("How large a sine may be"));
+    let json = of(&["Sine_T_TN", "--set", "amplitude=40", "--json"]).json();
+    assert_eq!((&json["verdict"], &json["spread"]["from"]), (&"unsafe".into(), &"prior".into()));
+    let sines = json["sines"]["sines"].as_array().unwrap();
+    let safe = |hz: f64| sines.iter().find(|sine| sine["frequency_hz"] == hz).unwrap()["safe_nm"].as_f64().unwrap();
+    assert!(safe(18.0) < 40.0 && safe(5.0) > 40.0, "{json}");
+    let noise = of(&["WhiteNoise_T_TN", "--set", "deviation=2"]);
+    assert_eq!(noise.code, Some(0), "{}{}", noise.stdout, noise.stderr);
+    assert!(noise.stdout.contains("SAFE") && noise.stdout.contains("none stated"), "{}", noise.stdout);
+    let none = ["experiment", "check", "bench.toml", "Sine_T_TN", "--samples", "0"];
+    campaign.run(&none).assert_refused(2, &["--samples"]);
+}
+
+#[test]
+fn regress_what_cannot_be_checked_is_not_safe() {
+    let campaign = Campaign::empty();
+    campaign.write("bench.toml", BENCH.as_bytes());
+    let check = ["experiment", "check", "bench.toml", "Step_T_TN", "--duration", "4", "--samples", "5"];
+    campaign.run(&check).assert_refused(3, &["bench.toml", "the shaft is not known"]);
+    campaign.write("bench.toml", bench(SHAFT).as_bytes());
+    let ran = campaign.run(&check);
+    assert_eq!(ran.code, Some(1));
+    assert!(ran.stdout.contains("NOT CHECKED") && ran.stdout.contains("add [limits]"), "{}", ran.stdout);
 }

@@ -37,6 +37,7 @@ fn snap_help_inspect() {
 #[test]
 fn snap_help_experiment() {
     insta::assert_snapshot!("help_experiment_design", help(&["experiment", "design", "--help"]));
+    insta::assert_snapshot!("help_experiment_check", help(&["experiment", "check", "--help"]));
     insta::assert_snapshot!("help_simulate", help(&["simulate", "--help"]));
 }
 

@@ -1,8 +1,9 @@
-//! What was assumed of a bench, and the peaks of a prediction.
+//! What was assumed of a bench, the peaks of a prediction, and what a safety check looks at.
 
 use std::f64::consts::TAU;
 
 use bench::prediction::PeakOf;
+use bench::safety::{Quantity, Safety};
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::Assumption;
 
@@ -48,5 +49,29 @@ pub fn peak(of: PeakOf) -> (&'static str, &'static str, f64) {
         PeakOf::TorqueDemand => ("T_d*", "Nm", 1.0),
         PeakOf::AirGapTorque => ("T_d", "Nm", 1.0),
         PeakOf::ShaftTorque => ("T_shaft", "Nm", 1.0),
+    }
+}
+
+/// What a safety check looks at, in words, with its unit and SI per unit.
+pub fn quantity(of: Quantity) -> (&'static str, &'static str, f64) {
+    match of {
+        Quantity::ShaftTorque => ("peak |T_shaft|", "Nm", 1.0),
+        Quantity::ShaftTorqueSlew => ("slew of T_shaft", "Nm/s", 1.0),
+        Quantity::TorqueDemand => ("peak |T_d*|", "Nm", 1.0),
+        Quantity::TorqueSlew => ("slew of T_d*", "Nm/s", 1.0),
+        Quantity::Speed => ("highest speed", "rpm", RPM_RAD_S),
+        Quantity::TimeAtResonance => ("time at resonance", "s", 1.0),
+        Quantity::LowestSpeed => ("lowest speed", "rpm", RPM_RAD_S),
+        Quantity::LimitedShare => ("T_d* at its limit", "% of time", 0.01),
+    }
+}
+
+/// The verdict of a safety check.
+pub fn safety(safety: Safety) -> &'static str {
+    match safety {
+        Safety::Safe => "safe",
+        Safety::Risky => "risky",
+        Safety::Unsafe => "unsafe",
+        Safety::NotChecked => "not checked",
     }
 }

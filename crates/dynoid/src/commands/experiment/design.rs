@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use bench::model::BenchModel;
 use bench::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
 use bench::role::Role;
 use bench::units::RPM_RAD_S;
@@ -139,20 +138,7 @@ fn predicted(
     demands: &Demands,
     terminal: &Terminal,
 ) -> Result<Predicted, String> {
-    if plan.has_shaft && !bench.stated.knows_shaft() {
-        return Err(
-            "the shaft is not known; add [shaft] with resonance = \"18 Hz\" (or stiffness) to the bench file, or \
-                    give a study with --model; the demands were written"
-                .to_owned(),
-        );
-    }
-    // Parts that the study lacks are those of the virtual bench; they are among the assumptions.
-    let model = bench.stated.parameters.linear_model();
-    let model = BenchModel {
-        speed_controller: bench.assembled.as_ref().and_then(|a| a.model.speed_controller).or(model.speed_controller),
-        encoder_gate_s: bench.assembled.as_ref().map_or(model.encoder_gate_s, |a| a.model.encoder_gate_s),
-        ..model
-    };
+    let model = bench.model_for(plan).map_err(|reason| format!("{reason}; the demands were written"))?;
     let inputs = PredictionInputs {
         plan,
         demands,

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use bench::BenchFile;
-use bench::model::AssembledModel;
+use bench::experiment::ExperimentPlan;
+use bench::model::{AssembledModel, BenchModel};
 use bench::virtual_bench::StatedBench;
 
 use crate::commands::study::read_bench;
@@ -46,6 +47,24 @@ impl Bench {
             }
         }
         Ok(Bench { file, assembled, stated })
+    }
+
+    /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study lacks are
+    /// those of the virtual bench; they are among the assumptions.
+    pub(in crate::commands) fn model_for(&self, plan: &ExperimentPlan) -> Result<BenchModel, &'static str> {
+        if plan.has_shaft && !self.stated.knows_shaft() {
+            return Err(
+                "the shaft is not known; add [shaft] with resonance = \"18 Hz\" (or stiffness) to the bench file, or \
+                 give a study with --model",
+            );
+        }
+        let model = self.stated.parameters.linear_model();
+        let assembled = self.assembled.as_ref().map(|assembled| &assembled.model);
+        Ok(BenchModel {
+            speed_controller: assembled.and_then(|model| model.speed_controller).or(model.speed_controller),
+            encoder_gate_s: assembled.map_or(model.encoder_gate_s, |model| model.encoder_gate_s),
+            ..model
+        })
     }
 }
 
