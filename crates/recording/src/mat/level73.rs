@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, DType, Dataset, File, FormatError, Group, Object};
+use hdf5_pure::{AttrValue, Chunk, DType, Dataset, File, FormatError, Group, Object};
 
 use super::listed;
 use super::scope::joined;
@@ -42,7 +42,7 @@ pub(super) fn variables(
         // Where the file lists its channels by other names, all of them are.
         let is_listed = root.group(listed::NAME).is_ok();
         let wanted = if is_listed { wanted.of_all() } else { wanted };
-        let mut reader = Reader { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most), wanted };
+        let mut reader = Reader { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most), size, wanted };
         reader.members(&root, "", 0).map_err(damaged)
     })
 }
@@ -67,6 +67,8 @@ impl hdf5_pure::Source for Bytes {
 struct Reader<'a> {
     parts: usize,
     numbers: usize,
+    /// Bytes of the file.
+    size: u64,
     wanted: Wanted<'a>,
 }
 
@@ -157,9 +159,16 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    /// The sizes of a dataset, if so many elements may still be read.
+    /// The sizes of a dataset, if so many elements may still be read, and all of its chunks are there: room for a chunk is
+    /// made before it is read, of the size that the file says it has.
     fn count(&mut self, dataset: &Dataset) -> Result<Vec<usize>, String> {
         let sizes = sizes(dataset)?;
+        // Not every index of chunks can be listed; nothing is said of those that cannot.
+        let chunks = dataset.chunks().unwrap_or_default();
+        let is_there = |chunk: &Chunk| chunk.address.saturating_add(chunk.storage_size) <= self.size;
+        if !chunks.iter().all(is_there) {
+            return Err("a part of it lies beyond the end of the file".into());
+        }
         let count = sizes.iter().try_fold(1_usize, |product, &d| product.checked_mul(d));
         let left = count.and_then(|count| self.numbers.checked_sub(count));
         self.numbers = left.ok_or("more numbers than its size makes plausible")?;

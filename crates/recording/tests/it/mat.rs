@@ -297,6 +297,17 @@ fn exact_what_is_no_channel_of_level_7_3_is_said() {
     assert_eq!(recording.findings.len(), texts.len(), "{:?}", recording.findings);
 }
 
+/// No room is made for a chunk that says it is larger than the file.
+#[test]
+fn regress_a_chunk_larger_than_the_file_is_damage() {
+    let mut bytes = include_bytes!("data/mat/small.h5").to_vec();
+    // A leaf of a tree of chunks: signature, kind 1, level, count, two neighbours, then the size of the first chunk.
+    let leaf = bytes.windows(5).position(|w| w == b"TREE\x01").unwrap();
+    bytes[leaf + 24..leaf + 28].copy_from_slice(&u32::MAX.to_le_bytes());
+    let error = decode("a.h5", &bytes, &Selection::All).unwrap_err().to_string();
+    assert!(error.contains("lies beyond the end of the file"), "{error}");
+}
+
 #[test]
 fn regress_chunks_of_a_newer_hdf5_are_not_taken_for_damage() {
     let recording = decode("a.h5", include_bytes!("data/mat/newer.h5"), &Selection::All).unwrap();
