@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, Chunk, DType, Dataset, File, FormatError, Group, Object};
+use hdf5_pure::{AttrValue, Chunk, ChunkIndex, DType, Dataset, File, FormatError, Group, Object};
 
 use super::listed;
 use super::scope::joined;
@@ -163,8 +163,10 @@ impl Reader<'_> {
     /// made before it is read, of the size that the file says it has.
     fn count(&mut self, dataset: &Dataset) -> Result<Vec<usize>, String> {
         let sizes = sizes(dataset)?;
-        // Not every index of chunks can be listed; nothing is said of those that cannot.
-        let chunks = dataset.chunks().unwrap_or_default();
+        let chunks = match dataset.chunk_index().map_err(text)? {
+            None => Vec::new(),
+            Some(_) => dataset.chunks().map_err(text)?,
+        };
         let is_there = |chunk: &Chunk| chunk.address.saturating_add(chunk.storage_size) <= self.size;
         if !chunks.iter().all(is_there) {
             return Err("a part of it lies beyond the end of the file".into());
@@ -189,6 +191,11 @@ impl Reader<'_> {
         if let Err(hdf5_pure::Error::Format(FormatError::InvalidLayoutVersion(NEWER_LAYOUT))) = dataset.layout() {
             return Ok(Value::unsupported(
                 "chunks of HDF5 2.0; write the file with libver=\"v110\", or convert it with h5repack",
+            ));
+        }
+        if matches!(dataset.chunk_index(), Ok(Some(ChunkIndex::BTreeV2))) {
+            return Ok(Value::unsupported(
+                "data that may grow along several axes, in the way of HDF5 1.10; write the file with libver=\"earliest\"",
             ));
         }
         let class = attributes.get("MATLAB_class").and_then(|class| class.as_str()).unwrap_or_default();
