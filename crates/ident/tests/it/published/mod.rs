@@ -1,6 +1,7 @@
 //! Estimates from measurements of others, against the results that they published.
 #![allow(clippy::disallowed_methods, reason = "measurements are files")]
 
+mod drivetrain;
 mod flexible_drive;
 mod flexible_joint;
 mod flexible_link;
