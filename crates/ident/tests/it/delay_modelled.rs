@@ -1,7 +1,7 @@
 //! Dead times beside dynamics, from the simulated output.
 
 use ident::delay::{DelayFault, ModelledDelay, single_line};
-use ident::{Dataset, IdentError};
+use ident::{Dataset, IdentError, Intersample};
 
 use crate::noise::Noise;
 
@@ -201,5 +201,48 @@ fn stat_a_pole_too_many_takes_no_claim_away() {
         };
         let found = (0..15).filter(claims).count();
         assert!(found >= 14, "{found} of 15 beside {lags:?}");
+    }
+}
+
+/// Points between two samples on which an input that runs straight is known.
+const FINE: usize = 20;
+
+/// The answer of a gain, or of a lag in samples, to an input that runs straight from sample to sample, in noise.
+fn straight(seed: u64, dead: f64, lag: f64, deviation: f64) -> Dataset {
+    let mut noise = Noise::new(seed);
+    let u = noise.normals(1000);
+    let step = 1.0 / FINE as f64;
+    let delayed = |i: usize| {
+        let t = (i as f64 * step - dead).max(0.0);
+        let (whole, part) = (t.floor() as usize, t.fract());
+        u[whole] + part * (u[(whole + 1).min(999)] - u[whole])
+    };
+    let (decay, mut x, mut y) = ((-step / lag).exp(), u[0], Vec::with_capacity(1000));
+    for i in 0..1000 * FINE {
+        let (before, after) = (delayed(i), delayed(i + 1));
+        if i % FINE == 0 {
+            y.push(1.5 * if lag > 0.0 { x } else { before } + deviation * noise.normal());
+        }
+        x = decay * x + (1.0 - decay) * before + (after - before) * (1.0 - lag * (1.0 - decay) * FINE as f64);
+    }
+    Dataset::siso(0.01, &u, &y).unwrap().with_intersample(Intersample::FirstOrderHold)
+}
+
+#[test]
+fn exact_a_gain_under_an_input_that_runs_straight_tells_a_fraction_of_a_sample() {
+    let found = ModelledDelay::default().estimate(&straight(3, 4.55, 0.0, 0.0)).unwrap();
+    let model = found.claimed().unwrap();
+    assert!(model.poles == 0 && (model.dead_times[0].samples - 4.55).abs() < 1e-6, "{model:?}");
+}
+
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_hold_the_dead_time_of_an_input_that_runs_straight() {
+    for (dead, lag, poles, most) in [(4.5, 0.0, 0, 0.1), (0.3, 0.0, 0, 0.1), (4.95, 3.0, 1, 0.5), (2.0, 3.0, 1, 0.5)] {
+        let (holding, claims, width) = coverage(RUNS, dead, |seed| straight(seed, dead, lag, 0.3));
+        assert!(claims >= 27 && width < most, "{dead}, {lag}: {claims} claims of width {width}");
+        assert!(holding + (RUNS as usize - LEAST) >= claims, "{dead}, {lag}: {holding} of {claims}");
+        let found = ModelledDelay::default().estimate(&straight(0, dead, lag, 0.3)).unwrap();
+        assert_eq!(found.best().poles, poles, "{dead}, {lag}");
     }
 }

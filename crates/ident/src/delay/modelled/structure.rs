@@ -149,8 +149,11 @@ impl Structure<'_> {
         (0..own).map(quotient).filter(|q| q.is_finite()).fold(1.0, f64::max)
     }
 
-    /// `τ + a₁/a₀ − b₁/b₀` of the channel whose parameters begin at `first`.
+    /// `τ + a₁/a₀ − b₁/b₀` of the channel whose parameters begin at `first`; none of a gain.
     fn late_by(&self, found: &OutputFit<RationalChannel>, first: usize, sample_time_s: f64) -> Option<DelayEstimate> {
+        if self.poles == 0 {
+            return None;
+        }
         let theta = &found.minimum.parameters;
         let (gain_at, rest_at, delay_at) =
             (first + self.zeros, first + self.zeros + self.poles, first + self.zeros + self.poles + 1);

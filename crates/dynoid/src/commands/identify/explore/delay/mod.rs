@@ -45,7 +45,7 @@ pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Resu
     let options = ModelledDelay { longest: arguments.longest, dating: dating(&loaded), level: LEVEL };
     let modelled = Modelled::of(&options, &loaded, &others, arguments.data.between.is_some());
     drop(progress);
-    picture(&arguments.result, "Delay", || others.figures())?;
+    picture(&arguments.result, "Delay", || others.figures(data, |input| modelled.interval(input)))?;
     let notes = modelled.notes();
     let doubts = others.doubts(data, |input| modelled.is_claimed(input));
     if arguments.result.json {

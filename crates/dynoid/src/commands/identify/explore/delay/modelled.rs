@@ -44,6 +44,11 @@ impl Modelled {
         self.unclaimed[input].is_none()
     }
 
+    /// What the best model says of an input, in samples, claimed or not.
+    pub(super) fn interval(&self, input: usize) -> Option<(f64, f64)> {
+        self.found.as_ref().ok().map(|found| found.best().intervals[input])
+    }
+
     fn models(&self) -> &[DelayModel] {
         self.found.as_ref().map_or(&[], |found| &found.models)
     }

@@ -1,12 +1,13 @@
 //! What methods say that look for the delay alone.
 
 use ident::delay::{
-    ArxDelay, DelayEstimate, DelayRanking, FractionalDelay, ImpulseDelay, ImpulseResponseStart, PhaseDelay,
+    ArxDelay, DelayCandidate, DelayEstimate, DelayRanking, FractionalDelay, ImpulseDelay, ImpulseResponseStart,
+    PhaseDelay,
 };
 use ident::distributions::normal_quantile;
 use ident::validate::{ResidualTest, TestData};
-use ident::{Arx, ArxOrders, Dataset, IdentError, Intersample};
-use plot::{Axis, Figure, Layer, Panel, Style};
+use ident::{Arx, ArxOrders, Dataset, IdentError, Intersample, Label};
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 use serde_json::{Value, json};
 
 use super::super::super::figures::figure;
@@ -37,29 +38,34 @@ pub(super) struct Others {
     phase: Fine,
     fraction: Fine,
     longest: usize,
+    intersample: Intersample,
 }
 
 impl Others {
     pub(super) fn of(data: &Dataset, spacing: Option<usize>, longest: usize) -> Result<Self, CliError> {
         let uneven = || IdentError::Structure { what: "the output is not known every so many samples" };
+        let intersample = data.intersample();
         let Some(spacing) = spacing else {
             let (ranking, starts) = (None, Err(uneven()));
-            return Ok(Others { ranking, is_white: None, starts, phase: None, fraction: None, longest });
+            return Ok(Others { ranking, is_white: None, starts, phase: None, fraction: None, longest, intersample });
         };
-        // A coefficient for each sample from one output to the next, during which the input may have changed.
-        let nb = ArxDelay::default().nb + spacing - 1;
+        let runs = intersample != Intersample::ZeroOrderHold;
+        // A coefficient for each sample from one output to the next, during which the input may have changed; one that runs
+        // on between samples enters through the samples on both sides.
+        let nb = ArxDelay::default().nb + spacing - 1 + usize::from(runs);
         let arx = ArxDelay { highest: longest, spacing, nb, ..ArxDelay::default() };
         let ranking = arx.estimate(data).map_err(|source| CliError::identify("the delay", source))?;
         let is_single = data.inputs() == 1 && data.outputs() == 1 && spacing == 1;
-        // Values between samples of a held input are not made up.
-        let runs = data.intersample() != Intersample::ZeroOrderHold;
         Ok(Others {
             is_white: if spacing == 1 { is_white(data, &arx, &ranking) } else { None },
             ranking: Some(ranking),
             starts: ImpulseDelay { lags: longest, spacing, ..ImpulseDelay::default() }.estimate(data),
             phase: is_single.then(|| PhaseDelay { highest: longest, ..PhaseDelay::default() }.estimate(data)),
-            fraction: (is_single && runs).then(|| FractionalDelay(arx).estimate(data)),
+            // Values between samples of a held input are not made up.
+            fraction: (is_single && runs)
+                .then(|| FractionalDelay(ArxDelay { highest: longest, ..ArxDelay::default() }).estimate(data)),
             longest,
+            intersample,
         })
     }
 
@@ -70,12 +76,18 @@ impl Others {
         likely.fold((best, best), |(low, high), d| (low.min(d), high.max(d)))
     }
 
-    /// The dead times, in samples, that the comparison of ARX models leaves where it can be relied on. What comes `n` samples
-    /// after the input moved has a dead time between n − 1 and n.
+    /// The dead times, in samples, that the comparison of ARX models leaves where it can be relied on. A held input that shows
+    /// `n` samples after it moved has a dead time between n − 1 and n. One that runs on straight to its next sample shows by
+    /// it, and has one between n and n + 1; a smooth one shows a sample sooner or later still.
     pub(super) fn allowed(&self, input: usize) -> Option<(f64, f64)> {
         let ranking = self.ranking.as_ref().filter(|_| self.starts.is_ok() && self.is_white == Some(true))?;
         let (low, high) = Self::compared(ranking, input);
-        Some(((low as f64 - 1.0).max(0.0), high as f64))
+        let (before, after) = match self.intersample {
+            Intersample::ZeroOrderHold => (1.0, 0.0),
+            Intersample::FirstOrderHold => (0.0, 1.0),
+            Intersample::BandLimited => (1.0, 1.0),
+        };
+        Some(((low as f64 - before).max(0.0), high as f64 + after))
     }
 
     pub(super) fn rows(&self, data: &Dataset, table: &mut Table) {
@@ -152,8 +164,7 @@ impl Others {
             Some(Err(reason)) => json!({"error": reason.to_string()}),
             None => Value::Null,
         };
-        let candidate =
-            |c: &ident::delay::DelayCandidate| json!({"samples": c.delays, "loss": c.loss, "weight": c.weight});
+        let candidate = |c: &DelayCandidate| json!({"samples": c.delays, "loss": c.loss, "weight": c.weight});
         let arx = self.ranking.as_ref().map(|ranking| {
             let candidates: Vec<_> = ranking.candidates.iter().take(LISTED).map(candidate).collect();
             json!({"samples": ranking.delays, "errors_are_white": self.is_white, "candidates": candidates})
@@ -170,20 +181,64 @@ impl Others {
         })
     }
 
-    /// The error over the delay of the first input.
-    pub(super) fn figures(&self) -> Vec<Figure> {
+    /// For each input the error over the delay and the coefficients of past inputs, with what the models say shaded.
+    pub(super) fn figures(&self, data: &Dataset, interval: impl Fn(usize) -> Option<(f64, f64)>) -> Vec<Figure> {
         let Some(ranking) = &self.ranking else { return Vec::new() };
-        let mut pairs: Vec<(f64, f64)> =
-            ranking.candidates.iter().filter_map(|c| Some((*c.delays.first()? as f64, c.loss))).collect();
+        let of_models = |input: usize| {
+            let said = |(low, high)| Layer::XRegion {
+                low: Rounded(low),
+                high: Rounded(high),
+                label: "dead time by a model, 95 %".into(),
+            };
+            interval(input).map(said).into_iter()
+        };
+        let one = |(input, label): (usize, &Label)| {
+            let errors = of_models(input).chain(self.errors(ranking, input)).collect();
+            let mut panels = vec![Panel::new(Axis::log("mean squared error", ""), 180, errors)];
+            if let Some(start) = self.starts.iter().flatten().nth(input) {
+                let layers = of_models(input).chain(coefficients(start)).collect();
+                panels.push(Panel::new(Axis::linear("coefficient of the past input", ""), 180, layers));
+            }
+            figure(&format!("Delay of {}", label.name), Axis::linear("delay", "samples"), panels)
+        };
+        data.input_labels().iter().enumerate().map(one).collect()
+    }
+
+    /// The least error of each delay of an input.
+    fn errors(&self, ranking: &DelayRanking, input: usize) -> Vec<Layer> {
+        let of = |c: &DelayCandidate| Some((*c.delays.get(input)? as f64, c.loss));
+        let mut pairs: Vec<(f64, f64)> = ranking.candidates.iter().filter_map(of).collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         pairs.dedup_by_key(|pair| pair.0);
         let (x, y): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
-        let style = Style::Modelled;
-        let layers = vec![Layer::curve("ARX", style, &x, &y), Layer::dots("ARX", style, &x, &y)];
-        let panel = Panel::new(Axis::log("mean squared error", ""), 200, layers);
-        let axis = Axis::linear("delay of the first input", "samples");
-        vec![figure("Delay by comparison of ARX models", axis, vec![panel])]
+        vec![
+            Layer::curve("ARX comparison", Style::Modelled, &x, &y),
+            Layer::dots("ARX comparison", Style::Modelled, &x, &y),
+        ]
     }
+}
+
+/// Coefficients with the bars beyond which they matter.
+fn coefficients(start: &ImpulseResponseStart) -> Vec<Layer> {
+    let name = || "impulse response".to_owned();
+    let lags: Vec<f64> = (0..start.coefficients.len()).map(|lag| lag as f64).collect();
+    let bar = |sign: f64| {
+        let ends = start.coefficients.iter().zip(&start.standard_errors);
+        Some(rounded(&ends.map(|(b, error)| b + sign * start.threshold * error).collect::<Vec<_>>()))
+    };
+    let dots = Layer::Points {
+        name: name(),
+        style: Style::Other,
+        x: Abscissa::Values(rounded(&lags)),
+        y: rounded(&start.coefficients),
+        low: bar(-1.0),
+        high: bar(1.0),
+    };
+    let first = start
+        .delay
+        .map(|lag| Layer::VerticalMarks { x: vec![Rounded(lag as f64)], label: "first that is significant".into() });
+    let zero = Layer::HorizontalMark { y: Rounded(0.0), label: String::new() };
+    [Some(zero), Some(dots), first].into_iter().flatten().collect()
 }
 
 /// Whether the errors of the best ARX model look white.
