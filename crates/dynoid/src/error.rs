@@ -55,6 +55,13 @@ pub(crate) enum CliError {
     /// A bench file with faults.
     #[error("{}: {}", .path.display(), bench_file_words(.source))]
     BenchFile { path: PathBuf, source: BenchFileError },
+    /// The bench file names no channels.
+    #[error(
+        "{}: no channels are named, and without them nothing can be identified; add [channels], or have it proposed with \
+         `dynoid init FOLDER`",
+        .path.display()
+    )]
+    NoChannelsNamed { path: PathBuf },
     /// The bench file lists no recordings.
     #[error("{}: no recordings are listed; add [recordings] with files = [\"recordings/*.mf4\"]", .path.display())]
     NoRecordingsListed { path: PathBuf },

@@ -43,6 +43,9 @@ pub enum Progress {
 /// Why there can be no study at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StudyError {
+    /// The bench file names no channels.
+    #[error("the bench file names no channels")]
+    NoChannels,
     /// No recording was given.
     #[error("there is no recording to study")]
     NoRecordings,
@@ -62,8 +65,11 @@ pub enum StudyError {
 /// A part whose recordings are missing is *not estimated* and says what it needs; that is no error.
 ///
 /// # Errors
-/// No recording, or none that can be used.
+/// No channels, no recording, or none that can be used.
 pub fn run(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Study, StudyError> {
+    if campaign.bench.channels.is_empty() {
+        return Err(StudyError::NoChannels);
+    }
     if campaign.sources.is_empty() {
         return Err(StudyError::NoRecordings);
     }

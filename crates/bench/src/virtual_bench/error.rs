@@ -28,6 +28,15 @@ pub enum VirtualBenchError {
     /// The equations cannot be discretised.
     #[error("virtual bench: {0}")]
     Discretisation(#[from] lti::LtiError),
+    /// A filter for the recordings cannot be made.
+    #[error("virtual bench: {0}")]
+    Filter(#[from] signal::SignalError),
+    /// A study of simulated recordings has no result.
+    #[error("virtual bench: the study of what was simulated failed: {reason}")]
+    Study {
+        /// Why.
+        reason: String,
+    },
     /// The state left the finite numbers: parameters and step size do not fit each other.
     #[error("virtual bench: the simulation diverged at {time_s} s; a gain is too high or the step too long")]
     Diverged {

@@ -44,7 +44,7 @@ use recording::Recording;
 use serde::Serialize;
 
 pub use crate::experiment::{ExperimentPlan, Sine, TorqueTarget, UPDATE_S, Waveform};
-pub use effects::{Effects, ShownTrace, Spectrum};
+pub use effects::{Effects, Gains, NaiveZeros, ShaftZeros, ShownTrace, Spectrum};
 pub use error::VirtualBenchError;
 pub use names::{CHANNELS, rename};
 pub use parameters::{

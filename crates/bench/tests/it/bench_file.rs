@@ -119,6 +119,16 @@ fn regress_missing_keys_name_key_and_remedy() {
 }
 
 #[test]
+fn exact_a_bench_that_is_only_simulated_needs_no_channels() {
+    let start = GOOD.find("[channels]").unwrap();
+    let end = GOOD.find("[recordings]").unwrap();
+    let file = parse(&format!("{}{}", &GOOD[..start], &GOOD[end..])).unwrap();
+    assert!(file.channels.is_empty());
+    // With the table, roles are asked for.
+    assert!(parse(&format!("{}[channels]\n", &GOOD[..start])).is_err());
+}
+
+#[test]
 fn regress_torque_flange_needs_its_channel() {
     let (_, key, kind, _) = fault("\"load-cell\"", "\"torque-flange\"");
     assert_eq!(key, "channels.flange_torque");

@@ -1,5 +1,6 @@
 //! The study of a virtual bench, whose truth is known.
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -289,6 +290,9 @@ fn exact_what_cannot_be_used_is_said_and_the_rest_is_studied() {
     assert!(matches!(nothing, Err(StudyError::NothingUsable { count: 1, .. })));
     let none = run(campaign(&default_bench(), Vec::new()), &mut |_| {});
     assert_eq!(none.err(), Some(StudyError::NoRecordings));
+    let nameless = BenchFile { channels: BTreeMap::new(), ..default_bench() };
+    let none = run(campaign(&nameless, vec![unreadable()]), &mut |_| {});
+    assert_eq!(none.err(), Some(StudyError::NoChannels));
 }
 
 #[test]

@@ -2,22 +2,24 @@
 //! alone wherever the thesis had no more.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
-use bench::study::Source;
-use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{
-    BenchParameters, Effects, ExperimentPlan, Numerics, ShownTrace, Spectrum, Waveform, simulate,
+    BenchParameters, Effects, ExperimentPlan, Numerics, ShaftZeros, ShownTrace, Spectrum, Waveform, simulate,
 };
 use faer::c64;
-use recording::Recording;
-use signal::filter::Sos;
 
-use crate::study::{bench_file, studied};
-use crate::support::BENCH_A;
+use crate::study::default_bench;
 use crate::virtual_bench::{amplitude, clean, mean, run, samples};
 
 /// The truth of the shaft's zero, rad/s.
 const ZERO: f64 = -2437.7 / 5.8;
+
+/// The figures of the default bench.
+fn effects() -> &'static Effects {
+    static EFFECTS: OnceLock<Effects> = OnceLock::new();
+    EFFECTS.get_or_init(|| Effects::of(&BenchParameters::default(), 11).unwrap())
+}
 
 /// A line by correlation with a Hann-weighted rotation, of a channel whose first sample is at `start_s`.
 fn line(x: &[f64], start_s: f64, sample_time_s: f64, frequency_hz: f64) -> c64 {
@@ -29,42 +31,19 @@ fn line(x: &[f64], start_s: f64, sample_time_s: f64, frequency_hz: f64) -> c64 {
     terms.fold(c64::new(0.0, 0.0), |sum, term| sum + term)
 }
 
-/// The gain from T_d to T_shaft at each sine of a ladder of 1, 2, … Hz, 6 s each, T_shaft = J_d dω_d/dt + T_d.
-fn ladder_gains(recording: &Recording) -> Vec<f64> {
-    let (speed, torque) = (samples(recording, "DynoSpeed"), samples(recording, "DynoTorqueCalc"));
-    let gain = |rung: usize| {
-        let frequency_hz = (rung + 1) as f64;
-        // The first second of each sine is left to the transient.
-        let (from, to) = (6000 * rung + 1000, 6000 * (rung + 1));
-        let speed = line(&speed[from..to], from as f64 * 1e-3 - 5e-4, 1e-3, frequency_hz) * RPM_RAD_S;
-        let torque = line(&torque[from / 4..to / 4], from as f64 * 1e-3, 4e-3, frequency_hz);
-        let shaft = speed * c64::new(0.0, 0.6 * TAU * frequency_hz) + torque;
-        shaft.norm() / torque.norm()
-    };
-    (0..speed.len() / 6000).map(gain).collect()
-}
-
 #[test]
 fn stat_sines_resonate_at_18_hz_and_gain_less_than_one_below() {
-    // At 3000 rpm the engine's orders, 0.5 the lowest, lie above the ladder.
-    let mut plan = ExperimentPlan::sine_t_tn(3000.0, 132.0);
-    plan.dyno_torque_nm = Waveform::SineLadder {
-        mean: 60.0,
-        amplitude: 8.0,
-        frequencies_hz: (1..=22).map(f64::from).collect(),
-        dwell_s: 6.0,
-    };
-    let recording = simulate(&BenchParameters::default(), &plan, 11).unwrap();
-    let gains = ladder_gains(&recording);
-    println!("{gains:.3?}");
-    let peak = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).map(|rung| rung + 1);
-    assert_eq!(peak, Some(18));
-    assert!(gains[2..8].iter().all(|gain| *gain < 0.5), "{gains:?}");
+    let gains = &effects().gains;
+    println!("{:.3?}", gains.gain);
+    let at = |hz: f64| gains.gain[gains.frequency_hz.iter().position(|f| *f == hz).unwrap()];
+    let peak = gains.frequency_hz.iter().copied().max_by(|a, b| at(*a).total_cmp(&at(*b)));
+    assert_eq!(peak, Some(18.0));
+    assert!((3..=8).all(|hz| at(f64::from(hz)) < 0.5), "{gains:?}");
     // Between the engine's speed control and the resonance, J_e/(J_d + J_e) over 1 − (f/f_0)².
     let expected = 0.28 / 0.88 / (1.0 - (5.0 / 17.98_f64).powi(2));
-    assert!((gains[4] / expected - 1.0).abs() < 0.1, "{}, {expected}", gains[4]);
+    assert!((at(5.0) / expected - 1.0).abs() < 0.1 && (gains.at_rest - 0.28 / 0.88).abs() < 1e-12, "{gains:?}");
     // The amplitude that trips a bench at 18 Hz does not below it.
-    assert!(gains[17] > 2.0 * gains[9], "{} {}", gains[17], gains[9]);
+    assert!(at(18.0) > 2.0 * at(10.0), "{gains:?}");
 }
 
 #[test]
@@ -178,86 +157,23 @@ fn exact_shaft_torque_of_the_system_is_late_by_7_5_ms() {
     assert!((late_s - 0.0085).abs() < 1e-4, "late by {late_s} s");
 }
 
-/// A channel on the clock of N_d, straight between samples, at the times its stamps say.
-fn on_the_fast_clock(recording: &Recording, name: &str, count: usize) -> Vec<f64> {
-    let channel = recording.channel(name).unwrap();
-    let (x, time_s) = (&channel.samples, recording.time_s(channel).unwrap());
-    let at = |k: usize| {
-        let place = ((k as f64 * 1e-3 - time_s[0]) / (time_s[1] - time_s[0])).clamp(0.0, (x.len() - 2) as f64);
-        let below = place.floor();
-        x[below as usize] + (place - below) * (x[below as usize + 1] - x[below as usize])
-    };
-    (0..count).map(at).collect()
-}
-
-/// The zero −K/B of T_shaft/Δω = (K + Bs)/s as thesis §6.3.5.2 has it: T_shaft from differences of N_d and T_d,calc,
-/// everything on one clock by interpolation, filtered, least squares.
-fn naive_zero(recording: &Recording, filter: Option<&Sos>) -> f64 {
-    let speed: Vec<f64> = samples(recording, "DynoSpeed").iter().map(|n| n * RPM_RAD_S).collect();
-    let engine = on_the_fast_clock(recording, "EngineSpeed", speed.len());
-    let torque = on_the_fast_clock(recording, "DynoTorqueCalc", speed.len());
-    let slip: Vec<f64> = engine.iter().zip(&speed).map(|(n, d)| n * RPM_RAD_S - d).collect();
-    let mut twist = vec![0.0; slip.len()];
-    for k in 1..slip.len() {
-        twist[k] = twist[k - 1] + 0.5e-3 * (slip[k] + slip[k - 1]);
-    }
-    let slope = |k: usize| (speed[(k + 1).min(speed.len() - 1)] - speed[k.saturating_sub(1)]) / 2e-3;
-    let shaft: Vec<f64> = (0..speed.len()).map(|k| 0.6 * slope(k) + torque[k]).collect();
-    let filtered = |x: Vec<f64>| {
-        let average = mean(&x);
-        let x: Vec<f64> = x.iter().map(|x| x - average).collect();
-        filter.map_or_else(|| x.clone(), |filter| filter.filtfilt(&x).unwrap())
-    };
-    let (y, a, b) = (filtered(shaft), filtered(twist), filtered(slip));
-    let inner = 500..y.len() - 500;
-    let dot = |x: &[f64], y: &[f64]| inner.clone().map(|k| x[k] * y[k]).sum::<f64>();
-    let (aa, ab, bb, ay, by) = (dot(&a, &a), dot(&a, &b), dot(&b, &b), dot(&a, &y), dot(&b, &y));
-    let determinant = aa * bb - ab * ab;
-    let (stiffness, damping) = ((bb * ay - ab * by) / determinant, (aa * by - ab * ay) / determinant);
-    -stiffness / damping
-}
-
-/// Recordings of a bench whose engine speed is stamped late by a skew that nobody knows of.
-fn skewed(engine_speed_skew_s: f64) -> Vec<(&'static str, Recording)> {
-    let mut parameters = BenchParameters::default();
-    parameters.clocks.engine_speed_skew_s = engine_speed_skew_s;
-    let plans = [
-        ("BS_T_NT_1200.mf4", ExperimentPlan::bs_t_nt(1200.0, 20.0)),
-        ("WhiteNoise_T_TN_1200.mf4", ExperimentPlan::white_noise_t_tn(1200.0, 20.0)),
-    ];
-    plans.into_iter().map(|(file, plan)| (file, simulate(&parameters, &plan, 11).unwrap())).collect()
-}
-
 #[test]
 fn stat_the_naive_zero_of_the_shaft_scatters_and_the_projects_does_not() {
-    let low = Sos::butterworth_lowpass(4, 30.0, 1e-3).unwrap();
-    let high = Sos::butterworth_highpass(4, 30.0, 1e-3).unwrap();
-    let mut zeros = Vec::new();
-    for skew_s in [-0.0005, 0.0005] {
-        let recordings = skewed(skew_s);
-        zeros.extend([Some(&low), None, Some(&high)].map(|filter| naive_zero(&recordings[0].1, filter)));
-        let source = |(file, recording): (&str, Recording)| Source {
-            file: file.to_owned(),
-            sha256: "of the virtual bench".to_owned(),
-            recording: Ok(recording),
-        };
-        let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
-        let study = studied(&bench, recordings.into_iter().map(source).collect());
-        let shaft = &study.shaft.estimated().unwrap().estimate;
-        let (stiffness, damping) = (shaft.parameter("K").unwrap().value, shaft.parameter("B").unwrap().value);
-        println!("skew {skew_s} s: estimate {} from K = {stiffness}, B = {damping}", -stiffness / damping);
-        assert!((-stiffness / damping / ZERO - 1.0).abs() < 0.05, "{stiffness} {damping}");
-        assert!((stiffness / 2437.7 - 1.0).abs() < 0.05 && (damping / 5.8 - 1.0).abs() < 0.05, "{stiffness} {damping}");
+    let zeros = ShaftZeros::of(&BenchParameters::default(), &default_bench(), 11).unwrap();
+    println!("{zeros:.0?}");
+    assert!((zeros.truth - ZERO).abs() < 1e-9);
+    for (estimate, low, high) in &zeros.estimated {
+        assert!((estimate / ZERO - 1.0).abs() < 0.05 && low < estimate && estimate < high, "{zeros:?}");
     }
-    println!("naive zeros: {zeros:.0?}, truth {ZERO:.0}");
-    let lowest = zeros.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = zeros.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // The thesis found −550 to −300.
+    let naive = || zeros.naive.iter().flat_map(|band| band.zero.iter().copied());
+    let (lowest, highest) = (naive().fold(f64::INFINITY, f64::min), naive().fold(f64::NEG_INFINITY, f64::max));
     assert!(lowest < -520.0 && highest > -340.0, "{zeros:?}");
 }
 
 #[test]
 fn stat_the_figures_of_the_effects_show_them() {
-    let effects = Effects::of(&BenchParameters::default(), 11).unwrap();
+    let effects = effects();
     let at = |spectrum: &Spectrum, hz: f64| {
         let near = |k: &usize| (spectrum.frequency_hz[*k] - hz).abs() < 0.15;
         (0..spectrum.amplitude.len()).filter(near).map(|k| spectrum.amplitude[k]).fold(0.0, f64::max)

@@ -89,6 +89,7 @@ fn show(progress: &Progress, step: &StudyProgress) {
 
 fn no_study(bench: &Path, error: StudyError) -> CliError {
     match error {
+        StudyError::NoChannels => CliError::NoChannelsNamed { path: bench.to_owned() },
         StudyError::NoRecordings => CliError::NoRecordingsListed { path: bench.to_owned() },
         StudyError::NothingUsable { count, diagnostics } => CliError::NothingUsable {
             bench: bench.to_owned(),

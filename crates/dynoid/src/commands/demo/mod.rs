@@ -6,7 +6,7 @@ mod comparison;
 use std::path::{Path, PathBuf};
 
 use bench::BenchFile;
-use bench::virtual_bench::{BenchParameters, Effects};
+use bench::virtual_bench::{BenchParameters, Effects, ShaftZeros};
 
 use crate::cli::DemoArguments;
 use crate::commands::study::{self, Written};
@@ -36,8 +36,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
     OutputFolder::check(&folder)?.write(&files)?;
-    let effects = Effects::of(&parameters, arguments.seed).map_err(CliError::internal)?;
-    output::replace_file(&out.join(EFFECTS), report::effects(&effects).as_bytes())?;
+    output::replace_file(&out.join(EFFECTS), effects(&parameters, arguments.seed)?.as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
     let written = study::study(&bench, out, Some(arguments.seed), terminal)?;
@@ -48,6 +47,17 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
         print(&written, &bench, &rows, terminal);
     }
     Ok(summary::outcome(&written.study))
+}
+
+/// The page of what the bench shows, its two parts at the same time.
+fn effects(parameters: &BenchParameters, seed: u64) -> Result<String, CliError> {
+    let file = campaign::bench_file(parameters, RECORDINGS);
+    let (effects, zeros) = std::thread::scope(|scope| {
+        let zeros = scope.spawn(|| ShaftZeros::of(parameters, &file, seed));
+        (Effects::of(parameters, seed), zeros.join())
+    });
+    let zeros = zeros.map_err(|_| CliError::internal("the simulation stopped"))?;
+    Ok(report::effects(&effects.map_err(CliError::internal)?, &zeros.map_err(CliError::internal)?))
 }
 
 /// The bench file, as text.

@@ -1,5 +1,8 @@
 //! What a bench shows before any model is made of it: the effects of the thesis, run and measured.
 
+mod gains;
+mod zeros;
+
 use std::f64::consts::TAU;
 
 use recording::Recording;
@@ -12,6 +15,9 @@ use super::{Numerics, UPDATE_S, simulate, simulate_hidden};
 use crate::experiment::ExperimentPlan;
 use crate::experiment::Waveform;
 use crate::study::BenchVariant;
+
+pub use gains::Gains;
+pub use zeros::{NaiveZeros, ShaftZeros};
 
 /// Length of the runs whose spectra are taken, s.
 const SPECTRUM_S: f64 = 10.0;
@@ -54,6 +60,8 @@ pub struct Effects {
     pub folding: Vec<Spectrum>,
     /// T_d* and T_d,calc in Nm with an 8 Hz sine: lines at 100 ± 8 Hz by the demand's hold, and by the ripple (§5.3.2).
     pub side_lines: Vec<Spectrum>,
+    /// From T_d to T_shaft at sines of 1 to 22 Hz: a resonance at 18 Hz, a gain below one far under it (§5.1, §7.2).
+    pub gains: Gains,
     /// T_d*, T_d,calc and T_d,meas about a step: the load cell is late (§6.1).
     pub step: Vec<ShownTrace>,
     /// T_shaft as it is and as the system computes it, about the same step: late by its moving average (§3.4.3).
@@ -84,6 +92,7 @@ impl Effects {
             firing: firing(&bench, seed)?,
             folding: folding(&bench, seed)?,
             side_lines: side_lines(&bench, seed)?,
+            gains: Gains::of(&bench, seed)?,
             step,
             shaft_torque,
         })
@@ -136,12 +145,8 @@ fn side_lines(bench: &BenchParameters, seed: u64) -> Result<Vec<Spectrum>, Virtu
 fn step(bench: &BenchParameters, seed: u64) -> Result<(Vec<ShownTrace>, Vec<ShownTrace>), VirtualBenchError> {
     let run = simulate_hidden(bench, &ExperimentPlan::step_t_tn(1200.0, 2.0 * STEP_S), seed, Numerics::default())?;
     let recorded = |name: &str, channel: &str| {
-        let channel = run.recording.channel(channel);
-        let sample_time_s = match channel.and_then(|c| run.recording.time_s(c)) {
-            Some(&[first, second, ..]) => second - first,
-            _ => UPDATE_S,
-        };
-        around_step(name, channel.map_or(&[], |c| c.samples.as_slice()), sample_time_s)
+        let (samples, sample_time_s) = sampled(&run.recording, channel);
+        around_step(name, samples, sample_time_s)
     };
     let torques = [("T_d*", "DynoTorqueDemand"), ("T_d,calc", "DynoTorqueCalc"), ("T_d,meas", "DynoTorqueMeas")];
     let shaft = vec![
@@ -168,17 +173,26 @@ fn constant(speed_rpm: f64) -> ExperimentPlan {
 /// Amplitudes of a channel, its mean taken out, seen through a Hann window.
 fn spectrum(name: String, recording: &Recording, channel: &str) -> Spectrum {
     let mut spectrum = Spectrum { name, frequency_hz: Vec::new(), amplitude: Vec::new() };
-    let Some(channel) = recording.channel(channel) else { return spectrum };
-    let Some(&[first, second, ..]) = recording.time_s(channel) else { return spectrum };
-    let count = channel.samples.len() as f64;
-    let mean = channel.samples.iter().sum::<f64>() / count;
+    let (samples, sample_time_s) = sampled(recording, channel);
+    let count = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / count;
     let window = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / count).cos();
-    let seen: Vec<f64> = channel.samples.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
+    let seen: Vec<f64> = samples.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
     let Ok(lines) = fft_real(&seen) else { return spectrum };
-    let frequencies = fft_frequencies_hz(seen.len(), second - first);
+    let frequencies = fft_frequencies_hz(seen.len(), sample_time_s);
     for (frequency_hz, line) in frequencies.into_iter().zip(lines).take_while(|(f, _)| *f <= HIGHEST_HZ) {
         spectrum.frequency_hz.push(frequency_hz);
         spectrum.amplitude.push(2.0 * line.norm() / count);
     }
     spectrum
+}
+
+/// A channel and the time between its samples; nothing of one that was not recorded.
+fn sampled<'a>(recording: &'a Recording, name: &str) -> (&'a [f64], f64) {
+    let Some(channel) = recording.channel(name) else { return (&[], UPDATE_S) };
+    let sample_time_s = match recording.time_s(channel) {
+        Some(&[first, second, ..]) => second - first,
+        _ => UPDATE_S,
+    };
+    (&channel.samples, sample_time_s)
 }
