@@ -85,6 +85,18 @@ fn delays_longer_than_the_data_are_refused_with_their_unit() {
 }
 
 #[test]
+fn predictions_beyond_the_data_are_called_simulations() {
+    let folder = folder();
+    fitted(&folder, "fit arx --out model.json");
+    for command in ["predict", "compare"] {
+        let ran = run(&folder, &format!("{command} model.json --on unseen.csv --horizon 100000"));
+        assert!(ran.stderr.contains("100000 samples ahead is a simulation"), "{}", ran.stderr);
+        let ran = run(&folder, &format!("{command} model.json --on unseen.csv --horizon 5"));
+        assert!(!ran.stderr.contains("simulation"), "{}", ran.stderr);
+    }
+}
+
+#[test]
 fn places_that_cannot_be_written_are_found_before_any_work() {
     let folder = folder();
     fitted(&folder, "fit arx --out model.json");

@@ -80,6 +80,7 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
         let Loaded { data, notes, .. } = model_file::meet(document, &read, &arguments.meet)?;
         files = Some(read);
         say(&notes, &mut said, terminal);
+        say(&beyond(arguments.horizon, &data), &mut said, terminal);
         let judged = judge(&document.model, &data, arguments.horizon, &InitialState::Estimated);
         let name = model_file::name(path);
         if arguments.horizon.is_none()
@@ -97,6 +98,15 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
         all.push(Met { model: name, data, judged });
     }
     Ok(all)
+}
+
+/// That a horizon reaches beyond every recording.
+fn beyond(horizon: Option<usize>, data: &Dataset) -> Vec<Note> {
+    let longest = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    let said = |horizon: usize| {
+        Note::Warning(format!("no recording has more than {longest} samples: {horizon} samples ahead is a simulation"))
+    };
+    horizon.filter(|horizon| *horizon >= longest).map(said).into_iter().collect()
 }
 
 /// The recordings that one model meets.
@@ -206,7 +216,9 @@ fn run(
         Some(_) => model_file::meet(&document, &files, &arguments.meet)?,
         None => model_file::meet_inputs(&document, &files, &arguments.meet)?,
     };
-    say(&loaded.notes, &mut Vec::new(), terminal);
+    let mut said = Vec::new();
+    say(&loaded.notes, &mut said, terminal);
+    say(&beyond(horizon, &loaded.data), &mut said, terminal);
     let initial = if arguments.from_rest { InitialState::Zero } else { InitialState::Estimated };
     let failed = |source| CliError::identify("the response", source);
     let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
