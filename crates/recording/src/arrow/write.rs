@@ -20,7 +20,7 @@ use crate::{Channel, Recording, RecordingError};
 /// Numbers in a batch.
 const BATCH: usize = 1 << 20;
 /// Batches in a row group of Parquet, which its writer keeps in memory.
-const GROUP: usize = 2;
+const GROUP: usize = 1;
 /// Bytes of different values beyond which a column is not written by their numbers: all columns keep so many in memory.
 const DIFFERENT: usize = 1 << 14;
 /// The name of the column of time stamps.

@@ -46,6 +46,9 @@ impl Apart {
 
 /// For each raster how its clock runs apart from the one with the shortest sample time, if that can be told.
 pub(super) fn check(recording: &Recording) -> BTreeMap<usize, Apart> {
+    if recording.rasters.len() < 2 {
+        return BTreeMap::new();
+    }
     let clocks: Vec<(usize, Clock)> = recording
         .rasters
         .iter()
