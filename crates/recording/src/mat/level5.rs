@@ -78,7 +78,7 @@ pub(super) fn variables(
     let place = places.into_iter().find(|place| hidden == Some(place.at));
     let start_time = objects::resolve(&mut found, &wanted, || {
         let place = place.ok_or("the file does not hold its content")?;
-        let hidden = Hidden::open(&place, source, big)?;
+        let hidden = Hidden::open(&place, source, big, &budget)?;
         let metadata = hidden.metadata()?;
         Objects::new(metadata, hidden.big, move |index| hidden.content(index, &mut budget))
     });
@@ -435,8 +435,11 @@ struct Hidden {
 }
 
 impl Hidden {
-    fn open(place: &Place, source: &Shared, big: bool) -> Result<Self, String> {
+    fn open(place: &Place, source: &Shared, big: bool, budget: &Budget) -> Result<Self, String> {
         let outer = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+        if outer.left() / size_of::<f64>() > budget.numbers {
+            return Err("it is larger than the size of the file makes plausible".into());
+        }
         Self::within(outer).map_err(Fault::detail)
     }
 

@@ -257,7 +257,7 @@ impl<'a> Objects<'a> {
         let mut milliseconds = array.values;
         if class == "datetime" {
             let zone = self.property(&properties, "tz").ok();
-            let is_local = !zone.as_ref().and_then(Value::text).is_some_and(|zone| !zone.is_empty());
+            let is_local = zone.as_ref().and_then(Value::text).is_none_or(str::is_empty);
             let first = milliseconds.iter().copied().find(|t| t.is_finite());
             let from = *self.origin.get_or_insert(Origin { milliseconds: first.unwrap_or(0.0), is_local });
             if from.is_local != is_local {
