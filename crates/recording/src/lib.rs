@@ -35,9 +35,9 @@
 //! in seconds, unless its name, or a sampling rate or time beside it, says otherwise.
 //!
 //! Of the objects of MATLAB, tables and timetables are read, like structs of their columns. The times of a timetable's rows
-//! are its clock, and so is the only column of times in a table; with dates, they count from the first of the file, which
-//! is the start time. How others are stored, as time series, nobody has published: they are named, with what to save
-//! instead.
+//! are its clock, and so is the only column of times in a table; elsewhere durations and dates are read where they are
+//! named like a clock. Dates count from the first of the file, which is the start time. How others are stored, as time
+//! series, nobody has published: they are named, with what to save instead.
 
 #[cfg(feature = "parquet")]
 mod arrow;

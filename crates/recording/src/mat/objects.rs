@@ -1,12 +1,12 @@
-//! Tables and timetables: objects, of which a variable holds a number only, while what they consist of is in a hidden part
-//! of the file.
+//! Tables, timetables, and clocks that are durations or dates: objects, of which a variable holds a number only, while what
+//! they consist of is in a hidden part of the file.
 //!
 //! MATLAB does not publish that part. This follows what the documentation of MatFileHandler
 //! (<https://github.com/mahalex/MatFileHandler>, `Objects.md`) and of mat-io (<https://github.com/foreverallama/matio>,
 //! `docs`) have in common: a list of contents, the first of which are bytes that connect objects with their classes,
 //! properties and contents. What does not fit that is not read, and said.
 
-use super::labels::{clock_unit, is_plain_time};
+use super::labels::{Factor, clock_unit, is_plain_time};
 use super::scope::{element, joined};
 use super::value::{Reference, Struct, Value};
 use super::wanted::Wanted;
@@ -17,9 +17,13 @@ const MARK: f64 = 0xDD00_0000_u32 as f64;
 /// Contents before those that properties refer to.
 const FIRST: usize = 2;
 
-/// Whether objects of this class are read.
+/// Whether objects of this class are read, times only as clocks.
 pub(super) fn is_read(class: &str) -> bool {
-    matches!(class, "table" | "timetable")
+    matches!(class, "table" | "timetable") || is_time(class)
+}
+
+fn is_time(class: &str) -> bool {
+    matches!(class, "duration" | "datetime")
 }
 
 /// The number of the one object that an array refers to: the mark, how many dimensions and which, the numbers of the
@@ -50,19 +54,26 @@ pub(super) fn resolve<'a>(
     let mut objects = None;
     for (path, value) in found {
         let Value::Object(Reference { class, number }) = value else { continue };
-        if !wanted.reaches_into(&path) {
+        let name = path.rsplit('.').next().unwrap_or_default();
+        let unit = clock_unit(name).filter(|_| is_time(class));
+        if is_time(class) && unit.is_none() {
+            *value = Value::object(class);
+            continue;
+        }
+        if unit.is_none() && !wanted.reaches_into(&path) {
             *value = Value::Unread;
             continue;
         }
         if let Some(open) = open.take() {
             objects = Some(open());
         }
-        let table = match &mut objects {
-            Some(Ok(objects)) => objects.table(*number),
-            Some(Err(detail)) => Err(detail.clone()),
-            None => continue,
+        let read = match (&mut objects, unit) {
+            (Some(Ok(objects)), Some(unit)) => objects.clock(*number, unit),
+            (Some(Ok(objects)), None) => objects.table(*number),
+            (Some(Err(detail)), _) => Err(detail.clone()),
+            (None, _) => continue,
         };
-        *value = table.unwrap_or_else(|detail| unreadable(class, &detail));
+        *value = read.unwrap_or_else(|detail| unreadable(class, &detail));
     }
     objects?.ok()?.origin?.start_time()
 }
@@ -189,7 +200,7 @@ impl<'a> Objects<'a> {
         let mut columns = Columns::default();
         let mut dated = Vec::new();
         if let Some(times) = times {
-            columns.push("Time", seconds(times));
+            columns.push("Time", in_unit(times, (1.0, 1.0)));
         }
         for (place, (name, value)) in names.iter().zip(data).enumerate() {
             let value = match self.times(&value)? {
@@ -197,9 +208,7 @@ impl<'a> Objects<'a> {
                 Some(Err(class)) => Value::object(&class),
                 Some(Ok(times)) => {
                     dated.push(columns.fields.len());
-                    // A clock is read in the unit that its name gives.
-                    let (numerator, denominator) = clock_unit(name).unwrap_or((1.0, 1.0));
-                    seconds(times.into_iter().map(|t| t * denominator / numerator).collect())
+                    in_unit(times, clock_unit(name).unwrap_or((1.0, 1.0)))
                 }
             };
             columns.push(name, value);
@@ -244,12 +253,21 @@ impl<'a> Objects<'a> {
 
     /// Durations or dates in s, where a value refers to such; the class, where it refers to something else.
     fn times(&mut self, value: &Value) -> Result<Option<Result<Vec<f64>, String>>, String> {
-        let Some(number) = referred(value) else { return Ok(None) };
+        referred(value).map(|number| self.times_of(number)).transpose()
+    }
+
+    fn clock(&mut self, number: usize, unit: Factor) -> Result<Value, String> {
+        let times = self.times_of(number)?;
+        Ok(in_unit(times.map_err(|class| format!("it is an object of class \"{}\"", class.escape_debug()))?, unit))
+    }
+
+    /// Durations or dates in s; the class, where the object is something else.
+    fn times_of(&mut self, number: usize) -> Result<Result<Vec<f64>, String>, String> {
         let (class, properties) = self.links.object(number)?;
         let name = match class.as_str() {
             "duration" => "millis",
             "datetime" => "data",
-            _ => return Ok(Some(Err(class))),
+            _ => return Ok(Err(class)),
         };
         let Value::Numbers(array) = self.property(&properties, name)? else {
             return Err("its times are finer than milliseconds".into());
@@ -265,11 +283,13 @@ impl<'a> Objects<'a> {
             }
             milliseconds.iter_mut().for_each(|t| *t -= from.milliseconds);
         }
-        Ok(Some(Ok(milliseconds.into_iter().map(|t| t / 1e3).collect())))
+        Ok(Ok(milliseconds.into_iter().map(|t| t / 1e3).collect()))
     }
 }
 
-fn seconds(times: Vec<f64>) -> Value {
+/// Times, s, in the unit that they will be read in: that which the name of their clock gives.
+fn in_unit(mut times: Vec<f64>, (numerator, denominator): Factor) -> Value {
+    times.iter_mut().for_each(|t| *t = *t * denominator / numerator);
     Value::array(&[times.len(), 1], times, false)
 }
 

@@ -271,6 +271,9 @@ fn ref_tables_are_read_as_mat_io_writes_them() {
     let rows = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
     assert_eq!(data(&recording, "rated.b"), (&rows.map(|row| 4.0 * row)[..], &rows.map(|row| row / 1000.0)[..]));
     assert_eq!(data(&recording, "list.v"), (&rows.map(|row| row * row)[..], &rows.map(|row| row / 50.0)[..]));
+    let half_seconds = rows.map(|row| row / 2.0);
+    assert_eq!(data(&recording, "log.n"), (&rows.map(|row| 5.0 * row)[..], &half_seconds[..]));
+    assert!(reason(&recording, "log.since").to_string().contains("an object of class \"duration\""));
     assert!(reason(&recording, "list.label").to_string().contains("an object of class \"string\""));
     assert_eq!(data(&recording, "stamped.w"), (&rows.map(|row| -row)[..], &rows.map(|row| row / 4.0)[..]));
 }

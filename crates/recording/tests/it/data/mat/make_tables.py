@@ -53,6 +53,7 @@ variables = {
     "stepped": timetable(table({"a": rows * 3.0}, later), row_times=steps),
     "rated": timetable(table({"b": rows * 4.0}, later), row_times=rates),
     "list": table({"t_ms": rows * 20.0, "v": rows**2.0, "label": ["a", "b", "c", "d", "e", "f"]}),
+    "log": {"t": elapsed.to_numpy().reshape(-1, 1), "n": rows * 5.0, "since": elapsed.to_numpy().reshape(-1, 1)},
     "stamped": table({"Date": clock, "w": rows * -1.0}),
 }
 save_to_mat(f"{folder}/tables.mat", variables, version="v7")
