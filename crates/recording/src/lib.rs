@@ -33,6 +33,11 @@
 //! the same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows,
 //! holds its channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is
 //! in seconds, unless its name, or a sampling rate or time beside it, says otherwise.
+//!
+//! Of the objects of MATLAB, tables and timetables are read, like structs of their columns. The times of a timetable's rows
+//! are its clock, and so is the only column of times in a table; elsewhere durations and dates are read where they are
+//! named like a clock. Dates count from the first of the file, which is the start time. How others are stored, as time
+//! series, nobody has published: they are named, with what to save instead.
 
 #[cfg(feature = "parquet")]
 mod arrow;
@@ -142,8 +147,9 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
 /// Decodes as [`decode`] does, or as [`decode_untimed`] where the distance of rows is given, from a source, which is read
 /// in pieces: memory is taken by the channels that are selected, and not by the file.
 ///
-/// Beyond that it takes some tens of megabytes; for MAT-files of level 5 the content of a variable that is no array of real
-/// numbers, for arrays whose rows are the channels as much again, and for compressed Arrow a column of a batch.
+/// Beyond that it takes some tens of megabytes; for tables in MAT-files what the file keeps of all its objects (level 5) or
+/// their other columns (7.3), for arrays whose rows are the channels as much again, and for compressed Arrow a column of a
+/// batch.
 ///
 /// `progress` is told what is done and how much there is in all, from any thread.
 ///

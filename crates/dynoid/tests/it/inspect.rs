@@ -49,6 +49,39 @@ fn json_holds_what_was_recorded() {
     );
 }
 
+/// A raster whose stamps count 200 µs too much each second, told by the speed that is on both.
+#[test]
+fn clocks_that_run_apart_are_said_with_what_to_do() {
+    let rate = 2e-4;
+    let mut recording = bs();
+    let raster = channel(&mut recording, "EngineSpeed").raster;
+    let (fast, speed) = {
+        let speed = channel(&mut recording, "DynoSpeed");
+        (speed.raster, speed.samples.clone())
+    };
+    let times_s = recording.rasters[fast].time_s.clone();
+    let every_fourth = |values: &[f64]| values.iter().copied().step_by(4).collect::<Vec<_>>();
+    recording.rasters[raster].time_s = every_fourth(&times_s);
+    recording.channels.retain(|c| c.raster != raster || c.name == "EngineSpeed");
+    channel(&mut recording, "EngineSpeed").samples = every_fourth(&speed);
+    let campaign = Campaign::empty().with("together.mf4", &recording);
+    recording.rasters[raster].time_s.iter_mut().for_each(|time| *time *= 1.0 + rate);
+    let campaign = campaign.with("apart.mf4", &recording);
+    let together = campaign.run(&["inspect", "recordings/together.mf4"]).stdout;
+    assert!(!together.contains("runs apart"), "{together}");
+    let apart = campaign.run(&["inspect", "recordings/apart.mf4"]).stdout;
+    for words in
+        ["Its clock runs apart from that of raster", "EngineSpeed", "DynoSpeed", "ppm", "Synchronise the devices"]
+    {
+        assert!(apart.contains(words), "`{words}` is not in: {apart}");
+    }
+    let facts = campaign.run(&["inspect", "--json", "recordings/apart.mf4"]).json();
+    let clocks = facts[0]["rasters"].as_array().unwrap();
+    let found: Vec<_> = clocks.iter().filter_map(|clock| clock["runs_apart"]["rate"].as_f64()).collect();
+    let [found] = found.as_slice() else { panic!("{found:?}") };
+    assert!((found - rate).abs() < 0.05 * rate, "{found}");
+}
+
 #[test]
 fn the_readable_files_are_shown_although_one_is_not() {
     let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &short());

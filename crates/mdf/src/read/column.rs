@@ -72,20 +72,19 @@ const BLOCK: usize = 1 << 17;
 const TRANSPOSED_ROWS: usize = 1 << 12;
 
 impl Task {
-    pub(crate) fn column(&self, rows: usize) -> Result<Column, MdfError> {
-        let too_large = || MdfError::TooLarge { numbers: rows as u64 };
-        // Asks first: a vector of zeros that does not fit ends the program.
-        let fits = |bytes: usize| Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large());
+    /// A column of zeros for so many rows.
+    fn column(&self, rows: usize) -> Column {
         match self.take {
-            Take::Bytes { width, .. } => {
-                let total = rows.checked_mul(width).ok_or_else(too_large)?;
-                fits(total)?;
-                Ok(Column::Bytes { width, bytes: vec![0; total] })
-            }
-            _ => {
-                fits(rows.checked_mul(8).ok_or_else(too_large)?)?;
-                Ok(Column::Numbers(vec![0.0; rows]))
-            }
+            Take::Bytes { width, .. } => Column::Bytes { width, bytes: vec![0; rows * width] },
+            _ => Column::Numbers(vec![0.0; rows]),
+        }
+    }
+
+    /// Bytes of a row of its column.
+    fn row_bytes(&self) -> usize {
+        match self.take {
+            Take::Bytes { width, .. } => width,
+            _ => size_of::<f64>(),
         }
     }
 
@@ -132,6 +131,17 @@ impl Task {
             invalidate(block, part, bit, scratch, cells);
         }
     }
+}
+
+/// Columns of zeros for the tasks.
+pub(crate) fn columns(tasks: &[Task], rows: usize) -> Result<Vec<Column>, MdfError> {
+    let too_large = || MdfError::TooLarge { numbers: rows as u64 };
+    let row = tasks.iter().try_fold(0_usize, |sum, task| sum.checked_add(task.row_bytes()));
+    let bytes = row.and_then(|row| row.checked_mul(rows)).ok_or_else(too_large)?;
+    // Asks first, for all of them at once: a vector of zeros that does not fit ends the program, and one that is made of
+    // memory just given back has to be filled with them.
+    Vec::<u8>::new().try_reserve_exact(bytes).map_err(|_| too_large())?;
+    Ok(tasks.iter().map(|task| task.column(rows)).collect())
 }
 
 /// Some of the records of a block.

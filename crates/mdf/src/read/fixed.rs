@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
-use super::column::{Block, Cells, Column, Invalid, Task};
+use super::column::{Block, Cells, Column, Invalid, Task, columns};
 use super::{Progress, Shape};
 use crate::stream::{Loader, Packing, Stream, View};
 use crate::{MdfError, Source};
@@ -68,7 +68,7 @@ pub(crate) fn read<S: Source + ?Sized>(
     progress: &Progress<'_>,
 ) -> Result<Vec<Column>, MdfError> {
     let count = usize::try_from(rows).map_err(|_| MdfError::TooLarge { numbers: rows })?;
-    let mut columns = tasks.iter().map(|t| t.column(count)).collect::<Result<Vec<_>, _>>()?;
+    let mut columns = columns(tasks, count)?;
     let stride = shape.stride() as u64;
     let pieces = match stride {
         0 => vec![Piece { first: 0, rows: count }],

@@ -17,7 +17,7 @@ use crate::model::{Channel, Place, Storage};
 use crate::stream::{Stream, View};
 use crate::values::{Blobs, Texts, Values};
 use crate::{Address, Mdf, MdfError, Source};
-use column::{Block, Column, Take, Task};
+use column::{Block, Column, Take, Task, columns};
 use mixed::{Framing, Member};
 use varying::Collector;
 
@@ -237,7 +237,7 @@ impl<S: Source> Mdf<S> {
             let records = &self.parts.groups[*group].records;
             let tasks: Vec<Task> = wanted_of(group).iter().flat_map(Wanted::tasks).collect();
             // Columns of no rows always fit.
-            let columns = tasks.iter().filter_map(|t| t.column(0).ok()).collect();
+            let columns = columns(&tasks, 0).unwrap_or_default();
             Member {
                 id: records.id,
                 data_bytes: records.data_bytes,

@@ -17,10 +17,8 @@ use crate::mat::start_text;
 use crate::source::unwritable;
 use crate::{Channel, Recording, RecordingError};
 
-/// Numbers in a batch.
+/// Numbers in a batch, which is a row group of Parquet, that its writer keeps in memory once more.
 const BATCH: usize = 1 << 20;
-/// Batches in a row group of Parquet, which its writer keeps in memory.
-const GROUP: usize = 2;
 /// Bytes of different values beyond which a column is not written by their numbers: all columns keep so many in memory.
 const DIFFERENT: usize = 1 << 14;
 /// The name of the column of time stamps.
@@ -54,7 +52,7 @@ pub fn write_parquet(recording: &Recording, out: impl Write + Send) -> Result<()
     let batches = Batches::new(recording)?;
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(Default::default()))
-        .set_max_row_group_row_count(Some(batches.rows * GROUP))
+        .set_max_row_group_row_count(Some(batches.rows))
         .set_dictionary_page_size_limit(DIFFERENT)
         .build();
     let write = || -> Result<(), ParquetError> {

@@ -1,11 +1,13 @@
 //! Level 4: matrices one after the other, each behind a header of 20 bytes.
 
-use super::value::{Value, text_rows};
+use super::value::{MAX_TEXT, Value, text_rows};
 use super::wanted::{Need, Wanted};
 use crate::source;
 use crate::{RecordingError, Source};
 
 const HEADER: usize = 20;
+/// Bytes of numbers converted at once; a multiple of every width.
+const PIECE: usize = 1 << 16;
 /// The longest name, with the NUL at its end.
 const MAX_NAME: usize = 128;
 
@@ -54,41 +56,58 @@ impl Header {
         numbers.checked_mul(self.width())?.checked_add(self.name)
     }
 
-    fn value(&self, content: &[u8]) -> Value {
+    /// What the matrix is, whose content begins at `at`.
+    fn value(&self, file: &str, source: &dyn Source, at: u64) -> Result<Value, RecordingError> {
         match self.content {
-            2 => return Value::unsupported("a sparse matrix; save it as a full one"),
-            0 if self.is_complex => return Value::not_numeric("complex numbers"),
+            2 => return Ok(Value::unsupported("a sparse matrix; save it as a full one")),
+            0 if self.is_complex => return Ok(Value::not_numeric("complex numbers")),
+            1 if self.count() > MAX_TEXT => return Ok(Value::not_numeric("text")),
             _ => {}
         }
-        let values = self.numbers(content);
+        let values = self.numbers(file, source, at)?;
         if self.content == 0 {
-            return Value::array(&[self.rows, self.columns], values, false);
+            return Ok(Value::array(&[self.rows, self.columns], values, false));
         }
         // Text is stored as the codes of its characters.
         let character = |&code: &f64| char::from_u32(code as u32).unwrap_or(char::REPLACEMENT_CHARACTER);
-        text_rows(self.rows, &values.iter().map(character).collect::<Vec<_>>())
+        Ok(text_rows(self.rows, &values.iter().map(character).collect::<Vec<_>>()))
     }
 
-    fn numbers(&self, content: &[u8]) -> Vec<f64> {
+    fn count(&self) -> usize {
+        self.rows.saturating_mul(self.columns)
+    }
+
+    /// The real numbers, all of which the file has.
+    fn numbers(&self, file: &str, source: &dyn Source, at: u64) -> Result<Vec<f64>, RecordingError> {
+        let size = self.count().saturating_mul(self.width());
+        let mut values = Vec::new();
+        values.try_reserve_exact(self.count()).map_err(|error| source::unreadable(file, at, &error))?;
+        for begin in (0..size).step_by(PIECE) {
+            let piece = source::bytes(file, source, at + begin as u64, PIECE.min(size - begin) as u64)?;
+            self.convert(&piece, &mut values);
+        }
+        Ok(values)
+    }
+
+    fn convert(&self, content: &[u8], out: &mut Vec<f64>) {
         match self.number {
-            0 => self.converted(content, f64::from_le_bytes),
-            1 => self.converted(content, |b| f64::from(f32::from_le_bytes(b))),
-            2 => self.converted(content, |b| f64::from(i32::from_le_bytes(b))),
-            3 => self.converted(content, |b| f64::from(i16::from_le_bytes(b))),
-            4 => self.converted(content, |b| f64::from(u16::from_le_bytes(b))),
-            _ => self.converted(content, |b| f64::from(u8::from_le_bytes(b))),
+            0 => self.convert_each(content, out, f64::from_le_bytes),
+            1 => self.convert_each(content, out, |b| f64::from(f32::from_le_bytes(b))),
+            2 => self.convert_each(content, out, |b| f64::from(i32::from_le_bytes(b))),
+            3 => self.convert_each(content, out, |b| f64::from(i16::from_le_bytes(b))),
+            4 => self.convert_each(content, out, |b| f64::from(u16::from_le_bytes(b))),
+            _ => self.convert_each(content, out, |b| f64::from(u8::from_le_bytes(b))),
         }
     }
 
-    fn converted<const N: usize>(&self, content: &[u8], number: fn([u8; N]) -> f64) -> Vec<f64> {
+    fn convert_each<const N: usize>(&self, content: &[u8], out: &mut Vec<f64>, number: fn([u8; N]) -> f64) {
         let (chunks, _) = content.as_chunks::<N>();
-        let numbers = chunks.iter().map(|&(mut chunk)| {
+        out.extend(chunks.iter().map(|&(mut chunk)| {
             if self.big {
                 chunk.reverse();
             }
             number(chunk)
-        });
-        numbers.collect()
+        }));
     }
 }
 
@@ -138,7 +157,7 @@ pub(super) fn variables(
         let dimensions = [header.rows, header.columns];
         let is_real = header.content == 0 && !header.is_complex;
         let value = match if is_real { wanted.need(&label, &dimensions) } else { Need::Values } {
-            Need::Values => header.value(&source::bytes(file, source, at + begin, whole - begin)?),
+            Need::Values => header.value(file, source, at + begin)?,
             Need::Shape => Value::shape(&dimensions),
             Need::Nothing => Value::Unread,
         };

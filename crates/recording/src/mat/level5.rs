@@ -3,10 +3,13 @@
 mod content;
 
 use std::collections::HashSet;
+use std::ops::Range;
 
-use super::listed;
+use super::objects::{self, Objects};
+use super::scope::{element, joined};
 use super::value::{MAX_TEXT, Struct, Value, text_rows};
-use super::wanted::{Need, Wanted};
+use super::wanted::{IN_CELL, Need, Wanted};
+use super::{Variables, listed};
 use crate::source::{self, Shared};
 use crate::{RecordingError, Selection, Source};
 use content::Content;
@@ -55,7 +58,7 @@ pub(super) fn variables(
     source: &Shared,
     mut wanted: Wanted<'_>,
     progress: &(dyn Fn(u64, u64) + Sync),
-) -> Result<Vec<(String, Value)>, RecordingError> {
+) -> Result<Variables, RecordingError> {
     let header = source::bytes(file, &**source, 0, HEADER as u64)?;
     let big = is_big_endian(&header).unwrap_or(false);
     let hidden = header.get(116..124).and_then(|b| b.try_into().ok()).map(|b| uint(b, big));
@@ -72,7 +75,14 @@ pub(super) fn variables(
         found.extend(variable.map_err(|detail| damaged(file, place.at, detail))?);
         progress(place.at, size);
     }
-    Ok(found)
+    let place = places.into_iter().find(|place| hidden == Some(place.at));
+    let start_time = objects::resolve(&mut found, &wanted, || {
+        let place = place.ok_or("the file does not hold its content")?;
+        let hidden = Hidden::open(&place, source, big, &budget)?;
+        let metadata = hidden.metadata()?;
+        Objects::new(metadata, hidden.big, move |index| hidden.content(index, &mut budget))
+    });
+    Ok(Variables { list: found, start_time })
 }
 
 /// The size of a file and its elements.
@@ -115,8 +125,11 @@ fn listed(
 
 /// The name of a struct.
 fn name_of(place: &Place, source: &Shared, big: bool) -> Option<String> {
-    let content = Content::open(place.kind, source, (place.at + 8, place.size), big).ok()?;
-    content.name_of_struct(big)
+    let mut content = Content::open(place.kind, source, (place.at + 8, place.size), big).ok()?;
+    let (_, flags) = content.next().ok()?;
+    let is_struct = flags.len() == 8 && uint4(&flags, big) & 0xFF == 2;
+    dimensions(&mut content).ok().filter(|_| is_struct)?;
+    name(&content.next().ok()?.1).ok()
 }
 
 fn damaged(file: &str, at: u64, detail: String) -> RecordingError {
@@ -131,24 +144,16 @@ fn variable(
     budget: &mut Budget,
     wanted: &Wanted<'_>,
 ) -> Result<Option<(String, Value)>, String> {
-    let content = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
-    if let Some(large) = content.large(big) {
-        match wanted.need(&large.name, &large.dimensions) {
-            Need::Values => {}
-            Need::Shape => return Ok(Some((large.name, Value::shape(&large.dimensions)))),
-            Need::Nothing => return Ok(Some((large.name, Value::Unread))),
+    let mut content = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+    let mut parser = Parser { content: &mut content, budget, wanted };
+    match parser.matrix(None, 0) {
+        Ok((name, value)) => {
+            // What was left out is not read to come upon the sum over it.
+            if content.left() == 0 {
+                content.finish()?;
+            }
+            Ok((!name.is_empty()).then_some((name, value)))
         }
-        if let Some(left) = budget.numbers.checked_sub(large.count) {
-            budget.numbers = left;
-            let named = |detail: String| format!("variable \"{}\": {detail}", large.name.escape_debug());
-            let array = content.numbers(&large, big).map_err(named)?;
-            return Ok(Some((large.name, array)));
-        }
-    }
-    let data = content.whole()?;
-    let mut parser = Parser { big, budget };
-    match parser.matrix(&data, 0) {
-        Ok((name, value)) => Ok((!name.is_empty()).then_some((name, value))),
         Err(Fault::Damaged(detail)) => Err(detail),
         Err(Fault::Unsupported(name, detail)) => Ok(Some((name, Value::unsupported(detail)))),
     }
@@ -172,63 +177,31 @@ enum Fault {
     Unsupported(String, String),
 }
 
+impl Fault {
+    fn detail(self) -> String {
+        match self {
+            Self::Damaged(detail) | Self::Unsupported(_, detail) => detail,
+        }
+    }
+}
+
 fn broken<T>(detail: impl Into<String>) -> Result<T, Fault> {
     Err(Fault::Damaged(detail.into()))
 }
 
-/// The elements of a matrix, one after the other.
-struct Elements<'a> {
-    rest: &'a [u8],
-    big: bool,
-}
-
-impl<'a> Elements<'a> {
-    /// Type and content of the next element; short ones have their size and content in the tag.
-    fn next(&mut self) -> Result<(u32, &'a [u8]), Fault> {
-        let Some((tag, body)) = self.rest.split_at_checked(8) else {
-            return broken("a variable ends too early");
-        };
-        let (first, second) = (uint4(tag, self.big), uint4(&tag[4..], self.big));
-        let short = (first >> 16) as usize;
-        if short > 4 {
-            return broken(format!("an element of type {first:#x}"));
-        }
-        if short > 0 {
-            self.rest = body;
-            return Ok((first & 0xFFFF, &tag[4..4 + short]));
-        }
-        let size = second as usize;
-        let Some(content) = body.get(..size) else {
-            return broken(format!("an element of {size} bytes in the {} of its variable", body.len()));
-        };
-        self.rest = body.get(size.next_multiple_of(8)..).unwrap_or_default();
-        Ok((first, content))
+/// The next element as the sizes along each dimension, and how many places there are.
+fn dimensions(content: &mut Content<'_>) -> Result<(Vec<usize>, usize), Fault> {
+    let (kind, bytes) = content.next()?;
+    if kind != 5 || !(8..=128).contains(&bytes.len()) || bytes.len() % 4 != 0 {
+        return broken("the dimensions of a variable");
     }
-
-    fn numbers(&mut self) -> Result<Vec<f64>, Fault> {
-        let (kind, content) = self.next()?;
-        numbers(kind, content, self.big)
-    }
-
-    fn name(&mut self) -> Result<String, Fault> {
-        let (_, content) = self.next()?;
-        name(content)
-    }
-
-    /// The sizes along each dimension, and how many places there are.
-    fn dimensions(&mut self) -> Result<(Vec<usize>, usize), Fault> {
-        let (kind, content) = self.next()?;
-        if kind != 5 || !(8..=128).contains(&content.len()) || content.len() % 4 != 0 {
-            return broken("the dimensions of a variable");
+    let sizes: Vec<u32> = bytes.chunks_exact(4).map(|c| uint4(c, content.big)).collect();
+    let count = sizes.iter().try_fold(1_usize, |product, &d| product.checked_mul(d as usize));
+    match count {
+        Some(count) if sizes.iter().all(|&d| i32::try_from(d).is_ok()) => {
+            Ok((sizes.iter().map(|&d| d as usize).collect(), count))
         }
-        let sizes: Vec<u32> = content.chunks_exact(4).map(|c| uint4(c, self.big)).collect();
-        let count = sizes.iter().try_fold(1_usize, |product, &d| product.checked_mul(d as usize));
-        match count {
-            Some(count) if sizes.iter().all(|&d| i32::try_from(d).is_ok()) => {
-                Ok((sizes.iter().map(|&d| d as usize).collect(), count))
-            }
-            _ => broken(format!("dimensions {sizes:?}")),
-        }
+        _ => broken(format!("dimensions {sizes:?}")),
     }
 }
 
@@ -241,53 +214,47 @@ fn name(content: &[u8]) -> Result<String, Fault> {
     Ok(String::from_utf8(name).unwrap_or_else(|e| e.into_bytes().iter().map(|&b| char::from(b)).collect()))
 }
 
-/// Numbers of the type that the tag states.
-fn numbers(kind: u32, content: &[u8], big: bool) -> Result<Vec<f64>, Fault> {
-    let mut numbers = Vec::new();
-    converted_all(kind, content, big, &mut numbers)?;
-    Ok(numbers)
-}
-
 /// Whether this is the type of integers of 64 bits.
 fn is_wide(kind: u32) -> bool {
     matches!(kind, 12 | 13)
 }
 
-/// Appends numbers of the type that the tag states.
-fn converted_all(kind: u32, content: &[u8], big: bool, out: &mut Vec<f64>) -> Result<(), Fault> {
-    // Numbers of 64 bits above 2^53 are rounded, which is said.
+/// Bytes of a number of the type that a tag states.
+fn width(kind: u32) -> Result<usize, Fault> {
     match kind {
-        1 => converted(content, big, out, |b| f64::from(i8::from_le_bytes(b))),
-        2 => converted(content, big, out, |b| f64::from(u8::from_le_bytes(b))),
-        3 => converted(content, big, out, |b| f64::from(i16::from_le_bytes(b))),
-        4 => converted(content, big, out, |b| f64::from(u16::from_le_bytes(b))),
-        5 => converted(content, big, out, |b| f64::from(i32::from_le_bytes(b))),
-        6 => converted(content, big, out, |b| f64::from(u32::from_le_bytes(b))),
-        7 => converted(content, big, out, |b| f64::from(f32::from_le_bytes(b))),
-        9 => converted(content, big, out, f64::from_le_bytes),
-        12 => converted(content, big, out, |b| i64::from_le_bytes(b) as f64),
-        13 => converted(content, big, out, |b| u64::from_le_bytes(b) as f64),
+        1 | 2 => Ok(1),
+        3 | 4 => Ok(2),
+        5..=7 => Ok(4),
+        9 | 12 | 13 => Ok(8),
         other => broken(format!("numbers of type {other}")),
     }
 }
 
-fn converted<const N: usize>(
-    content: &[u8],
-    big: bool,
-    out: &mut Vec<f64>,
-    number: fn([u8; N]) -> f64,
-) -> Result<(), Fault> {
-    let (chunks, rest) = content.as_chunks::<N>();
-    if !rest.is_empty() {
-        return broken(format!("{} bytes of numbers of {N} bytes", content.len()));
+/// Appends numbers of the type that the tag states.
+fn convert(kind: u32, content: &[u8], big: bool, out: &mut Vec<f64>) {
+    // Numbers of 64 bits above 2^53 are rounded, which is said.
+    match kind {
+        1 => convert_each(content, big, out, |b| f64::from(i8::from_le_bytes(b))),
+        2 => convert_each(content, big, out, |b| f64::from(u8::from_le_bytes(b))),
+        3 => convert_each(content, big, out, |b| f64::from(i16::from_le_bytes(b))),
+        4 => convert_each(content, big, out, |b| f64::from(u16::from_le_bytes(b))),
+        5 => convert_each(content, big, out, |b| f64::from(i32::from_le_bytes(b))),
+        6 => convert_each(content, big, out, |b| f64::from(u32::from_le_bytes(b))),
+        7 => convert_each(content, big, out, |b| f64::from(f32::from_le_bytes(b))),
+        12 => convert_each(content, big, out, |b| i64::from_le_bytes(b) as f64),
+        13 => convert_each(content, big, out, |b| u64::from_le_bytes(b) as f64),
+        _ => convert_each(content, big, out, f64::from_le_bytes),
     }
+}
+
+fn convert_each<const N: usize>(content: &[u8], big: bool, out: &mut Vec<f64>, number: fn([u8; N]) -> f64) {
+    let (chunks, _) = content.as_chunks::<N>();
     out.extend(chunks.iter().map(|&(mut chunk)| {
         if big {
             chunk.reverse();
         }
         number(chunk)
     }));
-    Ok(())
 }
 
 /// The characters of a character array.
@@ -328,38 +295,40 @@ impl Budget {
     }
 }
 
-struct Parser<'a> {
-    big: bool,
+/// Reads a variable; of arrays that are not asked for, no number is converted or kept.
+struct Parser<'a, 'b> {
+    content: &'a mut Content<'b>,
     budget: &'a mut Budget,
+    wanted: &'a Wanted<'a>,
 }
 
-impl Parser<'_> {
-    /// Name and value of a matrix, the format's word for anything that a variable, cell or field can hold.
-    fn matrix(&mut self, content: &[u8], depth: usize) -> Result<(String, Value), Fault> {
-        if content.is_empty() {
+impl Parser<'_, '_> {
+    /// Name and value of a matrix, the format's word for anything that a variable, cell or field can hold. Its `path` is
+    /// none for a variable, whose name it has.
+    fn matrix(&mut self, path: Option<&str>, depth: usize) -> Result<(String, Value), Fault> {
+        if self.content.left() == 0 {
             return Ok((String::new(), Value::empty()));
         }
-        let mut elements = Elements { rest: content, big: self.big };
-        let (kind, flags) = elements.next()?;
+        let (kind, flags) = self.content.next()?;
         if kind != 6 || flags.len() != 8 {
             return broken("the flags of a variable");
         }
-        let flags = uint4(flags, self.big);
+        let flags = uint4(&flags, self.content.big);
         let (class, is_complex) = (flags & 0xFF, flags & 0x0800 != 0);
         if class == 17 {
-            let (name, _, class) = (elements.name()?, elements.name()?, elements.name()?);
-            return Ok((name, Value::object(&class)));
+            return self.object(depth);
         }
-        let (dimensions, count) = elements.dimensions()?;
-        let name = elements.name()?;
+        let (dimensions, count) = dimensions(self.content)?;
+        let name = self.name()?;
+        let path = path.unwrap_or(&name);
         let value = match class {
-            1 => self.cell(&mut elements, count, depth),
-            2 => self.structs(&mut elements, count, depth),
-            3 => elements.name().and_then(|_| self.structs(&mut elements, count, depth)),
-            4 => self.budget.take_parts(dimensions[0].min(count)).and_then(|()| text(&mut elements, &dimensions)),
+            1 => self.cell(count, depth),
+            2 => self.structs(path, count, depth),
+            3 => self.name().and_then(|_| self.structs(path, count, depth)),
+            4 => self.budget.take_parts(dimensions[0].min(count)).and_then(|()| self.text(&dimensions)),
             5 => Ok(Value::unsupported("a sparse matrix; save it as a full one")),
             6..=15 if is_complex => Ok(Value::not_numeric("complex numbers")),
-            6..=15 => self.array(&mut elements, &dimensions, count),
+            6..=15 => self.array(path, &dimensions, count),
             16 => Ok(Value::not_numeric("a function")),
             other => broken(format!("a variable of class {other}")),
         };
@@ -373,34 +342,48 @@ impl Parser<'_> {
         }
     }
 
+    fn name(&mut self) -> Result<String, Fault> {
+        name(&self.content.next()?.1)
+    }
+
+    /// An object: its class, and where its content is.
+    fn object(&mut self, depth: usize) -> Result<(String, Value), Fault> {
+        let (name, _, class) = (self.name()?, self.name()?, self.name()?);
+        if !objects::is_read(&class) {
+            return Ok((name, Value::object(&class)));
+        }
+        let reference = self.part(IN_CELL, depth)?;
+        Ok((name, Value::reference(class, &reference)))
+    }
+
     /// The next cell or field.
-    fn part(&mut self, elements: &mut Elements<'_>, depth: usize) -> Result<Value, Fault> {
+    fn part(&mut self, path: &str, depth: usize) -> Result<Value, Fault> {
         self.budget.take_parts(1)?;
         if depth >= MAX_DEPTH {
             let detail = format!("more than {MAX_DEPTH} structs or cells within each other");
             return Err(Fault::Unsupported(String::new(), detail));
         }
-        match elements.next()? {
-            (MATRIX, content) => Ok(self.matrix(content, depth + 1)?.1),
-            (other, _) => broken(format!("an element of type {other} in a struct or cell")),
-        }
+        let outer = self.content.enter()?;
+        let (_, value) = self.matrix(Some(path), depth + 1)?;
+        self.content.leave(outer)?;
+        Ok(value)
     }
 
-    fn cell(&mut self, elements: &mut Elements<'_>, count: usize, depth: usize) -> Result<Value, Fault> {
+    fn cell(&mut self, count: usize, depth: usize) -> Result<Value, Fault> {
         let mut items = Vec::new();
         for _ in 0..count {
-            items.push(self.part(elements, depth)?);
+            items.push(self.part(IN_CELL, depth)?);
         }
         Ok(Value::Cell(items))
     }
 
-    fn structs(&mut self, elements: &mut Elements<'_>, count: usize, depth: usize) -> Result<Value, Fault> {
-        let width = match elements.numbers()?.as_slice() {
+    fn structs(&mut self, path: &str, count: usize, depth: usize) -> Result<Value, Fault> {
+        let width = match self.content.numbers(1, &[1])?.1.as_slice() {
             // Not above 4096, so exact.
             [width] if (1.0..=4096.0).contains(width) => *width as usize,
             other => return broken(format!("field names of length {other:?}")),
         };
-        let (_, names) = elements.next()?;
+        let (_, names) = self.content.next()?;
         if names.len() % width != 0 {
             return broken("the field names of a struct");
         }
@@ -408,34 +391,122 @@ impl Parser<'_> {
         let fields = names.chunks_exact(width).map(name).collect::<Result<Vec<_>, _>>()?;
         let mut structs = Vec::new();
         // A struct without fields takes no space in the file, whatever number of them is announced.
-        for _ in 0..if fields.is_empty() { 0 } else { count } {
-            let values = fields.iter().map(|_| self.part(elements, depth));
+        for index in 0..if fields.is_empty() { 0 } else { count } {
+            let path = element(path, index, count);
+            let values = fields.iter().map(|field| self.part(&joined(&path, field), depth));
             structs.push(values.collect::<Result<Vec<_>, _>>()?);
         }
         Ok(Value::Struct(Struct { fields, elements: structs }))
     }
 
-    fn array(&mut self, elements: &mut Elements<'_>, dimensions: &[usize], count: usize) -> Result<Value, Fault> {
+    fn array(&mut self, path: &str, dimensions: &[usize], count: usize) -> Result<Value, Fault> {
+        match self.wanted.need(path, dimensions) {
+            Need::Values => {}
+            Need::Shape => return Ok(Value::shape(dimensions)),
+            Need::Nothing => return Ok(Value::Unread),
+        }
         let Some(left) = self.budget.numbers.checked_sub(count) else {
             return Ok(Value::unsupported("it brings the file to more numbers than its size makes plausible"));
         };
-        let (kind, content) = elements.next()?;
-        let values = numbers(kind, content, self.big)?;
-        if values.len() != count {
-            return broken(format!("{} numbers for dimensions {dimensions:?}", values.len()));
-        }
+        let (kind, values) = self.content.numbers(count, dimensions)?;
         self.budget.numbers = left;
         Ok(Value::array(dimensions, values, is_wide(kind)))
     }
+
+    fn text(&mut self, dimensions: &[usize]) -> Result<Value, Fault> {
+        if self.content.left() == 0 {
+            return Ok(text_rows(dimensions[0], &[]));
+        }
+        let tag = self.content.tag()?;
+        if tag.size > 4 * MAX_TEXT {
+            return Ok(Value::not_numeric("text"));
+        }
+        let bytes = self.content.bytes(tag)?;
+        Ok(text_rows(dimensions[0], &characters(tag.kind, &bytes, self.content.big)?))
+    }
 }
 
-fn text(elements: &mut Elements<'_>, dimensions: &[usize]) -> Result<Value, Fault> {
-    let (kind, content) = match elements.rest.is_empty() {
-        true => (16, &[][..]),
-        false => elements.next()?,
-    };
-    if content.len() > 4 * MAX_TEXT {
-        return Ok(Value::not_numeric("text"));
+/// The content of the objects of a file: a file within the file, of which a cell array is read.
+struct Hidden {
+    bytes: Vec<u8>,
+    big: bool,
+    /// Where the content of each cell is.
+    cells: Vec<Range<usize>>,
+}
+
+impl Hidden {
+    fn open(place: &Place, source: &Shared, big: bool, budget: &Budget) -> Result<Self, String> {
+        let outer = Content::open(place.kind, source, (place.at + 8, place.size), big)?;
+        if outer.left() / size_of::<f64>() > budget.numbers {
+            return Err("it is larger than the size of the file makes plausible".into());
+        }
+        Self::within(outer).map_err(Fault::detail)
     }
-    Ok(text_rows(dimensions[0], &characters(kind, content, elements.big)?))
+
+    fn within(mut outer: Content<'_>) -> Result<Self, Fault> {
+        outer.next()?;
+        dimensions(&mut outer)?;
+        outer.next()?;
+        let (_, bytes) = outer.next()?;
+        outer.finish().map_err(Fault::Damaged)?;
+        // Level, order of bytes, padding.
+        let big = match bytes.get(2..4) {
+            Some(b"IM") => false,
+            Some(b"MI") => true,
+            _ => return broken("the part with the objects has no header"),
+        };
+        let mut hidden = Self { bytes, big, cells: Vec::new() };
+        hidden.cells = hidden.find_cells()?;
+        Ok(hidden)
+    }
+
+    /// The places of the cells in `struct("MCOS", object of class FileWrapper__ of a cell array)`.
+    fn find_cells(&self) -> Result<Vec<Range<usize>>, Fault> {
+        const HEADER: usize = 8;
+        let bytes = &self.bytes[HEADER.min(self.bytes.len())..];
+        let mut content = Content::of(Box::new(bytes), bytes.len(), self.big, false);
+        content.enter()?;
+        let (_, _, _) = (content.next()?, dimensions(&mut content)?, content.next()?);
+        let (_, names) = (content.next()?, content.next()?);
+        if !names.1.starts_with(b"MCOS\0") {
+            return broken("the part with the objects does not begin with them");
+        }
+        content.enter()?;
+        for _ in ["flags", "name", "kind", "class"] {
+            content.next()?;
+        }
+        content.enter()?;
+        content.next()?;
+        let (_, count) = dimensions(&mut content)?;
+        content.next()?;
+        let mut cells = Vec::new();
+        for _ in 0..count {
+            let outer = content.enter()?;
+            let begin = HEADER + content.at();
+            cells.push(begin..begin + content.left());
+            content.leave(outer)?;
+        }
+        Ok(cells)
+    }
+
+    /// The bytes that connect objects and contents: the only numbers of the first cell.
+    fn metadata(&self) -> Result<Vec<u8>, String> {
+        let mut content = self.cell(0).ok_or("the part with the objects is empty")?;
+        let mut read = || {
+            let (_, _, _) = (content.next()?, dimensions(&mut content)?, content.next()?);
+            Ok(content.next()?.1)
+        };
+        read().map_err(Fault::detail)
+    }
+
+    fn cell(&self, index: usize) -> Option<Content<'_>> {
+        let bytes = self.bytes.get(self.cells.get(index)?.clone())?;
+        Some(Content::of(Box::new(bytes), bytes.len(), self.big, false))
+    }
+
+    fn content(&self, index: usize, budget: &mut Budget) -> Result<Value, String> {
+        let mut content = self.cell(index).ok_or("a property is missing")?;
+        let mut parser = Parser { content: &mut content, budget, wanted: &Wanted::ALL };
+        parser.matrix(Some(IN_CELL), 0).map(|(_, value)| value).map_err(Fault::detail)
+    }
 }

@@ -4,10 +4,11 @@ use std::collections::HashMap;
 
 use hdf5_pure::{AttrValue, Chunk, ChunkIndex, DType, Dataset, File, FormatError, Group, Object};
 
-use super::listed;
+use super::objects::{self, Objects};
 use super::scope::joined;
 use super::value::{MAX_TEXT, Struct, Value, text_rows};
-use super::wanted::{Need, Wanted};
+use super::wanted::{IN_CELL, Need, Wanted};
+use super::{Variables, listed};
 use crate::RecordingError;
 use crate::error::guarded;
 use crate::source::{self, Shared};
@@ -22,17 +23,11 @@ const MAX_PER_BYTE: usize = 1032 / 8;
 
 /// Numbers read at once.
 const PIECE: usize = 1 << 20;
-/// A path that no selection has, since what is in cells is read.
-const IN_CELL: &str = "{}";
 
 type Attributes = HashMap<String, AttrValue>;
 
 /// The variables of a file with their names.
-pub(super) fn variables(
-    file: &str,
-    source: &Shared,
-    wanted: Wanted<'_>,
-) -> Result<Vec<(String, Value)>, RecordingError> {
+pub(super) fn variables(file: &str, source: &Shared, wanted: Wanted<'_>) -> Result<Variables, RecordingError> {
     let damaged = |detail: String| RecordingError::Damaged { file: file.into(), offset: None, detail };
     let size = source::size(file, &**source)?;
     let most = usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(MAX_PER_BYTE);
@@ -42,9 +37,23 @@ pub(super) fn variables(
         // Where the file lists its channels by other names, all of them are.
         let is_listed = root.group(listed::NAME).is_ok();
         let wanted = if is_listed { wanted.of_all() } else { wanted };
-        let mut reader = Reader { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most), size, wanted };
-        reader.members(&root, "", 0).map_err(damaged)
+        let mut reader = Reader { parts: MAX_PARTS, numbers: MAX_NUMBERS.max(most), size, wanted: &wanted };
+        let mut list = reader.members(&root, "", 0).map_err(damaged)?;
+        let start_time = objects::resolve(&mut list, &wanted, || hidden(&root, reader));
+        Ok(Variables { list, start_time })
     })
+}
+
+/// The content of the objects of a file: references, of which the first leads to what connects the others.
+fn hidden<'a>(root: &Group, mut reader: Reader<'a>) -> Result<Objects<'a>, String> {
+    let contents = root.group("#subsystem#").and_then(|group| group.dataset("MCOS"));
+    let contents = contents.map_err(|_| "the file does not hold its content")?;
+    reader.count(&contents)?;
+    let contents = contents.dereference().map_err(text)?;
+    let Some(Object::Dataset(metadata)) = contents.first() else { return Err("it has no objects".into()) };
+    reader.count(metadata)?;
+    let metadata = metadata.read_u8().map_err(text)?;
+    Objects::new(metadata, false, move |index| reader.object(contents.get(index).ok_or("a property is missing")?, 0))
 }
 
 /// A file as its library takes it.
@@ -69,7 +78,7 @@ struct Reader<'a> {
     numbers: usize,
     /// Bytes of the file.
     size: u64,
-    wanted: Wanted<'a>,
+    wanted: &'a Wanted<'a>,
 }
 
 impl Reader<'_> {
@@ -112,8 +121,8 @@ impl Reader<'_> {
         if attributes.contains_key("MATLAB_sparse") {
             return Ok(Value::unsupported("a sparse matrix; save it as a full one"));
         }
-        if let Some(object) = object(&attributes) {
-            return Ok(object);
+        if let Some(class) = class_of_object(&attributes) {
+            return Ok(Value::object(class));
         }
         let datasets: Vec<(String, Dataset)> = group.iter_datasets().map_err(text)?.collect();
         let references: Vec<&Dataset> = datasets.iter().map(|(_, d)| d).filter(|d| is_unclassed_reference(d)).collect();
@@ -147,16 +156,21 @@ impl Reader<'_> {
         let mut values = Vec::new();
         for object in dataset.dereference().map_err(text)? {
             self.take_part(depth + 1)?;
-            values.push(match object {
-                Object::Group(group) => self.group(&group, IN_CELL, depth + 1)?,
-                Object::Dataset(dataset) => {
-                    let attributes = dataset.attrs().map_err(text)?;
-                    self.dataset(&dataset, &attributes, IN_CELL, depth + 1)?
-                }
-                _ => Value::unsupported("a reference to what is neither a group nor a dataset"),
-            });
+            values.push(self.object(&object, depth + 1)?);
         }
         Ok(values)
+    }
+
+    /// What a reference leads to.
+    fn object(&mut self, object: &Object, depth: usize) -> Result<Value, String> {
+        match object {
+            Object::Group(group) => self.group(group, IN_CELL, depth),
+            Object::Dataset(dataset) => {
+                let attributes = dataset.attrs().map_err(text)?;
+                self.dataset(dataset, &attributes, IN_CELL, depth)
+            }
+            _ => Ok(Value::unsupported("a reference to what is neither a group nor a dataset")),
+        }
     }
 
     /// The sizes of a dataset, if so many elements may still be read, and all of its chunks are there: room for a chunk is
@@ -185,8 +199,13 @@ impl Reader<'_> {
         depth: usize,
     ) -> Result<Value, String> {
         self.take_part(depth)?;
-        if let Some(object) = object(attributes) {
-            return Ok(object);
+        match class_of_object(attributes) {
+            Some(class) if objects::is_read(class) => {
+                let reference = self.array(dataset, IN_CELL)?;
+                return Ok(Value::reference(class.to_owned(), &reference));
+            }
+            Some(class) => return Ok(Value::object(class)),
+            None => {}
         }
         if let Err(hdf5_pure::Error::Format(FormatError::InvalidLayoutVersion(NEWER_LAYOUT))) = dataset.layout() {
             return Ok(Value::unsupported(
@@ -220,7 +239,7 @@ impl Reader<'_> {
         // MATLAB's arrays are stored column by column, and HDF5 names the slowest dimension first.
         let mut dimensions = sizes(dataset)?;
         dimensions.reverse();
-        match if path.starts_with(IN_CELL) { Need::Values } else { self.wanted.need(path, &dimensions) } {
+        match self.wanted.need(path, &dimensions) {
             Need::Values => {}
             Need::Shape => return Ok(Value::shape(&dimensions)),
             Need::Nothing => return Ok(Value::Unread),
@@ -290,11 +309,10 @@ fn text(error: hdf5_pure::Error) -> String {
     error.to_string()
 }
 
-/// An object, whose content is in a form of its own.
-fn object(attributes: &Attributes) -> Option<Value> {
+/// The class of an object, whose content is in a form of its own.
+fn class_of_object(attributes: &Attributes) -> Option<&str> {
     attributes.get("MATLAB_object_decode").filter(|flag| flag.as_i64() != Some(0))?;
-    let class = attributes.get("MATLAB_class").and_then(|class| class.as_str()).unwrap_or("unknown");
-    Some(Value::object(class))
+    Some(attributes.get("MATLAB_class").and_then(|class| class.as_str()).unwrap_or("unknown"))
 }
 
 fn is_unclassed_reference(dataset: &Dataset) -> bool {

@@ -8,13 +8,14 @@ mod level4;
 mod level5;
 mod level73;
 mod listed;
+mod objects;
 mod scope;
 mod value;
 mod wanted;
 mod write;
 
 use crate::source::{self, Shared};
-use crate::{Catalogue, Format, Recording, RecordingError, Selection};
+use crate::{Catalogue, Format, Recording, RecordingError, Selection, StartTime};
 #[cfg(feature = "parquet")]
 pub(crate) use listed::{start_text, start_time};
 use scope::Plan;
@@ -65,16 +66,23 @@ fn read(
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
     let selection = wanted.selection;
-    let (format, mut variables) = variables(name, source, wanted, progress)?;
+    let (format, Variables { mut list, start_time }) = variables(name, source, wanted, progress)?;
     let mut plan = Plan::new(row_distance_s);
-    let listed = listed::take(name, &mut variables, &mut plan, selection)?;
-    plan.top(variables);
+    let listed = listed::take(name, &mut list, &mut plan, selection)?;
+    plan.top(list);
     let mut recording = plan.finish(name, selection, format)?;
-    (recording.comment, recording.start_time) = listed;
+    (recording.comment, recording.start_time) = (listed.0, listed.1.or(start_time));
     Ok(recording)
 }
 
-type Variables = Vec<(String, Value)>;
+/// What is in a file.
+#[derive(Default)]
+struct Variables {
+    /// The variables in the order of the file, with their names.
+    list: Vec<(String, Value)>,
+    /// What time stamps with a date count from.
+    start_time: Option<StartTime>,
+}
 
 fn variables(
     name: &str,
@@ -87,7 +95,10 @@ fn variables(
         return Ok((Format::Hdf5, level73::variables(name, source, wanted)?));
     }
     if level4::starts(&head) {
-        return Ok((Format::Mat { level: 4 }, level4::variables(name, &**source, &wanted)?));
+        return Ok((
+            Format::Mat { level: 4 },
+            Variables { list: level4::variables(name, &**source, &wanted)?, start_time: None },
+        ));
     }
     let Some(big) = level5::is_big_endian(&head) else {
         return Err(RecordingError::Truncated {

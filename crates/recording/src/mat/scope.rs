@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::labels::{Labels, Member, Members, clock_unit, describes, is_plain_time, sample_time, stated_period};
-use super::value::{Array, Struct, Value};
+use super::value::{Array, Struct, Value, object_reason};
 use crate::error::require_names;
 use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason};
 
@@ -88,14 +88,15 @@ impl Plan {
             // Cells of anything else have been taken apart.
             Value::Text(_) | Value::Cell(_) => self.skip(path, SkipReason::NotNumeric { kind: "text".into() }),
             Value::Skip(reason) => self.skip(path, reason),
+            Value::Object(object) => self.skip(path, object_reason(&object.class)),
         }
     }
 
     fn structs(&mut self, name: &str, structs: Struct) {
-        let single = structs.elements.len() == 1;
-        for (index, element) in structs.elements.into_iter().enumerate() {
-            let path = if single { name.to_owned() } else { format!("{name}({})", index + 1) };
-            self.scope(&path, structs.fields.iter().cloned().zip(element).collect());
+        let count = structs.elements.len();
+        for (index, values) in structs.elements.into_iter().enumerate() {
+            let path = element(name, index, count);
+            self.scope(&path, structs.fields.iter().cloned().zip(values).collect());
         }
     }
 
@@ -286,6 +287,11 @@ impl Plan {
         }
         Ok(Recording { format, comment: None, start_time: None, rasters, channels: self.channels, findings })
     }
+}
+
+/// The path of one of the structs in an array of them.
+pub(super) fn element(path: &str, index: usize, count: usize) -> String {
+    if count == 1 { path.to_owned() } else { format!("{path}({})", index + 1) }
 }
 
 pub(super) fn joined(path: &str, name: &str) -> String {

@@ -1,5 +1,6 @@
 //! What a variable holds.
 
+use super::objects;
 use crate::SkipReason;
 use crate::finding::are_rounded;
 
@@ -11,6 +12,8 @@ pub(super) enum Value {
     Text(Vec<String>),
     Cell(Vec<Value>),
     Struct(Struct),
+    /// An object whose content is in the hidden part of the file.
+    Object(Reference),
     /// Numbers that were not asked for.
     Unread,
     /// Something that is no channel.
@@ -44,20 +47,15 @@ impl Value {
 
     /// An object of MATLAB, of which the file keeps more than its numbers, in a form of its own.
     pub(super) fn object(class: &str) -> Self {
-        let remedy = match class {
-            "timeseries" => "save t = ts.Time and y = ts.Data",
-            "timetable" => "save t = seconds(tt.Properties.RowTimes - tt.Properties.RowTimes(1)) and y = tt.Variables",
-            "Simulink.SimulationData.Dataset" => "save t = ds{1}.Values.Time and y = ds{1}.Values.Data of each signal",
-            "Simulink.SimulationOutput" => "log as \"Structure with time\", and save what is logged",
-            "table" => "save s = table2struct(tbl, 'ToScalar', true)",
-            "iddata" => "save u = z.InputData, y = z.OutputData and Ts = z.Ts",
-            "string" => "save it as char(s)",
-            "datetime" => "save seconds(d - d(1))",
-            "duration" => "save seconds(d)",
-            "categorical" => "save double(c)",
-            _ => "save its arrays, or a struct of them",
-        };
-        Self::unsupported(format!("an object of class \"{}\"; {remedy}", class.escape_debug()))
+        Self::Skip(object_reason(class))
+    }
+
+    /// An object that this value of a variable refers to.
+    pub(super) fn reference(class: String, value: &Self) -> Self {
+        match objects::referred(value) {
+            Some(number) => Self::Object(Reference { class, number }),
+            None => Self::object(&class),
+        }
     }
 
     /// The only text here, blanks at its ends removed.
@@ -86,6 +84,13 @@ impl Value {
             _ => None,
         }
     }
+}
+
+/// An object: its class, and its number among those of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Reference {
+    pub(super) class: String,
+    pub(super) number: usize,
 }
 
 /// Real numbers, column by column.
@@ -166,6 +171,25 @@ impl Struct {
         let place = self.fields.iter().position(|f| f == field)?;
         self.elements.get(index)?.get(place)
     }
+}
+
+/// Why an object is no channel, and what to do.
+pub(super) fn object_reason(class: &str) -> SkipReason {
+    let remedy = match class {
+        "timeseries" => "save t = ts.Time and y = ts.Data",
+        "timetable" => "save t = seconds(tt.Properties.RowTimes - tt.Properties.RowTimes(1)) and y = tt.Variables",
+        "Simulink.SimulationData.Dataset" => "save t = ds{1}.Values.Time and y = ds{1}.Values.Data of each signal",
+        "Simulink.SimulationOutput" => "log as \"Structure with time\", and save what is logged",
+        "table" => "save s = table2struct(tbl, 'ToScalar', true)",
+        "iddata" => "save u = z.InputData, y = z.OutputData and Ts = z.Ts",
+        "string" => "save it as char(s)",
+        "datetime" => "save seconds(d - d(1))",
+        "duration" => "save seconds(d)",
+        "categorical" => "save double(c)",
+        _ => "save its arrays, or a struct of them",
+    };
+    let detail = format!("an object of class \"{}\"; {remedy}", class.escape_debug());
+    SkipReason::Unsupported { detail }
 }
 
 /// The most characters of text that are kept; longer text is no name, unit or comment.

@@ -7,6 +7,8 @@ use crate::{Selection, names};
 
 /// Arrays with fewer numbers are read whatever their name: they may say something about others.
 const SMALL: usize = 1 << 12;
+/// A path that no selection has, since what is in cells is read.
+pub(super) const IN_CELL: &str = "{}";
 /// Names of arrays whose channels may be called otherwise.
 const RENAMED: [&str; 5] = ["values", "u", "y", "inputdata", "outputdata"];
 
@@ -49,7 +51,7 @@ impl<'a> Wanted<'a> {
     pub(super) fn need(&self, path: &str, dimensions: &[usize]) -> Need {
         let numbers = dimensions.iter().fold(1_usize, |product, &d| product.saturating_mul(d));
         let name = path.rsplit('.').next().unwrap_or(path);
-        if numbers < SMALL || clock_unit(name).is_some() {
+        if numbers < SMALL || clock_unit(name).is_some() || path.starts_with(IN_CELL) {
             return Need::Values;
         }
         let is_vector = dimensions.iter().filter(|&&d| d != 1).count() <= 1;
@@ -61,6 +63,16 @@ impl<'a> Wanted<'a> {
             (false, _) => Need::Nothing,
             (true, true) => Need::Shape,
             (true, false) => Need::Values,
+        }
+    }
+
+    /// Whether anything in the struct or object at `path` may be selected.
+    pub(super) fn reaches_into(&self, path: &str) -> bool {
+        let is_within = |name: &String| name.strip_prefix(path).is_some_and(|rest| rest.starts_with('.'));
+        match self.selection {
+            Selection::All => true,
+            Selection::Names(names) => names.iter().any(is_within),
+            Selection::Patterns(patterns) => patterns.iter().any(|p| p.contains(['*', '?']) || is_within(p)),
         }
     }
 

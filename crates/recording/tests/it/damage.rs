@@ -200,7 +200,12 @@ fn exact_plain_mat5_conforms() {
 
 #[test]
 fn exact_mat5_with_structs_survives_damage() {
-    for small in [&include_bytes!("data/mat/variables.mat")[..], include_bytes!("data/mat/variables_deflated.mat")] {
+    const FILES: [&[u8]; 3] = [
+        include_bytes!("data/mat/variables.mat"),
+        include_bytes!("data/mat/variables_deflated.mat"),
+        include_bytes!("data/mat/tables.mat"),
+    ];
+    for small in FILES {
         survives_damage("small.mat", small, variable_ends(small));
     }
 }

@@ -1,5 +1,6 @@
 //! The facts about a recording, as they are printed and as JSON.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use bench::ExperimentLabel;
@@ -8,6 +9,7 @@ use serde::Serialize;
 use signal::clock::{ClockCheck, check_clock};
 use signal::quality::{Quality, QualityOptions, check_quality};
 
+use super::apart::{self, Apart};
 use super::start_time;
 
 /// A recording.
@@ -101,6 +103,8 @@ pub(super) struct Clock {
     pub(super) longest_gap: Option<LongestGap>,
     pub(super) stamps_not_later_than_the_one_before: usize,
     pub(super) stamps_not_a_number: usize,
+    /// From another clock of the recording.
+    pub(super) runs_apart: Option<Apart>,
     pub(super) channels: Vec<Values>,
 }
 
@@ -198,9 +202,10 @@ impl Listing {
 
 impl File {
     pub(super) fn of(name: &str, sha256: Option<String>, recording: &Recording, extras: &Extras) -> Self {
+        let mut apart = apart::check(recording);
         let clocks = recording.rasters.iter().enumerate().map(|(index, raster)| {
             let channels = recording.channels.iter().filter(|channel| channel.raster == index);
-            Clock::of(raster, channels.map(Values::of).collect())
+            Clock::of(raster, apart.remove(&index), channels.map(Values::of).collect())
         });
         File {
             file: name.to_owned(),
@@ -217,9 +222,12 @@ impl File {
 }
 
 impl Clock {
-    fn of(raster: &Raster, channels: Vec<Values>) -> Self {
+    fn of(raster: &Raster, runs_apart: Option<Apart>, channels: Vec<Values>) -> Self {
         let finite = || raster.time_s.iter().copied().filter(|time| time.is_finite());
-        let finite_stamps: Vec<f64> = finite().collect();
+        let finite_stamps: Cow<'_, [f64]> = match raster.time_s.iter().all(|time| time.is_finite()) {
+            true => raster.time_s.as_slice().into(),
+            false => finite().collect(),
+        };
         let check: Option<ClockCheck> = check_clock(&finite_stamps).ok();
         let longest = check.iter().flat_map(|c| &c.gaps).max_by(|a, b| a.duration_s.total_cmp(&b.duration_s));
         Clock {
@@ -235,6 +243,7 @@ impl Clock {
                 .map(|gap| LongestGap { at_s: finite_stamps[gap.between.start], duration_s: gap.duration_s }),
             stamps_not_later_than_the_one_before: check.as_ref().map_or(0, |check| check.non_monotonic.len()),
             stamps_not_a_number: raster.time_s.len() - finite_stamps.len(),
+            runs_apart,
             channels,
         }
     }

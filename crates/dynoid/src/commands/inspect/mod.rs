@@ -1,5 +1,6 @@
 //! `dynoid inspect`: what recordings hold.
 
+mod apart;
 mod facts;
 mod print;
 mod start_time;

@@ -2,6 +2,7 @@
 
 use report::wording::{experiment, number};
 
+use super::apart::Apart;
 use super::facts::{Beside, Clock, File, Listing, Values};
 use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
@@ -154,6 +155,7 @@ fn clock_remarks(clock: &Clock) -> Vec<String> {
     {
         remarks.push(format!("time stamps jitter by up to {}", number::duration(jitter_s)));
     }
+    remarks.extend(clock.runs_apart.iter().map(Apart::words));
     remarks
 }
 
