@@ -39,6 +39,7 @@
 //! Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed. 2012, ch. 5.
 
 mod binary;
+mod goal;
 mod information;
 mod phases;
 mod signals;
@@ -50,9 +51,11 @@ mod white;
 use serde::{Deserialize, Serialize};
 use signal::SignalError;
 
+use crate::experiment::{ControlMode, Excitation, ExperimentPlan, Sine, Waveform};
 use crate::model::ModelParameter;
 use crate::simulate::SimulationError;
-use crate::virtual_bench::{Sine, Waveform};
+use crate::units::RPM_RAD_S;
+pub use goal::{Goal, OperatingPoint, UnknownGoal};
 use information::{Line, lines, not_determined};
 use phases::Responses;
 use spectrum::{bands, optimise, power_of};
@@ -80,7 +83,7 @@ pub enum DesignError {
         part: &'static str,
     },
     /// No excitation within the band tells one of the parameters from the others.
-    #[error("nothing that is measured tells {unknown:?} from the other unknowns")]
+    #[error("nothing that is measured tells {unknown} from the other unknowns")]
     NotDetermined {
         /// The parameter that is least told.
         unknown: Unknown,
@@ -129,14 +132,21 @@ pub struct PredictedParameter {
     pub value: f64,
     /// Standard error, SI.
     pub standard_error: f64,
-    /// Its variance after white noise of the same length and the same peak of T_shaft, over its variance after this.
-    pub gain_over_white_noise: f64,
+    /// Standard error after white noise of the same length and the same peak of T_shaft, SI.
+    pub white_noise_standard_error: f64,
+}
+
+impl PredictedParameter {
+    /// The variance after white noise of the same length and the same peak of T_shaft, over the variance after this.
+    pub fn gain_over_white_noise(&self) -> f64 {
+        (self.white_noise_standard_error / self.standard_error).powi(2)
+    }
 }
 
 /// A demand with what it will do.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DesignedExcitation {
-    /// The demand, operating point included; to be repeated to the end of the experiment where it is sampled.
+    /// The demand over the whole experiment, operating point included.
     pub waveform: Waveform,
     /// What it will tell.
     pub parameters: Vec<PredictedParameter>,
@@ -149,6 +159,24 @@ pub struct DesignedExcitation {
     /// The criterion over all models: the sum of relative variances, or the logarithm of the determinant of the relative
     /// covariance.
     pub criterion: f64,
+}
+
+impl DesignedExcitation {
+    /// The experiment that carries it, labelled by a test's name, at a speed and with the torque that the bench runs at.
+    pub fn plan(&self, test: &str, excited: ExcitedDemand, at: OperatingPoint, duration_s: f64) -> ExperimentPlan {
+        let speed_rpm = at.speed_rad_s / RPM_RAD_S;
+        match excited {
+            ExcitedDemand::Torque => ExperimentPlan {
+                dyno_torque_nm: self.waveform.clone(),
+                ..ExperimentPlan::new(test, Excitation::Torque, ControlMode::Tn, speed_rpm, duration_s)
+            },
+            ExcitedDemand::Speed => ExperimentPlan {
+                speed_rad_s: self.waveform.clone(),
+                engine_torque_nm: Waveform::Constant { value: at.torque_nm },
+                ..ExperimentPlan::new(test, Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s)
+            },
+        }
+    }
 }
 
 /// A line of the best spectrum.
@@ -211,7 +239,7 @@ pub struct ExcitationDesign {
 /// let found = design(&task)?;
 /// assert!(found.duality_gap < 0.01);
 /// assert!(found.multisine.peaks.shaft_torque_nm < 30.0 * (1.0 + 1e-9));
-/// assert!(found.multisine.parameters.iter().all(|p| p.gain_over_white_noise > 2.0));
+/// assert!(found.multisine.parameters.iter().all(|p| p.gain_over_white_noise() > 2.0));
 /// # Ok::<(), bench::excitation_design::DesignError>(())
 /// ```
 pub fn design(task: &DesignTask) -> Result<ExcitationDesign, DesignError> {
@@ -246,10 +274,11 @@ pub fn design(task: &DesignTask) -> Result<ExcitationDesign, DesignError> {
     Ok(ExcitationDesign { multisine, binary, spectrum: spectral, duality_gap: spectrum.gap, rounds: spectrum.rounds })
 }
 
-/// A demand whose values are repeated to the end of the experiment.
+/// A demand whose values are repeated to the end of the experiment; it starts at the mean.
 fn sampled(task: &DesignTask, demand: &HeldDemand) -> Waveform {
-    let values = demand.values.iter().cycle().take(task.all_steps()).map(|v| task.mean_demand + v);
-    Waveform::Sampled { sample_time_s: task.hold_s, values: values.collect() }
+    let later = demand.values.iter().cycle().skip(1).take(task.all_steps() - 1).map(|v| task.mean_demand + v);
+    let values = std::iter::once(task.mean_demand).chain(later).collect();
+    Waveform::Sampled { sample_time_s: task.hold_s, values }
 }
 
 /// The demand scaled until the first limit is met under the model that bears it worst, and the factor.
@@ -284,7 +313,7 @@ fn described(
         parameter: *parameter,
         value: nominal.value(*parameter).unwrap_or(f64::NAN),
         standard_error: entry(i, i).sqrt(),
-        gain_over_white_noise: white.relative_variance(i, shaft) / judged.covariance[(i, i)],
+        white_noise_standard_error: white.relative_variance(i, shaft).sqrt() * scale[i],
     };
     let peaks = demand.peaks(task, repeats(task, demand))?;
     Ok(DesignedExcitation {

@@ -157,9 +157,9 @@ impl HeldDemand {
         }
         let held = self.values.iter().flat_map(|v| std::iter::repeat_n(*v, samples_per_step));
         let one: Vec<f64> = held.collect();
-        // A step of rest, so that the start is a change like any other.
-        let rest = std::iter::repeat_n(0.0, samples_per_step);
-        let all: Vec<f64> = rest.chain(std::iter::repeat_n(&one, repeats).flatten().copied()).collect();
+        let mut all: Vec<f64> = std::iter::repeat_n(&one, repeats).flatten().copied().collect();
+        // An experiment starts at its mean, where the bench has settled.
+        all.iter_mut().take(samples_per_step).for_each(|first| *first = 0.0);
         // Deviations are linear in the demand as long as the inverter is not at its limit, which is not for the design.
         let unlimited = BenchModel { torque_limit_nm: None, ..model.clone() };
         let drive = match task.excited {
