@@ -95,7 +95,7 @@ impl Default for Measurements {
 pub struct PeakLimits {
     /// Of T_shaft, Nm.
     pub shaft_torque_nm: Option<f64>,
-    /// Of T_d, Nm.
+    /// Of T_d, Nm; in speed control of T_d*, too, which steps of N_d* drive further.
     pub air_gap_torque_nm: Option<f64>,
     /// Of the dynamometer's speed, rad/s.
     pub speed_rad_s: Option<f64>,
@@ -170,7 +170,8 @@ pub(super) fn beside_rotation(speed_rad_s: f64) -> Vec<(f64, f64)> {
 }
 
 impl DesignTask {
-    /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms, period 4 s. The skew of N_e, the delay of the
+    /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms, period
+    /// 4 s. The skew of N_e, the delay of the
     /// inverter (with it that of T_d) and the gate (to a tenth) are unknown as they are to the shaft's estimator; it uses
     /// 1 to 110 Hz but 3 Hz on both sides of the rotational frequency.
     pub fn shaft(model: BenchModel, mean_torque_nm: f64, speed_rad_s: f64, limits: PeakLimits) -> Self {

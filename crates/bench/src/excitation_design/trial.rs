@@ -107,9 +107,13 @@ impl HeldDemand {
     pub(super) fn peaks_on(&self, task: &DesignTask, model: &BenchModel, repeats: usize) -> Result<Peaks, DesignError> {
         let Deviations { response, .. } = self.simulated(task, model, repeats)?;
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let air_gap_nm = largest(&response.air_gap_torque_nm);
         Ok(Peaks {
             shaft_torque_nm: largest(&response.shaft_torque_nm),
-            air_gap_torque_nm: largest(&response.air_gap_torque_nm),
+            air_gap_torque_nm: match task.excited {
+                ExcitedDemand::Torque => air_gap_nm,
+                ExcitedDemand::Speed => air_gap_nm.max(largest(&response.torque_demand_nm)),
+            },
             speed_rad_s: largest(&response.dyno_speed_rad_s),
             demand: largest(&self.values),
         })

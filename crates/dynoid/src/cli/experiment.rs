@@ -117,7 +117,7 @@ pub(crate) struct OptimalArguments {
     /// Largest deviation of T_shaft from its mean [default: half of what [limits] leaves; the rest is for firing pulses]
     #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
     pub(crate) peak_shaft_torque: Option<f64>,
-    /// Largest deviation of T_d from its mean [default: what [limits] leaves]
+    /// Largest deviation of T_d from its mean [default: 95 % of what [limits] leaves]
     #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
     pub(crate) peak_torque: Option<f64>,
     /// Largest deviation of N_d from its mean

@@ -275,6 +275,8 @@ fn an_optimal_excitation_is_designed_checked_and_run() {
     let binary = of(&["PI,FF,J_e", "--form", "binary"]).json();
     assert_eq!(binary["label"], "Binary_N_NT");
     assert_eq!(binary["optimal"]["parameters"].as_array().map(Vec::len), Some(5));
+    let peaks = binary["prediction"]["peaks"].as_array().unwrap();
+    assert!(peaks.iter().all(|peak| peak["is_beyond_limit"] == false), "{binary}");
     of(&["PI", "--excite", "T"]).assert_refused(2, &["PI, FF and J_e show in speed control"]);
     of(&["K,Q"]).assert_refused(2, &["`Q` is none of K, B, J_d, J_e, PI, FF, FOC"]);
     of(&["K", "--set", "torque=700"]).assert_refused(2, &["[limits] leaves nothing"]);

@@ -20,6 +20,8 @@ use crate::terminal::Terminal;
 const UNCERTAIN_RESONANCE: f64 = 0.15;
 /// Part of what a limit leaves for T_shaft; the rest is for firing pulses.
 const SHAFT_SHARE: f64 = 0.5;
+/// Part of what the limit leaves for T_d and T_d*: at the limit itself, the inverter cuts.
+const TORQUE_SHARE: f64 = 0.95;
 
 /// A designed excitation.
 pub(super) struct Optimal {
@@ -80,7 +82,7 @@ fn limits(asked: &OptimalArguments, bench: &Bench, at: OperatingPoint) -> Result
                     [limits]";
         return Err(what.to_owned());
     };
-    let air_gap_torque_nm = asked.peak_torque.or(stated.torque_nm.map(left));
+    let air_gap_torque_nm = asked.peak_torque.or(stated.torque_nm.map(|limit| TORQUE_SHARE * left(limit)));
     if shaft_torque_nm <= 0.0 || air_gap_torque_nm.is_some_and(|nm| nm <= 0.0) {
         return Err(format!(
             "[limits] leaves nothing to excite with at {} Nm; lower it with --set torque=…",
