@@ -14,7 +14,7 @@
 //! Shinbrot, *On the analysis of linear and nonlinear systems*, 1957 (modulating functions); Pintelon & Schoukens 2012,
 //! ch. 9 (errors in variables, maximum likelihood).
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use faer::MatMut;
 use signal::resample::{Interpolation, interpolate_at};
@@ -25,9 +25,16 @@ use crate::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimi
 /// Highest order of derivative used.
 pub const ORDERS: usize = 3;
 
-/// Correlation of neighbouring bins under the window h = ((1 − cos)/2)²: T ∫h⁴/(∫h²)². The information in n bins is
-/// that of n over this number.
-const OVERLAP: f64 = 2.6268;
+/// Part of the window at each end in which it rises from zero and falls again. A short rise leaves the data their weight; a
+/// long one keeps what is not in the equation, such as lines of sensors, together.
+const TAPER: f64 = 0.2;
+
+/// ∫h²/T: a rise sin²(πx/2), 0 < x < 1, has 3/8 of what it would have at one.
+const ENERGY: f64 = 1.0 - 2.0 * TAPER * (1.0 - 3.0 / 8.0);
+
+/// Correlation of neighbouring bins under the window h: T ∫h⁴/(∫h²)². The information in n bins is that of n over this
+/// number.
+const OVERLAP: f64 = (1.0 - 2.0 * TAPER * (1.0 - 35.0 / 128.0)) / (ENERGY * ENERGY);
 
 /// Bins over which the window spreads a line, each way.
 const REACH: usize = 4;
@@ -58,7 +65,7 @@ impl Window {
 
     /// ∫h² dt, s: what turns the variance of white samples, times their sample time, into that of a bin.
     pub fn energy_s(&self) -> f64 {
-        35.0 / 128.0 * self.duration_s
+        ENERGY * self.duration_s
     }
 }
 
@@ -72,7 +79,7 @@ pub struct Modulated {
 impl Modulated {
     /// Transforms `signal` over `window`, up to bin `last_bin`.
     ///
-    /// The signal's mean over the window is removed first: a constant has no part in any bin but the lowest two.
+    /// The signal's mean over the window is removed first: of a constant, hardly anything is left beyond the lowest bins.
     ///
     /// # Errors
     /// The signal does not cover the window, or `last_bin` is beyond its Nyquist frequency.
@@ -85,8 +92,8 @@ impl Modulated {
         let mean = values.iter().sum::<f64>() / count as f64;
         let moment = |order: usize| -> Result<Vec<Complex64>, IdentError> {
             let weigh = |i: usize| {
-                let angle = TAU * (offset + i as f64 * dt) / window.duration_s;
-                dt * (values[i] - mean) * window_derivative(order, angle, TAU / window.duration_s)
+                let position = (offset + i as f64 * dt) / window.duration_s;
+                dt * (values[i] - mean) * window_derivative(order, position, window.duration_s)
             };
             let weighted: Vec<f64> = (0..count).map(weigh).collect();
             let mut spectrum =
@@ -144,13 +151,18 @@ pub fn samples_in(signal: &Signal, window: Window) -> Result<Samples, IdentError
     Ok(Samples { values, offset_s: 0.0, sample_time_s })
 }
 
-/// Derivatives of h(t) = (1 − cos θ)²/4, θ = 2πt/T, with `rate` = dθ/dt.
-fn window_derivative(order: usize, angle: f64, rate: f64) -> f64 {
-    let (sin, cos) = angle.sin_cos();
+/// Derivatives of h at a part of its length `duration_s`: it rises as sin²(πx/2) over the first [`TAPER`] of its length, is one,
+/// and falls over the last; neither it nor its slope jumps.
+fn window_derivative(order: usize, position: f64, duration_s: f64) -> f64 {
+    let edge = position.min(1.0 - position) / TAPER;
+    if edge >= 1.0 {
+        return if order == 0 { 1.0 } else { 0.0 };
+    }
+    let ((sin, cos), rate) = ((PI * edge).sin_cos(), PI / (TAPER * duration_s));
     match order {
-        0 => (1.0 - cos).powi(2) / 4.0,
-        1 => rate * (1.0 - cos) * sin / 2.0,
-        _ => rate * rate * (sin * sin + (1.0 - cos) * cos) / 2.0,
+        0 => 0.5 * (1.0 - cos),
+        1 => 0.5 * rate * if position < 0.5 { sin } else { -sin },
+        _ => 0.5 * rate * rate * cos,
     }
 }
 

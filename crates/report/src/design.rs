@@ -1,11 +1,14 @@
 //! Figures of an experiment that is to be run: its demands, their spectrum, what the bench will do.
 
 use bench::bench_file::Limits;
+use bench::excitation_design::SpectralLine;
 use bench::experiment::{DemandKind, Demands, ExcitationSpectrum, ExperimentPlan, NamedDemand, UPDATE_S};
 use bench::model::Engine;
 use bench::prediction::Prediction;
 use bench::units::RPM_RAD_S;
-use plot::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+
+use crate::wording::number;
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 170;
@@ -27,12 +30,15 @@ pub struct Designed<'a> {
     pub prediction: Option<&'a Prediction>,
     /// What it must not exceed.
     pub limits: Limits,
+    /// Lines of a designed multisine; empty for all other experiments.
+    pub lines: &'a [SpectralLine],
 }
 
 /// The figures, from demands to predictions.
 pub fn figures(designed: &Designed<'_>) -> Vec<Figure> {
     let mut figures = vec![demands(designed)];
     figures.extend(designed.spectrum.map(|spectrum| excitation(designed, spectrum)));
+    figures.extend(lines(designed));
     figures.extend(designed.prediction.map(|prediction| predicted(designed, prediction)));
     figures
 }
@@ -54,13 +60,13 @@ fn demands(designed: &Designed<'_>) -> Figure {
     let is_shown = |demand: &NamedDemand<'_>| {
         demand.kind != DemandKind::IgnitionEfficiency || demand.values.iter().any(|value| *value != 1.0)
     };
-    let panel = |demand: NamedDemand<'_>| {
+    let panel = |(index, demand): (usize, NamedDemand<'_>)| {
         let name = demand_name(demand.kind);
         let values: Vec<f64> = demand.values.iter().map(|value| value / demand.kind.si_per_unit()).collect();
-        let layer = Layer::trace(name, Style::Modelled, (0.0, UPDATE_S), &values);
+        let layer = Layer::trace(name, Style::of_model(index), (0.0, UPDATE_S), &values);
         Panel::new(Axis::linear(name, demand.kind.unit()), HEIGHT, vec![layer])
     };
-    let panels = designed.demands.named(designed.plan).into_iter().filter(is_shown).map(panel).collect();
+    let panels = designed.demands.named(designed.plan).into_iter().filter(is_shown).enumerate().map(panel).collect();
     Figure::new("Demands", Axis::time(), panels).with_caption(
         "Speeds change every millisecond, all other demands every 10 ms. Before zero the bench settles at the first \
          demands.",
@@ -92,6 +98,44 @@ fn excitation(designed: &Designed<'_>, spectrum: &ExcitationSpectrum) -> Figure 
     )
 }
 
+/// The lines of a designed multisine, and what their phases make of the peaks.
+fn lines(designed: &Designed<'_>) -> Option<Figure> {
+    let excited = designed.spectrum?.of;
+    let frequencies_hz: Vec<f64> = designed.lines.iter().map(|line| line.frequency_hz).collect();
+    let amplitudes: Vec<f64> = designed.lines.iter().map(|line| line.amplitude / excited.si_per_unit()).collect();
+    if amplitudes.is_empty() {
+        return None;
+    }
+    let name = demand_name(excited);
+    let layers = vec![Layer::Stems {
+        name: name.to_owned(),
+        style: Style::Modelled,
+        x: Abscissa::Values(rounded(&frequencies_hz)),
+        y: rounded(&amplitudes),
+    }];
+    let resonance =
+        designed.resonance_hz.map(|f| Layer::VerticalMarks { x: rounded(&[f]), label: "resonance".to_owned() });
+    let layers = layers.into_iter().chain(resonance).collect();
+    let panel = Panel::new(Axis::linear(&format!("amplitude of {name}"), excited.unit()), 170, layers);
+    let mut caption = "The sines of the demand.".to_owned();
+    if let Some(prediction) = designed.prediction.filter(|prediction| prediction.has_shaft) {
+        let factor = crest_factor(&prediction.response.shaft_torque_nm);
+        caption += &format!(
+            " Their phases keep peaks low: about its mean, the shaft torque peaks at {} times its root mean square.",
+            number::significant(factor, 2)
+        );
+    }
+    Some(Figure::new("Lines of the excitation", Axis::linear("frequency", "Hz"), vec![panel]).with_caption(caption))
+}
+
+/// Largest deviation from the mean over the root mean square of all.
+fn crest_factor(values: &[f64]) -> f64 {
+    let count = values.len().max(1) as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let square = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count;
+    values.iter().fold(0.0_f64, |most, value| most.max((value - mean).abs())) / square.sqrt()
+}
+
 fn predicted(designed: &Designed<'_>, prediction: &Prediction) -> Figure {
     let (response, clock) = (&prediction.response, (0.0, prediction.sample_time_s));
     let rpm = |values: &[f64]| -> Vec<f64> { values.iter().map(|value| value / RPM_RAD_S).collect() };
@@ -104,14 +148,14 @@ fn predicted(designed: &Designed<'_>, prediction: &Prediction) -> Figure {
     };
     let mut speeds = Vec::new();
     if prediction.has_shaft {
-        speeds.push(Layer::trace("N_e", Style::Other, clock, &rpm(&response.engine_speed_rad_s)));
+        speeds.push(Layer::trace("N_e", Style::of_model(1), clock, &rpm(&response.engine_speed_rad_s)));
     }
     let dyno_rpm = rpm(&response.dyno_speed_rad_s);
-    speeds.push(Layer::trace("N_d", Style::Modelled, clock, &dyno_rpm));
+    speeds.push(Layer::trace("N_d", Style::of_model(0), clock, &dyno_rpm));
     speeds.extend(limit(designed.limits.speed_rad_s.map(|limit| limit / RPM_RAD_S), &dyno_rpm));
     let mut torques = vec![
-        Layer::trace("T_d*", Style::Other, clock, &response.torque_demand_nm),
-        Layer::trace("T_d", Style::Modelled, clock, &response.air_gap_torque_nm),
+        Layer::trace("T_d*", Style::of_model(3), clock, &response.torque_demand_nm),
+        Layer::trace("T_d", Style::of_model(2), clock, &response.air_gap_torque_nm),
     ];
     torques.extend(limit(designed.limits.torque_nm, &response.torque_demand_nm));
     let mut panels = vec![
@@ -119,11 +163,12 @@ fn predicted(designed: &Designed<'_>, prediction: &Prediction) -> Figure {
         Panel::new(Axis::linear("T_d", "Nm"), HEIGHT, torques),
     ];
     if prediction.has_shaft {
-        let mut shaft = vec![Layer::trace("T_shaft", Style::Modelled, clock, &response.shaft_torque_nm)];
+        let mut shaft = vec![Layer::trace("T_shaft", Style::of_model(4), clock, &response.shaft_torque_nm)];
         shaft.extend(limit(designed.limits.shaft_torque_nm, &response.shaft_torque_nm));
         panels.push(Panel::new(Axis::linear("T_shaft", "Nm"), HEIGHT, shaft));
     }
     Figure::new("What the bench will do", Axis::time(), panels).with_caption(
-        "The linear bench model under these demands. Firing pulses of the engine are no part of it: they add to T_shaft.",
+        "The linear bench model under these demands. Firing pulses of the engine are no part of it: they add to the \
+         shaft torque.",
     )
 }

@@ -129,7 +129,7 @@ pub(super) fn disturbances(task: &DesignTask, point: &Point, omega: f64) -> Opti
     let measured = &task.measurements;
     let engine = by_engine(&point.model, task.excited, omega)?.measured(point, omega);
     let mut all = vec![(engine, measured.engine_torque_density.map_or(0.0, |s| 1.0 / s))];
-    if let (ExcitedDemand::Speed, Some(noise)) = (task.excited, measured.dyno_speed) {
+    if let (ExcitedDemand::Speed, Some(noise)) = (task.excited, measured.controller_reading) {
         let reading = by_reading(&point.model, omega, Complex64::from(1.0))?;
         all.push((reading.measured(point, omega), 1.0 / noise.density()));
     }

@@ -7,7 +7,7 @@ use crate::model::{BenchModel, ModelParameter};
 use crate::units::RPM_RAD_S;
 
 /// Time that unknown times are counted against, s.
-const TIME_SCALE_S: f64 = 1e-3;
+pub(super) const TIME_SCALE_S: f64 = 1e-3;
 /// Longest a design may be, in steps of its demand.
 const MOST_STEPS: usize = 100_000;
 /// A time may differ from a whole number of another by this part of it.
@@ -56,8 +56,10 @@ pub struct SampleNoise {
 /// What is measured, each signal with its noise; none: not measured. T_e is never measured.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Measurements {
-    /// N_d. In speed control, the controller's reading has an error of the same size, independent of this one.
+    /// N_d.
     pub dyno_speed: Option<SampleNoise>,
+    /// What the speed controller's reading is off by, beyond the noise of the record of N_d; none: nothing.
+    pub controller_reading: Option<SampleNoise>,
     /// N_e.
     pub engine_speed: Option<SampleNoise>,
     /// T_d* as the controller computes it, in speed control; in torque control it is the excitation, known exactly.
@@ -78,6 +80,7 @@ impl Default for Measurements {
         let noise = |standard_deviation, sample_time_s| Some(SampleNoise { standard_deviation, sample_time_s });
         Measurements {
             dyno_speed: noise(0.03 * RPM_RAD_S, 1e-3),
+            controller_reading: noise(0.03 * RPM_RAD_S, 1e-3),
             engine_speed: noise(0.03 * RPM_RAD_S, 2e-3),
             torque_demand: noise(0.01 / 12f64.sqrt(), 1e-3),
             air_gap_torque: noise(0.15, 4e-3),
@@ -92,7 +95,7 @@ impl Default for Measurements {
 pub struct PeakLimits {
     /// Of T_shaft, Nm.
     pub shaft_torque_nm: Option<f64>,
-    /// Of T_d, Nm.
+    /// Of T_d, Nm; in speed control of T_d*, too, which steps of N_d* drive further.
     pub air_gap_torque_nm: Option<f64>,
     /// Of the dynamometer's speed, rad/s.
     pub speed_rad_s: Option<f64>,
@@ -160,12 +163,18 @@ pub struct DesignTask {
     pub duration_s: f64,
 }
 
+/// The band about the rotational frequency, where encoders err and the engine's first order lies: it is left to them.
+pub(super) fn beside_rotation(speed_rad_s: f64) -> Vec<(f64, f64)> {
+    let turn_hz = speed_rad_s.abs() / std::f64::consts::TAU;
+    vec![(turn_hz - 3.0, turn_hz + 3.0)]
+}
+
 impl DesignTask {
-    /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms, period 4 s. The skew of N_e, the delay of the
+    /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms, period
+    /// 4 s. The skew of N_e, the delay of the
     /// inverter (with it that of T_d) and the gate (to a tenth) are unknown as they are to the shaft's estimator; it uses
     /// 1 to 110 Hz but 3 Hz on both sides of the rotational frequency.
     pub fn shaft(model: BenchModel, mean_torque_nm: f64, speed_rad_s: f64, limits: PeakLimits) -> Self {
-        let turn_hz = speed_rad_s / std::f64::consts::TAU;
         let unknown = |unknown, standard_uncertainty| Nuisance { unknown, standard_uncertainty };
         DesignTask {
             nuisances: vec![
@@ -184,7 +193,7 @@ impl DesignTask {
             limits,
             band_hz: (1.0, 45.0),
             estimated_hz: (1.0, 110.0),
-            excluded_hz: vec![(turn_hz - 3.0, turn_hz + 3.0)],
+            excluded_hz: beside_rotation(speed_rad_s),
             resolution_hz: 8.0,
             hold_s: 0.01,
             period_s: 4.0,
@@ -192,12 +201,12 @@ impl DesignTask {
         }
     }
 
-    /// Adds models whose resonance is off by ± `share`: K by (1 ± share)², so that frequencies are by 1 ± share; B alike,
+    /// Adds models whose resonance is off by ± half of `share` and ± `share`: K by (1 ± share)², so that frequencies are by 1 ± share; B alike,
     /// so that the damping ratio is that of the nominal one.
     #[must_use]
     pub fn with_uncertain_resonance(mut self, share: f64) -> Self {
         let Some(nominal) = self.models.first().cloned() else { return self };
-        for factor in [1.0 - share, 1.0 + share] {
+        for factor in [-1.0, -0.5, 0.5, 1.0].map(|part| 1.0 + part * share) {
             let mut other = nominal.clone();
             other.mechanics.stiffness_nm_per_rad *= factor * factor;
             other.mechanics.damping_nm_s_per_rad *= factor;
@@ -309,6 +318,16 @@ impl DesignTask {
             }
         }
         Ok(())
+    }
+}
+
+impl std::fmt::Display for Unknown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Unknown::Model(parameter) => parameter.symbol(),
+            Unknown::EngineSpeedSkew => "the skew of N_e",
+            Unknown::EncoderGate => "the gate of the encoders",
+        })
     }
 }
 

@@ -107,9 +107,13 @@ impl HeldDemand {
     pub(super) fn peaks_on(&self, task: &DesignTask, model: &BenchModel, repeats: usize) -> Result<Peaks, DesignError> {
         let Deviations { response, .. } = self.simulated(task, model, repeats)?;
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+        let air_gap_nm = largest(&response.air_gap_torque_nm);
         Ok(Peaks {
             shaft_torque_nm: largest(&response.shaft_torque_nm),
-            air_gap_torque_nm: largest(&response.air_gap_torque_nm),
+            air_gap_torque_nm: match task.excited {
+                ExcitedDemand::Torque => air_gap_nm,
+                ExcitedDemand::Speed => air_gap_nm.max(largest(&response.torque_demand_nm)),
+            },
             speed_rad_s: largest(&response.dyno_speed_rad_s),
             demand: largest(&self.values),
         })
@@ -157,9 +161,9 @@ impl HeldDemand {
         }
         let held = self.values.iter().flat_map(|v| std::iter::repeat_n(*v, samples_per_step));
         let one: Vec<f64> = held.collect();
-        // A step of rest, so that the start is a change like any other.
-        let rest = std::iter::repeat_n(0.0, samples_per_step);
-        let all: Vec<f64> = rest.chain(std::iter::repeat_n(&one, repeats).flatten().copied()).collect();
+        let mut all: Vec<f64> = std::iter::repeat_n(&one, repeats).flatten().copied().collect();
+        // An experiment starts at its mean, where the bench has settled.
+        all.iter_mut().take(samples_per_step).for_each(|first| *first = 0.0);
         // Deviations are linear in the demand as long as the inverter is not at its limit, which is not for the design.
         let unlimited = BenchModel { torque_limit_nm: None, ..model.clone() };
         let drive = match task.excited {

@@ -58,7 +58,7 @@ fn best_ignition() -> Waveform {
 }
 
 impl ExperimentPlan {
-    pub(super) fn new(test: &str, excitation: Excitation, mode: ControlMode, speed_rpm: f64, duration_s: f64) -> Self {
+    pub(crate) fn new(test: &str, excitation: Excitation, mode: ControlMode, speed_rpm: f64, duration_s: f64) -> Self {
         Self {
             label: ExperimentLabel { test: test.to_owned(), excitation, mode },
             duration_s,

@@ -34,9 +34,7 @@ impl Demands {
         let clock_s = if demand.kind.is_speed() { UPDATE_S } else { DEMAND_HOLD_S };
         let step = (clock_s / UPDATE_S).round() as usize;
         let scale = demand.kind.si_per_unit();
-        let mut values: Vec<f64> = demand.values.iter().step_by(step).map(|value| value / scale).collect();
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        values.iter_mut().for_each(|value| *value -= mean);
+        let values: Vec<f64> = demand.values.iter().step_by(step).map(|value| value / scale).collect();
         let segment = ((SEGMENT_S / clock_s).round() as usize).min(values.len());
         let spectrum = power_spectrum(&values, clock_s, Welch::half_overlapping(segment))?;
         let (frequency_hz, density) =

@@ -28,7 +28,7 @@ pub enum Waveform {
         /// Time between draws, s.
         clock_s: f64,
     },
-    /// Independent normal values, drawn anew whenever the demand may change.
+    /// Independent normal values, drawn anew whenever the demand may change; the first is the mean.
     WhiteNoise {
         /// Mean.
         mean: f64,
@@ -81,14 +81,14 @@ pub enum Waveform {
         /// Time for each, s.
         dwell_s: f64,
     },
-    /// Sines at once: mean + Σ a cos(2πft + φ).
+    /// Sines at once: mean + Σ a cos(2πft + φ); the first value is the mean.
     Multisine {
         /// Mean.
         mean: f64,
         /// The sines.
         sines: Vec<Sine>,
     },
-    /// Values held one after another, again and again from the first.
+    /// Values held one after another, again and again from the first; only at the start the mean stands in for it.
     Periodic {
         /// Time from one value to the next, s.
         sample_time_s: f64,
@@ -119,6 +119,24 @@ pub struct Sine {
 impl Waveform {
     /// The values at k · `update_s`, k = 0 … `updates` − 1.
     pub(super) fn sample(&self, random: &mut Random, update_s: f64, updates: usize) -> Vec<f64> {
+        let mut values = self.unsettled(random, update_s, updates);
+        if let (Some(rest), Some(first)) = (self.rest(), values.first_mut()) {
+            *first = rest;
+        }
+        values
+    }
+
+    /// Where the bench settles before an excitation about a mean starts: a bench that settles at the first value it happens
+    /// to have drifts until its mean has arrived.
+    fn rest(&self) -> Option<f64> {
+        match self {
+            Self::WhiteNoise { mean, .. } | Self::Multisine { mean, .. } => Some(*mean),
+            Self::Periodic { values, .. } => Some(values.iter().sum::<f64>() / values.len().max(1) as f64),
+            _ => None,
+        }
+    }
+
+    fn unsettled(&self, random: &mut Random, update_s: f64, updates: usize) -> Vec<f64> {
         let times = (0..updates).map(|k| k as f64 * update_s);
         match self {
             Self::Constant { value } => vec![*value; updates],

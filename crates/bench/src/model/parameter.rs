@@ -33,6 +33,23 @@ pub enum ModelParameter {
 }
 
 impl ModelParameter {
+    /// The symbol it has in reports.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            ModelParameter::DynoInertia => "J_d",
+            ModelParameter::EngineInertia => "J_e",
+            ModelParameter::Stiffness => "K",
+            ModelParameter::Damping => "B",
+            ModelParameter::Proportional => "K_p",
+            ModelParameter::Integral => "K_i",
+            ModelParameter::ControllerDelay => "τ of the speed controller",
+            ModelParameter::SpeedFeedForward => "k",
+            ModelParameter::AccelerationFeedForward => "k_a",
+            ModelParameter::InverterDelay => "τ",
+            ModelParameter::InverterBandwidth => "a",
+        }
+    }
+
     /// Whether a bench can have this value: gains are free, all else has a sign.
     pub(super) fn can_be(self, value: f64) -> bool {
         match self {

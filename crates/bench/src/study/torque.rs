@@ -9,6 +9,8 @@ use crate::{Experiment, Role};
 /// A torque model whose residual is white is taken for this many times cleaner than the samples it was fitted to: its
 /// errors are those of a handful of parameters.
 const MODEL_ADVANTAGE: f64 = 30.0;
+/// Values of the modelled torque in a sample of the demand.
+const FINER: usize = 8;
 
 /// T_d as a sampled record, its noise read from the top of its spectrum.
 pub(super) fn sampled_torque(torque: &signal::Signal) -> NoisyTorque {
@@ -23,11 +25,12 @@ pub(super) fn air_gap_torque(
     torque_control: Option<&TorqueControlFit>,
 ) -> Result<Vec<NoisyTorque>, EstimateError> {
     let measured = need(experiment, Role::AirGapTorque)?;
-    let Some((torque, inverter)) = modelled_torque(experiment, torque_control) else {
+    let Some((demand, inverter)) = inverter_of(experiment, torque_control) else {
         return Ok(vec![sampled_torque(measured)]);
     };
     let noise = inverter.residual.standard_deviation_nm;
-    let mut records = vec![NoisyTorque { signal: torque, noise_nm: noise / MODEL_ADVANTAGE }];
+    let signal = inverter.finer_air_gap_torque(demand, FINER);
+    let mut records = vec![NoisyTorque { signal, noise_nm: noise / MODEL_ADVANTAGE }];
     if !inverter.residual.white {
         records.push(NoisyTorque { signal: difference(measured, &records[0].signal), noise_nm: noise });
     }
@@ -39,10 +42,18 @@ pub(super) fn modelled_torque(
     experiment: &Experiment,
     torque_control: Option<&TorqueControlFit>,
 ) -> Option<(signal::Signal, InverterModel)> {
+    let (demand, inverter) = inverter_of(experiment, torque_control)?;
+    Some((inverter.air_gap_torque(demand), inverter))
+}
+
+/// T_d* and the inverter with the ripple of this recording.
+fn inverter_of<'a>(
+    experiment: &'a Experiment,
+    torque_control: Option<&TorqueControlFit>,
+) -> Option<(&'a signal::Signal, InverterModel)> {
     let demand = experiment.signal(Role::DynoTorqueDemand)?;
     let measured = experiment.signal(Role::AirGapTorque)?;
-    let inverter = torque_control?.inverter.refit_ripple(demand, measured).ok()?;
-    Some((inverter.air_gap_torque(demand), inverter))
+    Some((demand, torque_control?.inverter.refit_ripple(demand, measured).ok()?))
 }
 
 /// A sampled signal less another, held, at its own instants.

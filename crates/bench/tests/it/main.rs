@@ -11,6 +11,7 @@ mod dataset;
 mod excitation_design;
 mod experiment;
 mod model;
+mod optimal_goals;
 mod prediction;
 mod prepare;
 mod recorded;

@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use bench::excitation_design::Goal;
+use clap::{Args, Subcommand, ValueEnum};
 
 use super::identify::{ResultArguments, RunArguments};
 use super::number;
@@ -36,20 +37,32 @@ pub(crate) struct ListArguments {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct PlanArguments {
     /// Speed, rpm: constant, or the one from which it changes
-    #[arg(long, value_name = "RPM", value_parser = number::finite, requires = "experiment", help_heading = "Experiment")]
+    #[arg(long, value_name = "RPM", value_parser = number::finite, help_heading = "Experiment")]
     pub(crate) speed: Option<f64>,
     /// Length of the recording
-    #[arg(long, value_name = "SECONDS", value_parser = number::positive, requires = "experiment", help_heading = "Experiment")]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive, help_heading = "Experiment")]
     pub(crate) duration: Option<f64>,
     /// Another parameter, such as low=35 or low="35 Nm"; give it again for more. `dynoid experiment list NAME` shows them
-    #[arg(long = "set", value_name = "NAME=VALUE", requires = "experiment", help_heading = "Experiment")]
+    #[arg(long = "set", value_name = "NAME=VALUE", help_heading = "Experiment")]
     pub(crate) set: Vec<String>,
     /// Seed of what is random in demands and bench; the same seed gives the same bytes [default: 1]
-    #[arg(long, value_name = "N", requires = "experiment", help_heading = "Experiment")]
+    #[arg(long, value_name = "N", help_heading = "Experiment")]
     pub(crate) seed: Option<u64>,
     /// Takes shaft, speed controller, feed-forward and torque control from a study, in place of what the bench file states
-    #[arg(long = "model", value_name = "STUDY.json", requires = "experiment", help_heading = "Experiment")]
+    #[arg(long = "model", value_name = "STUDY.json", help_heading = "Experiment")]
     pub(crate) study: Option<PathBuf>,
+}
+
+/// A bench file, the numbers of an experiment on that bench, and what is shown of it.
+#[derive(Debug, Args)]
+pub(crate) struct OnBenchArguments {
+    /// The bench file
+    #[arg(value_name = "BENCH.toml")]
+    pub(crate) bench: PathBuf,
+    #[command(flatten)]
+    pub(crate) plan: PlanArguments,
+    #[command(flatten)]
+    pub(crate) result: ResultArguments,
 }
 
 impl PlanArguments {
@@ -65,26 +78,67 @@ Examples:
   dynoid experiment design bench.toml BS_T_NT --speed 1500 --duration 60 --set low=35 --set high=55
   dynoid experiment design bench.toml Multisine_T_TN --model study/study.json
   dynoid experiment design bench.toml cycle.csv --out cycle
+  dynoid experiment design bench.toml --optimal K,B --speed 1500 --duration 20 --peak-shaft-torque 60
+  dynoid experiment design bench.toml --optimal PI,FF --form binary --set torque=40
 
 Writes NAME_SPEED.csv and NAME_SPEED.mf4 (the demands: speeds every 1 ms, all others every 10 ms, as the automation system takes them), NAME_SPEED.html (demands, their spectrum with resonance and firing, predicted speeds and torques) and NAME_SPEED_predicted.mf4.
 
 Demands of one's own are a recording with columns named dyno_speed_demand (rpm; dynamometer controls speed) or engine_speed_demand (rpm) with dyno_torque_demand or shaft_torque_demand (Nm; it controls torque), engine_torque_demand (Nm) or throttle_demand (%), and ignition_efficiency (1). Speeds run straight between their stamps, the others are held.
 
+With --optimal, spectrum and phases of a multisine, or the edges of a binary demand, are chosen for the least variance of what is named, on a bench whose resonance is known within ±15 % (with --model: as the study found it), and scaled until the first peak is met. --speed, --duration, --set settling=… and --set torque=… (mean of T_d*, in speed control the engine's torque) say where. Standard errors are those of the best estimator; beside them stand those after white noise with the same peak of the shaft torque. `dynoid experiment check` and `dynoid simulate --experiment` take the file that is written.
+
 The prediction is the linear bench model, of a study with --model, otherwise of what the bench file states ([shaft] resonance or stiffness); what had to be assumed is said. Firing pulses are no part of it; `dynoid simulate bench.toml --experiment NAME` has them.")]
 pub(crate) struct DesignArguments {
-    /// The bench file
-    #[arg(value_name = "BENCH.toml")]
-    pub(crate) bench: PathBuf,
-    /// An experiment of the method, such as BS_T_NT, or a file of demands
-    #[arg(value_name = "NAME|FILE")]
-    pub(crate) experiment: String,
     #[command(flatten)]
-    pub(crate) plan: PlanArguments,
+    pub(crate) on: OnBenchArguments,
+    /// An experiment of the method, such as BS_T_NT, or a file of demands
+    #[arg(value_name = "NAME|FILE", required_unless_present = "optimal", conflicts_with = "optimal")]
+    pub(crate) experiment: Option<String>,
+    #[command(flatten)]
+    pub(crate) optimal: OptimalArguments,
     /// Folder to write to; made if it is not there
     #[arg(long, value_name = "DIR", default_value = "experiments")]
     pub(crate) out: PathBuf,
-    #[command(flatten)]
-    pub(crate) result: ResultArguments,
+}
+
+/// The excitation from which chosen parameters are learnt best.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Optimal excitation")]
+pub(crate) struct OptimalArguments {
+    /// In place of NAME: designs the excitation after which these have the least variance, out of K, B, J_d, J_e, PI (speed controller), FF (feed-forward), FOC (torque control)
+    #[arg(long, value_name = "WHAT,…", value_delimiter = ',')]
+    pub(crate) optimal: Vec<Goal>,
+    /// Form of the demand
+    #[arg(long, value_enum, default_value_t = Form::Multisine, requires = "optimal")]
+    pub(crate) form: Form,
+    /// What is excited: T, the torque demand in torque control, or N, the speed demand in speed control [default: N where PI, FF or J_e are asked for]
+    #[arg(long, value_enum, value_name = "T|N", ignore_case = true, requires = "optimal")]
+    pub(crate) excite: Option<Excite>,
+    /// Largest deviation of T_shaft from its mean [default: half of what [limits] leaves; the rest is for firing pulses]
+    #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
+    pub(crate) peak_shaft_torque: Option<f64>,
+    /// Largest deviation of T_d from its mean [default: 95 % of what [limits] leaves]
+    #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
+    pub(crate) peak_torque: Option<f64>,
+    /// Largest deviation of N_d from its mean
+    #[arg(long, value_name = "RPM", value_parser = number::positive, default_value_t = 100.0, requires = "optimal")]
+    pub(crate) peak_speed: f64,
+}
+
+/// The form of a designed demand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Form {
+    Multisine,
+    Binary,
+}
+
+/// The demand that is excited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Excite {
+    #[value(name = "T")]
+    Torque,
+    #[value(name = "N")]
+    Speed,
 }
 
 #[derive(Debug, Args)]
@@ -100,19 +154,14 @@ A limit of [limits] is safe where at most 5 % of the benches reach it and the 95
 
 The exit code is 0 where all limits stated are safe, and 1 otherwise, also where none is stated. Firing pulses are no part of the prediction: leave room for them.")]
 pub(crate) struct CheckArguments {
-    /// The bench file
-    #[arg(value_name = "BENCH.toml")]
-    pub(crate) bench: PathBuf,
+    #[command(flatten)]
+    pub(crate) on: OnBenchArguments,
     /// An experiment of the method, such as Sine_T_TN, or a file of demands
     #[arg(value_name = "NAME|FILE")]
     pub(crate) experiment: String,
-    #[command(flatten)]
-    pub(crate) plan: PlanArguments,
     /// Benches drawn; fewer than 72 are never enough for `safe`
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) samples: u32,
-    #[command(flatten)]
-    pub(crate) result: ResultArguments,
 }
 
 #[derive(Debug, Args)]

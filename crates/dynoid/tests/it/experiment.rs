@@ -249,3 +249,35 @@ fn regress_what_cannot_be_checked_is_not_safe() {
     assert_eq!(ran.code, Some(1));
     assert!(ran.stdout.contains("NOT CHECKED") && ran.stdout.contains("add [limits]"), "{}", ran.stdout);
 }
+
+#[test]
+fn an_optimal_excitation_is_designed_checked_and_run() {
+    let campaign = Campaign::empty();
+    let limits = "[limits]\ntorque = \"400 Nm\"\nshaft_torque = \"300 Nm\"\nspeed = \"6000 rpm\"\n";
+    campaign.write("bench.toml", bench(&format!("{limits}{SHAFT}")).as_bytes());
+    let optimal = ["experiment", "design", "bench.toml", "--speed", "1500", "--duration", "8", "--json", "--optimal"];
+    let of = |more: &[&'static str]| campaign.run(&[&optimal[..], more].concat());
+    let designed = of(&["K,B", "--peak-shaft-torque", "40"]).json();
+    let facts = &designed["optimal"];
+    assert_eq!((&facts["goals"][0], &facts["parameters"][1]["symbol"]), (&"K".into(), &"B".into()));
+    for parameter in facts["parameters"].as_array().unwrap() {
+        assert!(parameter["standard_error"].as_f64() < parameter["white_noise_standard_error"].as_f64(), "{facts}");
+    }
+    assert!(facts["largest_deviations"]["shaft_torque_nm"].as_f64() <= Some(40.0001), "{facts}");
+    let csv = "experiments/Multisine_T_TN_1500_K_B.csv";
+    let demand = recorded(&campaign, csv);
+    let torque = samples(&demand, "dyno_torque_demand");
+    assert!((torque.len(), torque[0]) == (800, 60.0) && torque[1] != 60.0, "it starts at its mean");
+    assert!(campaign.read("experiments/Multisine_T_TN_1500_K_B.html").contains("Lines of the excitation"));
+    let checked = campaign.run(&["experiment", "check", "bench.toml", csv, "--samples", "80"]);
+    assert_eq!(checked.code, Some(0), "{}{}", checked.stdout, checked.stderr);
+    done(&campaign, &["simulate", "bench.toml", "--experiment", csv, "--out", "Multisine_T_TN_1500.mf4"]);
+    let binary = of(&["PI,FF,J_e", "--form", "binary"]).json();
+    assert_eq!(binary["label"], "Binary_N_NT");
+    assert_eq!(binary["optimal"]["parameters"].as_array().map(Vec::len), Some(5));
+    let peaks = binary["prediction"]["peaks"].as_array().unwrap();
+    assert!(peaks.iter().all(|peak| peak["is_beyond_limit"] == false), "{binary}");
+    of(&["PI", "--excite", "T"]).assert_refused(2, &["PI, FF and J_e show in speed control"]);
+    of(&["K,Q"]).assert_refused(2, &["`Q` is none of K, B, J_d, J_e, PI, FF, FOC"]);
+    of(&["K", "--set", "torque=700"]).assert_refused(2, &["[limits] leaves nothing"]);
+}

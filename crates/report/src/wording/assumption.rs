@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use bench::excitation_design::LimitedQuantity;
+use bench::model::ModelParameter;
 use bench::prediction::PeakOf;
 use bench::safety::{Quantity, Safety};
 use bench::units::RPM_RAD_S;
@@ -49,6 +51,31 @@ pub fn peak(of: PeakOf) -> (&'static str, &'static str, f64) {
         PeakOf::TorqueDemand => ("T_d*", "Nm", 1.0),
         PeakOf::AirGapTorque => ("T_d", "Nm", 1.0),
         PeakOf::ShaftTorque => ("T_shaft", "Nm", 1.0),
+    }
+}
+
+/// A parameter of the model, by its symbol, with the unit it is reported in and SI per unit.
+pub fn model_parameter(of: ModelParameter) -> (&'static str, &'static str, f64) {
+    let (unit, si) = match of {
+        ModelParameter::DynoInertia | ModelParameter::EngineInertia => ("kg m²", 1.0),
+        ModelParameter::Stiffness => ("Nm/rad", 1.0),
+        ModelParameter::Damping => ("Nm s/rad", 1.0),
+        ModelParameter::Proportional | ModelParameter::SpeedFeedForward => ("Nm/rpm", 1.0 / RPM_RAD_S),
+        ModelParameter::Integral => ("Nm/(rpm s)", 1.0 / RPM_RAD_S),
+        ModelParameter::AccelerationFeedForward => ("Nm/(rpm/s)", 1.0 / RPM_RAD_S),
+        ModelParameter::ControllerDelay | ModelParameter::InverterDelay => ("ms", 1e-3),
+        ModelParameter::InverterBandwidth => ("rad/s", 1.0),
+    };
+    (of.symbol(), unit, si)
+}
+
+/// What a designed excitation drives to its limit, by its symbol.
+pub fn limited(of: LimitedQuantity) -> &'static str {
+    match of {
+        LimitedQuantity::ShaftTorque => "T_shaft",
+        LimitedQuantity::AirGapTorque => "T_d",
+        LimitedQuantity::Speed => "N_d",
+        LimitedQuantity::Demand => "the demand",
     }
 }
 

@@ -9,7 +9,7 @@ mod finding;
 mod need;
 pub mod number;
 
-pub use assumption::{assumption, peak, quantity, safety};
+pub use assumption::{assumption, limited, model_parameter, peak, quantity, safety};
 pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding};
 pub use need::{need, needs};

@@ -13,12 +13,23 @@ pub(super) const SKEW_TORQUE: usize = 3;
 pub(super) const GATE: usize = 4;
 /// J_d, kg m²; zero where the torque is the shaft's own, measured by a flange.
 pub(super) const INERTIA: usize = 5;
-pub(super) const COUNT: usize = 6;
+/// Once-a-turn error of N_d, ω_d (a cos θ_d + b sin θ_d): a and b.
+pub(super) const DYNO_TURN: [usize; 2] = [6, 7];
+/// The same of N_e.
+pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
+pub(super) const COUNT: usize = 10;
+
+/// Places of the signals: N_d, N_e, torque, and for each speed ω cos θ and ω sin θ, what a once-a-turn error adds to it.
+pub(super) const DYNO: usize = 0;
+pub(super) const ENGINE: usize = 1;
+pub(super) const TORQUE: usize = 2;
+pub(super) const DYNO_WAVES: [usize; 2] = [3, 4];
+pub(super) const ENGINE_WAVES: [usize; 2] = [5, 6];
 
 /// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + s T_d when it is computed and J_d = 0 when a
 /// flange measures it.
 ///
-/// Signals: N_d, N_e, torque. A logged speed is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
+/// A logged speed holds the once-a-turn error of its encoder, ω (a cos θ + b sin θ), which is taken from it; and it is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
 /// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ShaftEquation {
@@ -81,7 +92,7 @@ impl Corrections {
 }
 
 impl Equation for ShaftEquation {
-    const SIGNALS: usize = 3;
+    const SIGNALS: usize = 7;
     const PARAMETERS: usize = COUNT;
 
     fn coefficients(
@@ -94,21 +105,30 @@ impl Equation for ShaftEquation {
         let Corrections { speed, engine, torque, speed_by_gate } = Corrections::at(s, theta, self.dating);
         let dyno = [theta[K], theta[B], theta[INERTIA]];
         let spring = [theta[K], theta[B], 0.0];
-        polynomials[0] = dyno.map(|c| speed * c);
-        polynomials[1] = spring.map(|c| -engine * c);
-        polynomials[2] = [0.0, 1.0, 0.0].map(|c| torque * c);
+        polynomials[DYNO] = dyno.map(|c| speed * c);
+        polynomials[ENGINE] = spring.map(|c| -engine * c);
+        polynomials[TORQUE] = [0.0, 1.0, 0.0].map(|c| torque * c);
         for row in derivatives.iter_mut() {
             row.fill([Complex64::default(); ORDERS]);
         }
-        derivatives[INERTIA][0][2] = speed;
+        derivatives[INERTIA][DYNO][2] = speed;
         for (parameter, order) in [(K, 0), (B, 1)] {
-            derivatives[parameter][0][order] = speed;
-            derivatives[parameter][1][order] = -engine;
+            derivatives[parameter][DYNO][order] = speed;
+            derivatives[parameter][ENGINE][order] = -engine;
         }
-        derivatives[SKEW_ENGINE][1] = polynomials[1].map(|c| s * c);
-        derivatives[SKEW_TORQUE][2] = polynomials[2].map(|c| s * c);
-        derivatives[GATE][0] = dyno.map(|c| speed_by_gate * c);
-        derivatives[GATE][1] = polynomials[1].map(|c| speed_by_gate / speed * c);
-        derivatives[GATE][2] = polynomials[2].map(|c| -0.5 * s * c);
+        derivatives[SKEW_ENGINE][ENGINE] = polynomials[ENGINE].map(|c| s * c);
+        derivatives[SKEW_TORQUE][TORQUE] = polynomials[TORQUE].map(|c| s * c);
+        derivatives[GATE][DYNO] = dyno.map(|c| speed_by_gate * c);
+        derivatives[GATE][ENGINE] = polynomials[ENGINE].map(|c| speed_by_gate / speed * c);
+        derivatives[GATE][TORQUE] = polynomials[TORQUE].map(|c| -0.5 * s * c);
+        for (speed, waves, amplitudes) in [(DYNO, DYNO_WAVES, DYNO_TURN), (ENGINE, ENGINE_WAVES, ENGINE_TURN)] {
+            for (wave, amplitude) in waves.into_iter().zip(amplitudes) {
+                polynomials[wave] = polynomials[speed].map(|c| -theta[amplitude] * c);
+                for row in derivatives.iter_mut() {
+                    row[wave] = row[speed].map(|c| -theta[amplitude] * c);
+                }
+                derivatives[amplitude][wave] = polynomials[speed].map(|c| -c);
+            }
+        }
     }
 }

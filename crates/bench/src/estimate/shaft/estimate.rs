@@ -28,6 +28,8 @@ const OUTLIER: f64 = 20.0;
 const OUTLIER_REACH: usize = 4;
 /// Times that outliers are looked for.
 const OUTLIER_ROUNDS: usize = 3;
+/// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
+const ECCENTRICITY: f64 = 1e-3;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
 
@@ -114,7 +116,7 @@ impl Solution {
     ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s, dating)?;
-        let mut excluded_hz = vec![spectra.turn_centre_hz];
+        let mut excluded_hz = Vec::new();
         let mut fit = solve(inputs, &spectra, unknowns).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if unknowns != Unknowns::ShaftWithoutTiming {
@@ -170,10 +172,16 @@ impl Solution {
 fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Result<FrequencyFit, ident::IdentError> {
     let (gate, gate_uncertainty) = inputs.gate_s;
     let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
-    let mut start = [starting_stiffness(spectra, inertia), 0.0, 0.0, 0.0, gate, inertia];
+    let mut start = [0.0; COUNT];
+    (start[equation::K], start[equation::GATE]) = (starting_stiffness(spectra, inertia), gate);
+    start[equation::INERTIA] = inertia;
     let positive = Bounds::new(0.0, f64::INFINITY);
     let skew = Bounds::new(-LARGEST_SKEW_S, LARGEST_SKEW_S);
-    let mut bounds = [positive, positive, skew, skew, Bounds::new(0.0, LARGEST_SKEW_S), Bounds::new(inertia, inertia)];
+    let mut bounds = [Bounds::NONE; COUNT];
+    bounds[..=equation::B].fill(positive);
+    bounds[equation::SKEW_ENGINE..=equation::SKEW_TORQUE].fill(skew);
+    bounds[equation::GATE] = Bounds::new(0.0, LARGEST_SKEW_S);
+    bounds[equation::INERTIA] = Bounds::new(inertia, inertia);
     let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
     match unknowns {
         Unknowns::Shaft if inertia_uncertainty > 0.0 => {
@@ -192,6 +200,8 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
         }
         Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
     }
+    let turns = [equation::DYNO_TURN, equation::ENGINE_TURN].into_iter().flatten();
+    priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
     let equation = ShaftEquation { dating: spectra.dating };
     ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(&start, &bounds)
 }
@@ -222,7 +232,7 @@ fn drop_outliers(spectra: &mut Spectra, fit: &FrequencyFit) -> Vec<f64> {
 /// The instants that time stamps stand for are uncertain by a floor that no amount of data lowers. The skew of N_e takes
 /// it up, and with it everything that hangs on that skew.
 fn add_timing_floor(covariance: &mut Mat<f64>, inputs: &ShaftInputs<'_>) {
-    let floor = timing_floor_s(inputs.signals().map(|s| s.sample_time_s).fold(f64::INFINITY, f64::min));
+    let floor = timing_floor_s(inputs.dyno_speed.sample_time_s.min(inputs.engine_speed.sample_time_s));
     for skew in [equation::SKEW_ENGINE, equation::SKEW_TORQUE] {
         let variance = covariance[(skew, skew)];
         if variance > 0.0 {

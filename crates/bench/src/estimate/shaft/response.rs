@@ -47,9 +47,15 @@ pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredRes
 fn difference_and_torque(spectra: &Spectra, theta: &[f64], k: usize) -> (Complex64, Complex64) {
     let factor = Corrections::at(Complex64::new(0.0, TAU * spectra.window.frequency_hz(k)), theta, spectra.dating);
     let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][k];
-    let difference = factor.engine * of(1, 0) - factor.speed * of(0, 0);
-    let acceleration = factor.speed * of(0, 1);
-    (difference, factor.torque * of(2, 0) + theta[equation::INERTIA] * acceleration)
+    let without_turn = |speed: usize, waves: [usize; 2], amplitudes: [usize; 2], order: usize| {
+        let pairs = waves.into_iter().zip(amplitudes);
+        pairs.fold(of(speed, order), |left, (wave, amplitude)| left - theta[amplitude] * of(wave, order))
+    };
+    let dyno = |order| without_turn(equation::DYNO, equation::DYNO_WAVES, equation::DYNO_TURN, order);
+    let engine = without_turn(equation::ENGINE, equation::ENGINE_WAVES, equation::ENGINE_TURN, 0);
+    let difference = factor.engine * engine - factor.speed * dyno(0);
+    let acceleration = factor.speed * dyno(1);
+    (difference, factor.torque * of(equation::TORQUE, 0) + theta[equation::INERTIA] * acceleration)
 }
 
 /// T_shaft over time, from torque and acceleration on one side and from twist and its rate on the other, both limited to

@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use ident::IdentError;
-use ident::frequency::{Modulated, NoisySpectrum, Samples, Window, samples_in};
+use ident::frequency::{Equation, Modulated, NoisySpectrum, Samples, Window, samples_in};
 use signal::{Complex64, Signal};
 
-use super::equation::Dating;
+use super::equation::{Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use crate::estimate::EstimateError;
 
@@ -17,19 +17,18 @@ pub(super) const LOWEST_HZ: f64 = 1.0;
 pub(super) const HIGHEST_HZ: f64 = 110.0;
 /// Part of the slowest sample rate that is free of folding.
 const CLEAN_PART: f64 = 0.44;
-/// Half-width of the band left out about the rotational frequency, Hz: the encoders' once-a-turn error.
+/// Half-width of the band left out of the traces about the rotational frequency, Hz: the encoders' once-a-turn error.
 const TURN_MARGIN_HZ: f64 = 3.0;
 /// Length of the moving mean that follows the rotational frequency, s.
 const TURN_MEAN_S: f64 = 0.5;
 
-/// Transforms of N_d, N_e and torque over one window.
+/// Transforms over one window.
 pub(super) struct Spectra {
     pub(super) window: Window,
+    /// By their places in [`equation`](super::equation).
     pub(super) signals: Vec<NoisySpectrum>,
     /// Bins that may be used.
     pub(super) bins: Vec<usize>,
-    /// Centre of the band about the rotational frequency that is left out, Hz.
-    pub(super) turn_centre_hz: f64,
     /// How the signals were dated.
     pub(super) dating: Dating,
 }
@@ -52,26 +51,35 @@ impl Spectra {
         let density = |noise: f64, signal: &Signal| noise * noise * signal.sample_time_s;
         let encoder = inputs.encoder_noise_rad_s;
         let torque_density = inputs.torque.iter().map(|t| density(t.noise_nm, &t.signal)).sum();
-        let turn = turn_band_hz(&inputs.dyno_speed.slice(from_s, to_s));
-        let used = |k: &usize| !turn.contains(&window.frequency_hz(*k));
-        Ok(Spectra {
-            window,
-            signals: vec![
-                NoisySpectrum {
-                    modulated: transform(inputs.dyno_speed, 0.0)?,
-                    noise_density: density(encoder, inputs.dyno_speed),
-                },
-                NoisySpectrum {
-                    modulated: transform(inputs.engine_speed, dating.engine_s)?,
-                    noise_density: density(encoder, inputs.engine_speed),
-                },
-                NoisySpectrum { modulated: torque, noise_density: torque_density },
-            ],
-            bins: bins.filter(used).collect(),
-            turn_centre_hz: (turn.start() + turn.end()) / 2.0,
-            dating,
-        })
+        let speeds = [(inputs.dyno_speed, 0.0), (inputs.engine_speed, dating.engine_s)];
+        let mut signals = Vec::with_capacity(ShaftEquation::SIGNALS);
+        for (speed, earlier_s) in speeds {
+            let modulated = transform(speed, earlier_s)?;
+            signals.push(NoisySpectrum { modulated, noise_density: density(encoder, speed) });
+        }
+        signals.push(NoisySpectrum { modulated: torque, noise_density: torque_density });
+        for (speed, earlier_s) in speeds {
+            for wave in once_a_turn(speed) {
+                signals.push(NoisySpectrum { modulated: transform(&wave, earlier_s)?, noise_density: 0.0 });
+            }
+        }
+        Ok(Spectra { window, signals, bins: bins.collect(), dating })
     }
+}
+
+/// ω cos θ and ω sin θ, θ being the angle turned since the first sample: what a once-a-turn error adds to a speed, sidebands
+/// about the rotational frequency included, which the swings of the angle throw far where the speed swings slowly.
+fn once_a_turn(speed: &Signal) -> [Signal; 2] {
+    let mut angle = 0.0;
+    let mut before = speed.samples.first().copied().unwrap_or(0.0);
+    let waves = speed.samples.iter().map(|omega| {
+        angle += 0.5 * (before + omega) * speed.sample_time_s;
+        before = *omega;
+        let (sin, cos) = f64::sin_cos(angle);
+        (omega * cos, omega * sin)
+    });
+    let (cosine, sine) = waves.unzip();
+    [speed.with_samples(cosine), speed.with_samples(sine)]
 }
 
 /// Highest frequency at which every signal is free of folding.

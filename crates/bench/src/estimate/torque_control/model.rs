@@ -59,8 +59,16 @@ impl InverterModel {
     ///
     /// Returns as many samples as given; Nm in, Nm out.
     pub fn air_gap_torque(&self, demand: &Signal) -> Signal {
-        let times: Vec<f64> = (0..demand.len()).map(|i| demand.time_s(i)).collect();
-        demand.with_samples(self.torque_at(&HeldDemand::new(demand, self.torque_limit_nm), &times))
+        self.finer_air_gap_torque(demand, 1)
+    }
+
+    /// [`InverterModel::air_gap_torque`] at `finer` times as many instants. Behind a demand that jumps, T_d holds
+    /// frequencies beyond half the demand's rate, which fold back where it is taken at the demand's instants alone.
+    pub fn finer_air_gap_torque(&self, demand: &Signal, finer: usize) -> Signal {
+        let sample_time_s = demand.sample_time_s / finer as f64;
+        let times: Vec<f64> = (0..demand.len() * finer).map(|i| demand.start_s + i as f64 * sample_time_s).collect();
+        let samples = self.torque_at(&HeldDemand::new(demand, self.torque_limit_nm), &times);
+        Signal { start_s: demand.start_s, sample_time_s, samples }
     }
 
     /// The same delay and lag with offset and ripple (amplitudes, phases, and frequencies within 0.5 Hz) fitted to

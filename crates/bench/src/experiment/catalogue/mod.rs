@@ -80,6 +80,9 @@ impl Template {
     }
 }
 
+/// What can be set in a designed experiment, see [`crate::excitation_design`].
+pub const OPTIMAL: &[Parameter] = templates::OPTIMAL;
+
 /// Every template, in the order of the method's table.
 pub fn all() -> &'static [Template] {
     templates::ALL

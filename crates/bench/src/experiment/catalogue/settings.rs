@@ -37,7 +37,7 @@ impl Settings {
     }
 
     /// The value of a parameter; NaN for a name that is none, which every check of a plan refuses.
-    pub(crate) fn get(&self, name: &str) -> f64 {
+    pub fn get(&self, name: &str) -> f64 {
         self.values.iter().find(|(known, _)| *known == name).map_or(f64::NAN, |(_, value)| *value)
     }
 

@@ -34,6 +34,7 @@ const MEAN_TORQUE: Parameter = parameter("mean", "Nm", 60.0, TORQUE_NM, "mean of
 const SWITCHING: Parameter =
     parameter("clock", "s", 0.08, TIME_S, "a level lasts this long or a multiple; not less than a firing");
 const PERIOD: Parameter = parameter("period", "s", 10.0, (0.1, 1000.0), "period; its inverse is the resolution in Hz");
+const SINES_RMS: &str = "root mean square of the sines together";
 const ROUNDS: Parameter = parameter(
     "rounds",
     "",
@@ -41,6 +42,31 @@ const ROUNDS: Parameter = parameter(
     (0.0, 5000.0),
     "rounds in which the phases are optimised for low peaks; 0: Schroeder's phases",
 );
+
+pub(super) const OPTIMAL: &[Parameter] = &[
+    Parameter { meaning: "speed at which the bench is excited", ..SPEED },
+    Parameter { default: 20.0, ..DURATION },
+    SETTLING,
+    Parameter { meaning: "mean of the dynamometer's torque demand, in speed control of the engine's", ..ENGINE_TORQUE },
+];
+
+/// The parameters of a multisine: its torque, root mean square, lowest and highest frequency as they are unless given, and
+/// the highest one that the clock of the demand allows.
+const fn multisine_parameters(
+    torque: Parameter,
+    (rms, lowest, highest, limit_hz): (Parameter, f64, f64, f64),
+    highest_means: &'static str,
+) -> [Parameter; 6] {
+    let range_hz = (0.001, limit_hz);
+    [
+        torque,
+        rms,
+        parameter("lowest", "Hz", lowest, range_hz, "lowest frequency"),
+        parameter("highest", "Hz", highest, range_hz, highest_means),
+        PERIOD,
+        ROUNDS,
+    ]
+}
 
 pub(super) const ALL: &[Template] = &[
     Template {
@@ -205,19 +231,15 @@ pub(super) const ALL: &[Template] = &[
         demands: "sines of T_d* at once, period after period",
         gives: "frequency response of torque control and shaft, free of leakage; shaft",
         duration_s: 60.0,
-        own: &[
+        own: &multisine_parameters(
             MEAN_TORQUE,
-            parameter("rms", "Nm", 12.0, (0.0, 20_000.0), "root mean square of the sines together"),
-            parameter("lowest", "Hz", 0.5, (0.001, 49.0), "lowest frequency"),
-            parameter("highest", "Hz", 40.0, (0.001, 49.0), "highest frequency; demands change every 10 ms"),
-            PERIOD,
-            ROUNDS,
-        ],
+            (parameter("rms", "Nm", 12.0, (0.0, 20_000.0), SINES_RMS), 0.5, 40.0, 49.0),
+            "highest frequency; demands change every 10 ms",
+        ),
         build: |s| {
+            let dyno_torque_nm = multisine(s, DEMAND_HOLD_S, s.get("mean"), 1.0)?;
             let plan = ExperimentPlan::step_t_tn(s.get("speed"), s.get("duration"));
-            let mut plan = renamed(plan, "Multisine");
-            plan.dyno_torque_nm = multisine(s, DEMAND_HOLD_S, s.get("mean"), 1.0)?;
-            Ok(plan)
+            Ok(ExperimentPlan { dyno_torque_nm, ..renamed(plan, "Multisine") })
         },
     },
     Template {
@@ -227,19 +249,15 @@ pub(super) const ALL: &[Template] = &[
         demands: "sines of N_d* at once, period after period",
         gives: "frequency response of the speed loop, free of leakage; feed-forward",
         duration_s: 60.0,
-        own: &[
+        own: &multisine_parameters(
             ENGINE_TORQUE,
-            parameter("rms", "rpm", 10.0, (0.0, 5000.0), "root mean square of the sines together"),
-            parameter("lowest", "Hz", 0.2, (0.001, 400.0), "lowest frequency"),
-            parameter("highest", "Hz", 10.0, (0.001, 400.0), "highest frequency; demands change every 1 ms"),
-            PERIOD,
-            ROUNDS,
-        ],
+            (parameter("rms", "rpm", 10.0, (0.0, 5000.0), SINES_RMS), 0.2, 10.0, 400.0),
+            "highest frequency; demands change every 1 ms",
+        ),
         build: |s| {
+            let speed_rad_s = multisine(s, UPDATE_S, s.get("speed"), RPM_RAD_S)?;
             let plan = ExperimentPlan::ramp_n_nt(s.get("speed"), s.get("duration"));
-            let mut plan = renamed(plan, "Multisine");
-            plan.speed_rad_s = multisine(s, UPDATE_S, s.get("speed"), RPM_RAD_S)?;
-            Ok(with_engine_torque(plan, s))
+            Ok(with_engine_torque(ExperimentPlan { speed_rad_s, ..renamed(plan, "Multisine") }, s))
         },
     },
 ];

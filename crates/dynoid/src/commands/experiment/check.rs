@@ -22,18 +22,18 @@ use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    check_plot(&arguments.result, &[std::slice::from_ref(&arguments.bench)])?;
-    let bench = Bench::read(&arguments.bench, arguments.plan.study.as_deref(), terminal)?;
-    let Planned { plan, .. } = planned::plan(&arguments.experiment, &arguments.plan, terminal)?;
+    check_plot(&arguments.on.result, &[std::slice::from_ref(&arguments.on.bench)])?;
+    let bench = Bench::read(&arguments.on.bench, arguments.on.plan.study.as_deref(), terminal)?;
+    let Planned { plan, .. } = planned::plan(&arguments.experiment, &arguments.on.plan, terminal)?;
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let checked = checked(arguments, &bench, &plan, terminal)?;
-    picture(&arguments.result, &format!("{}, checked", plan.label), || report::safety::figures(&checked))?;
-    if arguments.result.json {
+    picture(&arguments.on.result, &format!("{}, checked", plan.label), || report::safety::figures(&checked))?;
+    if arguments.on.result.json {
         terminal.json(&facts(&bench, &plan, &checked, &doubts))?;
     } else if !terminal.is_quiet() {
         print(&bench, &plan, &checked, terminal);
-        written(&arguments.result.plot, terminal);
+        written(&arguments.on.result.plot, terminal);
     }
     Ok(if checked.safety == Safety::Safe { Outcome::Done } else { Outcome::NotSafe })
 }
@@ -44,9 +44,9 @@ fn checked(
     plan: &ExperimentPlan,
     terminal: &Terminal,
 ) -> Result<SafetyCheck, CliError> {
-    let not_checkable = |reason: String| CliError::NotCheckable { path: arguments.bench.clone(), reason };
+    let not_checkable = |reason: String| CliError::NotCheckable { path: arguments.on.bench.clone(), reason };
     let model = bench.model_for(plan).map_err(|reason| not_checkable(reason.to_owned()))?;
-    let demands = Demands::of(plan, arguments.plan.seed(), DEMAND_HOLD_S);
+    let demands = Demands::of(plan, arguments.on.plan.seed(), DEMAND_HOLD_S);
     let engine = &bench.stated.parameters.engine;
     let prediction = PredictionInputs { plan, demands: &demands, model: &model, engine, limits: bench.file.limits };
     let spread = match &bench.assembled {
@@ -56,7 +56,7 @@ fn checked(
     let samples = arguments.samples as usize;
     let slowest_engine_control =
         if bench.stated.assumptions.contains(&Assumption::Engine) { ASSUMED_ENGINE } else { 1.0 };
-    let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples, seed: arguments.plan.seed() };
+    let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples, seed: arguments.on.plan.seed() };
     let progress = terminal.long("running the experiment on benches");
     check(&inputs, &|done, all| progress.told(done, all)).map_err(|error| not_checkable(error.to_string()))
 }

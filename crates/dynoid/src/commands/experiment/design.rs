@@ -12,6 +12,7 @@ use report::design::Designed;
 use report::wording::{self, number};
 use serde_json::json;
 
+use super::optimal::{self, Optimal};
 use super::planned::{self, Planned};
 use super::stated::Bench;
 use crate::cli::experiment::DesignArguments;
@@ -34,25 +35,35 @@ struct Predicted {
 }
 
 pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let bench = Bench::read(&arguments.bench, arguments.plan.study.as_deref(), terminal)?;
-    let Planned { plan, speed_rpm } = planned::plan(&arguments.experiment, &arguments.plan, terminal)?;
-    let demands = Demands::of(&plan, arguments.plan.seed(), DEMAND_HOLD_S);
+    let bench = Bench::read(&arguments.on.bench, arguments.on.plan.study.as_deref(), terminal)?;
+    let (Planned { plan, speed_rpm }, optimal) = match &arguments.experiment {
+        Some(experiment) => (planned::plan(experiment, &arguments.on.plan, terminal)?, None),
+        None => optimal::plan(arguments, &bench, terminal).map(|(planned, optimal)| (planned, Some(optimal)))?,
+    };
+    let demands = Demands::of(&plan, arguments.on.plan.seed(), DEMAND_HOLD_S);
     let speed_rpm = speed_rpm.unwrap_or(demands.speed_rad_s[0] / RPM_RAD_S);
-    let stem = format!("{}_{speed_rpm:.0}", plan.label);
+    let suffix = optimal.as_ref().map(Optimal::suffix).unwrap_or_default();
+    let stem = format!("{}_{speed_rpm:.0}{suffix}", plan.label);
     let targets = Targets::new(arguments, &stem)?;
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let predicted = predicted(&bench, &plan, &demands, terminal);
-    targets.write(&bench, &plan, &demands, predicted.as_ref().ok())?;
+    targets.write(&bench, &plan, &demands, predicted.as_ref().ok(), optimal.as_ref())?;
     if let Ok(predicted) = &predicted {
         reached(predicted).for_each(|warning| terminal.warning(&warning));
     }
     if let Err(reason) = &predicted {
         terminal.warning(&format!("nothing is predicted: {reason}"));
     }
-    if arguments.result.json {
-        terminal.json(&facts(&bench, &plan, &demands, &targets, &predicted, &doubts))?;
+    if arguments.on.result.json {
+        let mut facts = facts(&bench, &plan, &demands, &targets, &predicted, &doubts);
+        facts["optimal"] = json!(optimal.as_ref().map(Optimal::facts));
+        terminal.json(&facts)?;
     } else if !terminal.is_quiet() {
+        terminal.heading(&format!("{}, {} s", plan.label, plan.duration_s), Style::Bold);
+        if let Some(optimal) = &optimal {
+            optimal.print(terminal);
+        }
         print(&bench, &plan, &targets, predicted.as_ref().ok(), terminal);
     }
     Ok(Outcome::Done)
@@ -71,14 +82,14 @@ impl Targets {
         let folder = &arguments.out;
         OutputFolder::check(folder)?;
         let file = |ending: &str| folder.join(format!("{stem}{ending}"));
-        let plot = Some(arguments.result.plot.clone().unwrap_or_else(|| file(".html")));
+        let plot = Some(arguments.on.result.plot.clone().unwrap_or_else(|| file(".html")));
         let targets = Targets {
             csv: file(".csv"),
             mf4: file(".mf4"),
-            plot: ResultArguments { plot, json: arguments.result.json },
+            plot: ResultArguments { plot, json: arguments.on.result.json },
             predicted: file("_predicted.mf4"),
         };
-        let read = planned::file(&arguments.experiment);
+        let read = arguments.experiment.as_deref().and_then(planned::file);
         for target in [&targets.csv, &targets.mf4, &targets.predicted] {
             if let (Some(Ok(read)), Ok(target)) = (read.as_ref().map(|file| file.canonicalize()), target.canonicalize())
                 && read == target
@@ -87,7 +98,7 @@ impl Targets {
                 return Err(CliError::Usage { what });
             }
         }
-        if let Some(plot) = &arguments.result.plot {
+        if let Some(plot) = &arguments.on.result.plot {
             check_plot(&ResultArguments { plot: Some(plot.clone()), json: false }, &[])?;
         }
         Ok(targets)
@@ -99,6 +110,7 @@ impl Targets {
         plan: &ExperimentPlan,
         demands: &Demands,
         predicted: Option<&Predicted>,
+        optimal: Option<&Optimal>,
     ) -> Result<(), CliError> {
         if let Some(folder) = self.csv.parent() {
             std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
@@ -121,6 +133,7 @@ impl Targets {
             resonance_hz: predicted.and_then(|predicted| predicted.resonance_hz),
             prediction: predicted.map(|predicted| &predicted.prediction),
             limits: bench.file.limits,
+            lines: optimal.map_or(&[], |optimal| &optimal.lines),
         };
         picture(&self.plot, &format!("{}, designed", plan.label), || report::design::figures(&designed))
     }
@@ -198,7 +211,6 @@ fn print(
     predicted: Option<&Predicted>,
     terminal: &mut Terminal,
 ) {
-    terminal.heading(&format!("{}, {} s", plan.label, plan.duration_s), Style::Bold);
     if let Some(predicted) = predicted {
         terminal.table(&peaks(predicted));
         if let Some(resonance_hz) = predicted.resonance_hz {

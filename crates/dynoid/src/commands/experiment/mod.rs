@@ -3,5 +3,6 @@
 pub(crate) mod check;
 pub(crate) mod design;
 pub(crate) mod list;
+mod optimal;
 pub(in crate::commands) mod planned;
 pub(in crate::commands) mod stated;

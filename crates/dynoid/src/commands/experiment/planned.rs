@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bench::experiment::catalogue::{self, CatalogueError, Settings};
+use bench::experiment::catalogue::{self, CatalogueError, Parameter, Settings};
 use bench::experiment::{ExperimentPlan, free_form};
 use bench::model::Engine;
 use bench::{BenchFile, ControlMode};
@@ -26,19 +26,27 @@ pub(in crate::commands) fn plan(
     arguments: &PlanArguments,
     terminal: &mut Terminal,
 ) -> Result<Planned, CliError> {
-    let given = given(arguments)?;
-    let given: Vec<(&str, &str)> = given.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
     let path = Path::new(experiment);
     match catalogue::find(experiment) {
         Ok(template) => {
-            let settings = Settings::parse(&template.parameters(), &given).map_err(|error| usage(experiment, error))?;
+            let settings = settings(experiment, &template.parameters(), arguments)?;
             let plan = template.plan(&settings).map_err(|error| usage(experiment, error))?;
-            let speed = settings.values().iter().find(|(name, _)| *name == "speed");
-            Ok(Planned { plan, speed_rpm: speed.map(|(_, rpm)| *rpm) })
+            Ok(Planned { plan, speed_rpm: Some(settings.get("speed")) })
         }
         Err(unknown) if !path.exists() && input::ending(path).is_none() => Err(usage(experiment, unknown)),
-        Err(_) => Ok(Planned { plan: from_file(path, &given, terminal)?, speed_rpm: None }),
+        Err(_) => Ok(Planned { plan: from_file(path, arguments, terminal)?, speed_rpm: None }),
     }
+}
+
+/// The numbers that were given to an experiment with these parameters.
+pub(super) fn settings(
+    experiment: &str,
+    parameters: &[Parameter],
+    arguments: &PlanArguments,
+) -> Result<Settings, CliError> {
+    let given = given(arguments)?;
+    let given: Vec<(&str, &str)> = given.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
+    Settings::parse(parameters, &given).map_err(|error| usage(experiment, error))
 }
 
 /// The file of demands, where the experiment is one: it must not be written over.
@@ -46,9 +54,9 @@ pub(in crate::commands) fn file(experiment: &str) -> Option<PathBuf> {
     catalogue::find(experiment).is_err().then(|| PathBuf::from(experiment))
 }
 
-fn from_file(path: &Path, given: &[(&str, &str)], terminal: &mut Terminal) -> Result<ExperimentPlan, CliError> {
+fn from_file(path: &Path, arguments: &PlanArguments, terminal: &mut Terminal) -> Result<ExperimentPlan, CliError> {
     let name = input::with_slashes(path);
-    let settings = Settings::parse(free_form::PARAMETERS, given).map_err(|error| usage(&name, error))?;
+    let settings = settings(&name, free_form::PARAMETERS, arguments)?;
     let file = InputFile { path: path.to_owned(), name: name.clone() };
     let progress = terminal.long(&format!("reading {name}"));
     let read = input::read_recording(&file, &Selection::All, None, &|done, all| progress.told(done, all))?;

@@ -52,19 +52,28 @@ impl Bench {
     /// The linear model that predictions rest on, or in words why a plan cannot be predicted. Parts that the study lacks are
     /// those of the virtual bench; they are among the assumptions.
     pub(in crate::commands) fn model_for(&self, plan: &ExperimentPlan) -> Result<BenchModel, &'static str> {
-        if plan.has_shaft && !self.stated.knows_shaft() {
-            return Err(
+        if plan.has_shaft { self.model_with_shaft() } else { Ok(self.any_model()) }
+    }
+
+    /// The linear model, or in words why there is none of this shaft.
+    pub(in crate::commands) fn model_with_shaft(&self) -> Result<BenchModel, &'static str> {
+        match self.stated.knows_shaft() {
+            true => Ok(self.any_model()),
+            false => Err(
                 "the shaft is not known; add [shaft] with resonance = \"18 Hz\" (or stiffness) to the bench file, or \
                  give a study with --model",
-            );
+            ),
         }
+    }
+
+    fn any_model(&self) -> BenchModel {
         let model = self.stated.parameters.linear_model();
         let assembled = self.assembled.as_ref().map(|assembled| &assembled.model);
-        Ok(BenchModel {
+        BenchModel {
             speed_controller: assembled.and_then(|model| model.speed_controller).or(model.speed_controller),
             encoder_gate_s: assembled.map_or(model.encoder_gate_s, |model| model.encoder_gate_s),
             ..model
-        })
+        }
     }
 }
 
