@@ -17,6 +17,7 @@ pub mod diagnostics;
 pub mod estimate;
 pub mod excitation_design;
 pub mod experiment;
+pub mod look;
 pub mod model;
 pub mod prediction;
 pub mod prepare;

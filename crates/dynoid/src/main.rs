@@ -55,6 +55,7 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
             commands::experiment::check::run(arguments, terminal)
         }
         Command::Init(arguments) => commands::init::run(arguments, terminal),
+        Command::Look(arguments) => commands::look::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
         Command::Fit { command } => identify::fit::run(command, terminal),
         Command::Compare(arguments) => identify::judge::compare(arguments, terminal),

@@ -10,6 +10,7 @@ pub mod design;
 mod effects;
 mod html;
 mod json;
+pub mod look;
 pub mod safety;
 pub mod verdict;
 pub mod wording;

@@ -10,6 +10,7 @@ mod channels;
 mod dataset;
 mod excitation_design;
 mod experiment;
+mod look;
 mod model;
 mod optimal_goals;
 mod prediction;

@@ -4,6 +4,7 @@ pub(crate) mod convert;
 pub(crate) mod experiment;
 pub(crate) mod greybox;
 pub(crate) mod identify;
+pub(crate) mod look;
 mod number;
 
 use std::path::PathBuf;
@@ -23,6 +24,7 @@ A new bench, in three steps:
   dynoid init recordings/        proposes bench.toml; fill in cylinders and inertias
   dynoid study run bench.toml    estimates, judges and writes study/report.html
   dynoid inspect FILE            looks into a recording that causes trouble
+  dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
 
 An experiment, before it is run:
   dynoid experiment list         what there is, and what can be set
@@ -95,6 +97,8 @@ pub(crate) enum Command {
     Init(InitArguments),
     /// Shows what recordings hold: channels, units, clocks, gaps, values
     Inspect(InspectArguments),
+    /// Names the lines in the spectra of recordings: orders, folds, images of the demand, ripple, resonances
+    Look(look::LookArguments),
     /// Estimates a linear model from any channels of any recordings
     Fit {
         #[command(subcommand)]

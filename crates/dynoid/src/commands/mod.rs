@@ -6,5 +6,6 @@ pub(crate) mod experiment;
 pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
+pub(crate) mod look;
 pub(crate) mod simulate;
 pub(crate) mod study;

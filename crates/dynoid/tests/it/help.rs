@@ -15,6 +15,11 @@ fn snap_help() {
 }
 
 #[test]
+fn snap_help_look() {
+    insta::assert_snapshot!("help_look", help(&["look", "--help"]));
+}
+
+#[test]
 fn snap_help_demo() {
     insta::assert_snapshot!("help_demo", help(&["demo", "--help"]));
 }

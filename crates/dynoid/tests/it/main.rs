@@ -13,6 +13,7 @@ mod help;
 mod identify;
 mod init;
 mod inspect;
+mod lines;
 mod look;
 mod operating_point;
 mod study;

@@ -1,0 +1,359 @@
+//! Lines of a signal that follow a phase, and those that follow none.
+
+use std::f64::consts::{LN_2, TAU};
+
+use faer::linalg::solvers::{DenseSolveCore, SolveLstsq};
+use faer::{Mat, c64};
+use signal::Signal;
+use signal::periodicity::find_sinusoids;
+use signal::spectrum::fft_real;
+
+use super::angle::Angle;
+use super::cause::Cause;
+use super::reference::{Course, Reference, folded_hz};
+
+/// Blocks that a signal behind a phase is summed up in: their transform shows what lies about the line.
+const BLOCKS: usize = 512;
+/// Bins about the line, and those of them that the window blurs it over.
+const ABOUT: isize = 64;
+const LOBE: isize = 3;
+/// The power of a line over the mean of what lies about it: by chance once in 10⁸ times.
+const EXCESS: f64 = 18.0;
+/// Phases that are closer than this to another's cannot be told from it; those farther than the second do not touch.
+const SAME: f64 = 0.9;
+const APART: f64 = 0.02;
+/// An amplitude is there where it is this many times its standard error, and this share of the largest beside it: what a
+/// reference leaves of a strong line looks like a weak one.
+const CLEAR: f64 = 4.5;
+const SHARE: f64 = 0.2;
+/// A line is there where it is this share of the strongest.
+const FLOOR: f64 = 2e-3;
+/// A reference is looked at where the spectrum rises this far above its median in so many times the neighbourhood.
+const RISE: f64 = 6.0;
+const WIDE: f64 = 8.0;
+/// Frequencies within this share of each other are one.
+const AT: f64 = 0.005;
+/// Passes over what is left.
+const PASSES: usize = 3;
+/// Slow changes of an order's strength spread it this far, Hz.
+const MODULATED_HZ: f64 = 1.0;
+/// Lines without a cause that are looked for, and the probability with which chance makes one of them.
+const MOST_UNKNOWN: usize = 8;
+const FALSE_ALARM: f64 = 1e-9;
+/// Bins within which a line without a cause is part of one with.
+const BESIDE: f64 = 4.0;
+
+/// A line.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Found {
+    /// Where it shows, Hz.
+    pub(super) frequency_hz: f64,
+    pub(super) amplitude: f64,
+    pub(super) standard_error: f64,
+    /// What it may come from: one, or several that cannot be told apart.
+    pub(super) causes: Vec<Reference>,
+}
+
+/// The lines of a signal, and what is left without them.
+pub(super) struct Lines {
+    pub(super) found: Vec<Found>,
+    pub(super) left: Signal,
+    /// The least amplitude that counts.
+    pub(super) floor: f64,
+}
+
+/// A signal seen through a window, beside references.
+struct Seen<'a> {
+    signal: &'a Signal,
+    angle: &'a Angle<'a>,
+    turns_hz: f64,
+    /// Less its mean.
+    samples: Vec<f64>,
+    window: Vec<f64>,
+    /// Powers of its spectrum.
+    powers: Vec<f64>,
+    /// The least amplitude that counts.
+    floor: f64,
+}
+
+/// A reference that a line follows.
+struct Candidate {
+    reference: Reference,
+    phase: Vec<f64>,
+    /// Mean power of what lies about it, as of an amplitude.
+    noise: f64,
+}
+
+impl Lines {
+    /// Whether a line is part of a stronger one whose strength changes.
+    pub(super) fn is_beside(&self, line: &Found) -> bool {
+        let is_near = |other: &Found| (other.frequency_hz - line.frequency_hz).abs() < MODULATED_HZ;
+        self.found.iter().any(|other| other.amplitude > line.amplitude && is_near(other))
+    }
+
+    /// The amplitude of the line at a frequency; zero where there is none.
+    pub(super) fn strength_at(&self, frequency_hz: f64) -> f64 {
+        let is_it = |found: &&Found| (found.frequency_hz - frequency_hz).abs() < AT * frequency_hz;
+        self.found.iter().filter(is_it).map(|found| found.amplitude).fold(0.0, f64::max)
+    }
+
+    /// Of a signal over which the engine turns as `angle` says.
+    pub(super) fn of(signal: &Signal, angle: &Angle<'_>, references: &[Reference]) -> Self {
+        let mut seen = Seen::new(signal, angle);
+        let mut open: Vec<&Reference> = references.iter().collect();
+        let mut found: Vec<Found> = Vec::new();
+        // Weak lines show once strong ones are gone.
+        for _ in 0..PASSES {
+            let candidates: Vec<Candidate> = open.iter().filter_map(|r| seen.candidate(r)).collect();
+            let mut left = seen.samples.clone();
+            let mut new = Vec::new();
+            for group in grouped(&seen, candidates) {
+                new.extend(seen.amplitudes(group, &found, &mut left));
+            }
+            if new.is_empty() {
+                break;
+            }
+            open.retain(|r| !new.iter().any(|line| seen.is_of(line, r)));
+            found.extend(new);
+            seen.show(left);
+        }
+        let beside = seen.beside(&found, references);
+        found.extend(beside);
+        found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        Lines { found, floor: seen.floor, left: signal.with_samples(seen.samples) }
+    }
+}
+
+impl<'a> Seen<'a> {
+    fn new(signal: &'a Signal, angle: &'a Angle<'a>) -> Self {
+        let count = signal.len() as f64;
+        let window: Vec<f64> = (0..signal.len()).map(|k| 1.0 - (TAU * (k as f64 + 0.5) / count).cos()).collect();
+        let mean = signal.mean().unwrap_or(0.0);
+        let samples: Vec<f64> = signal.samples.iter().map(|x| x - mean).collect();
+        let turns_hz = angle.mean_hz(signal.start_s, signal.end_s());
+        let mut seen = Seen { signal, angle, turns_hz, samples: Vec::new(), window, powers: Vec::new(), floor: 0.0 };
+        seen.show(samples);
+        seen.floor = FLOOR * 2.0 * seen.powers.iter().copied().fold(0.0, f64::max).sqrt() / count;
+        seen
+    }
+
+    /// Takes other samples in place of those that were seen.
+    fn show(&mut self, samples: Vec<f64>) {
+        let seen: Vec<f64> = samples.iter().zip(&self.window).map(|(x, w)| x * w).collect();
+        self.powers = fft_real(&seen).unwrap_or_default().iter().map(|line| line.norm_sqr()).collect();
+        self.samples = samples;
+    }
+
+    fn rate_hz(&self) -> f64 {
+        1.0 / self.signal.sample_time_s
+    }
+
+    fn bin_hz(&self) -> f64 {
+        1.0 / self.signal.duration_s().max(self.signal.sample_time_s)
+    }
+
+    fn phase(&self, reference: &Reference) -> Vec<f64> {
+        (0..self.signal.len()).map(|k| reference.course.phase(self.angle, self.signal.time_s(k))).collect()
+    }
+
+    /// The signal behind a phase, block by block.
+    fn behind(&self, phase: &[f64]) -> Vec<c64> {
+        let size = self.samples.len().div_ceil(BLOCKS).max(1);
+        let term = |k: usize| c64::cis(-phase[k]) * (self.window[k] * self.samples[k]);
+        (0..self.samples.len())
+            .step_by(size)
+            .map(|from| (from..(from + size).min(phase.len())).map(term).sum())
+            .collect()
+    }
+
+    /// Powers of the bins about a phase, the line itself in the middle, as of amplitudes.
+    fn about(&self, phase: &[f64]) -> Vec<f64> {
+        let blocks = self.behind(phase);
+        let (size, count) = (self.samples.len().div_ceil(BLOCKS).max(1) as f64, self.samples.len() as f64);
+        let scale = 2.0 / self.window.iter().sum::<f64>();
+        let power = |bin: isize| {
+            let turn = -TAU * bin as f64 * size / count;
+            let term = |(k, z): (usize, &c64)| *z * c64::cis(turn * k as f64);
+            (blocks.iter().enumerate().map(term).sum::<c64>() * scale).norm_sqr()
+        };
+        (-ABOUT..=ABOUT).map(power).collect()
+    }
+
+    /// Whether a line is that of a reference.
+    fn is_of(&self, line: &Found, reference: &Reference) -> bool {
+        let hz = |course: &Course| course.at_hz(self.turns_hz);
+        let apart_hz = reference.course.tolerance_hz + self.bin_hz();
+        let is_it = |found: &Reference| {
+            found.cause == reference.cause && (hz(&found.course) - hz(&reference.course)).abs() < apart_hz
+        };
+        line.causes.iter().any(is_it)
+    }
+
+    /// Whether the spectrum rises anywhere near where a reference shows.
+    fn rises(&self, reference: &Reference, shown_hz: f64) -> bool {
+        let reach_hz = reference.course.tolerance_hz + self.spread_hz(reference) + BESIDE * self.bin_hz();
+        let bins = |hz: f64| ((hz.max(0.0) / self.bin_hz()).round() as usize).min(self.powers.len());
+        let about = &self.powers[bins(shown_hz - reach_hz)..bins(shown_hz + reach_hz)];
+        let wide = &self.powers[bins(shown_hz - WIDE * reach_hz)..bins(shown_hz + WIDE * reach_hz)];
+        let top = about.iter().copied().fold(0.0, f64::max);
+        top > RISE * median(wide)
+    }
+
+    /// The reference where a line follows it; its frequency refined as far as it is not known.
+    fn candidate(&self, reference: &Reference) -> Option<Candidate> {
+        let frequency_hz = reference.course.at_hz(self.turns_hz);
+        let lowest_hz = f64::from(LOBE as i32 + 1) * self.bin_hz();
+        let shown_hz = folded_hz(frequency_hz, self.rate_hz());
+        if shown_hz < lowest_hz || shown_hz > 0.5 * self.rate_hz() - lowest_hz {
+            return None;
+        }
+        if !self.rises(reference, shown_hz) {
+            return None;
+        }
+        let reference = self.refined(reference);
+        let phase = self.phase(&reference);
+        let powers = self.about(&phase);
+        let middle = ABOUT as usize;
+        let reach = LOBE as usize;
+        let top = powers[middle - reach..=middle + reach].iter().copied().fold(0.0, f64::max);
+        // Noise that falls or rises with frequency counts by its stronger side.
+        let noise = median(&powers[..middle - reach]).max(median(&powers[middle + reach + 1..])) / LN_2;
+        let is_strong = powers[middle] > (EXCESS * noise).max(self.floor * self.floor);
+        (powers[middle] >= top && is_strong).then_some(Candidate { reference, phase, noise })
+    }
+
+    /// The reference at the strongest line within its tolerance.
+    fn refined(&self, reference: &Reference) -> Reference {
+        let Course { frequency_hz, tolerance_hz, .. } = reference.course;
+        let bins = ((tolerance_hz / self.bin_hz()).floor() as isize).min(ABOUT - 1);
+        if bins == 0 {
+            return reference.clone();
+        }
+        let powers = self.about(&self.phase(reference));
+        let at = |bin: isize| powers[(ABOUT + bin) as usize];
+        let Some(top) = (-bins..=bins).max_by(|a, b| at(*a).total_cmp(&at(*b))) else { return reference.clone() };
+        // The top of the parabola through the logarithms, nearly exact for this window.
+        let [below, here, above] = [top - 1, top, top + 1].map(|bin| at(bin).max(f64::MIN_POSITIVE).ln());
+        let curvature = below - 2.0 * here + above;
+        let part = if curvature < 0.0 { (0.5 * (below - above) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+        let course = Course { frequency_hz: frequency_hz + (top as f64 + part) * self.bin_hz(), ..reference.course };
+        Reference { course, ..reference.clone() }
+    }
+
+    /// How alike two phases are to a real signal: 1 where one cannot be told from the other.
+    fn likeness(&self, a: &[f64], b: &[f64]) -> f64 {
+        let power: f64 = self.window.iter().map(|w| w * w).sum();
+        let sum = |sign: f64| {
+            let term = |k: usize| c64::cis(a[k] + sign * b[k]) * (self.window[k] * self.window[k]);
+            (0..a.len()).map(term).sum::<c64>().norm() / power
+        };
+        sum(-1.0).max(sum(1.0))
+    }
+
+    /// The amplitudes of lines that touch each other, by least squares; they are taken off what is left.
+    fn amplitudes(&self, group: Vec<Vec<Candidate>>, known: &[Found], left: &mut [f64]) -> Vec<Found> {
+        let count = self.samples.len();
+        let wave = |k: usize, j: usize| {
+            let phase = group[j / 2][0].phase[k];
+            if j % 2 == 0 { phase.cos() } else { phase.sin() }
+        };
+        let columns = Mat::from_fn(count, 2 * group.len(), |k, j| self.window[k] * wave(k, j));
+        let target = Mat::from_fn(count, 1, |k, _| self.window[k] * self.samples[k]);
+        let solution = columns.qr().solve_lstsq(&target);
+        // Noise of even density has this variance in a column's amplitude, by the power that was found about the line.
+        let alone = (0..columns.ncols()).map(|j| columns.col(j).squared_norm_l2());
+        let alone: Vec<f64> = alone.collect();
+        let inverse = (columns.transpose() * &columns).partial_piv_lu().inverse();
+        let line = |i: usize| {
+            let (cosine, sine) = (solution[(2 * i, 0)], solution[(2 * i + 1, 0)]);
+            let widening =
+                0.5 * (inverse[(2 * i, 2 * i)] * alone[2 * i] + inverse[(2 * i + 1, 2 * i + 1)] * alone[2 * i + 1]);
+            let standard_error = (0.5 * group[i][0].noise * widening.max(1.0)).sqrt();
+            (cosine.hypot(sine), standard_error)
+        };
+        let lines: Vec<(f64, f64)> = (0..group.len()).map(line).collect();
+        let largest = lines.iter().map(|l| l.0).fold(0.0, f64::max);
+        let mut found = Vec::new();
+        for (i, (amplitude, standard_error)) in lines.into_iter().enumerate() {
+            let frequency_hz = folded_hz(group[i][0].reference.course.at_hz(self.turns_hz), self.rate_hz());
+            let is_near = |f: &&Found| (f.frequency_hz - frequency_hz).abs() < self.skirt_hz(f);
+            let near = known.iter().filter(is_near).map(|f| f.amplitude).fold(largest, f64::max);
+            if amplitude < CLEAR * standard_error || amplitude < SHARE * near {
+                continue;
+            }
+            for (k, left) in left.iter_mut().enumerate() {
+                *left -= solution[(2 * i, 0)] * wave(k, 2 * i) + solution[(2 * i + 1, 0)] * wave(k, 2 * i + 1);
+            }
+            let causes: Vec<Reference> = group[i].iter().map(|c| c.reference.clone()).collect();
+            found.push(Found { frequency_hz, amplitude, standard_error, causes });
+        }
+        found
+    }
+
+    /// What stands out of the rest, away from the lines that were found: an order whose strength changes, or a line without a
+    /// cause.
+    fn beside(&self, found: &[Found], references: &[Reference]) -> Vec<Found> {
+        let (samples, sample_time_s) = (&self.samples, self.signal.sample_time_s);
+        let sinusoids = find_sinusoids(samples, sample_time_s, MOST_UNKNOWN, FALSE_ALARM).unwrap_or_default();
+        let mut new: Vec<Found> = Vec::new();
+        for s in sinusoids {
+            let is_known = found.iter().chain(&new).any(|f| (f.frequency_hz - s.freq_hz).abs() < self.skirt_hz(f));
+            let as_fixed = Reference::fixed(Cause::Unknown, s.freq_hz);
+            if is_known || self.candidate(&as_fixed).is_none() {
+                continue;
+            }
+            let causes = self.modulated(s.freq_hz, references).into_iter().collect();
+            let (amplitude, standard_error) = (s.amplitude, s.amplitude_deviation);
+            new.push(Found { frequency_hz: s.freq_hz, amplitude, standard_error, causes });
+        }
+        new
+    }
+
+    /// The order in whose neighbourhood a frequency is.
+    fn modulated(&self, frequency_hz: f64, references: &[Reference]) -> Option<Reference> {
+        let distance = |r: &Reference| (folded_hz(r.course.at_hz(self.turns_hz), self.rate_hz()) - frequency_hz).abs();
+        let orders = references.iter().filter(|r| matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. }));
+        let reach = |r: &Reference| match r.cause {
+            Cause::Order { .. } => MODULATED_HZ + self.spread_hz(r),
+            _ => BESIDE * self.bin_hz() + self.spread_hz(r),
+        };
+        orders.filter(|r| distance(r) < reach(r)).min_by(|a, b| distance(a).total_cmp(&distance(b))).cloned()
+    }
+
+    /// How far from a line something may belong to it.
+    fn skirt_hz(&self, line: &Found) -> f64 {
+        let changes = line.causes.iter().any(|r| matches!(r.cause, Cause::Order { .. }));
+        let spread = line.causes.iter().map(|r| self.spread_hz(r)).fold(0.0, f64::max);
+        spread + if changes { MODULATED_HZ } else { 0.0 } + BESIDE * self.bin_hz()
+    }
+
+    /// What follows the speed is spread as the speed is.
+    fn spread_hz(&self, reference: &Reference) -> f64 {
+        reference.course.order.abs() * self.angle.spread_hz(self.signal.start_s, self.signal.end_s())
+    }
+}
+
+/// Candidates in groups that touch each other; within a group those that cannot be told apart are one.
+fn grouped(seen: &Seen<'_>, candidates: Vec<Candidate>) -> Vec<Vec<Vec<Candidate>>> {
+    let mut groups: Vec<Vec<Vec<Candidate>>> = Vec::new();
+    for candidate in candidates {
+        let nearest = |line: &[Candidate]| seen.likeness(&candidate.phase, &line[0].phase);
+        let touches = |group: &[Vec<Candidate>]| group.iter().any(|line| nearest(line) > APART);
+        let (mut joined, apart): (Vec<_>, Vec<_>) = groups.into_iter().partition(|group| touches(group));
+        let mut group: Vec<Vec<Candidate>> = joined.drain(..).flatten().collect();
+        let same = group.iter().map(|line| nearest(line)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        match same.filter(|(_, likeness)| *likeness > SAME) {
+            Some((line, _)) => group[line].push(candidate),
+            None => group.push(vec![candidate]),
+        }
+        groups = apart;
+        groups.push(group);
+    }
+    groups
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut values = values.to_vec();
+    let half = values.len() / 2;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(half, f64::total_cmp).1 }
+}

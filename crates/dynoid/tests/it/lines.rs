@@ -1,0 +1,33 @@
+//! `dynoid look`: the lines of simulated recordings, named.
+
+use crate::support::{BENCH, Campaign};
+
+#[test]
+fn stat_the_firing_is_named_in_table_json_and_picture() {
+    let campaign = Campaign::whole();
+    let ran = campaign.run(&["look", "bench.toml", "--plot", "lines.html"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let firing = ran.stdout.lines().find(|line| line.contains("N_e"));
+    assert!(firing.is_some_and(|line| line.contains("40.0") && line.contains("order 2, firing")), "{}", ran.stdout);
+    assert!(campaign.read("lines.html").contains("engine orders"));
+    let found = campaign.run(&["look", "bench.toml", "recordings/BS_T_NT_1200.mf4", "--json"]).json();
+    let signals = found["recordings"][0]["parts"][0]["signals"].as_array().unwrap();
+    let speed = signals.iter().find(|signal| signal["role"] == "engine_speed").unwrap();
+    assert_eq!(speed["lines"][0]["cause"]["cause"], "order");
+    assert_eq!(speed["lines"][0]["cause"]["order"], 2.0);
+}
+
+#[test]
+fn regress_recordings_that_cannot_be_looked_at_are_named() {
+    let campaign = Campaign::whole();
+    campaign.write("recordings/broken_BS_T_NT.mf4", b"no recording");
+    std::fs::copy(campaign.path("recordings/BS_T_NT_1200.mf4"), campaign.path("recordings/tuesday.mf4")).unwrap();
+    let ran = campaign.run(&["look", "bench.toml"]);
+    assert_eq!(ran.code, Some(3));
+    assert!(ran.stdout.contains("order 2, firing"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("broken_BS_T_NT.mf4") && ran.stderr.contains("tuesday.mf4"), "{}", ran.stderr);
+    campaign.write("nameless.toml", BENCH.split("[channels]").next().unwrap().as_bytes());
+    let ran = campaign.run(&["look", "nameless.toml", "recordings/BS_T_NT_1200.mf4"]);
+    assert_eq!(ran.code, Some(3));
+    assert!(ran.stderr.contains("nameless.toml") && ran.stderr.contains("[channels]"), "{}", ran.stderr);
+}
