@@ -101,7 +101,7 @@ fn panel(signal: &LookedSignal) -> Panel {
     // What lies under the weakest line is noise.
     let lowest = signal.lines.iter().map(|l| l.amplitude * per_si).fold(f64::INFINITY, f64::min);
     let highest = scaled.iter().copied().fold(0.0, f64::max);
-    let axis = Axis::log(&signal.role.symbol(), unit);
+    let axis = Axis::log(signal.role.symbol(), unit);
     let axis = if lowest < highest { axis.within(0.2 * lowest, 2.0 * highest) } else { axis };
     Panel::new(axis, HEIGHT, layers)
 }

@@ -255,7 +255,7 @@ impl<'a> Seen<'a> {
         let count = self.samples.len();
         let wave = |k: usize, j: usize| {
             let phase = group[j / 2][0].phase[k];
-            if j % 2 == 0 { phase.cos() } else { phase.sin() }
+            if j.is_multiple_of(2) { phase.cos() } else { phase.sin() }
         };
         let columns = Mat::from_fn(count, 2 * group.len(), |k, j| self.window[k] * wave(k, j));
         let target = Mat::from_fn(count, 1, |k, _| self.window[k] * self.samples[k]);
