@@ -114,10 +114,10 @@ pub(crate) struct OptimalArguments {
     /// What is excited: T, the torque demand in torque control, or N, the speed demand in speed control [default: N where PI, FF or J_e are asked for]
     #[arg(long, value_enum, value_name = "T|N", ignore_case = true, requires = "optimal")]
     pub(crate) excite: Option<Excite>,
-    /// Largest deviation of T_shaft from its mean [default: half of what [limits] leaves; the rest is for firing pulses]
+    /// Largest deviation of T_shaft from its mean [default: half of what the limits of the bench file leave; the rest is for firing pulses]
     #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
     pub(crate) peak_shaft_torque: Option<f64>,
-    /// Largest deviation of T_d from its mean [default: 95 % of what [limits] leaves]
+    /// Largest deviation of T_d from its mean [default: 95 % of what the limits of the bench file leave]
     #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
     pub(crate) peak_torque: Option<f64>,
     /// Largest deviation of N_d from its mean
