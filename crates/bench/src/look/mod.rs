@@ -246,14 +246,11 @@ fn decided(found: &Found, one: &Shown, all: &[Shown], demand: Role, turns_hz: f6
         !matches!(r.cause, Cause::Mains { .. }) || Some(place - 1) == first
     });
     let image = causes.iter().find(|r| is_image(r)).cloned();
-    // A ripple that is there makes little of a torque swing.
-    causes.retain(|r| match r.cause {
-        Cause::RippleSideband { of_hz, ripple_hz } => {
-            found.amplitude < RIPPLED * one.lines.strength_at(of_hz)
-                && all.iter().any(|shown| shown.lines.strength_at(ripple_hz) > 0.0)
-        }
-        _ => true,
-    });
+    causes.retain(|r| is_plausible(&r.cause, found.amplitude, one, all));
+    if let Some(demanded) = causes.iter().position(|r| r.cause == Cause::Demanded) {
+        // What a sine's own images add to it where they fold onto it is little.
+        causes = vec![causes.swap_remove(demanded)];
+    }
     if let Some(image) = image.filter(|_| causes.iter().any(is_sideband)) {
         // What the demand holds of it tells: an image is in T_d* already.
         let of_the_hold = FOLLOWED * demanded_amplitude(&image, all) > found.amplitude;
@@ -270,6 +267,22 @@ fn decided(found: &Found, one: &Shown, all: &[Shown], demand: Role, turns_hz: f6
             between: several.iter().map(|r| r.cause.clone()).collect(),
             repeat_at_rpm: advice::repeat_at_rpm(several, turns_hz, 1.0 / one.signal.sample_time_s),
         },
+    }
+}
+
+/// Whether a cause can make a line as strong as this.
+fn is_plausible(cause: &Cause, amplitude: f64, one: &Shown, all: &[Shown]) -> bool {
+    let anywhere = |hz: f64| all.iter().any(|shown| shown.lines.strength_at(hz) > 0.0);
+    match *cause {
+        // A ripple that is there makes little of a torque swing.
+        Cause::RippleSideband { of_hz, ripple_hz } => {
+            amplitude < RIPPLED * one.lines.strength_at(of_hz) && anywhere(ripple_hz)
+        }
+        // An image is weaker than what it is one of.
+        Cause::HoldImage { of_hz, .. } => amplitude < one.lines.strength_at(of_hz),
+        // Higher multiples come with the ripple of a rectifier.
+        Cause::Mains { multiple, mains_hz } => multiple <= 2 || anywhere(2.0 * mains_hz),
+        _ => true,
     }
 }
 
