@@ -15,7 +15,7 @@ use crate::study::{
 use crate::{BenchFile, Experiment, Finding, Role, Severity};
 
 /// Tests the shaft can be estimated from, best first.
-const SHAFT_TESTS: [&str; 5] = ["BS", "WhiteNoise", "Levels", "Ramp", "Step"];
+const SHAFT_TESTS: [&str; 7] = ["Multisine", "Binary", "BS", "WhiteNoise", "Levels", "Ramp", "Step"];
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.05);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
@@ -99,7 +99,7 @@ fn feed_forward(
 
 fn torque_control(findings: &mut Findings<'_>) -> Result<TorqueControlFit, Vec<Need>> {
     let limit = findings.bench.limits.torque_nm;
-    let candidates = findings.of_tests(&["WhiteNoise", "Step", "BS"]);
+    let candidates = findings.of_tests(&["WhiteNoise", "Multisine", "Binary", "Step", "BS"]);
     let fit = findings.first("torque control", &candidates, &["WhiteNoise_T_TN", "Step_T_TN", "BS_T_NT"], |e| {
         torque_control::estimate(e, limit)
     })?;
@@ -109,7 +109,7 @@ fn torque_control(findings: &mut Findings<'_>) -> Result<TorqueControlFit, Vec<N
 
 fn timing(findings: &mut Findings<'_>, torque_control: Option<&TorqueControlFit>) -> Result<Timing, Vec<Need>> {
     let inertia = findings.bench.dynamometer_inertia_kg_m2;
-    let candidates = findings.of_tests(&["WhiteNoise", "Step"]);
+    let candidates = findings.of_tests(&["WhiteNoise", "Multisine", "Binary", "Step"]);
     findings.first("timing", &candidates, &["WhiteNoise_T_TN", "Step_T_TN"], |e| {
         timing::estimate(&[e], torque_control, inertia)
     })

@@ -271,7 +271,13 @@ fn an_optimal_excitation_is_designed_checked_and_run() {
     assert!(campaign.read("experiments/Multisine_T_TN_1500_K_B.html").contains("Lines of the excitation"));
     let checked = campaign.run(&["experiment", "check", "bench.toml", csv, "--samples", "80"]);
     assert_eq!(checked.code, Some(0), "{}{}", checked.stdout, checked.stderr);
-    done(&campaign, &["simulate", "bench.toml", "--experiment", csv, "--out", "Multisine_T_TN_1500.mf4"]);
+    let run = "recordings/Multisine_T_TN_1500.mf4";
+    done(&campaign, &["simulate", "bench.toml", "--experiment", csv, "--out", run]);
+    // What was designed to tell of the shaft is what a study takes for it.
+    campaign.run(&["study", "run", "bench.toml", "--quiet"]);
+    let study: serde_json::Value = serde_json::from_str(&campaign.read("study/study.json")).unwrap();
+    let used = study["study"]["recordings"][0]["used_for"].to_string();
+    assert!(used.contains("shaft") && used.contains("torque control"), "{used}");
     let binary = of(&["PI,FF,J_e", "--form", "binary"]).json();
     assert_eq!(binary["label"], "Binary_N_NT");
     assert_eq!(binary["optimal"]["parameters"].as_array().map(Vec::len), Some(5));

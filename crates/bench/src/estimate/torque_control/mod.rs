@@ -47,7 +47,7 @@ const MOST_SATURATED: f64 = 0.5;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
 /// Experiments that excite the torque control, best first.
-const PREFERRED: [&str; 3] = ["WhiteNoise_T_TN", "Step_T_TN", "BS_T_NT"];
+const PREFERRED: [&str; 5] = ["WhiteNoise_T_TN", "Multisine_T_TN", "Binary_T_TN", "Step_T_TN", "BS_T_NT"];
 
 pub(super) const DELAY: Label = Label { symbol: "τ", name: "delay of the torque control", unit: "s" };
 const LAG: Label = Label { symbol: "a", name: "bandwidth of the torque control", unit: "rad/s" };
@@ -67,7 +67,7 @@ pub struct TorqueControlFit {
     pub diagnostics: Vec<Diagnostic>,
 }
 
-/// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Step_T_TN, else BS_T_NT.
+/// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
 pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
     PREFERRED.iter().find_map(|label| experiments.iter().find(|e| e.label.to_string() == *label).copied())
 }
