@@ -238,19 +238,15 @@ fn decided(found: &Found, one: &Shown, all: &[Shown], demand: Role, turns_hz: f6
     let is_sideband = |r: &Reference| matches!(r.cause, Cause::RippleSideband { .. });
     let mut causes: Vec<Reference> = found.causes.clone();
     causes.dedup_by(|a, b| a.cause == b.cause);
-    // A multiple of the mains that folds onto a lower one is the weaker of the two; references come with the lowest first.
-    let first = causes.iter().position(|r| matches!(r.cause, Cause::Mains { .. }));
-    let mut place = 0;
-    causes.retain(|r| {
-        place += 1;
-        !matches!(r.cause, Cause::Mains { .. }) || Some(place - 1) == first
-    });
-    let image = causes.iter().find(|r| is_image(r)).cloned();
     causes.retain(|r| is_plausible(&r.cause, found.amplitude, one, all));
+    // A multiple of the mains that folds onto a lower one is the weaker of the two; references come with the lowest first.
+    let mut has_mains = false;
+    causes.retain(|r| !matches!(r.cause, Cause::Mains { .. }) || !std::mem::replace(&mut has_mains, true));
     if let Some(demanded) = causes.iter().position(|r| r.cause == Cause::Demanded) {
         // What a sine's own images add to it where they fold onto it is little.
         causes = vec![causes.swap_remove(demanded)];
     }
+    let image = causes.iter().find(|r| is_image(r)).cloned();
     if let Some(image) = image.filter(|_| causes.iter().any(is_sideband)) {
         // What the demand holds of it tells: an image is in T_d* already.
         let of_the_hold = FOLLOWED * demanded_amplitude(&image, all) > found.amplitude;
