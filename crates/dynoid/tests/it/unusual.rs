@@ -72,6 +72,10 @@ fn data_that_tell_nothing_are_refused_by_name() {
     ] {
         run(&folder, &format!("fit {structure} {file}.csv -u u -y y")).assert_refused(3, &words);
     }
+    for command in ["order", "spectrum", "delay"] {
+        let ran = run(&folder, &format!("{command} off.csv -u u -y y"));
+        ran.assert_refused(3, &["off.csv", "\"u\"", "does not vary"]);
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use bench::dataset::CommonClock;
 use ident::{Criterion, OrderScan, OrderTable, ScannedStructure};
 use plot::{Axis, Figure, Layer, Panel, Style};
 
-use super::super::data::{Gaps, check_plot, load_between_gaps};
+use super::super::data::{Gaps, check_movement, check_plot, load_between_gaps};
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
 use super::super::words::significant;
@@ -25,7 +25,9 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
     let [na, nb, nk] = ranges.clone();
     let scan = OrderScan::new(na, nb, nk);
     check_size(scan.structures(), arguments)?;
-    let data = load_between_gaps(CommonClock::Slowest, Gaps::OfInputs, &arguments.data, terminal)?.data;
+    let loaded = load_between_gaps(CommonClock::Slowest, Gaps::OfInputs, &arguments.data, terminal)?;
+    check_movement(&loaded)?;
+    let data = loaded.data;
     let failed = |source| CliError::identify("the order scan", source);
     let progress = terminal.long("comparing the structures");
     let told = |done: usize, all: usize| progress.told(done as u64, all as u64);

@@ -9,7 +9,7 @@ use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
 
-use crate::commands::identify::data::{Gaps, Loaded, check_plot, load_on};
+use crate::commands::identify::data::{Gaps, Loaded, check_movement, check_plot, load_on};
 use crate::commands::identify::figures::figure;
 use crate::commands::identify::judge::{picture, written};
 use crate::commands::identify::words::{digits, range, ratio_unit};
@@ -76,7 +76,12 @@ impl Spectrum {
 /// `dynoid spectrum`
 pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
-    let data = without_gaps(load_on(CommonClock::Slowest, &arguments.data, terminal)?, terminal)?;
+    let loaded = load_on(CommonClock::Slowest, &arguments.data, terminal)?;
+    // Of a single channel there is a spectrum whatever it does; a response needs both to move.
+    if loaded.data.inputs() > 0 {
+        check_movement(&loaded)?;
+    }
+    let data = without_gaps(loaded, terminal)?;
     check_window(arguments, &data)?;
     let failed = |source: signal::SignalError| CliError::identify("the spectrum", source.into());
     check_method(arguments, data.inputs())?;
