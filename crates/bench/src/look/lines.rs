@@ -67,6 +67,8 @@ struct Seen<'a> {
     signal: &'a Signal,
     angle: &'a Angle<'a>,
     turns_hz: f64,
+    /// How far the speed is spread, Hz.
+    spread_hz: f64,
     /// Less its mean.
     samples: Vec<f64>,
     window: Vec<f64>,
@@ -131,7 +133,9 @@ impl<'a> Seen<'a> {
         let mean = signal.mean().unwrap_or(0.0);
         let samples: Vec<f64> = signal.samples.iter().map(|x| x - mean).collect();
         let turns_hz = angle.mean_hz(signal.start_s, signal.end_s());
-        let mut seen = Seen { signal, angle, turns_hz, samples: Vec::new(), window, powers: Vec::new(), floor: 0.0 };
+        let spread_hz = angle.spread_hz(signal.start_s, signal.end_s());
+        let (none, powers, floor) = (Vec::new(), Vec::new(), 0.0);
+        let mut seen = Seen { signal, angle, turns_hz, spread_hz, samples: none, window, powers, floor };
         seen.show(samples);
         seen.floor = FLOOR * 2.0 * seen.powers.iter().copied().fold(0.0, f64::max).sqrt() / count;
         seen
@@ -329,7 +333,7 @@ impl<'a> Seen<'a> {
 
     /// What follows the speed is spread as the speed is.
     fn spread_hz(&self, reference: &Reference) -> f64 {
-        reference.course.order.abs() * self.angle.spread_hz(self.signal.start_s, self.signal.end_s())
+        reference.course.order.abs() * self.spread_hz
     }
 }
 

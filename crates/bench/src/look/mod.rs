@@ -18,6 +18,8 @@ mod lines;
 mod reference;
 mod resonance;
 
+use std::f64::consts::TAU;
+
 use serde::Serialize;
 use signal::Signal;
 use signal::spectrum::{fft_frequencies_hz, fft_real};
@@ -169,7 +171,7 @@ impl Looker<'_> {
         LookedPart {
             start_s: stretch.start_s,
             end_s: stretch.end_s,
-            speed_rad_s: std::f64::consts::TAU * turns_hz,
+            speed_rad_s: TAU * turns_hz,
             demanded_hz: stretch.sines_hz.clone(),
             signals: signals.collect(),
         }
@@ -343,16 +345,17 @@ fn of_peak(role: Role, peak: &BroadPeak, all: &[Shown]) -> Option<Cause> {
 
 /// The spectrum of a signal, its mean taken out, seen through a Hann window; without lines yet.
 fn spectrum(role: Role, signal: &Signal) -> LookedSignal {
-    let count = signal.len() as f64;
-    let mean = signal.mean().unwrap_or(0.0);
-    let window = |k: usize| 1.0 - (std::f64::consts::TAU * (k as f64 + 0.5) / count).cos();
-    let seen: Vec<f64> = signal.samples.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
+    let (frequency_hz, amplitude) = amplitudes(&signal.samples, signal.sample_time_s);
+    LookedSignal { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines: Vec::new() }
+}
+
+/// Frequencies, Hz, and the amplitude of a sine at each, of samples without their mean, seen through a Hann window.
+pub(crate) fn amplitudes(samples: &[f64], sample_time_s: f64) -> (Vec<f64>, Vec<f64>) {
+    let count = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / count;
+    let window = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / count).cos();
+    let seen: Vec<f64> = samples.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
     let lines = fft_real(&seen).unwrap_or_default();
-    LookedSignal {
-        role,
-        sample_time_s: signal.sample_time_s,
-        frequency_hz: fft_frequencies_hz(seen.len(), signal.sample_time_s),
-        amplitude: lines.iter().map(|line| 2.0 * line.norm() / count).collect(),
-        lines: Vec::new(),
-    }
+    let amplitude = lines.iter().map(|line| 2.0 * line.norm() / count).collect();
+    (fft_frequencies_hz(samples.len(), sample_time_s), amplitude)
 }

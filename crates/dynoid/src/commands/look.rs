@@ -3,6 +3,7 @@
 use bench::look::{Look, LookedPart, LookedSignal, look};
 use bench::model::Engine;
 use bench::study::Source;
+use bench::units::si_spelling;
 use bench::{BenchFile, Experiment, PrepareError, Severity, prepare};
 use report::look::{cause, figure, unit};
 use report::wording::{self, number};
@@ -73,7 +74,7 @@ fn prepared(bench: &BenchFile, source: Source) -> Result<Experiment, String> {
 /// The lines without the spectra they stand in.
 fn short(look: &Look) -> serde_json::Value {
     let signal = |signal: &LookedSignal| {
-        json!({"role": signal.role, "unit": if unit(signal.role).0 == "rpm" { "rad/s" } else { unit(signal.role).0 },
+        json!({"role": signal.role, "unit": si_spelling(signal.role.quantity()),
             "sample_time_s": signal.sample_time_s, "lines": signal.lines})
     };
     let part = |part: &LookedPart| {

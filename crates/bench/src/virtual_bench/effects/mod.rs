@@ -3,17 +3,15 @@
 mod gains;
 mod zeros;
 
-use std::f64::consts::TAU;
-
 use recording::Recording;
 use serde::Serialize;
-use signal::spectrum::{fft_frequencies_hz, fft_real};
 
 use super::error::VirtualBenchError;
 use super::parameters::BenchParameters;
 use super::{Numerics, UPDATE_S, simulate, simulate_hidden};
 use crate::experiment::ExperimentPlan;
 use crate::experiment::Waveform;
+use crate::look::amplitudes;
 use crate::study::BenchVariant;
 
 pub use gains::Gains;
@@ -172,19 +170,12 @@ fn constant(speed_rpm: f64) -> ExperimentPlan {
 
 /// Amplitudes of a channel, its mean taken out, seen through a Hann window.
 fn spectrum(name: String, recording: &Recording, channel: &str) -> Spectrum {
-    let mut spectrum = Spectrum { name, frequency_hz: Vec::new(), amplitude: Vec::new() };
     let (samples, sample_time_s) = sampled(recording, channel);
-    let count = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / count;
-    let window = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / count).cos();
-    let seen: Vec<f64> = samples.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
-    let Ok(lines) = fft_real(&seen) else { return spectrum };
-    let frequencies = fft_frequencies_hz(seen.len(), sample_time_s);
-    for (frequency_hz, line) in frequencies.into_iter().zip(lines).take_while(|(f, _)| *f <= HIGHEST_HZ) {
-        spectrum.frequency_hz.push(frequency_hz);
-        spectrum.amplitude.push(2.0 * line.norm() / count);
-    }
-    spectrum
+    let (mut frequency_hz, mut amplitude) = amplitudes(samples, sample_time_s);
+    let shown = frequency_hz.iter().take_while(|f| **f <= HIGHEST_HZ).count();
+    frequency_hz.truncate(shown);
+    amplitude.truncate(shown);
+    Spectrum { name, frequency_hz, amplitude }
 }
 
 /// A channel and the time between its samples; nothing of one that was not recorded.
