@@ -57,7 +57,7 @@ function drawFigure(plot, width) {
     }
     const sy = makeScale(panel.y.scale, low, high, bottom, top);
     const last = number === figure.panels.length - 1;
-    const frame = { panel, sx, sy, left, right, top, bottom, last, clip: `${plot.id}-${number}` };
+    const frame = { panel, sx, sy, left, right, top, bottom, last, names: [], clip: `${plot.id}-${number}` };
     drawPanel(root, frame, figure, hidden);
     top = bottom + MARGIN.between;
     return frame;
@@ -108,6 +108,17 @@ function drawXAxis(group, { sx, left, right, top, bottom, last }, figure) {
   if (!last) return;
   const name = `${figure.x.label}${figure.x.unit ? ` [${figure.x.unit}]` : ""}`;
   svgText(group, name, { class: "axis-name", x: right, y: bottom + 33, "text-anchor": "end" }, figure.symbols);
+}
+
+/** From the name of a mark to one below it. */
+const NAME_HEIGHT = 15;
+
+/** The first row along the top of a panel in which a name covers no earlier one; it is taken. */
+function freeRow(names, from, to) {
+  const free = names.findIndex((row) => row.every(([start, end]) => to < start || from > end));
+  const row = free < 0 ? names.push([]) - 1 : free;
+  names[row].push([from, to]);
+  return row;
 }
 
 /** Paths of markers about a point. */
@@ -163,19 +174,22 @@ const LAYERS = {
     const lower = samplePath(back[0], back[1], 0, end - first, sx, sy).replace("M", "L");
     if (upper && lower) svg(group, "path", { class: `band b-${layer.style}`, d: `${upper}${lower}Z` });
   },
-  horizontal_mark(group, layer, { sy, left, right }) {
-    if (layer.y === null) return;
-    const y = sy.toPixel(layer.y);
+  horizontal_mark(group, layer, { sy, left, right, top, bottom }) {
+    const y = layer.y === null ? NaN : sy.toPixel(layer.y);
+    if (!(y >= top && y <= bottom)) return;
     svg(group, "line", { class: "mark", x1: left, x2: right, y1: y, y2: y });
-    svgText(group, layer.label, { class: "mark-name", x: left + 6, y: y - 6 });
+    svgText(group, layer.label, { class: "mark-name", x: left + 6, y: y - NAME_HEIGHT < top ? y + NAME_HEIGHT : y - 6 });
   },
-  vertical_marks(group, layer, { sx, left, right, top, bottom }) {
+  vertical_marks(group, layer, { sx, left, right, top, bottom, names }) {
     const inView = layer.x.filter((x) => x >= sx.low && x <= sx.high).map((x) => sx.toPixel(x));
     inView.forEach((x) => svg(group, "line", { class: "mark", x1: x, x2: x, y1: top, y2: bottom }));
     if (!layer.label || inView.length === 0) return;
     const before = inView[0] > (left + right) / 2;
-    const at = { x: inView[0] + (before ? -5 : 5), y: top + 12, "text-anchor": before ? "end" : "start" };
-    svgText(group, layer.label, { class: "mark-name", ...at });
+    const x = inView[0] + (before ? -5 : 5);
+    const name = svgText(group, layer.label, { class: "mark-name", x, "text-anchor": before ? "end" : "start" });
+    const width = name.getComputedTextLength();
+    const row = freeRow(names, before ? x - width : x, before ? x : x + width);
+    name.setAttribute("y", top + 12 + NAME_HEIGHT * row);
   },
   y_region(group, layer, { sy, left, right }) {
     if (layer.low === null || layer.high === null) return;

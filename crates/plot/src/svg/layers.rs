@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::extent::values;
-use super::{Frame, INK, REGION, line, text};
+use super::{Frame, INK, REGION, WIDE, line, text};
 use crate::figure::{Layer, Marker, Rounded, Scale, Style};
 
 /// The colour of a style.
@@ -47,11 +47,31 @@ fn is_rough(y: &[Rounded], frame: &Frame) -> bool {
     travel.sum::<f64>() > ROUGH * (frame.bottom - frame.top)
 }
 
+/// From the name of a mark to one below it.
+const NAME_HEIGHT: f64 = 15.0;
+
 fn dashes(style: Style) -> &'static str {
     if style.is_dashed() { "stroke-dasharray=\"7 3\"" } else { "" }
 }
 
-pub(crate) fn draw(out: &mut String, layer: &Layer, frame: &Frame) {
+/// Names of vertical marks along the top of a panel: by row, from where to where each reaches.
+#[derive(Default)]
+pub(crate) struct MarkNames(Vec<Vec<(f64, f64)>>);
+
+impl MarkNames {
+    /// The first row in which a name covers no earlier one.
+    fn row(&mut self, from: f64, to: f64) -> usize {
+        let is_free = |row: &Vec<(f64, f64)>| row.iter().all(|(start, end)| to < *start || from > *end);
+        let row = self.0.iter().position(is_free).unwrap_or(self.0.len());
+        if row == self.0.len() {
+            self.0.push(Vec::new());
+        }
+        self.0[row].push((from, to));
+        row
+    }
+}
+
+pub(crate) fn draw(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Frame) {
     match layer {
         Layer::Line { style, x, y, .. } => {
             let d = polyline(&values(x, y.len()), y, frame, 'M');
@@ -80,7 +100,7 @@ pub(crate) fn draw(out: &mut String, layer: &Layer, frame: &Frame) {
         }
         Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
         Layer::HorizontalMark { y, label } => horizontal_mark(out, y.0, label, frame),
-        Layer::VerticalMarks { x, label } => vertical_marks(out, x, label, frame),
+        Layer::VerticalMarks { x, label } => vertical_marks(out, x, label, names, frame),
         Layer::YRegion { low, high, .. } => {
             let (top, bottom) = (frame.y.pixel(high.0), frame.y.pixel(low.0));
             region(out, (Frame::LEFT, top), (Frame::RIGHT, bottom));
@@ -185,13 +205,14 @@ fn band(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], style: S
 
 fn horizontal_mark(out: &mut String, value: f64, label: &str, frame: &Frame) {
     let y = frame.y.pixel(value);
-    if y.is_finite() {
+    if (frame.top..=frame.bottom).contains(&y) {
         line(out, (Frame::LEFT, y), (Frame::RIGHT, y), INK, "stroke-dasharray=\"4 3\" stroke-opacity=\"0.7\"");
-        text(out, (Frame::LEFT + 6.0, y - 6.0), "start", &format!("fill=\"{INK}\""), label);
+        let base = if y - NAME_HEIGHT < frame.top { y + NAME_HEIGHT } else { y - 6.0 };
+        text(out, (Frame::LEFT + 6.0, base), "start", &format!("fill=\"{INK}\""), label);
     }
 }
 
-fn vertical_marks(out: &mut String, x: &[Rounded], label: &str, frame: &Frame) {
+fn vertical_marks(out: &mut String, x: &[Rounded], label: &str, names: &mut MarkNames, frame: &Frame) {
     let in_view = |x: &&Rounded| (frame.x.low..=frame.x.high).contains(&x.0);
     let places: Vec<f64> = x.iter().filter(in_view).map(|x| frame.x.pixel(x.0)).collect();
     for x in &places {
@@ -200,7 +221,11 @@ fn vertical_marks(out: &mut String, x: &[Rounded], label: &str, frame: &Frame) {
     if let Some(first) = places.first() {
         let before = *first > 0.5 * (Frame::LEFT + Frame::RIGHT);
         let (shift, anchor) = if before { (-5.0, "end") } else { (5.0, "start") };
-        text(out, (first + shift, frame.top + 12.0), anchor, &format!("fill=\"{INK}\""), label);
+        let width = WIDE * label.chars().count() as f64;
+        let from = if before { first + shift - width } else { first + shift };
+        let row = names.row(from, from + width);
+        let base = frame.top + 12.0 + NAME_HEIGHT * row as f64;
+        text(out, (first + shift, base), anchor, &format!("fill=\"{INK}\""), label);
     }
 }
 

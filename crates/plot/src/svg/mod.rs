@@ -115,7 +115,8 @@ fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, c
          <g clip-path=\"url(#{clip})\">",
         top - 2.0
     );
-    panel.layers.iter().for_each(|layer| layers::draw(out, layer, frame));
+    let mut names = layers::MarkNames::default();
+    panel.layers.iter().for_each(|layer| layers::draw(out, layer, &mut names, frame));
     out.push_str("</g>\n");
     let note = if panel.note.is_empty() { String::new() } else { format!("  {}", panel.note) };
     let name = format!("{}{note}", axis_name(&panel.y));

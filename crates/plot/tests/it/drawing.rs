@@ -120,3 +120,35 @@ fn a_smooth_curve_of_many_points_keeps_its_dashes() {
     assert!(drawn(&|x| (-0.001 * x).exp()).contains("dasharray"));
     assert!(!drawn(&|x| (0.9 * x).sin()).contains("dasharray"), "an area has no dashes");
 }
+
+/// Where the texts of a drawing stand: x, y and what they say.
+fn texts(drawing: &str) -> Vec<(f64, f64, String)> {
+    let attribute = |tag: &str, name: &str| tag.split(name).nth(1)?.split('"').next()?.parse().ok();
+    let text = |piece: &str| {
+        let (tag, rest) = piece.split_once('>')?;
+        let says = rest.split("</text>").next()?.replace("<tspan>", "").replace("</tspan>", "");
+        Some((attribute(tag, "x=\"")?, attribute(tag, " y=\"")?, says))
+    };
+    drawing.split("<text ").skip(1).filter_map(text).collect()
+}
+
+#[test]
+fn regress_names_of_marks_side_by_side_stand_below_each_other_and_inside() {
+    let mark = |x: f64, label: &str| Layer::VerticalMarks { x: rounded(&[x]), label: label.to_owned() };
+    let limit = |y: f64, label: &str| Layer::HorizontalMark { y: rounded(&[y])[0], label: label.to_owned() };
+    let layers = vec![
+        line(&[0.0, 1.0, 2.0, 3.0]),
+        mark(1.0, "resonance"),
+        mark(1.05, "firing"),
+        mark(2.5, "mains"),
+        limit(3.0, "upper"),
+        limit(-50.0, "lower"),
+    ];
+    let y = Axis { range: rounded(&[0.0, 3.0]).try_into().ok(), ..Axis::linear("T_d", "Nm") };
+    let texts = texts(&svg(&[one("Marks", Axis::linear("frequency", "Hz"), y, layers)]));
+    let height = |name: &str| texts.iter().find(|(.., says)| says == name).map(|(_, y, _)| *y);
+    assert_eq!(height("resonance"), height("mains"), "{texts:?}");
+    assert!(height("firing") >= height("resonance").map(|y| y + 12.0), "{texts:?}");
+    assert!(height("upper") > height("resonance"), "the name of the upper limit is cut off: {texts:?}");
+    assert_eq!(height("lower"), None, "a limit out of view has no name");
+}
