@@ -172,6 +172,8 @@ pub enum Finding {
     },
     /// The inertia in the bench file does not fit the measured torque and acceleration.
     ImplausibleInertia {
+        /// Which: J_d or J_e.
+        symbol: String,
         /// Value in the bench file, kg m².
         given_kg_m2: f64,
         /// What the data say, kg m².
@@ -186,19 +188,12 @@ pub enum Finding {
         /// The limit, Nm.
         limit_nm: f64,
     },
-    /// A signal is later than T_d* by more than the method can use.
-    LateSignal {
+    /// A signal is dated before the demand that it follows: the clocks of their rasters are apart.
+    EarlySignal {
         /// Its role.
         role: Role,
-        /// Delay, s.
-        delay_s: f64,
-    },
-    /// The demand changes too little to say anything.
-    WeakExcitation {
-        /// Which role.
-        role: Role,
-        /// Its standard deviation in SI.
-        standard_deviation: f64,
+        /// By how much it is early, s.
+        advance_s: f64,
     },
     /// Narrow bands of frequency were left out because the model does not hold there.
     ExcludedLines {
@@ -237,14 +232,5 @@ pub enum Finding {
         first: (f64, f64),
         /// Second value and standard error.
         second: (f64, f64),
-    },
-    /// A limit of the bench is exceeded by the model's prediction.
-    BeyondLimit {
-        /// Which limit.
-        limit: String,
-        /// Predicted value in SI.
-        value: f64,
-        /// The limit in SI.
-        allowed: f64,
     },
 }

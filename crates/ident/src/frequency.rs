@@ -34,7 +34,7 @@ const ENERGY: f64 = 1.0 - 2.0 * TAPER * (1.0 - 3.0 / 8.0);
 
 /// Correlation of neighbouring bins under the window h: T ∫h⁴/(∫h²)². The information in n bins is that of n over this
 /// number.
-const OVERLAP: f64 = (1.0 - 2.0 * TAPER * (1.0 - 35.0 / 128.0)) / (ENERGY * ENERGY);
+pub const OVERLAP: f64 = (1.0 - 2.0 * TAPER * (1.0 - 35.0 / 128.0)) / (ENERGY * ENERGY);
 
 /// Bins over which the window spreads a line, each way.
 const REACH: usize = 4;

@@ -4,7 +4,7 @@ use super::{
     AssembledModel, BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty,
     PartCovariance, PiController,
 };
-use crate::study::{BenchFacts, Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
+use crate::study::{BenchFacts, BenchVariant, Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
 use crate::units::RPM_RAD_S;
 
 /// Parts of a study that make up a model. Only the shaft is indispensable.
@@ -49,11 +49,12 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
         stiffness_nm_per_rad: shaft.parameter("K")?.value,
         damping_nm_s_per_rad: shaft.parameter("B")?.value,
     };
+    let torque_control = torque_control_on_one_clock(parts);
     let model = BenchModel {
         mechanics,
         speed_controller: parts.speed_controller.and_then(controller),
         feed_forward: parts.feed_forward.and_then(feed_forward),
-        inverter: parts.torque_control.and_then(inverter),
+        inverter: torque_control.as_ref().and_then(inverter),
         torque_limit_nm: parts.facts.torque_limit_nm,
         encoder_gate_s: parts.encoder_gate_s,
     };
@@ -61,7 +62,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
         Some((shaft, SHAFT)),
         parts.speed_controller.map(|c| (&c.estimate, CONTROLLER)),
         parts.feed_forward.map(|f| (&f.estimate, FEED_FORWARD)),
-        parts.torque_control.map(|t| (&t.delay_and_lag, INVERTER)),
+        torque_control.as_ref().map(|t| (t, INVERTER)),
     ]
     .into_iter()
     .flatten()
@@ -92,10 +93,22 @@ fn feed_forward(part: &FeedForward) -> Option<FeedForwardGains> {
     })
 }
 
-fn inverter(part: &TorqueControl) -> Option<InverterModel> {
+/// τ and a without what only the clock of T_d,calc adds to τ: its skew against N_d, and with it against T_d*, which the
+/// shaft's estimate finds where T_d,calc is its torque.
+fn torque_control_on_one_clock(parts: &StudyParts<'_>) -> Option<Estimate> {
+    let mut estimate = parts.torque_control?.delay_and_lag.clone();
+    let delay = estimate.parameters.iter().position(|p| p.symbol == "τ")?;
+    if let (BenchVariant::LoadCell, Some(skew)) = (parts.facts.variant, parts.shaft.estimate.parameter("δ_T")) {
+        estimate.parameters[delay].value -= skew.value;
+        *estimate.covariance.get_mut(delay)?.get_mut(delay)? += skew.standard_error.powi(2);
+    }
+    Some(estimate)
+}
+
+fn inverter(estimate: &Estimate) -> Option<InverterModel> {
     Some(InverterModel {
-        delay_s: si(&part.delay_and_lag, INVERTER, ModelParameter::InverterDelay)?.max(0.0),
-        bandwidth_rad_s: Some(si(&part.delay_and_lag, INVERTER, ModelParameter::InverterBandwidth)?),
+        delay_s: si(estimate, INVERTER, ModelParameter::InverterDelay)?.max(0.0),
+        bandwidth_rad_s: Some(si(estimate, INVERTER, ModelParameter::InverterBandwidth)?),
     })
 }
 

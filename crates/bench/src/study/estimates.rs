@@ -10,12 +10,14 @@ use crate::study::findings::{Findings, needs_part};
 use crate::study::torque::{air_gap_torque, sampled_torque};
 use crate::study::whole::{self, Pieces, Whole};
 use crate::study::{
-    BenchVariant, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
+    BenchVariant, Estimate, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
 };
-use crate::{BenchFile, Experiment, Finding, Role, Severity};
+use crate::{BenchFile, ControlMode, Experiment, Finding, Role, Severity};
 
 /// Tests the shaft can be estimated from, best first.
 const SHAFT_TESTS: [&str; 7] = ["Multisine", "Binary", "BS", "WhiteNoise", "Levels", "Ramp", "Step"];
+/// Those among them in which T_d* moves the bench over a wide band.
+const EXCITED_TESTS: [&str; 3] = ["Multisine", "Binary", "WhiteNoise"];
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.05);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
@@ -137,6 +139,7 @@ fn shaft(
             shaft.cross_checks.push((other.file.clone(), estimate));
         }
     }
+    shaft.inertias = inertias(&candidates, bench, controller, torque_control);
     doubt_shaft(findings, experiment, &shaft, inertia);
     Ok(shaft)
 }
@@ -145,15 +148,14 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
     let excluded = &shaft.residual_spectrum.excluded_hz;
     let finding = Finding::ExcludedLines { frequencies_hz: excluded.clone() };
     findings.doubt(&experiment.file, Severity::Note, finding);
-    let given_kg_m2 = findings.bench.dynamometer_inertia_kg_m2;
-    if let Some((estimated_kg_m2, standard_error_kg_m2)) = inertia {
-        let difference = (estimated_kg_m2 - given_kg_m2).abs();
-        if difference > INERTIA_DOUBT.0 * standard_error_kg_m2 && difference > INERTIA_DOUBT.1 * given_kg_m2 {
-            let finding = Finding::ImplausibleInertia { given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
-            let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;
-            let severity = if contradicts { Severity::Error } else { Severity::Warning };
-            findings.doubt(&experiment.file, severity, finding);
-        }
+    if let Some(estimated) = inertia {
+        doubt_inertia(findings, &experiment.file, ("J_d", findings.bench.dynamometer_inertia_kg_m2), estimated);
+    }
+    if let Some((file, estimate)) = &shaft.inertias
+        && let Some(found) = estimate.parameter("J_e")
+    {
+        let stated = ("J_e", findings.bench.engine_inertia_kg_m2);
+        doubt_inertia(findings, file, stated, (found.value, found.standard_error));
     }
     let checks: Vec<_> = ["K", "B"]
         .iter()
@@ -176,6 +178,38 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
         };
         findings.doubt(&file, Severity::Warning, finding);
     }
+}
+
+fn doubt_inertia(
+    findings: &mut Findings<'_>,
+    file: &str,
+    (symbol, given_kg_m2): (&str, f64),
+    (estimated_kg_m2, standard_error_kg_m2): (f64, f64),
+) {
+    let difference = (estimated_kg_m2 - given_kg_m2).abs();
+    if difference > INERTIA_DOUBT.0 * standard_error_kg_m2 && difference > INERTIA_DOUBT.1 * given_kg_m2 {
+        let symbol = symbol.to_owned();
+        let finding = Finding::ImplausibleInertia { symbol, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
+        let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;
+        findings.doubt(file, if contradicts { Severity::Error } else { Severity::Warning }, finding);
+    }
+}
+
+/// Both inertias from the first recording in torque control that tells them.
+fn inertias(
+    candidates: &[&Experiment],
+    bench: &BenchFile,
+    controller: Option<&SpeedControllerFit>,
+    torque_control: Option<&TorqueControlFit>,
+) -> Option<(String, Estimate)> {
+    let firings_per_turn = 2.0 * f64::from(bench.cylinders) / f64::from(bench.strokes);
+    let excites = |e: &&&Experiment| e.label.mode == ControlMode::Tn && EXCITED_TESTS.contains(&e.label.test.as_str());
+    candidates.iter().filter(excites).find_map(|experiment| {
+        let inputs = shaft_inputs(experiment, bench, controller, torque_control).ok()?;
+        let demand = need(experiment, Role::DynoTorqueDemand).ok()?;
+        let estimate = shaft::estimate_with_inertias(&inputs, demand, firings_per_turn).ok()?;
+        Some((experiment.file.clone(), estimate))
+    })
 }
 
 /// What the shaft's estimator needs of one recording, with the torque between its samples.

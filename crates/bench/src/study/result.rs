@@ -352,6 +352,9 @@ pub struct Shaft {
     pub validation: Validation,
     /// Other recordings and other routes: name and estimate.
     pub cross_checks: Vec<(String, Estimate)>,
+    /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the recording
+    /// in torque control that they are from, and the estimate.
+    pub inertias: Option<(String, Estimate)>,
 }
 
 /// Equation error of a frequency-domain fit.

@@ -19,6 +19,7 @@ mod recorded;
 mod replay;
 mod safety;
 mod shaft;
+mod shaft_benches;
 mod speed_controller;
 mod study;
 mod study_recorded;

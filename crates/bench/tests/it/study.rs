@@ -83,6 +83,22 @@ pub(crate) fn source(file: &str, recording: Result<Recording, RecordingError>) -
     Source { file: file.to_owned(), sha256: format!("hash of {file}"), recording }
 }
 
+#[test]
+fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
+    let told = |stated: &str| {
+        let bench = bench_file("0.6", stated, "400 Nm", BENCH_A);
+        let study = studied(&bench, sources(|file| file.starts_with("BS") || file.starts_with("White")));
+        let found = study.diagnostics.into_iter().filter_map(|d| match d.finding {
+            Finding::ImplausibleInertia { symbol, estimated_kg_m2, .. } => Some((symbol, estimated_kg_m2)),
+            _ => None,
+        });
+        found.collect::<Vec<_>>()
+    };
+    assert_eq!(told("0.28"), []);
+    let wrong = told("0.35");
+    assert!(wrong.len() == 1 && wrong[0].0 == "J_e" && (wrong[0].1 - 0.28).abs() < 0.014, "{wrong:?}");
+}
+
 /// What `work` makes of 0, 1, … on two threads, in order.
 pub(crate) fn in_parallel<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);

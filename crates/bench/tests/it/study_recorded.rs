@@ -53,9 +53,11 @@ fn ref_bench_a_is_found_as_it_was_simulated() {
     let study = studied(&bench_file("0.6", "0.28", "400 Nm", crate::support::BENCH_A), sources);
     print_replays(&study);
     let shaft = &study.shaft.estimated().unwrap().estimate;
-    covered(shaft, "K", 2437.7, 0.01 * 2437.7);
-    covered(shaft, "B", 5.8, 0.05 * 5.8);
-    covered(shaft, "δ_e", 0.0, 1e-4);
+    // That simulator integrates in steps of h = 50 µs, semi-implicitly: the torque of a step rests on the twist before it, which
+    // is worth half a step of skew and B + K h/2 of damping, more than the intervals of 28 s are wide.
+    near(shaft, "K", 2437.7, 2e-3 * 2437.7);
+    covered(shaft, "B", 5.8 + 2437.7 * 25e-6, 0.01 * 5.8);
+    near(shaft, "δ_e", 0.0, 50e-6);
     covered(shaft, "δ_T", 0.0, 1e-4);
     let controller = &study.speed_controller.estimated().unwrap().estimate;
     near(controller, "K_p", 0.9385, 1e-3);

@@ -39,6 +39,24 @@ fn exact_stamps_between_those_of_the_demand() {
 }
 
 #[test]
+fn exact_torque_dated_before_its_demand() {
+    let mut early = white_noise(TRUTH, 1);
+    let shift_s = TRUTH.delay_s + 0.9e-3;
+    if let Some(torque) = early.signals.get_mut(&Role::AirGapTorque) {
+        torque.start_s -= shift_s;
+    }
+    let fit = estimate(&early, None).unwrap();
+    assert!((value(&fit, 0) + 0.9e-3).abs() < 1e-8, "{}", value(&fit, 0));
+    assert!((value(&fit, 1) / TRUTH.lag_rad_s - 1.0).abs() < 1e-6);
+    let advances = fit.diagnostics.iter().filter_map(|d| match d.finding {
+        Finding::EarlySignal { role: Role::AirGapTorque, advance_s } => Some(advance_s),
+        _ => None,
+    });
+    assert!(advances.map(|a| (a - 0.9e-3).abs()).fold(f64::INFINITY, f64::min) < 1e-6, "{:?}", fit.diagnostics);
+    assert!(estimate(&white_noise(TRUTH, 1), None).unwrap().diagnostics.is_empty());
+}
+
+#[test]
 fn exact_air_gap_torque_between_the_samples_and_in_another_recording() {
     let fit = estimate(&white_noise(TRUTH, 1), None).unwrap();
     let truth = Truth { start_s: 7.1234, ..TRUTH };

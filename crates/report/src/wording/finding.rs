@@ -69,19 +69,19 @@ pub fn finding(finding: &Finding) -> String {
             let found = significant(*correlation, 2);
             format!("T_d appears to brake with a negative sign (its correlation with the motion it causes is {found}).")
         }
-        Finding::ImplausibleInertia { given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
-            inertia(*given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
+        Finding::ImplausibleInertia { symbol, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
+            inertia(symbol, *given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
         }
         Finding::Saturated { share: of, limit_nm } => {
             let limit = measure(*limit_nm, "Nm");
             format!("The torque is at the inverter’s limit of {limit} in {} of the samples.", share(*of))
         }
-        Finding::LateSignal { role: late, delay_s } => {
-            format!("The {} is {} later than the torque demand T_d*.", role(*late), duration(*delay_s))
-        }
-        Finding::WeakExcitation { role: weak, standard_deviation } => {
-            let spread = si(*standard_deviation);
-            format!("The {} hardly moves (standard deviation {spread} in SI), too little to learn from.", role(*weak))
+        Finding::EarlySignal { role: early, advance_s } => {
+            let advance = duration(*advance_s);
+            format!(
+                "The {} is dated {advance} before the torque demand T_d* that it follows: their clocks are apart.",
+                role(*early)
+            )
         }
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
         Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
@@ -95,9 +95,6 @@ pub fn finding(finding: &Finding) -> String {
         }
         Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
         Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
-        Finding::BeyondLimit { limit, value, allowed } => {
-            format!("The model predicts {} (SI) for the {limit}; the limit is {}.", si(*value), si(*allowed))
-        }
     }
 }
 
@@ -144,10 +141,13 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::WrongTorqueSign { .. } => {
             "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer."
         }
-        Finding::ImplausibleInertia { .. } => "Check J_d in the bench file, and the scaling of torque and speed.",
+        Finding::ImplausibleInertia { .. } => {
+            "Check the inertia in the bench file, and the scaling of torque and speed."
+        }
         Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
-        Finding::LateSignal { .. } => "Use a faster source for this signal, or compute it from N_d and T_d,calc.",
-        Finding::WeakExcitation { .. } => "Repeat the experiment with a larger amplitude.",
+        Finding::EarlySignal { .. } => {
+            "Nothing to do for the model: the shaft’s estimate finds the skew and takes it out. Record both on one clock to compare them."
+        }
         Finding::ExcludedLines { .. } => "Nothing to do; the figure of the residual spectrum shows where they are.",
         Finding::ResidualsCorrelated { .. } => {
             "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
@@ -159,9 +159,6 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
         Finding::RoutesDisagree { .. } => {
             "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
-        }
-        Finding::BeyondLimit { .. } => {
-            "Do not run this test as it is; lower the demand or move it away from the resonance."
         }
     }
 }
@@ -193,10 +190,10 @@ fn jitter(largest_s: f64, sample_time_s: f64) -> String {
     format!("Time stamps deviate by up to {largest} from a uniform clock of {clock}.")
 }
 
-fn inertia(given_kg_m2: f64, estimated_kg_m2: f64, standard_error_kg_m2: f64) -> String {
+fn inertia(symbol: &str, given_kg_m2: f64, estimated_kg_m2: f64, standard_error_kg_m2: f64) -> String {
     let given = measure(given_kg_m2, "kg m²");
     let estimated = plus_minus(estimated_kg_m2, 2.0 * standard_error_kg_m2, "kg m²");
-    format!("The inertia of {given} in the bench file does not fit the data, which say {estimated}.")
+    format!("The inertia {symbol} of {given} in the bench file does not fit the data, which say {estimated}.")
 }
 
 fn residuals(submodel: &str, share_outside: f64) -> String {

@@ -29,15 +29,18 @@ fn findings() -> Vec<Finding> {
         Finding::SpeedsDisagree { role: Role::EngineSpeed, ratio_to_dyno_speed: 9.549 },
         Finding::TooShort { duration_s: 0.4, needed_s: 12.0 },
         Finding::WrongTorqueSign { correlation: -0.934 },
-        Finding::ImplausibleInertia { given_kg_m2: 0.3, estimated_kg_m2: 0.412, standard_error_kg_m2: 0.006 },
+        Finding::ImplausibleInertia {
+            symbol: "J_d".into(),
+            given_kg_m2: 0.3,
+            estimated_kg_m2: 0.412,
+            standard_error_kg_m2: 0.006,
+        },
         Finding::Saturated { share: 0.00004, limit_nm: 400.0 },
-        Finding::LateSignal { role: Role::LoadCellTorque, delay_s: 0.0214 },
-        Finding::WeakExcitation { role: Role::DynoTorqueDemand, standard_deviation: 0.31 },
+        Finding::EarlySignal { role: Role::AirGapTorque, advance_s: 0.0009 },
         Finding::ExcludedLines { frequencies_hz: vec![25.0, 50.0, 74.8] },
         Finding::ResidualsCorrelated { submodel: "speed_controller".into(), share_outside: 0.21 },
         Finding::NotConverged { submodel: "shaft".into() },
         Finding::RoutesDisagree { quantity: "K".into(), first: (2438.0, 6.0), second: (2391.0, 5.2) },
-        Finding::BeyondLimit { limit: "shaft torque".into(), value: 412.4, allowed: 350.0 },
     ]
 }
 

@@ -1,22 +1,27 @@
 //! Estimating the shaft and saying how sure that is.
 
+use std::f64::consts::TAU;
+
+use super::engine_side::{self, EngineInertia};
 use super::equation::{self, COUNT, Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use super::response::{measured_response, validate};
 use super::spectra::Spectra;
 use crate::align::split_window;
+use crate::estimate::EstimateError;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
-use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
-use faer::Mat;
 use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
+use signal::Signal;
 
 const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
 const SKEW_ENGINE: Label = Label { symbol: "δ_e", name: "skew of N_e against N_d (positive: later)", unit: "s" };
 const SKEW_TORQUE: Label = Label { symbol: "δ_T", name: "skew of T_d,calc against N_d (positive: later)", unit: "s" };
 const GATE: Label = Label { symbol: "T_g", name: "gate of the speed encoders", unit: "s" };
+const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
+const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
 const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: "rad/s" };
 
 /// Share of the recording that is estimated from; the rest judges.
@@ -30,6 +35,8 @@ const OUTLIER_REACH: usize = 4;
 const OUTLIER_ROUNDS: usize = 3;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
+/// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
+const SLOWEST_RAD_S: f64 = 30.0;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
 
@@ -52,6 +59,7 @@ pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
         frequency_response: measured_response(&solution.spectra, theta),
         validation: validate(inputs, theta, validation)?,
         cross_checks: Vec::new(),
+        inertias: None,
     })
 }
 
@@ -74,8 +82,32 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
         return Ok(None);
     }
     let solution = Solution::of(inputs, &inputs.stretch()?, Unknowns::ShaftAndInertia)?;
-    let variance = solution.covariance[(equation::INERTIA, equation::INERTIA)];
+    let variance = solution.fit.covariance[(equation::INERTIA, equation::INERTIA)];
     Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
+}
+
+/// K, B, J_d and J_e with timing, from the whole of a recording, as if nothing were known of the inertias; J_d stays as
+/// stated where the torque is that of a flange.
+///
+/// `demand`, T_d* in torque control and N_d* in speed control, tells J_e: what it moves cannot come from the engine, whose
+/// torque is not recorded. It has to be on the clock of N_d to some milliseconds.
+/// The engine's own speed control, which acts upon its next firing, is estimated along.
+///
+/// # Errors
+/// Those of [`estimate`], and a demand that moves nothing.
+pub fn estimate_with_inertias(
+    inputs: &ShaftInputs<'_>,
+    demand: &Signal,
+    firings_per_turn: f64,
+) -> Result<Estimate, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let unknowns = if inputs.inertia_kg_m2.is_some() { Unknowns::ShaftAndInertia } else { Unknowns::Shaft };
+    let solution = Solution::of(inputs, &stretch, unknowns)?;
+    let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
+    let shaft = (&*solution.fit.fit.parameters, &solution.fit.covariance);
+    let engine = engine_side::estimate(&solution.spectra, demand, 1.0 / (firings_per_turn * turns_per_s), shaft)
+        .map_err(|source| EstimateError::Ident { file: inputs.file.to_owned(), source })?;
+    Ok(solution.with_engine_inertia(&stretch, &engine))
 }
 
 /// What a fit is to find.
@@ -93,8 +125,6 @@ enum Unknowns {
 struct Solution {
     spectra: Spectra,
     fit: FrequencyFit,
-    /// Covariance with systematic parts.
-    covariance: Mat<f64>,
     excluded_hz: Vec<f64>,
 }
 
@@ -129,13 +159,11 @@ impl Solution {
                 fit = solve(inputs, &spectra, unknowns).map_err(error)?;
             }
         }
-        let mut covariance = fit.covariance.clone();
-        add_timing_floor(&mut covariance, inputs);
-        Ok(Solution { spectra, fit, covariance, excluded_hz })
+        Ok(Solution { spectra, fit, excluded_hz })
     }
 
     fn outputs(&self, outputs: &[ReadOut<'_>], stretch: &Stretch) -> Estimate {
-        transformed(outputs, &self.fit.fit, &self.covariance, self.fit.degrees_of_freedom, stretch)
+        transformed(outputs, &self.fit.fit, &self.fit.covariance, self.fit.degrees_of_freedom, stretch)
     }
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
@@ -147,6 +175,37 @@ impl Solution {
             (GATE, &|t| t[equation::GATE]),
         ];
         self.outputs(&labels, stretch)
+    }
+
+    /// The shaft's parameters, J_d where it was estimated, and J_e.
+    fn with_engine_inertia(&self, stretch: &Stretch, engine: &EngineInertia) -> Estimate {
+        let mut labels: Vec<(Label, usize)> = vec![(K, equation::K), (B, equation::B)];
+        if self.fit.covariance[(equation::INERTIA, equation::INERTIA)] > 0.0 {
+            labels.push((DYNO_INERTIA, equation::INERTIA));
+        }
+        labels.extend([
+            (SKEW_ENGINE, equation::SKEW_ENGINE),
+            (SKEW_TORQUE, equation::SKEW_TORQUE),
+            (GATE, equation::GATE),
+        ]);
+        let reads: Vec<Box<dyn Fn(&[f64]) -> f64>> =
+            labels.iter().map(|(_, at)| Box::new(|t: &[f64]| t[*at]) as Box<dyn Fn(&[f64]) -> f64>).collect();
+        let outputs: Vec<ReadOut<'_>> = labels.iter().zip(&reads).map(|((label, _), read)| (*label, &**read)).collect();
+        let mut estimate = self.outputs(&outputs, stretch);
+        for (row, (_, at)) in estimate.covariance.iter_mut().zip(&labels) {
+            row.push(engine.with_shaft[*at]);
+        }
+        let mut last: Vec<f64> = labels.iter().map(|(_, at)| engine.with_shaft[*at]).collect();
+        last.push(engine.variance);
+        estimate.covariance.push(last);
+        let error = engine.variance.sqrt();
+        estimate.parameters.push(Parameter::new(
+            ENGINE_INERTIA,
+            engine.inertia_kg_m2,
+            error,
+            engine.degrees_of_freedom,
+        ));
+        estimate
     }
 
     fn zero(&self, stretch: &Stretch) -> Result<Parameter, EstimateError> {
@@ -227,17 +286,4 @@ fn drop_outliers(spectra: &mut Spectra, fit: &FrequencyFit) -> Vec<f64> {
     spectra.bins.retain(|k| !outliers.iter().any(|o| k.abs_diff(*o) <= OUTLIER_REACH));
     let lines = outliers.chunk_by(|a, b| b - a <= 2 * OUTLIER_REACH);
     lines.map(|line| spectra.window.frequency_hz(line[line.len() / 2])).collect()
-}
-
-/// The instants that time stamps stand for are uncertain by a floor that no amount of data lowers. The skew of N_e takes
-/// it up, and with it everything that hangs on that skew.
-fn add_timing_floor(covariance: &mut Mat<f64>, inputs: &ShaftInputs<'_>) {
-    let floor = timing_floor_s(inputs.dyno_speed.sample_time_s.min(inputs.engine_speed.sample_time_s));
-    for skew in [equation::SKEW_ENGINE, equation::SKEW_TORQUE] {
-        let variance = covariance[(skew, skew)];
-        if variance > 0.0 {
-            let moves: Vec<f64> = (0..COUNT).map(|j| covariance[(j, skew)] / variance).collect();
-            *covariance += Mat::from_fn(COUNT, COUNT, |i, j| floor * floor * moves[i] * moves[j]);
-        }
-    }
 }

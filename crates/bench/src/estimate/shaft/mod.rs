@@ -9,11 +9,12 @@
 //! # Source
 //! Thesis (6.1), (6.10), §6.3.5.2; Pintelon & Schoukens 2012, ch. 9.
 
+mod engine_side;
 mod equation;
 mod estimate;
 mod inputs;
 mod response;
 mod spectra;
 
-pub use estimate::{estimate, estimate_inertia, estimate_parameters};
+pub use estimate::{estimate, estimate_inertia, estimate_parameters, estimate_with_inertias};
 pub use inputs::{NoisyTorque, ShaftInputs};

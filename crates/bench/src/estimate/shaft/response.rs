@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use ident::frequency::ORDERS;
 use ident::validate::{fit_percent, rms_error};
 use signal::Complex64;
 
@@ -45,17 +46,48 @@ pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredRes
 }
 
 fn difference_and_torque(spectra: &Spectra, theta: &[f64], k: usize) -> (Complex64, Complex64) {
+    let Motion { dyno, engine, torque } = motion(spectra, theta, k);
+    (engine[0] - dyno[0], torque[0] + theta[equation::INERTIA] * dyno[1])
+}
+
+/// The two sides of the shaft at one frequency, by order of their derivative: timing and once-a-turn errors taken out.
+struct Motion {
+    dyno: [Complex64; ORDERS],
+    engine: [Complex64; ORDERS],
+    torque: [Complex64; ORDERS],
+}
+
+fn motion(spectra: &Spectra, theta: &[f64], k: usize) -> Motion {
     let factor = Corrections::at(Complex64::new(0.0, TAU * spectra.window.frequency_hz(k)), theta, spectra.dating);
     let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][k];
     let without_turn = |speed: usize, waves: [usize; 2], amplitudes: [usize; 2], order: usize| {
         let pairs = waves.into_iter().zip(amplitudes);
         pairs.fold(of(speed, order), |left, (wave, amplitude)| left - theta[amplitude] * of(wave, order))
     };
-    let dyno = |order| without_turn(equation::DYNO, equation::DYNO_WAVES, equation::DYNO_TURN, order);
-    let engine = without_turn(equation::ENGINE, equation::ENGINE_WAVES, equation::ENGINE_TURN, 0);
-    let difference = factor.engine * engine - factor.speed * dyno(0);
-    let acceleration = factor.speed * dyno(1);
-    (difference, factor.torque * of(equation::TORQUE, 0) + theta[equation::INERTIA] * acceleration)
+    let dyno = |order| factor.speed * without_turn(equation::DYNO, equation::DYNO_WAVES, equation::DYNO_TURN, order);
+    let engine =
+        |order| factor.engine * without_turn(equation::ENGINE, equation::ENGINE_WAVES, equation::ENGINE_TURN, order);
+    Motion {
+        dyno: [0, 1, 2].map(dyno),
+        engine: [0, 1, 2].map(engine),
+        torque: [0, 1, 2].map(|order| factor.torque * of(equation::TORQUE, order)),
+    }
+}
+
+/// The engine's side of the shaft at one frequency.
+pub(super) struct EngineSide {
+    /// s T_shaft.
+    pub(super) torque_rate: Complex64,
+    /// s² ω_e, s ω_e, ω_e.
+    pub(super) regressors: [Complex64; ORDERS],
+}
+
+pub(super) fn engine_side(spectra: &Spectra, theta: &[f64], k: usize) -> EngineSide {
+    let Motion { dyno, engine, torque } = motion(spectra, theta, k);
+    EngineSide {
+        torque_rate: torque[1] + theta[equation::INERTIA] * dyno[2],
+        regressors: [engine[2], engine[1], engine[0]],
+    }
 }
 
 /// T_shaft over time, from torque and acceleration on one side and from twist and its rate on the other, both limited to

@@ -6,7 +6,7 @@ use signal::{Complex64, Signal};
 use crate::estimate::parameter::Label;
 use crate::estimate::timing_floor_s;
 use crate::estimate::torque_control::{
-    HeldDemand, InverterModel, LONGEST_DELAY_S, Mode, Observed, Response, RippledModel, fit_with_ripple,
+    EARLIEST_S, HeldDemand, InverterModel, LONGEST_DELAY_S, Mode, Observed, Response, RippledModel, fit_with_ripple,
     robust_covariance, usable_samples,
 };
 use crate::study::{Estimate, Parameter, Stretch};
@@ -114,8 +114,11 @@ pub(super) fn fit(
     let usable = usable_samples(demand, cell, inverter.torque_limit_nm);
     let observed = Observed::new(cell, &usable, 0..cell.len());
     let longest = LONGEST_DELAY_S + LONGEST_S;
-    let bounds =
-        [Bounds::new(0.0, longest), Bounds::new(NATURAL_RAD_S.0, NATURAL_RAD_S.1), Bounds::new(DAMPING.0, DAMPING.1)];
+    let bounds = [
+        Bounds::new(-EARLIEST_S, longest),
+        Bounds::new(NATURAL_RAD_S.0, NATURAL_RAD_S.1),
+        Bounds::new(DAMPING.0, DAMPING.1),
+    ];
     let mut model = RippledModel::new(CellResponse::new(&held, inverter.lag_rad_s), &observed);
     let fit = fit_with_ripple(&mut model, &starts(longest), &bounds)?;
     let (p, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
@@ -145,7 +148,7 @@ pub(super) fn fit(
 
 /// A grid of delays, natural frequencies and one damping ratio.
 fn starts(longest_s: f64) -> Vec<Vec<f64>> {
-    let delays = (0..).map(|j| 1e-3 * f64::from(j)).take_while(|d| *d < longest_s);
+    let delays = (0..).map(|j| 1e-3 * f64::from(j) - EARLIEST_S).take_while(|d| *d < longest_s);
     let naturals = [150.0, 300.0, 450.0, 700.0, 1200.0];
     delays.flat_map(|d| naturals.map(|w| vec![d, w, 0.3])).collect()
 }

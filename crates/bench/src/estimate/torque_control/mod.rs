@@ -34,6 +34,8 @@ pub(super) use search::{fit_with_ripple, robust_covariance};
 
 /// The longest delay looked for, s.
 pub(super) const LONGEST_DELAY_S: f64 = 0.02;
+/// By how much T_d,calc may be dated before the demand that it follows, s: as far as clocks of rasters are apart.
+pub(super) const EARLIEST_S: f64 = 0.005;
 /// Range of the lag, rad/s.
 const LAG_RAD_S: (f64, f64) = (20.0, 2e4);
 /// Part of the recording that is estimated from; the rest is held out.
@@ -44,6 +46,8 @@ const SHORTEST_S: f64 = 4.0;
 const WEAK_NM: f64 = 0.1;
 /// Largest share of the samples that may be lost to the torque limit.
 const MOST_SATURATED: f64 = 0.5;
+/// A delay that is negative by this many standard errors is no accident.
+const EARLY: f64 = 4.0;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
 /// Experiments that excite the torque control, best first.
@@ -79,6 +83,9 @@ pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 /// jointly (see [`InverterModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
 /// reported in the diagnostics. Covariances are robust to coloured residuals.
 ///
+/// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is dated
+/// before the demand (at most 5 ms).
+///
 /// Returns τ in s, a in rad/s and the total delay τ + 1/a in s (by the delta method), the same for a delay alone, and
 /// the model.
 ///
@@ -106,7 +113,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let seen = held_out.part(held_out.longest_run());
     let delay_and_lag_validation = judge(&lagged.model.torque_at(&held, &seen.times_s), &seen)?;
     let pure_delay_validation = judge(&delayed.torque_at(&held, &seen.times_s), &seen)?;
-    diagnostics.extend(doubts(experiment, &lagged, &delay_and_lag_validation));
+    diagnostics.extend(doubts(experiment, &lagged, &delay_and_lag_validation, demand.sample_time_s));
     // Both delays are read off the same two clocks.
     let floor = timing_floor_s(demand.sample_time_s);
     delay_and_lag.add_systematic(&["τ", "τ + 1/a"], floor);
@@ -193,7 +200,7 @@ struct Lagged {
 }
 
 fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Result<Lagged, IdentError> {
-    let bounds = [Bounds::new(0.0, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)];
+    let bounds = [Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)];
     let mut model = RippledModel::new(DelayAndLag::new(held), observed);
     let fit = fit_with_ripple(&mut model, &starts(held.sample_time_s()), &bounds)?;
     let (covariance, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
@@ -227,7 +234,7 @@ fn free_gain(
 
 /// A grid of delays (in halves of the demand's sample) and lags.
 fn starts(sample_time_s: f64) -> Vec<Vec<f64>> {
-    let delays = (0..).map(|j| 0.5 * j as f64 * sample_time_s).take_while(|d| *d < LONGEST_DELAY_S);
+    let delays = (0..).map(|j| 0.5 * j as f64 * sample_time_s - EARLIEST_S).take_while(|d| *d < LONGEST_DELAY_S);
     let lags = [60.0, 150.0, 400.0, 1000.0, 2500.0];
     delays.flat_map(|d| lags.map(|a| vec![d, a])).collect()
 }
@@ -257,11 +264,20 @@ impl Lagged {
     }
 }
 
-fn doubts(experiment: &Experiment, lagged: &Lagged, validation: &crate::study::Validation) -> Vec<Diagnostic> {
+fn doubts(
+    experiment: &Experiment,
+    lagged: &Lagged,
+    validation: &crate::study::Validation,
+    demand_sample_time_s: f64,
+) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let submodel = || "torque control".to_owned();
     if !lagged.fit.termination.converged() || lagged.fit.at_bound[..2].contains(&true) {
         found.push(warning(experiment, Finding::NotConverged { submodel: submodel() }));
+    }
+    let (advance_s, uncertainty_s) = (-lagged.model.delay_s, lagged.covariance[(0, 0)].sqrt());
+    if advance_s > EARLY * uncertainty_s.max(timing_floor_s(demand_sample_time_s)) {
+        found.push(warning(experiment, Finding::EarlySignal { role: Role::AirGapTorque, advance_s }));
     }
     let gain = &lagged.gain;
     let (low, high) =

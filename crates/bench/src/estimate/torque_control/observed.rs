@@ -2,6 +2,7 @@
 
 use signal::Signal;
 
+use super::EARLIEST_S;
 use super::held::HeldDemand;
 
 /// Time for which a demand at its limit, or an unknown past, still shows in the torque, s.
@@ -76,8 +77,8 @@ pub(in crate::estimate) fn usable_samples(demand: &Signal, torque: &Signal, limi
     let index = |time_s: f64| (time_s - demand.start_s) / demand.sample_time_s + 1e-6;
     let usable = |i: usize| {
         let time = torque.time_s(i);
-        let inside = time >= demand.start_s + MEMORY_S && time <= demand.end_s() + demand.sample_time_s;
-        let last = (index(time).max(0.0) as usize).min(demand.len().saturating_sub(1));
+        let inside = time >= demand.start_s + MEMORY_S && time + EARLIEST_S <= demand.end_s() + demand.sample_time_s;
+        let last = (index(time + EARLIEST_S).max(0.0) as usize).min(demand.len().saturating_sub(1));
         inside && limited_until.get(last).is_some_and(|until| time > *until)
     };
     (0..torque.len()).map(usable).collect()

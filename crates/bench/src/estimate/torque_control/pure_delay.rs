@@ -8,7 +8,7 @@ use super::model::{InverterModel, PureDelay};
 use super::observed::Observed;
 use super::rippled::linear_part;
 use super::search::robust_covariance;
-use super::{DELAY, LONGEST_DELAY_S};
+use super::{DELAY, EARLIEST_S, LONGEST_DELAY_S};
 use crate::study::{Estimate, Parameter, Stretch};
 
 /// Parts of a sample of the demand in which delays are tried.
@@ -56,9 +56,9 @@ fn delayed(held: &HeldDemand, observed: &Observed, delay_s: f64) -> Vec<f64> {
 /// depend on the response.
 fn best_step(held: &HeldDemand, observed: &Observed, lagged: &InverterModel) -> (f64, f64) {
     let cell_s = held.sample_time_s() / PARTS as f64;
-    let count = (LONGEST_DELAY_S / cell_s).ceil() as usize;
+    let count = ((LONGEST_DELAY_S + EARLIEST_S) / cell_s).ceil() as usize;
     let cost = |j: usize| -> f64 {
-        let delay_s = (j as f64 + 0.5) * cell_s;
+        let delay_s = (j as f64 + 0.5) * cell_s - EARLIEST_S;
         let error = |(t, y): (&f64, &f64)| (y - lagged.with_ripple(held.at(t - delay_s), *t)).powi(2);
         observed.times_s.iter().zip(&observed.values).map(error).sum()
     };
@@ -67,7 +67,7 @@ fn best_step(held: &HeldDemand, observed: &Observed, lagged: &InverterModel) -> 
     let same = |j: &usize| costs[*j] <= costs[best] * (1.0 + SAME);
     let first = (0..=best).rev().take_while(same).last().unwrap_or(best);
     let last = (best..count).take_while(same).last().unwrap_or(best);
-    (0.5 * (first + last + 1) as f64 * cell_s, (last + 1 - first) as f64 * cell_s)
+    (0.5 * (first + last + 1) as f64 * cell_s - EARLIEST_S, (last + 1 - first) as f64 * cell_s)
 }
 
 /// Variance of the delay by noise and by what the model misses, with the slope taken over one sample to either side.

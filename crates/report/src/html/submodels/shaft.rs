@@ -10,6 +10,9 @@ use plot::markup;
 use plot::markup::Markup;
 use plot::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
+/// An inertia less certain than this part of itself is not worth a number.
+const SILENT: f64 = 0.2;
+
 /// The section on the shaft.
 pub(crate) fn shaft(study: &Study) -> Markup {
     let what = "The elastic connection between engine and dynamometer: it carries torque when the two are twisted against \
@@ -29,6 +32,7 @@ pub(crate) fn shaft(study: &Study) -> Markup {
         residuals(&part.residual_spectrum),
         ignoring_timing(part),
         cross_checks(part),
+        inertias(study, part),
     ]
     .into_iter()
     .collect()
@@ -137,5 +141,34 @@ fn cross_checks(part: &Shaft) -> Markup {
     markup!(
         "<h3>Other recordings and routes</h3>\n{}",
         table("routes", &["Route", "K", "B"], std::iter::once(this).chain(others))
+    )
+}
+
+/// The inertias of the bench file beside what the data see.
+fn inertias(study: &Study, part: &Shaft) -> Markup {
+    let Some((file, estimate)) = &part.inertias else {
+        return markup!(
+            "<p class=\"note\">{}</p>\n",
+            prose(
+                "No recording tells J_e, and J_d together with it: that takes a wide-band torque demand in torque control, \
+                 such as WhiteNoise_T_TN or Multisine_T_TN. Both are those of the bench file."
+            )
+        );
+    };
+    let stated = [("J_d", study.bench.dynamometer_inertia_kg_m2), ("J_e", study.bench.engine_inertia_kg_m2)];
+    let rows = stated.into_iter().filter_map(|(name, kg_m2)| {
+        let found = estimate.parameter(name)?;
+        let silent = found.standard_error > SILENT * found.value.abs();
+        let seen = if silent { prose("says too little of it") } else { unbroken(&number::parameter(found)) };
+        Some(vec![symbol(name), prose(&found.name), unbroken(&number::measure(kg_m2, "kg m²")), seen])
+    });
+    markup!(
+        "<h3>The inertias as the data see them</h3>\n<p>{}</p>\n{}",
+        prose(&format!(
+            "From {file}, with nothing known of them beforehand. J_e follows from what the torque demand makes both sides of the shaft \
+             do, since the engine’s own torque, which is not recorded, does not follow that demand; where its speed control \
+             does, that is estimated along."
+        )),
+        table("parameters", &["", "Parameter", "Bench file", "Data"], rows)
     )
 }
