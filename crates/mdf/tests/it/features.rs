@@ -227,6 +227,12 @@ fn exact_virtual_channels_and_bytes() {
     assert!(matches!(read(&bytes, 0, 1), Values::Bytes(b) if b.get(1) == [3, 4]));
 }
 
+fn deflated(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
 #[test]
 fn exact_transposed_blocks_of_any_size_and_place() {
     let rows = 3_000_000_usize;
@@ -240,9 +246,7 @@ fn exact_transposed_blocks_of_any_size_and_place() {
         if transposed {
             (0..whole * 12).for_each(|i| bytes[i % 12 * whole + i / 12] = part[i]);
         }
-        let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::fast());
-        std::io::Write::write_all(&mut encoder, &bytes).unwrap();
-        let deflated = encoder.finish().unwrap();
+        let deflated = deflated(&bytes);
         let mut data = vec![b'D', b'T', u8::from(transposed), 0, 12, 0, 0, 0];
         data.extend_from_slice(&(part.len() as u64).to_le_bytes());
         data.extend_from_slice(&(deflated.len() as u64).to_le_bytes());
@@ -284,6 +288,18 @@ pub(crate) fn one_packed(code: u8, packed: &[u8]) -> Vec<u8> {
     let data = made.block(b"##DZ", &[], &data);
     let first = made.data_group(group, data, 0);
     made.finish(first)
+}
+
+/// Deflated data end with the sum of what they become (RFC 1950).
+#[test]
+fn exact_sums_of_deflated_data_are_compared() {
+    let mut packed = deflated(&[7; 120]);
+    assert_eq!(numbers(&one_packed(0, &packed), 0, 1), [7.0; 40]);
+    let last = packed.len() - 1;
+    packed[last] ^= 1;
+    let made = one_packed(0, &packed);
+    let read = Mdf::open(&made[..]).unwrap().read(&[Address { group: 0, channel: 1 }], &|_, _| {});
+    assert!(matches!(read, Err(mdf::MdfError::Damaged { .. })), "{read:?}");
 }
 
 /// The sum of what [`ZSTANDARD`] becomes: the low half of its XXH64.
