@@ -63,18 +63,17 @@ impl ClockCheck {
 pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     check_at_least(2, times_s.len())?;
     check_finite(times_s)?;
-    let intervals: Vec<f64> = times_s.windows(2).map(|w| w[1] - w[0]).collect();
-    let typical = median_positive(&intervals).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
+    let intervals = || times_s.windows(2).map(|w| w[1] - w[0]);
+    let typical = median_positive(intervals()).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
     let is_gap = |d: f64| d > 1.5 * typical;
-    let regular: Vec<f64> = intervals.iter().copied().filter(|&d| d > 0.0 && !is_gap(d)).collect();
-    let count = regular.len() as f64;
-    let sample_time_s = regular.iter().sum::<f64>() / count;
-    let departure = |d: &f64| (d - sample_time_s).abs();
-    let gaps: Vec<Gap> = intervals
-        .iter()
+    let regular = || intervals().filter(|&d| d > 0.0 && !is_gap(d));
+    let count = regular().count() as f64;
+    let sample_time_s = regular().sum::<f64>() / count;
+    let departure = |d: f64| (d - sample_time_s).abs();
+    let gaps: Vec<Gap> = intervals()
         .enumerate()
-        .filter(|(_, d)| is_gap(**d))
-        .map(|(i, &duration_s)| Gap {
+        .filter(|(_, d)| is_gap(*d))
+        .map(|(i, duration_s)| Gap {
             between: i..i + 1,
             duration_s,
             missing: ((duration_s / sample_time_s).round() as usize).saturating_sub(1),
@@ -82,17 +81,17 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
         .collect();
     Ok(ClockCheck {
         sample_time_s,
-        jitter_s: (regular.iter().map(|d| departure(d).powi(2)).sum::<f64>() / count).sqrt(),
-        worst_jitter_s: regular.iter().map(departure).fold(0.0, f64::max),
-        non_monotonic: (1..times_s.len()).filter(|&i| intervals[i - 1] <= 0.0).collect(),
+        jitter_s: (regular().map(|d| departure(d).powi(2)).sum::<f64>() / count).sqrt(),
+        worst_jitter_s: regular().map(departure).fold(0.0, f64::max),
+        non_monotonic: (1..).zip(intervals()).filter(|(_, d)| *d <= 0.0).map(|(i, _)| i).collect(),
         missing_samples: gaps.iter().map(|g| g.missing).sum(),
         gaps,
     })
 }
 
 /// The lower median, so that it is one of the intervals and at least one interval is regular.
-fn median_positive(intervals: &[f64]) -> Option<f64> {
-    let mut positive: Vec<f64> = intervals.iter().copied().filter(|d| *d > 0.0).collect();
+fn median_positive(intervals: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut positive: Vec<f64> = intervals.filter(|d| *d > 0.0).collect();
     let middle = positive.len().checked_sub(1)? / 2;
     Some(*positive.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

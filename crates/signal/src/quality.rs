@@ -82,9 +82,8 @@ pub fn check_quality(x: &[f64], options: &QualityOptions) -> Result<Quality, Sig
     check_range("spike_half_window", options.spike_half_window as f64, 1.0, f64::INFINITY)?;
     check_range("spike_false_alarm", options.spike_false_alarm, 0.0, 1.0)?;
     check_range("spike_max_fraction", options.spike_max_fraction, 0.0, 1.0)?;
-    let finite = || x.iter().copied().filter(|v| v.is_finite());
-    let low = finite().fold(f64::INFINITY, f64::min);
-    let high = finite().fold(f64::NEG_INFINITY, f64::max);
+    let low = finite(x).fold(f64::INFINITY, f64::min);
+    let high = finite(x).fold(f64::NEG_INFINITY, f64::max);
     let constant = low >= high;
     let runs_at = |level: f64| {
         if constant { vec![] } else { runs(x, options.clip_run, |v| v == level) }
@@ -125,17 +124,22 @@ const ALONE: f64 = 0.5;
 const TAIL: (f64, f64) = (0.02, 2.326_347_874);
 
 fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
-    let departures = departures(x, options.spike_half_window);
-    let (errors, least) = [bends(x), about_median(x)]
-        .map(|errors| (largest_by_chance(&errors, options.spike_false_alarm), errors))
-        .into_iter()
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or((Vec::new(), f64::INFINITY), |(least, errors)| (errors, least));
-    let mut sizes: Vec<f64> = departures.iter().map(|d| d.abs()).filter(|d| d.is_finite()).collect();
+    // Of a long signal no more than one series of sizes is in memory at a time.
+    let middle = median(&mut finite(x).collect::<Vec<f64>>());
+    let (bend, about_median) = (|i: usize| bend(x, i), |i: usize| x[i] - middle);
+    let least = |sizes| largest_by_chance(sizes, options.spike_false_alarm);
+    let (of_bends, of_all) = (least(sizes(x.len(), bend)), least(sizes(x.len(), about_median)));
+    let (error, least): (&dyn Fn(usize) -> f64, f64) = match of_all < of_bends {
+        true => (&about_median, of_all),
+        false => (&bend, of_bends),
+    };
+    let mut departure = departures(x, options.spike_half_window);
+    let mut sizes = sizes(x.len(), &mut departure);
     // Held signals depart nowhere but at spikes: there the plain deviation has to serve.
     let threshold = if median(&mut sizes) > 0.0 { least } else { least.max(3.0 * standard_deviation(x)) };
-    let is_spike = |i: &usize| errors[*i].abs() > threshold && departures[*i].abs() > ALONE * errors[*i].abs();
-    let found = with_neighbours(&(0..x.len()).filter(is_spike).collect::<Vec<_>>(), &departures);
+    let mut is_spike = |i: &usize| error(*i).abs() > threshold && departure(*i).abs() > ALONE * error(*i).abs();
+    let found: Vec<usize> = (0..x.len()).filter(&mut is_spike).collect();
+    let found = with_neighbours(&found, x.len(), &mut departure);
     let most = (options.spike_max_fraction * x.len() as f64).max(1.0) as usize;
     if found.len() <= most {
         return found;
@@ -143,12 +147,16 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
     // Edges depart too, all of about the same size: what is far beyond all but a few of the departures is no edge.
     let (_, usual, _) = sizes.select_nth_unstable_by(most, |a, b| b.total_cmp(a));
     let beyond = FAR_BEYOND * *usual;
-    found.into_iter().filter(|&i| departures[i].abs() > beyond).collect()
+    found.into_iter().filter(|&i| departure(i).abs() > beyond).collect()
+}
+
+/// The finite ones of the sizes of so many values.
+fn sizes(count: usize, mut value: impl FnMut(usize) -> f64) -> Vec<f64> {
+    (0..count).map(|i| value(i).abs()).filter(|size| size.is_finite()).collect()
 }
 
 /// What the largest of so many Gaussian values stays below but with the probability of a false alarm.
-fn largest_by_chance(errors: &[f64], false_alarm: f64) -> f64 {
-    let mut sizes: Vec<f64> = errors.iter().map(|r| r.abs()).filter(|r| r.is_finite()).collect();
+fn largest_by_chance(mut sizes: Vec<f64>, false_alarm: f64) -> f64 {
     let Some(last) = sizes.len().checked_sub(1) else { return f64::INFINITY };
     let usual = 1.4826 * median(&mut sizes);
     let rank = (TAIL.0 * last as f64).ceil() as usize;
@@ -157,46 +165,42 @@ fn largest_by_chance(errors: &[f64], false_alarm: f64) -> f64 {
 }
 
 /// Spikes of several samples: beside one, what departs to the same side at least half as far.
-fn with_neighbours(found: &[usize], departures: &[f64]) -> Vec<usize> {
-    let belongs = |i: usize, to: usize| i == to || departures[i] / departures[to] > 0.5;
+fn with_neighbours(found: &[usize], count: usize, mut departure: impl FnMut(usize) -> f64) -> Vec<usize> {
+    let mut belongs = |i: usize, to: usize| i == to || departure(i) / departure(to) > 0.5;
     let mut all = Vec::new();
     for &i in found {
-        all.extend((i.saturating_sub(1)..=i + 1).filter(|j| *j < departures.len() && belongs(*j, i)));
+        all.extend((i.saturating_sub(1)..=i + 1).filter(|j| *j < count && belongs(*j, i)));
     }
     all.sort_unstable();
     all.dedup();
     all
 }
 
-/// Each sample less the median of all.
-fn about_median(x: &[f64]) -> Vec<f64> {
-    let middle = median(&mut x.iter().copied().filter(|v| v.is_finite()).collect::<Vec<f64>>());
-    x.iter().map(|v| v - middle).collect()
-}
-
-/// Each sample less the middle of its two neighbours, Gaussian where the samples are; NaN at the ends and beside gaps.
-fn bends(x: &[f64]) -> Vec<f64> {
-    let finite = |v: f64| if v.is_finite() { v } else { f64::NAN };
-    let bend = |i: usize| match (i.checked_sub(1).map(|before| x[before]), x.get(i + 1)) {
-        (Some(before), Some(after)) => finite(x[i] - 0.5 * before - 0.5 * after),
+/// A sample less the middle of its two neighbours, Gaussian where the samples are; NaN at the ends and beside gaps.
+fn bend(x: &[f64], i: usize) -> f64 {
+    match (i.checked_sub(1).map(|before| x[before]), x.get(i + 1)) {
+        (Some(before), Some(after)) => x[i] - 0.5 * before - 0.5 * after,
         _ => f64::NAN,
-    };
-    (0..x.len()).map(bend).collect()
+    }
 }
 
-/// Each sample less the median of its window; NaN where it is not finite. The window shrinks, symmetrically, at the ends.
-fn departures(x: &[f64], half_window: usize) -> Vec<f64> {
+/// A sample less the median of its window; NaN where it is not finite. The window shrinks, symmetrically, at the ends.
+fn departures(x: &[f64], half_window: usize) -> impl FnMut(usize) -> f64 {
     let mut window = Vec::with_capacity(2 * half_window + 1);
-    let departure = |i: usize| {
+    move |i| {
         if !x[i].is_finite() {
             return f64::NAN;
         }
         let half = half_window.min(i).min(x.len() - 1 - i);
         window.clear();
-        window.extend(x[i - half..=i + half].iter().copied().filter(|v| v.is_finite()));
+        window.extend(finite(&x[i - half..=i + half]));
         x[i] - median(&mut window)
-    };
-    (0..x.len()).map(departure).collect()
+    }
+}
+
+/// The samples that are finite.
+fn finite(x: &[f64]) -> impl Iterator<Item = f64> {
+    x.iter().copied().filter(|v| v.is_finite())
 }
 
 /// The lower median, zero of nothing.
@@ -208,7 +212,7 @@ fn median(values: &mut [f64]) -> f64 {
 }
 
 fn standard_deviation(x: &[f64]) -> f64 {
-    let finite: Vec<f64> = x.iter().copied().filter(|v| v.is_finite()).collect();
-    let mean = crate::series::mean(&finite).unwrap_or(0.0);
-    (finite.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / finite.len().max(1) as f64).sqrt()
+    let count = finite(x).count().max(1) as f64;
+    let mean = finite(x).sum::<f64>() / count;
+    (finite(x).map(|v| (v - mean).powi(2)).sum::<f64>() / count).sqrt()
 }

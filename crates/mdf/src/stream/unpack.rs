@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use fdeflate::Decompressor;
+use flate2::{Decompress, FlushDecompress, Status};
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
@@ -40,14 +40,14 @@ pub(super) fn unpack(
 }
 
 fn inflate(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, String> {
-    let mut inflater = Decompressor::new();
+    let mut inflater = Decompress::new(true);
     out.resize(length.min(out.len().max(FIRST)), 0);
-    let (mut taken, mut done) = (0, 0);
     loop {
-        let rest = packed.get(taken..).unwrap_or_default();
-        let (input, output) = inflater.read(rest, out, done, true).map_err(|e| format!("{e:?}"))?;
-        (taken, done) = (taken + input, done + output);
-        if inflater.is_done() || done < out.len() || done == length {
+        let (taken, done) = (inflater.total_in() as usize, inflater.total_out() as usize);
+        let (rest, room) = (packed.get(taken..).unwrap_or_default(), out.get_mut(done..).unwrap_or_default());
+        let status = inflater.decompress(rest, room, FlushDecompress::Finish).map_err(|e| e.to_string())?;
+        let done = inflater.total_out() as usize;
+        if status == Status::StreamEnd || done < out.len() || done == length {
             return Ok(done);
         }
         out.resize(length.min(done.saturating_mul(4)), 0);

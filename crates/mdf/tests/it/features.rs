@@ -1,6 +1,6 @@
 //! Features of the format, each in a file put together for it.
 
-use mdf::{Address, Finding, Kind, Master, Mdf, Quantity, Values};
+use mdf::{Address, Finding, Kind, Master, Mdf, Quantity, Source, Values};
 
 use crate::made::{Cg, Cn, Made, cn, numbers, one_group, read, texts, time};
 
@@ -227,6 +227,12 @@ fn exact_virtual_channels_and_bytes() {
     assert!(matches!(read(&bytes, 0, 1), Values::Bytes(b) if b.get(1) == [3, 4]));
 }
 
+fn deflated(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::fast());
+    std::io::Write::write_all(&mut encoder, bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
 #[test]
 fn exact_transposed_blocks_of_any_size_and_place() {
     let rows = 3_000_000_usize;
@@ -240,9 +246,7 @@ fn exact_transposed_blocks_of_any_size_and_place() {
         if transposed {
             (0..whole * 12).for_each(|i| bytes[i % 12 * whole + i / 12] = part[i]);
         }
-        let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::fast());
-        std::io::Write::write_all(&mut encoder, &bytes).unwrap();
-        let deflated = encoder.finish().unwrap();
+        let deflated = deflated(&bytes);
         let mut data = vec![b'D', b'T', u8::from(transposed), 0, 12, 0, 0, 0];
         data.extend_from_slice(&(part.len() as u64).to_le_bytes());
         data.extend_from_slice(&(deflated.len() as u64).to_le_bytes());
@@ -284,6 +288,18 @@ pub(crate) fn one_packed(code: u8, packed: &[u8]) -> Vec<u8> {
     let data = made.block(b"##DZ", &[], &data);
     let first = made.data_group(group, data, 0);
     made.finish(first)
+}
+
+/// Deflated data end with the sum of what they become (RFC 1950).
+#[test]
+fn exact_sums_of_deflated_data_are_compared() {
+    let mut packed = deflated(&[7; 120]);
+    assert_eq!(numbers(&one_packed(0, &packed), 0, 1), [7.0; 40]);
+    let last = packed.len() - 1;
+    packed[last] ^= 1;
+    let made = one_packed(0, &packed);
+    let read = Mdf::open(&made[..]).unwrap().read(&[Address { group: 0, channel: 1 }], &|_, _| {});
+    assert!(matches!(read, Err(mdf::MdfError::Damaged { .. })), "{read:?}");
 }
 
 /// The sum of what [`ZSTANDARD`] becomes: the low half of its XXH64.
@@ -348,6 +364,63 @@ fn exact_clock_of_another_group_from_a_file_on_disk() {
     assert_eq!(file.groups()[1].master, Some(master));
     let read = file.read(&[Address { group: 1, channel: 0 }, master.address], &|_, _| {}).unwrap();
     assert_eq!(read, [Values::Numbers(vec![1.0, -1.0, 3.0]), Values::Numbers(vec![0.5, 1.5, 2.5])]);
+}
+
+/// A file with a hole of zeros at a place.
+struct Sparse {
+    bytes: Vec<u8>,
+    at: u64,
+    hole: u64,
+}
+
+impl Source for Sparse {
+    fn size(&self) -> std::io::Result<u64> {
+        Ok(self.bytes.len() as u64 + self.hole)
+    }
+
+    fn read_at(&self, offset: u64, buffer: &mut [u8]) -> std::io::Result<()> {
+        buffer.fill(0);
+        let (before, after) = self.bytes.split_at(self.at as usize);
+        for (place, part) in [(0, before), (self.at + self.hole, after)] {
+            let (start, end) = (offset.max(place), (offset + buffer.len() as u64).min(place + part.len() as u64));
+            if start < end {
+                let to = &mut buffer[(start - offset) as usize..(end - offset) as usize];
+                to.copy_from_slice(&part[(start - place) as usize..(end - place) as usize]);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Offsets and data of more than 2^32 bytes: 4200 records of zeros between two, and all else behind them.
+#[test]
+fn exact_files_of_more_than_four_gigabytes() {
+    let record = 1 << 20;
+    let (data_bytes, hole) = (record as u32, 4200 * record as u64);
+    let mut made = Made::new(true, 0);
+    let mut records = vec![0; 2 * record];
+    records[..2].copy_from_slice(&513_u16.to_le_bytes());
+    records[2 * record - 1] = 7;
+    let data = made.block(b"##DT", &[], &records);
+    // After the head of the block, where its length is, and the first record.
+    let at = data as usize + 24 + record;
+    made.bytes[data as usize + 8..][..8].copy_from_slice(&(24 + 2 * record as u64 + hole).to_le_bytes());
+    made.hole = hole;
+    let channels = made.channels(&[cn(0, 0, 16), cn(0, data_bytes - 1, 8)]);
+    let group = made.group(0, channels, Cg { cycles: 4202, data_bytes, ..Cg::default() });
+    let packed = deflated(&[5; 40]);
+    let head = [&[b'D', b'T', 0, 0, 0, 0, 0, 0][..], &40_u64.to_le_bytes(), &(packed.len() as u64).to_le_bytes()];
+    let packed = made.block(b"##DZ", &[], &[&head.concat(), &packed[..]].concat());
+    let channels = made.channels(&[cn(0, 0, 8)]);
+    let after = made.group(0, channels, Cg { cycles: 40, data_bytes: 1, ..Cg::default() });
+    let after = made.data_group(after, packed, 0);
+    let first = made.data_group_before(after, group, data, 0);
+    let file = Mdf::open(Sparse { bytes: made.finish(first), at: at as u64, hole }).unwrap();
+    let addresses = [(0, 0), (0, 1), (1, 0)].map(|(group, channel)| Address { group, channel });
+    let read = file.read(&addresses, &|_, _| {}).unwrap();
+    let zeros = vec![0.0; 4201];
+    let ends = [[&[513.0], &zeros[..]].concat(), [&zeros[..], &[7.0]].concat(), vec![5.0; 40]];
+    assert_eq!(read, ends.map(Values::Numbers));
 }
 
 /// Which integers are too large for a double is told, before they are converted.

@@ -5,6 +5,8 @@ use mdf::{Address, Mdf, Values};
 /// A file under construction; the header comes last, since it refers to the data groups.
 pub(crate) struct Made {
     pub(crate) bytes: Vec<u8>,
+    /// Bytes that lie between what there is and the blocks to come, in a file that is not held in memory whole.
+    pub(crate) hole: u64,
 }
 
 /// What a channel is; the rest is zero.
@@ -38,12 +40,12 @@ impl Made {
         bytes[..24].copy_from_slice(if finished { b"MDF     4.20    test    " } else { b"UnFinMF 4.20    test    " });
         bytes[28..30].copy_from_slice(&420_u16.to_le_bytes());
         bytes[60..62].copy_from_slice(&flags.to_le_bytes());
-        Self { bytes }
+        Self { bytes, hole: 0 }
     }
 
     pub(crate) fn block(&mut self, id: &[u8; 4], links: &[u64], data: &[u8]) -> u64 {
         self.bytes.resize(self.bytes.len().next_multiple_of(8), 0);
-        let offset = self.bytes.len() as u64;
+        let offset = self.hole + self.bytes.len() as u64;
         self.bytes.extend_from_slice(&head(id, links, data.len()));
         self.bytes.extend_from_slice(data);
         offset

@@ -123,7 +123,8 @@ impl Work<'_> {
         let step = if batch.is_packed() { batch.rows.max(1) } else { ROWS };
         for first in (0..batch.rows).step_by(step) {
             let rows = first..batch.rows.min(first + step);
-            let read = |column: usize| batch.array(self.columns[column], rows.clone(), &self.dictionaries, most);
+            let array = |column: usize| batch.array(self.columns[column], rows.clone(), &self.dictionaries, most);
+            let read = |column: usize| Ok(std::iter::once(array(column)));
             table.append(rows.len(), read).map_err(|fault| fault.error(self.reader.file))?;
         }
         (self.reader.progress)(place.end(), self.reader.size);

@@ -6,12 +6,19 @@ use bytes::Bytes;
 use parquet::errors::Result;
 use parquet::file::reader::{ChunkReader, Length};
 
+use super::Reader;
 use crate::source::{Shared, Stretch};
 
 /// The pages of a file.
 pub(super) struct Pages {
-    pub(super) source: Shared,
-    pub(super) size: u64,
+    source: Shared,
+    size: u64,
+}
+
+impl Pages {
+    pub(super) fn of(reader: &Reader<'_>) -> Self {
+        Self { source: reader.source.clone(), size: reader.size }
+    }
 }
 
 impl Length for Pages {

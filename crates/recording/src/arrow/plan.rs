@@ -129,6 +129,12 @@ impl Plan {
         })
     }
 
+    /// How many columns are gone through to read all groups.
+    pub(super) fn reads(&self) -> usize {
+        let columns = |group: &Group| usize::from(group.clock.is_some()) + group.channels.len();
+        self.marks().flatten().count() + self.groups.iter().map(columns).sum::<usize>()
+    }
+
     /// The first clock of dates, and its column among those that are read.
     pub(super) fn dates(&self) -> Option<&(usize, Clock)> {
         self.groups

@@ -1,4 +1,4 @@
-//! Batches of rows to columns.
+//! Arrays of values to columns.
 
 use std::collections::BTreeSet;
 
@@ -12,6 +12,7 @@ use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, StartTi
 const DAY_S: f64 = 86_400.0;
 /// Values that are turned into numbers at once.
 const PIECE: usize = 1 << 16;
+const TYPE_CHANGES: &str = "its type changes";
 
 /// Columns under construction.
 pub(super) struct Table {
@@ -63,84 +64,78 @@ impl Table {
         Self { parts, plan, start_time: None, row_distance_s, rows: 0, rounded: BTreeSet::new() }
     }
 
-    /// Appends rows, of which `read` gives one column after the other; it is told the place among the columns that are read.
-    pub(super) fn append(
+    /// Appends rows, of which `read` gives the arrays of one column; it is told the place among the columns that are read.
+    /// One column is read after the other, and twice where it says which rows are a group's.
+    pub(super) fn append<A: Iterator<Item = Result<ArrayRef, String>>>(
         &mut self,
         rows: usize,
-        mut read: impl FnMut(usize) -> Result<ArrayRef, String>,
+        read: impl Fn(usize) -> Result<A, String>,
     ) -> Result<(), Fault> {
-        for index in 0..self.parts.len() {
+        let each = |column: usize, name: &str, take: &mut dyn FnMut(usize, &ArrayRef) -> Result<(), String>| {
+            each(read(column), rows, take).map_err(|detail| Fault { column: name.into(), detail })
+        };
+        let marks: Vec<Option<usize>> = self.plan.marks().collect();
+        for (index, mark) in marks.into_iter().enumerate() {
             let group = &self.plan.groups[index];
-            let array = |read: &mut dyn FnMut(usize) -> Result<ArrayRef, String>, column: usize, name: &str| {
-                read(column).map_err(|detail| Fault { column: name.into(), detail })
-            };
-            let clock = group.clock.as_ref().map(|(column, _)| array(&mut read, *column, "time")).transpose()?;
-            // The first channel of a group that is listed also says which rows are the group's.
-            let mut first = match group.channels.first() {
-                Some(heading) if group.is_listed => Some(array(&mut read, heading.column, &heading.name)?),
-                _ => None,
-            };
-            let present = first.as_ref().or(clock.as_ref()).and_then(present);
-            self.time(index, rows, clock.as_deref(), present.as_deref())?;
+            let clock = group.clock.as_ref().map(|(column, _)| *column);
+            let mut present = Vec::new();
+            if let Some(column) = mark {
+                let name = group.channels.first().filter(|first| first.column == column).map_or("time", |f| &f.name);
+                each(column, name, &mut |_, array| {
+                    present.extend((0..array.len()).map(|row| array.is_valid(row)));
+                    Ok(())
+                })?;
+            }
+            let present = present.contains(&false).then_some(present);
+            match clock {
+                Some(column) => {
+                    each(column, "time", &mut |before, array| self.time(index, before, array, present.as_deref()))?;
+                }
+                None => {
+                    let distance_s = self.row_distance_s.unwrap_or(1.0);
+                    let stamps = (self.rows..self.rows + rows).map(|row| row as f64 * distance_s);
+                    self.parts[index].time_s.extend(stamps);
+                }
+            }
             let group = &self.plan.groups[index];
             for (heading, samples) in group.channels.iter().zip(&mut self.parts[index].channels) {
-                let array = match first.take() {
-                    Some(first) => first,
-                    None => array(&mut read, heading.column, &heading.name)?,
-                };
-                let before = samples.len();
-                append(&array, present.as_deref(), samples).map_err(|lack| Fault {
-                    column: heading.name.clone(),
-                    detail: match lack {
-                        Lack::Numbers => "its type changes".into(),
-                        Lack::TimeStamp(row) => {
-                            format!("row {} has a value but no time stamp", self.rows + row + 1)
-                        }
-                    },
+                each(heading.column, &heading.name, &mut |before, array| {
+                    let first = samples.len();
+                    append(array, present.as_deref().map(|p| &p[before..]), self.rows + before, samples)?;
+                    if is_wide(array.data_type()) && are_rounded(&samples[first..]) {
+                        self.rounded.insert(heading.name.clone());
+                    }
+                    Ok(())
                 })?;
-                if is_wide(array.data_type()) && are_rounded(&samples[before..]) {
-                    self.rounded.insert(heading.name.clone());
-                }
             }
         }
         self.rows += rows;
         Ok(())
     }
 
-    /// Appends the time stamps of the rows that are present.
-    fn time(
-        &mut self,
-        index: usize,
-        rows: usize,
-        array: Option<&dyn Array>,
-        present: Option<&[bool]>,
-    ) -> Result<(), Fault> {
-        let is_present = |row: &usize| present.is_none_or(|present| present[*row]);
+    /// Appends the time stamps of the rows of an array, those that are present, `before` rows into what is appended.
+    fn time(&mut self, index: usize, before: usize, array: &dyn Array, present: Option<&[bool]>) -> Result<(), String> {
+        let Some((_, clock)) = &self.plan.groups[index].clock else { return Ok(()) };
         let part = &mut self.parts[index];
-        let (Some((_, clock)), Some(array)) = (&self.plan.groups[index].clock, array) else {
-            let distance_s = self.row_distance_s.unwrap_or(1.0);
-            part.time_s.extend((self.rows..self.rows + rows).map(|row| row as f64 * distance_s));
-            return Ok(());
-        };
-        let fault = |detail: String| Fault { column: "time".into(), detail };
+        let is_present = |row: &usize| present.is_none_or(|present| present[before + *row]);
         if let Some(row) = (0..array.len()).filter(is_present).find(|&row| array.is_null(row)) {
-            return Err(fault(format!("row {} has no time stamp", self.rows + row + 1)));
+            return Err(format!("row {} has no time stamp", self.rows + before + row + 1));
         }
         if let Clock::Numbers((factor, divisor)) = clock {
-            let values = numbers(array).ok_or_else(|| fault("its type changes".into()))?;
+            let values = numbers(array).ok_or(TYPE_CHANGES)?;
             if is_wide(array.data_type()) && are_rounded(&values) {
                 self.rounded.insert("time".into());
             }
             part.time_s.extend((0..values.len()).filter(is_present).map(|row| values[row] * factor / divisor));
             return Ok(());
         }
-        let ticks = ticks(array).ok_or_else(|| fault("its type changes".into()))?;
+        let ticks = ticks(array).ok_or(TYPE_CHANGES)?;
         for row in (0..ticks.len()).filter(is_present) {
             let tick = ticks[row].unwrap_or_default();
             let time_s = match clock {
                 Clock::Stamps(unit, zone) => {
                     let nanoseconds = tick.checked_mul(1_000_000_000 / per_second(*unit));
-                    let nanoseconds = nanoseconds.ok_or_else(|| fault(format!("the date {tick} is out of range")))?;
+                    let nanoseconds = nanoseconds.ok_or_else(|| format!("the date {tick} is out of range"))?;
                     let start = self.start_time.get_or_insert_with(|| start(nanoseconds, zone.as_deref()));
                     nanoseconds.saturating_sub(start.nanoseconds) as f64 / 1e9
                 }
@@ -175,29 +170,38 @@ impl Table {
     }
 }
 
-/// What a value lacks.
-enum Lack {
-    Numbers,
-    /// In this row.
-    TimeStamp(usize),
+/// Hands on the arrays of a column, each with how many rows are before it; there must be `rows` in all.
+fn each<A: Iterator<Item = Result<ArrayRef, String>>>(
+    arrays: Result<A, String>,
+    rows: usize,
+    take: &mut dyn FnMut(usize, &ArrayRef) -> Result<(), String>,
+) -> Result<(), String> {
+    let mut before = 0;
+    for array in arrays? {
+        let array = array?;
+        if array.len() > rows - before {
+            return Err(format!("it has more than {rows} rows"));
+        }
+        take(before, &array)?;
+        before += array.len();
+    }
+    match before == rows {
+        true => Ok(()),
+        false => Err(format!("it has {before} rows of {rows}")),
+    }
 }
 
-/// Which rows have a value; `None` where all have.
-fn present(array: &ArrayRef) -> Option<Vec<bool>> {
-    (array.null_count() > 0).then(|| (0..array.len()).map(|row| !array.is_null(row)).collect())
-}
-
-/// Appends the numbers of the rows that are present.
-fn append(array: &ArrayRef, present: Option<&[bool]>, samples: &mut Vec<f64>) -> Result<(), Lack> {
+/// Appends the numbers of the rows that are present; `first_row` counts those before the array.
+fn append(array: &dyn Array, present: Option<&[bool]>, first_row: usize, samples: &mut Vec<f64>) -> Result<(), String> {
     for first in (0..array.len()).step_by(PIECE) {
         let part = array.slice(first, PIECE.min(array.len() - first));
-        let values = numbers(part.as_ref()).ok_or(Lack::Numbers)?;
+        let values = numbers(part.as_ref()).ok_or(TYPE_CHANGES)?;
         let Some(present) = present.map(|present| &present[first..]) else {
             samples.extend_from_slice(&values);
             continue;
         };
         if let Some(row) = (0..values.len()).find(|&row| !present[row] && !part.is_null(row)) {
-            return Err(Lack::TimeStamp(first + row));
+            return Err(format!("row {} has a value but no time stamp", first_row + first + row + 1));
         }
         samples.extend(values.iter().zip(present).filter(|(_, present)| **present).map(|(value, _)| value));
     }

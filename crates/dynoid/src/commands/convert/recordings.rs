@@ -1,5 +1,7 @@
 //! Recordings in another format.
 
+use std::ops::Range;
+
 use bench::dataset::on_one_clock;
 use ident::Intersample;
 use plot::Figure;
@@ -187,16 +189,13 @@ fn between(between: Option<Between>) -> Intersample {
 
 /// Leaves out what lies outside the window, in s, and rasters of which nothing is left.
 fn cut(recording: &mut Recording, (start_s, end_s): (f64, f64)) -> Option<String> {
-    let is_inside: Vec<Vec<bool>> = recording
-        .rasters
-        .iter()
-        .map(|raster| raster.time_s.iter().map(|t| (start_s..=end_s).contains(t)).collect())
-        .collect();
+    let runs: Vec<Vec<Range<usize>>> =
+        recording.rasters.iter().map(|raster| runs(&raster.time_s, |t| (start_s..=end_s).contains(&t))).collect();
     for channel in &mut recording.channels {
-        keep(&mut channel.samples, &is_inside[channel.raster]);
+        keep(&mut channel.samples, &runs[channel.raster]);
     }
-    for (raster, inside) in recording.rasters.iter_mut().zip(&is_inside) {
-        keep(&mut raster.time_s, inside);
+    for (raster, runs) in recording.rasters.iter_mut().zip(&runs) {
+        keep(&mut raster.time_s, runs);
     }
     let (before, rasters) = (recording.channels.len(), std::mem::take(&mut recording.rasters));
     let mut places = Vec::new();
@@ -214,9 +213,23 @@ fn cut(recording: &mut Recording, (start_s, end_s): (f64, f64)) -> Option<String
     (lost > 0).then(|| format!("{lost} of {before} channels have no sample in the time asked for, and were left out"))
 }
 
-fn keep(values: &mut Vec<f64>, is_inside: &[bool]) {
-    let mut places = is_inside.iter();
-    values.retain(|_| places.next().copied().unwrap_or_default());
+/// Where stamps that follow each other are wanted.
+fn runs(time_s: &[f64], is_wanted: impl Fn(f64) -> bool) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let runs = time_s.chunk_by(|a, b| is_wanted(*a) == is_wanted(*b)).map(|run| {
+        end += run.len();
+        end - run.len()..end
+    });
+    runs.filter(|run| is_wanted(time_s[run.start])).collect()
+}
+
+fn keep(values: &mut Vec<f64>, runs: &[Range<usize>]) {
+    let mut kept = 0;
+    for run in runs {
+        values.copy_within(run.clone(), kept);
+        kept += run.len();
+    }
+    values.truncate(kept);
     values.shrink_to_fit();
 }
 
