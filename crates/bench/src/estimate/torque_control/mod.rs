@@ -150,7 +150,7 @@ fn check_finite(what: &'static str, values: &[f64]) -> Result<(), IdentError> {
     }
 }
 
-pub(super) fn standard_deviation(values: &[f64]) -> f64 {
+pub(crate) fn standard_deviation(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
