@@ -3,7 +3,7 @@
 use bench::Role;
 use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use bench::study::SignalDelay;
-use bench::torque_signals::{RebuiltShaft, TorqueRecording, TorqueSignals, TorqueSource, Trust, TrustCheck, Untold};
+use bench::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, TorqueSource, Trust, TrustCheck, Untold};
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::wording::{self, number};
@@ -101,9 +101,13 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
         TorqueSource::Calculated => "T_d,calc",
     };
     let certain = format!("known to ±{} (95 %), from N_d and {from}", number::significant_with_unit(BAND * median, 2, "Nm"));
-    let once = match shaft.once_a_turn_nm {
-        Some(nm) => format!("a once-a-turn error of the encoder worth {} was taken out", number::significant_with_unit(nm, 2, "Nm")),
-        None => "a once-a-turn error of the encoder is not known here and would stand in it at order 1 (BS_T_NT tells it)".to_owned(),
+    let worth = |nm: f64| number::significant_with_unit(nm, 2, "Nm");
+    let once = match shaft.once_a_turn {
+        OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),
+        OnceATurn::Unknown(nm) => format!(
+            "beyond that, each 0.01 % of a once-a-turn error of the encoder stands in it as {} at order 1",
+            worth(nm)
+        ),
     };
     let doubt = if shaft.noise.converged { "" } else { "; its noise levels did not settle" };
     format!("{certain}; {once}{doubt}")

@@ -9,7 +9,7 @@ use lti::StateSpace;
 
 use super::course::{Course, integral};
 use super::{CurvePoint, LONGEST_DELAY_S, ROUNDS, SHIFTED_S, Term};
-use crate::estimate::Label;
+use crate::estimate::{Label, timing_floor_s};
 use crate::study::{Estimate, Parameter, Stretch};
 
 /// Batches of the robust covariance.
@@ -206,7 +206,9 @@ impl<'a> Problem<'a> {
         let (p, c) = (&fit.linear.parameters, &fit.covariance);
         let shift = p[1] / p[0];
         let variance = (c[(1, 1)] - 2.0 * shift * c[(0, 1)] + shift * shift * c[(0, 0)]) / (p[0] * p[0]);
-        Parameter::new(label, self.delay_s + shift, variance.max(0.0).sqrt(), fit.freedom)
+        let step_s = self.courses.first().map_or(0.0, |course| course.speed.sample_time_s);
+        let error = variance.max(0.0).sqrt().hypot(timing_floor_s(step_s));
+        Parameter::new(label, self.delay_s + shift, error, fit.freedom)
     }
 }
 

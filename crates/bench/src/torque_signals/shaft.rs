@@ -86,9 +86,20 @@ pub struct RebuiltShaft {
     pub torque: TorqueSource,
     /// Noise levels.
     pub noise: NoiseLevels,
-    /// Once-a-turn error of the encoder, known from the speed controller and taken out of N_d, as a torque, Nm; `None` where
-    /// nothing is known of it: what error there is stands in T_shaft at order 1 and is not in the standard deviation.
-    pub once_a_turn_nm: Option<f64>,
+    /// The once-a-turn error of the encoder.
+    pub once_a_turn: OnceATurn,
+}
+
+/// What the once-a-turn error of the dynamometer's encoder does to the shaft torque. Once a turn it cannot be told from a motion,
+/// unless a speed controller that reads another speed answers the motion alone.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OnceATurn {
+    /// Known from the speed controller and taken out of N_d: its amplitude as a torque, Nm.
+    TakenOut(f64),
+    /// Not known: an error of 10⁻⁴ of the speed stands in T_shaft at order 1 with this amplitude, Nm, which is not in the
+    /// standard deviation.
+    Unknown(f64),
 }
 
 /// What is known beside the recording.
@@ -139,7 +150,10 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
         standard_deviation_nm,
         torque: source,
         noise: bench.noise(&levels.0, levels.1, levels.2, &innovations),
-        once_a_turn_nm: known.encoder.map(|_| known.inertia_kg_m2 * encoder.eccentricity() * mean * mean),
+        once_a_turn: match encoder.eccentricity() {
+            none if none == 0.0 => OnceATurn::Unknown(1e-4 * known.inertia_kg_m2 * mean * mean),
+            error => OnceATurn::TakenOut(error * known.inertia_kg_m2 * mean * mean),
+        },
     })
 }
 

@@ -11,6 +11,8 @@ use crate::{Experiment, Role};
 
 /// Length of the blocks whose means are compared, s.
 const BLOCK_S: f64 = 1.0;
+/// T_d,calc at the end of a block is its mean over this on either side, s.
+const EDGE_S: f64 = 0.006;
 /// A block in which the mean of T_d,calc moves by more than this from one half to the other is not at rest: Nm, and as a part of
 /// the mean.
 const AT_REST: (f64, f64) = (1.0, 0.02);
@@ -25,15 +27,19 @@ const TOLERATED: (f64, f64) = (0.01, 1.0);
 
 const OFFSET: Label = Label { symbol: "o", name: "T_d,calc above T_d,meas, in the middle of the torques seen", unit: "Nm" };
 const GAIN: Label = Label { symbol: "g", name: "error of the gain of T_d,calc", unit: "1" };
+const LATENESS: Label = Label { symbol: "τ", name: "how late slow changes come out in T_d,meas", unit: "s" };
 const DRIFT: Label = Label { symbol: "d", name: "drift of T_d,calc against T_d,meas", unit: "Nm/s" };
 
-/// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) on means over stretches at rest.
+/// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) + τ ΔT on means over stretches near rest, ΔT being by how much T_d,calc
+/// rises from end to end over the length: what a load cell that is late by τ has not seen yet.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrustCheck {
     /// o at T̄.
     pub offset: Parameter,
     /// g; none where all torques are alike.
     pub gain: Option<Parameter>,
+    /// τ, s.
+    pub lateness: Parameter,
     /// d within a recording; none where none lasts long enough.
     pub drift: Option<Parameter>,
     /// T̄, Nm.
@@ -60,6 +66,8 @@ pub enum Trust {
 
 struct Block {
     measured_nm: f64,
+    /// ΔT over the length of the block, Nm/s.
+    rise_nm_per_s: f64,
     apart_nm: f64,
     /// Since the middle of the recording, s.
     since_s: f64,
@@ -85,6 +93,7 @@ pub(super) fn check(experiments: &[&Experiment]) -> Result<Option<TrustCheck>, I
     let has_drift = lasting.1 - lasting.0 > LASTING_S;
     let columns: Vec<fn(&Block, f64) -> f64> = [
         Some((|_: &Block, _: f64| 1.0) as fn(&Block, f64) -> f64),
+        Some(|b: &Block, _: f64| b.rise_nm_per_s),
         has_gain.then_some(|b: &Block, middle: f64| b.measured_nm - middle),
         has_drift.then_some(|b: &Block, _: f64| b.since_s),
     ]
@@ -99,11 +108,12 @@ pub(super) fn check(experiments: &[&Experiment]) -> Result<Option<TrustCheck>, I
         Parameter::new(label, fit.parameters[at], covariance[(at, at)].sqrt(), fit.degrees_of_freedom())
     };
     let offset = parameter(OFFSET, 0);
-    let gain = has_gain.then(|| parameter(GAIN, 1));
-    let drift = has_drift.then(|| parameter(DRIFT, 1 + usize::from(has_gain)));
+    let gain = has_gain.then(|| parameter(GAIN, 2));
+    let drift = has_drift.then(|| parameter(DRIFT, 2 + usize::from(has_gain)));
     Ok(Some(TrustCheck {
         verdict: verdict(&offset, gain.as_ref()),
         offset,
+        lateness: parameter(LATENESS, 1),
         gain,
         drift,
         middle_nm,
@@ -139,7 +149,13 @@ fn blocks(experiment: &Experiment) -> Vec<Block> {
         let measured_nm = mean(measured, start, end)?;
         let apart_nm = mean(calculated, start, end)? - measured_nm;
         let is_at_rest = moved.abs() < AT_REST.0.max(AT_REST.1 * measured_nm.abs());
-        is_at_rest.then_some(Block { measured_nm, apart_nm, since_s: half - 0.5 * (from + to) })
+        let rise_nm = mean(calculated, end - EDGE_S, end + EDGE_S)? - mean(calculated, start - EDGE_S, start + EDGE_S)?;
+        is_at_rest.then_some(Block {
+            measured_nm,
+            rise_nm_per_s: rise_nm / BLOCK_S,
+            apart_nm,
+            since_s: half - 0.5 * (from + to),
+        })
     };
     (0..count).filter_map(block).collect()
 }

@@ -56,7 +56,7 @@ fn short(recording: &TorqueRecording) -> serde_json::Value {
     let shaft = recording.shaft.as_ref().map(|told| match told {
         Told::Found(shaft) => json!({"found": {
             "start_s": shaft.start_s, "sample_time_s": shaft.sample_time_s, "samples": shaft.smoothed_nm.len(),
-            "torque": shaft.torque, "noise": shaft.noise, "once_a_turn_nm": shaft.once_a_turn_nm,
+            "torque": shaft.torque, "noise": shaft.noise, "once_a_turn": shaft.once_a_turn,
         }}),
         Told::Untold(why) => json!({"untold": why}),
     });
