@@ -61,7 +61,9 @@ fn undecided(friction: &Friction) -> Option<String> {
     let rivals: Vec<String> = friction
         .candidates
         .iter()
-        .filter(|c| !c.chosen && c.terms.len() <= chosen.terms.len() && c.bic_above_best < chosen.bic_above_best + UNDECIDED)
+        .filter(|c| {
+            !c.chosen && c.terms.len() <= chosen.terms.len() && c.bic_above_best < chosen.bic_above_best + UNDECIDED
+        })
         .map(|c| terms(&c.terms))
         .collect();
     (!rivals.is_empty()).then(|| {

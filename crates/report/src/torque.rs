@@ -3,7 +3,9 @@
 use bench::Role;
 use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use bench::study::SignalDelay;
-use bench::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, TorqueSource, Trust, TrustCheck, Untold};
+use bench::torque_signals::{
+    OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, TorqueSource, Trust, TrustCheck, Untold,
+};
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::wording::{self, number};
@@ -11,7 +13,7 @@ use crate::wording::{self, number};
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
 /// How much of the shaft torque is drawn, s.
-const SHOWN_S: f64 = 1.0;
+const SHOWN_S: f64 = 0.5;
 /// Half the width of a 95 % band in standard deviations.
 const BAND: f64 = 1.96;
 
@@ -32,7 +34,9 @@ pub fn filter(candidate: &FilterCandidate) -> String {
     let late = number::duration(candidate.filter_delay_s);
     match candidate.filter {
         Filter::MovingAverage { length: 1 } => "no filter".to_owned(),
-        Filter::MovingAverage { length } => format!("moving average over {length} samples of N_d, (N − 1)/2 samples = {late} late"),
+        Filter::MovingAverage { length } => {
+            format!("moving average over {length} samples of N_d, (N − 1)/2 samples = {late} late")
+        }
         Filter::Lag { time_constant_s } => format!("first-order lag of {}", number::duration(time_constant_s)),
         Filter::Delay => format!("delay of {}", number::duration(candidate.delay_s)),
     }
@@ -50,9 +54,10 @@ pub fn shaft_filter(found: &ShaftFilter) -> String {
         number::duration(found.best.delay_s),
         number::measure(found.best.inertia_kg_m2, "kg m²"),
     );
-    let rest = |residual_nm: f64| number::significant(100.0 * residual_nm / found.spread_nm, 2);
+    let rest = |residual_nm: f64| number::share(residual_nm / found.spread_nm);
     let second = found.others.first().map(|second| {
-        let left = format!("leaves {} % unexplained, the best {} %", rest(second.residual_nm), rest(found.best.residual_nm));
+        let left =
+            format!("leaves {} unexplained, the best {}", rest(second.residual_nm), rest(found.best.residual_nm));
         format!("the next best, {}, {left}", filter(second))
     });
     let told = if found.is_told() { "" } else { "; the two are not told apart: record longer" };
@@ -100,7 +105,8 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
         TorqueSource::Modelled => "T_d* through the torque control",
         TorqueSource::Calculated => "T_d,calc",
     };
-    let certain = format!("known to ±{} (95 %), from N_d and {from}", number::significant_with_unit(BAND * median, 2, "Nm"));
+    let certain =
+        format!("known to ±{} (95 %), from N_d and {from}", number::significant_with_unit(BAND * median, 2, "Nm"));
     let worth = |nm: f64| number::significant_with_unit(nm, 2, "Nm");
     let once = match shaft.once_a_turn {
         OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),
@@ -157,21 +163,31 @@ fn shaft_figure(recording: &TorqueRecording, shaft: &RebuiltShaft) -> Figure {
         let values: Vec<f64> = smoothed.iter().zip(deviation).map(|(t, s)| t + sign * BAND * s).collect();
         rounded(&values)
     };
-    let band = Layer::Band {
-        name: "95 % band".to_owned(),
+    let band = |low, high| Layer::Band {
+        name: "95 % band of the smoother".to_owned(),
         style: Style::Modelled,
         x: Abscissa::Uniform { start: clock.0, step: clock.1, skip: None },
-        low: end(-1.0),
-        high: end(1.0),
+        low,
+        high,
     };
     let layers = vec![
-        band,
-        Layer::trace("filter without phase shift", Style::Measured, clock, &shaft.zero_phase_nm[shown]),
+        band(end(-1.0), end(1.0)),
+        Layer::trace("filter without phase shift", Style::Measured, clock, &shaft.zero_phase_nm[shown.clone()]),
         Layer::trace("smoother", Style::Modelled, clock, smoothed),
     ];
-    let panel = Panel::new(Axis::linear("T_shaft", "Nm"), HEIGHT, layers);
-    Figure::new(&format!("{}: shaft torque rebuilt", recording.file), Axis::time(), vec![panel])
-        .with_caption(format!("A second of it; {}.", rebuilt(shaft)))
+    let apart: Vec<f64> = shaft.zero_phase_nm[shown.clone()].iter().zip(smoothed).map(|(z, s)| z - s).collect();
+    let below: Vec<f64> = deviation.iter().map(|s| -BAND * s).collect();
+    let above: Vec<f64> = deviation.iter().map(|s| BAND * s).collect();
+    let difference = vec![
+        band(rounded(&below), rounded(&above)),
+        Layer::trace("filter without phase shift", Style::Measured, clock, &apart),
+    ];
+    let panels = vec![
+        Panel::new(Axis::linear("T_shaft", "Nm"), HEIGHT, layers),
+        Panel::new(Axis::linear("less the smoother", "Nm"), HEIGHT, difference),
+    ];
+    Figure::new(&format!("{}: shaft torque rebuilt", recording.file), Axis::time(), panels)
+        .with_caption(format!("Half a second of it; {}.", rebuilt(shaft)))
 }
 
 fn trust_figure(check: &TrustCheck) -> Figure {

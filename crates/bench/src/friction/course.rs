@@ -22,6 +22,8 @@ const STEADY: f64 = 0.02;
 const FALL_S: f64 = 1.0;
 /// The torque control is taken from a recording where its error is less than this part of what T_d does.
 const DISAGREES: f64 = 0.05;
+/// The clock of T_d,calc is ahead of that of T_d* by at most this, s.
+const AHEAD_S: f64 = 0.01;
 /// Values of the modelled T_d in a sample of T_d*.
 const FINER: usize = 4;
 /// T_d is averaged over this to see what it does beyond noise and ripple, s.
@@ -51,9 +53,8 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
     let (speed, dropped) = without_drop_outs(measured);
     let fastest = speed.samples.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let slowest = options.slowest_rad_s.unwrap_or((SLOWEST.0 * fastest).max(SLOWEST.1));
-    let is_inside = |t: f64| {
-        torque.is_none_or(|x| t - LONGEST_DELAY_S >= x.start_s && t + LONGEST_DELAY_S <= x.end_s())
-    };
+    let is_inside =
+        |t: f64| torque.is_none_or(|x| t - LONGEST_DELAY_S >= x.start_s && t + LONGEST_DELAY_S <= x.end_s());
     let is_used = |i: usize| speed.samples[i].abs() > slowest && is_inside(speed.time_s(i));
     let mut runs = runs(speed.len(), is_used);
     if torque.is_none() {
@@ -63,7 +64,12 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
     let turning_s = runs.iter().map(length).sum();
     runs.retain(|run| length(run) >= SHORTEST_S);
     if runs.is_empty() {
-        return Err(FrictionError::HardlyTurns { file: file(), turning_s, needed_s: SHORTEST_S, slowest_rad_s: slowest });
+        return Err(FrictionError::HardlyTurns {
+            file: file(),
+            turning_s,
+            needed_s: SHORTEST_S,
+            slowest_rad_s: slowest,
+        });
     }
     let course = |(from, to): (usize, usize)| Course {
         file: file(),
@@ -84,10 +90,16 @@ fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<Signa
     let recorded = [Role::AirGapTorque, Role::LoadCellTorque].into_iter().find_map(|role| experiment.signal(role))?;
     let modelled = || {
         let demand = experiment.signal(Role::DynoTorqueDemand)?;
-        let inverter = torque_control::estimate(experiment, torque_limit_nm).ok()?.inverter;
+        // Where the clock of T_d,calc is ahead, it would answer before it is asked, which no torque control does.
+        let mut later = experiment.clone();
+        later.signals.get_mut(&Role::AirGapTorque)?.start_s += AHEAD_S;
+        let inverter = torque_control::estimate(&later, torque_limit_nm).ok()?.inverter;
         let spread = torque_control::standard_deviation(&recorded.samples);
         let agrees = inverter.residual.standard_deviation_nm < DISAGREES * spread;
-        agrees.then(|| inverter.finer_air_gap_torque(demand, FINER))
+        agrees.then(|| {
+            let torque = inverter.finer_air_gap_torque(demand, FINER);
+            Signal { start_s: torque.start_s - AHEAD_S, ..torque }
+        })
     };
     Some(modelled().unwrap_or_else(|| recorded.clone()))
 }

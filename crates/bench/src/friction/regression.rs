@@ -12,6 +12,8 @@ use super::{CurvePoint, LONGEST_DELAY_S, ROUNDS, SHIFTED_S, Term};
 use crate::estimate::{Label, timing_floor_s};
 use crate::study::{Estimate, Parameter, Stretch};
 
+/// With less than this many events nothing is known of their scatter; the interval is then wide as it is.
+const FEWEST_EVENTS: f64 = 3.0;
 /// Batches of the robust covariance.
 const BATCHES: usize = 16;
 /// ln of the random walk's variance a sample over that of the encoder's noise: where it starts, and its range.
@@ -77,9 +79,9 @@ impl<'a> Problem<'a> {
         };
         let blocks: Vec<(f64, f64)> = courses.iter().flat_map(|(blocks, _)| blocks.iter().copied()).collect();
         // The torque that slows it or speeds it up, block by block.
-        let changes = courses.iter().flat_map(|(blocks, s)| {
-            blocks.windows(2).map(move |w| inertia_kg_m2 * (w[1].1 - w[0].1) / s)
-        });
+        let changes = courses
+            .iter()
+            .flat_map(|(blocks, s)| blocks.windows(2).map(move |w| inertia_kg_m2 * (w[1].1 - w[0].1) / s));
         let acting = rms(changes);
         if rms(blocks.iter().map(|b| b.0)) < TORQUE_FREE * acting {
             return Excitation::None;
@@ -110,7 +112,8 @@ impl<'a> Problem<'a> {
 
     /// Finds the likeliest ratio of random walk and noise, in turn with the estimate.
     pub(super) fn settle_noise(&mut self, terms: &[Term], drive: Drive) -> Result<(), IdentError> {
-        let Some((index, longest)) = self.courses.iter().enumerate().max_by_key(|(_, course)| course.speed.len()) else {
+        let Some((index, longest)) = self.courses.iter().enumerate().max_by_key(|(_, course)| course.speed.len())
+        else {
             return Ok(());
         };
         for _ in 0..NOISE_ROUNDS {
@@ -118,7 +121,9 @@ impl<'a> Problem<'a> {
             let columns = self.columns(&self.courses[index], terms, drive);
             let left = |k: usize| match longest.dropped[k] {
                 true => f64::NAN,
-                false => columns.target[k] - columns.regressors.iter().zip(&parameters).map(|(c, p)| c[k] * p).sum::<f64>(),
+                false => {
+                    columns.target[k] - columns.regressors.iter().zip(&parameters).map(|(c, p)| c[k] * p).sum::<f64>()
+                }
             };
             let outputs = Mat::from_fn(longest.speed.len(), 1, |k, _| left(k));
             let none = Mat::zeros(longest.speed.len(), 0);
@@ -156,7 +161,8 @@ impl<'a> Problem<'a> {
         let regressors = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
         let target: Vec<f64> = rows.iter().map(|row| row[count]).collect();
         let linear = least_squares(regressors.as_ref(), &target)?;
-        let residual = |i: usize| target[i] - (0..count).map(|j| regressors[(i, j)] * linear.parameters[j]).sum::<f64>();
+        let residual =
+            |i: usize| target[i] - (0..count).map(|j| regressors[(i, j)] * linear.parameters[j]).sum::<f64>();
         let samples = rows.len() as f64;
         let bic = samples * (linear.cost / samples).ln() + count as f64 * samples.ln();
         let minimum = Minimum {
@@ -170,7 +176,7 @@ impl<'a> Problem<'a> {
             termination: Termination::Direct,
             condition: linear.condition,
         };
-        let (covariance, freedom) = at_least_white(&minimum, BATCHES)?;
+        let (covariance, freedom) = with_few_events(&minimum)?;
         Ok(Fitted { terms: terms.to_vec(), delay_s: self.delay_s, bic, drive, linear, covariance, freedom })
     }
 
@@ -215,6 +221,27 @@ impl<'a> Problem<'a> {
 struct Columns {
     target: Vec<f64>,
     regressors: Vec<Vec<f64>>,
+}
+
+/// The robust covariance where few batches hold what determines a parameter, such as the few steps of the speed: the scatter of n
+/// batches of which e matter is known with e − 1 degrees of freedom. e is (Σs)²/Σs², s being a batch's part in the variance of
+/// the parameter that is worst off.
+fn with_few_events(fit: &Minimum) -> Result<(Mat<f64>, f64), IdentError> {
+    let (covariance, _) = at_least_white(fit, BATCHES)?;
+    let (rows, count) = fit.jacobian.shape();
+    let length = rows.div_ceil(BATCHES);
+    let events = |j: usize| {
+        let influence =
+            |i: usize| (0..count).map(|k| fit.jacobian[(i, k)] * fit.unscaled_covariance[(k, j)]).sum::<f64>();
+        let mut parts = vec![0.0; BATCHES];
+        (0..rows).for_each(|i| parts[i / length] += influence(i).powi(2));
+        let (sum, squares) = parts.iter().fold((0.0, 0.0), |(sum, squares), s| (sum + s, squares + s * s));
+        sum * sum / squares
+    };
+    let fewest = (0..count).map(events).fold(BATCHES as f64, f64::min).max(FEWEST_EVENTS);
+    let all = BATCHES as f64;
+    let factor = fewest / (fewest - 1.0) * (all - 1.0) / all;
+    Ok((faer::Scale(factor) * covariance, fewest - 1.0))
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {

@@ -74,10 +74,7 @@ fn first_of_its_kind(source: &Source, earlier: &[RecordingSummary]) -> Result<()
 ///
 /// # Errors
 /// The reasons why it holds none.
-pub fn experiment_of(
-    bench: &BenchFile,
-    source: &Source,
-) -> Result<(Experiment, Vec<Diagnostic>), Vec<Diagnostic>> {
+pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, Vec<Diagnostic>), Vec<Diagnostic>> {
     let recording = match &source.recording {
         Ok(recording) => recording,
         Err(error) => return Err(refused(source, Finding::UnreadableRecording { reason: error.to_string() })),

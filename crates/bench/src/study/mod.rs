@@ -10,5 +10,5 @@ mod whole;
 
 pub use gather::{Source, experiment_of};
 pub use result::*;
-pub(crate) use torque::inverter_of;
 pub use run::{Campaign, Progress, StudyError, run};
+pub(crate) use torque::inverter_of;

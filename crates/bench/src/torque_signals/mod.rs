@@ -6,10 +6,10 @@ mod trust;
 
 use serde::Serialize;
 
+use crate::estimate::EstimateError;
 use crate::estimate::speed_controller::{self, SpeedControllerFit};
 use crate::estimate::timing::{self, ShaftFilter};
 use crate::estimate::torque_control::{self, TorqueControlFit};
-use crate::estimate::EstimateError;
 use crate::model::Engine;
 use crate::study::{Parameter, SignalDelay};
 use crate::{BenchFile, Experiment, Role};
@@ -104,7 +104,8 @@ impl TorqueSignals {
             let cell = delays.iter().find_map(|delay| delay.dynamics.as_ref())?;
             Some((recording.file.as_str(), cell.parameters.as_slice()))
         });
-        let sharpness = |parameters: &[Parameter]| parameters.get(1).map_or(f64::INFINITY, |p| p.standard_error / p.value);
+        let sharpness =
+            |parameters: &[Parameter]| parameters.get(1).map_or(f64::INFINITY, |p| p.standard_error / p.value);
         all.min_by(|a, b| sharpness(a.1).total_cmp(&sharpness(b.1)))
     }
 }
@@ -116,15 +117,18 @@ impl TorqueSignals {
 /// T_d,calc. The encoder's once-a-turn error is taken out where the speed controller tells it (BS_T_NT).
 #[must_use]
 pub fn torque_signals(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> TorqueSignals {
+    let control = torque_control::choose(experiments)
+        .and_then(|experiment| torque_control::estimate(experiment, bench.limits.torque_nm).ok());
     let mut recordings = Vec::new();
     for experiment in experiments {
         step(&experiment.file);
-        recordings.push(of_recording(experiment, bench));
+        recordings.push(of_recording(experiment, control.as_ref(), bench));
     }
     TorqueSignals { recordings, trust: trust::check(experiments).ok().flatten() }
 }
 
-fn of_recording(experiment: &Experiment, bench: &BenchFile) -> TorqueRecording {
+/// `best` is the torque control of the experiment that tells it best; it serves where a recording does not tell it itself.
+fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench: &BenchFile) -> TorqueRecording {
     let limit = bench.limits.torque_nm;
     let is_known = torque_control::choose(&[experiment]).is_some();
     let control = if is_known { torque_control::estimate(experiment, limit).ok() } else { None };
@@ -135,15 +139,11 @@ fn of_recording(experiment: &Experiment, bench: &BenchFile) -> TorqueRecording {
         delays: if is_known { delays(experiment, control.as_ref(), bench) } else { Told::Untold(Untold::NotExcited) },
         filter: filter(experiment),
         shaft: (!experiment.label.is_without_shaft())
-            .then(|| rebuilt(experiment, control.as_ref(), controller.as_ref(), bench)),
+            .then(|| rebuilt(experiment, control.as_ref().or(best), controller.as_ref(), bench)),
     }
 }
 
-fn delays(
-    experiment: &Experiment,
-    control: Option<&TorqueControlFit>,
-    bench: &BenchFile,
-) -> Told<Vec<SignalDelay>> {
+fn delays(experiment: &Experiment, control: Option<&TorqueControlFit>, bench: &BenchFile) -> Told<Vec<SignalDelay>> {
     if !TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
         return Told::Untold(Untold::Missing { role: Role::AirGapTorque });
     }

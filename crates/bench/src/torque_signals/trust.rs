@@ -13,9 +13,9 @@ use crate::{Experiment, Role};
 const BLOCK_S: f64 = 1.0;
 /// T_d,calc at the end of a block is its mean over this on either side, s.
 const EDGE_S: f64 = 0.006;
-/// A block in which the mean of T_d,calc moves by more than this from one half to the other is not at rest: Nm, and as a part of
+/// A block in which the mean of T_d,calc moves by more than this from one half to the other is not near rest: Nm, and as a part of
 /// the mean.
-const AT_REST: (f64, f64) = (1.0, 0.02);
+const AT_REST: (f64, f64) = (5.0, 0.05);
 /// Fewest blocks.
 const FEWEST: usize = 8;
 /// The mean torques tell a gain where they differ by more than this, Nm.
@@ -25,7 +25,8 @@ const LASTING_S: f64 = 60.0;
 /// An error of gain, 1, and of offset, Nm, up to which T_d,calc can be trusted.
 const TOLERATED: (f64, f64) = (0.01, 1.0);
 
-const OFFSET: Label = Label { symbol: "o", name: "T_d,calc above T_d,meas, in the middle of the torques seen", unit: "Nm" };
+const OFFSET: Label =
+    Label { symbol: "o", name: "T_d,calc above T_d,meas, in the middle of the torques seen", unit: "Nm" };
 const GAIN: Label = Label { symbol: "g", name: "error of the gain of T_d,calc", unit: "1" };
 const LATENESS: Label = Label { symbol: "τ", name: "how late slow changes come out in T_d,meas", unit: "s" };
 const DRIFT: Label = Label { symbol: "d", name: "drift of T_d,calc against T_d,meas", unit: "Nm/s" };

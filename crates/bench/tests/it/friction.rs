@@ -14,7 +14,8 @@ use signal::excitation::Random;
 
 use crate::study::{default_bench, in_parallel};
 
-const OPTIONS: FrictionOptions = FrictionOptions { inertia_kg_m2: 0.6, slowest_rad_s: None, torque_limit_nm: Some(400.0) };
+const OPTIONS: FrictionOptions =
+    FrictionOptions { inertia_kg_m2: 0.6, slowest_rad_s: None, torque_limit_nm: Some(400.0) };
 
 /// A dynamometer of J_d = 0.5 kg m² under a torque, by small steps; N_d at 1 kHz, T_d at 250 Hz and `late_s` late.
 fn made(friction: [f64; 4], torque: impl Fn(f64) -> f64, late_s: f64, noise: f64, seed: u64) -> Experiment {
@@ -33,16 +34,13 @@ fn made(friction: [f64; 4], torque: impl Fn(f64) -> f64, late_s: f64, noise: f64
         let half = speed + 0.5 * step * slope(t, speed);
         speed += step * slope(t + 0.5 * step, half);
     }
-    let torques = (0..(duration_s / 4e-3) as usize).map(|i| torque(4e-3 * i as f64 - late_s) + 10.0 * noise * random.normal());
+    let torques =
+        (0..(duration_s / 4e-3) as usize).map(|i| torque(4e-3 * i as f64 - late_s) + 10.0 * noise * random.normal());
     let signals = [
         (Role::DynoSpeed, Signal::new(0.0, 1e-3, speeds).unwrap()),
         (Role::AirGapTorque, Signal::new(0.0, 4e-3, torques.collect()).unwrap()),
     ];
-    Experiment {
-        file: "made.mf4".to_owned(),
-        label: "NoShaft_N_NT".parse().unwrap(),
-        signals: BTreeMap::from(signals),
-    }
+    Experiment { file: "made.mf4".to_owned(), label: "NoShaft_N_NT".parse().unwrap(), signals: BTreeMap::from(signals) }
 }
 
 fn driven(t: f64) -> f64 {
@@ -186,6 +184,11 @@ fn stat_intervals_of_inertia_and_friction_cover() {
         let skew = parameters.clocks.torque_skew_s;
         let friction = found(&recorded(&parameters, &steps(), i as u64));
         let (inertia, delay) = inertia(&friction);
+        println!(
+            "J_d off by {:.2} standard errors, {:.2e} of it",
+            (inertia.value - inertia_truth) / inertia.standard_error,
+            inertia.value / inertia_truth - 1.0
+        );
         let [c, v] = &friction.friction.parameters[..2] else { panic!() };
         let middle = &friction.curve[friction.curve.len() / 2];
         let truth = coulomb + viscous * middle.speed_rad_s;
@@ -247,7 +250,11 @@ fn ref_run_out_of_a_flywheel_dynamometer() {
     for point in &friction.curve {
         let ours = point.torque_nm / 0.8489;
         let theirs = published(point.speed_rad_s);
-        println!("{:6.2} rad/s: ours {ours:.4} ± {:.4}, published {theirs:.4}", point.speed_rad_s, point.half_width_nm / 0.8489);
+        println!(
+            "{:6.2} rad/s: ours {ours:.4} ± {:.4}, published {theirs:.4}",
+            point.speed_rad_s,
+            point.half_width_nm / 0.8489
+        );
         assert!((ours / theirs - 1.0).abs() < 0.05, "{} rad/s: {ours}, published {theirs}", point.speed_rad_s);
     }
 }

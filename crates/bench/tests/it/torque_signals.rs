@@ -1,7 +1,7 @@
 //! The torque signals of virtual benches, against what they were made of.
 
-use bench::experiment::ExperimentPlan;
 use bench::estimate::timing::{Filter, shaft_filter};
+use bench::experiment::ExperimentPlan;
 use bench::study::BenchVariant;
 use bench::torque_signals::{OnceATurn, RebuiltShaft, Told, TorqueSignals, Trust, torque_signals};
 use bench::virtual_bench::{BenchParameters, HiddenTruth, Numerics, simulate, simulate_hidden};
@@ -64,7 +64,10 @@ fn stat_the_smoother_is_nearer_to_the_shaft_torque_than_the_filter_and_knows_how
         (against_truth(shaft, &truth), shaft.noise.clone(), shaft.torque)
     });
     for (plan, ((smoothed, filtered, inside), noise, torque)) in plans.iter().zip(&found) {
-        println!("{} {torque:?}: smoother {smoothed:.3} Nm, filter {filtered:.3} Nm, inside {inside:.3}; {noise:?}", plan.label);
+        println!(
+            "{} {torque:?}: smoother {smoothed:.3} Nm, filter {filtered:.3} Nm, inside {inside:.3}; {noise:?}",
+            plan.label
+        );
     }
     for (plan, ((smoothed, filtered, inside), _, _)) in plans.iter().zip(&found) {
         assert!(smoothed < filtered, "{}: {smoothed}, {filtered}", plan.label);
@@ -160,7 +163,10 @@ fn stat_a_lag_and_a_delay_are_not_taken_for_an_average() {
         lagged.push(state);
     }
     let lag = with(&|k| lagged[k]);
-    assert!(matches!(lag.best.filter, Filter::Lag { time_constant_s } if (time_constant_s / 0.01 - 1.0).abs() < 0.1), "{lag:?}");
+    assert!(
+        matches!(lag.best.filter, Filter::Lag { time_constant_s } if (time_constant_s / 0.01 - 1.0).abs() < 0.1),
+        "{lag:?}"
+    );
     assert!((lag.best.inertia_kg_m2 - 0.7).abs() < 0.02);
     let delay = with(&|k| if k > 12 { (speed[k - 11] - speed[k - 12]) / 1e-3 } else { 0.0 });
     assert_eq!(delay.best.filter, Filter::Delay, "{delay:?}");
@@ -174,7 +180,14 @@ fn stat_delays_of_the_default_bench_agree_and_the_load_cell_is_late() {
     let delays = signals.recordings[0].delays.found().unwrap();
     let late = |role: Role| delays.iter().find(|d| d.role == role).unwrap();
     for delay in delays {
-        println!("{:?} {:?} {:?} {:?} {:?}", delay.role, delay.against_demand, delay.against_speed_bend, delay.routes, delay.routes_agree());
+        println!(
+            "{:?} {:?} {:?} {:?} {:?}",
+            delay.role,
+            delay.against_demand,
+            delay.against_speed_bend,
+            delay.routes,
+            delay.routes_agree()
+        );
     }
     let calculated = late(Role::AirGapTorque).against_demand.as_ref().unwrap();
     assert!(calculated.value < 4e-3, "within a sample: {calculated:?}");
@@ -209,7 +222,8 @@ fn stat_intervals_of_the_load_cell_cover() {
         ([holds(0), holds(1), holds(2)], [near(0), near(1), near(2)])
     });
     for (k, name) in ["τ_cell", "ω_n", "ζ"].iter().enumerate() {
-        let share = |f: &dyn Fn(&([bool; 3], [bool; 3])) -> bool| covered.iter().filter(|c| f(c)).count() as f64 / RUNS as f64;
+        let share =
+            |f: &dyn Fn(&([bool; 3], [bool; 3])) -> bool| covered.iter().filter(|c| f(c)).count() as f64 / RUNS as f64;
         println!("{name}: covered {:.3}, within 2 % {:.3}", share(&|c| c.0[k]), share(&|c| c.1[k]));
     }
     let share = |k: usize| covered.iter().filter(|c| c.0[k]).count() as f64 / RUNS as f64;

@@ -19,13 +19,14 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
     let mut used: Vec<Experiment> = Vec::new();
     let mut options = FrictionOptions { inertia_kg_m2: f64::NAN, slowest_rad_s: None, torque_limit_nm: None };
     let all_named = !arguments.given.recordings.is_empty();
-    let refused = experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
-        options = of_bench(bench, arguments);
-        // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
-        if all_named || experiment.label.is_without_shaft() {
-            used.push(experiment);
-        }
-    })?;
+    let refused =
+        experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
+            options = of_bench(bench, arguments);
+            // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
+            if all_named || experiment.label.is_without_shaft() {
+                used.push(experiment);
+            }
+        })?;
     let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(|source| CliError::Friction { source })?;
     picture(&arguments.result, "Friction of the dynamometer", || figures(&found))?;
     if arguments.result.json {
@@ -51,10 +52,20 @@ fn of_bench(bench: &BenchFile, arguments: &FrictionArguments) -> FrictionOptions
 }
 
 fn print(found: &Friction, stated_kg_m2: f64, terminal: &mut Terminal) {
-    let columns = [("symbol", Align::Left), ("estimate", Align::Right), ("95 % interval", Align::Right), ("what it is", Align::Left)];
+    let columns = [
+        ("symbol", Align::Left),
+        ("estimate", Align::Right),
+        ("95 % interval", Align::Right),
+        ("what it is", Align::Left),
+    ];
     let mut table = Table::new(&columns);
     let mut row = |p: &Parameter| {
-        table.row([p.symbol.clone().into(), number::parameter(p).into(), number::interval(p).into(), p.name.clone().into()]);
+        table.row([
+            p.symbol.clone().into(),
+            number::parameter(p).into(),
+            number::interval(p).into(),
+            p.name.clone().into(),
+        ]);
     };
     if let Inertia::Estimated { inertia, delay } = &found.inertia {
         row(inertia);
@@ -66,7 +77,8 @@ fn print(found: &Friction, stated_kg_m2: f64, terminal: &mut Terminal) {
     terminal.table(&table);
     terminal.gap();
     candidates(found, terminal);
-    for point in [found.curve.first(), found.curve.get(found.curve.len() / 2), found.curve.last()].into_iter().flatten() {
+    for point in [found.curve.first(), found.curve.get(found.curve.len() / 2), found.curve.last()].into_iter().flatten()
+    {
         let torque = number::plus_minus(point.torque_nm, point.half_width_nm, "Nm");
         terminal.line(&format!("T_fric at {}: {torque} (95 %)", number::rpm(point.speed_rad_s)));
     }

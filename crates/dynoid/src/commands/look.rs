@@ -16,9 +16,10 @@ use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let mut looks = Vec::new();
-    let refused = experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
-        looks.push(look(&experiment, Engine { cylinders: bench.cylinders, strokes: bench.strokes }));
-    })?;
+    let refused =
+        experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
+            looks.push(look(&experiment, Engine { cylinders: bench.cylinders, strokes: bench.strokes }));
+        })?;
     picture(&arguments.result, "Lines of the recordings", || {
         looks.iter().flat_map(|look| look.parts.iter().map(|part| figure(&look.file, part))).collect()
     })?;

@@ -26,10 +26,12 @@ pub(crate) fn run(arguments: &TorqueArguments, terminal: &mut Terminal) -> Resul
         check_targets(&[&arguments.out], &[std::slice::from_ref(&given.bench), &given.recordings])?;
     }
     let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
-    let refused = experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
-        found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
-    })?;
-    let (bench, experiments) = found.ok_or_else(|| CliError::NothingToLookAt { path: arguments.given.bench.clone() })?;
+    let refused =
+        experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
+            found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
+        })?;
+    let (bench, experiments) =
+        found.ok_or_else(|| CliError::NothingToLookAt { path: arguments.given.bench.clone() })?;
     let progress = terminal.progress(experiments.len() as u64);
     let signals = torque_signals(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {
         progress.say(&format!("looking at the torques of {file}"));
@@ -110,16 +112,29 @@ fn print_delays(delays: &[SignalDelay], terminal: &mut Terminal) {
 fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
     if let Some((file, parameters)) = signals.load_cell() {
         terminal.heading(&format!("Load cell, from {file}"), Style::Bold);
-        let columns = [("symbol", Align::Left), ("estimate", Align::Right), ("95 % interval", Align::Right), ("what it is", Align::Left)];
+        let columns = [
+            ("symbol", Align::Left),
+            ("estimate", Align::Right),
+            ("95 % interval", Align::Right),
+            ("what it is", Align::Left),
+        ];
         let mut table = Table::new(&columns);
         for p in parameters {
-            table.row([p.symbol.clone().into(), number::parameter(p).into(), number::interval(p).into(), p.name.clone().into()]);
+            table.row([
+                p.symbol.clone().into(),
+                number::parameter(p).into(),
+                number::interval(p).into(),
+                p.name.clone().into(),
+            ]);
         }
         terminal.table(&table);
         terminal.gap();
     }
-    if let Some(check) = &signals.trust {
-        terminal.paragraph(&trust(check));
+    match &signals.trust {
+        Some(check) => terminal.paragraph(&trust(check)),
+        None => terminal.paragraph(
+            "T_d,calc is not held against the load cell: that takes both, near rest for 8 s or more; run Step_T_TN with long dwells",
+        ),
     }
 }
 
@@ -138,7 +153,11 @@ fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result
         Some(Told::Untold(why)) => {
             return Err(CliError::Usage { what: format!("{}: no shaft torque: {}", recording.file, untold(why)) });
         }
-        None => return Err(CliError::Usage { what: format!("{}: the shaft is off, so there is no shaft torque", recording.file) }),
+        None => {
+            return Err(CliError::Usage {
+                what: format!("{}: the shaft is off, so there is no shaft torque", recording.file),
+            });
+        }
     };
     let mut rebuilt = as_recording(&recording.file, shaft);
     let format = FileFormat::of_output(out)?;

@@ -15,7 +15,7 @@ fn stat_delays_filter_shaft_torque_load_cell_and_trust_are_said() {
         "identify with T_d,calc",
         "T_shaft rebuilt",
         "ω_n",
-        "T_d,calc can be trusted at rest",
+        "1 % and 1 Nm of the load cell",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }
@@ -35,7 +35,10 @@ fn exact_the_rebuilt_torque_is_written_as_a_recording() {
     let text = campaign.read("shaft.csv");
     assert_eq!(text.lines().count() as u64, samples + 1);
     let heading = text.lines().next().unwrap();
-    assert!(heading.contains("shaft_torque [Nm]") && heading.contains("shaft_torque_standard_deviation [Nm]"), "{heading}");
+    assert!(
+        heading.contains("shaft_torque [Nm]") && heading.contains("shaft_torque_standard_deviation [Nm]"),
+        "{heading}"
+    );
     let quiet = campaign.run(&["torque", "bench.toml", recording, "--quiet"]);
     assert_eq!((quiet.code, quiet.stdout.as_str()), (Some(0), ""));
 }

@@ -18,8 +18,12 @@ pub(super) fn smooth(forward: &Forward, outputs: MatRef<'_, f64>) -> Smoothed {
     let (n, samples) = (forward.states, outputs.nrows());
     let mut states = Mat::zeros(samples, n);
     let mut covariances = vec![0.0; samples * n * n];
-    let mut later =
-        Later { gradient: vec![0.0; n], information: vec![0.0; n * n], product: vec![0.0; n * n], column: vec![0.0; n] };
+    let mut later = Later {
+        gradient: vec![0.0; n],
+        information: vec![0.0; n * n],
+        product: vec![0.0; n * n],
+        column: vec![0.0; n],
+    };
     let mut left = forward.innovations.len();
     for sample in (0..samples).rev() {
         if sample + 1 < samples {

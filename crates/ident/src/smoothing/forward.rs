@@ -138,7 +138,8 @@ impl Filter<'_> {
         for i in 0..n {
             for j in 0..=i {
                 let sum = dot(&self.product[i * n..(i + 1) * n], &a[j * n..(j + 1) * n]);
-                let value = sum + 0.5 * (self.system.process_covariance[(i, j)] + self.system.process_covariance[(j, i)]);
+                let value =
+                    sum + 0.5 * (self.system.process_covariance[(i, j)] + self.system.process_covariance[(j, i)]);
                 self.p[i * n + j] = value;
                 self.p[j * n + i] = value;
             }

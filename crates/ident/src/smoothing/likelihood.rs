@@ -6,6 +6,9 @@ use super::forward::Forward;
 use super::{Belief, NoisySystem};
 use crate::{Bounds, IdentError, NonlinearOptions, ResidualModel, Termination, minimise};
 
+/// Every parameter is held where it starts as by one sample's worth of likelihood over 1000: enough to settle one that the
+/// measurements say nothing of, such as the level of a noise that is not there.
+const HELD: f64 = 1e-3;
 /// Step of the numerical derivatives.
 const STEP: f64 = 1e-4;
 /// Likelihoods need no more digits than what their parameters are known to.
@@ -43,7 +46,10 @@ pub fn likeliest(
 ) -> Result<Likeliest, IdentError> {
     let residual_count =
         (0..outputs.nrows()).map(|k| (0..outputs.ncols()).filter(|i| !outputs[(k, *i)].is_nan()).count()).sum();
-    let mut model = Levels { system_at, inputs, outputs, parameter_count: start.len(), residual_count };
+    let mut model = Levels { system_at, inputs, outputs, start: start.to_vec(), unit: 0.0, residual_count };
+    let mut first = vec![0.0; residual_count];
+    model.residuals(start, &mut first)?;
+    model.unit = HELD * (first.iter().map(|r| r * r).sum::<f64>() / residual_count as f64).sqrt();
     let minimum = minimise(&mut model, start, bounds, OPTIONS)?;
     let innovations = model.innovations(&minimum.parameters)?;
     let scale = innovations.iter().map(|one| one.0 * one.0).sum::<f64>() / innovations.len() as f64;
@@ -54,7 +60,9 @@ struct Levels<'a, F> {
     system_at: F,
     inputs: MatRef<'a, f64>,
     outputs: MatRef<'a, f64>,
-    parameter_count: usize,
+    start: Vec<f64>,
+    /// What one unit away from the start adds to the residuals.
+    unit: f64,
     residual_count: usize,
 }
 
@@ -70,18 +78,20 @@ impl<F: Fn(&[f64]) -> Result<(NoisySystem, Belief), IdentError>> Levels<'_, F> {
         let innovations = self.innovations(parameters)?;
         let mean = innovations.iter().map(|one| one.1).sum::<f64>() / innovations.len().max(1) as f64;
         let weight = (0.5 * mean).exp();
-        into.iter_mut().zip(&innovations).for_each(|(residual, one)| *residual = weight * one.0);
+        let held = parameters.iter().zip(&self.start).map(|(p, start)| self.unit * (p - start));
+        let all = innovations.iter().map(|one| weight * one.0).chain(held);
+        into.iter_mut().zip(all).for_each(|(residual, one)| *residual = one);
         Ok(())
     }
 }
 
 impl<F: Fn(&[f64]) -> Result<(NoisySystem, Belief), IdentError>> ResidualModel for Levels<'_, F> {
     fn parameter_count(&self) -> usize {
-        self.parameter_count
+        self.start.len()
     }
 
     fn residual_count(&self) -> usize {
-        self.residual_count
+        self.residual_count + self.start.len()
     }
 
     fn evaluate(

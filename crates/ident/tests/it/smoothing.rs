@@ -164,13 +164,9 @@ fn exact_likelihood_and_states_are_those_of_the_joint_density_where_noise_does_n
 
 #[test]
 fn exact_noise_sampled_from_a_wandering_slope() {
-    let wandering = StateSpace::continuous(
-        mat![[0.0, 1.0], [0.0, 0.0]],
-        Mat::zeros(2, 0),
-        mat![[1.0, 0.0]],
-        Mat::zeros(1, 0),
-    )
-    .unwrap();
+    let wandering =
+        StateSpace::continuous(mat![[0.0, 1.0], [0.0, 0.0]], Mat::zeros(2, 0), mat![[1.0, 0.0]], Mat::zeros(1, 0))
+            .unwrap();
     let (q, t) = (3e7, 1e-3);
     let found = wandering.sampled_noise(diagonal(&[0.0, q]).as_ref(), t).unwrap();
     for (i, j, expected) in [(0, 0, q * t.powi(3) / 3.0), (0, 1, q * t * t / 2.0), (1, 1, q * t)] {

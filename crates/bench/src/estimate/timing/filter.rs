@@ -111,7 +111,8 @@ pub(super) fn detect(speed: &Signal, torque: &Signal, shaft: &Signal) -> Result<
     let Some(best) = all.first().copied() else { return Ok(None) };
     let others = others(&all, &best);
     let spread_nm = search.spread_nm();
-    let ahead = others.first().map_or(0.0, |second| second.residual_nm.ln() - best.residual_nm.max(1e-12 * spread_nm).ln());
+    let ahead =
+        others.first().map_or(0.0, |second| second.residual_nm.ln() - best.residual_nm.max(1e-12 * spread_nm).ln());
     let log_likelihood_ahead = search.target.len() as f64 * ahead;
     let found = ShaftFilter { best, others, log_likelihood_ahead, spread_nm };
     Ok((best.residual_nm < EXPLAINED * spread_nm).then_some(found))

@@ -24,16 +24,16 @@ use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
 use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
 
-pub(super) use held::{HeldDemand, Mode};
+use held::HeldDemand;
 pub use model::{InverterModel, ResidualStatistics};
 pub(super) use observed::{Observed, usable_samples};
 pub use ripple::RippleLine;
-use rippled::DelayAndLag;
-pub(super) use rippled::{Response, RippledModel};
-pub(super) use search::{fit_with_ripple, robust_covariance};
+use rippled::{DelayAndLag, RippledModel};
+use search::fit_with_ripple;
+pub(super) use search::robust_covariance;
 
 /// The longest delay looked for, s.
-pub(super) const LONGEST_DELAY_S: f64 = 0.02;
+const LONGEST_DELAY_S: f64 = 0.02;
 /// Range of the lag, rad/s.
 const LAG_RAD_S: (f64, f64) = (20.0, 2e4);
 /// Part of the recording that is estimated from; the rest is held out.
