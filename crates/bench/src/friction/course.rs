@@ -38,6 +38,8 @@ pub(super) struct Course {
     pub(super) speed: Signal,
     pub(super) dropped: Vec<bool>,
     pub(super) torque: Option<Signal>,
+    /// Standard error of the clock of T_d against that of T_d,calc, s.
+    pub(super) dated_s: f64,
 }
 
 /// The stretches of a recording in which the dynamometer turns fast enough.
@@ -48,8 +50,8 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
     }
     let role = Role::DynoSpeed;
     let measured = experiment.signal(role).ok_or_else(|| FrictionError::MissingSignal { file: file(), role })?;
-    let torque = torque(experiment, options.torque_limit_nm);
-    let torque = torque.as_ref();
+    let known = torque(experiment, options.torque_limit_nm);
+    let torque = known.as_ref().map(|(torque, _)| torque);
     let (speed, dropped) = without_drop_outs(measured);
     let fastest = speed.samples.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let slowest = options.slowest_rad_s.unwrap_or((SLOWEST.0 * fastest).max(SLOWEST.1));
@@ -80,28 +82,33 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
         },
         dropped: dropped[from..to].to_vec(),
         torque: torque.cloned(),
+        dated_s: known.as_ref().map_or(0.0, |(_, dated_s)| *dated_s),
     };
     Ok(runs.into_iter().map(course).collect())
 }
 
 /// T_d as finely as it can be known: T_d* through the torque control that this recording itself shows, where T_d,calc agrees with
-/// it, since T_d,calc dates the edges of T_d no better than to its own sample; else T_d,calc, or the load cell.
-fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<Signal> {
+/// it, since T_d,calc dates the edges of T_d no better than to its own sample; else T_d,calc, or the load cell. With the standard
+/// error of its clock against that of T_d,calc, s.
+fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(Signal, f64)> {
     let recorded = [Role::AirGapTorque, Role::LoadCellTorque].into_iter().find_map(|role| experiment.signal(role))?;
     let modelled = || {
         let demand = experiment.signal(Role::DynoTorqueDemand)?;
         // Where the clock of T_d,calc is ahead, it would answer before it is asked, which no torque control does.
         let mut later = experiment.clone();
         later.signals.get_mut(&Role::AirGapTorque)?.start_s += AHEAD_S;
-        let inverter = torque_control::estimate(&later, torque_limit_nm).ok()?.inverter;
+        let fit = torque_control::estimate(&later, torque_limit_nm).ok()?;
+        let (inverter, delay) = (fit.inverter, fit.result.delay_and_lag.parameters.get(2)?);
         let spread = torque_control::standard_deviation(&recorded.samples);
         let agrees = inverter.residual.standard_deviation_nm < DISAGREES * spread;
         agrees.then(|| {
             let torque = inverter.finer_air_gap_torque(demand, FINER);
-            Signal { start_s: torque.start_s - AHEAD_S, ..torque }
+            // No worse than T_d,calc dates itself.
+            let dated_s = delay.standard_error.min(recorded.sample_time_s);
+            (Signal { start_s: torque.start_s - AHEAD_S, ..torque }, dated_s)
         })
     };
-    Some(modelled().unwrap_or_else(|| recorded.clone()))
+    Some(modelled().unwrap_or_else(|| (recorded.clone(), 0.0)))
 }
 
 /// Refuses speeds that tell nothing.

@@ -100,9 +100,9 @@ pub enum Inertia {
     /// The recordings: T_d changed the speed.
     Estimated {
         /// J_d, kg m².
-        inertia: Parameter,
+        inertia: Box<Parameter>,
         /// By how much T_d is later than N_d, s.
-        delay: Parameter,
+        delay: Box<Parameter>,
     },
     /// The bench file: T_d was zero, not recorded, or changed nothing, and the recordings tell friction over inertia alone.
     Stated {
@@ -236,8 +236,8 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
     let fit = &fits[chosen];
     let whence = match inertia {
         None => Inertia::Estimated {
-            inertia: fit.inertia(INERTIA).ok_or(FrictionError::NoRecording)?,
-            delay: problem.delay(fit, DELAY),
+            inertia: Box::new(fit.inertia(INERTIA).ok_or(FrictionError::NoRecording)?),
+            delay: Box::new(problem.delay(fit, DELAY)),
         },
         Some(why) => Inertia::Stated { inertia_kg_m2: options.inertia_kg_m2, why },
     };

@@ -213,7 +213,8 @@ impl<'a> Problem<'a> {
         let shift = p[1] / p[0];
         let variance = (c[(1, 1)] - 2.0 * shift * c[(0, 1)] + shift * shift * c[(0, 0)]) / (p[0] * p[0]);
         let step_s = self.courses.first().map_or(0.0, |course| course.speed.sample_time_s);
-        let error = variance.max(0.0).sqrt().hypot(timing_floor_s(step_s));
+        let dated_s = self.courses.iter().map(|course| course.dated_s).fold(0.0, f64::max);
+        let error = variance.max(0.0).sqrt().hypot(dated_s).hypot(timing_floor_s(step_s));
         Parameter::new(label, self.delay_s + shift, error, fit.freedom)
     }
 }
@@ -233,7 +234,7 @@ fn with_few_events(fit: &Minimum) -> Result<(Mat<f64>, f64), IdentError> {
     let events = |j: usize| {
         let influence =
             |i: usize| (0..count).map(|k| fit.jacobian[(i, k)] * fit.unscaled_covariance[(k, j)]).sum::<f64>();
-        let mut parts = vec![0.0; BATCHES];
+        let mut parts = [0.0; BATCHES];
         (0..rows).for_each(|i| parts[i / length] += influence(i).powi(2));
         let (sum, squares) = parts.iter().fold((0.0, 0.0), |(sum, squares), s| (sum + s, squares + s * s));
         sum * sum / squares

@@ -151,7 +151,7 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
         torque: source,
         noise: bench.noise(&levels.0, levels.1, levels.2, &innovations),
         once_a_turn: match encoder.eccentricity() {
-            none if none == 0.0 => OnceATurn::Unknown(1e-4 * known.inertia_kg_m2 * mean * mean),
+            0.0 => OnceATurn::Unknown(1e-4 * known.inertia_kg_m2 * mean * mean),
             error => OnceATurn::TakenOut(error * known.inertia_kg_m2 * mean * mean),
         },
     })

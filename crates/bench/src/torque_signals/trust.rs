@@ -11,8 +11,8 @@ use crate::{Experiment, Role};
 
 /// Length of the blocks whose means are compared, s.
 const BLOCK_S: f64 = 1.0;
-/// T_d,calc at the end of a block is its mean over this on either side, s.
-const EDGE_S: f64 = 0.006;
+/// About as late as a load cell is, s.
+const EDGE_S: f64 = 0.012;
 /// A block in which the mean of T_d,calc moves by more than this from one half to the other is not near rest: Nm, and as a part of
 /// the mean.
 const AT_REST: (f64, f64) = (5.0, 0.05);
@@ -134,29 +134,33 @@ fn verdict(offset: &Parameter, gain: Option<&Parameter>) -> Trust {
     }
 }
 
-/// Means over the blocks of a recording that are at rest.
+/// Means over the blocks of a recording that are near rest.
 fn blocks(experiment: &Experiment) -> Vec<Block> {
     let signal = |role| experiment.signal(role);
     let (Some(calculated), Some(measured)) = (signal(Role::AirGapTorque), signal(Role::LoadCellTorque)) else {
         return Vec::new();
     };
-    let (from, to) = (calculated.start_s.max(measured.start_s), calculated.end_s().min(measured.end_s()));
+    let from = calculated.start_s.max(measured.start_s) + EDGE_S;
+    let to = calculated.end_s().min(measured.end_s()) - EDGE_S;
     let count = ((to - from) / BLOCK_S).max(0.0) as usize;
     let mean = |x: &Signal, from: f64, to: f64| x.slice(from, to).mean();
+    // What a late cell has not seen yet at an instant, and what comes next.
+    let before = |t: f64| mean(calculated, t - EDGE_S, t);
+    let jump = |t: f64| Some(mean(calculated, t, t + EDGE_S)? - before(t)?);
     let block = |k: usize| {
         let (start, end) = (from + k as f64 * BLOCK_S, from + (k + 1) as f64 * BLOCK_S);
         let half = 0.5 * (start + end);
         let moved = mean(calculated, half, end)? - mean(calculated, start, half)?;
         let measured_nm = mean(measured, start, end)?;
-        let apart_nm = mean(calculated, start, end)? - measured_nm;
-        let is_at_rest = moved.abs() < AT_REST.0.max(AT_REST.1 * measured_nm.abs());
-        let rise_nm = mean(calculated, end - EDGE_S, end + EDGE_S)? - mean(calculated, start - EDGE_S, start + EDGE_S)?;
-        is_at_rest.then_some(Block {
+        let most = AT_REST.0.max(AT_REST.1 * measured_nm.abs());
+        let is_near_rest = [moved, jump(start)?, jump(end)?].iter().all(|change| change.abs() < most);
+        let block = Block {
             measured_nm,
-            rise_nm_per_s: rise_nm / BLOCK_S,
-            apart_nm,
+            rise_nm_per_s: (before(end)? - before(start)?) / BLOCK_S,
+            apart_nm: mean(calculated, start, end)? - measured_nm,
             since_s: half - 0.5 * (from + to),
-        })
+        };
+        is_near_rest.then_some(block)
     };
     (0..count).filter_map(block).collect()
 }
