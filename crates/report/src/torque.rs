@@ -195,7 +195,7 @@ fn trust_figure(check: &TrustCheck) -> Figure {
     let panel = Panel::new(
         Axis::linear("T_d,calc − T_d,meas", "Nm"),
         HEIGHT,
-        vec![Layer::dots("means over a second", Style::Measured, &measured, &apart)],
+        vec![Layer::dots("means over half a second", Style::Measured, &measured, &apart)],
     );
     Figure::new("T_d,calc against the load cell at rest", Axis::linear("T_d,meas", "Nm"), vec![panel])
         .with_caption(format!("{}.", trust(check)))

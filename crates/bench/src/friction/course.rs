@@ -4,7 +4,7 @@ use signal::Signal;
 
 use super::regression::Fitted;
 use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut};
-use crate::estimate::torque_control;
+use crate::estimate::{timing_floor_s, torque_control};
 use crate::study::Stretch;
 use crate::{Experiment, Role};
 
@@ -92,6 +92,8 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
 /// error of its clock against that of T_d,calc, s.
 fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(Signal, f64)> {
     let recorded = [Role::AirGapTorque, Role::LoadCellTorque].into_iter().find_map(|role| experiment.signal(role))?;
+    // Few edges, each at the same place between two samples, date T_d,calc no better than any sample is dated.
+    let own_s = timing_floor_s(recorded.sample_time_s);
     let modelled = || {
         let demand = experiment.signal(Role::DynoTorqueDemand)?;
         // Where the clock of T_d,calc is ahead, it would answer before it is asked, which no torque control does.
@@ -103,12 +105,11 @@ fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(Sign
         let agrees = inverter.residual.standard_deviation_nm < DISAGREES * spread;
         agrees.then(|| {
             let torque = inverter.finer_air_gap_torque(demand, FINER);
-            // No worse than T_d,calc dates itself.
-            let dated_s = delay.standard_error.min(recorded.sample_time_s);
+            let dated_s = delay.standard_error.min(recorded.sample_time_s).hypot(own_s);
             (Signal { start_s: torque.start_s - AHEAD_S, ..torque }, dated_s)
         })
     };
-    Some(modelled().unwrap_or_else(|| (recorded.clone(), 0.0)))
+    Some(modelled().unwrap_or_else(|| (recorded.clone(), own_s)))
 }
 
 /// Refuses speeds that tell nothing.

@@ -10,14 +10,14 @@ use crate::study::Parameter;
 use crate::{Experiment, Role};
 
 /// Length of the blocks whose means are compared, s.
-const BLOCK_S: f64 = 1.0;
+const BLOCK_S: f64 = 0.5;
 /// About as late as a load cell is, s.
 const EDGE_S: f64 = 0.012;
 /// A block in which the mean of T_d,calc moves by more than this from one half to the other is not near rest: Nm, and as a part of
 /// the mean.
 const AT_REST: (f64, f64) = (5.0, 0.05);
 /// Fewest blocks.
-const FEWEST: usize = 8;
+const FEWEST: usize = 12;
 /// The mean torques tell a gain where they differ by more than this, Nm.
 const APART_NM: f64 = 5.0;
 /// A drift is looked for over at least this, s.

@@ -184,12 +184,6 @@ fn stat_intervals_of_inertia_and_friction_cover() {
         let skew = parameters.clocks.torque_skew_s;
         let friction = found(&recorded(&parameters, &steps(), i as u64));
         let (inertia, delay) = inertia(&friction);
-        println!(
-            "skew {:.3} ms, delay off by {:.3} ms of {:.3} ms",
-            1e3 * skew,
-            1e3 * (delay.value - skew + 0.5e-3),
-            1e3 * delay.standard_error
-        );
         let [c, v] = &friction.friction.parameters[..2] else { panic!() };
         let middle = &friction.curve[friction.curve.len() / 2];
         let truth = coulomb + viscous * middle.speed_rad_s;

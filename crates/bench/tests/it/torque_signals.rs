@@ -1,6 +1,7 @@
 //! The torque signals of virtual benches, against what they were made of.
 
-use bench::estimate::timing::{Filter, shaft_filter};
+use bench::estimate::timing::{self, Filter, shaft_filter};
+use bench::estimate::torque_control;
 use bench::experiment::ExperimentPlan;
 use bench::study::BenchVariant;
 use bench::torque_signals::{OnceATurn, RebuiltShaft, Told, TorqueSignals, Trust, Untold, torque_signals};
@@ -213,8 +214,9 @@ fn stat_intervals_of_the_load_cell_cover() {
         parameters.sensors.cell_noise_nm = within(0.0, 0.5);
         let sensors = parameters.sensors.clone();
         let (experiment, _) = recorded(&parameters, &ExperimentPlan::white_noise_t_tn(1200.0, 24.0), i as u64);
-        let signals = of(&experiment);
-        let (_, found) = signals.load_cell().unwrap();
+        let control = torque_control::estimate(&experiment, Some(400.0)).unwrap();
+        let delays = timing::estimate(&[&experiment], Some(&control), 0.6).unwrap().delays;
+        let found = &delays.iter().find_map(|delay| delay.dynamics.as_ref()).unwrap().parameters;
         let truth =
             [sensors.cell_delay_s, std::f64::consts::TAU * sensors.cell_resonance_hz, sensors.cell_damping_ratio];
         let holds = |k: usize| found[k].interval.0 <= truth[k] && truth[k] <= found[k].interval.1;

@@ -133,7 +133,7 @@ fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
     match &signals.trust {
         Some(check) => terminal.paragraph(&trust(check)),
         None => terminal.paragraph(
-            "T_d,calc is not held against the load cell: that takes both, near rest for 8 s or more; run Step_T_TN with long dwells",
+            "T_d,calc is not held against the load cell: that takes both, near rest for 6 s or more; run Step_T_TN with long dwells",
         ),
     }
 }
