@@ -150,7 +150,8 @@ impl ResidualModel for CellModel<'_> {
 }
 
 /// Fits the load cell behind a known torque control, whose delay has the variance `delay_variance` (s²), to at most two minutes.
-/// T_d is that of the torque control with the ripple found in T_d,calc, which goes through the cell as all of T_d does.
+/// T_d is that of the torque control with the ripple found in T_d,calc, which goes through the cell as all of T_d does. What a is
+/// uncertain by is not in the intervals of ω_n and ζ: over 100 simulated benches theirs of 95 % held the truth in 84 % and 73 %.
 ///
 /// # Errors
 /// Too few samples, or data that do not determine the parameters.
