@@ -17,6 +17,7 @@ pub mod diagnostics;
 pub mod estimate;
 pub mod excitation_design;
 pub mod experiment;
+pub mod friction;
 pub mod look;
 pub mod model;
 pub mod prediction;
@@ -27,6 +28,7 @@ pub mod role;
 pub mod safety;
 pub mod simulate;
 pub mod study;
+pub mod torque_signals;
 pub mod units;
 pub mod virtual_bench;
 

@@ -119,6 +119,12 @@ pub(crate) enum CliError {
     /// No output was named.
     #[error("{file}: name the outputs with --output, and the inputs with --input; the channels are {channels}")]
     NoOutputNamed { file: String, channels: String },
+    /// Friction that cannot be estimated.
+    #[error(transparent)]
+    Friction { source: bench::friction::FrictionError },
+    /// No recording can be looked at.
+    #[error("{}: none of the recordings can be used", .path.display())]
+    NothingToLookAt { path: PathBuf },
     /// An argument that makes no sense.
     #[error("{what}")]
     Usage { what: String },

@@ -20,6 +20,7 @@
 //! | a model of measured spectra or responses | [`FrequencyTransferFunction`], [`FrequencyGreyBox`] |
 //! | a plant under feedback | [`closed_loop`] |
 //! | parameters that change | [`recursive`] |
+//! | states that were not measured, afterwards | [`smoothing`] |
 //! | a criterion of one's own | [`minimise`] |
 //! | what a model says of data | [`prediction`] |
 //! | whether it is right | [`validate`] |
@@ -77,6 +78,7 @@ pub mod prediction_error;
 mod process;
 pub mod recursive;
 mod regression;
+pub mod smoothing;
 mod state_space;
 mod subspace;
 mod triangle;

@@ -8,10 +8,12 @@
 
 pub mod design;
 mod effects;
+pub mod friction;
 mod html;
 mod json;
 pub mod look;
 pub mod safety;
+pub mod torque;
 pub mod verdict;
 pub mod wording;
 

@@ -18,7 +18,9 @@ use crate::study::{Replay, Stretch};
 use crate::{ControlMode, Experiment, Role};
 use compare::Comparison;
 use once_a_turn::OnceATurn;
+pub(crate) use reconstruct::encoder_error;
 use reconstruct::{Acted, reconstruct};
+pub(crate) use zero_phase::{Wanted, ZeroPhase};
 
 /// Once-a-turn error of the dynamometer's speed as recorded, as far as the speed controller does not answer it (that is
 /// how it is told from a true variation): the recording shows N_d (1 + a cos φ + b sin φ), φ being the angle turned since

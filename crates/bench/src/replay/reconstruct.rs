@@ -110,7 +110,7 @@ fn common(
 }
 
 /// N_d (a cos φ + b sin φ) with φ_k = T Σ_{i ≤ k} N_d,i from the recording's start.
-fn encoder_error(dyno: &Signal, error: Option<EncoderError>) -> Vec<f64> {
+pub(crate) fn encoder_error(dyno: &Signal, error: Option<EncoderError>) -> Vec<f64> {
     let Some(error) = error else { return vec![0.0; dyno.len()] };
     let mut angle = 0.0;
     let at = |speed: &f64| {

@@ -18,7 +18,7 @@ const NYQUIST_PART: f64 = 2.0 / (1.0 + STOP);
 
 /// What is wanted of the signal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub(crate) enum Wanted {
     /// Its value.
     Value,
     /// Its derivative.
@@ -28,15 +28,15 @@ pub(super) enum Wanted {
 /// A symmetric filter: a low-pass with a raised-cosine edge from `band_hz` to 1.4 times that, divided by the sinc of the
 /// gate over which the signal was averaged. Beyond the ends the record is continued by odd reflection.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ZeroPhase {
-    pub(super) band_hz: f64,
-    pub(super) gate_s: f64,
-    pub(super) wanted: Wanted,
+pub(crate) struct ZeroPhase {
+    pub(crate) band_hz: f64,
+    pub(crate) gate_s: f64,
+    pub(crate) wanted: Wanted,
 }
 
 impl ZeroPhase {
     /// The filtered signal at `start_s + i · step_s`, `count` values. The band is lowered to what the sampling allows.
-    pub(super) fn at(&self, x: &Signal, start_s: f64, step_s: f64, count: usize) -> Vec<f64> {
+    pub(crate) fn at(&self, x: &Signal, start_s: f64, step_s: f64, count: usize) -> Vec<f64> {
         let mut kernels: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         let half = (REACH_S / x.sample_time_s).ceil() as i64;
         let value = |i: usize| {

@@ -37,7 +37,7 @@ pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn
             sample_times_s: Vec::new(),
             used_for: Vec::new(),
         };
-        match experiment_of(bench, source, &gathered.recordings) {
+        match first_of_its_kind(&source, &gathered.recordings).and_then(|()| experiment_of(bench, &source)) {
             Ok((experiment, diagnostics)) => {
                 summary.label = Some(experiment.label.to_string());
                 summary.mean_speed_rad_s = experiment.signal(Role::DynoSpeed).and_then(signal::Signal::mean);
@@ -58,25 +58,29 @@ fn duration_s(recording: &Recording) -> f64 {
     (last - first).max(0.0)
 }
 
-/// The experiment a source holds with the doubts about it, or the reasons why it holds none.
-fn experiment_of(
-    bench: &BenchFile,
-    source: Source,
-    earlier: &[RecordingSummary],
-) -> Result<(Experiment, Vec<Diagnostic>), Vec<Diagnostic>> {
-    let refuse = |finding| {
-        let place = Place { file: Some(source.file.clone()), ..Place::default() };
-        vec![Diagnostic { severity: Severity::Error, place, finding }]
-    };
-    if let Some(twin) = earlier.iter().find(|e| e.sha256 == source.sha256 || e.file == source.file) {
-        return Err(refuse(Finding::DuplicateRecording { other: twin.file.clone() }));
+fn refused(source: &Source, finding: Finding) -> Vec<Diagnostic> {
+    let place = Place { file: Some(source.file.clone()), ..Place::default() };
+    vec![Diagnostic { severity: Severity::Error, place, finding }]
+}
+
+fn first_of_its_kind(source: &Source, earlier: &[RecordingSummary]) -> Result<(), Vec<Diagnostic>> {
+    match earlier.iter().find(|e| e.sha256 == source.sha256 || e.file == source.file) {
+        Some(twin) => Err(refused(source, Finding::DuplicateRecording { other: twin.file.clone() })),
+        None => Ok(()),
     }
+}
+
+/// The experiment a source holds with the doubts about it.
+///
+/// # Errors
+/// The reasons why it holds none.
+pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, Vec<Diagnostic>), Vec<Diagnostic>> {
     let recording = match &source.recording {
         Ok(recording) => recording,
-        Err(error) => return Err(refuse(Finding::UnreadableRecording { reason: error.to_string() })),
+        Err(error) => return Err(refused(source, Finding::UnreadableRecording { reason: error.to_string() })),
     };
     let Some(label) = bench.label_of(&source.file) else {
-        return Err(refuse(Finding::NoLabel));
+        return Err(refused(source, Finding::NoLabel));
     };
     prepare(&source.file, recording, bench, label).map_err(|error| match error {
         PrepareError::NothingUsable { diagnostics, .. } | PrepareError::NoCommonStretch { diagnostics, .. } => {

@@ -8,6 +8,7 @@ mod run;
 mod torque;
 mod whole;
 
-pub use gather::Source;
+pub use gather::{Source, experiment_of};
 pub use result::*;
 pub use run::{Campaign, Progress, StudyError, run};
+pub(crate) use torque::inverter_of;

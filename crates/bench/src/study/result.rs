@@ -284,15 +284,43 @@ pub struct SignalDelay {
     pub against_demand: Option<Parameter>,
     /// Against the bend in N_d (the mechanical effect of T_d).
     pub against_speed_bend: Option<Parameter>,
-    /// The same delay by each route that applies: name, and value in s. Routes without a model see the mean delay over
-    /// the demand's spectrum, so that they agree to about a tenth of a millisecond at best.
-    pub routes: Vec<(String, f64)>,
+    /// The same delay against T_d* by each route that applies. Routes without a model see the mean delay over the demand's
+    /// spectrum, so that they agree to about a tenth of a millisecond at best.
+    pub routes: Vec<DelayRoute>,
     /// Length of the moving average that reproduces the signal from N_d and T_d,calc, in samples of N_d.
     pub moving_average_length: Option<usize>,
     /// Dynamics of a load cell: its own delay τ_cell in s, ω_n in rad/s, ζ.
     pub dynamics: Option<Estimate>,
     /// Where it was measured.
     pub stretch: Stretch,
+}
+
+/// A delay by one route.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DelayRoute {
+    /// What the route is called.
+    pub name: String,
+    /// Delay, s.
+    pub delay_s: f64,
+    /// 95 % interval, s; `None` where the recording is too short to tell.
+    pub interval_s: Option<(f64, f64)>,
+    /// How far the route may be off by what it is, s: what of the signal's dynamics it takes for delay.
+    pub systematic_s: f64,
+}
+
+impl SignalDelay {
+    /// Whether all routes agree with `against_demand`, within their intervals and what they may be off by; `None` where there
+    /// is nothing to compare.
+    #[must_use]
+    pub fn routes_agree(&self) -> Option<bool> {
+        let own = self.against_demand.as_ref()?;
+        let half = |(low, high): (f64, f64)| 0.5 * (high - low);
+        let agrees = |route: &DelayRoute| {
+            let allowed = route.interval_s.map_or(0.0, half) + half(own.interval) + route.systematic_s;
+            (route.delay_s - own.value).abs() <= allowed
+        };
+        (self.routes.len() > 1).then(|| self.routes.iter().all(agrees))
+    }
 }
 
 /// PI with delay: T_d* = e^{−sτ}(K_p + K_i/s)(N_d − N_d*) + x_0.

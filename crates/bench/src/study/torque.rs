@@ -47,7 +47,7 @@ pub(super) fn modelled_torque(
 }
 
 /// T_d* and the inverter with the ripple of this recording.
-fn inverter_of<'a>(
+pub(crate) fn inverter_of<'a>(
     experiment: &'a Experiment,
     torque_control: Option<&TorqueControlFit>,
 ) -> Option<(&'a signal::Signal, InverterModel)> {

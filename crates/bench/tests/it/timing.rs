@@ -86,8 +86,10 @@ fn stat_every_torque_is_as_late_as_it_was_made() {
     for signal in [calc, cell] {
         let parametric = signal.against_demand.as_ref().unwrap().value;
         assert_eq!(signal.routes.len(), 3);
-        assert!((signal.routes[1].1 - parametric).abs() < 3e-4, "{:?}", signal.routes);
-        assert!((signal.routes[2].1 - parametric).abs() < 3e-3, "{:?}", signal.routes);
+        assert_eq!(signal.routes_agree(), Some(true), "{:?}", signal.routes);
+        assert!(signal.routes.iter().all(|route| route.interval_s.is_some()));
+        assert!((signal.routes[1].delay_s - parametric).abs() < 3e-4, "{:?}", signal.routes);
+        assert!((signal.routes[2].delay_s - parametric).abs() < 3e-3, "{:?}", signal.routes);
     }
 }
 

@@ -2,10 +2,12 @@
 
 pub(crate) mod convert;
 pub(crate) mod experiment;
+pub(crate) mod friction;
 pub(crate) mod greybox;
 pub(crate) mod identify;
 pub(crate) mod look;
 mod number;
+pub(crate) mod torque;
 
 use std::path::PathBuf;
 
@@ -25,6 +27,8 @@ A new bench, in three steps:
   dynoid study run bench.toml    estimates, judges and writes study/report.html
   dynoid inspect FILE            looks into a recording that causes trouble
   dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
+  dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
+  dynoid friction bench.toml     friction and inertia, from recordings without shaft
 
 An experiment, before it is run:
   dynoid experiment list         what there is, and what can be set
@@ -79,6 +83,17 @@ pub(crate) enum ColorWhen {
     Never,
 }
 
+/// A bench file, and recordings of that bench.
+#[derive(Debug, Args)]
+pub(crate) struct GivenRecordings {
+    /// The bench file: channels, cylinders, and where the recordings are
+    #[arg(value_name = "BENCH.toml")]
+    pub(crate) bench: PathBuf,
+    /// Recordings, or folders of recordings [default: those of the bench file]
+    #[arg(value_name = "RECORDING")]
+    pub(crate) recordings: Vec<PathBuf>,
+}
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Simulates a bench whose every parameter is known, studies its recordings, and compares
@@ -99,6 +114,10 @@ pub(crate) enum Command {
     Inspect(InspectArguments),
     /// Names the lines in the spectra of recordings: orders, folds, images of the demand, ripple, resonances
     Look(look::LookArguments),
+    /// Holds the torque signals against each other: delays, filters, load cell; rebuilds the shaft torque
+    Torque(torque::TorqueArguments),
+    /// Estimates friction and inertia of the dynamometer from recordings without shaft
+    Friction(friction::FrictionArguments),
     /// Estimates a linear model from any channels of any recordings
     Fit {
         #[command(subcommand)]

@@ -2,45 +2,24 @@
 
 use bench::look::{Look, LookedPart, LookedSignal, look};
 use bench::model::Engine;
-use bench::study::Source;
 use bench::units::si_spelling;
-use bench::{BenchFile, Experiment, PrepareError, Severity, prepare};
 use report::look::{cause, figure, unit};
-use report::wording::{self, number};
+use report::wording::number;
 use serde_json::json;
 
-use super::identify::data::check_plot;
+use super::experiments;
 use super::identify::judge::{picture, written};
-use super::study::read_bench;
 use crate::cli::look::LookArguments;
 use crate::error::{CliError, Outcome};
-use crate::input;
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let (bench, _) = read_bench(&arguments.bench)?;
-    if bench.channels.is_empty() {
-        return Err(CliError::NoChannelsNamed { path: arguments.bench.clone() });
-    }
-    let files = match arguments.recordings.is_empty() {
-        true => input::listed(&arguments.bench, &bench.recordings.files)?,
-        false => input::named(&arguments.recordings)?,
-    };
-    check_plot(&arguments.result, &[std::slice::from_ref(&arguments.bench), &arguments.recordings])?;
-    let engine = Engine { cylinders: bench.cylinders, strokes: bench.strokes };
-    let progress = terminal.progress(files.len() as u64);
-    let (mut looks, mut refused) = (Vec::new(), Vec::new());
-    for file in &files {
-        progress.say(&format!("looking at {}", file.name));
-        match prepared(&bench, input::read_source(file)?) {
-            Ok(experiment) => looks.push(look(&experiment, engine)),
-            Err(reason) => refused.push(reason),
-        }
-        progress.step();
-    }
-    drop(progress);
-    refused.iter().for_each(|reason| terminal.warning(reason));
+    let mut looks = Vec::new();
+    let refused =
+        experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
+            looks.push(look(&experiment, Engine { cylinders: bench.cylinders, strokes: bench.strokes }));
+        })?;
     picture(&arguments.result, "Lines of the recordings", || {
         looks.iter().flat_map(|look| look.parts.iter().map(|part| figure(&look.file, part))).collect()
     })?;
@@ -51,24 +30,6 @@ pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<
         written(&arguments.result.plot, terminal);
     }
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
-}
-
-/// A recording that can be looked at, or why it cannot.
-fn prepared(bench: &BenchFile, source: Source) -> Result<Experiment, String> {
-    let file = source.file;
-    let recording = source.recording.map_err(|error| format!("{file}: {error}"))?;
-    let label = bench.label_of(&file).ok_or_else(|| {
-        format!(
-            "{file}: its name holds no label such as BS_T_NT; rename it, or add [[recordings.label]] to the bench file"
-        )
-    })?;
-    let (PrepareError::NothingUsable { diagnostics, .. } | PrepareError::NoCommonStretch { diagnostics, .. }) =
-        match prepare(&file, &recording, bench, label) {
-            Ok((experiment, _)) => return Ok(experiment),
-            Err(error) => error,
-        };
-    let worst = diagnostics.iter().find(|d| d.severity == Severity::Error).or(diagnostics.first());
-    Err(worst.map_or_else(|| format!("{file}: nothing in it can be used"), wording::diagnostic))
 }
 
 /// The lines without the spectra they stand in.

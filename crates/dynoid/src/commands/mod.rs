@@ -3,9 +3,12 @@
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod experiment;
+mod experiments;
+pub(crate) mod friction;
 pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod look;
 pub(crate) mod simulate;
 pub(crate) mod study;
+pub(crate) mod torque;

@@ -20,6 +20,12 @@ fn snap_help_look() {
 }
 
 #[test]
+fn snap_help_torque() {
+    insta::assert_snapshot!("help_torque", help(&["torque", "--help"]));
+    insta::assert_snapshot!("help_friction", help(&["friction", "--help"]));
+}
+
+#[test]
 fn snap_help_demo() {
     insta::assert_snapshot!("help_demo", help(&["demo", "--help"]));
 }

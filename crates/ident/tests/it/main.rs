@@ -39,6 +39,7 @@ mod response_intervals;
 mod scaling;
 mod several_outputs;
 mod shared;
+mod smoothing;
 mod stand_in;
 mod state_space;
 mod subspace;

@@ -24,6 +24,33 @@ impl StateSpace {
         Self::discrete(phi, gamma, self.c.clone(), self.d.clone(), sample_time_s)
     }
 
+    /// The covariance of what white noise in this continuous system's states adds to them in a sample,
+    /// `∫₀ᵀ e^{As} W e^{Aᵀs} ds`; `density` is W, states × states: the noise's spectral density in both directions of frequency.
+    ///
+    /// `e^{[−A W; 0 Aᵀ] T} = [· F; 0 Φᵀ]` gives `Φ F`.
+    ///
+    /// # Errors
+    /// [`LtiError::NotContinuous`], [`LtiError::SampleTime`], [`LtiError::Shape`], [`LtiError::NonFinite`].
+    ///
+    /// # Source
+    /// Van Loan, C. F. (1978), IEEE Trans. Autom. Control 23(3), 395–404.
+    pub fn sampled_noise(&self, density: MatRef<'_, f64>, sample_time_s: f64) -> Result<Mat<f64>, LtiError> {
+        check_sample_time(sample_time_s)?;
+        if self.sample_time_s.is_some() {
+            return Err(LtiError::NotContinuous);
+        }
+        let n = self.states();
+        check_shape("noise density", (n, n), density.shape())?;
+        // The covariance is linear in W, and a W unlike A in size would cost A squarings it does not need.
+        let unit = column_scale(density.norm_l2(), self.a.norm_l2());
+        let (back, zero) = (self.a() * Scale(-1.0), Mat::zeros(n, n));
+        let (noise, forth) = (density * Scale(unit), self.a.transpose().to_owned());
+        let generator = blocks([[back.as_ref(), noise.as_ref()], [zero.as_ref(), forth.as_ref()]]);
+        let e = expm((generator * Scale(sample_time_s)).as_ref())?;
+        let whole = e.submatrix(n, n, n, n).transpose() * e.submatrix(0, n, n, n);
+        Ok(Mat::from_fn(n, n, |i, j| 0.5 * (whole[(i, j)] + whole[(j, i)]) / unit))
+    }
+
     /// `e^{AT}` and `∫₀ᵀ e^{As} ds B`; the time may be zero.
     pub(crate) fn transition(&self, time_s: f64) -> Result<(Mat<f64>, Mat<f64>), LtiError> {
         if self.sample_time_s.is_some() {

@@ -1,20 +1,28 @@
 //! The load cell: a further delay and a second-order resonance behind the torque control.
 
-use ident::{Bounds, IdentError};
-use signal::{Complex64, Signal};
+use faer::{MatMut, mat};
+use ident::{Bounds, IdentError, NonlinearOptions, ResidualModel, minimise};
+use lti::StateSpace;
+use signal::Signal;
 
 use crate::estimate::parameter::Label;
 use crate::estimate::timing_floor_s;
-use crate::estimate::torque_control::{
-    EARLIEST_S, HeldDemand, InverterModel, LONGEST_DELAY_S, Mode, Observed, Response, RippledModel, fit_with_ripple,
-    robust_covariance, usable_samples,
-};
+use crate::estimate::torque_control::{InverterModel, Observed, robust_covariance, standard_deviation, usable_samples};
 use crate::study::{Estimate, Parameter, Stretch};
 
 /// Relative step of the numerical derivatives by ω_n and ζ: error and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;
-/// The longest delay of a load cell looked for, behind the longest of the torque control, s.
+/// Step of the derivative by the delay, s.
+const DELAY_STEP_S: f64 = 1e-6;
+/// The longest delay of a load cell looked for, s.
 const LONGEST_S: f64 = 0.03;
+/// Natural frequencies, rad/s, and the damping ratio tried first.
+const NATURALS: [f64; 5] = [150.0, 300.0, 450.0, 700.0, 1200.0];
+const DAMPED: f64 = 0.3;
+/// Values of T_d in a sample of T_d*: with 16, chords to what a lag does after an edge are off by 10⁻⁴ of it.
+const FINER: usize = 16;
+/// As much of a recording is used, s.
+const MOST_S: f64 = 120.0;
 const NATURAL_RAD_S: (f64, f64) = (30.0, 3000.0);
 const DAMPING: (f64, f64) = (0.01, 0.95);
 
@@ -33,73 +41,117 @@ pub(super) struct LoadCell {
     pub(super) usable: bool,
 }
 
-/// e^{−sD} a/(s + a) ω_n²/(s² + 2ζω_n s + ω_n²) on the held demand, a known; θ = (D, ω_n, ζ).
+/// e^{−sD} ω_n²/(s² + 2ζω_n s + ω_n²) on T_d, times a gain, and an offset; θ = (D, ω_n, ζ, gain, offset).
 ///
-/// With the poles −a, −α, −ᾱ, α = ω_n(ζ − j√(1 − ζ²)), this is the sum of modes k_a x_a + 2 Re(k_α x_α),
-/// k_a = ω_n²/|α − a|², k_α = a ω_n²/(α (a − α)(ᾱ − α)).
-struct CellResponse<'a> {
-    lag: Mode<'a>,
-    resonance: Mode<'a>,
-    rate: f64,
+/// T_d runs straight between its fine samples, for which the response is exact; between its own samples it is a cubic.
+struct CellModel<'a> {
+    torque: &'a Signal,
+    observed: &'a Observed,
 }
 
-impl<'a> CellResponse<'a> {
-    fn new(demand: &'a HeldDemand, rate: f64) -> Self {
-        let mut lag = Mode::new(demand);
-        lag.set_rate(Complex64::from(rate));
-        CellResponse { lag, resonance: Mode::new(demand), rate }
-    }
+/// The cell's reading without delay and its slope, on the clock of T_d.
+struct Reading {
+    value: Vec<f64>,
+    slope: Vec<f64>,
+}
 
-    /// Calls `each` with the index, the value and its derivative by the delay at every instant.
-    fn run(&mut self, parameters: [f64; 3], times_s: &[f64], mut each: impl FnMut(usize, f64, f64)) {
-        let [delay, natural, damping] = parameters;
-        let a = self.rate;
-        let alpha = Complex64::new(damping, -(1.0 - damping * damping).max(0.0).sqrt()) * natural;
-        let square = natural * natural;
-        let of_lag = square / (alpha - a).norm_sqr();
-        let of_resonance =
-            Complex64::from(a * square) / (alpha * (Complex64::from(a) - alpha) * (alpha.conj() - alpha));
-        self.resonance.set_rate(alpha);
-        for (i, time) in times_s.iter().enumerate() {
-            let (slow, fast) = (self.lag.at(*time, delay), self.resonance.at(*time, delay));
-            let sum = |x: Complex64, y: Complex64| of_lag * x.re + 2.0 * (of_resonance * y).re;
-            each(i, sum(slow.value, fast.value), sum(slow.by_delay, fast.by_delay));
+impl CellModel<'_> {
+    fn reading(&self, natural: f64, damping: f64) -> Result<Reading, IdentError> {
+        let a = mat![[0.0, 1.0], [-natural * natural, -2.0 * damping * natural]];
+        let cell = StateSpace::continuous(a, mat![[0.0], [natural * natural]], mat![[1.0, 0.0]], mat![[0.0]])?;
+        let hold = cell.to_discrete_foh(self.torque.sample_time_s)?;
+        let (a, b0, b1) = (hold.a(), hold.b0(), hold.b1());
+        let mut state = [self.torque.samples.first().copied().unwrap_or(0.0), 0.0];
+        let mut reading = Reading { value: vec![state[0]], slope: vec![state[1]] };
+        for pair in self.torque.samples.windows(2) {
+            let [x, v] = state;
+            state = [0, 1].map(|i| a[(i, 0)] * x + a[(i, 1)] * v + b0[(i, 0)] * pair[0] + b1[(i, 0)] * pair[1]);
+            reading.value.push(state[0]);
+            reading.slope.push(state[1]);
         }
+        Ok(reading)
+    }
+
+    /// What the cell reads at the observed instants, late by a delay.
+    fn delayed(&self, reading: &Reading, delay_s: f64) -> Vec<f64> {
+        let step = self.torque.sample_time_s;
+        let last = reading.value.len().saturating_sub(2) as f64;
+        let at = |time_s: &f64| {
+            let position = ((time_s - delay_s - self.torque.start_s) / step).clamp(0.0, last + 1.0);
+            let below = position.floor().min(last);
+            let (k, u) = (below as usize, position - below);
+            let (x, y) = (reading.value[k], reading.value[k + 1]);
+            let (from, to) = (step * reading.slope[k], step * reading.slope[k + 1]);
+            let (square, cube) = (u * u, u * u * u);
+            x + (y - x) * (3.0 * square - 2.0 * cube) + from * (u - 2.0 * square + cube) + to * (cube - square)
+        };
+        self.observed.times_s.iter().map(at).collect()
+    }
+
+    fn modelled(&self, parameters: &[f64]) -> Result<Vec<f64>, IdentError> {
+        Ok(self.delayed(&self.reading(parameters[1], parameters[2])?, parameters[0]))
+    }
+
+    /// The best of a grid of delays and natural frequencies, with one damping ratio.
+    fn start(&self) -> Result<Vec<f64>, IdentError> {
+        let delays: Vec<f64> = (0..).map(|j| 1e-3 * f64::from(j)).take_while(|d| *d < LONGEST_S).collect();
+        let mut best = (f64::INFINITY, vec![0.0; 3]);
+        for natural in NATURALS {
+            let reading = self.reading(natural, DAMPED)?;
+            for delay in &delays {
+                let modelled = self.delayed(&reading, *delay);
+                let apart: Vec<f64> = self.observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
+                let spread = standard_deviation(&apart);
+                if spread < best.0 {
+                    best = (spread, vec![*delay, natural, DAMPED]);
+                }
+            }
+        }
+        best.1.extend([1.0, 0.0]);
+        Ok(best.1)
     }
 }
 
-impl Response for CellResponse<'_> {
+impl ResidualModel for CellModel<'_> {
     fn parameter_count(&self) -> usize {
-        3
+        5
+    }
+
+    fn residual_count(&self) -> usize {
+        self.observed.len()
     }
 
     fn evaluate(
         &mut self,
         parameters: &[f64],
-        times_s: &[f64],
-        values: &mut [f64],
-        derivatives: Option<&mut [Vec<f64>]>,
-    ) {
-        let point = [parameters[0], parameters[1], parameters[2]];
-        let Some([by_delay, rest @ ..]) = derivatives else {
-            return self.run(point, times_s, |i, value, _| values[i] = value);
-        };
-        for (k, column) in rest.iter_mut().enumerate() {
-            let step = STEP * point[k + 1];
-            let (mut above, mut below) = (point, point);
-            above[k + 1] += step;
-            below[k + 1] -= step;
-            self.run(above, times_s, |i, value, _| column[i] = value);
-            self.run(below, times_s, |i, value, _| column[i] = (column[i] - value) / (2.0 * step));
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        let (gain, offset) = (parameters[3], parameters[4]);
+        let modelled = self.modelled(parameters)?;
+        for ((residual, y), m) in residuals.iter_mut().zip(&self.observed.values).zip(&modelled) {
+            *residual = gain * m + offset - y;
         }
-        self.run(point, times_s, |i, value, slope| (values[i], by_delay[i]) = (value, slope));
+        let Some(mut jacobian) = jacobian else { return Ok(()) };
+        for (j, step) in [DELAY_STEP_S, STEP * parameters[1], STEP * parameters[2]].into_iter().enumerate() {
+            let (mut above, mut below) = (parameters.to_vec(), parameters.to_vec());
+            above[j] += step;
+            below[j] -= step;
+            let (above, below) = (self.modelled(&above)?, self.modelled(&below)?);
+            for (i, (a, b)) in above.iter().zip(&below).enumerate() {
+                jacobian[(i, j)] = gain * (a - b) / (2.0 * step);
+            }
+        }
+        for (i, m) in modelled.iter().enumerate() {
+            (jacobian[(i, 3)], jacobian[(i, 4)]) = (*m, 1.0);
+        }
+        Ok(())
     }
 }
 
-/// Fits the load cell, with ripple of its own, behind a known torque control, whose delay has the variance `delay_variance` (s²).
-///
-/// The product of ripple and torque is not passed through the cell: at ripple of 3 % near the resonance ω_n comes out
-/// about 0.7 % low, more than the standard errors say; the delays are not affected noticeably.
+/// Fits the load cell behind a known torque control, whose delay has the variance `delay_variance` (s²), to at most two minutes.
+/// T_d is that of the torque control with the ripple found in T_d,calc, which goes through the cell as all of T_d does. What a is
+/// uncertain by is not in the intervals of ω_n and ζ: over 100 simulated benches theirs of 95 % held the truth in 84 % and 73 %.
 ///
 /// # Errors
 /// Too few samples, or data that do not determine the parameters.
@@ -110,27 +162,30 @@ pub(super) fn fit(
     delay_variance: f64,
     stretch: &Stretch,
 ) -> Result<LoadCell, IdentError> {
-    let held = HeldDemand::new(demand, inverter.torque_limit_nm);
+    let demand = &demand.slice(demand.start_s, demand.start_s + MOST_S);
+    let torque = inverter.finer_air_gap_torque(demand, FINER);
     let usable = usable_samples(demand, cell, inverter.torque_limit_nm);
     let observed = Observed::new(cell, &usable, 0..cell.len());
-    let longest = LONGEST_DELAY_S + LONGEST_S;
     let bounds = [
-        Bounds::new(-EARLIEST_S, longest),
+        Bounds::new(0.0, LONGEST_S),
         Bounds::new(NATURAL_RAD_S.0, NATURAL_RAD_S.1),
         Bounds::new(DAMPING.0, DAMPING.1),
+        Bounds::NONE,
+        Bounds::NONE,
     ];
-    let mut model = RippledModel::new(CellResponse::new(&held, inverter.lag_rad_s), &observed);
-    let fit = fit_with_ripple(&mut model, &starts(longest), &bounds)?;
+    let mut model = CellModel { torque: &torque, observed: &observed };
+    let start = model.start()?;
+    let fit = minimise(&mut model, &start, &bounds, NonlinearOptions::default())?;
     let (p, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
-    let [late, natural, damping] = [fit.parameters[0], fit.parameters[1], fit.parameters[2]];
+    let [own, natural, damping] = [fit.parameters[0], fit.parameters[1], fit.parameters[2]];
     let gradient = [1.0, -2.0 * damping / (natural * natural), 2.0 / natural];
     let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
     let variance: f64 = pairs.map(|(i, j)| gradient[i] * p[(i, j)] * gradient[j]).sum();
     let dated = timing_floor_s(demand.sample_time_s);
-    let total = late + 1.0 / inverter.lag_rad_s + 2.0 * damping / natural;
+    let total = inverter.delay_s + own + 1.0 / inverter.lag_rad_s + 2.0 * damping / natural;
     let mut covariance: Vec<Vec<f64>> = (0..3).map(|i| (0..3).map(|j| p[(i, j)]).collect()).collect();
     covariance[0][0] += delay_variance;
-    let values = [(CELL_DELAY, late - inverter.delay_s), (NATURAL, natural), (RATIO, damping)];
+    let values = [(CELL_DELAY, own), (NATURAL, natural), (RATIO, damping)];
     let parameter =
         |(i, (label, value)): (usize, &(Label, f64))| Parameter::new(*label, *value, covariance[i][i].sqrt(), freedom);
     Ok(LoadCell {
@@ -144,11 +199,4 @@ pub(super) fn fit(
         total: Parameter::new(TOTAL, total, variance.sqrt().hypot(dated), freedom),
         usable: fit.termination.converged() && !fit.at_bound[..3].contains(&true),
     })
-}
-
-/// A grid of delays, natural frequencies and one damping ratio.
-fn starts(longest_s: f64) -> Vec<Vec<f64>> {
-    let delays = (0..).map(|j| 1e-3 * f64::from(j) - EARLIEST_S).take_while(|d| *d < longest_s);
-    let naturals = [150.0, 300.0, 450.0, 700.0, 1200.0];
-    delays.flat_map(|d| naturals.map(|w| vec![d, w, 0.3])).collect()
 }

@@ -1,19 +1,20 @@
 //! Delays of the torque signals against the torque demand and against the bend in N_d (thesis §5.3, Table 5.1).
 
+mod filter;
 mod load_cell;
-mod moving_average;
 mod routes;
 
+use ident::distributions::interval;
 use signal::derivative::central_difference;
 use signal::{Signal, SignalError};
 
+pub use self::filter::{Difference, Filter, FilterCandidate, ShaftFilter};
 use self::load_cell::LoadCell;
-use self::moving_average::MovingAverage;
 use self::routes::{Curvature, Measured, correlation_peak, on_one_raster, phase_slope};
 use super::EstimateError;
 use super::parameter::Label;
 use super::torque_control::{self, TorqueControlFit, stretch_of, usable_signal};
-use crate::study::{Parameter, SignalDelay, Timing};
+use crate::study::{DelayRoute, Parameter, SignalDelay, Timing};
 use crate::{ControlMode, Experiment, Role};
 
 /// The signals whose delay is wanted.
@@ -24,6 +25,10 @@ const FOLLOWING_HZ: (f64, f64) = (0.5, 20.0);
 const FLANGE_HZ: (f64, f64) = (1.0, 40.0);
 /// Band in which the dynamometer's own inertia takes nearly all of T_d, Hz.
 const INERTIA_HZ: (f64, f64) = (50.0, 90.0);
+/// What phase slope and correlation peak may be off by: both take lag and ringing for delay, each in its own way, s.
+const OFF_S: (f64, f64) = (3e-4, 1.5e-3);
+/// Level of the routes' intervals.
+const LEVEL: f64 = 0.95;
 /// Below this mean coherence the phase against the bend says nothing.
 const COHERENT: f64 = 0.8;
 
@@ -38,7 +43,7 @@ const AGAINST_BEND: Label = Label { symbol: "τ_bend", name: "delay against the 
 /// - *phase slope*: of the cross-spectrum with T_d*, weighted by coherence, less half a sample for the hold;
 /// - *correlation peak*: to a fraction of a sample, less half a sample for the hold.
 ///
-/// `against_demand` is the first of these that applies; the peak alone has no standard error and stays a route. Shaft
+/// `against_demand` is the first of these that applies; the peak stays a route. Shaft
 /// torques follow T_d* through the whole driveline, which is no delay: they have none of these. Against the bend in N_d,
 /// where coherence allows (an open loop, TN, and a demand that reaches so high): T_d,calc by the phase of −J_d dω_d/dt
 /// against the modelled T_d at 50…90 Hz, where inertia dominates (negative: N_d, a mean over its gate, comes later than
@@ -80,23 +85,26 @@ impl Bench<'_> {
         let signal = usable_signal(self.experiment, role)?;
         let failed = |source: SignalError| EstimateError::Signal { file: self.experiment.file.clone(), source };
         let cell = if role == Role::LoadCellTorque { self.load_cell(signal) } else { None };
-        let average = if role == Role::SystemShaftTorque { self.moving_average(signal) } else { None };
+        let average = if role == Role::SystemShaftTorque { shaft_filter(self.experiment) } else { None };
         let parametric = match role {
             Role::AirGapTorque => self.total_delay(),
             _ => cell.as_ref().map(|c| c.total.clone()),
         };
         let (slope, peak) = self.model_free(role, signal).map_err(failed)?;
-        let values = [
-            ("parametric", parametric.as_ref().map(|p| p.value)),
-            ("phase slope", slope.map(|m| m.delay_s)),
-            ("correlation peak", peak),
-        ];
+        let of_model = parametric.as_ref().map(|p| DelayRoute {
+            name: "parametric".to_owned(),
+            delay_s: p.value,
+            interval_s: Some(p.interval),
+            systematic_s: 0.0,
+        });
+        let free = [("phase slope", slope, OFF_S.0), ("correlation peak", peak, OFF_S.1)];
+        let free = free.into_iter().filter_map(|(name, measured, off)| Some(route(name, measured?, off)));
         Ok(SignalDelay {
             role,
             against_demand: parametric.or_else(|| slope.map(|m| parameter(AGAINST_DEMAND, m))),
-            against_speed_bend: self.against_bend(role, cell.as_ref(), average),
-            routes: values.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect(),
-            moving_average_length: average.map(|a| a.length),
+            against_speed_bend: self.against_bend(role, cell.as_ref(), average.as_ref()),
+            routes: of_model.into_iter().chain(free).collect(),
+            moving_average_length: average.as_ref().and_then(ShaftFilter::moving_average_length),
             dynamics: cell.map(|c| c.dynamics),
             stretch: stretch_of(self.experiment, signal, 0..signal.len()),
         })
@@ -114,13 +122,8 @@ impl Bench<'_> {
         found.usable.then_some(found)
     }
 
-    fn moving_average(&self, shaft: &Signal) -> Option<MovingAverage> {
-        let (speed, torque) = (self.experiment.signal(Role::DynoSpeed)?, self.experiment.signal(Role::AirGapTorque)?);
-        moving_average::detect(speed, torque, shaft, self.inertia_kg_m2).ok().flatten()
-    }
-
     /// Phase slope and correlation peak against the held demand.
-    fn model_free(&self, role: Role, signal: &Signal) -> Result<(Option<Measured>, Option<f64>), SignalError> {
+    fn model_free(&self, role: Role, signal: &Signal) -> Result<(Option<Measured>, Option<Measured>), SignalError> {
         if !matches!(role, Role::AirGapTorque | Role::LoadCellTorque) {
             return Ok((None, None));
         }
@@ -129,10 +132,11 @@ impl Bench<'_> {
         // The samples lead the held demand by half a sample, which is not the signal's delay.
         let slope = phase_slope(&demand, &moved, FOLLOWING_HZ, Curvature::Cubic)?;
         let slope = slope.map(|m| Measured { delay_s: m.delay_s - hold_s, ..m });
-        Ok((slope, correlation_peak(&demand, &moved)?.map(|d| d - hold_s)))
+        let peak = correlation_peak(&demand, &moved)?.map(|m| Measured { delay_s: m.delay_s - hold_s, ..m });
+        Ok((slope, peak))
     }
 
-    fn against_bend(&self, role: Role, cell: Option<&LoadCell>, average: Option<MovingAverage>) -> Option<Parameter> {
+    fn against_bend(&self, role: Role, cell: Option<&LoadCell>, average: Option<&ShaftFilter>) -> Option<Parameter> {
         let measured = match role {
             Role::AirGapTorque => self.air_gap_against_bend(),
             Role::LoadCellTorque => self.load_cell_against_bend(cell?),
@@ -173,10 +177,10 @@ impl Bench<'_> {
     }
 
     /// The length is a whole number: the standard error is that of a rounded sample.
-    fn average_against_bend(&self, average: MovingAverage) -> Option<Measured> {
+    fn average_against_bend(&self, average: &ShaftFilter) -> Option<Measured> {
         let step_s = self.experiment.signal(Role::DynoSpeed)?.sample_time_s;
         Some(Measured {
-            delay_s: average.delay_s,
+            delay_s: average.best.delay_s,
             standard_error_s: step_s / 12f64.sqrt(),
             degrees_of_freedom: f64::INFINITY,
             coherence: 1.0,
@@ -191,6 +195,24 @@ impl Bench<'_> {
         let (shaft, flange) = on_one_raster(&shaft, self.experiment.signal(role)?).ok()?;
         let later = phase_slope(&shaft, &flange, FLANGE_HZ, Curvature::Cubic).ok().flatten()?;
         (later.coherence >= COHERENT).then_some(later)
+    }
+}
+
+/// The filter inside T_d,shaft,calc; none where it, N_d or T_d,calc was not recorded, or nothing explains it.
+#[must_use]
+pub fn shaft_filter(experiment: &Experiment) -> Option<ShaftFilter> {
+    let signal = |role| experiment.signal(role);
+    let (speed, torque) = (signal(Role::DynoSpeed)?, signal(Role::AirGapTorque)?);
+    filter::detect(speed, torque, signal(Role::SystemShaftTorque)?).ok().flatten()
+}
+
+fn route(name: &str, m: Measured, systematic_s: f64) -> DelayRoute {
+    let bounds = interval(m.delay_s, m.standard_error_s, m.degrees_of_freedom, LEVEL);
+    DelayRoute {
+        name: name.to_owned(),
+        delay_s: m.delay_s,
+        interval_s: m.standard_error_s.is_finite().then_some(bounds),
+        systematic_s,
     }
 }
 

@@ -13,6 +13,9 @@ use signal::{Complex64, Signal, SignalError};
 const SEGMENT_S: f64 = 4.0;
 /// Longest delay the correlation looks for, s.
 const LONGEST_S: f64 = 0.06;
+/// Stretches between which the peak of the correlation scatters, and the fewest that say how much.
+const PARTS: usize = 8;
+const FEWEST: usize = 4;
 /// Coherences closer to one than this count as this close.
 const NEAREST_TO_ONE: f64 = 1e-9;
 
@@ -107,11 +110,27 @@ fn unwrapped(values: impl Iterator<Item = Complex64>) -> Vec<f64> {
     values.map(unwrap).collect()
 }
 
-/// Delay by the peak of the cross-correlation, if it lies inside the range searched.
+/// Delay by the peak of the cross-correlation, if it lies inside the range searched, with the standard error that the scatter
+/// between stretches of equal length gives it; infinite where these are too few.
 ///
 /// # Errors
 /// Those of the cross-correlation.
-pub(super) fn correlation_peak(earlier: &Signal, later: &Signal) -> Result<Option<f64>, SignalError> {
-    let found = delay_by_correlation(&earlier.samples, &later.samples, earlier.sample_time_s, LONGEST_S)?;
-    Ok((!found.at_edge).then_some(found.delay_s))
+pub(super) fn correlation_peak(earlier: &Signal, later: &Signal) -> Result<Option<Measured>, SignalError> {
+    let peak = |from: usize, to: usize| {
+        let (x, y) = (&earlier.samples[from..to], &later.samples[from..to]);
+        let found = delay_by_correlation(x, y, earlier.sample_time_s, LONGEST_S)?;
+        Ok((!found.at_edge).then_some(found.delay_s))
+    };
+    let Some(delay_s) = peak(0, earlier.len())? else { return Ok(None) };
+    let length = earlier.len() / PARTS;
+    let is_flat = |x: &[f64]| x.iter().all(|v| *v == x[0]);
+    let moving = |k: &usize| length > 1 && !is_flat(&earlier.samples[k * length..(k + 1) * length]);
+    // A stretch in which nothing happens has no peak of its own.
+    let parts: Vec<f64> =
+        (0..PARTS).filter(moving).filter_map(|k| peak(k * length, (k + 1) * length).ok().flatten()).collect();
+    let count = parts.len() as f64;
+    let mean = parts.iter().sum::<f64>() / count;
+    let variance = parts.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    let standard_error_s = if parts.len() < FEWEST { f64::INFINITY } else { (variance / count).sqrt() };
+    Ok(Some(Measured { delay_s, standard_error_s, degrees_of_freedom: count - 1.0, coherence: 1.0 }))
 }

@@ -24,18 +24,18 @@ use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
 use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
 
-pub(super) use held::{HeldDemand, Mode};
+use held::HeldDemand;
 pub use model::{InverterModel, ResidualStatistics};
 pub(super) use observed::{Observed, usable_samples};
 pub use ripple::RippleLine;
-use rippled::DelayAndLag;
-pub(super) use rippled::{Response, RippledModel};
-pub(super) use search::{fit_with_ripple, robust_covariance};
+use rippled::{DelayAndLag, RippledModel};
+use search::fit_with_ripple;
+pub(super) use search::robust_covariance;
 
 /// The longest delay looked for, s.
-pub(super) const LONGEST_DELAY_S: f64 = 0.02;
+const LONGEST_DELAY_S: f64 = 0.02;
 /// By how much T_d,calc may be dated before the demand that it follows, s: as far as clocks of rasters are apart.
-pub(super) const EARLIEST_S: f64 = 0.005;
+const EARLIEST_S: f64 = 0.005;
 /// Range of the lag, rad/s.
 const LAG_RAD_S: (f64, f64) = (20.0, 2e4);
 /// Part of the recording that is estimated from; the rest is held out.
@@ -157,7 +157,7 @@ fn check_finite(what: &'static str, values: &[f64]) -> Result<(), IdentError> {
     }
 }
 
-pub(super) fn standard_deviation(values: &[f64]) -> f64 {
+pub(crate) fn standard_deviation(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()

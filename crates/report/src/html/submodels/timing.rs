@@ -1,7 +1,7 @@
 //! Delays of the torque signals.
 
 use bench::Role;
-use bench::study::{Parameter, Part, SignalDelay, Study};
+use bench::study::{DelayRoute, Parameter, Part, SignalDelay, Study};
 
 use crate::html::parts::{not_estimated, parameters, stretch, table, unbroken};
 use crate::html::typeset::{prose, symbol};
@@ -69,13 +69,13 @@ fn delay_cell(parameter: Option<&Parameter>) -> Markup {
     }
 }
 
-fn routes(routes: &[(String, f64)]) -> Markup {
+fn routes(routes: &[DelayRoute]) -> Markup {
     if routes.is_empty() {
         return markup!("<span class=\"none\">one route only</span>");
     }
     let listed: Vec<Markup> = routes
         .iter()
-        .map(|(name, delay_s)| markup!("{} <span class=\"n\">{}</span>", prose(name), number::duration(*delay_s)))
+        .map(|r| markup!("{} <span class=\"n\">{}</span>", prose(&r.name), number::duration(r.delay_s)))
         .collect();
     let mut all = Markup::default();
     for (at, item) in listed.iter().enumerate() {

@@ -1,0 +1,258 @@
+//! The stretches of a recording in which the dynamometer turns by itself.
+
+use signal::Signal;
+
+use super::regression::Fitted;
+use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut};
+use crate::estimate::{timing_floor_s, torque_control};
+use crate::study::Stretch;
+use crate::{Experiment, Role};
+
+/// Shortest stretch, s.
+const SHORTEST_S: f64 = 1.0;
+/// Slower than this part of the highest speed, and than so many rad/s, is left out.
+const SLOWEST: (f64, f64) = (0.02, 1.0);
+/// A sample drops out that is off the median of those about it by this part of it.
+const DROPPED: f64 = 0.1;
+/// Samples on either side of that median.
+const ABOUT: usize = 3;
+/// All speeds within this part of the highest are one speed.
+const STEADY: f64 = 0.02;
+/// Over this the speed is averaged to see whether it falls, s.
+const FALL_S: f64 = 1.0;
+/// The torque control is taken from a recording where its error is less than this part of what T_d does.
+const DISAGREES: f64 = 0.05;
+/// The clock of T_d,calc is ahead of that of T_d* by at most this, s.
+const AHEAD_S: f64 = 0.01;
+/// Values of the modelled T_d in a sample of T_d*.
+const FINER: usize = 4;
+/// T_d is averaged over this to see what it does beyond noise and ripple, s.
+const BLOCK_S: f64 = 0.05;
+/// Points of a figure.
+const SHOWN: usize = 600;
+
+/// N_d on its clock, drop-outs marked and bridged, and T_d over the same time.
+pub(super) struct Course {
+    pub(super) file: String,
+    /// Without drop-outs, rad/s.
+    pub(super) speed: Signal,
+    pub(super) dropped: Vec<bool>,
+    pub(super) torque: Option<Signal>,
+    /// Standard error of the clock of T_d against that of T_d,calc, s.
+    pub(super) dated_s: f64,
+}
+
+/// The stretches of a recording in which the dynamometer turns fast enough.
+pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Result<Vec<Course>, FrictionError> {
+    let file = || experiment.file.clone();
+    if !experiment.label.is_without_shaft() {
+        return Err(FrictionError::ShaftOn { file: file(), label: experiment.label.to_string() });
+    }
+    let role = Role::DynoSpeed;
+    let measured = experiment.signal(role).ok_or_else(|| FrictionError::MissingSignal { file: file(), role })?;
+    let known = torque(experiment, options.torque_limit_nm);
+    let torque = known.as_ref().map(|(torque, _)| torque);
+    let (speed, dropped) = without_drop_outs(measured);
+    let fastest = speed.samples.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
+    let slowest = options.slowest_rad_s.unwrap_or((SLOWEST.0 * fastest).max(SLOWEST.1));
+    let is_inside =
+        |t: f64| torque.is_none_or(|x| t - LONGEST_DELAY_S >= x.start_s && t + LONGEST_DELAY_S <= x.end_s());
+    let is_used = |i: usize| speed.samples[i].abs() > slowest && is_inside(speed.time_s(i));
+    let mut runs = runs(speed.len(), is_used);
+    if torque.is_none() {
+        runs = runs.into_iter().filter_map(|run| longest_fall(&speed, run)).collect();
+    }
+    let length = |run: &(usize, usize)| (run.1 - run.0) as f64 * speed.sample_time_s;
+    let turning_s = runs.iter().map(length).sum();
+    runs.retain(|run| length(run) >= SHORTEST_S);
+    if runs.is_empty() {
+        return Err(FrictionError::HardlyTurns {
+            file: file(),
+            turning_s,
+            needed_s: SHORTEST_S,
+            slowest_rad_s: slowest,
+        });
+    }
+    let course = |(from, to): (usize, usize)| Course {
+        file: file(),
+        speed: Signal {
+            start_s: speed.time_s(from),
+            sample_time_s: speed.sample_time_s,
+            samples: speed.samples[from..to].to_vec(),
+        },
+        dropped: dropped[from..to].to_vec(),
+        torque: torque.cloned(),
+        dated_s: known.as_ref().map_or(0.0, |(_, dated_s)| *dated_s),
+    };
+    Ok(runs.into_iter().map(course).collect())
+}
+
+/// T_d as finely as it can be known: T_d* through the torque control that this recording itself shows, where T_d,calc agrees with
+/// it, since T_d,calc dates the edges of T_d no better than to its own sample; else T_d,calc, or the load cell. With the standard
+/// error of its clock against that of T_d,calc, s.
+fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(Signal, f64)> {
+    let recorded = [Role::AirGapTorque, Role::LoadCellTorque].into_iter().find_map(|role| experiment.signal(role))?;
+    // Few edges, each at the same place between two samples, date T_d,calc no better than any sample is dated.
+    let own_s = timing_floor_s(recorded.sample_time_s);
+    let modelled = || {
+        let demand = experiment.signal(Role::DynoTorqueDemand)?;
+        // Where the clock of T_d,calc is ahead, it would answer before it is asked, which no torque control does.
+        let mut later = experiment.clone();
+        later.signals.get_mut(&Role::AirGapTorque)?.start_s += AHEAD_S;
+        let fit = torque_control::estimate(&later, torque_limit_nm).ok()?;
+        let (inverter, delay) = (fit.inverter, fit.result.delay_and_lag.parameters.get(2)?);
+        let spread = torque_control::standard_deviation(&recorded.samples);
+        let agrees = inverter.residual.standard_deviation_nm < DISAGREES * spread;
+        agrees.then(|| {
+            let torque = inverter.finer_air_gap_torque(demand, FINER);
+            let dated_s = delay.standard_error.min(recorded.sample_time_s).hypot(own_s);
+            (Signal { start_s: torque.start_s - AHEAD_S, ..torque }, dated_s)
+        })
+    };
+    Some(modelled().unwrap_or_else(|| (recorded.clone(), own_s)))
+}
+
+/// Refuses speeds that tell nothing.
+pub(super) fn check_range(courses: &[Course]) -> Result<(), FrictionError> {
+    let (from_rad_s, to_rad_s) = speeds(courses);
+    match courses.first() {
+        Some(first) if to_rad_s - from_rad_s < STEADY * to_rad_s.abs().max(from_rad_s.abs()) => {
+            Err(FrictionError::SteadySpeed { file: first.file.clone(), from_rad_s, to_rad_s })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Lowest and highest speed.
+pub(super) fn speeds(courses: &[Course]) -> (f64, f64) {
+    let all = courses.iter().flat_map(|course| &course.speed.samples);
+    all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(*w), high.max(*w)))
+}
+
+impl Course {
+    pub(super) fn stretch(&self) -> Stretch {
+        Stretch { file: self.file.clone(), start_s: self.speed.start_s, end_s: self.speed.end_s() }
+    }
+
+    /// The course beside that of the model.
+    pub(super) fn run_out(&self, fit: &Fitted) -> RunOut {
+        let step = self.speed.len().div_ceil(SHOWN).max(1);
+        let mut modelled = vec![0.0; self.speed.len()];
+        let integral = self.torque_integral(fit.delay_s);
+        let mut speed = self.speed.samples[0];
+        let mut lost = 0.0;
+        for (i, modelled) in modelled.iter_mut().enumerate() {
+            *modelled = speed;
+            lost += self.speed.sample_time_s * fit.deceleration(speed);
+            let driven = integral.as_ref().map_or(0.0, |all| all.get(i + 1).copied().unwrap_or(0.0));
+            speed = self.speed.samples[0] - driven / fit.inertia_kg_m2() - lost;
+        }
+        let at = || (0..self.speed.len()).step_by(step);
+        RunOut {
+            stretch: self.stretch(),
+            left_out: self.dropped.iter().filter(|d| **d).count(),
+            time_s: at().map(|i| self.speed.time_s(i)).collect(),
+            measured_rad_s: at().map(|i| self.speed.samples[i]).collect(),
+            modelled_rad_s: at().map(|i| modelled[i]).collect(),
+        }
+    }
+
+    /// T_d at the instants of N_d, `delay_s` later on its own clock, Nm.
+    pub(super) fn torque_at(&self, delay_s: f64) -> Option<Vec<f64>> {
+        self.torque.as_ref().map(|torque| self.read(torque, delay_s))
+    }
+
+    /// ∫T_d dt from the first sample on, Nm s; integrated on the clock of T_d.
+    pub(super) fn torque_integral(&self, delay_s: f64) -> Option<Vec<f64>> {
+        let torque = self.torque.as_ref()?;
+        let sum = torque.with_samples(integral(&torque.samples, torque.sample_time_s));
+        let all = self.read(&sum, delay_s);
+        let first = all.first().copied().unwrap_or(0.0);
+        Some(all.into_iter().map(|sum| sum - first).collect())
+    }
+
+    /// A signal at the instants of N_d, `late_s` later on its own clock.
+    fn read(&self, signal: &Signal, late_s: f64) -> Vec<f64> {
+        let last = signal.len().saturating_sub(2) as f64;
+        let value = |i: usize| {
+            let position = (self.speed.time_s(i) + late_s - signal.start_s) / signal.sample_time_s;
+            let below = position.floor().clamp(0.0, last.max(0.0));
+            let here = signal.samples[below as usize];
+            let next = signal.samples.get(below as usize + 1).unwrap_or(&here);
+            here + (next - here) * (position - below).clamp(0.0, 1.0)
+        };
+        (0..self.speed.len()).map(value).collect()
+    }
+
+    /// Means of T_d, Nm, and of N_d, rad/s, over blocks, and the duration of one.
+    pub(super) fn blocks(&self) -> Option<(Vec<(f64, f64)>, f64)> {
+        let torque = self.torque_at(0.0)?;
+        let length = ((BLOCK_S / self.speed.sample_time_s) as usize).max(1);
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        let pairs = torque.chunks_exact(length).zip(self.speed.samples.chunks_exact(length));
+        Some((pairs.map(|(t, w)| (mean(t), mean(w))).collect(), length as f64 * self.speed.sample_time_s))
+    }
+}
+
+/// The integral by the rule of trapezia, zero at the first sample.
+pub(super) fn integral(values: &[f64], step_s: f64) -> Vec<f64> {
+    let mut sum = 0.0;
+    let mut all = Vec::with_capacity(values.len());
+    for (i, value) in values.iter().enumerate() {
+        if i > 0 {
+            sum += 0.5 * step_s * (values[i - 1] + value);
+        }
+        all.push(sum);
+    }
+    all
+}
+
+/// The speed with samples that drop out bridged by their neighbours, and which these are.
+fn without_drop_outs(speed: &Signal) -> (Signal, Vec<bool>) {
+    let x = &speed.samples;
+    let is_dropped = |i: usize| {
+        let mut about = x[i.saturating_sub(ABOUT)..(i + ABOUT + 1).min(x.len())].to_vec();
+        about.sort_by(f64::total_cmp);
+        let median = about[about.len() / 2];
+        (x[i] - median).abs() > DROPPED * median.abs() && median.abs() > SLOWEST.1
+    };
+    let dropped: Vec<bool> = (0..x.len()).map(is_dropped).collect();
+    let mut mended = x.clone();
+    for i in (0..x.len()).filter(|i| dropped[*i]) {
+        let before = (0..i).rev().find(|j| !dropped[*j]);
+        let after = (i + 1..x.len()).find(|j| !dropped[*j]);
+        mended[i] = match (before, after) {
+            (Some(b), Some(a)) => x[b] + (x[a] - x[b]) * (i - b) as f64 / (a - b) as f64,
+            (Some(only), None) | (None, Some(only)) => x[only],
+            (None, None) => x[i],
+        };
+    }
+    (speed.with_samples(mended), dropped)
+}
+
+/// First index and end of every run of indices that fulfil a condition.
+fn runs(count: usize, condition: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
+    let mut runs = Vec::new();
+    let mut start = None;
+    for i in 0..=count {
+        match (start, i < count && condition(i)) {
+            (None, true) => start = Some(i),
+            (Some(from), false) => {
+                runs.push((from, i));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    runs
+}
+
+/// The longest part of a run in which the speed falls from one second to the next.
+fn longest_fall(speed: &Signal, (from, to): (usize, usize)) -> Option<(usize, usize)> {
+    let window = ((FALL_S / speed.sample_time_s) as usize).max(1);
+    let mean = |i: usize| speed.samples[i..i + window].iter().map(|w| w.abs()).sum::<f64>();
+    let last = to.checked_sub(2 * window)?;
+    let falls: Vec<bool> = (from..last.max(from)).map(|i| mean(i + window) < mean(i)).collect();
+    let longest = runs(falls.len(), |i| falls[i]).into_iter().max_by_key(|run| run.1 - run.0)?;
+    Some((from + longest.0, (from + longest.1 + 2 * window).min(to)))
+}

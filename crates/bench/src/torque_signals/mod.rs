@@ -1,0 +1,177 @@
+//! The torque signals of a bench: how late each is, what filter stands in the system's own shaft torque, what the shaft torque
+//! really was, how the load cell moves, and whether T_d,calc can be trusted at rest (thesis §3.4, §6.1).
+
+mod shaft;
+mod trust;
+
+use serde::Serialize;
+
+use crate::estimate::EstimateError;
+use crate::estimate::speed_controller::{self, SpeedControllerFit};
+use crate::estimate::timing::{self, ShaftFilter};
+use crate::estimate::torque_control::{self, TorqueControlFit};
+use crate::model::Engine;
+use crate::study::{Parameter, SignalDelay};
+use crate::{BenchFile, Experiment, Role};
+use shaft::Known;
+pub use shaft::{NoiseLevels, OnceATurn, RebuiltShaft, TorqueSource};
+pub use trust::{Trust, TrustCheck};
+
+/// Torques whose signals this is about.
+const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
+
+/// What recordings tell of the torque signals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TorqueSignals {
+    /// One entry a recording.
+    pub recordings: Vec<TorqueRecording>,
+    /// T_d,calc against the load cell, of all recordings together.
+    pub trust: Option<TrustCheck>,
+}
+
+/// What one recording tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TorqueRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// Delays of its torque signals.
+    pub delays: Told<Vec<SignalDelay>>,
+    /// The filter in T_d,shaft,calc; `None` where that was not recorded.
+    pub filter: Option<Told<ShaftFilter>>,
+    /// The shaft torque; `None` without a shaft.
+    pub shaft: Option<Told<RebuiltShaft>>,
+}
+
+/// A result, or why there is none.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Told<T> {
+    /// The result.
+    Found(T),
+    /// Why there is none.
+    Untold(Untold),
+}
+
+/// Why a recording does not tell something.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Untold {
+    /// A signal was not recorded.
+    Missing {
+        /// Its role.
+        role: Role,
+    },
+    /// T_d* does not move T_d by itself in this experiment, or hardly.
+    NotExcited,
+    /// No filter explains T_d,shaft,calc.
+    NotExplained,
+    /// The estimator's own words.
+    Failed {
+        /// They.
+        reason: String,
+    },
+}
+
+impl<T> Told<T> {
+    /// The result, where there is one.
+    pub fn found(&self) -> Option<&T> {
+        match self {
+            Told::Found(value) => Some(value),
+            Told::Untold(_) => None,
+        }
+    }
+}
+
+impl<T> From<Result<T, EstimateError>> for Told<T> {
+    fn from(outcome: Result<T, EstimateError>) -> Self {
+        match outcome {
+            Ok(value) => Told::Found(value),
+            Err(EstimateError::MissingSignal { role, .. }) => Told::Untold(Untold::Missing { role }),
+            Err(EstimateError::WeakExcitation { .. }) => Told::Untold(Untold::NotExcited),
+            Err(error) => Told::Untold(Untold::Failed { reason: error.to_string() }),
+        }
+    }
+}
+
+impl TorqueSignals {
+    /// The load cell's own dynamics, τ_cell, ω_n and ζ, by the recording that tells them best: that whose ω_n is sharpest.
+    #[must_use]
+    pub fn load_cell(&self) -> Option<(&str, &[Parameter])> {
+        let all = self.recordings.iter().filter_map(|recording| {
+            let delays = recording.delays.found()?;
+            let cell = delays.iter().find_map(|delay| delay.dynamics.as_ref())?;
+            Some((recording.file.as_str(), cell.parameters.as_slice()))
+        });
+        let sharpness =
+            |parameters: &[Parameter]| parameters.get(1).map_or(f64::INFINITY, |p| p.standard_error / p.value);
+        all.min_by(|a, b| sharpness(a.1).total_cmp(&sharpness(b.1)))
+    }
+}
+
+/// Looks at the torque signals of recordings; `step` hears of each before its turn comes.
+///
+/// Delays come from experiments that move T_d* by themselves (WhiteNoise_T_TN, Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT), see
+/// [`timing::estimate`]; the filter from any with N_d, T_d,calc and T_d,shaft,calc; the shaft torque from any with a shaft, N_d and
+/// T_d,calc. The encoder's once-a-turn error is taken out where the speed controller tells it (BS_T_NT).
+#[must_use]
+pub fn torque_signals(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> TorqueSignals {
+    let control = torque_control::choose(experiments)
+        .and_then(|experiment| torque_control::estimate(experiment, bench.limits.torque_nm).ok());
+    let mut recordings = Vec::new();
+    for experiment in experiments {
+        step(&experiment.file);
+        recordings.push(of_recording(experiment, control.as_ref(), bench));
+    }
+    TorqueSignals { recordings, trust: trust::check(experiments).ok().flatten() }
+}
+
+/// `best` is the torque control of the experiment that tells it best; it serves where a recording does not tell it itself.
+fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench: &BenchFile) -> TorqueRecording {
+    let limit = bench.limits.torque_nm;
+    let is_known = torque_control::choose(&[experiment]).is_some();
+    let control = if is_known { torque_control::estimate(experiment, limit).ok() } else { None };
+    let controller = if experiment.is_test("BS") { speed_controller::estimate(experiment, limit).ok() } else { None };
+    TorqueRecording {
+        file: experiment.file.clone(),
+        label: experiment.label.to_string(),
+        delays: if is_known { delays(experiment, control.as_ref(), bench) } else { Told::Untold(Untold::NotExcited) },
+        filter: filter(experiment),
+        shaft: (!experiment.label.is_without_shaft())
+            .then(|| rebuilt(experiment, control.as_ref().or(best), controller.as_ref(), bench)),
+    }
+}
+
+fn delays(experiment: &Experiment, control: Option<&TorqueControlFit>, bench: &BenchFile) -> Told<Vec<SignalDelay>> {
+    if !TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
+        return Told::Untold(Untold::Missing { role: Role::AirGapTorque });
+    }
+    timing::estimate(&[experiment], control, bench.dynamometer_inertia_kg_m2).map(|timing| timing.delays).into()
+}
+
+fn filter(experiment: &Experiment) -> Option<Told<ShaftFilter>> {
+    experiment.signal(Role::SystemShaftTorque)?;
+    let missing = [Role::DynoSpeed, Role::AirGapTorque].into_iter().find(|role| experiment.signal(*role).is_none());
+    Some(match (missing, timing::shaft_filter(experiment)) {
+        (Some(role), _) => Told::Untold(Untold::Missing { role }),
+        (None, Some(filter)) => Told::Found(filter),
+        (None, None) => Told::Untold(Untold::NotExplained),
+    })
+}
+
+fn rebuilt(
+    experiment: &Experiment,
+    control: Option<&TorqueControlFit>,
+    controller: Option<&SpeedControllerFit>,
+    bench: &BenchFile,
+) -> Told<RebuiltShaft> {
+    let known = Known {
+        inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
+        engine: Engine { cylinders: bench.cylinders, strokes: bench.strokes },
+        torque_control: control,
+        encoder: controller.map(|fit| fit.encoder),
+        stated_gate_s: bench.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s),
+    };
+    shaft::rebuild(experiment, &known).into()
+}

@@ -1,0 +1,49 @@
+//! The recordings of a bench as labelled experiments, for the commands that look at them one by one.
+
+use bench::study::experiment_of;
+use bench::{BenchFile, Experiment, Severity};
+use report::wording;
+
+use super::identify::data::check_plot;
+use super::study::read_bench;
+use crate::cli::GivenRecordings;
+use crate::cli::identify::ResultArguments;
+use crate::error::CliError;
+use crate::input;
+use crate::terminal::Terminal;
+
+/// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns of, those
+/// that cannot be used.
+pub(super) fn each(
+    (given, result): (&GivenRecordings, &ResultArguments),
+    doing: &str,
+    terminal: &mut Terminal,
+    mut work: impl FnMut(&BenchFile, Experiment),
+) -> Result<Vec<String>, CliError> {
+    let (bench, _) = read_bench(&given.bench)?;
+    if bench.channels.is_empty() {
+        return Err(CliError::NoChannelsNamed { path: given.bench.clone() });
+    }
+    let files = match given.recordings.is_empty() {
+        true => input::listed(&given.bench, &bench.recordings.files)?,
+        false => input::named(&given.recordings)?,
+    };
+    check_plot(result, &[std::slice::from_ref(&given.bench), &given.recordings])?;
+    let progress = terminal.progress(files.len() as u64);
+    let mut refused = Vec::new();
+    for file in &files {
+        progress.say(&format!("{doing} {}", file.name));
+        match experiment_of(&bench, &input::read_source(file)?) {
+            Ok((experiment, _)) => work(&bench, experiment),
+            Err(diagnostics) => {
+                let worst = diagnostics.iter().find(|d| d.severity == Severity::Error).or(diagnostics.first());
+                let nothing = || format!("{}: nothing in it can be used", file.name);
+                refused.push(worst.map_or_else(nothing, wording::diagnostic));
+            }
+        }
+        progress.step();
+    }
+    drop(progress);
+    refused.iter().for_each(|reason| terminal.warning(reason));
+    Ok(refused)
+}

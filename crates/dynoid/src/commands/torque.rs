@@ -1,0 +1,190 @@
+//! `dynoid torque`: the torque signals held against each other, and the shaft torque rebuilt.
+
+use std::path::Path;
+
+use bench::study::SignalDelay;
+use bench::torque_signals::{RebuiltShaft, Told, TorqueRecording, TorqueSignals, torque_signals};
+use bench::{BenchFile, Experiment};
+use recording::{Channel, Format, Raster, Recording};
+use report::torque::{agreement, figures, lateness, rebuilt, routes, shaft_filter, trust, untold};
+use report::wording::number;
+use serde_json::json;
+
+use super::experiments;
+use super::identify::data::check_targets;
+use super::identify::judge::{picture, written};
+use crate::cli::torque::TorqueArguments;
+use crate::error::{CliError, Outcome};
+use crate::formats::FileFormat;
+use crate::table::{Align, Style, Table};
+use crate::terminal::Terminal;
+
+pub(crate) fn run(arguments: &TorqueArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    if let Some(out) = &arguments.out {
+        FileFormat::of_output(out)?;
+        let given = &arguments.given;
+        check_targets(&[&arguments.out], &[std::slice::from_ref(&given.bench), &given.recordings])?;
+    }
+    let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
+    let refused =
+        experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
+            found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
+        })?;
+    let (bench, experiments) =
+        found.ok_or_else(|| CliError::NothingToLookAt { path: arguments.given.bench.clone() })?;
+    let progress = terminal.progress(experiments.len() as u64);
+    let signals = torque_signals(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {
+        progress.say(&format!("looking at the torques of {file}"));
+        progress.step();
+    });
+    drop(progress);
+    picture(&arguments.result, "Torque signals", || figures(&signals))?;
+    if let Some(out) = &arguments.out {
+        write(&signals, out, terminal)?;
+    }
+    if arguments.result.json {
+        let recordings: Vec<_> = signals.recordings.iter().map(short).collect();
+        terminal.json(&json!({"recordings": recordings, "trust": signals.trust, "refused": refused}))?;
+    } else if !terminal.is_quiet() {
+        signals.recordings.iter().for_each(|recording| print(recording, terminal));
+        print_all(&signals, terminal);
+        [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
+    }
+    Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+}
+
+/// A recording's results without the samples of the shaft torque.
+fn short(recording: &TorqueRecording) -> serde_json::Value {
+    let shaft = recording.shaft.as_ref().map(|told| match told {
+        Told::Found(shaft) => json!({"found": {
+            "start_s": shaft.start_s, "sample_time_s": shaft.sample_time_s, "samples": shaft.smoothed_nm.len(),
+            "torque": shaft.torque, "noise": shaft.noise, "once_a_turn": shaft.once_a_turn,
+        }}),
+        Told::Untold(why) => json!({"untold": why}),
+    });
+    json!({"file": recording.file, "label": recording.label, "delays": recording.delays, "filter": recording.filter,
+        "shaft": shaft})
+}
+
+fn print(recording: &TorqueRecording, terminal: &mut Terminal) {
+    terminal.heading(&format!("{}, {}", recording.file, recording.label), Style::Bold);
+    match &recording.delays {
+        Told::Found(delays) => print_delays(delays, terminal),
+        Told::Untold(why) => terminal.line(&format!("delays: {}", untold(why))),
+    }
+    match &recording.filter {
+        Some(Told::Found(filter)) => terminal.line(&format!("T_d,shaft,calc: {}", shaft_filter(filter))),
+        Some(Told::Untold(why)) => terminal.line(&format!("T_d,shaft,calc: {}", untold(why))),
+        None => {}
+    }
+    match &recording.shaft {
+        Some(Told::Found(shaft)) => terminal.line(&format!("T_shaft rebuilt: {}", rebuilt(shaft))),
+        Some(Told::Untold(why)) => terminal.line(&format!("T_shaft: {}", untold(why))),
+        None => {}
+    }
+    terminal.gap();
+}
+
+fn print_delays(delays: &[SignalDelay], terminal: &mut Terminal) {
+    let columns = [
+        ("signal", Align::Left),
+        ("behind T_d*", Align::Right),
+        ("behind the bend of N_d", Align::Right),
+        ("agree", Align::Left),
+        ("behind T_d* by each route, 95 % intervals", Align::Left),
+    ];
+    let mut table = Table::new(&columns);
+    for delay in delays {
+        let shown = |p: &Option<bench::study::Parameter>| p.as_ref().map_or_else(|| "–".to_owned(), number::parameter);
+        table.row([
+            delay.role.symbol().into(),
+            shown(&delay.against_demand).into(),
+            shown(&delay.against_speed_bend).into(),
+            agreement(delay).into(),
+            routes(delay).join("; ").into(),
+        ]);
+    }
+    terminal.table(&table);
+    lateness(delays).into_iter().for_each(|text| terminal.line(&text));
+}
+
+/// What all recordings tell together.
+fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
+    if let Some((file, parameters)) = signals.load_cell() {
+        terminal.heading(&format!("Load cell, from {file}"), Style::Bold);
+        let columns = [
+            ("symbol", Align::Left),
+            ("estimate", Align::Right),
+            ("95 % interval", Align::Right),
+            ("what it is", Align::Left),
+        ];
+        let mut table = Table::new(&columns);
+        for p in parameters {
+            table.row([
+                p.symbol.clone().into(),
+                number::parameter(p).into(),
+                number::interval(p).into(),
+                p.name.clone().into(),
+            ]);
+        }
+        terminal.table(&table);
+        terminal.gap();
+    }
+    match &signals.trust {
+        Some(check) => terminal.paragraph(&trust(check)),
+        None => terminal.paragraph(
+            "T_d,calc is not held against the load cell: that takes both, near rest for 6 s or more; run Step_T_TN with long dwells",
+        ),
+    }
+}
+
+/// Writes the shaft torque of the one recording there is.
+fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
+    let [recording] = signals.recordings.as_slice() else {
+        let what = format!(
+            "{}: the shaft torque of one recording is written, and {} are given; name the one that is meant",
+            out.display(),
+            signals.recordings.len()
+        );
+        return Err(CliError::Usage { what });
+    };
+    let shaft = match &recording.shaft {
+        Some(Told::Found(shaft)) => shaft,
+        Some(Told::Untold(why)) => {
+            return Err(CliError::Usage { what: format!("{}: no shaft torque: {}", recording.file, untold(why)) });
+        }
+        None => {
+            return Err(CliError::Usage {
+                what: format!("{}: the shaft is off, so there is no shaft torque", recording.file),
+            });
+        }
+    };
+    let mut rebuilt = as_recording(&recording.file, shaft);
+    let format = FileFormat::of_output(out)?;
+    let renamed = format.fit(&mut rebuilt).into_iter().filter(|note| !note.starts_with("text has no place"));
+    renamed.for_each(|note| terminal.warning(&note));
+    format.write(&rebuilt, out)
+}
+
+fn as_recording(file: &str, shaft: &RebuiltShaft) -> Recording {
+    let time_s = (0..shaft.smoothed_nm.len()).map(|k| shaft.start_s + k as f64 * shaft.sample_time_s).collect();
+    let channel = |name: &str, comment: &str, samples: &[f64]| Channel {
+        name: name.to_owned(),
+        unit: "Nm".to_owned(),
+        comment: comment.to_owned(),
+        raster: 0,
+        samples: samples.to_vec(),
+    };
+    Recording {
+        format: Format::Mdf { version: 410 },
+        comment: Some(format!("shaft torque rebuilt from {file}")),
+        start_time: None,
+        rasters: vec![Raster { time_s, name: None }],
+        channels: vec![
+            channel("shaft_torque", "by a fixed-interval smoother", &shaft.smoothed_nm),
+            channel("shaft_torque_standard_deviation", "of the smoother", &shaft.standard_deviation_nm),
+            channel("shaft_torque_zero_phase", "by a filter without phase shift", &shaft.zero_phase_nm),
+        ],
+        findings: Vec::new(),
+    }
+}

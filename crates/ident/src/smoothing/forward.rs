@@ -1,0 +1,175 @@
+//! The Kalman filter, one measurement after the other.
+
+use faer::MatRef;
+
+use super::{Belief, NoisySystem, check_length, check_square};
+use crate::IdentError;
+
+/// A measurement against what was expected of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Innovation {
+    pub(super) sample: usize,
+    pub(super) output: usize,
+    pub(super) value: f64,
+    pub(super) variance: f64,
+}
+
+/// What the filter leaves behind: innovations, and where it is asked for, what the way back needs. Matrices are by rows.
+pub(super) struct Forward {
+    pub(super) states: usize,
+    pub(super) transition: Vec<f64>,
+    pub(super) output: Vec<f64>,
+    pub(super) innovations: Vec<Innovation>,
+    /// Gain of each innovation.
+    pub(super) gains: Vec<f64>,
+    /// x(k) given the measurements before sample k.
+    pub(super) predicted: Vec<f64>,
+    /// Its covariance.
+    pub(super) covariances: Vec<f64>,
+}
+
+/// The filter on its way.
+struct Filter<'a> {
+    system: &'a NoisySystem,
+    x: Vec<f64>,
+    p: Vec<f64>,
+    /// Room for a product.
+    product: Vec<f64>,
+    column: Vec<f64>,
+}
+
+impl Forward {
+    /// Runs the filter; `keep` what the smoother needs.
+    pub(super) fn run(
+        system: &NoisySystem,
+        start: &Belief,
+        inputs: MatRef<'_, f64>,
+        outputs: MatRef<'_, f64>,
+        keep: bool,
+    ) -> Result<Forward, IdentError> {
+        check(system, start, inputs, outputs)?;
+        let n = system.system.states();
+        let samples = outputs.nrows();
+        let mut forward = Forward {
+            states: n,
+            transition: by_rows(system.system.a()),
+            output: by_rows(system.system.c()),
+            innovations: Vec::with_capacity(samples),
+            gains: Vec::new(),
+            predicted: Vec::new(),
+            covariances: Vec::new(),
+        };
+        let mut filter = Filter {
+            system,
+            x: start.mean.clone(),
+            p: by_rows(start.covariance.as_ref()),
+            product: vec![0.0; n * n],
+            column: vec![0.0; n],
+        };
+        for sample in 0..samples {
+            if keep {
+                forward.predicted.extend_from_slice(&filter.x);
+                forward.covariances.extend_from_slice(&filter.p);
+            }
+            for output in (0..outputs.ncols()).filter(|i| !outputs[(sample, *i)].is_nan()) {
+                let expected = filter.expected(&forward.output, output, inputs, sample);
+                let value = outputs[(sample, output)] - expected;
+                let variance = filter.update(&forward.output, output, value)?;
+                forward.innovations.push(Innovation { sample, output, value, variance });
+                if keep {
+                    forward.gains.extend_from_slice(&filter.column);
+                }
+            }
+            filter.predict(&forward.transition, inputs, sample);
+        }
+        Ok(forward)
+    }
+
+    pub(super) fn log_likelihood(&self) -> f64 {
+        let each = |one: &Innovation| (std::f64::consts::TAU * one.variance).ln() + one.value.powi(2) / one.variance;
+        -0.5 * self.innovations.iter().map(each).sum::<f64>()
+    }
+}
+
+impl Filter<'_> {
+    /// What an output is expected to be.
+    fn expected(&self, c: &[f64], output: usize, inputs: MatRef<'_, f64>, sample: usize) -> f64 {
+        let n = self.x.len();
+        let through = (0..inputs.ncols()).map(|j| self.system.system.d()[(output, j)] * inputs[(sample, j)]);
+        dot(&c[output * n..(output + 1) * n], &self.x) + through.sum::<f64>()
+    }
+
+    /// Takes up one measurement and returns the variance of its innovation; `column` is then its gain.
+    fn update(&mut self, c: &[f64], output: usize, innovation: f64) -> Result<f64, IdentError> {
+        let n = self.x.len();
+        let c = &c[output * n..(output + 1) * n];
+        for i in 0..n {
+            self.column[i] = dot(&self.p[i * n..(i + 1) * n], c);
+        }
+        let variance = dot(c, &self.column) + self.system.measurement_variance[output];
+        if !(variance > 0.0 && variance.is_finite() && innovation.is_finite()) {
+            return Err(IdentError::Structure { what: "noise and start leave a measurement no room" });
+        }
+        for i in 0..n {
+            for j in 0..n {
+                self.p[i * n + j] -= self.column[i] * self.column[j] / variance;
+            }
+        }
+        self.column.iter_mut().for_each(|gain| *gain /= variance);
+        self.x.iter_mut().zip(&self.column).for_each(|(x, gain)| *x += gain * innovation);
+        Ok(variance)
+    }
+
+    /// One sample on: A x + B u, A P Aᵀ + Q.
+    fn predict(&mut self, a: &[f64], inputs: MatRef<'_, f64>, sample: usize) {
+        let n = self.x.len();
+        let b = self.system.system.b();
+        for i in 0..n {
+            let driven: f64 = (0..inputs.ncols()).map(|j| b[(i, j)] * inputs[(sample, j)]).sum();
+            self.column[i] = dot(&a[i * n..(i + 1) * n], &self.x) + driven;
+        }
+        self.x.copy_from_slice(&self.column);
+        for i in 0..n {
+            for j in 0..n {
+                // P is symmetric: its rows are its columns.
+                self.product[i * n + j] = dot(&a[i * n..(i + 1) * n], &self.p[j * n..(j + 1) * n]);
+            }
+        }
+        for i in 0..n {
+            for j in 0..=i {
+                let sum = dot(&self.product[i * n..(i + 1) * n], &a[j * n..(j + 1) * n]);
+                let value =
+                    sum + 0.5 * (self.system.process_covariance[(i, j)] + self.system.process_covariance[(j, i)]);
+                self.p[i * n + j] = value;
+                self.p[j * n + i] = value;
+            }
+        }
+    }
+}
+
+fn check(
+    system: &NoisySystem,
+    start: &Belief,
+    inputs: MatRef<'_, f64>,
+    outputs: MatRef<'_, f64>,
+) -> Result<(), IdentError> {
+    let n = system.system.states();
+    check_length("states at the start", n, start.mean.len())?;
+    check_square("covariance at the start", n, start.covariance.as_ref())?;
+    check_length("inputs", system.system.inputs(), inputs.ncols())?;
+    check_length("outputs", system.system.outputs(), outputs.ncols())?;
+    check_length("samples of the inputs", outputs.nrows(), inputs.nrows())?;
+    let is_finite = |k: &usize| (0..inputs.ncols()).all(|j| inputs[(*k, j)].is_finite());
+    match (0..inputs.nrows()).find(|k| !is_finite(k)) {
+        Some(index) => Err(IdentError::NotFinite { what: "the input", index }),
+        None => Ok(()),
+    }
+}
+
+fn by_rows(m: MatRef<'_, f64>) -> Vec<f64> {
+    (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,202 @@
+//! Torque signals, in words and figures.
+
+use bench::Role;
+use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
+use bench::study::SignalDelay;
+use bench::torque_signals::{
+    OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, TorqueSource, Trust, TrustCheck, Untold,
+};
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+
+use crate::wording::{self, number};
+
+/// Height of a panel on the page.
+const HEIGHT: u32 = 220;
+/// How much of the shaft torque is drawn, s.
+const SHOWN_S: f64 = 0.5;
+/// Half the width of a 95 % band in standard deviations.
+const BAND: f64 = 1.96;
+
+/// Why a recording does not tell something, with what would.
+pub fn untold(why: &Untold) -> String {
+    match why {
+        Untold::Missing { role } => format!("{} is not recorded; record it", wording::role(*role)),
+        Untold::NotExcited => "T_d* does not move T_d by itself here; run WhiteNoise_T_TN or Step_T_TN".to_owned(),
+        Untold::NotExplained => {
+            "neither a moving average, a lag nor a delay of N_d explains it; check J_d and the channels".to_owned()
+        }
+        Untold::Failed { reason } => reason.clone(),
+    }
+}
+
+/// A filter with its delay, e.g. `moving average over 16 samples, 7.5 ms late`.
+pub fn filter(candidate: &FilterCandidate) -> String {
+    let late = number::duration(candidate.filter_delay_s);
+    match candidate.filter {
+        Filter::MovingAverage { length: 1 } => "no filter".to_owned(),
+        Filter::MovingAverage { length } => {
+            format!("moving average over {length} samples of N_d, (N − 1)/2 samples = {late} late")
+        }
+        Filter::Lag { time_constant_s } => format!("first-order lag of {}", number::duration(time_constant_s)),
+        Filter::Delay => format!("delay of {}", number::duration(candidate.delay_s)),
+    }
+}
+
+/// What was found of the filter in T_d,shaft,calc.
+pub fn shaft_filter(found: &ShaftFilter) -> String {
+    let quotient = match found.best.difference {
+        Difference::Backward => "backward difference",
+        Difference::Central => "central difference",
+    };
+    let best = format!(
+        "{}; with the {quotient} of N_d {} late in all; J_d in it is {}",
+        filter(&found.best),
+        number::duration(found.best.delay_s),
+        number::measure(found.best.inertia_kg_m2, "kg m²"),
+    );
+    let rest = |residual_nm: f64| number::share(residual_nm / found.spread_nm);
+    let second = found.others.first().map(|second| {
+        let left =
+            format!("leaves {} unexplained, the best {}", rest(second.residual_nm), rest(found.best.residual_nm));
+        format!("the next best, {}, {left}", filter(second))
+    });
+    let told = if found.is_told() { "" } else { "; the two are not told apart: record longer" };
+    best + &second.map(|second| format!("; {second}{told}")).unwrap_or_default()
+}
+
+/// Whether the routes to a delay agree.
+pub fn agreement(delay: &SignalDelay) -> &'static str {
+    match delay.routes_agree() {
+        Some(true) => "yes",
+        Some(false) => "no",
+        None => "–",
+    }
+}
+
+/// Each route to a delay with its 95 % interval.
+pub fn routes(delay: &SignalDelay) -> Vec<String> {
+    let route = |r: &bench::study::DelayRoute| match r.interval_s {
+        Some((low, high)) => {
+            let ends = [low, high].map(|s| number::significant(1e3 * s, 4));
+            format!("{} {} … {} ms", r.name, ends[0], ends[1])
+        }
+        None => format!("{} {}", r.name, number::duration(r.delay_s)),
+    };
+    delay.routes.iter().map(route).collect()
+}
+
+/// Which of T_d,calc and T_d,meas can be used for identification, in a sentence.
+pub fn lateness(delays: &[SignalDelay]) -> Option<String> {
+    let late = |role: Role| delays.iter().find(|d| d.role == role)?.against_demand.as_ref();
+    let (calculated, measured) = (late(Role::AirGapTorque)?, late(Role::LoadCellTorque)?);
+    let behind = number::duration(measured.value - calculated.value);
+    Some(format!(
+        "T_d,calc is {} behind T_d*, T_d,meas {behind} later still: identify with T_d,calc",
+        number::duration(calculated.value)
+    ))
+}
+
+/// How the shaft torque was rebuilt, and how certain it is.
+pub fn rebuilt(shaft: &RebuiltShaft) -> String {
+    let mut deviations = shaft.standard_deviation_nm.clone();
+    deviations.sort_by(f64::total_cmp);
+    let median = deviations.get(deviations.len() / 2).copied().unwrap_or(f64::NAN);
+    let from = match shaft.torque {
+        TorqueSource::Modelled => "T_d* through the torque control",
+        TorqueSource::Calculated => "T_d,calc",
+    };
+    let certain =
+        format!("known to ±{} (95 %), from N_d and {from}", number::significant_with_unit(BAND * median, 2, "Nm"));
+    let worth = |nm: f64| number::significant_with_unit(nm, 2, "Nm");
+    let once = match shaft.once_a_turn {
+        OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),
+        OnceATurn::Unknown(nm) => format!(
+            "beyond that, each 0.01 % of a once-a-turn error of the encoder stands in it as {} at order 1",
+            worth(nm)
+        ),
+    };
+    let doubt = if shaft.noise.converged { "" } else { "; its noise levels did not settle" };
+    format!("{certain}; {once}{doubt}")
+}
+
+/// Whether T_d,calc can be trusted at rest, in plain words.
+pub fn trust(check: &TrustCheck) -> String {
+    let verdict = match check.verdict {
+        Trust::Trusted => "T_d,calc can be trusted at rest: within 1 % and 1 Nm of the load cell",
+        Trust::Off => "T_d,calc is off at rest: by more than 1 % or 1 Nm from the load cell",
+        Trust::Undecided => "it cannot be told whether T_d,calc is within 1 % and 1 Nm of the load cell",
+    };
+    let gain = match &check.gain {
+        Some(gain) => format!("gain {} %", scaled(gain.interval, 100.0)),
+        None => "no gain, since all torques are alike: record another level of torque".to_owned(),
+    };
+    let drift = check.drift.as_ref().map(|d| format!(", drift {} Nm an hour", scaled(d.interval, 3600.0)));
+    format!(
+        "{verdict} (between {} and {} Nm: offset {} Nm, {gain}{}; 95 % intervals)",
+        number::significant(check.torques_nm.0, 3),
+        number::significant(check.torques_nm.1, 3),
+        scaled(check.offset.interval, 1.0),
+        drift.unwrap_or_default(),
+    )
+}
+
+fn scaled((low, high): (f64, f64), by: f64) -> String {
+    format!("{} … {}", number::significant(by * low, 2), number::significant(by * high, 2))
+}
+
+/// The rebuilt shaft torque of every recording, and T_d,calc against the load cell.
+pub fn figures(signals: &TorqueSignals) -> Vec<Figure> {
+    let shafts = signals.recordings.iter().filter_map(|recording| {
+        let shaft = recording.shaft.as_ref()?.found()?;
+        Some(shaft_figure(recording, shaft))
+    });
+    shafts.chain(signals.trust.as_ref().map(trust_figure)).collect()
+}
+
+fn shaft_figure(recording: &TorqueRecording, shaft: &RebuiltShaft) -> Figure {
+    let count = ((SHOWN_S / shaft.sample_time_s) as usize).min(shaft.smoothed_nm.len());
+    let from = (shaft.smoothed_nm.len() - count) / 2;
+    let shown = from..from + count;
+    let clock = (shaft.start_s + from as f64 * shaft.sample_time_s, shaft.sample_time_s);
+    let (smoothed, deviation) = (&shaft.smoothed_nm[shown.clone()], &shaft.standard_deviation_nm[shown.clone()]);
+    let end = |sign: f64| {
+        let values: Vec<f64> = smoothed.iter().zip(deviation).map(|(t, s)| t + sign * BAND * s).collect();
+        rounded(&values)
+    };
+    let band = |low, high| Layer::Band {
+        name: "95 % band of the smoother".to_owned(),
+        style: Style::Modelled,
+        x: Abscissa::Uniform { start: clock.0, step: clock.1, skip: None },
+        low,
+        high,
+    };
+    let layers = vec![
+        band(end(-1.0), end(1.0)),
+        Layer::trace("filter without phase shift", Style::Measured, clock, &shaft.zero_phase_nm[shown.clone()]),
+        Layer::trace("smoother", Style::Modelled, clock, smoothed),
+    ];
+    let apart: Vec<f64> = shaft.zero_phase_nm[shown.clone()].iter().zip(smoothed).map(|(z, s)| z - s).collect();
+    let below: Vec<f64> = deviation.iter().map(|s| -BAND * s).collect();
+    let above: Vec<f64> = deviation.iter().map(|s| BAND * s).collect();
+    let difference = vec![
+        band(rounded(&below), rounded(&above)),
+        Layer::trace("filter without phase shift", Style::Measured, clock, &apart),
+    ];
+    let panels = vec![
+        Panel::new(Axis::linear("T_shaft", "Nm"), HEIGHT, layers),
+        Panel::new(Axis::linear("less the smoother", "Nm"), HEIGHT, difference),
+    ];
+    Figure::new(&format!("{}: shaft torque rebuilt", recording.file), Axis::time(), panels)
+        .with_caption(format!("Half a second of it; {}.", rebuilt(shaft)))
+}
+
+fn trust_figure(check: &TrustCheck) -> Figure {
+    let (measured, apart): (Vec<f64>, Vec<f64>) = check.blocks.iter().copied().unzip();
+    let panel = Panel::new(
+        Axis::linear("T_d,calc − T_d,meas", "Nm"),
+        HEIGHT,
+        vec![Layer::dots("means over half a second", Style::Measured, &measured, &apart)],
+    );
+    Figure::new("T_d,calc against the load cell at rest", Axis::linear("T_d,meas", "Nm"), vec![panel])
+        .with_caption(format!("{}.", trust(check)))
+}
