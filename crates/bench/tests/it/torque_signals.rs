@@ -203,7 +203,7 @@ fn stat_delays_of_the_default_bench_agree_and_the_load_cell_is_late() {
 #[test]
 #[ignore = "slow"]
 fn stat_intervals_of_the_load_cell_cover() {
-    const RUNS: usize = 100;
+    const RUNS: usize = 50;
     let covered = in_parallel(RUNS, |i| {
         let mut random = Random::new(500 + i as u64);
         let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
@@ -227,8 +227,8 @@ fn stat_intervals_of_the_load_cell_cover() {
     let held = [0, 1, 2].map(|k| share(&|i| covered[i].0[k]));
     let near = [0, 1, 2].map(|k| share(&|i| covered[i].1[k]));
     println!("τ_cell, ω_n, ζ: covered {held:?}, within 2 % {near:?}");
-    // The torque control is taken as known but for its delay: what its lag is uncertain by is missing from ω_n and ζ.
-    let least = [0.9, 0.78, 0.65];
+    // Binomial(50, 0.95) is at least 43 with probability 0.996.
+    let least = [0.86; 3];
     assert!(held.iter().zip(&least).all(|(share, least)| share >= least), "{held:?}");
     assert!(near.iter().all(|share| *share >= 0.95), "{near:?}");
 }

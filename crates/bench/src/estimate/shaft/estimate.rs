@@ -188,24 +188,24 @@ impl Solution {
             (SKEW_TORQUE, equation::SKEW_TORQUE),
             (GATE, equation::GATE),
         ]);
-        let reads: Vec<Box<dyn Fn(&[f64]) -> f64>> =
-            labels.iter().map(|(_, at)| Box::new(|t: &[f64]| t[*at]) as Box<dyn Fn(&[f64]) -> f64>).collect();
-        let outputs: Vec<ReadOut<'_>> = labels.iter().zip(&reads).map(|((label, _), read)| (*label, &**read)).collect();
-        let mut estimate = self.outputs(&outputs, stretch);
-        for (row, (_, at)) in estimate.covariance.iter_mut().zip(&labels) {
-            row.push(engine.with_shaft[*at]);
-        }
-        let mut last: Vec<f64> = labels.iter().map(|(_, at)| engine.with_shaft[*at]).collect();
-        last.push(engine.variance);
-        estimate.covariance.push(last);
+        let (theta, known) = (&self.fit.fit.parameters, &self.fit.covariance);
+        let entry = |label: Label, at: usize| {
+            Parameter::new(label, theta[at], known[(at, at)].max(0.0).sqrt(), self.fit.degrees_of_freedom)
+        };
+        let mut parameters: Vec<Parameter> = labels.iter().map(|(label, at)| entry(*label, *at)).collect();
         let error = engine.variance.sqrt();
-        estimate.parameters.push(Parameter::new(
-            ENGINE_INERTIA,
-            engine.inertia_kg_m2,
-            error,
-            engine.degrees_of_freedom,
-        ));
-        estimate
+        parameters.push(Parameter::new(ENGINE_INERTIA, engine.inertia_kg_m2, error, engine.degrees_of_freedom));
+        let with_engine = |at: usize| engine.with_shaft[at];
+        let row = |i: usize| labels.iter().map(|(_, j)| known[(i, *j)]).chain([with_engine(i)]).collect();
+        let mut covariance: Vec<Vec<f64>> = labels.iter().map(|(_, i)| row(*i)).collect();
+        covariance.push(labels.iter().map(|(_, at)| with_engine(*at)).chain([engine.variance]).collect());
+        Estimate {
+            parameters,
+            covariance,
+            stretches: vec![stretch.clone()],
+            iterations: self.fit.fit.iterations,
+            condition: self.fit.fit.condition,
+        }
     }
 
     fn zero(&self, stretch: &Stretch) -> Result<Parameter, EstimateError> {

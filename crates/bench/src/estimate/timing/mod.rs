@@ -116,9 +116,11 @@ impl Bench<'_> {
 
     fn load_cell(&self, cell: &Signal) -> Option<LoadCell> {
         let fit = self.torque_control?;
-        let variance = fit.result.delay_and_lag.covariance.first()?.first().copied()?;
+        let covariance = &fit.result.delay_and_lag.covariance;
+        let entry = |i: usize, j: usize| covariance.get(i)?.get(j).copied();
+        let known = [[entry(0, 0)?, entry(0, 1)?], [entry(1, 0)?, entry(1, 1)?]];
         let stretch = stretch_of(self.experiment, cell, 0..cell.len());
-        let found = load_cell::fit(self.demand, cell, &fit.inverter, variance, &stretch).ok()?;
+        let found = load_cell::fit(self.demand, cell, &fit.inverter, known, &stretch).ok()?;
         found.usable.then_some(found)
     }
 
