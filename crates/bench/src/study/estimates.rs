@@ -195,13 +195,17 @@ fn doubt_inertia(
     }
 }
 
-/// Both inertias from the first recording in torque control that tells them.
+/// Both inertias from the first recording in torque control that tells them. Benches with a torque flange have a dual-mass
+/// flywheel, behind which there is no one J_e.
 fn inertias(
     candidates: &[&Experiment],
     bench: &BenchFile,
     controller: Option<&SpeedControllerFit>,
     torque_control: Option<&TorqueControlFit>,
 ) -> Option<(String, Estimate)> {
+    if bench.variant == BenchVariant::TorqueFlange {
+        return None;
+    }
     let firings_per_turn = 2.0 * f64::from(bench.cylinders) / f64::from(bench.strokes);
     let excites = |e: &&&Experiment| e.label.mode == ControlMode::Tn && EXCITED_TESTS.contains(&e.label.test.as_str());
     candidates.iter().filter(excites).find_map(|experiment| {

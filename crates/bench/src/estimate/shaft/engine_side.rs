@@ -1,11 +1,13 @@
 //! J_e, from what a demand that knows nothing of the engine's torque makes both sides of the shaft do.
 //!
-//! The engine's side, s T_shaft + J_e s² ω_e + (P s + I) h(s) ω_e = s T_e: P and I are the engine's own speed control, h(s) =
-//! (1 − e^{−2sτ})/(2sτ) is that it acts once a firing and holds until the next (2τ is about the time between), where
-//! pulses make something else of it, that is part of the uncertainty. T_e is the rest of its torque, recorded nowhere, which moves both speeds. Least squares would take what T_e did for what
-//! J_e is. A demand that does not answer to T_e, T_d* in torque control and N_d* in speed control, is an instrument: with
-//! ζ_k what the demand, through the shaft, makes of the slope of the error ε_k by a parameter, Σ_k Re conj(ζ_k) ε_k / S(f_k)
-//! = 0 holds on average at the truth whatever T_e is, be it a firing engine. S, the spectrum of s T_e, is taken from the
+//! The engine's side is s T_shaft + J_e s² ω_e + (P s + I) h(s) ω_e = s T_e. P and I are the engine's own speed control, which
+//! acts upon its next firing and holds until the one after, h(s) = (1 − e^{−2sτ})/(2sτ) with 2τ about the time between;
+//! what pulses make of it otherwise is part of the uncertainty. T_e is the rest of the engine's torque, recorded nowhere,
+//! which moves both speeds: least squares would take what T_e did for what J_e is.
+//!
+//! A demand that does not answer to T_e, T_d* in torque control and N_d* in speed control, is an instrument: with ζ_k what
+//! the demand, through the shaft, makes of the slope of the error ε_k by a parameter, Σ_k Re conj(ζ_k) ε_k / S(f_k) = 0
+//! holds on average at the truth whatever T_e is, be it a firing engine. S, the spectrum of s T_e, is taken from the
 //! residuals; it matters for the variance alone.
 //!
 //! # Source
@@ -36,6 +38,8 @@ const SPREAD: f64 = 0.6;
 /// Steps of the search, and how small a step ends it, relatively.
 const STEPS: usize = 30;
 const SMALL_STEP: f64 = 1e-9;
+/// J_d behind a flange, which stands in no equation.
+const ANY_INERTIA_KG_M2: f64 = 0.5;
 /// The least J_e that instruments are made with, of J_d.
 const SMALLEST: f64 = 1e-3;
 /// Rounds in which the spectrum of s T_e and the instruments are made anew.
@@ -77,7 +81,7 @@ pub(super) fn estimate(
         control: Control::Held,
     };
     // As if both inertias were equal and T_e white: any guess serves, since instruments bias nothing.
-    let guess = [theta[equation::INERTIA], 0.0, 0.0, equations.half_firing_s];
+    let guess = [dyno_inertia(theta), 0.0, 0.0, equations.half_firing_s];
     equations.set_instruments(theta, &guess, &vec![1.0; spectra.bins.len()]);
     let mut solution = equations.solve(theta, guess, DELAY)?;
     for round in 0..2 * ROUNDS {
@@ -99,6 +103,12 @@ pub(super) fn estimate(
         with_shaft,
         degrees_of_freedom: (2.0 * spectra.bins.len() as f64 / OVERLAP - UNKNOWNS as f64).max(1.0),
     })
+}
+
+/// J_d for the instruments.
+fn dyno_inertia(theta: &[f64]) -> f64 {
+    let inertia = theta[equation::INERTIA];
+    if inertia > 0.0 { inertia } else { ANY_INERTIA_KG_M2 }
 }
 
 /// The estimating equations with their instruments, each divided by the spectrum of s T_e.
@@ -185,7 +195,8 @@ impl Equations<'_> {
 
     /// What the demand, through the shaft, makes of the slopes, over the spectrum.
     fn set_instruments(&mut self, theta: &[f64], solution: &[f64; UNKNOWNS], spectrum: &[f64]) {
-        let (dyno, engine) = (theta[equation::INERTIA], solution[0].abs().max(SMALLEST * theta[equation::INERTIA]));
+        let dyno = dyno_inertia(theta);
+        let engine = solution[0].abs().max(SMALLEST * dyno);
         let instrument = |((bin, u), power): ((&usize, &Complex64), &f64)| {
             let s = self.s(*bin);
             let spring = theta[equation::K] + theta[equation::B] * s;

@@ -1,6 +1,6 @@
 //! The shaft: stiffness and damping, and why to believe them.
 
-use bench::study::{Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft, Study};
+use bench::study::{BenchVariant, Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft, Study};
 
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, table, unbroken};
 use crate::html::plots::{comparison, figure};
@@ -147,13 +147,17 @@ fn cross_checks(part: &Shaft) -> Markup {
 /// The inertias of the bench file beside what the data see.
 fn inertias(study: &Study, part: &Shaft) -> Markup {
     let Some((file, estimate)) = &part.inertias else {
-        return markup!(
-            "<p class=\"note\">{}</p>\n",
-            prose(
+        let why = match study.bench.variant {
+            BenchVariant::LoadCell => {
                 "No recording tells J_e, and J_d together with it: that takes a wide-band torque demand in torque control, \
                  such as WhiteNoise_T_TN or Multisine_T_TN. Both are those of the bench file."
-            )
-        );
+            }
+            BenchVariant::TorqueFlange => {
+                "J_d and J_e are those of the bench file: torque is measured between them, and behind a dual-mass \
+                 flywheel there is no one J_e to be found."
+            }
+        };
+        return markup!("<p class=\"note\">{}</p>\n", prose(why));
     };
     let stated = [("J_d", study.bench.dynamometer_inertia_kg_m2), ("J_e", study.bench.engine_inertia_kg_m2)];
     let rows = stated.into_iter().filter_map(|(name, kg_m2)| {
