@@ -105,8 +105,10 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
         TorqueSource::Modelled => "T_d* through the torque control",
         TorqueSource::Calculated => "T_d,calc",
     };
-    let certain =
-        format!("known to ±{} (95 %), from N_d and {from}", number::significant_with_unit(BAND * median, 2, "Nm"));
+    let certain = format!(
+        "known to ±{} (95 %) from N_d and {from}, bearing friction and clocks apart left out",
+        number::significant_with_unit(BAND * median, 2, "Nm")
+    );
     let worth = |nm: f64| number::significant_with_unit(nm, 2, "Nm");
     let once = match shaft.once_a_turn {
         OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),

@@ -220,10 +220,10 @@ fn doubted_part(finding: &Finding) -> Option<String> {
 fn findings(study: &Study) -> Rule {
     let count = |severity: Severity| study.diagnostics.iter().filter(|found| found.severity == severity).count();
     let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
-    let is_contradiction = |found: &Diagnostic| {
-        found.severity == Severity::Error && matches!(found.finding, Finding::ImplausibleInertia { .. })
-    };
+    let is_doubted = |found: &Diagnostic| matches!(found.finding, Finding::ImplausibleInertia { .. });
+    let is_contradiction = |found: &Diagnostic| found.severity == Severity::Error && is_doubted(found);
     let level = match errors {
+        0 if study.diagnostics.iter().any(is_doubted) => Level::Reservations,
         0 => Level::Good,
         _ if study.diagnostics.iter().any(is_contradiction) => Level::Insufficient,
         _ => Level::Reservations,
@@ -231,7 +231,7 @@ fn findings(study: &Study) -> Rule {
     let plural = |n: usize, word: &str| if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") };
     let found = format!("{}, {}", plural(errors, "error"), plural(warnings, "warning"));
     Rule {
-        asks: "No finding is an error; with an inertia that the data contradict, not met. Warnings do not count here.",
+        asks: "No finding is an error; with an inertia that the data contradict, not met. Warnings do not count here, but for a doubtful inertia.",
         found,
         level,
     }

@@ -63,7 +63,7 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
         runs = runs.into_iter().filter_map(|run| longest_fall(&speed, run)).collect();
     }
     let length = |run: &(usize, usize)| (run.1 - run.0) as f64 * speed.sample_time_s;
-    let turning_s = runs.iter().map(length).sum();
+    let turning_s = runs.iter().map(length).fold(0.0, |sum, s| sum + s);
     runs.retain(|run| length(run) >= SHORTEST_S);
     if runs.is_empty() {
         return Err(FrictionError::HardlyTurns {

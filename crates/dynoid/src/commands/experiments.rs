@@ -13,7 +13,7 @@ use crate::input;
 use crate::terminal::Terminal;
 
 /// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns of, those
-/// that cannot be used.
+/// that cannot be used. What is wrong in the others is warned of too.
 pub(super) fn each(
     (given, result): (&GivenRecordings, &ResultArguments),
     doing: &str,
@@ -30,20 +30,24 @@ pub(super) fn each(
     };
     check_plot(result, &[std::slice::from_ref(&given.bench), &given.recordings])?;
     let progress = terminal.progress(files.len() as u64);
-    let mut refused = Vec::new();
+    let (mut refused, mut doubts) = (Vec::new(), Vec::new());
     for file in &files {
         progress.say(&format!("{doing} {}", file.name));
         match experiment_of(&bench, &input::read_source(file)?) {
-            Ok((experiment, _)) => work(&bench, experiment),
+            Ok((experiment, diagnostics)) => {
+                let errors = diagnostics.iter().filter(|d| d.severity == Severity::Error);
+                doubts.extend(errors.map(wording::remark));
+                work(&bench, experiment);
+            }
             Err(diagnostics) => {
                 let worst = diagnostics.iter().find(|d| d.severity == Severity::Error).or(diagnostics.first());
                 let nothing = || format!("{}: nothing in it can be used", file.name);
-                refused.push(worst.map_or_else(nothing, wording::diagnostic));
+                refused.push(worst.map_or_else(nothing, wording::remark));
             }
         }
         progress.step();
     }
     drop(progress);
-    refused.iter().for_each(|reason| terminal.warning(reason));
+    refused.iter().chain(&doubts).for_each(|reason| terminal.warning(reason));
     Ok(refused)
 }

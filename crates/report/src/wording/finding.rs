@@ -7,8 +7,13 @@ use super::{join, part, place, role, severity};
 
 /// A diagnostic on one line: severity, place, what was found, what to do.
 pub fn diagnostic(found: &Diagnostic) -> String {
+    format!("{}: {}", severity(found.severity), remark(found))
+}
+
+/// A diagnostic without its severity: where, what, and what to do.
+pub fn remark(found: &Diagnostic) -> String {
     let place = place(&found.place).map(|place| format!("{place}: ")).unwrap_or_default();
-    format!("{}: {place}{} {}", severity(found.severity), finding(&found.finding), advice(&found.finding))
+    format!("{place}{} {}", finding(&found.finding), advice(&found.finding))
 }
 
 /// What was found, as a sentence.

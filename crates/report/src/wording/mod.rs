@@ -11,7 +11,7 @@ pub mod number;
 
 pub use assumption::{assumption, limited, model_parameter, peak, quantity, safety};
 pub use experiment::experiment;
-pub use finding::{advice, diagnostic, finding};
+pub use finding::{advice, diagnostic, finding, remark};
 pub use need::{need, needs};
 
 use bench::study::BenchVariant;

@@ -228,6 +228,6 @@ pub(super) fn fit(
             condition: fit.condition,
         },
         total: Parameter::new(TOTAL, total, variance.sqrt().hypot(dated), freedom),
-        usable: fit.termination.converged() && !fit.at_bound[..3].contains(&true),
+        usable: fit.termination.converged() && fit.parameters[3] > 0.0 && !fit.at_bound[..3].contains(&true),
     })
 }

@@ -15,7 +15,7 @@ use super::EstimateError;
 use super::parameter::Label;
 use super::torque_control::{self, TorqueControlFit, stretch_of, usable_signal};
 use crate::study::{DelayRoute, Parameter, SignalDelay, Timing};
-use crate::{ControlMode, Experiment, Role};
+use crate::{ControlMode, Experiment, Finding, Role};
 
 /// The signals whose delay is wanted.
 const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
@@ -101,7 +101,7 @@ impl Bench<'_> {
         let free = free.into_iter().filter_map(|(name, measured, off)| Some(route(name, measured?, off)));
         Ok(SignalDelay {
             role,
-            against_demand: parametric.or_else(|| slope.map(|m| parameter(AGAINST_DEMAND, m))),
+            against_demand: parametric.or_else(|| slope.map(|m| parameter(AGAINST_DEMAND, m.off_by(OFF_S.0)))),
             against_speed_bend: self.against_bend(role, cell.as_ref(), average.as_ref()),
             routes: of_model.into_iter().chain(free).collect(),
             moving_average_length: average.as_ref().and_then(ShaftFilter::moving_average_length),
@@ -110,12 +110,20 @@ impl Bench<'_> {
         })
     }
 
+    /// The torque control, where its estimate lies at a minimum inside its bounds.
+    fn settled_torque_control(&self) -> Option<&TorqueControlFit> {
+        let settled = |fit: &&TorqueControlFit| {
+            !fit.diagnostics.iter().any(|d| matches!(d.finding, Finding::NotConverged { .. }))
+        };
+        self.torque_control.filter(settled)
+    }
+
     fn total_delay(&self) -> Option<Parameter> {
-        self.torque_control?.result.delay_and_lag.parameters.get(2).cloned()
+        self.settled_torque_control()?.result.delay_and_lag.parameters.get(2).cloned()
     }
 
     fn load_cell(&self, cell: &Signal) -> Option<LoadCell> {
-        let fit = self.torque_control?;
+        let fit = self.settled_torque_control()?;
         let covariance = &fit.result.delay_and_lag.covariance;
         let entry = |i: usize, j: usize| covariance.get(i)?.get(j).copied();
         let known = [[entry(0, 0)?, entry(0, 1)?], [entry(1, 0)?, entry(1, 1)?]];

@@ -29,6 +29,13 @@ pub(super) struct Measured {
     pub(super) coherence: f64,
 }
 
+impl Measured {
+    /// The same with a systematic part that is uniform within ±`most_s`.
+    pub(super) fn off_by(self, most_s: f64) -> Self {
+        Measured { standard_error_s: self.standard_error_s.hypot(most_s / 3f64.sqrt()), ..self }
+    }
+}
+
 /// What the phase does beside falling with the frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Curvature {
