@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_range};
+use crate::runs;
 
 /// What counts as damage.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -86,31 +87,16 @@ pub fn check_quality(x: &[f64], options: &QualityOptions) -> Result<Quality, Sig
     let high = finite(x).fold(f64::NEG_INFINITY, f64::max);
     let constant = low >= high;
     let runs_at = |level: f64| {
-        if constant { vec![] } else { runs(x, options.clip_run, |v| v == level) }
+        let at_level = runs(x.len(), |i| !constant && x[i] == level);
+        at_level.filter(|run| run.len() >= options.clip_run).collect()
     };
     Ok(Quality {
-        non_finite: runs(x, 1, |v| !v.is_finite()),
+        non_finite: runs(x.len(), |i| !x[i].is_finite()).collect(),
         constant,
         clipped_low: runs_at(low),
         clipped_high: runs_at(high),
         spikes: if constant { vec![] } else { spikes(x, options) },
     })
-}
-
-/// Runs of at least `shortest` samples that are all `wanted`.
-fn runs(x: &[f64], shortest: usize, wanted: impl Fn(f64) -> bool) -> Vec<Range<usize>> {
-    let mut found = Vec::new();
-    let mut start = 0;
-    for end in 0..=x.len() {
-        if end < x.len() && wanted(x[end]) {
-            continue;
-        }
-        if end - start >= shortest {
-            found.push(start..end);
-        }
-        start = end + 1;
-    }
-    found
 }
 
 /// A spike among many edges departs this many times as far as they do.

@@ -1,6 +1,8 @@
 //! Which stretch of a recording an estimate may use.
 
-use signal::Signal;
+use std::ops::Range;
+
+use signal::{Signal, runs};
 
 use crate::align::{common_window, cut};
 use crate::estimate::EstimateError;
@@ -55,13 +57,8 @@ pub(crate) fn longest_unsaturated(
 
 /// First index and length of the longest run of values that fulfil a condition.
 fn longest_run(values: &[f64], condition: impl Fn(f64) -> bool) -> (usize, usize) {
-    let (mut best, mut start) = ((0, 0), 0);
-    for (i, value) in values.iter().enumerate() {
-        if !condition(*value) {
-            start = i + 1;
-        } else if i + 1 - start > best.1 {
-            best = (start, i + 1 - start);
-        }
-    }
-    best
+    // The first of those that are equally long.
+    let longer = |best: Range<usize>, run: Range<usize>| if run.len() > best.len() { run } else { best };
+    let longest = runs(values.len(), |i| condition(values[i])).fold(0..0, longer);
+    (longest.start, longest.len())
 }

@@ -1,6 +1,8 @@
 //! The stretches of a recording in which the dynamometer turns by itself.
 
-use signal::Signal;
+use std::ops::Range;
+
+use signal::{Signal, runs};
 
 use super::regression::Fitted;
 use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut};
@@ -58,11 +60,11 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
     let is_inside =
         |t: f64| torque.is_none_or(|x| t - LONGEST_DELAY_S >= x.start_s && t + LONGEST_DELAY_S <= x.end_s());
     let is_used = |i: usize| speed.samples[i].abs() > slowest && is_inside(speed.time_s(i));
-    let mut runs = runs(speed.len(), is_used);
+    let mut runs: Vec<Range<usize>> = runs(speed.len(), is_used).collect();
     if torque.is_none() {
         runs = runs.into_iter().filter_map(|run| longest_fall(&speed, run)).collect();
     }
-    let length = |run: &(usize, usize)| (run.1 - run.0) as f64 * speed.sample_time_s;
+    let length = |run: &Range<usize>| run.len() as f64 * speed.sample_time_s;
     let turning_s = runs.iter().map(length).fold(0.0, |sum, s| sum + s);
     runs.retain(|run| length(run) >= SHORTEST_S);
     if runs.is_empty() {
@@ -73,14 +75,14 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
             slowest_rad_s: slowest,
         });
     }
-    let course = |(from, to): (usize, usize)| Course {
+    let course = |run: Range<usize>| Course {
         file: file(),
         speed: Signal {
-            start_s: speed.time_s(from),
+            start_s: speed.time_s(run.start),
             sample_time_s: speed.sample_time_s,
-            samples: speed.samples[from..to].to_vec(),
+            samples: speed.samples[run.clone()].to_vec(),
         },
-        dropped: dropped[from..to].to_vec(),
+        dropped: dropped[run].to_vec(),
         torque: torque.cloned(),
         dated_s: known.as_ref().map_or(0.0, |(_, dated_s)| *dated_s),
     };
@@ -230,29 +232,12 @@ fn without_drop_outs(speed: &Signal) -> (Signal, Vec<bool>) {
     (speed.with_samples(mended), dropped)
 }
 
-/// First index and end of every run of indices that fulfil a condition.
-fn runs(count: usize, condition: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
-    let mut runs = Vec::new();
-    let mut start = None;
-    for i in 0..=count {
-        match (start, i < count && condition(i)) {
-            (None, true) => start = Some(i),
-            (Some(from), false) => {
-                runs.push((from, i));
-                start = None;
-            }
-            _ => {}
-        }
-    }
-    runs
-}
-
 /// The longest part of a run in which the speed falls from one second to the next.
-fn longest_fall(speed: &Signal, (from, to): (usize, usize)) -> Option<(usize, usize)> {
+fn longest_fall(speed: &Signal, Range { start: from, end: to }: Range<usize>) -> Option<Range<usize>> {
     let window = ((FALL_S / speed.sample_time_s) as usize).max(1);
     let mean = |i: usize| speed.samples[i..i + window].iter().map(|w| w.abs()).sum::<f64>();
     let last = to.checked_sub(2 * window)?;
     let falls: Vec<bool> = (from..last.max(from)).map(|i| mean(i + window) < mean(i)).collect();
-    let longest = runs(falls.len(), |i| falls[i]).into_iter().max_by_key(|run| run.1 - run.0)?;
-    Some((from + longest.0, (from + longest.1 + 2 * window).min(to)))
+    let longest = runs(falls.len(), |i| falls[i]).max_by_key(ExactSizeIterator::len)?;
+    Some(from + longest.start..(from + longest.end + 2 * window).min(to))
 }

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use signal::runs;
+
 use super::{Channel, Dataset, Experiment, column};
 use crate::IdentError;
 
@@ -23,8 +25,9 @@ impl Dataset {
         let mut found = Vec::new();
         for (experiment, e) in self.experiments.iter().enumerate() {
             for channel in self.all_channels() {
-                let runs = runs(e.channel(channel), |v| v.is_nan());
-                found.extend(runs.into_iter().map(|rows| Gap { experiment, channel, rows }));
+                let values = e.channel(channel);
+                let runs = runs(values.len(), |t| values[t].is_nan());
+                found.extend(runs.map(|rows| Gap { experiment, channel, rows }));
             }
         }
         found
@@ -98,7 +101,7 @@ impl Dataset {
     pub fn fill_gaps(&self, longest: usize) -> Result<Self, IdentError> {
         self.map_columns(|x| {
             let mut filled = x.to_vec();
-            for gap in runs(x, |v| v.is_nan()) {
+            for gap in runs(x.len(), |t| x[t].is_nan()) {
                 if gap.len() > longest || gap.start == 0 || gap.end == x.len() {
                     continue;
                 }
@@ -150,22 +153,6 @@ impl Experiment {
                 complete.iter_mut().zip(column(m.as_ref(), j)).for_each(|(c, v)| *c *= f64::from(!v.is_nan()));
             }
         }
-        runs(&complete, |c| c > 0.0)
+        runs(complete.len(), |t| complete[t] > 0.0).collect()
     }
-}
-
-/// Runs of values that are all `wanted`.
-pub(super) fn runs(x: &[f64], wanted: impl Fn(f64) -> bool) -> Vec<Range<usize>> {
-    let mut found = Vec::new();
-    let mut start = 0;
-    for end in 0..=x.len() {
-        if end < x.len() && wanted(x[end]) {
-            continue;
-        }
-        if end > start {
-            found.push(start..end);
-        }
-        start = end + 1;
-    }
-    found
 }

@@ -83,19 +83,20 @@ pub(super) fn estimate(
     // As if both inertias were equal and T_e white: any guess serves, since instruments bias nothing.
     let guess = [dyno_inertia(theta), 0.0, 0.0, equations.half_firing_s];
     equations.set_instruments(theta, &guess, &vec![1.0; spectra.bins.len()]);
-    let mut solution = equations.solve(theta, guess, DELAY)?;
+    let sides = equations.sides(theta);
+    let mut solution = equations.solve(&sides, guess, DELAY)?;
     for round in 0..2 * ROUNDS {
-        equations.set_instruments(theta, &solution, &equations.spectrum(theta, &solution));
+        equations.set_instruments(theta, &solution, &equations.spectrum(&sides, solution));
         // The delay of a control that is not known yet would be anything.
-        solution = equations.solve(theta, solution, if round < ROUNDS { DELAY } else { UNKNOWNS })?;
+        solution = equations.solve(&sides, solution, if round < ROUNDS { DELAY } else { UNKNOWNS })?;
     }
-    let of_torque = equations.covariance(theta, &solution)?[(0, 0)];
+    let of_torque = equations.covariance(&sides, solution)?[(0, 0)];
     let gradient = equations.gradient_by_shaft(theta, covariance, solution)?;
     let n = theta.len();
     let with_shaft: Vec<f64> = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] * gradient[j]).sum()).collect();
     let through_shaft: f64 = with_shaft.iter().zip(&gradient).map(|(c, g)| c * g).sum();
     equations.control = Control::Delayed;
-    let otherwise = equations.solve(theta, solution, UNKNOWNS)?[0];
+    let otherwise = equations.solve(&sides, solution, UNKNOWNS)?[0];
     Ok(EngineInertia {
         inertia_kg_m2: solution[0],
         // As uncertain as what another control would make of the same data; uniform between the two and as far beyond.
@@ -165,24 +166,28 @@ impl Equations<'_> {
         (by_inertia * inertia + control * late, [by_inertia, rate * late, speed * late, control * by_delay])
     }
 
+    /// The engine's side at every bin, for the shaft's parameters.
+    fn sides(&self, theta: &[f64]) -> Vec<EngineSide> {
+        self.spectra.bins.iter().map(|bin| engine_side(self.spectra, theta, *bin)).collect()
+    }
+
     /// Errors, and their slopes by the unknowns.
     fn errors<'b>(
         &'b self,
-        theta: &'b [f64],
+        sides: &'b [EngineSide],
         solution: [f64; UNKNOWNS],
     ) -> impl Iterator<Item = (Complex64, [Complex64; UNKNOWNS])> + 'b {
-        self.spectra.bins.iter().map(move |bin| {
-            let EngineSide { torque_rate, regressors } = engine_side(self.spectra, theta, *bin);
-            let (answered, slopes) = self.answer(self.s(*bin), regressors, solution);
-            (torque_rate + answered, slopes)
+        self.spectra.bins.iter().zip(sides).map(move |(bin, side)| {
+            let (answered, slopes) = self.answer(self.s(*bin), side.regressors, solution);
+            (side.torque_rate + answered, slopes)
         })
     }
 
     /// The spectrum of s T_e: a running mean of the errors' powers.
-    fn spectrum(&self, theta: &[f64], solution: &[f64; UNKNOWNS]) -> Vec<f64> {
+    fn spectrum(&self, sides: &[EngineSide], solution: [f64; UNKNOWNS]) -> Vec<f64> {
         let reach = (0.5 * SMOOTHED_HZ * self.spectra.window.duration_s).ceil() as usize;
         let mut sums = vec![0.0];
-        for (error, _) in self.errors(theta, *solution) {
+        for (error, _) in self.errors(sides, solution) {
             sums.push(sums[sums.len() - 1] + error.norm_sqr());
         }
         let n = sums.len() - 1;
@@ -210,14 +215,14 @@ impl Equations<'_> {
     /// The first `unknowns` of the parameters, the others as they are.
     fn solve(
         &self,
-        theta: &[f64],
+        sides: &[EngineSide],
         mut solution: [f64; UNKNOWNS],
         unknowns: usize,
     ) -> Result<[f64; UNKNOWNS], IdentError> {
         for _ in 0..STEPS {
             let mut left = Mat::zeros(unknowns, unknowns);
             let mut right = Mat::zeros(unknowns, 1);
-            for ((error, slopes), instruments) in self.errors(theta, solution).zip(&self.instruments) {
+            for ((error, slopes), instruments) in self.errors(sides, solution).zip(&self.instruments) {
                 for i in 0..unknowns {
                     right[(i, 0)] -= (instruments[i].conj() * error).re;
                     (0..unknowns).for_each(|j| left[(i, j)] += (instruments[i].conj() * slopes[j]).re);
@@ -249,7 +254,7 @@ impl Equations<'_> {
             let moved = |by: f64| {
                 let mut theta = theta.to_vec();
                 theta[i] += by;
-                self.solve(&theta, solution, UNKNOWNS).map(|found| found[0])
+                self.solve(&self.sides(&theta), solution, UNKNOWNS).map(|found| found[0])
             };
             if step == 0.0 { Ok(0.0) } else { Ok((moved(step)? - moved(-step)?) / (2.0 * step)) }
         };
@@ -258,11 +263,11 @@ impl Equations<'_> {
 
     /// Covariance by T_e alone, robust to a spectrum that is not quite that of s T_e: A⁻¹ M A⁻ᵀ, M the products of scores as
     /// far as the window correlates them.
-    fn covariance(&self, theta: &[f64], solution: &[f64; UNKNOWNS]) -> Result<Mat<f64>, IdentError> {
+    fn covariance(&self, sides: &[EngineSide], solution: [f64; UNKNOWNS]) -> Result<Mat<f64>, IdentError> {
         let bins = &self.spectra.bins;
         let mut left = Mat::zeros(UNKNOWNS, UNKNOWNS);
         let mut scores = Vec::with_capacity(bins.len());
-        for ((error, slopes), instruments) in self.errors(theta, *solution).zip(&self.instruments) {
+        for ((error, slopes), instruments) in self.errors(sides, solution).zip(&self.instruments) {
             for i in 0..UNKNOWNS {
                 (0..UNKNOWNS).for_each(|j| left[(i, j)] += (instruments[i].conj() * slopes[j]).re);
             }

@@ -189,8 +189,8 @@ fn between(between: Option<Between>) -> Intersample {
 
 /// Leaves out what lies outside the window, in s, and rasters of which nothing is left.
 fn cut(recording: &mut Recording, (start_s, end_s): (f64, f64)) -> Option<String> {
-    let runs: Vec<Vec<Range<usize>>> =
-        recording.rasters.iter().map(|raster| runs(&raster.time_s, |t| (start_s..=end_s).contains(&t))).collect();
+    let wanted = |t: &[f64]| signal::runs(t.len(), |i| (start_s..=end_s).contains(&t[i])).collect();
+    let runs: Vec<Vec<Range<usize>>> = recording.rasters.iter().map(|raster| wanted(&raster.time_s)).collect();
     for channel in &mut recording.channels {
         keep(&mut channel.samples, &runs[channel.raster]);
     }
@@ -211,16 +211,6 @@ fn cut(recording: &mut Recording, (start_s, end_s): (f64, f64)) -> Option<String
     }
     let lost = before - recording.channels.len();
     (lost > 0).then(|| format!("{lost} of {before} channels have no sample in the time asked for, and were left out"))
-}
-
-/// Where stamps that follow each other are wanted.
-fn runs(time_s: &[f64], is_wanted: impl Fn(f64) -> bool) -> Vec<Range<usize>> {
-    let mut end = 0;
-    let runs = time_s.chunk_by(|a, b| is_wanted(*a) == is_wanted(*b)).map(|run| {
-        end += run.len();
-        end - run.len()..end
-    });
-    runs.filter(|run| is_wanted(time_s[run.start])).collect()
 }
 
 fn keep(values: &mut Vec<f64>, runs: &[Range<usize>]) {
