@@ -26,6 +26,7 @@ mod random;
 pub mod replay;
 pub mod role;
 pub mod safety;
+pub mod shaft_study;
 pub mod simulate;
 pub mod study;
 pub mod torque_signals;

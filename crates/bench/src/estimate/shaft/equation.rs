@@ -3,6 +3,8 @@
 use ident::frequency::{Equation, ORDERS};
 use signal::Complex64;
 
+use super::terms::Term;
+
 pub(super) const K: usize = 0;
 pub(super) const B: usize = 1;
 /// Skew of N_e, s: positive when it is dated later than N_d.
@@ -17,7 +19,11 @@ pub(super) const INERTIA: usize = 5;
 pub(super) const DYNO_TURN: [usize; 2] = [6, 7];
 /// The same of N_e.
 pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
-pub(super) const COUNT: usize = 10;
+/// Slope of the dynamometer's friction over speed, Nm s/rad; it stands beside J_d and like it is zero behind a flange.
+pub(super) const FRICTION: usize = 10;
+/// What a [`Term`] is multiplied by.
+pub(super) const TERM: usize = 11;
+pub(super) const COUNT: usize = 12;
 
 /// Places of the signals: N_d, N_e, torque, and for each speed ω cos θ and ω sin θ, what a once-a-turn error adds to it.
 pub(super) const DYNO: usize = 0;
@@ -25,15 +31,19 @@ pub(super) const ENGINE: usize = 1;
 pub(super) const TORQUE: usize = 2;
 pub(super) const DYNO_WAVES: [usize; 2] = [3, 4];
 pub(super) const ENGINE_WAVES: [usize; 2] = [5, 6];
+/// What a term of the shaft that is not linear multiplies; it is there with such a term alone.
+pub(super) const TERM_WAVE: usize = 7;
 
-/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + s T_d when it is computed and J_d = 0 when a
-/// flange measures it.
+/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + c s ω_d + s T_d when it is computed (c the slope of
+/// the friction over speed, without which it would be taken for B: both brake ω_d) and J_d = c = 0 when a flange measures it.
 ///
 /// A logged speed holds the once-a-turn error of its encoder, ω (a cos θ + b sin θ), which is taken from it; and it is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
 /// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ShaftEquation {
     pub(super) dating: Dating,
+    /// What may be in the shaft beyond K and B.
+    pub(super) term: Option<Term>,
 }
 
 /// By how much N_e and torque were dated earlier than recorded before they were transformed, s.
@@ -91,8 +101,25 @@ impl Corrections {
     }
 }
 
+/// What a term makes of the spring, (K + B s) becoming (K·`spring` + B s), and of ω_e.
+struct Beyond {
+    spring: Complex64,
+    engine_side: Complex64,
+}
+
+impl Beyond {
+    fn of(term: Option<Term>, s: Complex64, value: f64) -> Self {
+        let one = Complex64::from(1.0);
+        match term {
+            Some(Term::LossFactor) => Beyond { spring: Complex64::new(1.0, value), engine_side: one },
+            Some(Term::SecondMass) => Beyond { spring: one, engine_side: 1.0 - value * s * s },
+            _ => Beyond { spring: one, engine_side: one },
+        }
+    }
+}
+
 impl Equation for ShaftEquation {
-    const SIGNALS: usize = 7;
+    const SIGNALS: usize = TERM_WAVE + 1;
     const PARAMETERS: usize = COUNT;
 
     fn coefficients(
@@ -103,24 +130,47 @@ impl Equation for ShaftEquation {
         derivatives: &mut [Vec<[Complex64; ORDERS]>],
     ) {
         let Corrections { speed, engine, torque, speed_by_gate } = Corrections::at(s, theta, self.dating);
-        let dyno = [theta[K], theta[B], theta[INERTIA]];
-        let spring = [theta[K], theta[B], 0.0];
+        let Beyond { spring, engine_side } = Beyond::of(self.term, s, theta[TERM]);
+        let real = Complex64::from;
+        let dyno = [spring * theta[K], real(theta[B] + theta[FRICTION]), real(theta[INERTIA])];
+        let far = [spring * theta[K], real(theta[B]), real(0.0)].map(|c| engine_side * c);
+        polynomials.fill([Complex64::default(); ORDERS]);
         polynomials[DYNO] = dyno.map(|c| speed * c);
-        polynomials[ENGINE] = spring.map(|c| -engine * c);
+        polynomials[ENGINE] = far.map(|c| -engine * c);
         polynomials[TORQUE] = [0.0, 1.0, 0.0].map(|c| torque * c);
         for row in derivatives.iter_mut() {
             row.fill([Complex64::default(); ORDERS]);
         }
         derivatives[INERTIA][DYNO][2] = speed;
-        for (parameter, order) in [(K, 0), (B, 1)] {
-            derivatives[parameter][DYNO][order] = speed;
-            derivatives[parameter][ENGINE][order] = -engine;
+        derivatives[FRICTION][DYNO][1] = speed;
+        for (parameter, order, by) in [(K, 0, spring), (B, 1, real(1.0))] {
+            derivatives[parameter][DYNO][order] = speed * by;
+            derivatives[parameter][ENGINE][order] = -engine * engine_side * by;
         }
         derivatives[SKEW_ENGINE][ENGINE] = polynomials[ENGINE].map(|c| s * c);
         derivatives[SKEW_TORQUE][TORQUE] = polynomials[TORQUE].map(|c| s * c);
         derivatives[GATE][DYNO] = dyno.map(|c| speed_by_gate * c);
         derivatives[GATE][ENGINE] = polynomials[ENGINE].map(|c| speed_by_gate / speed * c);
         derivatives[GATE][TORQUE] = polynomials[TORQUE].map(|c| -0.5 * s * c);
+        match self.term {
+            Some(Term::LossFactor) => {
+                let turned = Complex64::new(0.0, theta[K]);
+                (derivatives[TERM][DYNO][0], derivatives[TERM][ENGINE][0]) = (speed * turned, -engine * turned);
+            }
+            Some(Term::SecondMass) => {
+                derivatives[TERM][ENGINE] = [theta[K], theta[B], 0.0].map(|c| engine * s * s * c);
+            }
+            Some(Term::OfStiffness(_)) => {
+                polynomials[TERM_WAVE][0] = real(-theta[K] * theta[TERM]);
+                derivatives[TERM][TERM_WAVE][0] = real(-theta[K]);
+                derivatives[K][TERM_WAVE][0] = real(-theta[TERM]);
+            }
+            Some(Term::OfDamping(_)) => {
+                polynomials[TERM_WAVE][1] = real(-theta[TERM]);
+                derivatives[TERM][TERM_WAVE][1] = real(-1.0);
+            }
+            None => (),
+        }
         for (speed, waves, amplitudes) in [(DYNO, DYNO_WAVES, DYNO_TURN), (ENGINE, ENGINE_WAVES, ENGINE_TURN)] {
             for (wave, amplitude) in waves.into_iter().zip(amplitudes) {
                 polynomials[wave] = polynomials[speed].map(|c| -theta[amplitude] * c);

@@ -6,7 +6,8 @@ use super::engine_side::{self, EngineInertia};
 use super::equation::{self, COUNT, Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use super::response::{measured_response, validate};
-use super::spectra::Spectra;
+use super::spectra::{Spectra, whole_band_hz};
+use super::terms::{Beyond, Term, TermTest};
 use crate::align::split_window;
 use crate::estimate::EstimateError;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
@@ -22,6 +23,8 @@ const SKEW_TORQUE: Label = Label { symbol: "δ_T", name: "skew of T_d,calc again
 const GATE: Label = Label { symbol: "T_g", name: "gate of the speed encoders", unit: "s" };
 const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
 const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
+const FRICTION: Label =
+    Label { symbol: "c_1", name: "slope of the dynamometer's friction over speed", unit: "Nm s/rad" };
 const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: "rad/s" };
 
 /// Share of the recording that is estimated from; the rest judges.
@@ -35,6 +38,9 @@ const OUTLIER_REACH: usize = 4;
 const OUTLIER_ROUNDS: usize = 3;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
+/// Standard uncertainty of the friction's slope over speed beforehand, Nm s/rad: 10 Nm at 1000 rpm are a dynamometer of
+/// several hundred kW.
+const FRICTION_SLOPE: f64 = 0.1;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
 const SLOWEST_RAD_S: f64 = 30.0;
 /// Level of the residual spectrum's bound.
@@ -86,6 +92,36 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
     Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
 }
 
+/// The parameters from a band of frequencies alone, with timing and, second, as if time stamps were exact and speeds momentary.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_in_band(inputs: &ShaftInputs<'_>, band_hz: (f64, f64)) -> Result<(Estimate, Estimate), EstimateError> {
+    let stretch = inputs.stretch()?;
+    let of = |unknowns| Ok(Solution::in_band(inputs, &stretch, unknowns, band_hz)?.estimate(&stretch));
+    Ok((of(Unknowns::Shaft)?, of(Unknowns::ShaftWithoutTiming)?))
+}
+
+/// Holds every [`Term`] beyond the simple shaft against the whole of a recording, each by itself.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
+    let stretch = inputs.stretch()?;
+    // A term that is there may spoil a fit without it, skews included: each is estimated from the start.
+    let test = |term: Term| {
+        if !term.is_moved(inputs) {
+            return Ok(TermTest::new(term, None));
+        }
+        let fit = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(term))?.fit;
+        let deviation = fit.covariance[(equation::TERM, equation::TERM)].sqrt();
+        Ok(TermTest::new(term, (deviation > 0.0).then_some((&fit, equation::TERM, deviation))))
+    };
+    let simple_misfit = Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale;
+    let tests = Term::ALL.into_iter().map(test).collect::<Result<Vec<_>, EstimateError>>()?;
+    Ok(Beyond::judged(simple_misfit, tests))
+}
+
 /// K, B, J_d and J_e with timing, from the whole of a recording, as if nothing were known of the inertias; J_d stays as
 /// stated where the torque is that of a flange.
 ///
@@ -119,6 +155,17 @@ enum Unknowns {
     ShaftWithoutTiming,
     /// J_d too, as if nothing were known of it.
     ShaftAndInertia,
+    /// As the shaft, with a term beyond it.
+    ShaftAnd(Term),
+}
+
+impl Unknowns {
+    fn term(self) -> Option<Term> {
+        match self {
+            Unknowns::ShaftAnd(term) => Some(term),
+            _ => None,
+        }
+    }
 }
 
 /// A fit with what it was made from.
@@ -130,10 +177,19 @@ struct Solution {
 
 impl Solution {
     fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
-        let first = Self::dated(inputs, stretch, unknowns, Dating::default())?;
+        Self::in_band(inputs, stretch, unknowns, whole_band_hz(inputs))
+    }
+
+    fn in_band(
+        inputs: &ShaftInputs<'_>,
+        stretch: &Stretch,
+        unknowns: Unknowns,
+        band_hz: (f64, f64),
+    ) -> Result<Self, EstimateError> {
+        let first = Self::dated(inputs, stretch, unknowns, (Dating::default(), band_hz))?;
         match unknowns {
             Unknowns::ShaftWithoutTiming => Ok(first),
-            _ => Self::dated(inputs, stretch, unknowns, Dating::of(&first.fit.fit.parameters)),
+            _ => Self::dated(inputs, stretch, unknowns, (Dating::of(&first.fit.fit.parameters), band_hz)),
         }
     }
 
@@ -142,10 +198,13 @@ impl Solution {
         inputs: &ShaftInputs<'_>,
         stretch: &Stretch,
         unknowns: Unknowns,
-        dating: Dating,
+        (dating, band_hz): (Dating, (f64, f64)),
     ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
-        let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s, dating)?;
+        let mut spectra = Spectra::new(inputs, (stretch.start_s, stretch.end_s), dating, band_hz)?;
+        if let Some(wave) = unknowns.term().and_then(|term| term.wave(inputs, dating)) {
+            spectra = spectra.with_wave(&wave).map_err(error)?;
+        }
         let mut excluded_hz = Vec::new();
         let mut fit = solve(inputs, &spectra, unknowns).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
@@ -167,14 +226,16 @@ impl Solution {
     }
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
-        let labels: [ReadOut<'_>; 5] = [
+        let labels: [ReadOut<'_>; 6] = [
             (K, &|t| t[equation::K]),
             (B, &|t| t[equation::B]),
             (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
             (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
             (GATE, &|t| t[equation::GATE]),
+            (FRICTION, &|t| t[equation::FRICTION]),
         ];
-        self.outputs(&labels, stretch)
+        let has_friction = self.fit.covariance[(equation::FRICTION, equation::FRICTION)] > 0.0;
+        self.outputs(if has_friction { &labels } else { &labels[..5] }, stretch)
     }
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.
@@ -241,9 +302,18 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
     bounds[equation::SKEW_ENGINE..=equation::SKEW_TORQUE].fill(skew);
     bounds[equation::GATE] = Bounds::new(0.0, LARGEST_SKEW_S);
     bounds[equation::INERTIA] = Bounds::new(inertia, inertia);
+    bounds[equation::FRICTION] = Bounds::new(0.0, 0.0);
+    bounds[equation::TERM] = Bounds::new(0.0, 0.0);
     let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
+    if inertia > 0.0 && unknowns != Unknowns::ShaftWithoutTiming {
+        bounds[equation::FRICTION] = Bounds::NONE;
+        priors.push(Prior { parameter: equation::FRICTION, value: 0.0, standard_uncertainty: FRICTION_SLOPE });
+    }
+    if unknowns.term().is_some() {
+        bounds[equation::TERM] = Bounds::NONE;
+    }
     match unknowns {
-        Unknowns::Shaft if inertia_uncertainty > 0.0 => {
+        Unknowns::Shaft | Unknowns::ShaftAnd(_) if inertia_uncertainty > 0.0 => {
             bounds[equation::INERTIA] = positive;
             priors.push(Prior {
                 parameter: equation::INERTIA,
@@ -251,7 +321,7 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
                 standard_uncertainty: inertia_uncertainty,
             });
         }
-        Unknowns::Shaft => (),
+        Unknowns::Shaft | Unknowns::ShaftAnd(_) => (),
         Unknowns::ShaftWithoutTiming => {
             start[equation::GATE] = 0.0;
             bounds[equation::SKEW_ENGINE..=equation::GATE].fill(Bounds::new(0.0, 0.0));
@@ -261,7 +331,7 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
     }
     let turns = [equation::DYNO_TURN, equation::ENGINE_TURN].into_iter().flatten();
     priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
-    let equation = ShaftEquation { dating: spectra.dating };
+    let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };
     ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(&start, &bounds)
 }
 

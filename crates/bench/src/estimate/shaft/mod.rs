@@ -15,6 +15,10 @@ mod estimate;
 mod inputs;
 mod response;
 mod spectra;
+mod terms;
 
-pub use estimate::{estimate, estimate_inertia, estimate_parameters, estimate_with_inertias};
+pub use estimate::{
+    estimate, estimate_in_band, estimate_inertia, estimate_parameters, estimate_with_inertias, test_terms,
+};
 pub use inputs::{NoisyTorque, ShaftInputs};
+pub use terms::{Beyond, Term, TermTest, Weight};

@@ -1,0 +1,99 @@
+//! The shaft of every recording: by band of frequencies, with both inertias, against what may be in a shaft beyond K and B,
+//! and of all recordings together (thesis §6.3.5, §7.2).
+
+mod together;
+
+use serde::Serialize;
+
+use crate::estimate::shaft::{self, Beyond, ShaftInputs};
+use crate::estimate::{EstimateError, speed_controller, torque_control};
+use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
+use crate::study::{Estimate, Shaft};
+use crate::torque_signals::{Told, Untold};
+use crate::{BenchFile, Experiment};
+pub use together::{CommonValue, Together};
+
+/// Bands that the shaft is estimated from beside the whole one, Hz.
+const BANDS_HZ: [(f64, f64); 4] = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (30.0, 110.0)];
+
+/// What recordings tell of the shaft.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShaftStudy {
+    /// One entry a recording with a shaft.
+    pub recordings: Vec<ShaftRecording>,
+    /// K and B of all recordings together, from two on.
+    pub together: Option<Together>,
+}
+
+/// What one recording tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShaftRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// The shaft by Δω → T_shaft with gate and skew, from 70 % of the recording, the rest judging it.
+    pub shaft: Told<Shaft>,
+    /// The same by band; a band that tells nothing is left out.
+    pub bands: Vec<Band>,
+    /// What may be in the shaft beyond K and B.
+    pub beyond: Told<Beyond>,
+    /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot tell them.
+    pub inertias: Option<Told<Estimate>>,
+}
+
+/// The shaft from a band of frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Band {
+    /// From and to, Hz.
+    pub band_hz: (f64, f64),
+    /// K, B and timing.
+    pub estimate: Estimate,
+    /// K and B as if time stamps were exact and speeds momentary.
+    pub ignoring_timing: Estimate,
+}
+
+/// Looks at the shaft in every recording that has one; `step` hears of each before its turn comes.
+///
+/// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
+/// recording that tells it best, gate and noise of the encoder those of a BS_T_NT, where there is one.
+#[must_use]
+pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> ShaftStudy {
+    let limit = bench.limits.torque_nm;
+    let controller =
+        experiments.iter().filter(|e| e.is_test("BS")).find_map(|e| speed_controller::estimate(e, limit).ok());
+    let control = torque_control::choose(experiments).and_then(|e| torque_control::estimate(e, limit).ok());
+    let mut recordings = Vec::new();
+    for experiment in experiments.iter().filter(|e| !e.label.is_without_shaft()) {
+        step(&experiment.file);
+        let inputs = shaft_inputs(experiment, bench, controller.as_ref(), control.as_ref());
+        recordings.push(of_recording(experiment, inputs, bench));
+    }
+    let together = together::of(&recordings);
+    ShaftStudy { recordings, together }
+}
+
+fn of_recording(
+    experiment: &Experiment,
+    inputs: Result<ShaftInputs<'_>, EstimateError>,
+    bench: &BenchFile,
+) -> ShaftRecording {
+    let shaft = told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate));
+    let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
+    if let (Ok(inputs), Told::Found(_)) = (&inputs, &shaft) {
+        bands = BANDS_HZ.iter().filter_map(|band_hz| band(inputs, *band_hz)).collect();
+        beyond = told(shaft::test_terms(inputs));
+        inertias = tells_inertias(experiment, bench).then(|| told(both_inertias(experiment, inputs, bench)));
+    }
+    let (file, label) = (experiment.file.clone(), experiment.label.to_string());
+    ShaftRecording { file, label, shaft, bands, beyond, inertias }
+}
+
+fn told<T>(outcome: Result<T, EstimateError>) -> Told<T> {
+    outcome.into()
+}
+
+fn band(inputs: &ShaftInputs<'_>, band_hz: (f64, f64)) -> Option<Band> {
+    let (estimate, ignoring_timing) = shaft::estimate_in_band(inputs, band_hz).ok()?;
+    Some(Band { band_hz, estimate, ignoring_timing })
+}
