@@ -13,6 +13,7 @@ mod html;
 mod json;
 pub mod look;
 pub mod safety;
+pub mod shaft;
 pub mod torque;
 pub mod verdict;
 pub mod wording;

@@ -7,6 +7,7 @@ pub(crate) mod greybox;
 pub(crate) mod identify;
 pub(crate) mod look;
 mod number;
+pub(crate) mod shaft;
 pub(crate) mod torque;
 
 use std::path::PathBuf;
@@ -28,6 +29,7 @@ A new bench, in three steps:
   dynoid inspect FILE            looks into a recording that causes trouble
   dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
   dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
+  dynoid shaft bench.toml        stiffness and damping by recording, band and route
   dynoid friction bench.toml     friction and inertia, from recordings without shaft
 
 An experiment, before it is run:
@@ -116,6 +118,8 @@ pub(crate) enum Command {
     Look(look::LookArguments),
     /// Holds the torque signals against each other: delays, filters, load cell; rebuilds the shaft torque
     Torque(torque::TorqueArguments),
+    /// Estimates the shaft from every recording: by band, with both inertias, against backlash and its like, and from all together
+    Shaft(shaft::ShaftArguments),
     /// Estimates friction and inertia of the dynamometer from recordings without shaft
     Friction(friction::FrictionArguments),
     /// Estimates a linear model from any channels of any recordings

@@ -9,6 +9,7 @@ pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod look;
+pub(crate) mod shaft;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod torque;

@@ -115,7 +115,7 @@ pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
         }
         let fit = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(term))?.fit;
         let deviation = fit.covariance[(equation::TERM, equation::TERM)].sqrt();
-        Ok(TermTest::new(term, (deviation > 0.0).then_some((&fit, equation::TERM, deviation))))
+        Ok(TermTest::new(term, (deviation > 0.0).then_some((&fit, deviation))))
     };
     let simple_misfit = Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale;
     let tests = Term::ALL.into_iter().map(test).collect::<Result<Vec<_>, EstimateError>>()?;

@@ -13,7 +13,7 @@ use ident::frequency::FrequencyFit;
 use serde::Serialize;
 use signal::Signal;
 
-use super::equation::Dating;
+use super::equation::{self, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::highest_hz;
 use crate::estimate::parameter::Label;
@@ -127,6 +127,8 @@ pub struct TermTest {
     pub value: Option<Parameter>,
     /// How likely so large a value is without the term.
     pub p_value: Option<f64>,
+    /// K with it, Nm/rad.
+    pub stiffness_nm_per_rad: Option<f64>,
     /// Mean of |error|²/σ² with it.
     pub misfit: Option<f64>,
     /// Whether it is there at [`Beyond::LEVEL`], all terms tested at once (Holm).
@@ -134,16 +136,25 @@ pub struct TermTest {
 }
 
 impl TermTest {
-    /// From a fit, the place of the term's parameter in it and its standard error.
-    pub(super) fn new(term: Term, outcome: Option<(&FrequencyFit, usize, f64)>) -> Self {
-        let Some((fit, at, error)) = outcome else {
-            return TermTest { term, value: None, p_value: None, misfit: None, found: false };
+    /// From a fit and the standard error of the term in it.
+    pub(super) fn new(term: Term, outcome: Option<(&FrequencyFit, f64)>) -> Self {
+        let Some((fit, error)) = outcome else {
+            let nothing = None;
+            return TermTest {
+                term,
+                value: None,
+                p_value: nothing,
+                stiffness_nm_per_rad: nothing,
+                misfit: nothing,
+                found: false,
+            };
         };
-        let (value, freedom) = (fit.fit.parameters[at], fit.degrees_of_freedom);
+        let (value, freedom) = (fit.fit.parameters[equation::TERM], fit.degrees_of_freedom);
         TermTest {
             term,
             value: Some(Parameter::new(term.label(), value, error, freedom)),
             p_value: Some(f_tail((value / error).powi(2), 1.0, freedom)),
+            stiffness_nm_per_rad: Some(fit.fit.parameters[equation::K]),
             misfit: Some(fit.scale),
             found: false,
         }
