@@ -20,7 +20,7 @@ const LOOSE_AREA_NM: f64 = 5.0 * 1.772_453_850_905_516;
 pub fn term(term: Term) -> &'static str {
     match term {
         Term::LossFactor => "loss factor η, K (1 + iη)",
-        Term::SecondMass => "a second mass at the engine's end (dual-mass flywheel)",
+        Term::SecondMass => "a second mass at the engine's end (dual-mass flywheel), J₂/K₂",
         Term::OfStiffness(Weight::Torque) => "stiffness that changes with torque, per 100 Nm",
         Term::OfStiffness(Weight::TorqueSquared) => "stiffness that changes with torque squared, per (100 Nm)²",
         Term::OfStiffness(Weight::NearZeroTorque) => "stiffness about zero torque (backlash)",
@@ -43,9 +43,13 @@ pub fn term_interval(test: &TermTest) -> String {
 }
 
 fn shown(term: Term, value: &Parameter) -> Parameter {
-    let scale = if matches!(term, Term::OfStiffness(_)) { 100.0 } else { return value.clone() };
+    let (scale, unit) = match term {
+        Term::OfStiffness(_) => (100.0, "%"),
+        Term::SecondMass => (1e6, "ms²"),
+        _ => return value.clone(),
+    };
     Parameter {
-        unit: "%".to_owned(),
+        unit: unit.to_owned(),
         value: scale * value.value,
         standard_error: scale * value.standard_error,
         interval: (scale * value.interval.0, scale * value.interval.1),
@@ -103,7 +107,7 @@ pub fn together(of: &Together) -> String {
     }
 }
 
-/// Response, values by band, and errors of every recording, then all recordings side by side.
+/// All recordings side by side, then response, values by band, and errors of each.
 pub fn figures(study: &ShaftStudy) -> Vec<Figure> {
     let of_each = study.recordings.iter().flat_map(|recording| {
         let shaft = recording.shaft.found();
@@ -112,7 +116,7 @@ pub fn figures(study: &ShaftStudy) -> Vec<Figure> {
         let errors = shaft.map(|shaft| error_figure(recording, shaft));
         [response, bands, errors].into_iter().flatten()
     });
-    of_each.chain(study.together.as_ref().map(together_figure)).collect()
+    study.together.as_ref().map(together_figure).into_iter().chain(of_each).collect()
 }
 
 fn response_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
@@ -142,9 +146,9 @@ fn band_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
         ];
         Panel::new(Axis::linear(symbol, unit), HEIGHT, layers)
     });
-    Figure::new(&format!("{}: by band of frequencies", recording.file), Axis::frequency(), panels.into())
+    Figure::new(&format!("{}: by band of frequencies", recording.file), Axis::frequency().within(1.0, 110.0), panels.into())
         .with_caption(
-            "At the middle of each band, with 95 % intervals. An error of timing is taken for damping, differently in each band.",
+            "At the middle of each band, with 95 % intervals, gate and skews being those of the whole band. An error of timing is taken for damping, differently in each band.",
         )
 }
 

@@ -47,7 +47,7 @@ pub struct ShaftRecording {
 pub struct Band {
     /// From and to, Hz.
     pub band_hz: (f64, f64),
-    /// K, B and timing.
+    /// K and B, with timing and friction as the whole band tells them.
     pub estimate: Estimate,
     /// K and B as if time stamps were exact and speeds momentary.
     pub ignoring_timing: Estimate,
@@ -81,7 +81,7 @@ fn of_recording(
     let shaft = told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate));
     let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
     if let (Ok(inputs), Told::Found(_)) = (&inputs, &shaft) {
-        bands = BANDS_HZ.iter().filter_map(|band_hz| band(inputs, *band_hz)).collect();
+        bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
         beyond = told(shaft::test_terms(inputs));
         inertias = tells_inertias(experiment, bench).then(|| told(both_inertias(experiment, inputs, bench)));
     }
@@ -93,7 +93,10 @@ fn told<T>(outcome: Result<T, EstimateError>) -> Told<T> {
     outcome.into()
 }
 
-fn band(inputs: &ShaftInputs<'_>, band_hz: (f64, f64)) -> Option<Band> {
-    let (estimate, ignoring_timing) = shaft::estimate_in_band(inputs, band_hz).ok()?;
-    Some(Band { band_hz, estimate, ignoring_timing })
+fn by_band(found: Vec<Option<(Estimate, Estimate)>>) -> Vec<Band> {
+    let band = |(band_hz, found): (&(f64, f64), Option<(Estimate, Estimate)>)| {
+        let (estimate, ignoring_timing) = found?;
+        Some(Band { band_hz: *band_hz, estimate, ignoring_timing })
+    };
+    BANDS_HZ.iter().zip(found).filter_map(band).collect()
 }

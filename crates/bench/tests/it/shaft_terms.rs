@@ -1,6 +1,6 @@
 //! What may be in a shaft beyond K and B: found where it is, and nowhere else; and friction that is not taken for damping.
 
-use bench::estimate::shaft::{Beyond, Term, TermTest, Weight, estimate_in_band, estimate_parameters, test_terms};
+use bench::estimate::shaft::{Beyond, Term, TermTest, Weight, estimate_by_band, estimate_parameters, test_terms};
 use bench::virtual_bench::{DualMassFlywheel, LossFactor, MechanicsParameters};
 
 use crate::shaft_benches::{Drawn, inputs};
@@ -95,8 +95,9 @@ fn stat_every_band_tells_the_same_shaft_once_timing_is_part_of_it() {
     let mechanics = &bench.parameters.mechanics;
     let inputs = inputs(&experiment, mechanics.dyno_inertia_kg_m2);
     let truth = mechanics.shaft_damping_nm_s_per_rad;
-    for band_hz in [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (1.0, 110.0)] {
-        let (estimate, ignoring_timing) = estimate_in_band(&inputs, band_hz).unwrap();
+    let bands_hz = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (1.0, 110.0)];
+    for (band_hz, found) in bands_hz.iter().zip(estimate_by_band(&inputs, &bands_hz).unwrap()) {
+        let (estimate, ignoring_timing) = found.unwrap();
         let (own, naive) = (estimate.parameter("B").unwrap(), ignoring_timing.parameter("B").unwrap());
         println!("{band_hz:?}: B {} ± {}, naive {} for {truth}", own.value, own.standard_error, naive.value);
         assert!((own.value - truth).abs() < 4.0 * own.standard_error, "{band_hz:?} {own:?}");

@@ -20,6 +20,11 @@ fn snap_help_look() {
 }
 
 #[test]
+fn snap_help_shaft() {
+    insta::assert_snapshot!("help_shaft", help(&["shaft", "--help"]));
+}
+
+#[test]
 fn snap_help_torque() {
     insta::assert_snapshot!("help_torque", help(&["torque", "--help"]));
     insta::assert_snapshot!("help_friction", help(&["friction", "--help"]));

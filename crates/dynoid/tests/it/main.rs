@@ -17,6 +17,7 @@ mod inspect;
 mod lines;
 mod look;
 mod operating_point;
+mod shaft;
 mod study;
 mod support;
 mod terminal;

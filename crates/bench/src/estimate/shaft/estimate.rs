@@ -92,14 +92,32 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
     Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
 }
 
-/// The parameters from a band of frequencies alone, with timing and, second, as if time stamps were exact and speeds momentary.
+/// K and B from bands of frequencies, each with gate and skews as the whole band tells them and, second, as if time stamps were
+/// exact and speeds momentary; nothing where a band tells nothing.
 ///
 /// # Errors
 /// Those of [`estimate`].
-pub fn estimate_in_band(inputs: &ShaftInputs<'_>, band_hz: (f64, f64)) -> Result<(Estimate, Estimate), EstimateError> {
+pub fn estimate_by_band(
+    inputs: &ShaftInputs<'_>,
+    bands_hz: &[(f64, f64)],
+) -> Result<Vec<Option<(Estimate, Estimate)>>, EstimateError> {
     let stretch = inputs.stretch()?;
-    let of = |unknowns| Ok(Solution::in_band(inputs, &stretch, unknowns, band_hz)?.estimate(&stretch));
-    Ok((of(Unknowns::Shaft)?, of(Unknowns::ShaftWithoutTiming)?))
+    let whole = Solution::of(inputs, &stretch, Unknowns::Shaft)?;
+    let (theta, covariance) = (&whole.fit.fit.parameters, &whole.fit.covariance);
+    let known = |parameter: usize| {
+        let standard_uncertainty = covariance[(parameter, parameter)].sqrt();
+        (standard_uncertainty > 0.0).then(|| Prior { parameter, value: theta[parameter], standard_uncertainty })
+    };
+    let timing = [equation::SKEW_ENGINE, equation::SKEW_TORQUE, equation::GATE, equation::FRICTION];
+    let timing: Vec<Prior> = timing.into_iter().filter_map(known).collect();
+    let of_band = |band_hz: (f64, f64)| {
+        let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing };
+        let own = Solution::dated(inputs, &stretch, Unknowns::Shaft, timed).ok()?;
+        let exact = Dated { band_hz, ..Dated::as_recorded(inputs) };
+        let naive = Solution::dated(inputs, &stretch, Unknowns::ShaftWithoutTiming, exact).ok()?;
+        Some((own.estimate(&stretch), naive.estimate(&stretch)))
+    };
+    Ok(bands_hz.iter().map(|band_hz| of_band(*band_hz)).collect())
 }
 
 /// Holds every [`Term`] beyond the simple shaft against the whole of a recording, each by itself.
@@ -168,6 +186,23 @@ impl Unknowns {
     }
 }
 
+/// What is known of the timing before a fit.
+#[derive(Debug, Clone, Copy)]
+struct Dated<'a> {
+    /// By how much signals are dated earlier.
+    dating: Dating,
+    /// From and to which frequency the signals are used.
+    band_hz: (f64, f64),
+    /// What is known of parameters beside what the inputs say.
+    known: &'a [Prior],
+}
+
+impl Dated<'_> {
+    fn as_recorded(inputs: &ShaftInputs<'_>) -> Self {
+        Dated { dating: Dating::default(), band_hz: whole_band_hz(inputs), known: &[] }
+    }
+}
+
 /// A fit with what it was made from.
 struct Solution {
     spectra: Spectra,
@@ -177,28 +212,22 @@ struct Solution {
 
 impl Solution {
     fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
-        Self::in_band(inputs, stretch, unknowns, whole_band_hz(inputs))
-    }
-
-    fn in_band(
-        inputs: &ShaftInputs<'_>,
-        stretch: &Stretch,
-        unknowns: Unknowns,
-        band_hz: (f64, f64),
-    ) -> Result<Self, EstimateError> {
-        let first = Self::dated(inputs, stretch, unknowns, (Dating::default(), band_hz))?;
+        let recorded = Dated::as_recorded(inputs);
+        let first = Self::dated(inputs, stretch, unknowns, recorded)?;
         match unknowns {
             Unknowns::ShaftWithoutTiming => Ok(first),
-            _ => Self::dated(inputs, stretch, unknowns, (Dating::of(&first.fit.fit.parameters), band_hz)),
+            _ => {
+                let dating = Dating::of(&first.fit.fit.parameters);
+                Self::dated(inputs, stretch, unknowns, Dated { dating, ..recorded })
+            }
         }
     }
 
-    /// A fit on signals dated earlier by `dating`.
     fn dated(
         inputs: &ShaftInputs<'_>,
         stretch: &Stretch,
         unknowns: Unknowns,
-        (dating, band_hz): (Dating, (f64, f64)),
+        Dated { dating, band_hz, known }: Dated<'_>,
     ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let mut spectra = Spectra::new(inputs, (stretch.start_s, stretch.end_s), dating, band_hz)?;
@@ -206,7 +235,7 @@ impl Solution {
             spectra = spectra.with_wave(&wave).map_err(error)?;
         }
         let mut excluded_hz = Vec::new();
-        let mut fit = solve(inputs, &spectra, unknowns).map_err(error)?;
+        let mut fit = solve(inputs, &spectra, unknowns, known).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if unknowns != Unknowns::ShaftWithoutTiming {
             for _ in 0..OUTLIER_ROUNDS {
@@ -215,7 +244,7 @@ impl Solution {
                     break;
                 }
                 excluded_hz.extend(lines);
-                fit = solve(inputs, &spectra, unknowns).map_err(error)?;
+                fit = solve(inputs, &spectra, unknowns, known).map_err(error)?;
             }
         }
         Ok(Solution { spectra, fit, excluded_hz })
@@ -289,7 +318,12 @@ impl Solution {
     }
 }
 
-fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Result<FrequencyFit, ident::IdentError> {
+fn solve(
+    inputs: &ShaftInputs<'_>,
+    spectra: &Spectra,
+    unknowns: Unknowns,
+    known: &[Prior],
+) -> Result<FrequencyFit, ident::IdentError> {
     let (gate, gate_uncertainty) = inputs.gate_s;
     let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
     let mut start = [0.0; COUNT];
@@ -329,6 +363,8 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
         }
         Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
     }
+    priors.retain(|prior| known.iter().all(|k| k.parameter != prior.parameter));
+    priors.extend(known);
     let turns = [equation::DYNO_TURN, equation::ENGINE_TURN].into_iter().flatten();
     priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
     let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };

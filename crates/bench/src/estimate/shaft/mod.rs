@@ -18,7 +18,7 @@ mod spectra;
 mod terms;
 
 pub use estimate::{
-    estimate, estimate_in_band, estimate_inertia, estimate_parameters, estimate_with_inertias, test_terms,
+    estimate, estimate_by_band, estimate_inertia, estimate_parameters, estimate_with_inertias, test_terms,
 };
 pub use inputs::{NoisyTorque, ShaftInputs};
 pub use terms::{Beyond, Term, TermTest, Weight};
