@@ -1,7 +1,7 @@
 //! The shaft, in words and figures.
 
 use bench::estimate::shaft::{Beyond, Term, TermTest, Weight};
-use bench::shaft_study::{Band, ShaftRecording, ShaftStudy, Together};
+use bench::shaft_study::{Band, DualMass, ShaftRecording, ShaftStudy, Together};
 use bench::study::{Estimate, Parameter, Shaft};
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
@@ -21,6 +21,7 @@ pub fn term(term: Term) -> &'static str {
     match term {
         Term::LossFactor => "loss factor η, K (1 + iη)",
         Term::SecondMass => "a second mass at the engine's end (dual-mass flywheel), J₂/K₂",
+        Term::DualMass => "a dual-mass flywheel",
         Term::OfStiffness(Weight::Torque) => "stiffness that changes with torque, per 100 Nm",
         Term::OfStiffness(Weight::TorqueSquared) => "stiffness that changes with torque squared, per (100 Nm)²",
         Term::OfStiffness(Weight::NearZeroTorque) => "stiffness about zero torque (backlash)",
@@ -91,6 +92,21 @@ fn backlash(best: &TermTest) -> Option<String> {
     let value = best.value.as_ref().filter(|_| best.term == Term::OfStiffness(Weight::NearZeroTorque))?;
     let stiffness = best.stiffness_nm_per_rad?;
     Some(number::significant(-1e3 * value.value * LOOSE_AREA_NM / stiffness, 2))
+}
+
+/// What a dual-mass flywheel explains, in a sentence.
+pub fn dual_mass(found: &DualMass, simple_misfit: Option<f64>) -> String {
+    let with = number::significant(found.misfit, 2);
+    let without = simple_misfit.map(|misfit| format!(", {} times without", number::significant(misfit, 2)));
+    let verdict = match simple_misfit {
+        Some(simple) if found.misfit < MISFIT && simple > MISFIT => "this is a shaft with a dual-mass flywheel",
+        Some(simple) if simple < MISFIT => "the simple shaft does as well",
+        _ => "a dual-mass flywheel does not account for it either",
+    };
+    format!(
+        "with a dual-mass flywheel errors are {with} times what the noise explains{}: {verdict}",
+        without.unwrap_or_default()
+    )
 }
 
 /// What several recordings say together, in a sentence.

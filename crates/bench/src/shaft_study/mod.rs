@@ -5,16 +5,19 @@ mod together;
 
 use serde::Serialize;
 
-use crate::estimate::shaft::{self, Beyond, ShaftInputs};
+use crate::estimate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
 use crate::estimate::{EstimateError, speed_controller, torque_control};
 use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
-use crate::study::{Estimate, Shaft};
+use crate::study::{BenchVariant, Estimate, Shaft};
 use crate::torque_signals::{Told, Untold};
 use crate::{BenchFile, Experiment};
 pub use together::{CommonValue, Together};
 
 /// Bands that the shaft is estimated from beside the whole one, Hz.
 const BANDS_HZ: [(f64, f64); 4] = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (30.0, 110.0)];
+
+/// A simple shaft whose errors are this many times what noise explains is not the whole truth.
+const MISFIT: f64 = 2.0;
 
 /// What recordings tell of the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,8 +41,20 @@ pub struct ShaftRecording {
     pub bands: Vec<Band>,
     /// What may be in the shaft beyond K and B.
     pub beyond: Told<Beyond>,
+    /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which goes
+    /// with such a flywheel.
+    pub dual_mass: Option<Told<DualMass>>,
     /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot tell them.
     pub inertias: Option<Told<Estimate>>,
+}
+
+/// Two springs with a mass between them, thesis §3.3.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DualMass {
+    /// K and B of the shaft, J_2, K_2 and B_2 of the flywheel, timing.
+    pub estimate: Estimate,
+    /// Mean of |error|²/σ²: one where the model and the noise levels are right.
+    pub misfit: f64,
 }
 
 /// The shaft from a band of frequencies.
@@ -80,13 +95,28 @@ fn of_recording(
 ) -> ShaftRecording {
     let shaft = told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate));
     let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
+    let mut dual_mass = None;
     if let (Ok(inputs), Told::Found(_)) = (&inputs, &shaft) {
         bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
         beyond = told(shaft::test_terms(inputs));
+        dual_mass = needs_dual_mass(bench, &beyond).then(|| told(with_dual_mass(inputs)));
         inertias = tells_inertias(experiment, bench).then(|| told(both_inertias(experiment, inputs, bench)));
     }
     let (file, label) = (experiment.file.clone(), experiment.label.to_string());
-    ShaftRecording { file, label, shaft, bands, beyond, inertias }
+    ShaftRecording { file, label, shaft, bands, beyond, dual_mass, inertias }
+}
+
+fn needs_dual_mass(bench: &BenchFile, beyond: &Told<Beyond>) -> bool {
+    let is_told = |beyond: &Beyond| {
+        let second_mass = |test: &TermTest| test.found && test.term == Term::SecondMass;
+        beyond.simple_misfit > MISFIT || beyond.tests.iter().any(second_mass)
+    };
+    bench.variant == BenchVariant::TorqueFlange || beyond.found().is_some_and(is_told)
+}
+
+fn with_dual_mass(inputs: &ShaftInputs<'_>) -> Result<DualMass, EstimateError> {
+    let (estimate, misfit) = shaft::estimate_dual_mass(inputs)?;
+    Ok(DualMass { estimate, misfit })
 }
 
 fn told<T>(outcome: Result<T, EstimateError>) -> Told<T> {

@@ -1,6 +1,8 @@
 //! What may be in a shaft beyond K and B: found where it is, and nowhere else; and friction that is not taken for damping.
 
-use bench::estimate::shaft::{Beyond, Term, TermTest, Weight, estimate_by_band, estimate_parameters, test_terms};
+use bench::estimate::shaft::{
+    Beyond, Term, TermTest, Weight, estimate_by_band, estimate_dual_mass, estimate_parameters, test_terms,
+};
 use bench::virtual_bench::{DualMassFlywheel, LossFactor, MechanicsParameters};
 
 use crate::shaft_benches::{Drawn, inputs};
@@ -59,6 +61,38 @@ fn stat_terms_are_found_where_they_are() {
     assert_eq!(best(2).term, Term::OfStiffness(Weight::NearZeroTorque));
     assert!((-1.0..-0.2).contains(&value(best(2))), "{:?}", best(2));
     assert!(found[3].simple_misfit > 5.0, "a flywheel of two masses is not a shaft: {}", found[3].simple_misfit);
+}
+
+#[test]
+#[ignore = "slow: 12 benches"]
+fn stat_a_dual_mass_flywheel_is_estimated() {
+    let flywheel = DualMassFlywheel::default();
+    let rows = in_parallel(12, |i| {
+        let bench = altered(7000 + i, |m| m.flywheel = Some(flywheel));
+        let experiment = bench.white_noise((40.0, 30.0), 40.0, i as u64);
+        let mechanics = bench.parameters.mechanics;
+        let found = estimate_dual_mass(&inputs(&experiment, mechanics.dyno_inertia_kg_m2)).unwrap();
+        (mechanics, found)
+    });
+    let mut held = 0;
+    for (mechanics, (estimate, misfit)) in &rows {
+        let truths = [
+            ("K", mechanics.shaft_stiffness_nm_per_rad),
+            ("B", mechanics.shaft_damping_nm_s_per_rad),
+            ("J_2", flywheel.secondary_inertia_kg_m2),
+            ("K_2", flywheel.stiffness_nm_per_rad),
+            ("B_2", flywheel.damping_nm_s_per_rad),
+        ];
+        println!("misfit {misfit}");
+        for (symbol, truth) in truths {
+            let p = estimate.parameter(symbol).unwrap();
+            println!("{symbol}: {} ± {}, truth {truth}", p.value, p.standard_error);
+            held += usize::from((p.interval.0..=p.interval.1).contains(&truth));
+        }
+        assert!((0.7..1.6).contains(misfit), "{misfit}");
+    }
+    println!("{held} of {} in the interval", 5 * rows.len());
+    assert!(held >= 50, "{held} of 60");
 }
 
 #[test]

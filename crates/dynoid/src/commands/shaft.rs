@@ -4,7 +4,7 @@ use bench::shaft_study::{CommonValue, ShaftRecording, ShaftStudy, Together, shaf
 use bench::study::{Estimate, Parameter};
 use bench::torque_signals::Told;
 use bench::{BenchFile, Experiment};
-use report::shaft::{beyond, figures, term, term_interval, term_value, term_verdict, together};
+use report::shaft::{beyond, dual_mass, figures, term, term_interval, term_value, term_verdict, together};
 use report::torque::untold;
 use report::wording::number;
 use serde_json::json;
@@ -113,6 +113,15 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
             terminal.paragraph(&beyond(found));
         }
         Told::Untold(why) => terminal.line(&format!("beyond K and B: {}", untold(why))),
+    }
+    match &recording.dual_mass {
+        Some(Told::Found(found)) => {
+            terminal.line("As a shaft with a dual-mass flywheel:");
+            parameters(&found.estimate.parameters.iter().collect::<Vec<_>>(), terminal);
+            terminal.paragraph(&dual_mass(found, recording.beyond.found().map(|beyond| beyond.simple_misfit)));
+        }
+        Some(Told::Untold(why)) => terminal.line(&format!("dual-mass flywheel: {}", untold(why))),
+        None => {}
     }
 }
 

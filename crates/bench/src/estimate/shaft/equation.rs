@@ -3,6 +3,7 @@
 use ident::frequency::{Equation, ORDERS};
 use signal::Complex64;
 
+use super::springs::Springs;
 use super::terms::Term;
 
 pub(super) const K: usize = 0;
@@ -23,7 +24,9 @@ pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
 pub(super) const FRICTION: usize = 10;
 /// What a [`Term`] is multiplied by.
 pub(super) const TERM: usize = 11;
-pub(super) const COUNT: usize = 12;
+/// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring behind it.
+pub(super) const DUAL_MASS: [usize; 3] = [11, 12, 13];
+pub(super) const COUNT: usize = 14;
 
 /// Places of the signals: N_d, N_e, torque, and for each speed ω cos θ and ω sin θ, what a once-a-turn error adds to it.
 pub(super) const DYNO: usize = 0;
@@ -101,23 +104,6 @@ impl Corrections {
     }
 }
 
-/// What a term makes of the spring, (K + B s) becoming (K·`spring` + B s), and of ω_e.
-struct Beyond {
-    spring: Complex64,
-    engine_side: Complex64,
-}
-
-impl Beyond {
-    fn of(term: Option<Term>, s: Complex64, value: f64) -> Self {
-        let one = Complex64::from(1.0);
-        match term {
-            Some(Term::LossFactor) => Beyond { spring: Complex64::new(1.0, value), engine_side: one },
-            Some(Term::SecondMass) => Beyond { spring: one, engine_side: 1.0 - value * s * s },
-            _ => Beyond { spring: one, engine_side: one },
-        }
-    }
-}
-
 impl Equation for ShaftEquation {
     const SIGNALS: usize = TERM_WAVE + 1;
     const PARAMETERS: usize = COUNT;
@@ -130,22 +116,23 @@ impl Equation for ShaftEquation {
         derivatives: &mut [Vec<[Complex64; ORDERS]>],
     ) {
         let Corrections { speed, engine, torque, speed_by_gate } = Corrections::at(s, theta, self.dating);
-        let Beyond { spring, engine_side } = Beyond::of(self.term, s, theta[TERM]);
+        let springs = Springs::of(self.term, s, theta);
         let real = Complex64::from;
-        let dyno = [spring * theta[K], real(theta[B] + theta[FRICTION]), real(theta[INERTIA])];
-        let far = [spring * theta[K], real(theta[B]), real(0.0)].map(|c| engine_side * c);
+        let mut dyno = springs.sides.dyno;
+        dyno[1] += theta[FRICTION];
+        dyno[2] += theta[INERTIA];
         polynomials.fill([Complex64::default(); ORDERS]);
         polynomials[DYNO] = dyno.map(|c| speed * c);
-        polynomials[ENGINE] = far.map(|c| -engine * c);
+        polynomials[ENGINE] = springs.sides.engine.map(|c| -engine * c);
         polynomials[TORQUE] = [0.0, 1.0, 0.0].map(|c| torque * c);
         for row in derivatives.iter_mut() {
             row.fill([Complex64::default(); ORDERS]);
         }
         derivatives[INERTIA][DYNO][2] = speed;
         derivatives[FRICTION][DYNO][1] = speed;
-        for (parameter, order, by) in [(K, 0, spring), (B, 1, real(1.0))] {
-            derivatives[parameter][DYNO][order] = speed * by;
-            derivatives[parameter][ENGINE][order] = -engine * engine_side * by;
+        for (parameter, slope) in springs.slopes.into_iter().flatten() {
+            derivatives[parameter][DYNO] = slope.dyno.map(|c| speed * c);
+            derivatives[parameter][ENGINE] = slope.engine.map(|c| -engine * c);
         }
         derivatives[SKEW_ENGINE][ENGINE] = polynomials[ENGINE].map(|c| s * c);
         derivatives[SKEW_TORQUE][TORQUE] = polynomials[TORQUE].map(|c| s * c);
@@ -153,13 +140,6 @@ impl Equation for ShaftEquation {
         derivatives[GATE][ENGINE] = polynomials[ENGINE].map(|c| speed_by_gate / speed * c);
         derivatives[GATE][TORQUE] = polynomials[TORQUE].map(|c| -0.5 * s * c);
         match self.term {
-            Some(Term::LossFactor) => {
-                let turned = Complex64::new(0.0, theta[K]);
-                (derivatives[TERM][DYNO][0], derivatives[TERM][ENGINE][0]) = (speed * turned, -engine * turned);
-            }
-            Some(Term::SecondMass) => {
-                derivatives[TERM][ENGINE] = [theta[K], theta[B], 0.0].map(|c| engine * s * s * c);
-            }
             Some(Term::OfStiffness(_)) => {
                 polynomials[TERM_WAVE][0] = real(-theta[K] * theta[TERM]);
                 derivatives[TERM][TERM_WAVE][0] = real(-theta[K]);
@@ -169,7 +149,7 @@ impl Equation for ShaftEquation {
                 polynomials[TERM_WAVE][1] = real(-theta[TERM]);
                 derivatives[TERM][TERM_WAVE][1] = real(-1.0);
             }
-            None => (),
+            Some(Term::LossFactor | Term::SecondMass | Term::DualMass) | None => (),
         }
         for (speed, waves, amplitudes) in [(DYNO, DYNO_WAVES, DYNO_TURN), (ENGINE, ENGINE_WAVES, ENGINE_TURN)] {
             for (wave, amplitude) in waves.into_iter().zip(amplitudes) {

@@ -23,6 +23,9 @@ const SKEW_TORQUE: Label = Label { symbol: "δ_T", name: "skew of T_d,calc again
 const GATE: Label = Label { symbol: "T_g", name: "gate of the speed encoders", unit: "s" };
 const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
 const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
+const MASS: Label = Label { symbol: "J_2", name: "inertia between shaft and engine", unit: "kg m²" };
+const SPRING: Label = Label { symbol: "K_2", name: "stiffness of the flywheel's spring", unit: "Nm/rad" };
+const SPRING_DAMPING: Label = Label { symbol: "B_2", name: "damping of the flywheel's spring", unit: "Nm s/rad" };
 const FRICTION: Label =
     Label { symbol: "c_1", name: "slope of the dynamometer's friction over speed", unit: "Nm s/rad" };
 const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: "rad/s" };
@@ -41,6 +44,11 @@ const ECCENTRICITY: f64 = 1e-3;
 /// Standard uncertainty of the friction's slope over speed beforehand, Nm s/rad: 10 Nm at 1000 rpm are a dynamometer of
 /// several hundred kW.
 const FRICTION_SLOPE: f64 = 0.1;
+/// Where the search for a dual-mass flywheel starts: J_2 in kg m², and K_2 over K.
+const FLYWHEELS: [(f64, f64); 8] =
+    [(0.02, 0.2), (0.02, 0.7), (0.02, 2.5), (0.1, 0.2), (0.1, 0.7), (0.1, 2.5), (0.3, 0.3), (0.3, 1.5)];
+/// Damping of both springs there, as a part of the critical.
+const START_DAMPING: f64 = 0.05;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
 const SLOWEST_RAD_S: f64 = 30.0;
 /// Level of the residual spectrum's bound.
@@ -111,7 +119,7 @@ pub fn estimate_by_band(
     let timing = [equation::SKEW_ENGINE, equation::SKEW_TORQUE, equation::GATE, equation::FRICTION];
     let timing: Vec<Prior> = timing.into_iter().filter_map(known).collect();
     let of_band = |band_hz: (f64, f64)| {
-        let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing };
+        let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing, from: None };
         let own = Solution::dated(inputs, &stretch, Unknowns::Shaft, timed).ok()?;
         let exact = Dated { band_hz, ..Dated::as_recorded(inputs) };
         let naive = Solution::dated(inputs, &stretch, Unknowns::ShaftWithoutTiming, exact).ok()?;
@@ -138,6 +146,29 @@ pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
     let simple_misfit = Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale;
     let tests = Term::ALL.into_iter().map(test).collect::<Result<Vec<_>, EstimateError>>()?;
     Ok(Beyond::judged(simple_misfit, tests))
+}
+
+/// The shaft of a bench with a dual-mass flywheel: K, B, the mass J_2 between shaft and engine, the spring K_2 and damping B_2
+/// behind it, timing, and the mean of |error|²/σ², which is one where it and the noise levels are right. From the whole of a
+/// recording.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_dual_mass(inputs: &ShaftInputs<'_>) -> Result<(Estimate, f64), EstimateError> {
+    let stretch = inputs.stretch()?;
+    let solution = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(Term::DualMass))?;
+    let [mass, stiffness, damping] = equation::DUAL_MASS;
+    let outputs: [ReadOut<'_>; 8] = [
+        (K, &|t| t[equation::K]),
+        (B, &|t| t[equation::B]),
+        (MASS, &|t| t[mass]),
+        (SPRING, &|t| t[stiffness]),
+        (SPRING_DAMPING, &|t| t[damping]),
+        (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
+        (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
+        (GATE, &|t| t[equation::GATE]),
+    ];
+    Ok((solution.outputs(&outputs, &stretch), solution.fit.scale))
 }
 
 /// K, B, J_d and J_e with timing, from the whole of a recording, as if nothing were known of the inertias; J_d stays as
@@ -195,11 +226,13 @@ struct Dated<'a> {
     band_hz: (f64, f64),
     /// What is known of parameters beside what the inputs say.
     known: &'a [Prior],
+    /// Where the search starts; the usual place where `None`.
+    from: Option<&'a [f64]>,
 }
 
 impl Dated<'_> {
     fn as_recorded(inputs: &ShaftInputs<'_>) -> Self {
-        Dated { dating: Dating::default(), band_hz: whole_band_hz(inputs), known: &[] }
+        Dated { dating: Dating::default(), band_hz: whole_band_hz(inputs), known: &[], from: None }
     }
 }
 
@@ -217,8 +250,9 @@ impl Solution {
         match unknowns {
             Unknowns::ShaftWithoutTiming => Ok(first),
             _ => {
-                let dating = Dating::of(&first.fit.fit.parameters);
-                Self::dated(inputs, stretch, unknowns, Dated { dating, ..recorded })
+                let theta = &first.fit.fit.parameters;
+                let again = Dated { dating: Dating::of(theta), from: Some(theta), ..recorded };
+                Self::dated(inputs, stretch, unknowns, again)
             }
         }
     }
@@ -227,7 +261,7 @@ impl Solution {
         inputs: &ShaftInputs<'_>,
         stretch: &Stretch,
         unknowns: Unknowns,
-        Dated { dating, band_hz, known }: Dated<'_>,
+        Dated { dating, band_hz, known, from }: Dated<'_>,
     ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let mut spectra = Spectra::new(inputs, (stretch.start_s, stretch.end_s), dating, band_hz)?;
@@ -235,7 +269,7 @@ impl Solution {
             spectra = spectra.with_wave(&wave).map_err(error)?;
         }
         let mut excluded_hz = Vec::new();
-        let mut fit = solve(inputs, &spectra, unknowns, known).map_err(error)?;
+        let mut fit = solve(inputs, &spectra, unknowns, known, from).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if unknowns != Unknowns::ShaftWithoutTiming {
             for _ in 0..OUTLIER_ROUNDS {
@@ -244,7 +278,7 @@ impl Solution {
                     break;
                 }
                 excluded_hz.extend(lines);
-                fit = solve(inputs, &spectra, unknowns, known).map_err(error)?;
+                fit = solve(inputs, &spectra, unknowns, known, Some(&fit.fit.parameters)).map_err(error)?;
             }
         }
         Ok(Solution { spectra, fit, excluded_hz })
@@ -323,6 +357,7 @@ fn solve(
     spectra: &Spectra,
     unknowns: Unknowns,
     known: &[Prior],
+    from: Option<&[f64]>,
 ) -> Result<FrequencyFit, ident::IdentError> {
     let (gate, gate_uncertainty) = inputs.gate_s;
     let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
@@ -343,8 +378,11 @@ fn solve(
         bounds[equation::FRICTION] = Bounds::NONE;
         priors.push(Prior { parameter: equation::FRICTION, value: 0.0, standard_uncertainty: FRICTION_SLOPE });
     }
-    if unknowns.term().is_some() {
-        bounds[equation::TERM] = Bounds::NONE;
+    bounds[equation::DUAL_MASS[1]..=equation::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
+    match unknowns.term() {
+        Some(Term::DualMass) => equation::DUAL_MASS.iter().for_each(|i| bounds[*i] = positive),
+        Some(_) => bounds[equation::TERM] = Bounds::NONE,
+        None => (),
     }
     match unknowns {
         Unknowns::Shaft | Unknowns::ShaftAnd(_) if inertia_uncertainty > 0.0 => {
@@ -368,7 +406,42 @@ fn solve(
     let turns = [equation::DYNO_TURN, equation::ENGINE_TURN].into_iter().flatten();
     priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
     let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };
-    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(&start, &bounds)
+    let fit = |start: &[f64]| {
+        ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(start, &bounds)
+    };
+    match (from, unknowns.term()) {
+        (Some(from), _) => fit(from),
+        (None, Some(Term::DualMass)) => best_of(flywheels(start).iter().map(|start| fit(start))),
+        (None, _) => fit(&start),
+    }
+}
+
+/// The fit that leaves least; the last failure where all fail.
+fn best_of(
+    fits: impl Iterator<Item = Result<FrequencyFit, ident::IdentError>>,
+) -> Result<FrequencyFit, ident::IdentError> {
+    let better = |best: Result<FrequencyFit, ident::IdentError>, next: Result<FrequencyFit, ident::IdentError>| match (
+        &best, &next,
+    ) {
+        (Ok(a), Ok(b)) if b.scale < a.scale => next,
+        (Err(_), _) => next,
+        _ => best,
+    };
+    let none = ident::IdentError::TooFewSamples { samples: 0, parameters: COUNT };
+    fits.fold(Err(none), better)
+}
+
+/// Starts with a dual-mass flywheel, both springs together as stiff as the one of `start`.
+fn flywheels(start: [f64; COUNT]) -> [[f64; COUNT]; FLYWHEELS.len()] {
+    FLYWHEELS.map(|(mass, ratio)| {
+        let mut with = start;
+        let stiffness = start[equation::K] * (1.0 + 1.0 / ratio);
+        let damping = |stiffness: f64| 2.0 * START_DAMPING * (stiffness * mass).sqrt();
+        (with[equation::K], with[equation::B]) = (stiffness, damping(stiffness));
+        let [at_mass, at_stiffness, at_damping] = equation::DUAL_MASS;
+        (with[at_mass], with[at_stiffness], with[at_damping]) = (mass, ratio * stiffness, damping(ratio * stiffness));
+        with
+    })
 }
 
 /// K of a shaft without damping or skew, by least squares over the lowest third of the bins.

@@ -41,6 +41,9 @@ pub enum Term {
     /// A mass between shaft and engine: ω_e (1 − m s²) in place of ω_e, m = J/K of that mass and the spring behind it, the
     /// first effect of a dual-mass flywheel.
     SecondMass,
+    /// That flywheel as it is: a mass, and a spring with damping behind it. It has three parameters and is no
+    /// [`TermTest`]; see [`super::estimate_dual_mass`].
+    DualMass,
     /// K changes with the weight, as a part of K.
     OfStiffness(Weight),
     /// B changes with the weight, in Nm s/rad.
@@ -62,7 +65,7 @@ pub enum Weight {
 }
 
 impl Term {
-    /// All that are tested.
+    /// All that are tested by one parameter.
     pub const ALL: [Term; 8] = [
         Term::LossFactor,
         Term::SecondMass,
@@ -85,7 +88,7 @@ impl Term {
     /// Whether a recording moves what it depends on.
     pub(super) fn is_moved(self, inputs: &ShaftInputs<'_>) -> bool {
         match self {
-            Term::LossFactor | Term::SecondMass => true,
+            Term::LossFactor | Term::SecondMass | Term::DualMass => true,
             Term::OfStiffness(_) | Term::OfDamping(_) => self.wave(inputs, Dating::default()).is_some(),
         }
     }
@@ -94,6 +97,7 @@ impl Term {
         let (symbol, name, unit) = match self {
             Term::LossFactor => ("η", "loss factor of the spring", "1"),
             Term::SecondMass => ("J₂/K₂", "a mass between shaft and engine, over the spring behind it", "s²"),
+            Term::DualMass => ("J₂", "inertia between shaft and engine", "kg m²"),
             Term::OfStiffness(Weight::Torque) => ("ΔK/K", "stiffness with torque, per 100 Nm", "1"),
             Term::OfStiffness(Weight::TorqueSquared) => {
                 ("ΔK/K", "stiffness with the square of torque, per (100 Nm)²", "1")
