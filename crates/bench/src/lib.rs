@@ -20,6 +20,7 @@ pub mod experiment;
 pub mod friction;
 pub mod look;
 pub mod model;
+mod parallel;
 pub mod prediction;
 pub mod prepare;
 mod random;

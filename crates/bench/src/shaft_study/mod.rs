@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::estimate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
 use crate::estimate::{EstimateError, speed_controller, torque_control};
+use crate::parallel::in_parallel;
 use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
 use crate::study::{BenchVariant, Estimate, Shaft};
 use crate::torque_signals::{Told, Untold};
@@ -68,22 +69,23 @@ pub struct Band {
     pub ignoring_timing: Estimate,
 }
 
-/// Looks at the shaft in every recording that has one; `step` hears of each before its turn comes.
+/// Looks at the shaft in every recording that has one; `step` hears of each before its turn comes. Recordings are
+/// looked at on all processors.
 ///
 /// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
 /// recording that tells it best, gate and noise of the encoder those of a BS_T_NT, where there is one.
 #[must_use]
-pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> ShaftStudy {
+pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> ShaftStudy {
     let limit = bench.limits.torque_nm;
     let controller =
         experiments.iter().filter(|e| e.is_test("BS")).find_map(|e| speed_controller::estimate(e, limit).ok());
     let control = torque_control::choose(experiments).and_then(|e| torque_control::estimate(e, limit).ok());
-    let mut recordings = Vec::new();
-    for experiment in experiments.iter().filter(|e| !e.label.is_without_shaft()) {
-        step(&experiment.file);
-        let inputs = shaft_inputs(experiment, bench, controller.as_ref(), control.as_ref());
-        recordings.push(of_recording(experiment, inputs, bench));
-    }
+    let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let recordings = in_parallel(with_shaft.len(), |i| {
+        step(&with_shaft[i].file);
+        let inputs = shaft_inputs(with_shaft[i], bench, controller.as_ref(), control.as_ref());
+        of_recording(with_shaft[i], inputs, bench)
+    });
     let together = together::of(&recordings);
     ShaftStudy { recordings, together }
 }

@@ -25,7 +25,7 @@ pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result
     let (bench, experiments) =
         found.ok_or_else(|| CliError::NothingToLookAt { path: arguments.given.bench.clone() })?;
     let progress = terminal.progress(experiments.len() as u64);
-    let study = shaft_study(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {
+    let study = shaft_study(&experiments.iter().collect::<Vec<_>>(), &bench, &|file| {
         progress.say(&format!("looking at the shaft in {file}"));
         progress.step();
     });
@@ -128,8 +128,11 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
 fn bands(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut Terminal) {
     let columns = ["band, Hz", "K", "B", "K, time stamps taken as exact", "B, so"].map(|name| (name, Align::Right));
     let mut table = Table::new(&columns);
-    let shown =
-        |estimate: &Estimate, symbol| estimate.parameter(symbol).map_or_else(|| "–".to_owned(), number::parameter);
+    // At zero, where it can go no further, a parameter is without uncertainty and tells nothing.
+    let shown = |estimate: &Estimate, symbol| {
+        let told = estimate.parameter(symbol).filter(|p| p.standard_error > 0.0);
+        told.map_or_else(|| "–".to_owned(), number::parameter)
+    };
     let mut row = |name: String, own: &Estimate, naive: &Estimate| {
         table.row([
             name.into(),

@@ -101,7 +101,7 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
 }
 
 /// K and B from bands of frequencies, each with gate and skews as the whole band tells them and, second, as if time stamps were
-/// exact and speeds momentary; nothing where a band tells nothing.
+/// exact and speeds momentary; nothing where a band tells nothing, K or B being at zero.
 ///
 /// # Errors
 /// Those of [`estimate`].
@@ -121,6 +121,9 @@ pub fn estimate_by_band(
     let of_band = |band_hz: (f64, f64)| {
         let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing, from: None };
         let own = Solution::dated(inputs, &stretch, Unknowns::Shaft, timed).ok()?;
+        if [equation::K, equation::B].iter().any(|at| own.fit.fit.at_bound[*at]) {
+            return None;
+        }
         let exact = Dated { band_hz, ..Dated::as_recorded(inputs) };
         let naive = Solution::dated(inputs, &stretch, Unknowns::ShaftWithoutTiming, exact).ok()?;
         Some((own.estimate(&stretch), naive.estimate(&stretch)))
