@@ -27,6 +27,7 @@ pub mod replay;
 pub mod role;
 pub mod safety;
 pub mod simulate;
+pub mod speed_control;
 pub mod study;
 pub mod torque_signals;
 pub mod units;

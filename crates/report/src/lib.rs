@@ -7,6 +7,7 @@
 //! text and `null` in JSON.
 
 pub mod design;
+pub mod controller;
 mod effects;
 pub mod friction;
 mod html;
