@@ -1,13 +1,14 @@
 //! The speed controller, in words and figures.
 
 use bench::estimate::speed_controller::{
-    AntiWindup, FeedForwardTerms, Limit, LimitReached, MapPoint, Round, Structure, Term, TermTest, Verdict,
+    AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
 };
 use bench::speed_control::{
-    Case, Controller, FeedForwardFound, IntegrationRule, Noise, PUBLISHED, PiStudy, PublishedRow, SpeedControl, Summary,
+    Case, Controller, Estimator, FeedForwardFound, IntegrationRule, Noise, PUBLISHED, PiStudy, PublishedRow,
+    SpeedControl, Summary,
 };
 use bench::study::ResidualTest;
-use bench::torque_signals::Untold;
+use bench::torque_signals::{Told, Untold};
 use bench::units::RPM_RAD_S;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
@@ -46,6 +47,7 @@ pub fn term(term: Term) -> &'static str {
 pub fn verdict(test: &TermTest) -> &'static str {
     match test.verdict {
         Verdict::Found => "found",
+        Verdict::Negligible => "too small to matter",
         Verdict::NotFound => "none seen",
         Verdict::Untold => "untold",
     }
@@ -96,7 +98,8 @@ pub fn dependence(test: &ResidualTest) -> String {
 /// What the delay changes, in a sentence or two.
 pub fn delay(found: &Controller) -> String {
     let of = |validation: &bench::study::Validation| {
-        let residuals = validation.residuals.as_ref().map_or_else(String::new, |test| format!(", {}", dependence(test)));
+        let residuals =
+            validation.residuals.as_ref().map_or_else(String::new, |test| format!(", {}", dependence(test)));
         format!("fit {} on the held-out stretch{residuals}", number::fit(validation.fit_percent))
     };
     format!(
@@ -124,7 +127,7 @@ pub fn rules(found: &Controller) -> String {
 
 /// What was found beside PI and delay.
 pub fn structure(found: &Structure) -> String {
-    let level = number::share(found.level);
+    let level = format!("{} %", number::significant(100.0 * found.level, 2));
     let rpm = |rad_s: f64| number::significant_with_unit(rad_s / RPM_RAD_S, 2, "rpm");
     let terms = found.found();
     if terms.is_empty() {
@@ -133,22 +136,44 @@ pub fn structure(found: &Structure) -> String {
             rpm(found.left_rad_s.0)
         );
     }
-    let names: Vec<String> = terms.iter().map(|t| term(*t).to_owned()).collect();
     format!(
-        "Beside PI and delay there is a {} ({level} level): N_d is left unexplained by {} without, by {} with it.",
-        wording::join(&names, "and a"),
+        "Found at the {level} level beside PI and delay: {}. N_d is left unexplained by {} without, by {} with that.",
+        names(&terms),
         rpm(found.left_rad_s.0),
         rpm(found.left_rad_s.1)
     )
 }
 
-/// Against what a round tests.
-pub fn round(round: &Round) -> String {
-    let beside: Vec<&str> = round.beside.iter().map(|t| term(*t)).collect();
-    match beside.as_slice() {
-        [] => "Beside PI and delay".to_owned(),
-        names => format!("Beside PI, delay and {}", names.join(", ")),
+/// Terms as a list.
+fn names(terms: &[Term]) -> String {
+    wording::join(&terms.iter().map(|t| term(*t).to_owned()).collect::<Vec<_>>(), "and")
+}
+
+/// Against what a round tests; `base` is what is there without terms, e.g. `PI and delay`.
+pub fn round(base: &str, round: &Round) -> String {
+    match round.beside.as_slice() {
+        [] => format!("Beside {base}"),
+        beside => format!("Beside {base}, with {}", names(beside)),
     }
+}
+
+/// What was found of the feed-forward beside k and k_a.
+pub fn bends(found: &FeedForwardTerms) -> String {
+    match found.found().as_slice() {
+        [] => "Nothing beside k and k_a is seen.".to_owned(),
+        terms => format!("Found beside k and k_a: {}.", names(terms)),
+    }
+}
+
+/// What `too small to matter` means; where it is said of any test.
+pub fn negligible(tests: &[TermTest]) -> Option<String> {
+    let is_said = tests.iter().any(|test| test.verdict == Verdict::Negligible);
+    is_said.then(|| {
+        format!(
+            "Too small to matter: differs from zero, but explains less than {} % of the variance of what is left of N_d.",
+            number::significant(100.0 * MATTERS, 2)
+        )
+    })
 }
 
 /// A law of anti-windup.
@@ -165,23 +190,36 @@ pub fn law(law: AntiWindup) -> String {
     }
 }
 
-/// What a recording tells of the limit of T_d*.
-pub fn limit(found: &Limit) -> String {
-    match found {
-        Limit::NotReached { highest_nm } => format!(
-            "T_d* never rests at a limit (highest {}), so that limit and anti-windup are untold; {RUN_TO_LIMIT}",
-            number::significant_with_unit(*highest_nm, 4, "Nm")
-        ),
-        Limit::Reached(reached) => at_limit(reached),
+/// What the recordings tell of the limit of T_d*, one text a recording that reaches it, and one for all others.
+pub fn limits(found: &SpeedControl) -> Vec<String> {
+    let mut all = Vec::new();
+    let mut highest: Option<f64> = None;
+    for one in &found.limits {
+        match &one.found {
+            Told::Found(Limit::Reached(reached)) => all.push(format!("{}: {}", one.file, at_limit(reached))),
+            Told::Found(Limit::NotReached { highest_nm }) => {
+                highest = Some(highest.map_or(*highest_nm, |highest| highest.max(*highest_nm)));
+            }
+            Told::Untold(why) => all.push(format!("{}: {}", one.file, untold(why))),
+        }
     }
+    let reached = all.iter().any(|text| text.contains(IS_LIMITED));
+    all.extend(highest.filter(|_| !reached).map(|highest| {
+        format!(
+            "no recording rests at a limit of T_d* (highest {}), so that limit and anti-windup are untold; {RUN_TO_LIMIT}",
+            number::significant_with_unit(highest, 4, "Nm")
+        )
+    }));
+    all
 }
 
+const IS_LIMITED: &str = "T_d* is limited to";
 const RUN_TO_LIMIT: &str =
     "run NoShaft_N_NT with steps of N_d* so high that T_d* rests at its limit for 0.1 s or more, e.g. --set rise=800";
 
 fn at_limit(found: &LimitReached) -> String {
     let rests = format!(
-        "T_d* is limited to {} ({} of the time, at most {} on end)",
+        "{IS_LIMITED} {} ({} of the time, at most {} on end)",
         number::significant_with_unit(found.limit_nm, 4, "Nm"),
         number::share(found.share),
         number::duration(found.longest_s)
@@ -189,7 +227,8 @@ fn at_limit(found: &LimitReached) -> String {
     let possible: Vec<String> = found.possible().map(|test| law(test.law)).collect();
     let verdict = match (found.laws.is_empty(), possible.as_slice()) {
         (true, _) => format!("too few readings before and after for its anti-windup; {RUN_TO_LIMIT}"),
-        (_, []) => "no law of anti-windup that is known here explains the integrator; check K_p, K_i and feed-forward".to_owned(),
+        (_, []) => "no law of anti-windup that is known here explains the integrator; check K_p, K_i and feed-forward"
+            .to_owned(),
         (_, [only]) => format!("anti-windup: {only}"),
         (_, several) => format!(
             "anti-windup untold between {}: at stake are {}, and a reading is known to {}; {RUN_TO_LIMIT}",
@@ -245,11 +284,21 @@ pub fn published(study: &PiStudy, of: Noise, symbol: &str) -> Option<f64> {
     }
 }
 
+/// An estimator in a few words.
+pub fn estimator(of: Estimator) -> &'static str {
+    match of {
+        Estimator::Forward => "T_d* from N_d",
+        Estimator::Inverse => "N_d from T_d*",
+    }
+}
+
 /// How noise and SNR are meant.
-pub const STUDY_DEFINITIONS: &str =
-    "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
+pub const STUDY_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
      sees, and not to the N_d it is estimated from. The thesis (§7.1) gives neither its bands nor its definition of SNR; \
-     its table 7.1 is one draw of each.";
+     its table 7.1 is one draw of each, estimated T_d* from N_d.";
+/// What the two estimators are good for.
+pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: there noise is \
+     the logged encoder's alone, which would bias T_d* from N_d. A residual that depends on T_d* gives such noise away.";
 
 /// Cross-correlations side by side, static maps, limits.
 pub fn figures(found: &SpeedControl) -> Vec<Figure> {
@@ -328,7 +377,7 @@ fn histogram(study: &PiStudy, symbol: &str) -> Option<Figure> {
     let noisy: Vec<(&Case, &Summary)> = study
         .cases
         .iter()
-        .filter(|case| case.noise != Noise::None)
+        .filter(|case| case.noise != Noise::None && case.estimator == Estimator::Forward)
         .filter_map(|case| Some((case, case.summaries.iter().find(|s| s.symbol == symbol)?)))
         .collect();
     let summary = noisy.first()?.1;
@@ -337,10 +386,8 @@ fn histogram(study: &PiStudy, symbol: &str) -> Option<Figure> {
         let name = noise(study, case.noise);
         let stems = Layer::Stems { name, style: Style::of_model(index), x: Abscissa::Values(x), y };
         let truth = Layer::VerticalMarks { x: rounded(&[summary.truth]), label: "truth".to_owned() };
-        let once = published(study, case.noise, symbol).map(|value| Layer::VerticalMarks {
-            x: rounded(&[value]),
-            label: "table 7.1".to_owned(),
-        });
+        let once = published(study, case.noise, symbol)
+            .map(|value| Layer::VerticalMarks { x: rounded(&[value]), label: "table 7.1".to_owned() });
         let layers = [stems, truth].into_iter().chain(once.filter(|_| case.noise == Noise::LowPass)).collect();
         Panel::new(Axis::linear("draws", ""), HEIGHT, layers)
     });

@@ -15,7 +15,9 @@ use crate::torque_signals::{Told, Untold};
 use crate::{BenchFile, ControlMode, Excitation, Experiment};
 
 pub use discrete::{Discrete, IntegrationRule};
-pub use study::{Case, Noise, PUBLISHED, PiStudy, PublishedRow, StudyOptions, Summary, study, virtual_recording};
+pub use study::{
+    Case, Estimator, Noise, PUBLISHED, PiStudy, PublishedRow, StudyOptions, Summary, study, virtual_experiment,
+};
 
 /// What recordings tell of the speed controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]

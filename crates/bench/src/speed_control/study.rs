@@ -1,6 +1,10 @@
 //! The study of §7.1: a PI controller that is known runs on recorded speeds, noise is added to the speed it sees, and it is
 //! estimated again from its T_d* and the speeds without that noise; many draws instead of one.
 //!
+//! Noise that the controller sees and nobody logs stands in T_d* behind PI, where the estimate that follows the controller forward
+//! (as the thesis's does) is right, and the inverted controller, which is made for noise of the logged speed, is biased. The study
+//! makes both.
+//!
 //! The thesis does not say in which bands its noise lay nor how its SNR is defined; here the SNR is the ratio of the variance
 //! of the speed error to that of the noise, and every draw is scaled to it exactly.
 //!
@@ -16,13 +20,12 @@ use signal::spline::UniformSpline;
 
 use crate::estimate::stretch::need;
 use crate::estimate::{EstimateError, speed_controller};
-use crate::experiment::ExperimentPlan;
+use crate::experiment::{ExperimentPlan, UPDATE_S};
 use crate::random::{Random, Source};
 use crate::study::Estimate;
 use crate::units::RPM_RAD_S;
-use crate::virtual_bench::{BenchParameters, VirtualBenchError, simulate};
+use crate::virtual_bench::{BenchParameters, CHANNELS, VirtualBenchError, simulate};
 use crate::{Experiment, Role};
-use recording::Recording;
 
 /// Order of the noise's Butterworth filters (that of a band-pass is twice this).
 const NOISE_ORDER: usize = 4;
@@ -59,6 +62,16 @@ pub enum Noise {
     LowPass,
     /// White noise through a band-pass.
     BandPass,
+}
+
+/// How the controller is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Estimator {
+    /// T_d* from N_d, as the thesis does.
+    Forward,
+    /// N_d from T_d*: what recordings are estimated with.
+    Inverse,
 }
 
 /// What is studied.
@@ -109,15 +122,17 @@ pub struct PiStudy {
     pub error_rad_s: f64,
     /// What was studied.
     pub options: StudyOptions,
-    /// Without noise, with low-pass noise, with band-pass noise.
+    /// Without noise, with low-pass noise, with band-pass noise, each by both estimators.
     pub cases: Vec<Case>,
 }
 
-/// One kind of noise.
+/// One kind of noise, estimated one way.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Case {
     /// The noise.
     pub noise: Noise,
+    /// The estimator.
+    pub estimator: Estimator,
     /// Standard deviation of the noise, rad/s.
     pub noise_rad_s: f64,
     /// Draws from which nothing could be estimated.
@@ -149,13 +164,22 @@ pub struct Summary {
     pub coverage: f64,
 }
 
-/// The recording that is studied where none is given: BS_T_NT on the default virtual bench.
+/// What is studied where no recording is given: N_d and N_d* of BS_T_NT on the default virtual bench.
 ///
 /// # Errors
 /// Those of [`simulate`].
-pub fn virtual_recording(seed: u64) -> Result<Recording, VirtualBenchError> {
+pub fn virtual_experiment(seed: u64) -> Result<Experiment, VirtualBenchError> {
     let (duration_s, speed_rpm) = VIRTUAL;
-    simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(speed_rpm, duration_s), seed)
+    let plan = ExperimentPlan::bs_t_nt(speed_rpm, duration_s);
+    let recording = simulate(&BenchParameters::default(), &plan, seed)?;
+    let signal = |(role, name): &(Role, &str)| {
+        let channel = recording.channels.iter().find(|channel| channel.name == *name)?;
+        let samples = channel.samples.iter().map(|rpm| rpm * RPM_RAD_S).collect();
+        Some((*role, Signal::new(0.0, UPDATE_S, samples).ok()?))
+    };
+    let speeds = CHANNELS.iter().filter(|(role, _)| matches!(role, Role::DynoSpeed | Role::DynoSpeedDemand));
+    let signals = speeds.filter_map(signal).collect();
+    Ok(Experiment { file: format!("{} of a virtual bench", plan.label), label: plan.label, signals })
 }
 
 /// Runs the study on the speeds of a recording; `told` hears from any thread how many draws of how many are done.
@@ -172,26 +196,27 @@ pub fn study(
         .chain((0..options.draws as u64).flat_map(|draw| [(Noise::LowPass, draw), (Noise::BandPass, draw)]))
         .collect();
     let outcomes = on_all_processors(&plan, |(noise, draw)| known.draw(*noise, *draw), told);
-    let mut by_noise = [Noise::None, Noise::LowPass, Noise::BandPass].map(|noise| (noise, Vec::new(), 0));
-    for ((noise, _), outcome) in plan.iter().zip(outcomes) {
-        let Some((_, found, failed)) = by_noise.iter_mut().find(|(of, ..)| of == noise) else { continue };
-        match outcome {
-            Ok(estimate) => found.push(estimate),
-            Err(error) if *noise == Noise::None => return Err(error),
-            Err(_) => *failed += 1,
-        }
-    }
-    let case = |(noise, found, failed): (Noise, Vec<Estimate>, usize)| Case {
-        noise,
-        noise_rad_s: known.noise_rad_s(noise),
-        failed,
-        summaries: summaries(&found, options),
+    let case = |(noise, estimator): (Noise, Estimator)| {
+        let of_noise = plan.iter().zip(&outcomes).filter(|((of, _), _)| *of == noise);
+        let all: Vec<_> = of_noise
+            .map(|(_, [forward, inverse])| if estimator == Estimator::Forward { forward } else { inverse })
+            .collect();
+        let found: Vec<&Estimate> = all.iter().filter_map(|outcome| outcome.as_ref().ok()).collect();
+        let noise_rad_s = known.noise_rad_s(noise);
+        Case { noise, estimator, noise_rad_s, failed: all.len() - found.len(), summaries: summaries(&found, options) }
     };
+    if let Some(Err(error)) =
+        outcomes.first().and_then(|[forward, inverse]| [forward, inverse].into_iter().find(|o| o.is_err()))
+    {
+        return Err(error.clone());
+    }
+    let noises = [Noise::None, Noise::LowPass, Noise::BandPass];
+    let both = |noise| [(noise, Estimator::Forward), (noise, Estimator::Inverse)];
     Ok(PiStudy {
         file: experiment.file.clone(),
         error_rad_s: known.error_rad_s,
         options: options.clone(),
-        cases: by_noise.map(case).to_vec(),
+        cases: noises.into_iter().flat_map(both).map(case).collect(),
     })
 }
 
@@ -240,8 +265,8 @@ impl<'a> Known<'a> {
         }
     }
 
-    /// T_d* of one draw, and the controller that is estimated from it.
-    fn draw(&self, noise: Noise, draw: u64) -> Result<Estimate, EstimateError> {
+    /// T_d* of one draw, and the controller that is estimated from it, forward and inverse.
+    fn draw(&self, noise: Noise, draw: u64) -> [Result<Estimate, EstimateError>; 2] {
         let mut random = Random::new(self.options.seed.wrapping_add(draw << 20), Source::PiStudy);
         let initial_nm = random.between(INITIAL_NM.0, INITIAL_NM.1);
         let added = self.noise(noise, &mut random);
@@ -257,7 +282,7 @@ impl<'a> Known<'a> {
         let demand = self.error.iter().zip(added).map(torque).collect();
         let mut experiment = self.experiment.clone();
         experiment.signals.insert(Role::DynoTorqueDemand, self.clock.with_samples(demand));
-        speed_controller::estimate_alone(&experiment, None)
+        [speed_controller::estimate_forward(&experiment), speed_controller::estimate_alone(&experiment, None)]
     }
 
     /// Noise in rad/s, as long as the recording; what its filter does at the start is left out.
@@ -277,12 +302,12 @@ impl<'a> Known<'a> {
     }
 }
 
-fn summaries(found: &[Estimate], options: &StudyOptions) -> Vec<Summary> {
+fn summaries(found: &[&Estimate], options: &StudyOptions) -> Vec<Summary> {
     let truths = [("K_p", options.k_p), ("K_i", options.k_i), ("τ", options.delay_s)];
     truths.iter().filter_map(|(symbol, truth)| summary(found, symbol, *truth)).collect()
 }
 
-fn summary(found: &[Estimate], symbol: &str, truth: f64) -> Option<Summary> {
+fn summary(found: &[&Estimate], symbol: &str, truth: f64) -> Option<Summary> {
     let parameters: Vec<_> = found.iter().filter_map(|estimate| estimate.parameter(symbol)).collect();
     let unit = parameters.first()?.unit.clone();
     let values: Vec<f64> = parameters.iter().map(|p| p.value).collect();

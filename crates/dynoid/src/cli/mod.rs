@@ -1,5 +1,6 @@
 //! The command line: commands, options, help.
 
+pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod experiment;
 pub(crate) mod friction;
@@ -28,6 +29,7 @@ A new bench, in three steps:
   dynoid inspect FILE            looks into a recording that causes trouble
   dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
   dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
+  dynoid controller bench.toml   the speed controller, and what may be hidden in it
   dynoid friction bench.toml     friction and inertia, from recordings without shaft
 
 An experiment, before it is run:
@@ -116,6 +118,8 @@ pub(crate) enum Command {
     Look(look::LookArguments),
     /// Holds the torque signals against each other: delays, filters, load cell; rebuilds the shaft torque
     Torque(torque::TorqueArguments),
+    /// Looks into the speed controller: PI, delay, hidden terms, limit, feed-forward; with `study` into what noise does to it
+    Controller(controller::ControllerArguments),
     /// Estimates friction and inertia of the dynamometer from recordings without shaft
     Friction(friction::FrictionArguments),
     /// Estimates a linear model from any channels of any recordings

@@ -18,6 +18,7 @@ const CUTOFF_ORDER: usize = 4;
 const COARSE: f64 = 0.4;
 
 /// One stretch of a recording with the signals the controller sees.
+#[derive(Clone)]
 pub(super) struct Data {
     pub(super) demand: Signal,
     pub(super) reference: Signal,

@@ -210,7 +210,7 @@ impl ResidualModel for InverseController {
 }
 
 /// x(k) = [f(k) + (1 − q) x(k − 1) + r (2 x(k − 1) − x(k − 2)) − w Σ_{j ≤ k−2} x(j)]/(1 + r) from x(0) = x(−1) on.
-fn recursion(theta: &[f64], first: f64, forcing: &[f64]) -> Vec<f64> {
+pub(super) fn recursion(theta: &[f64], first: f64, forcing: &[f64]) -> Vec<f64> {
     let (keep, r, w) = (1.0 - theta[Q], theta[DERIVATIVE], theta[SECOND_INTEGRATOR]);
     let mut all = Vec::with_capacity(forcing.len());
     all.push(first);

@@ -9,12 +9,14 @@
 
 use std::ops::Range;
 
+use faer::Mat;
+use faer::prelude::Solve;
 use ident::distributions::f_tail;
 use serde::Serialize;
 use signal::spline::UniformSpline;
 
 use super::data::signal_error;
-use super::fit::{K_ACCELERATION, K_SPEED, SpeedControllerFit};
+use super::fit::{K_ACCELERATION, K_I, K_P, K_SPEED, SpeedControllerFit, TAU};
 use super::inverse;
 use super::terms::LEVEL;
 use crate::Experiment;
@@ -34,6 +36,8 @@ const WINDOW: usize = 40;
 const SKIPPED: usize = 3;
 /// Fewest readings without a limit by which their scatter is judged.
 const FEWEST_QUIET: usize = 10;
+/// Laws that are tested together.
+const LAWS: f64 = 3.0;
 /// Tracking times tried, s: from, to, and how many, in equal ratios.
 const TRACKING_S: (f64, f64, usize) = (1e-3, 10.0, 121);
 
@@ -128,9 +132,15 @@ pub fn limit(
     let typical = episodes.get(episodes.len() / 2).map_or(1, Range::len);
     let quiet = course.quiet(&limited, typical);
     let of_law = |law| course.misses(&episodes, law);
+    let doubts = doubtful(controller, feed_forward).into_iter().map(|(fit, feed)| {
+        let moved = Course::new(experiment, &fit, feed.as_ref(), highest_nm)?.misses(&episodes, AntiWindup::None);
+        Ok(moved.iter().zip(of_law(AntiWindup::None)).map(|(moved, miss)| moved - miss).collect())
+    });
+    let doubts: Vec<Vec<f64>> = doubts.collect::<Result<_, EstimateError>>()?;
     let reading_nm = root_mean_square(&quiet);
     let told = episodes.len() > 1 && quiet.len() >= FEWEST_QUIET;
-    let laws = if told { laws(&of_law, (reading_nm, quiet.len())) } else { Vec::new() };
+    let judge = Judge { reading_nm, count: quiet.len(), doubts };
+    let laws = if told { judge.laws(&of_law) } else { Vec::new() };
     let apart = of_law(AntiWindup::None).iter().zip(of_law(AntiWindup::Clamping)).map(|(a, b)| (a - b).abs()).collect();
     Ok(Limit::Reached(LimitReached {
         limit_nm: highest_nm,
@@ -143,28 +153,73 @@ pub fn limit(
     }))
 }
 
-/// Each law against the readings, whose scatter is known from `count` of them. Back-calculation has a parameter of its own,
-/// and the laws without one as its limits; it is tried where none of those is possible.
-fn laws(of_law: &impl Fn(AntiWindup) -> Vec<f64>, (reading_nm, count): (f64, usize)) -> Vec<LawTest> {
-    let simple = [AntiWindup::None, AntiWindup::Clamping, AntiWindup::ConditionalIntegration];
-    let test = |law: AntiWindup, misses: &[f64], parameters: usize| {
-        let freedom = misses.len().saturating_sub(parameters) as f64;
-        let squares: f64 = misses.iter().map(|miss| (miss / reading_nm).powi(2)).sum();
-        let p_value = f_tail(squares / freedom, freedom, count as f64);
-        let adjusted = (p_value * simple.len() as f64).min(1.0);
-        LawTest { law, misses_nm: root_mean_square(misses), p_value, adjusted_p_value: adjusted }
+/// The controller and its feed-forward, one of K_p, K_i, τ and k after the other moved by its standard error.
+fn doubtful(
+    controller: &SpeedControllerFit,
+    feed_forward: Option<&FeedForward>,
+) -> Vec<(SpeedControllerFit, Option<FeedForward>)> {
+    let estimate = &controller.result.estimate;
+    let moved = |symbol: &str, move_by: &dyn Fn(&mut [f64], f64, f64)| {
+        let parameter = estimate.parameter(symbol)?;
+        let mut fit = controller.clone();
+        move_by(&mut fit.theta, parameter.value, parameter.standard_error);
+        Some((fit, feed_forward.cloned()))
     };
-    let mut tests: Vec<LawTest> = simple.iter().map(|law| test(*law, &of_law(*law), 0)).collect();
-    if tests.iter().all(|test| test.adjusted_p_value < LEVEL) {
-        let (from, to, steps) = TRACKING_S;
-        let tracking = |i: usize| from * (to / from).powf(i as f64 / (steps - 1) as f64);
-        let best = (0..steps)
-            .map(|i| AntiWindup::BackCalculation { tracking_s: tracking(i) })
-            .map(|law| (law, of_law(law)))
-            .min_by(|a, b| root_mean_square(&a.1).total_cmp(&root_mean_square(&b.1)));
-        tests.extend(best.map(|(law, misses)| test(law, &misses, 1)));
+    let t = controller.result.sample_time_s;
+    let gains = moved(K_P.symbol, &|theta, value, error| {
+        theta[inverse::P] *= value / (value + error);
+        theta[inverse::Q] *= value / (value + error);
+    });
+    let integral = moved(K_I.symbol, &|theta, value, error| theta[inverse::Q] *= (value + error) / value);
+    let delay = moved(TAU.symbol, &|theta, _, error| theta[inverse::LEAD] += error / t);
+    let feed = feed_forward.map(|feed_forward| {
+        let mut feed = feed_forward.clone();
+        let k = feed.estimate.parameters.iter_mut().find(|p| p.symbol == K_SPEED.symbol);
+        k.into_iter().for_each(|k| k.value += k.standard_error);
+        (controller.clone(), Some(feed))
+    });
+    [gains, integral, delay, feed].into_iter().flatten().collect()
+}
+
+/// What the misses of a law are held against.
+struct Judge {
+    /// Scatter of a reading, known from so many of them.
+    reading_nm: f64,
+    count: usize,
+    /// By how much the readings move with each parameter that is not known exactly.
+    doubts: Vec<Vec<f64>>,
+}
+
+impl Judge {
+    /// Each law against the readings. Back-calculation has a parameter of its own, and the laws without one as its limits; it is
+    /// tried where none of those is possible.
+    fn laws(&self, of_law: &impl Fn(AntiWindup) -> Vec<f64>) -> Vec<LawTest> {
+        let simple = [AntiWindup::None, AntiWindup::Clamping, AntiWindup::ConditionalIntegration];
+        let mut tests: Vec<LawTest> = simple.iter().map(|law| self.test(*law, &of_law(*law), 0)).collect();
+        if tests.iter().all(|test| test.adjusted_p_value < LEVEL) {
+            let (from, to, steps) = TRACKING_S;
+            let tracking = |i: usize| from * (to / from).powf(i as f64 / (steps - 1) as f64);
+            let best = (0..steps)
+                .map(|i| AntiWindup::BackCalculation { tracking_s: tracking(i) })
+                .map(|law| (law, of_law(law)))
+                .min_by(|a, b| root_mean_square(&a.1).total_cmp(&root_mean_square(&b.1)));
+            tests.extend(best.map(|(law, misses)| self.test(law, &misses, 1)));
+        }
+        tests
     }
-    tests
+
+    /// mᵀ V⁻¹ m of the misses m, V = σ² I + Σ d dᵀ with the doubts d, over its degrees of freedom.
+    fn test(&self, law: AntiWindup, misses: &[f64], parameters: usize) -> LawTest {
+        let n = misses.len();
+        let freedom = n.saturating_sub(parameters) as f64;
+        let own = |a: usize, b: usize| if a == b { self.reading_nm.powi(2) } else { 0.0 };
+        let spread = Mat::from_fn(n, n, |a, b| own(a, b) + self.doubts.iter().map(|d| d[a] * d[b]).sum::<f64>());
+        let misses_column = Mat::from_fn(n, 1, |a, _| misses[a]);
+        let squares = (misses_column.transpose() * spread.partial_piv_lu().solve(&misses_column))[(0, 0)];
+        let p_value = f_tail(squares / freedom, freedom, self.count as f64);
+        let adjusted_p_value = (p_value * LAWS).min(1.0);
+        LawTest { law, misses_nm: root_mean_square(misses), p_value, adjusted_p_value }
+    }
 }
 
 /// Runs so close that the integrator cannot be read in between, taken together.

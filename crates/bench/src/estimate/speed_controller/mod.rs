@@ -19,6 +19,7 @@
 mod data;
 mod encoder;
 mod fit;
+mod forward;
 mod inverse;
 mod limit;
 mod terms;
@@ -26,7 +27,9 @@ mod terms;
 pub use encoder::Encoder;
 pub(crate) use fit::estimate_alone;
 pub use fit::{SpeedControllerFit, estimate, estimate_feed_forward};
+pub(crate) use forward::estimate_forward;
 pub use limit::{AntiWindup, LawTest, Limit, LimitReached, limit};
 pub use terms::{
-    FeedForwardTerms, LEVEL, MapPoint, Round, Structure, Term, TermTest, Verdict, feed_forward_terms, structure,
+    FeedForwardTerms, LEVEL, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict, feed_forward_terms,
+    structure,
 };

@@ -28,6 +28,9 @@ use crate::units::RPM_RAD_S;
 
 /// Probability of finding any term where there is none.
 pub const LEVEL: f64 = 0.01;
+/// Share of the variance left of the speed that a term explains at least, to count as found: where data are long and nearly free
+/// of noise, what is estimated differs from zero by what is only almost right in the description of an encoder, too.
+pub const MATTERS: f64 = 0.01;
 /// A term is untold where its 95 % interval would let it move the speed by more than this part of its standard deviation.
 const UNTOLD: f64 = 0.1;
 /// Terms that are added to PI and delay at most.
@@ -70,6 +73,8 @@ pub enum Term {
 pub enum Verdict {
     /// It is there.
     Found,
+    /// It differs from zero, but explains less than [`MATTERS`] of the variance that is left without it.
+    Negligible,
     /// The data show none.
     NotFound,
     /// The data cannot tell.
@@ -124,8 +129,8 @@ pub struct Round {
 pub struct FeedForwardTerms {
     /// Probability of finding anything where there is nothing.
     pub level: f64,
-    /// Static map, hysteresis, friction compensation, each beside k and k_a.
-    pub tests: Vec<TermTest>,
+    /// Static map, hysteresis, friction compensation beside k and k_a, and beside what was found in earlier rounds.
+    pub rounds: Vec<Round>,
     /// The static map, piecewise straight; empty where the data do not determine it.
     pub map: Vec<MapPoint>,
     /// The data.
@@ -146,10 +151,16 @@ pub struct MapPoint {
 }
 
 impl FeedForwardTerms {
-    /// The test of a term.
+    /// The first test of a term.
     #[must_use]
     pub fn test(&self, term: Term) -> Option<&TermTest> {
-        self.tests.iter().find(|test| test.term == term)
+        self.rounds.first()?.tests.iter().find(|test| test.term == term)
+    }
+
+    /// Terms that were found.
+    #[must_use]
+    pub fn found(&self) -> Vec<Term> {
+        self.rounds.iter().filter_map(|round| round.takes_in).collect()
     }
 }
 
@@ -175,42 +186,21 @@ pub fn structure(
 ) -> Result<Structure, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?.smoothed()?;
     let has_gate = controller.coarse_demand_nm.is_none();
-    let base_free = |j: usize| j < inverse::K && (j != inverse::GATE_SQUARED || has_gate);
     let mut start = controller.theta.clone();
     start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
-    let mut found: Vec<Term> = Vec::new();
-    let mut rounds: Vec<Round> = Vec::new();
-    let mut base = run(&data, controller.reference_lag, &start, base_free)?;
-    let alone = base.cost;
-    while found.len() < MOST_TERMS {
-        let beside = found.clone();
-        let left = [Term::Filter, Term::Derivative, Term::SecondIntegrator, Term::SpeedOffset]
-            .into_iter()
-            .filter(|term| !found.contains(term));
-        let candidates: Vec<(Term, Option<Minimum>)> = left
-            .map(|term| {
-                let free = |j: usize| base_free(j) || beside.iter().chain([&term]).any(|t| positions(*t).contains(&j));
-                (term, run(&data, controller.reference_lag, &base.parameters, free).ok())
-            })
-            .collect();
-        let tested = candidates.iter().map(|(term, fit)| test(&data, *term, &base, fit.as_ref())).collect();
-        let tests = corrected(tested);
-        let best = tests
-            .iter()
-            .filter(|test| test.verdict == Verdict::Found)
-            .max_by(|a, b| a.explains_rad_s.total_cmp(&b.explains_rad_s))
-            .map(|test| test.term);
-        rounds.push(Round { beside, tests, takes_in: best });
-        let Some((term, Some(fit))) = candidates.into_iter().find(|(term, _)| Some(*term) == best) else { break };
-        found.push(term);
-        base = fit;
-    }
-    let root_mean_square = |cost: f64| (cost / base.residuals.len() as f64).sqrt();
+    let fit = |terms: &[Term], start: &[f64]| {
+        let is_own = |j: usize| j < inverse::K && (j != inverse::GATE_SQUARED || has_gate);
+        let free = |j: usize| is_own(j) || terms.iter().any(|term| positions(*term).contains(&j));
+        Ok((data.clone(), run(&data, controller.reference_lag, start, free)?))
+    };
+    let all = [Term::Filter, Term::Derivative, Term::SecondIntegrator, Term::SpeedOffset];
+    let Searched { rounds, data, base, last } = search(&all, &fit, &start)?;
+    let found: Vec<Term> = rounds.iter().filter_map(|round| round.takes_in).collect();
     Ok(Structure {
         level: LEVEL,
-        with_terms: if found.is_empty() { None } else { Some(with_terms(&data, &base, &found)?) },
+        with_terms: if found.is_empty() { None } else { Some(with_terms(&data, &last, &found)?) },
         rounds,
-        left_rad_s: (root_mean_square(alone), root_mean_square(base.cost)),
+        left_rad_s: (root_mean_square(&base), root_mean_square(&last)),
         stretch: data.stretch,
     })
 }
@@ -224,48 +214,105 @@ pub fn feed_forward_terms(
     controller: &SpeedControllerFit,
     torque_limit_nm: Option<f64>,
 ) -> Result<FeedForwardTerms, EstimateError> {
-    let mut data = Data::of(experiment, torque_limit_nm)?;
+    let data = Data::of(experiment, torque_limit_nm)?;
     check_moves(experiment, &data.reference)?;
     let free = |j: usize| (j <= inverse::K_A && j != inverse::GATE_SQUARED) || j >= COUNT;
     let mut start = controller.theta.clone();
     start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
     (start[inverse::COSINE], start[inverse::SINE]) = (0.0, 0.0);
-    let fitted = |data: &Data, start: &[f64]| run(data, controller.reference_lag, start, free);
-    let base = fitted(&data.smoothed()?, &start)?;
     let (knots, tents) = tents(&data.reference);
     let (last, moving) = directions(&data.reference);
-    let further = [(Term::StaticMap, tents), (Term::Hysteresis, vec![last]), (Term::Friction, vec![moving])];
-    let mut tested = Vec::new();
-    let mut map = Vec::new();
-    for (term, signals) in further {
-        data.further = signals;
-        let smooth = data.smoothed()?;
-        let fit = fitted(&smooth, &base.parameters).ok();
-        if let (Term::StaticMap, Some(fit)) = (term, &fit) {
-            map = map_points(&smooth, &knots, fit, base.parameters[inverse::K])?;
+    let further = |term: &Term| match term {
+        Term::StaticMap => tents.clone(),
+        Term::Hysteresis => vec![last.clone()],
+        _ => vec![moving.clone()],
+    };
+    let fit = |terms: &[Term], start: &[f64]| {
+        let smooth = Data { further: terms.iter().flat_map(further).collect(), ..data.clone() }.smoothed()?;
+        let fit = run(&smooth, controller.reference_lag, start, free)?;
+        Ok((smooth, fit))
+    };
+    let Searched { rounds, base, .. } = search(&[Term::StaticMap, Term::Hysteresis, Term::Friction], &fit, &start)?;
+    let is_told = |test: &TermTest| test.term == Term::StaticMap && test.verdict != Verdict::Untold;
+    let map = match rounds.first().is_some_and(|round| round.tests.iter().any(is_told)) {
+        true => {
+            let (data, fit) = fit(&[Term::StaticMap], &base.parameters)?;
+            map_points(&data, &knots, &fit, base.parameters[inverse::K])?
         }
-        tested.push(test(&smooth, term, &base, fit.as_ref()));
-    }
-    let tests = corrected(tested);
-    if tests.iter().any(|test| test.term == Term::StaticMap && test.verdict == Verdict::Untold) {
-        map.clear();
-    }
-    Ok(FeedForwardTerms { level: LEVEL, tests, map, stretch: data.stretch })
+        false => Vec::new(),
+    };
+    Ok(FeedForwardTerms { level: LEVEL, rounds, map, stretch: data.stretch })
 }
 
-/// Parameters that a term adds; the first is the one that is tested. The initial state of a second integrator is an offset.
+/// What a search for terms came to.
+struct Searched {
+    rounds: Vec<Round>,
+    data: Data,
+    /// The fit without terms, and that with all that were taken in.
+    base: Minimum,
+    last: Minimum,
+}
+
+/// Data with terms, and the fit that has them, from where it starts.
+type Fitting<'a> = &'a dyn Fn(&[Term], &[f64]) -> Result<(Data, Minimum), EstimateError>;
+
+/// Tests all terms, takes in the one that explains most of those found, tests the others beside it, and so on.
+fn search(all: &[Term], fit: Fitting<'_>, start: &[f64]) -> Result<Searched, EstimateError> {
+    let (data, base) = fit(&[], start)?;
+    let mut searched = Searched { rounds: Vec::new(), data, last: base.clone(), base };
+    let mut found: Vec<Term> = Vec::new();
+    while found.len() < MOST_TERMS {
+        let start = &searched.last.parameters;
+        let with = |term: &Term| [found.as_slice(), &[*term]].concat();
+        let left = all.iter().filter(|term| !found.iter().any(|taken| has(*taken, **term)));
+        let fits: Vec<(Term, Option<(Data, Minimum)>)> =
+            left.map(|term| (*term, fit(&with(term), start).ok())).collect();
+        let tested = fits.iter().map(|(term, fit)| test(*term, &searched.last, fit.as_ref())).collect();
+        let tests = corrected(tested, root_mean_square(&searched.last));
+        let is_found = |test: &&TermTest| test.verdict == Verdict::Found;
+        let most = tests.iter().filter(is_found).max_by(|a, b| a.explains_rad_s.total_cmp(&b.explains_rad_s));
+        let takes_in = most.map(|test| test.term);
+        searched.rounds.push(Round { beside: found.clone(), tests, takes_in });
+        let Some((term, Some((_, fit)))) = fits.into_iter().find(|(term, _)| Some(*term) == takes_in) else { break };
+        found.push(term);
+        searched.last = fit;
+    }
+    Ok(searched)
+}
+
+/// Whether a term that was taken in leaves nothing of another to test.
+fn has(taken: Term, other: Term) -> bool {
+    taken == other || (taken, other) == (Term::SecondIntegrator, Term::SpeedOffset)
+}
+
+fn root_mean_square(fit: &Minimum) -> f64 {
+    (fit.cost / fit.residuals.len() as f64).sqrt()
+}
+
+/// Parameters that a term of the controller adds; the first is the one that is tested. The initial state of a second
+/// integrator is an offset.
 fn positions(term: Term) -> &'static [usize] {
     match term {
         Term::Filter => &[inverse::FILTER],
         Term::Derivative => &[inverse::DERIVATIVE],
         Term::SecondIntegrator => &[inverse::SECOND_INTEGRATOR, inverse::OFFSET],
         Term::SpeedOffset => &[inverse::OFFSET],
-        Term::StaticMap | Term::Hysteresis | Term::Friction => &[COUNT],
+        Term::StaticMap | Term::Hysteresis | Term::Friction => &[],
+    }
+}
+
+/// Parameters that are tested for a term, the last that came into a fit.
+fn tested(term: Term, fit: &Minimum) -> Vec<usize> {
+    let count = fit.parameters.len();
+    match term {
+        Term::StaticMap => (count - (KNOTS - 2)..count).collect(),
+        Term::Hysteresis | Term::Friction => vec![count - 1],
+        _ => positions(term).iter().take(1).copied().collect(),
     }
 }
 
 /// Tests a term in the fit that has it against the one that has not; not yet corrected for the number of terms.
-fn test(data: &Data, term: Term, base: &Minimum, fit: Option<&Minimum>) -> TermTest {
+fn test(term: Term, base: &Minimum, fit: Option<&(Data, Minimum)>) -> TermTest {
     let untold = TermTest {
         term,
         estimate: None,
@@ -274,19 +321,17 @@ fn test(data: &Data, term: Term, base: &Minimum, fit: Option<&Minimum>) -> TermT
         explains_rad_s: 0.0,
         verdict: Verdict::Untold,
     };
-    let Some(fit) = fit else { return untold };
-    let tested: Vec<usize> = match term {
-        Term::StaticMap => (COUNT..COUNT + data.further.len()).collect(),
-        _ => positions(term).iter().take(1).copied().collect(),
-    };
+    let Some((data, fit)) = fit else { return untold };
+    let tested = tested(term, fit);
     let Ok((covariance, freedom)) = at_least_white(fit, BATCHES) else { return untold };
-    if tested.iter().any(|j| fit.at_bound[*j]) {
+    let p_value = one_sided(term, &fit.parameters, joint_p_value(fit, &covariance, freedom, &tested));
+    let is_told = tested.iter().all(|j| is_told(data, fit, &covariance, freedom, *j));
+    if tested.iter().any(|j| fit.at_bound[*j]) || !(is_told || p_value < LEVEL) {
         return untold;
     }
-    let p_value = joint_p_value(fit, &covariance, freedom, &tested);
-    let is_told = tested.iter().all(|j| is_told(data, fit, &covariance, freedom, *j));
     let estimate = label(term).map(|label| {
-        let outputs: [ReadOut<'_>; 1] = [(label, &|g| read_out(term, g, data.demand.sample_time_s))];
+        let (t, index) = (data.demand.sample_time_s, tested[0]);
+        let outputs: [ReadOut<'_>; 1] = [(label, &|g| read_out(term, g, index, t))];
         transformed(&outputs, fit, &covariance, freedom, &data.stretch).parameters.swap_remove(0)
     });
     TermTest {
@@ -294,8 +339,17 @@ fn test(data: &Data, term: Term, base: &Minimum, fit: Option<&Minimum>) -> TermT
         p_value,
         adjusted_p_value: p_value,
         explains_rad_s: ((base.cost - fit.cost).max(0.0) / fit.residuals.len() as f64).sqrt(),
-        verdict: if is_told || p_value < LEVEL { Verdict::NotFound } else { Verdict::Untold },
+        verdict: Verdict::NotFound,
         ..untold
+    }
+}
+
+/// The time constant of a filter is positive: a negative one is no sign of a filter, but of how the gate is described.
+fn one_sided(term: Term, theta: &[f64], p_value: f64) -> f64 {
+    match term {
+        Term::Filter if theta[inverse::FILTER] > 0.0 => 0.5 * p_value,
+        Term::Filter => 1.0 - 0.5 * p_value,
+        _ => p_value,
     }
 }
 
@@ -321,8 +375,8 @@ fn is_told(data: &Data, fit: &Minimum, covariance: &Mat<f64>, freedom: f64, j: u
     moves < UNTOLD * spread
 }
 
-/// Holm's correction, and with it the verdict.
-fn corrected(mut tests: Vec<TermTest>) -> Vec<TermTest> {
+/// Holm's correction, and with it the verdict; `left_rad_s` is what is left of the speed without the terms.
+fn corrected(mut tests: Vec<TermTest>, left_rad_s: f64) -> Vec<TermTest> {
     let mut order: Vec<usize> = (0..tests.len()).collect();
     order.sort_by(|a, b| tests[*a].p_value.total_cmp(&tests[*b].p_value));
     let mut largest: f64 = 0.0;
@@ -332,7 +386,8 @@ fn corrected(mut tests: Vec<TermTest>) -> Vec<TermTest> {
         largest = largest.max((left * test.p_value).min(1.0));
         test.adjusted_p_value = largest;
         if largest < LEVEL {
-            test.verdict = Verdict::Found;
+            let matters = test.explains_rad_s.powi(2) >= MATTERS * left_rad_s.powi(2);
+            test.verdict = if matters { Verdict::Found } else { Verdict::Negligible };
         }
     }
     tests
@@ -350,15 +405,15 @@ fn label(term: Term) -> Option<Label> {
     }
 }
 
-/// A term in the unit of its label; T is the controller's sample time.
-fn read_out(term: Term, g: &[f64], t: f64) -> f64 {
+/// A term in the unit of its label, its parameter at `index`; T is the controller's sample time.
+fn read_out(term: Term, g: &[f64], index: usize, t: f64) -> f64 {
     let k_p = RPM_RAD_S / g[inverse::P];
     match term {
-        Term::Filter => g[inverse::FILTER] * t,
-        Term::Derivative => g[inverse::DERIVATIVE] * k_p * t,
-        Term::SecondIntegrator => g[inverse::SECOND_INTEGRATOR] * k_p / (t * t),
-        Term::SpeedOffset => g[inverse::OFFSET] / RPM_RAD_S,
-        Term::StaticMap | Term::Hysteresis | Term::Friction => g[COUNT],
+        Term::Filter => g[index] * t,
+        Term::Derivative => g[index] * k_p * t,
+        Term::SecondIntegrator => g[index] * k_p / (t * t),
+        Term::SpeedOffset => g[index] / RPM_RAD_S,
+        Term::StaticMap | Term::Hysteresis | Term::Friction => g[index],
     }
 }
 
@@ -370,14 +425,13 @@ fn with_terms(data: &Data, fit: &Minimum, found: &[Term]) -> Result<Estimate, Es
         (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
         (TAU, &|g| (g[inverse::LEAD] + g[inverse::GATE_SQUARED].max(0.0).sqrt() / 2.0) * t),
     ];
-    let read: Vec<Box<dyn Fn(&[f64]) -> f64>> = found
-        .iter()
-        .map(|term| {
-            let term = *term;
-            Box::new(move |g: &[f64]| read_out(term, g, t)) as Box<dyn Fn(&[f64]) -> f64>
-        })
-        .collect();
-    let terms = found.iter().zip(&read).filter_map(|(term, read)| Some((label(*term)?, read.as_ref())));
+    let read = |term: &Term| {
+        let (term, index) = (*term, *positions(*term).first()?);
+        let read = move |g: &[f64]| read_out(term, g, index, t);
+        Some((label(term)?, Box::new(read) as Box<dyn Fn(&[f64]) -> f64>))
+    };
+    let read: Vec<_> = found.iter().filter_map(read).collect();
+    let terms = read.iter().map(|(label, read)| (*label, read.as_ref()));
     let outputs: Vec<ReadOut<'_>> = gains.into_iter().chain(terms).collect();
     let mut estimate = transformed(&outputs, fit, &covariance, freedom, &data.stretch);
     estimate.add_systematic(&[TAU.symbol], timing_floor_s(t));
