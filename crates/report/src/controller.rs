@@ -16,6 +16,8 @@ use crate::wording::{self, number};
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
+/// Room beside the first and last point, as a part of the axis.
+const MARGIN: f64 = 0.03;
 /// Bars of a histogram.
 const BARS: usize = 24;
 
@@ -226,7 +228,11 @@ fn at_limit(found: &LimitReached) -> String {
     );
     let possible: Vec<String> = found.possible().map(|test| law(test.law)).collect();
     let verdict = match (found.laws.is_empty(), possible.as_slice()) {
-        (true, _) => format!("too few readings before and after for its anti-windup; {RUN_TO_LIMIT}"),
+        (true, _) => format!(
+            "too short on end to tell its anti-windup (at stake are {}, and a reading is known to {}); {RUN_TO_LIMIT}",
+            number::significant_with_unit(found.at_stake_nm, 2, "Nm"),
+            number::significant_with_unit(found.reading_nm, 2, "Nm")
+        ),
         (_, []) => "no law of anti-windup that is known here explains the integrator; check K_p, K_i and feed-forward"
             .to_owned(),
         (_, [only]) => format!("anti-windup: {only}"),
@@ -345,57 +351,61 @@ fn correlation_panel(label: &str, style: Style, test: &ResidualTest) -> Panel {
 }
 
 fn map_figure(file: &str, found: &FeedForwardTerms) -> Figure {
-    let of = |f: fn(&MapPoint) -> f64| found.map.iter().map(f).collect::<Vec<f64>>();
-    let rpm: Vec<f64> = found.map.iter().map(|p| p.speed_rad_s / RPM_RAD_S).collect();
-    let points = |less_line: fn(&MapPoint) -> f64| Layer::Points {
+    let of = |f: &dyn Fn(&MapPoint) -> f64| found.map.iter().map(f).collect::<Vec<f64>>();
+    let rpm = of(&|p| p.speed_rad_s / RPM_RAD_S);
+    let points = |value: &dyn Fn(&MapPoint) -> f64, interval: &dyn Fn(&MapPoint) -> (f64, f64)| Layer::Points {
         name: "static map, 95 % intervals".to_owned(),
         style: Style::Measured,
         x: Abscissa::Values(rounded(&rpm)),
-        y: rounded(&found.map.iter().map(|p| p.torque_nm - less_line(p)).collect::<Vec<_>>()),
-        low: Some(rounded(&found.map.iter().map(|p| p.interval_nm.0 - less_line(p)).collect::<Vec<_>>())),
-        high: Some(rounded(&found.map.iter().map(|p| p.interval_nm.1 - less_line(p)).collect::<Vec<_>>())),
+        y: rounded(&of(value)),
+        low: Some(rounded(&of(&|p| interval(p).0))),
+        high: Some(rounded(&of(&|p| interval(p).1))),
     };
-    let line = Layer::curve("k N_d*", Style::Modelled, &rpm, &of(|p| p.line_nm));
-    let zero = Layer::HorizontalMark { y: Rounded(0.0), label: "k N_d*".to_owned() };
+    let line = Layer::curve("straight between its ends", Style::Modelled, &rpm, &of(&|p| p.torque_nm - p.bend_nm));
+    let zero = Layer::HorizontalMark { y: Rounded(0.0), label: "straight".to_owned() };
+    let map = points(&|p| p.torque_nm, &|p| p.interval_nm);
+    let bend = points(&|p| p.bend_nm, &|p| p.bend_interval_nm);
     let panels = vec![
-        Panel::new(Axis::linear("feed-forward", "Nm"), HEIGHT, vec![line, points(|_| 0.0)]),
-        Panel::new(Axis::linear("less k N_d*", "Nm"), HEIGHT, vec![zero, points(|p| p.line_nm)]),
+        Panel::new(Axis::linear("feed-forward", "Nm"), HEIGHT, vec![line, map]),
+        Panel::new(Axis::linear("beyond straight", "Nm"), HEIGHT, vec![zero, bend]),
     ];
-    let bend = found.test(Term::StaticMap).map_or_else(String::new, |test| {
-        format!(" A bend: {} (p = {}).", verdict(test), probability(test.adjusted_p_value))
+    let tested = found.test(Term::StaticMap).map_or_else(String::new, |test| {
+        format!(" Bend: {} (p = {}).", verdict(test), probability(test.adjusted_p_value))
     });
-    Figure::new(&format!("{file}: static feed-forward over N_d*"), Axis::linear("N_d*", "rpm"), panels)
-        .with_caption(format!("Each speed less the lowest, since m is untold.{bend}"))
+    let (low, high) = (rpm.first().copied().unwrap_or(0.0), rpm.last().copied().unwrap_or(1.0));
+    let margin = MARGIN * (high - low);
+    let x = Axis::linear("N_d*", "rpm").within(low - margin, high + margin);
+    Figure::new(&format!("{file}: static feed-forward over N_d*"), x, panels)
+        .with_caption(format!("Each speed less the lowest, since m is untold.{tested}"))
 }
 
-/// Every draw of the study, as histograms of K_p and K_i.
+/// Every draw of the study, as histograms of K_p and K_i for each noise.
 pub fn study_figures(study: &PiStudy) -> Vec<Figure> {
-    ["K_p", "K_i"].iter().filter_map(|symbol| histogram(study, symbol)).collect()
+    let is_shown = |case: &&Case| case.noise != Noise::None && case.estimator == Estimator::Forward;
+    let gains = |case: &'_ Case| -> Vec<Figure> {
+        let gains = case.summaries.iter().filter(|summary| summary.symbol != "τ");
+        gains.map(|summary| histogram(study, case, summary)).collect()
+    };
+    study.cases.iter().filter(is_shown).flat_map(gains).collect()
 }
 
-fn histogram(study: &PiStudy, symbol: &str) -> Option<Figure> {
-    let noisy: Vec<(&Case, &Summary)> = study
-        .cases
-        .iter()
-        .filter(|case| case.noise != Noise::None && case.estimator == Estimator::Forward)
-        .filter_map(|case| Some((case, case.summaries.iter().find(|s| s.symbol == symbol)?)))
-        .collect();
-    let summary = noisy.first()?.1;
-    let panels = noisy.iter().enumerate().map(|(index, (case, summary))| {
-        let (x, y) = bars(&summary.values);
-        let name = noise(study, case.noise);
-        let stems = Layer::Stems { name, style: Style::of_model(index), x: Abscissa::Values(x), y };
-        let truth = Layer::VerticalMarks { x: rounded(&[summary.truth]), label: "truth".to_owned() };
-        let once = published(study, case.noise, symbol)
-            .map(|value| Layer::VerticalMarks { x: rounded(&[value]), label: "table 7.1".to_owned() });
-        let layers = [stems, truth].into_iter().chain(once.filter(|_| case.noise == Noise::LowPass)).collect();
-        Panel::new(Axis::linear("draws", ""), HEIGHT, layers)
-    });
-    let panels = panels.collect();
-    Some(
-        Figure::new(&format!("{symbol} over all draws"), Axis::linear(symbol, &summary.unit), panels)
-            .with_caption(STUDY_DEFINITIONS),
-    )
+fn histogram(study: &PiStudy, case: &Case, summary: &Summary) -> Figure {
+    let (x, y) = bars(&summary.values);
+    let symbol = &summary.symbol;
+    let stems = Layer::Stems { name: "draws".to_owned(), style: Style::Modelled, x: Abscissa::Values(x), y };
+    let mark = |value: f64, label: &str| Layer::VerticalMarks { x: rounded(&[value]), label: label.to_owned() };
+    let once = published(study, case.noise, symbol).filter(|value| *value != summary.truth);
+    let marks = [mark(summary.truth, "truth")].into_iter().chain(once.map(|value| mark(value, "table 7.1")));
+    let panel = Panel::new(Axis::linear("draws", ""), HEIGHT, std::iter::once(stems).chain(marks).collect());
+    let title = format!("{symbol} over all draws: {}", noise(study, case.noise));
+    let caption = format!(
+        "Estimated {}: mean {}, standard deviation {}, {} of the 95 % intervals hold the truth.",
+        estimator(case.estimator),
+        number::significant_with_unit(summary.mean, 5, &summary.unit),
+        number::significant_with_unit(summary.standard_deviation, 2, &summary.unit),
+        number::share(summary.coverage)
+    );
+    Figure::new(&title, Axis::linear(symbol, &summary.unit), vec![panel]).with_caption(caption)
 }
 
 /// How many values lie in each of as many equal steps.

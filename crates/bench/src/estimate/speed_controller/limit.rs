@@ -36,6 +36,8 @@ const WINDOW: usize = 40;
 const SKIPPED: usize = 3;
 /// Fewest readings without a limit by which their scatter is judged.
 const FEWEST_QUIET: usize = 10;
+/// Laws that differ by less than so many standard deviations of a reading are not told apart, however many readings there are.
+const AT_STAKE: f64 = 5.0;
 /// Laws that are tested together.
 const LAWS: f64 = 3.0;
 /// Tracking times tried, s: from, to, and how many, in equal ratios.
@@ -99,7 +101,7 @@ pub struct LimitReached {
     pub at_stake_nm: f64,
     /// Standard deviation of a reading of the integrator's change, Nm.
     pub reading_nm: f64,
-    /// The laws; empty where the readings do not suffice.
+    /// The laws; empty where readings are too few, or too inexact beside what is at stake.
     pub laws: Vec<LawTest>,
 }
 
@@ -138,16 +140,17 @@ pub fn limit(
     });
     let doubts: Vec<Vec<f64>> = doubts.collect::<Result<_, EstimateError>>()?;
     let reading_nm = root_mean_square(&quiet);
-    let told = episodes.len() > 1 && quiet.len() >= FEWEST_QUIET;
-    let judge = Judge { reading_nm, count: quiet.len(), doubts };
-    let laws = if told { judge.laws(&of_law) } else { Vec::new() };
     let apart = of_law(AntiWindup::None).iter().zip(of_law(AntiWindup::Clamping)).map(|(a, b)| (a - b).abs()).collect();
+    let at_stake_nm = largest(apart);
+    let is_told = episodes.len() > 1 && quiet.len() >= FEWEST_QUIET && at_stake_nm >= AT_STAKE * reading_nm;
+    let judge = Judge { reading_nm, count: quiet.len(), doubts };
+    let laws = if is_told { judge.laws(&of_law) } else { Vec::new() };
     Ok(Limit::Reached(LimitReached {
         limit_nm: highest_nm,
         share: limited.iter().filter(|is| **is).count() as f64 / limited.len().max(1) as f64,
         episodes: episodes.len(),
         longest_s: longest as f64 * course.sample_time_s,
-        at_stake_nm: largest(apart),
+        at_stake_nm,
         reading_nm,
         laws,
     }))

@@ -146,8 +146,10 @@ pub struct MapPoint {
     pub torque_nm: f64,
     /// Its 95 % interval, Nm.
     pub interval_nm: (f64, f64),
-    /// Torque by the straight line k N_d*, Nm.
-    pub line_nm: f64,
+    /// Torque beyond the straight line between the map's ends, Nm; zero at the ends.
+    pub bend_nm: f64,
+    /// Its 95 % interval, Nm.
+    pub bend_interval_nm: (f64, f64),
 }
 
 impl FeedForwardTerms {
@@ -237,7 +239,7 @@ pub fn feed_forward_terms(
     let map = match rounds.first().is_some_and(|round| round.tests.iter().any(is_told)) {
         true => {
             let (data, fit) = fit(&[Term::StaticMap], &base.parameters)?;
-            map_points(&data, &knots, &fit, base.parameters[inverse::K])?
+            map_points(&data, &knots, &fit)?
         }
         false => Vec::new(),
     };
@@ -473,21 +475,24 @@ fn directions(reference: &Signal) -> (Signal, Signal) {
     (reference.with_samples(both.0), reference.with_samples(both.1))
 }
 
-/// The map at its knots, less that at the first: k (N_j − N_1) + c_j; `line` is k of the straight feed-forward.
-fn map_points(data: &Data, knots: &[f64], fit: &Minimum, line: f64) -> Result<Vec<MapPoint>, EstimateError> {
+/// The map at its knots, less that at the first: k (N_j − N_1) + c_j.
+fn map_points(data: &Data, knots: &[f64], fit: &Minimum) -> Result<Vec<MapPoint>, EstimateError> {
     let (covariance, freedom) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
+    let within = |value: f64, variance: f64| interval(value, variance.max(0.0).sqrt(), freedom, INTERVAL_LEVEL);
     let point = |(i, speed): (usize, &f64)| {
         let rise = speed - knots[0];
         let tent = (i > 0 && i + 1 < knots.len()).then(|| COUNT + i - 1);
-        let bend = tent.map_or(0.0, |j| fit.parameters[j]);
-        let variance = rise * rise * covariance[(inverse::K, inverse::K)]
-            + tent.map_or(0.0, |j| covariance[(j, j)] + 2.0 * rise * covariance[(inverse::K, j)]);
-        let torque_nm = fit.parameters[inverse::K] * rise + bend;
+        let bend_nm = tent.map_or(0.0, |j| fit.parameters[j]);
+        let of_bend = tent.map_or(0.0, |j| covariance[(j, j)]);
+        let with_line = tent.map_or(0.0, |j| 2.0 * rise * covariance[(inverse::K, j)]);
+        let torque_nm = fit.parameters[inverse::K] * rise + bend_nm;
+        let variance = rise * rise * covariance[(inverse::K, inverse::K)] + with_line + of_bend;
         MapPoint {
             speed_rad_s: *speed,
             torque_nm,
-            interval_nm: interval(torque_nm, variance.max(0.0).sqrt(), freedom, INTERVAL_LEVEL),
-            line_nm: line * rise,
+            interval_nm: within(torque_nm, variance),
+            bend_nm,
+            bend_interval_nm: within(bend_nm, of_bend),
         }
     };
     Ok(knots.iter().enumerate().map(point).collect())

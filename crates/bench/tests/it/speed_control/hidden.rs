@@ -1,5 +1,6 @@
 //! A speed controller written down here, with terms that a recording has to betray: it computes T_d* anew from the speeds of a
-//! recording, after which the speed is logged with noise of its own.
+//! recording, or from the speeds at which it would have demanded the recorded T_d*; then the speed is logged with noise of its
+//! own.
 
 use bench::estimate::speed_controller::AntiWindup;
 use bench::units::RPM_RAD_S;
@@ -63,25 +64,63 @@ impl Hidden {
         0.012 * rpm + self.bend_nm * (-((rpm - 2100.0) / 500.0).powi(2)).exp()
     }
 
-    /// The recording with this controller's T_d*.
+    /// The recording with this controller's T_d* for its speeds.
     pub(super) fn rewrite(&self, experiment: &Experiment) -> Experiment {
-        let mut rewritten = experiment.clone();
-        let speed = &experiment.signals[&Role::DynoSpeed];
+        let speed = experiment.signals[&Role::DynoSpeed].samples.clone();
         let reference = &experiment.signals[&Role::DynoSpeedDemand].samples;
-        let demand = self.demand_nm(&speed.samples, reference, experiment.signals[&Role::DynoTorqueDemand].samples[0]);
+        let first_nm = experiment.signals[&Role::DynoTorqueDemand].samples[0] - self.static_nm(reference[0]);
+        self.logged(experiment, &speed, first_nm)
+    }
+
+    /// The recording, with constant N_d*, with the speeds at which this controller demands its T_d*: in a loop that is closed,
+    /// the torque is what the engine makes it, whatever the controller.
+    pub(super) fn in_the_loop(&self, experiment: &Experiment) -> Experiment {
+        let torque = &experiment.signals[&Role::DynoTorqueDemand].samples;
+        let start = experiment.signals[&Role::DynoSpeed].samples[0];
+        let reference = experiment.signals[&Role::DynoSpeedDemand].samples[0];
+        let (k_p, k_i, k_d, k_ii) = self.gains();
+        let keep = T / (self.filter_s + T);
+        let first_error = start + self.offset_rpm * RPM_RAD_S - reference;
+        let output = |k: usize| torque[(k + self.delay_updates).min(torque.len() - 1)] - self.static_nm(reference);
+        let first_nm = output(0) - k_p * first_error - k_d * (first_error - (start - reference)) / T;
+        let (mut integral, mut second) = (first_nm, 0.0);
+        let (mut last_error, mut filtered) = (start - reference, start);
+        let mut speed = Vec::with_capacity(torque.len());
+        for k in 0..torque.len() {
+            let error = (output(k) - integral + k_d / T * last_error) / (k_p + k_d / T);
+            integral += k_i * T * error + T * second;
+            second += k_ii * T * error;
+            last_error = error;
+            let passed = error - self.offset_rpm * RPM_RAD_S + reference;
+            speed.push(filtered + (passed - filtered) / keep);
+            filtered = passed;
+        }
+        self.logged(experiment, &speed, first_nm)
+    }
+
+    /// What is logged where the controller sees a speed and starts from a state of its integrator.
+    fn logged(&self, experiment: &Experiment, speed: &[f64], first_nm: f64) -> Experiment {
+        let mut logged = experiment.clone();
+        let clock = &experiment.signals[&Role::DynoSpeed];
+        let reference = &experiment.signals[&Role::DynoSpeedDemand].samples;
         let mut random = Random::new(77);
-        let logged = speed.map(|w| w + self.noise_rad_s * random.normal());
-        rewritten.signals.insert(Role::DynoTorqueDemand, speed.with_samples(demand));
-        rewritten.signals.insert(Role::DynoSpeed, logged);
-        rewritten
+        let noisy = speed.iter().map(|w| w + self.noise_rad_s * random.normal()).collect();
+        let demand = self.demand_nm(speed, reference, first_nm);
+        logged.signals.insert(Role::DynoTorqueDemand, clock.with_samples(demand));
+        logged.signals.insert(Role::DynoSpeed, clock.with_samples(noisy));
+        logged
+    }
+
+    /// K_p, K_i, K_d and K_ii per rad/s.
+    fn gains(&self) -> (f64, f64, f64, f64) {
+        (self.k_p / RPM_RAD_S, self.k_i / RPM_RAD_S, self.k_d / RPM_RAD_S, self.k_ii / RPM_RAD_S)
     }
 
     fn demand_nm(&self, speed: &[f64], reference: &[f64], first_nm: f64) -> Vec<f64> {
-        let (k_p, k_i, k_d, k_ii) =
-            (self.k_p / RPM_RAD_S, self.k_i / RPM_RAD_S, self.k_d / RPM_RAD_S, self.k_ii / RPM_RAD_S);
+        let (k_p, k_i, k_d, k_ii) = self.gains();
         let keep = T / (self.filter_s + T);
         let (mut filtered, mut last_error, mut direction) = (speed[0], speed[0] - reference[0], 0.0);
-        let (mut second, mut integral) = (0.0, first_nm - self.static_nm(reference[0]));
+        let (mut second, mut integral) = (0.0, first_nm);
         let mut delayed = std::collections::VecDeque::from(vec![integral; self.delay_updates]);
         let mut all = Vec::with_capacity(speed.len());
         for k in 0..speed.len() {

@@ -226,16 +226,18 @@ fn print_map(terms: &FeedForwardTerms, terminal: &mut Terminal) {
     if terms.map.is_empty() {
         return;
     }
-    let columns = [("N_d*", Align::Right), ("feed-forward above the lowest", Align::Right), ("k N_d*", Align::Right)];
+    let columns =
+        [("N_d*", Align::Right), ("feed-forward above the lowest", Align::Right), ("beyond straight", Align::Right)];
     let mut table = Table::new(&columns);
+    let shown = |value: f64, (low, high): (f64, f64)| match high > low {
+        true => number::plus_minus(value, 0.5 * (high - low), "Nm"),
+        false => "–".to_owned(),
+    };
     for point in &terms.map {
-        let half_width = 0.5 * (point.interval_nm.1 - point.interval_nm.0);
-        let torque =
-            if half_width > 0.0 { number::plus_minus(point.torque_nm, half_width, "Nm") } else { "0".to_owned() };
         table.row([
             number::rpm(point.speed_rad_s).into(),
-            torque.into(),
-            number::significant_with_unit(point.line_nm, 4, "Nm").into(),
+            shown(point.torque_nm, point.interval_nm).into(),
+            shown(point.bend_nm, point.bend_interval_nm).into(),
         ]);
     }
     terminal.table(&table);
