@@ -105,7 +105,7 @@ impl Default for StudyOptions {
             delay_s: 1e-3,
             low_pass_hz: 1.0,
             low_pass_snr: 13.0,
-            band_pass_hz: (20.0, 50.0),
+            band_pass_hz: (100.0, 200.0),
             band_pass_snr: 8.0,
             draws: 200,
             seed: 1,

@@ -66,7 +66,7 @@ pub(crate) struct ControllerStudyArguments {
     #[arg(long, value_name = "RATIO", value_parser = number::positive, default_value_t = 13.0)]
     pub(crate) low_pass_snr: f64,
     /// Corners of the band-pass noise
-    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 1, value_parser = number::positive, default_value = "20,50")]
+    #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', num_args = 1, value_parser = number::positive, default_value = "100,200")]
     pub(crate) band_pass: Vec<f64>,
     /// SNR with band-pass noise
     #[arg(long, value_name = "RATIO", value_parser = number::positive, default_value_t = 8.0)]

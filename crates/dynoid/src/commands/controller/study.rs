@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &ControllerStudyArguments, terminal: &mut Terminal)
 
 fn options(arguments: &ControllerStudyArguments) -> Result<StudyOptions, CliError> {
     let [low, high] = arguments.band_pass[..] else {
-        return Err(CliError::Usage { what: "--band-pass: give two corners, such as 20,50".to_owned() });
+        return Err(CliError::Usage { what: "--band-pass: give two corners, such as 100,200".to_owned() });
     };
     if low >= high {
         return Err(CliError::Usage { what: format!("--band-pass {low},{high}: the first corner is the lower one") });
