@@ -22,6 +22,7 @@ pub mod look;
 pub mod model;
 pub mod prediction;
 pub mod prepare;
+mod processors;
 mod random;
 pub mod replay;
 pub mod role;

@@ -18,8 +18,6 @@ use crate::wording::{self, number};
 const HEIGHT: u32 = 220;
 /// Room beside the first and last point, as a part of the axis.
 const MARGIN: f64 = 0.03;
-/// Bars of a histogram.
-const BARS: usize = 24;
 
 /// Why a recording does not tell something of the speed controller, with what would.
 pub fn untold(why: &Untold) -> String {
@@ -195,18 +193,20 @@ pub fn law(law: AntiWindup) -> String {
 /// What the recordings tell of the limit of T_d*, one text a recording that reaches it, and one for all others.
 pub fn limits(found: &SpeedControl) -> Vec<String> {
     let mut all = Vec::new();
-    let mut highest: Option<f64> = None;
+    let (mut highest, mut is_reached) = (None, false);
     for one in &found.limits {
         match &one.found {
-            Told::Found(Limit::Reached(reached)) => all.push(format!("{}: {}", one.file, at_limit(reached))),
+            Told::Found(Limit::Reached(reached)) => {
+                is_reached = true;
+                all.push(format!("{}: {}", one.file, at_limit(reached)));
+            }
             Told::Found(Limit::NotReached { highest_nm }) => {
-                highest = Some(highest.map_or(*highest_nm, |highest| highest.max(*highest_nm)));
+                highest = Some(highest.map_or(*highest_nm, |highest: f64| highest.max(*highest_nm)));
             }
             Told::Untold(why) => all.push(format!("{}: {}", one.file, untold(why))),
         }
     }
-    let reached = all.iter().any(|text| text.contains(IS_LIMITED));
-    all.extend(highest.filter(|_| !reached).map(|highest| {
+    all.extend(highest.filter(|_| !is_reached).map(|highest| {
         format!(
             "no recording rests at a limit of T_d* (highest {}), so that limit and anti-windup are untold; {RUN_TO_LIMIT}",
             number::significant_with_unit(highest, 4, "Nm")
@@ -215,13 +215,12 @@ pub fn limits(found: &SpeedControl) -> Vec<String> {
     all
 }
 
-const IS_LIMITED: &str = "T_d* is limited to";
 const RUN_TO_LIMIT: &str =
-    "run NoShaft_N_NT with steps of N_d* so high that T_d* rests at its limit for 0.1 s or more, e.g. --set rise=800";
+    "run NoShaft_N_NT with steps of N_d* so high that T_d* rests at its limit for 0.05 s or more, e.g. --set rise=800";
 
 fn at_limit(found: &LimitReached) -> String {
     let rests = format!(
-        "{IS_LIMITED} {} ({} of the time, at most {} on end)",
+        "T_d* is limited to {} ({} of the time, at most {} on end)",
         number::significant_with_unit(found.limit_nm, 4, "Nm"),
         number::share(found.share),
         number::duration(found.longest_s)
@@ -408,15 +407,16 @@ fn histogram(study: &PiStudy, case: &Case, summary: &Summary) -> Figure {
     Figure::new(&title, Axis::linear(symbol, &summary.unit), vec![panel]).with_caption(caption)
 }
 
-/// How many values lie in each of as many equal steps.
+/// How many values lie in each of equal steps, as many as the root of their number.
 fn bars(values: &[f64]) -> (Vec<Rounded>, Vec<Rounded>) {
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let width = ((high - low) / BARS as f64).max(f64::MIN_POSITIVE);
-    let mut counts = [0.0; BARS];
+    let steps = (values.len() as f64).sqrt().ceil().max(1.0) as usize;
+    let width = ((high - low) / steps as f64).max(f64::MIN_POSITIVE);
+    let mut counts = vec![0.0; steps];
     for value in values {
-        counts[(((value - low) / width) as usize).min(BARS - 1)] += 1.0;
+        counts[(((value - low) / width) as usize).min(steps - 1)] += 1.0;
     }
-    let centres: Vec<f64> = (0..BARS).map(|i| low + (i as f64 + 0.5) * width).collect();
+    let centres: Vec<f64> = (0..steps).map(|i| low + (i as f64 + 0.5) * width).collect();
     (rounded(&centres), rounded(&counts))
 }

@@ -11,9 +11,6 @@
 //! # Source
 //! Thesis §7.1, figure 7.1, table 7.1.
 
-use std::panic::resume_unwind;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use serde::Serialize;
 use signal::Signal;
 use signal::spline::UniformSpline;
@@ -21,6 +18,7 @@ use signal::spline::UniformSpline;
 use crate::estimate::stretch::need;
 use crate::estimate::{EstimateError, speed_controller};
 use crate::experiment::{ExperimentPlan, UPDATE_S};
+use crate::processors::on_all_processors;
 use crate::random::{Random, Source};
 use crate::study::Estimate;
 use crate::units::RPM_RAD_S;
@@ -332,32 +330,4 @@ fn standard_deviation(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()
-}
-
-/// The results of all tasks, in their order.
-fn on_all_processors<T: Sync, R: Send>(
-    tasks: &[T],
-    run: impl Fn(&T) -> R + Sync,
-    told: &(dyn Fn(u64, u64) + Sync),
-) -> Vec<R> {
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    // Each thread takes the next task that nobody has taken.
-    let work = || {
-        let mine = std::iter::from_fn(|| {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let result = run(tasks.get(place)?);
-            told(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, tasks.len() as u64);
-            Some((place, result))
-        });
-        mine.collect::<Vec<_>>()
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(tasks.len().max(1));
-    let mut all: Vec<(usize, R)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
-        let mine = work();
-        let others = workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)));
-        mine.into_iter().chain(others).collect()
-    });
-    all.sort_by_key(|(place, _)| *place);
-    all.into_iter().map(|(_, result)| result).collect()
 }
