@@ -302,8 +302,8 @@ pub const STUDY_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_
      sees, and not to the N_d it is estimated from. The thesis (§7.1) gives neither its bands nor its definition of SNR; \
      its table 7.1 is one draw of each, estimated T_d* from N_d.";
 /// What the two estimators are good for.
-pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: there noise is \
-     the logged encoder's alone, which would bias T_d* from N_d. A residual that depends on T_d* gives such noise away.";
+pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: it takes \
+     noise to be the logged encoder's alone, which would bias T_d* from N_d.";
 
 /// Cross-correlations side by side, static maps, limits.
 pub fn figures(found: &SpeedControl) -> Vec<Figure> {
