@@ -6,6 +6,7 @@
 //! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
 //! text and `null` in JSON.
 
+pub mod controller;
 pub mod design;
 mod effects;
 pub mod friction;

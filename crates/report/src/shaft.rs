@@ -61,7 +61,7 @@ fn shown(term: Term, value: &Parameter) -> Parameter {
 /// Whether a term is there, in a word or two.
 pub fn term_verdict(test: &TermTest) -> &'static str {
     match (&test.value, test.found) {
-        (None, _) => "not moved here",
+        (None, _) => "untold here",
         (Some(_), true) => "found",
         (Some(_), false) => "not told from zero",
     }

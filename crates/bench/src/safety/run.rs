@@ -1,12 +1,10 @@
 //! One run a bench, on all processors.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use super::quantity::{self, Quantity};
 use super::sines::{self, Ladder};
 use super::spread::Drawn;
-use crate::parallel::in_parallel;
 use crate::prediction::{PredictionError, PredictionInputs, predict};
+use crate::processors::on_all_processors;
 
 /// What one bench did.
 pub(super) struct Outcome {
@@ -24,14 +22,8 @@ pub(super) fn outcomes(
     benches: &[Drawn],
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<Outcome>, PredictionError> {
-    let done = AtomicUsize::new(0);
-    let run = |place: usize| {
-        let bench = &benches[place];
-        let outcome = outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
-        told(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, benches.len() as u64);
-        outcome
-    };
-    in_parallel(benches.len(), run).into_iter().collect()
+    let run = |bench: &Drawn| outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
+    on_all_processors(benches, run, told).into_iter().collect()
 }
 
 fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {

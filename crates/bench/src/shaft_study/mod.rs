@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::estimate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
 use crate::estimate::{EstimateError, speed_controller, torque_control};
-use crate::parallel::in_parallel;
+use crate::processors::on_all_processors;
 use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
 use crate::study::{BenchVariant, Estimate, Shaft};
 use crate::torque_signals::{Told, Untold};
@@ -81,11 +81,12 @@ pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn F
         experiments.iter().filter(|e| e.is_test("BS")).find_map(|e| speed_controller::estimate(e, limit).ok());
     let control = torque_control::choose(experiments).and_then(|e| torque_control::estimate(e, limit).ok());
     let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
-    let recordings = in_parallel(with_shaft.len(), |i| {
-        step(&with_shaft[i].file);
-        let inputs = shaft_inputs(with_shaft[i], bench, controller.as_ref(), control.as_ref());
-        of_recording(with_shaft[i], inputs, bench)
-    });
+    let look = |experiment: &&Experiment| {
+        step(&experiment.file);
+        let inputs = shaft_inputs(experiment, bench, controller.as_ref(), control.as_ref());
+        of_recording(experiment, inputs, bench)
+    };
+    let recordings = on_all_processors(&with_shaft, look, &|_, _| ());
     let together = together::of(&recordings);
     ShaftStudy { recordings, together }
 }

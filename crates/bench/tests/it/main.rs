@@ -22,6 +22,7 @@ mod safety;
 mod shaft;
 mod shaft_benches;
 mod shaft_terms;
+mod speed_control;
 mod speed_controller;
 mod study;
 mod study_recorded;

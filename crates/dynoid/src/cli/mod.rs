@@ -1,5 +1,6 @@
 //! The command line: commands, options, help.
 
+pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod experiment;
 pub(crate) mod friction;
@@ -30,6 +31,7 @@ A new bench, in three steps:
   dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
   dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
   dynoid shaft bench.toml        stiffness and damping by recording, band and route
+  dynoid controller bench.toml   the speed controller, and what may be hidden in it
   dynoid friction bench.toml     friction and inertia, from recordings without shaft
 
 An experiment, before it is run:
@@ -120,6 +122,8 @@ pub(crate) enum Command {
     Torque(torque::TorqueArguments),
     /// Estimates the shaft from every recording: by band, with both inertias, against backlash and its like, and from all together
     Shaft(shaft::ShaftArguments),
+    /// Looks into the speed controller: PI, delay, hidden terms, limit, feed-forward; with `study` into what noise does to it
+    Controller(controller::ControllerArguments),
     /// Estimates friction and inertia of the dynamometer from recordings without shaft
     Friction(friction::FrictionArguments),
     /// Estimates a linear model from any channels of any recordings

@@ -1,5 +1,6 @@
 //! The commands, one module each.
 
+pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod experiment;

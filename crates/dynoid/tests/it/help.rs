@@ -31,6 +31,12 @@ fn snap_help_torque() {
 }
 
 #[test]
+fn snap_help_controller() {
+    insta::assert_snapshot!("help_controller", help(&["controller", "--help"]));
+    insta::assert_snapshot!("help_controller_study", help(&["controller", "study", "--help"]));
+}
+
+#[test]
 fn snap_help_demo() {
     insta::assert_snapshot!("help_demo", help(&["demo", "--help"]));
 }

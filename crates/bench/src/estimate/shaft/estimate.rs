@@ -8,9 +8,11 @@ use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use super::response::{measured_response, validate};
 use super::spectra::{Spectra, whole_band_hz};
 use super::terms::{Beyond, Term, TermTest};
+use crate::Role;
 use crate::align::split_window;
 use crate::estimate::EstimateError;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
+use crate::estimate::torque_control::standard_deviation;
 use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
 use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
@@ -41,9 +43,13 @@ const OUTLIER_REACH: usize = 4;
 const OUTLIER_ROUNDS: usize = 3;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
-/// Standard uncertainty of the friction's slope over speed beforehand, Nm s/rad: 10 Nm at 1000 rpm are a dynamometer of
-/// several hundred kW.
-const FRICTION_SLOPE: f64 = 0.1;
+/// Standard uncertainty of the friction's slope over speed beforehand, as the time in which a dynamometer left alone would run
+/// out: J_d over it, s. Few brake themselves faster.
+const RUN_OUT_S: f64 = 30.0;
+/// A second mass is told by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
+const LARGEST_SECOND_MASS_S2: f64 = 1.6e-5;
+/// A speed that varies less than this (standard deviation) excites nothing, rad/s.
+const STILL_RAD_S: f64 = 1e-6;
 /// Where the search for a dual-mass flywheel starts: J_2 in kg m², and K_2 over K.
 const FLYWHEELS: [(f64, f64); 8] =
     [(0.02, 0.2), (0.02, 0.7), (0.02, 2.5), (0.1, 0.2), (0.1, 0.7), (0.1, 2.5), (0.3, 0.3), (0.3, 1.5)];
@@ -139,16 +145,15 @@ pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
     let stretch = inputs.stretch()?;
     // A term that is there may spoil a fit without it, skews included: each is estimated from the start.
     let test = |term: Term| {
-        if !term.is_moved(inputs) {
-            return Ok(TermTest::new(term, None));
-        }
-        let fit = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(term))?.fit;
+        // What is not moved, or not told from K, B and timing, leaves the fit without a solution.
+        let Ok(Solution { fit, .. }) = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(term)) else {
+            return TermTest::new(term, None);
+        };
         let deviation = fit.covariance[(equation::TERM, equation::TERM)].sqrt();
-        Ok(TermTest::new(term, (deviation > 0.0).then_some((&fit, deviation))))
+        TermTest::new(term, (deviation > 0.0).then_some((&fit, deviation)))
     };
     let simple_misfit = Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale;
-    let tests = Term::ALL.into_iter().map(test).collect::<Result<Vec<_>, EstimateError>>()?;
-    Ok(Beyond::judged(simple_misfit, tests))
+    Ok(Beyond::judged(simple_misfit, Term::ALL.into_iter().map(test).collect()))
 }
 
 /// The shaft of a bench with a dual-mass flywheel: K, B, the mass J_2 between shaft and engine, the spring K_2 and damping B_2
@@ -248,6 +253,7 @@ struct Solution {
 
 impl Solution {
     fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
+        check_moved(inputs)?;
         let recorded = Dated::as_recorded(inputs);
         let first = Self::dated(inputs, stretch, unknowns, recorded)?;
         match unknowns {
@@ -355,6 +361,16 @@ impl Solution {
     }
 }
 
+fn check_moved(inputs: &ShaftInputs<'_>) -> Result<(), EstimateError> {
+    for (role, speed) in [(Role::DynoSpeed, inputs.dyno_speed), (Role::EngineSpeed, inputs.engine_speed)] {
+        let standard_deviation = standard_deviation(&speed.samples);
+        if standard_deviation < STILL_RAD_S {
+            return Err(EstimateError::WeakExcitation { file: inputs.file.to_owned(), role, standard_deviation });
+        }
+    }
+    Ok(())
+}
+
 fn solve(
     inputs: &ShaftInputs<'_>,
     spectra: &Spectra,
@@ -379,11 +395,13 @@ fn solve(
     let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
     if inertia > 0.0 && unknowns != Unknowns::ShaftWithoutTiming {
         bounds[equation::FRICTION] = Bounds::NONE;
-        priors.push(Prior { parameter: equation::FRICTION, value: 0.0, standard_uncertainty: FRICTION_SLOPE });
+        let standard_uncertainty = inertia / RUN_OUT_S;
+        priors.push(Prior { parameter: equation::FRICTION, value: 0.0, standard_uncertainty });
     }
     bounds[equation::DUAL_MASS[1]..=equation::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
     match unknowns.term() {
         Some(Term::DualMass) => equation::DUAL_MASS.iter().for_each(|i| bounds[*i] = positive),
+        Some(Term::SecondMass) => bounds[equation::TERM] = Bounds::new(-LARGEST_SECOND_MASS_S2, LARGEST_SECOND_MASS_S2),
         Some(_) => bounds[equation::TERM] = Bounds::NONE,
         None => (),
     }

@@ -85,14 +85,6 @@ impl Term {
         Some(inputs.dyno_speed.with_samples(weights.iter().zip(&motion.difference).map(|(w, d)| w * d).collect()))
     }
 
-    /// Whether a recording moves what it depends on.
-    pub(super) fn is_moved(self, inputs: &ShaftInputs<'_>) -> bool {
-        match self {
-            Term::LossFactor | Term::SecondMass | Term::DualMass => true,
-            Term::OfStiffness(_) | Term::OfDamping(_) => self.wave(inputs, Dating::default()).is_some(),
-        }
-    }
-
     fn label(self) -> Label {
         let (symbol, name, unit) = match self {
             Term::LossFactor => ("η", "loss factor of the spring", "1"),
