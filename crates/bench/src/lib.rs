@@ -28,6 +28,7 @@ pub mod role;
 pub mod safety;
 pub mod simulate;
 pub mod study;
+pub mod torque_control_study;
 pub mod torque_signals;
 pub mod units;
 pub mod virtual_bench;

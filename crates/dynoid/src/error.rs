@@ -122,6 +122,9 @@ pub(crate) enum CliError {
     /// Friction that cannot be estimated.
     #[error(transparent)]
     Friction { source: bench::friction::FrictionError },
+    /// A torque control that cannot be studied.
+    #[error(transparent)]
+    TorqueControl { source: bench::torque_control_study::TorqueControlStudyError },
     /// No recording can be looked at.
     #[error("{}: none of the recordings can be used", .path.display())]
     NothingToLookAt { path: PathBuf },

@@ -10,6 +10,7 @@ pub mod design;
 mod effects;
 pub mod friction;
 mod html;
+pub mod inverter;
 mod json;
 pub mod look;
 pub mod safety;

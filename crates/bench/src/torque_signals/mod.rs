@@ -88,9 +88,17 @@ impl<T> From<Result<T, EstimateError>> for Told<T> {
     fn from(outcome: Result<T, EstimateError>) -> Self {
         match outcome {
             Ok(value) => Told::Found(value),
-            Err(EstimateError::MissingSignal { role, .. }) => Told::Untold(Untold::Missing { role }),
-            Err(EstimateError::WeakExcitation { .. }) => Told::Untold(Untold::NotExcited),
-            Err(error) => Told::Untold(Untold::Failed { reason: error.to_string() }),
+            Err(error) => Told::Untold(error.into()),
+        }
+    }
+}
+
+impl From<EstimateError> for Untold {
+    fn from(error: EstimateError) -> Self {
+        match error {
+            EstimateError::MissingSignal { role, .. } => Untold::Missing { role },
+            EstimateError::WeakExcitation { .. } => Untold::NotExcited,
+            error => Untold::Failed { reason: error.to_string() },
         }
     }
 }

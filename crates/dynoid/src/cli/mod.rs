@@ -5,6 +5,7 @@ pub(crate) mod experiment;
 pub(crate) mod friction;
 pub(crate) mod greybox;
 pub(crate) mod identify;
+pub(crate) mod inverter;
 pub(crate) mod look;
 mod number;
 pub(crate) mod torque;
@@ -28,6 +29,7 @@ A new bench, in three steps:
   dynoid inspect FILE            looks into a recording that causes trouble
   dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
   dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
+  dynoid inverter bench.toml     what stands between T_d* and T_d, and what would show more
   dynoid friction bench.toml     friction and inertia, from recordings without shaft
 
 An experiment, before it is run:
@@ -116,6 +118,8 @@ pub(crate) enum Command {
     Look(look::LookArguments),
     /// Holds the torque signals against each other: delays, filters, load cell; rebuilds the shaft torque
     Torque(torque::TorqueArguments),
+    /// Holds models of the torque control against a delay of one sample: lag, ARX, output error of many orders
+    Inverter(inverter::InverterArguments),
     /// Estimates friction and inertia of the dynamometer from recordings without shaft
     Friction(friction::FrictionArguments),
     /// Estimates a linear model from any channels of any recordings

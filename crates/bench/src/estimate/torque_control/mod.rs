@@ -12,6 +12,7 @@ mod pure_delay;
 mod ripple;
 mod rippled;
 mod search;
+mod second_order;
 mod validation;
 
 use faer::Mat;
@@ -24,13 +25,17 @@ use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
 use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
 
-use held::HeldDemand;
+pub(crate) use held::HeldDemand;
 pub use model::{InverterModel, ResidualStatistics};
-pub(super) use observed::{Observed, usable_samples};
+pub(super) use observed::Observed;
+pub(crate) use observed::usable_samples;
 pub use ripple::RippleLine;
 use rippled::{DelayAndLag, RippledModel};
+pub(crate) use search::batches;
 use search::fit_with_ripple;
 pub(super) use search::robust_covariance;
+pub use second_order::{CRITICALLY_DAMPED, SecondOrderTest};
+pub(crate) use second_order::{SecondOrder, lag_errors, second_order_errors, second_order_test};
 
 /// The longest delay looked for, s.
 const LONGEST_DELAY_S: f64 = 0.02;

@@ -41,6 +41,17 @@ impl Observed {
         }
     }
 
+    /// Samples at any instants.
+    pub(in crate::estimate) fn of_samples(times_s: &[f64], values: Vec<f64>) -> Self {
+        Observed {
+            times_s: times_s.to_vec(),
+            places: (0..values.len()).collect(),
+            values,
+            sample_time_s: 0.0,
+            reference_s: 0.0,
+        }
+    }
+
     pub(in crate::estimate) fn len(&self) -> usize {
         self.values.len()
     }
@@ -72,7 +83,7 @@ impl Observed {
 }
 
 /// Which samples of `torque` depend on a recorded and unlimited demand alone.
-pub(in crate::estimate) fn usable_samples(demand: &Signal, torque: &Signal, limit_nm: Option<f64>) -> Vec<bool> {
+pub(crate) fn usable_samples(demand: &Signal, torque: &Signal, limit_nm: Option<f64>) -> Vec<bool> {
     let limited_until = limited_until(demand, limit_nm);
     let index = |time_s: f64| (time_s - demand.start_s) / demand.sample_time_s + 1e-6;
     let usable = |i: usize| {
