@@ -151,45 +151,46 @@ pub fn belief(recording: &StudiedRecording, black_box: &BlackBox) -> Option<Stri
 /// What is told beyond delay and lag.
 pub fn beyond(recording: &StudiedRecording) -> String {
     let Some(test) = &recording.second_order else {
-        return "what delay and lag leave is not white, so that no test tells whether there is a second-order term"
-            .to_owned();
+        return "whether there is a second-order term is not told: no fit of it was found".to_owned();
     };
     let ruled_out = |p_value: f64| p_value < 1.0 - LEVEL;
-    let term = number::significant(test.term, 2);
-    match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {
-        (true, true) => format!("more than a lag is seen: 1/(1 + s/a + κ (s/a)²) with κ = {term} explains more (99 %)"),
-        (true, false) => {
-            format!("more than a lag is seen (99 %): κ = {term} in 1/(1 + s/a + κ (s/a)²), as of a critically damped loop (κ = 0.25)")
-        }
+    let told = match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {
+        (true, _) => format!("more than a lag is seen (99 %), κ = {}", number::significant(test.term, 2)),
         (false, true) => {
-            "no more than a lag is seen, and a critically damped loop, κ = 0.25 in 1/(1 + s/a + κ (s/a)²), is ruled out (99 %)".to_owned()
+            "no more than a lag is seen, and a critically damped loop (κ = 0.25) is ruled out (99 %)".to_owned()
         }
-        (false, false) => {
-            "neither a lag (κ = 0) nor a critically damped loop (κ = 0.25), 1/(1 + s/a + κ (s/a)²), is ruled out".to_owned()
-        }
-    }
+        (false, false) => "neither a lag (κ = 0) nor a critically damped loop (κ = 0.25) is ruled out".to_owned(),
+    };
+    let doubt = if test.white { "" } else { "; what is left is not white, so that this is to be doubted" };
+    format!("Second order, 1/(1 + s/a + κ (s/a)²): {told}{doubt}")
 }
 
-/// The first rate and hold at which a loop of second order is told from a lag.
+/// The first rate and hold at which a loop of second order is told from a lag, and what is told at all.
 pub fn first_visible(visibility: &Visibility) -> String {
-    let recording = number::duration(visibility.recording_s);
+    let hertz = |case: &VisibilityCase| {
+        let held = number::duration(case.hold_s);
+        format!("{} Hz with T_d* held {held}", number::significant(case.rate_hz, 4))
+    };
     let assumed = format!(
-        "with a demand of {} and {} left of each sample, white",
+        "Assumed: T_d* of {} (standard deviation), {} of white noise on each sample whatever the rate, clocks that keep time, a test \
+         at 99 % that finds it in 95 of 100 recordings",
         nm(visibility.demand_nm),
         nm(visibility.noise_nm)
     );
-    match visibility.first() {
-        Some(first) => format!(
-            "A critically damped loop is told from a lag (99 %, found in 95 of 100 recordings) from T_d,calc at {} Hz with the demand \
-             held {} on: in {} {assumed}",
-            number::significant(first.rate_hz, 4),
-            number::duration(first.hold_s),
-            number::duration(first.needed_s),
-        ),
-        None => format!(
-            "A critically damped loop is told from a lag (99 %, found in 95 of 100 recordings) by none of these in {recording}, {assumed}"
-        ),
-    }
+    let loop_ = "A critically damped loop (κ = 0.25) is told from a lag";
+    let Some(first) = visibility.first() else {
+        return format!("{loop_} by none of these in {}. {assumed}", number::duration(visibility.recording_s));
+    };
+    let least = visibility.cases.iter().min_by(|a, b| a.least_term.total_cmp(&b.least_term)).unwrap_or(first);
+    format!(
+        "{loop_} from {} on, in {}; in {}, κ down to {} is told there, and down to {} at {}. {assumed}",
+        hertz(first),
+        number::duration(first.needed_s),
+        number::duration(visibility.recording_s),
+        number::significant(first.least_term, 2),
+        number::significant(least.least_term, 2),
+        hertz(least),
+    )
 }
 
 /// Pole–zero maps, fit against order, and what other rates and demands would tell.
@@ -302,12 +303,14 @@ fn rates(visibility: &Visibility) -> Figure {
     let panels = vec![
         panel("error of τ", "ms", &|case| 1e3 * case.delay_s),
         panel("error of a", "%", &|case| 100.0 * case.lag_rad_s / visibility.control.1),
-        panel("error of κ", "", &|case| case.term),
+        panel("least κ told", "", &|case| case.least_term),
         needed,
     ];
-    Figure::new("What other rates and demands would tell", Axis::log("rate of T_d,calc", "Hz"), panels).with_caption(format!(
-        "Standard errors in {}, and the recording in which a critically damped loop (κ = 0.25) is told from a lag. {}.",
-        number::duration(visibility.recording_s),
-        first_visible(visibility),
-    ))
+    Figure::new("What other rates and demands would tell", Axis::log("rate of T_d,calc", "Hz"), panels).with_caption(
+        format!(
+            "Standard errors of τ and a and least κ told in {}, and the recording in which κ = 0.25 is told. {}.",
+            number::duration(visibility.recording_s),
+            first_visible(visibility),
+        ),
+    )
 }

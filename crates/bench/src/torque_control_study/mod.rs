@@ -82,7 +82,7 @@ pub struct StudiedRecording {
     pub delay_and_lag: Vec<Parameter>,
     /// Residual test of delay and lag, on the held-out part.
     pub delay_and_lag_residuals: Option<ResidualTest>,
-    /// Whether more than delay and lag is told; none where the residuals are not white, for which the test holds.
+    /// Whether more than delay and lag is told; none where no fit of it is found.
     pub second_order: Option<SecondOrderTest>,
     /// Root mean square of what the bar leaves of the held-out part, Nm.
     pub bar_rms_nm: f64,
@@ -260,7 +260,7 @@ fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> S
         pure_delay_residuals: result.pure_delay_validation.residuals.clone(),
         delay_and_lag: result.delay_and_lag.parameters.clone(),
         delay_and_lag_residuals: result.delay_and_lag_validation.residuals.clone(),
-        second_order: record.second_order(),
+        second_order: record.second_order,
         bar_rms_nm: rms(&record.errors(&bar, record.held_out())),
         bar_fit_percent: fit(record.held_out()),
         bar_choice_percent: fit(record.second()),

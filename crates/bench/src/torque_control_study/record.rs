@@ -7,7 +7,7 @@ use ident::{Dataset, IdentError};
 use super::Excited;
 use super::black_box::Input;
 use crate::estimate::torque_control::{
-    self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, second_order_test, usable_samples,
+    self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, usable_samples,
 };
 use crate::estimate::{EstimateError, stretch::need};
 use crate::study::Stretch;
@@ -26,6 +26,8 @@ pub(super) struct Record {
     pub(super) label: String,
     pub(super) sample_time_s: f64,
     pub(super) control: TorqueControlFit,
+    /// None where no fit is found.
+    pub(super) second_order: Option<SecondOrderTest>,
     pub(super) held: HeldDemand,
     pub(super) times_s: Vec<f64>,
     /// T_d* as it stands at the samples of T_d,calc, Nm.
@@ -44,10 +46,7 @@ impl Record {
         let held = HeldDemand::new(demand, limit_nm);
         let times_s: Vec<f64> = (0..torque.len()).map(|i| torque.time_s(i)).collect();
         let late = ROUNDING * demand.sample_time_s;
-        let smooth = |(t, y): (&f64, &f64)| {
-            let (relative, added_nm) = control.inverter.ripple_at(*t);
-            (y - added_nm) / (1.0 + relative)
-        };
+        let smooth = |(t, y): (&f64, &f64)| control.inverter.without_ripple(*y, *t);
         let mut record = Record {
             excited,
             file: experiment.file.clone(),
@@ -58,6 +57,7 @@ impl Record {
             usable: usable_samples(demand, torque, limit_nm),
             held,
             times_s,
+            second_order: torque_control::second_order(experiment, &control, limit_nm).ok(),
             control,
         };
         let (demand_nm, torque_nm) = (record.mean(&record.demand), record.mean(&record.torque));
@@ -144,16 +144,6 @@ impl Record {
     /// T_d* a time ago, as it stood between its samples.
     pub(super) fn delayed(&self, delay_s: f64) -> Vec<f64> {
         self.times_s.iter().map(|t| self.held.at(t - delay_s)).collect()
-    }
-
-    /// Whether the estimation part tells more than delay and lag; none where their residuals are not white.
-    pub(super) fn second_order(&self) -> Option<SecondOrderTest> {
-        let model = &self.control.inverter;
-        let used: Vec<usize> = self.usable_in(self.estimation()).collect();
-        let of = |values: &[f64]| used.iter().map(|i| values[*i]).collect::<Vec<f64>>();
-        let samples = (&of(&self.times_s)[..], of(&self.torque));
-        let test = || second_order_test(&self.held, samples, (model.delay_s, model.lag_rad_s)).ok();
-        if model.residual.white { test() } else { None }
     }
 
     /// T_d* through a delay and a lag, exact between the samples.

@@ -5,7 +5,9 @@ use serde::Serialize;
 use signal::Signal;
 
 use super::record::{Record, rms};
-use crate::estimate::torque_control::{CRITICALLY_DAMPED, HeldDemand, SecondOrder, lag_errors, second_order_errors};
+use crate::estimate::torque_control::{
+    CRITICALLY_DAMPED, HeldDemand, SecondOrder, distance_from_lag, lag_errors, term_error,
+};
 use crate::random::{Random, Source};
 
 /// Rates of T_d,calc looked at, Hz.
@@ -16,11 +18,14 @@ const HOLDS_S: [f64; 4] = [10e-3, 9e-3, 4e-3, 1e-3];
 /// A recording of this length is looked at, s.
 pub const RECORDING_S: f64 = 60.0;
 /// What is computed of it, s; the rest is alike.
-const COMPUTED_S: f64 = 10.0;
+const COMPUTED_S: f64 = 4.0;
 /// The demand's own raster, s.
 const UPDATE_S: f64 = 1e-3;
 /// Level of the test of κ = 0, and the probability with which it is to find the loop.
 pub const LEVEL_AND_POWER: (f64, f64) = (0.99, 0.95);
+/// κ between which the least that is told is looked for, and steps of the search: each halves the ratio that is left.
+const TERMS: (f64, f64) = (0.01, 2.0);
+const STEPS: usize = 7;
 /// Seed of the demands.
 const SEED: u64 = 1;
 
@@ -59,6 +64,8 @@ pub struct VisibilityCase {
     pub needed_s: f64,
     /// Standard deviation of the demand with which it is told in the recording looked at, Nm.
     pub needed_nm: f64,
+    /// Least κ that is told from a lag in the recording looked at; infinite where 2 is not.
+    pub least_term: f64,
 }
 
 impl Visibility {
@@ -96,10 +103,12 @@ fn case(truth: SecondOrder, (rate_hz, hold_s): (f64, f64), (demand_nm, noise_nm)
     // What the samples do not tell has no bound.
     let (delay_s, lag_rad_s) =
         lag_errors(&held, &times_s, (truth.delay_s, truth.lag_rad_s)).unwrap_or((f64::INFINITY, f64::INFINITY));
-    let (term, distance) = second_order_errors(&held, &times_s, truth).unwrap_or((f64::INFINITY, 0.0));
+    let term = term_error(&held, &times_s, truth).unwrap_or(f64::INFINITY);
+    let distance = |term: f64| distance_from_lag(&held, &times_s, SecondOrder { term, ..truth }).unwrap_or(0.0);
     let scale = (COMPUTED_S / RECORDING_S).sqrt() * noise_nm / demand_nm;
     let (level, power) = LEVEL_AND_POWER;
-    let short_of = scale * (normal_quantile(0.5 + 0.5 * level) + normal_quantile(power)) / distance;
+    let wanted = scale * (normal_quantile(0.5 + 0.5 * level) + normal_quantile(power));
+    let short_of = wanted / distance(truth.term);
     VisibilityCase {
         rate_hz,
         hold_s,
@@ -108,7 +117,21 @@ fn case(truth: SecondOrder, (rate_hz, hold_s): (f64, f64), (demand_nm, noise_nm)
         term: scale * term,
         needed_s: RECORDING_S * short_of * short_of,
         needed_nm: demand_nm * short_of,
+        least_term: least_term(|term| distance(term) >= wanted),
     }
+}
+
+/// The least κ that is told, to a few per cent.
+fn least_term(is_told: impl Fn(f64) -> bool) -> f64 {
+    let (mut low, mut high) = TERMS;
+    if !is_told(high) {
+        return f64::INFINITY;
+    }
+    for _ in 0..STEPS {
+        let middle = (low * high).sqrt();
+        (low, high) = if is_told(middle) { (low, middle) } else { (middle, high) };
+    }
+    high
 }
 
 fn white_demand(hold_s: f64) -> HeldDemand {

@@ -185,9 +185,8 @@ fn print_visibility(visibility: &Visibility, terminal: &mut Terminal) {
         ("T_d* held", Align::Right),
         ("error of τ", Align::Right),
         ("error of a", Align::Right),
-        ("error of κ", Align::Right),
+        ("least κ told", Align::Right),
         ("κ = 0.25 told in", Align::Right),
-        ("or with a demand of", Align::Right),
     ];
     let mut table = Table::new(&columns);
     for case in &visibility.cases {
@@ -196,9 +195,9 @@ fn print_visibility(visibility: &Visibility, terminal: &mut Terminal) {
             number::duration(case.hold_s).into(),
             number::significant_with_unit(case.delay_s, 2, "s").into(),
             number::significant_with_unit(case.lag_rad_s, 2, "rad/s").into(),
-            number::significant(case.term, 2).into(),
+            if case.least_term.is_finite() { number::significant(case.least_term, 2) } else { "none".to_owned() }
+                .into(),
             number::duration(case.needed_s).into(),
-            nm(Some(case.needed_nm)).into(),
         ]);
     }
     terminal.table(&table);

@@ -35,7 +35,7 @@ pub(crate) use search::batches;
 use search::fit_with_ripple;
 pub(super) use search::robust_covariance;
 pub use second_order::{CRITICALLY_DAMPED, SecondOrderTest};
-pub(crate) use second_order::{SecondOrder, lag_errors, second_order_errors, second_order_test};
+pub(crate) use second_order::{SecondOrder, distance_from_lag, lag_errors, term_error};
 
 /// The longest delay looked for, s.
 const LONGEST_DELAY_S: f64 = 0.02;
@@ -129,6 +129,26 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         gain: lagged.gain,
         diagnostics,
     })
+}
+
+/// Tests on the estimation part of the experiment that `fit` comes from whether more than delay and lag is told.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn second_order(
+    experiment: &Experiment,
+    fit: &TorqueControlFit,
+    torque_limit_nm: Option<f64>,
+) -> Result<SecondOrderTest, EstimateError> {
+    let (demand, torque) = signals(experiment)?;
+    let usable = usable_samples(demand, torque, torque_limit_nm);
+    let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;
+    let seen = Observed::new(torque, &usable, 0..split);
+    let smooth = seen.times_s.iter().zip(&seen.values).map(|(t, y)| fit.inverter.without_ripple(*y, *t)).collect();
+    let observed = Observed { values: smooth, ..seen };
+    let held = HeldDemand::new(demand, torque_limit_nm);
+    second_order::test(&held, &observed, (fit.inverter.delay_s, fit.inverter.lag_rad_s))
+        .map_err(|source| EstimateError::Ident { file: experiment.file.clone(), source })
 }
 
 /// T_d* and T_d,calc, checked.

@@ -41,15 +41,13 @@ impl Observed {
         }
     }
 
-    /// Samples at any instants.
-    pub(in crate::estimate) fn of_samples(times_s: &[f64], values: Vec<f64>) -> Self {
-        Observed {
-            times_s: times_s.to_vec(),
-            places: (0..values.len()).collect(),
-            values,
-            sample_time_s: 0.0,
-            reference_s: 0.0,
-        }
+    /// Samples at these instants of a raster, without ripple.
+    pub(in crate::estimate) fn of_samples(times_s: &[f64], values: Vec<f64>, sample_time_s: f64) -> Self {
+        let first = times_s.first().copied().unwrap_or(0.0);
+        // The float-to-integer cast saturates.
+        let place = |t: &f64| ((t - first) / sample_time_s).round() as usize;
+        let places = times_s.iter().map(place).collect();
+        Observed { times_s: times_s.to_vec(), values, places, sample_time_s, reference_s: first }
     }
 
     pub(in crate::estimate) fn len(&self) -> usize {

@@ -11,6 +11,7 @@ use serde::Serialize;
 use signal::Complex64;
 
 use super::held::{HeldDemand, Mode};
+use super::model::statistics;
 use super::observed::Observed;
 use super::rippled::{DelayAndLag, Response, RippledModel};
 use super::search::fit_with_lines;
@@ -110,31 +111,32 @@ pub struct SecondOrderTest {
     pub lag_p_value: f64,
     /// The same where it is critically damped, κ = 1/4.
     pub damped_p_value: f64,
+    /// Whether what the fit with κ leaves is white, for which the probabilities hold.
+    pub white: bool,
 }
 
-/// Tests κ = 0 and κ = 1/4 against any κ, on T_d without ripple; for white residuals.
+/// Tests κ = 0 and κ = 1/4 against any κ, on T_d without ripple, from this delay (s) and lag (rad/s) on.
 ///
 /// # Errors
 /// No fit.
 ///
 /// # Source
 /// Ljung 1999, §16.4 (F-test of a model within a larger one).
-pub(crate) fn second_order_test(
+pub(super) fn test(
     held: &HeldDemand,
-    (times_s, torque_nm): (&[f64], Vec<f64>),
+    observed: &Observed,
     (delay_s, lag_rad_s): (f64, f64),
 ) -> Result<SecondOrderTest, IdentError> {
-    let observed = Observed::of_samples(times_s, torque_nm);
     let lag = fit_with_lines(
-        &mut RippledModel::new(DelayAndLag::new(held), &observed),
+        &mut RippledModel::new(DelayAndLag::new(held), observed),
         &[delay_s, lag_rad_s],
         &response_bounds(),
         &[],
     )?;
-    let damped = with_term(held, &observed, &lag, (CRITICALLY_DAMPED, CRITICALLY_DAMPED), CRITICALLY_DAMPED)?;
+    let damped = with_term(held, observed, &lag, (CRITICALLY_DAMPED, CRITICALLY_DAMPED), CRITICALLY_DAMPED)?;
     let mut best = damped.clone();
     for start in STARTS {
-        let found = with_term(held, &observed, &lag, TERM, start)?;
+        let found = with_term(held, observed, &lag, TERM, start)?;
         best = if found.cost < best.cost { found } else { best };
     }
     let freedom = observed.len() as f64 - 4.0;
@@ -146,6 +148,7 @@ pub(crate) fn second_order_test(
         term: control.term,
         lag_p_value: p_value(&lag),
         damped_p_value: p_value(&damped),
+        white: statistics(&best.residuals, observed)?.white,
     })
 }
 
@@ -182,23 +185,26 @@ pub(crate) fn lag_errors(
     Ok((errors[0], errors[1]))
 }
 
-/// Standard error of κ beside τ, a and an offset, and the distance in Nm (root of the sum of squares) between the torque and the
-/// delay and lag that come nearest to it, for white noise of one Nm on each sample: the root of the noncentrality of the test of
-/// κ = 0.
+/// Standard error of κ beside τ, a and an offset, for white noise of one Nm on each sample.
 ///
 /// # Errors
 /// Instants that do not tell them apart.
-pub(crate) fn second_order_errors(
-    held: &HeldDemand,
-    times_s: &[f64],
-    truth: SecondOrder,
-) -> Result<(f64, f64), IdentError> {
+pub(crate) fn term_error(held: &HeldDemand, times_s: &[f64], truth: SecondOrder) -> Result<f64, IdentError> {
     let theta = [truth.delay_s, truth.lag_rad_s, truth.term];
-    let errors = standard_errors(&mut DelayAndSecondOrder(held), times_s, &theta)?;
-    let observed = Observed::of_samples(times_s, truth.torque_at(held, times_s));
+    standard_errors(&mut DelayAndSecondOrder(held), times_s, &theta).map(|errors| errors[2])
+}
+
+/// Root of the sum of squares, in Nm, by which the torque differs from the delay and lag that come nearest to it: for white noise
+/// of one Nm, the root of the noncentrality of the test of κ = 0.
+///
+/// # Errors
+/// No fit.
+pub(crate) fn distance_from_lag(held: &HeldDemand, times_s: &[f64], truth: SecondOrder) -> Result<f64, IdentError> {
+    let sample_time_s = times_s.windows(2).next().map_or(1.0, |pair| pair[1] - pair[0]);
+    let observed = Observed::of_samples(times_s, truth.torque_at(held, times_s), sample_time_s);
     let mut lag = RippledModel::new(DelayAndLag::new(held), &observed);
-    let nearest = fit_with_lines(&mut lag, &theta[..2], &response_bounds(), &[])?;
-    Ok((errors[2], nearest.cost.sqrt()))
+    let nearest = fit_with_lines(&mut lag, &[truth.delay_s, truth.lag_rad_s], &response_bounds(), &[])?;
+    Ok(nearest.cost.sqrt())
 }
 
 fn standard_errors<R: Response>(response: &mut R, times_s: &[f64], parameters: &[f64]) -> Result<Vec<f64>, IdentError> {
@@ -254,7 +260,8 @@ mod tests {
         for term in [0.1, 0.25, 0.5] {
             let truth = SecondOrder { delay_s: 1.3e-3, lag_rad_s: 500.0, term };
             let torque = truth.torque_at(&held, &times());
-            let found = second_order_test(&held, (&times(), torque), (1.3e-3, 500.0)).unwrap();
+            let observed = Observed::of_samples(&times(), torque, 4e-3);
+            let found = super::test(&held, &observed, (1.3e-3, 500.0)).unwrap();
             assert!((found.term - term).abs() < 1e-3 && (found.lag_rad_s - 500.0).abs() < 0.5, "{found:?}");
             assert!(found.lag_p_value < 1e-6);
         }
