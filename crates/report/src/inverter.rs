@@ -28,26 +28,29 @@ pub fn mover(excited: Excited) -> &'static str {
     }
 }
 
-fn family(family: Family, input: Input) -> String {
-    let family = match family {
+fn name(family: Family) -> &'static str {
+    match family {
         Family::Arx => "ARX",
         Family::OutputError => "OE",
-    };
-    let input = match input {
-        Input::Demand => "T_d*",
-        Input::Error => "T_d* − T_d",
-    };
-    format!("{family} on {input}")
+    }
 }
 
-/// A structure with its orders, e.g. `OE on T_d*, nb 2, nf 1, nk 1`.
+fn driven_by(input: Input) -> &'static str {
+    match input {
+        Input::Demand => "T_d*",
+        Input::Error => "T_d* − T_d",
+    }
+}
+
+/// A structure with its orders, ARX(na, nb, nk) or OE(nb, nf, nk), e.g. `OE(2, 1, 1) on T_d*`.
 pub fn structure(structure: &Structure) -> String {
     let Structure { poles, nb, nk, .. } = structure;
     let orders = match structure.family {
-        Family::Arx => format!("na {poles}, nb {nb}, nk {nk}"),
-        Family::OutputError => format!("nb {nb}, nf {poles}, nk {nk}"),
+        Family::Arx => [poles, nb, nk],
+        Family::OutputError => [nb, poles, nk],
     };
-    format!("{}, {orders}", family(structure.family, structure.input))
+    let [first, second, delay] = orders;
+    format!("{}({first}, {second}, {delay}) on {}", name(structure.family), driven_by(structure.input))
 }
 
 /// A model in a few words.
@@ -165,6 +168,11 @@ pub fn beyond(recording: &StudiedRecording) -> String {
     format!("Second order, 1/(1 + s/a + κ (s/a)²): {told}{doubt}")
 }
 
+/// The length of a recording; below a second, which no estimate of this takes, it says no more than that.
+pub fn recording_needed(seconds: f64) -> String {
+    if seconds < 1.0 { "less than 1 s".to_owned() } else { number::duration(seconds) }
+}
+
 /// The first rate and hold at which a loop of second order is told from a lag, and what is told at all.
 pub fn first_visible(visibility: &Visibility) -> String {
     let hertz = |case: &VisibilityCase| {
@@ -185,7 +193,7 @@ pub fn first_visible(visibility: &Visibility) -> String {
     format!(
         "{loop_} from {} on, in {}; in {}, κ down to {} is told there, and down to {} at {}. {assumed}",
         hertz(first),
-        number::duration(first.needed_s),
+        recording_needed(first.needed_s),
         number::duration(visibility.recording_s),
         number::significant(first.least_term, 2),
         number::significant(least.least_term, 2),
@@ -232,23 +240,18 @@ fn map(recording: &StudiedRecording, input: Input) -> Option<Figure> {
         1 => format!(" Not shown: one root further than {FURTHEST} from zero."),
         count => format!(" Not shown: {count} roots further than {FURTHEST} from zero."),
     };
-    let (title, loop_) = match input {
-        Input::Demand => ("from T_d*", ""),
-        Input::Error => ("from T_d* − T_d", ", their loops open"),
+    let loop_ = match input {
+        Input::Demand => "",
+        Input::Error => ", their loops open",
     };
     let panel = Panel::new(Axis::linear("imaginary part", ""), 420, layers);
-    Some(
-        Figure::new(
-            &format!("{}: poles and zeros of black boxes {title}", recording.file),
-            Axis::linear("real part", ""),
-            vec![panel],
-        )
-        .with_equal_axes()
-        .with_caption(format!(
-            "In z at {} Hz{loop_}. A pole and a zero whose regions meet explain noise.{left_out}",
-            number::significant(1.0 / recording.sample_time_s, 4)
-        )),
-    )
+    let title = format!("{}: poles and zeros of black boxes on {}", recording.label, driven_by(input));
+    let caption = format!(
+        "Estimated from {}; in z at {} Hz{loop_}. A pole and a zero whose regions meet explain noise.{left_out}",
+        recording.file,
+        number::significant(1.0 / recording.sample_time_s, 4)
+    );
+    Some(Figure::new(&title, Axis::linear("real part", ""), vec![panel]).with_equal_axes().with_caption(caption))
 }
 
 fn path(name: &str, style: Style, points: &[[f64; 2]]) -> Layer {
@@ -271,13 +274,13 @@ fn orders(recording: &StudiedRecording) -> Figure {
         };
         let (x, y): (Vec<f64>, Vec<f64>) = (1..=most).filter_map(best).unzip();
         if !x.is_empty() {
-            layers.push(Layer::curve(&family(kind, input), Style::of_model(n), &x, &y));
+            layers.push(Layer::curve(&format!("{} on {}", name(kind), driven_by(input)), Style::of_model(n), &x, &y));
         }
     }
     let bar = Rounded(recording.bar_choice_percent);
     layers.push(Layer::HorizontalMark { y: bar, label: "one-sample delay".to_owned() });
     let panel = Panel::new(Axis::linear("fit", "%"), HEIGHT, layers);
-    Figure::new(&format!("{}: fit against order", recording.file), Axis::linear("coefficients", ""), vec![panel])
+    Figure::new(&format!("{}: fit against order", recording.label), Axis::linear("coefficients", ""), vec![panel])
         .with_caption(
             "Simulated from T_d* alone on data that the models were not estimated from: the best of each number of coefficients.",
         )

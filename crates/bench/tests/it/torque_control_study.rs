@@ -100,7 +100,7 @@ fn exact_a_feedback_truth_is_judged_with_its_loop_closed() {
 fn stat_nothing_beats_a_delay_of_one_sample_where_that_is_the_truth() {
     const RUNS: usize = 60;
     let outcomes = in_parallel(RUNS, |i| {
-        let one_late = made(1000 + i as u64, 10.0, |u, noise| {
+        let one_late = made(1000 + i as u64, 8.0, |u, noise| {
             let before = std::iter::once(&u[0]).chain(u).take(u.len());
             before.map(|u| u + 0.15 * noise.normal()).collect()
         });
@@ -134,37 +134,44 @@ fn six_cylinders() -> BenchParameters {
     parameters
 }
 
+/// Without ripple in the model the best fit is a delay of one sample of T_d* and no lag, at a jump of the cost; from there the
+/// firing was taken for ripple.
 #[test]
-fn regress_ripple_drives_no_lag_to_its_bound_where_the_engine_moves_the_demand() {
-    let parameters = six_cylinders();
-    let fit = torque_control::estimate(&recorded(&parameters, &ExperimentPlan::bs_t_nt(1200.0, 12.0), 1), Some(400.0));
-    let fit = fit.unwrap();
+fn regress_ripple_leads_no_lag_away_where_the_engine_moves_the_demand() {
+    let experiment = recorded(&six_cylinders(), &ExperimentPlan::bs_t_nt(1200.0, 60.0), 1);
+    let fit = torque_control::estimate(&experiment, Some(400.0)).unwrap();
     let lag = fit.result.delay_and_lag.parameter("a").unwrap();
-    assert!(lag.interval.0 < 565.5 && lag.interval.1 > 565.4 && lag.value < 800.0, "{lag:?}");
+    assert!((lag.interval.0..=lag.interval.1).contains(&565.4867) && lag.standard_error < 20.0, "{lag:?}");
     assert_eq!(fit.inverter.ripple.len(), 1, "{:?}", fit.inverter.ripple);
-    assert!((fit.inverter.ripple[0].frequency_hz - 100.0).abs() < 0.05);
+    assert!((fit.inverter.ripple[0].frequency_hz - 100.0).abs() < 1e-3);
 }
 
 #[test]
 #[ignore = "slow"]
 fn stat_intervals_of_delay_and_lag_cover_on_either_excitation() {
-    const RUNS: usize = 32;
+    const RUNS: usize = 24;
     let covered = in_parallel(RUNS, |i| {
         let parameters = if i % 4 < 2 { six_cylinders() } else { BenchParameters::default() };
         let speed = 1200.0;
         let plan = match i % 2 {
-            0 => ExperimentPlan::bs_t_nt(speed, 10.0),
-            _ => ExperimentPlan::white_noise_t_tn(speed, 10.0),
+            0 => ExperimentPlan::bs_t_nt(speed, 8.0),
+            _ => ExperimentPlan::white_noise_t_tn(speed, 8.0),
         };
         let fit = torque_control::estimate(&recorded(&parameters, &plan, 40 + i as u64), Some(400.0)).unwrap();
         let truth = [1.25e-3, 565.4867, 1.25e-3 + 1.0 / 565.4867];
         let parameters = fit.result.delay_and_lag.parameters;
-        [0, 1, 2].map(|k| (parameters[k].interval.0..=parameters[k].interval.1).contains(&truth[k]))
+        let covers = [0, 1, 2].map(|k| (parameters[k].interval.0..=parameters[k].interval.1).contains(&truth[k]));
+        (covers, (parameters[1].value - truth[1]) / parameters[1].standard_error)
     });
-    let shares = [0, 1, 2].map(|k| covered.iter().filter(|c| c[k]).count());
+    let shares = [0, 1, 2].map(|k| covered.iter().filter(|c| c.0[k]).count());
+    let mean = |first: usize| {
+        let errors: Vec<f64> = covered.iter().skip(first).step_by(2).map(|c| c.1).collect();
+        errors.iter().sum::<f64>() / errors.len() as f64
+    };
+    println!("mean error of a in standard errors: engine {:.2}, dynamometer {:.2}", mean(0), mean(1));
     println!("τ, a, τ + 1/a covered in {shares:?} of {RUNS}");
-    // Binomial(32, 0.95) is at least 26 with probability 0.997.
-    assert!(shares.iter().all(|s| *s >= 26), "{shares:?}");
+    // Binomial(24, 0.95) is at least 19 with probability 0.998.
+    assert!(shares.iter().all(|s| *s >= 19), "{shares:?}");
 }
 
 /// T_d of an inverter with a machine and its current control, without ripple, sampled at a rate with white noise.
@@ -179,7 +186,6 @@ fn sampled(hidden: &[f64], demand: &Signal, (rate_hz, noise_nm): (f64, f64), see
 #[test]
 #[ignore = "slow"]
 fn stat_current_control_is_told_from_a_lag_where_that_was_predicted() {
-    const RUNS: usize = 16;
     const DURATION_S: f64 = 8.0;
     let mut parameters = BenchParameters::default();
     parameters.inverter.machine = Some(InductionMachine::default());
@@ -196,23 +202,28 @@ fn stat_current_control_is_told_from_a_lag_where_that_was_predicted() {
     };
     let own = test(1000.0, 0.1, 1);
     println!("the machine: {own:?}");
-    for (rate_hz, noise_nm) in [(250.0, 0.3), (250.0, 1.0), (1000.0, 0.3), (1000.0, 1.0)] {
+    for (rate_hz, noise_nm, runs) in [(250.0, 1.0, 8), (250.0, 2.0, 16), (250.0, 6.0, 16), (1000.0, 6.0, 16)] {
         let predicted = visibility((own.delay_s, own.lag_rad_s), (12.0, noise_nm), own.term);
         let case = predicted.cases.iter().find(|c| c.rate_hz == rate_hz && c.hold_s == 10e-3).unwrap();
-        // 0.7 of the recording are estimated from.
+        // 0.7 of the recording are estimated from; 4.22 standard errors are seen in 95 of 100.
         let distance = 4.221 * (0.7 * DURATION_S / case.needed_s).sqrt();
-        let tests = in_parallel(RUNS, |i| test(rate_hz, noise_nm, 100 + i as u64));
-        let seen = tests.iter().filter(|t| t.lag_p_value < 0.01).count();
+        let power = 1.0 - normal_tail(distance - 2.576);
+        let tests = in_parallel(runs, |i| test(rate_hz, noise_nm, 100 + i as u64));
+        let seen = tests.iter().filter(|t| t.lag_p_value < 0.01).count() as f64;
+        let expected = power * runs as f64;
         println!(
-            "{rate_hz} Hz, {noise_nm} Nm: needed {} s, κ̂ {distance:.2} errors from a lag, seen in {seen} of {RUNS}",
-            case.needed_s
+            "{rate_hz} Hz, {noise_nm} Nm: {distance:.2} errors from a lag, expected in {expected:.1}, seen in {seen} of {runs}"
         );
-        match distance {
-            d if d > 5.0 => assert!(seen >= RUNS - 2),
-            d if d < 1.5 => assert!(seen <= 4),
-            _ => {}
-        }
+        // Three standard deviations of the count, and one more for a machine that is not quite of second order.
+        let reach = 3.0 * (expected * (1.0 - power)).sqrt() + 1.0;
+        assert!((seen - expected).abs() <= reach, "{seen}, {expected}");
     }
+}
+
+/// Probability of a standard normal number above this.
+fn normal_tail(x: f64) -> f64 {
+    let upper = 0.5 * ident::distributions::chi_squared_tail(x * x, 1.0);
+    if x > 0.0 { upper } else { 1.0 - upper }
 }
 
 #[test]

@@ -14,7 +14,7 @@ Examples:
   dynoid inverter bench.toml --highest-order 3 --longest-delay 2
   dynoid inverter bench.toml --json | jq '.judgements[] | select(.verdict == \"better\")'
 
-What stands between T_d* and T_d: a delay, a delay and a lag, or a black box (ARX and output error of many orders, from T_d* and from T_d* − T_d). Each is held against the bar that T_d is T_d* one sample of T_d,calc ago, on a recording that the dynamometer moved (WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN) and on one that the engine moved (BS_T_NT), each estimated on one and judged on both. Delay and lag are told below a sample of T_d,calc, since it is known when the demand changed; what lies beyond them, and at which rate and demand it would be seen, is said.")]
+What stands between T_d* and T_d: a delay, a delay and a lag, or a black box (ARX(na, nb, nk) and output error OE(nb, nf, nk) of many orders, on T_d* and on T_d* − T_d). Each is held against the bar that T_d is T_d* one sample of T_d,calc ago, on a recording that the dynamometer moved (WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN) and on one that the engine moved (BS_T_NT), each estimated on one and judged on both. Delay and lag are told below a sample of T_d,calc, since it is known when the demand changed; what lies beyond them, and at which rate and demand it would be seen, is said.")]
 pub(crate) struct InverterArguments {
     #[command(flatten)]
     pub(crate) given: GivenRecordings,

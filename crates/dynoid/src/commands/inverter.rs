@@ -6,7 +6,8 @@ use bench::torque_control_study::{
 };
 use bench::{BenchFile, Experiment};
 use report::inverter::{
-    against_bar, belief, beyond, circular, closed, figures, first_visible, model, mover, structure, verdict,
+    against_bar, belief, beyond, circular, closed, figures, first_visible, model, mover, recording_needed, structure,
+    verdict,
 };
 use report::torque::untold;
 use report::wording::number;
@@ -151,7 +152,7 @@ fn judgements(studied: &TorqueControlStudy, recording: &StudiedRecording, termin
         let blank = || "–".to_owned();
         table.row([
             model(&judged.model).into(),
-            format!("{}’s", mover(judged.estimated_on)).into(),
+            mover(judged.estimated_on).trim_start_matches("the ").into(),
             chosen_by(studied, judged).into(),
             judged.fit_percent.map_or_else(blank, number::fit).into(),
             nm(judged.rms_nm).into(),
@@ -197,7 +198,7 @@ fn print_visibility(visibility: &Visibility, terminal: &mut Terminal) {
             number::significant_with_unit(case.lag_rad_s, 2, "rad/s").into(),
             if case.least_term.is_finite() { number::significant(case.least_term, 2) } else { "none".to_owned() }
                 .into(),
-            number::duration(case.needed_s).into(),
+            recording_needed(case.needed_s).into(),
         ]);
     }
     terminal.table(&table);

@@ -23,7 +23,7 @@ fn stat_models_are_held_against_the_bar_on_both_excitations() {
         "believes in",
         "T_d* − T_d holds T_d itself",
         "What 60 s of other rates and demands would tell",
-        "A critically damped loop is told from a lag",
+        "A critically damped loop (κ = 0.25) is told from a lag from 250 Hz",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }

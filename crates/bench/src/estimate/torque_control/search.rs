@@ -36,8 +36,9 @@ pub(in crate::estimate) fn fit_with_ripple<R: Response>(
         let Some(line) = next_line(model, &fit, &frequencies) else { break };
         frequencies.push(line);
         let Ok(mut next) = fit_with_lines(model, &fit.parameters, bounds, &frequencies) else { break };
-        if next.at_bound[..model.response_count()].contains(&true) {
-            // Unexplained ripple can drive the response to a bound, and from there no slope leads back.
+        if frequencies.len() == 1 {
+            // Unexplained, the strongest ripple can lead the response away to where no slope leads back from, such as to a jump
+            // of the held demand.
             let lines = model.linear_of(&next.parameters).1;
             let afresh = fit_from_best(model, starts, bounds, &lines);
             next = afresh.ok().filter(|afresh| afresh.cost < next.cost).unwrap_or(next);
