@@ -154,7 +154,7 @@ pub fn belief(recording: &StudiedRecording, black_box: &BlackBox) -> Option<Stri
 /// What is told beyond delay and lag.
 pub fn beyond(recording: &StudiedRecording) -> String {
     let Some(test) = &recording.second_order else {
-        return "whether there is a second-order term is not told: no fit of it was found".to_owned();
+        return "whether there is a second-order term is not told: no lag was found to begin from".to_owned();
     };
     let ruled_out = |p_value: f64| p_value < 1.0 - LEVEL;
     let told = match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {

@@ -82,7 +82,7 @@ pub struct StudiedRecording {
     pub delay_and_lag: Vec<Parameter>,
     /// Residual test of delay and lag, on the held-out part.
     pub delay_and_lag_residuals: Option<ResidualTest>,
-    /// Whether more than delay and lag is told; none where no fit of it is found.
+    /// Whether more than delay and lag is told; none where no lag was found, or no fit beyond it.
     pub second_order: Option<SecondOrderTest>,
     /// Root mean square of what the bar leaves of the held-out part, Nm.
     pub bar_rms_nm: f64,

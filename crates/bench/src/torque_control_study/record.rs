@@ -26,7 +26,7 @@ pub(super) struct Record {
     pub(super) label: String,
     pub(super) sample_time_s: f64,
     pub(super) control: TorqueControlFit,
-    /// None where no fit is found.
+    /// None without a lag, or where no fit is found.
     pub(super) second_order: Option<SecondOrderTest>,
     pub(super) held: HeldDemand,
     pub(super) times_s: Vec<f64>,
@@ -47,6 +47,8 @@ impl Record {
         let times_s: Vec<f64> = (0..torque.len()).map(|i| torque.time_s(i)).collect();
         let late = ROUNDING * demand.sample_time_s;
         let smooth = |(t, y): (&f64, &f64)| control.inverter.without_ripple(*y, *t);
+        let tested = || torque_control::second_order(experiment, &control, limit_nm).ok();
+        let second_order = if control.has_lag() { tested() } else { None };
         let mut record = Record {
             excited,
             file: experiment.file.clone(),
@@ -57,7 +59,7 @@ impl Record {
             usable: usable_samples(demand, torque, limit_nm),
             held,
             times_s,
-            second_order: torque_control::second_order(experiment, &control, limit_nm).ok(),
+            second_order,
             control,
         };
         let (demand_nm, torque_nm) = (record.mean(&record.demand), record.mean(&record.torque));

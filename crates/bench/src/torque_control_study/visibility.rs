@@ -75,14 +75,12 @@ impl Visibility {
         self.cases.iter().find(|case| case.needed_s <= self.recording_s)
     }
 
-    /// None where the lag rests on a bound, and there is nothing to compute at.
+    /// None without a lag: there is nothing to compute at.
     pub(super) fn of(record: &Record) -> Option<Self> {
         let model = &record.control.inverter;
-        let lag = record.control.result.delay_and_lag.parameter("a")?;
         let noise_nm = model.residual.standard_deviation_nm;
-        lag.standard_error
-            .is_finite()
-            .then(|| visibility((model.delay_s, model.lag_rad_s), (rms(&record.demand), noise_nm), CRITICALLY_DAMPED))
+        let told = || visibility((model.delay_s, model.lag_rad_s), (rms(&record.demand), noise_nm), CRITICALLY_DAMPED);
+        record.control.has_lag().then(told)
     }
 }
 

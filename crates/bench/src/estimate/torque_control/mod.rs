@@ -76,6 +76,13 @@ pub struct TorqueControlFit {
     pub diagnostics: Vec<Diagnostic>,
 }
 
+impl TorqueControlFit {
+    /// Whether a lag was found: at the end of its range it is as good as none.
+    pub(crate) fn has_lag(&self) -> bool {
+        (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.inverter.lag_rad_s)
+    }
+}
+
 /// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
 pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
     PREFERRED.iter().find_map(|label| experiments.iter().find(|e| e.label.to_string() == *label).copied())
