@@ -77,9 +77,11 @@ pub struct TorqueControlFit {
 }
 
 impl TorqueControlFit {
-    /// Whether a lag was found: at the end of its range it is as good as none.
+    /// Whether a lag was found: one that is known to no better than half of itself, or rests on a bound, is as good as none.
     pub(crate) fn has_lag(&self) -> bool {
-        (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.inverter.lag_rad_s)
+        let lag = self.result.delay_and_lag.parameter(LAG.symbol);
+        let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
+        is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.inverter.lag_rad_s)
     }
 }
 
