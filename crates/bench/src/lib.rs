@@ -31,6 +31,7 @@ pub mod shaft_study;
 pub mod simulate;
 pub mod speed_control;
 pub mod study;
+pub mod torque_control_study;
 pub mod torque_signals;
 pub mod units;
 pub mod virtual_bench;

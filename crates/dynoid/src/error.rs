@@ -134,6 +134,9 @@ pub(crate) enum CliError {
     /// The study of the controller cannot be made.
     #[error("{source}")]
     ControllerStudy { source: bench::estimate::EstimateError },
+    /// A torque control that cannot be studied.
+    #[error(transparent)]
+    TorqueControl { source: bench::torque_control_study::TorqueControlStudyError },
     /// No recording can be looked at.
     #[error("{}: none of the recordings can be used", .path.display())]
     NothingToLookAt { path: PathBuf },

@@ -11,6 +11,7 @@ pub mod design;
 mod effects;
 pub mod friction;
 mod html;
+pub mod inverter;
 mod json;
 pub mod look;
 pub mod safety;

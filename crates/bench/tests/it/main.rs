@@ -31,6 +31,7 @@ mod thesis;
 mod timing;
 mod torque_bench;
 mod torque_control;
+mod torque_control_study;
 mod torque_signals;
 mod units;
 mod virtual_bench;

@@ -6,6 +6,7 @@ pub(crate) mod experiment;
 pub(crate) mod friction;
 pub(crate) mod greybox;
 pub(crate) mod identify;
+pub(crate) mod inverter;
 pub(crate) mod look;
 mod number;
 pub(crate) mod shaft;
@@ -32,6 +33,7 @@ A new bench, in three steps:
   dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
   dynoid shaft bench.toml        stiffness and damping by recording, band and route
   dynoid controller bench.toml   the speed controller, and what may be hidden in it
+  dynoid inverter bench.toml     what stands between T_d* and T_d, and what would show more
   dynoid friction bench.toml     friction and inertia, from recordings without shaft
 
 An experiment, before it is run:
@@ -124,6 +126,8 @@ pub(crate) enum Command {
     Shaft(shaft::ShaftArguments),
     /// Looks into the speed controller: PI, delay, hidden terms, limit, feed-forward; with `study` into what noise does to it
     Controller(controller::ControllerArguments),
+    /// Holds models of the torque control against a delay of one sample: lag, ARX, output error of many orders
+    Inverter(inverter::InverterArguments),
     /// Estimates friction and inertia of the dynamometer from recordings without shaft
     Friction(friction::FrictionArguments),
     /// Estimates a linear model from any channels of any recordings

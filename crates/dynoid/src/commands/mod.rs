@@ -9,6 +9,7 @@ pub(crate) mod friction;
 pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
+pub(crate) mod inverter;
 pub(crate) mod look;
 pub(crate) mod shaft;
 pub(crate) mod simulate;

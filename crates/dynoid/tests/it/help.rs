@@ -27,6 +27,7 @@ fn snap_help_shaft() {
 #[test]
 fn snap_help_torque() {
     insta::assert_snapshot!("help_torque", help(&["torque", "--help"]));
+    insta::assert_snapshot!("help_inverter", help(&["inverter", "--help"]));
     insta::assert_snapshot!("help_friction", help(&["friction", "--help"]));
 }
 

@@ -15,6 +15,7 @@ mod help;
 mod identify;
 mod init;
 mod inspect;
+mod inverter;
 mod lines;
 mod look;
 mod operating_point;
