@@ -34,6 +34,7 @@ pub(crate) fn shaft_inputs<'a>(
         engine_speed: need(experiment, Role::EngineSpeed)?,
         torque,
         inertia_kg_m2,
+        friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(inertia),
         encoder_noise_rad_s: encoder.noise_rad_s,
         gate_s: (encoder.gate_s, encoder.gate_standard_error_s),
     })

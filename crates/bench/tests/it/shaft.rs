@@ -39,6 +39,7 @@ fn inputs<'a>(speeds: &'a [Signal; 2], torque: NoisyTorque, inertia_kg_m2: Optio
         engine_speed: &speeds[1],
         torque: vec![torque],
         inertia_kg_m2,
+        friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(INERTIA),
         encoder_noise_rad_s: ENCODER_NOISE,
         gate_s: (1e-3, 1e-4),
     }

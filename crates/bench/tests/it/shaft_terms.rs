@@ -99,8 +99,8 @@ fn stat_a_dual_mass_flywheel_is_estimated() {
 #[ignore = "slow: 40 benches"]
 fn stat_friction_does_not_go_into_the_damping() {
     let rows = in_parallel(40, |i| {
-        // Dynamometers that would run out in 20 s or more.
-        let slope = |m: &MechanicsParameters| m.dyno_inertia_kg_m2 / 20.0 * i as f64 / 40.0;
+        // Dynamometers that run out with a time constant of 60 s or more.
+        let slope = |m: &MechanicsParameters| m.dyno_inertia_kg_m2 / 60.0 * i as f64 / 40.0;
         let bench = altered(6000 + i, |m| m.viscous_friction_nm_s_per_rad = slope(m));
         let experiment = bench.white_noise((40.0, 30.0), 40.0, i as u64);
         let mechanics = bench.parameters.mechanics;

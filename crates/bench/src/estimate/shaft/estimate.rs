@@ -43,9 +43,6 @@ const OUTLIER_REACH: usize = 4;
 const OUTLIER_ROUNDS: usize = 3;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
-/// Standard uncertainty of the friction's slope over speed beforehand, as the time in which a dynamometer left alone would run
-/// out: J_d over it, s. Few brake themselves faster.
-const RUN_OUT_S: f64 = 30.0;
 /// A second mass is told by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
 const LARGEST_SECOND_MASS_S2: f64 = 1.6e-5;
 /// A speed that varies less than this (standard deviation) excites nothing, rad/s.
@@ -395,8 +392,9 @@ fn solve(
     let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
     if inertia > 0.0 && unknowns != Unknowns::ShaftWithoutTiming {
         bounds[equation::FRICTION] = Bounds::NONE;
-        let standard_uncertainty = inertia / RUN_OUT_S;
-        priors.push(Prior { parameter: equation::FRICTION, value: 0.0, standard_uncertainty });
+        let (value, standard_uncertainty) = inputs.friction_slope_nm_s_per_rad;
+        start[equation::FRICTION] = value;
+        priors.push(Prior { parameter: equation::FRICTION, value, standard_uncertainty });
     }
     bounds[equation::DUAL_MASS[1]..=equation::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
     match unknowns.term() {
