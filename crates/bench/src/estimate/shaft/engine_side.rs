@@ -104,7 +104,10 @@ pub(super) fn estimate(
     Ok(EngineInertia {
         inertia_kg_m2: solution[0],
         // As uncertain as what another control would make of the same data; uniform between the two and as far beyond.
-        variance: of_torque + through_shaft + (otherwise - solution[0]).powi(2) / 3.0,
+        variance: of_torque
+            + through_shaft
+            + (otherwise - solution[0]).powi(2) / 3.0
+            + equations.of_untold_delay(solution[0]),
         with_shaft,
         degrees_of_freedom: (2.0 * spectra.bins.len() as f64 / OVERLAP - UNKNOWNS as f64).max(1.0),
     })
@@ -266,6 +269,12 @@ impl Equations<'_> {
             }
         }
         Ok(solution)
+    }
+
+    /// The variance that is added to J_e where the search for the delay ran away: the engine's control is then not known well
+    /// enough to tell J_e to better than the factor that the search may change it by; uniform that far either way.
+    fn of_untold_delay(&self, inertia_kg_m2: f64) -> f64 {
+        if self.free == UNKNOWNS { 0.0 } else { ((FARTHEST - 1.0) * inertia_kg_m2).powi(2) / 3.0 }
     }
 
     /// How J_e moves with the shaft's parameters.
