@@ -52,7 +52,7 @@ fn of_bench(bench: &BenchFile, arguments: &FrictionArguments) -> FrictionOptions
 
 fn print(found: &Friction, stated_kg_m2: f64, terminal: &mut Terminal) {
     let inertia = match &found.inertia {
-        Inertia::Estimated { inertia, delay } => vec![inertia, delay],
+        Inertia::Estimated { inertia, delay } => vec![inertia.as_ref(), delay.as_ref()],
         Inertia::Stated { .. } => Vec::new(),
     };
     let friction = found.friction.parameters.iter().chain(&found.per_inertia.parameters);
