@@ -27,6 +27,7 @@ mod random;
 pub mod replay;
 pub mod role;
 pub mod safety;
+mod search;
 pub mod shaft_study;
 pub mod simulate;
 pub mod speed_control;

@@ -4,6 +4,8 @@ use std::f64::consts::TAU;
 
 use signal::Signal;
 
+use crate::search::golden_section;
+
 /// The demand is looked at in blocks of about this length, s.
 const BLOCK_S: f64 = 5e-3;
 const WINDOW_S: f64 = 1.0;
@@ -108,7 +110,7 @@ impl Track {
         Segment {
             start_s: self.start_s + from as f64 * self.block_s,
             end_s: self.start_s + to as f64 * self.block_s,
-            frequency_hz: golden_maximum(start - 2.0 * AGREEMENT_HZ, start + 2.0 * AGREEMENT_HZ, explained),
+            frequency_hz: golden_section((start - 2.0 * AGREEMENT_HZ, start + 2.0 * AGREEMENT_HZ), explained),
         }
     }
 }
@@ -171,22 +173,4 @@ fn detrended(x: &[f64]) -> Vec<f64> {
     let moment: f64 = x.iter().enumerate().map(|(i, v)| at(i) * v).sum();
     let slope = moment / (n * (n * n - 1.0) / 12.0);
     x.iter().enumerate().map(|(i, v)| v - mean - slope * at(i)).collect()
-}
-
-/// Where a function with one maximum between the bounds has it.
-///
-/// # Source
-/// Kiefer, Proc. Amer. Math. Soc. 4 (1953) 502 (golden section).
-fn golden_maximum(mut low: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    const STEPS: usize = 30;
-    for _ in 0..STEPS {
-        let (a, b) = (high - RATIO * (high - low), low + RATIO * (high - low));
-        if function(a) < function(b) {
-            low = a;
-        } else {
-            high = b;
-        }
-    }
-    0.5 * (low + high)
 }
