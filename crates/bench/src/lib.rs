@@ -14,6 +14,7 @@ pub mod bench_file;
 pub mod channels;
 pub mod dataset;
 pub mod diagnostics;
+pub mod engine_torque;
 pub mod estimate;
 pub mod excitation_design;
 pub mod experiment;
@@ -34,6 +35,7 @@ pub mod speed_control;
 pub mod study;
 pub mod torque_control_study;
 pub mod torque_signals;
+pub mod torque_smoother;
 pub mod units;
 pub mod virtual_bench;
 

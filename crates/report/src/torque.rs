@@ -3,9 +3,8 @@
 use bench::Role;
 use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use bench::study::SignalDelay;
-use bench::torque_signals::{
-    OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, TorqueSource, Trust, TrustCheck, Untold,
-};
+use bench::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck, Untold};
+use bench::torque_smoother::TorqueSource;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::wording::{self, number};

@@ -62,6 +62,7 @@ pub(crate) fn both_inertias(
     shaft::estimate_with_inertias(inputs, demand, engine.firings_per_turn())
 }
 
-fn stated_gate(bench: &BenchFile) -> Option<f64> {
+/// The gate of N_d as the bench file states it, s.
+pub(crate) fn stated_gate(bench: &BenchFile) -> Option<f64> {
     bench.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s)
 }

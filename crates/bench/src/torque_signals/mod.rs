@@ -14,7 +14,7 @@ use crate::model::Engine;
 use crate::study::{Parameter, SignalDelay};
 use crate::{BenchFile, Experiment, Role};
 use shaft::Known;
-pub use shaft::{NoiseLevels, OnceATurn, RebuiltShaft, TorqueSource};
+pub use shaft::{OnceATurn, RebuiltShaft};
 pub use trust::{Trust, TrustCheck};
 
 /// Torques whose signals this is about.

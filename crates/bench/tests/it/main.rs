@@ -8,6 +8,7 @@ mod analysis;
 mod bench_file;
 mod channels;
 mod dataset;
+mod engine_torque;
 mod excitation_design;
 mod experiment;
 mod friction;
