@@ -45,18 +45,18 @@ pub(super) enum TorqueSample {
 }
 
 impl Aligned {
-    /// The part of a recording from `from_s` to `to_s`.
+    /// The signals over a stretch.
     ///
     /// # Errors
     /// Signals that cannot be interpolated.
     pub(super) fn new(
         inputs: &ShaftInputs<'_>,
-        (from_s, to_s): (f64, f64),
+        stretch: &Stretch,
         clocks: Clocks,
         kind: TorqueSample,
     ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Signal { file: inputs.file.to_owned(), source };
-        let dyno = inputs.dyno_speed.slice(from_s, to_s);
+        let dyno = inputs.dyno_speed.slice(stretch.start_s, stretch.end_s);
         let times: Vec<f64> = (0..dyno.len()).map(|i| dyno.time_s(i)).collect();
         let late = |by: f64| times.iter().map(|t| t + by).collect::<Vec<f64>>();
         let engine =
@@ -82,6 +82,18 @@ impl Aligned {
 pub(super) fn inner_stretch(inputs: &ShaftInputs<'_>) -> Result<Stretch, EstimateError> {
     let stretch = inputs.stretch()?;
     Ok(Stretch { start_s: stretch.start_s + MARGIN_S, end_s: stretch.end_s - MARGIN_S, ..stretch })
+}
+
+/// ω cos θ and ω sin θ: what a once-a-turn error of its encoder adds to a speed.
+pub(super) fn once_a_turn(speed: &[f64], sample_time_s: f64) -> [Vec<f64>; 2] {
+    let mut angle = 0.0;
+    let waves = speed.iter().map(|omega| {
+        angle += omega * sample_time_s;
+        let (sin, cos) = f64::sin_cos(angle);
+        (omega * cos, omega * sin)
+    });
+    let (cosine, sine) = waves.unzip();
+    [cosine, sine]
 }
 
 /// The integral of a record that is straight between its samples.

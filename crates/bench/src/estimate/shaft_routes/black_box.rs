@@ -122,7 +122,7 @@ pub fn estimate(
     };
     let stretch = inner_stretch(inputs)?;
     let clocks = Clocks { engine_s: timing.engine_skew_s.0, torque_s: timing.torque_skew_s.0, gate_s: timing.gate_s.0 };
-    let signals = Aligned::new(inputs, (stretch.start_s, stretch.end_s), clocks, TorqueSample::Held)?;
+    let signals = Aligned::new(inputs, &stretch, clocks, TorqueSample::Held)?;
     let regressors = CrankOrders::new(&signals, engine);
     let data = regressors.data(&signals).map_err(of)?;
     let orders = BlackBoxOrders { dynamics: control.poles(), noise: control.poles(), crank: regressors.orders.clone() };
@@ -132,7 +132,17 @@ pub fn estimate(
     let whitened = Whitened::new(&measured, signals.sample_time_s, control).map_err(of)?;
     let (stiffness, damping) = start;
     let from = [inertia, 0.5 * inertia, stiffness, damping, 1.0, 1.0];
-    let found = whitened.fit(&from[..control.unknowns()]).map_err(of)?;
+    let mut found: Option<Minimum> = None;
+    for part in [0.5, 0.1, 2.0] {
+        let mut from = from;
+        from[1] = part * inertia;
+        let Ok(other) = whitened.fit(&from[..control.unknowns()]) else { continue };
+        if found.as_ref().is_none_or(|best| other.cost < best.cost) {
+            found = Some(other);
+        }
+    }
+    let found =
+        found.ok_or(IdentError::Structure { what: "the coefficients are those of no two-mass system" }).map_err(of)?;
     let freedom = measured.values.len() as f64 - control.unknowns() as f64 - control.constraints();
     let probability = chi_squared_tail(found.cost, freedom);
     let labels = [DYNO_INERTIA, ENGINE_INERTIA, K, B, P_ENGINE, I_ENGINE];
@@ -298,7 +308,17 @@ fn polynomial(orders: &BlackBoxOrders) -> Polynomial {
     let waves = 2 * orders.crank.len();
     let nb: Vec<usize> = std::iter::once(orders.dynamics).chain(std::iter::repeat_n(1, waves)).collect();
     let nk: Vec<usize> = std::iter::once(1).chain(std::iter::repeat_n(0, waves)).collect();
-    ident::Armax::new(orders.dynamics, nb, orders.noise, nk)
+    let e = |n: &str, d: usize| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+    let n = orders.dynamics;
+    if e("BB_A", 0) == 1 {
+        return ident::Armax::new(n, nb, e("BB_NC", orders.noise), nk);
+    }
+    let nf: Vec<usize> = std::iter::once(n).chain(std::iter::repeat_n(0, waves)).collect();
+    let p = Polynomial::new(0, nb, e("BB_NC", 0), e("BB_ND", 10), nf, nk);
+    match e("BB_ROBUST", 0) {
+        0 => p,
+        n => p.robust(n),
+    }
 }
 
 /// a_1 … a_n and b_1 … b_n with their covariance.
@@ -310,9 +330,17 @@ struct Coefficients {
 impl Coefficients {
     fn of(fit: &Fit<PolynomialModel>, n: usize, _: &Dataset) -> Self {
         let all = fit.parameters();
-        // A comes first, then the B of the first input.
-        let values = all[..2 * n].to_vec();
-        let covariance = fit.covariance.submatrix(0, 0, 2 * n, 2 * n).to_owned();
+        let names = fit.model.coefficient_names();
+        if std::env::var("BB_NAMES").is_ok() {
+            println!("{names:?} {:?}", fit.doubts);
+        }
+        let arm = names.iter().any(|x| x == "a1");
+        let den = |k: usize| if arm { format!("a{k}") } else { format!("f{k}[1]") };
+        let place = |n: String| names.iter().position(|x| *x == n).unwrap_or(9999);
+        let places: Vec<usize> =
+            (1..=n).map(|k| place(den(k))).chain((1..=n).map(|k| place(format!("b{k}[1]")))).collect();
+        let values = places.iter().map(|i| all[*i]).collect();
+        let covariance = Mat::from_fn(2 * n, 2 * n, |i, j| fit.covariance[(places[i], places[j])]);
         Coefficients { values, covariance }
     }
 
@@ -347,9 +375,10 @@ impl<'a> Whitened<'a> {
         Ok(Whitened { measured, factor, sample_time_s, control })
     }
 
-    fn fit(mut self, start: &[f64]) -> Result<Minimum, IdentError> {
+    fn fit(&self, start: &[f64]) -> Result<Minimum, IdentError> {
         let bounds = vec![Bounds::new(0.0, f64::INFINITY); start.len()];
-        minimise(&mut self, start, &bounds, NonlinearOptions::default())
+        let mut model = self;
+        minimise(&mut model, start, &bounds, NonlinearOptions::default())
     }
 
     fn residuals(&self, p: &[f64]) -> Result<Vec<f64>, IdentError> {
@@ -363,7 +392,7 @@ impl<'a> Whitened<'a> {
     }
 }
 
-impl ResidualModel for Whitened<'_> {
+impl ResidualModel for &Whitened<'_> {
     fn parameter_count(&self) -> usize {
         self.control.unknowns()
     }

@@ -1,10 +1,15 @@
 //! The shaft from a periodic torque demand: sample maximum likelihood.
 //!
-//! At each excited line k every period gives a vector Z = (ω_d, ω_e, T_d) of Fourier coefficients. The shaft's equation
-//! c(s_k, θ)ᵀ Z = 0, c = (J_d s² + K + B s, −(K + B s) e^{sδ_e}, s g(s) e^{sδ_T}), holds for what repeats and for what the
-//! engine does in between alike; what errs are the sensors. With Z̄ the mean over P periods and C its sample covariance,
+//! At each excited line k every period gives a vector Z of transforms of ω_d, ω_e, T_d and of ω cos θ and ω sin θ of both
+//! encoders, whose once-a-turn errors are estimated along. The shaft's equation c(s_k, θ)ᵀ Z = 0, for exact encoders
+//! (J_d s² + K + B s) ω_d − (K + B s) e^{sδ_e} ω_e + s g(s) e^{sδ_T} T_d = 0, holds for what repeats and for what the engine does
+//! in between alike; what errs are the sensors. With Z̄ the mean over P periods and C its sample covariance,
 //! V = Σ_k |cᵀ Z̄|²/(cᵀ C c*) is made small: noise levels need not be known, and may be correlated between the signals.
 //! g = (1 − e^{−sT_g})/(sT_g) gives the torque the gate of the encoders.
+//!
+//! A period is weighed by a window that rises like sin² over a quarter of a period and falls over the first quarter of the next,
+//! so that windows add up to one: the mean over periods holds all of the data and nothing of other lines of the demand.
+//! Derivatives are moved to the window, so that what does not repeat leaks into no equation.
 //!
 //! A sample covariance from few periods errs, so that |e|²/σ̂² is F-distributed. It is therefore averaged over neighbouring
 //! lines, as a factor upon the shape that equal white noise of both encoders would have, until it has enough degrees of
@@ -16,9 +21,10 @@
 //!
 //! # Source
 //! Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed. 2012, §10.3 and §12.3 (sample maximum
-//! likelihood, its expected cost and covariance); thesis (6.1), (6.4), (6.10).
+//! likelihood, its expected cost and covariance); Shinbrot, *On the analysis of linear and nonlinear systems*, 1957
+//! (derivatives by the window); thesis (6.1), (6.4), (6.10).
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use faer::{Mat, MatMut};
 use ident::distributions::normal_quantile;
@@ -33,10 +39,17 @@ use super::{B, DYNO_INERTIA, ENGINE_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE, Timing
 use crate::estimate::EstimateError;
 use crate::estimate::shaft::ShaftInputs;
 use crate::estimate::timing_floor_s;
+use crate::model::Engine;
 use crate::study::{Estimate, Stretch};
 
 /// Fewest periods.
 const FEWEST_PERIODS: usize = 3;
+/// Part of a period over which its window rises.
+const RISE: f64 = 0.25;
+/// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
+const ECCENTRICITY: f64 = 1e-3;
+/// Beyond this coherence the engine's cycles repeat with the demand.
+const COHERENT: f64 = 0.5;
 /// Part of the power of a demand that need not repeat: rounding, and a first value of its own.
 const UNREPEATED: f64 = 1e-3;
 /// Left out at the start, s, for the bench to settle.
@@ -114,7 +127,8 @@ pub struct MultisineRoute {
 }
 
 /// Estimates the shaft from a recording under a periodic torque demand, T_d* on the clock of N_d. `timing` gives the gate;
-/// both skews are estimated. `firings_per_turn` tells how long the engine's control holds.
+/// both skews are estimated, from its values on. The engine's firings tell how long its
+/// control holds.
 ///
 /// # Errors
 /// A demand that does not repeat or repeats too seldom, a torque that is that of a flange, or data that do not determine the
@@ -124,20 +138,25 @@ pub fn estimate(
     demand: &Signal,
     timing: &Timing,
     inertia: DynoInertia,
-    firings_per_turn: f64,
+    engine: Engine,
 ) -> Result<MultisineRoute, EstimateError> {
     let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
     let Some(stated) = inputs.inertia_kg_m2 else {
         let what = "the multisine route needs T_d, but the torque is that of a flange";
         return Err(of(IdentError::Structure { what }));
     };
-    let lines = Lines::new(inputs, demand)?;
+    let lines = Lines::new(inputs, demand, timing, engine)?;
     let prior = (inertia == DynoInertia::Stated).then_some(stated);
     let mut model = Shaft { lines: &lines, gate_s: timing.gate_s.0, stated: stated.0, prior };
     let (fit, covariance) = model.fit().map_err(of)?;
     let chosen = model.read();
     let theta = fit.parameters.clone();
-    let mut found: Vec<_> = chosen.iter().map(|(label, i)| (*label, theta[*i])).collect();
+    let dated = |i: usize| match i {
+        ENGINE_SKEW => timing.engine_skew_s.0,
+        TORQUE_SKEW => timing.torque_skew_s.0,
+        _ => 0.0,
+    };
+    let mut found: Vec<_> = chosen.iter().map(|(label, i)| (*label, theta[*i] + dated(*i))).collect();
     let entry = |i: usize, j: usize| covariance[(i, j)];
     let mut rows: Vec<Vec<f64>> =
         chosen.iter().map(|(_, i)| chosen.iter().map(|(_, j)| entry(*i, *j)).collect()).collect();
@@ -145,7 +164,7 @@ pub fn estimate(
     if let Some(skew) = chosen.iter().position(|(_, i)| *i == TORQUE_SKEW) {
         rows[skew][skew] += (0.5 * timing.gate_s.1).powi(2) + timing_floor_s(inputs.dyno_speed.sample_time_s).powi(2);
     }
-    let engine = EngineSide::new(&model, inputs, firings_per_turn).and_then(|engine| engine.fit(&theta, &covariance));
+    let engine = EngineSide::new(&model, inputs, engine).and_then(|engine| engine.fit(&theta, &covariance));
     let (engine_cost, engine_untold) = match engine {
         Ok(engine) => {
             let with: Vec<f64> = chosen.iter().map(|(_, i)| engine.with_shaft[*i]).collect();
@@ -158,7 +177,7 @@ pub fn estimate(
     };
     let normalised =
         fit.residuals.chunks_exact(2).take(lines.count()).map(|r| r[0].hypot(r[1]) / 2f64.sqrt()).collect();
-    let free = fit.at_bound.iter().filter(|b| !**b).count() - usize::from(prior.is_some_and(|(_, u)| u > 0.0));
+    let free = fit.at_bound.iter().filter(|b| !**b).count() - (4 + usize::from(prior.is_some_and(|(_, u)| u > 0.0)));
     let freedom = 2.0 * lines.count() as f64 - free as f64;
     let squares: f64 = fit.residuals.iter().take(2 * lines.count()).map(|r| r * r).sum();
     Ok(MultisineRoute {
@@ -170,7 +189,7 @@ pub fn estimate(
             (fit.iterations, fit.condition),
         ),
         period_s: lines.period_s,
-        periods: lines.periods,
+        periods: lines.periods(),
         lines_hz: lines.frequencies_hz.clone(),
         normalised,
         variance_freedom: lines.freedom(),
@@ -189,37 +208,56 @@ fn cost_test(achieved: f64, freedom: f64, nu: f64) -> CostTest {
     CostTest { achieved, expected, limits: (expected - reach, expected + reach) }
 }
 
-const SIGNALS: usize = 3;
-type Coefficients = [Complex64; SIGNALS];
+/// ω_d, ω_e and T_d; then ω cos θ and ω sin θ of both encoders.
+const SIGNALS: usize = 7;
+const DYNO: usize = 0;
+const ENGINE: usize = 1;
+const TORQUE: usize = 2;
+const DYNO_WAVES: [usize; 2] = [3, 4];
+const ENGINE_WAVES: [usize; 2] = [5, 6];
 
-/// Mean coefficients and covariances of the means at the excited lines.
+/// Coefficients of a signal and its first two derivatives.
+type Orders = [Complex64; 3];
+/// Those of every signal: of an equation, or its transforms.
+type Row = [Orders; SIGNALS];
+
+/// The sum of an equation's terms.
+fn applied(equation: &Row, transforms: &Row) -> Complex64 {
+    let terms = equation.iter().flatten().zip(transforms.iter().flatten());
+    terms.map(|(c, z)| c * z).sum()
+}
+
+/// Transforms of every period at the excited lines.
 struct Lines {
     start_s: f64,
     period_s: f64,
-    periods: usize,
     frequencies_hz: Vec<f64>,
-    means: Vec<Coefficients>,
-    covariances: Vec<[Coefficients; SIGNALS]>,
+    /// By line, then by period.
+    transforms: Vec<Vec<Row>>,
     /// Lines on either side over which variances are averaged.
     reach: usize,
+    /// How far the engine's cycles repeat with the demand: 0 not at all, 1 wholly.
+    coherence: f64,
 }
 
 impl Lines {
-    fn new(inputs: &ShaftInputs<'_>, demand: &Signal) -> Result<Self, EstimateError> {
+    fn new(inputs: &ShaftInputs<'_>, demand: &Signal, timing: &Timing, engine: Engine) -> Result<Self, EstimateError> {
         let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let stretch = inner_stretch(inputs)?;
         let start_s = stretch.start_s.max(demand.start_s) + SETTLING_S;
         let end_s = stretch.end_s.min(demand.end_s());
         let used = demand.slice(start_s, end_s);
-        let period = detect_period(&used.samples, UNREPEATED)
-            .map_err(|source| EstimateError::Signal { file: inputs.file.to_owned(), source })?;
-        let what = "T_d* does not repeat, or fewer than three times: record Multisine_T_TN with at least three periods of the \
-                    demand, better ten, after two seconds to settle";
-        let Some(period) = period else { return Err(of(IdentError::Structure { what })) };
+        let not_periodic = || {
+            let what = "T_d* does not repeat, or too seldom: record Multisine_T_TN with two seconds to settle and, after them, \
+                        at least four periods of the demand, better ten";
+            of(IdentError::Structure { what })
+        };
+        let period = detect_period(&used.samples, UNREPEATED).map_err(|_| not_periodic())?.ok_or_else(not_periodic)?;
         let period_s = period.period as f64 * demand.sample_time_s;
-        let periods = ((end_s - start_s) / period_s + 1e-6).floor() as usize;
+        // The last window falls within the period after it.
+        let periods = ((end_s - start_s) / period_s - RISE + 1e-6).floor() as usize;
         if periods < FEWEST_PERIODS {
-            return Err(of(IdentError::Structure { what }));
+            return Err(not_periodic());
         }
         let slowest_s = inputs.signals().map(|s| s.sample_time_s).fold(0.0, f64::max);
         let highest_hz = HIGHEST_HZ.min(CLEAN_PART / slowest_s);
@@ -227,26 +265,25 @@ impl Lines {
         if excited.is_empty() {
             return Err(of(IdentError::Constant { what: "T_d* in the band of the shaft" }));
         }
-        let mut of_periods = Vec::with_capacity(periods);
-        for p in 0..periods {
-            let window = Window { start_s: start_s + p as f64 * period_s, duration_s: period_s };
-            of_periods.push(coefficients(inputs, window, &excited).map_err(of)?);
-        }
-        let (means, covariances) = (0..excited.len()).map(|k| moments(&of_periods, k)).unzip();
+        let grid = Grid { start_s, period_s, periods, harmonics: &excited };
+        let transforms = grid.transforms(inputs, timing).map_err(of)?;
         let groups = WANTED_FREEDOM.div_ceil(periods - 1);
         Ok(Lines {
             start_s,
             period_s,
-            periods,
             frequencies_hz: excited.iter().map(|k| *k as f64 / period_s).collect(),
-            means,
-            covariances,
+            transforms,
             reach: (groups / 2).min((excited.len() - 1) / 2),
+            coherence: grid.coherence(inputs.engine_speed, engine),
         })
     }
 
     fn count(&self) -> usize {
-        self.means.len()
+        self.transforms.len()
+    }
+
+    fn periods(&self) -> usize {
+        self.transforms.first().map_or(0, Vec::len)
     }
 
     fn s(&self, k: usize) -> Complex64 {
@@ -255,21 +292,140 @@ impl Lines {
 
     /// Degrees of freedom of an averaged variance.
     fn freedom(&self) -> f64 {
-        ((self.periods - 1) * (2 * self.reach + 1)) as f64
+        ((self.periods() - 1) * (2 * self.reach + 1)) as f64
     }
 
-    /// The error of an equation at a line, and the variance that the sample covariance gives it.
-    fn error(&self, k: usize, c: &Coefficients) -> (Complex64, f64) {
-        let error = (0..SIGNALS).map(|i| c[i] * self.means[k][i]).sum();
-        let product = |i: usize, j: usize| c[i] * self.covariances[k][i][j] * c[j].conj();
-        let variance: Complex64 = (0..SIGNALS * SIGNALS).map(|ij| product(ij / SIGNALS, ij % SIGNALS)).sum();
-        (error, variance.re.max(0.0))
+    /// The mean over periods of an equation's error at a line, and the variance of that mean from its scatter.
+    fn error(&self, k: usize, equation: &Row) -> (Complex64, f64) {
+        let errors: Vec<Complex64> = self.transforms[k].iter().map(|z| applied(equation, z)).collect();
+        let count = errors.len() as f64;
+        let mean = errors.iter().sum::<Complex64>() / count;
+        let scatter: f64 = errors.iter().map(|e| (e - mean).norm_sqr()).sum();
+        (mean, scatter / (count * (count - 1.0)))
+    }
+
+    /// The mean transforms at a line.
+    fn mean(&self, k: usize) -> Row {
+        let count = self.periods() as f64;
+        let sum = |i: usize, n: usize| self.transforms[k].iter().map(|z| z[i][n]).sum::<Complex64>() / count;
+        std::array::from_fn(|i| std::array::from_fn(|n| sum(i, n)))
     }
 
     fn stretch(&self, file: &str) -> Stretch {
-        let end_s = self.start_s + self.periods as f64 * self.period_s;
+        let end_s = self.start_s + (self.periods() as f64 + RISE) * self.period_s;
         Stretch { file: file.to_owned(), start_s: self.start_s, end_s }
     }
+}
+
+/// Periods and harmonics.
+struct Grid<'a> {
+    start_s: f64,
+    period_s: f64,
+    periods: usize,
+    harmonics: &'a [usize],
+}
+
+impl Grid<'_> {
+    /// By harmonic, then by period.
+    fn transforms(&self, inputs: &ShaftInputs<'_>, timing: &Timing) -> Result<Vec<Vec<Row>>, IdentError> {
+        let mut all = vec![vec![[[Complex64::default(); 3]; SIGNALS]; self.periods]; self.harmonics.len()];
+        let mut add = |place: usize, signal: &Signal, earlier_s: f64| -> Result<(), IdentError> {
+            let dated = Signal { start_s: signal.start_s - earlier_s, ..signal.clone() };
+            for p in 0..self.periods {
+                let transform = self.transform(&dated, p)?;
+                for (line, orders) in all.iter_mut().zip(transform) {
+                    line[p][place].iter_mut().zip(orders).for_each(|(sum, value)| *sum += value);
+                }
+            }
+            Ok(())
+        };
+        for record in &inputs.torque {
+            add(TORQUE, &record.signal, timing.torque_skew_s.0)?;
+        }
+        let speeds = [
+            (inputs.dyno_speed, 0.0, DYNO, DYNO_WAVES),
+            (inputs.engine_speed, timing.engine_skew_s.0, ENGINE, ENGINE_WAVES),
+        ];
+        for (speed, earlier_s, place, waves) in speeds {
+            add(place, speed, earlier_s)?;
+            for (place, wave) in waves.into_iter().zip(once_a_turn(speed)) {
+                add(place, &wave, earlier_s)?;
+            }
+        }
+        Ok(all)
+    }
+
+    /// Transforms of a signal and its derivatives over one period.
+    fn transform(&self, signal: &Signal, period: usize) -> Result<Vec<Orders>, IdentError> {
+        let start_s = self.start_s + period as f64 * self.period_s;
+        let whole = samples_in(signal, Window { start_s, duration_s: self.period_s })?;
+        let next = samples_in(signal, Window { start_s: start_s + self.period_s, duration_s: RISE * self.period_s })?;
+        let (count, dt) = (whole.values.len(), whole.sample_time_s);
+        // The mean has no part in any line, and would swamp the others.
+        let mean = whole.values.iter().sum::<f64>() / count as f64;
+        let mut weighed = [vec![0.0; count], vec![0.0; count], vec![0.0; count]];
+        let falling =
+            next.values.iter().enumerate().map(|(i, x)| (i, next.offset_s + i as f64 * dt + self.period_s, x));
+        let rising = whole.values.iter().enumerate().map(|(i, x)| (i, whole.offset_s + i as f64 * dt, x));
+        for (i, time_s, x) in rising.chain(falling) {
+            let window = self.window(time_s);
+            for (sums, weight) in weighed.iter_mut().zip(window) {
+                // What falls into the next period has the same phases there.
+                sums[i % count] += weight * (x - mean);
+            }
+        }
+        let spectra: Vec<Vec<Complex64>> = weighed
+            .iter()
+            .map(|w| signal::spectrum::fft_real(w).map_err(|_| IdentError::Decomposition { what: "Fourier" }))
+            .collect::<Result<_, _>>()?;
+        let orders = |k: &usize| {
+            let omega = TAU * *k as f64 / self.period_s;
+            let dated = Complex64::cis(-omega * whole.offset_s) / count as f64;
+            let [h0, h1, h2] = [0, 1, 2].map(|n| spectra[n].get(*k).copied().unwrap_or_default() * dated);
+            let s = Complex64::new(0.0, omega);
+            [h0, s * h0 - h1, s * (s * h0 - 2.0 * h1) + h2]
+        };
+        Ok(self.harmonics.iter().map(orders).collect())
+    }
+
+    /// The window and its first two derivatives at a time after its start.
+    fn window(&self, time_s: f64) -> [f64; 3] {
+        let rise_s = RISE * self.period_s;
+        let (edge, slope) = if time_s < rise_s {
+            (time_s / rise_s, 1.0)
+        } else if time_s >= self.period_s {
+            ((self.period_s - time_s) / rise_s + 1.0, -1.0)
+        } else {
+            return [1.0, 0.0, 0.0];
+        };
+        let ((sin, cos), rate) = ((PI * edge.clamp(0.0, 1.0)).sin_cos(), PI / rise_s);
+        [0.5 * (1.0 - cos), 0.5 * slope * rate * sin, 0.5 * rate * rate * cos]
+    }
+
+    /// |mean over periods of e^{jnφ}| of the worst harmonic n of the working cycle up to the firing, φ the cycle's angle at the
+    /// start of a period.
+    fn coherence(&self, engine_speed: &Signal, engine: Engine) -> f64 {
+        let mut angle = 0.0;
+        let mut at_start = Vec::with_capacity(self.periods);
+        for (i, omega) in engine_speed.samples.iter().enumerate() {
+            let next_s = self.start_s + at_start.len() as f64 * self.period_s;
+            if at_start.len() < self.periods && engine_speed.time_s(i) >= next_s {
+                at_start.push(2.0 * angle / f64::from(engine.strokes));
+            }
+            angle += omega * engine_speed.sample_time_s;
+        }
+        let mean = |n: u32| {
+            let sum: Complex64 = at_start.iter().map(|a| Complex64::cis(f64::from(n) * a)).sum();
+            sum.norm() / at_start.len().max(1) as f64
+        };
+        (1..=engine.cylinders).map(mean).fold(0.0, f64::max)
+    }
+}
+
+/// ω cos θ and ω sin θ, θ being the angle turned since the first sample.
+fn once_a_turn(speed: &Signal) -> [Signal; 2] {
+    let [cosine, sine] = super::aligned::once_a_turn(&speed.samples, speed.sample_time_s);
+    [speed.with_samples(cosine), speed.with_samples(sine)]
 }
 
 /// Harmonics that the demand excites.
@@ -281,51 +437,18 @@ fn excited(demand: &Signal, window: Window, highest_hz: f64) -> Result<Vec<usize
     Ok(bins.filter(|k| spectrum[*k].norm() > EXCITED * strongest && strongest > 0.0).collect())
 }
 
-/// Coefficients of ω_d, ω_e and T_d at harmonics of a window.
-fn coefficients(
-    inputs: &ShaftInputs<'_>,
-    window: Window,
-    harmonics: &[usize],
-) -> Result<Vec<Coefficients>, IdentError> {
-    let transform = |signal: &Signal| -> Result<Vec<Complex64>, IdentError> {
-        let samples = samples_in(signal, window)?;
-        let spectrum =
-            signal::spectrum::fft_real(&samples.values).map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
-        let count = samples.values.len() as f64;
-        let dated = |k: &usize| {
-            let value = spectrum.get(*k).copied().unwrap_or_default();
-            value / count * Complex64::cis(-TAU * window.frequency_hz(*k) * samples.offset_s)
-        };
-        Ok(harmonics.iter().map(dated).collect())
-    };
-    let (dyno, engine) = (transform(inputs.dyno_speed)?, transform(inputs.engine_speed)?);
-    let mut torque = vec![Complex64::default(); harmonics.len()];
-    for record in &inputs.torque {
-        torque.iter_mut().zip(transform(&record.signal)?).for_each(|(sum, t)| *sum += t);
-    }
-    Ok((0..harmonics.len()).map(|k| [dyno[k], engine[k], torque[k]]).collect())
-}
-
-/// Mean over periods at one line, and the sample covariance of that mean.
-fn moments(periods: &[Vec<Coefficients>], k: usize) -> (Coefficients, [Coefficients; SIGNALS]) {
-    let count = periods.len() as f64;
-    let mean: Coefficients = std::array::from_fn(|i| periods.iter().map(|p| p[k][i]).sum::<Complex64>() / count);
-    let product = |i: usize, j: usize| {
-        let sum: Complex64 = periods.iter().map(|p| (p[k][i] - mean[i]) * (p[k][j] - mean[j]).conj()).sum();
-        sum / (count * (count - 1.0))
-    };
-    (mean, std::array::from_fn(|i| std::array::from_fn(|j| product(i, j))))
-}
-
 const STIFFNESS: usize = 0;
 const DAMPING: usize = 1;
 const ENGINE_SKEW: usize = 2;
 const TORQUE_SKEW: usize = 3;
 const INERTIA: usize = 4;
-const COUNT: usize = 5;
+/// Once-a-turn errors of ω_d and ω_e.
+const DYNO_TURN: [usize; 2] = [5, 6];
+const ENGINE_TURN: [usize; 2] = [7, 8];
+const COUNT: usize = 9;
 
-/// Sizes that differences are measured by where a parameter is small: K, B, skews, J_d.
-const SIZES: [f64; COUNT] = [1.0, 0.1, 1e-3, 1e-3, 1e-2];
+/// Sizes that differences are measured by where a parameter is small: K, B, skews, J_d, once-a-turn errors.
+const SIZES: [f64; COUNT] = [1.0, 0.1, 1e-3, 1e-3, 1e-2, 1e-3, 1e-3, 1e-3, 1e-3];
 
 /// The shaft's equation at the lines.
 #[derive(Clone, Copy)]
@@ -339,10 +462,24 @@ struct Shaft<'a> {
 
 impl Shaft<'_> {
     /// The coefficients of ω_d, ω_e and T_d.
-    fn equation(&self, s: Complex64, theta: &[f64]) -> Coefficients {
-        let spring = theta[STIFFNESS] + theta[DAMPING] * s;
-        let engine = (s * theta[ENGINE_SKEW]).exp();
-        [theta[INERTIA] * s * s + spring, -spring * engine, s * self.torque_factor(s, theta)]
+    fn equation(&self, s: Complex64, theta: &[f64]) -> Row {
+        let one = Complex64::from(1.0);
+        let [k, b, inertia] = [theta[STIFFNESS], theta[DAMPING], theta[INERTIA]];
+        let late = (s * theta[ENGINE_SKEW]).exp();
+        let engine = [-late * k, -late * b, 0.0 * one];
+        self.with_turns(s, theta, [one * k, one * b, one * inertia], engine)
+    }
+
+    /// An equation of the torque's first derivative, from what it does to the two speeds.
+    fn with_turns(&self, s: Complex64, theta: &[f64], dyno: Orders, engine: Orders) -> Row {
+        let mut row = [[Complex64::default(); 3]; SIGNALS];
+        (row[DYNO], row[ENGINE]) = (dyno, engine);
+        row[TORQUE][1] = self.torque_factor(s, theta);
+        for k in 0..2 {
+            row[DYNO_WAVES[k]] = dyno.map(|c| -theta[DYNO_TURN[k]] * c);
+            row[ENGINE_WAVES[k]] = engine.map(|c| -theta[ENGINE_TURN[k]] * c);
+        }
+        row
     }
 
     /// What turns the torque's transform into that of its mean over the gate.
@@ -359,7 +496,11 @@ impl Shaft<'_> {
         let raw: Vec<(Complex64, f64)> = (0..n)
             .map(|k| {
                 let c = self.equation(self.lines.s(k), theta);
-                shapes.push(c[0].norm_sqr() + c[1].norm_sqr());
+                // What equal white noise of both encoders would have.
+                let power = |orders: Orders| {
+                    orders.iter().rev().fold(Complex64::default(), |sum, c| sum * self.lines.s(k) + c).norm_sqr()
+                };
+                shapes.push(power(c[DYNO]) + power(c[ENGINE]));
                 self.lines.error(k, &c)
             })
             .collect();
@@ -376,7 +517,8 @@ impl Shaft<'_> {
         let start = self.start();
         let positive = Bounds::new(0.0, f64::INFINITY);
         let skew = Bounds::new(-LARGEST_SKEW_S, LARGEST_SKEW_S);
-        let mut bounds = [positive, positive, skew, skew, positive];
+        let mut bounds = [Bounds::NONE; COUNT];
+        bounds[..=INERTIA].copy_from_slice(&[positive, positive, skew, skew, positive]);
         if let Some((value, 0.0)) = self.prior {
             bounds[INERTIA] = Bounds::new(value, value);
         }
@@ -391,9 +533,9 @@ impl Shaft<'_> {
     fn start(&self) -> [f64; COUNT] {
         let (mut left, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
         for k in 0..self.lines.count() {
-            let (s, [dyno, engine, torque]) = (self.lines.s(k), self.lines.means[k]);
-            let twist = engine - dyno;
-            let rate = self.stated * s * s * dyno + s * self.torque_factor(s, &[0.0; COUNT]) * torque;
+            let (s, z) = (self.lines.s(k), self.lines.mean(k));
+            let twist = z[ENGINE][0] - z[DYNO][0];
+            let rate = self.stated * z[DYNO][2] + self.torque_factor(s, &[0.0; COUNT]) * z[TORQUE][1];
             let regressors = [twist, s * twist];
             for i in 0..2 {
                 right[i] += (regressors[i].conj() * rate).re / s.norm_sqr();
@@ -404,7 +546,9 @@ impl Shaft<'_> {
         let stiffness = (right[0] * left[1][1] - right[1] * left[0][1]) / determinant;
         let damping = (left[0][0] * right[1] - left[1][0] * right[0]) / determinant;
         let sane = |value: f64, least: f64| if value.is_finite() { value.max(least) } else { least };
-        [sane(stiffness, 1.0), sane(damping, 1e-2), 0.0, 0.0, self.stated]
+        let mut start = [0.0; COUNT];
+        (start[STIFFNESS], start[DAMPING], start[INERTIA]) = (sane(stiffness, 1.0), sane(damping, 1e-2), self.stated);
+        start
     }
 
     /// What people read.
@@ -424,10 +568,10 @@ impl ResidualModel for Shaft<'_> {
     }
 
     fn residual_count(&self) -> usize {
-        2 * self.lines.count() + 1
+        2 * self.lines.count() + 5
     }
 
-    /// √2 e/σ, real and imaginary part in turn, each of variance one; then what is known of J_d.
+    /// √2 e/σ, real and imaginary part in turn, each of variance one; then what is known of J_d and of the encoders.
     fn evaluate(
         &mut self,
         theta: &[f64],
@@ -440,10 +584,13 @@ impl ResidualModel for Shaft<'_> {
                 let value = error * (2.0 / variance).sqrt();
                 (values[2 * k], values[2 * k + 1]) = (value.re, value.im);
             }
-            values[2 * shaft.lines.count()] = match shaft.prior {
+            let known = 2 * shaft.lines.count();
+            values[known] = match shaft.prior {
                 Some((value, uncertainty)) if uncertainty > 0.0 => (theta[INERTIA] - value) / uncertainty,
                 _ => 0.0,
             };
+            let turns = values[known + 1..].iter_mut().zip(&theta[DYNO_TURN[0]..]);
+            turns.for_each(|(value, amplitude)| *value = amplitude / ECCENTRICITY);
         };
         at(theta, residuals);
         if let Some(jacobian) = jacobian {
@@ -507,8 +654,8 @@ const ENGINE_SIZES: [f64; ENGINE_UNKNOWNS] = [1e-2, 0.1, 0.1, 1e-3];
 const SLOWEST_RAD_S: f64 = 30.0;
 
 impl<'a> EngineSide<'a> {
-    fn new(shaft: &'a Shaft<'a>, inputs: &ShaftInputs<'_>, firings_per_turn: f64) -> Result<Self, String> {
-        let periods = shaft.lines.periods;
+    fn new(shaft: &'a Shaft<'a>, inputs: &ShaftInputs<'_>, engine: Engine) -> Result<Self, String> {
+        let periods = shaft.lines.periods();
         if periods < FEWEST_FOR_ENGINE {
             return Err(format!(
                 "J_e needs {FEWEST_FOR_ENGINE} periods to weigh the engine's torque by its scatter, and {periods} were \
@@ -516,7 +663,12 @@ impl<'a> EngineSide<'a> {
             ));
         }
         let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
-        let half_firing_s = 0.5 / (firings_per_turn * turns_per_s);
+        if shaft.lines.coherence > COHERENT {
+            return Err("J_e is not told: the engine's cycles repeat with the demand, so that its torque does not average out; \
+                        record at a speed some 1 % higher"
+                .to_owned());
+        }
+        let half_firing_s = 0.5 / (engine.firings_per_turn() * turns_per_s);
         Ok(EngineSide { shaft, half_firing_s, control: Control::Held, theta: Vec::new() })
     }
 
@@ -545,7 +697,7 @@ impl<'a> EngineSide<'a> {
             (0..COUNT).map(|i| (0..COUNT).map(|j| covariance[(i, j)] * gradient[j]).sum()).collect();
         let through: f64 = with_shaft.iter().zip(&gradient).map(|(c, g)| c * g).sum();
         let lines = self.shaft.lines;
-        let nu = (lines.periods - 1) as f64;
+        let nu = (lines.periods() - 1) as f64;
         let freedom = (2 * lines.count() - ENGINE_UNKNOWNS + 1) as f64;
         let squares: f64 = held.residuals.iter().take(2 * lines.count()).map(|r| r * r).sum();
         let inertia = held.parameters[0];
@@ -570,19 +722,17 @@ impl<'a> EngineSide<'a> {
         minimise(self, &start, &bounds, NonlinearOptions::default())
     }
 
-    fn equation(&self, s: Complex64, p: &[f64]) -> Coefficients {
+    fn equation(&self, s: Complex64, p: &[f64]) -> Row {
         let theta = &self.theta;
         let x = 2.0 * s * p[HOLD];
         let late = match self.control {
             Control::Held => (1.0 - (-x).exp()) / x,
             Control::Delayed => (-0.5 * x).exp(),
         };
-        let engine = (s * theta[ENGINE_SKEW]).exp();
-        [
-            theta[INERTIA] * s * s,
-            (p[0] * s * s + (p[1] * s + p[2]) * late) * engine,
-            s * self.shaft.torque_factor(s, theta),
-        ]
+        let skew = (s * theta[ENGINE_SKEW]).exp();
+        let dyno = [Complex64::default(), Complex64::default(), Complex64::from(theta[INERTIA])];
+        let engine = [late * skew * p[2], late * skew * p[1], skew * p[0]];
+        self.shaft.with_turns(s, theta, dyno, engine)
     }
 }
 

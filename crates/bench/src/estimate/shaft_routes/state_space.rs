@@ -3,7 +3,7 @@
 //! J_d dω_d/dt = K φ + B (ω_e − ω_d) − T_d, dφ/dt = ω_e − ω_d: two states, sampled exactly under inputs that are
 //! band-limited, the state at the start estimated. Nothing is differentiated, and nothing is said of the engine. A constant
 //! offset of the torque is a twist at the start. All signals pass one band-pass, which leaves the equation as it is and takes
-//! away drifts, friction that changes slowly, and what folds; they are then taken every 4 ms or so.
+//! away drifts, friction that changes slowly, and what folds; they are then taken every 2 ms or so.
 //!
 //! The errors are those of a simulation (output error): their covariance is taken from what autocorrelation they show. An
 //! error of ω_e is one of an input. It bends the minimum by what K, B and J_d do to the power that the encoders' noise has at
@@ -14,20 +14,22 @@
 //! (compensation of the bias).
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
+use faer::linalg::solvers::Solve;
 use faer::{Mat, mat};
 use ident::prediction::simulate;
 use ident::validate::{fit_percent, rms_error};
 use ident::{
-    Dataset, Fit, GreyBox, GreyBoxModel, GreyParameter, IdentError, InitialState, Intersample, Structure, least_squares,
+    Dataset, Fit, GreyBox, GreyBoxModel, GreyParameter, IdentError, InitialState, Intersample, Parametric, Structure,
+    least_squares,
 };
 use lti::{LtiError, StateSpace};
 use serde::Serialize;
 use signal::{Complex64, Sos};
 
-use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
+use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
 use super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE, Timing, estimate_of};
-use crate::align::split_window;
 use crate::estimate::EstimateError;
 use crate::estimate::shaft::ShaftInputs;
 use crate::study::{Estimate, Stretch, Trace, Validation};
@@ -36,10 +38,10 @@ use crate::units::RPM_RAD_S;
 /// Share of the recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;
 /// About how far the samples are apart that the model is fitted to, s.
-const SAMPLE_TIME_S: f64 = 4e-3;
+const SAMPLE_TIME_S: f64 = 2e-3;
 /// Band of the signals: lowest frequency, Hz, and the highest as a part of the sample rate.
 const LOWEST_HZ: f64 = 0.7;
-const HIGHEST_PART: f64 = 0.35;
+const HIGHEST_PART: f64 = 0.2;
 /// Orders of the band's edges.
 const EDGE_ORDERS: (usize, usize) = (2, 8);
 /// What the band-pass remembers of its start, s.
@@ -51,6 +53,11 @@ const LARGEST_SKEW_S: f64 = 5e-3;
 const ROUNDS: usize = 6;
 /// A skew that is left, s, and is no more worth a round.
 const NEGLIGIBLE_SKEW_S: f64 = 1e-7;
+
+/// Rows at the ends of a stretch whose inputs between the samples are not well known.
+const EDGE_ROWS: usize = 32;
+/// Step of the integral over the noise's spectrum, Hz.
+const NOISE_STEP_HZ: f64 = 0.1;
 
 /// What becomes of the skews.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -90,7 +97,6 @@ pub fn estimate(inputs: &ShaftInputs<'_>, timing: &Timing, skews: Skews) -> Resu
         return Err(of(IdentError::Structure { what }));
     };
     let stretch = inner_stretch(inputs)?;
-    let (estimation, held_out) = split_window((stretch.start_s, stretch.end_s), ESTIMATION_SHARE);
     let free = |uncertainty: f64| if skews == Skews::Estimated { f64::INFINITY } else { uncertainty };
     let mut clocks =
         Clocks { engine_s: timing.engine_skew_s.0, torque_s: timing.torque_skew_s.0, gate_s: timing.gate_s.0 };
@@ -104,12 +110,13 @@ pub fn estimate(inputs: &ShaftInputs<'_>, timing: &Timing, skews: Skews) -> Resu
         ],
     };
     let mut round = 0;
-    let (mut found, mut record) = loop {
-        let record = Record::new(inputs, estimation, clocks)?;
+    let (mut found, record) = loop {
+        let record = Record::new(inputs, &stretch, clocks)?;
+        let data = record.part(record.estimation()).map_err(of)?;
         if round == 0 {
             structure.start = record.starting_values(inertia.0).map_err(of)?;
         }
-        let fit = GreyBox::new(structure.clone()).fit(&record.data().map_err(of)?).map_err(of)?;
+        let fit = GreyBox::new(structure.clone()).fit(&data).map_err(of)?;
         let theta = fit.parameters();
         let left = [theta[SKEWS[0]], theta[SKEWS[1]]];
         round += 1;
@@ -124,13 +131,10 @@ pub fn estimate(inputs: &ShaftInputs<'_>, timing: &Timing, skews: Skews) -> Resu
         }
         structure.start = (theta[STIFFNESS], theta[DAMPING]);
     };
-    let noise = inputs.encoder_noise_rad_s;
-    let bias =
-        record.bias(&found, (noise, inputs.dyno_speed.sample_time_s), (noise, inputs.engine_speed.sample_time_s));
+    let bias = record.bias(inputs, &found).map_err(of)?;
     let theta: Vec<f64> = found.parameters().iter().zip(&bias).map(|(t, b)| t - b).collect();
-    found.model = ident::Parametric::with_parameters(&found.model, &theta).map_err(|e| of(e.into()))?;
-    let known = Stretch { end_s: estimation.1, ..stretch };
-    record = Record::new(inputs, held_out, clocks)?;
+    found.model = found.model.with_parameters(&theta).map_err(|e| of(e.into()))?;
+    let known = Stretch { end_s: record.time_s(record.estimation().end), ..stretch };
     Ok(StateSpaceRoute {
         estimate: read_out(&found, &structure, clocks, known),
         skews,
@@ -214,9 +218,9 @@ struct Record {
 }
 
 impl Record {
-    fn new(inputs: &ShaftInputs<'_>, window: (f64, f64), clocks: Clocks) -> Result<Self, EstimateError> {
+    fn new(inputs: &ShaftInputs<'_>, stretch: &Stretch, clocks: Clocks) -> Result<Self, EstimateError> {
         let of = |source| EstimateError::Signal { file: inputs.file.to_owned(), source };
-        let signals = Aligned::new(inputs, window, clocks, TorqueSample::Momentary)?;
+        let signals = Aligned::new(inputs, stretch, clocks, TorqueSample::Momentary)?;
         let fast_s = signals.sample_time_s;
         let factor = (SAMPLE_TIME_S / fast_s).round().max(1.0) as usize;
         let sample_time_s = fast_s * factor as f64;
@@ -224,7 +228,7 @@ impl Record {
         if signals.dyno.len() < 3 * settled {
             return Err(EstimateError::TooShort {
                 file: inputs.file.to_owned(),
-                duration_s: window.1 - window.0,
+                duration_s: stretch.end_s - stretch.start_s,
                 needed_s: 3.0 * SETTLING_S,
             });
         }
@@ -249,10 +253,18 @@ impl Record {
         })
     }
 
-    fn data(&self) -> Result<Dataset, IdentError> {
-        let rows = self.output.len();
-        let inputs = Mat::from_fn(rows, INPUTS, |i, j| self.inputs[j][i]);
-        let output = Mat::from_fn(rows, 1, |i, _| self.output[i]);
+    fn time_s(&self, row: usize) -> f64 {
+        self.start_s + row as f64 * self.sample_time_s
+    }
+
+    /// Rows that are estimated from.
+    fn estimation(&self) -> Range<usize> {
+        0..(ESTIMATION_SHARE * self.output.len() as f64) as usize
+    }
+
+    fn part(&self, rows: Range<usize>) -> Result<Dataset, IdentError> {
+        let inputs = Mat::from_fn(rows.len(), INPUTS, |i, j| self.inputs[j][rows.start + i]);
+        let output = Mat::from_fn(rows.len(), 1, |i, _| self.output[rows.start + i]);
         Ok(Dataset::new(self.sample_time_s, inputs, output)?.with_intersample(Intersample::BandLimited))
     }
 
@@ -273,58 +285,68 @@ impl Record {
         Ok((found.parameters[0].max(1.0), found.parameters[1].max(1e-3)))
     }
 
-    /// By how much white noise of both encoders, each with its sample time, moves the minimum: −H⁻¹ ½ ∂V/∂θ with V the power
-    /// of the noise at the output and H that of the sum of squares, both a sample.
-    fn bias(&self, fit: &Fit<GreyBoxModel<Shaft>>, dyno: (f64, f64), engine: (f64, f64)) -> Vec<f64> {
+    /// By how much the white noise of the encoders moves the minimum: −H⁻¹ ½ N ∂V/∂θ, with V the power that it has at the
+    /// output and H = ΨᵀΨ, Ψ the slopes of what is simulated.
+    fn bias(&self, inputs: &ShaftInputs<'_>, fit: &Fit<GreyBoxModel<Shaft>>) -> Result<Vec<f64>, IdentError> {
         let theta = fit.parameters();
-        let structure = fit.model.structure();
-        let density = |(noise, sample_time_s): (f64, f64)| noise * noise * sample_time_s;
-        let power = |p: &[f64]| {
-            let Ok(system) = structure.system(p) else { return 0.0 };
-            let step_hz = 0.1;
-            let steps = (0.5 / (self.sample_time_s * step_hz)) as usize;
-            let at = |k: usize| {
-                let f = (k as f64 + 0.5) * step_hz;
-                let gain = system.evaluate(Complex64::new(0.0, TAU * f))[(0, 1)].norm_sqr();
-                let passed: f64 = self.filter.iter().map(|s| s.response(f).norm_sqr()).product();
-                2.0 * step_hz * passed * (density(dyno) + gain * density(engine))
+        let data = self.part(self.estimation())?;
+        let free: Vec<usize> = (0..theta.len()).filter(|j| fit.covariance[(*j, *j)] > 0.0).collect();
+        let rows = data.samples();
+        let mut slopes = Mat::zeros(rows + free.len(), free.len());
+        let mut gradient = Mat::zeros(free.len(), 1);
+        let deviation = fit.noise_covariance[(0, 0)].sqrt();
+        for (column, j) in free.iter().enumerate() {
+            let step = 0.1 * fit.covariance[(*j, *j)].sqrt();
+            let moved = |by: f64| {
+                let mut point = theta.clone();
+                point[*j] += by;
+                let model = fit.model.with_parameters(&point)?;
+                let power = self.noise_power(&model.system()?, inputs);
+                Ok::<_, IdentError>((simulate(&model, &data, &InitialState::Estimated)?, power))
             };
-            (0..steps).map(at).sum::<f64>()
+            let ((above, more), (below, less)) = (moved(step)?, moved(-step)?);
+            for i in 0..rows {
+                slopes[(i, column)] = (above.outputs[0][(i, 0)] - below.outputs[0][(i, 0)]) / (2.0 * step);
+            }
+            if let Some((_, uncertainty)) = fit.model.structure().parameters()[*j].prior {
+                slopes[(rows + column, column)] = deviation / uncertainty;
+            }
+            gradient[(column, 0)] = -0.5 * rows as f64 * (more - less) / (2.0 * step);
+        }
+        let scale: Vec<f64> = (0..free.len()).map(|j| slopes.col(j).norm_l2()).collect();
+        let scaled = Mat::from_fn(slopes.nrows(), free.len(), |i, j| slopes[(i, j)] / scale[j]);
+        let right = Mat::from_fn(free.len(), 1, |i, _| gradient[(i, 0)] / scale[i]);
+        let solution = (scaled.transpose() * &scaled).full_piv_lu().solve(&right);
+        let mut bias = vec![0.0; theta.len()];
+        free.iter().enumerate().for_each(|(column, j)| bias[*j] = solution[(column, 0)] / scale[column]);
+        Ok(bias)
+    }
+
+    /// Power of the encoders' noise at the output, (rad/s)².
+    fn noise_power(&self, system: &StateSpace, inputs: &ShaftInputs<'_>) -> f64 {
+        let density = |sample_time_s: f64| 2.0 * inputs.encoder_noise_rad_s.powi(2) * sample_time_s;
+        let (dyno, engine) = (density(inputs.dyno_speed.sample_time_s), density(inputs.engine_speed.sample_time_s));
+        let at = |k: usize| {
+            let f = (k as f64 + 0.5) * NOISE_STEP_HZ;
+            let gain = system.evaluate(Complex64::new(0.0, TAU * f))[(0, 1)].norm_sqr();
+            let passed: f64 = self.filter.iter().map(|s| s.response(f).norm_sqr()).product();
+            NOISE_STEP_HZ * passed * (dyno + gain * engine)
         };
-        let slope: Vec<f64> = (0..theta.len())
-            .map(|j| {
-                if fit.covariance[(j, j)] <= 0.0 {
-                    return 0.0;
-                }
-                let step = 0.1 * fit.covariance[(j, j)].sqrt();
-                let moved = |by: f64| {
-                    let mut p = theta.clone();
-                    p[j] += by;
-                    power(&p)
-                };
-                (moved(step) - moved(-step)) / (2.0 * step)
-            })
-            .collect();
-        // The covariance of white errors is σ²/N H⁻¹; that of coloured ones stands in for it.
-        let scale = 0.5 * fit.samples as f64 / fit.noise_covariance[(0, 0)].max(f64::MIN_POSITIVE);
-        let row = |i: usize| (0..theta.len()).map(|j| fit.covariance[(i, j)] * slope[j]).sum::<f64>();
-        (0..theta.len()).map(|i| -scale * row(i)).collect()
+        (0..(0.5 / (self.sample_time_s * NOISE_STEP_HZ)) as usize).map(at).sum()
     }
 
     fn validation(&self, inputs: &ShaftInputs<'_>, model: &GreyBoxModel<Shaft>) -> Result<Validation, EstimateError> {
         let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
-        let data = self.data().map_err(of)?;
+        let first = self.estimation().end;
+        let data = self.part(first..self.output.len()).map_err(of)?;
         let simulated = simulate(model, &data, &InitialState::Estimated).map_err(of)?;
-        let rows = simulated.outputs[0].nrows();
-        let rpm = |x: &dyn Fn(usize) -> f64| (0..rows).map(|i| x(i) / RPM_RAD_S).collect::<Vec<f64>>();
-        let (measured, modelled) = (rpm(&|i| self.output[i]), rpm(&|i| simulated.outputs[0][(i, 0)]));
-        let trace = |values| Trace { start_s: self.start_s, sample_time_s: self.sample_time_s, values };
+        // Near the ends inputs between the samples rest on a guess.
+        let (start, end) = (first + EDGE_ROWS, self.output.len() - EDGE_ROWS);
+        let measured: Vec<f64> = self.output[start..end].iter().map(|w| w / RPM_RAD_S).collect();
+        let modelled: Vec<f64> = (start..end).map(|i| simulated.outputs[0][(i - first, 0)] / RPM_RAD_S).collect();
+        let trace = |values| Trace { start_s: self.time_s(start), sample_time_s: self.sample_time_s, values };
         Ok(Validation {
-            stretch: Stretch {
-                file: inputs.file.to_owned(),
-                start_s: self.start_s,
-                end_s: self.start_s + rows as f64 * self.sample_time_s,
-            },
+            stretch: Stretch { file: inputs.file.to_owned(), start_s: self.time_s(start), end_s: self.time_s(end) },
             quantity: "N_d".to_owned(),
             unit: "rpm".to_owned(),
             fit_percent: fit_percent(&measured, &modelled).map_err(of)?,
@@ -334,18 +356,6 @@ impl Record {
             residuals: None,
         })
     }
-}
-
-/// ω cos θ and ω sin θ: what a once-a-turn error of its encoder adds to a speed.
-fn once_a_turn(speed: &[f64], sample_time_s: f64) -> [Vec<f64>; 2] {
-    let mut angle = 0.0;
-    let waves = speed.iter().map(|omega| {
-        angle += omega * sample_time_s;
-        let (sin, cos) = f64::sin_cos(angle);
-        (omega * cos, omega * sin)
-    });
-    let (cosine, sine) = waves.unzip();
-    [cosine, sine]
 }
 
 /// What people read, skews counted from the time stamps.
