@@ -40,8 +40,8 @@ pub(super) struct Aligned {
 pub(super) enum TorqueSample {
     /// Its value at the instant.
     Momentary,
-    /// Its mean until the next instant.
-    Held,
+    /// Its mean until the next instant, samples being about so many seconds apart.
+    HeldFor(f64),
 }
 
 impl Aligned {
@@ -56,7 +56,12 @@ impl Aligned {
         kind: TorqueSample,
     ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Signal { file: inputs.file.to_owned(), source };
-        let dyno = inputs.dyno_speed.slice(stretch.start_s, stretch.end_s);
+        let mut dyno = inputs.dyno_speed.slice(stretch.start_s, stretch.end_s);
+        if let TorqueSample::HeldFor(sample_time_s) = kind {
+            let every = (sample_time_s / dyno.sample_time_s).round().max(1.0) as usize;
+            dyno.samples = dyno.samples.into_iter().step_by(every).collect();
+            dyno.sample_time_s *= every as f64;
+        }
         let times: Vec<f64> = (0..dyno.len()).map(|i| dyno.time_s(i)).collect();
         let late = |by: f64| times.iter().map(|t| t + by).collect::<Vec<f64>>();
         let engine =
@@ -67,7 +72,7 @@ impl Aligned {
             for (sum, t) in torque.iter_mut().zip(late(clocks.torque_s)) {
                 *sum += match kind {
                     TorqueSample::Momentary => means.gated(t, clocks.gate_s),
-                    TorqueSample::Held => means.held(t, dyno.sample_time_s, clocks.gate_s),
+                    TorqueSample::HeldFor(_) => means.held(t, dyno.sample_time_s, clocks.gate_s),
                 };
             }
         }

@@ -1,17 +1,22 @@
 //! J_d, J_e, K and B from the coefficients of a black-box model T_d → ω_d.
 //!
 //! The engine's torque is a disturbance. What of it repeats with the crank angle is given to the model as cos nθ and sin nθ,
-//! θ from ω_e, for the orders n of a working cycle; the rest is the noise of an ARMAX model A ω_d = B T_d + Σ orders + C e.
+//! θ from ω_e, for the orders n of a working cycle; the rest is noise of a spectrum of its own,
+//! ω_d = B/F T_d + Σ orders + e/D. An ARMAX model, whose noise shares the poles of the dynamics, does as well where the engine
+//! is motored; beside a fired engine, whose torque scatters about its firing lines, it bends the poles.
+//!
 //! The sampled two-mass system has three poles, one of them at z = 1 (free rotation), and three coefficients in B. Its six
 //! coefficients ρ(θ) under an input that is held are compared with those estimated,
 //! V(θ) = (ρ(θ) − ρ̂)ᵀ P⁻¹ (ρ(θ) − ρ̂), P the covariance of ρ̂: at the minimum V is χ² with two degrees of freedom where the
 //! bench has two masses, and (JᵀP⁻¹J)⁻¹ is the covariance of θ = (J_d, J_e, K, B).
 //!
-//! In torque control the engine's own control of its speed, P ω_e + I ∫ω_e, is part of what T_d sees: with it the system has four
-//! poles and a zero at z = 1, and θ has P and I too.
+//! In torque control the engine's own control of its speed, P ω_e + I ∫ω_e, is part of what T_d sees. It acts at firings and holds in
+//! between, h(s) = (1 − e^{−x})/x ≈ (1 − x/6)/(1 + x/3), x = s times the time between firings, and adds two poles; θ has P
+//! and I too. Near the resonance the hold turns P from damping into inertia; what the approximation leaves of that is taken
+//! for B and J_e, and a control of another kind even more so: V tells.
 //!
-//! The torque is the mean over each sample of N_d, which is what an input that is held needs; the raster is therefore that of
-//! N_d, whatever T_d was recorded on.
+//! The model has samples 2 ms apart, whatever T_d was recorded on; above half of its own rate that is folded, into the noise as
+//! a rule. An input that is its mean over each sample, held, has the gain 1 − (ωT)²/12: a second difference gives it back.
 //!
 //! # Source
 //! Söderström, Stoica & Friedlander, *An indirect prediction error method for system identification*, Automatica 27, 1991;
@@ -28,17 +33,24 @@ use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
 use super::{B, DYNO_INERTIA, ENGINE_INERTIA, K, Timing, estimate_of};
 use crate::estimate::shaft::ShaftInputs;
 use crate::estimate::{EstimateError, Label};
+use crate::experiment::ControlMode;
 use crate::model::Engine;
 use crate::study::Estimate;
 
 /// Orders go up to so many firing orders.
-const FIRING_ORDERS: f64 = 4.0;
+const FIRING_ORDERS: f64 = 2.0;
+/// Coefficients of the noise's spectrum.
+const NOISE_ORDER: usize = 12;
+/// About how far samples are apart, s.
+const SAMPLE_TIME_S: f64 = 2e-3;
 /// Orders stay below this part of the sample rate.
 const HIGHEST_PART: f64 = 0.4;
 /// Below this probability a two-mass model does not explain the coefficients.
 const LEAST_PROBABILITY: f64 = 0.01;
 /// Step of differences, as a part of a parameter.
 const STEP: f64 = 1e-5;
+/// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
+const SLOWEST_RAD_S: f64 = 30.0;
 /// Intervals that reach zero within so many standard errors tell nothing.
 const TOLD: f64 = 2.0;
 
@@ -47,21 +59,24 @@ const P_ENGINE: Label =
 const I_ENGINE: Label = Label { symbol: "I", name: "integral gain of the engine's speed control", unit: "Nm/rad" };
 
 /// What controls the engine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EngineControl {
     /// Nothing that answers to its speed (NT): two masses.
     None,
-    /// Its own speed control (TN), which the model has too.
-    Speed,
+    /// Its own speed control (TN), which acts at firings.
+    Speed {
+        /// Time between firings, s.
+        firing_interval_s: f64,
+    },
 }
 
 /// The structure of the black box.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BlackBoxOrders {
-    /// Coefficients of A, and of B.
+    /// Coefficients of F, and of B.
     pub dynamics: usize,
-    /// Coefficients of C.
+    /// Coefficients of D.
     pub noise: usize,
     /// Orders of the crank angle.
     pub crank: Vec<f64>,
@@ -86,7 +101,7 @@ pub struct BlackBoxRoute {
     pub estimate: Estimate,
     /// The structure.
     pub orders: BlackBoxOrders,
-    /// Coefficients a_1 … and b_1 … with their standard errors.
+    /// Coefficients f_1 … and b_1 … with their standard errors.
     pub coefficients: Vec<(String, f64, f64)>,
     /// V at the minimum, and its degrees of freedom.
     pub chi_squared: (f64, f64),
@@ -112,7 +127,7 @@ pub fn estimate(
     inputs: &ShaftInputs<'_>,
     timing: &Timing,
     engine: Engine,
-    control: EngineControl,
+    mode: ControlMode,
     start: (f64, f64),
 ) -> Result<BlackBoxRoute, EstimateError> {
     let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
@@ -122,13 +137,14 @@ pub fn estimate(
     };
     let stretch = inner_stretch(inputs)?;
     let clocks = Clocks { engine_s: timing.engine_skew_s.0, torque_s: timing.torque_skew_s.0, gate_s: timing.gate_s.0 };
-    let signals = Aligned::new(inputs, &stretch, clocks, TorqueSample::Held)?;
+    let signals = Aligned::new(inputs, &stretch, clocks, TorqueSample::HeldFor(SAMPLE_TIME_S))?;
+    let control = EngineControl::of(mode, &signals.engine, engine);
     let regressors = CrankOrders::new(&signals, engine);
     let data = regressors.data(&signals).map_err(of)?;
-    let orders = BlackBoxOrders { dynamics: control.poles(), noise: control.poles(), crank: regressors.orders.clone() };
+    let orders = BlackBoxOrders { dynamics: control.poles(), noise: NOISE_ORDER, crank: regressors.orders.clone() };
     let fit = polynomial(&orders).fit(&data).map_err(of)?;
     let n = orders.dynamics;
-    let measured = Coefficients::of(&fit, n, &data);
+    let measured = Coefficients::of(&fit, n);
     let whitened = Whitened::new(&measured, signals.sample_time_s, control).map_err(of)?;
     let (stiffness, damping) = start;
     let from = [inertia, 0.5 * inertia, stiffness, damping, 1.0, 1.0];
@@ -143,7 +159,7 @@ pub fn estimate(
     }
     let found =
         found.ok_or(IdentError::Structure { what: "the coefficients are those of no two-mass system" }).map_err(of)?;
-    let freedom = measured.values.len() as f64 - control.unknowns() as f64 - control.constraints();
+    let freedom = measured.values.len() as f64 - control.unknowns() as f64;
     let probability = chi_squared_tail(found.cost, freedom);
     let labels = [DYNO_INERTIA, ENGINE_INERTIA, K, B, P_ENGINE, I_ENGINE];
     let covariance = &found.unscaled_covariance;
@@ -182,27 +198,32 @@ pub fn estimate(
 }
 
 impl EngineControl {
+    fn of(mode: ControlMode, engine_speed: &[f64], engine: Engine) -> Self {
+        let mean = engine_speed.iter().sum::<f64>() / engine_speed.len().max(1) as f64;
+        let firing_interval_s = std::f64::consts::TAU / (mean.abs().max(SLOWEST_RAD_S) * engine.firings_per_turn());
+        match mode {
+            ControlMode::Nt => EngineControl::None,
+            ControlMode::Tn => EngineControl::Speed { firing_interval_s },
+        }
+    }
+
     /// Poles of T_d → ω_d.
     fn poles(self) -> usize {
         match self {
             EngineControl::None => 3,
-            EngineControl::Speed => 4,
+            EngineControl::Speed { .. } => 5,
         }
     }
 
     fn unknowns(self) -> usize {
         match self {
             EngineControl::None => 4,
-            EngineControl::Speed => 6,
+            EngineControl::Speed { .. } => 6,
         }
     }
 
-    /// Combinations of coefficients that are fixed whatever the bench, and counted though they tell nothing of it.
-    fn constraints(self) -> f64 {
-        0.0
-    }
-
-    /// T_d → ω_d at (J_d, J_e, K, B, P, I). States ω_d, ω_e, the twist, ∫ω_e.
+    /// T_d → ω_d at (J_d, J_e, K, B, P, I). States ω_d, ω_e, the twist, ∫ω_e, and what the hold remembers of the
+    /// control.
     fn system(self, p: &[f64]) -> Result<StateSpace, LtiError> {
         let [dyno, engine, k, b] = p[..4] else { return Err(LtiError::NotContinuous) };
         let row = |i: usize, j: usize, inertia: f64, sign: f64| match (i, j) {
@@ -217,10 +238,14 @@ impl EngineControl {
             a[(1, j)] = row(1, j, engine, -1.0);
         }
         (a[(2, 0)], a[(2, 1)]) = (-1.0, 1.0);
-        if let [proportional, integral] = p[4..] {
-            a[(1, 1)] -= proportional / engine;
-            a[(1, 3)] = -integral / engine;
+        if let (EngineControl::Speed { firing_interval_s }, [proportional, integral]) = (self, &p[4..]) {
+            // (1 − x/6)/(1 + x/3) = −1/2 + (3/2)/(1 + x/3).
+            a[(1, 1)] += 0.5 * proportional / engine;
+            a[(1, 3)] = 0.5 * integral / engine;
+            a[(1, 4)] = -1.5 / engine;
             a[(3, 1)] = 1.0;
+            (a[(4, 1)], a[(4, 3)]) = (3.0 / firing_interval_s * proportional, 3.0 / firing_interval_s * integral);
+            a[(4, 4)] = -3.0 / firing_interval_s;
         }
         let mut input = Mat::zeros(n, 1);
         input[(0, 0)] = -1.0 / dyno;
@@ -229,11 +254,11 @@ impl EngineControl {
         StateSpace::continuous(a, input, output, mat![[0.0]])
     }
 
-    /// ρ(θ): a_1 … a_n and b_1 … b_n of the system under held inputs.
+    /// ρ(θ): f_1 … f_n and b_1 … b_n of the system under held inputs.
     fn coefficients(self, p: &[f64], sample_time_s: f64) -> Result<Vec<f64>, LtiError> {
         let discrete = self.system(p)?.to_discrete_zoh(sample_time_s)?;
         let a = characteristic(&discrete.a().to_owned());
-        // B is A times the impulse response C Φ^k Γ.
+        // B is F times the impulse response C Φ^k Γ.
         let n = self.poles();
         let mut state = discrete.b().to_owned();
         let mut impulse = Vec::with_capacity(n);
@@ -292,61 +317,55 @@ impl CrankOrders {
     fn data(&self, signals: &Aligned) -> Result<Dataset, IdentError> {
         let rows = signals.dyno.len();
         let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
-        let (torque, speed) = (mean(&signals.torque), mean(&signals.dyno));
+        let torque = sharpened(&signals.torque);
+        let (level, speed) = (mean(&torque), mean(&signals.dyno));
         let wave = |i: usize, j: usize| {
             let angle = self.orders[j / 2] * self.angle[i];
             if j.is_multiple_of(2) { angle.cos() } else { angle.sin() }
         };
-        let input = |i: usize, j: usize| if j == 0 { signals.torque[i] - torque } else { wave(i, j - 1) };
+        let input = |i: usize, j: usize| if j == 0 { torque[i] - level } else { wave(i, j - 1) };
         let inputs = Mat::from_fn(rows, 1 + 2 * self.orders.len(), input);
         let output = Mat::from_fn(rows, 1, |i, _| signals.dyno[i] - speed);
         Dataset::new(signals.sample_time_s, inputs, output)
     }
 }
 
+/// An input whose means over samples, held, have the gain of the input itself up to (ωT)⁴.
+fn sharpened(means: &[f64]) -> Vec<f64> {
+    let last = means.len().saturating_sub(1);
+    let bend = |i: usize| means[(i + 1).min(last)] - 2.0 * means[i] + means[i.saturating_sub(1)];
+    (0..means.len()).map(|i| means[i] - bend(i) / 12.0).collect()
+}
+
 fn polynomial(orders: &BlackBoxOrders) -> Polynomial {
     let waves = 2 * orders.crank.len();
     let nb: Vec<usize> = std::iter::once(orders.dynamics).chain(std::iter::repeat_n(1, waves)).collect();
     let nk: Vec<usize> = std::iter::once(1).chain(std::iter::repeat_n(0, waves)).collect();
-    let e = |n: &str, d: usize| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-    let n = orders.dynamics;
-    if e("BB_A", 0) == 1 {
-        return ident::Armax::new(n, nb, e("BB_NC", orders.noise), nk);
-    }
-    let nf: Vec<usize> = std::iter::once(n).chain(std::iter::repeat_n(0, waves)).collect();
-    let p = Polynomial::new(0, nb, e("BB_NC", 0), e("BB_ND", 10), nf, nk);
-    match e("BB_ROBUST", 0) {
-        0 => p,
-        n => p.robust(n),
-    }
+    let nf: Vec<usize> = std::iter::once(orders.dynamics).chain(std::iter::repeat_n(0, waves)).collect();
+    Polynomial::new(0, nb, 0, orders.noise, nf, nk)
 }
 
-/// a_1 … a_n and b_1 … b_n with their covariance.
+/// f_1 … f_n and b_1 … b_n with their covariance.
 struct Coefficients {
     values: Vec<f64>,
     covariance: Mat<f64>,
 }
 
 impl Coefficients {
-    fn of(fit: &Fit<PolynomialModel>, n: usize, _: &Dataset) -> Self {
+    fn of(fit: &Fit<PolynomialModel>, n: usize) -> Self {
         let all = fit.parameters();
         let names = fit.model.coefficient_names();
-        if std::env::var("BB_NAMES").is_ok() {
-            println!("{names:?} {:?}", fit.doubts);
-        }
-        let arm = names.iter().any(|x| x == "a1");
-        let den = |k: usize| if arm { format!("a{k}") } else { format!("f{k}[1]") };
-        let place = |n: String| names.iter().position(|x| *x == n).unwrap_or(9999);
+        let wanted = |i: usize| if i < n { format!("f{}[1]", i + 1) } else { format!("b{}[1]", i - n + 1) };
         let places: Vec<usize> =
-            (1..=n).map(|k| place(den(k))).chain((1..=n).map(|k| place(format!("b{k}[1]")))).collect();
+            (0..2 * n).filter_map(|i| names.iter().position(|name| *name == wanted(i))).collect();
         let values = places.iter().map(|i| all[*i]).collect();
-        let covariance = Mat::from_fn(2 * n, 2 * n, |i, j| fit.covariance[(places[i], places[j])]);
+        let covariance = Mat::from_fn(places.len(), places.len(), |i, j| fit.covariance[(places[i], places[j])]);
         Coefficients { values, covariance }
     }
 
     fn named(&self) -> Vec<(String, f64, f64)> {
         let n = self.values.len() / 2;
-        let name = |i: usize| if i < n { format!("a{}", i + 1) } else { format!("b{}", i - n + 1) };
+        let name = |i: usize| if i < n { format!("f{}", i + 1) } else { format!("b{}", i - n + 1) };
         let error = |i: usize| self.covariance[(i, i)].max(0.0).sqrt();
         self.values.iter().enumerate().map(|(i, v)| (name(i), *v, error(i))).collect()
     }
