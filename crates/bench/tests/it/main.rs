@@ -21,6 +21,7 @@ mod replay;
 mod safety;
 mod shaft;
 mod shaft_benches;
+mod shaft_routes;
 mod speed_controller;
 mod study;
 mod study_recorded;

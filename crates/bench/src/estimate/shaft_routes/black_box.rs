@@ -5,18 +5,18 @@
 //! ω_d = B/F T_d + Σ orders + e/D. An ARMAX model, whose noise shares the poles of the dynamics, does as well where the engine
 //! is motored; beside a fired engine, whose torque scatters about its firing lines, it bends the poles.
 //!
-//! The sampled two-mass system has three poles, one of them at z = 1 (free rotation), and three coefficients in B. Its six
-//! coefficients ρ(θ) under an input that is held are compared with those estimated,
-//! V(θ) = (ρ(θ) − ρ̂)ᵀ P⁻¹ (ρ(θ) − ρ̂), P the covariance of ρ̂: at the minimum V is χ² with two degrees of freedom where the
+//! The sampled two-mass system has three poles, one of them at z = 1 (free rotation), and five coefficients in B where the
+//! input is straight within samples and given by its means. Its eight coefficients ρ(θ) are compared with those estimated,
+//! V(θ) = (ρ(θ) − ρ̂)ᵀ P⁻¹ (ρ(θ) − ρ̂), P the covariance of ρ̂: at the minimum V is χ² with four degrees of freedom where the
 //! bench has two masses, and (JᵀP⁻¹J)⁻¹ is the covariance of θ = (J_d, J_e, K, B).
 //!
-//! In torque control the engine's own control of its speed, P ω_e + I ∫ω_e, is part of what T_d sees. It acts at firings and holds in
-//! between, h(s) = (1 − e^{−x})/x ≈ (1 − x/6)/(1 + x/3), x = s times the time between firings, and adds two poles; θ has P
-//! and I too. Near the resonance the hold turns P from damping into inertia; what the approximation leaves of that is taken
-//! for B and J_e, and a control of another kind even more so: V tells.
+//! In torque control the engine's own control of its speed, P ω_e + I ∫ω_e, is part of what T_d sees: with it the system has four
+//! poles, and θ has P and I too. The control is taken to act at once. One that acts at firings is late by half the time between
+//! them, which near the resonance turns P from damping into inertia: B is then too small by up to P times the square of
+//! J_d/J_e, J_e off by some per cent, and V too large where the data are good enough to tell.
 //!
-//! The model has samples 2 ms apart, whatever T_d was recorded on; above half of its own rate that is folded, into the noise as
-//! a rule. An input that is its mean over each sample, held, has the gain 1 − (ωT)²/12: a second difference gives it back.
+//! The model has samples 2 ms apart, whatever T_d was recorded on; what is above half of T_d's own rate is folded there, into the
+//! noise as a rule.
 //!
 //! # Source
 //! Söderström, Stoica & Friedlander, *An indirect prediction error method for system identification*, Automatica 27, 1991;
@@ -28,11 +28,12 @@ use ident::distributions::chi_squared_tail;
 use ident::{Bounds, Dataset, Fit, IdentError, Minimum, NonlinearOptions, Polynomial, ResidualModel, minimise};
 use lti::{LtiError, PolynomialModel, StateSpace};
 use serde::Serialize;
+use signal::Complex64;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
 use super::{B, DYNO_INERTIA, ENGINE_INERTIA, K, Timing, estimate_of};
 use crate::estimate::shaft::ShaftInputs;
-use crate::estimate::{EstimateError, Label};
+use crate::estimate::{EstimateError, Label, timing_floor_s};
 use crate::experiment::ControlMode;
 use crate::model::Engine;
 use crate::study::Estimate;
@@ -49,8 +50,8 @@ const HIGHEST_PART: f64 = 0.4;
 const LEAST_PROBABILITY: f64 = 0.01;
 /// Step of differences, as a part of a parameter.
 const STEP: f64 = 1e-5;
-/// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
-const SLOWEST_RAD_S: f64 = 30.0;
+/// Parts of J_d that J_e is started from.
+const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 /// Intervals that reach zero within so many standard errors tell nothing.
 const TOLD: f64 = 2.0;
 
@@ -64,17 +65,14 @@ const I_ENGINE: Label = Label { symbol: "I", name: "integral gain of the engine'
 pub enum EngineControl {
     /// Nothing that answers to its speed (NT): two masses.
     None,
-    /// Its own speed control (TN), which acts at firings.
-    Speed {
-        /// Time between firings, s.
-        firing_interval_s: f64,
-    },
+    /// Its own speed control (TN), which the model has too.
+    Speed,
 }
 
 /// The structure of the black box.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BlackBoxOrders {
-    /// Coefficients of F, and of B.
+    /// Coefficients of F; B has two more.
     pub dynamics: usize,
     /// Coefficients of D.
     pub noise: usize,
@@ -101,7 +99,7 @@ pub struct BlackBoxRoute {
     pub estimate: Estimate,
     /// The structure.
     pub orders: BlackBoxOrders,
-    /// Coefficients f_1 … and b_1 … with their standard errors.
+    /// Coefficients f_1 … and b_0 … with their standard errors.
     pub coefficients: Vec<(String, f64, f64)>,
     /// V at the minimum, and its degrees of freedom.
     pub chi_squared: (f64, f64),
@@ -128,7 +126,6 @@ pub fn estimate(
     timing: &Timing,
     engine: Engine,
     mode: ControlMode,
-    start: (f64, f64),
 ) -> Result<BlackBoxRoute, EstimateError> {
     let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
     let Some((inertia, _)) = inputs.inertia_kg_m2 else {
@@ -138,25 +135,19 @@ pub fn estimate(
     let stretch = inner_stretch(inputs)?;
     let clocks = Clocks { engine_s: timing.engine_skew_s.0, torque_s: timing.torque_skew_s.0, gate_s: timing.gate_s.0 };
     let signals = Aligned::new(inputs, &stretch, clocks, TorqueSample::HeldFor(SAMPLE_TIME_S))?;
-    let control = EngineControl::of(mode, &signals.engine, engine);
+    let control = EngineControl::of(mode);
     let regressors = CrankOrders::new(&signals, engine);
     let data = regressors.data(&signals).map_err(of)?;
     let orders = BlackBoxOrders { dynamics: control.poles(), noise: NOISE_ORDER, crank: regressors.orders.clone() };
     let fit = polynomial(&orders).fit(&data).map_err(of)?;
     let n = orders.dynamics;
     let measured = Coefficients::of(&fit, n);
-    let whitened = Whitened::new(&measured, signals.sample_time_s, control).map_err(of)?;
-    let (stiffness, damping) = start;
-    let from = [inertia, 0.5 * inertia, stiffness, damping, 1.0, 1.0];
-    let mut found: Option<Minimum> = None;
-    for part in [0.5, 0.1, 2.0] {
-        let mut from = from;
-        from[1] = part * inertia;
-        let Ok(other) = whitened.fit(&from[..control.unknowns()]) else { continue };
-        if found.as_ref().is_none_or(|best| other.cost < best.cost) {
-            found = Some(other);
-        }
-    }
+    // What is uncertain of the gate shifts the torque's mean by half of it.
+    let skew_s =
+        timing.torque_skew_s.1.hypot(0.5 * timing.gate_s.1).hypot(timing_floor_s(inputs.dyno_speed.sample_time_s));
+    let whitened = Whitened::new(&measured, signals.sample_time_s, control, skew_s).map_err(of)?;
+    let starts = START_PARTS.map(|part| control.start(&measured, inertia, part * inertia, signals.sample_time_s));
+    let found = starts.iter().filter_map(|start| whitened.fit(start).ok()).min_by(|a, b| a.cost.total_cmp(&b.cost));
     let found =
         found.ok_or(IdentError::Structure { what: "the coefficients are those of no two-mass system" }).map_err(of)?;
     let freedom = measured.values.len() as f64 - control.unknowns() as f64;
@@ -198,12 +189,10 @@ pub fn estimate(
 }
 
 impl EngineControl {
-    fn of(mode: ControlMode, engine_speed: &[f64], engine: Engine) -> Self {
-        let mean = engine_speed.iter().sum::<f64>() / engine_speed.len().max(1) as f64;
-        let firing_interval_s = std::f64::consts::TAU / (mean.abs().max(SLOWEST_RAD_S) * engine.firings_per_turn());
+    fn of(mode: ControlMode) -> Self {
         match mode {
             ControlMode::Nt => EngineControl::None,
-            ControlMode::Tn => EngineControl::Speed { firing_interval_s },
+            ControlMode::Tn => EngineControl::Speed,
         }
     }
 
@@ -211,19 +200,30 @@ impl EngineControl {
     fn poles(self) -> usize {
         match self {
             EngineControl::None => 3,
-            EngineControl::Speed { .. } => 5,
+            EngineControl::Speed => 4,
         }
     }
 
     fn unknowns(self) -> usize {
         match self {
             EngineControl::None => 4,
-            EngineControl::Speed { .. } => 6,
+            EngineControl::Speed => 6,
         }
     }
 
-    /// T_d → ω_d at (J_d, J_e, K, B, P, I). States ω_d, ω_e, the twist, ∫ω_e, and what the hold remembers of the
-    /// control.
+    /// Parameters to start from: K and B that go with two inertias and the resonance among the poles.
+    fn start(self, measured: &Coefficients, dyno: f64, engine: f64, sample_time_s: f64) -> Vec<f64> {
+        let n = self.poles();
+        let f: Vec<f64> = std::iter::once(1.0).chain(measured.values[..n].iter().copied()).rev().collect();
+        let poles = lti::polynomial::roots(&f).unwrap_or_default();
+        let fastest = poles.iter().map(|z| z.ln() / sample_time_s).filter(|s| s.im > 0.0);
+        let resonance = fastest.max_by(|a, b| a.im.total_cmp(&b.im)).unwrap_or(Complex64::new(-10.0, 100.0));
+        let reduced = dyno * engine / (dyno + engine);
+        let (stiffness, damping) = (resonance.norm_sqr() * reduced, (-2.0 * resonance.re * reduced).max(1e-3));
+        [dyno, engine, stiffness, damping, 1.0, 1.0][..self.unknowns()].to_vec()
+    }
+
+    /// T_d → ω_d at (J_d, J_e, K, B, P, I). States ω_d, ω_e, the twist, ∫ω_e.
     fn system(self, p: &[f64]) -> Result<StateSpace, LtiError> {
         let [dyno, engine, k, b] = p[..4] else { return Err(LtiError::NotContinuous) };
         let row = |i: usize, j: usize, inertia: f64, sign: f64| match (i, j) {
@@ -238,14 +238,10 @@ impl EngineControl {
             a[(1, j)] = row(1, j, engine, -1.0);
         }
         (a[(2, 0)], a[(2, 1)]) = (-1.0, 1.0);
-        if let (EngineControl::Speed { firing_interval_s }, [proportional, integral]) = (self, &p[4..]) {
-            // (1 − x/6)/(1 + x/3) = −1/2 + (3/2)/(1 + x/3).
-            a[(1, 1)] += 0.5 * proportional / engine;
-            a[(1, 3)] = 0.5 * integral / engine;
-            a[(1, 4)] = -1.5 / engine;
+        if let [proportional, integral] = p[4..] {
+            a[(1, 1)] -= proportional / engine;
+            a[(1, 3)] = -integral / engine;
             a[(3, 1)] = 1.0;
-            (a[(4, 1)], a[(4, 3)]) = (3.0 / firing_interval_s * proportional, 3.0 / firing_interval_s * integral);
-            a[(4, 4)] = -3.0 / firing_interval_s;
         }
         let mut input = Mat::zeros(n, 1);
         input[(0, 0)] = -1.0 / dyno;
@@ -254,20 +250,31 @@ impl EngineControl {
         StateSpace::continuous(a, input, output, mat![[0.0]])
     }
 
-    /// ρ(θ): f_1 … f_n and b_1 … b_n of the system under held inputs.
-    fn coefficients(self, p: &[f64], sample_time_s: f64) -> Result<Vec<f64>, LtiError> {
-        let discrete = self.system(p)?.to_discrete_zoh(sample_time_s)?;
-        let a = characteristic(&discrete.a().to_owned());
-        // B is F times the impulse response C Φ^k Γ.
+    /// ρ(θ): f_1 … f_n and b_0 … b_{n+1} of the system under inputs that are straight within samples, given by their means,
+    /// which are `skew_s` older than they should be.
+    fn coefficients(self, p: &[f64], skew_s: f64, sample_time_s: f64) -> Result<Vec<f64>, LtiError> {
         let n = self.poles();
-        let mut state = discrete.b().to_owned();
-        let mut impulse = Vec::with_capacity(n);
-        for _ in 0..n {
-            impulse.push((discrete.c() * &state)[(0, 0)]);
-            state = discrete.a() * &state;
+        let straight = self.system(p)?.to_discrete_foh(sample_time_s)?;
+        let f = characteristic(&straight.a().to_owned());
+        let held = straight.b0() + straight.b1();
+        // A slope of (u(k+1) − u(k−1))/2T about the mean adds this at k, and takes it off at k + 2.
+        let slope =
+            faer::Scale(0.25) * (straight.b1() - straight.b0()) + faer::Scale(0.5 * skew_s / sample_time_s) * &held;
+        let output = |state: &Mat<f64>| state[(0, 0)];
+        let mut state = slope.clone();
+        let mut impulse = vec![output(&state)];
+        for k in 1..n + 2 {
+            state = straight.a() * &state;
+            match k {
+                1 => state += &held,
+                2 => state -= &slope,
+                _ => (),
+            }
+            impulse.push(output(&state));
         }
-        let b = (0..n).map(|k| (0..=k).map(|i| a[i] * impulse[k - i]).sum::<f64>());
-        Ok(a[1..].iter().copied().chain(b).collect())
+        // B is F times the impulse response.
+        let b = (0..n + 2).map(|k| (0..=k.min(n)).map(|i| f[i] * impulse[k - i]).sum::<f64>());
+        Ok(f[1..].iter().copied().chain(b).collect())
     }
 }
 
@@ -317,35 +324,26 @@ impl CrankOrders {
     fn data(&self, signals: &Aligned) -> Result<Dataset, IdentError> {
         let rows = signals.dyno.len();
         let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
-        let torque = sharpened(&signals.torque);
-        let (level, speed) = (mean(&torque), mean(&signals.dyno));
+        let (level, speed) = (mean(&signals.torque), mean(&signals.dyno));
         let wave = |i: usize, j: usize| {
             let angle = self.orders[j / 2] * self.angle[i];
             if j.is_multiple_of(2) { angle.cos() } else { angle.sin() }
         };
-        let input = |i: usize, j: usize| if j == 0 { torque[i] - level } else { wave(i, j - 1) };
+        let input = |i: usize, j: usize| if j == 0 { signals.torque[i] - level } else { wave(i, j - 1) };
         let inputs = Mat::from_fn(rows, 1 + 2 * self.orders.len(), input);
         let output = Mat::from_fn(rows, 1, |i, _| signals.dyno[i] - speed);
         Dataset::new(signals.sample_time_s, inputs, output)
     }
 }
 
-/// An input whose means over samples, held, have the gain of the input itself up to (ωT)⁴.
-fn sharpened(means: &[f64]) -> Vec<f64> {
-    let last = means.len().saturating_sub(1);
-    let bend = |i: usize| means[(i + 1).min(last)] - 2.0 * means[i] + means[i.saturating_sub(1)];
-    (0..means.len()).map(|i| means[i] - bend(i) / 12.0).collect()
-}
-
 fn polynomial(orders: &BlackBoxOrders) -> Polynomial {
     let waves = 2 * orders.crank.len();
-    let nb: Vec<usize> = std::iter::once(orders.dynamics).chain(std::iter::repeat_n(1, waves)).collect();
-    let nk: Vec<usize> = std::iter::once(1).chain(std::iter::repeat_n(0, waves)).collect();
+    let nb: Vec<usize> = std::iter::once(orders.dynamics + 2).chain(std::iter::repeat_n(1, waves)).collect();
     let nf: Vec<usize> = std::iter::once(orders.dynamics).chain(std::iter::repeat_n(0, waves)).collect();
-    Polynomial::new(0, nb, 0, orders.noise, nf, nk)
+    Polynomial::new(0, nb, 0, orders.noise, nf, 0)
 }
 
-/// f_1 … f_n and b_1 … b_n with their covariance.
+/// f_1 … f_n and b_0 … b_{n+1} with their covariance.
 struct Coefficients {
     values: Vec<f64>,
     covariance: Mat<f64>,
@@ -355,32 +353,40 @@ impl Coefficients {
     fn of(fit: &Fit<PolynomialModel>, n: usize) -> Self {
         let all = fit.parameters();
         let names = fit.model.coefficient_names();
-        let wanted = |i: usize| if i < n { format!("f{}[1]", i + 1) } else { format!("b{}[1]", i - n + 1) };
+        let wanted = |i: usize| if i < n { format!("f{}[1]", i + 1) } else { format!("b{}[1]", i - n) };
         let places: Vec<usize> =
-            (0..2 * n).filter_map(|i| names.iter().position(|name| *name == wanted(i))).collect();
+            (0..2 * n + 2).filter_map(|i| names.iter().position(|name| *name == wanted(i))).collect();
         let values = places.iter().map(|i| all[*i]).collect();
         let covariance = Mat::from_fn(places.len(), places.len(), |i, j| fit.covariance[(places[i], places[j])]);
         Coefficients { values, covariance }
     }
 
     fn named(&self) -> Vec<(String, f64, f64)> {
-        let n = self.values.len() / 2;
-        let name = |i: usize| if i < n { format!("f{}", i + 1) } else { format!("b{}", i - n + 1) };
+        let n = self.values.len() / 2 - 1;
+        let name = |i: usize| if i < n { format!("f{}", i + 1) } else { format!("b{}", i - n) };
         let error = |i: usize| self.covariance[(i, i)].max(0.0).sqrt();
         self.values.iter().enumerate().map(|(i, v)| (name(i), *v, error(i))).collect()
     }
 }
 
-/// ρ(θ) − ρ̂ in coordinates in which the covariance of ρ̂ is one.
+/// ρ(θ) − ρ̂ in coordinates in which the covariance of ρ̂ is one; θ ends with what is left of the torque's skew, of which the last
+/// residual says what is known.
 struct Whitened<'a> {
     measured: &'a Coefficients,
     factor: Mat<f64>,
     sample_time_s: f64,
     control: EngineControl,
+    /// Standard uncertainty of the torque's skew, s.
+    skew_s: f64,
 }
 
 impl<'a> Whitened<'a> {
-    fn new(measured: &'a Coefficients, sample_time_s: f64, control: EngineControl) -> Result<Self, IdentError> {
+    fn new(
+        measured: &'a Coefficients,
+        sample_time_s: f64,
+        control: EngineControl,
+        skew_s: f64,
+    ) -> Result<Self, IdentError> {
         let n = measured.values.len();
         let scale: Vec<f64> = (0..n).map(|i| measured.covariance[(i, i)].sqrt()).collect();
         let correlation = Mat::from_fn(n, n, |i, j| measured.covariance[(i, j)] / (scale[i] * scale[j]));
@@ -391,33 +397,37 @@ impl<'a> Whitened<'a> {
             return Err(failed);
         }
         let factor = Mat::from_fn(n, n, |i, j| eigen.U()[(j, i)] / (eigen.S()[i].sqrt() * scale[j]));
-        Ok(Whitened { measured, factor, sample_time_s, control })
+        Ok(Whitened { measured, factor, sample_time_s, control, skew_s })
     }
 
     fn fit(&self, start: &[f64]) -> Result<Minimum, IdentError> {
-        let bounds = vec![Bounds::new(0.0, f64::INFINITY); start.len()];
+        let mut bounds = vec![Bounds::new(0.0, f64::INFINITY); start.len()];
+        bounds.push(Bounds::NONE);
+        let start: Vec<f64> = start.iter().copied().chain([0.0]).collect();
         let mut model = self;
-        minimise(&mut model, start, &bounds, NonlinearOptions::default())
+        minimise(&mut model, &start, &bounds, NonlinearOptions::default())
     }
 
     fn residuals(&self, p: &[f64]) -> Result<Vec<f64>, IdentError> {
         if p[..2].iter().any(|inertia| *inertia <= 0.0) {
             return Err(IdentError::Structure { what: "an inertia has to be positive" });
         }
-        let rho = self.control.coefficients(p, self.sample_time_s)?;
+        let Some((skew_s, p)) = p.split_last() else { return Ok(Vec::new()) };
+        let rho = self.control.coefficients(p, *skew_s, self.sample_time_s)?;
         let n = rho.len();
         let difference: Vec<f64> = rho.iter().zip(&self.measured.values).map(|(a, b)| a - b).collect();
-        Ok((0..n).map(|i| (0..n).map(|j| self.factor[(i, j)] * difference[j]).sum()).collect())
+        let whitened = (0..n).map(|i| (0..n).map(|j| self.factor[(i, j)] * difference[j]).sum());
+        Ok(whitened.chain([*skew_s / self.skew_s]).collect())
     }
 }
 
 impl ResidualModel for &Whitened<'_> {
     fn parameter_count(&self) -> usize {
-        self.control.unknowns()
+        self.control.unknowns() + 1
     }
 
     fn residual_count(&self) -> usize {
-        self.measured.values.len()
+        self.measured.values.len() + 1
     }
 
     fn evaluate(
@@ -429,7 +439,8 @@ impl ResidualModel for &Whitened<'_> {
         residuals.copy_from_slice(&self.residuals(p)?);
         let Some(mut jacobian) = jacobian else { return Ok(()) };
         for j in 0..p.len() {
-            let step = STEP * p[j].abs().max(1e-3);
+            let least = if j + 1 == p.len() { self.skew_s } else { 1e-3 };
+            let step = STEP * p[j].abs().max(least);
             let moved = |by: f64| {
                 let mut point = p.to_vec();
                 point[j] += by;

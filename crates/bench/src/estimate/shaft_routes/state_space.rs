@@ -56,6 +56,8 @@ const NEGLIGIBLE_SKEW_S: f64 = 1e-7;
 
 /// Rows at the ends of a stretch whose inputs between the samples are not well known.
 const EDGE_ROWS: usize = 32;
+/// Stretches between which the errors' scatter is taken.
+const BATCHES: usize = 20;
 /// Step of the integral over the noise's spectrum, Hz.
 const NOISE_STEP_HZ: f64 = 0.1;
 
@@ -131,7 +133,10 @@ pub fn estimate(inputs: &ShaftInputs<'_>, timing: &Timing, skews: Skews) -> Resu
         }
         structure.start = (theta[STIFFNESS], theta[DAMPING]);
     };
-    let bias = record.bias(inputs, &found).map_err(of)?;
+    let Judged { bias, inflation } = record.judge(inputs, &found).map_err(of)?;
+    let scaled = |i: usize, j: usize| found.covariance[(i, j)] * inflation[i] * inflation[j];
+    found.covariance = Mat::from_fn(inflation.len(), inflation.len(), scaled);
+    found.degrees_of_freedom = BATCHES as f64 - 1.0;
     let theta: Vec<f64> = found.parameters().iter().zip(&bias).map(|(t, b)| t - b).collect();
     found.model = found.model.with_parameters(&theta).map_err(|e| of(e.into()))?;
     let known = Stretch { end_s: record.time_s(record.estimation().end), ..stretch };
@@ -206,6 +211,13 @@ impl Structure for Shaft {
 }
 
 const INPUTS: usize = 6;
+
+/// What is known of a fit beyond its covariance, by parameter.
+struct Judged {
+    bias: Vec<f64>,
+    /// What standard errors are multiplied by.
+    inflation: Vec<f64>,
+}
 
 /// Signals in the band, every few milliseconds.
 struct Record {
@@ -286,8 +298,9 @@ impl Record {
     }
 
     /// By how much the white noise of the encoders moves the minimum: −H⁻¹ ½ N ∂V/∂θ, with V the power that it has at the
-    /// output and H = ΨᵀΨ, Ψ the slopes of what is simulated.
-    fn bias(&self, inputs: &ShaftInputs<'_>, fit: &Fit<GreyBoxModel<Shaft>>) -> Result<Vec<f64>, IdentError> {
+    /// output and H = ΨᵀΨ, Ψ the slopes of what is simulated; and by how much the scatter of Ψᵀε between stretches widens
+    /// the intervals, where errors go with the inputs, as what folds of ω_e does.
+    fn judge(&self, inputs: &ShaftInputs<'_>, fit: &Fit<GreyBoxModel<Shaft>>) -> Result<Judged, IdentError> {
         let theta = fit.parameters();
         let data = self.part(self.estimation())?;
         let free: Vec<usize> = (0..theta.len()).filter(|j| fit.covariance[(*j, *j)] > 0.0).collect();
@@ -315,11 +328,31 @@ impl Record {
         }
         let scale: Vec<f64> = (0..free.len()).map(|j| slopes.col(j).norm_l2()).collect();
         let scaled = Mat::from_fn(slopes.nrows(), free.len(), |i, j| slopes[(i, j)] / scale[j]);
-        let right = Mat::from_fn(free.len(), 1, |i, _| gradient[(i, 0)] / scale[i]);
-        let solution = (scaled.transpose() * &scaled).full_piv_lu().solve(&right);
-        let mut bias = vec![0.0; theta.len()];
-        free.iter().enumerate().for_each(|(column, j)| bias[*j] = solution[(column, 0)] / scale[column]);
-        Ok(bias)
+        let hessian = (scaled.transpose() * &scaled).full_piv_lu();
+        let solution = hessian.solve(&Mat::from_fn(free.len(), 1, |i, _| gradient[(i, 0)] / scale[i]));
+        let errors = self.errors(&fit.model, &data)?;
+        let length = rows / BATCHES;
+        let sums = Mat::from_fn(free.len(), BATCHES, |j, batch| {
+            (batch * length..(batch + 1) * length).map(|i| scaled[(i, j)] * errors[i]).sum::<f64>()
+        });
+        let scatter = hessian.solve(&sums);
+        let mut judged = Judged { bias: vec![0.0; theta.len()], inflation: vec![1.0; theta.len()] };
+        for (column, j) in free.iter().enumerate() {
+            let squares = (0..BATCHES).map(|batch| scatter[(column, batch)].powi(2)).sum::<f64>();
+            let robust = squares * BATCHES as f64 / (BATCHES as f64 - 1.0) / scale[column].powi(2);
+            judged.bias[*j] = solution[(column, 0)] / scale[column];
+            judged.inflation[*j] = (robust / fit.covariance[(*j, *j)]).max(1.0).sqrt();
+        }
+        Ok(judged)
+    }
+
+    /// Errors of a simulation; zero where inputs between the samples are not well known.
+    fn errors(&self, model: &GreyBoxModel<Shaft>, data: &Dataset) -> Result<Vec<f64>, IdentError> {
+        let simulated = simulate(model, data, &InitialState::Estimated)?;
+        let rows = data.samples();
+        let inner = EDGE_ROWS..rows.saturating_sub(EDGE_ROWS);
+        let error = |i: usize| if inner.contains(&i) { self.output[i] - simulated.outputs[0][(i, 0)] } else { 0.0 };
+        Ok((0..rows).map(error).collect())
     }
 
     /// Power of the encoders' noise at the output, (rad/s)².
