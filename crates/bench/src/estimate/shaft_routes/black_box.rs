@@ -156,7 +156,7 @@ pub fn estimate(
     let covariance = &found.unscaled_covariance;
     let count = control.unknowns();
     let rows = (0..count).map(|i| (0..count).map(|j| covariance[(i, j)]).collect()).collect();
-    let values: Vec<_> = labels.into_iter().zip(found.parameters.iter().copied()).collect();
+    let values: Vec<_> = labels.into_iter().zip(found.parameters.iter().copied()).take(count).collect();
     let hertz = |f: fn(&[f64]) -> f64| {
         let variance = ident::covariance::delta_variance(&found.parameters, covariance, f);
         (f(&found.parameters), variance.max(0.0).sqrt())
