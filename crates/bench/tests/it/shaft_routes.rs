@@ -14,7 +14,7 @@ use bench::model::Engine;
 use bench::study::Estimate;
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, ExperimentPlan, Waveform, simulate};
-use bench::{Experiment, Role};
+use bench::{ControlMode, Experiment, Role};
 use signal::excitation::{Multisine, Phases, Random, Timing as Length};
 
 use crate::study::{bench_file, in_parallel};
@@ -100,7 +100,11 @@ impl Drawn {
         let experiment = self.experiment(plan, seed);
         let inertia_kg_m2 = self.parameters.mechanics.dyno_inertia_kg_m2;
         let noise = self.parameters.sensors.speed_noise_rad_s;
-        Recorded::new(experiment, &self.inverter(seed + 1000), inertia_kg_m2, noise)
+        let inverter = match plan.label.mode {
+            ControlMode::Nt => self.inverter(seed + 1000),
+            ControlMode::Tn => torque_control::estimate(&experiment, Some(400.0)).unwrap().inverter,
+        };
+        Recorded::new(experiment, &inverter, inertia_kg_m2, noise)
     }
 
     /// White torque demands.
@@ -246,7 +250,7 @@ fn regress_a_flange_is_refused() {
 fn stat_state_space_of_40_benches() {
     let rows = in_parallel(40, |i| {
         let bench = Drawn::new(5000 + i as u64);
-        let recorded = bench.white(16.0, i as u64);
+        let recorded = bench.white(14.0, i as u64);
         let estimate = recorded.state_space(&recorded.timing()).estimate;
         (bench, estimate)
     });
@@ -261,7 +265,7 @@ fn stat_state_space_of_40_benches() {
 fn stat_multisine_of_40_benches() {
     let rows = in_parallel(40, |i| {
         let bench = Drawn::new(5000 + i as u64);
-        let recorded = bench.periodic(2.0, 30.0, i as u64);
+        let recorded = bench.periodic(2.0, 24.0, i as u64);
         let estimate = recorded.multisine(&recorded.timing(), DynoInertia::Estimated).unwrap().estimate;
         (bench, estimate)
     });
