@@ -393,7 +393,7 @@ impl<'a> Whitened<'a> {
         let failed = IdentError::Decomposition { what: "covariance" };
         let eigen = correlation.self_adjoint_eigen(faer::Side::Lower).map_err(|_| failed.clone())?;
         let largest = (0..n).map(|i| eigen.S()[i]).fold(0.0, f64::max);
-        if (0..n).any(|i| !(eigen.S()[i] > 1e-14 * largest)) {
+        if !(0..n).all(|i| eigen.S()[i] > 1e-14 * largest) {
             return Err(failed);
         }
         let factor = Mat::from_fn(n, n, |i, j| eigen.U()[(j, i)] / (eigen.S()[i].sqrt() * scale[j]));
