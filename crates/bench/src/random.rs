@@ -25,6 +25,7 @@ pub(crate) enum Source {
     DynoSlits = 15,
     EngineSlits = 16,
     Safety = 17,
+    PiStudy = 18,
 }
 
 /// Uniform and normal numbers from one ChaCha stream.

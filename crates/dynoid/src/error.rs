@@ -122,6 +122,21 @@ pub(crate) enum CliError {
     /// Friction that cannot be estimated.
     #[error(transparent)]
     Friction { source: bench::friction::FrictionError },
+    /// No recording from which PI and delay can be estimated.
+    #[error(
+        "{}: no recording is in speed control with constant N_d*, and PI and delay come from such ones; run BS_T_NT, or name one",
+        .path.display()
+    )]
+    NoHeldSpeed { path: PathBuf },
+    /// No recording in speed control.
+    #[error("{}: no recording is in speed control (NT) with N_d and N_d*; name one, or leave the bench file out for a virtual bench", .path.display())]
+    NoSpeedControl { path: PathBuf },
+    /// The study of the controller cannot be made.
+    #[error("{source}")]
+    ControllerStudy { source: bench::estimate::EstimateError },
+    /// A torque control that cannot be studied.
+    #[error(transparent)]
+    TorqueControl { source: bench::torque_control_study::TorqueControlStudyError },
     /// No recording can be looked at.
     #[error("{}: none of the recordings can be used", .path.display())]
     NothingToLookAt { path: PathBuf },

@@ -56,7 +56,10 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         }
         Command::Init(arguments) => commands::init::run(arguments, terminal),
         Command::Look(arguments) => commands::look::run(arguments, terminal),
+        Command::Shaft(arguments) => commands::shaft::run(arguments, terminal),
         Command::Torque(arguments) => commands::torque::run(arguments, terminal),
+        Command::Controller(arguments) => commands::controller::run(arguments, terminal),
+        Command::Inverter(arguments) => commands::inverter::run(arguments, terminal),
         Command::Friction(arguments) => commands::friction::run(arguments, terminal),
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
         Command::Fit { command } => identify::fit::run(command, terminal),

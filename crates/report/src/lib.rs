@@ -6,13 +6,16 @@
 //! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
 //! text and `null` in JSON.
 
+pub mod controller;
 pub mod design;
 mod effects;
 pub mod friction;
 mod html;
+pub mod inverter;
 mod json;
 pub mod look;
 pub mod safety;
+pub mod shaft;
 pub mod torque;
 pub mod verdict;
 pub mod wording;

@@ -1,12 +1,10 @@
 //! One run a bench, on all processors.
 
-use std::panic::resume_unwind;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use super::quantity::{self, Quantity};
 use super::sines::{self, Ladder};
 use super::spread::Drawn;
 use crate::prediction::{PredictionError, PredictionInputs, predict};
+use crate::processors::on_all_processors;
 
 /// What one bench did.
 pub(super) struct Outcome {
@@ -24,29 +22,8 @@ pub(super) fn outcomes(
     benches: &[Drawn],
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<Outcome>, PredictionError> {
-    let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let run = |bench: &Drawn| {
-        let outcome = outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
-        told(done.fetch_add(1, Ordering::Relaxed) as u64 + 1, benches.len() as u64);
-        outcome
-    };
-    // Each thread takes the next bench that nobody has taken.
-    let work = || {
-        let mine = std::iter::from_fn(|| {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            Some((place, run(benches.get(place)?)))
-        });
-        mine.collect::<Vec<_>>()
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let mut all: Vec<(usize, Result<Outcome, PredictionError>)> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
-        let mine = work();
-        let others = workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)));
-        mine.into_iter().chain(others).collect()
-    });
-    all.sort_by_key(|(place, _)| *place);
-    all.into_iter().map(|(_, outcome)| outcome).collect()
+    let run = |bench: &Drawn| outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
+    on_all_processors(benches, run, told).into_iter().collect()
 }
 
 fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {

@@ -1,23 +1,20 @@
 //! Which recording serves which estimate, and what is missing where none does.
 
-use crate::estimate::shaft::{self, ShaftInputs};
-use crate::estimate::speed_controller::{self, Encoder, SpeedControllerFit};
-use crate::estimate::stretch::need;
+use crate::estimate::shaft;
+use crate::estimate::speed_controller::{self, SpeedControllerFit};
+use crate::estimate::timing;
 use crate::estimate::torque_control::{self, TorqueControlFit};
-use crate::estimate::{EstimateError, timing};
 use crate::model::AssembledModel;
 use crate::study::findings::{Findings, needs_part};
-use crate::study::torque::{air_gap_torque, sampled_torque};
+use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
 use crate::study::whole::{self, Pieces, Whole};
 use crate::study::{
-    BenchVariant, Estimate, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
+    Estimate, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
 };
-use crate::{BenchFile, ControlMode, Experiment, Finding, Role, Severity};
+use crate::{BenchFile, Experiment, Finding, Role, Severity};
 
 /// Tests the shaft can be estimated from, best first.
 const SHAFT_TESTS: [&str; 7] = ["Multisine", "Binary", "BS", "WhiteNoise", "Levels", "Ramp", "Step"];
-/// Those among them in which T_d* moves the bench over a wide band.
-const EXCITED_TESTS: [&str; 3] = ["Multisine", "Binary", "WhiteNoise"];
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.05);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
@@ -195,53 +192,15 @@ fn doubt_inertia(
     }
 }
 
-/// Both inertias from the first recording in torque control that tells them. Benches with a torque flange have a dual-mass
-/// flywheel, behind which there is no one J_e.
+/// Both inertias from the first recording in torque control that tells them.
 fn inertias(
     candidates: &[&Experiment],
     bench: &BenchFile,
     controller: Option<&SpeedControllerFit>,
     torque_control: Option<&TorqueControlFit>,
 ) -> Option<(String, Estimate)> {
-    if bench.variant == BenchVariant::TorqueFlange {
-        return None;
-    }
-    let firings_per_turn = 2.0 * f64::from(bench.cylinders) / f64::from(bench.strokes);
-    let excites = |e: &&&Experiment| e.label.mode == ControlMode::Tn && EXCITED_TESTS.contains(&e.label.test.as_str());
-    candidates.iter().filter(excites).find_map(|experiment| {
+    candidates.iter().filter(|e| tells_inertias(e, bench)).find_map(|experiment| {
         let inputs = shaft_inputs(experiment, bench, controller, torque_control).ok()?;
-        let demand = need(experiment, Role::DynoTorqueDemand).ok()?;
-        let estimate = shaft::estimate_with_inertias(&inputs, demand, firings_per_turn).ok()?;
-        Some((experiment.file.clone(), estimate))
+        Some((experiment.file.clone(), both_inertias(experiment, &inputs, bench).ok()?))
     })
-}
-
-/// What the shaft's estimator needs of one recording, with the torque between its samples.
-fn shaft_inputs<'a>(
-    experiment: &'a Experiment,
-    bench: &BenchFile,
-    controller: Option<&SpeedControllerFit>,
-    torque_control: Option<&TorqueControlFit>,
-) -> Result<ShaftInputs<'a>, EstimateError> {
-    let dyno_speed = need(experiment, Role::DynoSpeed)?;
-    let encoder = Encoder::known_or_assumed(controller.map(|c| c.encoder), dyno_speed, stated_gate(bench));
-    let inertia = bench.dynamometer_inertia_kg_m2;
-    let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
-    let (torque, inertia_kg_m2) = match bench.variant {
-        BenchVariant::TorqueFlange => (vec![sampled_torque(need(experiment, Role::FlangeTorque)?)], None),
-        BenchVariant::LoadCell => (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty))),
-    };
-    Ok(ShaftInputs {
-        file: &experiment.file,
-        dyno_speed,
-        engine_speed: need(experiment, Role::EngineSpeed)?,
-        torque,
-        inertia_kg_m2,
-        encoder_noise_rad_s: encoder.noise_rad_s,
-        gate_s: (encoder.gate_s, encoder.gate_standard_error_s),
-    })
-}
-
-fn stated_gate(bench: &BenchFile) -> Option<f64> {
-    bench.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s)
 }

@@ -5,6 +5,7 @@ mod findings;
 mod gather;
 mod result;
 mod run;
+pub(crate) mod shaft_inputs;
 mod torque;
 mod whole;
 

@@ -75,6 +75,17 @@ pub enum Untold {
 }
 
 impl<T> Told<T> {
+    /// The result by reference, or why there is none.
+    ///
+    /// # Errors
+    /// That there is none.
+    pub fn as_ref(&self) -> Result<&T, &Untold> {
+        match self {
+            Told::Found(value) => Ok(value),
+            Told::Untold(why) => Err(why),
+        }
+    }
+
     /// The result, where there is one.
     pub fn found(&self) -> Option<&T> {
         match self {
@@ -84,14 +95,19 @@ impl<T> Told<T> {
     }
 }
 
+impl From<&EstimateError> for Untold {
+    fn from(error: &EstimateError) -> Self {
+        match error {
+            EstimateError::MissingSignal { role, .. } => Untold::Missing { role: *role },
+            EstimateError::WeakExcitation { .. } => Untold::NotExcited,
+            error => Untold::Failed { reason: error.to_string() },
+        }
+    }
+}
+
 impl<T> From<Result<T, EstimateError>> for Told<T> {
     fn from(outcome: Result<T, EstimateError>) -> Self {
-        match outcome {
-            Ok(value) => Told::Found(value),
-            Err(EstimateError::MissingSignal { role, .. }) => Told::Untold(Untold::Missing { role }),
-            Err(EstimateError::WeakExcitation { .. }) => Told::Untold(Untold::NotExcited),
-            Err(error) => Told::Untold(Untold::Failed { reason: error.to_string() }),
-        }
+        outcome.map_or_else(|error| Told::Untold(Untold::from(&error)), Told::Found)
     }
 }
 

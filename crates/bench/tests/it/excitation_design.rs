@@ -223,6 +223,8 @@ const BENCHES: usize = 480;
 const FIRST_SEED: u64 = 40_000;
 /// Peak of what the demand makes of T_shaft, the same for all demands, Nm.
 const SHAFT_PEAK_NM: f64 = 60.0;
+/// Standard uncertainty of the friction's slope where it was measured without shaft, Nm s/rad.
+const KNOWN_FRICTION: f64 = 1e-4;
 const LENGTH_S: f64 = 12.0;
 
 /// A bench whose resonance is off the nominal one by up to a part, its damping by twice that, with skewed clocks.
@@ -273,6 +275,7 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         engine_speed: experiment.signal(Role::EngineSpeed).unwrap(),
         torque: vec![NoisyTorque { signal, noise_nm: torque.residual.standard_deviation_nm / 30.0 }],
         inertia_kg_m2: Some((bench.mechanics.dyno_inertia_kg_m2, 0.0)),
+        friction_slope_nm_s_per_rad: (0.0, KNOWN_FRICTION),
         encoder_noise_rad_s: bench.sensors.speed_noise_rad_s,
         gate_s: (1e-3, 1e-4),
     };

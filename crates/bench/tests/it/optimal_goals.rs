@@ -21,6 +21,8 @@ use crate::model::bench_a;
 use crate::study::{default_bench, in_parallel};
 
 const AT: OperatingPoint = OperatingPoint { speed_rad_s: 1500.0 * RPM_RAD_S, torque_nm: 60.0 };
+/// Standard uncertainty of the friction's slope where it was measured without shaft, Nm s/rad.
+const KNOWN_FRICTION: f64 = 1e-4;
 const LENGTH_S: f64 = 12.0;
 /// Records of each Monte Carlo.
 const RUNS: usize = 80;
@@ -92,6 +94,7 @@ fn shaft_of(plan: &ExperimentPlan, seed: usize, estimate: impl Fn(&ShaftInputs<'
         engine_speed: &engine,
         torque: vec![torque],
         inertia_kg_m2: Some((0.6, 0.0)),
+        friction_slope_nm_s_per_rad: (0.0, KNOWN_FRICTION),
         encoder_noise_rad_s: noise,
         gate_s: (1e-3, 1e-4),
     })

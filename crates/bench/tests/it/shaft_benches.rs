@@ -7,21 +7,21 @@ use bench::estimate::torque_control;
 use bench::study::{Estimate, Part, Source};
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, ExperimentPlan, Harmonic, Waveform, simulate};
-use bench::{BenchFile, Role};
+use bench::{BenchFile, Experiment, Role};
 use signal::excitation::Random;
 
 use crate::study::{bench_file, in_parallel, source, studied};
 use crate::support::BENCH_A;
 
 /// A bench drawn over realistic ranges, with what its bench file says.
-struct Drawn {
-    parameters: BenchParameters,
+pub(crate) struct Drawn {
+    pub(crate) parameters: BenchParameters,
     file: BenchFile,
     speed_rpm: f64,
 }
 
 impl Drawn {
-    fn new(seed: usize) -> Self {
+    pub(crate) fn new(seed: usize) -> Self {
         let mut random = Random::new(seed as u64);
         let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
         let mut parameters = BenchParameters::default();
@@ -78,24 +78,35 @@ impl Drawn {
 
     /// K, B, J_d and J_e from 64 s of a white torque demand of so much standard deviation.
     fn inertias(&self, deviation_nm: f64, seed: u64) -> Estimate {
-        let mut plan = ExperimentPlan::white_noise_t_tn(self.speed_rpm, 64.0);
-        plan.dyno_torque_nm = Waveform::WhiteNoise { mean: 60.0, standard_deviation: deviation_nm };
+        let experiment = self.white_noise((60.0, deviation_nm), 64.0, seed);
+        let demand = experiment.signal(Role::DynoTorqueDemand).unwrap();
+        // Nothing is known of J_d but its order of magnitude.
+        estimate_with_inertias(&inputs(&experiment, 0.6), demand, 2.0).unwrap()
+    }
+
+    /// A recording of a white torque demand of so much mean and standard deviation.
+    pub(crate) fn white_noise(&self, (mean, standard_deviation): (f64, f64), duration_s: f64, seed: u64) -> Experiment {
+        let mut plan = ExperimentPlan::white_noise_t_tn(self.speed_rpm, duration_s);
+        plan.dyno_torque_nm = Waveform::WhiteNoise { mean, standard_deviation };
         let recording = simulate(&self.parameters, &plan, seed).unwrap();
-        let (experiment, _) = bench::prepare("WhiteNoise_T_TN.mf4", &recording, &self.file, plan.label).unwrap();
-        let inverter = torque_control::estimate(&experiment, Some(400.0)).unwrap().inverter;
-        let signal = |role| experiment.signal(role).unwrap();
-        let demand = signal(Role::DynoTorqueDemand);
-        let inputs = ShaftInputs {
-            file: &experiment.file,
-            dyno_speed: signal(Role::DynoSpeed),
-            engine_speed: signal(Role::EngineSpeed),
-            torque: vec![NoisyTorque { signal: inverter.finer_air_gap_torque(demand, 8), noise_nm: 0.005 }],
-            // Nothing is known of J_d but its order of magnitude.
-            inertia_kg_m2: Some((0.6, 0.0)),
-            encoder_noise_rad_s: 0.03 * RPM_RAD_S,
-            gate_s: (1e-3, 1e-4),
-        };
-        estimate_with_inertias(&inputs, demand, 2.0).unwrap()
+        bench::prepare("WhiteNoise_T_TN.mf4", &recording, &self.file, plan.label).unwrap().0
+    }
+}
+
+/// What the shaft is estimated from, J_d being known exactly.
+pub(crate) fn inputs(experiment: &Experiment, inertia_kg_m2: f64) -> ShaftInputs<'_> {
+    let inverter = torque_control::estimate(experiment, Some(400.0)).unwrap().inverter;
+    let signal = |role| experiment.signal(role).unwrap();
+    let torque = inverter.finer_air_gap_torque(signal(Role::DynoTorqueDemand), 8);
+    ShaftInputs {
+        file: &experiment.file,
+        dyno_speed: signal(Role::DynoSpeed),
+        engine_speed: signal(Role::EngineSpeed),
+        torque: vec![NoisyTorque { signal: torque, noise_nm: 0.005 }],
+        inertia_kg_m2: Some((inertia_kg_m2, 0.0)),
+        friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(inertia_kg_m2),
+        encoder_noise_rad_s: 0.03 * RPM_RAD_S,
+        gate_s: (1e-3, 1e-4),
     }
 }
 

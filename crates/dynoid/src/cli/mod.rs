@@ -1,12 +1,15 @@
 //! The command line: commands, options, help.
 
+pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod experiment;
 pub(crate) mod friction;
 pub(crate) mod greybox;
 pub(crate) mod identify;
+pub(crate) mod inverter;
 pub(crate) mod look;
 mod number;
+pub(crate) mod shaft;
 pub(crate) mod torque;
 
 use std::path::PathBuf;
@@ -28,6 +31,9 @@ A new bench, in three steps:
   dynoid inspect FILE            looks into a recording that causes trouble
   dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
   dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
+  dynoid shaft bench.toml        stiffness and damping by recording, band and route
+  dynoid controller bench.toml   the speed controller, and what may be hidden in it
+  dynoid inverter bench.toml     what stands between T_d* and T_d, and what would show more
   dynoid friction bench.toml     friction and inertia, from recordings without shaft
 
 An experiment, before it is run:
@@ -116,6 +122,12 @@ pub(crate) enum Command {
     Look(look::LookArguments),
     /// Holds the torque signals against each other: delays, filters, load cell; rebuilds the shaft torque
     Torque(torque::TorqueArguments),
+    /// Estimates the shaft from every recording: by band, with both inertias, against backlash and its like, and from all together
+    Shaft(shaft::ShaftArguments),
+    /// Looks into the speed controller: PI, delay, hidden terms, limit, feed-forward; with `study` into what noise does to it
+    Controller(controller::ControllerArguments),
+    /// Holds models of the torque control against a delay of one sample: lag, ARX, output error of many orders
+    Inverter(inverter::InverterArguments),
     /// Estimates friction and inertia of the dynamometer from recordings without shaft
     Friction(friction::FrictionArguments),
     /// Estimates a linear model from any channels of any recordings

@@ -11,6 +11,11 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     finite(text).ok().filter(|number| *number > 0.0).ok_or_else(|| "give a number above 0".to_owned())
 }
 
+/// A number that is zero or above.
+pub(super) fn not_negative(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|number| *number >= 0.0).ok_or_else(|| "give a number that is 0 or above".to_owned())
+}
+
 /// A share of a whole.
 pub(super) fn share(text: &str) -> Result<f64, String> {
     let inside = |number: &f64| *number > 0.0 && *number < 1.0;

@@ -1,5 +1,6 @@
 //! The commands, one module each.
 
+pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod demo;
 pub(crate) mod experiment;
@@ -8,7 +9,9 @@ pub(crate) mod friction;
 pub(crate) mod identify;
 pub(crate) mod init;
 pub(crate) mod inspect;
+pub(crate) mod inverter;
 pub(crate) mod look;
+pub(crate) mod shaft;
 pub(crate) mod simulate;
 pub(crate) mod study;
 pub(crate) mod torque;

@@ -20,9 +20,21 @@ fn snap_help_look() {
 }
 
 #[test]
+fn snap_help_shaft() {
+    insta::assert_snapshot!("help_shaft", help(&["shaft", "--help"]));
+}
+
+#[test]
 fn snap_help_torque() {
     insta::assert_snapshot!("help_torque", help(&["torque", "--help"]));
+    insta::assert_snapshot!("help_inverter", help(&["inverter", "--help"]));
     insta::assert_snapshot!("help_friction", help(&["friction", "--help"]));
+}
+
+#[test]
+fn snap_help_controller() {
+    insta::assert_snapshot!("help_controller", help(&["controller", "--help"]));
+    insta::assert_snapshot!("help_controller_study", help(&["controller", "study", "--help"]));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 mod bad_input;
+mod controller;
 mod convert;
 mod convert_recordings;
 mod datasets;
@@ -14,9 +15,11 @@ mod help;
 mod identify;
 mod init;
 mod inspect;
+mod inverter;
 mod lines;
 mod look;
 mod operating_point;
+mod shaft;
 mod study;
 mod support;
 mod terminal;

@@ -3,6 +3,9 @@
 use ident::frequency::{Equation, ORDERS};
 use signal::Complex64;
 
+use super::springs::Springs;
+use super::terms::Term;
+
 pub(super) const K: usize = 0;
 pub(super) const B: usize = 1;
 /// Skew of N_e, s: positive when it is dated later than N_d.
@@ -17,7 +20,13 @@ pub(super) const INERTIA: usize = 5;
 pub(super) const DYNO_TURN: [usize; 2] = [6, 7];
 /// The same of N_e.
 pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
-pub(super) const COUNT: usize = 10;
+/// Slope of the dynamometer's friction over speed, Nm s/rad; it stands beside J_d and like it is zero behind a flange.
+pub(super) const FRICTION: usize = 10;
+/// What a [`Term`] is multiplied by.
+pub(super) const TERM: usize = 11;
+/// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring behind it.
+pub(super) const DUAL_MASS: [usize; 3] = [11, 12, 13];
+pub(super) const COUNT: usize = 14;
 
 /// Places of the signals: N_d, N_e, torque, and for each speed ω cos θ and ω sin θ, what a once-a-turn error adds to it.
 pub(super) const DYNO: usize = 0;
@@ -25,15 +34,19 @@ pub(super) const ENGINE: usize = 1;
 pub(super) const TORQUE: usize = 2;
 pub(super) const DYNO_WAVES: [usize; 2] = [3, 4];
 pub(super) const ENGINE_WAVES: [usize; 2] = [5, 6];
+/// What a term of the shaft that is not linear multiplies; it is there with such a term alone.
+pub(super) const TERM_WAVE: usize = 7;
 
-/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + s T_d when it is computed and J_d = 0 when a
-/// flange measures it.
+/// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + c s ω_d + s T_d when it is computed (c the slope of
+/// the friction over speed, without which it would be taken for B: both brake ω_d) and J_d = c = 0 when a flange measures it.
 ///
 /// A logged speed holds the once-a-turn error of its encoder, ω (a cos θ + b sin θ), which is taken from it; and it is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
 /// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ShaftEquation {
     pub(super) dating: Dating,
+    /// What may be in the shaft beyond K and B.
+    pub(super) term: Option<Term>,
 }
 
 /// By how much N_e and torque were dated earlier than recorded before they were transformed, s.
@@ -92,7 +105,7 @@ impl Corrections {
 }
 
 impl Equation for ShaftEquation {
-    const SIGNALS: usize = 7;
+    const SIGNALS: usize = TERM_WAVE + 1;
     const PARAMETERS: usize = COUNT;
 
     fn coefficients(
@@ -103,24 +116,41 @@ impl Equation for ShaftEquation {
         derivatives: &mut [Vec<[Complex64; ORDERS]>],
     ) {
         let Corrections { speed, engine, torque, speed_by_gate } = Corrections::at(s, theta, self.dating);
-        let dyno = [theta[K], theta[B], theta[INERTIA]];
-        let spring = [theta[K], theta[B], 0.0];
+        let springs = Springs::of(self.term, s, theta);
+        let real = Complex64::from;
+        let mut dyno = springs.sides.dyno;
+        dyno[1] += theta[FRICTION];
+        dyno[2] += theta[INERTIA];
+        polynomials.fill([Complex64::default(); ORDERS]);
         polynomials[DYNO] = dyno.map(|c| speed * c);
-        polynomials[ENGINE] = spring.map(|c| -engine * c);
+        polynomials[ENGINE] = springs.sides.engine.map(|c| -engine * c);
         polynomials[TORQUE] = [0.0, 1.0, 0.0].map(|c| torque * c);
         for row in derivatives.iter_mut() {
             row.fill([Complex64::default(); ORDERS]);
         }
         derivatives[INERTIA][DYNO][2] = speed;
-        for (parameter, order) in [(K, 0), (B, 1)] {
-            derivatives[parameter][DYNO][order] = speed;
-            derivatives[parameter][ENGINE][order] = -engine;
+        derivatives[FRICTION][DYNO][1] = speed;
+        for (parameter, slope) in springs.slopes.into_iter().flatten() {
+            derivatives[parameter][DYNO] = slope.dyno.map(|c| speed * c);
+            derivatives[parameter][ENGINE] = slope.engine.map(|c| -engine * c);
         }
         derivatives[SKEW_ENGINE][ENGINE] = polynomials[ENGINE].map(|c| s * c);
         derivatives[SKEW_TORQUE][TORQUE] = polynomials[TORQUE].map(|c| s * c);
         derivatives[GATE][DYNO] = dyno.map(|c| speed_by_gate * c);
         derivatives[GATE][ENGINE] = polynomials[ENGINE].map(|c| speed_by_gate / speed * c);
         derivatives[GATE][TORQUE] = polynomials[TORQUE].map(|c| -0.5 * s * c);
+        match self.term {
+            Some(Term::OfStiffness(_)) => {
+                polynomials[TERM_WAVE][0] = real(-theta[K] * theta[TERM]);
+                derivatives[TERM][TERM_WAVE][0] = real(-theta[K]);
+                derivatives[K][TERM_WAVE][0] = real(-theta[TERM]);
+            }
+            Some(Term::OfDamping(_)) => {
+                polynomials[TERM_WAVE][1] = real(-theta[TERM]);
+                derivatives[TERM][TERM_WAVE][1] = real(-1.0);
+            }
+            Some(Term::LossFactor | Term::SecondMass | Term::DualMass) | None => (),
+        }
         for (speed, waves, amplitudes) in [(DYNO, DYNO_WAVES, DYNO_TURN), (ENGINE, ENGINE_WAVES, ENGINE_TURN)] {
             for (wave, amplitude) in waves.into_iter().zip(amplitudes) {
                 polynomials[wave] = polynomials[speed].map(|c| -theta[amplitude] * c);

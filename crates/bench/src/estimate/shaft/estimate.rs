@@ -6,10 +6,13 @@ use super::engine_side::{self, EngineInertia};
 use super::equation::{self, COUNT, Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use super::response::{measured_response, validate};
-use super::spectra::Spectra;
+use super::spectra::{Spectra, whole_band_hz};
+use super::terms::{Beyond, Term, TermTest};
+use crate::Role;
 use crate::align::split_window;
 use crate::estimate::EstimateError;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
+use crate::estimate::torque_control::standard_deviation;
 use crate::study::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
 use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
@@ -22,6 +25,11 @@ const SKEW_TORQUE: Label = Label { symbol: "δ_T", name: "skew of T_d,calc again
 const GATE: Label = Label { symbol: "T_g", name: "gate of the speed encoders", unit: "s" };
 const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
 const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
+const MASS: Label = Label { symbol: "J_2", name: "inertia between shaft and engine", unit: "kg m²" };
+const SPRING: Label = Label { symbol: "K_2", name: "stiffness of the flywheel's spring", unit: "Nm/rad" };
+const SPRING_DAMPING: Label = Label { symbol: "B_2", name: "damping of the flywheel's spring", unit: "Nm s/rad" };
+const FRICTION: Label =
+    Label { symbol: "c_1", name: "slope of the dynamometer's friction over speed", unit: "Nm s/rad" };
 const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: "rad/s" };
 
 /// Share of the recording that is estimated from; the rest judges.
@@ -35,6 +43,15 @@ const OUTLIER_REACH: usize = 4;
 const OUTLIER_ROUNDS: usize = 3;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
+/// A second mass is told by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
+const LARGEST_SECOND_MASS_S2: f64 = 1.6e-5;
+/// A speed that varies less than this (standard deviation) excites nothing, rad/s.
+const STILL_RAD_S: f64 = 1e-6;
+/// Where the search for a dual-mass flywheel starts: J_2 in kg m², and K_2 over K.
+const FLYWHEELS: [(f64, f64); 8] =
+    [(0.02, 0.2), (0.02, 0.7), (0.02, 2.5), (0.1, 0.2), (0.1, 0.7), (0.1, 2.5), (0.3, 0.3), (0.3, 1.5)];
+/// Damping of both springs there, as a part of the critical.
+const START_DAMPING: f64 = 0.05;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
 const SLOWEST_RAD_S: f64 = 30.0;
 /// Level of the residual spectrum's bound.
@@ -86,6 +103,79 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
     Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
 }
 
+/// K and B from bands of frequencies, each with gate and skews as the whole band tells them and, second, as if time stamps were
+/// exact and speeds momentary; nothing where a band tells nothing, K or B being at zero.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_by_band(
+    inputs: &ShaftInputs<'_>,
+    bands_hz: &[(f64, f64)],
+) -> Result<Vec<Option<(Estimate, Estimate)>>, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let whole = Solution::of(inputs, &stretch, Unknowns::Shaft)?;
+    let (theta, covariance) = (&whole.fit.fit.parameters, &whole.fit.covariance);
+    let known = |parameter: usize| {
+        let standard_uncertainty = covariance[(parameter, parameter)].sqrt();
+        (standard_uncertainty > 0.0).then(|| Prior { parameter, value: theta[parameter], standard_uncertainty })
+    };
+    let timing = [equation::SKEW_ENGINE, equation::SKEW_TORQUE, equation::GATE, equation::FRICTION];
+    let timing: Vec<Prior> = timing.into_iter().filter_map(known).collect();
+    let of_band = |band_hz: (f64, f64)| {
+        let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing, from: None };
+        let own = Solution::dated(inputs, &stretch, Unknowns::Shaft, timed).ok()?;
+        if [equation::K, equation::B].iter().any(|at| own.fit.fit.at_bound[*at]) {
+            return None;
+        }
+        let exact = Dated { band_hz, ..Dated::as_recorded(inputs) };
+        let naive = Solution::dated(inputs, &stretch, Unknowns::ShaftWithoutTiming, exact).ok()?;
+        Some((own.estimate(&stretch), naive.estimate(&stretch)))
+    };
+    Ok(bands_hz.iter().map(|band_hz| of_band(*band_hz)).collect())
+}
+
+/// Holds every [`Term`] beyond the simple shaft against the whole of a recording, each by itself.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
+    let stretch = inputs.stretch()?;
+    // A term that is there may spoil a fit without it, skews included: each is estimated from the start.
+    let test = |term: Term| {
+        // What is not moved, or not told from K, B and timing, leaves the fit without a solution.
+        let Ok(Solution { fit, .. }) = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(term)) else {
+            return TermTest::new(term, None);
+        };
+        let deviation = fit.covariance[(equation::TERM, equation::TERM)].sqrt();
+        TermTest::new(term, (deviation > 0.0).then_some((&fit, deviation)))
+    };
+    let simple_misfit = Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale;
+    Ok(Beyond::judged(simple_misfit, Term::ALL.into_iter().map(test).collect()))
+}
+
+/// The shaft of a bench with a dual-mass flywheel: K, B, the mass J_2 between shaft and engine, the spring K_2 and damping B_2
+/// behind it, timing, and the mean of |error|²/σ², which is one where it and the noise levels are right. From the whole of a
+/// recording.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_dual_mass(inputs: &ShaftInputs<'_>) -> Result<(Estimate, f64), EstimateError> {
+    let stretch = inputs.stretch()?;
+    let solution = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(Term::DualMass))?;
+    let [mass, stiffness, damping] = equation::DUAL_MASS;
+    let outputs: [ReadOut<'_>; 8] = [
+        (K, &|t| t[equation::K]),
+        (B, &|t| t[equation::B]),
+        (MASS, &|t| t[mass]),
+        (SPRING, &|t| t[stiffness]),
+        (SPRING_DAMPING, &|t| t[damping]),
+        (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
+        (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
+        (GATE, &|t| t[equation::GATE]),
+    ];
+    Ok((solution.outputs(&outputs, &stretch), solution.fit.scale))
+}
+
 /// K, B, J_d and J_e with timing, from the whole of a recording, as if nothing were known of the inertias; J_d stays as
 /// stated where the torque is that of a flange.
 ///
@@ -119,6 +209,36 @@ enum Unknowns {
     ShaftWithoutTiming,
     /// J_d too, as if nothing were known of it.
     ShaftAndInertia,
+    /// As the shaft, with a term beyond it.
+    ShaftAnd(Term),
+}
+
+impl Unknowns {
+    fn term(self) -> Option<Term> {
+        match self {
+            Unknowns::ShaftAnd(term) => Some(term),
+            _ => None,
+        }
+    }
+}
+
+/// What is known of the timing before a fit.
+#[derive(Debug, Clone, Copy)]
+struct Dated<'a> {
+    /// By how much signals are dated earlier.
+    dating: Dating,
+    /// From and to which frequency the signals are used.
+    band_hz: (f64, f64),
+    /// What is known of parameters beside what the inputs say.
+    known: &'a [Prior],
+    /// Where the search starts; the usual place where `None`.
+    from: Option<&'a [f64]>,
+}
+
+impl Dated<'_> {
+    fn as_recorded(inputs: &ShaftInputs<'_>) -> Self {
+        Dated { dating: Dating::default(), band_hz: whole_band_hz(inputs), known: &[], from: None }
+    }
 }
 
 /// A fit with what it was made from.
@@ -130,24 +250,32 @@ struct Solution {
 
 impl Solution {
     fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
-        let first = Self::dated(inputs, stretch, unknowns, Dating::default())?;
+        check_moved(inputs)?;
+        let recorded = Dated::as_recorded(inputs);
+        let first = Self::dated(inputs, stretch, unknowns, recorded)?;
         match unknowns {
             Unknowns::ShaftWithoutTiming => Ok(first),
-            _ => Self::dated(inputs, stretch, unknowns, Dating::of(&first.fit.fit.parameters)),
+            _ => {
+                let theta = &first.fit.fit.parameters;
+                let again = Dated { dating: Dating::of(theta), from: Some(theta), ..recorded };
+                Self::dated(inputs, stretch, unknowns, again)
+            }
         }
     }
 
-    /// A fit on signals dated earlier by `dating`.
     fn dated(
         inputs: &ShaftInputs<'_>,
         stretch: &Stretch,
         unknowns: Unknowns,
-        dating: Dating,
+        Dated { dating, band_hz, known, from }: Dated<'_>,
     ) -> Result<Self, EstimateError> {
         let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
-        let mut spectra = Spectra::new(inputs, stretch.start_s, stretch.end_s, dating)?;
+        let mut spectra = Spectra::new(inputs, (stretch.start_s, stretch.end_s), dating, band_hz)?;
+        if let Some(wave) = unknowns.term().and_then(|term| term.wave(inputs, dating)) {
+            spectra = spectra.with_wave(&wave).map_err(error)?;
+        }
         let mut excluded_hz = Vec::new();
-        let mut fit = solve(inputs, &spectra, unknowns).map_err(error)?;
+        let mut fit = solve(inputs, &spectra, unknowns, known, from).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if unknowns != Unknowns::ShaftWithoutTiming {
             for _ in 0..OUTLIER_ROUNDS {
@@ -156,7 +284,7 @@ impl Solution {
                     break;
                 }
                 excluded_hz.extend(lines);
-                fit = solve(inputs, &spectra, unknowns).map_err(error)?;
+                fit = solve(inputs, &spectra, unknowns, known, Some(&fit.fit.parameters)).map_err(error)?;
             }
         }
         Ok(Solution { spectra, fit, excluded_hz })
@@ -167,14 +295,16 @@ impl Solution {
     }
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
-        let labels: [ReadOut<'_>; 5] = [
+        let labels: [ReadOut<'_>; 6] = [
             (K, &|t| t[equation::K]),
             (B, &|t| t[equation::B]),
             (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
             (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
             (GATE, &|t| t[equation::GATE]),
+            (FRICTION, &|t| t[equation::FRICTION]),
         ];
-        self.outputs(&labels, stretch)
+        let has_friction = self.fit.covariance[(equation::FRICTION, equation::FRICTION)] > 0.0;
+        self.outputs(if has_friction { &labels } else { &labels[..5] }, stretch)
     }
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.
@@ -228,7 +358,23 @@ impl Solution {
     }
 }
 
-fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Result<FrequencyFit, ident::IdentError> {
+fn check_moved(inputs: &ShaftInputs<'_>) -> Result<(), EstimateError> {
+    for (role, speed) in [(Role::DynoSpeed, inputs.dyno_speed), (Role::EngineSpeed, inputs.engine_speed)] {
+        let standard_deviation = standard_deviation(&speed.samples);
+        if standard_deviation < STILL_RAD_S {
+            return Err(EstimateError::WeakExcitation { file: inputs.file.to_owned(), role, standard_deviation });
+        }
+    }
+    Ok(())
+}
+
+fn solve(
+    inputs: &ShaftInputs<'_>,
+    spectra: &Spectra,
+    unknowns: Unknowns,
+    known: &[Prior],
+    from: Option<&[f64]>,
+) -> Result<FrequencyFit, ident::IdentError> {
     let (gate, gate_uncertainty) = inputs.gate_s;
     let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
     let mut start = [0.0; COUNT];
@@ -241,9 +387,24 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
     bounds[equation::SKEW_ENGINE..=equation::SKEW_TORQUE].fill(skew);
     bounds[equation::GATE] = Bounds::new(0.0, LARGEST_SKEW_S);
     bounds[equation::INERTIA] = Bounds::new(inertia, inertia);
+    bounds[equation::FRICTION] = Bounds::new(0.0, 0.0);
+    bounds[equation::TERM] = Bounds::new(0.0, 0.0);
     let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
+    if inertia > 0.0 && unknowns != Unknowns::ShaftWithoutTiming {
+        bounds[equation::FRICTION] = Bounds::NONE;
+        let (value, standard_uncertainty) = inputs.friction_slope_nm_s_per_rad;
+        start[equation::FRICTION] = value;
+        priors.push(Prior { parameter: equation::FRICTION, value, standard_uncertainty });
+    }
+    bounds[equation::DUAL_MASS[1]..=equation::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
+    match unknowns.term() {
+        Some(Term::DualMass) => equation::DUAL_MASS.iter().for_each(|i| bounds[*i] = positive),
+        Some(Term::SecondMass) => bounds[equation::TERM] = Bounds::new(-LARGEST_SECOND_MASS_S2, LARGEST_SECOND_MASS_S2),
+        Some(_) => bounds[equation::TERM] = Bounds::NONE,
+        None => (),
+    }
     match unknowns {
-        Unknowns::Shaft if inertia_uncertainty > 0.0 => {
+        Unknowns::Shaft | Unknowns::ShaftAnd(_) if inertia_uncertainty > 0.0 => {
             bounds[equation::INERTIA] = positive;
             priors.push(Prior {
                 parameter: equation::INERTIA,
@@ -251,7 +412,7 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
                 standard_uncertainty: inertia_uncertainty,
             });
         }
-        Unknowns::Shaft => (),
+        Unknowns::Shaft | Unknowns::ShaftAnd(_) => (),
         Unknowns::ShaftWithoutTiming => {
             start[equation::GATE] = 0.0;
             bounds[equation::SKEW_ENGINE..=equation::GATE].fill(Bounds::new(0.0, 0.0));
@@ -259,10 +420,47 @@ fn solve(inputs: &ShaftInputs<'_>, spectra: &Spectra, unknowns: Unknowns) -> Res
         }
         Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
     }
+    priors.retain(|prior| known.iter().all(|k| k.parameter != prior.parameter));
+    priors.extend(known);
     let turns = [equation::DYNO_TURN, equation::ENGINE_TURN].into_iter().flatten();
     priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
-    let equation = ShaftEquation { dating: spectra.dating };
-    ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(&start, &bounds)
+    let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };
+    let fit = |start: &[f64]| {
+        ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(start, &bounds)
+    };
+    match (from, unknowns.term()) {
+        (Some(from), _) => fit(from),
+        (None, Some(Term::DualMass)) => best_of(flywheels(start).iter().map(|start| fit(start))),
+        (None, _) => fit(&start),
+    }
+}
+
+/// The fit that leaves least; the last failure where all fail.
+fn best_of(
+    fits: impl Iterator<Item = Result<FrequencyFit, ident::IdentError>>,
+) -> Result<FrequencyFit, ident::IdentError> {
+    let better = |best: Result<FrequencyFit, ident::IdentError>, next: Result<FrequencyFit, ident::IdentError>| match (
+        &best, &next,
+    ) {
+        (Ok(a), Ok(b)) if b.scale < a.scale => next,
+        (Err(_), _) => next,
+        _ => best,
+    };
+    let none = ident::IdentError::TooFewSamples { samples: 0, parameters: COUNT };
+    fits.fold(Err(none), better)
+}
+
+/// Starts with a dual-mass flywheel, both springs together as stiff as the one of `start`.
+fn flywheels(start: [f64; COUNT]) -> [[f64; COUNT]; FLYWHEELS.len()] {
+    FLYWHEELS.map(|(mass, ratio)| {
+        let mut with = start;
+        let stiffness = start[equation::K] * (1.0 + 1.0 / ratio);
+        let damping = |stiffness: f64| 2.0 * START_DAMPING * (stiffness * mass).sqrt();
+        (with[equation::K], with[equation::B]) = (stiffness, damping(stiffness));
+        let [at_mass, at_stiffness, at_damping] = equation::DUAL_MASS;
+        (with[at_mass], with[at_stiffness], with[at_damping]) = (mass, ratio * stiffness, damping(ratio * stiffness));
+        with
+    })
 }
 
 /// K of a shaft without damping or skew, by least squares over the lowest third of the bins.

@@ -15,6 +15,12 @@ mod estimate;
 mod inputs;
 mod response;
 mod spectra;
+mod springs;
+mod terms;
 
-pub use estimate::{estimate, estimate_inertia, estimate_parameters, estimate_with_inertias};
+pub use estimate::{
+    estimate, estimate_by_band, estimate_dual_mass, estimate_inertia, estimate_parameters, estimate_with_inertias,
+    test_terms,
+};
 pub use inputs::{NoisyTorque, ShaftInputs};
+pub use terms::{Beyond, Term, TermTest, Weight};

@@ -47,7 +47,7 @@ pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredRes
 
 fn difference_and_torque(spectra: &Spectra, theta: &[f64], k: usize) -> (Complex64, Complex64) {
     let Motion { dyno, engine, torque } = motion(spectra, theta, k);
-    (engine[0] - dyno[0], torque[0] + theta[equation::INERTIA] * dyno[1])
+    (engine[0] - dyno[0], torque[0] + theta[equation::INERTIA] * dyno[1] + theta[equation::FRICTION] * dyno[0])
 }
 
 /// The two sides of the shaft at one frequency, by order of their derivative: timing and once-a-turn errors taken out.
@@ -85,7 +85,7 @@ pub(super) struct EngineSide {
 pub(super) fn engine_side(spectra: &Spectra, theta: &[f64], k: usize) -> EngineSide {
     let Motion { dyno, engine, torque } = motion(spectra, theta, k);
     EngineSide {
-        torque_rate: torque[1] + theta[equation::INERTIA] * dyno[2],
+        torque_rate: torque[1] + theta[equation::INERTIA] * dyno[2] + theta[equation::FRICTION] * dyno[1],
         regressors: [engine[2], engine[1], engine[0]],
     }
 }
@@ -116,7 +116,8 @@ pub(super) fn validate(
     for k in used.filter(|k| !turn.contains(&window.frequency_hz(*k))) {
         let s = Complex64::new(0.0, TAU * window.frequency_hz(k));
         let factor = Corrections::at(s, theta, Dating::default());
-        measured[k] = (theta[equation::INERTIA] * s * factor.speed * speed[k] + factor.torque * torques[k]) / dt;
+        let braking = theta[equation::INERTIA] * s + theta[equation::FRICTION];
+        measured[k] = (braking * factor.speed * speed[k] + factor.torque * torques[k]) / dt;
         let difference = factor.engine * engine[k] - factor.speed * speed[k];
         modelled[k] = (theta[equation::K] / s + theta[equation::B]) * difference / dt;
     }

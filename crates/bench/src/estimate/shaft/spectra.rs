@@ -23,6 +23,7 @@ const TURN_MARGIN_HZ: f64 = 3.0;
 const TURN_MEAN_S: f64 = 0.5;
 
 /// Transforms over one window.
+#[derive(Debug, Clone)]
 pub(super) struct Spectra {
     pub(super) window: Window,
     /// By their places in [`equation`](super::equation).
@@ -34,11 +35,18 @@ pub(super) struct Spectra {
 }
 
 impl Spectra {
-    /// Transforms the part of the inputs from `from_s` to `to_s`, with N_e and torque dated earlier by `dating`.
-    pub(super) fn new(inputs: &ShaftInputs<'_>, from_s: f64, to_s: f64, dating: Dating) -> Result<Self, EstimateError> {
+    /// Transforms the part of the inputs from `from_s` to `to_s`, with N_e and torque dated earlier by `dating`, for a band
+    /// of frequencies within that of [`whole_band_hz`].
+    pub(super) fn new(
+        inputs: &ShaftInputs<'_>,
+        (from_s, to_s): (f64, f64),
+        dating: Dating,
+        (low_hz, high_hz): (f64, f64),
+    ) -> Result<Self, EstimateError> {
         let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
         let window = even_window(inputs, from_s, to_s);
-        let bins = window.bins(LOWEST_HZ, highest_hz(inputs));
+        let whole = whole_band_hz(inputs);
+        let bins = window.bins(low_hz.max(whole.0), high_hz.min(whole.1));
         let last = *bins.end();
         let transform = |signal: &Signal, earlier_s: f64| {
             let dated = Signal { start_s: signal.start_s - earlier_s, ..signal.clone() };
@@ -65,6 +73,14 @@ impl Spectra {
         }
         Ok(Spectra { window, signals, bins: bins.collect(), dating })
     }
+
+    /// With what a term multiplies, on the clock of N_d.
+    pub(super) fn with_wave(mut self, wave: &Signal) -> Result<Self, ident::IdentError> {
+        let last = self.bins.last().copied().unwrap_or(0);
+        let modulated = Modulated::new(wave, self.window, last)?;
+        self.signals.push(NoisySpectrum { modulated, noise_density: 0.0 });
+        Ok(self)
+    }
 }
 
 /// ω cos θ and ω sin θ, θ being the angle turned since the first sample: what a once-a-turn error adds to a speed, sidebands
@@ -80,6 +96,11 @@ fn once_a_turn(speed: &Signal) -> [Signal; 2] {
     });
     let (cosine, sine) = waves.unzip();
     [speed.with_samples(cosine), speed.with_samples(sine)]
+}
+
+/// The frequencies that may be used, Hz.
+pub(super) fn whole_band_hz(inputs: &ShaftInputs<'_>) -> (f64, f64) {
+    (LOWEST_HZ, highest_hz(inputs))
 }
 
 /// Highest frequency at which every signal is free of folding.

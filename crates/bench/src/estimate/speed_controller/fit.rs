@@ -1,161 +1,61 @@
 //! Fitting the inverted controller, and judging it the way it is used: T_d* from measured speed.
 
-use faer::Mat;
 use ident::covariance::at_least_white;
 use ident::validate::{self, fit_percent, rms_error};
 use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
 use signal::Signal;
 use signal::spline::UniformSpline;
 
+use super::data::{Data, ident_error, signal_error, starting_point};
 use super::encoder::Encoder;
-use super::inverse::{self, COUNT, InverseController};
+use super::inverse::{self, COUNT};
 use crate::align::split_window;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
-use crate::estimate::stretch::{longest_unsaturated, need};
-use crate::estimate::{EstimateError, noise_floor, timing_floor_s};
-use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Stretch, Trace, Validation};
+use crate::estimate::{EstimateError, timing_floor_s};
+use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
 
 /// Share of a recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;
 /// Stretches the robust covariance is built from.
-const BATCHES: usize = 30;
-/// Shortest usable stretch, s.
-const SHORTEST_S: f64 = 2.0;
+pub(super) const BATCHES: usize = 30;
 /// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what was
 /// found is then noise, and its root would bias the delay.
 const SHORTEST_GATE: f64 = 0.5;
 /// A once-a-turn error larger than this part of the speed is no encoder's.
 const LARGEST_ECCENTRICITY: f64 = 2e-3;
-/// Where the estimate's low-pass lies, as a part of the sample rate, and its order (run both ways).
-const CUTOFF_PART: f64 = 0.1;
-const CUTOFF_ORDER: usize = 4;
-/// Rounding of T_d* that reaches this part of the encoder's noise hides the gate.
-const COARSE: f64 = 0.4;
 /// Lags of the residual tests.
 const LAGS: usize = 25;
 /// Level of the residual tests' regions.
 const TEST_LEVEL: f64 = 0.99;
 
-const K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm/rpm" };
-const K_I: Label = Label { symbol: "K_i", name: "integral gain", unit: "Nm/(rpm s)" };
-const TAU: Label = Label { symbol: "τ", name: "delay of the controller", unit: "s" };
+pub(super) const K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm/rpm" };
+pub(super) const K_I: Label = Label { symbol: "K_i", name: "integral gain", unit: "Nm/(rpm s)" };
+pub(super) const TAU: Label = Label { symbol: "τ", name: "delay of the controller", unit: "s" };
 const I_0: Label = Label { symbol: "I_0", name: "initial state of the integrator", unit: "Nm" };
 const T_G: Label = Label { symbol: "T_g", name: "gate of the speed encoder", unit: "s" };
-const K_SPEED: Label = Label { symbol: "k", name: "feed-forward of speed", unit: "Nm/rpm" };
-const K_ACCELERATION: Label = Label { symbol: "k_a", name: "feed-forward of acceleration", unit: "Nm/(rpm/s)" };
+pub(super) const K_SPEED: Label = Label { symbol: "k", name: "feed-forward of speed", unit: "Nm/rpm" };
+pub(super) const K_ACCELERATION: Label =
+    Label { symbol: "k_a", name: "feed-forward of acceleration", unit: "Nm/(rpm/s)" };
 
 /// The estimated speed controller, for people and for the estimators that follow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpeedControllerFit {
     /// For the study.
     pub result: SpeedController,
+    /// K_p, K_i and I_0 of PI without delay, on the same stretch.
+    pub without_delay: Estimate,
     /// What was learnt of the encoder.
     pub encoder: Encoder,
     /// Internal parameters, by the positions in [`inverse`].
-    theta: Vec<f64>,
+    pub(super) theta: Vec<f64>,
+    /// Whether the gate was found in the data.
+    pub(super) is_gated: bool,
     /// Samples by which N_d* enters the speed error late.
-    reference_lag: usize,
+    pub(super) reference_lag: usize,
     /// Step of the recorded T_d*, Nm, where its rounding hides the encoder's gate.
     pub coarse_demand_nm: Option<f64>,
-}
-
-/// One stretch of a recording with the signals the controller sees.
-struct Data {
-    demand: Signal,
-    reference: Signal,
-    speed: Signal,
-    phase_rad: Vec<f64>,
-    stretch: Stretch,
-}
-
-impl Data {
-    fn of(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Self, EstimateError> {
-        let demand = need(experiment, Role::DynoTorqueDemand)?;
-        let reference = need(experiment, Role::DynoSpeedDemand)?;
-        let speed = need(experiment, Role::DynoSpeed)?;
-        let (from, to) = longest_unsaturated(experiment, torque_limit_nm, SHORTEST_S)?;
-        let phase = phase_of(speed);
-        Ok(Data::cut(experiment, (demand, reference, speed), &phase, (from, to)))
-    }
-
-    fn cut(
-        experiment: &Experiment,
-        (demand, reference, speed): (&Signal, &Signal, &Signal),
-        phase_rad: &[f64],
-        (from, to): (f64, f64),
-    ) -> Self {
-        let cut = speed.slice(from, to);
-        let first = ((cut.start_s - speed.start_s) / speed.sample_time_s).round() as usize;
-        Data {
-            demand: demand.slice(from, to),
-            reference: reference.slice(from, to),
-            phase_rad: phase_rad[first..first + cut.len()].to_vec(),
-            speed: cut,
-            stretch: Stretch { file: experiment.file.clone(), start_s: from, end_s: to },
-        }
-    }
-
-    /// The part of this stretch from `from` to `to`.
-    fn part(&self, experiment: &Experiment, window: (f64, f64)) -> Self {
-        Data::cut(experiment, (&self.demand, &self.reference, &self.speed), &self.phase_rad, window)
-    }
-
-    /// The same stretch with all its signals below [`CUTOFF_PART`] of the sample rate, in phase. The model is linear, so it
-    /// holds between the filtered signals; what is gone is the noise that rounding puts onto T_d*, which would otherwise
-    /// make smoother interpolation, a longer gate, look better.
-    fn smoothed(&self) -> Result<Self, EstimateError> {
-        let smooth = |signal: &Signal| -> Result<Signal, EstimateError> {
-            let cutoff = CUTOFF_PART / signal.sample_time_s;
-            let filter = signal::Sos::butterworth_lowpass(CUTOFF_ORDER, cutoff, signal.sample_time_s)
-                .map_err(|e| signal_error(self, e))?;
-            Ok(signal.with_samples(filter.filtfilt(&signal.samples).map_err(|e| signal_error(self, e))?))
-        };
-        Ok(Data {
-            demand: smooth(&self.demand)?,
-            reference: smooth(&self.reference)?,
-            speed: smooth(&self.speed)?,
-            phase_rad: self.phase_rad.clone(),
-            stretch: self.stretch.clone(),
-        })
-    }
-
-    /// The step of T_d* where its rounding puts noise onto the speed error that can be mistaken for a gate.
-    fn coarse_demand_nm(&self) -> Result<Option<f64>, EstimateError> {
-        let step = resolution(&self.demand.samples);
-        let rounding_rad_s = step / 12f64.sqrt() * starting_point(self)?[inverse::P];
-        Ok((rounding_rad_s > COARSE * noise_floor(&self.speed)).then_some(step))
-    }
-
-    fn window(&self) -> (f64, f64) {
-        (self.stretch.start_s, self.stretch.end_s)
-    }
-
-    fn model(&self, reference_lag: usize) -> InverseController {
-        InverseController::new(&self.demand, &self.reference, &self.speed, &self.phase_rad, reference_lag)
-    }
-}
-
-/// The smallest difference between values that are not equal; zero if all are.
-fn resolution(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    // Equal register values may differ in the last bits.
-    let span = sorted.last().unwrap_or(&0.0) - sorted.first().unwrap_or(&0.0);
-    let steps = sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * span);
-    let smallest = steps.fold(f64::INFINITY, f64::min);
-    if smallest.is_finite() { smallest } else { 0.0 }
-}
-
-/// Shaft angle turned by the end of each sample's gate, zero before the first.
-fn phase_of(speed: &Signal) -> Vec<f64> {
-    let mut angle = 0.0;
-    let advance = |w: &f64| {
-        angle += w * speed.sample_time_s;
-        angle
-    };
-    speed.samples.iter().map(advance).collect()
 }
 
 /// Estimates PI and delay from a recording in speed control with constant N_d* (BS_T_NT).
@@ -166,19 +66,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let data = Data::of(experiment, torque_limit_nm)?;
     let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
     let (known, unseen) = (data.part(experiment, estimation), data.part(experiment, validation));
-    let coarse_demand_nm = known.coarse_demand_nm()?;
-    let hides_gate = coarse_demand_nm.is_some();
-    let free = |j: usize| !matches!(j, inverse::K | inverse::K_A) && (j != inverse::GATE_SQUARED || !hides_gate);
-    let smooth = known.smoothed()?;
-    let start = starting_point(&smooth)?;
-    let (fit, lag) = fit_with_lag(&smooth, start.clone(), free)?;
-    let noise = refit_stretch(&known, &fit.parameters, lag)?.noise_variance().sqrt();
-    let (mut estimate, mut encoder) = describe(&known, &fit, noise)?;
-    if hides_gate {
-        // A gate of nought to one sample, all alike; half of it is in the delay.
-        encoder.gate_standard_error_s = known.demand.sample_time_s / 12f64.sqrt();
-        estimate.add_systematic(&[TAU.symbol], encoder.gate_standard_error_s);
-    }
+    let Found { fit, lag, smooth, start, coarse_demand_nm } = found_in(&known)?;
+    let (estimate, encoder) = described(&known, &fit, lag, coarse_demand_nm)?;
     let without = fit_without_delay(&smooth, start, lag)?;
     let k_p = 1.0 / fit.parameters[inverse::P];
     let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
@@ -190,11 +79,58 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
             validation: validate(&unseen, &fit.parameters, lag)?,
             without_delay: validate(&unseen, &without.parameters, lag)?,
         },
+        without_delay: describe_without_delay(&known, &without)?,
         encoder,
+        is_gated: !fit.at_bound[inverse::GATE_SQUARED],
         theta: fit.parameters,
         reference_lag: lag,
         coarse_demand_nm,
     })
+}
+
+/// Estimates PI and delay from all of a recording whose T_d* is that of PI and delay alone; nothing is held out.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub(crate) fn estimate_alone(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Estimate, EstimateError> {
+    let data = Data::of(experiment, torque_limit_nm)?;
+    let Found { fit, lag, coarse_demand_nm, .. } = found_in(&data)?;
+    Ok(described(&data, &fit, lag, coarse_demand_nm)?.0)
+}
+
+/// PI and delay as the search left them.
+struct Found {
+    fit: Minimum,
+    lag: usize,
+    /// The data it was found in, and where the search began.
+    smooth: Data,
+    start: Vec<f64>,
+    coarse_demand_nm: Option<f64>,
+}
+
+fn found_in(data: &Data) -> Result<Found, EstimateError> {
+    let coarse_demand_nm = data.coarse_demand_nm()?;
+    let free = |j: usize| j < inverse::K && (j != inverse::GATE_SQUARED || coarse_demand_nm.is_none());
+    let smooth = data.smoothed()?;
+    let start = starting_point(&smooth)?;
+    let (fit, lag) = fit_with_lag(&smooth, start.clone(), free)?;
+    Ok(Found { fit, lag, smooth, start, coarse_demand_nm })
+}
+
+fn described(
+    data: &Data,
+    fit: &Minimum,
+    lag: usize,
+    coarse_demand_nm: Option<f64>,
+) -> Result<(Estimate, Encoder), EstimateError> {
+    let noise = refit_stretch(data, &fit.parameters, lag)?.noise_variance().sqrt();
+    let (mut estimate, mut encoder) = describe(data, fit, noise)?;
+    if coarse_demand_nm.is_some() {
+        // A gate of nought to one sample, all alike; half of it is in the delay.
+        encoder.gate_standard_error_s = data.demand.sample_time_s / 12f64.sqrt();
+        estimate.add_systematic(&[TAU.symbol], encoder.gate_standard_error_s);
+    }
+    Ok((estimate, encoder))
 }
 
 /// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), together with the PI.
@@ -241,7 +177,7 @@ impl SpeedControllerFit {
     }
 }
 
-fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
+pub(super) fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
     let mean = reference.mean().unwrap_or(0.0);
     let spread = (reference.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / reference.len() as f64).sqrt();
     if spread > 1.0 {
@@ -288,53 +224,33 @@ fn fit_feed_forward(data: &Data, controller: &SpeedControllerFit) -> Result<Mini
     let mut start = controller.theta.clone();
     start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
     (start[inverse::COSINE], start[inverse::SINE]) = (0.0, 0.0);
-    run(data, controller.reference_lag, &start, |j| j != inverse::GATE_SQUARED)
+    run(data, controller.reference_lag, &start, |j| j <= inverse::K_A && j != inverse::GATE_SQUARED)
 }
 
-fn run(data: &Data, lag: usize, start: &[f64], free: impl Fn(usize) -> bool) -> Result<Minimum, EstimateError> {
+/// Minimises the residual over the free parameters, from `start`; one number for each further term of the feed-forward may be
+/// missing there, which then starts at zero.
+pub(super) fn run(
+    data: &Data,
+    lag: usize,
+    start: &[f64],
+    free: impl Fn(usize) -> bool,
+) -> Result<Minimum, EstimateError> {
     let unbounded = |j: usize| match j {
         inverse::P => Bounds::new(1e-9, 1e9),
         inverse::Q => Bounds::new(0.0, 1.0),
         inverse::LEAD => Bounds::new(-5.0, 15.0),
         inverse::GATE_SQUARED => Bounds::new(0.0, 100.0),
+        // Below half, inverting the filter or the derivative is not stable.
+        inverse::FILTER | inverse::DERIVATIVE => Bounds::new(-0.45, 1e4),
+        inverse::SECOND_INTEGRATOR => Bounds::new(-0.25, 0.25),
         _ => Bounds::NONE,
     };
+    let mut start = start.to_vec();
+    start.resize(COUNT + data.further.len(), 0.0);
     let bounds: Vec<Bounds> =
-        (0..COUNT).map(|j| if free(j) { unbounded(j) } else { Bounds::new(start[j], start[j]) }).collect();
-    let mut model = data.model(lag);
-    minimise(&mut model, start, &bounds, NonlinearOptions::default()).map_err(|source| ident_error(data, source))
-}
-
-fn ident_error(data: &Data, source: ident::IdentError) -> EstimateError {
-    EstimateError::Ident { file: data.stretch.file.clone(), source }
-}
-
-fn signal_error(data: &Data, source: signal::SignalError) -> EstimateError {
-    EstimateError::Signal { file: data.stretch.file.clone(), source }
-}
-
-/// T_d* regressed on the speed error and its integral: biased by the encoder's noise, good enough to start from.
-fn starting_point(data: &Data) -> Result<Vec<f64>, EstimateError> {
-    let spline = UniformSpline::new(data.speed.samples.clone()).map_err(|e| signal_error(data, e))?;
-    let n = data.demand.len();
-    let mut integral = 0.0;
-    let mut regressors = Mat::zeros(n, 3);
-    for k in 0..n {
-        let at = (data.demand.time_s(k) - data.speed.start_s) / data.speed.sample_time_s;
-        let error = spline.value(at) - data.reference.samples[k.saturating_sub(1)];
-        (regressors[(k, 0)], regressors[(k, 1)], regressors[(k, 2)]) = (error, integral, 1.0);
-        integral += error * data.demand.sample_time_s;
-    }
-    let rough =
-        ident::least_squares(regressors.as_ref(), &data.demand.samples).map_err(|source| ident_error(data, source))?;
-    let mut start = vec![0.0; COUNT];
-    let k_p = rough.parameters[0].max(1e-3);
-    start[inverse::P] = 1.0 / k_p;
-    start[inverse::Q] = (rough.parameters[1] * data.demand.sample_time_s / k_p).clamp(1e-6, 0.5);
-    start[inverse::FIRST_ERROR] = regressors[(0, 0)];
-    start[inverse::LEAD] = 0.5;
-    start[inverse::GATE_SQUARED] = 1.0;
-    Ok(start)
+        start.iter().enumerate().map(|(j, v)| if free(j) { unbounded(j) } else { Bounds::new(*v, *v) }).collect();
+    let mut model = data.model(lag, &free);
+    minimise(&mut model, &start, &bounds, NonlinearOptions::default()).map_err(|source| ident_error(data, source))
 }
 
 /// Gains, delay and gate with their covariance, from the internal parameters.
@@ -362,6 +278,17 @@ fn describe(data: &Data, fit: &Minimum, noise_rad_s: f64) -> Result<(Estimate, E
         once_a_turn: (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]),
     };
     Ok((estimate, encoder))
+}
+
+fn describe_without_delay(data: &Data, fit: &Minimum) -> Result<Estimate, EstimateError> {
+    let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
+    let (t, first_demand) = (data.demand.sample_time_s, data.demand.samples[0]);
+    let outputs: [ReadOut<'_>; 3] = [
+        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
+        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
+        (I_0, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
+    ];
+    Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
 }
 
 fn describe_feed_forward(data: &Data, fit: &Minimum) -> Result<Estimate, EstimateError> {
@@ -404,7 +331,7 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
         w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin())
     };
     let seen = data.speed.samples.iter().zip(&data.phase_rad).map(turn).collect();
-    let spline = UniformSpline::new(seen).map_err(|e| signal_error(data, e))?;
+    let spline = UniformSpline::new(seen).map_err(|e| signal_error(&data.stretch.file, e))?;
     let (k_p, step) = (1.0 / theta[inverse::P], theta[inverse::Q] / theta[inverse::P]);
     let reference = &data.reference.samples;
     let mut integral = 0.0;
@@ -425,7 +352,7 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
 
 fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest, EstimateError> {
     let fit = refit_stretch(data, theta, lag)?;
-    let positions = data.model(lag).kept();
+    let positions = data.model(lag, &|_| false).kept();
     let input = demand_at_speed(data, positions);
     let test = validate::ResidualTest { lags: LAGS, level: TEST_LEVEL, ..Default::default() };
     let seen = Dataset::siso(data.speed.sample_time_s, &input, &fit.residuals).map_err(|e| ident_error(data, e))?;

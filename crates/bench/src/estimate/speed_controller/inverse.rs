@@ -22,7 +22,16 @@ pub(super) const COSINE: usize = 5;
 pub(super) const SINE: usize = 6;
 pub(super) const K: usize = 7;
 pub(super) const K_A: usize = 8;
-pub(super) const COUNT: usize = 9;
+/// φ of a first-order filter on the measured speed, n_f(k) = (n(k) + φ n_f(k − 1))/(1 + φ).
+pub(super) const FILTER: usize = 9;
+/// r = K_d/(K_p T) of a derivative term.
+pub(super) const DERIVATIVE: usize = 10;
+/// w = K_ii T²/K_p of a second integrator.
+pub(super) const SECOND_INTEGRATOR: usize = 11;
+/// By how much more the controller sees than is logged, rad/s.
+pub(super) const OFFSET: usize = 12;
+/// Parameters of every inverted controller; coefficients of further feed-forward terms follow.
+pub(super) const COUNT: usize = 13;
 
 /// Data of one stretch.
 pub(super) struct InverseController {
@@ -30,6 +39,8 @@ pub(super) struct InverseController {
     demand: Vec<f64>,
     /// N_d*, rad/s, on the controller's clock.
     reference: Vec<f64>,
+    /// What feeds forward, with its parameter: N_d*, its change from sample to sample, further terms.
+    feeds: Vec<(usize, Vec<f64>)>,
     /// N_d, rad/s, on its own clock.
     speed: Vec<f64>,
     /// N_d cos φ and N_d sin φ.
@@ -40,24 +51,21 @@ pub(super) struct InverseController {
     kept: Range<usize>,
     /// Samples by which N_d* enters the speed error late.
     reference_lag: usize,
-    /// Sequences reused at every evaluation: e and its derivatives.
-    work: Work,
-}
-
-/// The speed error seen by the controller, and its derivatives by p, q, e(0), k and k_a.
-struct Work {
+    /// Parameters with a column in the Jacobian; that of the others stays zero.
+    free: Vec<bool>,
+    /// The speed error seen by the controller, reused at every evaluation.
     error: Vec<f64>,
-    by: [Vec<f64>; 5],
 }
 
 impl InverseController {
-    /// `demand` and `reference` share the controller's clock; `phase_rad` is the shaft angle at each sample of `speed`.
+    /// `demand`, `reference` and `further` share the controller's clock; `phase_rad` is the shaft angle at each sample of
+    /// `speed`. `further` are terms of the feed-forward beside N_d* and its change; their coefficients, Nm, are the
+    /// parameters from [`COUNT`] on.
     pub(super) fn new(
-        demand: &Signal,
-        reference: &Signal,
-        speed: &Signal,
-        phase_rad: &[f64],
+        (demand, reference, further): (&Signal, &Signal, &[Signal]),
+        (speed, phase_rad): (&Signal, &[f64]),
         reference_lag: usize,
+        free: &dyn Fn(usize) -> bool,
     ) -> Self {
         let n = demand.len().min(reference.len());
         let position = |i: usize| (speed.time_s(i) - demand.start_s) / demand.sample_time_s;
@@ -67,15 +75,20 @@ impl InverseController {
         let count = positions.iter().filter(|p| inside(p)).count();
         let turn =
             [f64::cos, f64::sin].map(|f| speed.samples.iter().zip(phase_rad).map(|(w, angle)| w * f(*angle)).collect());
+        let reference = reference.samples[..n].to_vec();
+        let change = std::iter::once(0.0).chain(reference.windows(2).map(|pair| pair[1] - pair[0])).collect();
+        let further = further.iter().enumerate().map(|(i, signal)| (COUNT + i, signal.samples[..n].to_vec()));
         InverseController {
             demand: demand.samples[..n].to_vec(),
-            reference: reference.samples[..n].to_vec(),
+            feeds: [(K, reference.clone()), (K_A, change)].into_iter().chain(further.clone()).collect(),
+            reference,
             speed: speed.samples.clone(),
             turn,
             positions,
             kept: first..first + count,
             reference_lag,
-            work: Work { error: vec![0.0; n], by: std::array::from_fn(|_| vec![0.0; n]) },
+            free: (0..COUNT + further.len()).map(free).collect(),
+            error: vec![0.0; n],
         }
     }
 
@@ -84,38 +97,50 @@ impl InverseController {
         self.kept.clone()
     }
 
-    fn lagged_reference(&self, k: usize) -> f64 {
-        self.reference[k.saturating_sub(self.reference_lag)]
+    /// e(k) = [p Δv(k) + (1 − q) e(k − 1) + r (2 e(k − 1) − e(k − 2)) − w Σ_{j ≤ k−2} e(j)]/(1 + r), v = T_d* less the
+    /// feed-forward. k_a is per sample here.
+    fn invert(&mut self, theta: &[f64]) {
+        let forcing: Vec<f64> = (0..self.demand.len()).map(|i| theta[P] * self.change(theta, i)).collect();
+        self.error = recursion(theta, theta[FIRST_ERROR], &forcing);
     }
 
-    fn reference_step(&self, k: usize) -> f64 {
-        if k == 0 { 0.0 } else { self.reference[k] - self.reference[k - 1] }
+    /// Δv at sample i.
+    fn change(&self, theta: &[f64], i: usize) -> f64 {
+        let step = |series: &[f64]| if i == 0 { 0.0 } else { series[i] - series[i - 1] };
+        step(&self.demand) - self.feeds.iter().map(|(j, series)| theta[*j] * step(series)).sum::<f64>()
     }
 
-    /// e(k) = p Δv(k) + (1 − q) e(k − 1), v = T_d* − k (N_d* − N_d*(0)) − k_a ΔN_d*, and its derivatives. k_a is per
-    /// sample here.
-    fn invert(&mut self, theta: &[f64], with_gradient: bool) {
-        let n = self.demand.len();
-        let (p, keep) = (theta[P], 1.0 - theta[Q]);
-        let feed = |s: &Self, i: usize| theta[K] * s.reference[i] + theta[K_A] * s.reference_step(i);
-        self.work.error[0] = theta[FIRST_ERROR];
-        for series in &mut self.work.by {
-            series[0] = 0.0;
-        }
-        self.work.by[FIRST_ERROR][0] = 1.0;
-        for i in 1..n {
-            let change = self.demand[i] - self.demand[i - 1] - (feed(self, i) - feed(self, i - 1));
-            self.work.error[i] = p * change + keep * self.work.error[i - 1];
-            if with_gradient {
-                let step = self.reference_step(i);
-                let bend = step - self.reference_step(i - 1);
-                let previous = self.work.error[i - 1];
-                let forcing = [change, -previous, 0.0, -p * step, -p * bend];
-                for (series, force) in self.work.by.iter_mut().zip(forcing) {
-                    series[i] = force + keep * series[i - 1];
-                }
+    /// ∂e/∂θ_j, for the parameters of the controller itself.
+    fn derivative(&self, theta: &[f64], j: usize) -> Option<Vec<f64>> {
+        let e = &self.error;
+        let n = e.len();
+        let before = |i: usize, back: usize| e[i.saturating_sub(back)];
+        let forcing: Vec<f64> = match j {
+            P => (0..n).map(|i| self.change(theta, i)).collect(),
+            Q => (0..n).map(|i| -before(i, 1)).collect(),
+            FIRST_ERROR => vec![0.0; n],
+            DERIVATIVE => (0..n).map(|i| -(e[i] - 2.0 * before(i, 1) + before(i, 2))).collect(),
+            SECOND_INTEGRATOR => {
+                let mut sum = 0.0;
+                let delayed = |i: usize| {
+                    sum += if i < 2 { 0.0 } else { e[i - 2] };
+                    -sum
+                };
+                (0..n).map(delayed).collect()
             }
-        }
+            _ => {
+                let (_, series) = self.feeds.iter().find(|(k, _)| *k == j)?;
+                let step = |i: usize| if i == 0 { 0.0 } else { series[i] - series[i - 1] };
+                (0..n).map(|i| -theta[P] * step(i)).collect()
+            }
+        };
+        Some(recursion(theta, if j == FIRST_ERROR { 1.0 } else { 0.0 }, &forcing))
+    }
+
+    /// The speed that the controller's own filter has let through, on the controller's clock.
+    fn filtered_speed(&self) -> Vec<f64> {
+        let lagged = |k: usize| self.reference[k.saturating_sub(self.reference_lag)];
+        self.error.iter().enumerate().map(|(k, e)| e + lagged(k)).collect()
     }
 
     fn write_jacobian(
@@ -124,21 +149,28 @@ impl InverseController {
         spline: &UniformSpline,
         mut jacobian: MatMut<'_, f64>,
     ) -> Result<(), IdentError> {
-        const COLUMNS: [usize; 5] = [P, Q, FIRST_ERROR, K, K_A];
         let half = theta[GATE_SQUARED] / 24.0;
-        for (series, column) in self.work.by.iter().zip(COLUMNS) {
-            let spline = spline_of(series.clone())?;
+        for j in (0..self.free.len()).filter(|j| self.free[*j]) {
+            let series = match j {
+                FILTER => Some(steps(&self.filtered_speed())),
+                _ => self.derivative(theta, j).map(|series| unfiltered(series, theta[FILTER])),
+            };
+            let spline = series.map(spline_of).transpose()?;
             for (row, i) in self.kept().enumerate() {
                 let at = self.positions[i] + theta[LEAD];
-                jacobian[(row, column)] = -(spline.value(at) + half * spline.curvature(at));
+                jacobian[(row, j)] = -spline.as_ref().map_or(0.0, |s| s.value(at) + half * s.curvature(at));
             }
         }
         for (row, i) in self.kept().enumerate() {
             let at = self.positions[i] + theta[LEAD];
-            jacobian[(row, LEAD)] = -(spline.slope(at) + half * spline.jerk(at));
-            jacobian[(row, GATE_SQUARED)] = -spline.curvature(at) / 24.0;
-            jacobian[(row, COSINE)] = -self.turn[0][i];
-            jacobian[(row, SINE)] = -self.turn[1][i];
+            let direct = [
+                (LEAD, -(spline.slope(at) + half * spline.jerk(at))),
+                (GATE_SQUARED, -spline.curvature(at) / 24.0),
+                (COSINE, -self.turn[0][i]),
+                (SINE, -self.turn[1][i]),
+                (OFFSET, 1.0),
+            ];
+            direct.into_iter().filter(|(j, _)| self.free[*j]).for_each(|(j, value)| jacobian[(row, j)] = value);
         }
         Ok(())
     }
@@ -146,7 +178,7 @@ impl InverseController {
 
 impl ResidualModel for InverseController {
     fn parameter_count(&self) -> usize {
-        COUNT
+        self.free.len()
     }
 
     fn residual_count(&self) -> usize {
@@ -162,20 +194,49 @@ impl ResidualModel for InverseController {
         residuals: &mut [f64],
         jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError> {
-        self.invert(theta, jacobian.is_some());
-        let seen = (0..self.demand.len()).map(|k| self.work.error[k] + self.lagged_reference(k)).collect();
-        let spline = spline_of(seen)?;
+        self.invert(theta);
+        let spline = spline_of(unfiltered(self.filtered_speed(), theta[FILTER]))?;
         for (row, i) in self.kept().enumerate() {
             let at = self.positions[i] + theta[LEAD];
-            let predicted = spline.value(at) + theta[GATE_SQUARED] / 24.0 * spline.curvature(at);
+            let seen = spline.value(at) + theta[GATE_SQUARED] / 24.0 * spline.curvature(at);
             let turn = theta[COSINE] * self.turn[0][i] + theta[SINE] * self.turn[1][i];
-            residuals[row] = self.speed[i] - predicted - turn;
+            residuals[row] = self.speed[i] - (seen - theta[OFFSET]) - turn;
         }
         match jacobian {
             Some(jacobian) => self.write_jacobian(theta, &spline, jacobian),
             None => Ok(()),
         }
     }
+}
+
+/// x(k) = [f(k) + (1 − q) x(k − 1) + r (2 x(k − 1) − x(k − 2)) − w Σ_{j ≤ k−2} x(j)]/(1 + r) from x(0) = x(−1) on.
+pub(super) fn recursion(theta: &[f64], first: f64, forcing: &[f64]) -> Vec<f64> {
+    let (keep, r, w) = (1.0 - theta[Q], theta[DERIVATIVE], theta[SECOND_INTEGRATOR]);
+    let mut all = Vec::with_capacity(forcing.len());
+    all.push(first);
+    let (mut last, mut before, mut sum) = (first, first, 0.0);
+    for (i, force) in forcing.iter().enumerate().skip(1) {
+        if i > 1 {
+            sum += before;
+        }
+        let next = (force + keep * last + r * (2.0 * last - before) - w * sum) / (1.0 + r);
+        (before, last) = (last, next);
+        all.push(next);
+    }
+    all
+}
+
+/// What went into a first-order filter, from what came out of it.
+fn unfiltered(series: Vec<f64>, phi: f64) -> Vec<f64> {
+    if phi == 0.0 {
+        return series;
+    }
+    series.iter().zip(steps(&series)).map(|(value, step)| value + phi * step).collect()
+}
+
+/// Change from sample to sample, zero at the first.
+fn steps(series: &[f64]) -> Vec<f64> {
+    std::iter::once(0.0).chain(series.windows(2).map(|pair| pair[1] - pair[0])).collect()
 }
 
 fn spline_of(values: Vec<f64>) -> Result<UniformSpline, IdentError> {

@@ -16,9 +16,20 @@
 //! # Source
 //! Thesis (6.2), (6.5)–(6.7); Ljung 1999, §4.3 (output error), §9.4.
 
+mod data;
 mod encoder;
 mod fit;
+mod forward;
 mod inverse;
+mod limit;
+mod terms;
 
 pub use encoder::Encoder;
+pub(crate) use fit::estimate_alone;
 pub use fit::{SpeedControllerFit, estimate, estimate_feed_forward};
+pub(crate) use forward::estimate_forward;
+pub use limit::{AntiWindup, LawTest, Limit, LimitReached, limit};
+pub use terms::{
+    FeedForwardTerms, LEVEL, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict, feed_forward_terms,
+    structure,
+};

@@ -5,14 +5,14 @@ use signal::{Complex64, Signal};
 /// A demand held from each of its samples to the next, limited to what the inverter can give. Before the first sample
 /// the first value holds, after the last the last.
 #[derive(Debug, Clone, PartialEq)]
-pub(in crate::estimate) struct HeldDemand {
+pub(crate) struct HeldDemand {
     start_s: f64,
     sample_time_s: f64,
     values: Vec<f64>,
 }
 
 impl HeldDemand {
-    pub(in crate::estimate) fn new(demand: &Signal, limit_nm: Option<f64>) -> Self {
+    pub(crate) fn new(demand: &Signal, limit_nm: Option<f64>) -> Self {
         let limit = limit_nm.unwrap_or(f64::INFINITY);
         HeldDemand {
             start_s: demand.start_s,
@@ -21,12 +21,12 @@ impl HeldDemand {
         }
     }
 
-    pub(in crate::estimate) fn sample_time_s(&self) -> f64 {
+    pub(crate) fn sample_time_s(&self) -> f64 {
         self.sample_time_s
     }
 
     /// The demand as it stands at an instant.
-    pub(in crate::estimate) fn at(&self, time_s: f64) -> f64 {
+    pub(crate) fn at(&self, time_s: f64) -> f64 {
         self.values.get(self.locate(time_s).0).copied().unwrap_or(0.0)
     }
 
@@ -44,13 +44,13 @@ impl HeldDemand {
 
 /// Value and derivatives of a delayed mode at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::estimate) struct ModeSample {
+pub(crate) struct ModeSample {
     /// x(t − d).
-    pub(in crate::estimate) value: Complex64,
+    pub(crate) value: Complex64,
     /// ∂x/∂d.
-    pub(in crate::estimate) by_delay: Complex64,
+    pub(crate) by_delay: Complex64,
     /// ∂x/∂a.
-    pub(in crate::estimate) by_rate: Complex64,
+    pub(crate) by_rate: Complex64,
 }
 
 /// The mode dx/dt = a (u − x), i.e. a/(s + a), with real or complex rate a, on a held demand.
@@ -64,7 +64,7 @@ pub(in crate::estimate) struct ModeSample {
 /// # Source
 /// Åström & Wittenmark, *Computer-Controlled Systems*, 3rd ed., §2.3 (zero-order hold with a fractional delay).
 #[derive(Debug, Clone)]
-pub(in crate::estimate) struct Mode<'a> {
+pub(crate) struct Mode<'a> {
     demand: &'a HeldDemand,
     rate: Complex64,
     state: Vec<Complex64>,
@@ -73,7 +73,7 @@ pub(in crate::estimate) struct Mode<'a> {
 
 impl<'a> Mode<'a> {
     /// A mode whose rate is still to be set.
-    pub(in crate::estimate) fn new(demand: &'a HeldDemand) -> Self {
+    pub(crate) fn new(demand: &'a HeldDemand) -> Self {
         let length = demand.values.len();
         Mode {
             demand,
@@ -84,7 +84,7 @@ impl<'a> Mode<'a> {
     }
 
     /// Computes the mode at the demand's instants for a rate; the last rate's result is kept.
-    pub(in crate::estimate) fn set_rate(&mut self, rate: Complex64) {
+    pub(crate) fn set_rate(&mut self, rate: Complex64) {
         if rate == self.rate {
             return;
         }
@@ -101,7 +101,7 @@ impl<'a> Mode<'a> {
     }
 
     /// The mode, delayed by `delay_s`, at an instant.
-    pub(in crate::estimate) fn at(&self, time_s: f64, delay_s: f64) -> ModeSample {
+    pub(crate) fn at(&self, time_s: f64, delay_s: f64) -> ModeSample {
         let (n, since) = self.demand.locate(time_s - delay_s);
         let Some(u) = self.demand.values.get(n) else {
             return ModeSample { value: Complex64::ZERO, by_delay: Complex64::ZERO, by_rate: Complex64::ZERO };

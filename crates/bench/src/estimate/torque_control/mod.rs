@@ -12,6 +12,7 @@ mod pure_delay;
 mod ripple;
 mod rippled;
 mod search;
+mod second_order;
 mod validation;
 
 use faer::Mat;
@@ -24,13 +25,17 @@ use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
 use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
 
-use held::HeldDemand;
+pub(crate) use held::HeldDemand;
 pub use model::{InverterModel, ResidualStatistics};
-pub(super) use observed::{Observed, usable_samples};
+pub(super) use observed::Observed;
+pub(crate) use observed::usable_samples;
 pub use ripple::RippleLine;
 use rippled::{DelayAndLag, RippledModel};
+pub(crate) use search::batches;
 use search::fit_with_ripple;
 pub(super) use search::robust_covariance;
+pub use second_order::{CRITICALLY_DAMPED, SecondOrderTest};
+pub(crate) use second_order::{SecondOrder, distance_from_lag, lag_errors, term_error};
 
 /// The longest delay looked for, s.
 const LONGEST_DELAY_S: f64 = 0.02;
@@ -69,6 +74,15 @@ pub struct TorqueControlFit {
     pub gain: Parameter,
     /// Doubts.
     pub diagnostics: Vec<Diagnostic>,
+}
+
+impl TorqueControlFit {
+    /// Whether a lag was found: one that is known to no better than half of itself, or rests on a bound, is as good as none.
+    pub(crate) fn has_lag(&self) -> bool {
+        let lag = self.result.delay_and_lag.parameter(LAG.symbol);
+        let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
+        is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.inverter.lag_rad_s)
+    }
 }
 
 /// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
@@ -124,6 +138,26 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         gain: lagged.gain,
         diagnostics,
     })
+}
+
+/// Tests on the estimation part of the experiment that `fit` comes from whether more than delay and lag is told.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn second_order(
+    experiment: &Experiment,
+    fit: &TorqueControlFit,
+    torque_limit_nm: Option<f64>,
+) -> Result<SecondOrderTest, EstimateError> {
+    let (demand, torque) = signals(experiment)?;
+    let usable = usable_samples(demand, torque, torque_limit_nm);
+    let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;
+    let seen = Observed::new(torque, &usable, 0..split);
+    let smooth = seen.times_s.iter().zip(&seen.values).map(|(t, y)| fit.inverter.without_ripple(*y, *t)).collect();
+    let observed = Observed { values: smooth, ..seen };
+    let held = HeldDemand::new(demand, torque_limit_nm);
+    second_order::test(&held, &observed, (fit.inverter.delay_s, fit.inverter.lag_rad_s))
+        .map_err(|source| EstimateError::Ident { file: experiment.file.clone(), source })
 }
 
 /// T_d* and T_d,calc, checked.

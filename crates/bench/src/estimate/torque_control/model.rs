@@ -119,6 +119,12 @@ impl InverterModel {
         torque_nm + (added_nm + torque_nm * relative)
     }
 
+    /// A torque with offset and ripple taken off.
+    pub(crate) fn without_ripple(&self, torque_nm: f64, time_s: f64) -> f64 {
+        let (relative, added_nm) = self.ripple_at(time_s);
+        (torque_nm - added_nm) / (1.0 + relative)
+    }
+
     /// Ripple at an instant of the recording's clock: r and w in T_d = m (1 + r) + w, the offset being part of w.
     pub(crate) fn ripple_at(&self, time_s: f64) -> (f64, f64) {
         let parts = self.ripple.iter().map(|line| line.parts(time_s - self.reference_s));

@@ -41,6 +41,15 @@ impl Observed {
         }
     }
 
+    /// Samples at these instants of a raster, without ripple.
+    pub(in crate::estimate) fn of_samples(times_s: &[f64], values: Vec<f64>, sample_time_s: f64) -> Self {
+        let first = times_s.first().copied().unwrap_or(0.0);
+        // The float-to-integer cast saturates.
+        let place = |t: &f64| ((t - first) / sample_time_s).round() as usize;
+        let places = times_s.iter().map(place).collect();
+        Observed { times_s: times_s.to_vec(), values, places, sample_time_s, reference_s: first }
+    }
+
     pub(in crate::estimate) fn len(&self) -> usize {
         self.values.len()
     }
@@ -72,7 +81,7 @@ impl Observed {
 }
 
 /// Which samples of `torque` depend on a recorded and unlimited demand alone.
-pub(in crate::estimate) fn usable_samples(demand: &Signal, torque: &Signal, limit_nm: Option<f64>) -> Vec<bool> {
+pub(crate) fn usable_samples(demand: &Signal, torque: &Signal, limit_nm: Option<f64>) -> Vec<bool> {
     let limited_until = limited_until(demand, limit_nm);
     let index = |time_s: f64| (time_s - demand.start_s) / demand.sample_time_s + 1e-6;
     let usable = |i: usize| {

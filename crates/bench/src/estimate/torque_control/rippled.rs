@@ -106,11 +106,21 @@ impl<'a, R: Response> RippledModel<'a, R> {
         bounds
     }
 
-    /// Cost of the response alone with gain one and the best offset, for coarse searches.
-    pub(in crate::estimate) fn coarse_cost(&mut self, response: &[f64]) -> f64 {
+    /// Factor and addend of these lines at each sample: see [`RippleLine::parts`].
+    pub(in crate::estimate) fn ripple_of(&self, lines: &[RippleLine]) -> Vec<(f64, f64)> {
+        let at = |t: &f64| {
+            let parts = lines.iter().map(|line| line.parts(t - self.observed.reference_s));
+            parts.fold((0.0, 0.0), |sum, part| (sum.0 + part.0, sum.1 + part.1))
+        };
+        self.observed.times_s.iter().map(at).collect()
+    }
+
+    /// Cost of the response with gain one, a ripple of known factors and addends, and the best offset, for coarse searches.
+    pub(in crate::estimate) fn coarse_cost(&mut self, response: &[f64], ripple: &[(f64, f64)]) -> f64 {
         self.response.evaluate(response, &self.observed.times_s, &mut self.values, None);
         let n = self.observed.len() as f64;
-        let errors = || self.observed.values.iter().zip(&self.values).map(|(y, m)| y - m);
+        let samples = || self.observed.values.iter().zip(&self.values).zip(ripple);
+        let errors = || samples().map(|((y, m), (factor, addend))| y - m * (1.0 + factor) - addend);
         let mean = errors().sum::<f64>() / n;
         errors().map(|e| (e - mean).powi(2)).sum()
     }

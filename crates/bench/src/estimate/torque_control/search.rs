@@ -4,7 +4,7 @@ use faer::Mat;
 use ident::covariance::batched_sandwich;
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, minimise};
 
-use super::ripple::{lowers_cost, strongest_line};
+use super::ripple::{RippleLine, lowers_cost, strongest_line};
 use super::rippled::{Response, RippledModel};
 
 /// Most ripple lines looked for.
@@ -29,13 +29,20 @@ pub(in crate::estimate) fn fit_with_ripple<R: Response>(
     starts: &[Vec<f64>],
     bounds: &[Bounds],
 ) -> Result<Minimum, IdentError> {
-    let mut fit = fit_without_ripple(model, starts, bounds)?;
+    let mut fit = fit_from_best(model, starts, bounds, &[])?;
     let scale: f64 = model.observed().values.iter().map(|y| y * y).sum();
     let mut frequencies: Vec<f64> = Vec::new();
     while frequencies.len() < MOST_LINES && fit.cost > ROUNDING * ROUNDING * scale {
         let Some(line) = next_line(model, &fit, &frequencies) else { break };
         frequencies.push(line);
-        let Ok(next) = fit_with_lines(model, &fit.parameters, bounds, &frequencies) else { break };
+        let Ok(mut next) = fit_with_lines(model, &fit.parameters, bounds, &frequencies) else { break };
+        if frequencies.len() == 1 {
+            // Unexplained, the strongest ripple can lead the response away to where no slope leads back from, such as to a jump
+            // of the held demand.
+            let lines = model.linear_of(&next.parameters).1;
+            let afresh = fit_from_best(model, starts, bounds, &lines);
+            next = afresh.ok().filter(|afresh| afresh.cost < next.cost).unwrap_or(next);
+        }
         if !lowers_cost(fit.cost, next.cost, model.observed().len(), next.parameters.len()) {
             break;
         }
@@ -52,16 +59,20 @@ fn next_line<R: Response>(model: &RippledModel<'_, R>, fit: &Minimum, known: &[f
     strongest_line(&fit.residuals, &observed.places, observed.sample_time_s, known).ok().flatten()
 }
 
-fn fit_without_ripple<R: Response>(
+/// The best fit from those starts that come closest with these ripple lines.
+fn fit_from_best<R: Response>(
     model: &mut RippledModel<'_, R>,
     starts: &[Vec<f64>],
     bounds: &[Bounds],
+    lines: &[RippleLine],
 ) -> Result<Minimum, IdentError> {
-    let mut ranked: Vec<(f64, &Vec<f64>)> = starts.iter().map(|s| (model.coarse_cost(s), s)).collect();
+    let ripple = model.ripple_of(lines);
+    let mut ranked: Vec<(f64, &Vec<f64>)> = starts.iter().map(|s| (model.coarse_cost(s, &ripple), s)).collect();
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let frequencies: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
     let mut best: Result<Minimum, IdentError> = Err(IdentError::Constant { what: "the demand" });
     for (_, start) in ranked.iter().take(STARTS) {
-        let found = fit_with_lines(model, start, bounds, &[]);
+        let found = fit_with_lines(model, start, bounds, &frequencies);
         match (&best, &found) {
             (Ok(b), Ok(f)) if f.cost >= b.cost => {}
             (Ok(_), Err(_)) => {}
@@ -114,6 +125,10 @@ fn line_reach_hz<R: Response>(model: &RippledModel<'_, R>) -> f64 {
 /// # Errors
 /// Too few samples.
 pub(in crate::estimate) fn robust_covariance(fit: &Minimum, sample_time_s: f64) -> Result<(Mat<f64>, f64), IdentError> {
-    let batches = (fit.residuals.len() as f64 * sample_time_s / BATCH_S) as usize;
-    batched_sandwich(fit, batches.clamp(BATCHES.0, BATCHES.1))
+    batched_sandwich(fit, batches(fit.residuals.len(), sample_time_s))
+}
+
+/// Into how many batches so many samples are cut for a covariance robust to what is left in them.
+pub(crate) fn batches(samples: usize, sample_time_s: f64) -> usize {
+    ((samples as f64 * sample_time_s / BATCH_S) as usize).clamp(BATCHES.0, BATCHES.1)
 }

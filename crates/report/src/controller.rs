@@ -1,0 +1,422 @@
+//! The speed controller, in words and figures.
+
+use bench::estimate::speed_controller::{
+    AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
+};
+use bench::speed_control::{
+    Case, Controller, Estimator, FeedForwardFound, IntegrationRule, Noise, PUBLISHED, PiStudy, PublishedRow,
+    SpeedControl, Summary,
+};
+use bench::study::ResidualTest;
+use bench::torque_signals::{Told, Untold};
+use bench::units::RPM_RAD_S;
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+
+use crate::wording::{self, number};
+
+/// Height of a panel on the page.
+const HEIGHT: u32 = 220;
+/// Room beside the first and last point, as a part of the axis.
+const MARGIN: f64 = 0.03;
+
+/// Why a recording does not tell something of the speed controller, with what would.
+pub fn untold(why: &Untold) -> String {
+    match why {
+        Untold::Missing { role } => format!("{} is not recorded; record it", wording::role(*role)),
+        Untold::NotExcited | Untold::NotExplained => {
+            "N_d* hardly moves where T_d* is below its limit; run Levels_N_NT".to_owned()
+        }
+        Untold::Failed { reason } => reason.clone(),
+    }
+}
+
+/// A term in a few words.
+pub fn term(term: Term) -> &'static str {
+    match term {
+        Term::Filter => "filter on N_d",
+        Term::Derivative => "derivative",
+        Term::SecondIntegrator => "second integrator",
+        Term::SpeedOffset => "offset in the speed error",
+        Term::StaticMap => "bend in the static map",
+        Term::Hysteresis => "hysteresis",
+        Term::Friction => "friction compensation",
+    }
+}
+
+/// What a test says, in a word or two.
+pub fn verdict(test: &TermTest) -> &'static str {
+    match test.verdict {
+        Verdict::Found => "found",
+        Verdict::Negligible => "too small to matter",
+        Verdict::NotFound => "none seen",
+        Verdict::Untold => "untold",
+    }
+}
+
+/// A probability, e.g. `0.34` or `below 0.0001`.
+pub fn probability(p: f64) -> String {
+    match p {
+        p if !p.is_finite() => number::NOT_KNOWN.to_owned(),
+        p if p < 1e-4 => "below 0.0001".to_owned(),
+        p => number::significant(p, 2),
+    }
+}
+
+/// Which experiment tells a term that is untold.
+fn remedy(of: Term) -> &'static str {
+    match of {
+        Term::Filter | Term::Derivative => {
+            "run BS_T_NT longer, with the engine's torque switched as fast as it fires, so that N_d moves at 10 to 50 Hz"
+        }
+        Term::SecondIntegrator | Term::SpeedOffset => "run BS_T_NT for some minutes: it shows in what drifts",
+        Term::StaticMap => "run Levels_N_NT over all speeds that matter",
+        Term::Hysteresis => "run Levels_N_NT, which comes to its levels from both sides",
+        Term::Friction => {
+            "run Levels_N_NT with several slopes: with one slope alone the sign of dN_d*/dt and dN_d*/dt are the same"
+        }
+    }
+}
+
+/// What is untold among the tests, each with the experiment that would tell it.
+pub fn untold_terms(tests: &[TermTest]) -> Vec<String> {
+    let untold = tests.iter().filter(|test| test.verdict == Verdict::Untold);
+    untold.map(|test| format!("{}: these data cannot tell; {}", term(test.term), remedy(test.term))).collect()
+}
+
+/// How the residual depends on T_d*, e.g. `outside the 99 % region at 88 % of the lags`.
+pub fn dependence(test: &ResidualTest) -> String {
+    let share = test.share_outside();
+    let place = if share > ResidualTest::MANY_OUTSIDE { "outside" } else { "inside" };
+    format!(
+        "{place} the {} region ({} of the lags 0 to {} beyond it)",
+        number::share(test.level),
+        number::share(share),
+        test.cross_correlation.len() / 2
+    )
+}
+
+/// What the delay changes, in a sentence or two.
+pub fn delay(found: &Controller) -> String {
+    let of = |validation: &bench::study::Validation| {
+        let residuals =
+            validation.residuals.as_ref().map_or_else(String::new, |test| format!(", {}", dependence(test)));
+        format!("fit {} on the held-out stretch{residuals}", number::fit(validation.fit_percent))
+    };
+    format!(
+        "Correlation of residual and T_d*: PI alone {}; PI and delay {}.",
+        of(&found.validation_without_delay),
+        of(&found.validation)
+    )
+}
+
+/// The rules of integration that no data tell apart.
+pub fn rules(found: &Controller) -> String {
+    let rule = |rule: IntegrationRule| match rule {
+        IntegrationRule::Forward => "forward Euler",
+        IntegrationRule::Trapezoidal => "trapezoidal",
+        IntegrationRule::Backward => "backward Euler",
+    };
+    let gains = &found.discrete.proportional_gains;
+    let each = gains.iter().map(|(by, gain)| format!("{} {}", rule(*by), number::parameter(gain)));
+    format!(
+        "No recording tells by which rule the controller integrates: all give the same b_0 and b_1, and the same K_i. K_p would \
+         be, by {}.",
+        each.collect::<Vec<_>>().join("; ")
+    )
+}
+
+/// What was found beside PI and delay.
+pub fn structure(found: &Structure) -> String {
+    let level = format!("{} %", number::significant(100.0 * found.level, 2));
+    let rpm = |rad_s: f64| number::significant_with_unit(rad_s / RPM_RAD_S, 2, "rpm");
+    let terms = found.found();
+    if terms.is_empty() {
+        return format!(
+            "Nothing beside PI and delay is seen at the {level} level; they leave {} of N_d unexplained.",
+            rpm(found.left_rad_s.0)
+        );
+    }
+    format!(
+        "Found at the {level} level beside PI and delay: {}. N_d is left unexplained by {} without, by {} with that.",
+        names(&terms),
+        rpm(found.left_rad_s.0),
+        rpm(found.left_rad_s.1)
+    )
+}
+
+/// Terms as a list.
+fn names(terms: &[Term]) -> String {
+    wording::join(&terms.iter().map(|t| term(*t).to_owned()).collect::<Vec<_>>(), "and")
+}
+
+/// Against what a round tests; `base` is what is there without terms, e.g. `PI and delay`.
+pub fn round(base: &str, round: &Round) -> String {
+    match round.beside.as_slice() {
+        [] => format!("Beside {base}"),
+        beside => format!("Beside {base}, with {}", names(beside)),
+    }
+}
+
+/// What was found of the feed-forward beside k and k_a.
+pub fn bends(found: &FeedForwardTerms) -> String {
+    match found.found().as_slice() {
+        [] => "Nothing beside k and k_a is seen.".to_owned(),
+        terms => format!("Found beside k and k_a: {}.", names(terms)),
+    }
+}
+
+/// What `too small to matter` means; where it is said of any test.
+pub fn negligible(tests: &[TermTest]) -> Option<String> {
+    let is_said = tests.iter().any(|test| test.verdict == Verdict::Negligible);
+    is_said.then(|| {
+        format!(
+            "Too small to matter: differs from zero, but explains less than {} % of the variance of what is left of N_d.",
+            number::significant(100.0 * MATTERS, 2)
+        )
+    })
+}
+
+/// A law of anti-windup.
+pub fn law(law: AntiWindup) -> String {
+    match law {
+        AntiWindup::None => "none: the integrator runs on".to_owned(),
+        AntiWindup::Clamping => "clamping: it rests at the limit".to_owned(),
+        AntiWindup::ConditionalIntegration => {
+            "conditional integration: it rests where it would be driven further".to_owned()
+        }
+        AntiWindup::BackCalculation { tracking_s } => {
+            format!("back-calculation, tracking time {}", number::duration(tracking_s))
+        }
+    }
+}
+
+/// What the recordings tell of the limit of T_d*, one text a recording that reaches it, and one for all others.
+pub fn limits(found: &SpeedControl) -> Vec<String> {
+    let mut all = Vec::new();
+    let (mut highest, mut is_reached) = (None, false);
+    for one in &found.limits {
+        match &one.found {
+            Told::Found(Limit::Reached(reached)) => {
+                is_reached = true;
+                all.push(format!("{}: {}", one.file, at_limit(reached)));
+            }
+            Told::Found(Limit::NotReached { highest_nm }) => {
+                highest = Some(highest.map_or(*highest_nm, |highest: f64| highest.max(*highest_nm)));
+            }
+            Told::Untold(why) => all.push(format!("{}: {}", one.file, untold(why))),
+        }
+    }
+    all.extend(highest.filter(|_| !is_reached).map(|highest| {
+        format!(
+            "no recording rests at a limit of T_d* (highest {}), so that limit and anti-windup are untold; {RUN_TO_LIMIT}",
+            number::significant_with_unit(highest, 4, "Nm")
+        )
+    }));
+    all
+}
+
+const RUN_TO_LIMIT: &str =
+    "run NoShaft_N_NT with steps of N_d* so high that T_d* rests at its limit for 0.05 s or more, e.g. --set rise=800";
+
+fn at_limit(found: &LimitReached) -> String {
+    let rests = format!(
+        "T_d* is limited to {} ({} of the time, at most {} on end)",
+        number::significant_with_unit(found.limit_nm, 4, "Nm"),
+        number::share(found.share),
+        number::duration(found.longest_s)
+    );
+    let possible: Vec<String> = found.possible().map(|test| law(test.law)).collect();
+    let verdict = match (found.laws.is_empty(), possible.as_slice()) {
+        (true, _) => format!(
+            "too short on end to tell its anti-windup (at stake are {}, and a reading is known to {}); {RUN_TO_LIMIT}",
+            number::significant_with_unit(found.at_stake_nm, 2, "Nm"),
+            number::significant_with_unit(found.reading_nm, 2, "Nm")
+        ),
+        (_, []) => "no law of anti-windup that is known here explains the integrator; check K_p, K_i and feed-forward"
+            .to_owned(),
+        (_, [only]) => format!("anti-windup: {only}"),
+        (_, several) => format!(
+            "anti-windup untold between {}: at stake are {}, and a reading is known to {}; {RUN_TO_LIMIT}",
+            wording::join(several, "and"),
+            number::significant_with_unit(found.at_stake_nm, 2, "Nm"),
+            number::significant_with_unit(found.reading_nm, 2, "Nm")
+        ),
+    };
+    format!("{rests}, {} episodes; {verdict}", found.episodes)
+}
+
+/// What of the feed-forward no recording tells.
+pub const M_IS_UNTOLD: &str =
+    "m, the constant part of the feed-forward, is no recording's to tell: the integrator's initial state takes it up.";
+
+/// The feed-forward beside PI alone.
+pub fn improvement(found: &FeedForwardFound) -> String {
+    let straight = &found.straight;
+    format!(
+        "k N_d* + k_a dN_d*/dt: fit {} on {}; PI alone {}.",
+        number::fit(straight.validation.fit_percent),
+        straight.validation.stretch.file,
+        number::fit(straight.pi_alone.fit_percent)
+    )
+}
+
+/// The noise of a case, with its band.
+pub fn noise(study: &PiStudy, of: Noise) -> String {
+    let options = &study.options;
+    let hz = |f: f64| number::significant(f, 3);
+    match of {
+        Noise::None => "no noise".to_owned(),
+        Noise::LowPass => {
+            format!("low-pass {} Hz, SNR {}", hz(options.low_pass_hz), number::significant(options.low_pass_snr, 3))
+        }
+        Noise::BandPass => format!(
+            "band-pass {} to {} Hz, SNR {}",
+            hz(options.band_pass_hz.0),
+            hz(options.band_pass_hz.1),
+            number::significant(options.band_pass_snr, 3)
+        ),
+    }
+}
+
+/// What the published draw of a noise was, where the truth is that of the thesis: K_p or K_i of table 7.1.
+pub fn published(study: &PiStudy, of: Noise, symbol: &str) -> Option<f64> {
+    let same = (study.options.k_p, study.options.k_i) == (PUBLISHED[0].k_p, PUBLISHED[0].k_i);
+    let row: &PublishedRow = PUBLISHED.iter().find(|row| same && row.noise == of)?;
+    match symbol {
+        "K_p" => Some(row.k_p),
+        "K_i" => Some(row.k_i),
+        _ => None,
+    }
+}
+
+/// An estimator in a few words.
+pub fn estimator(of: Estimator) -> &'static str {
+    match of {
+        Estimator::Forward => "T_d* from N_d",
+        Estimator::Inverse => "N_d from T_d*",
+    }
+}
+
+/// How noise and SNR are meant.
+pub const STUDY_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
+     sees, and not to the N_d it is estimated from. The thesis (§7.1) gives neither its bands nor its definition of SNR; \
+     its table 7.1 is one draw of each, estimated T_d* from N_d.";
+/// What the two estimators are good for.
+pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: it takes \
+     noise to be the logged encoder's alone, which would bias T_d* from N_d.";
+
+/// Cross-correlations side by side, static maps, limits.
+pub fn figures(found: &SpeedControl) -> Vec<Figure> {
+    let controllers = found.controllers.iter().filter_map(|one| Some((one.file.as_str(), one.found.found()?)));
+    let correlations = controllers.filter_map(|(file, controller)| correlation_figure(file, controller));
+    let maps = found.feed_forward.iter().filter_map(|one| {
+        let terms = one.found.found()?.terms.found()?;
+        (!terms.map.is_empty()).then(|| map_figure(&one.file, terms))
+    });
+    correlations.chain(maps).collect()
+}
+
+fn correlation_figure(file: &str, found: &Controller) -> Option<Figure> {
+    let without = found.validation_without_delay.residuals.as_ref()?;
+    let with = found.validation.residuals.as_ref()?;
+    let panels = vec![
+        correlation_panel("PI alone: residual with T_d*", Style::Other, without),
+        correlation_panel("PI and delay: residual with T_d*", Style::Modelled, with),
+    ];
+    Some(
+        Figure::new(&format!("{file}: correlation of residual and T_d*"), Axis::linear("lag", "ms"), panels)
+            .with_caption(delay(found)),
+    )
+}
+
+fn correlation_panel(label: &str, style: Style, test: &ResidualTest) -> Panel {
+    let bound = test.cross_correlation_bound;
+    let first = -((test.cross_correlation.len() / 2) as f64);
+    let lags: Vec<f64> =
+        (0..test.cross_correlation.len()).map(|n| 1e3 * test.sample_time_s * (first + n as f64)).collect();
+    let region = Layer::YRegion {
+        low: Rounded(-bound),
+        high: Rounded(bound),
+        label: format!("{} region", number::share(test.level)),
+    };
+    let stems = Layer::Stems {
+        name: label.to_owned(),
+        style,
+        x: Abscissa::Values(rounded(&lags)),
+        y: rounded(&test.cross_correlation),
+    };
+    let largest = test.cross_correlation.iter().fold(bound, |largest, c| largest.max(c.abs()));
+    Panel::new(Axis::linear(label, "").within(-1.2 * largest, 1.2 * largest), HEIGHT, vec![region, stems])
+}
+
+fn map_figure(file: &str, found: &FeedForwardTerms) -> Figure {
+    let of = |f: &dyn Fn(&MapPoint) -> f64| found.map.iter().map(f).collect::<Vec<f64>>();
+    let rpm = of(&|p| p.speed_rad_s / RPM_RAD_S);
+    let points = |value: &dyn Fn(&MapPoint) -> f64, interval: &dyn Fn(&MapPoint) -> (f64, f64)| Layer::Points {
+        name: "static map, 95 % intervals".to_owned(),
+        style: Style::Measured,
+        x: Abscissa::Values(rounded(&rpm)),
+        y: rounded(&of(value)),
+        low: Some(rounded(&of(&|p| interval(p).0))),
+        high: Some(rounded(&of(&|p| interval(p).1))),
+    };
+    let line = Layer::curve("straight between its ends", Style::Modelled, &rpm, &of(&|p| p.torque_nm - p.bend_nm));
+    let zero = Layer::HorizontalMark { y: Rounded(0.0), label: "straight".to_owned() };
+    let map = points(&|p| p.torque_nm, &|p| p.interval_nm);
+    let bend = points(&|p| p.bend_nm, &|p| p.bend_interval_nm);
+    let panels = vec![
+        Panel::new(Axis::linear("feed-forward", "Nm"), HEIGHT, vec![line, map]),
+        Panel::new(Axis::linear("beyond straight", "Nm"), HEIGHT, vec![zero, bend]),
+    ];
+    let tested = found.test(Term::StaticMap).map_or_else(String::new, |test| {
+        format!(" Bend: {} (p = {}).", verdict(test), probability(test.adjusted_p_value))
+    });
+    let (low, high) = (rpm.first().copied().unwrap_or(0.0), rpm.last().copied().unwrap_or(1.0));
+    let margin = MARGIN * (high - low);
+    let x = Axis::linear("N_d*", "rpm").within(low - margin, high + margin);
+    Figure::new(&format!("{file}: static feed-forward over N_d*"), x, panels)
+        .with_caption(format!("Each speed less the lowest, since m is untold.{tested}"))
+}
+
+/// Every draw of the study, as histograms of K_p and K_i for each noise.
+pub fn study_figures(study: &PiStudy) -> Vec<Figure> {
+    let is_shown = |case: &&Case| case.noise != Noise::None && case.estimator == Estimator::Forward;
+    let gains = |case: &'_ Case| -> Vec<Figure> {
+        let gains = case.summaries.iter().filter(|summary| summary.symbol != "τ");
+        gains.map(|summary| histogram(study, case, summary)).collect()
+    };
+    study.cases.iter().filter(is_shown).flat_map(gains).collect()
+}
+
+fn histogram(study: &PiStudy, case: &Case, summary: &Summary) -> Figure {
+    let (x, y) = bars(&summary.values);
+    let symbol = &summary.symbol;
+    let stems = Layer::Stems { name: "draws".to_owned(), style: Style::Modelled, x: Abscissa::Values(x), y };
+    let mark = |value: f64, label: &str| Layer::VerticalMarks { x: rounded(&[value]), label: label.to_owned() };
+    let once = published(study, case.noise, symbol).filter(|value| *value != summary.truth);
+    let marks = [mark(summary.truth, "truth")].into_iter().chain(once.map(|value| mark(value, "table 7.1")));
+    let panel = Panel::new(Axis::linear("draws", ""), HEIGHT, std::iter::once(stems).chain(marks).collect());
+    let title = format!("{symbol} over all draws: {}", noise(study, case.noise));
+    let caption = format!(
+        "Estimated {}: mean {}, standard deviation {}, {} of the 95 % intervals hold the truth.",
+        estimator(case.estimator),
+        number::significant_with_unit(summary.mean, 5, &summary.unit),
+        number::significant_with_unit(summary.standard_deviation, 2, &summary.unit),
+        number::share(summary.coverage)
+    );
+    Figure::new(&title, Axis::linear(symbol, &summary.unit), vec![panel]).with_caption(caption)
+}
+
+/// How many values lie in each of equal steps, as many as the root of their number.
+fn bars(values: &[f64]) -> (Vec<Rounded>, Vec<Rounded>) {
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let steps = (values.len() as f64).sqrt().ceil().max(1.0) as usize;
+    let width = ((high - low) / steps as f64).max(f64::MIN_POSITIVE);
+    let mut counts = vec![0.0; steps];
+    for value in values {
+        counts[(((value - low) / width) as usize).min(steps - 1)] += 1.0;
+    }
+    let centres: Vec<f64> = (0..steps).map(|i| low + (i as f64 + 0.5) * width).collect();
+    (rounded(&centres), rounded(&counts))
+}

@@ -1,0 +1,319 @@
+//! What the torque control can be told to be, in words and figures.
+
+use bench::torque_control_study::{
+    BlackBox, Closed, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, Root, Scanned, Structure,
+    StudiedRecording, TorqueControlStudy, Verdict, Visibility, VisibilityCase,
+};
+use plot::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
+
+use crate::wording::number;
+
+/// Height of a panel on the page.
+const HEIGHT: u32 = 220;
+/// Roots further from zero than this would make all others small: they are left out, and said to be.
+const FURTHEST: f64 = 2.0;
+/// Families and inputs in the order of the tables.
+const KINDS: [(Family, Input); 4] = [
+    (Family::Arx, Input::Demand),
+    (Family::OutputError, Input::Demand),
+    (Family::Arx, Input::Error),
+    (Family::OutputError, Input::Error),
+];
+
+/// What moved T_d*, e.g. `the dynamometer`.
+pub fn mover(excited: Excited) -> &'static str {
+    match excited {
+        Excited::Dynamometer => "the dynamometer",
+        Excited::Engine => "the engine",
+    }
+}
+
+fn name(family: Family) -> &'static str {
+    match family {
+        Family::Arx => "ARX",
+        Family::OutputError => "OE",
+    }
+}
+
+fn driven_by(input: Input) -> &'static str {
+    match input {
+        Input::Demand => "T_d*",
+        Input::Error => "T_d* − T_d",
+    }
+}
+
+/// A structure with its orders, ARX(na, nb, nk) or OE(nb, nf, nk), e.g. `OE(2, 1, 1) on T_d*`.
+pub fn structure(structure: &Structure) -> String {
+    let Structure { poles, nb, nk, .. } = structure;
+    let orders = match structure.family {
+        Family::Arx => [poles, nb, nk],
+        Family::OutputError => [nb, poles, nk],
+    };
+    let [first, second, delay] = orders;
+    format!("{}({first}, {second}, {delay}) on {}", name(structure.family), driven_by(structure.input))
+}
+
+/// A model in a few words.
+pub fn model(model: &Model) -> String {
+    match model {
+        Model::PureDelay => "delay".to_owned(),
+        Model::DelayAndLag => "delay and lag".to_owned(),
+        Model::BlackBox { structure: one } => structure(one),
+    }
+}
+
+/// How a model stands to the bar.
+pub fn verdict(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Better => "better",
+        Verdict::Worse => "worse",
+        Verdict::NotTold => "not told apart",
+        Verdict::NoModel => "no model",
+    }
+}
+
+/// Why a black box does not settle; none where it does.
+pub fn closed(closed: Closed) -> Option<&'static str> {
+    match closed {
+        Closed::Stable => None,
+        Closed::Unstable => Some("runs away once its loop is closed"),
+        Closed::Circular => Some("is T_d = T_d* − (T_d* − T_d), no model"),
+    }
+}
+
+/// Whether anything beats the bar on a recording, and what does so by most.
+pub fn against_bar(study: &TorqueControlStudy, recording: &StudiedRecording) -> String {
+    let bar = format!(
+        "T_d* one sample of T_d,calc ({}) ago leaves {} where {} moves T_d*",
+        number::duration(recording.sample_time_s),
+        nm(recording.bar_rms_nm),
+        mover(recording.excited),
+    );
+    let ratio = |j: &&Judgement| j.ratio.unwrap_or(f64::INFINITY);
+    let judged = || study.judged_on(recording.excited);
+    let better = || judged().filter(|j| j.verdict == Verdict::Better);
+    let least = better().min_by(|a, b| ratio(a).total_cmp(&ratio(b)));
+    let tested = judged().filter(|j| j.test.is_some()).count();
+    let all = judged().count();
+    match least {
+        None => format!(
+            "{bar}, and nothing beats it: none of {all} models has smaller squared errors there (99 %, {tested} tests in pairs \
+             together)"
+        ),
+        Some(least) => format!(
+            "{bar}; {} of {all} models leave less (99 %, {tested} tests in pairs together), least {}: {}, {} of the bar's error",
+            better().count(),
+            model(&least.model),
+            least.rms_nm.map_or_else(String::new, nm),
+            number::share(least.ratio.unwrap_or(f64::NAN)),
+        ),
+    }
+}
+
+fn nm(value: f64) -> String {
+    number::significant_with_unit(value, 3, "Nm")
+}
+
+/// What a feedback from T_d* − T_d without delay means, where such were among those tried.
+pub fn circular(recording: &StudiedRecording) -> Option<String> {
+    let undelayed = || recording.scanned.iter().filter(|s| s.structure.input == Input::Error && s.structure.nk == 0);
+    let unusable = undelayed().filter(|s| s.closed != Closed::Stable).count();
+    let flattered = undelayed().filter_map(|s| s.fed_percent).max_by(f64::total_cmp)?;
+    let honest = undelayed().filter_map(|s| s.fit_percent).max_by(f64::total_cmp);
+    let closes = honest.map_or_else(
+        || "closed, none of them follows T_d*".to_owned(),
+        |fit| format!("closed, the best follows T_d* to {}", number::fit(fit)),
+    );
+    Some(format!(
+        "T_d* − T_d holds T_d itself: with nk = 0 a model can be T_d = T_d* − (T_d* − T_d), with T_d* from the sample before. Fed \
+         with T_d* − T_d as measured, the best of {} such models fits to {}; {closes}, and {unusable} run away or close upon \
+         themselves. All are judged closed",
+        undelayed().count(),
+        number::fit(flattered),
+    ))
+}
+
+/// What a black box of a recording believes the delay to be, beside what the sampling tells.
+pub fn belief(recording: &StudiedRecording, black_box: &BlackBox) -> Option<String> {
+    let believed = black_box.delay.as_ref()?;
+    let mode = black_box.lag_rad_s.map_or_else(
+        || "its slowest mode is no lag".to_owned(),
+        |a| format!("its slowest mode a lag of {}", number::significant_with_unit(a, 3, "rad/s")),
+    );
+    let [_, lag, total] = recording.delay_and_lag.as_slice() else { return None };
+    let told = [total, lag].map(number::parameter);
+    Some(format!(
+        "{} believes in {} of delay at 10 Hz, {mode}; with the sampling modelled they are {} and {}",
+        structure(&black_box.structure),
+        number::parameter(believed),
+        told[0],
+        told[1],
+    ))
+}
+
+/// What is told beyond delay and lag.
+pub fn beyond(recording: &StudiedRecording) -> String {
+    let Some(test) = &recording.second_order else {
+        return "whether there is a second-order term is not told: no lag was found to begin from".to_owned();
+    };
+    let ruled_out = |p_value: f64| p_value < 1.0 - LEVEL;
+    let told = match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {
+        (true, _) => format!("more than a lag is seen (99 %), κ = {}", number::significant(test.term, 2)),
+        (false, true) => {
+            "no more than a lag is seen, and a critically damped loop (κ = 0.25) is ruled out (99 %)".to_owned()
+        }
+        (false, false) => "neither a lag (κ = 0) nor a critically damped loop (κ = 0.25) is ruled out".to_owned(),
+    };
+    let doubt = if test.white { "" } else { "; what is left is not white, so that this is to be doubted" };
+    format!("Second order, 1/(1 + s/a + κ (s/a)²): {told}{doubt}")
+}
+
+/// The length of a recording; below a second, which no estimate of this takes, it says no more than that.
+pub fn recording_needed(seconds: f64) -> String {
+    if seconds < 1.0 { "less than 1 s".to_owned() } else { number::duration(seconds) }
+}
+
+/// The first rate and hold at which a loop of second order is told from a lag, and what is told at all.
+pub fn first_visible(visibility: &Visibility) -> String {
+    let hertz = |case: &VisibilityCase| {
+        let held = number::duration(case.hold_s);
+        format!("{} Hz with T_d* held {held}", number::significant(case.rate_hz, 4))
+    };
+    let assumed = format!(
+        "Assumed: T_d* of {} (standard deviation), {} of white noise on each sample whatever the rate, clocks that keep time, a test \
+         at 99 % that finds it in 95 of 100 recordings",
+        nm(visibility.demand_nm),
+        nm(visibility.noise_nm)
+    );
+    let loop_ = "A critically damped loop (κ = 0.25) is told from a lag";
+    let Some(first) = visibility.first() else {
+        return format!("{loop_} by none of these in {}. {assumed}", number::duration(visibility.recording_s));
+    };
+    let least = visibility.cases.iter().min_by(|a, b| a.least_term.total_cmp(&b.least_term)).unwrap_or(first);
+    format!(
+        "{loop_} from {} on, in {}; in {}, κ down to {} is told there, and down to {} at {}. {assumed}",
+        hertz(first),
+        recording_needed(first.needed_s),
+        number::duration(visibility.recording_s),
+        number::significant(first.least_term, 2),
+        number::significant(least.least_term, 2),
+        hertz(least),
+    )
+}
+
+/// Pole–zero maps, fit against order, and what other rates and demands would tell.
+pub fn figures(study: &TorqueControlStudy) -> Vec<Figure> {
+    let of_recording = |recording: &StudiedRecording| {
+        let maps = [Input::Demand, Input::Error].into_iter().filter_map(|input| map(recording, input));
+        maps.chain(std::iter::once(orders(recording))).collect::<Vec<_>>()
+    };
+    study.recordings.iter().flat_map(of_recording).chain(study.visibility.as_ref().map(rates)).collect()
+}
+
+fn map(recording: &StudiedRecording, input: Input) -> Option<Figure> {
+    let chosen: Vec<&BlackBox> = recording.black_boxes.iter().filter(|b| b.structure.input == input).collect();
+    if chosen.is_empty() {
+        return None;
+    }
+    let circle: Vec<[f64; 2]> =
+        (0..=180).map(|n| f64::from(2 * n).to_radians().sin_cos()).map(|(sin, cos)| [cos, sin]).collect();
+    let mut layers = vec![path("unit circle", Style::Guide, &circle)];
+    let seen = |root: &&Root| root.re.hypot(root.im) <= FURTHEST;
+    for (n, black_box) in chosen.iter().enumerate() {
+        let style = Style::of_model(n);
+        for root in black_box.poles.iter().chain(&black_box.zeros).filter(seen).filter(|r| !r.ellipse.is_empty()) {
+            let whole: Vec<[f64; 2]> = root.ellipse.iter().chain(root.ellipse.first()).copied().collect();
+            let within: Vec<[f64; 2]> = whole.into_iter().filter(|p| p[0].hypot(p[1]) <= FURTHEST).collect();
+            layers.push(path(&format!("{:.0} % region", 100.0 * ELLIPSE_LEVEL), style, &within));
+        }
+        for (roots, marker, kind) in
+            [(&black_box.poles, Marker::Cross, "poles"), (&black_box.zeros, Marker::Ring, "zeros")]
+        {
+            let (x, y): (Vec<f64>, Vec<f64>) = roots.iter().filter(seen).map(|r| (r.re, r.im)).unzip();
+            let name = format!("{kind} of {}", structure(&black_box.structure));
+            layers.push(Layer::Markers { name, style, marker, x: rounded(&x), y: rounded(&y) });
+        }
+    }
+    let outside = chosen.iter().flat_map(|b| b.poles.iter().chain(&b.zeros)).filter(|r| !seen(r)).count();
+    let left_out = match outside {
+        0 => String::new(),
+        1 => format!(" Not shown: one root further than {FURTHEST} from zero."),
+        count => format!(" Not shown: {count} roots further than {FURTHEST} from zero."),
+    };
+    let loop_ = match input {
+        Input::Demand => "",
+        Input::Error => ", their loops open",
+    };
+    let panel = Panel::new(Axis::linear("imaginary part", ""), 420, layers);
+    let title = format!("{}: poles and zeros of black boxes on {}", recording.label, driven_by(input));
+    let caption = format!(
+        "Estimated from {}; in z at {} Hz{loop_}. A pole and a zero whose regions meet explain noise.{left_out}",
+        recording.file,
+        number::significant(1.0 / recording.sample_time_s, 4)
+    );
+    Some(Figure::new(&title, Axis::linear("real part", ""), vec![panel]).with_equal_axes().with_caption(caption))
+}
+
+fn path(name: &str, style: Style, points: &[[f64; 2]]) -> Layer {
+    let (x, y): (Vec<f64>, Vec<f64>) = points.iter().map(|p| (p[0], p[1])).unzip();
+    Layer::Path { name: name.to_owned(), style, x: rounded(&x), y: rounded(&y) }
+}
+
+fn orders(recording: &StudiedRecording) -> Figure {
+    let mut layers = Vec::new();
+    for (n, (kind, input)) in KINDS.into_iter().enumerate() {
+        let own: Vec<&Scanned> = recording
+            .scanned
+            .iter()
+            .filter(|s| s.structure.family == kind && s.structure.input == input && s.fit_percent.is_some())
+            .collect();
+        let most = own.iter().map(|s| s.parameters).max().unwrap_or(0);
+        let best = |count: usize| {
+            let fits = own.iter().filter(|s| s.parameters == count).filter_map(|s| s.fit_percent);
+            fits.max_by(f64::total_cmp).map(|fit| (count as f64, fit))
+        };
+        let (x, y): (Vec<f64>, Vec<f64>) = (1..=most).filter_map(best).unzip();
+        if !x.is_empty() {
+            layers.push(Layer::curve(&format!("{} on {}", name(kind), driven_by(input)), Style::of_model(n), &x, &y));
+        }
+    }
+    let bar = Rounded(recording.bar_choice_percent);
+    layers.push(Layer::HorizontalMark { y: bar, label: "one-sample delay".to_owned() });
+    let panel = Panel::new(Axis::linear("fit", "%"), HEIGHT, layers);
+    Figure::new(&format!("{}: fit against order", recording.label), Axis::linear("coefficients", ""), vec![panel])
+        .with_caption(
+            "Simulated from T_d* alone on data that the models were not estimated from: the best of each number of coefficients.",
+        )
+}
+
+fn rates(visibility: &Visibility) -> Figure {
+    let mut holds: Vec<f64> = visibility.cases.iter().map(|case| case.hold_s).collect();
+    holds.sort_by(|a, b| b.total_cmp(a));
+    holds.dedup();
+    let panel = |label: &str, unit: &str, value: &dyn Fn(&VisibilityCase) -> f64| {
+        let curve = |(n, hold_s): (usize, &f64)| {
+            let own = visibility.cases.iter().filter(|case| case.hold_s == *hold_s);
+            let (x, y): (Vec<f64>, Vec<f64>) = own.map(|case| (case.rate_hz, value(case))).unzip();
+            Layer::curve(&format!("held {}", number::duration(*hold_s)), Style::of_model(n), &x, &y)
+        };
+        Panel::new(Axis::log(label, unit), HEIGHT, holds.iter().enumerate().map(curve).collect())
+    };
+    let mut needed = panel("recording needed", "s", &|case| case.needed_s);
+    needed.layers.push(Layer::HorizontalMark {
+        y: Rounded(visibility.recording_s),
+        label: number::duration(visibility.recording_s),
+    });
+    let panels = vec![
+        panel("error of τ", "ms", &|case| 1e3 * case.delay_s),
+        panel("error of a", "%", &|case| 100.0 * case.lag_rad_s / visibility.control.1),
+        panel("least κ told", "", &|case| case.least_term),
+        needed,
+    ];
+    Figure::new("What other rates and demands would tell", Axis::log("rate of T_d,calc", "Hz"), panels).with_caption(
+        format!(
+            "Standard errors of τ and a and least κ told in {}, and the recording in which κ = 0.25 is told. {}.",
+            number::duration(visibility.recording_s),
+            first_visible(visibility),
+        ),
+    )
+}

@@ -1,0 +1,253 @@
+//! The shaft, in words and figures.
+
+use bench::estimate::shaft::{Beyond, Term, TermTest, Weight};
+use bench::estimate::shaft_routes::black_box::{BlackBoxRoute, Untold};
+use bench::shaft_study::{Band, DualMass, ShaftRecording, ShaftStudy, Together};
+use bench::study::{Estimate, Parameter, Shaft};
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+
+use crate::wording::number;
+
+/// Height of a panel on the page.
+const HEIGHT: u32 = 220;
+/// A simple shaft whose errors are this many times what noise explains is not the whole truth.
+const MISFIT: f64 = 2.0;
+/// Half the width of a 95 % band in standard errors.
+const BAND: f64 = 1.96;
+/// e^{−(T/w)²} over torque has the area √π w; w is 5 Nm in [`Weight::NearZeroTorque`].
+const LOOSE_AREA_NM: f64 = 5.0 * 1.772_453_850_905_516;
+
+/// A term in words.
+pub fn term(term: Term) -> &'static str {
+    match term {
+        Term::LossFactor => "loss factor η, K (1 + iη)",
+        Term::SecondMass => "a second mass at the engine's end (dual-mass flywheel), J₂/K₂",
+        Term::DualMass => "a dual-mass flywheel",
+        Term::OfStiffness(Weight::Torque) => "stiffness that changes with torque, per 100 Nm",
+        Term::OfStiffness(Weight::TorqueSquared) => "stiffness that changes with torque squared, per (100 Nm)²",
+        Term::OfStiffness(Weight::NearZeroTorque) => "stiffness about zero torque (backlash)",
+        Term::OfStiffness(Weight::Speed) => "stiffness that changes with speed, per 1000 rpm",
+        Term::OfDamping(Weight::Torque) => "damping that changes with torque, per 100 Nm",
+        Term::OfDamping(Weight::TorqueSquared) => "damping that changes with torque squared, per (100 Nm)²",
+        Term::OfDamping(Weight::NearZeroTorque) => "damping about zero torque",
+        Term::OfDamping(Weight::Speed) => "damping that changes with speed, per 1000 rpm",
+    }
+}
+
+/// A term's value: parts of K in per cent, everything else in its unit.
+pub fn term_value(test: &TermTest) -> String {
+    test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::parameter(&shown(test.term, value)))
+}
+
+/// A term's 95 % interval.
+pub fn term_interval(test: &TermTest) -> String {
+    test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::interval(&shown(test.term, value)))
+}
+
+fn shown(term: Term, value: &Parameter) -> Parameter {
+    let (scale, unit) = match term {
+        Term::OfStiffness(_) => (100.0, "%"),
+        Term::SecondMass => (1e6, "ms²"),
+        _ => return value.clone(),
+    };
+    Parameter {
+        unit: unit.to_owned(),
+        value: scale * value.value,
+        standard_error: scale * value.standard_error,
+        interval: (scale * value.interval.0, scale * value.interval.1),
+        ..value.clone()
+    }
+}
+
+/// Whether a term is there, in a word or two.
+pub fn term_verdict(test: &TermTest) -> &'static str {
+    match (&test.value, test.found) {
+        (None, _) => "untold here",
+        (Some(_), true) => "found",
+        (Some(_), false) => "not told from zero",
+    }
+}
+
+/// What the terms say together, in a sentence.
+pub fn beyond(found: &Beyond) -> String {
+    let misfit = number::significant(found.simple_misfit, 2);
+    let simple = format!("errors of the simple shaft are {misfit} times what the noise explains");
+    match found.best() {
+        None if found.simple_misfit < MISFIT => format!("nothing beyond K and B is told; {simple}"),
+        None => format!("{simple}, and none of these terms accounts for it: check the channels and J_d"),
+        Some(best) => {
+            let left = number::significant(best.misfit.unwrap_or(f64::NAN), 2);
+            let others = if found.tests.iter().filter(|t| t.found).count() > 1 {
+                "; the others that are found may be the same seen through another term"
+            } else {
+                ""
+            };
+            let play = backlash(best).map(|mrad| format!(", a play of some {mrad} mrad")).unwrap_or_default();
+            format!("{simple}, {left} times with the best, {}{play}{others}", term(best.term))
+        }
+    }
+}
+
+/// The play that a loss of stiffness about zero torque amounts to, per K: ∫ −p w(T) dT/K.
+fn backlash(best: &TermTest) -> Option<String> {
+    let value = best.value.as_ref().filter(|_| best.term == Term::OfStiffness(Weight::NearZeroTorque))?;
+    let stiffness = best.stiffness_nm_per_rad?;
+    Some(number::significant(-1e3 * value.value * LOOSE_AREA_NM / stiffness, 2))
+}
+
+/// Reasons not to take a black box's parameters for the bench's.
+pub fn doubts(found: &BlackBoxRoute) -> Vec<String> {
+    let doubt = |untold: &Untold| match untold {
+        Untold::NotTwoMasses => format!(
+            "the black box: its coefficients are not those of two masses and a spring (χ² = {} with {} degrees of freedom); its intervals are too narrow",
+            number::significant(found.chi_squared.0, 3),
+            found.chi_squared.1,
+        ),
+        Untold::EngineInertiaTooSmall => "the black box: J_e is too small to be seen beside J_d".to_owned(),
+        Untold::ModesNotTold => "the black box: the antiresonance is not told from the resonance".to_owned(),
+    };
+    found.untold.iter().map(doubt).collect()
+}
+
+/// What a dual-mass flywheel explains, in a sentence.
+pub fn dual_mass(found: &DualMass, simple_misfit: Option<f64>) -> String {
+    let with = number::significant(found.misfit, 2);
+    let without = simple_misfit.map(|misfit| format!(", {} times without", number::significant(misfit, 2)));
+    let verdict = match simple_misfit {
+        Some(simple) if found.misfit < MISFIT && simple > MISFIT => "this is a shaft with a dual-mass flywheel",
+        Some(simple) if simple < MISFIT => "the simple shaft does as well",
+        _ => "a dual-mass flywheel does not account for it either",
+    };
+    format!(
+        "with a dual-mass flywheel errors are {with} times what the noise explains{}: {verdict}",
+        without.unwrap_or_default()
+    )
+}
+
+/// What several recordings say together, in a sentence.
+pub fn together(of: &Together) -> String {
+    let count = of.stiffness.by_recording.len();
+    let chi = number::significant(of.chi_squared, 3);
+    let distance = format!("χ² = {chi} with {} degrees of freedom", of.degrees_of_freedom);
+    if of.apart {
+        format!(
+            "the {count} recordings are not of one shaft by their own intervals ({distance}); the intervals above are wider by √(χ²/degrees of freedom), and the terms beyond K and B may say why"
+        )
+    } else {
+        format!("the {count} recordings agree ({distance})")
+    }
+}
+
+/// All recordings side by side, then response, values by band, and errors of each.
+pub fn figures(study: &ShaftStudy) -> Vec<Figure> {
+    let of_each = study.recordings.iter().flat_map(|recording| {
+        let shaft = recording.shaft.found();
+        let response = shaft.map(|shaft| response_figure(recording, shaft));
+        let bands = shaft.filter(|_| !recording.bands.is_empty()).map(|shaft| band_figure(recording, shaft));
+        let errors = shaft.map(|shaft| error_figure(recording, shaft));
+        [response, bands, errors].into_iter().flatten()
+    });
+    study.together.as_ref().map(together_figure).into_iter().chain(of_each).collect()
+}
+
+fn response_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
+    let response = &shaft.frequency_response;
+    let panel = |axis, measured: &[f64], modelled: &[f64]| {
+        let layers = vec![
+            Layer::curve("K/s + B", Style::Modelled, &response.frequencies_hz, modelled),
+            Layer::dots("measured", Style::Measured, &response.frequencies_hz, measured),
+        ];
+        Panel::new(axis, HEIGHT, layers)
+    };
+    let panels = vec![
+        panel(Axis::linear("gain", "dB"), &response.measured_gain_db, &response.modelled_gain_db),
+        panel(Axis::angle("phase"), &response.measured_phase_deg, &response.modelled_phase_deg),
+    ];
+    Figure::new(&format!("{}: from Δω to T_shaft", recording.file), Axis::frequency(), panels)
+        .with_caption("Timing of the signals taken out; the model is that of the whole band.")
+}
+
+fn band_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
+    let panels = [("K", "Nm/rad"), ("B", "Nm s/rad")].map(|(symbol, unit)| {
+        let whole = shaft.estimate.parameter(symbol).map_or(f64::NAN, |p| p.value);
+        let layers = vec![
+            by_band("as if time stamps were exact", Style::Other, recording, symbol, |band| &band.ignoring_timing),
+            by_band("with gate and skews", Style::Modelled, recording, symbol, |band| &band.estimate),
+            Layer::HorizontalMark { y: rounded(&[whole])[0], label: format!("{symbol} of the whole band") },
+        ];
+        Panel::new(Axis::linear(symbol, unit), HEIGHT, layers)
+    });
+    Figure::new(&format!("{}: by band of frequencies", recording.file), Axis::frequency().within(1.0, 110.0), panels.into())
+        .with_caption(
+            "At the middle of each band, with 95 % intervals, gate and skews being those of the whole band. An error of timing is taken for damping, differently in each band.",
+        )
+}
+
+fn by_band(
+    name: &str,
+    style: Style,
+    recording: &ShaftRecording,
+    symbol: &str,
+    of: impl Fn(&Band) -> &Estimate,
+) -> Layer {
+    let middle = |band: &Band| (band.band_hz.0 * band.band_hz.1).sqrt();
+    let found: Vec<(f64, &Parameter)> =
+        recording.bands.iter().filter_map(|band| Some((middle(band), of(band).parameter(symbol)?))).collect();
+    let x: Vec<f64> = found.iter().map(|(x, _)| *x).collect();
+    points(name, style, &x, &found.iter().map(|(_, p)| (p.value, p.interval)).collect::<Vec<_>>())
+}
+
+fn points(name: &str, style: Style, x: &[f64], values: &[(f64, (f64, f64))]) -> Layer {
+    let column = |of: fn(&(f64, (f64, f64))) -> f64| rounded(&values.iter().map(of).collect::<Vec<_>>());
+    Layer::Points {
+        name: name.to_owned(),
+        style,
+        x: Abscissa::Values(rounded(x)),
+        y: column(|v| v.0),
+        low: Some(column(|v| v.1.0)),
+        high: Some(column(|v| v.1.1)),
+    }
+}
+
+fn error_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
+    let errors = &shaft.residual_spectrum;
+    let layers = vec![
+        Layer::dots(
+            "error over its standard deviation",
+            Style::Residual,
+            &errors.frequencies_hz,
+            &errors.normalised_magnitude,
+        ),
+        Layer::HorizontalMark {
+            y: rounded(&[errors.bound])[0],
+            label: "99 % lie below, if the model is right".to_owned(),
+        },
+        Layer::VerticalMarks { x: rounded(&errors.excluded_hz), label: "left out".to_owned() },
+    ];
+    let panel = Panel::new(Axis::linear("|error|", "σ"), HEIGHT, layers);
+    Figure::new(&format!("{}: what K and B leave", recording.file), Axis::frequency(), vec![panel]).with_caption(
+        "Errors of the equation of the shaft by frequency, over what the noise of the signals makes of it.",
+    )
+}
+
+fn together_figure(of: &Together) -> Figure {
+    let panels = [(&of.stiffness, "K", "Nm/rad"), (&of.damping, "B", "Nm s/rad")].map(|(common, symbol, unit)| {
+        let (low, high) = common.parameter.interval;
+        let each: Vec<(f64, (f64, f64))> =
+            common.by_recording.iter().map(|(_, v, s)| (*v, (v - BAND * s, v + BAND * s))).collect();
+        let x: Vec<f64> = (1..=each.len()).map(|i| i as f64).collect();
+        let ends = rounded(&[low, high]);
+        let layers = vec![
+            Layer::YRegion { low: ends[0], high: ends[1], label: "of all together, 95 %".to_owned() },
+            points("of each recording", Style::Measured, &x, &each),
+        ];
+        Panel::new(Axis::linear(symbol, unit), HEIGHT, layers)
+    });
+    let names: Vec<String> =
+        of.stiffness.by_recording.iter().enumerate().map(|(i, (file, ..))| format!("{}: {file}", i + 1)).collect();
+    Figure::new("Recordings side by side", Axis::linear("recording", ""), panels.into()).with_caption(format!(
+        "{}. {}.",
+        names.join(", "),
+        together(of)
+    ))
+}
