@@ -1,8 +1,8 @@
 //! The recordings of a bench as labelled experiments, for the commands that look at them one by one.
 
-use bench::study::experiment_of;
+use bench::study::{Parameter, experiment_of};
 use bench::{BenchFile, Experiment, Severity};
-use report::wording;
+use report::wording::{self, number};
 
 use super::identify::data::check_plot;
 use super::study::read_bench;
@@ -10,7 +10,51 @@ use crate::cli::GivenRecordings;
 use crate::cli::identify::ResultArguments;
 use crate::error::CliError;
 use crate::input;
+use crate::table::{Align, Table};
 use crate::terminal::Terminal;
+
+/// A bench with the recordings that can be used.
+pub(super) struct Campaign {
+    /// The bench.
+    pub(super) bench: BenchFile,
+    /// Its recordings, at least one.
+    pub(super) experiments: Vec<Experiment>,
+    /// Recordings that cannot be used, each with the reason.
+    pub(super) refused: Vec<String>,
+}
+
+/// All recordings at once; see [`each`].
+pub(super) fn all(
+    (given, result): (&GivenRecordings, &ResultArguments),
+    terminal: &mut Terminal,
+) -> Result<Campaign, CliError> {
+    let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
+    let refused = each((given, result), "reading", terminal, |bench, experiment| {
+        found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
+    })?;
+    let (bench, experiments) = found.ok_or_else(|| CliError::NothingToLookAt { path: given.bench.clone() })?;
+    Ok(Campaign { bench, experiments, refused })
+}
+
+/// A table of parameters: symbol, estimate, interval, and what each is.
+pub(super) fn print_parameters<'a>(parameters: impl IntoIterator<Item = &'a Parameter>, terminal: &mut Terminal) {
+    let columns = [
+        ("symbol", Align::Left),
+        ("estimate", Align::Right),
+        ("95 % interval", Align::Right),
+        ("what it is", Align::Left),
+    ];
+    let mut table = Table::new(&columns);
+    for p in parameters {
+        table.row([
+            p.symbol.clone().into(),
+            number::parameter(p).into(),
+            number::interval(p).into(),
+            p.name.clone().into(),
+        ]);
+    }
+    terminal.table(&table);
+}
 
 /// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns of, those
 /// that cannot be used. What is wrong in the others is warned of too.

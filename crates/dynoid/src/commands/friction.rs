@@ -1,14 +1,13 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
 use bench::friction::{Friction, FrictionOptions, Inertia, estimate};
-use bench::study::Parameter;
 use bench::units::RPM_RAD_S;
 use bench::{BenchFile, Experiment};
 use report::friction::{figures, remarks, terms};
 use report::wording::number;
 use serde_json::json;
 
-use super::experiments;
+use super::experiments::{self, print_parameters};
 use super::identify::judge::{picture, written};
 use crate::cli::friction::FrictionArguments;
 use crate::error::{CliError, Outcome};
@@ -52,29 +51,13 @@ fn of_bench(bench: &BenchFile, arguments: &FrictionArguments) -> FrictionOptions
 }
 
 fn print(found: &Friction, stated_kg_m2: f64, terminal: &mut Terminal) {
-    let columns = [
-        ("symbol", Align::Left),
-        ("estimate", Align::Right),
-        ("95 % interval", Align::Right),
-        ("what it is", Align::Left),
-    ];
-    let mut table = Table::new(&columns);
-    let mut row = |p: &Parameter| {
-        table.row([
-            p.symbol.clone().into(),
-            number::parameter(p).into(),
-            number::interval(p).into(),
-            p.name.clone().into(),
-        ]);
+    let inertia = match &found.inertia {
+        Inertia::Estimated { inertia, delay } => vec![inertia.as_ref(), delay.as_ref()],
+        Inertia::Stated { .. } => Vec::new(),
     };
-    if let Inertia::Estimated { inertia, delay } = &found.inertia {
-        row(inertia);
-        row(delay);
-    }
-    found.friction.parameters.iter().for_each(&mut row);
-    found.per_inertia.parameters.iter().for_each(&mut row);
+    let friction = found.friction.parameters.iter().chain(&found.per_inertia.parameters);
     terminal.heading("Friction of the dynamometer, without shaft", Style::Bold);
-    terminal.table(&table);
+    print_parameters(inertia.into_iter().chain(friction), terminal);
     terminal.gap();
     candidates(found, terminal);
     for point in [found.curve.first(), found.curve.get(found.curve.len() / 2), found.curve.last()].into_iter().flatten()

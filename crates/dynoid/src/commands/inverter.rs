@@ -13,7 +13,7 @@ use report::torque::untold;
 use report::wording::number;
 use serde_json::json;
 
-use super::experiments;
+use super::experiments::{self, Campaign};
 use super::identify::judge::{picture, written};
 use crate::cli::inverter::InverterArguments;
 use crate::error::{CliError, Outcome};
@@ -24,13 +24,7 @@ use crate::terminal::Terminal;
 const STEPS: u64 = 100;
 
 pub(crate) fn run(arguments: &InverterArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
-    let refused =
-        experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
-            found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
-        })?;
-    let (bench, experiments) =
-        found.ok_or_else(|| CliError::NothingToLookAt { path: arguments.given.bench.clone() })?;
+    let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let orders = OrdersTried { highest: arguments.highest_order, longest_delay: arguments.longest_delay };
     let studied = studied(&experiments, &bench, orders, terminal)?;
     picture(&arguments.result, "Torque control", || figures(&studied))?;

@@ -1,15 +1,14 @@
 //! `dynoid shaft`: the shaft of every recording and of all together.
 
-use bench::shaft_study::{CommonValue, Routes, ShaftRecording, ShaftStudy, Together, shaft_study};
-use bench::study::{Estimate, Parameter};
+use bench::shaft_study::{Routes, ShaftRecording, ShaftStudy, Together, shaft_study};
+use bench::study::Estimate;
 use bench::torque_signals::Told;
-use bench::{BenchFile, Experiment};
 use report::shaft::{beyond, doubts, dual_mass, figures, term, term_interval, term_value, term_verdict, together};
 use report::torque::untold;
 use report::wording::number;
 use serde_json::json;
 
-use super::experiments;
+use super::experiments::{self, Campaign, print_parameters};
 use super::identify::judge::{picture, written};
 use crate::cli::shaft::ShaftArguments;
 use crate::error::{CliError, Outcome};
@@ -17,13 +16,7 @@ use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
-    let refused =
-        experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
-            found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
-        })?;
-    let (bench, experiments) =
-        found.ok_or_else(|| CliError::NothingToLookAt { path: arguments.given.bench.clone() })?;
+    let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
     let study = shaft_study(&experiments.iter().collect::<Vec<_>>(), &bench, &|file| {
         progress.say(&format!("looking at the shaft in {file}"));
@@ -48,9 +41,7 @@ fn print(study: &ShaftStudy, terminal: &mut Terminal) {
         terminal.heading(&format!("{}, {}", recording.file, recording.label), Style::Bold);
         match &recording.shaft {
             Told::Found(shaft) => {
-                let mut rows: Vec<&Parameter> = shaft.estimate.parameters.iter().collect();
-                rows.push(&shaft.zero);
-                parameters(&rows, terminal);
+                print_parameters(shaft.estimate.parameters.iter().chain([&shaft.zero]), terminal);
                 print_rest(recording, &shaft.ignoring_timing, terminal);
             }
             Told::Untold(why) => terminal.line(&format!("shaft: {}", untold(why))),
@@ -62,25 +53,6 @@ fn print(study: &ShaftStudy, terminal: &mut Terminal) {
     }
 }
 
-fn parameters(rows: &[&Parameter], terminal: &mut Terminal) {
-    let columns = [
-        ("symbol", Align::Left),
-        ("estimate", Align::Right),
-        ("95 % interval", Align::Right),
-        ("what it is", Align::Left),
-    ];
-    let mut table = Table::new(&columns);
-    for p in rows {
-        table.row([
-            p.symbol.clone().into(),
-            number::parameter(p).into(),
-            number::interval(p).into(),
-            p.name.clone().into(),
-        ]);
-    }
-    terminal.table(&table);
-}
-
 fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut Terminal) {
     bands(recording, ignoring_timing, terminal);
     routes(recording, terminal);
@@ -88,7 +60,7 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
         Some(Told::Found(estimate)) => {
             terminal.line("As if nothing were known of the inertias:");
             let told = ["K", "B", "J_d", "J_e"];
-            parameters(&told.iter().filter_map(|s| estimate.parameter(s)).collect::<Vec<_>>(), terminal);
+            print_parameters(told.iter().filter_map(|s| estimate.parameter(s)), terminal);
         }
         Some(Told::Untold(why)) => terminal.line(&format!("inertias: {}", untold(why))),
         None => terminal.line("J_e is not told here: run WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell"),
@@ -118,7 +90,7 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
     match &recording.dual_mass {
         Some(Told::Found(found)) => {
             terminal.line("As a shaft with a dual-mass flywheel:");
-            parameters(&found.estimate.parameters.iter().collect::<Vec<_>>(), terminal);
+            print_parameters(&found.estimate.parameters, terminal);
             terminal.paragraph(&dual_mass(found, recording.beyond.found().map(|beyond| beyond.simple_misfit)));
         }
         Some(Told::Untold(why)) => terminal.line(&format!("dual-mass flywheel: {}", untold(why))),
@@ -193,8 +165,6 @@ fn bands(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut 
 
 fn print_together(all: &Together, terminal: &mut Terminal) {
     terminal.heading("All recordings together", Style::Bold);
-    let of = |common: &CommonValue| common.parameter.clone();
-    let common = [of(&all.stiffness), of(&all.damping)];
-    parameters(&common.iter().collect::<Vec<_>>(), terminal);
+    print_parameters([&all.stiffness.parameter, &all.damping.parameter], terminal);
     terminal.paragraph(&together(all));
 }

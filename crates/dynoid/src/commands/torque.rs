@@ -4,13 +4,12 @@ use std::path::Path;
 
 use bench::study::SignalDelay;
 use bench::torque_signals::{RebuiltShaft, Told, TorqueRecording, TorqueSignals, torque_signals};
-use bench::{BenchFile, Experiment};
 use recording::{Channel, Format, Raster, Recording};
 use report::torque::{agreement, figures, lateness, rebuilt, routes, shaft_filter, trust, untold};
 use report::wording::number;
 use serde_json::json;
 
-use super::experiments;
+use super::experiments::{self, Campaign, print_parameters};
 use super::identify::data::check_targets;
 use super::identify::judge::{picture, written};
 use crate::cli::torque::TorqueArguments;
@@ -25,13 +24,7 @@ pub(crate) fn run(arguments: &TorqueArguments, terminal: &mut Terminal) -> Resul
         let given = &arguments.given;
         check_targets(&[&arguments.out], &[std::slice::from_ref(&given.bench), &given.recordings])?;
     }
-    let mut found: Option<(BenchFile, Vec<Experiment>)> = None;
-    let refused =
-        experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
-            found.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
-        })?;
-    let (bench, experiments) =
-        found.ok_or_else(|| CliError::NothingToLookAt { path: arguments.given.bench.clone() })?;
+    let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
     let signals = torque_signals(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {
         progress.say(&format!("looking at the torques of {file}"));
@@ -112,22 +105,7 @@ fn print_delays(delays: &[SignalDelay], terminal: &mut Terminal) {
 fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
     if let Some((file, parameters)) = signals.load_cell() {
         terminal.heading(&format!("Load cell, from {file}"), Style::Bold);
-        let columns = [
-            ("symbol", Align::Left),
-            ("estimate", Align::Right),
-            ("95 % interval", Align::Right),
-            ("what it is", Align::Left),
-        ];
-        let mut table = Table::new(&columns);
-        for p in parameters {
-            table.row([
-                p.symbol.clone().into(),
-                number::parameter(p).into(),
-                number::interval(p).into(),
-                p.name.clone().into(),
-            ]);
-        }
-        terminal.table(&table);
+        print_parameters(parameters, terminal);
         terminal.gap();
     }
     match &signals.trust {

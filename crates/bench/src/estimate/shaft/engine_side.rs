@@ -42,6 +42,8 @@ const SMALL_STEP: f64 = 1e-9;
 const ANY_INERTIA_KG_M2: f64 = 0.5;
 /// The least J_e that instruments are made with, of J_d.
 const SMALLEST: f64 = 1e-3;
+/// By what factor the delay of the engine's control may change J_e before its search has run away.
+const FARTHEST: f64 = 2.0;
 /// Rounds in which the spectrum of s T_e and the instruments are made anew.
 const ROUNDS: usize = 4;
 /// The spectrum of s T_e is a mean over so many Hz: wide against the resolution, narrow against what is between firing lines.
@@ -79,28 +81,33 @@ pub(super) fn estimate(
         instruments: Vec::new(),
         half_firing_s: 0.5 * firing_interval_s,
         control: Control::Held,
+        free: UNKNOWNS,
     };
     // As if both inertias were equal and T_e white: any guess serves, since instruments bias nothing.
     let guess = [dyno_inertia(theta), 0.0, 0.0, equations.half_firing_s];
     equations.set_instruments(theta, &guess, &vec![1.0; spectra.bins.len()]);
     let sides = equations.sides(theta);
     let mut solution = equations.solve(&sides, guess, DELAY)?;
-    for round in 0..2 * ROUNDS {
+    // The delay of a control that is not known yet would be anything.
+    for _ in 0..ROUNDS {
         equations.set_instruments(theta, &solution, &equations.spectrum(&sides, solution));
-        // The delay of a control that is not known yet would be anything.
-        solution = equations.solve(&sides, solution, if round < ROUNDS { DELAY } else { UNKNOWNS })?;
+        solution = equations.solve(&sides, solution, DELAY)?;
     }
+    solution = equations.with_delay(theta, &sides, solution)?;
     let of_torque = equations.covariance(&sides, solution)?[(0, 0)];
     let gradient = equations.gradient_by_shaft(theta, covariance, solution)?;
     let n = theta.len();
     let with_shaft: Vec<f64> = (0..n).map(|i| (0..n).map(|j| covariance[(i, j)] * gradient[j]).sum()).collect();
     let through_shaft: f64 = with_shaft.iter().zip(&gradient).map(|(c, g)| c * g).sum();
     equations.control = Control::Delayed;
-    let otherwise = equations.solve(&sides, solution, UNKNOWNS)?[0];
+    let otherwise = equations.solve(&sides, solution, equations.free)?[0];
     Ok(EngineInertia {
         inertia_kg_m2: solution[0],
         // As uncertain as what another control would make of the same data; uniform between the two and as far beyond.
-        variance: of_torque + through_shaft + (otherwise - solution[0]).powi(2) / 3.0,
+        variance: of_torque
+            + through_shaft
+            + (otherwise - solution[0]).powi(2) / 3.0
+            + equations.of_untold_delay(solution[0]),
         with_shaft,
         degrees_of_freedom: (2.0 * spectra.bins.len() as f64 / OVERLAP - UNKNOWNS as f64).max(1.0),
     })
@@ -120,6 +127,8 @@ struct Equations<'a> {
     /// What τ is beforehand, s.
     half_firing_s: f64,
     control: Control,
+    /// How many of the parameters, in their order, are searched for: all, or all but the delay.
+    free: usize,
 }
 
 /// How the engine's control acts upon its torque, where that is not recorded.
@@ -242,6 +251,32 @@ impl Equations<'_> {
         Ok(solution)
     }
 
+    /// The solution with the delay too, or without where that runs away: the equations are linear but for it.
+    fn with_delay(
+        &mut self,
+        theta: &[f64],
+        sides: &[EngineSide],
+        without: [f64; UNKNOWNS],
+    ) -> Result<[f64; UNKNOWNS], IdentError> {
+        let mut solution = without;
+        for _ in 0..ROUNDS {
+            self.set_instruments(theta, &solution, &self.spectrum(sides, solution));
+            solution = self.solve(sides, solution, UNKNOWNS)?;
+            if !(without[0] / FARTHEST..=without[0] * FARTHEST).contains(&solution[0]) {
+                self.set_instruments(theta, &without, &self.spectrum(sides, without));
+                self.free = DELAY;
+                return Ok(without);
+            }
+        }
+        Ok(solution)
+    }
+
+    /// The variance that is added to J_e where the search for the delay ran away: the engine's control is then not known well
+    /// enough to tell J_e to better than the factor that the search may change it by; uniform that far either way.
+    fn of_untold_delay(&self, inertia_kg_m2: f64) -> f64 {
+        if self.free == UNKNOWNS { 0.0 } else { ((FARTHEST - 1.0) * inertia_kg_m2).powi(2) / 3.0 }
+    }
+
     /// How J_e moves with the shaft's parameters.
     fn gradient_by_shaft(
         &self,
@@ -254,7 +289,7 @@ impl Equations<'_> {
             let moved = |by: f64| {
                 let mut theta = theta.to_vec();
                 theta[i] += by;
-                self.solve(&self.sides(&theta), solution, UNKNOWNS).map(|found| found[0])
+                self.solve(&self.sides(&theta), solution, self.free).map(|found| found[0])
             };
             if step == 0.0 { Ok(0.0) } else { Ok((moved(step)? - moved(-step)?) / (2.0 * step)) }
         };

@@ -9,7 +9,6 @@ use bench::speed_control::{
 use bench::study::Validation;
 use bench::torque_signals::Told;
 use bench::units::RPM_RAD_S;
-use bench::{BenchFile, Experiment};
 use report::controller::{
     M_IS_UNTOLD, bends, delay, figures, improvement, limits, negligible, probability, round, rules, structure, term,
     untold, untold_terms, verdict,
@@ -17,7 +16,7 @@ use report::controller::{
 use report::wording::number;
 use serde_json::{Value, json};
 
-use super::experiments;
+use super::experiments::{self, Campaign, print_parameters};
 use super::identify::judge::{picture, written};
 use crate::cli::GivenRecordings;
 use crate::cli::controller::{ControllerArguments, ControllerCommand};
@@ -37,11 +36,7 @@ pub(crate) fn run(arguments: &ControllerArguments, terminal: &mut Terminal) -> R
 }
 
 fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let mut read: Option<(BenchFile, Vec<Experiment>)> = None;
-    let refused = experiments::each((given, result), "reading", terminal, |bench, experiment| {
-        read.get_or_insert_with(|| (bench.clone(), Vec::new())).1.push(experiment);
-    })?;
-    let (bench, experiments) = read.ok_or_else(|| CliError::NothingToLookAt { path: given.bench.clone() })?;
+    let Campaign { bench, experiments, refused } = experiments::all((given, result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
     let found = speed_control(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {
         progress.say(&format!("looking at the speed controller in {file}"));
@@ -195,22 +190,7 @@ fn print_feed_forward(one: &FeedForwardRecording, terminal: &mut Terminal) {
 }
 
 fn print_feed_forward_found(found: &FeedForwardFound, terminal: &mut Terminal) {
-    let columns = [
-        ("symbol", Align::Left),
-        ("estimate", Align::Right),
-        ("95 % interval", Align::Right),
-        ("what it is", Align::Left),
-    ];
-    let mut table = Table::new(&columns);
-    for p in &found.straight.estimate.parameters {
-        table.row([
-            p.symbol.clone().into(),
-            number::parameter(p).into(),
-            number::interval(p).into(),
-            p.name.clone().into(),
-        ]);
-    }
-    terminal.table(&table);
+    print_parameters(&found.straight.estimate.parameters, terminal);
     terminal.paragraph(&improvement(found));
     match &found.terms {
         Told::Found(terms) => {
