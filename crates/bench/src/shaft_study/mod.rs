@@ -76,6 +76,8 @@ pub struct Routes {
     pub black_box: Option<Told<BlackBoxRoute>>,
     /// Means over the periods of a demand that repeats (Multisine_T_TN).
     pub multisine: Option<Told<MultisineRoute>>,
+    /// How far apart T_d is known, s. What folds where it is known by its own samples alone is in no interval.
+    pub torque_sample_time_s: Option<f64>,
 }
 
 /// The shaft from a band of frequencies.
@@ -143,6 +145,7 @@ fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Sh
             .is_test("Unfired")
             .then(|| told(black_box::estimate(inputs, &timing, engine, experiment.label.mode))),
         multisine: experiment.is_test("Multisine").then(|| told(demand.and_then(multisine))),
+        torque_sample_time_s: inputs.torque.iter().map(|torque| torque.signal.sample_time_s).min_by(f64::total_cmp),
     }
 }
 

@@ -246,6 +246,50 @@ fn regress_a_flange_is_refused() {
     assert!(matches!(refused, Err(EstimateError::Ident { .. })), "{refused:?}");
 }
 
+/// The same data with torque and inertias in a unit `part` of the size.
+fn in_other_unit<'a>(inputs: &ShaftInputs<'a>, part: f64) -> ShaftInputs<'a> {
+    let smaller = |torque: &NoisyTorque| NoisyTorque {
+        signal: torque.signal.with_samples(torque.signal.samples.iter().map(|x| x / part).collect()),
+        noise_nm: torque.noise_nm / part,
+    };
+    let (slope, uncertainty) = inputs.friction_slope_nm_s_per_rad;
+    ShaftInputs {
+        torque: inputs.torque.iter().map(smaller).collect(),
+        inertia_kg_m2: inputs.inertia_kg_m2.map(|(value, uncertainty)| (value / part, uncertainty / part)),
+        friction_slope_nm_s_per_rad: (slope / part, uncertainty / part),
+        ..inputs.clone()
+    }
+}
+
+#[test]
+fn prop_parameters_go_with_the_unit_of_torque() {
+    let bench = Drawn { parameters: BenchParameters::default(), speed_rpm: 1213.0 };
+    let timing = Timing::synchronous(1e-3);
+    let periodic = bench.periodic(2.0, 16.0, 3);
+    let demand = periodic.experiment.signal(Role::DynoTorqueDemand).unwrap();
+    let motored = bench.recorded(&ExperimentPlan::unfired_n_nt(1200.0, 20.0), 4);
+    let by_periods = |inputs: &ShaftInputs<'_>| {
+        multisine::estimate(inputs, demand, &timing, DynoInertia::Estimated, ENGINE).unwrap().estimate
+    };
+    goes_with_the_unit(&periodic.inputs(), by_periods);
+    goes_with_the_unit(&periodic.inputs(), |inputs| {
+        state_space::estimate(inputs, &timing, Skews::Estimated).unwrap().estimate
+    });
+    goes_with_the_unit(&motored.inputs(), |inputs| {
+        black_box::estimate(inputs, &timing, ENGINE, ControlMode::Nt).unwrap().estimate
+    });
+}
+
+fn goes_with_the_unit(inputs: &ShaftInputs<'_>, route: impl Fn(&ShaftInputs<'_>) -> Estimate) {
+    const PART: f64 = 7.0;
+    let (own, other) = (route(inputs), route(&in_other_unit(inputs, PART)));
+    for symbol in ["K", "B", "J_d", "J_e"] {
+        let Some((a, b)) = own.parameter(symbol).zip(other.parameter(symbol)) else { continue };
+        assert!((b.value * PART / a.value - 1.0).abs() < 1e-4, "{symbol}: {a:?}, {b:?}");
+        assert!((b.standard_error * PART / a.standard_error - 1.0).abs() < 0.05, "{symbol}: {a:?}, {b:?}");
+    }
+}
+
 #[test]
 #[ignore = "slow: 16 benches"]
 fn stat_state_space_of_16_benches() {

@@ -1,9 +1,12 @@
 //! `dynoid shaft`: the shaft of every recording and of all together.
 
-use bench::shaft_study::{Routes, ShaftRecording, ShaftStudy, Together, shaft_study};
+use bench::shaft_study::{ShaftRecording, ShaftStudy, Together, shaft_study};
 use bench::study::Estimate;
 use bench::torque_signals::Told;
-use report::shaft::{beyond, doubts, dual_mass, figures, term, term_interval, term_value, term_verdict, together};
+use report::shaft::{
+    beyond, dual_mass, figures, route_remarks, routes, routes_not_taken, term, term_interval, term_value, term_verdict,
+    together,
+};
 use report::torque::untold;
 use report::wording::number;
 use serde_json::json;
@@ -51,11 +54,12 @@ fn print(study: &ShaftStudy, terminal: &mut Terminal) {
     if let Some(all) = &study.together {
         print_together(all, terminal);
     }
+    routes_not_taken(study).iter().for_each(|why| terminal.paragraph(why));
 }
 
 fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut Terminal) {
     bands(recording, ignoring_timing, terminal);
-    routes(recording, terminal);
+    by_route(recording, terminal);
     match &recording.inertias {
         Some(Told::Found(estimate)) => {
             terminal.line("As if nothing were known of the inertias:");
@@ -63,6 +67,7 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
             print_parameters(told.iter().filter_map(|s| estimate.parameter(s)), terminal);
         }
         Some(Told::Untold(why)) => terminal.line(&format!("inertias: {}", untold(why))),
+        None if recording.routes.black_box.is_some() => {}
         None => terminal.line("J_e is not told here: run WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell"),
     }
     match &recording.beyond {
@@ -99,15 +104,9 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
 }
 
 /// K, B and, where a route tells them, both inertias.
-fn routes(recording: &ShaftRecording, terminal: &mut Terminal) {
-    let Routes { state_space, black_box, multisine } = &recording.routes;
-    let estimates = [
-        ("state space (T_d, ω_e) → ω_d", state_space.as_ref().map(|told| told.as_ref().map(|r| &r.estimate))),
-        ("black box T_d → ω_d", black_box.as_ref().map(|told| told.as_ref().map(|r| &r.estimate))),
-        ("means over periods", multisine.as_ref().map(|told| told.as_ref().map(|r| &r.estimate))),
-    ];
+fn by_route(recording: &ShaftRecording, terminal: &mut Terminal) {
     let columns = [
-        ("other routes", Align::Left),
+        ("by different routes", Align::Left),
         ("K", Align::Right),
         ("B", Align::Right),
         ("J_d", Align::Right),
@@ -115,26 +114,21 @@ fn routes(recording: &ShaftRecording, terminal: &mut Terminal) {
     ];
     let mut table = Table::new(&columns);
     let mut reasons = Vec::new();
-    for (route, told) in estimates.iter().filter_map(|(route, told)| Some((*route, told.as_ref()?))) {
-        match told {
+    let routes = routes(recording);
+    for route in &routes {
+        match route.told {
             Ok(estimate) => {
                 let shown = |symbol| estimate.parameter(symbol).map_or_else(|| "–".to_owned(), number::parameter);
-                table.row([
-                    route.into(),
-                    shown("K").into(),
-                    shown("B").into(),
-                    shown("J_d").into(),
-                    shown("J_e").into(),
-                ]);
+                let [k, b, dyno, engine] = ["K", "B", "J_d", "J_e"].map(shown);
+                table.row([route.name.into(), k.into(), b.into(), dyno.into(), engine.into()]);
             }
-            Err(why) => reasons.push(format!("{route}: {}", untold(why))),
+            Err(why) => reasons.push(format!("{}: {}", route.name, untold(why))),
         }
     }
-    terminal.table(&table);
-    reasons.iter().for_each(|reason| terminal.line(reason));
-    if let Some(Told::Found(found)) = black_box {
-        doubts(found).iter().for_each(|doubt| terminal.paragraph(doubt));
+    if routes.len() > 1 {
+        terminal.table(&table);
     }
+    reasons.iter().chain(&route_remarks(recording)).for_each(|remark| terminal.paragraph(remark));
 }
 
 fn bands(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut Terminal) {

@@ -48,6 +48,8 @@ const SAMPLE_TIME_S: f64 = 2e-3;
 const HIGHEST_PART: f64 = 0.4;
 /// Below this probability a two-mass model does not explain the coefficients.
 const LEAST_PROBABILITY: f64 = 0.01;
+/// Coefficients that miss those of two masses by so many times their scatter tell nothing of two masses.
+const FAR: f64 = 10.0;
 /// Step of differences, as a part of a parameter.
 const STEP: f64 = 1e-5;
 /// Parts of J_d that J_e is started from.
@@ -113,14 +115,13 @@ pub struct BlackBoxRoute {
     pub untold: Vec<Untold>,
     /// Sample time of the model, s.
     pub sample_time_s: f64,
-    /// Sample time of the torque record, s; above half of its rate it is folded.
-    pub torque_sample_time_s: f64,
 }
 
 /// Estimates J_d, J_e, K and B from T_d and ω_d. J_d of the inputs serves as the start alone.
 ///
 /// # Errors
-/// A recording that is too short, a torque that is that of a flange, or data that do not determine the coefficients.
+/// A recording that is too short, a torque that is that of a flange, data that do not determine the coefficients, or
+/// coefficients that are far from those of two masses.
 pub fn estimate(
     inputs: &ShaftInputs<'_>,
     timing: &Timing,
@@ -153,7 +154,14 @@ pub fn estimate(
     let freedom = measured.values.len() as f64 - control.unknowns() as f64;
     let probability = chi_squared_tail(found.cost, freedom);
     let labels = [DYNO_INERTIA, ENGINE_INERTIA, K, B, P_ENGINE, I_ENGINE];
-    let covariance = &found.unscaled_covariance;
+    if found.cost > FAR * FAR * freedom {
+        let what = "the coefficients are far from those of two masses and a spring";
+        return Err(of(IdentError::Structure { what }));
+    }
+    // Where two masses do not explain the coefficients, they miss by more than these scatter.
+    let explained = probability >= LEAST_PROBABILITY;
+    let widening = if explained { 1.0 } else { found.cost / freedom };
+    let covariance = &(faer::Scale(widening) * &found.unscaled_covariance);
     let count = control.unknowns();
     let rows = (0..count).map(|i| (0..count).map(|j| covariance[(i, j)]).collect()).collect();
     let values: Vec<_> = labels.into_iter().zip(found.parameters.iter().copied()).take(count).collect();
@@ -166,7 +174,7 @@ pub fn estimate(
     let part = hertz(|p| 1.0 - (p[0] / (p[0] + p[1])).sqrt());
     let reaches_zero = |i: usize| found.parameters[i] < TOLD * covariance[(i, i)].max(0.0).sqrt() || found.at_bound[i];
     let mut untold = Vec::new();
-    if probability < LEAST_PROBABILITY {
+    if !explained {
         untold.push(Untold::NotTwoMasses);
     }
     if reaches_zero(1) || reaches_zero(2) {
@@ -184,7 +192,6 @@ pub fn estimate(
         resonance_hz,
         untold,
         sample_time_s: signals.sample_time_s,
-        torque_sample_time_s: inputs.torque.iter().map(|t| t.signal.sample_time_s).fold(f64::INFINITY, f64::min),
     })
 }
 
