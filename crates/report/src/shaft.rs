@@ -1,8 +1,11 @@
 //! The shaft, in words and figures.
 
 use bench::estimate::shaft::{Beyond, Term, TermTest, Weight};
-use bench::shaft_study::{Band, DualMass, ShaftRecording, ShaftStudy, Together};
+use bench::estimate::shaft_routes::black_box::{BlackBoxRoute, Untold};
+use bench::estimate::shaft_routes::multisine::{CostTest, MultisineRoute};
+use bench::shaft_study::{Band, DualMass, Routes, ShaftRecording, ShaftStudy, Together};
 use bench::study::{Estimate, Parameter, Shaft};
+use bench::torque_signals::{Told, Untold as NotTold};
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::wording::number;
@@ -11,6 +14,8 @@ use crate::wording::number;
 const HEIGHT: u32 = 220;
 /// A simple shaft whose errors are this many times what noise explains is not the whole truth.
 const MISFIT: f64 = 2.0;
+/// Samples of T_d further apart than this may hold what is folded, s.
+const COARSE_S: f64 = 2e-3;
 /// Half the width of a 95 % band in standard errors.
 const BAND: f64 = 1.96;
 /// e^{−(T/w)²} over torque has the area √π w; w is 5 Nm in [`Weight::NearZeroTorque`].
@@ -94,6 +99,121 @@ fn backlash(best: &TermTest) -> Option<String> {
     Some(number::significant(-1e3 * value.value * LOOSE_AREA_NM / stiffness, 2))
 }
 
+/// A route to K and B, and what it found.
+pub struct Route<'a> {
+    /// From what to what.
+    pub name: &'static str,
+    /// K, B and, where it tells them, the inertias.
+    pub told: Result<&'a Estimate, &'a NotTold>,
+}
+
+/// The recording's own estimate, then the other routes that its experiment allows.
+pub fn routes(recording: &ShaftRecording) -> Vec<Route<'_>> {
+    let Routes { state_space, black_box, multisine, .. } = &recording.routes;
+    let own = Route { name: "Δω → T_shaft", told: recording.shaft.as_ref().map(|shaft| &shaft.estimate) };
+    let others = [
+        route("State space (T_d, ω_e) → ω_d", state_space.as_ref(), |found| &found.estimate),
+        route("Black box T_d → ω_d", black_box.as_ref(), |found| &found.estimate),
+        route("Means over periods", multisine.as_ref(), |found| &found.estimate),
+    ];
+    std::iter::once(own).chain(others.into_iter().flatten()).collect()
+}
+
+fn route<'a, T>(name: &'static str, told: Option<&'a Told<T>>, of: fn(&T) -> &Estimate) -> Option<Route<'a>> {
+    told.map(|told| Route { name, told: told.as_ref().map(of) })
+}
+
+/// What has to be known to read the routes: where one does not meet the recording's own estimate, and what each cannot tell.
+pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
+    let Routes { state_space, black_box, multisine, torque_sample_time_s } = &recording.routes;
+    let mut remarks = apart(&routes(recording));
+    if let Some(apart_s) = torque_sample_time_s.filter(|apart_s| *apart_s > COARSE_S) {
+        remarks.push(format!(
+            "T_d is known by its samples alone, {} apart: what folds in them is in no interval; give WhiteNoise_T_TN or \
+             Step_T_TN along, which tells what T_d does between them",
+            number::duration(apart_s)
+        ));
+    }
+    if state_space.as_ref().is_some_and(|told| told.found().is_some()) {
+        remarks.push(
+            "State space: intervals somewhat narrow, on 40 virtual benches they held K of 36 and B of 34 to 36"
+                .to_owned(),
+        );
+    }
+    remarks.extend(black_box.as_ref().and_then(Told::found).map(black_box_doubts).unwrap_or_default());
+    remarks.extend(multisine.as_ref().and_then(Told::found).map(multisine_doubts).unwrap_or_default());
+    remarks
+}
+
+/// Routes whose interval of K or B lies wholly outside that of the first.
+fn apart(routes: &[Route<'_>]) -> Vec<String> {
+    let Some((Route { name: first, told: Ok(own) }, others)) = routes.split_first() else { return Vec::new() };
+    let disjoint = |other: &Estimate, symbol: &str| {
+        let intervals = own.parameter(symbol).zip(other.parameter(symbol)).map(|(a, b)| (a.interval, b.interval));
+        intervals.is_some_and(|(a, b)| a.1 < b.0 || b.1 < a.0)
+    };
+    let remark = |other: &Route<'_>| {
+        let symbols: Vec<&str> = ["K", "B"].into_iter().filter(|s| other.told.is_ok_and(|e| disjoint(e, s))).collect();
+        let (name, which) = (other.name, symbols.join(" and "));
+        let text =
+            format!("{name}: {which} apart from that of {first}; one of them errs by more than its interval says");
+        (!symbols.is_empty()).then_some(text)
+    };
+    others.iter().filter_map(remark).collect()
+}
+
+/// Reasons not to take a black box's parameters for the bench's.
+fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
+    let doubt = |untold: &Untold| match untold {
+        Untold::NotTwoMasses => format!(
+            "Black box: its coefficients are not those of two masses and a spring (χ² = {} with {} degrees of freedom); its \
+             intervals are wider by √(χ²/degrees of freedom) and may still miss the truth",
+            number::significant(found.chi_squared.0, 3),
+            found.chi_squared.1,
+        ),
+        Untold::EngineInertiaTooSmall => "Black box: J_e is too small to be seen beside J_d".to_owned(),
+        Untold::ModesNotTold => "Black box: the antiresonance is not told from the resonance".to_owned(),
+    };
+    found.untold.iter().map(doubt).collect()
+}
+
+/// Reasons to doubt what means over periods tell.
+fn multisine_doubts(found: &MultisineRoute) -> Vec<String> {
+    let too_large = |test: &CostTest, of: &str| {
+        let [achieved, limit] = [test.achieved, test.limits.1].map(|cost| number::significant(cost, 3));
+        let text = format!(
+            "Means over periods: {of} leaves more than the scatter between periods explains (cost {achieved}, 95 % below {limit}); \
+             its intervals are wider by √(cost/expected)"
+        );
+        (!test.passed()).then_some(text)
+    };
+    let shaft = too_large(&found.cost, "the shaft");
+    let engine = found.engine_cost.as_ref().and_then(|test| too_large(test, "the engine’s side"));
+    let untold = found.engine_untold.as_ref().map(|why| format!("Means over periods: {why}"));
+    [shaft, engine, untold].into_iter().flatten().collect()
+}
+
+/// Routes that none of the recordings allows, and what would.
+pub fn routes_not_taken(study: &ShaftStudy) -> Vec<&'static str> {
+    let taken = |is: fn(&Routes) -> bool| study.recordings.iter().any(|recording| is(&recording.routes));
+    let with_shaft = study.recordings.iter().any(|recording| recording.shaft.found().is_some());
+    let absent = [
+        (
+            taken(|routes| routes.state_space.is_some()),
+            "State space (T_d, ω_e) → ω_d: not taken, it needs T_d, which a bench with torque flange does not record",
+        ),
+        (
+            taken(|routes| routes.black_box.is_some()),
+            "Black box T_d → ω_d: not taken, for motored engines alone (Unfired_N_NT); a fired one hides K and B behind its torque",
+        ),
+        (
+            taken(|routes| routes.multisine.is_some()),
+            "Means over periods: not taken, for a torque demand that repeats (Multisine_T_TN)",
+        ),
+    ];
+    absent.into_iter().filter(|(taken, _)| with_shaft && !taken).map(|(_, why)| why).collect()
+}
+
 /// What a dual-mass flywheel explains, in a sentence.
 pub fn dual_mass(found: &DualMass, simple_misfit: Option<f64>) -> String {
     let with = number::significant(found.misfit, 2);
@@ -123,14 +243,15 @@ pub fn together(of: &Together) -> String {
     }
 }
 
-/// All recordings side by side, then response, values by band, and errors of each.
+/// All recordings side by side, then response, values by band and by route, and errors of each.
 pub fn figures(study: &ShaftStudy) -> Vec<Figure> {
     let of_each = study.recordings.iter().flat_map(|recording| {
         let shaft = recording.shaft.found();
         let response = shaft.map(|shaft| response_figure(recording, shaft));
         let bands = shaft.filter(|_| !recording.bands.is_empty()).map(|shaft| band_figure(recording, shaft));
+        let by_route = shaft.and_then(|_| route_figure(recording));
         let errors = shaft.map(|shaft| error_figure(recording, shaft));
-        [response, bands, errors].into_iter().flatten()
+        [response, bands, by_route, errors].into_iter().flatten()
     });
     study.together.as_ref().map(together_figure).into_iter().chain(of_each).collect()
 }
@@ -166,6 +287,32 @@ fn band_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
         .with_caption(
             "At the middle of each band, with 95 % intervals, gate and skews being those of the whole band. An error of timing is taken for damping, differently in each band.",
         )
+}
+
+/// K and B by every route that tells them; none where there is one alone.
+fn route_figure(recording: &ShaftRecording) -> Option<Figure> {
+    let found: Vec<(&str, &Estimate)> =
+        routes(recording).into_iter().filter_map(|route| Some((route.name, route.told.ok()?))).collect();
+    if found.len() < 2 {
+        return None;
+    }
+    let x: Vec<f64> = (1..=found.len()).map(|i| i as f64).collect();
+    let panels = [("K", "Nm/rad"), ("B", "Nm s/rad")].map(|(symbol, unit)| {
+        let values: Vec<_> = found
+            .iter()
+            .map(|(_, estimate)| {
+                estimate.parameter(symbol).map_or((f64::NAN, (f64::NAN, f64::NAN)), |p| (p.value, p.interval))
+            })
+            .collect();
+        Panel::new(Axis::linear(symbol, unit), HEIGHT, vec![points("with 95 % interval", Style::Modelled, &x, &values)])
+    });
+    let names = found.iter().enumerate().map(|(i, (name, _))| format!("{}: {name}", i + 1)).collect::<Vec<_>>();
+    let title = format!("{}: by different routes", recording.file);
+    let sentences: Vec<String> = std::iter::once(names.join(", ")).chain(route_remarks(recording)).collect();
+    Some(
+        Figure::new(&title, Axis::linear("route", ""), panels.into())
+            .with_caption(format!("{}.", sentences.join(". "))),
+    )
 }
 
 fn by_band(
@@ -215,6 +362,11 @@ fn error_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
     )
 }
 
+/// An axis of 1, 2, …, with room at both ends.
+fn numbered(what: &str, count: usize) -> Axis {
+    Axis::linear(what, "").within(0.5, count as f64 + 0.5)
+}
+
 fn together_figure(of: &Together) -> Figure {
     let panels = [(&of.stiffness, "K", "Nm/rad"), (&of.damping, "B", "Nm s/rad")].map(|(common, symbol, unit)| {
         let (low, high) = common.parameter.interval;
@@ -230,7 +382,7 @@ fn together_figure(of: &Together) -> Figure {
     });
     let names: Vec<String> =
         of.stiffness.by_recording.iter().enumerate().map(|(i, (file, ..))| format!("{}: {file}", i + 1)).collect();
-    Figure::new("Recordings side by side", Axis::linear("recording", ""), panels.into()).with_caption(format!(
+    Figure::new("Recordings side by side", numbered("recording", names.len()), panels.into()).with_caption(format!(
         "{}. {}.",
         names.join(", "),
         together(of)

@@ -6,6 +6,7 @@
 mod error;
 mod parameter;
 pub mod shaft;
+pub mod shaft_routes;
 pub mod speed_controller;
 pub(crate) mod stretch;
 pub mod timing;

@@ -4,14 +4,21 @@
 mod together;
 
 use serde::Serialize;
+use signal::Signal;
 
 use crate::estimate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
+use crate::estimate::shaft_routes::Timing;
+use crate::estimate::shaft_routes::black_box::{self, BlackBoxRoute};
+use crate::estimate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
+use crate::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
+use crate::estimate::stretch::need;
 use crate::estimate::{EstimateError, speed_controller, torque_control};
+use crate::model::Engine;
 use crate::processors::on_all_processors;
 use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
 use crate::study::{BenchVariant, Estimate, Shaft};
 use crate::torque_signals::{Told, Untold};
-use crate::{BenchFile, Experiment};
+use crate::{BenchFile, Experiment, Role};
 pub use together::{CommonValue, Together};
 
 /// Bands that the shaft is estimated from beside the whole one, Hz.
@@ -45,6 +52,8 @@ pub struct ShaftRecording {
     /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which goes
     /// with such a flywheel.
     pub dual_mass: Option<Told<DualMass>>,
+    /// K and B by other routes, each of which errs in its own way.
+    pub routes: Routes,
     /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot tell them.
     pub inertias: Option<Told<Estimate>>,
 }
@@ -56,6 +65,19 @@ pub struct DualMass {
     pub estimate: Estimate,
     /// Mean of |error|²/σ²: one where the model and the noise levels are right.
     pub misfit: f64,
+}
+
+/// Routes to the shaft beside Δω → T_shaft; `None` where the experiment does not allow one. Behind a torque flange all are.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Routes {
+    /// (T_d, ω_e) → ω_d in the time domain, thesis (6.11).
+    pub state_space: Option<Told<StateSpaceRoute>>,
+    /// T_d → ω_d alone, with the engine motored (Unfired_N_NT): a fired one hides K and B behind its torque.
+    pub black_box: Option<Told<BlackBoxRoute>>,
+    /// Means over the periods of a demand that repeats (Multisine_T_TN).
+    pub multisine: Option<Told<MultisineRoute>>,
+    /// How far apart T_d is known, s. What folds where it is known by its own samples alone is in no interval.
+    pub torque_sample_time_s: Option<f64>,
 }
 
 /// The shaft from a band of frequencies.
@@ -98,15 +120,33 @@ fn of_recording(
 ) -> ShaftRecording {
     let shaft = told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate));
     let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
-    let mut dual_mass = None;
-    if let (Ok(inputs), Told::Found(_)) = (&inputs, &shaft) {
+    let (mut dual_mass, mut routes) = (None, Routes::default());
+    if let (Ok(inputs), Told::Found(shaft)) = (&inputs, &shaft) {
+        routes = by_other_routes(experiment, inputs, shaft, bench);
         bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
         beyond = told(shaft::test_terms(inputs));
         dual_mass = needs_dual_mass(bench, &beyond).then(|| told(with_dual_mass(inputs)));
         inertias = tells_inertias(experiment, bench).then(|| told(both_inertias(experiment, inputs, bench)));
     }
     let (file, label) = (experiment.file.clone(), experiment.label.to_string());
-    ShaftRecording { file, label, shaft, bands, beyond, dual_mass, inertias }
+    ShaftRecording { file, label, shaft, bands, beyond, dual_mass, routes, inertias }
+}
+
+fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Shaft, bench: &BenchFile) -> Routes {
+    let Some(timing) = Timing::of(&shaft.estimate).filter(|_| inputs.inertia_kg_m2.is_some()) else {
+        return Routes::default();
+    };
+    let engine = Engine { cylinders: bench.cylinders, strokes: bench.strokes };
+    let multisine = |demand: &Signal| multisine::estimate(inputs, demand, &timing, DynoInertia::Stated, engine);
+    let demand = need(experiment, Role::DynoTorqueDemand);
+    Routes {
+        state_space: Some(told(state_space::estimate(inputs, &timing, Skews::Estimated))),
+        black_box: experiment
+            .is_test("Unfired")
+            .then(|| told(black_box::estimate(inputs, &timing, engine, experiment.label.mode))),
+        multisine: experiment.is_test("Multisine").then(|| told(demand.and_then(multisine))),
+        torque_sample_time_s: inputs.torque.iter().map(|torque| torque.signal.sample_time_s).min_by(f64::total_cmp),
+    }
 }
 
 fn needs_dual_mass(bench: &BenchFile, beyond: &Told<Beyond>) -> bool {

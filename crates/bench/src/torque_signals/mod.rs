@@ -75,6 +75,17 @@ pub enum Untold {
 }
 
 impl<T> Told<T> {
+    /// The result by reference, or why there is none.
+    ///
+    /// # Errors
+    /// That there is none.
+    pub fn as_ref(&self) -> Result<&T, &Untold> {
+        match self {
+            Told::Found(value) => Ok(value),
+            Told::Untold(why) => Err(why),
+        }
+    }
+
     /// The result, where there is one.
     pub fn found(&self) -> Option<&T> {
         match self {

@@ -22,6 +22,7 @@ mod replay;
 mod safety;
 mod shaft;
 mod shaft_benches;
+mod shaft_routes;
 mod shaft_terms;
 mod speed_control;
 mod speed_controller;

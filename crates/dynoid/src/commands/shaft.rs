@@ -3,7 +3,10 @@
 use bench::shaft_study::{ShaftRecording, ShaftStudy, Together, shaft_study};
 use bench::study::Estimate;
 use bench::torque_signals::Told;
-use report::shaft::{beyond, dual_mass, figures, term, term_interval, term_value, term_verdict, together};
+use report::shaft::{
+    beyond, dual_mass, figures, route_remarks, routes, routes_not_taken, term, term_interval, term_value, term_verdict,
+    together,
+};
 use report::torque::untold;
 use report::wording::number;
 use serde_json::json;
@@ -51,10 +54,12 @@ fn print(study: &ShaftStudy, terminal: &mut Terminal) {
     if let Some(all) = &study.together {
         print_together(all, terminal);
     }
+    routes_not_taken(study).iter().for_each(|why| terminal.paragraph(why));
 }
 
 fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut Terminal) {
     bands(recording, ignoring_timing, terminal);
+    by_route(recording, terminal);
     match &recording.inertias {
         Some(Told::Found(estimate)) => {
             terminal.line("As if nothing were known of the inertias:");
@@ -62,6 +67,7 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
             print_parameters(told.iter().filter_map(|s| estimate.parameter(s)), terminal);
         }
         Some(Told::Untold(why)) => terminal.line(&format!("inertias: {}", untold(why))),
+        None if recording.routes.black_box.is_some() => {}
         None => terminal.line("J_e is not told here: run WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell"),
     }
     match &recording.beyond {
@@ -95,6 +101,34 @@ fn print_rest(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: 
         Some(Told::Untold(why)) => terminal.line(&format!("dual-mass flywheel: {}", untold(why))),
         None => {}
     }
+}
+
+/// K, B and, where a route tells them, both inertias.
+fn by_route(recording: &ShaftRecording, terminal: &mut Terminal) {
+    let columns = [
+        ("by different routes", Align::Left),
+        ("K", Align::Right),
+        ("B", Align::Right),
+        ("J_d", Align::Right),
+        ("J_e", Align::Right),
+    ];
+    let mut table = Table::new(&columns);
+    let mut reasons = Vec::new();
+    let routes = routes(recording);
+    for route in &routes {
+        match route.told {
+            Ok(estimate) => {
+                let shown = |symbol| estimate.parameter(symbol).map_or_else(|| "–".to_owned(), number::parameter);
+                let [k, b, dyno, engine] = ["K", "B", "J_d", "J_e"].map(shown);
+                table.row([route.name.into(), k.into(), b.into(), dyno.into(), engine.into()]);
+            }
+            Err(why) => reasons.push(format!("{}: {}", route.name, untold(why))),
+        }
+    }
+    if routes.len() > 1 {
+        terminal.table(&table);
+    }
+    reasons.iter().chain(&route_remarks(recording)).for_each(|remark| terminal.paragraph(remark));
 }
 
 fn bands(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut Terminal) {

@@ -61,7 +61,7 @@ pub(crate) fn white_noise() -> Recording {
     RECORDING.get_or_init(|| simulated(&ExperimentPlan::white_noise_t_tn(1200.0, 12.0), 2)).clone()
 }
 
-fn simulated(plan: &ExperimentPlan, seed: u64) -> Recording {
+pub(crate) fn simulated(plan: &ExperimentPlan, seed: u64) -> Recording {
     simulate(&BenchParameters::default(), plan, seed).expect("the default bench")
 }
 

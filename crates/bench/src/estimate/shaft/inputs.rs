@@ -52,12 +52,12 @@ impl ShaftInputs<'_> {
         (0.0, inertia_kg_m2 / RUN_OUT_S)
     }
 
-    pub(super) fn signals(&self) -> impl Iterator<Item = &Signal> {
+    pub(crate) fn signals(&self) -> impl Iterator<Item = &Signal> {
         [self.dyno_speed, self.engine_speed].into_iter().chain(self.torque.iter().map(|t| &t.signal))
     }
 
     /// From the first instant all signals share to the last.
-    pub(super) fn stretch(&self) -> Result<Stretch, EstimateError> {
+    pub(crate) fn stretch(&self) -> Result<Stretch, EstimateError> {
         let start_s = self.signals().map(|s| s.start_s).fold(f64::NEG_INFINITY, f64::max);
         let end = |s: &Signal| s.start_s + s.len() as f64 * s.sample_time_s;
         let end_s = self.signals().map(end).fold(f64::INFINITY, f64::min);
