@@ -58,6 +58,7 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         Command::Look(arguments) => commands::look::run(arguments, terminal),
         Command::Shaft(arguments) => commands::shaft::run(arguments, terminal),
         Command::Torque(arguments) => commands::torque::run(arguments, terminal),
+        Command::Engine(arguments) => commands::engine::run(arguments, terminal),
         Command::Controller(arguments) => commands::controller::run(arguments, terminal),
         Command::Inverter(arguments) => commands::inverter::run(arguments, terminal),
         Command::Friction(arguments) => commands::friction::run(arguments, terminal),

@@ -9,6 +9,7 @@
 pub mod controller;
 pub mod design;
 mod effects;
+pub mod engine;
 pub mod friction;
 mod html;
 pub mod inverter;

@@ -4,12 +4,12 @@
 //! centre does not tell which cylinder it is, only the order in which they fire. The mean torque over such a part is the
 //! change of J_d ω_d + J_e ω_e over its length and the mean of T_d, and so is its uncertainty.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use serde::Serialize;
 use signal::{Complex64, distributions};
 
-use super::rebuild::{Motion, RebuiltEngine};
+use super::rebuild::{ENCODER_ERROR, Motion, RebuiltEngine};
 use crate::model::Engine;
 use crate::torque_signals::Untold;
 
@@ -19,6 +19,8 @@ const FEWEST_SAMPLES: f64 = 6.0;
 const FEWEST_CYCLES: usize = 10;
 /// Left out at both ends, s, where the smoother knows one side alone.
 const EDGE_S: f64 = 0.2;
+/// Angles of the mean cycle.
+const ANGLES: usize = 180;
 /// The highest order told, in firing orders.
 const HIGHEST: f64 = 2.0;
 
@@ -33,6 +35,19 @@ pub struct Cycles {
     pub cylinders: Cylinders,
     /// Orders of the crankshaft.
     pub orders: Vec<Order>,
+    /// The torque over the crank's angle.
+    pub profile: Profile,
+}
+
+/// The torque over the crank's angle, from a trough of the firing order on.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Profile {
+    /// Between angles, °.
+    pub step_deg: f64,
+    /// Mean of all cycles, Nm.
+    pub mean_nm: Vec<f64>,
+    /// Standard deviation from cycle to cycle, Nm.
+    pub deviation_nm: Vec<f64>,
 }
 
 /// One cycle.
@@ -55,6 +70,19 @@ pub struct Cylinders {
     pub cylinders: Vec<Cylinder>,
     /// How probable it is that they differ so much by chance.
     pub alike_probability: f64,
+    /// What of the difference comes back with every turn.
+    pub once_a_turn: CylindersOnceATurn,
+}
+
+/// The part of the cylinders' difference that comes back with every turn, as a once-a-turn error of the engine's encoder does.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CylindersOnceATurn {
+    /// Its root mean square over the cylinders, Nm.
+    pub rms_nm: f64,
+    /// The error of the encoder, of the speed, that would make it alone.
+    pub encoder_error: f64,
+    /// How probable it is that cylinders differ as much as they do beyond it by chance; none where nothing is beyond it.
+    pub alike_probability: Option<f64>,
 }
 
 /// A cylinder over all cycles.
@@ -106,11 +134,13 @@ pub(super) fn of(engine: &RebuiltEngine, motion: &Motion, kind: Engine) -> Resul
         return Err(Untold::Failed { reason });
     }
     let cycles: Vec<Cycle> = whole.clone().map(|parts| crank.cycle(parts)).collect();
+    let apart: Vec<Vec<f64>> = whole.clone().zip(&cycles).map(|(parts, cycle)| crank.apart(parts, cycle)).collect();
     let orders = (1..=(HIGHEST * f64::from(kind.cylinders)) as usize).map(|k| k as f64 / turns_a_cycle);
     Ok(Cycles {
         variation_nm: variation(&cycles),
-        cylinders: compared(whole.clone().zip(&cycles).map(|(parts, cycle)| crank.apart(parts, cycle)), cylinders),
+        cylinders: compared(&apart, 1.0 / kind.firings_per_turn(), engine.once_a_turn_nm),
         orders: orders.map(|order| crank.order(order, whole.clone())).collect(),
+        profile: crank.profile(360.0 * turns_a_cycle, whole.clone()),
         cycles,
     })
 }
@@ -216,6 +246,31 @@ impl<'a> Crank<'a> {
         let variance = all.iter().map(|z| along(z).powi(2)).sum::<f64>() / (count - 1.0);
         Order { order, amplitude_nm: mean.norm(), standard_error_nm: (variance / count).sqrt() }
     }
+
+    /// The torque at equal angles of every cycle.
+    fn profile<'b>(&self, cycle_deg: f64, cycles: impl Iterator<Item = &'b [Part]>) -> Profile {
+        let (mut sums, mut squares, mut count) = (vec![0.0; ANGLES], vec![0.0; ANGLES], 0.0);
+        for parts in cycles {
+            let ends = (parts[0].0, parts[parts.len() - 1].1);
+            let (from, to) = (between(&self.angle_rad, ends.0), between(&self.angle_rad, ends.1));
+            let mut at = ends.0 as usize;
+            for k in 0..ANGLES {
+                let angle = from + (to - from) * k as f64 / ANGLES as f64;
+                while self.angle_rad[at + 1] < angle {
+                    at += 1;
+                }
+                let part = (angle - self.angle_rad[at]) / (self.angle_rad[at + 1] - self.angle_rad[at]);
+                let torque = between(&self.engine.smoothed_nm, at as f64 + part);
+                sums[k] += torque;
+                squares[k] += torque * torque;
+            }
+            count += 1.0;
+        }
+        let mean_nm: Vec<f64> = sums.iter().map(|sum| sum / count).collect();
+        let spread = |(square, mean): (&f64, &f64)| (square / count - mean * mean).max(0.0).sqrt();
+        let deviation_nm = squares.iter().zip(&mean_nm).map(spread).collect();
+        Profile { step_deg: cycle_deg / ANGLES as f64, mean_nm, deviation_nm }
+    }
 }
 
 /// A value between samples.
@@ -233,22 +288,61 @@ fn variation(cycles: &[Cycle]) -> f64 {
     (0.5 * squares / pairs - own).max(0.0).sqrt()
 }
 
-/// Cylinders over cycles: two-way analysis of variance without interaction, cycles as blocks.
-fn compared(rows: impl Iterator<Item = Vec<f64>>, cylinders: usize) -> Cylinders {
-    let rows: Vec<Vec<f64>> = rows.collect();
-    let count = rows.len() as f64;
+/// Cylinders over cycles: two-way analysis of variance without interaction, cycles as blocks; once with all that differs, once
+/// without what comes back with every turn. `turns` is from one firing to the next, `once_a_turn_nm` what an error of the
+/// encoder of 10⁻⁴ makes.
+fn compared(rows: &[Vec<f64>], turns: f64, once_a_turn_nm: f64) -> Cylinders {
+    let (count, cylinders) = (rows.len() as f64, rows[0].len());
     let of_cylinder = |c: usize| {
         let mean = rows.iter().map(|row| row[c]).sum::<f64>() / count;
         let variance = rows.iter().map(|row| (row[c] - mean).powi(2)).sum::<f64>() / (count - 1.0);
         Cylinder { apart_nm: mean, standard_error_nm: (variance / count).sqrt(), variation_nm: variance.sqrt() }
     };
     let all: Vec<Cylinder> = (0..cylinders).map(of_cylinder).collect();
-    let freedom = (cylinders as f64 - 1.0, (cylinders as f64 - 1.0) * (count - 1.0));
-    let between = count * all.iter().map(|c| c.apart_nm.powi(2)).sum::<f64>() / freedom.0;
-    let within = (count - 1.0) * all.iter().map(|c| c.variation_nm.powi(2)).sum::<f64>() / freedom.1;
-    let alike_probability = match cylinders {
-        1 => 1.0,
-        _ => distributions::f_tail(between / within, freedom.0, freedom.1),
+    let apart: Vec<f64> = all.iter().map(|c| c.apart_nm).collect();
+    let freedom = cylinders as f64 - 1.0;
+    let within = (count - 1.0) * all.iter().map(|c| c.variation_nm.powi(2)).sum::<f64>() / (freedom * (count - 1.0));
+    let alike = |squares: f64, degrees: f64| {
+        (degrees > 0.0)
+            .then(|| distributions::f_tail(count * squares / degrees / within, degrees, freedom * (count - 1.0)))
     };
-    Cylinders { cylinders: all, alike_probability }
+    let patterns = once_a_turn(cylinders, turns);
+    let whole: f64 = apart.iter().map(|a| a * a).sum();
+    let of_turn: f64 = patterns.iter().map(|pattern| dot(pattern, &apart).powi(2)).sum();
+    let rms_nm = (of_turn / cylinders as f64).sqrt();
+    // A cosine of amplitude A over a cylinder's part has the mean A sinc(turns) at its middle.
+    let part = (PI * turns).sin().abs() / (PI * turns);
+    Cylinders {
+        cylinders: all,
+        alike_probability: alike(whole, freedom).unwrap_or(1.0),
+        once_a_turn: CylindersOnceATurn {
+            rms_nm,
+            encoder_error: ENCODER_ERROR * 2f64.sqrt() * rms_nm / (part * once_a_turn_nm).max(f64::MIN_POSITIVE),
+            alike_probability: alike((whole - of_turn).max(0.0), freedom - patterns.len() as f64),
+        },
+    }
+}
+
+/// Orthonormal patterns over the cylinders that come back with every turn, without their mean: two, one, or none.
+fn once_a_turn(cylinders: usize, turns: f64) -> Vec<Vec<f64>> {
+    let mut patterns: Vec<Vec<f64>> = Vec::new();
+    for quarter in [0.0, 0.25] {
+        let mut pattern: Vec<f64> = (0..cylinders).map(|c| (TAU * (c as f64 * turns + quarter)).cos()).collect();
+        let mean = pattern.iter().sum::<f64>() / cylinders as f64;
+        pattern.iter_mut().for_each(|p| *p -= mean);
+        for other in &patterns {
+            let along = dot(&pattern, other);
+            pattern.iter_mut().zip(other).for_each(|(p, o)| *p -= along * o);
+        }
+        let length = dot(&pattern, &pattern).sqrt();
+        if length > 1e-6 {
+            pattern.iter_mut().for_each(|p| *p /= length);
+            patterns.push(pattern);
+        }
+    }
+    patterns
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -11,7 +11,7 @@ mod source;
 
 use serde::Serialize;
 
-pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, Order};
+pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
 pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 use crate::estimate::{speed_controller, torque_control};

@@ -32,7 +32,7 @@ const HIGHEST_LINE: f64 = 0.95;
 /// The noise levels are estimated from so much of the recording's middle, s.
 const FOR_LEVELS_S: f64 = 4.0;
 /// The error of an encoder, of the speed, whose worth at order 1 is told.
-const ONCE_A_TURN: f64 = 1e-4;
+pub(super) const ENCODER_ERROR: f64 = 1e-4;
 /// States of the mechanics: twist, ω_d, ω_e.
 const TWIST: usize = 0;
 const DYNO: usize = 1;
@@ -117,7 +117,7 @@ pub(super) fn rebuild(
         of_masses_nm,
         torque: recorded.dyno.source,
         noise,
-        once_a_turn_nm: ONCE_A_TURN * values.engine_inertia * mean * mean,
+        once_a_turn_nm: ENCODER_ERROR * values.engine_inertia * mean * mean,
     };
     Ok((engine, motion))
 }

@@ -150,10 +150,27 @@ fn stat_unequal_cylinders_are_told_in_the_order_in_which_they_fire() {
     }
     for (is_equal, found, truth) in &found {
         assert!((found.alike_probability > 0.001) == *is_equal, "{found:?}");
+        assert!((found.once_a_turn.alike_probability.unwrap() > 0.001) == *is_equal, "{found:?}");
         for (cylinder, truth) in found.cylinders.iter().zip(truth) {
             assert!((cylinder.apart_nm - truth).abs() < 0.2, "{cylinder:?}, truth {truth}");
         }
     }
+}
+
+/// Equal cylinders and an encoder of which nothing is known: what comes back with every turn is not taken for a cylinder's.
+#[test]
+fn stat_an_encoder_error_is_not_taken_for_cylinders() {
+    let mut bench = centred(BenchParameters::default());
+    bench.engine.cylinder_factors = vec![1.0; 4];
+    bench.sensors.engine_eccentricity = 3e-4;
+    let (experiment, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(2000.0, 12.0), 5);
+    let engine = of(&experiment, &default_bench());
+    let cylinders = &engine.recordings[0].cycles.found().unwrap().cylinders;
+    assert!(cylinders.alike_probability < 1e-6, "{cylinders:?}");
+    let turn = &cylinders.once_a_turn;
+    assert!(turn.alike_probability.unwrap() > 0.001, "{turn:?}");
+    // Four cylinders see the pattern's cosine alone, whatever its sine is.
+    assert!(turn.encoder_error < 4e-4 && turn.encoder_error > 0.0, "{turn:?}");
 }
 
 #[test]
@@ -165,7 +182,7 @@ fn stat_the_engine_inertia_is_estimated_where_it_can_be_and_else_the_bench_files
     let masses = alone.masses.found().unwrap();
     assert_eq!(masses.inertia_from, InertiaSource::BenchFile);
     assert_eq!(masses.values[6], 0.35);
-    let (noise, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(1500.0, 40.0), 2);
+    let (noise, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(1500.0, 30.0), 2);
     let both = engine_torque(&[&steps, &noise], &wrong, &|_| ());
     let masses = both.masses.found().unwrap();
     assert_eq!(masses.inertia_from, InertiaSource::Estimated(noise.file.clone()));

@@ -2,6 +2,7 @@
 
 pub(crate) mod controller;
 pub(crate) mod convert;
+pub(crate) mod engine;
 pub(crate) mod experiment;
 pub(crate) mod friction;
 pub(crate) mod greybox;
@@ -32,6 +33,7 @@ A new bench, in three steps:
   dynoid look bench.toml         names every line in the spectra: firing, folding, ripple
   dynoid torque bench.toml       how late each torque signal is, and the real shaft torque
   dynoid shaft bench.toml        stiffness and damping by recording, band and route
+  dynoid engine bench.toml       the engine's torque, by cycle and by cylinder
   dynoid controller bench.toml   the speed controller, and what may be hidden in it
   dynoid inverter bench.toml     what stands between T_d* and T_d, and what would show more
   dynoid friction bench.toml     friction and inertia, from recordings without shaft
@@ -124,6 +126,8 @@ pub(crate) enum Command {
     Torque(torque::TorqueArguments),
     /// Estimates the shaft from every recording: by band, with both inertias, against backlash and its like, and from all together
     Shaft(shaft::ShaftArguments),
+    /// Rebuilds the engine's torque with its uncertainty, by cycle and by cylinder
+    Engine(engine::EngineArguments),
     /// Looks into the speed controller: PI, delay, hidden terms, limit, feed-forward; with `study` into what noise does to it
     Controller(controller::ControllerArguments),
     /// Holds models of the torque control against a delay of one sample: lag, ARX, output error of many orders

@@ -3,6 +3,7 @@
 pub(crate) mod controller;
 pub(crate) mod convert;
 pub(crate) mod demo;
+pub(crate) mod engine;
 pub(crate) mod experiment;
 mod experiments;
 pub(crate) mod friction;
@@ -11,6 +12,7 @@ pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod inverter;
 pub(crate) mod look;
+mod rebuilt;
 pub(crate) mod shaft;
 pub(crate) mod simulate;
 pub(crate) mod study;

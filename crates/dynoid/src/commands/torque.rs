@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use bench::study::SignalDelay;
-use bench::torque_signals::{RebuiltShaft, Told, TorqueRecording, TorqueSignals, torque_signals};
-use recording::{Channel, Format, Raster, Recording};
-use report::torque::{agreement, figures, lateness, rebuilt, routes, shaft_filter, trust, untold};
+use bench::torque_signals::{Told, TorqueRecording, TorqueSignals, torque_signals};
+use report::torque::{agreement, figures, lateness, routes, shaft_filter, trust, untold};
 use report::wording::number;
 use serde_json::json;
 
 use super::experiments::{self, Campaign, print_parameters};
 use super::identify::data::check_targets;
 use super::identify::judge::{picture, written};
+use super::rebuilt::{self, Rebuilt};
 use crate::cli::torque::TorqueArguments;
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
@@ -71,7 +71,7 @@ fn print(recording: &TorqueRecording, terminal: &mut Terminal) {
         None => {}
     }
     match &recording.shaft {
-        Some(Told::Found(shaft)) => terminal.line(&format!("T_shaft rebuilt: {}", rebuilt(shaft))),
+        Some(Told::Found(shaft)) => terminal.line(&format!("T_shaft rebuilt: {}", report::torque::rebuilt(shaft))),
         Some(Told::Untold(why)) => terminal.line(&format!("T_shaft: {}", untold(why))),
         None => {}
     }
@@ -118,14 +118,7 @@ fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
 
 /// Writes the shaft torque of the one recording there is.
 fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
-    let [recording] = signals.recordings.as_slice() else {
-        let what = format!(
-            "{}: the shaft torque of one recording is written, and {} are given; name the one that is meant",
-            out.display(),
-            signals.recordings.len()
-        );
-        return Err(CliError::Usage { what });
-    };
+    let recording = rebuilt::only(&signals.recordings, "the shaft torque", out)?;
     let shaft = match &recording.shaft {
         Some(Told::Found(shaft)) => shaft,
         Some(Told::Untold(why)) => {
@@ -137,32 +130,15 @@ fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result
             });
         }
     };
-    let mut rebuilt = as_recording(&recording.file, shaft);
-    let format = FileFormat::of_output(out)?;
-    let renamed = format.fit(&mut rebuilt).into_iter().filter(|note| !note.starts_with("text has no place"));
-    renamed.for_each(|note| terminal.warning(&note));
-    format.write(&rebuilt, out)
-}
-
-fn as_recording(file: &str, shaft: &RebuiltShaft) -> Recording {
-    let time_s = (0..shaft.smoothed_nm.len()).map(|k| shaft.start_s + k as f64 * shaft.sample_time_s).collect();
-    let channel = |name: &str, comment: &str, samples: &[f64]| Channel {
-        name: name.to_owned(),
-        unit: "Nm".to_owned(),
-        comment: comment.to_owned(),
-        raster: 0,
-        samples: samples.to_vec(),
-    };
-    Recording {
-        format: Format::Mdf { version: 410 },
-        comment: Some(format!("shaft torque rebuilt from {file}")),
-        start_time: None,
-        rasters: vec![Raster { time_s, name: None }],
+    let rebuilt = Rebuilt {
+        comment: format!("shaft torque rebuilt from {}", recording.file),
+        start_s: shaft.start_s,
+        sample_time_s: shaft.sample_time_s,
         channels: vec![
-            channel("shaft_torque", "by a fixed-interval smoother", &shaft.smoothed_nm),
-            channel("shaft_torque_standard_deviation", "of the smoother", &shaft.standard_deviation_nm),
-            channel("shaft_torque_zero_phase", "by a filter without phase shift", &shaft.zero_phase_nm),
+            ("shaft_torque", "by a fixed-interval smoother", &shaft.smoothed_nm),
+            ("shaft_torque_standard_deviation", "of the smoother", &shaft.standard_deviation_nm),
+            ("shaft_torque_zero_phase", "by a filter without phase shift", &shaft.zero_phase_nm),
         ],
-        findings: Vec::new(),
-    }
+    };
+    rebuilt::write(&rebuilt, out, terminal)
 }

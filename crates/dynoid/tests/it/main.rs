@@ -8,6 +8,7 @@ mod convert;
 mod convert_recordings;
 mod datasets;
 mod demo;
+mod engine;
 mod experiment;
 mod friction;
 mod greybox;
