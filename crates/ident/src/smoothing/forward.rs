@@ -2,8 +2,11 @@
 
 use faer::MatRef;
 
+use super::steady::Memory;
 use super::{Belief, NoisySystem, check_length, check_square};
 use crate::IdentError;
+
+const NO_ROOM: IdentError = IdentError::Structure { what: "noise and start leave a measurement no room" };
 
 /// A measurement against what was expected of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +29,21 @@ pub(super) struct Forward {
     pub(super) predicted: Vec<f64>,
     /// Its covariance.
     pub(super) covariances: Vec<f64>,
+    /// Equal where gains, variances and covariances are.
+    pub(super) settled: Vec<usize>,
+}
+
+/// What one sample makes of a covariance.
+#[derive(Clone)]
+struct Sample {
+    /// Number of the step that is settled upon.
+    number: usize,
+    /// Of each measurement.
+    variances: Vec<f64>,
+    /// Of each measurement, one after the other.
+    gains: Vec<f64>,
+    /// The covariance of the sample after it.
+    next: Vec<f64>,
 }
 
 /// The filter on its way.
@@ -58,7 +76,10 @@ impl Forward {
             gains: Vec::new(),
             predicted: Vec::new(),
             covariances: Vec::new(),
+            settled: Vec::new(),
         };
+        let mut memory: Memory<Vec<usize>, Sample> = Memory::new();
+        let mut measured = Vec::with_capacity(outputs.ncols());
         let mut filter = Filter {
             system,
             x: start.mean.clone(),
@@ -71,16 +92,31 @@ impl Forward {
                 forward.predicted.extend_from_slice(&filter.x);
                 forward.covariances.extend_from_slice(&filter.p);
             }
-            for output in (0..outputs.ncols()).filter(|i| !outputs[(sample, *i)].is_nan()) {
-                let expected = filter.expected(&forward.output, output, inputs, sample);
-                let value = outputs[(sample, output)] - expected;
-                let variance = filter.update(&forward.output, output, value)?;
-                forward.innovations.push(Innovation { sample, output, value, variance });
+            measured.clear();
+            measured.extend((0..outputs.ncols()).filter(|i| !outputs[(sample, *i)].is_nan()));
+            if memory.recall(&measured, &filter.p).is_none() {
+                let made = filter.covariances(&forward.output, &forward.transition, &measured, sample)?;
+                memory.remember(measured.clone(), filter.p.clone(), made);
+            }
+            let Some(made) = memory.recall(&measured, &filter.p) else { continue };
+            for (i, output) in measured.iter().enumerate() {
+                let expected = filter.expected(&forward.output, *output, inputs, sample);
+                let value = outputs[(sample, *output)] - expected;
+                if !value.is_finite() {
+                    return Err(NO_ROOM);
+                }
+                let gain = &made.gains[i * n..(i + 1) * n];
+                filter.x.iter_mut().zip(gain).for_each(|(x, gain)| *x += gain * value);
+                forward.innovations.push(Innovation { sample, output: *output, value, variance: made.variances[i] });
                 if keep {
-                    forward.gains.extend_from_slice(&filter.column);
+                    forward.gains.extend_from_slice(gain);
                 }
             }
-            filter.predict(&forward.transition, inputs, sample);
+            if keep {
+                forward.settled.push(made.number);
+            }
+            filter.advance(&forward.transition, inputs, sample);
+            filter.p.copy_from_slice(&made.next);
         }
         Ok(forward)
     }
@@ -99,16 +135,29 @@ impl Filter<'_> {
         dot(&c[output * n..(output + 1) * n], &self.x) + through.sum::<f64>()
     }
 
-    /// Takes up one measurement and returns the variance of its innovation; `column` is then its gain.
-    fn update(&mut self, c: &[f64], output: usize, innovation: f64) -> Result<f64, IdentError> {
+    /// What the sample with this number makes of the covariance, with these outputs measured.
+    fn covariances(&mut self, c: &[f64], a: &[f64], measured: &[usize], number: usize) -> Result<Sample, IdentError> {
         let n = self.x.len();
-        let c = &c[output * n..(output + 1) * n];
+        let before = self.p.clone();
+        let mut made = Sample { number, variances: Vec::new(), gains: Vec::new(), next: Vec::new() };
+        for output in measured {
+            made.variances.push(self.update(&c[output * n..(output + 1) * n], *output)?);
+            made.gains.extend_from_slice(&self.column);
+        }
+        self.predict(a);
+        made.next = std::mem::replace(&mut self.p, before);
+        Ok(made)
+    }
+
+    /// Takes up one measurement and returns the variance of its innovation; `column` is then its gain.
+    fn update(&mut self, c: &[f64], output: usize) -> Result<f64, IdentError> {
+        let n = self.x.len();
         for i in 0..n {
             self.column[i] = dot(&self.p[i * n..(i + 1) * n], c);
         }
         let variance = dot(c, &self.column) + self.system.measurement_variance[output];
-        if !(variance > 0.0 && variance.is_finite() && innovation.is_finite()) {
-            return Err(IdentError::Structure { what: "noise and start leave a measurement no room" });
+        if !(variance > 0.0 && variance.is_finite()) {
+            return Err(NO_ROOM);
         }
         for i in 0..n {
             for j in 0..n {
@@ -116,12 +165,11 @@ impl Filter<'_> {
             }
         }
         self.column.iter_mut().for_each(|gain| *gain /= variance);
-        self.x.iter_mut().zip(&self.column).for_each(|(x, gain)| *x += gain * innovation);
         Ok(variance)
     }
 
-    /// One sample on: A x + B u, A P Aᵀ + Q.
-    fn predict(&mut self, a: &[f64], inputs: MatRef<'_, f64>, sample: usize) {
+    /// One sample on: A x + B u.
+    fn advance(&mut self, a: &[f64], inputs: MatRef<'_, f64>, sample: usize) {
         let n = self.x.len();
         let b = self.system.system.b();
         for i in 0..n {
@@ -129,6 +177,11 @@ impl Filter<'_> {
             self.column[i] = dot(&a[i * n..(i + 1) * n], &self.x) + driven;
         }
         self.x.copy_from_slice(&self.column);
+    }
+
+    /// One sample on: A P Aᵀ + Q.
+    fn predict(&mut self, a: &[f64]) {
+        let n = self.x.len();
         for i in 0..n {
             for j in 0..n {
                 // P is symmetric: its rows are its columns.

@@ -4,6 +4,7 @@
 mod backward;
 mod forward;
 mod likelihood;
+mod steady;
 
 use faer::{Mat, MatRef};
 use lti::StateSpace;
