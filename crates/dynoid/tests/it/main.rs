@@ -19,6 +19,7 @@ mod inverter;
 mod lines;
 mod look;
 mod operating_point;
+mod published;
 mod shaft;
 mod study;
 mod support;
