@@ -185,6 +185,11 @@ impl Role {
         }
     }
 
+    /// Whether the role may be recorded as the angle turned, of which it is the rate: the measured speeds.
+    pub fn may_be_angle(self) -> bool {
+        matches!(self, Role::DynoSpeed | Role::EngineSpeed)
+    }
+
     /// The quantity the role's unit must belong to.
     pub fn quantity(self) -> Quantity {
         match self {

@@ -16,6 +16,7 @@ const UNDECIDED: f64 = 6.0;
 /// A term in one word.
 pub fn term(term: Term) -> &'static str {
     match term {
+        Term::Offset => "offset",
         Term::Coulomb => "Coulomb",
         Term::Viscous => "viscous",
         Term::Quadratic => "quadratic",

@@ -43,7 +43,7 @@ pub struct BenchFile {
     pub name: String,
     /// Load cell or torque flange.
     pub variant: BenchVariant,
-    /// Cylinders of the engine.
+    /// Cylinders of the engine; none where nothing fires, as in an electric machine.
     pub cylinders: u32,
     /// Strokes of the engine, 2 or 4.
     pub strokes: u32,
@@ -119,6 +119,8 @@ pub struct ChannelMapping {
     pub unit: Option<Unit>,
     /// Whether its samples have the opposite sign of the role's convention (`sign = -1`).
     pub inverted: bool,
+    /// What one of its samples is worth, in its unit: a torque constant in Nm/A, a lever arm, a gear ratio.
+    pub factor: f64,
     /// Length of the encoder's gate over which a speed is averaged, s, if known.
     pub gate_s: Option<f64>,
 }
@@ -126,12 +128,12 @@ pub struct ChannelMapping {
 impl ChannelMapping {
     /// A channel recorded in its own unit and with the role's sign.
     pub fn named(name: impl Into<String>) -> ChannelMapping {
-        ChannelMapping { name: name.into(), unit: None, inverted: false, gate_s: None }
+        ChannelMapping { name: name.into(), unit: None, inverted: false, factor: 1.0, gate_s: None }
     }
 
-    /// +1, or −1 if the samples have the opposite sign of the role's convention.
-    pub fn sign(&self) -> f64 {
-        if self.inverted { -1.0 } else { 1.0 }
+    /// What a sample is multiplied by: the factor, with the sign that makes it follow the role's convention.
+    pub fn signed_factor(&self) -> f64 {
+        if self.inverted { -self.factor } else { self.factor }
     }
 }
 

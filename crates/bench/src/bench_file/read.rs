@@ -56,7 +56,11 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
     let limits = read_limits(&root.section("limits", faults), faults);
     let shaft = read_shaft(&root.section("shaft", faults), faults);
     let virtual_bench = virtual_bench::read(&root.section("virtual_bench", faults), faults);
-    let channels = read_channels(&root.section("channels", faults), variant, faults);
+    let required = variant.map_or(&[][..], |variant| match cylinders {
+        Some(0) => &[Role::DynoSpeed],
+        _ => required_roles(variant),
+    });
+    let channels = read_channels(&root.section("channels", faults), required, faults);
     let recordings = read_recordings(&root.section("recordings", faults), faults);
     Some(BenchFile {
         name: name?,
@@ -98,8 +102,8 @@ fn read_variant(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Benc
 
 fn read_cylinders(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<u32> {
     let place = bench.require("cylinders", "4", faults)?;
-    let remedy = "write the engine's number of cylinders";
-    let value = bench.number_between("cylinders", (1.0, 12.0), remedy, faults)?;
+    let remedy = "write the engine's number of cylinders; 0 where nothing fires, as in an electric machine";
+    let value = bench.number_between("cylinders", (0.0, 12.0), remedy, faults)?;
     if value.fract() == 0.0 {
         return Some(value as u32);
     }
@@ -229,7 +233,7 @@ fn read_limit(
 
 fn read_channels(
     section: &Section<'_, '_>,
-    variant: Option<BenchVariant>,
+    required: &[Role],
     faults: &mut Faults<'_>,
 ) -> BTreeMap<Role, ChannelMapping> {
     section.only(&Role::ALL.map(Role::key), faults);
@@ -248,7 +252,7 @@ fn read_channels(
         }
     }
     // A bench that is only simulated needs no channels.
-    for role in variant.filter(|_| section.table().is_some()).map_or(&[][..], required_roles) {
+    for role in required.iter().filter(|_| section.table().is_some()) {
         if section.get(role.key()).is_none() {
             section.missing(role.key(), "\"NameInTheRecording\"", faults);
         }
@@ -256,7 +260,7 @@ fn read_channels(
     channels
 }
 
-/// The roles without which nothing of a bench can be identified.
+/// The roles without which nothing of a bench with an engine can be identified.
 pub(super) fn required_roles(variant: BenchVariant) -> &'static [Role] {
     match variant {
         BenchVariant::LoadCell => &[Role::DynoSpeed, Role::EngineSpeed, Role::AirGapTorque],
@@ -283,23 +287,30 @@ fn read_mapping(
         faults.add(place.offset, path, place.wrong_type("a text or a table", example));
         return None;
     };
-    section.only(&["name", "unit", "sign", "gate_ms"], faults);
+    section.only(&["name", "unit", "sign", "factor", "gate_ms"], faults);
     let name_place = section.require("name", "\"NameInTheRecording\"", faults)?;
     let name = section.text("name", name_place, "\"NameInTheRecording\"", faults)?;
     let remedy = "write the length of the encoder's gate in ms";
     Some(ChannelMapping {
         name,
-        unit: read_unit(&section, role.quantity(), faults),
+        unit: read_unit(&section, role, faults),
         inverted: read_inverted(&section, faults),
+        factor: read_factor(&section, faults),
         gate_s: section.number_between("gate_ms", (0.0, 1000.0), remedy, faults).map(|gate_ms| gate_ms * 1e-3),
     })
 }
 
-fn read_unit(section: &Section<'_, '_>, quantity: Quantity, faults: &mut Faults<'_>) -> Option<Unit> {
+fn read_factor(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> f64 {
+    let remedy = "write by what its samples are to be multiplied; for the opposite sign, sign = -1";
+    section.number_between("factor", (1e-12, 1e12), remedy, faults).unwrap_or(1.0)
+}
+
+fn read_unit(section: &Section<'_, '_>, role: Role, faults: &mut Faults<'_>) -> Option<Unit> {
     let place = section.get("unit")?;
+    let quantity = role.quantity();
     let example = format!("\"{}\"", units::spellings(quantity).nth(1).unwrap_or(units::si_spelling(quantity)));
     let text = section.text("unit", place, &example, faults)?;
-    let unit = units::parse_unit_of(&text, quantity);
+    let unit = units::parse_unit_of_role(&text, role);
     unit.map_err(|error| faults.add(place.offset, section.path_of("unit"), FaultKind::Unit { error, example })).ok()
 }
 

@@ -157,6 +157,7 @@ fn mapping_value(mapping: &ChannelMapping) -> String {
     let mut parts = vec![format!("name = {}", quoted(&mapping.name))];
     parts.extend(mapping.unit.map(|unit| format!("unit = \"{}\"", unit.spelling)));
     parts.extend(mapping.inverted.then(|| "sign = -1".to_owned()));
+    parts.extend((mapping.factor != 1.0).then(|| format!("factor = {}", mapping.factor)));
     parts.extend(mapping.gate_s.map(|gate_s| format!("gate_ms = {}", gate_s * 1e3)));
     if parts.len() == 1 { quoted(&mapping.name) } else { format!("{{ {} }}", parts.join(", ")) }
 }

@@ -5,15 +5,18 @@ use std::ops::Range;
 use signal::{Signal, runs};
 
 use super::regression::Fitted;
-use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut};
+use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut, Term};
 use crate::estimate::{timing_floor_s, torque_control};
 use crate::study::Stretch;
 use crate::{Experiment, Role};
 
-/// Shortest stretch, s.
+/// Shortest stretch, s: alone, and where T_d drives.
 const SHORTEST_S: f64 = 1.0;
+const SHORTEST_DRIVEN_S: f64 = 0.25;
 /// Slower than this part of the highest speed, and than so many rad/s, is left out.
 const SLOWEST: (f64, f64) = (0.02, 1.0);
+/// Of a machine that is slow itself no more than this part of its highest speed is left out.
+const SLOWEST_OF_SLOW: f64 = 0.1;
 /// A sample drops out that is off the median of those about it by this part of it.
 const DROPPED: f64 = 0.1;
 /// Samples on either side of that median.
@@ -56,7 +59,10 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
     let torque = known.as_ref().map(|(torque, _)| torque);
     let (speed, dropped) = without_drop_outs(measured);
     let fastest = speed.samples.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
-    let slowest = options.slowest_rad_s.unwrap_or((SLOWEST.0 * fastest).max(SLOWEST.1));
+    let slowest = options.slowest_rad_s.unwrap_or_else(|| match fastest {
+        0.0 => SLOWEST.1,
+        _ => (SLOWEST.0 * fastest).max(SLOWEST.1.min(SLOWEST_OF_SLOW * fastest)),
+    });
     let is_inside =
         |t: f64| torque.is_none_or(|x| t - LONGEST_DELAY_S >= x.start_s && t + LONGEST_DELAY_S <= x.end_s());
     let is_used = |i: usize| speed.samples[i].abs() > slowest && is_inside(speed.time_s(i));
@@ -66,12 +72,13 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
     }
     let length = |run: &Range<usize>| run.len() as f64 * speed.sample_time_s;
     let turning_s = runs.iter().map(length).fold(0.0, |sum, s| sum + s);
-    runs.retain(|run| length(run) >= SHORTEST_S);
+    let shortest_s = if torque.is_some() { SHORTEST_DRIVEN_S } else { SHORTEST_S };
+    runs.retain(|run| length(run) >= shortest_s);
     if runs.is_empty() {
         return Err(FrictionError::HardlyTurns {
             file: file(),
             turning_s,
-            needed_s: SHORTEST_S,
+            needed_s: shortest_s,
             slowest_rad_s: slowest,
         });
     }
@@ -123,6 +130,27 @@ pub(super) fn check_range(courses: &[Course]) -> Result<(), FrictionError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Which way it turned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Directions {
+    One,
+    Both,
+}
+
+impl Directions {
+    /// These terms, with the offset where it is told apart from them.
+    pub(super) fn with(self, terms: &[Term]) -> Vec<Term> {
+        let offset = (self == Directions::Both).then_some(Term::Offset);
+        offset.into_iter().chain(terms.iter().copied()).collect()
+    }
+}
+
+/// Whether both directions were seen.
+pub(super) fn directions(courses: &[Course]) -> Directions {
+    let (low, high) = speeds(courses);
+    if low < 0.0 && high > 0.0 { Directions::Both } else { Directions::One }
 }
 
 /// Lowest and highest speed.

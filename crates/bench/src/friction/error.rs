@@ -33,7 +33,7 @@ pub enum FrictionError {
     },
     /// The dynamometer hardly turns, or not for long enough.
     #[error(
-        "{file}: the dynamometer turns faster than {:.0} rpm for {turning_s:.1} s only, {needed_s:.0} s are needed; run it faster \
+        "{file}: the dynamometer turns faster than {:.0} rpm for {turning_s:.1} s only, {needed_s} s are needed; run it faster \
          or record longer",
         .slowest_rad_s / RPM_RAD_S
     )]

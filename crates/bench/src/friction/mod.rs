@@ -1,6 +1,7 @@
 //! Friction and inertia of the dynamometer from recordings without shaft: steps of speed, and run-outs (thesis §4.8).
 //!
-//! J_d dω_d/dt = −T_d − T_fric(ω_d) (4.1), T_fric = c_0 sgn ω + c_1 ω + c_2 ω|ω| + c_3 ω³. Integrated over time, nothing is
+//! J_d dω_d/dt = −T_d − T_fric(ω_d) (4.1), T_fric = c_0 sgn ω + c_1 ω + c_2 ω|ω| + c_3 ω³, and where both directions are seen
+//! T_0, by which friction differs between them or T_d is off. Integrated over time, nothing is
 //! differentiated: ω_d(t) = ω_0 − (1/J_d) ∫T_d(t − δ) dt − Σ (c_i/J_d) ∫…dt, linear in 1/J_d and c_i/J_d. δ, by which the
 //! torque's clock is late against the speed's, is a parameter too. What torques leave unsaid adds up in the speed as a random
 //! walk does, under the encoder's white noise; the ratio of the two is that of greatest likelihood, and the estimate that of
@@ -15,9 +16,9 @@ use serde::Serialize;
 use crate::Experiment;
 use crate::estimate::Label;
 use crate::study::{Estimate, Parameter, Stretch};
-use course::Course;
+use course::{Course, Directions};
 pub use error::FrictionError;
-use regression::{Drive, Excitation, Problem};
+use regression::{Drive, Excitation, Fitted, Problem};
 
 /// A term of higher order stays where the interval of its coefficient at this level does not hold zero.
 const TERM_LEVEL: f64 = 0.99;
@@ -39,6 +40,8 @@ const DELAY: Label = Label { symbol: "δ_T", name: "how late T_d is against N_d"
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
+    /// T_0, the same whatever the direction: told apart from the others where both directions are seen.
+    Offset,
     /// c_0 sgn ω.
     Coulomb,
     /// c_1 ω.
@@ -50,11 +53,12 @@ pub enum Term {
 }
 
 impl Term {
-    /// All, from the lowest order on.
+    /// Those of one direction, from the lowest order on.
     pub const ALL: [Term; 4] = [Term::Coulomb, Term::Viscous, Term::Quadratic, Term::Cubic];
 
     fn at(self, speed: f64) -> f64 {
         match self {
+            Term::Offset => 1.0,
             Term::Coulomb => speed.signum(),
             Term::Viscous => speed,
             Term::Quadratic => speed * speed.abs(),
@@ -64,6 +68,9 @@ impl Term {
 
     fn torque(self) -> Label {
         match self {
+            Term::Offset => {
+                Label { symbol: "T_0", name: "offset of T_d, or of friction between directions", unit: "Nm" }
+            }
             Term::Coulomb => Label { symbol: "c_0", name: "Coulomb friction", unit: "Nm" },
             Term::Viscous => Label { symbol: "c_1", name: "viscous friction", unit: "Nm s/rad" },
             Term::Quadratic => Label { symbol: "c_2", name: "quadratic friction", unit: "Nm s²/rad²" },
@@ -73,6 +80,7 @@ impl Term {
 
     fn deceleration(self) -> Label {
         match self {
+            Term::Offset => Label { symbol: "T_0/J", name: "offset over inertia", unit: "rad/s²" },
             Term::Coulomb => Label { symbol: "c_0/J", name: "Coulomb friction over inertia", unit: "rad/s²" },
             Term::Viscous => Label { symbol: "c_1/J", name: "viscous friction over inertia", unit: "1/s" },
             Term::Quadratic => Label { symbol: "c_2/J", name: "quadratic friction over inertia", unit: "1/rad" },
@@ -200,7 +208,7 @@ impl Friction {
 
 /// Estimates friction, and J_d where torque tells it, from recordings without shaft, all together.
 ///
-/// Coulomb and viscous friction are always there; a quadratic and a cubic term where they are told from zero with 99 %
+/// Coulomb and viscous friction are always there, an offset where both directions are seen and tell it from zero; a quadratic and a cubic term where they are told from zero with 99 %
 /// confidence. Samples of N_d that drop out are left out. Without a recorded torque, the longest fall of the speed is used.
 ///
 /// # Errors
@@ -219,19 +227,24 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
     course::check_range(&courses)?;
     let failed = |source| FrictionError::Ident { file: file.clone(), source };
     let mut problem = Problem::new(&courses);
-    let (drive, inertia) = drive(&mut problem, options.inertia_kg_m2).map_err(failed)?;
+    let directions = course::directions(&courses);
+    let (drive, inertia) = drive(&mut problem, directions, options.inertia_kg_m2).map_err(failed)?;
+    let whole = problem.fit(&directions.with(&Term::ALL), drive);
+    let has_offset = whole.is_ok_and(|fit| fit.is_told(Term::Offset, TERM_LEVEL));
+    let directions = if has_offset { Directions::Both } else { Directions::One };
     let mut fits = Vec::new();
     for count in (2..=Term::ALL.len()).rev() {
-        match problem.fit(&Term::ALL[..count], drive) {
+        match problem.fit(&directions.with(&Term::ALL[..count]), drive) {
             Ok(fit) => fits.push(fit),
             // Speeds that lie too close together for terms of such order.
             Err(ident::IdentError::RankDeficient { .. }) if count > 2 => {}
             Err(source) => return Err(failed(source)),
         }
     }
-    let chosen = fits.iter().position(|fit| fit.terms.len() == 2 || fit.is_last_told(TERM_LEVEL)).unwrap_or(0);
+    let is_least = |fit: &Fitted| fit.terms.last() == Some(&Term::Viscous);
+    let chosen = fits.iter().position(|fit| is_least(fit) || fit.is_last_told(TERM_LEVEL)).unwrap_or(0);
     for terms in [&[Term::Coulomb][..], &[Term::Viscous]] {
-        fits.push(problem.fit(terms, drive).map_err(failed)?);
+        fits.push(problem.fit(&directions.with(terms), drive).map_err(failed)?);
     }
     let fit = &fits[chosen];
     let whence = match inertia {
@@ -265,19 +278,24 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
 }
 
 /// How T_d acts in the equations: with J_d free where the data determine it, else as the bench file has it.
-fn drive(problem: &mut Problem<'_>, stated_kg_m2: f64) -> Result<(Drive, Option<Undetermined>), ident::IdentError> {
+fn drive(
+    problem: &mut Problem<'_>,
+    directions: Directions,
+    stated_kg_m2: f64,
+) -> Result<(Drive, Option<Undetermined>), ident::IdentError> {
+    let usual = directions.with(&Term::ALL[..2]);
     let stated = Drive::Known { inertia_kg_m2: stated_kg_m2 };
     let why = match problem.excitation(stated_kg_m2) {
         Excitation::NotRecorded => Undetermined::NoTorque,
         Excitation::None => Undetermined::TorqueFree,
         Excitation::Little => Undetermined::LittleExcitation,
-        Excitation::Enough => match problem.settle_delay(&Term::ALL[..2]) {
+        Excitation::Enough => match problem.settle_delay(&usual) {
             Ok(fit) if fit.inertia_error() < DETERMINED => return Ok((Drive::Free, None)),
             Ok(_) | Err(ident::IdentError::RankDeficient { .. }) => Undetermined::LittleExcitation,
             Err(error) => return Err(error),
         },
     };
     problem.forget_delay();
-    problem.settle_noise(&Term::ALL[..2], stated)?;
+    problem.settle_noise(&usual, stated)?;
     Ok((stated, Some(why)))
 }

@@ -290,9 +290,14 @@ impl Fitted {
 
     /// Whether the term of highest order is told from zero.
     pub(super) fn is_last_told(&self, level: f64) -> bool {
-        let Some(last) = self.linear.parameters.len().checked_sub(1) else { return false };
-        let error = self.covariance[(last, last)].sqrt();
-        let (low, high) = interval(self.linear.parameters[last], error, self.freedom, level);
+        self.terms.last().is_some_and(|last| self.is_told(*last, level))
+    }
+
+    /// Whether a term is there and told from zero.
+    pub(super) fn is_told(&self, term: Term, level: f64) -> bool {
+        let Some(place) = self.terms.iter().position(|own| *own == term) else { return false };
+        let at = self.first_term() + place;
+        let (low, high) = interval(self.linear.parameters[at], self.covariance[(at, at)].sqrt(), self.freedom, level);
         low > 0.0 || high < 0.0
     }
 

@@ -1,10 +1,13 @@
 //! From time stamps to uniform clocks: order, jitter, gaps and missing samples.
 
+use std::f64::consts::TAU;
+
 use signal::Signal;
 use signal::clock::{ClockCheck, check_clock};
 
 use super::{Log, Source, Stretches};
 use crate::diagnostics::{Finding, Severity};
+use crate::role::Quantity;
 
 /// A gap no longer than this is interpolated, s.
 const SHORT_GAP_S: f64 = 0.02;
@@ -19,8 +22,12 @@ const EXACT_SHARE: f64 = 1e-6;
 
 /// The channel on a uniform clock, in SI, or `None` if it is refused.
 pub(super) fn uniform_stretches(source: &Source<'_>, log: &mut Log) -> Option<Stretches> {
-    let (time_s, values) = numbers(source, log)?;
+    let (time_s, mut values) = numbers(source, log)?;
     let check = checked(source, &time_s, log)?;
+    let is_angle = source.unit.quantity == Quantity::Angle;
+    if is_angle {
+        unwrap(&mut values);
+    }
     let is_short = |missing: usize, duration_s: f64| {
         missing <= SHORT_GAP_SAMPLES || duration_s <= SHORT_GAP_S + 0.5 * check.sample_time_s
     };
@@ -28,12 +35,34 @@ pub(super) fn uniform_stretches(source: &Source<'_>, log: &mut Log) -> Option<St
     let mut stretches = Vec::new();
     let mut first = 0;
     for end in long.map(|gap| gap.between.end).chain([time_s.len()]) {
-        stretches.extend(stretch(&time_s[first..end], &values[first..end], check.sample_time_s));
+        let own = stretch(&time_s[first..end], &values[first..end], check.sample_time_s);
+        stretches.extend(if is_angle { own.and_then(|angle| rate(&angle)) } else { own });
         first = end;
     }
     report_gaps(source, &time_s, &check, &is_short, log);
     report_jitter(source, &stretches, &time_s, check.sample_time_s, log);
     (!stretches.is_empty()).then_some(stretches)
+}
+
+/// Takes the jumps out of an angle that starts anew with every turn, rad.
+fn unwrap(angle: &mut [f64]) {
+    let (low, high) = angle.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), a| (l.min(*a), h.max(*a)));
+    if high - low > TAU {
+        return;
+    }
+    let (mut turns, mut before) = (0.0, angle.first().copied().unwrap_or_default());
+    for a in angle {
+        turns -= ((*a - before) / TAU).round();
+        before = *a;
+        *a += TAU * turns;
+    }
+}
+
+/// The speed of an angle: its mean from the sample before, dated at the end, as that of an encoder with a gate of one sample.
+fn rate(angle: &Signal) -> Option<Signal> {
+    let step_s = angle.sample_time_s;
+    let speeds = angle.samples.windows(2).map(|pair| (pair[1] - pair[0]) / step_s).collect();
+    Signal::new(angle.start_s + step_s, step_s, speeds).ok()
 }
 
 /// Time stamps and values in SI of the samples that are numbers; the others are treated as missing.

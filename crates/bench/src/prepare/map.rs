@@ -49,7 +49,7 @@ fn source<'r>(
         time_s: recording.time_s(channel).unwrap_or(&[]),
         samples: &channel.samples,
         unit,
-        factor: unit.factor * mapping.sign(),
+        factor: unit.factor * mapping.signed_factor(),
     })
 }
 
@@ -62,7 +62,7 @@ fn unit(role: Role, mapping: &ChannelMapping, recorded: &str, log: &mut Log) -> 
     if let Some(unit) = mapping.unit {
         return Some(unit);
     }
-    match units::parse_unit_of(recorded, role.quantity()) {
+    match units::parse_unit_of_role(recorded, role) {
         Ok(unit) => Some(unit),
         Err(_) => {
             let finding = Finding::UnfitUnit { role, unit: recorded.to_owned() };

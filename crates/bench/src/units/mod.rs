@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use recording::names::closest;
 
-use crate::role::Quantity;
+use crate::role::{Quantity, Role};
 use table::{AMBIGUOUS, TABLE};
 
 /// One revolution a minute in rad/s, 2π/60.
@@ -136,6 +136,16 @@ pub fn parse_unit_of(text: &str, quantity: Quantity) -> Result<Unit, UnitError> 
         expected: quantity,
         example: si_spelling(quantity),
     })
+}
+
+/// Finds the unit of a role's channel: one of the role's quantity, or for a measured speed one of the angle turned.
+///
+/// # Errors
+///
+/// [`UnitError`] as [`parse_unit_of`].
+pub fn parse_unit_of_role(text: &str, role: Role) -> Result<Unit, UnitError> {
+    let turned = |unit: &Unit| role.may_be_angle() && unit.quantity == Quantity::Angle;
+    parse_unit(text).ok().filter(turned).map_or_else(|| parse_unit_of(text, role.quantity()), Ok)
 }
 
 /// Reads a number with a unit, such as `0.6 kg m²` or `6000 rpm`, in SI.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use recording::Recording;
 
 use crate::bench_file::ChannelMapping;
-use crate::role::Role;
+use crate::role::{Quantity, Role};
 use crate::units::parse_unit;
 
 /// What the channels of a virtual bench are called.
@@ -26,6 +26,7 @@ pub const CHANNELS: [(Role, &str); 9] = [
 /// stated one has it: then it is called after its role.
 pub fn rename(recording: &mut Recording, stated: &BTreeMap<Role, ChannelMapping>) {
     let is_taken = |name: &str| stated.values().any(|mapping| mapping.name == name);
+    let rasters = &recording.rasters;
     for channel in &mut recording.channels {
         let role = CHANNELS.iter().find(|(_, name)| *name == channel.name).map(|(role, _)| *role);
         let Some(mapping) = role.and_then(|role| stated.get(&role)) else {
@@ -40,9 +41,21 @@ pub fn rename(recording: &mut Recording, stated: &BTreeMap<Role, ChannelMapping>
         {
             channel.samples.iter_mut().for_each(|value| *value = unit.from_si(own.to_si(*value)));
             unit.spelling.clone_into(&mut channel.unit);
+            if unit.quantity == Quantity::Angle {
+                integrate(&mut channel.samples, rasters.get(channel.raster).map_or(&[], |raster| &raster.time_s));
+            }
         }
-        if mapping.inverted {
-            channel.samples.iter_mut().for_each(|value| *value = -*value);
-        }
+        channel.samples.iter_mut().for_each(|value| *value /= mapping.signed_factor());
+    }
+}
+
+/// The angle of a speed, which is the mean since the sample before.
+fn integrate(samples: &mut [f64], time_s: &[f64]) {
+    let mut angle = 0.0;
+    let mut before_s = time_s.first().copied().unwrap_or_default();
+    for (value, time_s) in samples.iter_mut().zip(time_s) {
+        angle += *value * (time_s - before_s);
+        before_s = *time_s;
+        *value = angle;
     }
 }

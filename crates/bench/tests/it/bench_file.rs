@@ -57,8 +57,8 @@ fn exact_good_file() {
     assert_eq!((file.limits.torque_nm, file.limits.shaft_torque_nm), (Some(400.0), None));
     assert_eq!(file.limits.speed_rad_s, Some(6000.0 * RPM_RAD_S));
     let speed = &file.channels[&Role::DynoSpeed];
-    assert_eq!((speed.name.as_str(), speed.gate_s, speed.sign()), ("DynoSpeed", Some(1e-3), 1.0));
-    assert_eq!(file.channels[&Role::AirGapTorque].sign(), -1.0);
+    assert_eq!((speed.name.as_str(), speed.gate_s, speed.signed_factor()), ("DynoSpeed", Some(1e-3), 1.0));
+    assert_eq!(file.channels[&Role::AirGapTorque].signed_factor(), -1.0);
     assert_eq!(file.facts().torque_limit_nm, Some(400.0));
 }
 
@@ -75,6 +75,29 @@ fn exact_labels_from_override_and_name() {
 fn prop_toml_round_trip() {
     let file = parse(GOOD).unwrap();
     assert_eq!(parse(&file.to_toml()).unwrap(), file);
+}
+
+#[test]
+fn exact_factor_and_angle_of_a_channel() {
+    let text = GOOD
+        .replace(
+            "air_gap_torque = { name = \"DynoTorqueCalc\", sign = -1 }",
+            "air_gap_torque = { name = \"iq\", unit = \"Nm\", sign = -1, factor = 0.42 }",
+        )
+        .replace("engine_speed = \"EngineSpeed\"", "engine_speed = { name = \"EngineAngle\", unit = \"deg\" }");
+    let file = parse(&text).unwrap();
+    assert_eq!(file.channels[&Role::AirGapTorque].signed_factor(), -0.42);
+    assert_eq!(file.channels[&Role::EngineSpeed].unit.map(|unit| unit.spelling), Some("deg"));
+    assert_eq!(parse(&file.to_toml()).unwrap(), file);
+    // A torque is no angle, and no factor is negative.
+    assert!(parse(&text.replace("unit = \"Nm\"", "unit = \"deg\"")).is_err());
+    assert!(parse(&text.replace("factor = 0.42", "factor = -0.42")).is_err());
+}
+
+#[test]
+fn exact_where_nothing_fires_the_dynamometer_s_speed_will_do() {
+    let text = GOOD.replace("engine_speed = \"EngineSpeed\"\n", "").replace("cylinders = 4", "cylinders = 0");
+    assert_eq!(parse(&text).unwrap().cylinders, 0);
 }
 
 #[test]
@@ -155,7 +178,7 @@ fn regress_implausible_inertia_looks_like_another_unit() {
 #[test]
 fn regress_values_out_of_range() {
     for (from, to, key) in [
-        ("cylinders = 4", "cylinders = 0", "bench.cylinders"),
+        ("cylinders = 4", "cylinders = -1", "bench.cylinders"),
         ("cylinders = 4", "cylinders = 16", "bench.cylinders"),
         ("uncertainty_percent = 2", "uncertainty_percent = -2", "bench.dynamometer_inertia_uncertainty_percent"),
         ("\"400 Nm\"", "\"-400 Nm\"", "limits.torque"),

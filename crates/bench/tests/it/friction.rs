@@ -79,6 +79,20 @@ fn exact_inertia_friction_and_delay_of_a_motion_without_noise() {
 }
 
 #[test]
+fn stat_an_offset_is_told_where_both_directions_are_seen() {
+    let mut swung = made([1.5, 0.02, 0.0, 0.0], |t| 150.0 * (1.5 * t).sin(), 0.0, 0.003, 5);
+    let torque = swung.signals.get_mut(&Role::AirGapTorque).unwrap();
+    *torque = torque.map(|t| t - 2.0);
+    let friction = found(&swung);
+    assert_eq!(friction.terms(), [Term::Offset, Term::Coulomb, Term::Viscous], "{:?}", friction.candidates);
+    // Viscous friction is not compared: to a torque of one sine it does what a delay of the torque does.
+    for (parameter, truth) in friction.friction.parameters.iter().zip([2.0, 1.5]) {
+        assert!((parameter.value - truth).abs() < 4.0 * parameter.standard_error, "{parameter:?}, truth {truth}");
+        assert!(parameter.standard_error < 0.1 * truth, "{parameter:?}");
+    }
+}
+
+#[test]
 fn stat_terms_are_kept_where_they_are_there() {
     let plain = found(&made([1.5, 0.02, 0.0, 0.0], driven, 0.0, 0.003, 2));
     assert_eq!(plain.terms(), [Term::Coulomb, Term::Viscous], "{:?}", plain.candidates);

@@ -49,6 +49,29 @@ fn exact_clean_recording_has_no_diagnostics() {
 }
 
 #[test]
+fn exact_a_speed_may_be_recorded_as_an_angle_that_starts_anew_with_every_turn() {
+    let speeds = named(BENCH_A, "rpm", "Nm");
+    let (plain, _) = run(&speeds);
+    let plain = plain.signal(Role::DynoSpeed).unwrap();
+    let mut angles = changed("DynoSpeed", |time_s, samples| {
+        let mut turned_deg = 0.0;
+        for i in 1..samples.len() {
+            samples[i - 1] = f64::rem_euclid(turned_deg, 360.0);
+            turned_deg += 6.0 * samples[i] * (time_s[i] - time_s[i - 1]);
+        }
+        if let Some(last) = samples.last_mut() {
+            *last = turned_deg.rem_euclid(360.0);
+        }
+    });
+    angles.channels.iter_mut().find(|channel| channel.name == "DynoSpeed").unwrap().unit = "deg".to_owned();
+    let (experiment, diagnostics) = run(&angles);
+    let speed = experiment.signal(Role::DynoSpeed).unwrap();
+    assert_eq!((speed.len(), speed.start_s), (plain.len() - 1, plain.start_s + plain.sample_time_s));
+    let apart = speed.samples.iter().zip(&plain.samples[1..]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-6, "{apart} {diagnostics:#?}");
+}
+
+#[test]
 fn exact_skewed_starts_and_units_are_kept() {
     let mut recording = named(BENCH_A, "rpm", "Nm");
     let raster = recording.channel("DynoTorqueCalc").unwrap().raster;

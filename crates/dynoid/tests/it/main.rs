@@ -20,6 +20,7 @@ mod inverter;
 mod lines;
 mod look;
 mod operating_point;
+mod published;
 mod shaft;
 mod study;
 mod support;

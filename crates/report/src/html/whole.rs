@@ -51,6 +51,9 @@ fn firing(study: &Study, whole: &WholeModel) -> Markup {
     let full = whole.firing_meets_resonance_rpm.value;
     let speed = |times: f64| number::significant_with_unit(times * full, 3, "rpm");
     let BenchFacts { cylinders, strokes, .. } = study.bench;
+    if cylinders == 0 {
+        return prose("Nothing fires at this bench.");
+    }
     let mut text =
         format!("With {cylinders} cylinders and {strokes} strokes, firing meets the resonance at {}", speed(1.0));
     if strokes == 4 {

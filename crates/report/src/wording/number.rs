@@ -2,6 +2,9 @@
 
 use bench::study::Parameter;
 
+/// Slower than this whole revolutions a minute say too little.
+const SLOW_RPM: f64 = 5.0;
+
 /// What stands where a number is NaN or infinite.
 pub const NOT_KNOWN: &str = "not known";
 
@@ -145,7 +148,8 @@ pub fn duration(seconds: f64) -> String {
 /// A speed in revolutions per minute from rad/s.
 pub fn rpm(rad_s: f64) -> String {
     let value = rad_s * 30.0 / std::f64::consts::PI;
-    if value.is_finite() { format!("{} rpm", fixed(value, 0)) } else { NOT_KNOWN.to_owned() }
+    let decimals = if value != 0.0 && value.abs() < SLOW_RPM { 2 } else { 0 };
+    if value.is_finite() { format!("{} rpm", fixed(value, decimals)) } else { NOT_KNOWN.to_owned() }
 }
 
 /// Several numbers with what they share: a unit behind them, or a power of ten behind brackets.

@@ -195,10 +195,15 @@ pub fn estimate_with_inertias(
     let solution = Solution::of(inputs, &stretch, unknowns)?;
     let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
     let shaft = (&*solution.fit.fit.parameters, &solution.fit.covariance);
-    let engine = engine_side::estimate(&solution.spectra, demand, 1.0 / (firings_per_turn * turns_per_s), shaft)
+    let firing_s = if firings_per_turn > 0.0 { 1.0 / (firings_per_turn * turns_per_s) } else { WITHOUT_FIRING_S };
+    let engine = engine_side::estimate(&solution.spectra, demand, firing_s, shaft)
         .map_err(|source| EstimateError::Ident { file: inputs.file.to_owned(), source })?;
     Ok(solution.with_engine_inertia(&stretch, &engine))
 }
+
+/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its friction, does so
+/// within about this time, s.
+const WITHOUT_FIRING_S: f64 = 1e-5;
 
 /// What a fit is to find.
 #[derive(Debug, Clone, Copy, PartialEq)]

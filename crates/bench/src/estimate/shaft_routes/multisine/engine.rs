@@ -47,6 +47,9 @@ pub(super) enum Control {
 pub(super) const ENGINE_UNKNOWNS: usize = 4;
 pub(super) const HOLD: usize = 3;
 pub(super) const ENGINE_SIZES: [f64; ENGINE_UNKNOWNS] = [1e-2, 0.1, 0.1, 1e-3];
+/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its friction, does so
+/// within about this time, s.
+const WITHOUT_FIRING_S: f64 = 1e-5;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
 pub(super) const SLOWEST_RAD_S: f64 = 30.0;
 
@@ -65,7 +68,10 @@ impl<'a> EngineSide<'a> {
                         record at a speed some 1 % higher"
                 .to_owned());
         }
-        let half_firing_s = 0.5 / (engine.firings_per_turn() * turns_per_s);
+        let half_firing_s = match engine.cylinders {
+            0 => WITHOUT_FIRING_S,
+            _ => 0.5 / (engine.firings_per_turn() * turns_per_s),
+        };
         Ok(EngineSide { shaft, half_firing_s, control: Control::Held, theta: Vec::new() })
     }
 

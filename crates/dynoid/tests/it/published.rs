@@ -1,0 +1,179 @@
+//! The commands on measurements of others, against what they published. Skipped where the shared folder is not there.
+#![allow(clippy::print_stdout, reason = "what was skipped and found is for whoever reads the test run")]
+
+use std::f64::consts::TAU;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::support::Campaign;
+
+/// A file of the reference data; `None`, with a word about it, where it is absent.
+fn reference(path: &str) -> Option<PathBuf> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
+    let shared = std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from);
+    let file = shared.join("reference").join(path);
+    if !file.is_file() {
+        println!("skipped: {} is not there", file.display());
+        return None;
+    }
+    Some(file)
+}
+
+/// A bench where nothing fires, with one recording.
+fn bench(recording: &Path, label: &str, inertia: &str, channels: &str) -> Campaign {
+    let campaign = Campaign::empty();
+    let file = recording.display();
+    let text = format!(
+        "[bench]\nname = \"b\"\nvariant = \"load-cell\"\ncylinders = 0\ndynamometer_inertia = \"{inertia}\"\n\
+         dynamometer_inertia_uncertainty_percent = 20\nengine_inertia = \"{inertia}\"\n[channels]\n{channels}\n\
+         [recordings]\nfiles = ['{file}']\n[[recordings.label]]\nfile = '{file}'\nlabel = \"{label}\"\n"
+    );
+    campaign.write("bench.toml", text.as_bytes());
+    campaign
+}
+
+fn run(campaign: &Campaign, line: &[&str]) -> Value {
+    let ran = campaign.run(&[line, &["--json"]].concat());
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    ran.json()
+}
+
+/// A parameter's value and interval.
+fn told(parameters: &Value, symbol: &str) -> (f64, [f64; 2]) {
+    let parameter = parameters.as_array().unwrap().iter().find(|p| p["symbol"] == symbol).expect(symbol);
+    println!("{symbol} = {} in {}", parameter["value"], parameter["interval"]);
+    (parameter["value"].as_f64().unwrap(), [0, 1].map(|i| parameter["interval"][i].as_f64().unwrap()))
+}
+
+fn near(found: f64, published: f64, part: f64) {
+    assert!((found / published - 1.0).abs() < part, "{found}, published {published}");
+}
+
+/// Two motors on a coupling, torque in units of the current (the torque constant is not published). Published, from frequency
+/// responses: K 551, J 0.00482 and 0.00479, antiresonance 53 to 54 Hz, resonance 76.2 to 77 Hz, 0.12 ms from current to angle.
+/// B is not compared: dry friction of both bearings, which no command knows, counts as damping of the coupling.
+#[test]
+fn ref_two_motors_by_the_command_shaft() {
+    let Some(file) = reference("motor-bench-two-mass/MultisineTypeA.mat") else { return };
+    let channels = "dyno_speed = { name = \"theta_mx\", unit = \"rad\" }\n\
+                    engine_speed = { name = \"theta_my\", unit = \"rad\", sign = -1 }\n\
+                    air_gap_torque = { name = \"iq_adx\", unit = \"Nm\", sign = -1 }\n\
+                    dyno_torque_demand = { name = \"iq_refx\", unit = \"Nm\", sign = -1 }";
+    let campaign = bench(&file, "Multisine_T_TN", "0.005 kg m²", channels);
+    let found = run(&campaign, &["shaft", "bench.toml"]);
+    let recording = &found["recordings"][0];
+    let whole = &recording["inertias"]["found"]["parameters"];
+    let periods = &recording["routes"]["multisine"]["found"];
+    for parameters in [whole, &periods["estimate"]["parameters"]] {
+        let [stiffness, motor, load] = ["K", "J_d", "J_e"].map(|symbol| told(parameters, symbol).0);
+        near(stiffness, 551.0, 0.025);
+        near(motor, 0.00482, 0.02);
+        near(load, 0.00479, 0.04);
+        near((stiffness / load).sqrt() / TAU, 53.5, 0.015);
+        near((stiffness * (1.0 / motor + 1.0 / load)).sqrt() / TAU, 76.6, 0.02);
+        near(-told(parameters, "δ_T").0, 1.2e-4, 0.25);
+    }
+    // More than K and B is in this shaft, and it is said.
+    let cost = &periods["cost"];
+    assert!(cost["achieved"].as_f64().unwrap() > 10.0 * cost["limits"][1].as_f64().unwrap(), "{cost}");
+}
+
+/// EMPS, a ball screw drive, metres for radians and newtons for newton metres. Published: M = 95.109 ± 0.109 kg, F_v = 203.50 ±
+/// 1.15 N s/m, F_c = 20.39 ± 0.10 N, offset −3.165 ± 0.044 N.
+#[test]
+fn ref_positioning_system_by_the_command_friction() {
+    let Some(file) = reference("emps/DATA_EMPS.mat") else { return };
+    let channels = "dyno_speed = { name = \"qm\", unit = \"rad\" }\n\
+                    air_gap_torque = { name = \"vir\", unit = \"Nm\", factor = 35.15065188248547, sign = -1 }";
+    let campaign = bench(&file, "NoShaft_N_NT", "90 kg m²", channels);
+    let found = run(&campaign, &["friction", "bench.toml"]);
+    let mass = found["inertia"]["inertia"]["value"].as_f64().unwrap();
+    near(mass, 95.109, 0.005);
+    let (_, offset) = told(&found["friction"]["parameters"], "T_0");
+    assert!(offset[0] < -3.165 && -3.165 < offset[1], "{offset:?}");
+    // The terms that were published, beside which others explain this speed better.
+    let candidates = found["candidates"].as_array().unwrap();
+    let plain = candidates.iter().find(|c| c["terms"] == serde_json::json!(["offset", "coulomb", "viscous"])).unwrap();
+    for (symbol, published) in [("c_0/J", 20.39), ("c_1/J", 203.5)] {
+        let (_, [low, high]) = told(&plain["per_inertia"], symbol);
+        assert!(low < published / mass && published / mass < high, "{symbol}: {low} … {high}");
+    }
+    for point in found["curve"].as_array().unwrap() {
+        let [v, force, half] = ["speed_rad_s", "torque_nm", "half_width_nm"].map(|key| point[key].as_f64().unwrap());
+        let published = 203.5 * v + 20.39 * v.signum() - 3.165;
+        assert!(v.abs() < 0.04 || (force - published).abs() < half + 1.5, "{v}: {force} ± {half}, {published}");
+    }
+}
+
+/// A flywheel left alone, J = 0.8489 kg m². Published: dω/dt = −1.74e-7 ω³ + 2.903e-5 ω² − 3.222e-3 ω − 3.097e-2.
+#[test]
+fn ref_run_out_by_the_command_friction() {
+    let Some(file) = reference("inertia-dyno/unloaded_spindown.txt") else { return };
+    let text = std::fs::read_to_string(file).unwrap();
+    let rows = text.lines().map(|line| line.split_whitespace().take(6).collect::<Vec<_>>().join(",") + "\n");
+    let table = format!("volt,ampere,watt,speed [rpm],throttle,time [ms]\n{}", rows.collect::<String>());
+    let campaign = bench(Path::new("recordings/run.csv"), "NoShaft_T_TN", "0.8489 kg m²", "dyno_speed = \"speed\"");
+    campaign.write("recordings/run.csv", table.as_bytes());
+    let found = run(&campaign, &["friction", "bench.toml", "--slowest", "38"]);
+    for point in found["curve"].as_array().unwrap() {
+        let [w, torque] = ["speed_rad_s", "torque_nm"].map(|key| point[key].as_f64().unwrap());
+        let published = 1.74e-7 * w.powi(3) - 2.903e-5 * w * w + 3.222e-3 * w + 3.097e-2;
+        // The published window ends below the highest speeds, and the lowest are within noise.
+        assert!(
+            !(10.0..100.0).contains(&w) || (torque / 0.8489 / published - 1.0).abs() < 0.06,
+            "{w}: {torque} {published}"
+        );
+    }
+}
+
+/// A rotary joint with a spring, under feedback. Published, by eye from a plot: 13.45 rad/s, ζ = 0.05.
+#[test]
+fn ref_flexible_joint_by_the_command_fit() {
+    let Some(file) = reference("flexible-joint/Joint_SI_CL_40s_Data.mat") else { return };
+    let campaign = Campaign::empty();
+    campaign.write(
+        "joint.toml",
+        b"[parameters]\nw = { value = 12, min = 1, max = 100 }\nz = { value = 0.1, min = 0, max = 1 }\ng = { value = -1 }\n\
+          [matrices]\nA = [[0, 1], [\"-w^2\", \"-2*z*w\"]]\nB = [[0], [1]]\nC = [[\"-g*w^2\", \"-2*g*z*w\"]]\nD = [[\"g\"]]\n",
+    );
+    let line = ["fit", "greybox", "joint.toml", file.to_str().unwrap(), "-u", "Theta", "-y", "Alpha"];
+    let ran = campaign.run(&[&line[..], &["--between", "band-limited", "--out", "joint.json"]].concat());
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let number = |name: &str| -> f64 {
+        let row = ran.stdout.lines().find(|line| line.trim_start().starts_with(&format!("{name} "))).expect(name);
+        row.split_whitespace().nth(1).unwrap().parse().unwrap()
+    };
+    near(number("w"), 13.45, 0.02);
+    near(number("z"), 0.05, 0.25);
+}
+
+/// Two carts and a spring, runs in which both move. Published: 2.49 and 3.09 Hz, from steps; own, from the sines, 2.0 and 3.0.
+#[test]
+fn ref_flexible_drive_by_the_command_fit() {
+    let runs = ["0_5", "1", "1_5", "2", "2_5", "3"];
+    let files: Option<Vec<PathBuf>> = runs
+        .iter()
+        .map(|run| reference(&format!("flexible-drive/Project3_Lab3_360_Data_velocity_response_sine_{run}.mat")))
+        .collect();
+    let Some(files) = files else { return };
+    let campaign = Campaign::empty();
+    campaign.write(
+        "drive.toml",
+        b"[parameters]\nm1 = { value = 1e-3, min = 0 }\nm2 = { value = 1e-3, min = 0 }\nk = { value = 0.1, min = 0 }\n\
+          b1 = { value = 0.01, min = 0 }\nb2 = { value = 0.01, min = 0 }\n\
+          [matrices]\nA = [[\"-b1/m1\", 0, \"-k/m1\"], [0, \"-b2/m2\", \"k/m2\"], [1, -1, 0]]\n\
+          B = [[\"1/m1\"], [0], [0]]\nC = [[1, 0, 0], [0, 1, 0]]\n\
+          [derived]\ndip = \"sqrt(k/m2)/(2*pi)\"\npeak = \"sqrt(k*(1/m1 + 1/m2))/(2*pi)\"\n",
+    );
+    let mut line = vec!["fit", "greybox", "drive.toml", "-u", "u", "-y", "v1", "-y", "v2", "--sample-time", "0.005"];
+    line.extend(files.iter().filter_map(|file| file.to_str()));
+    let ran = campaign.run(&line);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    for (name, published, part) in [("dip", 2.49, 0.06), ("peak", 3.09, 0.025)] {
+        let row = ran.stdout.lines().find(|line| line.trim_start().starts_with(name)).expect(name);
+        near(row.split_whitespace().nth(1).unwrap().parse().unwrap(), published, part);
+    }
+    // Dry friction is in no linear model, and what it leaves is said.
+    assert!(ran.stdout.contains("dynamics are missing"), "{}", ran.stdout);
+}
