@@ -12,11 +12,13 @@
 
 mod advice;
 mod angle;
+mod campbell;
 mod cause;
 mod demand;
 mod lines;
 mod reference;
 mod resonance;
+mod tracking;
 
 use std::f64::consts::TAU;
 
@@ -27,11 +29,14 @@ use signal::spectrum::{fft_frequencies_hz, fft_real};
 use crate::model::Engine;
 use crate::{ControlMode, Experiment, Role};
 use angle::Angle;
+pub use campbell::ShortSpectrum;
 pub use cause::Cause;
 use demand::Stretch;
 use lines::{Found, Lines};
+pub use reference::folded_hz;
 use reference::{Reference, Setting};
 use resonance::BroadPeak;
+pub use tracking::{BANDWIDTH_ORDERS, OrderTrack, TURNS, TrackPoint};
 
 /// Signals that the masses move.
 const OF_THE_MASSES: [Role; 4] = [Role::DynoSpeed, Role::EngineSpeed, Role::SystemShaftTorque, Role::FlangeTorque];
@@ -49,6 +54,8 @@ const RIPPLED: f64 = 0.1;
 const FOLLOWED: f64 = 1.5;
 /// An order is told from another by a signal in which it is this many times as strong.
 const CLEARLY: f64 = 4.0;
+/// A speed changes where it ranges over more than this share of its mean.
+const CHANGES: f64 = 0.03;
 /// A stretch has at least so many samples of a signal.
 const FEWEST_SAMPLES: usize = 256;
 
@@ -72,6 +79,8 @@ pub struct LookedPart {
     pub end_s: f64,
     /// Mean speed of the engine, or of the dynamometer where that is not recorded, rad/s.
     pub speed_rad_s: f64,
+    /// Lowest and highest speed, each a mean over a tracking window, rad/s.
+    pub speed_range_rad_s: [f64; 2],
     /// Demanded sines, Hz.
     pub demanded_hz: Vec<f64>,
     /// Signals.
@@ -91,6 +100,10 @@ pub struct LookedSignal {
     pub amplitude: Vec<f64>,
     /// Lines, the strongest first.
     pub lines: Vec<Line>,
+    /// Spectra of moments, for a Campbell map.
+    pub short: Vec<ShortSpectrum>,
+    /// Orders over time, where the speed changes.
+    pub tracks: Vec<OrderTrack>,
 }
 
 /// A line, or a broad peak.
@@ -165,13 +178,22 @@ impl Looker<'_> {
         let broad: Vec<Vec<BroadPeak>> =
             shown.iter().map(|one| self.broad(one, &shown, stretch.sines_hz.is_empty())).collect();
         shown.iter_mut().zip(broad).for_each(|(one, broad)| one.broad = broad);
-        let signals = shown
-            .iter()
-            .map(|one| LookedSignal { lines: self.named(one, &shown, turns_hz), ..spectrum(one.role, &one.signal) });
+        let range_hz = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
+        let changes = range_hz[1] - range_hz[0] > CHANGES * turns_hz;
+        let signals = shown.iter().map(|one| LookedSignal {
+            lines: self.named(one, &shown, turns_hz),
+            short: campbell::short_spectra(&one.signal, self.angle),
+            tracks: match changes {
+                true => tracking::order_tracks(&one.signal, self.angle, &one.lines.found),
+                false => Vec::new(),
+            },
+            ..spectrum(one.role, &one.signal)
+        });
         LookedPart {
             start_s: stretch.start_s,
             end_s: stretch.end_s,
             speed_rad_s: TAU * turns_hz,
+            speed_range_rad_s: range_hz.map(|hz| TAU * hz),
             demanded_hz: stretch.sines_hz.clone(),
             signals: signals.collect(),
         }
@@ -346,7 +368,8 @@ fn of_peak(role: Role, peak: &BroadPeak, all: &[Shown]) -> Option<Cause> {
 /// The spectrum of a signal, its mean taken out, seen through a Hann window; without lines yet.
 fn spectrum(role: Role, signal: &Signal) -> LookedSignal {
     let (frequency_hz, amplitude) = amplitudes(&signal.samples, signal.sample_time_s);
-    LookedSignal { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines: Vec::new() }
+    let (lines, short, tracks) = (Vec::new(), Vec::new(), Vec::new());
+    LookedSignal { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines, short, tracks }
 }
 
 /// Frequencies, Hz, and the amplitude of a sine at each, of samples without their mean, seen through a Hann window.

@@ -57,7 +57,8 @@ impl Reference {
 }
 
 /// Where a frequency shows at a sample rate, Hz.
-pub(super) fn folded_hz(frequency_hz: f64, rate_hz: f64) -> f64 {
+#[must_use]
+pub fn folded_hz(frequency_hz: f64, rate_hz: f64) -> f64 {
     let rest = frequency_hz.rem_euclid(rate_hz);
     rest.min(rate_hz - rest)
 }
