@@ -16,6 +16,7 @@ mod campbell;
 mod cause;
 mod demand;
 mod lines;
+mod over_speed;
 mod reference;
 mod resonance;
 mod tracking;
@@ -33,6 +34,7 @@ pub use campbell::ShortSpectrum;
 pub use cause::Cause;
 use demand::Stretch;
 use lines::{Found, Lines};
+pub use over_speed::{CurvePoint, OrderCurve, OverSpeed, over_speed};
 pub use reference::folded_hz;
 use reference::{Reference, Setting};
 use resonance::BroadPeak;
@@ -66,6 +68,8 @@ pub struct Look {
     pub file: String,
     /// The experiment's label.
     pub label: String,
+    /// The order of the firing.
+    pub firing_order: f64,
     /// Its parts: each sine of a sine test, or the whole.
     pub parts: Vec<LookedPart>,
 }
@@ -146,7 +150,12 @@ pub fn look(experiment: &Experiment, engine: Engine) -> Look {
     let parts = looker
         .iter()
         .flat_map(|looker| demand::stretches(experiment).iter().map(|s| looker.part(s)).collect::<Vec<_>>());
-    Look { file: experiment.file.clone(), label: experiment.label.to_string(), parts: parts.collect() }
+    Look {
+        file: experiment.file.clone(),
+        label: experiment.label.to_string(),
+        firing_order: engine.firings_per_turn(),
+        parts: parts.collect(),
+    }
 }
 
 /// A recording to look at.
@@ -218,15 +227,13 @@ impl Looker<'_> {
         Some(Shown { role, signal, lines, broad: Vec::new() })
     }
 
-    /// Broad peaks over what excites them: a sensor's over what it measures, those of the masses over the torque that a
-    /// dynamometer is asked for, which a hold shapes where it is broad.
+    /// Broad peaks over what excites them: a sensor's over what it measures, those of the masses over what a dynamometer is
+    /// asked for, which a hold shapes where it is broad.
     fn broad(&self, one: &Shown, all: &[Shown], is_broad: bool) -> Vec<BroadPeak> {
         let of = |role: Role| all.iter().find(|shown| shown.role == role);
         let measured = SENSORS.iter().find(|(sensor, _)| *sensor == one.role).and_then(|(_, other)| of(*other));
-        let excitation = match demand::demand_role(self.experiment) {
-            Role::DynoTorqueDemand if is_broad && OF_THE_MASSES.contains(&one.role) => of(Role::DynoTorqueDemand),
-            _ => None,
-        };
+        let excitation =
+            of(demand::demand_role(self.experiment)).filter(|_| is_broad && OF_THE_MASSES.contains(&one.role));
         resonance::broad_peaks(&one.lines, measured.or(excitation).map(|other| &other.lines.left))
     }
 
@@ -260,6 +267,9 @@ impl Looker<'_> {
 fn decided(found: &Found, one: &Shown, all: &[Shown], demand: Role, turns_hz: f64) -> Cause {
     let is_image = |r: &Reference| matches!(r.cause, Cause::HoldImage { .. });
     let is_sideband = |r: &Reference| matches!(r.cause, Cause::RippleSideband { .. });
+    if found.frequency_hz < DRIFT_HZ && is_in_the_demand(found, all, demand) {
+        return Cause::Demanded;
+    }
     let mut causes: Vec<Reference> = found.causes.clone();
     causes.dedup_by(|a, b| a.cause == b.cause);
     causes.retain(|r| is_plausible(&r.cause, found.amplitude, one, all));

@@ -13,6 +13,8 @@ const LOBE: usize = 3;
 const EXCESS: f64 = 4.0;
 /// Confidence of the powers.
 const CONFIDENCE: f64 = 0.999;
+/// An excitation of less than this share of its strongest is none.
+const WEAK: f64 = 0.02;
 /// A peak within this share of a line's frequency is its skirt.
 const SKIRT: f64 = 0.06;
 
@@ -32,9 +34,13 @@ pub(super) fn broad_peaks(lines: &Lines, excitation: Option<&Signal>) -> Vec<Bro
     if let Some(excitation) = excitation.and_then(averaged) {
         let Ok(beside) = excitation.interval(CONFIDENCE) else { return Vec::new() };
         power.truncate(beside.len());
+        intervals.truncate(beside.len());
+        let strong = WEAK * excitation.density.iter().copied().fold(0.0, f64::max);
         for (k, power) in power.iter_mut().enumerate() {
-            *power /= excitation.density[k];
-            intervals[k] = [intervals[k][0] / beside[k][1], intervals[k][1] / beside[k][0]];
+            // Where next to nothing excites there is noise over noise.
+            let density = excitation.density[k].max(strong);
+            *power /= density;
+            intervals[k] = [intervals[k][0] / beside[k][1].max(strong), intervals[k][1] / beside[k][0].max(strong)];
         }
     }
     let intervals: Vec<(f64, f64)> = intervals.into_iter().map(|[low, high]| (low, high)).collect();

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use bench::experiment::{ExperimentPlan, Waveform};
 use bench::look::{Cause, Look, look};
 use bench::model::Engine;
+use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, simulate};
 use bench::{Role, prepare};
 
@@ -44,7 +45,8 @@ impl Tally {
             *tally.lines.entry((judged.truth, judged.named, judged.is_right)).or_default() += 1;
             if !judged.is_right {
                 let label = &labelled.look.label;
-                println!("{seed} {label} {:?}, {}: {line:.3?}", signal.role, judged.truth);
+                let speed_rpm = part.speed_rad_s / RPM_RAD_S;
+                println!("{seed} {label} {speed_rpm:.0} rpm {:?}, {}: {line:.3?}", signal.role, judged.truth);
             }
             if let Cause::Undecided { between, repeat_at_rpm: Some(rpm) } = &line.cause
                 && judged.is_right

@@ -28,6 +28,10 @@ const BINS: f64 = 2.0;
 /// A component is a cause where it explains this share of what the strongest does, and this share of the line.
 const SHARE: f64 = 0.5;
 const LEAST: f64 = 0.1;
+/// A component is looked at where it has this share of a line's amplitude.
+const EXPLAINED: f64 = 0.3;
+/// Demands that step or ramp have their lines below this, Hz; nothing else the bench does is so slow.
+const SLOW_HZ: f64 = 2.0;
 /// How near the frequency of a resonance is named.
 const STRUCTURAL: f64 = 0.2;
 const SENSOR: f64 = 0.1;
@@ -179,6 +183,12 @@ impl Drawn {
         matches!(self.plan.speed_rad_s, Waveform::Constant { .. } | Waveform::RandomBinary { .. })
     }
 
+    /// Whether a demand steps or ramps.
+    fn is_slowly_driven(&self) -> bool {
+        let is = |demand: &Waveform| matches!(demand, Waveform::Ramps { .. } | Waveform::Square { .. });
+        is(&self.plan.speed_rad_s) || is(&self.plan.dyno_torque_nm)
+    }
+
     fn engine(&self) -> Engine {
         let engine = &self.parameters.engine;
         Engine { cylinders: engine.cylinder_factors.len() as u32, strokes: engine.strokes }
@@ -292,7 +302,7 @@ impl Drawn {
                 all.push(of(Cause::OrderSideband { order, demanded_hz: 0.0 }, order, side_hz, &[TURNING, SINE]));
             }
         }
-        for hz in sine_hz {
+        if let Some(hz) = sine_hz {
             // Rounding and limits give a sine multiples.
             for multiple in 1..=9 {
                 all.push(of(Cause::Demanded, 0.0, f64::from(multiple) * hz, &[SINE]));
@@ -359,36 +369,28 @@ impl Labelled {
         (speeds.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / speeds.len() as f64).sqrt()
     }
 
-    /// A component's amplitude in an experiment's signal, bin by bin about its phase.
-    fn about(&self, experiment: &Experiment, part: &LookedPart, role: Role, of: &Component) -> Vec<c64> {
-        let Some(signal) = experiment.signal(role) else { return Vec::new() };
-        let signal = signal.slice(part.start_s, part.end_s);
-        let mean = signal.mean().unwrap();
-        let n = signal.len() as f64;
-        let term = |k: usize| {
-            let window = 1.0 - (TAU * (k as f64 + 0.5) / n).cos();
-            let time_s = signal.time_s(k);
-            let phase = of.order * self.angle_at(time_s) + TAU * of.frequency_hz * time_s;
-            c64::cis(-phase) * (2.0 * window / n * (signal.samples[k] - mean))
-        };
-        let size = signal.len().div_ceil(BLOCKS);
-        let blocks: Vec<c64> = (0..signal.len())
-            .step_by(size)
-            .map(|from| (from..(from + size).min(signal.len())).map(term).sum())
-            .collect();
-        let bin = |bin: i32| {
-            let turn = -TAU * f64::from(bin) * size as f64 / n;
-            blocks.iter().enumerate().map(|(k, z)| *z * c64::cis(turn * k as f64)).sum()
-        };
-        (-(BINS as i32)..=BINS as i32).map(bin).collect()
+    /// e^{−jφ} of a component at each sample of a part of a signal.
+    fn behind(&self, signal: &Signal, of: &Component) -> Vec<c64> {
+        let phase = |time_s: f64| of.order * self.angle_at(time_s) + TAU * of.frequency_hz * time_s;
+        (0..signal.len()).map(|k| c64::cis(-phase(signal.time_s(k)))).collect()
     }
 
-    /// How much of a component is missed without each source, and how strong it is where less folds.
-    fn score(&self, part: &LookedPart, role: Role, of: &Component) -> (f64, f64) {
+    fn part_of(experiment: &Experiment, part: &LookedPart, role: Role) -> Signal {
+        experiment.signal(role).unwrap().slice(part.start_s, part.end_s)
+    }
+
+    /// How much of a component is missed without each source, and how strong it is where less folds; none where it makes
+    /// little of a line.
+    fn score(&self, part: &LookedPart, role: Role, of: &Component, amplitude: f64) -> Option<(f64, f64)> {
         let power = |x: &[c64]| x.iter().map(|x| x.norm_sqr()).sum::<f64>();
-        let whole = self.about(&self.whole, part, role, of);
+        let signal = Self::part_of(&self.whole, part, role);
+        let behind = self.behind(&signal, of);
+        let whole = about(&signal, &behind);
+        if power(&whole).sqrt() < EXPLAINED * amplitude {
+            return None;
+        }
         let missed = |without: &Experiment| {
-            let without = self.about(without, part, role, of);
+            let without = about(&Self::part_of(without, part, role), &behind);
             let apart: Vec<c64> = without.iter().zip(&whole).map(|(a, b)| a - b).collect();
             (power(&apart) / power(&whole)).sqrt().min(1.0)
         };
@@ -401,7 +403,8 @@ impl Labelled {
                 (false, None) => {}
             }
         }
-        (least * others, power(&self.about(&self.unfolded, part, role, of)).sqrt())
+        let unfolded = Self::part_of(&self.unfolded, part, role);
+        Some((least * others, power(&about(&unfolded, &self.behind(&unfolded, of))).sqrt()))
     }
 
     /// The causes that made a line, the strongest first; none where nothing that is known did.
@@ -422,13 +425,12 @@ impl Labelled {
             components.iter().filter(|c| distance(c) < reach_hz).collect()
         };
         let scored = |near: Vec<&Component>| {
-            let scores: Vec<(f64, f64)> = near.iter().map(|c| self.score(part, signal.role, c)).collect();
-            let strongest = scores.iter().filter(|s| s.0 > LEAST).map(|s| s.1).fold(f64::MIN_POSITIVE, f64::max);
-            let mut scored: Vec<(f64, Component)> = near
-                .iter()
-                .zip(&scores)
-                .map(|(c, (share, strength))| (share * strength / strongest, (*c).clone()))
-                .collect();
+            let score = |c: &Component| Some((self.score(part, signal.role, c, line.amplitude)?, c.clone()));
+            let scores: Vec<((f64, f64), Component)> = near.into_iter().filter_map(score).collect();
+            let counts = scores.iter().filter(|(score, _)| score.0 > LEAST);
+            let strongest = counts.map(|(score, _)| score.1).fold(f64::MIN_POSITIVE, f64::max);
+            let mut scored: Vec<(f64, Component)> =
+                scores.into_iter().map(|((share, strength), c)| (share * strength / strongest, c)).collect();
             scored.sort_by(|a, b| b.0.total_cmp(&a.0));
             let best = scored.first().map_or(0.0, |s| s.0);
             scored.retain(|s| s.0 > LEAST && s.0 >= SHARE * best);
@@ -508,6 +510,9 @@ impl Labelled {
             };
             return Judged { truth, named, is_right: truth == named };
         }
+        if self.drawn.is_slowly_driven() && line.frequency_hz < SLOW_HZ {
+            return Judged { truth: "demanded", named, is_right: named == "demanded" };
+        }
         let causes = self.causes(part, signal, line);
         let is_one = |cause: &Cause| causes.iter().any(|c| self.names(cause, c, part));
         let is_right = match &line.cause {
@@ -524,6 +529,23 @@ impl Labelled {
         });
         Judged { truth, named, is_right }
     }
+}
+
+/// A component's amplitude in a signal, bin by bin about its phase.
+fn about(signal: &Signal, behind: &[c64]) -> Vec<c64> {
+    let (mean, n) = (signal.mean().unwrap(), signal.len() as f64);
+    let term = |k: usize| {
+        let window = 1.0 - (TAU * (k as f64 + 0.5) / n).cos();
+        behind[k] * (2.0 * window / n * (signal.samples[k] - mean))
+    };
+    let size = signal.len().div_ceil(BLOCKS);
+    let blocks: Vec<c64> =
+        (0..signal.len()).step_by(size).map(|from| (from..(from + size).min(signal.len())).map(term).sum()).collect();
+    let bin = |bin: i32| {
+        let turn = -TAU * f64::from(bin) * size as f64 / n;
+        blocks.iter().enumerate().map(|(k, z)| *z * c64::cis(turn * k as f64)).sum()
+    };
+    (-(BINS as i32)..=BINS as i32).map(bin).collect()
 }
 
 /// Where a frequency shows at a sample rate, Hz.
