@@ -18,10 +18,10 @@ const FIRINGS: u32 = 6;
 const MOST_NAMED: usize = 12;
 /// Orders whose amplitudes are drawn over the speed.
 const MOST_CURVES: usize = 5;
-/// Rows of a map, at most; the shades above nothing; and the least ratio that they span.
+/// Rows of a map, at most; the shades above nothing; and the least and the largest ratio that they span.
 const ROWS: usize = 130;
 const SHADES: f64 = 9.0;
-const SPAN: f64 = 30.0;
+const SPANS: [f64; 2] = [30.0, 1000.0];
 /// Points of an order's line in a map.
 const POINTS: usize = 200;
 
@@ -214,7 +214,8 @@ fn shades(map: &[Vec<f64>]) -> (Vec<String>, f64) {
     let mut all: Vec<f64> = rows.iter().flatten().copied().filter(|a| *a > 0.0).collect();
     all.sort_by(f64::total_cmp);
     let highest = all.last().copied().unwrap_or(1.0);
-    let lowest = all.get(all.len() / 2).map_or(0.0, |median| 2.0 * median).min(highest / SPAN).max(f64::MIN_POSITIVE);
+    let lowest = 2.0 * all.get(all.len() / 2).copied().unwrap_or(0.0);
+    let lowest = lowest.clamp(highest / SPANS[1], highest / SPANS[0]);
     let decades = (highest / lowest).log10();
     let digit = |a: &f64| {
         let shade = (SHADES * (a / lowest).log10() / decades).ceil().clamp(0.0, SHADES);

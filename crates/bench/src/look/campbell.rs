@@ -8,7 +8,7 @@ use super::angle::Angle;
 
 /// Length of the short spectra, s: 2 Hz between their lines.
 const SHORT_S: f64 = 0.5;
-/// Short spectra of a recording, at most; they overlap by a half where there are fewer.
+/// Short spectra of a recording, at most; they overlap by three quarters where there are fewer.
 const MOST: usize = 200;
 
 /// The spectrum of a moment.
@@ -30,7 +30,7 @@ impl ShortSpectrum {
 /// Short spectra along a signal, through Hann windows, a straight line taken out of each.
 pub(super) fn short_spectra(signal: &Signal, angle: &Angle<'_>) -> Vec<ShortSpectrum> {
     let spare_s = signal.duration_s() - SHORT_S;
-    let count = (2.0 * spare_s / SHORT_S).floor().max(0.0) as usize;
+    let count = (4.0 * spare_s / SHORT_S).floor().max(0.0) as usize;
     let count = count.min(MOST);
     let of = |k: usize| {
         let from_s = signal.start_s + spare_s * k as f64 / count.max(1) as f64;

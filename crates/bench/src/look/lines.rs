@@ -13,8 +13,6 @@ use super::angle::Angle;
 use super::cause::Cause;
 use super::reference::{Course, Reference, folded_hz};
 
-/// Blocks that a signal behind a phase is summed up in: their transform shows what lies about the line.
-const BLOCKS: usize = 512;
 /// Bins about the line, and those of them that the window blurs it over.
 const ABOUT: isize = 64;
 const LOBE: isize = 3;
@@ -164,25 +162,22 @@ impl<'a> Seen<'a> {
         (0..self.signal.len()).map(|k| c64::cis(phase(k))).collect()
     }
 
-    /// The signal behind a phase, block by block.
-    fn behind(&self, turning: &[c64]) -> Vec<c64> {
-        let size = self.samples.len().div_ceil(BLOCKS).max(1);
-        let term = |k: usize| turning[k].conj() * (self.window[k] * self.samples[k]);
-        (0..self.samples.len())
-            .step_by(size)
-            .map(|from| (from..(from + size).min(turning.len())).map(term).sum())
-            .collect()
-    }
-
     /// Powers of the bins about a phase, the line itself in the middle, as of amplitudes.
     fn about(&self, turning: &[c64]) -> Vec<f64> {
-        let blocks = self.behind(turning);
-        let (size, count) = (self.samples.len().div_ceil(BLOCKS).max(1) as f64, self.samples.len() as f64);
+        let behind = |part: fn(c64) -> f64| {
+            let term = |k: usize| part(turning[k].conj()) * self.window[k] * self.samples[k];
+            fft_real(&(0..turning.len()).map(term).collect::<Vec<_>>()).unwrap_or_default()
+        };
+        let (real, imaginary) = (behind(|z| z.re), behind(|z| z.im));
         let scale = 2.0 / self.window.iter().sum::<f64>();
+        let of_real = |lines: &[c64], bin: isize| match lines.get(bin.unsigned_abs()) {
+            Some(line) if bin < 0 => line.conj(),
+            Some(line) => *line,
+            None => c64::ZERO,
+        };
         let power = |bin: isize| {
-            let turn = -TAU * bin as f64 * size / count;
-            let term = |(k, z): (usize, &c64)| *z * c64::cis(turn * k as f64);
-            (blocks.iter().enumerate().map(term).sum::<c64>() * scale).norm_sqr()
+            let line = of_real(&real, bin) + c64::new(0.0, 1.0) * of_real(&imaginary, bin);
+            (line * scale).norm_sqr()
         };
         (-ABOUT..=ABOUT).map(power).collect()
     }

@@ -46,8 +46,8 @@ const OF_THE_MASSES: [Role; 4] = [Role::DynoSpeed, Role::EngineSpeed, Role::Syst
 const SENSORS: [(Role, Role); 1] = [(Role::LoadCellTorque, Role::AirGapTorque)];
 /// The masses on a shaft of a bench resonate below this, Hz.
 const HIGHEST_STRUCTURAL_HZ: f64 = 60.0;
-/// Broad peaks within this share of each other are one.
-const ONE_PEAK: f64 = 0.15;
+/// A broad peak this close to a multiple of half the firing order, Hz, is of what varies from firing to firing.
+const OF_A_FIRING_HZ: f64 = 0.6;
 /// Slower than this, Hz, is drift; a line without a cause is not told from it.
 const DRIFT_HZ: f64 = 3.0;
 /// A sideband is at most this share of what swings.
@@ -193,7 +193,7 @@ impl Looker<'_> {
             lines: self.named(one, &shown, turns_hz),
             short: campbell::short_spectra(&one.signal, self.angle),
             tracks: match changes {
-                true => tracking::order_tracks(&one.signal, self.angle, &one.lines.found),
+                true => tracking::order_tracks(&one.signal, self.angle, self.engine, &one.lines.found),
                 false => Vec::new(),
             },
             ..spectrum(one.role, &one.signal)
@@ -237,6 +237,11 @@ impl Looker<'_> {
         resonance::broad_peaks(&one.lines, measured.or(excitation).map(|other| &other.lines.left))
     }
 
+    /// Whether there is an engine that turns: its speed is recorded.
+    fn turns(&self) -> bool {
+        self.experiment.signal(Role::EngineSpeed).is_some()
+    }
+
     /// Half the highest sample rate.
     fn highest_hz(&self) -> f64 {
         self.experiment.signals.values().map(Signal::nyquist_hz).fold(0.0, f64::max)
@@ -255,7 +260,11 @@ impl Looker<'_> {
         };
         let broad = one.broad.iter().filter_map(|peak| {
             let (frequency_hz, amplitude) = (peak.frequency_hz, peak.amplitude);
-            Some(Line { frequency_hz, amplitude, standard_error: None, cause: of_peak(one.role, peak, all)? })
+            let orders = 2.0 * frequency_hz / (self.engine.firings_per_turn() * turns_hz);
+            let off_hz = (orders - orders.round()).abs() * frequency_hz / orders;
+            let is_of_firing = self.turns() && orders > 0.5 && off_hz < OF_A_FIRING_HZ;
+            let cause = of_peak(one.role, peak, all).filter(|_| !is_of_firing)?;
+            Some(Line { frequency_hz, amplitude, standard_error: None, cause })
         });
         let mut lines: Vec<Line> = one.lines.found.iter().filter_map(line).chain(broad).collect();
         lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
@@ -362,13 +371,17 @@ fn demanded_amplitude(image: &Reference, all: &[Shown]) -> f64 {
 fn of_peak(role: Role, peak: &BroadPeak, all: &[Shown]) -> Option<Cause> {
     let shows = |other: Role| {
         let peaks = all.iter().filter(|shown| shown.role == other).flat_map(|shown| &shown.broad);
-        peaks.into_iter().any(|p| (p.frequency_hz - peak.frequency_hz).abs() < ONE_PEAK * peak.frequency_hz)
+        peaks.into_iter().any(|p| resonance::is_one(p, peak))
     };
     if peak.frequency_hz < HIGHEST_STRUCTURAL_HZ
         && OF_THE_MASSES.contains(&role)
         && OF_THE_MASSES.iter().filter(|other| shows(**other)).count() > 1
     {
         return Some(Cause::StructuralResonance);
+    }
+    let is_strongest = |one: &&Shown| one.broad.iter().all(|other| other.excess <= peak.excess);
+    if !all.iter().find(|shown| shown.role == role).is_some_and(|one| is_strongest(&one)) {
+        return None;
     }
     let is_sensor =
         |(sensor, other): &&(Role, Role)| *sensor == role && all.iter().any(|s| s.role == *other) && !shows(*other);

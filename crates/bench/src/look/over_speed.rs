@@ -13,7 +13,9 @@ use super::{CHANGES, Line, Look, LookedPart, LookedSignal};
 use crate::Role;
 
 /// Classes of speed from the lowest to the highest.
-const CLASSES: usize = 80;
+const CLASSES: usize = 60;
+/// Classes without a spectrum take that of one so many away.
+const REACH: usize = 2;
 /// Orders that are drawn, the strongest.
 const MOST_ORDERS: usize = 10;
 /// Lines that follow no speed within this share of each other are one.
@@ -73,7 +75,8 @@ pub fn over_speed(looks: &[Look]) -> Vec<OverSpeed> {
     }
     let mut by_role: BTreeMap<Role, Vec<(&LookedPart, &LookedSignal)>> = BTreeMap::new();
     for part in &parts {
-        part.signals.iter().for_each(|signal| by_role.entry(signal.role).or_default().push((part, signal)));
+        let shown = part.signals.iter().filter(|signal| signal.role != Role::DynoSpeedDemand);
+        shown.for_each(|signal| by_role.entry(signal.role).or_default().push((part, signal)));
     }
     let firing = looks.first().map_or(1.0, |look| look.firing_order);
     by_role.into_values().filter_map(|shown| of_role(&shown, [low, high], firing)).collect()
@@ -105,7 +108,13 @@ fn map(shown: &[(&LookedPart, &LookedSignal)], range: [f64; 2]) -> Vec<Vec<f64>>
         let power = |line: usize| class.iter().map(|short| short.amplitude[line].powi(2)).sum::<f64>();
         (0..lines).map(|line| (power(line) / class.len() as f64).sqrt()).collect()
     };
-    classes.iter().map(root_mean_square).collect()
+    let known: Vec<Vec<f64>> = classes.iter().map(root_mean_square).collect();
+    // A short spectrum covers the speeds beside it too.
+    let nearest = |at: usize| {
+        let beside = (0..=REACH).flat_map(|off| [at.checked_sub(off), Some(at + off)]).flatten();
+        beside.filter_map(|at| known.get(at)).find(|column| !column.is_empty()).cloned().unwrap_or_default()
+    };
+    (0..CLASSES).map(nearest).collect()
 }
 
 fn orders(shown: &[(&LookedPart, &LookedSignal)], range: [f64; 2], firing: f64) -> Vec<OrderCurve> {

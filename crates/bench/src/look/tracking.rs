@@ -23,6 +23,7 @@ use signal::Signal;
 use super::angle::Angle;
 use super::lines::Found;
 use super::reference::Course;
+use crate::model::Engine;
 
 /// The window, in turns of the crank: five working cycles of four strokes.
 pub const TURNS: f64 = 10.0;
@@ -30,10 +31,13 @@ pub const TURNS: f64 = 10.0;
 pub const BANDWIDTH_ORDERS: f64 = 1.5 / TURNS;
 /// Windows of a recording, at most; they overlap by a half where there are fewer.
 const MOST_WINDOWS: usize = 200;
-/// Lines that are fitted at once, the strongest.
-const MOST_LINES: usize = 12;
-/// A window has so many samples for each that is fitted.
-const SAMPLES_EACH: usize = 2;
+/// Orders that are fitted at once, the strongest, and lines that follow no speed.
+const MOST_ORDERS: usize = 8;
+const MOST_STAYING: usize = 3;
+/// Multiples of the firing order that are looked for.
+const HIGHEST_FIRING: u32 = 6;
+/// A window has so many samples for each coefficient.
+const SAMPLES_EACH: f64 = 1.5;
 /// Coefficients of what drifts.
 const DRIFT: usize = 3;
 /// Bins beside an order that tell the noise: beyond the window's lobe, short of the next half order.
@@ -69,23 +73,41 @@ pub struct TrackPoint {
     pub standard_error: f64,
 }
 
-/// The orders among a signal's lines, each over time; none of a signal without orders.
-pub(super) fn order_tracks(signal: &Signal, angle: &Angle<'_>, lines: &[Found]) -> Vec<OrderTrack> {
-    let courses: Vec<Course> = lines.iter().filter_map(course).take(MOST_LINES).collect();
-    let orders: Vec<usize> = (0..courses.len()).filter(|i| is_order(&courses[*i])).collect();
-    if orders.is_empty() {
-        return Vec::new();
-    }
-    let fitted: Vec<Vec<Option<Fitted>>> =
-        windows(signal, angle).map(|window| window.fitted(&courses, &orders)).collect();
-    let mut tracks: Vec<OrderTrack> = orders
-        .iter()
-        .enumerate()
-        .map(|(at, i)| OrderTrack { order: courses[*i].order, points: points(&fitted, at) })
-        .collect();
-    tracks.retain(is_there);
+/// The orders of a signal, each over time; those that do not stand out are left out. Lines that follow no speed are fitted
+/// beside them.
+pub(super) fn order_tracks(signal: &Signal, angle: &Angle<'_>, engine: Engine, lines: &[Found]) -> Vec<OrderTrack> {
+    let windows: Vec<Window<'_>> = windows(signal, angle).collect();
+    let alone = possible_orders(engine).map(|order| Course { order, frequency_hz: 0.0, tolerance_hz: 0.0 });
+    let mut orders: Vec<(f64, Course)> = alone.filter_map(|course| Some((size(&windows, course)?, course))).collect();
+    orders.sort_by(|a, b| b.0.total_cmp(&a.0));
+    orders.truncate(MOST_ORDERS);
+    let staying = lines.iter().filter_map(|line| line.causes.first()).map(|r| r.course).filter(|c| c.order == 0.0);
+    let count = orders.len();
+    let courses: Vec<Course> = orders.into_iter().map(|(_, course)| course).chain(staying.take(MOST_STAYING)).collect();
+    let fitted: Vec<Vec<Option<Fitted>>> = windows.iter().map(|window| window.fitted(&courses, count)).collect();
+    let track = |at: usize| OrderTrack { order: courses[at].order, points: points(&fitted, at) };
+    let mut tracks: Vec<OrderTrack> = (0..count).map(track).filter(is_there).collect();
     tracks.sort_by(|a, b| a.order.total_cmp(&b.order));
     tracks
+}
+
+/// Multiples of a working cycle's frequency up to twice the firing order, and multiples of the firing order beyond.
+fn possible_orders(engine: Engine) -> impl Iterator<Item = f64> {
+    let (firing, step) = (engine.firings_per_turn(), 2.0 / f64::from(engine.strokes));
+    let low = (1..=(2.0 * firing / step).round() as u32).map(move |k| step * f64::from(k));
+    low.chain((3..=HIGHEST_FIRING).map(move |k| firing * f64::from(k)))
+}
+
+/// Mean amplitude of an order that is fitted alone; none of one that does not stand out.
+fn size(windows: &[Window<'_>], course: Course) -> Option<f64> {
+    let fitted: Vec<Vec<Option<Fitted>>> = windows.iter().map(|window| window.fitted(&[course], 1)).collect();
+    let track = OrderTrack { order: course.order, points: points(&fitted, 0) };
+    is_there(&track).then(|| track.points.iter().map(|p| p.amplitude).sum::<f64>() / track.points.len() as f64)
+}
+
+fn is_there(track: &OrderTrack) -> bool {
+    let ratios = track.points.iter().map(|p| (p.amplitude / p.standard_error.max(f64::MIN_POSITIVE)).powi(2));
+    ratios.sum::<f64>() > CLEAR * CLEAR * track.points.len() as f64 && !track.points.is_empty()
 }
 
 /// Lowest and highest of the mean speeds over windows, Hz.
@@ -96,21 +118,6 @@ pub(super) fn range_hz(angle: &Angle<'_>, start_s: f64, end_s: f64) -> [f64; 2] 
     let means =
         (0..count).map(|k| start_s + k as f64 * length_s).map(|from_s| angle.mean_hz(from_s, from_s + length_s));
     means.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], hz| [low.min(hz), high.max(hz)])
-}
-
-/// How the line's phase runs: an order's where it may be one.
-fn course(line: &Found) -> Option<Course> {
-    let courses = || line.causes.iter().map(|reference| reference.course);
-    courses().find(is_order).or_else(|| courses().next())
-}
-
-fn is_order(course: &Course) -> bool {
-    course.order > 0.0 && course.frequency_hz == 0.0
-}
-
-fn is_there(track: &OrderTrack) -> bool {
-    let ratios = track.points.iter().map(|p| (p.amplitude / p.standard_error.max(f64::MIN_POSITIVE)).powi(2));
-    ratios.sum::<f64>() > CLEAR * CLEAR * track.points.len() as f64 && !track.points.is_empty()
 }
 
 /// The points of one order, the noise about each averaged with that of its neighbours.
@@ -178,11 +185,11 @@ impl<'a> Window<'a> {
         })
     }
 
-    /// The point of each of some courses, all of which are fitted; none of those that cannot be told apart.
-    fn fitted(&self, courses: &[Course], wanted: &[usize]) -> Vec<Option<Fitted>> {
+    /// The first of some courses, all of which are fitted; none of those that cannot be told apart.
+    fn fitted(&self, courses: &[Course], wanted: usize) -> Vec<Option<Fitted>> {
         let (rows, columns) = (self.samples.len(), 2 * courses.len() + DRIFT);
-        if rows < SAMPLES_EACH * columns {
-            return wanted.iter().map(|_| None).collect();
+        if (rows as f64) < SAMPLES_EACH * columns as f64 {
+            return (0..wanted).map(|_| None).collect();
         }
         let weights: Vec<f64> = self.places.iter().map(|u| (PI * u).cos().powi(2)).collect();
         let phases: Vec<Vec<f64>> =
@@ -215,7 +222,7 @@ impl<'a> Window<'a> {
             };
             is_told.then_some(Fitted { point, noise, widened })
         };
-        wanted.iter().map(|i| point(*i)).collect()
+        (0..wanted).map(point).collect()
     }
 
     /// Mean power of what lies beside a phase, as of an amplitude.
@@ -239,20 +246,17 @@ mod tests {
     /// Orders with their amplitudes, and a line that follows no speed.
     const ORDERS: [(f64, f64); 4] = [(2.0, 30.0), (2.5, 6.0), (4.0, 10.0), (8.0, 3.0)];
     const FIXED_HZ: f64 = 100.0;
+    const ENGINE: Engine = Engine { cylinders: 4, strokes: 4 };
 
     fn run_up() -> Signal {
         // 900 to 2700 rpm in 20 s.
         Signal::new(0.0, 1e-3, (0..20_000).map(|k| 94.2 + 9.42e-3 * f64::from(k)).collect()).unwrap()
     }
 
-    fn lines() -> Vec<Found> {
-        let found = |course: Course| {
-            let reference = Reference { cause: Cause::Unknown, course };
-            Found { frequency_hz: 0.0, amplitude: 1.0, standard_error: 0.0, causes: vec![reference] }
-        };
-        let orders = ORDERS.map(|(order, _)| Course { order, frequency_hz: 0.0, tolerance_hz: 0.0 });
-        let fixed = Course { order: 0.0, frequency_hz: FIXED_HZ, tolerance_hz: 0.0 };
-        orders.into_iter().chain([fixed]).map(found).collect()
+    fn staying() -> Vec<Found> {
+        let course = Course { order: 0.0, frequency_hz: FIXED_HZ, tolerance_hz: 0.0 };
+        let causes = vec![Reference { cause: Cause::Unknown, course }];
+        vec![Found { frequency_hz: FIXED_HZ, amplitude: 2.0, standard_error: 0.0, causes }]
     }
 
     /// Sampled at 250 Hz: above 940 rpm order 8 folds, and crosses the others.
@@ -271,9 +275,9 @@ mod tests {
     fn exact_orders_of_a_run_up_are_tracked_where_they_fold_and_cross() {
         let speed = run_up();
         let angle = Angle::of(&speed);
-        let tracks = order_tracks(&torque(&angle, 0.0), &angle, &lines());
-        assert_eq!(tracks.iter().map(|t| t.order).collect::<Vec<_>>(), ORDERS.map(|o| o.0));
-        for (track, (order, amplitude)) in tracks.iter().zip(ORDERS) {
+        let tracks = order_tracks(&torque(&angle, 0.0), &angle, ENGINE, &staying());
+        for (order, amplitude) in ORDERS {
+            let track = tracks.iter().find(|track| track.order == order).unwrap();
             assert!(track.points.len() > 80, "{order}: {}", track.points.len());
             for point in &track.points {
                 assert!((point.amplitude - amplitude).abs() < 1e-6, "{order}: {point:?}");
@@ -288,11 +292,11 @@ mod tests {
     fn stat_the_standard_error_of_a_track_covers() {
         let speed = run_up();
         let angle = Angle::of(&speed);
-        let tracks = order_tracks(&torque(&angle, 2.0), &angle, &lines());
+        let tracks = order_tracks(&torque(&angle, 2.0), &angle, ENGINE, &staying());
         let ratios: Vec<f64> = tracks
             .iter()
-            .flat_map(|track| {
-                let amplitude = ORDERS.iter().find(|o| o.0 == track.order).unwrap().1;
+            .filter_map(|track| Some((track, ORDERS.iter().find(|o| o.0 == track.order)?.1)))
+            .flat_map(|(track, amplitude)| {
                 track.points.iter().map(move |p| (p.amplitude - amplitude) / p.standard_error)
             })
             .collect();

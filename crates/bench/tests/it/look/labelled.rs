@@ -35,8 +35,6 @@ const SLOW_HZ: f64 = 2.0;
 /// How near the frequency of a resonance is named.
 const STRUCTURAL: f64 = 0.2;
 const SENSOR: f64 = 0.1;
-/// Blocks that a signal behind a phase is summed up in.
-const BLOCKS: usize = 512;
 
 /// Bench, experiment and seed of a recording.
 #[derive(Debug, Clone)]
@@ -389,12 +387,18 @@ impl Labelled {
         if power(&whole).sqrt() < EXPLAINED * amplitude {
             return None;
         }
-        let missed = |without: &Experiment| {
+        let missed = |(source, without): (usize, &Experiment)| {
             let without = about(&Self::part_of(without, part, role), &behind);
-            let apart: Vec<c64> = without.iter().zip(&whole).map(|(a, b)| a - b).collect();
+            // A hold makes a sine late: what is left without it is as strong, at another phase.
+            let difference = |(a, b): (&c64, &c64)| match source {
+                HOLD => c64::new(a.norm() - b.norm(), 0.0),
+                _ => a - b,
+            };
+            let apart: Vec<c64> = without.iter().zip(&whole).map(difference).collect();
             (power(&apart) / power(&whole)).sqrt().min(1.0)
         };
-        let missed = self.without.iter().map(|without| without.as_ref().map(missed));
+        let missed =
+            self.without.iter().enumerate().map(|(source, without)| without.as_ref().map(|w| missed((source, w))));
         let (mut least, mut others) = (1.0_f64, 1.0);
         for (needed, missed) in of.needs.iter().zip(missed) {
             match (needed, missed) {
@@ -534,18 +538,18 @@ impl Labelled {
 /// A component's amplitude in a signal, bin by bin about its phase.
 fn about(signal: &Signal, behind: &[c64]) -> Vec<c64> {
     let (mean, n) = (signal.mean().unwrap(), signal.len() as f64);
-    let term = |k: usize| {
+    let bins = -(BINS as i32)..=BINS as i32;
+    let turns: Vec<c64> = bins.clone().map(|bin| c64::cis(-TAU * f64::from(bin) / n)).collect();
+    let (mut turned, mut sums) = (vec![c64::ONE; turns.len()], vec![c64::ZERO; turns.len()]);
+    for (k, (x, behind)) in signal.samples.iter().zip(behind).enumerate() {
         let window = 1.0 - (TAU * (k as f64 + 0.5) / n).cos();
-        behind[k] * (2.0 * window / n * (signal.samples[k] - mean))
-    };
-    let size = signal.len().div_ceil(BLOCKS);
-    let blocks: Vec<c64> =
-        (0..signal.len()).step_by(size).map(|from| (from..(from + size).min(signal.len())).map(term).sum()).collect();
-    let bin = |bin: i32| {
-        let turn = -TAU * f64::from(bin) * size as f64 / n;
-        blocks.iter().enumerate().map(|(k, z)| *z * c64::cis(turn * k as f64)).sum()
-    };
-    (-(BINS as i32)..=BINS as i32).map(bin).collect()
+        let term = behind * (2.0 * window / n * (x - mean));
+        for ((sum, turned), turn) in sums.iter_mut().zip(&mut turned).zip(&turns) {
+            *sum += term * *turned;
+            *turned *= turn;
+        }
+    }
+    sums
 }
 
 /// Where a frequency shows at a sample rate, Hz.
