@@ -58,6 +58,8 @@ const FOLLOWED: f64 = 1.5;
 const CLEARLY: f64 = 4.0;
 /// A speed changes where it ranges over more than this share of its mean.
 const CHANGES: f64 = 0.03;
+/// What is slower than this, s, is the trend of a signal whose speed changes.
+const TREND_S: f64 = 0.25;
 /// A stretch has at least so many samples of a signal.
 const FEWEST_SAMPLES: usize = 256;
 
@@ -188,7 +190,7 @@ impl Looker<'_> {
             shown.iter().map(|one| self.broad(one, &shown, stretch.sines_hz.is_empty())).collect();
         shown.iter_mut().zip(broad).for_each(|(one, broad)| one.broad = broad);
         let range_hz = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
-        let changes = range_hz[1] - range_hz[0] > CHANGES * turns_hz;
+        let changes = self.changes(stretch);
         let signals = shown.iter().map(|one| LookedSignal {
             lines: self.named(one, &shown, turns_hz),
             short: campbell::short_spectra(&one.signal, self.angle),
@@ -208,11 +210,21 @@ impl Looker<'_> {
         }
     }
 
+    /// Whether the speed changes.
+    fn changes(&self, stretch: &Stretch) -> bool {
+        let [low, high] = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
+        high - low > CHANGES * 0.5 * (high + low)
+    }
+
     fn shown(&self, role: Role, whole: &Signal, stretch: &Stretch, held_hz: Option<f64>) -> Option<Shown> {
-        let signal = whole.slice(stretch.start_s, stretch.end_s);
+        let mut signal = whole.slice(stretch.start_s, stretch.end_s);
         let is_still = signal.samples.iter().all(|x| *x == signal.samples[0]);
         if signal.len() < FEWEST_SAMPLES || is_still {
             return None;
+        }
+        if self.changes(stretch) {
+            // Orders run through what a ramp leaves; it is no line.
+            signal = without_trend(signal);
         }
         let setting = Setting {
             engine: self.engine,
@@ -222,7 +234,11 @@ impl Looker<'_> {
             demand_answers: self.experiment.label.mode == ControlMode::Tn,
             highest_hz: self.highest_hz(),
         };
-        let references = setting.references(1.0 / signal.sample_time_s);
+        let rate_hz = 1.0 / signal.sample_time_s;
+        let references = match role == demand::demand_role(self.experiment) {
+            true => setting.demanded(),
+            false => setting.references(rate_hz),
+        };
         let lines = Lines::of(&signal, self.angle, &references);
         Some(Shown { role, signal, lines, broad: Vec::new() })
     }
@@ -280,6 +296,10 @@ fn decided(found: &Found, one: &Shown, all: &[Shown], demand: Role, turns_hz: f6
         return Cause::Demanded;
     }
     let mut causes: Vec<Reference> = found.causes.clone();
+    let is_demanded = |r: &Reference| matches!(r.cause, Cause::Demanded | Cause::HoldImage { .. });
+    if !causes.iter().any(is_demanded) && FOLLOWED * demanded_at(found.frequency_hz, all, demand) > found.amplitude {
+        return Cause::Demanded;
+    }
     causes.dedup_by(|a, b| a.cause == b.cause);
     causes.retain(|r| is_plausible(&r.cause, found.amplitude, one, all));
     // A multiple of the mains that folds onto a lower one is the weaker of the two; references come with the lowest first.
@@ -357,6 +377,12 @@ fn is_in_the_demand(found: &Found, all: &[Shown], demand: Role) -> bool {
     all.iter().any(|shown| shown.role == demand && shown.lines.strength_at(found.frequency_hz) > 0.0)
 }
 
+/// The strength of the line that a demand of torque holds at a frequency; zero without.
+fn demanded_at(frequency_hz: f64, all: &[Shown], demand: Role) -> f64 {
+    let torque = all.iter().find(|shown| shown.role == demand && demand == Role::DynoTorqueDemand);
+    torque.map_or(0.0, |shown| shown.lines.strength_at(frequency_hz))
+}
+
 /// How much of an image the demand of torque itself holds.
 fn demanded_amplitude(image: &Reference, all: &[Shown]) -> f64 {
     let demand = all.iter().find(|shown| shown.role == Role::DynoTorqueDemand);
@@ -386,6 +412,24 @@ fn of_peak(role: Role, peak: &BroadPeak, all: &[Shown]) -> Option<Cause> {
     let is_sensor =
         |(sensor, other): &&(Role, Role)| *sensor == role && all.iter().any(|s| s.role == *other) && !shows(*other);
     SENSORS.iter().find(is_sensor).map(|_| Cause::SensorResonance)
+}
+
+/// A signal less its mean over [`TREND_S`] about each sample, taken twice.
+fn without_trend(signal: Signal) -> Signal {
+    let half = (0.5 * TREND_S / signal.sample_time_s).round() as usize;
+    let trend = moving_mean(&moving_mean(&signal.samples, half), half);
+    let samples = signal.samples.iter().zip(trend).map(|(x, trend)| x - trend).collect();
+    signal.with_samples(samples)
+}
+
+fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    samples.iter().for_each(|x| sums.push(sums[sums.len() - 1] + x));
+    let mean = |k: usize| {
+        let (from, to) = (k.saturating_sub(half), (k + half + 1).min(samples.len()));
+        (sums[to] - sums[from]) / (to - from) as f64
+    };
+    (0..samples.len()).map(mean).collect()
 }
 
 /// The spectrum of a signal, its mean taken out, seen through a Hann window; without lines yet.

@@ -86,6 +86,12 @@ impl Setting<'_> {
         self.orders(rate_hz).chain(mains()).chain(self.of_orders()).chain(sines).collect()
     }
 
+    /// What a demand that the experimenter sets is held against: nothing of the engine or the drive.
+    pub(super) fn demanded(&self) -> Vec<Reference> {
+        let is_demanded = |r: &Reference| matches!(r.cause, Cause::Demanded | Cause::HoldImage { .. });
+        self.sines_hz.iter().flat_map(|hz| self.of_sine(*hz)).filter(is_demanded).collect()
+    }
+
     /// The engine's orders, those above half the sample rate where they fold to.
     fn orders(&self, rate_hz: f64) -> impl Iterator<Item = Reference> {
         let turns_hz = self.turns_hz;

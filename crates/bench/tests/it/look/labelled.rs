@@ -8,7 +8,7 @@ use bench::model::Engine;
 use bench::study::BenchVariant;
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, Numerics, PulseParameters, simulate, simulate_hidden};
-use bench::{BenchFile, Experiment, Role, prepare};
+use bench::{BenchFile, ControlMode, Experiment, Role, prepare};
 use faer::c64;
 use signal::Signal;
 use signal::excitation::Random;
@@ -179,6 +179,13 @@ impl Drawn {
     /// Whether its speed stays about one value that can be chosen.
     pub(crate) fn has_one_speed(&self) -> bool {
         matches!(self.plan.speed_rad_s, Waveform::Constant { .. } | Waveform::RandomBinary { .. })
+    }
+
+    fn demand_role(&self) -> Role {
+        match self.plan.label.mode {
+            ControlMode::Tn => Role::DynoTorqueDemand,
+            ControlMode::Nt => Role::DynoSpeedDemand,
+        }
     }
 
     /// Whether a demand steps or ramps.
@@ -518,6 +525,10 @@ impl Labelled {
             return Judged { truth: "demanded", named, is_right: named == "demanded" };
         }
         let causes = self.causes(part, signal, line);
+        if causes.is_empty() && signal.role == self.drawn.demand_role() {
+            // What the experimenter sets is demanded, rounding included.
+            return Judged { truth: "demanded", named, is_right: named == "demanded" };
+        }
         let is_one = |cause: &Cause| causes.iter().any(|c| self.names(cause, c, part));
         let is_right = match &line.cause {
             Cause::Undecided { between, .. } => {
