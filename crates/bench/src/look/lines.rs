@@ -229,7 +229,7 @@ impl<'a> Seen<'a> {
     /// The reference at the strongest line within its tolerance.
     fn refined(&self, reference: &Reference) -> Reference {
         let Course { frequency_hz, tolerance_hz, .. } = reference.course;
-        let bins = ((tolerance_hz / self.bin_hz()).floor() as isize).min(ABOUT - 1);
+        let bins = ((tolerance_hz / self.bin_hz()).ceil() as isize).min(ABOUT - 1);
         if bins == 0 {
             return reference.clone();
         }

@@ -141,7 +141,7 @@ fn orders(shown: &[(&LookedPart, &LookedSignal)], range: [f64; 2], firing: f64) 
         OrderCurve { order, is_firing, points: curve_points(&points, range, is_one_recording) }
     };
     let mut curves: Vec<OrderCurve> = tracked.into_iter().map(curve).collect();
-    let largest = |curve: &OrderCurve| curve.points.iter().map(|p| p.amplitude).fold(0.0, f64::max);
+    let largest = |curve: &OrderCurve| curve.peak().map_or(0.0, |point| point.amplitude);
     curves.sort_by(|a, b| largest(b).total_cmp(&largest(a)));
     curves.truncate(MOST_ORDERS);
     curves
@@ -190,9 +190,10 @@ fn staying(shown: &[(&LookedPart, &LookedSignal)]) -> Vec<Line> {
 }
 
 impl OrderCurve {
-    /// Where it is largest; none where it has no points.
+    /// Where it is surely largest: where two standard errors below it is; none where it has no points.
     pub fn peak(&self) -> Option<CurvePoint> {
-        self.points.iter().copied().max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+        let surely = |point: &CurvePoint| point.amplitude - 2.0 * point.standard_error;
+        self.points.iter().copied().max_by(|a, b| surely(a).total_cmp(&surely(b)))
     }
 
     /// Its frequency at a speed, Hz.

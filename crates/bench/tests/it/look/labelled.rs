@@ -41,7 +41,7 @@ const SENSOR: f64 = 0.1;
 pub(crate) struct Drawn {
     pub(crate) parameters: BenchParameters,
     pub(crate) plan: ExperimentPlan,
-    seed: u64,
+    pub(crate) seed: u64,
 }
 
 /// A recording, what is said of it, and the same without one of its causes each.
@@ -145,11 +145,13 @@ impl Drawn {
         parameters.controller.demand_hold_s = [5e-3, 1e-2, 1e-2, 2e-2][within(0.0, 4.0) as usize];
         let speed_rpm = 10.0 * within(60.0, 450.0).round();
         let duration_s = within(12.0, 24.0);
+        // Held samples of a faster sine are those of a slower one.
+        let highest_hz = f64::min(30.0, 0.4 / parameters.controller.demand_hold_s);
         let mut plan = match within(0.0, 10.0) as usize {
             0 | 1 => ExperimentPlan::bs_t_nt(speed_rpm, duration_s),
             2 => ExperimentPlan::white_noise_t_tn(speed_rpm, duration_s),
-            3 | 4 => sines(speed_rpm, duration_s, (0..1).map(|_| within(2.0, 30.0)).collect()),
-            5 => sines(speed_rpm, duration_s, (0..4).map(|_| within(2.0, 20.0)).collect()),
+            3 | 4 => sines(speed_rpm, duration_s, (0..1).map(|_| within(2.0, highest_hz)).collect()),
+            5 => sines(speed_rpm, duration_s, (0..4).map(|_| within(2.0, highest_hz)).collect()),
             6 => ExperimentPlan::step_t_tn(speed_rpm, duration_s),
             7 => ExperimentPlan::ramp_n_nt(speed_rpm.min(3700.0), duration_s),
             8 => ExperimentPlan::unfired_n_nt(speed_rpm, duration_s),
