@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use bench::Role;
 use bench::look::{Cause, Line, Look, LookedPart, LookedSignal, OrderCurve, OverSpeed, ShortSpectrum, folded_hz};
 use bench::units::RPM_RAD_S;
-use plot::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 use crate::wording::{self, number};
 
@@ -18,6 +18,8 @@ const FIRINGS: u32 = 6;
 const MOST_NAMED: usize = 12;
 /// Orders whose amplitudes are drawn over the speed.
 const MOST_CURVES: usize = 5;
+/// Fewer speeds than these are drawn as points.
+const FEW_POINTS: usize = 10;
 /// Rows of a map, at most; the shades above nothing; and the least and the largest ratio that they span.
 const ROWS: usize = 130;
 const SHADES: f64 = 9.0;
@@ -253,32 +255,34 @@ fn order_lines(signal: &OverSpeed, rate_hz: f64) -> Vec<Layer> {
 }
 
 /// The strongest orders, and their name.
-fn strongest(signal: &OverSpeed) -> impl Iterator<Item = (usize, &OrderCurve, String)> {
+fn strongest(signal: &OverSpeed) -> impl Iterator<Item = (&OrderCurve, String)> {
     let name = |curve: &OrderCurve| match curve.is_firing {
         true => format!("order {}, firing", curve.order),
         false => format!("order {}", curve.order),
     };
-    signal.orders.iter().take(MOST_CURVES).enumerate().map(move |(index, curve)| (index, curve, name(curve)))
+    signal.orders.iter().take(MOST_CURVES).map(move |curve| (curve, name(curve)))
 }
 
 fn amplitudes(signal: &OverSpeed) -> Panel {
     let (unit, per_si) = unit(signal.role);
     let mut layers = Vec::new();
-    for (_, curve, name) in strongest(signal) {
+    for (curve, name) in strongest(signal) {
         let style = style_of(curve.order);
         let x: Vec<f64> = curve.points.iter().map(|p| p.speed_rad_s / RPM_RAD_S).collect();
         let y: Vec<f64> = curve.points.iter().map(|p| p.amplitude * per_si).collect();
         let off = |sign: f64| -> Vec<f64> {
             curve.points.iter().map(|p| (p.amplitude + sign * 2.0 * p.standard_error) * per_si).collect()
         };
-        layers.push(Layer::Band {
-            name: name.clone(),
-            style,
-            x: plot::Abscissa::Values(rounded(&x)),
-            low: rounded(&off(-1.0)),
-            high: rounded(&off(1.0)),
-        });
-        layers.push(Layer::curve(&name, style, &x, &y));
+        let (low, high) = (rounded(&off(-1.0)), rounded(&off(1.0)));
+        if x.len() < FEW_POINTS {
+            // Between speeds that are far apart nothing is known.
+            let (x, y) = (Abscissa::Values(rounded(&x)), rounded(&y));
+            layers.push(Layer::Points { name, style, x, y, low: Some(low), high: Some(high) });
+        } else {
+            let x_of_band = Abscissa::Values(rounded(&x));
+            layers.push(Layer::Band { name: name.clone(), style, x: x_of_band, low, high });
+            layers.push(Layer::curve(&name, style, &x, &y));
+        }
     }
     Panel::new(Axis::linear(signal.role.symbol(), unit), HEIGHT, layers)
 }
@@ -290,7 +294,7 @@ fn style_of(order: f64) -> Style {
 
 fn phases(signal: &OverSpeed) -> Option<Panel> {
     let mut layers = Vec::new();
-    for (_, curve, name) in strongest(signal) {
+    for (curve, name) in strongest(signal) {
         let known = || curve.points.iter().filter_map(|p| Some((p.speed_rad_s / RPM_RAD_S, p.phase_rad?.to_degrees())));
         if known().next().is_some() {
             let (x, y): (Vec<f64>, Vec<f64>) = known().unzip();

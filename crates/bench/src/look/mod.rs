@@ -61,7 +61,7 @@ const CHANGES: f64 = 0.03;
 /// What is slower than this, s, is the trend of a signal whose speed changes.
 const TREND_S: f64 = 0.25;
 /// A stretch has at least so many samples of a signal.
-const FEWEST_SAMPLES: usize = 256;
+pub const FEWEST_SAMPLES: usize = 256;
 
 /// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,6 +1,8 @@
 //! `dynoid look`: what recordings show before any model.
 
-use bench::look::{BANDWIDTH_ORDERS, Look, LookedPart, LookedSignal, OverSpeed, TURNS, look, over_speed};
+use bench::look::{
+    BANDWIDTH_ORDERS, FEWEST_SAMPLES, Look, LookedPart, LookedSignal, OverSpeed, TURNS, look, over_speed,
+};
 use bench::model::Engine;
 use bench::units::si_spelling;
 use report::look::{cause, figure, over_speed_figures, unit};
@@ -20,6 +22,7 @@ pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<
         experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
             looks.push(look(&experiment, Engine { cylinders: bench.cylinders, strokes: bench.strokes }));
         })?;
+    looks.iter().filter_map(nothing_seen).for_each(|reason| terminal.warning(&reason));
     let signals = over_speed(&looks);
     let over = match &looks[..] {
         [one] => one.file.clone(),
@@ -41,6 +44,17 @@ pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<
         written(&arguments.result.plot, terminal);
     }
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+}
+
+/// Why a recording shows nothing at all.
+fn nothing_seen(look: &Look) -> Option<String> {
+    if look.parts.is_empty() {
+        let remedy = "name the channel of N_e or N_d in the bench file";
+        return Some(format!("{}: no speed is recorded, and lines are told by what follows it; {remedy}", look.file));
+    }
+    let is_empty = look.parts.iter().all(|part| part.signals.is_empty());
+    let needs = format!("a signal needs {FEWEST_SAMPLES} samples in a row, and has to change");
+    is_empty.then(|| format!("{}: nothing in it makes a spectrum; {needs}", look.file))
 }
 
 /// The lines without the spectra they stand in.

@@ -50,3 +50,13 @@ fn stat_orders_over_the_speed_come_in_table_json_and_map() {
     assert_eq!((&firing["order"], &firing["is_firing"]), (&2.0.into(), &true.into()));
     assert!(firing["points"][0]["standard_error"].as_f64().unwrap() > 0.0);
 }
+
+#[test]
+fn regress_a_recording_that_shows_nothing_says_why() {
+    let campaign = Campaign::empty();
+    let torque: String =
+        (0..2000).map(|k| format!("{:.3},{}\n", 0.001 * f64::from(k), (0.1 * f64::from(k)).sin())).collect();
+    campaign.write("recordings/a_BS_T_NT.csv", format!("time [s],DynoTorqueCalc [Nm]\n{torque}").as_bytes());
+    let ran = campaign.run(&["look", "bench.toml", "recordings/a_BS_T_NT.csv"]);
+    assert!(ran.stderr.contains("no speed is recorded") && ran.stderr.contains("bench file"), "{}", ran.stderr);
+}
