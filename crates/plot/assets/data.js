@@ -104,7 +104,7 @@ function xExtent(figure) {
   const log = figure.x.scale === "log";
   let [low, high] = [Infinity, -Infinity];
   for (const layer of figure.panels.flatMap((panel) => panel.layers)) {
-    if (!isSeries(layer) && !isLoose(layer)) continue;
+    if (!isSeries(layer) && !isLoose(layer) && layer.type !== "shades") continue;
     for (const value of layer.x) {
       if (!Number.isFinite(value) || (log && value <= 0)) continue;
       low = Math.min(low, value);
@@ -132,8 +132,8 @@ function yExtent(panel, domain, hidden) {
   };
   for (const layer of panel.layers) {
     if (layer.type === "y_region") [layer.low, layer.high].forEach((v) => take(range, v === null ? NaN : v));
-    if (!layer.x || layer.type === "vertical_marks" || layer.type === "x_region" || hidden.has(layer.name)) continue;
-    const [first, end] = isLoose(layer) ? [0, layer.x.length] : visibleRange(layer.x, domain[0], domain[1]);
+    if (!layer.x || ["vertical_marks", "x_region", "words"].includes(layer.type) || hidden.has(layer.name)) continue;
+    const [first, end] = isLoose(layer) || layer.type === "shades" ? [0, layer.x.length] : visibleRange(layer.x, domain[0], domain[1]);
     for (const key of ["y", "low", "high"]) {
       if (layer[key]) for (let n = first; n < end; n++) take(layer.type === "band" ? bands : range, layer[key][n]);
     }

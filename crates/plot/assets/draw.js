@@ -174,6 +174,37 @@ const LAYERS = {
     const lower = samplePath(back[0], back[1], 0, end - first, sx, sy).replace("M", "L");
     if (upper && lower) svg(group, "path", { class: `band b-${layer.style}`, d: `${upper}${lower}Z` });
   },
+  shades(group, layer, { sx, sy }) {
+    const paths = Array.from({ length: 10 }, () => "");
+    const edge = ([low, high], index, count) => low + ((high - low) * index) / count;
+    layer.columns.forEach((column, at) => {
+      const [left, right] = [at, at + 1].map((n) => sx.toPixel(edge(layer.x, n, layer.columns.length)).toFixed(1));
+      for (const run of column.matchAll(/(.)\1*/g)) {
+        const ends = [run.index, run.index + run[0].length];
+        const [low, high] = ends.map((n) => sy.toPixel(edge(layer.y, n, column.length)).toFixed(1));
+        paths[Number(run[1])] += `M${left} ${low}H${right}V${high}H${left}Z`;
+      }
+    });
+    paths.forEach((d, shade) => {
+      if (shade > 0 && d) svg(group, "path", { class: "shade", d, "fill-opacity": 0.085 * shade });
+    });
+  },
+  words(group, layer, { sx, sy, left, right, top, bottom }) {
+    const taken = [];
+    layer.words.forEach((word, n) => {
+      const [x, y] = [sx.toPixel(layer.x[n]), Math.max(top + 10, sy.toPixel(layer.y[n]) - 5)];
+      if (!(x >= left && x <= right && y <= bottom)) return;
+      const text = svgText(group, word, { class: `word w-${layer.style}`, "text-anchor": "middle", y });
+      const half = text.getComputedTextLength() / 2;
+      const middle = Math.min(right - half, Math.max(left + half, x));
+      if (taken.some(([from, to, above, below]) => middle - half < to && middle + half > from && y - 11 < below && y > above)) {
+        text.remove();
+        return;
+      }
+      text.setAttribute("x", middle);
+      taken.push([middle - half, middle + half, y - 11, y]);
+    });
+  },
   horizontal_mark(group, layer, { sy, left, right, top, bottom }) {
     const y = layer.y === null ? NaN : sy.toPixel(layer.y);
     if (!(y >= top && y <= bottom)) return;

@@ -1,14 +1,31 @@
 //! What recordings show before any model, in words and figures.
 
+use std::f64::consts::TAU;
+
 use bench::Role;
-use bench::look::{Cause, Line, LookedPart, LookedSignal};
+use bench::look::{Cause, Line, Look, LookedPart, LookedSignal, OrderCurve, OverSpeed, ShortSpectrum, folded_hz};
 use bench::units::RPM_RAD_S;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 use crate::wording::{self, number};
 
-/// Height of a panel on the page.
+/// Height of a panel on the page, and that of a map.
 const HEIGHT: u32 = 150;
+const MAP_HEIGHT: u32 = 260;
+/// Multiples of the firing order that are drawn in.
+const FIRINGS: u32 = 6;
+/// Lines of a signal that are named in its spectrum.
+const MOST_NAMED: usize = 12;
+/// Orders whose amplitudes are drawn over the speed.
+const MOST_CURVES: usize = 5;
+/// Fewer speeds than these are drawn as points.
+const FEW_POINTS: usize = 10;
+/// Rows of a map, at most; the shades above nothing; and the least and the largest ratio that they span.
+const ROWS: usize = 130;
+const SHADES: f64 = 9.0;
+const SPANS: [f64; 2] = [30.0, 1000.0];
+/// Points of an order's line in a map.
+const POINTS: usize = 200;
 
 /// A cause in words.
 pub fn cause(cause: &Cause) -> String {
@@ -47,11 +64,11 @@ pub fn cause(cause: &Cause) -> String {
 fn kind(cause: &Cause) -> (&'static str, Style) {
     match cause {
         Cause::Order { .. } | Cause::OrderSideband { .. } => ("engine orders", Style::Modelled),
-        Cause::FoldedOrder { .. } => ("folded orders", Style::Other),
+        Cause::FoldedOrder { .. } => ("folded orders", Style::Sixth),
         Cause::Demanded => ("demanded", Style::Residual),
         Cause::HoldImage { .. } => ("images of the hold", Style::Fourth),
         Cause::RippleSideband { .. } | Cause::Mains { .. } => ("mains and ripple", Style::Fifth),
-        Cause::StructuralResonance | Cause::SensorResonance => ("resonances", Style::Sixth),
+        Cause::StructuralResonance | Cause::SensorResonance => ("resonances", Style::Other),
         Cause::Undecided { .. } => ("undecided", Style::Seventh),
         Cause::Unknown => ("no known cause", Style::Eighth),
     }
@@ -66,21 +83,44 @@ pub fn unit(role: Role) -> (&'static str, f64) {
     }
 }
 
-/// A part of a recording: the spectrum of each signal with its lines.
-pub fn figure(file: &str, part: &LookedPart) -> Figure {
-    let panels = part.signals.iter().map(panel).collect();
+/// What stands at a line in a figure.
+fn short_name(cause: &Cause) -> String {
+    match cause {
+        Cause::Order { order, .. } => format!("{order}"),
+        Cause::FoldedOrder { order, .. } => format!("{order} folded"),
+        Cause::Demanded => "demanded".to_owned(),
+        Cause::HoldImage { .. } => "image".to_owned(),
+        Cause::RippleSideband { ripple_hz, .. } => format!("{ripple_hz:.0} Hz ripple"),
+        Cause::OrderSideband { order, .. } => format!("{order} ± demanded"),
+        Cause::Mains { multiple, mains_hz } => format!("{multiple} × {mains_hz} Hz"),
+        Cause::StructuralResonance => "resonance".to_owned(),
+        Cause::SensorResonance => "sensor".to_owned(),
+        Cause::Undecided { .. } => "?".to_owned(),
+        Cause::Unknown => "no cause".to_owned(),
+    }
+}
+
+/// A part of a recording: the spectrum of each signal with its lines, and where the firing and its multiples are.
+pub fn figure(look: &Look, part: &LookedPart) -> Figure {
+    let panels = part.signals.iter().map(|signal| panel(signal, look.firing_order * part.speed_rad_s / TAU)).collect();
     let demanded = match part.demanded_hz[..] {
         [one] => format!(", {} Hz demanded", number::significant(one, 3)),
         _ => String::new(),
     };
-    let title = format!("{file}, {}{demanded}", number::rpm(part.speed_rad_s));
-    Figure::new(&title, Axis::linear("frequency", "Hz"), panels)
+    let title = format!("{}, {}{demanded}", look.file, number::rpm(part.speed_rad_s));
+    let caption = "Numbers at lines are orders: multiples of the engine's speed. Upright lines: the firing and its multiples; dashed \
+                   where they fold from above half the sample rate.";
+    Figure::new(&title, Axis::linear("frequency", "Hz"), panels).with_caption(caption)
 }
 
-fn panel(signal: &LookedSignal) -> Panel {
+fn panel(signal: &LookedSignal, firing_hz: f64) -> Panel {
     let (unit, per_si) = unit(signal.role);
     let scaled: Vec<f64> = signal.amplitude.iter().map(|a| a * per_si).collect();
-    let mut layers = vec![Layer::curve("amplitude", Style::Measured, &signal.frequency_hz, &scaled)];
+    // What lies under the weakest line is noise.
+    let lowest = 0.2 * signal.lines.iter().map(|l| l.amplitude * per_si).fold(f64::INFINITY, f64::min);
+    let highest = 4.0 * scaled.iter().copied().fold(0.0, f64::max);
+    let mut layers = firings(firing_hz, 1.0 / signal.sample_time_s, [lowest, highest]);
+    layers.push(Layer::curve("amplitude", Style::Measured, &signal.frequency_hz, &scaled));
     let mut seen: Vec<&str> = Vec::new();
     for line in &signal.lines {
         let (name, style) = kind(&line.cause);
@@ -89,19 +129,178 @@ fn panel(signal: &LookedSignal) -> Panel {
         }
         seen.push(name);
         let alike: Vec<&Line> = signal.lines.iter().filter(|other| kind(&other.cause).0 == name).collect();
-        layers.push(Layer::Points {
-            name: name.to_owned(),
-            style,
-            x: Abscissa::Values(rounded(&alike.iter().map(|l| l.frequency_hz).collect::<Vec<_>>())),
-            y: rounded(&alike.iter().map(|l| l.amplitude * per_si).collect::<Vec<_>>()),
-            low: None,
-            high: None,
-        });
+        let of = |value: fn(&Line) -> f64| alike.iter().map(|l| value(l)).collect::<Vec<_>>();
+        let amplitudes: Vec<f64> = alike.iter().map(|l| l.amplitude * per_si).collect();
+        layers.push(Layer::dots(name, style, &of(|l| l.frequency_hz), &amplitudes));
     }
-    // What lies under the weakest line is noise.
-    let lowest = signal.lines.iter().map(|l| l.amplitude * per_si).fold(f64::INFINITY, f64::min);
-    let highest = scaled.iter().copied().fold(0.0, f64::max);
+    for line in signal.lines.iter().take(MOST_NAMED) {
+        layers.push(word(kind(&line.cause).1, (line.frequency_hz, line.amplitude * per_si), short_name(&line.cause)));
+    }
     let axis = Axis::log(signal.role.symbol(), unit);
-    let axis = if lowest < highest { axis.within(0.2 * lowest, 2.0 * highest) } else { axis };
+    let axis = if lowest < highest { axis.within(lowest, highest) } else { axis };
     Panel::new(axis, HEIGHT, layers)
+}
+
+/// Upright lines at the firing and its multiples, those that fold apart.
+fn firings(firing_hz: f64, rate_hz: f64, ends: [f64; 2]) -> Vec<Layer> {
+    let drawn = |name: &str, style: Style, folds: bool| {
+        let all = (1..=FIRINGS).map(|multiple| f64::from(multiple) * firing_hz);
+        let places: Vec<f64> =
+            all.filter(|hz| (*hz > 0.5 * rate_hz) == folds).map(|hz| folded_hz(hz, rate_hz)).collect();
+        let x: Vec<f64> = places.iter().flat_map(|hz| [*hz, *hz, f64::NAN]).collect();
+        let y: Vec<f64> = places.iter().flat_map(|_| [ends[0], ends[1], f64::NAN]).collect();
+        path(name, style, &x, &y)
+    };
+    vec![drawn("firing and multiples", Style::Modelled, false), drawn("folded orders", Style::Sixth, true)]
+}
+
+fn path(name: &str, style: Style, x: &[f64], y: &[f64]) -> Layer {
+    Layer::Path { name: name.to_owned(), style, x: rounded(x), y: rounded(y) }
+}
+
+fn word(style: Style, (x, y): (f64, f64), word: String) -> Layer {
+    Layer::Words { style, x: vec![Rounded(x)], y: vec![Rounded(y)], words: vec![word] }
+}
+
+/// The signals over the speed: their Campbell maps, the orders' amplitudes, and where there is one, the phases.
+pub fn over_speed_figures(title: &str, signals: &[OverSpeed]) -> Vec<Figure> {
+    if signals.is_empty() {
+        return Vec::new();
+    }
+    let speed = Axis::linear("speed", "rpm");
+    let maps = signals.iter().map(campbell).collect();
+    let maps = Figure::new(&format!("{title}: Campbell map"), speed.clone(), maps).with_caption(
+        "Darker is stronger. Numbers are orders, multiples of the engine's speed; dashed where they fold from above half the \
+         sample rate. What stays at its frequency is level: resonances, multiples of the mains.",
+    );
+    let curves = signals.iter().filter(|signal| !signal.orders.is_empty());
+    let amplitudes: Vec<Panel> = curves.clone().map(amplitudes).collect();
+    let amplitudes = Figure::new(&format!("{title}: orders over the speed"), speed.clone(), amplitudes).with_caption(
+        "Amplitudes by least squares, all orders at once, in windows of ten turns; the bands are two standard errors \
+         to either side.",
+    );
+    let phases: Vec<Panel> = curves.filter_map(phases).collect();
+    let phases = Figure::new(&format!("{title}: phases of the orders"), speed, phases)
+        .with_caption("Against the crank angle since the recording began.");
+    [maps, amplitudes, phases].into_iter().filter(|figure| !figure.panels.is_empty()).collect()
+}
+
+fn campbell(signal: &OverSpeed) -> Panel {
+    let rate_hz = 1.0 / signal.sample_time_s;
+    let [low, high] = signal.speed_rad_s;
+    let (rows, shade_db) = shades(&signal.map);
+    let cells = rows.iter().map(String::len).max().unwrap_or(0);
+    let lines = signal.map.iter().map(Vec::len).max().unwrap_or(0);
+    let per_row = lines.div_ceil(ROWS).max(1);
+    let top_hz = (cells * per_row) as f64 * ShortSpectrum::STEP_HZ;
+    let x = [low, high].map(|w| Rounded(w / RPM_RAD_S));
+    let mut layers = vec![Layer::Shades { x, y: [Rounded(0.0), Rounded(top_hz)], columns: rows }];
+    for line in &signal.staying {
+        let label = format!("{}, {} Hz", short_name(&line.cause), number::significant(line.frequency_hz, 3));
+        layers.push(Layer::HorizontalMark { y: Rounded(line.frequency_hz), label });
+    }
+    layers.extend(order_lines(signal, rate_hz));
+    let axis = Axis::linear(&format!("{}: frequency", signal.role.symbol()), "Hz").within(0.0, 0.5 * rate_hz);
+    Panel::new(axis, MAP_HEIGHT, layers).noted(format!("a shade is {shade_db:.0} dB"))
+}
+
+/// Digits of shades, a string a class of speed, from the lowest frequency up; and how many decibels one is worth. Nothing is
+/// shaded below twice the median, which is noise.
+fn shades(map: &[Vec<f64>]) -> (Vec<String>, f64) {
+    let lines = map.iter().map(Vec::len).max().unwrap_or(0);
+    let per_row = lines.div_ceil(ROWS).max(1);
+    let rows: Vec<Vec<f64>> = map
+        .iter()
+        .map(|column| column.chunks(per_row).map(|cells| cells.iter().copied().fold(0.0, f64::max)).collect())
+        .collect();
+    let mut all: Vec<f64> = rows.iter().flatten().copied().filter(|a| *a > 0.0).collect();
+    all.sort_by(f64::total_cmp);
+    let highest = all.last().copied().unwrap_or(1.0);
+    let lowest = 2.0 * all.get(all.len() / 2).copied().unwrap_or(0.0);
+    let lowest = lowest.clamp(highest / SPANS[1], highest / SPANS[0]);
+    let decades = (highest / lowest).log10();
+    let digit = |a: &f64| {
+        let shade = (SHADES * (a / lowest).log10() / decades).ceil().clamp(0.0, SHADES);
+        char::from(b'0' + shade as u8)
+    };
+    let columns = rows.iter().map(|column| column.iter().map(digit).collect()).collect();
+    (columns, 20.0 * decades / SHADES)
+}
+
+/// The orders of a map: straight where they show, dashed where they fold, with their numbers at the right.
+fn order_lines(signal: &OverSpeed, rate_hz: f64) -> Vec<Layer> {
+    let [low, high] = signal.speed_rad_s;
+    let speeds: Vec<f64> = (0..=POINTS).map(|k| low + (high - low) * k as f64 / POINTS as f64).collect();
+    let rpm: Vec<f64> = speeds.iter().map(|w| w / RPM_RAD_S).collect();
+    let mut layers = Vec::new();
+    for curve in &signal.orders {
+        let shown = |folds: bool| -> Vec<f64> {
+            let at = |w: &f64| {
+                let hz = curve.at_hz(*w);
+                if (hz > 0.5 * rate_hz) == folds { folded_hz(hz, rate_hz) } else { f64::NAN }
+            };
+            speeds.iter().map(at).collect()
+        };
+        layers.push(path("orders", Style::Modelled, &rpm, &shown(false)));
+        layers.push(path("folded orders", Style::Sixth, &rpm, &shown(true)));
+    }
+    for (k, curve) in signal.orders.iter().enumerate() {
+        // Not all numbers at one speed, where lines meet.
+        let speed = low + (high - low) * (0.97 - 0.04 * (k % 3) as f64);
+        let hz = curve.at_hz(speed);
+        let style = if hz > 0.5 * rate_hz { Style::Sixth } else { Style::Modelled };
+        layers.push(word(style, (speed / RPM_RAD_S, folded_hz(hz, rate_hz)), format!("{}", curve.order)));
+    }
+    layers
+}
+
+/// The strongest orders, and their name.
+fn strongest(signal: &OverSpeed) -> impl Iterator<Item = (&OrderCurve, String)> {
+    let name = |curve: &OrderCurve| match curve.is_firing {
+        true => format!("order {}, firing", curve.order),
+        false => format!("order {}", curve.order),
+    };
+    signal.orders.iter().take(MOST_CURVES).map(move |curve| (curve, name(curve)))
+}
+
+fn amplitudes(signal: &OverSpeed) -> Panel {
+    let (unit, per_si) = unit(signal.role);
+    let mut layers = Vec::new();
+    for (curve, name) in strongest(signal) {
+        let style = style_of(curve.order);
+        let x: Vec<f64> = curve.points.iter().map(|p| p.speed_rad_s / RPM_RAD_S).collect();
+        let y: Vec<f64> = curve.points.iter().map(|p| p.amplitude * per_si).collect();
+        let off = |sign: f64| -> Vec<f64> {
+            curve.points.iter().map(|p| (p.amplitude + sign * 2.0 * p.standard_error) * per_si).collect()
+        };
+        let (low, high) = (rounded(&off(-1.0)), rounded(&off(1.0)));
+        if x.len() < FEW_POINTS {
+            // Between speeds that are far apart nothing is known.
+            let (x, y) = (Abscissa::Values(rounded(&x)), rounded(&y));
+            layers.push(Layer::Points { name, style, x, y, low: Some(low), high: Some(high) });
+        } else {
+            let x_of_band = Abscissa::Values(rounded(&x));
+            layers.push(Layer::Band { name: name.clone(), style, x: x_of_band, low, high });
+            layers.push(Layer::curve(&name, style, &x, &y));
+        }
+    }
+    Panel::new(Axis::linear(signal.role.symbol(), unit), HEIGHT, layers)
+}
+
+/// One colour an order, in all panels.
+fn style_of(order: f64) -> Style {
+    Style::of_model((2.0 * order).round() as usize)
+}
+
+fn phases(signal: &OverSpeed) -> Option<Panel> {
+    let mut layers = Vec::new();
+    for (curve, name) in strongest(signal) {
+        let known = || curve.points.iter().filter_map(|p| Some((p.speed_rad_s / RPM_RAD_S, p.phase_rad?.to_degrees())));
+        if known().next().is_some() {
+            let (x, y): (Vec<f64>, Vec<f64>) = known().unzip();
+            layers.push(Layer::dots(&name, style_of(curve.order), &x, &y));
+        }
+    }
+    let axis = Axis::angle(&format!("{}: phase", signal.role.symbol())).within(-180.0, 180.0);
+    (!layers.is_empty()).then(|| Panel::new(axis, HEIGHT, layers))
 }

@@ -18,6 +18,9 @@ const LONG_S: f64 = 2.0;
 /// Longest hold that is looked for, and the share of changes that keep to it.
 const LONGEST_HOLD_S: f64 = 0.2;
 const KEPT: f64 = 0.97;
+/// A demand that is held changes at so many of the instants at which it may; one that is made of sines hardly ever rests.
+const OFTEN: f64 = 0.2;
+const MOVING: f64 = 0.7;
 
 /// A part of a recording over which the demand is of one kind.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,8 +59,13 @@ pub(super) fn stretches(experiment: &Experiment) -> Vec<Stretch> {
     vec![Stretch { start_s, end_s, sines_hz: sines_of(&demand.slice(start_s, end_s)) }]
 }
 
-/// The sines of a demand that is made of them; none of any other.
+/// The sines of a demand that is made of them; none of any other, such as one that steps or rests between ramps.
 fn sines_of(demand: &Signal) -> Vec<f64> {
+    let hold_s = held_hz(demand).map_or(demand.sample_time_s, |held_hz| 1.0 / held_hz);
+    let ticks = demand.duration_s() / hold_s;
+    if (changes(demand).len() as f64) < MOVING * ticks {
+        return Vec::new();
+    }
     let Ok(found) = find_sinusoids(&demand.samples, demand.sample_time_s, MOST_SINES, FALSE_ALARM) else {
         return Vec::new();
     };
@@ -74,13 +82,20 @@ fn sines_of(demand: &Signal) -> Vec<f64> {
 
 /// How often a demand that is held changes, Hz; none where it may change with every sample, or never does.
 pub(super) fn held_hz(demand: &Signal) -> Option<f64> {
-    let changes: Vec<usize> = (1..demand.len()).filter(|k| demand.samples[*k] != demand.samples[k - 1]).collect();
+    let changes = changes(demand);
     let steps = || changes.windows(2).map(|w| w[1] - w[0]);
     let longest = (LONGEST_HOLD_S / demand.sample_time_s).round() as usize;
     let keeps = |hold: &usize| steps().filter(|step| step.is_multiple_of(*hold)).count() as f64;
     let enough = KEPT * steps().count() as f64;
     let hold = (2..=longest).rev().filter(|_| changes.len() > 2).find(|hold| keeps(hold) >= enough)?;
-    Some(1.0 / (hold as f64 * demand.sample_time_s))
+    // Steps that are far apart keep to any clock.
+    let is_often = changes.len() as f64 * hold as f64 > OFTEN * demand.len() as f64;
+    is_often.then(|| 1.0 / (hold as f64 * demand.sample_time_s))
+}
+
+/// Samples that differ from the one before.
+fn changes(demand: &Signal) -> Vec<usize> {
+    (1..demand.len()).filter(|k| demand.samples[*k] != demand.samples[k - 1]).collect()
 }
 
 #[cfg(test)]

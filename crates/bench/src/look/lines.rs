@@ -1,6 +1,6 @@
 //! Lines of a signal that follow a phase, and those that follow none.
 
-use std::f64::consts::{LN_2, TAU};
+use std::f64::consts::{LN_2, LN_10, TAU};
 
 use faer::linalg::solvers::{DenseSolveCore, SolveLstsq};
 use faer::{Mat, c64};
@@ -8,12 +8,11 @@ use signal::Signal;
 use signal::periodicity::find_sinusoids;
 use signal::spectrum::fft_real;
 
+use super::DRIFT_HZ;
 use super::angle::Angle;
 use super::cause::Cause;
 use super::reference::{Course, Reference, folded_hz};
 
-/// Blocks that a signal behind a phase is summed up in: their transform shows what lies about the line.
-const BLOCKS: usize = 512;
 /// Bins about the line, and those of them that the window blurs it over.
 const ABOUT: isize = 64;
 const LOBE: isize = 3;
@@ -81,7 +80,8 @@ struct Seen<'a> {
 /// A reference that a line follows.
 struct Candidate {
     reference: Reference,
-    phase: Vec<f64>,
+    /// e^{jφ} at each sample.
+    turning: Vec<c64>,
     /// Mean power of what lies about it, as of an amplitude.
     noise: f64,
 }
@@ -156,29 +156,28 @@ impl<'a> Seen<'a> {
         1.0 / self.signal.duration_s().max(self.signal.sample_time_s)
     }
 
-    fn phase(&self, reference: &Reference) -> Vec<f64> {
-        (0..self.signal.len()).map(|k| reference.course.phase(self.angle, self.signal.time_s(k))).collect()
-    }
-
-    /// The signal behind a phase, block by block.
-    fn behind(&self, phase: &[f64]) -> Vec<c64> {
-        let size = self.samples.len().div_ceil(BLOCKS).max(1);
-        let term = |k: usize| c64::cis(-phase[k]) * (self.window[k] * self.samples[k]);
-        (0..self.samples.len())
-            .step_by(size)
-            .map(|from| (from..(from + size).min(phase.len())).map(term).sum())
-            .collect()
+    /// e^{jφ} at each sample, φ the phase that a reference gives it.
+    fn turning(&self, reference: &Reference) -> Vec<c64> {
+        let phase = |k: usize| reference.course.phase(self.angle, self.signal.time_s(k));
+        (0..self.signal.len()).map(|k| c64::cis(phase(k))).collect()
     }
 
     /// Powers of the bins about a phase, the line itself in the middle, as of amplitudes.
-    fn about(&self, phase: &[f64]) -> Vec<f64> {
-        let blocks = self.behind(phase);
-        let (size, count) = (self.samples.len().div_ceil(BLOCKS).max(1) as f64, self.samples.len() as f64);
+    fn about(&self, turning: &[c64]) -> Vec<f64> {
+        let behind = |part: fn(c64) -> f64| {
+            let term = |k: usize| part(turning[k].conj()) * self.window[k] * self.samples[k];
+            fft_real(&(0..turning.len()).map(term).collect::<Vec<_>>()).unwrap_or_default()
+        };
+        let (real, imaginary) = (behind(|z| z.re), behind(|z| z.im));
         let scale = 2.0 / self.window.iter().sum::<f64>();
+        let of_real = |lines: &[c64], bin: isize| match lines.get(bin.unsigned_abs()) {
+            Some(line) if bin < 0 => line.conj(),
+            Some(line) => *line,
+            None => c64::ZERO,
+        };
         let power = |bin: isize| {
-            let turn = -TAU * bin as f64 * size / count;
-            let term = |(k, z): (usize, &c64)| *z * c64::cis(turn * k as f64);
-            (blocks.iter().enumerate().map(term).sum::<c64>() * scale).norm_sqr()
+            let line = of_real(&real, bin) + c64::new(0.0, 1.0) * of_real(&imaginary, bin);
+            (line * scale).norm_sqr()
         };
         (-ABOUT..=ABOUT).map(power).collect()
     }
@@ -208,32 +207,33 @@ impl<'a> Seen<'a> {
         let frequency_hz = reference.course.at_hz(self.turns_hz);
         let lowest_hz = f64::from(LOBE as i32 + 1) * self.bin_hz();
         let shown_hz = folded_hz(frequency_hz, self.rate_hz());
-        if shown_hz < lowest_hz || shown_hz > 0.5 * self.rate_hz() - lowest_hz {
+        let is_drift = frequency_hz > 0.5 * self.rate_hz() && shown_hz < DRIFT_HZ;
+        if is_drift || shown_hz < lowest_hz || shown_hz > 0.5 * self.rate_hz() - lowest_hz {
             return None;
         }
         if !self.rises(reference, shown_hz) {
             return None;
         }
         let reference = self.refined(reference);
-        let phase = self.phase(&reference);
-        let powers = self.about(&phase);
+        let turning = self.turning(&reference);
+        let powers = self.about(&turning);
         let middle = ABOUT as usize;
         let reach = LOBE as usize;
         let top = powers[middle - reach..=middle + reach].iter().copied().fold(0.0, f64::max);
         // Noise that falls or rises with frequency counts by its stronger side.
-        let noise = median(&powers[..middle - reach]).max(median(&powers[middle + reach + 1..])) / LN_2;
+        let noise = mean_noise(&powers[..middle - reach]).max(mean_noise(&powers[middle + reach + 1..]));
         let is_strong = powers[middle] > (EXCESS * noise).max(self.floor * self.floor);
-        (powers[middle] >= top && is_strong).then_some(Candidate { reference, phase, noise })
+        (powers[middle] >= top && is_strong).then_some(Candidate { reference, turning, noise })
     }
 
     /// The reference at the strongest line within its tolerance.
     fn refined(&self, reference: &Reference) -> Reference {
         let Course { frequency_hz, tolerance_hz, .. } = reference.course;
-        let bins = ((tolerance_hz / self.bin_hz()).floor() as isize).min(ABOUT - 1);
+        let bins = ((tolerance_hz / self.bin_hz()).ceil() as isize).min(ABOUT - 1);
         if bins == 0 {
             return reference.clone();
         }
-        let powers = self.about(&self.phase(reference));
+        let powers = self.about(&self.turning(reference));
         let at = |bin: isize| powers[(ABOUT + bin) as usize];
         let Some(top) = (-bins..=bins).max_by(|a, b| at(*a).total_cmp(&at(*b))) else { return reference.clone() };
         // The top of the parabola through the logarithms, nearly exact for this window.
@@ -245,21 +245,23 @@ impl<'a> Seen<'a> {
     }
 
     /// How alike two phases are to a real signal: 1 where one cannot be told from the other.
-    fn likeness(&self, a: &[f64], b: &[f64]) -> f64 {
-        let power: f64 = self.window.iter().map(|w| w * w).sum();
-        let sum = |sign: f64| {
-            let term = |k: usize| c64::cis(a[k] + sign * b[k]) * (self.window[k] * self.window[k]);
-            (0..a.len()).map(term).sum::<c64>().norm() / power
-        };
-        sum(-1.0).max(sum(1.0))
+    fn likeness(&self, a: &[c64], b: &[c64]) -> f64 {
+        let (mut power, mut apart, mut together) = (0.0, c64::ZERO, c64::ZERO);
+        for ((a, b), window) in a.iter().zip(b).zip(&self.window) {
+            let weighted = a * (window * window);
+            power += window * window;
+            apart += weighted * b.conj();
+            together += weighted * b;
+        }
+        apart.norm().max(together.norm()) / power
     }
 
     /// The amplitudes of lines that touch each other, by least squares; they are taken off what is left.
     fn amplitudes(&self, group: Vec<Vec<Candidate>>, known: &[Found], left: &mut [f64]) -> Vec<Found> {
         let count = self.samples.len();
         let wave = |k: usize, j: usize| {
-            let phase = group[j / 2][0].phase[k];
-            if j.is_multiple_of(2) { phase.cos() } else { phase.sin() }
+            let turning = group[j / 2][0].turning[k];
+            if j.is_multiple_of(2) { turning.re } else { turning.im }
         };
         let columns = Mat::from_fn(count, 2 * group.len(), |k, j| self.window[k] * wave(k, j));
         let target = Mat::from_fn(count, 1, |k, _| self.window[k] * self.samples[k]);
@@ -341,7 +343,7 @@ impl<'a> Seen<'a> {
 fn grouped(seen: &Seen<'_>, candidates: Vec<Candidate>) -> Vec<Vec<Vec<Candidate>>> {
     let mut groups: Vec<Vec<Vec<Candidate>>> = Vec::new();
     for candidate in candidates {
-        let nearest = |line: &[Candidate]| seen.likeness(&candidate.phase, &line[0].phase);
+        let nearest = |line: &[Candidate]| seen.likeness(&candidate.turning, &line[0].turning);
         let touches = |group: &[Vec<Candidate>]| group.iter().any(|line| nearest(line) > APART);
         let (mut joined, apart): (Vec<_>, Vec<_>) = groups.into_iter().partition(|group| touches(group));
         let mut group: Vec<Vec<Candidate>> = joined.drain(..).flatten().collect();
@@ -356,8 +358,18 @@ fn grouped(seen: &Seen<'_>, candidates: Vec<Candidate>) -> Vec<Vec<Vec<Candidate
     groups
 }
 
+/// Mean of noise powers, whose distribution is exponential, by their median and by what a tenth of them exceeds: few lines
+/// among them do not count, but the comb does that steps leave, which is not told from lines.
+fn mean_noise(powers: &[f64]) -> f64 {
+    (median(powers) / LN_2).max(quantile(powers, 0.9) / LN_10)
+}
+
 fn median(values: &[f64]) -> f64 {
+    quantile(values, 0.5)
+}
+
+fn quantile(values: &[f64], share: f64) -> f64 {
     let mut values = values.to_vec();
-    let half = values.len() / 2;
-    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(half, f64::total_cmp).1 }
+    let place = (share * values.len() as f64) as usize;
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(place, f64::total_cmp).1 }
 }

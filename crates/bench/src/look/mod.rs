@@ -12,11 +12,14 @@
 
 mod advice;
 mod angle;
+mod campbell;
 mod cause;
 mod demand;
 mod lines;
+mod over_speed;
 mod reference;
 mod resonance;
+mod tracking;
 
 use std::f64::consts::TAU;
 
@@ -27,11 +30,15 @@ use signal::spectrum::{fft_frequencies_hz, fft_real};
 use crate::model::Engine;
 use crate::{ControlMode, Experiment, Role};
 use angle::Angle;
+pub use campbell::ShortSpectrum;
 pub use cause::Cause;
 use demand::Stretch;
 use lines::{Found, Lines};
+pub use over_speed::{CurvePoint, OrderCurve, OverSpeed, over_speed};
+pub use reference::folded_hz;
 use reference::{Reference, Setting};
 use resonance::BroadPeak;
+pub use tracking::{BANDWIDTH_ORDERS, OrderTrack, TURNS, TrackPoint};
 
 /// Signals that the masses move.
 const OF_THE_MASSES: [Role; 4] = [Role::DynoSpeed, Role::EngineSpeed, Role::SystemShaftTorque, Role::FlangeTorque];
@@ -39,8 +46,8 @@ const OF_THE_MASSES: [Role; 4] = [Role::DynoSpeed, Role::EngineSpeed, Role::Syst
 const SENSORS: [(Role, Role); 1] = [(Role::LoadCellTorque, Role::AirGapTorque)];
 /// The masses on a shaft of a bench resonate below this, Hz.
 const HIGHEST_STRUCTURAL_HZ: f64 = 60.0;
-/// Broad peaks within this share of each other are one.
-const ONE_PEAK: f64 = 0.15;
+/// A broad peak this close to a multiple of half the firing order, Hz, is of what varies from firing to firing.
+const OF_A_FIRING_HZ: f64 = 0.6;
 /// Slower than this, Hz, is drift; a line without a cause is not told from it.
 const DRIFT_HZ: f64 = 3.0;
 /// A sideband is at most this share of what swings.
@@ -49,8 +56,12 @@ const RIPPLED: f64 = 0.1;
 const FOLLOWED: f64 = 1.5;
 /// An order is told from another by a signal in which it is this many times as strong.
 const CLEARLY: f64 = 4.0;
+/// A speed changes where it ranges over more than this share of its mean.
+const CHANGES: f64 = 0.03;
+/// What is slower than this, s, is the trend of a signal whose speed changes.
+const TREND_S: f64 = 0.25;
 /// A stretch has at least so many samples of a signal.
-const FEWEST_SAMPLES: usize = 256;
+pub const FEWEST_SAMPLES: usize = 256;
 
 /// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,6 +70,8 @@ pub struct Look {
     pub file: String,
     /// The experiment's label.
     pub label: String,
+    /// The order of the firing.
+    pub firing_order: f64,
     /// Its parts: each sine of a sine test, or the whole.
     pub parts: Vec<LookedPart>,
 }
@@ -72,6 +85,8 @@ pub struct LookedPart {
     pub end_s: f64,
     /// Mean speed of the engine, or of the dynamometer where that is not recorded, rad/s.
     pub speed_rad_s: f64,
+    /// Lowest and highest speed, each a mean over a tracking window, rad/s.
+    pub speed_range_rad_s: [f64; 2],
     /// Demanded sines, Hz.
     pub demanded_hz: Vec<f64>,
     /// Signals.
@@ -91,6 +106,10 @@ pub struct LookedSignal {
     pub amplitude: Vec<f64>,
     /// Lines, the strongest first.
     pub lines: Vec<Line>,
+    /// Spectra of moments, for a Campbell map.
+    pub short: Vec<ShortSpectrum>,
+    /// Orders over time, where the speed changes.
+    pub tracks: Vec<OrderTrack>,
 }
 
 /// A line, or a broad peak.
@@ -133,7 +152,12 @@ pub fn look(experiment: &Experiment, engine: Engine) -> Look {
     let parts = looker
         .iter()
         .flat_map(|looker| demand::stretches(experiment).iter().map(|s| looker.part(s)).collect::<Vec<_>>());
-    Look { file: experiment.file.clone(), label: experiment.label.to_string(), parts: parts.collect() }
+    Look {
+        file: experiment.file.clone(),
+        label: experiment.label.to_string(),
+        firing_order: engine.firings_per_turn(),
+        parts: parts.collect(),
+    }
 }
 
 /// A recording to look at.
@@ -165,23 +189,42 @@ impl Looker<'_> {
         let broad: Vec<Vec<BroadPeak>> =
             shown.iter().map(|one| self.broad(one, &shown, stretch.sines_hz.is_empty())).collect();
         shown.iter_mut().zip(broad).for_each(|(one, broad)| one.broad = broad);
-        let signals = shown
-            .iter()
-            .map(|one| LookedSignal { lines: self.named(one, &shown, turns_hz), ..spectrum(one.role, &one.signal) });
+        let range_hz = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
+        let changes = self.changes(stretch);
+        let signals = shown.iter().map(|one| LookedSignal {
+            lines: self.named(one, &shown, turns_hz),
+            short: campbell::short_spectra(&one.signal, self.angle),
+            tracks: match changes {
+                true => tracking::order_tracks(&one.signal, self.angle, self.engine, &one.lines.found),
+                false => Vec::new(),
+            },
+            ..spectrum(one.role, &one.signal)
+        });
         LookedPart {
             start_s: stretch.start_s,
             end_s: stretch.end_s,
             speed_rad_s: TAU * turns_hz,
+            speed_range_rad_s: range_hz.map(|hz| TAU * hz),
             demanded_hz: stretch.sines_hz.clone(),
             signals: signals.collect(),
         }
     }
 
+    /// Whether the speed changes.
+    fn changes(&self, stretch: &Stretch) -> bool {
+        let [low, high] = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
+        high - low > CHANGES * 0.5 * (high + low)
+    }
+
     fn shown(&self, role: Role, whole: &Signal, stretch: &Stretch, held_hz: Option<f64>) -> Option<Shown> {
-        let signal = whole.slice(stretch.start_s, stretch.end_s);
+        let mut signal = whole.slice(stretch.start_s, stretch.end_s);
         let is_still = signal.samples.iter().all(|x| *x == signal.samples[0]);
         if signal.len() < FEWEST_SAMPLES || is_still {
             return None;
+        }
+        if self.changes(stretch) {
+            // Orders run through what a ramp leaves; it is no line.
+            signal = without_trend(signal);
         }
         let setting = Setting {
             engine: self.engine,
@@ -191,21 +234,28 @@ impl Looker<'_> {
             demand_answers: self.experiment.label.mode == ControlMode::Tn,
             highest_hz: self.highest_hz(),
         };
-        let references = setting.references(1.0 / signal.sample_time_s);
+        let rate_hz = 1.0 / signal.sample_time_s;
+        let references = match role == demand::demand_role(self.experiment) {
+            true => setting.demanded(),
+            false => setting.references(rate_hz),
+        };
         let lines = Lines::of(&signal, self.angle, &references);
         Some(Shown { role, signal, lines, broad: Vec::new() })
     }
 
-    /// Broad peaks over what excites them: a sensor's over what it measures, those of the masses over the torque that a
-    /// dynamometer is asked for, which a hold shapes where it is broad.
+    /// Broad peaks over what excites them: a sensor's over what it measures, those of the masses over what a dynamometer is
+    /// asked for, which a hold shapes where it is broad.
     fn broad(&self, one: &Shown, all: &[Shown], is_broad: bool) -> Vec<BroadPeak> {
         let of = |role: Role| all.iter().find(|shown| shown.role == role);
         let measured = SENSORS.iter().find(|(sensor, _)| *sensor == one.role).and_then(|(_, other)| of(*other));
-        let excitation = match demand::demand_role(self.experiment) {
-            Role::DynoTorqueDemand if is_broad && OF_THE_MASSES.contains(&one.role) => of(Role::DynoTorqueDemand),
-            _ => None,
-        };
+        let excitation =
+            of(demand::demand_role(self.experiment)).filter(|_| is_broad && OF_THE_MASSES.contains(&one.role));
         resonance::broad_peaks(&one.lines, measured.or(excitation).map(|other| &other.lines.left))
+    }
+
+    /// Whether there is an engine that turns: its speed is recorded.
+    fn turns(&self) -> bool {
+        self.experiment.signal(Role::EngineSpeed).is_some()
     }
 
     /// Half the highest sample rate.
@@ -226,7 +276,11 @@ impl Looker<'_> {
         };
         let broad = one.broad.iter().filter_map(|peak| {
             let (frequency_hz, amplitude) = (peak.frequency_hz, peak.amplitude);
-            Some(Line { frequency_hz, amplitude, standard_error: None, cause: of_peak(one.role, peak, all)? })
+            let orders = 2.0 * frequency_hz / (self.engine.firings_per_turn() * turns_hz);
+            let off_hz = (orders - orders.round()).abs() * frequency_hz / orders;
+            let is_of_firing = self.turns() && orders > 0.5 && off_hz < OF_A_FIRING_HZ;
+            let cause = of_peak(one.role, peak, all).filter(|_| !is_of_firing)?;
+            Some(Line { frequency_hz, amplitude, standard_error: None, cause })
         });
         let mut lines: Vec<Line> = one.lines.found.iter().filter_map(line).chain(broad).collect();
         lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
@@ -238,7 +292,14 @@ impl Looker<'_> {
 fn decided(found: &Found, one: &Shown, all: &[Shown], demand: Role, turns_hz: f64) -> Cause {
     let is_image = |r: &Reference| matches!(r.cause, Cause::HoldImage { .. });
     let is_sideband = |r: &Reference| matches!(r.cause, Cause::RippleSideband { .. });
+    if found.frequency_hz < DRIFT_HZ && is_in_the_demand(found, all, demand) {
+        return Cause::Demanded;
+    }
     let mut causes: Vec<Reference> = found.causes.clone();
+    let is_demanded = |r: &Reference| matches!(r.cause, Cause::Demanded | Cause::HoldImage { .. });
+    if !causes.iter().any(is_demanded) && FOLLOWED * demanded_at(found.frequency_hz, all, demand) > found.amplitude {
+        return Cause::Demanded;
+    }
     causes.dedup_by(|a, b| a.cause == b.cause);
     causes.retain(|r| is_plausible(&r.cause, found.amplitude, one, all));
     // A multiple of the mains that folds onto a lower one is the weaker of the two; references come with the lowest first.
@@ -316,6 +377,12 @@ fn is_in_the_demand(found: &Found, all: &[Shown], demand: Role) -> bool {
     all.iter().any(|shown| shown.role == demand && shown.lines.strength_at(found.frequency_hz) > 0.0)
 }
 
+/// The strength of the line that a demand of torque holds at a frequency; zero without.
+fn demanded_at(frequency_hz: f64, all: &[Shown], demand: Role) -> f64 {
+    let torque = all.iter().find(|shown| shown.role == demand && demand == Role::DynoTorqueDemand);
+    torque.map_or(0.0, |shown| shown.lines.strength_at(frequency_hz))
+}
+
 /// How much of an image the demand of torque itself holds.
 fn demanded_amplitude(image: &Reference, all: &[Shown]) -> f64 {
     let demand = all.iter().find(|shown| shown.role == Role::DynoTorqueDemand);
@@ -330,7 +397,7 @@ fn demanded_amplitude(image: &Reference, all: &[Shown]) -> f64 {
 fn of_peak(role: Role, peak: &BroadPeak, all: &[Shown]) -> Option<Cause> {
     let shows = |other: Role| {
         let peaks = all.iter().filter(|shown| shown.role == other).flat_map(|shown| &shown.broad);
-        peaks.into_iter().any(|p| (p.frequency_hz - peak.frequency_hz).abs() < ONE_PEAK * peak.frequency_hz)
+        peaks.into_iter().any(|p| resonance::is_one(p, peak))
     };
     if peak.frequency_hz < HIGHEST_STRUCTURAL_HZ
         && OF_THE_MASSES.contains(&role)
@@ -338,15 +405,38 @@ fn of_peak(role: Role, peak: &BroadPeak, all: &[Shown]) -> Option<Cause> {
     {
         return Some(Cause::StructuralResonance);
     }
+    let is_strongest = |one: &&Shown| one.broad.iter().all(|other| other.excess <= peak.excess);
+    if !all.iter().find(|shown| shown.role == role).is_some_and(|one| is_strongest(&one)) {
+        return None;
+    }
     let is_sensor =
         |(sensor, other): &&(Role, Role)| *sensor == role && all.iter().any(|s| s.role == *other) && !shows(*other);
     SENSORS.iter().find(is_sensor).map(|_| Cause::SensorResonance)
 }
 
+/// A signal less its mean over [`TREND_S`] about each sample, taken twice.
+fn without_trend(signal: Signal) -> Signal {
+    let half = (0.5 * TREND_S / signal.sample_time_s).round() as usize;
+    let trend = moving_mean(&moving_mean(&signal.samples, half), half);
+    let samples = signal.samples.iter().zip(trend).map(|(x, trend)| x - trend).collect();
+    signal.with_samples(samples)
+}
+
+fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    samples.iter().for_each(|x| sums.push(sums[sums.len() - 1] + x));
+    let mean = |k: usize| {
+        let (from, to) = (k.saturating_sub(half), (k + half + 1).min(samples.len()));
+        (sums[to] - sums[from]) / (to - from) as f64
+    };
+    (0..samples.len()).map(mean).collect()
+}
+
 /// The spectrum of a signal, its mean taken out, seen through a Hann window; without lines yet.
 fn spectrum(role: Role, signal: &Signal) -> LookedSignal {
     let (frequency_hz, amplitude) = amplitudes(&signal.samples, signal.sample_time_s);
-    LookedSignal { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines: Vec::new() }
+    let (lines, short, tracks) = (Vec::new(), Vec::new(), Vec::new());
+    LookedSignal { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines, short, tracks }
 }
 
 /// Frequencies, Hz, and the amplitude of a sine at each, of samples without their mean, seen through a Hann window.

@@ -57,7 +57,8 @@ impl Reference {
 }
 
 /// Where a frequency shows at a sample rate, Hz.
-pub(super) fn folded_hz(frequency_hz: f64, rate_hz: f64) -> f64 {
+#[must_use]
+pub fn folded_hz(frequency_hz: f64, rate_hz: f64) -> f64 {
     let rest = frequency_hz.rem_euclid(rate_hz);
     rest.min(rate_hz - rest)
 }
@@ -83,6 +84,12 @@ impl Setting<'_> {
     pub(super) fn references(&self, rate_hz: f64) -> Vec<Reference> {
         let sines = self.sines_hz.iter().flat_map(|hz| self.of_sine(*hz));
         self.orders(rate_hz).chain(mains()).chain(self.of_orders()).chain(sines).collect()
+    }
+
+    /// What a demand that the experimenter sets is held against: nothing of the engine or the drive.
+    pub(super) fn demanded(&self) -> Vec<Reference> {
+        let is_demanded = |r: &Reference| matches!(r.cause, Cause::Demanded | Cause::HoldImage { .. });
+        self.sines_hz.iter().flat_map(|hz| self.of_sine(*hz)).filter(is_demanded).collect()
     }
 
     /// The engine's orders, those above half the sample rate where they fold to.

@@ -1,187 +1,143 @@
 //! Lines of simulated recordings, whose causes are known, and what they are named.
 
+mod labelled;
+
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use bench::experiment::{ExperimentPlan, Waveform};
-use bench::look::{Cause, Line, Look, LookedPart, LookedSignal, look};
+use bench::look::{Cause, Look, OverSpeed, TURNS, look, over_speed};
 use bench::model::Engine;
-use bench::virtual_bench::{BenchParameters, simulate};
-use bench::{Experiment, Role, prepare};
+use bench::units::RPM_RAD_S;
+use bench::virtual_bench::{BenchParameters, HiddenTruth, Numerics, simulate, simulate_hidden};
+use bench::{Role, prepare};
+
 use faer::c64;
-use signal::Signal;
-use signal::excitation::Random;
 
 use crate::study::default_bench;
+use labelled::{Drawn, KINDS, Labelled};
 
-/// One recording and those without one of its causes each.
-struct Labelled {
-    parameters: BenchParameters,
-    demanded_hz: Option<f64>,
-    look: Look,
-    whole: Experiment,
-    /// Without what turns with the engine, without ripple, without the demand's hold.
-    without: [Experiment; 3],
-}
-
-/// What made a line, by what is missing where it is off.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Source {
-    Turning,
-    Ripple,
-    Hold,
-}
-/// How far lines are spread, a share of their frequency.
-const SPREAD: f64 = 0.005;
-const SOURCES: [Source; 3] = [Source::Turning, Source::Ripple, Source::Hold];
-
-impl Labelled {
-    fn draw(seed: u64) -> Self {
-        let mut random = Random::new(seed);
-        let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
-        let mut parameters = BenchParameters::default();
-        let cylinders = [3, 4, 6][within(0.0, 3.0) as usize];
-        parameters.engine.cylinder_factors = (0..cylinders).map(|_| within(0.9, 1.1)).collect();
-        parameters.engine.cycle_variation = within(0.0, 0.03);
-        parameters.inverter.additive_ripple_nm = within(0.0, 2.0);
-        parameters.inverter.multiplicative_ripple = within(0.0, 0.06);
-        parameters.sensors.cell_resonance_hz = within(60.0, 90.0);
-        parameters.clocks.torque_decimation = [1, 2, 4][within(0.0, 3.0) as usize];
-        let speed_rpm = 10.0 * within(80.0, 420.0).round();
-        let duration_s = within(12.0, 20.0);
-        let frequency_hz = within(2.0, 30.0);
-        let amplitude = within(3.0, 10.0);
-        let sine = |mean: f64, amplitude: f64| Waveform::SineLadder {
-            mean,
-            amplitude,
-            frequencies_hz: vec![frequency_hz],
-            dwell_s: duration_s,
-        };
-        let (plan, demanded_hz) = match within(0.0, 4.0) as usize {
-            0 => (ExperimentPlan::bs_t_nt(speed_rpm, duration_s), None),
-            1 => (ExperimentPlan::white_noise_t_tn(speed_rpm, duration_s), None),
-            2 => {
-                let mut plan = ExperimentPlan::bs_t_nt(speed_rpm, duration_s);
-                plan.engine_torque_nm = Waveform::Constant { value: within(20.0, 60.0) };
-                (plan, None)
-            }
-            _ => {
-                let mut plan = ExperimentPlan::sine_t_tn(speed_rpm, duration_s);
-                plan.dyno_torque_nm = sine(within(20.0, 60.0), amplitude);
-                (plan, Some(frequency_hz))
-            }
-        };
-        let recorded = |parameters: &BenchParameters| {
-            let mut file = default_bench();
-            file.cylinders = cylinders as u32;
-            let recording = simulate(parameters, &plan, seed).unwrap();
-            prepare("run.mf4", &recording, &file, plan.label.clone()).unwrap().0
-        };
-        let whole = recorded(&parameters);
-        let mut still = parameters.clone();
-        still.engine.firing_harmonics.clear();
-        still.engine.cylinder_factors.fill(1.0);
-        still.engine.cycle_variation = 0.0;
-        still.sensors.dyno_eccentricity = 0.0;
-        still.sensors.engine_eccentricity = 0.0;
-        let mut smooth = parameters.clone();
-        (smooth.inverter.additive_ripple_nm, smooth.inverter.multiplicative_ripple) = (0.0, 0.0);
-        let mut quick = parameters.clone();
-        quick.controller.demand_hold_s = 1e-3;
-        let without = [recorded(&still), recorded(&smooth), recorded(&quick)];
-        let look = look(&whole, Engine { cylinders: cylinders as u32, strokes: 4 });
-        Labelled { parameters, demanded_hz, look, whole, without }
-    }
-
-    /// What part of the amplitude at a frequency is missed without each source.
-    fn missed(&self, part: &LookedPart, role: Role, hz: f64) -> Vec<(Source, f64)> {
-        let of = |experiment: &Experiment| {
-            let signal = experiment.signal(role).unwrap().slice(part.start_s, part.end_s);
-            // Lines that follow the speed are spread.
-            let bins = (SPREAD * hz * signal.duration_s()).ceil().max(2.0) as i32;
-            (-bins..=bins).map(|k| amplitude(&signal, hz + f64::from(k) / signal.duration_s())).collect::<Vec<_>>()
-        };
-        let whole = of(&self.whole);
-        let power = |x: &[c64]| x.iter().map(|x| x.norm_sqr()).sum::<f64>();
-        let missed = self.without.iter().map(|without| {
-            let apart: Vec<c64> = of(without).iter().zip(&whole).map(|(a, b)| a - b).collect();
-            (power(&apart) / power(&whole)).sqrt()
-        });
-        // Noise that is held differs with how long it is held.
-        let is_told = |(source, _): &(Source, f64)| *source != Source::Hold || self.demanded_hz.is_some();
-        SOURCES.into_iter().zip(missed).filter(is_told).collect()
-    }
-
-    fn is_right(&self, part: &LookedPart, signal: &LookedSignal, line: &Line) -> bool {
-        let missed = self.missed(part, signal.role, line.frequency_hz);
-        let part_of = |source: Source| missed.iter().find(|(other, _)| *other == source).map_or(0.0, |(_, part)| *part);
-        let (source, part) = missed.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-        let is_of = |cause: &Cause| match cause {
-            Cause::Order { .. } | Cause::FoldedOrder { .. } | Cause::OrderSideband { .. } => source == Source::Turning,
-            Cause::Demanded => self.demanded_hz.is_some_and(|hz| {
-                // Rounding, which goes with the hold, gives a sine more lines.
-                (hz - line.frequency_hz).abs() < 0.1
-                    || (signal.role == Role::DynoTorqueDemand || part_of(Source::Turning) < 0.3)
-            }),
-            // Of an order the engine is missed as much.
-            Cause::HoldImage { of_hz, .. } if self.demanded_hz.is_some_and(|hz| (hz - of_hz).abs() > 0.1) => {
-                source == Source::Turning && part_of(Source::Ripple) < 0.3
-            }
-            Cause::HoldImage { .. } => source == Source::Hold,
-            Cause::RippleSideband { .. } => part_of(Source::Ripple) > 0.5,
-            Cause::Mains { .. } => source == Source::Ripple,
-            _ => false,
-        };
-        match &line.cause {
-            Cause::StructuralResonance => (line.frequency_hz / self.parameters.truth().resonance_hz - 1.0).abs() < 0.2,
-            Cause::SensorResonance => (line.frequency_hz / self.parameters.sensors.cell_resonance_hz - 1.0).abs() < 0.1,
-            Cause::Undecided { between, .. } => between.iter().any(is_of),
-            cause => is_of(cause) && (part > 0.3 || *cause == Cause::Demanded),
-        }
-    }
-}
-
-fn amplitude(signal: &Signal, hz: f64) -> c64 {
-    let (mean, n) = (signal.mean().unwrap(), signal.len() as f64);
-    let term = |(k, x): (usize, &f64)| {
-        let window = 1.0 - (TAU * (k as f64 + 0.5) / n).cos();
-        c64::cis(-TAU * hz * signal.time_s(k)) * (2.0 * window / n * (x - mean))
-    };
-    signal.samples.iter().enumerate().map(term).sum()
-}
-
-/// Recordings, half of them a thread, and the share of their lines that has to be named rightly.
-const RECORDINGS: u64 = 40;
+/// Recordings, and the first seed; `LOOK_RECORDINGS` and `LOOK_FIRST_SEED` draw others.
+const RECORDINGS: u64 = 12;
+const FIRST_SEED: u64 = 0;
+/// The share of their lines that has to be named rightly.
 const RIGHT: f64 = 0.95;
+/// The share of them that may stay undecided.
+const UNDECIDED: f64 = 0.2;
+/// Undecided lines of a recording whose advice is followed.
+const REPEATED: usize = 2;
 
-/// How many lines of some recordings are named rightly, how many are undecided, and how many there are.
-fn counts(seeds: impl Iterator<Item = u64>) -> [usize; 3] {
-    let [mut right, mut undecided, mut all] = [0; 3];
-    for seed in seeds {
-        let labelled = Labelled::draw(seed);
-        for (part, signal) in labelled.look.parts.iter().flat_map(|part| part.signals.iter().map(move |s| (part, s))) {
-            for line in &signal.lines {
-                let is_right = labelled.is_right(part, signal, line);
-                (all, right) = (all + 1, right + usize::from(is_right));
-                undecided += usize::from(matches!(line.cause, Cause::Undecided { .. }));
-                if !is_right {
-                    println!("{seed} {} {:?}: {line:.3?}", labelled.look.label, signal.role);
-                }
+/// What became of the lines of some recordings.
+#[derive(Default)]
+struct Tally {
+    /// Lines by true kind, named kind, and whether that is right.
+    lines: BTreeMap<(&'static str, &'static str, bool), usize>,
+    /// Undecided lines of which a repetition at the speed that is advised was simulated, and those that it decided.
+    repeated: usize,
+    decided: usize,
+}
+
+impl Tally {
+    fn of(seed: u64) -> Self {
+        let mut tally = Tally::default();
+        let drawn = Drawn::new(seed);
+        let labelled = Labelled::new(drawn.clone());
+        let mut advised = Vec::new();
+        for (part, signal, line) in labelled.lines() {
+            let judged = labelled.judge(part, signal, line);
+            *tally.lines.entry((judged.truth, judged.named, judged.is_right)).or_default() += 1;
+            if !judged.is_right {
+                let label = &labelled.look.label;
+                let speed_rpm = part.speed_rad_s / RPM_RAD_S;
+                println!("{seed} {label} {speed_rpm:.0} rpm {:?}, {}: {line:.3?}", signal.role, judged.truth);
+            }
+            if let Cause::Undecided { between, repeat_at_rpm: Some(rpm) } = &line.cause
+                && judged.is_right
+            {
+                advised.push((signal.role, between.clone(), *rpm));
             }
         }
+        for (role, between, rpm) in advised.into_iter().take(REPEATED).filter(|_| drawn.has_one_speed()) {
+            let is_decided = is_decided(&drawn.at_rpm(rpm).look(), role, &between);
+            (tally.repeated, tally.decided) = (tally.repeated + 1, tally.decided + usize::from(is_decided));
+            if !is_decided {
+                println!("{seed} {} {role:?} at {rpm} rpm does not decide {between:?}", labelled.look.label);
+            }
+        }
+        tally
     }
-    [right, undecided, all]
+
+    fn add(mut self, other: Tally) -> Self {
+        other.lines.into_iter().for_each(|(key, count)| *self.lines.entry(key).or_default() += count);
+        (self.repeated, self.decided) = (self.repeated + other.repeated, self.decided + other.decided);
+        self
+    }
+
+    fn count(&self, is_meant: impl Fn(&str, &str, bool) -> bool) -> usize {
+        self.lines.iter().filter(|((truth, named, right), _)| is_meant(truth, named, *right)).map(|(_, n)| n).sum()
+    }
+
+    /// What each true kind was named: a row a kind; undecided lines apart by whether that is right.
+    fn print(&self) {
+        println!("{:>16} {}", "", KINDS.map(|k| format!("{k:>16}")).join(""));
+        for truth in KINDS {
+            let cell = |named: &str| match (self.count(|t, n, r| t == truth && n == named && r), named) {
+                (right, "undecided") => {
+                    format!("{right} + {} wrong", self.count(|t, n, r| t == truth && n == named && !r))
+                }
+                (right, _) => {
+                    let wrong = self.count(|t, n, r| t == truth && n == named && !r);
+                    if truth == named { format!("{right} ({wrong})") } else { format!("{}", right + wrong) }
+                }
+            };
+            println!("{truth:>16} {}", KINDS.map(|named| format!("{:>16}", cell(named))).join(""));
+        }
+    }
+}
+
+/// Whether no two of these are undecided between each other in a signal.
+fn is_decided(look: &Look, role: Role, between: &[Cause]) -> bool {
+    let signals = look.parts.iter().flat_map(|part| &part.signals).filter(|signal| signal.role == role);
+    signals.flat_map(|signal| &signal.lines).all(|line| match &line.cause {
+        Cause::Undecided { between: still, .. } => {
+            between.iter().filter(|cause| still.iter().any(|s| is_same(s, cause))).count() < 2
+        }
+        _ => true,
+    })
+}
+
+/// Whether two causes are one, at whichever speed.
+fn is_same(a: &Cause, b: &Cause) -> bool {
+    let order = |cause: &Cause| match cause {
+        Cause::Order { order, .. } | Cause::FoldedOrder { order, .. } => Some(*order),
+        _ => None,
+    };
+    match (order(a), order(b)) {
+        (Some(a), Some(b)) => a == b,
+        _ => std::mem::discriminant(a) == std::mem::discriminant(b),
+    }
 }
 
 #[test]
-#[ignore = "slow"]
+#[ignore = "slow: simulated recordings"]
 fn stat_lines_are_named_by_what_made_them() {
-    let halves = std::thread::scope(|scope| {
-        let work = [0, 1].map(|first| scope.spawn(move || counts((first..RECORDINGS).step_by(2))));
-        work.map(|half| half.join().unwrap())
+    let number = |name: &str, usual: u64| std::env::var(name).map_or(usual, |n| n.parse().unwrap());
+    let first = number("LOOK_FIRST_SEED", FIRST_SEED);
+    let last = first + number("LOOK_RECORDINGS", RECORDINGS);
+    let half = |start: u64| (start..last).step_by(2).map(Tally::of).fold(Tally::default(), Tally::add);
+    let tally = std::thread::scope(|scope| {
+        let work = [first, first + 1].map(|start| scope.spawn(move || half(start)));
+        work.into_iter().map(|half| half.join().unwrap()).fold(Tally::default(), Tally::add)
     });
-    let [right, undecided, all] = [0, 1, 2].map(|k| halves[0][k] + halves[1][k]);
-    println!("{right} of {all} right, {undecided} undecided");
-    assert!(right as f64 >= RIGHT * all as f64 && undecided < all / 5, "{right} of {all}, {undecided} undecided");
+    tally.print();
+    let (right, all) = (tally.count(|_, _, right| right), tally.count(|_, _, _| true));
+    let undecided = tally.count(|_, named, _| named == "undecided");
+    println!(
+        "{right} of {all} right, {undecided} undecided; {} of {} repetitions decide",
+        tally.decided, tally.repeated
+    );
+    assert!(right as f64 >= RIGHT * all as f64, "{right} of {all}");
+    assert!((undecided as f64) < UNDECIDED * all as f64, "{undecided} of {all} undecided");
 }
 
 #[test]
@@ -237,4 +193,52 @@ fn exact_what_folds_onto_the_ripple_is_undecided_and_parted_at_another_speed() {
     };
     assert!(between.contains(&Cause::Mains { multiple: 2, mains_hz: 50.0 }), "{between:?}");
     assert_eq!(causes(rpm), [Cause::Mains { multiple: 2, mains_hz: 50.0 }]);
+}
+
+/// Amplitude of an order of T_shaft about an instant as it really is: its Fourier coefficient over the true crank angle, as
+/// computed order tracking has it after resampling, through the same window.
+fn true_amplitude(hidden: &HiddenTruth, angle: &[f64], order: f64, time_s: f64) -> f64 {
+    let middle = angle[(time_s / hidden.sample_time_s) as usize];
+    let place = |k: usize| (angle[k] - middle) / (TAU * TURNS);
+    let inside: Vec<usize> = (1..angle.len()).filter(|k| place(*k).abs() < 0.5).collect();
+    let weight = |k: usize| (std::f64::consts::PI * place(k)).cos().powi(2) * (angle[k] - angle[k - 1]);
+    let whole: f64 = inside.iter().map(|k| weight(*k)).sum();
+    let mean = inside.iter().map(|k| weight(*k) * hidden.shaft_torque_nm[*k]).sum::<f64>() / whole;
+    let term = |k: &usize| c64::cis(-order * angle[*k]) * (weight(*k) * (hidden.shaft_torque_nm[*k] - mean));
+    2.0 * inside.iter().map(term).sum::<c64>().norm() / whole
+}
+
+#[test]
+fn stat_orders_of_a_run_up_are_those_of_the_shaft_as_it_is() {
+    let rpm = |rpm: f64| rpm * RPM_RAD_S;
+    let mut plan = ExperimentPlan::ramp_n_nt(1000.0, 20.0);
+    let (low, high) = (rpm(1000.0), rpm(3000.0));
+    plan.speed_rad_s = Waveform::Ramps { low, high, first_s: 1.0, ramp_s: 18.0, dwell_s: 5.0 };
+    let drawn = Drawn { parameters: BenchParameters::torque_flange(), plan, seed: 3 };
+    let hidden = simulate_hidden(&drawn.parameters, &drawn.plan, 3, Numerics::default()).unwrap().hidden;
+    let mut at = 0.0;
+    let turned = hidden.engine_speed_rad_s.iter().map(|w| {
+        at += w * hidden.sample_time_s;
+        at
+    });
+    let angle: Vec<f64> = turned.collect();
+    let look = drawn.look();
+    let torque = look.parts[0].signals.iter().find(|s| s.role == Role::FlangeTorque).unwrap();
+    // Recorded at 250 Hz, order 4 folds above 1875 rpm.
+    for order in [2.0, 4.0] {
+        let track = torque.tracks.iter().find(|track| track.order == order).unwrap();
+        let fits = |point: &&bench::look::TrackPoint| {
+            let truth = true_amplitude(&hidden, &angle, order, point.time_s);
+            // The flange's own filter takes 2 % at 200 Hz.
+            (point.amplitude - truth).abs() < 3.0 * point.standard_error + 0.03 * truth
+        };
+        let right = track.points.iter().filter(fits).count();
+        println!("order {order}: {right} of {} points", track.points.len());
+        assert!(track.points.len() > 50 && right as f64 > 0.95 * track.points.len() as f64, "{right}");
+    }
+    let signals = over_speed(&[look]);
+    let torque: &OverSpeed = signals.iter().find(|signal| signal.role == Role::FlangeTorque).unwrap();
+    let firing = torque.orders.iter().find(|curve| curve.order == 2.0).unwrap();
+    assert!(firing.is_firing && firing.points.iter().any(|point| point.phase_rad.is_some()));
+    assert!(torque.map.iter().filter(|column| column.is_empty()).count() < torque.map.len() / 10);
 }

@@ -1,5 +1,7 @@
 //! `dynoid look`: the lines of simulated recordings, named.
 
+use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+
 use crate::support::{BENCH, Campaign};
 
 #[test]
@@ -30,4 +32,31 @@ fn regress_recordings_that_cannot_be_looked_at_are_named() {
     let ran = campaign.run(&["look", "nameless.toml", "recordings/BS_T_NT_1200.mf4"]);
     assert_eq!(ran.code, Some(3));
     assert!(ran.stderr.contains("nameless.toml") && ran.stderr.contains("[channels]"), "{}", ran.stderr);
+}
+
+#[test]
+fn stat_orders_over_the_speed_come_in_table_json_and_map() {
+    let recording = simulate(&BenchParameters::default(), &ExperimentPlan::ramp_n_nt(1200.0, 12.0), 4).unwrap();
+    let campaign = Campaign::empty().with("Ramp_N_NT_1200.mf4", &recording);
+    let ran = campaign.run(&["look", "bench.toml", "--plot", "map.svg"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    assert!(ran.stdout.contains("orders over the speed") && ran.stdout.contains("2, firing"), "{}", ran.stdout);
+    let map = campaign.read("map.svg");
+    assert!(map.contains("Campbell map") && map.contains("folded orders"), "{} bytes", map.len());
+    let found = campaign.run(&["look", "bench.toml", "--json"]).json();
+    let signals = found["over_speed"].as_array().unwrap();
+    let speed = signals.iter().find(|signal| signal["role"] == "engine_speed").unwrap();
+    let firing = &speed["orders"][0];
+    assert_eq!((&firing["order"], &firing["is_firing"]), (&2.0.into(), &true.into()));
+    assert!(firing["points"][0]["standard_error"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn regress_a_recording_that_shows_nothing_says_why() {
+    let campaign = Campaign::empty();
+    let torque: String =
+        (0..2000).map(|k| format!("{:.3},{}\n", 0.001 * f64::from(k), (0.1 * f64::from(k)).sin())).collect();
+    campaign.write("recordings/a_BS_T_NT.csv", format!("time [s],DynoTorqueCalc [Nm]\n{torque}").as_bytes());
+    let ran = campaign.run(&["look", "bench.toml", "recordings/a_BS_T_NT.csv"]);
+    assert!(ran.stderr.contains("no speed is recorded") && ran.stderr.contains("bench file"), "{}", ran.stderr);
 }

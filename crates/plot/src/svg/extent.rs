@@ -28,6 +28,7 @@ fn points(layer: &Layer) -> (Vec<f64>, Vec<&[Rounded]>) {
         }
         Layer::Band { x, low, high, .. } => (values(x, low.len()), vec![low, high]),
         Layer::Markers { x, y, .. } | Layer::Path { x, y, .. } => (x.iter().map(|v| v.0).collect(), vec![y]),
+        Layer::Shades { x, y, .. } => (x.iter().map(|v| v.0).collect(), vec![y]),
         _ => (Vec::new(), Vec::new()),
     }
 }

@@ -47,6 +47,10 @@ fn is_rough(y: &[Rounded], frame: &Frame) -> bool {
     travel.sum::<f64>() > ROUGH * (frame.bottom - frame.top)
 }
 
+/// The darkest shade, and how much of ink a shade adds.
+const DARKEST: usize = 9;
+const SHADE: f64 = 0.085;
+
 /// From the name of a mark to one below it.
 const NAME_HEIGHT: f64 = 15.0;
 
@@ -99,6 +103,8 @@ pub(crate) fn draw(out: &mut String, layer: &Layer, names: &mut MarkNames, frame
             path(out, &polyline(&x, y, frame, 'M'), *style, stroke(*style, false).0, dashes(*style));
         }
         Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
+        Layer::Shades { x, y, columns } => shades(out, (x, y), columns, frame),
+        Layer::Words { style, x, y, words } => write_words(out, (x, y), words, *style, frame),
         Layer::HorizontalMark { y, label } => horizontal_mark(out, y.0, label, frame),
         Layer::VerticalMarks { x, label } => vertical_marks(out, x, label, names, frame),
         Layer::YRegion { low, high, .. } => {
@@ -171,7 +177,54 @@ pub(crate) fn key(out: &mut String, layer: &Layer, (x, y): (f64, f64)) {
         Layer::Points { style, .. } | Layer::Stems { style, .. } => {
             path(out, &format!("M{x:.1} {:.1}h18", y - 4.0), *style, 3.0, "");
         }
-        Layer::Band { .. } | Layer::HorizontalMark { .. } | Layer::VerticalMarks { .. } => {}
+        Layer::Band { .. }
+        | Layer::Shades { .. }
+        | Layer::Words { .. }
+        | Layer::HorizontalMark { .. }
+        | Layer::VerticalMarks { .. } => {}
+    }
+}
+
+/// Cells, those of one shade as one path, neighbours in a column as one rectangle.
+fn shades(out: &mut String, (x, y): (&[Rounded; 2], &[Rounded; 2]), columns: &[String], frame: &Frame) {
+    let edge = |[low, high]: &[Rounded; 2], index: usize, count: usize| {
+        low.0 + (high.0 - low.0) * index as f64 / count.max(1) as f64
+    };
+    let mut paths = vec![String::new(); DARKEST + 1];
+    for (at, column) in columns.iter().enumerate() {
+        let (left, right) = (edge(x, at, columns.len()), edge(x, at + 1, columns.len()));
+        let cells = column.as_bytes();
+        let mut from = 0;
+        for run in cells.chunk_by(|a, b| a == b) {
+            let (low, high) = (edge(y, from, cells.len()), edge(y, from + run.len(), cells.len()));
+            from += run.len();
+            let shade = usize::from(run[0].saturating_sub(b'0')).min(DARKEST);
+            if let (Some((px, py)), Some((end, top))) = (place(left, low, frame), place(right, high, frame)) {
+                let _ = write!(paths[shade], "M{px:.1} {py:.1}H{end:.1}V{top:.1}H{px:.1}Z");
+            }
+        }
+    }
+    for (shade, d) in paths.iter().enumerate().skip(1).filter(|(_, d)| !d.is_empty()) {
+        let opacity = SHADE * shade as f64;
+        let _ = writeln!(out, "<path d=\"{d}\" fill=\"{INK}\" fill-opacity=\"{opacity:.3}\"/>");
+    }
+}
+
+fn write_words(out: &mut String, (x, y): (&[Rounded], &[Rounded]), words: &[String], style: Style, frame: &Frame) {
+    let mut taken: Vec<[f64; 4]> = Vec::new();
+    for ((x, y), word) in x.iter().zip(y).zip(words) {
+        let Some((px, py)) = place(x.0, y.0, frame) else { continue };
+        let half = 0.5 * WIDE * word.chars().count() as f64;
+        let middle = px.clamp(Frame::LEFT + half, Frame::RIGHT - half);
+        let base = (py - 5.0).max(frame.top + 10.0);
+        let covers = |t: &[f64; 4]| middle - half < t[1] && middle + half > t[0] && base - 11.0 < t[3] && base > t[2];
+        if base > frame.bottom || !(Frame::LEFT..=Frame::RIGHT).contains(&px) || taken.iter().any(covers) {
+            continue;
+        }
+        taken.push([middle - half, middle + half, base - 11.0, base]);
+        let attributes =
+            format!("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\"", colour(style));
+        text(out, (middle, base), "middle", &attributes, word);
     }
 }
 

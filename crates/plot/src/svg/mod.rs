@@ -274,7 +274,11 @@ impl Layer {
             | Layer::Markers { name, .. }
             | Layer::Path { name, .. } => Some(name),
             Layer::YRegion { label, .. } | Layer::XRegion { label, .. } => Some(label),
-            Layer::Band { .. } | Layer::HorizontalMark { .. } | Layer::VerticalMarks { .. } => None,
+            Layer::Band { .. }
+            | Layer::Shades { .. }
+            | Layer::Words { .. }
+            | Layer::HorizontalMark { .. }
+            | Layer::VerticalMarks { .. } => None,
         }
     }
 }
