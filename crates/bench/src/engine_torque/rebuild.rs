@@ -188,7 +188,7 @@ impl Recorded<'_> {
         let is_inside = |k: &usize| (dyno.start_s..=dyno.end_s()).contains(&(engine.time_s(*k) - engine_late_s));
         let mut inside = (0..engine.len()).filter(is_inside);
         let first = inside.next().unwrap_or(0);
-        let last = inside.last().unwrap_or(first);
+        let last = inside.next_back().unwrap_or(first);
         Stamps {
             first_s: engine.time_s(first) - engine_late_s,
             step_s: engine.sample_time_s / between as f64,

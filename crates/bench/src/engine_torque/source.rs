@@ -28,6 +28,9 @@ pub enum InertiaSource {
     BenchFile,
 }
 
+/// A recording and what it tells.
+type Told = (String, Estimate);
+
 /// Two masses with a shaft between them. SI.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TwoMasses {
@@ -74,7 +77,7 @@ impl TwoMasses {
     ) -> Result<Self, Untold> {
         let reason = "every recording is without shaft; give one with it, such as BS_T_NT".to_owned();
         let mut failed = Untold::Failed { reason };
-        let (mut best, mut both): (Option<(String, Estimate)>, Option<(String, Estimate)>) = (None, None);
+        let (mut best, mut both): (Option<Told>, Option<Told>) = (None, None);
         for experiment in experiments {
             let inputs = shaft_inputs(experiment, bench, controller, torque_control);
             let estimate = match inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate_parameters) {
@@ -98,7 +101,7 @@ impl TwoMasses {
         Ok(Self::assembled((file, &estimate), both, bench))
     }
 
-    fn assembled((file, shaft): (String, &Estimate), both: Option<(String, Estimate)>, bench: &BenchFile) -> Self {
+    fn assembled((file, shaft): (String, &Estimate), both: Option<Told>, bench: &BenchFile) -> Self {
         let mut values = [0.0; PARAMETERS];
         let mut covariance = vec![vec![0.0; PARAMETERS]; PARAMETERS];
         let places = OF_SHAFT.map(|symbol| shaft.parameters.iter().position(|p| p.symbol == symbol));

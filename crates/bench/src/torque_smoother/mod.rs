@@ -108,7 +108,7 @@ impl Clock {
         };
         let mut inside = (0..stamps.count).filter(is_inside);
         let first = inside.next().unwrap_or(0);
-        let used = first..inside.last().map_or(first, |last| last + 1);
+        let used = first..inside.next_back().map_or(first, |last| last + 1);
         let duration_s = used.len() as f64 * step;
         if duration_s < SHORTEST_S {
             return Err(EstimateError::TooShort { file: file.to_owned(), duration_s, needed_s: SHORTEST_S });
