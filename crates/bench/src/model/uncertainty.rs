@@ -95,6 +95,35 @@ impl ModelUncertainty {
         Derived { value: function(model), standard_error: total.sqrt(), degrees_of_freedom }
     }
 
+    /// Of every parameter in a part, which share of the variance of a function of the model would go if it were known exactly:
+    /// (P ∇g)_i²/P_ii of the total, by the rule for the conditional variance of normal variables.
+    ///
+    /// # Source
+    /// Anderson, *An Introduction to Multivariate Statistical Analysis*, 3rd ed. 2003, §2.5.
+    pub(crate) fn removed_by_knowing(
+        &self,
+        model: &BenchModel,
+        function: impl Fn(&BenchModel) -> f64,
+    ) -> Vec<(ModelParameter, f64)> {
+        let (mut total, mut removed) = (0.0, Vec::new());
+        for (parameters, covariance, _) in &self.parts {
+            let known: Vec<f64> = parameters.iter().map(|p| model.value(*p).unwrap_or(0.0)).collect();
+            let at = |values: &[f64]| {
+                let changed = parameters.iter().zip(values).fold(model.clone(), |m, (p, v)| m.with(*p, *v));
+                function(&changed)
+            };
+            let slope = ident::covariance::gradient(&known, covariance, at);
+            for (i, parameter) in parameters.iter().enumerate() {
+                let along: f64 = slope.iter().enumerate().map(|(j, slope)| covariance[(i, j)] * slope).sum();
+                total += slope[i] * along;
+                let own = covariance[(i, i)];
+                removed.push((*parameter, if own > 0.0 { along * along / own } else { 0.0 }));
+            }
+        }
+        let share = |variance: f64| if total > 0.0 { (variance / total).min(1.0) } else { 0.0 };
+        removed.into_iter().map(|(parameter, variance)| (parameter, share(variance))).collect()
+    }
+
     /// A model drawn from this uncertainty: each part from a multivariate Student t with its covariance as scale and its
     /// degrees of freedom. A draw that no bench can have (a stiffness or bandwidth of zero or below, a negative damping,
     /// inertia or delay) is drawn again; `None` where nearly all are such.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::model::AssembledModel;
+use crate::model::{AssembledModel, ModelParameter};
 use crate::{ControlMode, Diagnostic, Role};
 
 /// Everything learnt from one campaign.
@@ -432,6 +432,31 @@ pub struct WholeModel {
     pub sine_points: Vec<SinePoint>,
     /// Phase and gain margin of the speed loop, degrees and dB, with crossover in Hz.
     pub speed_loop_margins: Option<Margins>,
+    /// What each parameter does to resonance, gain, damping ratio and the speed loop.
+    pub influences: Vec<Influence>,
+}
+
+/// What each parameter does to a result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Influence {
+    /// Symbol of the result.
+    pub symbol: String,
+    /// What it is.
+    pub name: String,
+    /// The parameters that move it.
+    pub parameters: Vec<ParameterInfluence>,
+}
+
+/// What a parameter does to a result.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ParameterInfluence {
+    /// The parameter.
+    pub parameter: ModelParameter,
+    /// By how many per cent the result moves for one per cent of the parameter.
+    pub elasticity: f64,
+    /// The part of the result's variance that would go if the parameter were known exactly, 0 … 1; parameters of one part
+    /// are known together, so that these parts need not add up to one. `None` where the parameter's uncertainty is not known.
+    pub variance_share: Option<f64>,
 }
 
 /// Stability margins of the speed loop.

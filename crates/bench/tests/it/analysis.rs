@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use bench::analysis::{SignalSkews, SineTest, WholeInputs, margins, steady_sines, whole_model};
 use bench::model::{Engine, ModelParameter, ModelUncertainty, PartCovariance};
 use bench::simulate::{Drive, InitialState, Inputs, simulate};
+use bench::study::Influence;
 use bench::{Experiment, Role};
 use signal::Signal;
 
@@ -125,6 +126,44 @@ fn exact_curves_and_margins_of_the_speed_loop() {
     pi.proportional_nm_s_per_rad *= factor;
     pi.integral_nm_per_rad *= factor;
     assert!(margins(&raised).unwrap().gain_margin_db.abs() < 1e-6);
+}
+
+/// f_r of a lightly damped shaft is √(K (1/J_d + 1/J_e)), J_d = 0.6 and J_e = 0.28: half a per cent a per cent of K, and of each
+/// inertia half its part in 1/J_d + 1/J_e.
+#[test]
+fn exact_what_each_parameter_does_to_the_resonance() {
+    let mut model = bench_a();
+    model.mechanics.damping_nm_s_per_rad = 0.05;
+    let found = |covariance: Vec<Vec<f64>>| {
+        let parameters = vec![ModelParameter::Stiffness, ModelParameter::Damping];
+        let part = PartCovariance { parameters, covariance, degrees_of_freedom: 30.0 };
+        let uncertainty = ModelUncertainty::new(&[part]).unwrap();
+        let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_tests: &[] };
+        whole_model(&inputs).unwrap().influences
+    };
+    let alone = found(vec![vec![100.0, 0.0], vec![0.0, 1e-6]]);
+    let of = |all: &[Influence], symbol: &str, parameter: ModelParameter| {
+        let influence = all.iter().find(|i| i.symbol == symbol).unwrap();
+        *influence.parameters.iter().find(|p| p.parameter == parameter).unwrap()
+    };
+    let (stiffness, engine) =
+        (of(&alone, "f_r", ModelParameter::Stiffness), of(&alone, "f_r", ModelParameter::EngineInertia));
+    assert!((stiffness.elasticity - 0.5).abs() < 1e-3, "{stiffness:?}");
+    assert!((stiffness.variance_share.unwrap() - 1.0).abs() < 1e-3, "{stiffness:?}");
+    assert!((engine.elasticity + 0.5 * 0.6 / 0.88).abs() < 1e-3, "{engine:?}");
+    assert_eq!(engine.variance_share, None);
+    // The damping ratio is B/2 √((1/J_d + 1/J_e)/K).
+    let damping = of(&alone, "ζ", ModelParameter::Damping);
+    assert!((damping.elasticity - 1.0).abs() < 1e-3, "{damping:?}");
+    let total: f64 =
+        alone.iter().find(|i| i.symbol == "ζ").unwrap().parameters.iter().filter_map(|p| p.variance_share).sum();
+    assert!((total - 1.0).abs() < 1e-9, "{total}");
+    // Where two are known together, knowing either leaves nothing.
+    let together = found(vec![vec![100.0, 0.01 * (1.0 - 1e-9)], vec![0.01 * (1.0 - 1e-9), 1e-6]]);
+    for parameter in [ModelParameter::Stiffness, ModelParameter::Damping] {
+        let share = of(&together, "ζ", parameter).variance_share.unwrap();
+        assert!((share - 1.0).abs() < 1e-6, "{parameter:?}: {share}");
+    }
 }
 
 #[test]

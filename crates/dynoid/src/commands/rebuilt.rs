@@ -4,6 +4,8 @@ use std::path::Path;
 
 use recording::{Channel, Format, Raster, Recording};
 
+use super::identify::data::check_targets;
+use crate::cli::GivenRecordings;
 use crate::error::CliError;
 use crate::formats::FileFormat;
 use crate::terminal::Terminal;
@@ -14,6 +16,13 @@ pub(super) struct Rebuilt<'a> {
     pub(super) start_s: f64,
     pub(super) sample_time_s: f64,
     pub(super) channels: Vec<(&'a str, &'a str, &'a [f64])>,
+}
+
+/// Whether a torque can be written there, before any work: by its ending, and that nothing that is read is lost.
+pub(super) fn check(out: Option<&Path>, given: &GivenRecordings) -> Result<(), CliError> {
+    let Some(out) = out else { return Ok(()) };
+    FileFormat::of_output(out)?;
+    check_targets(&[&Some(out.to_owned())], &[std::slice::from_ref(&given.bench), &given.recordings])
 }
 
 /// The one recording whose torque, `what`, is written.

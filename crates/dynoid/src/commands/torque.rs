@@ -9,21 +9,15 @@ use report::wording::number;
 use serde_json::json;
 
 use super::experiments::{self, Campaign, print_parameters};
-use super::identify::data::check_targets;
 use super::identify::judge::{picture, written};
 use super::rebuilt::{self, Rebuilt};
 use crate::cli::torque::TorqueArguments;
 use crate::error::{CliError, Outcome};
-use crate::formats::FileFormat;
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &TorqueArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    if let Some(out) = &arguments.out {
-        FileFormat::of_output(out)?;
-        let given = &arguments.given;
-        check_targets(&[&arguments.out], &[std::slice::from_ref(&given.bench), &given.recordings])?;
-    }
+    rebuilt::check(arguments.out.as_deref(), &arguments.given)?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
     let signals = torque_signals(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {

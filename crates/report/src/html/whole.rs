@@ -5,7 +5,7 @@ use bench::study::{BenchFacts, BodeCurve, Margins, Parameter, Part, SinePoint, S
 
 use super::parts::{lead, not_estimated, parameter_rows, table, unbroken};
 use super::plots::figure;
-use super::typeset::prose;
+use super::typeset::{prose, symbol};
 use crate::wording::{mode_short, number};
 use plot::markup;
 use plot::markup::Markup;
@@ -31,6 +31,7 @@ pub(crate) fn section(study: &Study) -> Markup {
     let mut all = lead(what, equation);
     all.push(parameter_rows(&parameters));
     all.push(notes(study, whole));
+    all.push(influences(whole));
     all.push(bode_figures(whole));
     all.push(sine_tests(whole));
     all
@@ -78,6 +79,31 @@ fn margins(margins: Option<&Margins>) -> Markup {
             "<p class=\"note\">Margins of the speed loop are not known: the speed control was not estimated.</p>\n"
         ),
     }
+}
+
+/// What each parameter does to what is computed from the model.
+fn influences(whole: &WholeModel) -> Markup {
+    let rows = whole.influences.iter().flat_map(|influence| {
+        influence.parameters.iter().enumerate().map(move |(place, one)| {
+            let first = place == 0;
+            let share = match one.variance_share {
+                Some(share) => number::share(share),
+                None => "not known".to_owned(),
+            };
+            vec![
+                if first { symbol(&influence.symbol) } else { markup!("") },
+                if first { prose(&influence.name) } else { markup!("") },
+                symbol(one.parameter.symbol()),
+                unbroken(&number::significant_with_unit(one.elasticity, 2, "%")),
+                unbroken(&share),
+            ]
+        })
+    });
+    let heads = ["", "Result", "Parameter", "1 % of it moves the result by", "of the variance, were it known exactly"];
+    let text = "What every parameter does to what is computed from the model. The last column says what a better experiment for \
+                this parameter could buy at most; parameters that are estimated together share what they take away. The \
+                inertias are taken as the bench file states them: their uncertainty is in no interval here.";
+    markup!("<p>{}</p>\n{}", prose(text), table("parameters", &heads, rows))
 }
 
 /// One figure for each pair of input and output; curves of the same pair share it.
