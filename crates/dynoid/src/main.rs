@@ -54,6 +54,9 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         Command::Experiment { command: ExperimentCommand::Check(arguments) } => {
             commands::experiment::check::run(arguments, terminal)
         }
+        Command::Experiment { command: ExperimentCommand::Next(arguments) } => {
+            commands::experiment::next::run(arguments, terminal)
+        }
         Command::Init(arguments) => commands::init::run(arguments, terminal),
         Command::Look(arguments) => commands::look::run(arguments, terminal),
         Command::Shaft(arguments) => commands::shaft::run(arguments, terminal),

@@ -15,6 +15,7 @@ mod html;
 pub mod inverter;
 mod json;
 pub mod look;
+pub mod next;
 pub mod safety;
 pub mod shaft;
 pub mod torque;

@@ -12,7 +12,7 @@ pub use sine::{SignalSkews, SineTest, sine_points};
 
 use crate::estimate::{EstimateError, Label};
 use crate::model::{BenchModel, Engine, ModelUncertainty};
-use crate::study::{Influence, Margins, Parameter, WholeModel};
+use crate::study::{Parameter, WholeModel};
 
 /// What the analysis works on.
 #[derive(Debug, Clone, Copy)]
@@ -43,30 +43,55 @@ pub fn whole_model(inputs: &WholeInputs<'_>) -> Result<WholeModel, EstimateError
         inputs.uncertainty.propagate(inputs.model, function).parameter(label)
     };
     let engine = inputs.engine;
-    let moved = |label, function: &dyn Fn(&BenchModel) -> f64| -> Influence {
-        influence::influence((label, inputs.model, inputs.uncertainty), function)
-    };
-    let mut influences = vec![
-        moved(RESONANCE, &|m| m.mechanics.resonance().frequency_hz),
-        moved(GAIN, &|m| m.mechanics.resonance().gain),
-        moved(DAMPING, &|m| m.mechanics.resonance().damping_ratio),
-    ];
-    if margins(inputs.model).is_some() {
-        let of_loop = |value: fn(&Margins) -> f64| move |m: &BenchModel| margins(m).as_ref().map_or(f64::NAN, value);
-        influences.push(moved(CROSSOVER, &of_loop(|m| m.crossover_hz)));
-        influences.push(moved(PHASE_MARGIN, &of_loop(|m| m.phase_margin_deg)));
-    }
+    let influences = results(inputs.model)
+        .map(|(label, function)| influence::influence((label, inputs.model, inputs.uncertainty), function));
     Ok(WholeModel {
-        resonance_hz: number(RESONANCE, &|m| m.mechanics.resonance().frequency_hz),
-        resonance_gain: number(GAIN, &|m| m.mechanics.resonance().gain),
+        resonance_hz: number(RESONANCE, &resonance_hz),
+        resonance_gain: number(GAIN, &resonance_gain),
         static_gain: inputs.model.mechanics.static_gain(),
         firing_meets_resonance_rpm: number(FIRING, &|m| engine.firing_speed_rpm(m.mechanics.resonance().frequency_hz)),
-        damping_ratio: number(DAMPING, &|m| m.mechanics.resonance().damping_ratio),
+        damping_ratio: number(DAMPING, &damping_ratio),
         bode: bode::curves(inputs.model, inputs.uncertainty),
         sine_points: sine,
         speed_loop_margins: margins(inputs.model),
-        influences,
+        influences: influences.collect(),
     })
+}
+
+/// What is computed from a model, each with its interval: resonance, gain and damping there, and of the speed loop, if there
+/// is one, crossover and phase margin.
+pub(crate) fn results_of(model: &BenchModel, uncertainty: &ModelUncertainty) -> Vec<Parameter> {
+    results(model).map(|(label, function)| uncertainty.propagate(model, function).parameter(label)).collect()
+}
+
+/// A number that a model gives.
+type ModelResult = (Label, fn(&BenchModel) -> f64);
+
+fn results(model: &BenchModel) -> impl Iterator<Item = ModelResult> + use<> {
+    let shaft: [ModelResult; 3] = [(RESONANCE, resonance_hz), (GAIN, resonance_gain), (DAMPING, damping_ratio)];
+    let speed_loop: [ModelResult; 2] = [(CROSSOVER, crossover_hz), (PHASE_MARGIN, phase_margin_deg)];
+    let has_loop = margins(model).is_some();
+    shaft.into_iter().chain(speed_loop.into_iter().filter(move |_| has_loop))
+}
+
+fn resonance_hz(model: &BenchModel) -> f64 {
+    model.mechanics.resonance().frequency_hz
+}
+
+fn resonance_gain(model: &BenchModel) -> f64 {
+    model.mechanics.resonance().gain
+}
+
+fn damping_ratio(model: &BenchModel) -> f64 {
+    model.mechanics.resonance().damping_ratio
+}
+
+fn crossover_hz(model: &BenchModel) -> f64 {
+    margins(model).map_or(f64::NAN, |m| m.crossover_hz)
+}
+
+fn phase_margin_deg(model: &BenchModel) -> f64 {
+    margins(model).map_or(f64::NAN, |m| m.phase_margin_deg)
 }
 
 const RESONANCE: Label = Label { symbol: "f_r", name: "resonance of T_d → T_shaft", unit: "Hz" };

@@ -7,6 +7,7 @@ use super::task::{
     DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, SampleNoise, TIME_SCALE_S, Unknown, beside_rotation,
 };
 use super::{Criterion, DesignError, Robustness};
+use crate::bench_file::Limits;
 use crate::experiment::{DEMAND_HOLD_S, UPDATE_S};
 use crate::model::{BenchModel, ModelParameter};
 use crate::study::BenchVariant;
@@ -20,6 +21,10 @@ const HIGHEST_SPEED_HZ: f64 = 30.0;
 const SHAFT_HIGHEST_HZ: f64 = 110.0;
 /// Period, s.
 const PERIOD_S: f64 = 4.0;
+/// Part of what a limit leaves for T_shaft.
+const SHAFT_SHARE: f64 = 0.5;
+/// Part of what the limit leaves for T_d.
+const TORQUE_SHARE: f64 = 0.95;
 /// A sensor without noise is taken for one with this little, SI.
 const LEAST_NOISE: f64 = 1e-6;
 
@@ -112,6 +117,19 @@ pub struct OperatingPoint {
     pub speed_rad_s: f64,
     /// T, Nm.
     pub torque_nm: f64,
+}
+
+impl PeakLimits {
+    /// What the limits of a bench leave for an excitation at an operating point: of T_shaft half, since firing pulses take
+    /// the rest, of T_d nearly all, since the inverter cuts at its limit.
+    pub fn left_by(limits: &Limits, at: OperatingPoint) -> Self {
+        let left = |limit: f64| limit - at.torque_nm.abs();
+        PeakLimits {
+            shaft_torque_nm: limits.shaft_torque_nm.map(|limit| SHAFT_SHARE * left(limit)),
+            air_gap_torque_nm: limits.torque_nm.map(|limit| TORQUE_SHARE * left(limit)),
+            ..PeakLimits::default()
+        }
+    }
 }
 
 impl Measurements {

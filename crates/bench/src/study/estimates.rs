@@ -39,47 +39,79 @@ fn part<T>(outcome: Result<T, Vec<Need>>) -> Part<T> {
     }
 }
 
-/// Estimates every part the recordings allow.
-pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
-    let limit = findings.bench.limits.torque_nm;
-    let controller = findings
-        .first("speed controller", &findings.of_test("BS"), &["BS_T_NT"], |e| speed_controller::estimate(e, limit));
-    if let Ok(controller) = &controller {
-        findings.doubt_residuals("speed_controller", &controller.result.validation);
-        if let Some(step) = controller.coarse_demand_nm {
-            let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
-            findings.doubt(&controller.result.validation.stretch.file, Severity::Warning, finding);
+/// The parts that the recordings allow, as they are fitted.
+pub(super) struct Fits<'a> {
+    pub(super) controller: Result<SpeedControllerFit, Vec<Need>>,
+    pub(super) feed_forward: Result<FeedForward, Vec<Need>>,
+    pub(super) torque_control: Result<TorqueControlFit, Vec<Need>>,
+    pub(super) shaft: Result<ShaftFit<'a>, Vec<Need>>,
+}
+
+/// A shaft, the experiment it was estimated from, and J_d as that experiment tells it, if it does.
+pub(super) struct ShaftFit<'a> {
+    pub(super) shaft: Shaft,
+    experiment: &'a Experiment,
+    inertia: Option<(f64, f64)>,
+}
+
+impl<'a> Fits<'a> {
+    pub(super) fn of(findings: &mut Findings<'a>) -> Self {
+        let controller = controller(findings);
+        let feed_forward = feed_forward(findings, controller.as_ref().ok());
+        if let Ok(feed_forward) = &feed_forward {
+            findings.doubt_residuals("feed_forward", &feed_forward.validation);
         }
+        let torque_control = torque_control(findings);
+        let shaft = shaft(findings, controller.as_ref().ok(), torque_control.as_ref().ok());
+        Fits { controller, feed_forward, torque_control, shaft }
     }
-    let feed_forward = feed_forward(findings, controller.as_ref().ok());
-    if let Ok(feed_forward) = &feed_forward {
-        findings.doubt_residuals("feed_forward", &feed_forward.validation);
+
+    /// What a model is made of; none without a shaft.
+    pub(super) fn pieces(&self) -> Option<Pieces<'_>> {
+        Some(Pieces {
+            shaft: &self.shaft.as_ref().ok()?.shaft,
+            controller: self.controller.as_ref().ok(),
+            feed_forward: self.feed_forward.as_ref().ok(),
+            torque_control: self.torque_control.as_ref().ok(),
+        })
     }
-    let torque_control = torque_control(findings);
-    let timing = timing(findings, torque_control.as_ref().ok());
-    let shaft = shaft(findings, controller.as_ref().ok(), torque_control.as_ref().ok());
-    let Whole { model, analysis, replays } = match &shaft {
-        Err(_) => Whole::missing(),
-        Ok(shaft) => whole::assemble(
-            findings,
-            &Pieces {
-                shaft,
-                controller: controller.as_ref().ok(),
-                feed_forward: feed_forward.as_ref().ok(),
-                torque_control: torque_control.as_ref().ok(),
-            },
-        ),
+}
+
+/// Estimates every part the recordings allow, checks one recording by another, and replays the model.
+pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
+    let mut fits = Fits::of(findings);
+    let timing = timing(findings, fits.torque_control.as_ref().ok());
+    if let Ok(fit) = &mut fits.shaft {
+        cross_check(findings, fit, fits.controller.as_ref().ok(), fits.torque_control.as_ref().ok());
+    }
+    let Whole { model, analysis } = fits.pieces().map_or_else(Whole::missing, |p| whole::assemble(findings, &p));
+    let replays = match (&model, fits.pieces()) {
+        (Some(assembled), Some(pieces)) => whole::replays(findings, &pieces, &assembled.model),
+        _ => Vec::new(),
     };
     Estimates {
         timing: part(timing),
-        speed_controller: part(controller.map(|c| c.result)),
-        feed_forward: part(feed_forward),
-        torque_control: part(torque_control.map(|t| t.result)),
-        shaft: part(shaft),
+        speed_controller: part(fits.controller.map(|c| c.result)),
+        feed_forward: part(fits.feed_forward),
+        torque_control: part(fits.torque_control.map(|t| t.result)),
+        shaft: part(fits.shaft.map(|fit| fit.shaft)),
         whole: part(analysis),
         model,
         replays,
     }
+}
+
+fn controller(findings: &mut Findings<'_>) -> Result<SpeedControllerFit, Vec<Need>> {
+    let limit = findings.bench.limits.torque_nm;
+    let recordings = findings.of_test("BS");
+    let fit =
+        findings.first("speed controller", &recordings, &["BS_T_NT"], |e| speed_controller::estimate(e, limit))?;
+    findings.doubt_residuals("speed_controller", &fit.result.validation);
+    if let Some(step) = fit.coarse_demand_nm {
+        let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
+        findings.doubt(&fit.result.validation.stretch.file, Severity::Warning, finding);
+    }
+    Ok(fit)
 }
 
 fn feed_forward(
@@ -114,31 +146,38 @@ fn timing(findings: &mut Findings<'_>, torque_control: Option<&TorqueControlFit>
     })
 }
 
-fn shaft(
-    findings: &mut Findings<'_>,
+fn shaft<'a>(
+    findings: &mut Findings<'a>,
     controller: Option<&SpeedControllerFit>,
     torque_control: Option<&TorqueControlFit>,
-) -> Result<Shaft, Vec<Need>> {
+) -> Result<ShaftFit<'a>, Vec<Need>> {
     let candidates = findings.of_tests(&SHAFT_TESTS);
     let bench = findings.bench;
-    let mut used = None;
     let labels = ["BS_T_NT", "WhiteNoise_T_TN"];
-    let mut shaft = findings.first("shaft", &candidates, &labels, |e| {
-        let inputs = shaft_inputs(e, bench, controller, torque_control)?;
-        let estimate = shaft::estimate(&inputs)?;
-        used = Some((e, shaft::estimate_inertia(&inputs)?));
-        Ok(estimate)
+    let mut fit = findings.first("shaft", &candidates, &labels, |experiment| {
+        let inputs = shaft_inputs(experiment, bench, controller, torque_control)?;
+        let (shaft, inertia) = (shaft::estimate(&inputs)?, shaft::estimate_inertia(&inputs)?);
+        Ok(ShaftFit { shaft, experiment, inertia })
     })?;
-    let Some((experiment, inertia)) = used else { return Ok(shaft) };
-    for other in candidates.iter().filter(|e| e.file != experiment.file) {
-        let inputs = shaft_inputs(other, bench, controller, torque_control);
+    fit.shaft.inertias = inertias(&candidates, bench, controller, torque_control);
+    Ok(fit)
+}
+
+/// What other recordings say of the shaft, and the doubts about it.
+fn cross_check(
+    findings: &mut Findings<'_>,
+    fit: &mut ShaftFit<'_>,
+    controller: Option<&SpeedControllerFit>,
+    torque_control: Option<&TorqueControlFit>,
+) {
+    let others = findings.of_tests(&SHAFT_TESTS).into_iter().filter(|e| e.file != fit.experiment.file);
+    for other in others {
+        let inputs = shaft_inputs(other, findings.bench, controller, torque_control);
         if let Ok(estimate) = inputs.and_then(|inputs| shaft::estimate_parameters(&inputs)) {
-            shaft.cross_checks.push((other.file.clone(), estimate));
+            fit.shaft.cross_checks.push((other.file.clone(), estimate));
         }
     }
-    shaft.inertias = inertias(&candidates, bench, controller, torque_control);
-    doubt_shaft(findings, experiment, &shaft, inertia);
-    Ok(shaft)
+    doubt_shaft(findings, fit.experiment, &fit.shaft, fit.inertia);
 }
 
 fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {

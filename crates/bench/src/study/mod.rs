@@ -3,6 +3,7 @@
 mod estimates;
 mod findings;
 mod gather;
+mod next;
 mod result;
 mod run;
 pub(crate) mod shaft_inputs;
@@ -10,6 +11,7 @@ mod torque;
 mod whole;
 
 pub use gather::{Source, experiment_of};
+pub use next::{Candidate, Gain, NextError, NextExperiments, NextTask, next_experiments};
 pub use result::*;
 pub use run::{Campaign, Progress, StudyError, run};
 pub(crate) use torque::inverter_of;

@@ -7,7 +7,7 @@ use crate::model::{AssembledModel, BenchModel, Engine, StudyParts, assemble as a
 use crate::replay::{EncoderError, ReplayInputs, replay};
 use crate::study::findings::{Findings, needs_part};
 use crate::study::torque::modelled_torque;
-use crate::study::{FeedForward, Need, Progress, Replay, Shaft, WholeModel};
+use crate::study::{BenchFacts, FeedForward, Need, Progress, Replay, Shaft, WholeModel};
 use crate::{ControlMode, Experiment, Finding, Severity};
 
 /// Tests worth replaying in each control mode, best first.
@@ -37,33 +37,36 @@ impl Pieces<'_> {
     }
 }
 
-/// The model that the parts make up, its analysis, and replays.
+/// The model that the parts make up, and its analysis.
 pub(super) struct Whole {
     pub(super) model: Option<AssembledModel>,
     pub(super) analysis: Result<WholeModel, Vec<Need>>,
-    pub(super) replays: Vec<Replay>,
 }
 
 impl Whole {
     /// Without a shaft there is no model.
     pub(super) fn missing() -> Self {
-        Whole { model: None, analysis: Err(needs_part("shaft")), replays: Vec::new() }
+        Whole { model: None, analysis: Err(needs_part("shaft")) }
     }
 }
 
-/// Analysis and replays of the model that the parts make up.
-pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whole {
-    (findings.progress)(Progress::Estimating { part: "whole model" });
-    let facts = findings.bench.facts();
-    let parts = StudyParts {
-        facts: &facts,
+/// The model that the parts make up; none where they lack what a model needs.
+pub(super) fn model_of(facts: &BenchFacts, pieces: &Pieces<'_>) -> Option<AssembledModel> {
+    assemble_model(&StudyParts {
+        facts,
         shaft: pieces.shaft,
         speed_controller: pieces.controller.map(|c| &c.result),
         feed_forward: pieces.feed_forward,
         torque_control: pieces.torque_control.map(|t| &t.result),
         encoder_gate_s: pieces.gate_s(),
-    };
-    let Some(assembled) = assemble_model(&parts) else { return Whole::missing() };
+    })
+}
+
+/// The model that the parts make up, analysed.
+pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whole {
+    (findings.progress)(Progress::Estimating { part: "whole model" });
+    let facts = findings.bench.facts();
+    let Some(assembled) = model_of(&facts, pieces) else { return Whole::missing() };
     let AssembledModel { model, uncertainty } = &assembled;
     let sines = findings.of_tests(&["Sine"]);
     let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
@@ -79,8 +82,7 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
         let file = sines.first().map_or_else(String::new, |e| e.file.clone());
         vec![Need::UsableData { file, reason: error.to_string() }]
     });
-    let replays = replays(findings, pieces, model);
-    Whole { model: Some(assembled), analysis: whole, replays }
+    Whole { model: Some(assembled), analysis: whole }
 }
 
 /// The recordings of a mode to replay: one of each test, those first that nothing was estimated from.
@@ -97,7 +99,7 @@ fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[&str]) -> V
 }
 
 /// Replays recordings in both modes.
-fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &BenchModel) -> Vec<Replay> {
+pub(super) fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &BenchModel) -> Vec<Replay> {
     let mut done = Vec::new();
     for (mode, tests) in [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])] {
         for experiment in replayed(findings, mode, tests) {

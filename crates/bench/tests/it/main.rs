@@ -14,6 +14,7 @@ mod experiment;
 mod friction;
 mod look;
 mod model;
+mod next_experiment;
 mod optimal_goals;
 mod prediction;
 mod prepare;

@@ -16,6 +16,8 @@ pub(crate) enum ExperimentCommand {
     Design(DesignArguments),
     /// Checks whether an experiment is safe on a bench that is not known exactly
     Check(CheckArguments),
+    /// Says what to record next: what each experiment would make narrower of what is known
+    Next(NextArguments),
 }
 
 #[derive(Debug, Args)]
@@ -162,6 +164,37 @@ pub(crate) struct CheckArguments {
     /// Benches drawn; fewer than 72 are never enough for `safe`
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) samples: u32,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid experiment next bench.toml
+  dynoid experiment next bench.toml --speed 2000 --duration 120
+  dynoid experiment next bench.toml --json | jq '.candidates[0].label'
+
+Each experiment of the method is run on a virtual bench as this one is known to be, with its rasters and the noise of its speeds, and studied beside the recordings there are; the intervals that the study then states are set beside those of now. Where [limits] states shaft_torque, a multisine designed for the shaft within it is tried too. All run at the same speed for the same time.
+
+An interval that gets narrower by less than a fifth counts for nothing: realisations of one experiment differ by as much. Without any recording it needs [shaft] in the bench file.")]
+pub(crate) struct NextArguments {
+    /// The bench file
+    #[arg(value_name = "BENCH.toml")]
+    pub(crate) bench: PathBuf,
+    /// Speed at which the next experiment would run, rpm
+    #[arg(long, value_name = "RPM", value_parser = number::positive, default_value_t = 1200.0)]
+    pub(crate) speed: f64,
+    /// Its length
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive, default_value_t = 60.0)]
+    pub(crate) duration: f64,
+    /// Per cent of its value within which a number is known well enough: narrowing it further buys nothing
+    #[arg(long, value_name = "PERCENT", value_parser = number::positive, default_value_t = 1.0)]
+    pub(crate) enough: f64,
+    /// Seed of what is random in it
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Prints everything as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]

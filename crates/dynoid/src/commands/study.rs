@@ -38,15 +38,9 @@ pub(crate) fn run(arguments: &StudyRunArguments, terminal: &mut Terminal) -> Res
 /// Reads a bench file and its recordings, studies them, and writes the results.
 pub(crate) fn study(bench: &Path, out: &Path, seed: Option<u64>, terminal: &mut Terminal) -> Result<Written, CliError> {
     let (file, text) = read_bench(bench)?;
-    let files = input::listed(bench, &file.recordings.files)?;
     let folder = OutputFolder::check(out)?;
-    let progress = terminal.progress(2 * files.len() as u64 + PARTS + REPLAYS);
-    let mut sources: Vec<Source> = Vec::with_capacity(files.len());
-    for file in &files {
-        progress.say(&format!("reading {}", file.name));
-        sources.push(input::read_source(file)?);
-        progress.step();
-    }
+    let sources = read_sources(bench, &file, terminal)?;
+    let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS);
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
     let study = bench::study::run(campaign, &mut |step| show(&progress, &step));
@@ -57,6 +51,23 @@ pub(crate) fn study(bench: &Path, out: &Path, seed: Option<u64>, terminal: &mut 
     drop(progress);
     let [data, report] = <[PathBuf; 2]>::try_from(paths).map_err(|_| CliError::internal("results without a path"))?;
     Ok(Written { study, report, data })
+}
+
+/// The recordings that a bench file lists.
+pub(in crate::commands) fn read_sources(
+    bench: &Path,
+    file: &BenchFile,
+    terminal: &Terminal,
+) -> Result<Vec<Source>, CliError> {
+    let files = input::listed(bench, &file.recordings.files)?;
+    let progress = terminal.progress(files.len() as u64);
+    let read = |file: &input::InputFile| {
+        progress.say(&format!("reading {}", file.name));
+        let source = input::read_source(file);
+        progress.step();
+        source
+    };
+    files.iter().map(read).collect()
 }
 
 /// A bench file and its text.
@@ -78,7 +89,7 @@ fn bench_text(bench: &Path) -> Result<String, CliError> {
     input::read_text(bench, "a bench file such as `dynoid init` writes")
 }
 
-fn show(progress: &Progress, step: &StudyProgress) {
+pub(in crate::commands) fn show(progress: &Progress, step: &StudyProgress) {
     match step {
         StudyProgress::Preparing { file } => progress.say(&format!("checking {file}")),
         StudyProgress::Estimating { part } => progress.say(&format!("estimating: {}", wording::part(part))),
@@ -87,7 +98,7 @@ fn show(progress: &Progress, step: &StudyProgress) {
     progress.step();
 }
 
-fn no_study(bench: &Path, error: StudyError) -> CliError {
+pub(in crate::commands) fn no_study(bench: &Path, error: StudyError) -> CliError {
     match error {
         StudyError::NoChannels => CliError::NoChannelsNamed { path: bench.to_owned() },
         StudyError::NoRecordings => CliError::NoRecordingsListed { path: bench.to_owned() },

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use recording::{Recording, Selection, decode};
 
-use crate::support::{BENCH, Campaign};
+use crate::support::{BENCH, Campaign, bs};
 
 /// A bench file with a shaft that is known, and more tables.
 fn bench(more: &str) -> String {
@@ -286,4 +286,32 @@ fn an_optimal_excitation_is_designed_checked_and_run() {
     of(&["PI", "--excite", "T"]).assert_refused(2, &["PI, FF and J_e show in speed control"]);
     of(&["K,Q"]).assert_refused(2, &["`Q` is none of K, B, J_d, J_e, PI, FF, FOC"]);
     of(&["K", "--set", "torque=700"]).assert_refused(2, &["[limits] leaves nothing"]);
+}
+
+#[test]
+fn exact_next_says_what_to_record() {
+    let campaign = Campaign::empty().with("BS_T_NT_1200.mf4", &bs());
+    let json = campaign.run(&["experiment", "next", "bench.toml", "--duration", "12", "--json"]).json();
+    let known = |list: &serde_json::Value, symbol: &str| list.as_array().unwrap().iter().any(|p| p["symbol"] == symbol);
+    assert!(known(&json["now"], "K") && !known(&json["now"], "J_e"));
+    let best = &json["candidates"][0];
+    assert_eq!(best["duration_s"], 12.0);
+    let words = campaign.run(&["experiment", "next", "bench.toml", "--duration", "12"]);
+    assert_eq!(words.code, Some(0), "{}", words.stderr);
+    let label = best["label"].as_str().unwrap();
+    for expected in [&format!("Record {label}, 12 s at 1200 rpm next"), "not known", "buys nothing", "--speed 1200"] {
+        assert!(words.stdout.contains(expected), "{expected} is not in {}", words.stdout);
+    }
+}
+
+#[test]
+fn exact_next_without_recordings_needs_a_shaft() {
+    let campaign = Campaign::empty();
+    let refused = campaign.run(&["experiment", "next", "bench.toml"]);
+    refused.assert_refused(2, &["bench.toml", "[shaft]", "BS_T_NT"]);
+    campaign.write("known.toml", bench(SHAFT).as_bytes());
+    let json = campaign.run(&["experiment", "next", "known.toml", "--duration", "12", "--json"]).json();
+    assert_eq!(json["now"], serde_json::json!([]));
+    campaign.run(&["experiment", "next", "known.toml", "--duration", "-3"]).assert_refused(2, &["--duration"]);
+    campaign.run(&["experiment", "next", "known.toml", "--duration", "0.5"]).assert_refused(2, &["0.5"]);
 }

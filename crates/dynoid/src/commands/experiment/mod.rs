@@ -3,6 +3,7 @@
 pub(crate) mod check;
 pub(crate) mod design;
 pub(crate) mod list;
+pub(crate) mod next;
 mod optimal;
 pub(in crate::commands) mod planned;
 pub(in crate::commands) mod stated;

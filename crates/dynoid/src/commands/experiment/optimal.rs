@@ -18,11 +18,6 @@ use crate::terminal::Terminal;
 
 /// How far the resonance of a bench may be off of which there is no study.
 const UNCERTAIN_RESONANCE: f64 = 0.15;
-/// Part of what a limit leaves for T_shaft; the rest is for firing pulses.
-const SHAFT_SHARE: f64 = 0.5;
-/// Part of what the limit leaves for T_d and T_d*: at the limit itself, the inverter cuts.
-const TORQUE_SHARE: f64 = 0.95;
-
 /// A designed excitation.
 pub(super) struct Optimal {
     pub(super) goals: Vec<Goal>,
@@ -74,15 +69,13 @@ fn excited(asked: &OptimalArguments) -> ExcitedDemand {
 
 /// The peaks that were asked for, or what the bench file's limits leave.
 fn limits(asked: &OptimalArguments, bench: &Bench, at: OperatingPoint) -> Result<PeakLimits, String> {
-    let stated = bench.file.limits;
-    let left = |limit: f64| limit - at.torque_nm.abs();
-    let shaft = asked.peak_shaft_torque.or(stated.shaft_torque_nm.map(|limit| SHAFT_SHARE * left(limit)));
-    let Some(shaft_torque_nm) = shaft else {
+    let left = PeakLimits::left_by(&bench.file.limits, at);
+    let Some(shaft_torque_nm) = asked.peak_shaft_torque.or(left.shaft_torque_nm) else {
         let what = "say how far the shaft's torque may swing, as with --peak-shaft-torque 60, or state shaft_torque in \
                     [limits]";
         return Err(what.to_owned());
     };
-    let air_gap_torque_nm = asked.peak_torque.or(stated.torque_nm.map(|limit| TORQUE_SHARE * left(limit)));
+    let air_gap_torque_nm = asked.peak_torque.or(left.air_gap_torque_nm);
     if shaft_torque_nm <= 0.0 || air_gap_torque_nm.is_some_and(|nm| nm <= 0.0) {
         return Err(format!(
             "[limits] leaves nothing to excite with at {} Nm; lower it with --set torque=…",

@@ -1,0 +1,125 @@
+//! What a further experiment would buy, in words.
+
+use bench::study::{Candidate, Gain, NextExperiments};
+
+use crate::wording::number;
+
+/// Candidates that stand side by side.
+const SIDE_BY_SIDE: usize = 3;
+
+/// The candidates worth comparing, the best first.
+pub fn best(found: &NextExperiments) -> &[Candidate] {
+    let worth_while = found.candidates.iter().take_while(|candidate| candidate.is_worth_while()).count();
+    &found.candidates[..worth_while.min(SIDE_BY_SIDE)]
+}
+
+/// What to record next and why, in a sentence.
+pub fn recommendation(found: &NextExperiments, enough: f64) -> String {
+    let Some(first) = best(found).first() else { return nothing_to_gain(found, enough) };
+    let gains =
+        |known: bool| first.gains.iter().filter(move |gain| gain.is_worth_while() && gain.now.is_some() == known);
+    let new: Vec<String> = gains(false).map(|gain| gain.symbol.clone()).collect();
+    let narrower: Vec<String> = gains(true).map(narrowed).collect();
+    let mut buys = Vec::new();
+    if !new.is_empty() {
+        buys.push(format!("it tells {}, which nothing recorded does", listed(&new)));
+    }
+    if !narrower.is_empty() {
+        buys.push(listed(&narrower));
+    }
+    format!("Record {} next: {}.", what(first), buys.join("; "))
+}
+
+/// Why no experiment is recommended.
+fn nothing_to_gain(found: &NextExperiments, enough: f64) -> String {
+    let gains = found.candidates.first().map_or(&[][..], |candidate| &candidate.gains);
+    let wide: Vec<String> = gains
+        .iter()
+        .filter(|gain| !gain.is_enough_now)
+        .map(|gain| format!("{} ({})", gain.symbol, relative(gain.now, gain.value)))
+        .collect();
+    match wide.is_empty() {
+        true => format!("Nothing: every number below is known within {}.", number::share(enough)),
+        false => format!(
+            "None of these experiments narrows the interval of {} by a fifth. A longer one may; what stays whatever the length \
+             is the trust in time stamps and in the inertias stated.",
+            listed(&wide)
+        ),
+    }
+}
+
+fn narrowed(gain: &Gain) -> String {
+    let (now, then) = (relative(gain.now, gain.value), relative(Some(gain.then), gain.value));
+    format!("{} gets known within {then} in place of {now}", gain.symbol)
+}
+
+/// Half an interval as a part of the value, `± 3.5 %`.
+fn relative(half_width: Option<f64>, value: f64) -> String {
+    match half_width {
+        Some(half) => format!("± {} %", number::significant(100.0 * half / value.abs(), 2)),
+        None => "not known".to_owned(),
+    }
+}
+
+/// The experiment with length and speed: `Multisine_T_TN, designed, 60 s at 1200 rpm`.
+pub fn what(candidate: &Candidate) -> String {
+    let designed = if candidate.is_designed { " (designed for this shaft)" } else { "" };
+    let (length, speed) = (number::duration(candidate.duration_s), number::significant(candidate.speed_rpm, 4));
+    format!("{}{designed}, {length} at {speed} rpm", candidate.label)
+}
+
+/// The command that makes its demands, with the model of a study if there is one.
+pub fn command(candidate: &Candidate, bench: &str, study: Option<&str>) -> String {
+    let which = if candidate.is_designed { "--optimal K,B".to_owned() } else { candidate.label.clone() };
+    let (length, speed) = (number::significant(candidate.duration_s, 6), number::significant(candidate.speed_rpm, 6));
+    let model = study.map(|study| format!(" --model {study}")).unwrap_or_default();
+    format!("dynoid experiment design {bench} {which} --speed {speed} --duration {length}{model}")
+}
+
+/// A number, and how well it is known.
+pub struct Row {
+    /// Symbol.
+    pub symbol: String,
+    /// What it is.
+    pub name: String,
+    /// Its value.
+    pub value: String,
+    /// Half its 95 % interval now, as a part of the value.
+    pub now: String,
+    /// The same after each of the best candidates, and whether that is worth while.
+    pub then: Vec<(String, bool)>,
+}
+
+/// The table of what is known now and after the best candidates.
+pub fn rows(found: &NextExperiments) -> Vec<Row> {
+    let best = best(found);
+    let mut all: Vec<&Gain> = Vec::new();
+    for gain in best.iter().chain(found.candidates.first()).flat_map(|candidate| &candidate.gains) {
+        if !all.iter().any(|known| known.symbol == gain.symbol) {
+            all.push(gain);
+        }
+    }
+    let row = |gain: &&Gain| {
+        let after = |candidate: &Candidate| match candidate.gains.iter().find(|other| other.symbol == gain.symbol) {
+            Some(other) => (relative(Some(other.then), gain.value), other.is_worth_while()),
+            None => (relative(None, gain.value), false),
+        };
+        Row {
+            symbol: gain.symbol.clone(),
+            name: gain.name.clone(),
+            value: number::measure(gain.value, &gain.unit),
+            now: relative(gain.now, gain.value),
+            then: best.iter().map(after).collect(),
+        }
+    };
+    all.iter().map(row).collect()
+}
+
+/// `a`, `a and b`, `a, b and c`.
+fn listed(all: &[String]) -> String {
+    match all {
+        [] => String::new(),
+        [one] => one.clone(),
+        [most @ .., last] => format!("{} and {last}", most.join(", ")),
+    }
+}
