@@ -20,9 +20,12 @@ const BENCH_KEYS: &[&str] = &[
     "strokes",
     "dynamometer_inertia",
     "dynamometer_inertia_uncertainty_percent",
+    "dynamometer_friction",
+    "dynamometer_friction_uncertainty_percent",
     "engine_inertia",
 ];
 const INERTIA_EXAMPLE: &str = "\"0.6 kg m²\"";
+const FRICTION_EXAMPLE: &str = "\"0.01 Nm s/rad\"";
 
 /// Reads a bench file and notes every fault in it.
 pub(super) fn read(text: &str) -> Result<BenchFile, BenchFileError> {
@@ -52,7 +55,12 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
     let strokes = read_strokes(&bench, faults);
     let dynamometer_inertia = read_inertia(&bench, "dynamometer_inertia", faults);
     let engine_inertia = read_inertia(&bench, "engine_inertia", faults);
-    let uncertainty = read_uncertainty(&bench, faults);
+    let inertia_uncertainty = read_uncertainty(&bench, "dynamometer_inertia", 100.0, faults);
+    let friction = read_limit(&bench, "dynamometer_friction", Quantity::Damping, FRICTION_EXAMPLE, faults);
+    let friction_uncertainty = read_uncertainty(&bench, "dynamometer_friction", 1000.0, faults);
+    if friction_uncertainty.is_some() {
+        bench.require("dynamometer_friction", FRICTION_EXAMPLE, faults);
+    }
     let limits = read_limits(&root.section("limits", faults), faults);
     let shaft = read_shaft(&root.section("shaft", faults), faults);
     let virtual_bench = virtual_bench::read(&root.section("virtual_bench", faults), faults);
@@ -68,7 +76,9 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
         cylinders: cylinders?,
         strokes: strokes?,
         dynamometer_inertia_kg_m2: dynamometer_inertia?,
-        dynamometer_inertia_uncertainty_percent: uncertainty,
+        dynamometer_inertia_uncertainty_percent: inertia_uncertainty,
+        dynamometer_friction_nm_s_per_rad: friction,
+        dynamometer_friction_uncertainty_percent: friction_uncertainty,
         engine_inertia_kg_m2: engine_inertia?,
         limits,
         shaft,
@@ -122,9 +132,10 @@ fn read_strokes(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<u32>
     strokes
 }
 
-fn read_uncertainty(bench: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<f64> {
-    let remedy = "write the standard uncertainty of dynamometer_inertia in % of it";
-    bench.number_between("dynamometer_inertia_uncertainty_percent", (0.0, 100.0), remedy, faults)
+/// Standard uncertainty of a value, % of it.
+fn read_uncertainty(bench: &Section<'_, '_>, of: &str, most: f64, faults: &mut Faults<'_>) -> Option<f64> {
+    let remedy = format!("write the standard uncertainty of {of} in % of it");
+    bench.number_between(&format!("{of}_uncertainty_percent"), (0.0, most), &remedy, faults)
 }
 
 /// A number with a unit as text, or a bare number in SI.

@@ -44,6 +44,8 @@ strokes = 4
 dynamometer_inertia = "{PLACEHOLDER}"
 # How well it is known, if it is: standard uncertainty in % of it.
 # dynamometer_inertia_uncertainty_percent = 2
+# Slope of its bearing friction over speed (c_1 of `dynoid friction`), if it is known.
+# dynamometer_friction = "0.01 Nm s/rad"
 # Inertia of the engine, flywheel included, e.g. "0.2 kg m²".
 engine_inertia = "{PLACEHOLDER}"
 
@@ -88,6 +90,10 @@ engine_inertia = "{PLACEHOLDER}"
         let _ = writeln!(text, "dynamometer_inertia = \"{} kg m²\"", self.dynamometer_inertia_kg_m2);
         if let Some(percent) = self.dynamometer_inertia_uncertainty_percent {
             let _ = writeln!(text, "dynamometer_inertia_uncertainty_percent = {percent}");
+        }
+        write_values(&mut text, &[("dynamometer_friction", self.dynamometer_friction_nm_s_per_rad, "Nm s/rad")]);
+        if let Some(percent) = self.dynamometer_friction_uncertainty_percent {
+            let _ = writeln!(text, "dynamometer_friction_uncertainty_percent = {percent}");
         }
         let _ = writeln!(text, "engine_inertia = \"{} kg m²\"", self.engine_inertia_kg_m2);
         write_limits(&mut text, self.limits);

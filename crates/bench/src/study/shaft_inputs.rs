@@ -10,6 +10,8 @@ use crate::study::torque::{air_gap_torque, sampled_torque};
 use crate::study::{BenchVariant, Estimate};
 use crate::{BenchFile, ControlMode, Experiment, Role};
 
+/// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
+const FRICTION_DOUBT_PERCENT: f64 = 20.0;
 /// Tests in which T_d* moves the bench over a wide band.
 const EXCITED_TESTS: [&str; 3] = ["Multisine", "Binary", "WhiteNoise"];
 
@@ -34,10 +36,21 @@ pub(crate) fn shaft_inputs<'a>(
         engine_speed: need(experiment, Role::EngineSpeed)?,
         torque,
         inertia_kg_m2,
-        friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(inertia),
+        friction_slope_nm_s_per_rad: friction_slope(bench),
         encoder_noise_rad_s: encoder.noise_rad_s,
         gate_s: (encoder.gate_s, encoder.gate_standard_error_s),
     })
+}
+
+/// The slope of the dynamometer's friction with its standard uncertainty, Nm s/rad: as stated, or what is usual.
+fn friction_slope(bench: &BenchFile) -> (f64, f64) {
+    match bench.dynamometer_friction_nm_s_per_rad {
+        Some(slope) => {
+            let percent = bench.dynamometer_friction_uncertainty_percent.unwrap_or(FRICTION_DOUBT_PERCENT);
+            (slope, percent / 100.0 * slope)
+        }
+        None => ShaftInputs::usual_friction(bench.dynamometer_inertia_kg_m2),
+    }
 }
 
 /// Whether an experiment tells both inertias: T_d* moves the bench over a wide band, and behind a torque flange stands a

@@ -176,6 +176,24 @@ fn regress_implausible_inertia_looks_like_another_unit() {
 }
 
 #[test]
+fn exact_friction_of_the_dynamometer() {
+    let stated = |lines: &str| parse(&GOOD.replace("engine_inertia", &format!("{lines}\nengine_inertia")));
+    let file =
+        stated("dynamometer_friction = \"0.02 Nm s/rad\"\ndynamometer_friction_uncertainty_percent = 300").unwrap();
+    assert_eq!(file.dynamometer_friction_nm_s_per_rad, Some(0.02));
+    assert_eq!(file.dynamometer_friction_uncertainty_percent, Some(300.0));
+    assert_eq!(parse(&file.to_toml()).unwrap(), file);
+    for (lines, key) in [
+        ("dynamometer_friction_uncertainty_percent = 50", "bench.dynamometer_friction"),
+        ("dynamometer_friction = \"0.02 Nm\"", "bench.dynamometer_friction"),
+        ("dynamometer_friction = \"-0.02 Nm s/rad\"", "bench.dynamometer_friction"),
+    ] {
+        let faults = stated(lines).unwrap_err().faults;
+        assert!(faults.len() == 1 && faults[0].key == key, "{lines}: {faults:#?}");
+    }
+}
+
+#[test]
 fn regress_values_out_of_range() {
     for (from, to, key) in [
         ("cylinders = 4", "cylinders = -1", "bench.cylinders"),

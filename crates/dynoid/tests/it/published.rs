@@ -52,7 +52,8 @@ fn near(found: f64, published: f64, part: f64) {
 
 /// Two motors on a coupling, torque in units of the current (the torque constant is not published). Published, from frequency
 /// responses: K 551, J 0.00482 and 0.00479, antiresonance 53 to 54 Hz, resonance 76.2 to 77 Hz, 0.12 ms from current to angle.
-/// B is not compared: dry friction of both bearings, which no command knows, counts as damping of the coupling.
+/// From a dynamometer on its bearings no more friction is expected than one with which it runs out in a minute; these motors
+/// have much more, and unless that is stated it counts as damping of the coupling.
 #[test]
 fn ref_two_motors_by_the_command_shaft() {
     let Some(file) = reference("motor-bench-two-mass/MultisineTypeA.mat") else { return };
@@ -74,6 +75,16 @@ fn ref_two_motors_by_the_command_shaft() {
         near((stiffness * (1.0 / motor + 1.0 / load)).sqrt() / TAU, 76.6, 0.02);
         near(-told(parameters, "δ_T").0, 1.2e-4, 0.25);
     }
+    // ζ = 0.005 of the published response, B = 2ζ√(K J J_l/(J + J_l)), once any friction of the bearings is thought possible.
+    let text = campaign.read("bench.toml").replace(
+        "cylinders = 0\n",
+        "cylinders = 0\ndynamometer_friction = \"0.02 Nm s/rad\"\ndynamometer_friction_uncertainty_percent = 300\n",
+    );
+    campaign.write("friction.toml", text.as_bytes());
+    let free = run(&campaign, &["shaft", "friction.toml"]);
+    let (_, [low, high]) = told(&free["recordings"][0]["inertias"]["found"]["parameters"], "B");
+    let published = 2.0 * 0.005 * (551.0_f64 * 0.00482 * 0.00479 / (0.00482 + 0.00479)).sqrt();
+    assert!(low < published && published < high, "{low} … {high}, published {published}");
     // More than K and B is in this shaft, and it is said.
     let cost = &periods["cost"];
     assert!(cost["achieved"].as_f64().unwrap() > 10.0 * cost["limits"][1].as_f64().unwrap(), "{cost}");
@@ -176,4 +187,58 @@ fn ref_flexible_drive_by_the_command_fit() {
     }
     // Dry friction is in no linear model, and what it leaves is said.
     assert!(ran.stdout.contains("dynamics are missing"), "{}", ran.stdout);
+}
+
+/// Two servo motors, a step of the torque. Published: J = 1.2e-4 kg m² of the catalogue; own fits of others find 1.4e-4 to 1.6e-4
+/// forwards, and twice that backwards, where friction is another.
+#[test]
+fn ref_servo_motors_by_the_command_fit() {
+    for (run, is_forwards) in [("pos_0.06", true), ("pos_0.065", true), ("neg_0.04", false), ("neg_0.045", false)] {
+        let Some(file) = reference(&format!("hsm150/idf_{run}_1.mat")) else { return };
+        let campaign = Campaign::empty();
+        let file = file.to_str().unwrap();
+        let line = ["fit", "tf", file, "--sample-time", "0.001", "-u", "data(:,5)", "-y", "data(:,4)", "--poles", "1"];
+        let line = [&line[..], &["--zeros", "0", "--from", "5"]].concat();
+        let ran = campaign.run(&line);
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        let row = ran.stdout.lines().find(|line| line.trim_start().starts_with("b0 ")).unwrap();
+        let numbers: Vec<f64> = row.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        let [one_over_j, _, low, high] = numbers[..] else { panic!("{row}") };
+        println!("{run}: J = {:.3e}, {:.3e} to {:.3e} kg m²", 1.0 / one_over_j, 1.0 / high, 1.0 / low);
+        match is_forwards {
+            true => assert!(low < 1.0 / 1.2e-4 && 1.0 / 1.2e-4 < high, "{row}"),
+            false => assert!(1.0 / one_over_j > 1.7e-4, "{row}"),
+        }
+    }
+}
+
+/// A drive train in the laboratory after a step of its load. Published: the first mode measured at 27.9 Hz, beside 2.78, 11.1 and
+/// 33.3 Hz, where the shafts turn. The second, at 39.0 Hz, stands out in none of these spectra.
+#[test]
+fn ref_drive_train_by_the_command_spectrum() {
+    let Some(file) = reference("aalto-drivetrain/step_sensor.csv") else { return };
+    let campaign = Campaign::empty();
+    let text = std::fs::read_to_string(file).unwrap();
+    campaign.write("step.csv", format!("t [s],n1 [rad/s],n2 [rad/s],T1 [Nm],T2 [Nm]\n{text}").as_bytes());
+    for channel in ["T1", "T2", "n2"] {
+        let found = run(&campaign, &["spectrum", "step.csv", "-y", channel, "--method", "welch", "--window", "2048"]);
+        let mut frequencies = Vec::new();
+        peaks(&found, &mut frequencies);
+        println!("{channel}: {frequencies:?}");
+        for published in [27.9, 33.3] {
+            assert!(frequencies.iter().any(|f| (f - published).abs() < 0.3), "{channel}: {published}, {frequencies:?}");
+        }
+    }
+}
+
+/// The frequencies of all peaks in a document.
+fn peaks(document: &Value, into: &mut Vec<f64>) {
+    match document {
+        Value::Array(all) => all.iter().for_each(|one| peaks(one, into)),
+        Value::Object(fields) => fields.iter().for_each(|(name, value)| match (name.as_str(), value.as_array()) {
+            ("peaks", Some(all)) => into.extend(all.iter().filter_map(|peak| peak["frequency_hz"].as_f64())),
+            _ => peaks(value, into),
+        }),
+        _ => (),
+    }
 }

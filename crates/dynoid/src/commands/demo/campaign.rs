@@ -83,6 +83,8 @@ pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> Benc
         strokes: 4,
         dynamometer_inertia_kg_m2: parameters.mechanics.dyno_inertia_kg_m2,
         dynamometer_inertia_uncertainty_percent: None,
+        dynamometer_friction_nm_s_per_rad: None,
+        dynamometer_friction_uncertainty_percent: None,
         engine_inertia_kg_m2: parameters.mechanics.engine_inertia_kg_m2,
         limits: Limits { torque_nm: Some(parameters.inverter.torque_limit_nm), ..Limits::default() },
         shaft: ShaftPrior::default(),
