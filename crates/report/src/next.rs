@@ -14,8 +14,8 @@ pub fn best(found: &NextExperiments) -> &[Candidate] {
 }
 
 /// What to record next and why, in a sentence.
-pub fn recommendation(found: &NextExperiments, enough: f64) -> String {
-    let Some(first) = best(found).first() else { return nothing_to_gain(found, enough) };
+pub fn recommendation(found: &NextExperiments) -> String {
+    let Some(first) = best(found).first() else { return nothing_to_gain(found) };
     let gains =
         |known: bool| first.gains.iter().filter(move |gain| gain.is_worth_while() && gain.now.is_some() == known);
     let new: Vec<String> = gains(false).map(|gain| gain.symbol.clone()).collect();
@@ -31,7 +31,7 @@ pub fn recommendation(found: &NextExperiments, enough: f64) -> String {
 }
 
 /// Why no experiment is recommended.
-fn nothing_to_gain(found: &NextExperiments, enough: f64) -> String {
+fn nothing_to_gain(found: &NextExperiments) -> String {
     let gains = found.candidates.first().map_or(&[][..], |candidate| &candidate.gains);
     let wide: Vec<String> = gains
         .iter()
@@ -39,7 +39,7 @@ fn nothing_to_gain(found: &NextExperiments, enough: f64) -> String {
         .map(|gain| format!("{} ({})", gain.symbol, relative(gain.now, gain.value)))
         .collect();
     match wide.is_empty() {
-        true => format!("Nothing: every number below is known within {}.", number::share(enough)),
+        true => format!("Nothing: every number below is known within {}.", number::share(found.enough)),
         false => format!(
             "None of these experiments narrows the interval of {} by a fifth. A longer one may; what stays whatever the length \
              is the trust in time stamps and in the inertias stated.",

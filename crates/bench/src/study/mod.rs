@@ -11,7 +11,7 @@ mod torque;
 mod whole;
 
 pub use gather::{Source, experiment_of};
-pub use next::{Candidate, Gain, NextError, NextExperiments, NextTask, next_experiments};
+pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
 pub use result::*;
 pub use run::{Campaign, Progress, StudyError, run};
 pub(crate) use torque::inverter_of;

@@ -40,14 +40,10 @@ const DESIGNED_FOR: [Goal; 2] = [Goal::Stiffness, Goal::Damping];
 /// by an eighth (standard deviation, six recordings of 16 s).
 const SAME: f64 = 0.2;
 
-/// What is asked.
-#[derive(Debug)]
-pub struct NextTask<'a> {
-    /// The bench.
-    pub bench: &'a BenchFile,
-    /// The recordings there are; there may be none.
-    pub sources: Vec<Source>,
-    /// Speed at which the next experiment would run, rpm.
+/// What the next experiment may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NextOptions {
+    /// Speed at which it would run, rpm.
     pub speed_rpm: f64,
     /// Its length, s.
     pub duration_s: f64,
@@ -55,6 +51,13 @@ pub struct NextTask<'a> {
     pub enough: f64,
     /// Seed of what is random in it.
     pub seed: u64,
+}
+
+impl Default for NextOptions {
+    /// A minute at 1200 rpm; within one per cent is enough.
+    fn default() -> Self {
+        NextOptions { speed_rpm: 1200.0, duration_s: 60.0, enough: 0.01, seed: 1 }
+    }
 }
 
 /// Why nothing can be said.
@@ -84,6 +87,8 @@ pub struct NextExperiments {
     pub now: Vec<Parameter>,
     /// The experiments, the one that buys most first.
     pub candidates: Vec<Candidate>,
+    /// Half an interval of this part of the value was taken for narrow enough.
+    pub enough: f64,
     /// What had to be assumed of the bench that they were tried on.
     pub assumptions: Vec<Assumption>,
 }
@@ -151,46 +156,58 @@ impl Candidate {
     }
 }
 
-/// What each experiment of the method would buy, beside the recordings there are.
+/// What each experiment of the method would buy, beside the recordings there are; there may be none.
 ///
 /// # Errors
 /// [`NextError`]: recordings of which none can be used, or a bench of which too little is known to try anything on.
 pub fn next_experiments(
-    task: NextTask<'_>,
+    bench: &BenchFile,
+    sources: Vec<Source>,
+    options: NextOptions,
     progress: &mut dyn FnMut(Progress),
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<NextExperiments, NextError> {
-    let bench = task.bench;
     if bench.channels.is_empty() {
         return Err(StudyError::NoChannels.into());
     }
-    if task.duration_s.is_nan() || task.duration_s < SHORTEST_S {
-        return Err(NextError::TooShort { duration_s: task.duration_s });
-    }
-    let count = task.sources.len();
-    let Gathered { experiments, diagnostics, .. } = gather(bench, task.sources, progress);
+    let count = sources.len();
+    let Gathered { experiments, diagnostics, .. } = gather(bench, sources, progress);
     if experiments.is_empty() && count > 0 {
         return Err(StudyError::NothingUsable { count, diagnostics }.into());
     }
-    let known = Known::of(bench, &experiments, progress);
+    beside(bench, &experiments, options, progress, told)
+}
+
+/// The same, beside experiments that were prepared.
+pub(super) fn beside(
+    bench: &BenchFile,
+    experiments: &[Experiment],
+    options: NextOptions,
+    progress: &mut dyn FnMut(Progress),
+    told: &(dyn Fn(u64, u64) + Sync),
+) -> Result<NextExperiments, NextError> {
+    if options.duration_s.is_nan() || options.duration_s < SHORTEST_S {
+        return Err(NextError::TooShort { duration_s: options.duration_s });
+    }
+    let known = Known::of(bench, experiments, progress);
     let mut stated = StatedBench::of(bench, known.model.as_ref().map(|assembled| &assembled.model))?;
     if !stated.knows_shaft() {
         return Err(NextError::UnknownShaft);
     }
-    adopt_sensors(&mut stated, &experiments, known.encoder);
-    let at = OperatingPoint { speed_rad_s: task.speed_rpm * RPM_RAD_S, torque_nm: DESIGNED_AT_NM };
-    let plans: Vec<(ExperimentPlan, bool)> = designed(bench, &stated, at, task.duration_s)
+    adopt_sensors(&mut stated, experiments, known.encoder);
+    let at = OperatingPoint { speed_rad_s: options.speed_rpm * RPM_RAD_S, torque_nm: DESIGNED_AT_NM };
+    let plans: Vec<(ExperimentPlan, bool)> = designed(bench, &stated, at, options.duration_s)
         .into_iter()
         .map(|plan| (plan, true))
-        .chain(of_the_method(task.speed_rpm, task.duration_s).map(|plan| (plan, false)))
+        .chain(of_the_method(options.speed_rpm, options.duration_s).map(|plan| (plan, false)))
         .collect();
     let tried = |(plan, is_designed): &(ExperimentPlan, bool)| {
-        let gains = |then: &[Parameter]| then.iter().map(|p| gain(p, &known.numbers, task.enough)).collect();
-        let (then, peak_shaft_torque_nm) = try_out(bench, &experiments, &stated, plan, task.seed)?;
+        let gains = |then: &[Parameter]| then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect();
+        let (then, peak_shaft_torque_nm) = try_out(bench, experiments, &stated, plan, options.seed)?;
         Ok(Candidate {
             label: plan.label.to_string(),
             is_designed: *is_designed,
-            speed_rpm: task.speed_rpm,
+            speed_rpm: options.speed_rpm,
             duration_s: plan.duration_s,
             peak_shaft_torque_nm,
             gains: gains(&then),
@@ -199,7 +216,7 @@ pub fn next_experiments(
     let candidates = on_all_processors(&plans, tried, told);
     let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
     candidates.sort_by(|a, b| b.worth().partial_cmp(&a.worth()).unwrap_or(std::cmp::Ordering::Equal));
-    Ok(NextExperiments { now: known.numbers, candidates, assumptions: stated.assumptions })
+    Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
 }
 
 /// What recordings tell.

@@ -2,7 +2,7 @@
 
 use bench::BenchFile;
 use bench::bench_file::ShaftPrior;
-use bench::study::{Gain, NextError, NextExperiments, NextTask, Source, next_experiments};
+use bench::study::{Gain, NextError, NextExperiments, NextOptions, Source, next_experiments};
 use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
 
 use crate::study::{bench_file, default_bench, source};
@@ -11,8 +11,8 @@ use crate::support::BENCH_A;
 const DURATION_S: f64 = 16.0;
 
 fn asked(bench: &BenchFile, sources: Vec<Source>) -> Result<NextExperiments, NextError> {
-    let task = NextTask { bench, sources, speed_rpm: 1200.0, duration_s: DURATION_S, enough: 0.002, seed: 1 };
-    next_experiments(task, &mut |_| {}, &|_, _| {})
+    let options = NextOptions { duration_s: DURATION_S, enough: 0.002, ..NextOptions::default() };
+    next_experiments(bench, sources, options, &mut |_| {}, &|_, _| {})
 }
 
 /// Recordings of a bench that no bench file tells all of: its clocks are apart and its speeds noisy.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use bench::study::{Candidate, NextError, NextExperiments, NextTask, next_experiments};
+use bench::study::{Candidate, NextError, NextExperiments, NextOptions, next_experiments};
 use report::next::{best, command, recommendation, rows, what};
 use report::wording::{self, number};
 
@@ -28,15 +28,16 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
     };
     let progress = terminal.progress(sources.len() as u64 + PARTS);
     let trying = terminal.long("trying experiments on a bench like this one");
-    let task = NextTask {
-        bench: &file,
-        sources,
+    let options = NextOptions {
         speed_rpm: arguments.speed,
         duration_s: arguments.duration,
         enough: arguments.enough / 100.0,
         seed: arguments.seed,
     };
-    let found = next_experiments(task, &mut |step| show(&progress, &step), &|done, all| trying.told(done, all));
+    let found = {
+        let (mut show, told) = (|step| show(&progress, &step), |done, all| trying.told(done, all));
+        next_experiments(&file, sources, options, &mut show, &told)
+    };
     drop((progress, trying));
     let found = found.map_err(|error| refused(&arguments.bench, error))?;
     if arguments.json {
@@ -63,7 +64,7 @@ fn refused(bench: &Path, error: NextError) -> CliError {
 
 fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Terminal) {
     terminal.heading("What to record next", Style::Bold);
-    terminal.paragraph(&recommendation(found, arguments.enough / 100.0));
+    terminal.paragraph(&recommendation(found));
     terminal.gap();
     let widths = widths(found);
     if !widths.is_empty() {
