@@ -10,11 +10,13 @@ use crate::estimate::torque_control::{
     self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, usable_samples,
 };
 use crate::estimate::{EstimateError, stretch::need};
-use crate::study::Stretch;
+use crate::study::{Stretch, Trace};
 use crate::{Experiment, Role};
 
 /// Parts of a recording that models are estimated from, and chosen by; the rest is held out.
 const SHARES: [f64; 2] = [0.5, 0.7];
+/// How much of the held-out part is drawn, s.
+const SHOWN_S: f64 = 0.5;
 /// A sample of T_d,calc taken as the demand changes meets the new demand, for all that its stamp is rounded, in parts of the
 /// demand's sample.
 const ROUNDING: f64 = 1e-6;
@@ -90,6 +92,17 @@ impl Record {
     /// What they are judged by.
     pub(super) fn held_out(&self) -> Range<usize> {
         self.at(SHARES[1])..self.torque.len()
+    }
+
+    /// The first of the held-out part of a series, to be drawn.
+    pub(super) fn beginning(&self, values: &[f64]) -> Trace {
+        let start = self.held_out().start;
+        let end = (start + (SHOWN_S / self.sample_time_s) as usize).min(values.len());
+        Trace {
+            start_s: self.times_s.get(start).copied().unwrap_or(f64::NAN),
+            sample_time_s: self.sample_time_s,
+            values: values.get(start..end).map(<[f64]>::to_vec).unwrap_or_default(),
+        }
     }
 
     pub(super) fn stretch(&self, range: Range<usize>) -> Stretch {

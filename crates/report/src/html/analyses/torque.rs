@@ -1,0 +1,78 @@
+//! The torque signals held against each other.
+
+use bench::torque_signals::{Told, TorqueRecording, TorqueSignals};
+use plot::markup::Markup;
+
+use super::{figures, heading, parameters, plain_table, sentence, untold};
+use crate::torque;
+use crate::wording::number;
+
+/// The section on the torque signals.
+pub(crate) fn torque(found: &TorqueSignals) -> Markup {
+    let mut all = sentence(
+        "Which torque can be believed, and when it is true: each against T_d*, against the bend in N_d, against the load cell \
+         at rest; and the shaft torque rebuilt from N_d and T_d with its own standard deviation",
+    );
+    all.push(match &found.trust {
+        Some(check) => sentence(&torque::trust(check)),
+        None => untold("T_d,calc is not held against the load cell", torque::NO_TRUST),
+    });
+    all.push(delays(found));
+    if let Some((file, cell)) = found.load_cell() {
+        all.push(heading(&format!("Load cell, from {file}")));
+        all.push(parameters(cell));
+    }
+    all.push(heading("The system’s own shaft torque, and the rebuilt one"));
+    all.push(by_recording(found));
+    all.push(figures(&torque::figures(found)));
+    all
+}
+
+fn delays(found: &TorqueSignals) -> Markup {
+    let shown = |p: &Option<bench::study::Parameter>| p.as_ref().map_or_else(|| "–".to_owned(), number::parameter);
+    let of_recording = |recording: &TorqueRecording| {
+        let delays = recording.delays.found().into_iter().flatten();
+        let row = |delay| -> Vec<String> {
+            let delay: &bench::study::SignalDelay = delay;
+            vec![
+                recording.file.clone(),
+                delay.role.symbol().to_owned(),
+                shown(&delay.against_demand),
+                shown(&delay.against_speed_bend),
+                torque::agreement(delay).to_owned(),
+                torque::routes(delay).join("; "),
+            ]
+        };
+        delays.map(row).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<String>> = found.recordings.iter().flat_map(of_recording).collect();
+    if rows.is_empty() {
+        return untold("Delays", "no recording moves T_d* by itself; run WhiteNoise_T_TN or Step_T_TN");
+    }
+    let heads =
+        ["Recording", "Signal", "Behind T_d*", "Behind the bend of N_d", "Agree", "By each route, 95 % intervals"];
+    let mut all = heading("Delays in every recording that tells them");
+    all.push(plain_table(&heads, rows));
+    all
+}
+
+fn by_recording(found: &TorqueSignals) -> Markup {
+    let rows = found.recordings.iter().filter(|r| r.filter.is_some() || r.shaft.is_some()).map(|recording| {
+        let filter = recording.filter.as_ref().map_or_else(
+            || "not recorded".to_owned(),
+            |told| match told {
+                Told::Found(filter) => torque::shaft_filter(filter),
+                Told::Untold(why) => torque::untold(why),
+            },
+        );
+        let rebuilt = recording.shaft.as_ref().map_or_else(
+            || "the shaft is off".to_owned(),
+            |told| match told {
+                Told::Found(shaft) => torque::rebuilt(shaft),
+                Told::Untold(why) => torque::untold(why),
+            },
+        );
+        vec![recording.file.clone(), filter, rebuilt]
+    });
+    plain_table(&["Recording", "What stands in T_d,shaft,calc", "T_shaft rebuilt"], rows)
+}
