@@ -7,6 +7,7 @@ use crate::estimate::EstimateError;
 use crate::friction::{self, Friction, FrictionError, FrictionOptions};
 use crate::look::{Look, OverSpeed, look, over_speed};
 use crate::model::Engine;
+use crate::processors::on_all_processors;
 use crate::shaft_study::{ShaftStudy, shaft_study};
 use crate::speed_control::{self, PiStudy, SpeedControl, StudyOptions, speed_control};
 use crate::torque_control_study::{self, OrdersTried, TorqueControlStudy, TorqueControlStudyError};
@@ -60,7 +61,7 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
     let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
     analysing("lines");
     let engine = Engine { cylinders: bench.cylinders, strokes: bench.strokes };
-    let lines: Vec<Look> = experiments.iter().map(|experiment| look(experiment, engine)).collect();
+    let lines: Vec<Look> = on_all_processors(experiments, |experiment| look(experiment, engine), &|_, _| ());
     analysing("torque signals");
     let torque_signals = torque_signals(&all, bench, &mut |_| ());
     analysing("speed controller");

@@ -378,8 +378,10 @@ fn shown_of(record: &Record, responses: &[Response], judged: &[Judgement]) -> Sh
     Shown {
         judged_on: record.excited,
         measured: record.beginning(&record.torque),
-        bar: record.beginning(&record.one_sample_late()),
-        models: models.filter_map(|((m, source), r)| Some((*m, *source, record.beginning(r.as_ref()?)))).collect(),
+        bar: record.beginning(&record.with_offset(&record.one_sample_late())),
+        models: models
+            .filter_map(|((m, source), r)| Some((*m, *source, record.beginning(&record.with_offset(r.as_ref()?)))))
+            .collect(),
     }
 }
 

@@ -135,12 +135,17 @@ impl Record {
         Dataset::siso(self.sample_time_s, &driving[range], &torque)
     }
 
-    /// What a model of T_d leaves of a stretch, Nm; an offset is taken from the estimation part, as every model has one.
+    /// What a model makes of T_d, with its offset taken from the estimation part, as every model has one, Nm.
+    pub(super) fn with_offset(&self, modelled: &[f64]) -> Vec<f64> {
+        let left: Vec<f64> = self.torque.iter().zip(modelled).map(|(measured, modelled)| measured - modelled).collect();
+        let offset = self.mean(&left);
+        modelled.iter().map(|modelled| modelled + offset).collect()
+    }
+
+    /// What a model of T_d leaves of a stretch, Nm.
     pub(super) fn errors(&self, modelled: &[f64], range: Range<usize>) -> Vec<f64> {
-        let error = |i: usize| self.torque[i] - modelled[i];
-        let all: Vec<f64> = (0..self.torque.len()).map(error).collect();
-        let offset = self.mean(&all);
-        self.usable_in(range).map(|i| all[i] - offset).collect()
+        let modelled = self.with_offset(modelled);
+        self.usable_in(range).map(|i| self.torque[i] - modelled[i]).collect()
     }
 
     /// Root of the mean squared T_d about its mean in a stretch, Nm.

@@ -26,7 +26,8 @@ pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Markup {
 }
 
 fn group(grade: Grade, all: &[Known]) -> Markup {
-    let rows: Vec<Vec<Markup>> = all.iter().filter(|one| one.grade == grade).map(row).collect();
+    let of_grade: Vec<&Known> = all.iter().filter(|one| one.grade == grade).collect();
+    let rows: Vec<Vec<Markup>> = of_grade.chunk_by(|a, b| a.why.first() == b.why.first()).map(row).collect();
     if rows.is_empty() {
         return Markup::default();
     }
@@ -34,15 +35,26 @@ fn group(grade: Grade, all: &[Known]) -> Markup {
         "<h3>{} <span class=\"tag {}\">{}</span></h3>\n<p class=\"note\">{}</p>\n{}",
         grade.headline(),
         class(grade),
-        rows.len(),
+        of_grade.len(),
         prose(grade.meaning()),
-        table("known", &["", "Quantity", "Value", "Why"], rows)
+        table("known", &["Quantity", "Why"], rows)
     )
 }
 
-fn row(one: &Known) -> Vec<Markup> {
+/// Quantities that come from the same place, and what is to be said of any of them.
+fn row(alike: &[&Known]) -> Vec<Markup> {
+    let mut why: Vec<&str> = Vec::new();
+    for text in alike.iter().flat_map(|one| &one.why) {
+        if !why.contains(&text.as_str()) {
+            why.push(text);
+        }
+    }
+    vec![alike.iter().map(|one| quantity(one)).collect(), prose(&why.join(" "))]
+}
+
+fn quantity(one: &Known) -> Markup {
     let value = if one.value.contains(number::NOT_KNOWN) { prose(&one.value) } else { unbroken(&one.value) };
-    vec![symbol(&one.symbol), prose(&one.name), value, prose(&one.why.join(" "))]
+    markup!("<p><b>{}</b> {}<br>{}</p>", symbol(&one.symbol), prose(&one.name), value)
 }
 
 fn class(grade: Grade) -> &'static str {

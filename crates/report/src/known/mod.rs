@@ -49,8 +49,8 @@ impl Grade {
     pub fn meaning(self) -> &'static str {
         match self {
             Grade::Well => {
-                "The recordings pin it down to within 5 % to either side (a time to a tenth of the fastest sample, a replay to a \
-                 fit of 90 %), and nothing else in them contradicts it."
+                "The recordings pin it down to within 5 % to either side (a time to a tenth of the fastest sample, friction to 1 Nm, \
+                 a replay to a fit of 90 %), and nothing else in them contradicts it."
             }
             Grade::Roughly => {
                 "Within 20 % (a time within half of the fastest sample, a replay to 70 %); or within 5 %, but something else contradicts it."

@@ -9,6 +9,9 @@ use crate::engine;
 use crate::torque;
 use crate::wording::{self, number};
 
+/// Friction known to within this is known well, however little there is of it, Nm.
+const FRICTION_NM: f64 = 1.0;
+
 /// How late each torque signal is.
 pub(super) fn delays(study: &Study) -> Vec<Known> {
     of_part(&study.timing, ("", "delays of the torque signals"), |part| {
@@ -44,17 +47,17 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
     });
     match (analyses.map(|found| &found.friction), without_shaft) {
         (Some(Ok(found)), _) => {
-            let middle = found.curve.get(found.curve.len() / 2);
-            let width = middle.map_or(f64::INFINITY, |p| (p.half_width_nm / p.torque_nm).abs());
-            let value = middle.map_or_else(
-                || "–".to_owned(),
-                |p| {
-                    let torque = number::plus_minus(p.torque_nm, p.half_width_nm, "Nm");
-                    format!("{torque} at {}", number::rpm(p.speed_rad_s))
-                },
-            );
+            let Some(middle) = found.curve.get(found.curve.len() / 2) else {
+                return known(Grade::NotAtAll, "–".to_owned(), "The speeds seen do not tell it.".to_owned());
+            };
             let files: Vec<String> = found.run_outs.iter().map(|run_out| run_out.stretch.file.clone()).collect();
-            let why = format!("From {}, with the shaft off.", wording::join(&files, "and"));
+            let mut why = format!("From {}, with the shaft off.", wording::join(&files, "and"));
+            if middle.half_width_nm >= middle.torque_nm.abs() {
+                why.push_str(" It is not told from zero, and small whatever it is.");
+            }
+            let torque = number::plus_minus(middle.torque_nm, middle.half_width_nm, "Nm");
+            let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / super::WIDTHS.0);
+            let value = format!("{torque} at {}", number::rpm(middle.speed_rad_s));
             known(Grade::of_width(width, super::WIDTHS), value, why)
         }
         (Some(Err(why)), _) => known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{why}."))),

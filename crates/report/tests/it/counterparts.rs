@@ -7,7 +7,7 @@ use crate::fixture;
 const COUNTERPARTS: [(&str, &str, &str); 17] = [
     ("figures 6.1, 6.2: delays of the torque signals", "timing", "Behind the bend of N_d"),
     ("figure 3.3: the system’s moving average", "timing", "is reproduced by a moving average over"),
-    ("figures 6.3, 6.4: block diagram", "diagram", "speed control"),
+    ("figures 6.3, 6.4: block diagram", "diagram", "Speed control"),
     ("figure 6.5, left: residuals without delay", "speed-control", "Without the delay"),
     ("figure 6.5, right: residuals with delay", "speed-control", "With the delay"),
     ("figure 6.6: PI on validation data", "speed-control", "Speed control on the held-out stretch"),

@@ -2,7 +2,7 @@
 
 use bench::estimate::EstimateError;
 use bench::estimate::speed_controller::{FeedForwardTerms, Round, TermTest};
-use bench::speed_control::{Case, Controller, ControllerRecording, PiStudy, SpeedControl};
+use bench::speed_control::{Case, Controller, ControllerRecording, Estimator, PiStudy, SpeedControl, Summary};
 use bench::torque_signals::Told;
 use bench::units::RPM_RAD_S;
 use plot::markup::Markup;
@@ -14,7 +14,7 @@ use crate::wording::number;
 /// PI and delay in every recording with constant N_d*, what stands beside them, the limit of T_d*, and what noise does.
 pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<PiStudy, EstimateError>>) -> Markup {
     let mut all: Markup = found.controllers.iter().map(one).collect();
-    all.push(figures(&words::correlation_figures(found)));
+    all.push(figures(words::correlation_figures(found)));
     if !found.controllers.is_empty() {
         all.push(heading("Limit of T_d*"));
         words::limits(found).iter().for_each(|text| all.push(sentence(text)));
@@ -100,7 +100,7 @@ pub(crate) fn feed_forward(found: &SpeedControl) -> Markup {
             }
         }
     }
-    all.push(figures(&words::map_figures(found)));
+    all.push(figures(words::map_figures(found)));
     all
 }
 
@@ -117,26 +117,28 @@ fn pi_study(found: &PiStudy) -> Markup {
         "A PI that is known runs on the speeds of {}, {} times with each noise, and is estimated again",
         found.file, found.options.draws
     )));
-    let heads =
-        ["Noise", "Estimated", "", "Truth", "Mean", "Bias", "St. dev.", "Claimed", "Coverage", "Table 7.1", "Unit"];
-    all.push(plain_table(&heads, found.cases.iter().flat_map(|case| case_rows(found, case))));
+    let heads = ["Estimated", "", "Truth", "Mean", "Bias", "St. dev.", "Claimed", "Coverage", "Table 7.1"];
+    for cases in found.cases.chunk_by(|a, b| a.noise == b.noise) {
+        let noise = cases.first().map_or_else(String::new, |case| words::noise(found, case.noise));
+        all.push(sentence(&format!("{noise}:")));
+        all.push(plain_table(&heads, cases.iter().flat_map(|case| case_rows(found, case))));
+    }
     all.push(sentence(words::STUDY_DEFINITIONS));
     all.push(sentence(words::ESTIMATORS));
-    all.push(figures(&words::study_figures(found)));
+    all.push(figures(words::study_figures(found)));
     all
 }
 
 fn case_rows(found: &PiStudy, case: &Case) -> Vec<Vec<String>> {
     let digits = |value: f64| number::significant(value, 5);
-    let spread = |value: f64| number::significant(value, 2);
-    let row = |summary: &bench::speed_control::Summary| {
+    let spread = |value: f64| number::significant_with_unit(value, 2, "");
+    let row = |summary: &Summary| {
         let of_many = |text: String| if summary.values.len() < 2 { "–".to_owned() } else { text };
-        let once = words::published(found, case.noise, &summary.symbol)
-            .filter(|_| case.estimator == bench::speed_control::Estimator::Forward);
+        let once =
+            words::published(found, case.noise, &summary.symbol).filter(|_| case.estimator == Estimator::Forward);
         vec![
-            words::noise(found, case.noise),
             words::estimator(case.estimator).to_owned(),
-            summary.symbol.clone(),
+            format!("{}, {}", summary.symbol, summary.unit),
             digits(summary.truth),
             digits(summary.mean),
             spread(summary.bias),
@@ -144,7 +146,6 @@ fn case_rows(found: &PiStudy, case: &Case) -> Vec<Vec<String>> {
             spread(summary.claimed),
             of_many(number::share(summary.coverage)),
             once.map_or_else(|| "–".to_owned(), digits),
-            summary.unit.clone(),
         ]
     };
     case.summaries.iter().map(row).collect()

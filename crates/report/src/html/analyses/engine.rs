@@ -40,6 +40,6 @@ fn one(recording: &EngineRecording) -> Markup {
         }
         Told::Untold(why) => all.push(untold("Cycles and cylinders", &torque::untold(why))),
     }
-    all.push(figures(&words::figures_of(recording)));
+    all.push(figures(words::figures_of(recording)));
     all
 }

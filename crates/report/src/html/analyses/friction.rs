@@ -29,6 +29,6 @@ pub(crate) fn friction(found: &Result<Friction, FrictionError>, bench: &BenchFac
         vec![words::terms(&candidate.terms), number::significant(candidate.bic_above_best, 3), chosen.to_owned()]
     };
     all.push(plain_table(&["Terms", "BIC above the best", ""], found.candidates.iter().map(row)));
-    all.push(figures(&words::figures(found)));
+    all.push(figures(words::figures(found)));
     all
 }

@@ -25,7 +25,7 @@ pub(crate) fn inverter(found: &Result<TorqueControlStudy, TorqueControlStudyErro
     studied.recordings.iter().for_each(|recording| all.push(one(studied, recording)));
     studied.untold.iter().for_each(|(file, why)| all.push(untold(file, &torque::untold(why))));
     studied.visibility.iter().for_each(|visibility| all.push(sentence(&words::first_visible(visibility))));
-    all.push(figures(&words::figures(studied)));
+    all.push(figures(words::figures(studied)));
     all
 }
 

@@ -21,7 +21,7 @@ pub(crate) fn lines(looks: &[Look], signals: &[OverSpeed]) -> Markup {
          (orders), the demand, the mains. What is not plainly of the engine or demanded stands in the table",
     );
     all.push(to_mind(looks));
-    all.push(figures(&over_speed_figures("All recordings", signals)));
+    all.push(figures(over_speed_figures("All recordings", signals)));
     looks.iter().for_each(|look| all.push(of_recording(look)));
     all
 }
@@ -30,8 +30,7 @@ fn of_recording(look: &Look) -> Markup {
     if look.parts.iter().all(|part| part.signals.is_empty()) {
         return untold(&format!("{} has no spectrum", look.file), "no speed is recorded, or every signal is too short");
     }
-    let drawn: Vec<plot::Figure> = look.parts.iter().take(DRAWN_PARTS).map(|part| figure(look, part)).collect();
-    let mut all = figures(&drawn);
+    let mut all = figures(look.parts.iter().take(DRAWN_PARTS).map(|part| figure(look, part)).collect());
     if look.parts.len() > DRAWN_PARTS {
         all.push(markup!(
             "<p class=\"note\">{}</p>\n",
@@ -48,36 +47,39 @@ fn to_mind(looks: &[Look]) -> Markup {
         return sentence("Every strong line is an engine order below half the sample rate, or demanded");
     }
     let mut all = heading("Lines to mind");
-    all.push(plain_table(&["Recording", "Signal", "At", "Amplitude", "What it is"], rows));
+    all.push(plain_table(&["Recording", "The strongest of its kind", "At", "In"], rows));
     all
 }
 
-/// Of each signal the strongest line of every kind to mind, over all parts.
+/// Of each kind to mind the strongest line of a recording, and the signals that have one.
 fn rows_of(look: &Look) -> Vec<Vec<String>> {
-    let mut kinds: Vec<(&str, std::mem::Discriminant<Cause>)> = Vec::new();
-    let mut rows = Vec::new();
     let signals = look.parts.iter().flat_map(|part| &part.signals);
-    for (signal, line) in signals.flat_map(|s| s.lines.iter().take(STRONGEST).map(move |line| (s, line))) {
-        let kind = (signal.role.symbol(), std::mem::discriminant(&line.cause));
-        if is_to_mind(&line.cause) && !kinds.contains(&kind) {
-            kinds.push(kind);
-            rows.push(row(look, signal, line));
+    let lines = signals.flat_map(|signal| signal.lines.iter().take(STRONGEST).map(move |line| (signal, line)));
+    let mut kinds: Vec<(&Line, Vec<(&LookedSignal, &Line)>)> = Vec::new();
+    for (signal, line) in lines.filter(|(_, line)| is_to_mind(&line.cause)) {
+        let kind = std::mem::discriminant(&line.cause);
+        match kinds.iter_mut().find(|(first, _)| std::mem::discriminant(&first.cause) == kind) {
+            Some((_, of)) if of.iter().any(|(other, _)| other.role == signal.role) => {}
+            Some((_, of)) => of.push((signal, line)),
+            None => kinds.push((line, vec![(signal, line)])),
         }
     }
-    rows
+    kinds.into_iter().map(|(first, of)| row(look, first, &of)).collect()
 }
 
 fn is_to_mind(cause: &Cause) -> bool {
     !matches!(cause, Cause::Order { .. } | Cause::Demanded | Cause::OrderSideband { .. } | Cause::StructuralResonance)
 }
 
-fn row(look: &Look, signal: &LookedSignal, line: &Line) -> Vec<String> {
-    let (unit, per_si) = unit(signal.role);
+fn row(look: &Look, first: &Line, of: &[(&LookedSignal, &Line)]) -> Vec<String> {
+    let amplitude = |(signal, line): &(&LookedSignal, &Line)| {
+        let (unit, per_si) = unit(signal.role);
+        format!("{} {}", signal.role.symbol(), number::significant_with_unit(per_si * line.amplitude, 2, unit))
+    };
     vec![
         look.file.clone(),
-        signal.role.symbol().to_owned(),
-        number::significant_with_unit(line.frequency_hz, 4, "Hz"),
-        number::significant_with_unit(per_si * line.amplitude, 3, unit),
-        cause(&line.cause),
+        cause(&first.cause),
+        number::significant_with_unit(first.frequency_hz, 4, "Hz"),
+        of.iter().map(amplitude).collect::<Vec<_>>().join(", "),
     ]
 }

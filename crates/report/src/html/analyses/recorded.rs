@@ -26,7 +26,7 @@ pub(crate) fn courses(all: &[RecordedCourse]) -> Markup {
         "Speeds and torques as the estimates got them: in one unit, without gaps, before any model. A part that looks wrong \
          here is wrong everywhere below",
     );
-    section.push(figures(&all.iter().map(course).collect::<Vec<_>>()));
+    section.push(figures(all.iter().map(course).collect()));
     section
 }
 
@@ -56,7 +56,7 @@ fn of(signals: &[(Role, Trace)], role: Role) -> Option<&Trace> {
 /// A step of T_d* and what followed it.
 pub(crate) fn step(found: Option<&StepResponse>) -> Markup {
     match found {
-        Some(found) => figures(&[step_figure(found)]),
+        Some(found) => figures(vec![step_figure(found)]),
         None => super::untold(
             "A step of T_d* with what follows it is not shown",
             "no recording in torque control holds T_d* constant, steps it and holds it again; run Step_T_TN",

@@ -17,20 +17,27 @@ pub(crate) fn shaft(found: &ShaftStudy) -> Markup {
         all.push(parameters([&together.stiffness.parameter, &together.damping.parameter]));
         all.push(sentence(&words::together(together)));
     }
-    found.recordings.iter().for_each(|recording| all.push(one(recording)));
+    let mut said = Vec::new();
+    found.recordings.iter().for_each(|recording| all.push(one(recording, &mut said)));
     words::routes_not_taken(found).iter().for_each(|why| all.push(sentence(why)));
-    all.push(figures(&words::figures(found)));
+    all.push(figures(words::figures(found)));
     all
 }
 
-fn one(recording: &ShaftRecording) -> Markup {
+/// One recording; a remark that holds of several is `said` once.
+fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Markup {
     let mut all = of_recording(&recording.file, &recording.label);
     if let Told::Untold(why) = &recording.shaft {
         all.push(untold("Shaft", &torque::untold(why)));
         return all;
     }
     all.push(routes(recording));
-    words::route_remarks(recording).iter().for_each(|remark| all.push(sentence(remark)));
+    for remark in words::route_remarks(recording) {
+        if !said.contains(&remark) {
+            all.push(sentence(&remark));
+            said.push(remark);
+        }
+    }
     match &recording.inertias {
         Some(Told::Found(estimate)) => {
             all.push(sentence("As if nothing were known of the inertias:"));

@@ -24,7 +24,7 @@ pub(crate) fn torque(found: &TorqueSignals) -> Markup {
     }
     all.push(heading("The system’s own shaft torque, and the rebuilt one"));
     all.push(by_recording(found));
-    all.push(figures(&torque::figures(found)));
+    all.push(figures(torque::figures(found)));
     all
 }
 
@@ -56,23 +56,21 @@ fn delays(found: &TorqueSignals) -> Markup {
     all
 }
 
+/// What stands in the system's own shaft torque; and where there is none of one's own, why. How certain the rebuilt one is, the
+/// figures say.
 fn by_recording(found: &TorqueSignals) -> Markup {
-    let rows = found.recordings.iter().filter(|r| r.filter.is_some() || r.shaft.is_some()).map(|recording| {
-        let filter = recording.filter.as_ref().map_or_else(
-            || "not recorded".to_owned(),
-            |told| match told {
-                Told::Found(filter) => torque::shaft_filter(filter),
-                Told::Untold(why) => torque::untold(why),
-            },
-        );
-        let rebuilt = recording.shaft.as_ref().map_or_else(
-            || "the shaft is off".to_owned(),
-            |told| match told {
-                Told::Found(shaft) => torque::rebuilt(shaft),
-                Told::Untold(why) => torque::untold(why),
-            },
-        );
-        vec![recording.file.clone(), filter, rebuilt]
+    let filters = found.recordings.iter().filter_map(|recording| {
+        let filter = match recording.filter.as_ref()? {
+            Told::Found(filter) => torque::filter(&filter.best),
+            Told::Untold(why) => torque::untold(why),
+        };
+        Some(vec![recording.file.clone(), filter])
     });
-    plain_table(&["Recording", "What stands in T_d,shaft,calc", "T_shaft rebuilt"], rows)
+    let mut all = plain_table(&["Recording", "What stands in T_d,shaft,calc"], filters);
+    for recording in &found.recordings {
+        if let Some(Told::Untold(why)) = &recording.shaft {
+            all.push(untold(&format!("{}: T_shaft is not rebuilt", recording.file), &torque::untold(why)));
+        }
+    }
+    all
 }
