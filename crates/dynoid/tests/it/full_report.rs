@@ -4,7 +4,7 @@ use crate::support::{Campaign, dynoid, white_noise};
 
 /// Figure or table of the thesis, the section that has its counterpart, and words of it. What needs no analysis is looked for by the
 /// report's own tests.
-const COUNTERPARTS: [(&str, &str, &str); 25] = [
+const COUNTERPARTS: [(&str, &str, &str); 26] = [
     ("figure 3.3: the system’s shaft torque is late", "torque-signals", "moving average over 16 samples"),
     ("figure 4.2: binary sequence", "recorded", "BS_T_NT, recordings/BS_T_NT_1200.mf4"),
     ("figure 4.4: white noise", "recorded", "WhiteNoise_T_TN, recordings/WhiteNoise_T_TN_1200.mf4"),
@@ -35,9 +35,10 @@ const COUNTERPARTS: [(&str, &str, &str); 25] = [
     ("table 7.1: what noise does to PI", "speed-control", "Table 7.1"),
     ("figures 7.1 to 7.3: PI on noise", "speed-control", "K_i over all draws: low-pass"),
     ("figure 7.4: speed control", "whole", "From N_d* to N_d"),
+    ("figure 7.4: engine torque to speed", "whole", "From T_e to N_d"),
     ("figure 7.6: gains of sine tests", "whole", "Gain from T_d to T_shaft, sine by sine"),
-    ("figure 7.7: replay in speed control", "replays", "speed control (NT)"),
-    ("figure 7.8: replay in torque control", "replays", "torque control (TN)"),
+    ("figure 7.7: replay in speed control", "replays", "Speed control (NT)"),
+    ("figure 7.8: replay in torque control", "replays", "Torque control (TN)"),
 ];
 
 /// The text of a section, symbols as in `T_d*`.

@@ -57,7 +57,7 @@ fn delay_seen(part: &SpeedController) -> String {
         validation.residuals.as_ref().map_or_else(|| number::NOT_KNOWN.to_owned(), |t| number::share(t.share_outside()))
     };
     format!(
-        "Without it, what PI leaves depends on the input at {} of the lags; with it, at {}.",
+        "Without the delay, what PI leaves depends on the input at {} of the lags; with the delay, at {}.",
         share(&part.without_delay),
         share(&part.validation)
     )

@@ -8,6 +8,8 @@ use crate::wording::{self, number};
 
 /// One frequency in a hundred lies above the bound if the shaft is right; a share beyond this speaks against it.
 const MANY_ABOVE: f64 = 0.05;
+/// Inertias that differ by less than this part of themselves are the same to everyone who uses them.
+const ALIKE: f64 = 0.01;
 /// A change of the damping beyond this part of itself is worth a sentence.
 const MOVED: f64 = 0.1;
 
@@ -33,6 +35,9 @@ fn one(study: &Study, analyses: Option<&Analyses>, part: &Shaft, own: &Parameter
     let share = above as f64 / spectrum.normalised_magnitude.len().max(1) as f64;
     if share > MANY_ABOVE {
         why.push(format!("At {} of the frequencies the shaft leaves more than noise explains.", number::share(share)));
+        grade = grade.contradicted();
+    }
+    if analyses.and_then(|found| found.shaft.together.as_ref()).is_some_and(|all| all.apart) {
         grade = grade.contradicted();
     }
     why.extend(timing(part, own));
@@ -87,8 +92,9 @@ fn on_inertia(study: &Study, part: &Shaft) -> Option<String> {
     Some(format!("The shaft’s torque is not measured but computed with J_d = {stated} of the bench file, {checked}."))
 }
 
+/// Whether a value lies in the interval, or as near to the estimate as matters.
 fn holds(found: &Parameter, value: f64) -> bool {
-    (found.interval.0..=found.interval.1).contains(&value)
+    (found.interval.0..=found.interval.1).contains(&value) || (found.value / value - 1.0).abs() < ALIKE
 }
 
 /// What all recordings say together.
@@ -97,8 +103,9 @@ fn together(found: &Analyses, own: &Parameter) -> Option<String> {
     let common = if own.symbol == "K" { &all.stiffness } else { &all.damping };
     let verdict = if all.apart { "which are not of one shaft by their own intervals" } else { "which agree" };
     Some(format!(
-        "All {} recordings together, {verdict}, give {}.",
+        "All {} recordings together, {verdict}, give {} = {}.",
         common.by_recording.len(),
+        own.symbol,
         number::parameter(&common.parameter)
     ))
 }

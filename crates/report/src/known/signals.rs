@@ -32,7 +32,11 @@ fn one(study: &Study, delay: &SignalDelay) -> Option<Known> {
         None => "There is no second route to check it by.".to_owned(),
     });
     if let Some(bend) = &delay.against_speed_bend {
-        why.push(format!("Against the moment N_d begins to bend it is {}.", number::parameter(bend)));
+        why.push(format!(
+            "{} is {} behind the moment N_d begins to bend.",
+            delay.role.symbol(),
+            number::parameter(bend)
+        ));
     }
     let name = format!("delay of {}", delay.role.symbol());
     Some(Known::new("", &name, by_width, number::parameter(own), why))

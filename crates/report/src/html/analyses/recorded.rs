@@ -20,6 +20,24 @@ const TORQUES: [(Role, Style); 5] = [
     (Role::DynoTorqueDemand, Style::Measured),
 ];
 
+/// Signals that share a panel.
+struct Row<'a> {
+    signals: &'a [(Role, Style)],
+    name: &'a str,
+    unit: &'a str,
+    height: u32,
+}
+
+impl Row<'_> {
+    /// The panel of what of them is there, `first` below it; none where nothing is.
+    fn panel(&self, first: Option<Layer>, layer: impl Fn(&(Role, Style)) -> Option<Layer>) -> Option<Panel> {
+        let layers: Vec<Layer> = self.signals.iter().filter_map(layer).collect();
+        let there = !layers.is_empty();
+        let axis = Axis::linear(self.name, self.unit);
+        there.then(|| Panel::new(axis, self.height, first.into_iter().chain(layers).collect()))
+    }
+}
+
 /// Every recording from its beginning to its end.
 pub(crate) fn courses(all: &[RecordedCourse]) -> Markup {
     let mut section = sentence(
@@ -37,13 +55,12 @@ fn course(one: &RecordedCourse) -> Figure {
         let values: Vec<f64> = trace.values.iter().map(|v| v * per_si).collect();
         Some(Layer::outline(role.symbol(), *style, (trace.start_s, trace.sample_time_s), &values))
     };
-    let throttle = [(Role::Throttle, Style::Modelled)];
-    let rows: [(&[(Role, Style)], &str, &str, u32); 3] =
-        [(&SPEEDS, "speed", "rpm", 130), (&TORQUES, "torque", "Nm", 170), (&throttle, "throttle", "%", 70)];
-    let panels = rows.into_iter().filter_map(|(roles, name, unit, height)| {
-        let layers: Vec<Layer> = roles.iter().filter_map(outline).collect();
-        (!layers.is_empty()).then(|| Panel::new(Axis::linear(name, unit), height, layers))
-    });
+    let rows = [
+        Row { signals: &SPEEDS, name: "speed", unit: "rpm", height: 130 },
+        Row { signals: &TORQUES, name: "torque", unit: "Nm", height: 170 },
+        Row { signals: &[(Role::Throttle, Style::Modelled)], name: "throttle", unit: "%", height: 70 },
+    ];
+    let panels = rows.iter().filter_map(|row| row.panel(None, outline));
     let words = experiment(&one.label).map(|words| format!("{}. ", capitalised(words))).unwrap_or_default();
     Figure::new(&format!("{}, {}", one.label, one.file), Axis::time(), panels.collect())
         .with_caption(format!("{words}Long traces are thinned; every peak is kept."))
@@ -73,13 +90,12 @@ fn step_figure(found: &StepResponse) -> Figure {
             (0..values.len()).map(|k| 1e3 * (trace.start_s + k as f64 * trace.sample_time_s)).collect();
         Some(Layer::curve(role.symbol(), *style, &time_ms, &values))
     };
-    let speed = [(Role::DynoSpeed, Style::Modelled)];
-    let rows: [(&[(Role, Style)], &str, &str, u32); 2] = [(&TORQUES, "torque", "Nm", 220), (&speed, "N_d", "rpm", 110)];
-    let panels = rows.into_iter().map(|(roles, name, unit, height)| {
-        let at_step = Layer::VerticalMarks { x: vec![plot::Rounded(0.0)], label: "T_d* steps".to_owned() };
-        let layers = std::iter::once(at_step).chain(roles.iter().filter_map(layer)).collect();
-        Panel::new(Axis::linear(name, unit), height, layers)
-    });
+    let rows = [
+        Row { signals: &TORQUES, name: "torque", unit: "Nm", height: 220 },
+        Row { signals: &[(Role::DynoSpeed, Style::Modelled)], name: "N_d", unit: "rpm", height: 110 },
+    ];
+    let at_step = || Layer::VerticalMarks { x: vec![plot::Rounded(0.0)], label: "T_d* steps".to_owned() };
+    let panels = rows.iter().filter_map(|row| row.panel(Some(at_step()), layer));
     Figure::new("A step of T_d*, and what followed it", Axis::linear("time after the step", "ms"), panels.collect())
         .with_caption(format!(
             "{} at {}, as recorded, each signal at its own samples. A torque that bends before N_d does is dated too early, one that \
