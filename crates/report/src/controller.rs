@@ -305,15 +305,24 @@ pub const STUDY_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_
 pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: it takes \
      noise to be the logged encoder's alone, which would bias T_d* from N_d.";
 
-/// Cross-correlations side by side, static maps, limits.
+/// Cross-correlations side by side, then static maps.
 pub fn figures(found: &SpeedControl) -> Vec<Figure> {
+    correlation_figures(found).into_iter().chain(map_figures(found)).collect()
+}
+
+/// Residuals of PI without and with delay against T_d*, one figure a recording with constant N_d*.
+pub fn correlation_figures(found: &SpeedControl) -> Vec<Figure> {
     let controllers = found.controllers.iter().filter_map(|one| Some((one.file.as_str(), one.found.found()?)));
-    let correlations = controllers.filter_map(|(file, controller)| correlation_figure(file, controller));
+    controllers.filter_map(|(file, controller)| correlation_figure(file, controller)).collect()
+}
+
+/// The static feed-forward over N_d*, one figure a recording in which it moves.
+pub fn map_figures(found: &SpeedControl) -> Vec<Figure> {
     let maps = found.feed_forward.iter().filter_map(|one| {
         let terms = one.found.found()?.terms.found()?;
         (!terms.map.is_empty()).then(|| map_figure(&one.file, terms))
     });
-    correlations.chain(maps).collect()
+    maps.collect()
 }
 
 fn correlation_figure(file: &str, found: &Controller) -> Option<Figure> {

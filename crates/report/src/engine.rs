@@ -117,10 +117,11 @@ fn median(values: &[f64]) -> f64 {
 
 /// Of every recording: a quarter of a second, the torque over the crank's angle, cycle by cycle, cylinders, orders.
 pub fn figures(found: &EngineTorque) -> Vec<Figure> {
-    found.recordings.iter().flat_map(of_recording).collect()
+    found.recordings.iter().flat_map(figures_of).collect()
 }
 
-fn of_recording(recording: &EngineRecording) -> Vec<Figure> {
+/// Those of one recording.
+pub fn figures_of(recording: &EngineRecording) -> Vec<Figure> {
     let Told::Found(engine) = &recording.engine else { return Vec::new() };
     let mut all = vec![over_time(&recording.file, engine)];
     match &recording.cycles {

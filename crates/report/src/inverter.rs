@@ -1,7 +1,8 @@
 //! What the torque control can be told to be, in words and figures.
 
+use bench::study::Trace;
 use bench::torque_control_study::{
-    BlackBox, Closed, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, Root, Scanned, Structure,
+    BlackBox, Closed, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, Root, Scanned, Shown, Structure,
     StudiedRecording, TorqueControlStudy, Verdict, Visibility, VisibilityCase,
 };
 use plot::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
@@ -10,6 +11,8 @@ use crate::wording::number;
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
+/// Height of a panel of errors.
+const ERROR_HEIGHT: u32 = 110;
 /// Roots further from zero than this would make all others small: they are left out, and said to be.
 const FURTHEST: f64 = 2.0;
 /// Families and inputs in the order of the tables.
@@ -201,13 +204,51 @@ pub fn first_visible(visibility: &Visibility) -> String {
     )
 }
 
-/// Pole–zero maps, fit against order, and what other rates and demands would tell.
+/// What models make of T_d, pole–zero maps, fit against order, and what other rates and demands would tell.
 pub fn figures(study: &TorqueControlStudy) -> Vec<Figure> {
     let of_recording = |recording: &StudiedRecording| {
+        let shown = study.shown.iter().filter(|shown| shown.judged_on == recording.excited);
+        let traces = shown.map(|shown| trace_figure(recording, shown));
         let maps = [Input::Demand, Input::Error].into_iter().filter_map(|input| map(recording, input));
-        maps.chain(std::iter::once(orders(recording))).collect::<Vec<_>>()
+        traces.chain(maps).chain(std::iter::once(orders(recording))).collect::<Vec<_>>()
     };
     study.recordings.iter().flat_map(of_recording).chain(study.visibility.as_ref().map(rates)).collect()
+}
+
+/// The held-out part as it was, and what models make of it, with their errors below.
+fn trace_figure(recording: &StudiedRecording, shown: &Shown) -> Figure {
+    let line = |name: &str, style: Style, trace: &Trace, values: &[f64]| {
+        Layer::trace(name, style, (trace.start_s, trace.sample_time_s), values)
+    };
+    let left = |trace: &Trace| -> Vec<f64> {
+        shown.measured.values.iter().zip(&trace.values).map(|(measured, modelled)| measured - modelled).collect()
+    };
+    let named = |(of, source, trace): &'_ (Model, Excited, Trace)| {
+        let estimated = match *source == shown.judged_on {
+            true => String::new(),
+            false => format!(", estimated where {} moved T_d*", mover(*source)),
+        };
+        (format!("{}{estimated}", model(of)), trace.clone())
+    };
+    let bar = ("T_d* one sample ago (the bar)".to_owned(), shown.bar.clone());
+    let all: Vec<(String, Trace)> = shown.models.iter().map(named).chain([bar]).collect();
+    let drawn = |of: &dyn Fn(&Trace) -> Vec<f64>| -> Vec<Layer> {
+        let layer = |(n, (name, trace)): (usize, &(String, Trace))| line(name, Style::of_model(n), trace, &of(trace));
+        all.iter().enumerate().map(layer).collect()
+    };
+    let measured = line("measured", Style::Measured, &shown.measured, &shown.measured.values);
+    let panels = vec![
+        Panel::new(
+            Axis::linear("T_d", "Nm"),
+            HEIGHT,
+            std::iter::once(measured).chain(drawn(&|t| t.values.clone())).collect(),
+        ),
+        Panel::new(Axis::linear("measured − model", "Nm"), ERROR_HEIGHT, drawn(&left)),
+    ];
+    Figure::new(&format!("{}: T_d as models have it from T_d* alone", recording.label), Axis::time(), panels).with_caption(
+        "The beginning of the part that no model has seen, without mean and ripple. Of the black boxes of each recording that which errs least \
+         there.",
+    )
 }
 
 fn map(recording: &StudiedRecording, input: Input) -> Option<Figure> {

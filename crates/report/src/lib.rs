@@ -14,6 +14,7 @@ pub mod friction;
 mod html;
 pub mod inverter;
 mod json;
+pub mod known;
 pub mod look;
 pub mod next;
 pub mod safety;
@@ -23,6 +24,6 @@ pub mod verdict;
 pub mod wording;
 
 pub use effects::page as effects;
-pub use html::html;
+pub use html::{full_html, html};
 pub use json::{FORMAT_VERSION, StudyModelError, json, model};
 pub use verdict::verdict;

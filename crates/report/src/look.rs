@@ -120,7 +120,7 @@ fn panel(signal: &LookedSignal, firing_hz: f64) -> Panel {
     let lowest = 0.2 * signal.lines.iter().map(|l| l.amplitude * per_si).fold(f64::INFINITY, f64::min);
     let highest = 4.0 * scaled.iter().copied().fold(0.0, f64::max);
     let mut layers = firings(firing_hz, 1.0 / signal.sample_time_s, [lowest, highest]);
-    layers.push(Layer::curve("amplitude", Style::Measured, &signal.frequency_hz, &scaled));
+    layers.push(Layer::trace("amplitude", Style::Measured, grid(&signal.frequency_hz), &scaled));
     let mut seen: Vec<&str> = Vec::new();
     for line in &signal.lines {
         let (name, style) = kind(&line.cause);
@@ -139,6 +139,12 @@ fn panel(signal: &LookedSignal, firing_hz: f64) -> Panel {
     let axis = Axis::log(signal.role.symbol(), unit);
     let axis = if lowest < highest { axis.within(lowest, highest) } else { axis };
     Panel::new(axis, HEIGHT, layers)
+}
+
+/// First frequency and distance of a spectrum's lines, which are equally far apart.
+fn grid(frequency_hz: &[f64]) -> (f64, f64) {
+    let at = |k: usize| frequency_hz.get(k).copied().unwrap_or(0.0);
+    (at(0), at(1) - at(0))
 }
 
 /// Upright lines at the firing and its multiples, those that fold apart.

@@ -2,7 +2,7 @@
 
 use bench::Role;
 use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
-use bench::study::SignalDelay;
+use bench::study::{SignalDelay, Trace};
 use bench::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck, Untold};
 use bench::torque_smoother::TorqueSource;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
@@ -120,6 +120,9 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
     format!("{certain}; {once}{doubt}")
 }
 
+/// What it takes to hold T_d,calc against the load cell.
+pub const NO_TRUST: &str = "that takes both, near rest for 6 s or more; run Step_T_TN with long dwells";
+
 /// Whether T_d,calc can be trusted at rest, in plain words.
 pub fn trust(check: &TrustCheck) -> String {
     let verdict = match check.verdict {
@@ -171,11 +174,12 @@ fn shaft_figure(recording: &TorqueRecording, shaft: &RebuiltShaft) -> Figure {
         low,
         high,
     };
-    let layers = vec![
+    let mut layers = vec![
         band(end(-1.0), end(1.0)),
         Layer::trace("filter without phase shift", Style::Measured, clock, &shaft.zero_phase_nm[shown.clone()]),
         Layer::trace("smoother", Style::Modelled, clock, smoothed),
     ];
+    layers.extend(shaft.system.as_ref().map(|system| system_layer(system, clock.0)));
     let apart: Vec<f64> = shaft.zero_phase_nm[shown.clone()].iter().zip(smoothed).map(|(z, s)| z - s).collect();
     let below: Vec<f64> = deviation.iter().map(|s| -BAND * s).collect();
     let above: Vec<f64> = deviation.iter().map(|s| BAND * s).collect();
@@ -189,6 +193,15 @@ fn shaft_figure(recording: &TorqueRecording, shaft: &RebuiltShaft) -> Figure {
     ];
     Figure::new(&format!("{}: shaft torque rebuilt", recording.file), Axis::time(), panels)
         .with_caption(format!("Half a second of it; {}.", rebuilt(shaft)))
+}
+
+/// What the system's own T_d,shaft,calc holds of the same half second.
+fn system_layer(system: &Trace, start_s: f64) -> Layer {
+    let index = |time_s: f64| ((time_s - system.start_s) / system.sample_time_s).ceil().max(0.0) as usize;
+    let (from, to) = (index(start_s), index(start_s + SHOWN_S).min(system.values.len()));
+    let clock = (system.start_s + from as f64 * system.sample_time_s, system.sample_time_s);
+    let shown = system.values.get(from..to).unwrap_or_default();
+    Layer::trace("T_d,shaft,calc of the system", Style::Other, clock, shown)
 }
 
 fn trust_figure(check: &TrustCheck) -> Figure {

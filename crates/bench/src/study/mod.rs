@@ -1,17 +1,21 @@
 //! The study: everything that can be learnt from a campaign of recordings, in one call.
 
+mod analyses;
 mod estimates;
 mod findings;
 mod gather;
 mod next;
+mod recorded;
 mod result;
 mod run;
 pub(crate) mod shaft_inputs;
 mod torque;
 mod whole;
 
+pub use analyses::Analyses;
 pub use gather::{Source, experiment_of};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
+pub use recorded::{RecordedCourse, StepResponse};
 pub use result::*;
-pub use run::{Campaign, Progress, StudyError, run};
+pub use run::{Campaign, Progress, StudyError, run, run_full};
 pub(crate) use torque::inverter_of;

@@ -61,7 +61,7 @@ impl Default for NextOptions {
 }
 
 /// Why nothing can be said.
-#[derive(Debug, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NextError {
     /// The recordings cannot be studied.
     #[error(transparent)]

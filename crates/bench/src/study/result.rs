@@ -329,6 +329,8 @@ pub struct SpeedController {
     /// K_p in Nm/rpm, K_i in Nm/(rpm s), τ in s, I_0 (initial integrator state) in Nm, T_g (encoder gate) in s.
     /// K_p is that of integration by forward Euler; backward Euler has the same sequence with K_p less by K_i T.
     pub estimate: Estimate,
+    /// The zero −K_i/K_p of (K_p s + K_i)/s, rad/s.
+    pub zero: Parameter,
     /// Sample time of the controller, s.
     pub sample_time_s: f64,
     /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error in rpm.

@@ -1,10 +1,11 @@
 //! The one function that sees the whole chain, from decoded recordings to the study.
 
+use crate::study::analyses::{Analyses, analyses};
 use crate::study::estimates;
 use crate::study::findings::Findings;
 use crate::study::gather::{Gathered, Source, gather};
 use crate::study::{Provenance, Study};
-use crate::{BenchFile, Diagnostic};
+use crate::{BenchFile, Diagnostic, Experiment};
 
 /// Everything a study is made from.
 #[derive(Debug)]
@@ -38,6 +39,12 @@ pub enum Progress {
         /// File.
         file: String,
     },
+    /// An analysis of all recordings is made: `lines`, `torque signals`, `speed controller`, `torque control`, `friction`,
+    /// `shaft`, `engine torque`.
+    Analysing {
+        /// The analysis.
+        what: &'static str,
+    },
 }
 
 /// Why there can be no study at all.
@@ -67,6 +74,22 @@ pub enum StudyError {
 /// # Errors
 /// No channels, no recording, or none that can be used.
 pub fn run(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Study, StudyError> {
+    studied(campaign, progress).map(|(study, _)| study)
+}
+
+/// The same study, and beside it all analyses that the recordings allow.
+///
+/// # Errors
+/// Those of [`run`]: what an analysis lacks is part of the result.
+pub fn run_full(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<(Study, Analyses), StudyError> {
+    let bench = campaign.bench;
+    let (study, experiments) = studied(campaign, progress)?;
+    let analyses = analyses(&experiments, bench, progress);
+    Ok((study, analyses))
+}
+
+/// The study, and the experiments it is made from.
+fn studied(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<(Study, Vec<Experiment>), StudyError> {
     if campaign.bench.channels.is_empty() {
         return Err(StudyError::NoChannels);
     }
@@ -85,7 +108,7 @@ pub fn run(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result
     }
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
-    Ok(Study {
+    let study = Study {
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             bench_file: campaign.bench_file.1.to_owned(),
@@ -103,5 +126,6 @@ pub fn run(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result
         model: estimates.model,
         replays: estimates.replays,
         diagnostics,
-    })
+    };
+    Ok((study, experiments))
 }

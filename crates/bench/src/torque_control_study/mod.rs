@@ -17,7 +17,7 @@ mod visibility;
 use serde::Serialize;
 
 use crate::estimate::torque_control::SecondOrderTest;
-use crate::study::{Parameter, ResidualTest, Stretch};
+use crate::study::{Parameter, ResidualTest, Stretch, Trace};
 use crate::torque_signals::Untold;
 use crate::{BenchFile, Experiment};
 pub use black_box::{ASKED_HZ, BlackBox, ChosenBy, Closed, ELLIPSE_LEVEL, Family, Input, Root, Scanned, Structure};
@@ -50,6 +50,8 @@ pub struct TorqueControlStudy {
     pub recordings: Vec<StudiedRecording>,
     /// Every model on the held-out part of every recording.
     pub judgements: Vec<Judgement>,
+    /// What the models make of a part of every recording's held-out part.
+    pub shown: Vec<Shown>,
     /// What other rates and demands would show, from the recording that the dynamometer moved, or else the other; none where
     /// delay and lag are not told.
     pub visibility: Option<Visibility>,
@@ -148,6 +150,20 @@ pub struct Judgement {
     pub verdict: Verdict,
 }
 
+/// The beginning of the held-out part of a recording, as it was and as models have it: the bar, delay and lag, and of the
+/// black boxes of each recording that which errs least there.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shown {
+    /// What moved T_d*.
+    pub judged_on: Excited,
+    /// T_d,calc without its mean and ripple, Nm.
+    pub measured: Trace,
+    /// T_d* one sample of T_d,calc ago, Nm.
+    pub bar: Trace,
+    /// Models, what moved T_d* in the recording each was estimated from, and what they make of it, Nm.
+    pub models: Vec<(Model, Excited, Trace)>,
+}
+
 impl TorqueControlStudy {
     /// The recording that was moved so.
     #[must_use]
@@ -236,9 +252,15 @@ pub fn study(
         studied(record, orders, &mut |done| step(&record.file, (n as f64 + done) / parts))
     };
     let recordings: Vec<StudiedRecording> = records.iter().enumerate().map(studied).collect();
-    let judgements = records.iter().flat_map(|record| judge_all(record, &records, &recordings)).collect();
+    let (mut judgements, mut shown) = (Vec::new(), Vec::new());
+    for record in &records {
+        let responses = responses(record, &records, &recordings);
+        let judged = judge_all(record, &responses);
+        shown.push(shown_of(record, &responses, &judged));
+        judgements.extend(judged);
+    }
     let visibility = records.iter().find_map(Visibility::of);
-    Ok(TorqueControlStudy { recordings, judgements, visibility, untold })
+    Ok(TorqueControlStudy { recordings, judgements, shown, visibility, untold })
 }
 
 fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> StudiedRecording {
@@ -312,33 +334,64 @@ fn choose(scanned: &[Scanned]) -> Vec<(Structure, Vec<ChosenBy>)> {
     chosen
 }
 
-/// All models of all recordings on the held-out part of one.
-fn judge_all(record: &Record, records: &[Record], recordings: &[StudiedRecording]) -> Vec<Judgement> {
-    let bar = record.errors(&record.one_sample_late(), record.held_out());
-    let mut judgements = Vec::new();
-    for (source, studied) in records.iter().zip(recordings) {
+/// A model and what moved T_d* in the recording that it was estimated from, with its T_d in another recording; `None` where
+/// it does not settle.
+type Response = ((Model, Excited), Option<Vec<f64>>);
+
+/// What all models of all recordings make of one.
+fn responses(record: &Record, records: &[Record], recordings: &[StudiedRecording]) -> Vec<Response> {
+    let of_source = |(source, studied): (&Record, &StudiedRecording)| {
         let inverter = &source.control.inverter;
-        let mut judge = |model: Model, modelled: Option<Vec<f64>>| {
-            judgements.push(judgement(record, &bar, (model, source.excited), modelled));
+        let black_box = |one: &BlackBox| {
+            let response = one.follows.as_ref().map(|way| way.response(&record.demand));
+            (Model::BlackBox { structure: one.structure }, response)
         };
-        judge(Model::PureDelay, Some(record.delayed(studied.pure_delay.value)));
-        judge(Model::DelayAndLag, Some(record.lagged(inverter.delay_s, inverter.lag_rad_s)));
-        for black_box in &studied.black_boxes {
-            let response = black_box.follows.as_ref().map(|way| way.response(&record.demand));
-            judge(Model::BlackBox { structure: black_box.structure }, response);
-        }
-    }
+        let delayed = (Model::PureDelay, Some(record.delayed(studied.pure_delay.value)));
+        let lagged = (Model::DelayAndLag, Some(record.lagged(inverter.delay_s, inverter.lag_rad_s)));
+        let all = [delayed, lagged].into_iter().chain(studied.black_boxes.iter().map(black_box));
+        all.map(|(model, response)| ((model, source.excited), response)).collect::<Vec<_>>()
+    };
+    records.iter().zip(recordings).flat_map(of_source).collect()
+}
+
+/// All models on the held-out part of a recording.
+fn judge_all(record: &Record, responses: &[Response]) -> Vec<Judgement> {
+    let bar = record.errors(&record.one_sample_late(), record.held_out());
+    let judge = |(model, response): &Response| judgement(record, &bar, *model, response.as_deref());
+    let mut judgements: Vec<Judgement> = responses.iter().map(judge).collect();
     raise(&mut judgements);
     judgements
+}
+
+fn shown_of(record: &Record, responses: &[Response], judged: &[Judgement]) -> Shown {
+    let is_black_box = |model: &Model| matches!(model, Model::BlackBox { .. });
+    let least = |source: Excited| {
+        let own = judged.iter().filter(move |j| is_black_box(&j.model) && j.estimated_on == source);
+        own.filter_map(|j| Some((j.rms_nm?, j.model))).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, model)| model)
+    };
+    let is_shown = |(model, source): (Model, Excited)| match model {
+        Model::PureDelay => false,
+        Model::DelayAndLag => source == record.excited,
+        Model::BlackBox { .. } => least(source) == Some(model),
+    };
+    let models = responses.iter().filter(|((model, source), _)| is_shown((*model, *source)));
+    Shown {
+        judged_on: record.excited,
+        measured: record.beginning(&record.torque),
+        bar: record.beginning(&record.with_offset(&record.one_sample_late())),
+        models: models
+            .filter_map(|((m, source), r)| Some((*m, *source, record.beginning(&record.with_offset(r.as_ref()?)))))
+            .collect(),
+    }
 }
 
 fn judgement(
     record: &Record,
     bar: &[f64],
     (model, estimated_on): (Model, Excited),
-    modelled: Option<Vec<f64>>,
+    modelled: Option<&[f64]>,
 ) -> Judgement {
-    let errors = modelled.map(|modelled| record.errors(&modelled, record.held_out()));
+    let errors = modelled.map(|modelled| record.errors(modelled, record.held_out()));
     let rms_nm = errors.as_ref().map(|errors| rms(errors));
     Judgement {
         model,

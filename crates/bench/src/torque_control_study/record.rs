@@ -10,11 +10,13 @@ use crate::estimate::torque_control::{
     self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, usable_samples,
 };
 use crate::estimate::{EstimateError, stretch::need};
-use crate::study::Stretch;
+use crate::study::{Stretch, Trace};
 use crate::{Experiment, Role};
 
 /// Parts of a recording that models are estimated from, and chosen by; the rest is held out.
 const SHARES: [f64; 2] = [0.5, 0.7];
+/// How much of the held-out part is drawn, s.
+const SHOWN_S: f64 = 0.5;
 /// A sample of T_d,calc taken as the demand changes meets the new demand, for all that its stamp is rounded, in parts of the
 /// demand's sample.
 const ROUNDING: f64 = 1e-6;
@@ -92,6 +94,17 @@ impl Record {
         self.at(SHARES[1])..self.torque.len()
     }
 
+    /// The first of the held-out part of a series, to be drawn.
+    pub(super) fn beginning(&self, values: &[f64]) -> Trace {
+        let start = self.held_out().start;
+        let end = (start + (SHOWN_S / self.sample_time_s) as usize).min(values.len());
+        Trace {
+            start_s: self.times_s.get(start).copied().unwrap_or(f64::NAN),
+            sample_time_s: self.sample_time_s,
+            values: values.get(start..end).map(<[f64]>::to_vec).unwrap_or_default(),
+        }
+    }
+
     pub(super) fn stretch(&self, range: Range<usize>) -> Stretch {
         let at = |i: usize| self.times_s.get(i).copied().unwrap_or(f64::NAN);
         Stretch { file: self.file.clone(), start_s: at(range.start), end_s: at(range.end.saturating_sub(1)) }
@@ -122,12 +135,17 @@ impl Record {
         Dataset::siso(self.sample_time_s, &driving[range], &torque)
     }
 
-    /// What a model of T_d leaves of a stretch, Nm; an offset is taken from the estimation part, as every model has one.
+    /// What a model makes of T_d, with its offset taken from the estimation part, as every model has one, Nm.
+    pub(super) fn with_offset(&self, modelled: &[f64]) -> Vec<f64> {
+        let left: Vec<f64> = self.torque.iter().zip(modelled).map(|(measured, modelled)| measured - modelled).collect();
+        let offset = self.mean(&left);
+        modelled.iter().map(|modelled| modelled + offset).collect()
+    }
+
+    /// What a model of T_d leaves of a stretch, Nm.
     pub(super) fn errors(&self, modelled: &[f64], range: Range<usize>) -> Vec<f64> {
-        let error = |i: usize| self.torque[i] - modelled[i];
-        let all: Vec<f64> = (0..self.torque.len()).map(error).collect();
-        let offset = self.mean(&all);
-        self.usable_in(range).map(|i| all[i] - offset).collect()
+        let modelled = self.with_offset(modelled);
+        self.usable_in(range).map(|i| self.torque[i] - modelled[i]).collect()
     }
 
     /// Root of the mean squared T_d about its mean in a stretch, Nm.

@@ -6,15 +6,16 @@ use ident::IdentError;
 use serde::Serialize;
 use signal::Signal;
 
-use crate::Experiment;
 use crate::estimate::speed_controller::Encoder;
 use crate::estimate::torque_control::TorqueControlFit;
 use crate::estimate::{EstimateError, noise_floor};
 use crate::model::Engine;
 use crate::replay::{Wanted, ZeroPhase};
+use crate::study::Trace;
 use crate::torque_smoother::{
     Clock, Mechanics, NoiseLevels, Observations, Prepared, Stamps, TorqueSmoother, TorqueSource, firing_lines,
 };
+use crate::{Experiment, Role};
 
 /// Up to where the filter without phase shift passes, Hz.
 const BAND_HZ: f64 = 120.0;
@@ -40,6 +41,8 @@ pub struct RebuiltShaft {
     pub standard_deviation_nm: Vec<f64>,
     /// By the filter without phase shift, Nm.
     pub zero_phase_nm: Vec<f64>,
+    /// The system's own T_d,shaft,calc as it was recorded, where it was.
+    pub system: Option<Trace>,
     /// What T_d was taken from.
     pub torque: TorqueSource,
     /// Noise levels.
@@ -99,6 +102,11 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
         zero_phase_nm: slope.iter().zip(&torque).map(|(a, t)| known.inertia_kg_m2 * a + t).collect(),
         smoothed_nm,
         standard_deviation_nm,
+        system: experiment.signal(Role::SystemShaftTorque).map(|recorded| Trace {
+            start_s: recorded.start_s,
+            sample_time_s: recorded.sample_time_s,
+            values: recorded.samples.clone(),
+        }),
         torque: source,
         noise: smoother.noise(&levels).map_err(failed)?,
         once_a_turn: match encoder.eccentricity() {

@@ -194,9 +194,12 @@ pub(crate) struct DemoArguments {
 Examples:
   dynoid study run bench.toml
   dynoid study run cell4/bench.toml --out results/2026-05-03
+  dynoid study run bench.toml --full
   dynoid study run bench.toml --json | jq .verdict.level
 
-Writes report.html (one file, opens in any browser) and study.json (every number, for programs). Results already there are replaced only when the new ones are complete. A bench file is proposed by `dynoid init`.")]
+Writes report.html (one file, opens in any browser) and study.json (every number, for programs). Results already there are replaced only when the new ones are complete. A bench file is proposed by `dynoid init`.
+
+With --full the report also holds what `dynoid look`, `torque`, `controller`, `controller study`, `inverter`, `friction`, `shaft` and `engine` tell of the same recordings, each at its place. It takes some twenty times as long. What lacks its recording is named with the experiment that would give it.")]
 pub(crate) struct StudyRunArguments {
     /// The bench file: what is known of the bench, its channels, and its recordings
     #[arg(value_name = "BENCH.toml")]
@@ -204,6 +207,9 @@ pub(crate) struct StudyRunArguments {
     /// Folder for the results [default: study/ beside the bench file]
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Makes all analyses of the recordings part of the report
+    #[arg(long)]
+    pub(crate) full: bool,
     /// Prints verdict, estimates and findings as JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use bench::study::{Campaign, Progress as StudyProgress, Source, StudyError};
+use bench::study::{Analyses, Campaign, Progress as StudyProgress, Source, StudyError};
 use bench::{BenchFile, Study};
 use report::wording;
 
@@ -17,6 +17,15 @@ use crate::terminal::{Progress, Terminal};
 const PARTS: u64 = 6;
 const REPLAYS: u64 = 4;
 
+/// How much a report holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// The model, and what it rests on.
+    Model,
+    /// All analyses of the recordings beside it.
+    Full,
+}
+
 /// A study and the files it was written to.
 pub(crate) struct Written {
     pub(crate) study: Study,
@@ -26,7 +35,8 @@ pub(crate) struct Written {
 
 pub(crate) fn run(arguments: &StudyRunArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = arguments.out.clone().unwrap_or_else(|| input::folder_of(&arguments.bench).join("study"));
-    let written = study(&arguments.bench, &out, None, terminal)?;
+    let extent = if arguments.full { Extent::Full } else { Extent::Model };
+    let written = study(&arguments.bench, &out, (None, extent), terminal)?;
     if arguments.json {
         terminal.json(&summary::short(&written))?;
     } else if !terminal.is_quiet() {
@@ -36,17 +46,21 @@ pub(crate) fn run(arguments: &StudyRunArguments, terminal: &mut Terminal) -> Res
 }
 
 /// Reads a bench file and its recordings, studies them, and writes the results.
-pub(crate) fn study(bench: &Path, out: &Path, seed: Option<u64>, terminal: &mut Terminal) -> Result<Written, CliError> {
+pub(crate) fn study(
+    bench: &Path,
+    out: &Path,
+    (seed, extent): (Option<u64>, Extent),
+    terminal: &mut Terminal,
+) -> Result<Written, CliError> {
     let (file, text) = read_bench(bench)?;
     let folder = OutputFolder::check(out)?;
     let sources = read_sources(bench, &file, terminal)?;
-    let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS);
+    let analyses = if extent == Extent::Full { Analyses::COUNT as u64 } else { 0 };
+    let progress = terminal.progress(sources.len() as u64 + PARTS + REPLAYS + analyses);
     let name = bench.file_name().unwrap_or(bench.as_os_str()).to_string_lossy().into_owned();
     let campaign = Campaign { bench: &file, bench_file: (&name, &text), sources, seed };
-    let study = bench::study::run(campaign, &mut |step| show(&progress, &step));
-    let study = study.map_err(|error| no_study(bench, error))?;
-    progress.say("writing the report");
-    let (html, json) = (report::html(&study), report::json(&study));
+    let (study, html) = studied(campaign, extent, &progress).map_err(|error| no_study(bench, error))?;
+    let json = report::json(&study);
     let paths = folder.write(&[("study.json", json.as_bytes()), ("report.html", html.as_bytes())])?;
     drop(progress);
     let [data, report] = <[PathBuf; 2]>::try_from(paths).map_err(|_| CliError::internal("results without a path"))?;
@@ -68,6 +82,25 @@ pub(in crate::commands) fn read_sources(
         source
     };
     files.iter().map(read).collect()
+}
+
+/// The study and the report of it.
+fn studied(campaign: Campaign<'_>, extent: Extent, progress: &Progress) -> Result<(Study, String), StudyError> {
+    let mut step = |step| show(progress, &step);
+    match extent {
+        Extent::Model => {
+            let study = bench::study::run(campaign, &mut step)?;
+            progress.say("writing the report");
+            let html = report::html(&study);
+            Ok((study, html))
+        }
+        Extent::Full => {
+            let (study, analyses) = bench::study::run_full(campaign, &mut step)?;
+            progress.say("writing the report");
+            let html = report::full_html(&study, &analyses);
+            Ok((study, html))
+        }
+    }
 }
 
 /// A bench file and its text.
@@ -94,6 +127,7 @@ pub(in crate::commands) fn show(progress: &Progress, step: &StudyProgress) {
         StudyProgress::Preparing { file } => progress.say(&format!("checking {file}")),
         StudyProgress::Estimating { part } => progress.say(&format!("estimating: {}", wording::part(part))),
         StudyProgress::Replaying { file } => progress.say(&format!("replaying {file}")),
+        StudyProgress::Analysing { what } => progress.say(&format!("analysing: {}", wording::part(what))),
     }
     progress.step();
 }

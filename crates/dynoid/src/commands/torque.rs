@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bench::study::SignalDelay;
 use bench::torque_signals::{Told, TorqueRecording, TorqueSignals, torque_signals};
-use report::torque::{agreement, figures, lateness, routes, shaft_filter, trust, untold};
+use report::torque::{NO_TRUST, agreement, figures, lateness, routes, shaft_filter, trust, untold};
 use report::wording::number;
 use serde_json::json;
 
@@ -104,9 +104,7 @@ fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
     }
     match &signals.trust {
         Some(check) => terminal.paragraph(&trust(check)),
-        None => terminal.paragraph(
-            "T_d,calc is not held against the load cell: that takes both, near rest for 6 s or more; run Step_T_TN with long dwells",
-        ),
+        None => terminal.paragraph(&format!("T_d,calc is not held against the load cell: {NO_TRUST}")),
     }
 }
 

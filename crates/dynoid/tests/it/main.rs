@@ -11,6 +11,7 @@ mod demo;
 mod engine;
 mod experiment;
 mod friction;
+mod full_report;
 mod greybox;
 mod help;
 mod identify;

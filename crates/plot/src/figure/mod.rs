@@ -13,6 +13,8 @@ use thin::kept_indices;
 
 /// Largest number of points drawn of one trace.
 const MAX_POINTS: usize = 4000;
+/// Largest number of points of a trace that is drawn for its course alone.
+const OUTLINE_POINTS: usize = 1000;
 
 /// Panels on one x-axis, with a title above and a caption below.
 #[derive(Debug, Serialize)]
@@ -264,9 +266,23 @@ impl Panel {
 
 impl Layer {
     /// A uniformly sampled trace, thinned if it is long.
-    pub fn trace(name: &str, style: Style, (start_s, sample_time_s): (f64, f64), values: &[f64]) -> Self {
+    pub fn trace(name: &str, style: Style, clock: (f64, f64), values: &[f64]) -> Self {
+        Self::thinned((name, style), clock, values, MAX_POINTS)
+    }
+
+    /// A uniformly sampled trace of which the course is to be seen and no detail: thinned to a quarter of the points.
+    pub fn outline(name: &str, style: Style, clock: (f64, f64), values: &[f64]) -> Self {
+        Self::thinned((name, style), clock, values, OUTLINE_POINTS)
+    }
+
+    fn thinned(
+        (name, style): (&str, Style),
+        (start_s, sample_time_s): (f64, f64),
+        values: &[f64],
+        most: usize,
+    ) -> Self {
         let finite_or_zero = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let kept = kept_indices(values, MAX_POINTS);
+        let kept = kept_indices(values, most);
         let y = match &kept {
             Some(kept) => kept.iter().filter_map(|&index| values.get(index)).copied().map(Rounded).collect(),
             None => rounded(values),

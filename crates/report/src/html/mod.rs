@@ -1,10 +1,12 @@
 //! The report as one self-contained HTML file.
 //!
-//! The order is the one in which a test engineer asks: the verdict, the block diagram, each part, the whole model,
-//! replays, doubts, where it all came from. Style and plotting script stand in `assets/` and are put into the file.
+//! The order is the one in which a test engineer asks: the verdict, what is known and how well, the block diagram, what was
+//! recorded, each part, the whole model, replays, doubts, where it all came from, by which methods. Style and plotting script stand in `assets/` and are put into the file.
 
+mod analyses;
 mod diagnostics;
 mod diagram;
+mod known;
 mod methods;
 mod parts;
 mod plots;
@@ -16,6 +18,7 @@ mod verdict;
 mod whole;
 
 use bench::Study;
+use bench::study::Analyses;
 
 use plot::markup;
 use plot::markup::Markup;
@@ -24,24 +27,65 @@ const STYLE: &str = include_str!("../../assets/report.css");
 
 /// The report of a study: one HTML file that needs no network, works on a screen and prints on A4.
 pub fn html(study: &Study) -> String {
-    let sections = [
-        ("verdict", "Verdict", verdict::section(study)),
-        ("diagram", "Block diagram", diagram::section(study)),
-        ("timing", "Timing", submodels::timing(study)),
-        ("speed-control", "Speed control", submodels::speed_controller(study)),
-        ("feed-forward", "Feed-forward", submodels::feed_forward(study)),
-        ("torque-control", "Torque control", submodels::torque_control(study)),
-        ("shaft", "Shaft", submodels::shaft(study)),
-        ("whole", "Whole model", whole::section(study)),
-        ("replays", "Replays", replays::section(study)),
-        ("findings", "Findings", diagnostics::section(study)),
-        ("provenance", "Recordings and bench", provenance::section(study)),
-        ("methods", "Methods", methods::section()),
-    ];
+    document(study, None)
+}
+
+/// The same report with all analyses of the recordings, each at its place.
+pub fn full_html(study: &Study, analyses: &Analyses) -> String {
+    document(study, Some(analyses))
+}
+
+fn document(study: &Study, analyses: Option<&Analyses>) -> String {
+    let sections = sections(study, analyses);
     let contents: Markup =
         sections.iter().map(|(id, title, _)| markup!("<li><a href=\"#{}\">{}</a></li>", id, title)).collect();
     let body: Markup = sections.into_iter().map(|(id, title, content)| section(id, title, content)).collect();
     page(study, &contents, &body).into_string()
+}
+
+/// The sections in the order in which an engineer asks; those that only analyses fill are left out without them.
+fn sections(study: &Study, analyses: Option<&Analyses>) -> Vec<(&'static str, &'static str, Markup)> {
+    let with = |mut own: Markup, more: &dyn Fn(&Analyses) -> Markup| {
+        analyses.iter().for_each(|found| own.push(more(found)));
+        own
+    };
+    let only = |id, title, content: &dyn Fn(&Analyses) -> Markup| analyses.map(|found| (id, title, content(found)));
+    let all = [
+        Some(("verdict", "Verdict", verdict::section(study))),
+        Some(("known", "What is known", known::section(study, analyses))),
+        Some(("diagram", "Block diagram", diagram::section(study))),
+        only("recorded", "What was recorded", &|found| analyses::courses(&found.courses)),
+        only("lines", "Lines", &|found| analyses::lines(&found.lines, &found.over_speed)),
+        Some(("timing", "Timing", with(submodels::timing(study), &|found| analyses::step(found.step.as_ref())))),
+        only("torque-signals", "Torque signals", &|found| analyses::torque(&found.torque_signals)),
+        Some((
+            "speed-control",
+            "Speed control",
+            with(submodels::speed_controller(study), &|found| {
+                analyses::controller(&found.speed_control, found.pi_study.as_ref())
+            }),
+        )),
+        Some((
+            "feed-forward",
+            "Feed-forward",
+            with(submodels::feed_forward(study), &|found| analyses::feed_forward(&found.speed_control)),
+        )),
+        Some((
+            "torque-control",
+            "Torque control",
+            with(submodels::torque_control(study), &|found| analyses::inverter(&found.torque_control)),
+        )),
+        only("friction", "Friction", &|found| analyses::friction(&found.friction, &study.bench)),
+        Some(("shaft", "Shaft", with(submodels::shaft(study), &|found| analyses::shaft(&found.shaft)))),
+        only("engine-torque", "Engine torque", &|found| analyses::engine(&found.engine_torque)),
+        Some(("whole", "Whole model", whole::section(study))),
+        only("next", "What to record next", &|found| analyses::next(&found.next)),
+        Some(("replays", "Replays", replays::section(study))),
+        Some(("findings", "Findings", diagnostics::section(study))),
+        Some(("provenance", "Recordings and bench", provenance::section(study))),
+        Some(("methods", "Methods", methods::section())),
+    ];
+    all.into_iter().flatten().collect()
 }
 
 fn section(id: &str, title: &str, content: Markup) -> Markup {

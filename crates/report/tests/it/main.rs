@@ -1,6 +1,8 @@
 //! The tests of the report. A name's prefix says what it proves.
 
+mod counterparts;
 mod fixture;
+mod known;
 mod page;
 mod prop;
 mod snap;

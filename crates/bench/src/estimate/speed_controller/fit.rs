@@ -12,7 +12,7 @@ use super::inverse::{self, COUNT};
 use crate::align::split_window;
 use crate::estimate::parameter::{Label, ReadOut, transformed};
 use crate::estimate::{EstimateError, timing_floor_s};
-use crate::study::{Estimate, FeedForward, ResidualTest, SpeedController, Trace, Validation};
+use crate::study::{Estimate, FeedForward, Parameter, ResidualTest, SpeedController, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
 
@@ -33,6 +33,7 @@ const TEST_LEVEL: f64 = 0.99;
 pub(super) const K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm/rpm" };
 pub(super) const K_I: Label = Label { symbol: "K_i", name: "integral gain", unit: "Nm/(rpm s)" };
 pub(super) const TAU: Label = Label { symbol: "τ", name: "delay of the controller", unit: "s" };
+const ZERO: Label = Label { symbol: "−K_i/K_p", name: "zero of (K_p s + K_i)/s", unit: "rad/s" };
 const I_0: Label = Label { symbol: "I_0", name: "initial state of the integrator", unit: "Nm" };
 const T_G: Label = Label { symbol: "T_g", name: "gate of the speed encoder", unit: "s" };
 pub(super) const K_SPEED: Label = Label { symbol: "k", name: "feed-forward of speed", unit: "Nm/rpm" };
@@ -73,6 +74,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
     Ok(SpeedControllerFit {
         result: SpeedController {
+            zero: zero_of(&estimate),
             estimate,
             sample_time_s: data.demand.sample_time_s,
             discrete: (discrete.0 * RPM_RAD_S, discrete.1 * RPM_RAD_S),
@@ -86,6 +88,16 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
         reference_lag: lag,
         coarse_demand_nm,
     })
+}
+
+/// The zero of (K_p s + K_i)/s by the delta method, K_p and K_i being the first two parameters.
+fn zero_of(estimate: &Estimate) -> Parameter {
+    let [k_p, k_i] = [0, 1].map(|i| estimate.parameters.get(i).map_or(f64::NAN, |p| p.value));
+    let gradient = [k_i / (k_p * k_p), -1.0 / k_p];
+    let rows = estimate.covariance.iter().zip(gradient);
+    let variance: f64 = rows.map(|(row, a)| row.iter().zip(gradient).map(|(c, b)| a * c * b).sum::<f64>()).sum();
+    let freedom = estimate.parameters.first().map_or(f64::NAN, |p| p.degrees_of_freedom);
+    Parameter::new(ZERO, -k_i / k_p, variance.max(0.0).sqrt(), freedom)
 }
 
 /// Estimates PI and delay from all of a recording whose T_d* is that of PI and delay alone; nothing is held out.

@@ -9,7 +9,7 @@ use bench::BenchFile;
 use bench::virtual_bench::{BenchParameters, Effects, ShaftZeros};
 
 use crate::cli::DemoArguments;
-use crate::commands::study::{self, Written};
+use crate::commands::study::{self, Extent, Written};
 use crate::error::{CliError, Outcome};
 use crate::output::{self, OutputFolder};
 use crate::summary::{self, shown};
@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     output::replace_file(&out.join(EFFECTS), effects(&parameters, arguments.seed)?.as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
-    let written = study::study(&bench, out, Some(arguments.seed), terminal)?;
+    let written = study::study(&bench, out, (Some(arguments.seed), Extent::Model), terminal)?;
     let rows = comparison::rows(&written.study, &parameters);
     if arguments.json {
         terminal.json(&comparison::Document::new(arguments.seed, &written, &bench, &rows))?;

@@ -22,7 +22,7 @@ pub(crate) fn speed_controller(study: &Study) -> Markup {
     let title = "Speed control on the held-out stretch";
     [
         lead(what, equation),
-        parameters(&part.estimate, &[]),
+        parameters(&part.estimate, &[&part.zero]),
         discrete(part),
         fit_line(&part.validation),
         figure(&comparison(title, &part.validation, None)),

@@ -1,0 +1,133 @@
+//! Speed control, feed-forward, torque control.
+
+use bench::Role;
+use bench::study::{Analyses, Estimate, Parameter, SpeedController, Study, TorqueControl, Validation};
+
+use super::{Grade, Known, grade, of_part, recording, source};
+use crate::controller;
+use crate::inverter;
+use crate::wording::{self, number};
+
+/// PI and delay.
+pub(super) fn speed_controller(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
+    of_part(&study.speed_controller, ("K_p, K_i, τ", "speed controller"), |part| {
+        let beside = analyses.and_then(beside_pi);
+        let known = |symbol: &&str| {
+            let own = part.estimate.parameter(symbol)?;
+            let mut why = judged(study, &part.estimate, &part.validation);
+            why.push(match *symbol {
+                "τ" => delay_seen(part),
+                "K_p" => "By which rule the controller integrates no recording tells; by another rule K_p would be less, by at \
+                          most K_i times the sample time."
+                    .to_owned(),
+                _ => String::new(),
+            });
+            why.extend(beside.clone());
+            why.retain(|text| !text.is_empty());
+            Some(Known::of(own, with_residuals(grade(study, own), &part.validation), why))
+        };
+        ["K_p", "K_i", "τ"].iter().filter_map(known).collect()
+    })
+}
+
+/// How an estimate came about, and what it makes of data it has not seen.
+fn judged(study: &Study, estimate: &Estimate, validation: &Validation) -> Vec<String> {
+    let mut why = vec![source(study, estimate)];
+    why.push(format!(
+        "On data it has not seen it follows {} with a fit of {}.",
+        validation.quantity,
+        number::fit(validation.fit_percent)
+    ));
+    if let Some(test) = &validation.residuals
+        && test.share_outside() > bench::study::ResidualTest::MANY_OUTSIDE
+    {
+        why.push(format!("What it leaves still depends on {}: something is missing in the model.", test.input));
+    }
+    why
+}
+
+fn with_residuals(grade: Grade, validation: &Validation) -> Grade {
+    let is_doubted =
+        |test: &bench::study::ResidualTest| test.share_outside() > bench::study::ResidualTest::MANY_OUTSIDE;
+    if validation.residuals.as_ref().is_some_and(is_doubted) { grade.contradicted() } else { grade }
+}
+
+fn delay_seen(part: &SpeedController) -> String {
+    let share = |validation: &Validation| {
+        validation.residuals.as_ref().map_or_else(|| number::NOT_KNOWN.to_owned(), |t| number::share(t.share_outside()))
+    };
+    format!(
+        "Without the delay, what PI leaves depends on the input at {} of the lags; with the delay, at {}.",
+        share(&part.without_delay),
+        share(&part.validation)
+    )
+}
+
+/// What stands beside PI and delay in the longest recording that tells it.
+fn beside_pi(found: &Analyses) -> Option<String> {
+    let all = found.speed_control.controllers.iter();
+    all.filter_map(|one| one.found.found()?.structure.found()).next().map(controller::structure)
+}
+
+/// k, k_a, and m which no recording tells.
+pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
+    of_part(&study.feed_forward, ("k, k_a", "feed-forward"), |part| {
+        let bends = analyses.and_then(|found| {
+            let all = found.speed_control.feed_forward.iter();
+            all.filter_map(|one| one.found.found()?.terms.found()).next().map(controller::bends)
+        });
+        let known = |symbol: &&str| {
+            let own = part.estimate.parameter(symbol)?;
+            let mut why = judged(study, &part.estimate, &part.validation);
+            why.push(format!("PI alone follows the same stretch with {}.", number::fit(part.pi_alone.fit_percent)));
+            why.extend(bends.clone());
+            Some(Known::of(own, with_residuals(grade(study, own), &part.validation), why))
+        };
+        let why = vec![controller::M_IS_UNTOLD.to_owned()];
+        let m = Known::new("m", "constant part of the feed-forward", Grade::NotAtAll, "–".to_owned(), why);
+        ["k", "k_a"].iter().filter_map(known).chain([m]).collect()
+    })
+}
+
+/// The total delay of the torque control, and delay and lag one by one.
+pub(super) fn torque_control(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
+    of_part(&study.torque_control, ("τ, a", "torque control of the inverter"), |part| {
+        let known = |symbol: &&str| {
+            let own = part.delay_and_lag.parameter(symbol)?;
+            let validation = &part.delay_and_lag_validation;
+            let mut why = judged(study, &part.delay_and_lag, validation);
+            why.push(format!(
+                "A delay alone follows the same stretch with {}.",
+                number::fit(part.pure_delay_validation.fit_percent)
+            ));
+            why.extend(sampling(study, part, own));
+            why.extend(analyses.and_then(|found| {
+                let studied = found.torque_control.as_ref().ok()?;
+                Some(wording::capitalised(&inverter::beyond(studied.recordings.first()?)) + ".")
+            }));
+            Some(Known {
+                name: format!("torque control: {}", own.name),
+                ..Known::of(own, with_residuals(grade(study, own), validation), why)
+            })
+        };
+        ["τ + 1/a", "τ", "a"].iter().filter_map(known).collect()
+    })
+}
+
+/// How the lag compares with the time between samples of T_d,calc.
+fn sampling(study: &Study, part: &TorqueControl, own: &Parameter) -> Option<String> {
+    if own.symbol == "τ + 1/a" {
+        return None;
+    }
+    let lag_s = 1.0 / part.delay_and_lag.parameter("a")?.value;
+    let file = &part.delay_and_lag.stretches.first()?.file;
+    let times = &recording(study, file)?.sample_times_s;
+    let (_, sample_s) = times.iter().find(|(role, _)| *role == Role::AirGapTorque)?;
+    (lag_s < *sample_s).then(|| {
+        format!(
+            "The lag of {} is short beside the {} between samples of T_d,calc: delay and lag are told apart less well than their sum is told.",
+            number::duration(lag_s),
+            number::duration(*sample_s)
+        )
+    })
+}

@@ -1,0 +1,119 @@
+//! Delays of signals, friction, and the engine's torque.
+
+use bench::ExperimentLabel;
+use bench::study::{Analyses, SignalDelay, Study};
+use bench::torque_signals::Told;
+
+use super::{Grade, Known, grade, of_part};
+use crate::engine;
+use crate::torque;
+use crate::wording::{self, number};
+
+/// Friction known to within this is known well, however little there is of it, Nm.
+const FRICTION_NM: f64 = 1.0;
+
+/// How late each torque signal is.
+pub(super) fn delays(study: &Study) -> Vec<Known> {
+    of_part(&study.timing, ("", "delays of the torque signals"), |part| {
+        part.delays.iter().filter_map(|delay| one(study, delay)).collect()
+    })
+}
+
+fn one(study: &Study, delay: &SignalDelay) -> Option<Known> {
+    let own = delay.against_demand.as_ref()?;
+    let mut by_width = grade(study, own);
+    let mut why = vec![format!("Measured against T_d* in {}.", super::stretch_words(study, &delay.stretch))];
+    why.push(match delay.routes_agree() {
+        Some(true) => format!("{} routes were taken to it, and they agree.", delay.routes.len()),
+        Some(false) => {
+            by_width = by_width.contradicted();
+            format!("The {} routes to it do not agree.", delay.routes.len())
+        }
+        None => "There is no second route to check it by.".to_owned(),
+    });
+    if let Some(bend) = &delay.against_speed_bend {
+        why.push(format!(
+            "{} is {} behind the moment N_d begins to bend.",
+            delay.role.symbol(),
+            number::parameter(bend)
+        ));
+    }
+    let name = format!("delay of {}", delay.role.symbol());
+    Some(Known::new("", &name, by_width, number::parameter(own), why))
+}
+
+/// Friction of the dynamometer.
+pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
+    let known = |grade, value: String, why| Known::new("", "friction of the dynamometer", grade, value, vec![why]);
+    let without_shaft = study.recordings.iter().find(|recording| {
+        let label = recording.label.as_deref().and_then(|label| label.parse::<ExperimentLabel>().ok());
+        label.is_some_and(|label| label.is_without_shaft())
+    });
+    match (analyses.map(|found| &found.friction), without_shaft) {
+        (Some(Ok(found)), _) => {
+            let Some(middle) = found.curve.get(found.curve.len() / 2) else {
+                return known(Grade::NotAtAll, "–".to_owned(), "The speeds seen do not tell it.".to_owned());
+            };
+            let files: Vec<String> = found.run_outs.iter().map(|run_out| run_out.stretch.file.clone()).collect();
+            let mut why = format!("From {}, with the shaft off.", wording::join(&files, "and"));
+            if middle.half_width_nm >= middle.torque_nm.abs() {
+                why.push_str(" It is not told from zero, and small whatever it is.");
+            }
+            let torque = number::plus_minus(middle.torque_nm, middle.half_width_nm, "Nm");
+            let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / super::WIDTHS.0);
+            let value = format!("{torque} at {}", number::rpm(middle.speed_rad_s));
+            known(Grade::of_width(width, super::WIDTHS), value, why)
+        }
+        (Some(Err(why)), _) => known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{why}."))),
+        (None, Some(recording)) => {
+            let why = format!("It is no part of the model; `dynoid friction` tells it from {}.", recording.file);
+            known(Grade::NotAtAll, "not looked at here".to_owned(), why)
+        }
+        (None, None) => {
+            let why = "It cannot be told from engine torque with the shaft on, and no recording is without; run NoShaft_N_NT.";
+            known(Grade::NotAtAll, "–".to_owned(), why.to_owned())
+        }
+    }
+}
+
+/// The engine's torque.
+pub(super) fn engine_torque(study: &Study, analyses: Option<&Analyses>) -> Known {
+    let known = |grade, value: String, why| Known::new("T_e", "torque of the engine", grade, value, vec![why]);
+    let Some(found) = analyses.map(|found| &found.engine_torque) else {
+        let why = match study.replays.is_empty() {
+            true => "No bench records it, and nothing was replayed.",
+            false => {
+                "No bench records it; replays reconstruct it from N_e and T_shaft, `dynoid engine` with its uncertainty."
+            }
+        };
+        return known(Grade::NotAtAll, "not looked at here".to_owned(), why.to_owned());
+    };
+    let rebuilt = found.recordings.iter().filter_map(|one| Some((one, one.engine.found()?)));
+    let widths =
+        rebuilt.map(|(one, engine)| (one, engine, relative(&engine.standard_deviation_nm, &engine.smoothed_nm)));
+    match (widths.min_by(|a, b| a.2.total_cmp(&b.2)), &found.masses) {
+        (Some((one, engine, width)), _) => {
+            let value = format!(
+                "rebuilt in {} recordings",
+                found.recordings.iter().filter(|r| r.engine.found().is_some()).count()
+            );
+            let why = format!("No bench records it. Best in {}: {}.", one.file, engine::rebuilt(engine));
+            known(Grade::of_width(width, super::WIDTHS), value, why)
+        }
+        (None, Told::Untold(why)) => {
+            known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{}.", torque::untold(why))))
+        }
+        (None, Told::Found(_)) => {
+            known(Grade::NotAtAll, "–".to_owned(), "It could be rebuilt in no recording.".to_owned())
+        }
+    }
+}
+
+/// Median of the 95 % half-widths over the root mean square of the values.
+fn relative(deviations: &[f64], values: &[f64]) -> f64 {
+    let mut sorted = deviations.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::INFINITY);
+    let rms = (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
+    1.96 * median / rms
+}

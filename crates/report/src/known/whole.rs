@@ -1,0 +1,87 @@
+//! Resonance and replays.
+
+use bench::study::{Influence, Parameter, Part, Study, WholeModel};
+
+use super::{Grade, Known, WIDTHS, grade};
+use crate::wording::{self, number};
+
+/// Fits of replays that are good, and that are fair, %.
+const FITS: (f64, f64) = (90.0, 70.0);
+
+/// Frequency, gain and damping of the resonance.
+pub(super) fn resonance(study: &Study) -> Vec<Known> {
+    let whole = match &study.whole {
+        Part::Estimated(whole) => whole,
+        Part::NotEstimated { needs } => return vec![Known::missing("", "resonance of the bench", needs)],
+    };
+    let sines = sine_tests(whole);
+    let known = |own: &Parameter, is_gain: bool| {
+        let mut why: Vec<String> =
+            whole.influences.iter().find(|i| i.symbol == own.symbol).and_then(uncertain_by).into_iter().collect();
+        why.push(sines.1.clone());
+        why.push(
+            "The inertias are taken as the bench file states them, without uncertainty: an error of theirs is in no interval."
+                .to_owned(),
+        );
+        let contradicted = is_gain && sines.0.is_some_and(|off| off > WIDTHS.1);
+        let by_width = grade(study, own);
+        Known::of(own, if contradicted { by_width.contradicted() } else { by_width }, why)
+    };
+    vec![known(&whole.resonance_hz, false), known(&whole.resonance_gain, true), known(&whole.damping_ratio, false)]
+}
+
+/// The parameter that most of the uncertainty is owed to.
+fn uncertain_by(influence: &Influence) -> Option<String> {
+    let shares = influence.parameters.iter().filter_map(|one| Some((one, one.variance_share?)));
+    let (most, share) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!("Most of its uncertainty, {}, is owed to {}.", number::share(share), most.parameter.symbol()))
+}
+
+/// How far measured gains are from the model on average, and in words.
+fn sine_tests(whole: &WholeModel) -> (Option<f64>, String) {
+    let off = |p: &bench::study::SinePoint| (p.gain_corrected_for_engine.unwrap_or(p.gain) / p.model_gain - 1.0).abs();
+    let clear: Vec<f64> =
+        whole.sine_points.iter().filter(|p| !p.at_engine_order).map(off).filter(|o| o.is_finite()).collect();
+    if clear.is_empty() {
+        return (None, "No sine test checks it; Sine_T_TN would.".to_owned());
+    }
+    let mean = clear.iter().sum::<f64>() / clear.len() as f64;
+    let words = format!(
+        "{} sine tests clear of engine orders, none of which the model was made from, differ from it by {} on average.",
+        clear.len(),
+        number::share(mean)
+    );
+    (Some(mean), words)
+}
+
+/// Whether the model as a whole follows recordings that no part was estimated from.
+pub(super) fn replays(study: &Study) -> Known {
+    let known = |grade, value: String, why| Known::new("", "what the bench does as a whole", grade, value, why);
+    let unseen: Vec<_> = study.replays.iter().filter(|replay| !replay.seen_in_estimation).collect();
+    let fits: Vec<f64> = unseen.iter().flat_map(|replay| &replay.signals).map(|signal| signal.fit_percent).collect();
+    let Some(lowest) = fits.iter().copied().reduce(f64::min) else {
+        let why =
+            vec!["No recording was replayed that the estimates have not seen; record another experiment.".to_owned()];
+        return known(Grade::NotAtAll, "–".to_owned(), why);
+    };
+    let mut sorted = fits.clone();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
+    let by_fit = match median {
+        fit if fit >= FITS.0 => Grade::Well,
+        fit if fit >= FITS.1 => Grade::Roughly,
+        _ => Grade::Poorly,
+    };
+    let words = unseen.iter().map(|replay| {
+        let signals: Vec<String> = replay
+            .signals
+            .iter()
+            .map(|signal| format!("{} {}", signal.quantity, number::fit(signal.fit_percent)))
+            .collect();
+        format!("Replayed on {}: {}.", replay.stretch.file, wording::join(&signals, "and"))
+    });
+    let below = lowest < FITS.1;
+    let mut why: Vec<String> = words.collect();
+    why.push("T_e, which drives the replay, is reconstructed from the same recording: a replay tests the dynamometer’s side and the shaft more than the engine’s.".to_owned());
+    known(if below { by_fit.contradicted() } else { by_fit }, format!("median fit {}", number::fit(median)), why)
+}
