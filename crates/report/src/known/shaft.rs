@@ -52,6 +52,7 @@ fn agreement(count: usize, apart: &[&(&str, &Parameter)]) -> String {
     match (count, listed.as_slice()) {
         (0, _) => "No second recording checks it.".to_owned(),
         (1, []) => "The one other recording that tells it agrees: the intervals overlap.".to_owned(),
+        (2, []) => "Both other recordings that tell it agree: the intervals overlap.".to_owned(),
         (n, []) => format!("All {n} other recordings that tell it agree: the intervals overlap."),
         (n, _) => {
             format!(
@@ -158,8 +159,8 @@ pub(super) fn skews(study: &Study) -> Vec<Known> {
     let known = |symbol: &&str| {
         let own = part.estimate.parameter(symbol)?;
         let why = vec![
-            source(study, &part.estimate),
             "Estimated with K and B from how the signals answer one another; no second route checks it.".to_owned(),
+            source(study, &part.estimate),
         ];
         Some(Known::of(own, grade(study, own), why))
     };

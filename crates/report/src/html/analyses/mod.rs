@@ -41,20 +41,15 @@ fn figures(all: Vec<Figure>) -> Markup {
     all.into_iter().flat_map(pages).map(|one| figure(&one)).collect()
 }
 
-/// A figure in pieces that fit a page, the caption below the last.
+/// A figure in pieces of alike height that fit a page, the caption below the last.
 fn pages(whole: Figure) -> Vec<Figure> {
-    let Figure { title, caption, x, panels, equal_axes, symbols } = whole;
+    let Figure { title, caption, x, mut panels, equal_axes, symbols } = whole;
+    let height: u32 = panels.iter().map(|panel| panel.height + BETWEEN_PANELS).sum();
+    let count = panels.len().div_ceil(height.div_ceil(PAGE).max(1) as usize).max(1);
     let mut pieces: Vec<Vec<Panel>> = Vec::new();
-    let mut height = u32::MAX;
-    for panel in panels {
-        height = height.saturating_add(panel.height + BETWEEN_PANELS);
-        match pieces.last_mut().filter(|_| height <= PAGE) {
-            Some(piece) => piece.push(panel),
-            None => {
-                height = panel.height + BETWEEN_PANELS;
-                pieces.push(vec![panel]);
-            }
-        }
+    while !panels.is_empty() {
+        let rest = panels.split_off(count.min(panels.len()));
+        pieces.push(std::mem::replace(&mut panels, rest));
     }
     let last = pieces.len();
     let piece = |(n, panels): (usize, Vec<Panel>)| Figure {
