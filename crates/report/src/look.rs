@@ -14,6 +14,8 @@ const HEIGHT: u32 = 150;
 const MAP_HEIGHT: u32 = 260;
 /// Multiples of the firing order that are drawn in.
 const FIRINGS: u32 = 6;
+/// Points of a spectrum that is drawn, at most.
+const MOST_POINTS: usize = 2500;
 /// Lines of a signal that are named in its spectrum.
 const MOST_NAMED: usize = 12;
 /// Orders whose amplitudes are drawn over the speed.
@@ -120,7 +122,8 @@ fn panel(signal: &LookedSignal, firing_hz: f64) -> Panel {
     let lowest = 0.2 * signal.lines.iter().map(|l| l.amplitude * per_si).fold(f64::INFINITY, f64::min);
     let highest = 4.0 * scaled.iter().copied().fold(0.0, f64::max);
     let mut layers = firings(firing_hz, 1.0 / signal.sample_time_s, [lowest, highest]);
-    layers.push(Layer::curve("amplitude", Style::Measured, &signal.frequency_hz, &scaled));
+    let (drawn_hz, drawn) = thinned(&signal.frequency_hz, &scaled);
+    layers.push(Layer::curve("amplitude", Style::Measured, &drawn_hz, &drawn));
     let mut seen: Vec<&str> = Vec::new();
     for line in &signal.lines {
         let (name, style) = kind(&line.cause);
@@ -139,6 +142,13 @@ fn panel(signal: &LookedSignal, firing_hz: f64) -> Panel {
     let axis = Axis::log(signal.role.symbol(), unit);
     let axis = if lowest < highest { axis.within(lowest, highest) } else { axis };
     Panel::new(axis, HEIGHT, layers)
+}
+
+/// A spectrum of fewer points: the largest of neighbours, so that no line is lost.
+fn thinned(frequency_hz: &[f64], amplitude: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let together = frequency_hz.len().div_ceil(MOST_POINTS).max(1);
+    let points: Vec<(f64, f64)> = frequency_hz.iter().copied().zip(amplitude.iter().copied()).collect();
+    points.chunks(together).filter_map(|near| near.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))).unzip()
 }
 
 /// Upright lines at the firing and its multiples, those that fold apart.
