@@ -4,6 +4,11 @@ use std::f64::consts::TAU;
 
 use signal::Signal;
 
+/// Over so long, s, a speed is looked at for its orders.
+const MOMENT_S: f64 = 0.25;
+/// Turns of a working cycle of four strokes.
+const CYCLE_TURNS: f64 = 2.0;
+
 /// The crank angle over time, the speed straight between its samples.
 pub(super) struct Angle<'a> {
     speed: &'a Signal,
@@ -42,12 +47,39 @@ impl<'a> Angle<'a> {
         (self.at(until_s) - self.at(from_s)) / (TAU * (until_s - from_s))
     }
 
-    /// Twice the standard deviation of the speed between two instants, Hz.
+    /// The share of the time between two instants at which a multiple of an order is within a reach of a frequency, which may
+    /// itself depend on how fast it turns.
+    pub(super) fn share_at(
+        &self,
+        [from_s, until_s]: [f64; 2],
+        order: f64,
+        frequency_hz: impl Fn(f64) -> f64,
+        reach_hz: f64,
+    ) -> f64 {
+        let count = ((until_s - from_s) / MOMENT_S).floor().max(1.0) as usize;
+        let moment_s = (until_s - from_s) / count as f64;
+        let shows = |k: &usize| {
+            let start_s = from_s + *k as f64 * moment_s;
+            let turns_hz = self.mean_hz(start_s, start_s + moment_s);
+            let (frequency_hz, step_hz) = (frequency_hz(turns_hz), order * turns_hz);
+            let nearest = (frequency_hz / step_hz).round().max(1.0);
+            (frequency_hz - nearest * step_hz).abs() < reach_hz
+        };
+        (0..count).filter(shows).count() as f64 / count as f64
+    }
+
+    /// Twice the standard deviation of the speed between two instants, Hz: of its means over a working cycle, whose firings
+    /// move the speed without spreading an order.
     pub(super) fn spread_hz(&self, from_s: f64, until_s: f64) -> f64 {
-        let part = self.speed.slice(from_s, until_s);
-        let mean = part.mean().unwrap_or(0.0);
-        let variance = part.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / part.len().max(1) as f64;
-        2.0 * variance.sqrt() / TAU
+        let turns = (self.at(until_s) - self.at(from_s)) / TAU;
+        let count = (turns / CYCLE_TURNS).floor().max(1.0);
+        let cycle_s = (until_s - from_s) / count;
+        let means: Vec<f64> = (0..count as usize)
+            .map(|k| from_s + k as f64 * cycle_s)
+            .map(|start_s| self.mean_hz(start_s, start_s + cycle_s))
+            .collect();
+        let mean = means.iter().sum::<f64>() / count;
+        2.0 * (means.iter().map(|hz| (hz - mean).powi(2)).sum::<f64>() / count).sqrt()
     }
 }
 
@@ -66,5 +98,7 @@ mod tests {
         }
         assert!((angle.at(1.9) + 10.0).abs() < 1e-9);
         assert!((angle.mean_hz(2.0, 3.0) * TAU - 125.0).abs() < 1e-9);
+        // In quarters of a second order 2 is at 33.8, 37.8, 41.8 and 45.8 Hz.
+        assert_eq!(angle.share_at([2.0, 3.0], 2.0, |_| 40.0, 2.5), 0.5);
     }
 }

@@ -1,6 +1,9 @@
 //! Lines of a signal that follow a phase, and those that follow none.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::f64::consts::{LN_2, LN_10, TAU};
+use std::rc::Rc;
 
 use faer::linalg::solvers::{DenseSolveCore, SolveLstsq};
 use faer::{Mat, c64};
@@ -12,6 +15,7 @@ use super::DRIFT_HZ;
 use super::angle::Angle;
 use super::cause::Cause;
 use super::reference::{Course, Reference, folded_hz};
+use super::tracking::OrderTrack;
 
 /// Bins about the line, and those of them that the window blurs it over.
 const ABOUT: isize = 64;
@@ -32,8 +36,12 @@ const RISE: f64 = 6.0;
 const WIDE: f64 = 8.0;
 /// Frequencies within this share of each other are one.
 const AT: f64 = 0.005;
-/// Passes over what is left.
-const PASSES: usize = 3;
+/// Passes over what is left, and the share of the strongest line that one has to have for each but the last: the phase of an
+/// order wobbles as the engine fires, and so has a little of other frequencies in it.
+const PASSES: usize = 5;
+const OF_THE_STRONGEST: f64 = 0.1;
+/// Samples over which a phasor turns before rounding is taken out.
+const TURNED: usize = 256;
 /// Slow changes of an order's strength spread it this far, Hz.
 const MODULATED_HZ: f64 = 1.0;
 /// Lines without a cause that are looked for, and the probability with which chance makes one of them.
@@ -64,10 +72,12 @@ pub(super) struct Lines {
 /// A signal seen through a window, beside references.
 struct Seen<'a> {
     signal: &'a Signal,
-    angle: &'a Angle<'a>,
     turns_hz: f64,
     /// How far the speed is spread, Hz.
     spread_hz: f64,
+    /// The crank angle at each sample, rad; and e^{jkθ} for each order k that was asked for, by the bits of k.
+    angles: Vec<f64>,
+    orders: RefCell<BTreeMap<u64, Rc<Vec<c64>>>>,
     /// Less its mean.
     samples: Vec<f64>,
     window: Vec<f64>,
@@ -82,7 +92,8 @@ struct Candidate {
     reference: Reference,
     /// e^{jφ} at each sample.
     turning: Vec<c64>,
-    /// Mean power of what lies about it, as of an amplitude.
+    /// Power behind its phase, and the mean power of what lies about it, as of an amplitude.
+    power: f64,
     noise: f64,
 }
 
@@ -91,6 +102,20 @@ impl Lines {
     pub(super) fn is_beside(&self, line: &Found) -> bool {
         let is_near = |other: &Found| (other.frequency_hz - line.frequency_hz).abs() < MODULATED_HZ;
         self.found.iter().any(|other| other.amplitude > line.amplitude && is_near(other))
+    }
+
+    /// With orders that were followed through a change of speed, and what was found in the rest.
+    pub(super) fn of_changing(self, tracks: &[OrderTrack], rest: Lines) -> Self {
+        let is_followed = |r: &Reference| match r.cause {
+            Cause::Order { order, .. } | Cause::FoldedOrder { order, .. } => tracks.iter().any(|t| t.order == order),
+            _ => false,
+        };
+        let mut found = self.found;
+        found.iter_mut().for_each(|line| line.causes.retain(is_followed));
+        found.retain(|line| !line.causes.is_empty());
+        found.extend(rest.found);
+        found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        Lines { found, left: rest.left, floor: self.floor }
     }
 
     /// The amplitude of the line at a frequency; zero where there is none.
@@ -105,8 +130,10 @@ impl Lines {
         let mut open: Vec<&Reference> = references.iter().collect();
         let mut found: Vec<Found> = Vec::new();
         // Weak lines show once strong ones are gone.
-        for _ in 0..PASSES {
-            let candidates: Vec<Candidate> = open.iter().filter_map(|r| seen.candidate(r)).collect();
+        for pass in 1..=PASSES {
+            let mut candidates: Vec<Candidate> = open.iter().filter_map(|r| seen.candidate(r)).collect();
+            let strongest = candidates.iter().map(|c| c.power).fold(0.0, f64::max);
+            candidates.retain(|c| pass == PASSES || c.power >= OF_THE_STRONGEST * OF_THE_STRONGEST * strongest);
             let mut left = seen.samples.clone();
             let mut new = Vec::new();
             for group in grouped(&seen, candidates) {
@@ -127,7 +154,7 @@ impl Lines {
 }
 
 impl<'a> Seen<'a> {
-    fn new(signal: &'a Signal, angle: &'a Angle<'a>) -> Self {
+    fn new(signal: &'a Signal, angle: &Angle<'_>) -> Self {
         let count = signal.len() as f64;
         let window: Vec<f64> = (0..signal.len()).map(|k| 1.0 - (TAU * (k as f64 + 0.5) / count).cos()).collect();
         let mean = signal.mean().unwrap_or(0.0);
@@ -135,7 +162,9 @@ impl<'a> Seen<'a> {
         let turns_hz = angle.mean_hz(signal.start_s, signal.end_s());
         let spread_hz = angle.spread_hz(signal.start_s, signal.end_s());
         let (none, powers, floor) = (Vec::new(), Vec::new(), 0.0);
-        let mut seen = Seen { signal, angle, turns_hz, spread_hz, samples: none, window, powers, floor };
+        let angles = (0..signal.len()).map(|k| angle.at(signal.time_s(k))).collect();
+        let orders = RefCell::default();
+        let mut seen = Seen { signal, turns_hz, spread_hz, angles, orders, samples: none, window, powers, floor };
         seen.show(samples);
         seen.floor = FLOOR * 2.0 * seen.powers.iter().copied().fold(0.0, f64::max).sqrt() / count;
         seen
@@ -158,8 +187,28 @@ impl<'a> Seen<'a> {
 
     /// e^{jφ} at each sample, φ the phase that a reference gives it.
     fn turning(&self, reference: &Reference) -> Vec<c64> {
-        let phase = |k: usize| reference.course.phase(self.angle, self.signal.time_s(k));
-        (0..self.signal.len()).map(|k| c64::cis(phase(k))).collect()
+        let Course { order, frequency_hz, .. } = reference.course;
+        let of_order = (order != 0.0).then(|| self.of_order(order.abs()));
+        let step = c64::cis(TAU * frequency_hz * self.signal.sample_time_s);
+        let mut turned = c64::ONE;
+        let at = |k: usize| {
+            turned = match k.is_multiple_of(TURNED) {
+                true => c64::cis(TAU * frequency_hz * self.signal.time_s(k)),
+                false => turned * step,
+            };
+            match &of_order {
+                Some(of_order) if order < 0.0 => of_order[k].conj() * turned,
+                Some(of_order) => of_order[k] * turned,
+                None => turned,
+            }
+        };
+        (0..self.signal.len()).map(at).collect()
+    }
+
+    /// e^{jkθ} at each sample: sidebands and images of an order share it.
+    fn of_order(&self, order: f64) -> Rc<Vec<c64>> {
+        let turning = || Rc::new(self.angles.iter().map(|angle| c64::cis(order * angle)).collect());
+        self.orders.borrow_mut().entry(order.to_bits()).or_insert_with(turning).clone()
     }
 
     /// Powers of the bins about a phase, the line itself in the middle, as of amplitudes.
@@ -223,7 +272,7 @@ impl<'a> Seen<'a> {
         // Noise that falls or rises with frequency counts by its stronger side.
         let noise = mean_noise(&powers[..middle - reach]).max(mean_noise(&powers[middle + reach + 1..]));
         let is_strong = powers[middle] > (EXCESS * noise).max(self.floor * self.floor);
-        (powers[middle] >= top && is_strong).then_some(Candidate { reference, turning, noise })
+        (powers[middle] >= top && is_strong).then_some(Candidate { reference, turning, power: powers[middle], noise })
     }
 
     /// The reference at the strongest line within its tolerance.
@@ -240,7 +289,8 @@ impl<'a> Seen<'a> {
         let [below, here, above] = [top - 1, top, top + 1].map(|bin| at(bin).max(f64::MIN_POSITIVE).ln());
         let curvature = below - 2.0 * here + above;
         let part = if curvature < 0.0 { (0.5 * (below - above) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
-        let course = Course { frequency_hz: frequency_hz + (top as f64 + part) * self.bin_hz(), ..reference.course };
+        let off_hz = ((top as f64 + part) * self.bin_hz()).clamp(-tolerance_hz, tolerance_hz);
+        let course = Course { frequency_hz: frequency_hz + off_hz, ..reference.course };
         Reference { course, ..reference.clone() }
     }
 
@@ -308,11 +358,24 @@ impl<'a> Seen<'a> {
             if is_known || self.candidate(&as_fixed).is_none() {
                 continue;
             }
-            let causes = self.modulated(s.freq_hz, references).into_iter().collect();
+            let has = |cause: &Cause| found.iter().flat_map(|f| &f.causes).any(|r| r.cause == *cause);
+            let staying = self.staying(s.freq_hz, references).filter(|r| !has(&r.cause));
+            let causes = staying.or_else(|| self.modulated(s.freq_hz, references)).into_iter().collect();
             let (amplitude, standard_error) = (s.amplitude, s.amplitude_deviation);
             new.push(Found { frequency_hz: s.freq_hz, amplitude, standard_error, causes });
         }
         new
+    }
+
+    /// The multiple of the mains whose tolerance a frequency is within: with noise about it, what lies beside it may have
+    /// hidden it.
+    fn staying(&self, frequency_hz: f64, references: &[Reference]) -> Option<Reference> {
+        let shown_hz = |r: &Reference| folded_hz(r.course.frequency_hz, self.rate_hz());
+        let is_it = |r: &&Reference| {
+            matches!(r.cause, Cause::Mains { .. })
+                && (shown_hz(r) - frequency_hz).abs() < r.course.tolerance_hz + self.bin_hz()
+        };
+        references.iter().find(is_it).cloned()
     }
 
     /// The order in whose neighbourhood a frequency is.

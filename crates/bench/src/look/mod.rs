@@ -16,6 +16,7 @@ mod campbell;
 mod cause;
 mod demand;
 mod lines;
+mod naming;
 mod over_speed;
 mod reference;
 mod resonance;
@@ -34,6 +35,7 @@ pub use campbell::ShortSpectrum;
 pub use cause::Cause;
 use demand::Stretch;
 use lines::{Found, Lines};
+use naming::Naming;
 pub use over_speed::{CurvePoint, OrderCurve, OverSpeed, over_speed};
 pub use reference::folded_hz;
 use reference::{Reference, Setting};
@@ -44,18 +46,12 @@ pub use tracking::{BANDWIDTH_ORDERS, OrderTrack, TURNS, TrackPoint};
 const OF_THE_MASSES: [Role; 4] = [Role::DynoSpeed, Role::EngineSpeed, Role::SystemShaftTorque, Role::FlangeTorque];
 /// Sensors with a resonance of their own, and the signal that shows the same without it.
 const SENSORS: [(Role, Role); 1] = [(Role::LoadCellTorque, Role::AirGapTorque)];
-/// The masses on a shaft of a bench resonate below this, Hz.
-const HIGHEST_STRUCTURAL_HZ: f64 = 60.0;
-/// A broad peak this close to a multiple of half the firing order, Hz, is of what varies from firing to firing.
+/// A broad peak this close to a multiple of half the firing order, Hz, for more than this share of the time, is of what varies
+/// from firing to firing; a line without a cause this close to any order is of it.
 const OF_A_FIRING_HZ: f64 = 0.6;
+const OFTEN: f64 = 0.2;
 /// Slower than this, Hz, is drift; a line without a cause is not told from it.
 const DRIFT_HZ: f64 = 3.0;
-/// A sideband is at most this share of what swings.
-const RIPPLED: f64 = 0.1;
-/// An image in T_d is at most this many times what T_d* holds of it.
-const FOLLOWED: f64 = 1.5;
-/// An order is told from another by a signal in which it is this many times as strong.
-const CLEARLY: f64 = 4.0;
 /// A speed changes where it ranges over more than this share of its mean.
 const CHANGES: f64 = 0.03;
 /// What is slower than this, s, is the trend of a signal whose speed changes.
@@ -173,6 +169,8 @@ struct Shown {
     signal: Signal,
     lines: Lines,
     broad: Vec<BroadPeak>,
+    /// Orders, where the speed changes.
+    tracks: Vec<OrderTrack>,
 }
 
 impl Looker<'_> {
@@ -190,14 +188,12 @@ impl Looker<'_> {
             shown.iter().map(|one| self.broad(one, &shown, stretch.sines_hz.is_empty())).collect();
         shown.iter_mut().zip(broad).for_each(|(one, broad)| one.broad = broad);
         let range_hz = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
-        let changes = self.changes(stretch);
+        let is_of_firing = |hz: f64| self.is_of_firing(hz, stretch);
+        let naming = Naming::new(&shown, demand::demand_role(self.experiment), turns_hz, is_of_firing);
         let signals = shown.iter().map(|one| LookedSignal {
-            lines: self.named(one, &shown, turns_hz),
+            lines: self.named(one, &naming, stretch),
             short: campbell::short_spectra(&one.signal, self.angle),
-            tracks: match changes {
-                true => tracking::order_tracks(&one.signal, self.angle, self.engine, &one.lines.found),
-                false => Vec::new(),
-            },
+            tracks: one.tracks.clone(),
             ..spectrum(one.role, &one.signal)
         });
         LookedPart {
@@ -222,7 +218,8 @@ impl Looker<'_> {
         if signal.len() < FEWEST_SAMPLES || is_still {
             return None;
         }
-        if self.changes(stretch) {
+        let changes = self.changes(stretch);
+        if changes {
             // Orders run through what a ramp leaves; it is no line.
             signal = without_trend(signal);
         }
@@ -235,12 +232,23 @@ impl Looker<'_> {
             highest_hz: self.highest_hz(),
         };
         let rate_hz = 1.0 / signal.sample_time_s;
-        let references = match role == demand::demand_role(self.experiment) {
-            true => setting.demanded(),
-            false => setting.references(rate_hz),
-        };
+        let is_asked_for = role == demand::demand_role(self.experiment);
+        let references = if is_asked_for { setting.demanded() } else { setting.references(rate_hz) };
         let lines = Lines::of(&signal, self.angle, &references);
-        Some(Shown { role, signal, lines, broad: Vec::new() })
+        let (lines, tracks) = match changes && !is_asked_for {
+            true => self.followed(&signal, lines, &references),
+            false => (lines, Vec::new()),
+        };
+        Some(Shown { role, signal, lines, broad: Vec::new(), tracks })
+    }
+
+    /// Orders that can be followed through a change of speed, and the lines of the rest. An order's strength changes with the
+    /// speed: what a constant one leaves of it shows wherever another phase meets it, where the speed rests above all.
+    fn followed(&self, signal: &Signal, lines: Lines, references: &[Reference]) -> (Lines, Vec<OrderTrack>) {
+        let (tracks, rest) = tracking::order_tracks(signal, self.angle, self.engine, &lines.found);
+        let is_order = |r: &&Reference| matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. });
+        let others: Vec<Reference> = references.iter().filter(|r| !is_order(r)).cloned().collect();
+        (lines.of_changing(&tracks, Lines::of(&rest, self.angle, &others)), tracks)
     }
 
     /// Broad peaks over what excites them: a sensor's over what it measures, those of the masses over what a dynamometer is
@@ -253,9 +261,49 @@ impl Looker<'_> {
         resonance::broad_peaks(&one.lines, measured.or(excitation).map(|other| &other.lines.left))
     }
 
-    /// Whether there is an engine that turns: its speed is recorded.
-    fn turns(&self) -> bool {
-        self.experiment.signal(Role::EngineSpeed).is_some()
+    /// Whether a frequency is that of what varies from firing to firing: not without an engine, whose speed is recorded.
+    fn is_of_firing(&self, frequency_hz: f64, stretch: &Stretch) -> bool {
+        let turns = self.experiment.signal(Role::EngineSpeed).is_some();
+        // Where the speed changes, weak orders are not followed.
+        let order = if self.changes(stretch) { self.cycle_order() } else { 0.5 * self.engine.firings_per_turn() };
+        turns && self.meets(order, |_| frequency_hz, stretch)
+    }
+
+    /// The order of a working cycle.
+    fn cycle_order(&self) -> f64 {
+        2.0 / f64::from(self.engine.strokes)
+    }
+
+    /// Whether a frequency often is that of a multiple of an order.
+    fn meets(&self, order: f64, frequency_hz: impl Fn(f64) -> f64, stretch: &Stretch) -> bool {
+        self.angle.share_at([stretch.start_s, stretch.end_s], order, frequency_hz, OF_A_FIRING_HZ) > OFTEN
+    }
+
+    /// Whether a line may be of an order that is too weak to be followed: where the speed changes, one shows at each speed at
+    /// which it rests, and with it whatever phase it meets there.
+    fn may_be_an_order(&self, found: &Found, one: &Shown, stretch: &Stretch) -> bool {
+        let course = found.causes.first().map(|r| r.course);
+        let at_hz = |turns_hz: f64| course.map_or(found.frequency_hz, |course| course.at_hz(turns_hz));
+        let (order, rate_hz) = (self.cycle_order(), 1.0 / one.signal.sample_time_s);
+        let meets =
+            |unfolded: fn(f64, f64) -> f64| self.meets(order, |turns_hz| unfolded(at_hz(turns_hz), rate_hz), stretch);
+        meets(|hz, _| hz) || meets(|hz, rate_hz| (rate_hz - hz).abs()) || meets(|hz, rate_hz| rate_hz + hz)
+    }
+
+    /// Whether a line is none of its own: drift, part of a stronger one, or, where the speed changes, of an order. What is in the
+    /// demand, the ripple and orders are.
+    fn is_of_another(&self, found: &Found, cause: &Cause, one: &Shown, stretch: &Stretch) -> bool {
+        let is_drift = found.frequency_hz < DRIFT_HZ || one.lines.is_beside(found);
+        match cause {
+            Cause::Demanded | Cause::Mains { multiple: 2, .. } => false,
+            _ if found.causes.iter().any(|r| matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. })) => {
+                false
+            }
+            Cause::Unknown if is_drift => true,
+            // A phase that follows the speed without having a cause meets another's.
+            Cause::Unknown if self.changes(stretch) && !found.causes.is_empty() => true,
+            _ => self.changes(stretch) && self.may_be_an_order(found, one, stretch),
+        }
     }
 
     /// Half the highest sample rate.
@@ -263,11 +311,10 @@ impl Looker<'_> {
         self.experiment.signals.values().map(Signal::nyquist_hz).fold(0.0, f64::max)
     }
 
-    fn named(&self, one: &Shown, all: &[Shown], turns_hz: f64) -> Vec<Line> {
+    fn named(&self, one: &Shown, naming: &Naming<'_>, stretch: &Stretch) -> Vec<Line> {
         let line = |found: &Found| {
-            let cause = decided(found, one, all, demand::demand_role(self.experiment), turns_hz);
-            let is_drift = found.frequency_hz < DRIFT_HZ || one.lines.is_beside(found);
-            (cause != Cause::Unknown || !is_drift).then_some(Line {
+            let cause = naming.of_line(found, one);
+            (!self.is_of_another(found, &cause, one, stretch)).then_some(Line {
                 frequency_hz: found.frequency_hz,
                 amplitude: found.amplitude,
                 standard_error: Some(found.standard_error),
@@ -276,142 +323,13 @@ impl Looker<'_> {
         };
         let broad = one.broad.iter().filter_map(|peak| {
             let (frequency_hz, amplitude) = (peak.frequency_hz, peak.amplitude);
-            let orders = 2.0 * frequency_hz / (self.engine.firings_per_turn() * turns_hz);
-            let off_hz = (orders - orders.round()).abs() * frequency_hz / orders;
-            let is_of_firing = self.turns() && orders > 0.5 && off_hz < OF_A_FIRING_HZ;
-            let cause = of_peak(one.role, peak, all).filter(|_| !is_of_firing)?;
+            let cause = naming.of_peak(peak, one).filter(|_| !self.is_of_firing(frequency_hz, stretch))?;
             Some(Line { frequency_hz, amplitude, standard_error: None, cause })
         });
         let mut lines: Vec<Line> = one.lines.found.iter().filter_map(line).chain(broad).collect();
         lines.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         lines
     }
-}
-
-/// The one cause, or several that the recording does not part.
-fn decided(found: &Found, one: &Shown, all: &[Shown], demand: Role, turns_hz: f64) -> Cause {
-    let is_image = |r: &Reference| matches!(r.cause, Cause::HoldImage { .. });
-    let is_sideband = |r: &Reference| matches!(r.cause, Cause::RippleSideband { .. });
-    if found.frequency_hz < DRIFT_HZ && is_in_the_demand(found, all, demand) {
-        return Cause::Demanded;
-    }
-    let mut causes: Vec<Reference> = found.causes.clone();
-    let is_demanded = |r: &Reference| matches!(r.cause, Cause::Demanded | Cause::HoldImage { .. });
-    if !causes.iter().any(is_demanded) && FOLLOWED * demanded_at(found.frequency_hz, all, demand) > found.amplitude {
-        return Cause::Demanded;
-    }
-    causes.dedup_by(|a, b| a.cause == b.cause);
-    causes.retain(|r| is_plausible(&r.cause, found.amplitude, one, all));
-    // A multiple of the mains that folds onto a lower one is the weaker of the two; references come with the lowest first.
-    let mut has_mains = false;
-    causes.retain(|r| !matches!(r.cause, Cause::Mains { .. }) || !std::mem::replace(&mut has_mains, true));
-    if let Some(demanded) = causes.iter().position(|r| r.cause == Cause::Demanded) {
-        // What a sine's own images add to it where they fold onto it is little.
-        causes = vec![causes.swap_remove(demanded)];
-    }
-    let image = causes.iter().find(|r| is_image(r)).cloned();
-    if let Some(image) = image.filter(|_| causes.iter().any(is_sideband)) {
-        // What the demand holds of it tells: an image is in T_d* already.
-        let of_the_hold = FOLLOWED * demanded_amplitude(&image, all) > found.amplitude;
-        causes.retain(|r| if of_the_hold { !is_sideband(r) } else { !is_image(r) });
-    }
-    if let Some(order) = told_by_a_faster_signal(&causes, one.role, all, turns_hz) {
-        causes = vec![order];
-    }
-    match &causes[..] {
-        [] if is_in_the_demand(found, all, demand) => Cause::Demanded,
-        [] => Cause::Unknown,
-        [one] => one.cause.clone(),
-        several => Cause::Undecided {
-            between: several.iter().map(|r| r.cause.clone()).collect(),
-            repeat_at_rpm: advice::repeat_at_rpm(several, turns_hz, 1.0 / one.signal.sample_time_s),
-        },
-    }
-}
-
-/// Whether a cause can make a line as strong as this.
-fn is_plausible(cause: &Cause, amplitude: f64, one: &Shown, all: &[Shown]) -> bool {
-    let anywhere = |hz: f64| all.iter().any(|shown| shown.lines.strength_at(hz) > 0.0);
-    match *cause {
-        // A ripple that is there makes little of a torque swing.
-        Cause::RippleSideband { of_hz, ripple_hz } => {
-            amplitude < RIPPLED * one.lines.strength_at(of_hz) && anywhere(ripple_hz)
-        }
-        // An image is weaker than what it is one of.
-        Cause::HoldImage { of_hz, .. } => amplitude < one.lines.strength_at(of_hz),
-        // Higher multiples come with the ripple of a rectifier.
-        Cause::Mains { multiple, mains_hz } => multiple <= 2 || anywhere(2.0 * mains_hz),
-        _ => true,
-    }
-}
-
-/// Of orders that fold onto each other, the one that stands out where N_d, the fastest signal, shows them apart.
-fn told_by_a_faster_signal(causes: &[Reference], role: Role, all: &[Shown], turns_hz: f64) -> Option<Reference> {
-    let faster = all.iter().find(|shown| shown.role == Role::DynoSpeed && shown.role != role)?;
-    let is_told = |r: &Reference| {
-        matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. })
-            && r.course.at_hz(turns_hz) < faster.signal.nyquist_hz()
-    };
-    if causes.len() < 2 || !causes.iter().all(is_told) {
-        return None;
-    }
-    // T_shaft is to N_d as frequency, N_e above the resonance as its square.
-    let power = match role {
-        Role::EngineSpeed => 2,
-        Role::SystemShaftTorque | Role::FlangeTorque => 1,
-        _ => 0,
-    };
-    let strength = |r: &&Reference| {
-        let hz = r.course.at_hz(turns_hz);
-        let of_it =
-            faster.lines.found.iter().filter(|line| line.causes.iter().any(|c| c.course.order == r.course.order));
-        of_it.map(|line| line.amplitude * hz.powi(power)).fold(0.0, f64::max)
-    };
-    let mut ranked: Vec<&Reference> = causes.iter().collect();
-    ranked.sort_by(|a, b| strength(b).total_cmp(&strength(a)));
-    (strength(&ranked[0]) > CLEARLY * strength(&ranked[1])).then(|| ranked[0].clone())
-}
-
-/// Whether the demand holds a line that no sine in it explains, such as what rounding gives it.
-fn is_in_the_demand(found: &Found, all: &[Shown], demand: Role) -> bool {
-    all.iter().any(|shown| shown.role == demand && shown.lines.strength_at(found.frequency_hz) > 0.0)
-}
-
-/// The strength of the line that a demand of torque holds at a frequency; zero without.
-fn demanded_at(frequency_hz: f64, all: &[Shown], demand: Role) -> f64 {
-    let torque = all.iter().find(|shown| shown.role == demand && demand == Role::DynoTorqueDemand);
-    torque.map_or(0.0, |shown| shown.lines.strength_at(frequency_hz))
-}
-
-/// How much of an image the demand of torque itself holds.
-fn demanded_amplitude(image: &Reference, all: &[Shown]) -> f64 {
-    let demand = all.iter().find(|shown| shown.role == Role::DynoTorqueDemand);
-    let lines = demand.iter().flat_map(|demand| &demand.lines.found);
-    lines
-        .filter(|line| line.causes.iter().any(|r| r.cause == image.cause && r.course == image.course))
-        .map(|l| l.amplitude)
-        .sum()
-}
-
-/// The cause of a broad peak; none where it has no known one.
-fn of_peak(role: Role, peak: &BroadPeak, all: &[Shown]) -> Option<Cause> {
-    let shows = |other: Role| {
-        let peaks = all.iter().filter(|shown| shown.role == other).flat_map(|shown| &shown.broad);
-        peaks.into_iter().any(|p| resonance::is_one(p, peak))
-    };
-    if peak.frequency_hz < HIGHEST_STRUCTURAL_HZ
-        && OF_THE_MASSES.contains(&role)
-        && OF_THE_MASSES.iter().filter(|other| shows(**other)).count() > 1
-    {
-        return Some(Cause::StructuralResonance);
-    }
-    let is_strongest = |one: &&Shown| one.broad.iter().all(|other| other.excess <= peak.excess);
-    if !all.iter().find(|shown| shown.role == role).is_some_and(|one| is_strongest(&one)) {
-        return None;
-    }
-    let is_sensor =
-        |(sensor, other): &&(Role, Role)| *sensor == role && all.iter().any(|s| s.role == *other) && !shows(*other);
-    SENSORS.iter().find(is_sensor).map(|_| Cause::SensorResonance)
 }
 
 /// A signal less its mean over [`TREND_S`] about each sample, taken twice.

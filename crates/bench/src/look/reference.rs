@@ -10,10 +10,10 @@ use crate::model::Engine;
 const HIGHEST_FIRING: f64 = 6.0;
 const STRONG_FIRING: f64 = 2.0;
 /// Frequencies of mains, Hz, and how many multiples of them are looked for.
-const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+pub(super) const MAINS_HZ: [f64; 2] = [50.0, 60.0];
 const MAINS_MULTIPLES: u32 = 6;
 /// The drive's ripple is this multiple of the mains.
-const RIPPLE: f64 = 2.0;
+pub(super) const RIPPLE: f64 = 2.0;
 /// The mains, and what hangs on them, stray by this share.
 const STRAY: f64 = 3e-3;
 

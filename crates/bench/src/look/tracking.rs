@@ -73,9 +73,14 @@ pub struct TrackPoint {
     pub standard_error: f64,
 }
 
-/// The orders of a signal, each over time; those that do not stand out are left out. Lines that follow no speed are fitted
-/// beside them.
-pub(super) fn order_tracks(signal: &Signal, angle: &Angle<'_>, engine: Engine, lines: &[Found]) -> Vec<OrderTrack> {
+/// The orders of a signal, each over time, those that do not stand out left out; and the signal without them, each as strong as
+/// it is at the moment. Lines that follow no speed are fitted beside them.
+pub(super) fn order_tracks(
+    signal: &Signal,
+    angle: &Angle<'_>,
+    engine: Engine,
+    lines: &[Found],
+) -> (Vec<OrderTrack>, Signal) {
     let windows: Vec<Window<'_>> = windows(signal, angle).collect();
     let alone = possible_orders(engine).map(|order| Course { order, frequency_hz: 0.0, tolerance_hz: 0.0 });
     let mut orders: Vec<(f64, Course)> = alone.filter_map(|course| Some((size(&windows, course)?, course))).collect();
@@ -85,10 +90,36 @@ pub(super) fn order_tracks(signal: &Signal, angle: &Angle<'_>, engine: Engine, l
     let count = orders.len();
     let courses: Vec<Course> = orders.into_iter().map(|(_, course)| course).chain(staying.take(MOST_STAYING)).collect();
     let fitted: Vec<Vec<Option<Fitted>>> = windows.iter().map(|window| window.fitted(&courses, count)).collect();
-    let track = |at: usize| OrderTrack { order: courses[at].order, points: points(&fitted, at) };
-    let mut tracks: Vec<OrderTrack> = (0..count).map(track).filter(is_there).collect();
+    let track = |at: usize| (at, OrderTrack { order: courses[at].order, points: points(&fitted, at) });
+    let there: Vec<(usize, OrderTrack)> = (0..count).map(track).filter(|(_, track)| is_there(track)).collect();
+    let followed: Vec<(usize, Course)> = there.iter().map(|(at, _)| (*at, courses[*at])).collect();
+    let rest = without(signal, &windows, &fitted, &followed);
+    let mut tracks: Vec<OrderTrack> = there.into_iter().map(|(_, track)| track).collect();
     tracks.sort_by(|a, b| a.order.total_cmp(&b.order));
-    tracks
+    (tracks, rest)
+}
+
+/// A signal less what its windows hold of some courses; nothing where no window reaches.
+fn without(
+    signal: &Signal,
+    windows: &[Window<'_>],
+    fitted: &[Vec<Option<Fitted>>],
+    courses: &[(usize, Course)],
+) -> Signal {
+    let (mut held, mut weights) = (vec![0.0; signal.len()], vec![0.0; signal.len()]);
+    for (window, fitted) in windows.iter().zip(fitted) {
+        let points: Vec<(Course, TrackPoint)> =
+            courses.iter().filter_map(|(at, course)| Some((*course, fitted[*at].as_ref()?.point))).collect();
+        for (k, (time_s, weight)) in window.times_s.iter().zip(window.weights()).enumerate() {
+            let wave = |(course, p): &(Course, TrackPoint)| {
+                p.amplitude * (course.phase(window.angle, *time_s) + p.phase_rad).cos()
+            };
+            held[window.first + k] += weight * points.iter().map(wave).sum::<f64>();
+            weights[window.first + k] += weight;
+        }
+    }
+    let left = |k: usize| if weights[k] > 0.0 { signal.samples[k] - held[k] / weights[k] } else { 0.0 };
+    signal.with_samples((0..signal.len()).map(left).collect())
 }
 
 /// Multiples of a working cycle's frequency up to twice the firing order, and multiples of the firing order beyond.
@@ -148,6 +179,8 @@ struct Window<'a> {
     angle: &'a Angle<'a>,
     time_s: f64,
     turns_hz: f64,
+    /// The first of its samples in the signal.
+    first: usize,
     times_s: Vec<f64>,
     samples: Vec<f64>,
     /// Place in the window, −½ … ½ of its turns.
@@ -179,10 +212,15 @@ impl<'a> Window<'a> {
             angle,
             time_s,
             turns_hz,
+            first,
             times_s: indices.iter().map(|k| signal.time_s(*k)).collect(),
             samples: indices.iter().map(|k| signal.samples[*k]).collect(),
             places: indices.iter().map(|k| place(signal.time_s(*k), middle)).collect(),
         })
+    }
+
+    fn weights(&self) -> Vec<f64> {
+        self.places.iter().map(|u| (PI * u).cos().powi(2)).collect()
     }
 
     /// The first of some courses, all of which are fitted; none of those that cannot be told apart.
@@ -191,7 +229,7 @@ impl<'a> Window<'a> {
         if (rows as f64) < SAMPLES_EACH * columns as f64 {
             return (0..wanted).map(|_| None).collect();
         }
-        let weights: Vec<f64> = self.places.iter().map(|u| (PI * u).cos().powi(2)).collect();
+        let weights = self.weights();
         let phases: Vec<Vec<f64>> =
             courses.iter().map(|c| self.times_s.iter().map(|t| c.phase(self.angle, *t)).collect()).collect();
         let regressor = |k: usize, j: usize| match j.checked_sub(2 * courses.len()) {
@@ -275,7 +313,8 @@ mod tests {
     fn exact_orders_of_a_run_up_are_tracked_where_they_fold_and_cross() {
         let speed = run_up();
         let angle = Angle::of(&speed);
-        let tracks = order_tracks(&torque(&angle, 0.0), &angle, ENGINE, &staying());
+        let torque = torque(&angle, 0.0);
+        let (tracks, rest) = order_tracks(&torque, &angle, ENGINE, &staying());
         for (order, amplitude) in ORDERS {
             let track = tracks.iter().find(|track| track.order == order).unwrap();
             assert!(track.points.len() > 80, "{order}: {}", track.points.len());
@@ -284,6 +323,11 @@ mod tests {
                 assert!(point.phase_rad.abs() < 1e-6, "{order}: {point:?}");
             }
         }
+        // What is left is the line that follows no speed, and the drift, but where orders cross.
+        let known = |time_s: f64| 2.0 * (TAU * FIXED_HZ * time_s).sin() + 40.0 + 0.5 * time_s;
+        let is_free = |k: &usize| (rest.samples[*k] - known(rest.time_s(*k))).abs() < 1e-5;
+        let free = (0..rest.len()).filter(is_free).count();
+        assert!(free as f64 > 0.6 * rest.len() as f64, "{free} of {}", rest.len());
         let [low, high] = range_hz(&angle, 0.0, 20.0);
         assert!((60.0 * low - 900.0).abs() < 40.0 && (60.0 * high - 2700.0).abs() < 40.0, "{low} {high}");
     }
@@ -292,7 +336,7 @@ mod tests {
     fn stat_the_standard_error_of_a_track_covers() {
         let speed = run_up();
         let angle = Angle::of(&speed);
-        let tracks = order_tracks(&torque(&angle, 2.0), &angle, ENGINE, &staying());
+        let (tracks, _) = order_tracks(&torque(&angle, 2.0), &angle, ENGINE, &staying());
         let ratios: Vec<f64> = tracks
             .iter()
             .filter_map(|track| Some((track, ORDERS.iter().find(|o| o.0 == track.order)?.1)))

@@ -49,7 +49,9 @@ impl Tally {
             if !judged.is_right {
                 let label = &labelled.look.label;
                 let speed_rpm = part.speed_rad_s / RPM_RAD_S;
-                println!("{seed} {label} {speed_rpm:.0} rpm {:?}, {}: {line:.3?}", signal.role, judged.truth);
+                let (role, rate_hz) = (signal.role, 1.0 / signal.sample_time_s);
+                println!("{seed} {label} {speed_rpm:.0} rpm {role:?} at {rate_hz:.0} Hz, {}: {line:.3?}", judged.truth);
+                println!("     {:.3?}, {:.3?} demanded", judged.causes, part.demanded_hz);
             }
             if let Cause::Undecided { between, repeat_at_rpm: Some(rpm) } = &line.cause
                 && judged.is_right

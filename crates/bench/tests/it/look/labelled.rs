@@ -66,12 +66,14 @@ struct Component {
 }
 
 /// What a name says of a line whose cause is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Judged {
     /// The true kind, the strongest of several.
     pub(crate) truth: &'static str,
     pub(crate) named: &'static str,
     pub(crate) is_right: bool,
+    /// All that made the line: multiples of the crank angle and frequencies beside, Hz.
+    pub(crate) causes: Vec<(&'static str, f64, f64)>,
 }
 
 /// Kinds of causes.
@@ -133,7 +135,7 @@ impl Drawn {
         sensors.dyno_eccentricity = within(0.0, 5e-4);
         sensors.engine_eccentricity = within(0.0, 5e-4);
         sensors.cell_resonance_hz = within(60.0, 90.0);
-        sensors.cell_damping_ratio = within(0.15, 0.35);
+        sensors.cell_damping_ratio = within(0.05, 0.35);
         sensors.cell_noise_nm = within(0.0, 0.3);
         sensors.pulses = (within(0.0, 5.0) < 1.0).then(PulseParameters::default);
         let clocks = &mut parameters.clocks;
@@ -147,9 +149,10 @@ impl Drawn {
         let duration_s = within(12.0, 24.0);
         // Held samples of a faster sine are those of a slower one.
         let highest_hz = f64::min(30.0, 0.4 / parameters.controller.demand_hold_s);
-        let mut plan = match within(0.0, 10.0) as usize {
+        // White noise is what shows a load cell's resonance.
+        let mut plan = match within(0.0, 11.0) as usize {
             0 | 1 => ExperimentPlan::bs_t_nt(speed_rpm, duration_s),
-            2 => ExperimentPlan::white_noise_t_tn(speed_rpm, duration_s),
+            2 | 10 => ExperimentPlan::white_noise_t_tn(speed_rpm, duration_s),
             3 | 4 => sines(speed_rpm, duration_s, (0..1).map(|_| within(2.0, highest_hz)).collect()),
             5 => sines(speed_rpm, duration_s, (0..4).map(|_| within(2.0, highest_hz)).collect()),
             6 => ExperimentPlan::step_t_tn(speed_rpm, duration_s),
@@ -194,6 +197,29 @@ impl Drawn {
     fn is_slowly_driven(&self) -> bool {
         let is = |demand: &Waveform| matches!(demand, Waveform::Ramps { .. } | Waveform::Square { .. });
         is(&self.plan.speed_rad_s) || is(&self.plan.dyno_torque_nm)
+    }
+
+    /// Where the masses on the shaft resonate, without damping: two masses once, those of a dual-mass flywheel twice.
+    fn structural_hz(&self) -> Vec<f64> {
+        let mechanics = &self.parameters.mechanics;
+        let (dyno, stiffness) = (mechanics.dyno_inertia_kg_m2, mechanics.shaft_stiffness_nm_per_rad);
+        let hz = |squared: f64| squared.sqrt() / TAU;
+        let Some(flywheel) = &mechanics.flywheel else {
+            return vec![hz(stiffness / dyno + stiffness / mechanics.engine_inertia_kg_m2)];
+        };
+        let (middle, springs) = (flywheel.secondary_inertia_kg_m2, flywheel.stiffness_nm_per_rad);
+        // ω⁴ − bω² + c = 0 of the chain of three.
+        let engine = mechanics.engine_inertia_kg_m2 - middle;
+        let b = stiffness / dyno + (stiffness + springs) / middle + springs / engine;
+        let c = stiffness * springs * (dyno + middle + engine) / (dyno * middle * engine);
+        let root = (0.25 * b * b - c).sqrt();
+        vec![hz(0.5 * b - root), hz(0.5 * b + root)]
+    }
+
+    /// Where the load cell's gain is largest: below its natural frequency as it is damped.
+    fn sensor_hz(&self) -> f64 {
+        let sensors = &self.parameters.sensors;
+        sensors.cell_resonance_hz * (1.0 - 2.0 * sensors.cell_damping_ratio.powi(2)).sqrt()
     }
 
     fn engine(&self) -> Engine {
@@ -511,8 +537,8 @@ impl Labelled {
     pub(crate) fn judge(&self, part: &LookedPart, signal: &LookedSignal, line: &Line) -> Judged {
         let named = kind(&line.cause);
         let near = |hz: f64, share: f64| (line.frequency_hz / hz - 1.0).abs() < share;
-        let is_structural = near(self.drawn.parameters.truth().resonance_hz, STRUCTURAL);
-        let is_sensor = near(self.drawn.parameters.sensors.cell_resonance_hz, SENSOR);
+        let is_structural = self.drawn.structural_hz().iter().any(|hz| near(*hz, STRUCTURAL));
+        let is_sensor = near(self.drawn.sensor_hz(), SENSOR);
         if line.standard_error.is_none() {
             let truth = match line.cause {
                 Cause::StructuralResonance if is_structural => "structural",
@@ -521,15 +547,19 @@ impl Labelled {
                 _ if is_sensor => "sensor",
                 _ => "none",
             };
-            return Judged { truth, named, is_right: truth == named };
+            return Judged { truth, named, is_right: truth == named, causes: Vec::new() };
         }
+        let demanded = || {
+            let is_right = named == "demanded";
+            Judged { truth: "demanded", named, is_right, causes: Vec::new() }
+        };
         if self.drawn.is_slowly_driven() && line.frequency_hz < SLOW_HZ {
-            return Judged { truth: "demanded", named, is_right: named == "demanded" };
+            return demanded();
         }
         let causes = self.causes(part, signal, line);
         if causes.is_empty() && signal.role == self.drawn.demand_role() {
             // What the experimenter sets is demanded, rounding included.
-            return Judged { truth: "demanded", named, is_right: named == "demanded" };
+            return demanded();
         }
         let is_one = |cause: &Cause| causes.iter().any(|c| self.names(cause, c, part));
         let is_right = match &line.cause {
@@ -544,7 +574,8 @@ impl Labelled {
             Cause::Order { .. } if is_folded(c) => "folded order",
             _ => kind(&c.cause),
         });
-        Judged { truth, named, is_right }
+        let causes = causes.iter().map(|c| (kind(&c.cause), c.order, c.frequency_hz)).collect();
+        Judged { truth, named, is_right, causes }
     }
 }
 
