@@ -199,7 +199,7 @@ Examples:
 
 Writes report.html (one file, opens in any browser) and study.json (every number, for programs). Results already there are replaced only when the new ones are complete. A bench file is proposed by `dynoid init`.
 
-With --full the report also holds what `dynoid look`, `torque`, `controller`, `controller study`, `inverter`, `friction`, `shaft` and `engine` tell of the same recordings, each at its place. It takes some twenty times as long. What lacks its recording is named with the experiment that would give it.")]
+With --full the report also holds what `dynoid look`, `torque`, `controller`, `controller study`, `inverter`, `friction`, `shaft`, `engine` and `experiment next` tell of the same recordings, each at its place. It takes minutes where the study takes seconds. What lacks its recording is named with the experiment that would give it.")]
 pub(crate) struct StudyRunArguments {
     /// The bench file: what is known of the bench, its channels, and its recordings
     #[arg(value_name = "BENCH.toml")]

@@ -3,7 +3,9 @@
 use bench::study::{NextError, NextExperiments};
 use plot::markup::Markup;
 
-use super::{plain_table, sentence, untold};
+use super::super::parts::{table, unbroken};
+use super::super::typeset::{prose, symbol};
+use super::{sentence, untold};
 use crate::next as words;
 use crate::wording;
 
@@ -19,16 +21,19 @@ pub(crate) fn next(found: &Result<NextExperiments, NextError>) -> Markup {
          half a 95 % interval, as a part of the value, now and after it",
     ));
     let best = words::best(found);
-    let after: Vec<String> = best.iter().map(|candidate| format!("after {}", words::what(candidate))).collect();
-    let headings: Vec<&str> = ["", "", "value", "now"].into_iter().chain(after.iter().map(String::as_str)).collect();
+    let after: Vec<String> = best.iter().map(|candidate| format!("After {}", words::what(candidate))).collect();
+    let headings: Vec<&str> =
+        ["", "Parameter", "Value", "Now"].into_iter().chain(after.iter().map(String::as_str)).collect();
     let row = |row: words::Row| {
-        let then = row.then.into_iter().map(|(words, _)| words);
-        [row.symbol, row.name, row.value, row.now].into_iter().chain(then).collect::<Vec<String>>()
+        let then = row.then.iter().map(|(words, _)| unbroken(words));
+        let own = [symbol(&row.symbol), prose(&row.name), unbroken(&row.value), unbroken(&row.now)];
+        own.into_iter().chain(then).collect::<Vec<Markup>>()
     };
-    all.push(plain_table(&headings, words::rows(found).into_iter().map(row)));
-    let useless: Vec<String> = found.candidates.iter().filter(|c| !c.is_worth_while()).map(words::what).collect();
+    all.push(table("parameters", &headings, words::rows(found).into_iter().map(row)));
+    let useless: Vec<&str> =
+        found.candidates.iter().filter(|c| !c.is_worth_while()).map(|c| c.label.as_str()).collect();
     if !useless.is_empty() {
-        all.push(sentence(&format!("Nothing is bought by {}", useless.join("; "))));
+        all.push(sentence(&format!("As long and at the same speed, nothing is bought by {}", useless.join(", "))));
     }
     for assumption in &found.assumptions {
         all.push(sentence(&format!("Assumed: {}", wording::assumption(assumption))));
