@@ -61,7 +61,7 @@ fn relative(half_width: Option<f64>, value: f64) -> String {
     }
 }
 
-/// The experiment with length and speed: `Multisine_T_TN, designed, 60 s at 1200 rpm`.
+/// The experiment with length and speed: `Multisine_T_TN (designed for this shaft), 60 s at 1200 rpm`.
 pub fn what(candidate: &Candidate) -> String {
     let designed = if candidate.is_designed { " (designed for this shaft)" } else { "" };
     let (length, speed) = (number::duration(candidate.duration_s), number::significant(candidate.speed_rpm, 4));

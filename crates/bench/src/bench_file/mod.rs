@@ -32,6 +32,7 @@ pub use fault::{BenchFileError, Fault, FaultKind};
 pub use write::{Draft, PLACEHOLDER};
 
 use crate::ExperimentLabel;
+use crate::model::Engine;
 use crate::role::Role;
 use crate::study::{BenchFacts, BenchVariant};
 use crate::units::{self, Unit};
@@ -164,6 +165,11 @@ impl BenchFile {
     pub fn label_of(&self, file: &str) -> Option<ExperimentLabel> {
         let stated = self.recordings.labels.iter().find(|stated| names_same_file(file, &stated.file));
         stated.map(|stated| stated.label.clone()).or_else(|| file_name(file).parse().ok())
+    }
+
+    /// The firing of its engine.
+    pub fn engine(&self) -> Engine {
+        Engine { cylinders: self.cylinders, strokes: self.strokes }
     }
 
     /// What the file states about the bench, for the study.

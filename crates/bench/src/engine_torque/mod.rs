@@ -15,7 +15,6 @@ pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, O
 pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 use crate::estimate::{speed_controller, torque_control};
-use crate::model::Engine;
 use crate::processors::on_all_processors;
 use crate::study::shaft_inputs::stated_gate;
 use crate::torque_signals::Told;
@@ -56,7 +55,7 @@ pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn
     let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let masses = TwoMasses::of(&with_shaft, bench, controller.as_ref(), control.as_ref());
     let known = rebuild::Known {
-        engine: Engine { cylinders: bench.cylinders, strokes: bench.strokes },
+        engine: bench.engine(),
         stated_gate_s: stated_gate(bench),
         controller: controller.as_ref(),
         torque_control: control.as_ref(),

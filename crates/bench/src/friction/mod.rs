@@ -13,9 +13,9 @@ mod regression;
 
 use serde::Serialize;
 
-use crate::Experiment;
 use crate::estimate::Label;
 use crate::study::{Estimate, Parameter, Stretch};
+use crate::{BenchFile, Experiment};
 use course::{Course, Directions};
 pub use error::FrictionError;
 use regression::{Drive, Excitation, Fitted, Problem};
@@ -99,6 +99,17 @@ pub struct FrictionOptions {
     pub slowest_rad_s: Option<f64>,
     /// Limit of the inverter, Nm.
     pub torque_limit_nm: Option<f64>,
+}
+
+impl FrictionOptions {
+    /// What a bench file states.
+    pub fn of(bench: &BenchFile) -> Self {
+        FrictionOptions {
+            inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
+            slowest_rad_s: None,
+            torque_limit_nm: bench.limits.torque_nm,
+        }
+    }
 }
 
 /// Whence J_d.

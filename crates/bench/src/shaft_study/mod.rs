@@ -13,7 +13,6 @@ use crate::estimate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute
 use crate::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
 use crate::estimate::stretch::need;
 use crate::estimate::{EstimateError, speed_controller, torque_control};
-use crate::model::Engine;
 use crate::processors::on_all_processors;
 use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
 use crate::study::{BenchVariant, Estimate, Shaft};
@@ -136,7 +135,7 @@ fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Sh
     let Some(timing) = Timing::of(&shaft.estimate).filter(|_| inputs.inertia_kg_m2.is_some()) else {
         return Routes::default();
     };
-    let engine = Engine { cylinders: bench.cylinders, strokes: bench.strokes };
+    let engine = bench.engine();
     let multisine = |demand: &Signal| multisine::estimate(inputs, demand, &timing, DynoInertia::Stated, engine);
     let demand = need(experiment, Role::DynoTorqueDemand);
     Routes {

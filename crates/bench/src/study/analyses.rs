@@ -7,7 +7,6 @@ use crate::engine_torque::{EngineTorque, engine_torque};
 use crate::estimate::EstimateError;
 use crate::friction::{self, Friction, FrictionError, FrictionOptions};
 use crate::look::{Look, OverSpeed, look, over_speed};
-use crate::model::Engine;
 use crate::processors::on_all_processors;
 use crate::shaft_study::{ShaftStudy, shaft_study};
 use crate::speed_control::{self, PiStudy, SpeedControl, StudyOptions, speed_control};
@@ -63,7 +62,7 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
     let all: Vec<&Experiment> = experiments.iter().collect();
     let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
     analysing("lines");
-    let engine = Engine { cylinders: bench.cylinders, strokes: bench.strokes };
+    let engine = bench.engine();
     let lines: Vec<Look> = on_all_processors(experiments, |experiment| look(experiment, engine), &|_, _| ());
     analysing("torque signals");
     let torque_signals = torque_signals(&all, bench, &mut |_| ());
@@ -108,12 +107,5 @@ fn held_speed<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {
     let without_shaft: Vec<&Experiment> =
         experiments.iter().copied().filter(|experiment| experiment.label.is_without_shaft()).collect();
-    friction::estimate(
-        &without_shaft,
-        FrictionOptions {
-            inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
-            slowest_rad_s: None,
-            torque_limit_nm: bench.limits.torque_nm,
-        },
-    )
+    friction::estimate(&without_shaft, FrictionOptions::of(bench))
 }

@@ -14,7 +14,8 @@ use crate::model::AssembledModel;
 use crate::processors::on_all_processors;
 use crate::study::estimates::Fits;
 use crate::study::findings::Findings;
-use crate::study::gather::{Gathered, experiment_of, gather};
+use crate::study::gather::experiment_of;
+use crate::study::run::usable;
 use crate::study::whole::model_of;
 use crate::study::{Estimate, Parameter, Progress, Source, StudyError};
 use crate::units::RPM_RAD_S;
@@ -167,14 +168,11 @@ pub fn next_experiments(
     progress: &mut dyn FnMut(Progress),
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<NextExperiments, NextError> {
-    if bench.channels.is_empty() {
-        return Err(StudyError::NoChannels.into());
-    }
-    let count = sources.len();
-    let Gathered { experiments, diagnostics, .. } = gather(bench, sources, progress);
-    if experiments.is_empty() && count > 0 {
-        return Err(StudyError::NothingUsable { count, diagnostics }.into());
-    }
+    let experiments = match usable(bench, sources, progress) {
+        Ok(gathered) => gathered.experiments,
+        Err(StudyError::NoRecordings) => Vec::new(),
+        Err(error) => return Err(error.into()),
+    };
     beside(bench, &experiments, options, progress, told)
 }
 
@@ -202,7 +200,6 @@ pub(super) fn beside(
         .chain(of_the_method(options.speed_rpm, options.duration_s).map(|plan| (plan, false)))
         .collect();
     let tried = |(plan, is_designed): &(ExperimentPlan, bool)| {
-        let gains = |then: &[Parameter]| then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect();
         let (then, peak_shaft_torque_nm) = try_out(bench, experiments, &stated, plan, options.seed)?;
         Ok(Candidate {
             label: plan.label.to_string(),
@@ -210,7 +207,7 @@ pub(super) fn beside(
             speed_rpm: options.speed_rpm,
             duration_s: plan.duration_s,
             peak_shaft_torque_nm,
-            gains: gains(&then),
+            gains: then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect(),
         })
     };
     let candidates = on_all_processors(&plans, tried, told);

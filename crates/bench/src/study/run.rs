@@ -88,19 +88,29 @@ pub fn run_full(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> R
     Ok((study, analyses))
 }
 
-/// The study, and the experiments it is made from.
-fn studied(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<(Study, Vec<Experiment>), StudyError> {
-    if campaign.bench.channels.is_empty() {
+/// Experiments from sources, at least one.
+pub(super) fn usable(
+    bench: &BenchFile,
+    sources: Vec<Source>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Gathered, StudyError> {
+    if bench.channels.is_empty() {
         return Err(StudyError::NoChannels);
     }
-    if campaign.sources.is_empty() {
+    if sources.is_empty() {
         return Err(StudyError::NoRecordings);
     }
-    let count = campaign.sources.len();
-    let Gathered { experiments, mut recordings, diagnostics } = gather(campaign.bench, campaign.sources, progress);
-    if experiments.is_empty() {
-        return Err(StudyError::NothingUsable { count, diagnostics });
+    let count = sources.len();
+    let gathered = gather(bench, sources, progress);
+    match gathered.experiments.is_empty() {
+        true => Err(StudyError::NothingUsable { count, diagnostics: gathered.diagnostics }),
+        false => Ok(gathered),
     }
+}
+
+/// The study, and the experiments it is made from.
+fn studied(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<(Study, Vec<Experiment>), StudyError> {
+    let Gathered { experiments, mut recordings, diagnostics } = usable(campaign.bench, campaign.sources, progress)?;
     let mut findings = Findings::new(campaign.bench, &experiments, diagnostics, progress);
     let estimates = estimates::all(&mut findings);
     for recording in &mut recordings {

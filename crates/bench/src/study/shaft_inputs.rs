@@ -5,7 +5,6 @@ use crate::estimate::shaft::{self, ShaftInputs};
 use crate::estimate::speed_controller::{Encoder, SpeedControllerFit};
 use crate::estimate::stretch::need;
 use crate::estimate::torque_control::TorqueControlFit;
-use crate::model::Engine;
 use crate::study::torque::{air_gap_torque, sampled_torque};
 use crate::study::{BenchVariant, Estimate};
 use crate::{BenchFile, ControlMode, Experiment, Role};
@@ -71,7 +70,7 @@ pub(crate) fn both_inertias(
     bench: &BenchFile,
 ) -> Result<Estimate, EstimateError> {
     let demand = need(experiment, Role::DynoTorqueDemand)?;
-    let engine = Engine { cylinders: bench.cylinders, strokes: bench.strokes };
+    let engine = bench.engine();
     shaft::estimate_with_inertias(inputs, demand, engine.firings_per_turn())
 }
 

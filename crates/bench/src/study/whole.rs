@@ -3,7 +3,7 @@
 use crate::analysis::{SignalSkews, SineTest, WholeInputs, whole_model};
 use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
-use crate::model::{AssembledModel, BenchModel, Engine, StudyParts, assemble as assemble_model};
+use crate::model::{AssembledModel, BenchModel, StudyParts, assemble as assemble_model};
 use crate::replay::{EncoderError, ReplayInputs, replay};
 use crate::study::findings::{Findings, needs_part};
 use crate::study::torque::modelled_torque;
@@ -76,7 +76,7 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
         .zip(&torques)
         .map(|(experiment, torque)| SineTest { experiment, air_gap_torque: torque.as_ref(), skews })
         .collect();
-    let engine = Engine { cylinders: facts.cylinders, strokes: facts.strokes };
+    let engine = findings.bench.engine();
     let inputs = WholeInputs { model, uncertainty, engine, sine_tests: &sine_tests };
     let whole = whole_model(&inputs).map_err(|error| {
         let file = sines.first().map_or_else(String::new, |e| e.file.clone());

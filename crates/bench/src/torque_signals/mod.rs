@@ -10,7 +10,6 @@ use crate::estimate::EstimateError;
 use crate::estimate::speed_controller::{self, SpeedControllerFit};
 use crate::estimate::timing::{self, ShaftFilter};
 use crate::estimate::torque_control::{self, TorqueControlFit};
-use crate::model::Engine;
 use crate::study::{Parameter, SignalDelay};
 use crate::{BenchFile, Experiment, Role};
 use shaft::Known;
@@ -184,7 +183,7 @@ fn rebuilt(
 ) -> Told<RebuiltShaft> {
     let known = Known {
         inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
-        engine: Engine { cylinders: bench.cylinders, strokes: bench.strokes },
+        engine: bench.engine(),
         torque_control: control,
         encoder: controller.map(|fit| fit.encoder),
         stated_gate_s: bench.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s),

@@ -1,8 +1,8 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
+use bench::Experiment;
 use bench::friction::{Friction, FrictionOptions, Inertia, estimate};
 use bench::units::RPM_RAD_S;
-use bench::{BenchFile, Experiment};
 use report::friction::{figures, remarks, terms};
 use report::wording::number;
 use serde_json::json;
@@ -20,7 +20,8 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
     let all_named = !arguments.given.recordings.is_empty();
     let refused =
         experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
-            options = of_bench(bench, arguments);
+            let slowest_rad_s = arguments.slowest.map(|rpm| rpm * RPM_RAD_S);
+            options = FrictionOptions { slowest_rad_s, ..FrictionOptions::of(bench) };
             // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
             if all_named || experiment.label.is_without_shaft() {
                 used.push(experiment);
@@ -40,14 +41,6 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
         written(&arguments.result.plot, terminal);
     }
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
-}
-
-fn of_bench(bench: &BenchFile, arguments: &FrictionArguments) -> FrictionOptions {
-    FrictionOptions {
-        inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
-        slowest_rad_s: arguments.slowest.map(|rpm| rpm * RPM_RAD_S),
-        torque_limit_nm: bench.limits.torque_nm,
-    }
 }
 
 fn print(found: &Friction, stated_kg_m2: f64, terminal: &mut Terminal) {

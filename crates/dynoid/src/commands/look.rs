@@ -3,7 +3,6 @@
 use bench::look::{
     BANDWIDTH_ORDERS, FEWEST_SAMPLES, Look, LookedPart, LookedSignal, OverSpeed, TURNS, look, over_speed,
 };
-use bench::model::Engine;
 use bench::units::si_spelling;
 use report::look::{cause, figure, over_speed_figures, unit};
 use report::wording::number;
@@ -20,7 +19,7 @@ pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<
     let mut looks = Vec::new();
     let refused =
         experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
-            looks.push(look(&experiment, Engine { cylinders: bench.cylinders, strokes: bench.strokes }));
+            looks.push(look(&experiment, bench.engine()));
         })?;
     looks.iter().filter_map(nothing_seen).for_each(|reason| terminal.warning(&reason));
     let signals = over_speed(&looks);

@@ -129,7 +129,7 @@ impl Targets {
             plan,
             demands,
             spectrum: spectrum.as_ref(),
-            engine: planned::engine(&bench.file),
+            engine: bench.file.engine(),
             resonance_hz: predicted.and_then(|predicted| predicted.resonance_hz),
             prediction: predicted.map(|predicted| &predicted.prediction),
             limits: bench.file.limits,

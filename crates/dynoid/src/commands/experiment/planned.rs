@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use bench::experiment::catalogue::{self, CatalogueError, Parameter, Settings};
 use bench::experiment::{ExperimentPlan, free_form};
-use bench::model::Engine;
 use bench::{BenchFile, ControlMode};
 use recording::Selection;
 
@@ -95,15 +94,10 @@ fn given(arguments: &PlanArguments) -> Result<Vec<(String, String)>, CliError> {
     Ok(given)
 }
 
-/// The firing of a bench's engine.
-pub(in crate::commands) fn engine(file: &BenchFile) -> Engine {
-    Engine { cylinders: file.cylinders, strokes: file.strokes }
-}
-
 /// What to think of before this plan is run on this bench.
 pub(in crate::commands) fn doubts(plan: &ExperimentPlan, file: &BenchFile) -> Vec<String> {
     let mut doubts = Vec::new();
-    if let Some((level_s, firing_s)) = plan.switches_within_a_firing(engine(file)) {
+    if let Some((level_s, firing_s)) = plan.switches_within_a_firing(file.engine()) {
         doubts.push(format!(
             "the engine's torque is switched every {:.0} ms, but a cylinder fires every {:.0} ms only: raise clock, as with \
              --set clock={:.2}",
