@@ -58,6 +58,8 @@ pub struct BenchFile {
     pub dynamometer_friction_uncertainty_percent: Option<f64>,
     /// J_e, flywheel included, kg m².
     pub engine_inertia_kg_m2: f64,
+    /// Standard uncertainty of J_e, % of it, if stated.
+    pub engine_inertia_uncertainty_percent: Option<f64>,
     /// What the bench must not exceed.
     pub limits: Limits,
     /// What is known of the shaft before anything was estimated.
@@ -180,7 +182,9 @@ impl BenchFile {
             cylinders: self.cylinders,
             strokes: self.strokes,
             dynamometer_inertia_kg_m2: self.dynamometer_inertia_kg_m2,
+            dynamometer_inertia_uncertainty_percent: self.dynamometer_inertia_uncertainty_percent,
             engine_inertia_kg_m2: self.engine_inertia_kg_m2,
+            engine_inertia_uncertainty_percent: self.engine_inertia_uncertainty_percent,
             torque_limit_nm: self.limits.torque_nm,
             shaft_torque_limit_nm: self.limits.shaft_torque_nm,
             speed_limit_rad_s: self.limits.speed_rad_s,

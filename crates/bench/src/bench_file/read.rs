@@ -23,6 +23,7 @@ const BENCH_KEYS: &[&str] = &[
     "dynamometer_friction",
     "dynamometer_friction_uncertainty_percent",
     "engine_inertia",
+    "engine_inertia_uncertainty_percent",
 ];
 const INERTIA_EXAMPLE: &str = "\"0.6 kg m²\"";
 const FRICTION_EXAMPLE: &str = "\"0.01 Nm s/rad\"";
@@ -55,7 +56,8 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
     let strokes = read_strokes(&bench, faults);
     let dynamometer_inertia = read_inertia(&bench, "dynamometer_inertia", faults);
     let engine_inertia = read_inertia(&bench, "engine_inertia", faults);
-    let inertia_uncertainty = read_uncertainty(&bench, "dynamometer_inertia", 100.0, faults);
+    let dynamometer_uncertainty = read_uncertainty(&bench, "dynamometer_inertia", 100.0, faults);
+    let engine_uncertainty = read_uncertainty(&bench, "engine_inertia", 100.0, faults);
     let friction = read_limit(&bench, "dynamometer_friction", Quantity::Damping, FRICTION_EXAMPLE, faults);
     let friction_uncertainty = read_uncertainty(&bench, "dynamometer_friction", 1000.0, faults);
     if friction_uncertainty.is_some() {
@@ -76,10 +78,11 @@ fn read_root(root: &Section<'_, '_>, faults: &mut Faults<'_>) -> Option<BenchFil
         cylinders: cylinders?,
         strokes: strokes?,
         dynamometer_inertia_kg_m2: dynamometer_inertia?,
-        dynamometer_inertia_uncertainty_percent: inertia_uncertainty,
+        dynamometer_inertia_uncertainty_percent: dynamometer_uncertainty,
         dynamometer_friction_nm_s_per_rad: friction,
         dynamometer_friction_uncertainty_percent: friction_uncertainty,
         engine_inertia_kg_m2: engine_inertia?,
+        engine_inertia_uncertainty_percent: engine_uncertainty,
         limits,
         shaft,
         virtual_bench,

@@ -48,6 +48,7 @@ dynamometer_inertia = "{PLACEHOLDER}"
 # dynamometer_friction = "0.01 Nm s/rad"
 # Inertia of the engine, flywheel included, e.g. "0.2 kg m²".
 engine_inertia = "{PLACEHOLDER}"
+# engine_inertia_uncertainty_percent = 5
 
 # What the bench must not exceed. Leave out what you do not know.
 [limits]
@@ -96,6 +97,9 @@ engine_inertia = "{PLACEHOLDER}"
             let _ = writeln!(text, "dynamometer_friction_uncertainty_percent = {percent}");
         }
         let _ = writeln!(text, "engine_inertia = \"{} kg m²\"", self.engine_inertia_kg_m2);
+        if let Some(percent) = self.engine_inertia_uncertainty_percent {
+            let _ = writeln!(text, "engine_inertia_uncertainty_percent = {percent}");
+        }
         write_limits(&mut text, self.limits);
         write_shaft(&mut text, self.shaft);
         write_channels(&mut text, &self.channels);

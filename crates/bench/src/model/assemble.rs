@@ -28,6 +28,12 @@ pub struct StudyParts<'a> {
 type Names = &'static [(&'static str, ModelParameter, f64)];
 
 const SHAFT: Names = &[("K", ModelParameter::Stiffness, 1.0), ("B", ModelParameter::Damping, 1.0)];
+/// Where J_d is known with an uncertainty and the shaft torque is computed with it.
+const SHAFT_AND_INERTIA: Names = &[
+    ("K", ModelParameter::Stiffness, 1.0),
+    ("B", ModelParameter::Damping, 1.0),
+    ("J_d", ModelParameter::DynoInertia, 1.0),
+];
 const CONTROLLER: Names = &[
     ("K_p", ModelParameter::Proportional, 1.0 / RPM_RAD_S),
     ("K_i", ModelParameter::Integral, 1.0 / RPM_RAD_S),
@@ -40,12 +46,13 @@ const FEED_FORWARD: Names = &[
 const INVERTER: Names = &[("τ", ModelParameter::InverterDelay, 1.0), ("a", ModelParameter::InverterBandwidth, 1.0)];
 
 /// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
-/// one of its numbers is left out. Inertias and gate are taken as exact.
+/// one of its numbers is left out. The gate is taken as exact, and so is an inertia without a stated uncertainty.
 pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
-    let shaft = &parts.shaft.estimate;
+    let (shaft, facts) = (&parts.shaft.estimate, parts.facts);
+    let inertia = shaft.parameter("J_d");
     let mechanics = Mechanics {
-        dyno_inertia_kg_m2: parts.facts.dynamometer_inertia_kg_m2,
-        engine_inertia_kg_m2: parts.facts.engine_inertia_kg_m2,
+        dyno_inertia_kg_m2: inertia.map_or(facts.dynamometer_inertia_kg_m2, |p| p.value),
+        engine_inertia_kg_m2: facts.engine_inertia_kg_m2,
         stiffness_nm_per_rad: shaft.parameter("K")?.value,
         damping_nm_s_per_rad: shaft.parameter("B")?.value,
     };
@@ -55,11 +62,11 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
         speed_controller: parts.speed_controller.and_then(controller),
         feed_forward: parts.feed_forward.and_then(feed_forward),
         inverter: torque_control.as_ref().and_then(inverter),
-        torque_limit_nm: parts.facts.torque_limit_nm,
+        torque_limit_nm: facts.torque_limit_nm,
         encoder_gate_s: parts.encoder_gate_s,
     };
     let blocks: Vec<PartCovariance> = [
-        Some((shaft, SHAFT)),
+        Some((shaft, if inertia.is_some() { SHAFT_AND_INERTIA } else { SHAFT })),
         parts.speed_controller.map(|c| (&c.estimate, CONTROLLER)),
         parts.feed_forward.map(|f| (&f.estimate, FEED_FORWARD)),
         torque_control.as_ref().map(|t| (t, INVERTER)),
@@ -67,8 +74,24 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     .into_iter()
     .flatten()
     .filter_map(|(estimate, names)| block(estimate, names))
+    .chain(stated_inertias(&mechanics, facts, inertia.is_some()))
     .collect();
     Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()? })
+}
+
+/// Inertias of which the bench file alone tells how well they are known.
+fn stated_inertias(mechanics: &Mechanics, facts: &BenchFacts, is_estimated: bool) -> Vec<PartCovariance> {
+    let of_dyno = facts.dynamometer_inertia_uncertainty_percent.filter(|_| !is_estimated);
+    let stated = [
+        (ModelParameter::DynoInertia, mechanics.dyno_inertia_kg_m2, of_dyno),
+        (ModelParameter::EngineInertia, mechanics.engine_inertia_kg_m2, facts.engine_inertia_uncertainty_percent),
+    ];
+    let part = |(parameter, inertia, percent): (ModelParameter, f64, Option<f64>)| PartCovariance {
+        parameters: vec![parameter],
+        covariance: vec![vec![(percent.unwrap_or(0.0) / 100.0 * inertia).powi(2)]],
+        degrees_of_freedom: f64::INFINITY,
+    };
+    stated.into_iter().filter(|(.., percent)| percent.is_some_and(|percent| percent > 0.0)).map(part).collect()
 }
 
 fn si(estimate: &Estimate, names: Names, which: ModelParameter) -> Option<f64> {

@@ -46,7 +46,7 @@ pub enum UncertaintyError {
 }
 
 /// Uncertainty of a [`BenchModel`]: parts estimated from different data, hence independent; the covariance of all
-/// parameters is block diagonal. A parameter in no part is taken as exact, as inertias stated in the bench file are.
+/// parameters is block diagonal. A parameter in no part is taken as exact, as an inertia stated without uncertainty is.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(into = "Vec<PartCovariance>", try_from = "Vec<PartCovariance>")]
 pub struct ModelUncertainty {

@@ -60,8 +60,12 @@ pub struct BenchFacts {
     pub strokes: u32,
     /// J_d, kg m².
     pub dynamometer_inertia_kg_m2: f64,
+    /// Its standard uncertainty, % of it, if stated.
+    pub dynamometer_inertia_uncertainty_percent: Option<f64>,
     /// J_e, kg m².
     pub engine_inertia_kg_m2: f64,
+    /// Its standard uncertainty, % of it, if stated.
+    pub engine_inertia_uncertainty_percent: Option<f64>,
     /// Inverter torque limit, Nm.
     pub torque_limit_nm: Option<f64>,
     /// Shaft torque limit, Nm.

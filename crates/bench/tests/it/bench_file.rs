@@ -176,13 +176,16 @@ fn regress_implausible_inertia_looks_like_another_unit() {
 }
 
 #[test]
-fn exact_friction_of_the_dynamometer() {
+fn exact_friction_and_what_is_uncertain() {
     let stated = |lines: &str| parse(&GOOD.replace("engine_inertia", &format!("{lines}\nengine_inertia")));
     let file =
         stated("dynamometer_friction = \"0.02 Nm s/rad\"\ndynamometer_friction_uncertainty_percent = 300").unwrap();
     assert_eq!(file.dynamometer_friction_nm_s_per_rad, Some(0.02));
     assert_eq!(file.dynamometer_friction_uncertainty_percent, Some(300.0));
     assert_eq!(parse(&file.to_toml()).unwrap(), file);
+    let engine = parse(&GOOD.replace("= 0.2\n", "= 0.2\nengine_inertia_uncertainty_percent = 5\n")).unwrap();
+    assert_eq!(engine.engine_inertia_uncertainty_percent, Some(5.0));
+    assert_eq!(parse(&engine.to_toml()).unwrap(), engine);
     for (lines, key) in [
         ("dynamometer_friction_uncertainty_percent = 50", "bench.dynamometer_friction"),
         ("dynamometer_friction = \"0.02 Nm\"", "bench.dynamometer_friction"),
@@ -199,6 +202,7 @@ fn regress_values_out_of_range() {
         ("cylinders = 4", "cylinders = -1", "bench.cylinders"),
         ("cylinders = 4", "cylinders = 16", "bench.cylinders"),
         ("uncertainty_percent = 2", "uncertainty_percent = -2", "bench.dynamometer_inertia_uncertainty_percent"),
+        ("0.2\n", "0.2\nengine_inertia_uncertainty_percent = 500\n", "bench.engine_inertia_uncertainty_percent"),
         ("\"400 Nm\"", "\"-400 Nm\"", "limits.torque"),
         ("gate_ms = 1.0", "gate_ms = -1.0", "channels.dyno_speed.gate_ms"),
     ] {

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use bench::model::ModelParameter;
 use bench::study::{Campaign, Estimate, Need, Parameter, Part, Source, Study, StudyError, run};
 use bench::virtual_bench::{BenchParameters, ClockParameters, ExperimentPlan, simulate};
 use bench::{BenchFile, Finding, Role};
@@ -355,4 +356,36 @@ fn stat_intervals_of_the_shaft_contain_the_truth() {
         assert!(*covered >= least, "{symbol}: {report:#?}");
         assert!(bias.abs() < *bias_bound, "{symbol}: {report:#?}");
     }
+}
+
+/// What is known of the inertias is in what is computed from them: f_r ∝ √(1/J_d + 1/J_e) at a given K.
+#[test]
+fn exact_uncertain_inertias_widen_the_resonance() {
+    let resonance = |uncertain: &str| {
+        let text = format!("{uncertain}\nengine_inertia = \"0.28 kg m²\"");
+        let bench: BenchFile =
+            default_bench().to_toml().replace("engine_inertia = \"0.28 kg m²\"", &text).parse().unwrap();
+        let study = studied(&bench, sources(|file| file.starts_with("White")));
+        let Part::Estimated(whole) = study.whole else { panic!("{:?}", study.whole) };
+        let shares =
+            whole.influences.iter().find(|i| i.symbol == whole.resonance_hz.symbol).unwrap().parameters.clone();
+        (whole.resonance_hz.clone(), shares)
+    };
+    let (exact, _) = resonance("");
+    let (by_engine, shares) = resonance("engine_inertia_uncertainty_percent = 5");
+    let of_engine = shares.iter().find(|p| p.parameter == ModelParameter::EngineInertia).unwrap();
+    let undamped = -0.5 * (1.0 / 0.28) / (1.0 / 0.28 + 1.0 / 0.6);
+    assert!((of_engine.elasticity / undamped - 1.0).abs() < 0.06, "{of_engine:?}, {undamped}");
+    let owed = 0.05 * exact.value * of_engine.elasticity;
+    let expected = exact.standard_error.hypot(owed);
+    assert!((by_engine.standard_error / expected - 1.0).abs() < 1e-3, "{by_engine:?}, {expected}");
+    let share = (owed / expected).powi(2);
+    assert!((of_engine.variance_share.unwrap() - share).abs() < 1e-3, "{of_engine:?}, {share}");
+    let (by_dyno, shares) = resonance("dynamometer_inertia_uncertainty_percent = 5");
+    assert!(
+        shares.iter().any(|p| p.parameter == ModelParameter::DynoInertia && p.variance_share.is_some()),
+        "{shares:?}"
+    );
+    // Here the recording tells J_d far better than the bench file does.
+    assert!((by_dyno.standard_error / exact.standard_error - 1.0).abs() < 0.05, "{by_dyno:?}, {exact:?}");
 }

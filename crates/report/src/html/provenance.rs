@@ -62,6 +62,14 @@ fn rasters(recording: &RecordingSummary) -> Markup {
     times.into_iter().map(line).collect()
 }
 
+fn inertia(kg_m2: f64, uncertainty_percent: Option<f64>) -> String {
+    let value = number::measure(kg_m2, "kg m²");
+    match uncertainty_percent {
+        Some(percent) => format!("{value}, standard uncertainty {percent} %"),
+        None => value,
+    }
+}
+
 fn facts(bench: &BenchFacts) -> Markup {
     let optional = |value: Option<f64>, unit: &str| match value {
         Some(value) => number::measure(value, unit),
@@ -71,8 +79,12 @@ fn facts(bench: &BenchFacts) -> Markup {
         ("", "Name", bench.name.clone()),
         ("", "Torque measurement", variant(bench.variant).to_owned()),
         ("", "Engine", format!("{} cylinders, {} strokes", bench.cylinders, bench.strokes)),
-        ("J_d", "Inertia of the dynamometer", number::measure(bench.dynamometer_inertia_kg_m2, "kg m²")),
-        ("J_e", "Inertia of the engine", number::measure(bench.engine_inertia_kg_m2, "kg m²")),
+        (
+            "J_d",
+            "Inertia of the dynamometer",
+            inertia(bench.dynamometer_inertia_kg_m2, bench.dynamometer_inertia_uncertainty_percent),
+        ),
+        ("J_e", "Inertia of the engine", inertia(bench.engine_inertia_kg_m2, bench.engine_inertia_uncertainty_percent)),
         ("", "Torque limit of the inverter", optional(bench.torque_limit_nm, "Nm")),
         ("", "Shaft torque limit", optional(bench.shaft_torque_limit_nm, "Nm")),
         ("", "Speed limit", bench.speed_limit_rad_s.map(number::rpm).unwrap_or_else(|| "not stated".to_owned())),

@@ -1,6 +1,6 @@
 //! Resonance and replays.
 
-use bench::study::{Influence, Parameter, Part, Study, WholeModel};
+use bench::study::{BenchFacts, Influence, Parameter, Part, Study, WholeModel};
 
 use super::{Grade, Known, WIDTHS, grade};
 use crate::wording::{self, number};
@@ -19,15 +19,26 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
         let mut why: Vec<String> =
             whole.influences.iter().find(|i| i.symbol == own.symbol).and_then(uncertain_by).into_iter().collect();
         why.push(sines.1.clone());
-        why.push(
-            "The inertias are taken as the bench file states them, without uncertainty: an error of theirs is in no interval."
-                .to_owned(),
-        );
+        why.push(of_inertias(&study.bench));
         let contradicted = is_gain && sines.0.is_some_and(|off| off > WIDTHS.1);
         let by_width = grade(study, own);
         Known::of(own, if contradicted { by_width.contradicted() } else { by_width }, why)
     };
     vec![known(&whole.resonance_hz, false), known(&whole.resonance_gain, true), known(&whole.damping_ratio, false)]
+}
+
+/// What the intervals hold of the inertias.
+fn of_inertias(bench: &BenchFacts) -> String {
+    let known = (bench.dynamometer_inertia_uncertainty_percent, bench.engine_inertia_uncertainty_percent);
+    let exact = match known {
+        (Some(_), Some(_)) => {
+            return "How well the bench file says that the inertias are known is in the interval.".to_owned();
+        }
+        (Some(_), None) => "J_e is",
+        (None, Some(_)) => "J_d is",
+        (None, None) => "The inertias are",
+    };
+    format!("{exact} taken as the bench file states, without uncertainty: an error there is in no interval.")
 }
 
 /// The parameter that most of the uncertainty is owed to.

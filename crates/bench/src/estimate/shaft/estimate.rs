@@ -300,16 +300,21 @@ impl Solution {
     }
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
-        let labels: [ReadOut<'_>; 6] = [
+        let mut outputs: Vec<ReadOut<'_>> = vec![
             (K, &|t| t[equation::K]),
             (B, &|t| t[equation::B]),
             (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
             (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
             (GATE, &|t| t[equation::GATE]),
-            (FRICTION, &|t| t[equation::FRICTION]),
         ];
-        let has_friction = self.fit.covariance[(equation::FRICTION, equation::FRICTION)] > 0.0;
-        self.outputs(if has_friction { &labels } else { &labels[..5] }, stretch)
+        let is_estimated = |at: usize| self.fit.covariance[(at, at)] > 0.0;
+        if is_estimated(equation::FRICTION) {
+            outputs.push((FRICTION, &|t| t[equation::FRICTION]));
+        }
+        if is_estimated(equation::INERTIA) {
+            outputs.push((DYNO_INERTIA, &|t| t[equation::INERTIA]));
+        }
+        self.outputs(&outputs, stretch)
     }
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.
