@@ -14,7 +14,7 @@ pub enum EstimateError {
         role: Role,
     },
     /// The recording is too short.
-    #[error("{file}: {duration_s:.1} s are too short, {needed_s:.1} s are needed")]
+    #[error("{file}: {duration_s:.3} s are too short, {needed_s} s are needed")]
     TooShort {
         /// File.
         file: String,
