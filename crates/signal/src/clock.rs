@@ -6,6 +6,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_at_least, check_finite};
 
+/// Intervals longer than this many typical ones are gaps, or end in a late stamp.
+const LONGEST: f64 = 1.5;
+/// Stamps are early and late where intervals are shorter than this many typical ones.
+const SHORTEST: f64 = 0.75;
+/// The part of a stamp's departure by which the clock follows it.
+const FOLLOWED: f64 = 0.125;
+/// Samples over which early and late stamps average out.
+const MANY: usize = 16;
+/// The mean of the shorter intervals is off by less than this part where stamps are early and late; more are missing samples.
+const MOST_BIASED: f64 = 0.08;
+/// After a gap, stamps that differ by more of a sample time from the clock before are of a clock started anew.
+const ANOTHER_PHASE: f64 = 0.25;
+
 /// A stretch without samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Gap {
@@ -45,10 +58,11 @@ impl ClockCheck {
 
 /// Examines time stamps, in seconds.
 ///
-/// The typical interval is the median of the positive ones. An interval of more than one and a half of it is a gap, one
-/// of zero or less a break in order; the others are regular, and their mean is the sample time. So stamps rounded to
-/// a step somewhat finer than the sample time give the true sample time, not a multiple of that step; a step so
-/// coarse that stamps repeat biases it upwards.
+/// The typical interval is the median of the positive ones. An interval of zero or less is a break in order; one of more
+/// than one and a half of the typical one is a gap, unless the stamp was only early or late: where intervals are also much
+/// shorter than that, stamps are held against a clock that follows them slowly. The other intervals are regular, and their
+/// mean is the sample time. So stamps rounded to a step somewhat finer than the sample time give the true sample time, not
+/// a multiple of that step; a step so coarse that stamps repeat biases it upwards.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than two stamps, or none that rises; [`SignalError::NonFinite`].
@@ -65,28 +79,83 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     check_finite(times_s)?;
     let intervals = || times_s.windows(2).map(|w| w[1] - w[0]);
     let typical = median_positive(intervals()).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
-    let is_gap = |d: f64| d > 1.5 * typical;
-    let regular = || intervals().filter(|&d| d > 0.0 && !is_gap(d));
-    let count = regular().count() as f64;
-    let sample_time_s = regular().sum::<f64>() / count;
+    let short = || intervals().filter(|&d| d > 0.0 && d <= LONGEST * typical);
+    let is_shaky = short().any(|d| d < SHORTEST * typical);
+    let steps = if is_shaky {
+        steps_of_shaky_stamps(times_s, typical, mean(short()))
+    } else {
+        steps(times_s, typical, mean(short()))
+    };
+    let regular = || intervals().zip(&steps).filter(|(d, steps)| *d > 0.0 && **steps == 1).map(|(d, _)| d);
+    let sample_time_s = mean(regular());
     let departure = |d: f64| (d - sample_time_s).abs();
     let gaps: Vec<Gap> = intervals()
+        .zip(&steps)
         .enumerate()
-        .filter(|(_, d)| is_gap(*d))
-        .map(|(i, duration_s)| Gap {
-            between: i..i + 1,
-            duration_s,
-            missing: ((duration_s / sample_time_s).round() as usize).saturating_sub(1),
-        })
+        .filter(|(_, (_, steps))| **steps > 1)
+        .map(|(i, (duration_s, steps))| Gap { between: i..i + 1, duration_s, missing: steps - 1 })
         .collect();
     Ok(ClockCheck {
         sample_time_s,
-        jitter_s: (regular().map(|d| departure(d).powi(2)).sum::<f64>() / count).sqrt(),
+        jitter_s: mean(regular().map(|d| departure(d).powi(2))).sqrt(),
         worst_jitter_s: regular().map(departure).fold(0.0, f64::max),
         non_monotonic: (1..).zip(intervals()).filter(|(_, d)| *d <= 0.0).map(|(i, _)| i).collect(),
-        missing_samples: gaps.iter().map(|g| g.missing).sum(),
+        missing_samples: gaps.iter().fold(0, |sum, gap| sum.saturating_add(gap.missing)),
         gaps,
     })
+}
+
+/// Samples from each stamp to the next, where no stamp is early or late by much; 1 from one that is not earlier than the next.
+fn steps(times_s: &[f64], typical: f64, sample_time_s: f64) -> Vec<usize> {
+    let step = |d: f64| if d > LONGEST * typical { (d / sample_time_s).round() as usize } else { 1 };
+    times_s.windows(2).map(|w| step(w[1] - w[0]).max(1)).collect()
+}
+
+/// Samples from each stamp to the next, where stamps may be early or late by nearly half a sample time: each is held against
+/// a clock that follows them with a first-order lag, and a sample counts as missing only if the next stamp says so too.
+fn steps_of_shaky_stamps(times_s: &[f64], typical: f64, about_s: f64) -> Vec<usize> {
+    let sample_time_s = over_many(times_s, about_s);
+    let mut clock_s = first(times_s, sample_time_s);
+    let mut steps = Vec::with_capacity(times_s.len());
+    for (i, pair) in times_s.windows(2).enumerate() {
+        if pair[1] <= pair[0] {
+            clock_s = pair[1];
+            steps.push(1);
+            continue;
+        }
+        let since = |t: f64| ((t - clock_s) / sample_time_s).round();
+        let next = times_s.get(i + 2).filter(|t| **t > pair[1]).map_or(f64::INFINITY, |t| since(*t) - 1.0);
+        let most = if pair[1] - pair[0] <= typical { 1.0 } else { next.max(1.0) };
+        let step = since(pair[1]).clamp(1.0, most);
+        let off_s = pair[1] - clock_s - step * sample_time_s;
+        let begins_anew = step > 1.0 && off_s.abs() > ANOTHER_PHASE * sample_time_s;
+        clock_s = if begins_anew { pair[1] } else { pair[1] - (1.0 - FOLLOWED) * off_s };
+        steps.push(step as usize);
+    }
+    steps
+}
+
+/// The mean sample time over stretches of [`MANY`] in which none is missing, from what it is about.
+fn over_many(times_s: &[f64], about_s: f64) -> f64 {
+    let many = MANY.min(times_s.len() - 1);
+    let stretches = || times_s.windows(many + 1).map(|w| (w[many] - w[0]) / many as f64);
+    let Some(typical) = median_positive(stretches()) else { return about_s };
+    let whole = || stretches().filter(|d| (d - typical).abs() < 0.5 * typical / many as f64);
+    let found = mean(whole());
+    if (found / about_s - 1.0).abs() < MOST_BIASED { found } else { about_s }
+}
+
+/// Where the clock stands at the first stamp: the median of what the first stamps say.
+fn first(times_s: &[f64], sample_time_s: f64) -> f64 {
+    let mut said: Vec<f64> = times_s.iter().take(8).enumerate().map(|(i, t)| t - i as f64 * sample_time_s).collect();
+    let middle = (said.len() - 1) / 2;
+    let median = *said.select_nth_unstable_by(middle, f64::total_cmp).1;
+    if (median - times_s[0]).abs() < 0.5 * sample_time_s { median } else { times_s[0] }
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
 }
 
 /// The lower median, so that it is one of the intervals and at least one interval is regular.

@@ -15,6 +15,8 @@ const JITTER_SHARE: f64 = 0.1;
 const MOST_CLOCK_PER_SAMPLE: usize = 100;
 /// Samples further from the ticks than this share of the sample time change on the straight lines between them.
 const BESIDE_SHARE: f64 = 0.01;
+/// A sample is missing where two are further apart than this many sample times and than any two with none between them.
+const LONGEST_SHARE: f64 = 1.5;
 /// A tick this share of a sample time before a sample has the sample's value.
 const NEAR_SHARE: f64 = 1e-4;
 
@@ -24,6 +26,8 @@ pub(super) struct Timed<'r> {
     time_s: Vec<f64>,
     values: Vec<f64>,
     pub(super) sample_time_s: f64,
+    /// The longest time from a sample to the next in which none is missing.
+    longest_s: f64,
     pub(super) start_s: f64,
     pub(super) end_s: f64,
 }
@@ -97,7 +101,8 @@ impl<'r> Timed<'r> {
         }
         let intervals = ((end_s - start_s) / check.sample_time_s).round().max(1.0);
         let sample_time_s = without_rounding((end_s - start_s) / intervals);
-        Ok(Timed { channel, time_s, values, sample_time_s, start_s, end_s })
+        let longest_s = (LONGEST_SHARE * sample_time_s).max(check.sample_time_s + check.worst_jitter_s);
+        Ok(Timed { channel, time_s, values, sample_time_s, longest_s, start_s, end_s })
     }
 
     /// Whether the channel has to be filtered for this clock.
@@ -199,7 +204,7 @@ impl<'r> Timed<'r> {
         self.time_s.iter().map(deviation).fold(0.0, f64::max)
     }
 
-    /// Values on straight lines between samples no further apart than one and a half sample times.
+    /// Values on straight lines between samples with none missing between them.
     fn straight(&self, clock: Clock) -> Vec<f64> {
         let mut left = 0;
         let value = |k: usize| {
@@ -214,7 +219,7 @@ impl<'r> Timed<'r> {
             if (share - share.round()).abs() <= near && (0.0..=1.0).contains(&share.round()) {
                 return self.values[left + share.round() as usize];
             }
-            let is_gap = after - before > 1.5 * self.sample_time_s || !(0.0..=1.0).contains(&share);
+            let is_gap = after - before > self.longest_s || !(0.0..=1.0).contains(&share);
             if is_gap { f64::NAN } else { self.values[left] + share * (self.values[left + 1] - self.values[left]) }
         };
         (0..clock.count).map(value).collect()
@@ -244,7 +249,7 @@ impl<'r> Timed<'r> {
             }
             let Some(last) = next.checked_sub(1) else { return f64::NAN };
             let until = self.time_s.get(next).map_or(f64::INFINITY, |after| after - self.time_s[last]);
-            let is_gap = until > 1.5 * self.sample_time_s && time_s - self.time_s[last] >= self.sample_time_s;
+            let is_gap = until > self.longest_s && time_s - self.time_s[last] >= self.sample_time_s;
             if is_gap { f64::NAN } else { self.values[last] }
         };
         (0..clock.count).map(value).collect()

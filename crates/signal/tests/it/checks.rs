@@ -28,6 +28,41 @@ fn exact_gaps_and_steps_back_are_located() {
     assert!(matches!(check_clock(&[1.0, 1.0]), Err(SignalError::TooShort { .. })));
 }
 
+/// Stamps k + ε, without those of `left_out`; ε is spread evenly over ±`jitter` as the fractions of multiples of k² are (Weyl).
+fn shaky(samples: u32, jitter: f64, left_out: &[u32], seed: u32) -> Vec<f64> {
+    let spread = |k: f64| (k * k * f64::from(seed).sqrt() * 0.618_033_988_749_895).fract();
+    let stamps = (0..samples).map(|k| 0.001 * (f64::from(k) + jitter * (2.0 * spread(f64::from(k)) - 1.0)));
+    (0..samples).zip(stamps).filter(|(k, _)| !left_out.contains(k)).map(|(_, t)| t).collect()
+}
+
+#[test]
+fn stat_early_and_late_stamps_are_not_missing_samples() {
+    for (seed, jitter) in [(2, 0.1), (3, 0.3), (5, 0.4), (7, 0.4)] {
+        let check = check_clock(&shaky(6000, jitter, &[], seed)).unwrap();
+        assert!((check.sample_time_s / 0.001 - 1.0).abs() < 1e-3, "{jitter}: {}", check.sample_time_s);
+        assert!(check.gaps.is_empty(), "{jitter}: {:?}", check.gaps);
+    }
+    let left_out = [1000, 2000, 2001, 2002, 4000];
+    let check = check_clock(&shaky(6000, 0.3, &left_out, 13)).unwrap();
+    let found: Vec<(usize, usize)> = check.gaps.iter().map(|g| (g.between.start, g.missing)).collect();
+    assert_eq!(found, [(999, 1), (1998, 3), (3995, 1)]);
+}
+
+#[test]
+fn exact_one_late_stamp_is_no_gap_and_a_clock_may_start_anew() {
+    let late: Vec<f64> = (0..100).map(|k| f64::from(k) + if k == 50 { 0.7 } else { 0.0 }).collect();
+    assert_eq!(check_clock(&late).unwrap().missing_samples, 0);
+    let anew: Vec<f64> = late.iter().map(|t| if *t > 80.0 { t + 7.5 } else { *t }).collect();
+    let check = check_clock(&anew).unwrap();
+    assert_eq!((check.gaps.len(), check.gaps[0].between.start), (1, 80));
+}
+
+#[test]
+fn regress_gaps_that_no_number_counts() {
+    let check = check_clock(&[0.0, 0.001, 0.002, 0.003, 0.004, 1e18, 2e18, 3e18]).unwrap();
+    assert_eq!((check.gaps.len(), check.missing_samples), (3, usize::MAX));
+}
+
 #[test]
 fn exact_clipping_and_constancy_are_found() {
     let x: Vec<f64> = (0..200).map(|i| (0.1 * f64::from(i)).sin().min(0.9)).collect();
