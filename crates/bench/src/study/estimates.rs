@@ -16,7 +16,7 @@ use crate::{BenchFile, Experiment, Finding, Role, Severity};
 /// Tests the shaft can be estimated from, best first.
 const SHAFT_TESTS: [&str; 7] = ["Multisine", "Binary", "BS", "WhiteNoise", "Levels", "Ramp", "Step"];
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
-const INERTIA_DOUBT: (f64, f64) = (5.0, 0.05);
+const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 /// Everything that was estimated.
@@ -182,17 +182,11 @@ fn cross_check(
 
 fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
     let excluded = &shaft.residual_spectrum.excluded_hz;
-    let finding = Finding::ExcludedLines { frequencies_hz: excluded.clone() };
-    findings.doubt(&experiment.file, Severity::Note, finding);
-    if let Some(estimated) = inertia {
-        doubt_inertia(findings, &experiment.file, ("J_d", findings.bench.dynamometer_inertia_kg_m2), estimated);
+    if !excluded.is_empty() {
+        let finding = Finding::ExcludedLines { frequencies_hz: excluded.clone() };
+        findings.doubt(&experiment.file, Severity::Note, finding);
     }
-    if let Some((file, estimate)) = &shaft.inertias
-        && let Some(found) = estimate.parameter("J_e")
-    {
-        let stated = ("J_e", findings.bench.engine_inertia_kg_m2);
-        doubt_inertia(findings, file, stated, (found.value, found.standard_error));
-    }
+    doubt_inertias(findings, experiment, shaft, inertia);
     let checks: Vec<_> = ["K", "B"]
         .iter()
         .flat_map(|symbol| {
@@ -216,14 +210,34 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
     }
 }
 
+/// Holds the stated inertias against the recording that tells each best: that of the shaft, or the one that tells both.
+fn doubt_inertias(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
+    let bench = findings.bench;
+    let both = shaft.inertias.as_ref();
+    let found = |symbol: &str| {
+        both.and_then(|(file, e)| e.parameter(symbol).map(|p| (file.as_str(), (p.value, p.standard_error))))
+    };
+    let alone = inertia.map(|estimated| (experiment.file.as_str(), estimated));
+    let better = |a: &(&str, (f64, f64)), b: &(&str, (f64, f64))| a.1.1.total_cmp(&b.1.1);
+    if let Some((file, estimated)) = alone.into_iter().chain(found("J_d")).min_by(better) {
+        let stated = (bench.dynamometer_inertia_kg_m2, bench.dynamometer_inertia_uncertainty_percent);
+        doubt_inertia(findings, file, ("J_d", stated), estimated);
+    }
+    if let Some((file, estimated)) = found("J_e") {
+        let stated = (bench.engine_inertia_kg_m2, bench.engine_inertia_uncertainty_percent);
+        doubt_inertia(findings, file, ("J_e", stated), estimated);
+    }
+}
+
 fn doubt_inertia(
     findings: &mut Findings<'_>,
     file: &str,
-    (symbol, given_kg_m2): (&str, f64),
+    (symbol, (given_kg_m2, uncertainty_percent)): (&str, (f64, Option<f64>)),
     (estimated_kg_m2, standard_error_kg_m2): (f64, f64),
 ) {
     let difference = (estimated_kg_m2 - given_kg_m2).abs();
-    if difference > INERTIA_DOUBT.0 * standard_error_kg_m2 && difference > INERTIA_DOUBT.1 * given_kg_m2 {
+    let spread = standard_error_kg_m2.hypot(uncertainty_percent.unwrap_or(0.0) / 100.0 * given_kg_m2);
+    if difference > INERTIA_DOUBT.0 * spread && difference > INERTIA_DOUBT.1 * given_kg_m2 {
         let symbol = symbol.to_owned();
         let finding = Finding::ImplausibleInertia { symbol, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
         let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;

@@ -16,6 +16,8 @@ const LONGEST_S: f64 = 0.06;
 /// Stretches between which the peak of the correlation scatters, and the fewest that say how much.
 const PARTS: usize = 8;
 const FEWEST: usize = 4;
+/// The coherence from which on the phase of a bin is a guide to that of the next.
+const LEADING: f64 = 0.5;
 /// Coherences closer to one than this count as this close.
 const NEAREST_TO_ONE: f64 = 1e-9;
 
@@ -85,7 +87,7 @@ fn regress_phase(spectrum: &CrossSpectrum, (low, high): (f64, f64), curvature: C
     let coherence = spectrum.coherence();
     let inside = |k: &usize| spectrum.freq_hz[*k] >= low && spectrum.freq_hz[*k] <= high;
     let bins: Vec<usize> = (0..spectrum.freq_hz.len()).filter(inside).collect();
-    let phases = unwrapped(bins.iter().map(|k| spectrum.pxy[*k]));
+    let phases = unwrapped(bins.iter().map(|k| (spectrum.pxy[*k], coherence[*k])));
     let scale = TAU * high;
     let weight = |k: usize| (coherence[k] / (1.0 - coherence[k]).max(NEAREST_TO_ONE)).sqrt();
     let regressors = Mat::from_fn(bins.len(), 2, |i, j| {
@@ -107,12 +109,16 @@ fn regress_phase(spectrum: &CrossSpectrum, (low, high): (f64, f64), curvature: C
     })
 }
 
-fn unwrapped(values: impl Iterator<Item = Complex64>) -> Vec<f64> {
+/// Phases without jumps of whole turns, from cross-spectra and coherences. The phase of an incoherent bin, as that on an engine
+/// order, is by chance: none follows it.
+fn unwrapped(values: impl Iterator<Item = (Complex64, f64)>) -> Vec<f64> {
     let mut last = 0.0;
-    let unwrap = |z: Complex64| {
-        let turns = ((z.arg() - last) / TAU).round();
-        last = z.arg() - TAU * turns;
-        last
+    let unwrap = |(z, coherence): (Complex64, f64)| {
+        let phase = z.arg() - TAU * ((z.arg() - last) / TAU).round();
+        if coherence >= LEADING {
+            last = phase;
+        }
+        phase
     };
     values.map(unwrap).collect()
 }
