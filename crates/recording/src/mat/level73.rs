@@ -24,11 +24,17 @@ const MAX_PER_BYTE: usize = 1032 / 8;
 /// Numbers read at once.
 const PIECE: usize = 1 << 20;
 
+/// Attributes of a dataset that give its unit.
+const UNIT: [&str; 4] = ["unit", "units", "Unit", "Units"];
+
 type Attributes = HashMap<String, AttrValue>;
 
 /// The variables of a file with their names.
 pub(super) fn variables(file: &str, source: &Shared, wanted: Wanted<'_>) -> Result<Variables, RecordingError> {
-    let damaged = |detail: String| RecordingError::Damaged { file: file.into(), offset: None, detail };
+    let damaged = |detail: String| match detail.contains(SOFT_LINK) {
+        true => RecordingError::SoftLink { file: file.into() },
+        false => RecordingError::Damaged { file: file.into(), offset: None, detail },
+    };
     let size = source::size(file, &**source)?;
     let most = usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(MAX_PER_BYTE);
     guarded(file, || {
@@ -56,6 +62,11 @@ fn hidden<'a>(root: &Group, mut reader: Reader<'a>) -> Result<Objects<'a>, Strin
     Objects::new(metadata, false, move |index| reader.object(contents.get(index).ok_or("a property is missing")?, 0))
 }
 
+/// The address of what is nowhere in the file, which the links of groups before HDF5 1.8 give: their library does not tell
+/// them from datasets, and reads there.
+const UNDEFINED: u64 = u64::MAX;
+const SOFT_LINK: &str = "a soft link in a group of the oldest layout of HDF5";
+
 /// A file as its library takes it.
 struct Bytes {
     source: Shared,
@@ -68,6 +79,9 @@ impl hdf5_pure::Source for Bytes {
     }
 
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<(), FormatError> {
+        if offset == UNDEFINED {
+            return Err(FormatError::Source(SOFT_LINK.into()));
+        }
         self.source.read_at(offset, buffer).map_err(|error| FormatError::Source(error.to_string()))
     }
 }
@@ -89,7 +103,7 @@ impl Reader<'_> {
             let attributes = dataset.attrs().map_err(text)?;
             let value = self.dataset(&dataset, &attributes, &joined(path, &name), depth);
             let value = value.map_err(|detail| format!("\"{name}\": {detail}"))?;
-            if let Some(unit) = ["unit", "units", "Unit"].iter().find_map(|key| attributes.get(*key)?.as_str()) {
+            if let Some(unit) = UNIT.iter().find_map(|key| attributes.get(*key)?.as_str()) {
                 found.push((format!("{name}_unit"), Value::Text(vec![unit.to_owned()])));
             }
             found.push((name, value));
