@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, Chunk, ChunkIndex, DType, Dataset, File, FormatError, Group, Object};
+use hdf5_pure::{AttrValue, Chunk, ChunkIndex, DType, Dataset, Datatype, File, FormatError, Group, Object};
 
 use super::objects::{self, Objects};
 use super::scope::joined;
@@ -25,7 +25,7 @@ const MAX_PER_BYTE: usize = 1032 / 8;
 const PIECE: usize = 1 << 20;
 
 /// Attributes of a dataset that give its unit.
-const UNIT: [&str; 4] = ["unit", "units", "Unit", "Units"];
+const UNIT: [&str; 8] = ["unit", "units", "Unit", "Units", "UNIT", "UNITS", "einheit", "Einheit"];
 
 type Attributes = HashMap<String, AttrValue>;
 
@@ -244,7 +244,7 @@ impl Reader<'_> {
             ("char", DType::U16 | DType::U8 | DType::U32) => self.characters(dataset),
             (_, DType::String | DType::VariableLengthString) => self.strings(dataset),
             (_, DType::Compound(members)) if is_complex(&members) => Ok(Value::not_numeric("complex numbers")),
-            (_, kind) if is_numeric(&kind) => self.array(dataset, path),
+            (_, kind) if is_numeric(&kind) || is_boolean(dataset) => self.array(dataset, path),
             (_, kind) => Ok(Value::unsupported(format!("data of type {kind}"))),
         }
     }
@@ -337,6 +337,13 @@ fn is_unclassed_reference(dataset: &Dataset) -> bool {
 fn is_complex(members: &[(String, DType)]) -> bool {
     let names: Vec<&str> = members.iter().map(|(name, _)| name.as_str()).collect();
     matches!(names.as_slice(), ["real", "imag"] | ["r", "i"])
+}
+
+/// Whether a dataset holds truth values as h5py and PyTables write them: an enumeration of bytes.
+fn is_boolean(dataset: &Dataset) -> bool {
+    let Ok(Datatype::Enumeration { members, .. }) = dataset.datatype() else { return false };
+    let members: Vec<_> = members.iter().map(|member| (member.name.as_str(), member.value.as_slice())).collect();
+    members == [("FALSE", &[0_u8][..]), ("TRUE", &[1])]
 }
 
 fn is_numeric(kind: &DType) -> bool {
