@@ -128,10 +128,17 @@ impl Columns<'_> {
         Ok(Box::new(batches.map(|batch| batch.map(|batch| batch.column(0).clone()))))
     }
 
-    /// The batches of several columns; none where one cannot be read, which has to be found.
+    /// The batches of several columns; none where one cannot be read, which has to be found. No more are read than it
+    /// takes to see that there are too many rows.
     fn together(&self, places: Range<usize>) -> Vec<RecordBatch> {
+        let mut before = 0;
+        let is_due = |batch: &Result<RecordBatch, String>| {
+            let is_due = before <= self.rows;
+            before += batch.as_ref().map_or(0, RecordBatch::num_rows);
+            is_due
+        };
         let batches = batches(self.reader, self.metadata, &self.columns[places]);
-        batches.and_then(Iterator::collect).unwrap_or_default()
+        batches.and_then(|batches| batches.take_while(is_due).collect()).unwrap_or_default()
     }
 }
 
@@ -143,7 +150,8 @@ fn batches(
 ) -> Result<impl Iterator<Item = Result<RecordBatch, String>> + use<>, String> {
     let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(Pages::of(reader), metadata.clone());
     let mask = ProjectionMask::roots(builder.parquet_schema(), columns.iter().copied());
-    let batches = builder.with_projection(mask).with_batch_size(ROWS).build().map_err(|e| e.to_string())?;
+    let rows = usize::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(ROWS).clamp(1, ROWS);
+    let batches = builder.with_projection(mask).with_batch_size(rows).build().map_err(|e| e.to_string())?;
     Ok(batches.map(|batch| batch.map_err(|e| e.to_string())))
 }
 

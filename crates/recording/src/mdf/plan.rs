@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use ::mdf::{Address, Kind, Mdf, Quantity, Source, Values};
 
 use super::{failure, plausible};
-use crate::heading::seconds;
+use crate::heading::{seconds, unbracketed};
 use crate::{Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason};
 
 /// Bytes of names, units and comments beyond which a file says the same thing over and over.
@@ -65,7 +65,7 @@ pub(super) fn groups<'f, S: Source>(
 fn odd_unit<S: Source>(file: &Mdf<S>, master: ::mdf::Master) -> Option<&str> {
     let Address { group, channel } = master.address;
     let unit = &file.groups().get(group)?.channels.get(channel)?.unit;
-    Some(unit.as_ref()).filter(|unit| seconds(unit) != Some((1.0, 1.0)))
+    Some(unit.as_ref()).filter(|unit| seconds(unbracketed(unit)) != Some((1.0, 1.0)))
 }
 
 fn of<'f, S: Source>(
