@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, Chunk, ChunkIndex, DType, Dataset, Datatype, File, FormatError, Group, Object};
+use hdf5_pure::{
+    AttrValue, Chunk, ChunkIndex, DType, Dataset, Datatype, DatatypeByteOrder, File, FormatError, Group, Object,
+};
 
 use super::objects::{self, Objects};
 use super::scope::joined;
@@ -244,7 +246,7 @@ impl Reader<'_> {
             ("char", DType::U16 | DType::U8 | DType::U32) => self.characters(dataset),
             (_, DType::String | DType::VariableLengthString) => self.strings(dataset),
             (_, DType::Compound(members)) if is_complex(&members) => Ok(Value::not_numeric("complex numbers")),
-            (_, kind) if is_numeric(&kind) || is_boolean(dataset) => self.array(dataset, path),
+            (_, kind) if is_numeric(&kind) || is_boolean(dataset) || is_half(dataset) => self.array(dataset, path),
             (_, kind) => Ok(Value::unsupported(format!("data of type {kind}"))),
         }
     }
@@ -296,7 +298,11 @@ fn sizes(dataset: &Dataset) -> Result<Vec<usize>, String> {
 
 /// The numbers of a dataset, read some rows of the slowest dimension at a time.
 fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
-    let [rows, rest @ ..] = sizes else { return dataset.read_f64().map_err(text) };
+    let read = |first: usize, count: usize| match is_half(dataset) {
+        true => Ok(halves(&dataset.read_raw_rows(first as u64, count as u64).map_err(text)?)),
+        false => dataset.read_f64_rows(first as u64, count as u64).map_err(text),
+    };
+    let [rows, rest @ ..] = sizes else { return read(0, 1) };
     if *rows == 0 || rest.contains(&0) {
         return Ok(Vec::new());
     }
@@ -309,7 +315,7 @@ fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
     values.try_reserve_exact(rows * width).map_err(|error| error.to_string())?;
     for first in (0..*rows).step_by(step) {
         let count = step.min(rows - first);
-        values.extend(dataset.read_f64_rows(first as u64, count as u64).map_err(text)?);
+        values.extend(read(first, count)?);
     }
     Ok(values)
 }
@@ -346,7 +352,57 @@ fn is_boolean(dataset: &Dataset) -> bool {
     members == [("FALSE", &[0_u8][..]), ("TRUE", &[1])]
 }
 
+/// Whether a dataset holds floats of 16 bits (IEEE 754 binary16), the low byte first.
+fn is_half(dataset: &Dataset) -> bool {
+    let Ok(Datatype::FloatingPoint { size: 2, byte_order: DatatypeByteOrder::LittleEndian, layout }) =
+        dataset.datatype()
+    else {
+        return false;
+    };
+    let exponent = (layout.exponent_location, layout.exponent_size, layout.exponent_bias);
+    exponent == (10, 5, 15) && (layout.mantissa_location, layout.mantissa_size) == (0, 10)
+}
+
+fn halves(bytes: &[u8]) -> Vec<f64> {
+    bytes.as_chunks().0.iter().map(|bytes| half(u16::from_le_bytes(*bytes))).collect()
+}
+
+/// The number that a sign, five bits of exponent and ten of mantissa are.
+fn half(bits: u16) -> f64 {
+    let (exponent, mantissa) = (i32::from(bits >> 10 & 0x1F), f64::from(bits & 0x3FF));
+    let magnitude = match exponent {
+        0 => mantissa * 2_f64.powi(-24),
+        31 if mantissa == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => (mantissa + 1024.0) * 2_f64.powi(exponent - 25),
+    };
+    if bits >> 15 == 1 { -magnitude } else { magnitude }
+}
+
 fn is_numeric(kind: &DType) -> bool {
     use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
     matches!(kind, F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half;
+
+    /// The examples of IEEE 754 binary16: one, its neighbour, the largest, the smallest normal and subnormal ones.
+    #[test]
+    fn exact_floats_of_16_bits() {
+        let examples = [
+            (0x3C00, 1.0),
+            (0x3C01, 1.0 + 2_f64.powi(-10)),
+            (0xC000, -2.0),
+            (0x7BFF, 65504.0),
+            (0x0400, 2_f64.powi(-14)),
+            (0x0001, 2_f64.powi(-24)),
+            (0xFC00, f64::NEG_INFINITY),
+        ];
+        for (bits, number) in examples {
+            assert_eq!(half(bits), number, "{bits:x}");
+        }
+        assert!(half(0x7E00).is_nan() && half(0x8000).is_sign_negative());
+    }
 }

@@ -469,6 +469,7 @@ fn exact_the_unit_on_a_clock_of_hdf5_counts_and_truth_values_are_numbers() {
     let recording = decode("a.h5", include_bytes!("data/mat/clock_unit.h5"), &Selection::All).unwrap();
     assert_eq!(data(&recording, "speed").1, TIME);
     assert_eq!(channel(&recording, "on").samples, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+    assert_eq!(channel(&recording, "half").samples, [-1.0, -0.5, 0.0, 0.5, 1.0, 1.5]);
     assert_eq!(recording.findings, []);
 }
 
