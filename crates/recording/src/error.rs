@@ -1,5 +1,9 @@
 //! Why a file cannot be read or written.
 
+use std::cell::Cell;
+use std::panic;
+use std::sync::Once;
+
 use thiserror::Error;
 
 use crate::{SkipReason, names};
@@ -83,6 +87,15 @@ pub enum RecordingError {
         offset: Option<u64>,
         /// What is wrong there.
         detail: String,
+    },
+    /// A group of HDF5 holds a soft link, in the layout in which it cannot be told from a dataset.
+    #[error(
+        "{file}: a soft link of HDF5 in the layout before version 1.8 cannot be read; write the file with libver=\"v110\", \
+         or without soft links"
+    )]
+    SoftLink {
+        /// The file.
+        file: String,
     },
     /// The samples of one channel cannot be decoded.
     #[error("{file}: channel \"{channel}\" cannot be decoded: {detail}; copy the file again, or leave the channel out")]
@@ -279,9 +292,31 @@ fn the_closest(similar: &[String]) -> String {
     }
 }
 
+thread_local! {
+    /// Whether a panic of this thread will be caught and told as an error.
+    static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Silences the panics that [`guarded`] catches; those of others are reported as before.
+fn silence_guarded() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let report = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if !IS_GUARDED.get() {
+                report(info);
+            }
+        }));
+    });
+}
+
 /// Runs a decoder that is not ours. Where it panics, the file is to blame.
 pub(crate) fn guarded<T>(file: &str, decode: impl FnOnce() -> Result<T, RecordingError>) -> Result<T, RecordingError> {
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).unwrap_or_else(|_| {
+    silence_guarded();
+    let outer = IS_GUARDED.replace(true);
+    let outcome = panic::catch_unwind(panic::AssertUnwindSafe(decode));
+    IS_GUARDED.set(outer);
+    outcome.unwrap_or_else(|_| {
         let detail = "its content contradicts itself".into();
         Err(RecordingError::Damaged { file: file.into(), offset: None, detail })
     })
@@ -309,5 +344,28 @@ fn similar<'a>(name: &str, present: impl Iterator<Item = &'a str>) -> Vec<String
     match closest.first() {
         Some(best) if best.to_lowercase() == name.to_lowercase() => vec![best.clone()],
         _ => closest,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Of a panic that is caught nothing is printed; of the others what was before.
+    #[test]
+    fn regress_only_caught_panics_are_silent() {
+        let reported = Arc::new(AtomicUsize::new(0));
+        let count = reported.clone();
+        panic::set_hook(Box::new(move |_| {
+            count.fetch_add(1, Ordering::Relaxed);
+        }));
+        let error = guarded::<()>("a", || panic!("of a library")).unwrap_err();
+        assert!(matches!(error, RecordingError::Damaged { .. }), "{error}");
+        assert_eq!(reported.load(Ordering::Relaxed), 0);
+        assert!(std::thread::spawn(|| panic!("of another thread")).join().is_err());
+        assert!(panic::catch_unwind(|| panic!("of this thread")).is_err());
+        assert_eq!(reported.load(Ordering::Relaxed), 2);
     }
 }

@@ -69,6 +69,13 @@ pub enum Finding {
         /// The variable that states the sampling rate or time.
         stated_by: String,
     },
+    /// A clock that its format counts in seconds gives another unit.
+    IgnoredTimeUnit {
+        /// Index of the raster in the recording.
+        raster: usize,
+        /// The unit.
+        unit: String,
+    },
     /// Integers of a channel, or of a clock, are too large for a double and were rounded.
     RoundedIntegers {
         /// The channel.
@@ -128,6 +135,12 @@ impl fmt::Display for Finding {
             Self::AssumedTimeUnit { clock, unit, stated_by } => {
                 write!(f, "time \"{clock}\" was read in {unit}, which its distance and \"{stated_by}\" agree on")
             }
+            Self::IgnoredTimeUnit { raster, unit } => write!(
+                f,
+                "the time of raster {raster} was read in seconds, as the format prescribes, though its unit is \"{}\"; \
+                 check its duration",
+                unit.escape_debug()
+            ),
             Self::RoundedIntegers { channel } => write!(
                 f,
                 "channel \"{channel}\" holds integers of 2^53 or more, which were rounded to the closest double"
@@ -167,6 +180,18 @@ pub enum SkipReason {
         /// Their names.
         candidates: String,
     },
+    /// The unit stated for its time is none of time, or contradicts the name.
+    TimeUnit {
+        /// The variable that is the clock.
+        clock: String,
+        /// The unit.
+        unit: String,
+    },
+    /// It has a value in a row without a time stamp.
+    NoTimeStamp {
+        /// The row, from 1.
+        row: usize,
+    },
     /// It is named as time, but no other variable has its length.
     UnusedTime {
         /// Its length.
@@ -183,7 +208,9 @@ impl fmt::Display for SkipReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotNumeric { kind } => write!(f, "it holds {kind}, not numbers"),
-            Self::NoTime => f.write_str("its group has no time channel"),
+            Self::NoTime => {
+                f.write_str("its group has no time channel; give the sample time, or export it with its time")
+            }
             Self::NotOverTime => f.write_str("its group is recorded over something other than time"),
             Self::Unsupported { detail } => {
                 write!(f, "it is stored in a way not supported: {detail}")
@@ -195,6 +222,14 @@ impl fmt::Display for SkipReason {
             ),
             Self::AmbiguousTime { candidates } => {
                 write!(f, "its time may be any of {candidates}, which differ; name only one of them as time")
+            }
+            Self::TimeUnit { clock, unit } => write!(
+                f,
+                "its time \"{clock}\" is stated to be in \"{unit}\", which is no unit of time or not the one in its name; \
+                 state s, ms, us, ns, min, h or d"
+            ),
+            Self::NoTimeStamp { row } => {
+                write!(f, "row {row} has a value but no time stamp; write the stamp, or empty or remove the row")
             }
             Self::UnusedTime { samples } => {
                 write!(f, "it is named as time, but no array beside it has its {samples} samples")

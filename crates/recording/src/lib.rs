@@ -23,6 +23,9 @@
 //! is the start time. A column whose first value is text is skipped. `1,234` is a decimal number where some other
 //! number of the file shows that digits are not grouped; otherwise, and where signs are mixed, the file is refused.
 //!
+//! The masters of MDF are in seconds; one that says otherwise is read so all the same, and named. Groups without a master
+//! are left out, unless the distance of samples is given.
+//!
 //! A table of Parquet or Arrow follows the same rules for names. Without such a name its only column of time stamps is
 //! the clock. Null is NaN, and in a clock a row without channels; units are in the metadata `unit` of a field or in its
 //! name.
@@ -32,7 +35,9 @@
 //! is a vector that does not decrease, is as long, and is named as time (`t`, `Time`, `Zeit`, `tout`, `time_ms`, …) in
 //! the same struct or one around it; a matrix that has as many columns as a clock has stamps, and not as many rows,
 //! holds its channels in rows. Data with a sample time `Ts` and `u` or `y` beside it start at `Tstart` or 0. A clock is
-//! in seconds, unless its name, or a sampling rate or time beside it, says otherwise.
+//! in seconds, unless its name, a text beside it (`time_unit`; in HDF5 its attribute `unit`), or else a sampling rate or
+//! time beside it, says otherwise; what is no unit of time, or not the one in its name, is refused. A capital `T` is no
+//! clock.
 //!
 //! Of the objects of MATLAB, tables and timetables are read, like structs of their columns. The times of a timetable's rows
 //! are its clock, and so is the only column of times in a table; elsewhere durations and dates are read where they are
@@ -101,8 +106,8 @@ fn with_duplicates(mut recording: Recording) -> Recording {
     recording
 }
 
-/// Decodes as [`decode`] does, and accepts what has no time too: text without a time column, and the arrays of a
-/// MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length
+/// Decodes as [`decode`] does, and accepts what has no time too: text without a time column, groups of MDF without a
+/// master, and the arrays of a MAT-file that no time vector fits. Its rows are `row_distance_s` apart, the first at 0; arrays of the same length
 /// share a raster. Such text needs no heading either (its columns are then `column 1`, `column 2`, …), and blanks may
 /// separate its columns.
 ///
@@ -167,7 +172,7 @@ pub fn decode_from(
         return Err(RecordingError::RowDistance { given: given.to_string() });
     }
     let recording = match Kind::detect(name, &*source)? {
-        Kind::Mdf => mdf::decode(name, &*source, selection, progress),
+        Kind::Mdf => mdf::decode(name, &*source, selection, row_distance_s, progress),
         Kind::Csv => csv::decode(name, &*source, selection, row_distance_s, progress),
         Kind::Mat => mat::decode(name, &source, selection, row_distance_s, progress),
         Kind::Table(kind) => arrow::decode(name, &source, kind, selection, row_distance_s, progress),

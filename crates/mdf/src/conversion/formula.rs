@@ -25,9 +25,14 @@ const DEEPEST: usize = 64;
 impl Formula {
     /// `None` where the text is not understood.
     pub(crate) fn parse(text: &str) -> Option<Self> {
-        let mut parser = Parser { rest: text, steps: Vec::new(), depth: 0 };
+        let mut parser = Parser { rest: text, steps: Vec::new(), depth: 0, is_doubled: None };
         parser.sum()?;
         parser.rest.trim_start().is_empty().then_some(Self { steps: parser.steps })
+    }
+
+    /// What to say of a text that is not understood.
+    pub(crate) fn refused(text: &str) -> String {
+        format!("the formula \"{}\"", text.escape_debug())
     }
 
     pub(crate) fn apply(&self, x: &mut [f64]) {
@@ -67,6 +72,8 @@ struct Parser<'a> {
     rest: &'a str,
     steps: Vec<Step>,
     depth: usize,
+    /// Whether the variable is `X11`: asammdf 8 writes so each `X1` of a formula in MDF 3.
+    is_doubled: Option<bool>,
 }
 
 impl Parser<'_> {
@@ -157,11 +164,17 @@ impl Parser<'_> {
         let name = rest[..end].to_ascii_lowercase();
         self.rest = &rest[end..];
         match name.as_str() {
-            "x" | "x1" => self.steps.push(Step::Variable),
+            "x" | "x1" | "x11" => self.variable(name == "x11")?,
             "pi" => self.steps.push(Step::Number(std::f64::consts::PI)),
             _ => return self.call(&name),
         }
         Some(())
+    }
+
+    /// The variable, written one way throughout.
+    fn variable(&mut self, is_doubled: bool) -> Option<()> {
+        self.steps.push(Step::Variable);
+        (*self.is_doubled.get_or_insert(is_doubled) == is_doubled).then_some(())
     }
 
     fn call(&mut self, name: &str) -> Option<()> {

@@ -46,8 +46,8 @@ impl<S: Source + ?Sized> Walk<'_, S> {
         let integers = matches!(code, 0 | 1 | 9 | 10 | 13 | 14);
         let Converted { code: converted, unit, conversion } = self.conversion(block.link(8), integers)?;
         let (conversion, obstacle) = match conversion {
-            Some(conversion) => (conversion, None),
-            None => (Conversion::Identity, Some(Obstacle::Conversion { detail: format!("type {converted}") })),
+            Ok(conversion) => (conversion, None),
+            Err(detail) => (Conversion::Identity, Some(Obstacle::Conversion { detail })),
         };
         let (storage, unfit) = storage(block, converted, records, defaults);
         Ok(Channel {

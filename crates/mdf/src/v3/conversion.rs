@@ -13,21 +13,22 @@ const PARAMETERS: usize = 46;
 pub(super) struct Converted {
     pub(super) code: u16,
     pub(super) unit: Arc<str>,
-    /// `None` where it is not understood.
-    pub(super) conversion: Option<Conversion>,
+    /// What is not understood, where it is not.
+    pub(super) conversion: Result<Conversion, String>,
 }
 
 impl<S: Source + ?Sized> Walk<'_, S> {
     /// The conversion at `offset`, the identity at 0.
     pub(super) fn conversion(&mut self, offset: u64, integers: bool) -> Result<Converted, MdfError> {
         if offset == 0 {
-            return Ok(Converted { code: u16::MAX, unit: Arc::from(""), conversion: Some(Conversion::Identity) });
+            return Ok(Converted { code: u16::MAX, unit: Arc::from(""), conversion: Ok(Conversion::Identity) });
         }
         let block = self.block(offset, b"CC", PARAMETERS as u64)?;
         let code = block.u16(42);
         let conversion = match code {
-            12 => Some(self.ranges(&block, integers)?),
-            _ => parsed(&block, code),
+            12 => Ok(self.ranges(&block, integers)?),
+            10 => formula(&block.text(PARAMETERS, 256)),
+            _ => parsed(&block, code).ok_or_else(|| format!("type {code}")),
         };
         Ok(Converted { code, unit: block.text(22, 20).into(), conversion })
     }
@@ -53,6 +54,10 @@ fn entries_of(block: &Block, size: usize) -> usize {
     usize::from(block.u16(44)).min(block.len().saturating_sub(PARAMETERS) / size)
 }
 
+fn formula(text: &str) -> Result<Conversion, String> {
+    Formula::parse(text).map(Conversion::Formula).ok_or_else(|| Formula::refused(text))
+}
+
 fn parsed(block: &Block, code: u16) -> Option<Conversion> {
     let parameters = entries_of(block, 8);
     let parameter = |i: usize| block.f64(PARAMETERS + 8 * i);
@@ -64,7 +69,6 @@ fn parsed(block: &Block, code: u16) -> Option<Conversion> {
         6 if parameters >= 6 => Some(Conversion::Polynomial(std::array::from_fn(parameter))),
         7 | 8 if parameters >= 7 => Some(Conversion::Exponential { p: std::array::from_fn(parameter), log: code == 8 }),
         9 if parameters >= 6 => Some(Conversion::Rational(std::array::from_fn(parameter))),
-        10 => Formula::parse(&block.text(PARAMETERS, 256)).map(Conversion::Formula),
         11 => {
             let entry = |i: usize| {
                 let at = PARAMETERS + 40 * i;

@@ -47,11 +47,19 @@ impl<S: Source + ?Sized> Walk<'_, S> {
         let name = self.text(block.link(0))?;
         let converted = match self.read_conversion(&block, integers, depth)? {
             Some(conversion) => Ok(Arc::new(conversion)),
-            None => Err(Obstacle::Conversion { detail: format!("type {}", u8_at(block.data(), 0)) }),
+            None => Err(Obstacle::Conversion { detail: self.refused(&block)? }),
         };
         let converted = Converted { name, unit, conversion: converted };
         self.conversions.insert((offset, integers), Some(converted.clone()));
         Ok(converted)
+    }
+
+    /// What of a conversion is not understood.
+    fn refused(&mut self, block: &Block) -> Result<String, MdfError> {
+        Ok(match u8_at(block.data(), 0) {
+            3 => Formula::refused(&self.text(block.link(4))?),
+            code => format!("type {code}"),
+        })
     }
 
     /// `None` where the conversion is not understood.

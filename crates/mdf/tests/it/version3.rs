@@ -58,6 +58,12 @@ impl Made3 {
         offset
     }
 
+    fn formula(&mut self, text: &str) -> u32 {
+        let offset = self.block(b"CC", 46 + 256, &[], &[(42, 10)]);
+        self.bytes[offset as usize + 46..][..text.len()].copy_from_slice(text.as_bytes());
+        offset
+    }
+
     fn group(&mut self, next: u32, id: u16, record: u16, cycles: u32, channels: &[Cn3]) -> u32 {
         let first = channels.iter().rev().fold(0, |next, cn| {
             let words = [(24, u16::from(cn.is_time)), (186, cn.start), (188, cn.bits), (190, cn.data_type)];
@@ -116,6 +122,22 @@ fn exact_records_of_two_groups_with_identifiers_around() {
         // Cut within the last record.
         let cut = &bytes[..bytes.len() - 1];
         assert_eq!((numbers(cut, 1, 1), Mdf::open(cut).unwrap().count(0)), (vec![-1.0], Ok(3)));
+    }
+}
+
+/// The variable as the format writes it, and as asammdf 8.8.28 rewrites it; what else there is, is shown.
+#[test]
+fn exact_formulas_of_version_3() {
+    let mut made = Made3::new(false);
+    let formulas = ["X1*X1+3*X1", "X11*X11+3*X11", "X11+X1", "X2*3"];
+    let channels = formulas.map(|text| Cn3 { conversion: made.formula(text), ..cn3(0, 0, 8) });
+    let group = made.group(0, 0, 1, 1, &channels);
+    let bytes = made.finish(group, 0, &[5]);
+    assert_eq!([numbers(&bytes, 0, 0), numbers(&bytes, 0, 1)], [[40.0], [40.0]]);
+    let file = Mdf::open(&bytes[..]).unwrap();
+    for (channel, formula) in file.groups()[0].channels.iter().zip(formulas).skip(2) {
+        let obstacle = channel.obstacle.as_ref().unwrap().to_string();
+        assert_eq!(obstacle, format!("its conversion is not understood: the formula \"{formula}\""));
     }
 }
 

@@ -4,7 +4,7 @@ use super::Reader;
 use super::batch::{Batch, Dictionaries, learn};
 use super::messages::{Messages, Place};
 use super::plan::Plan;
-use super::table::{Table, start_of};
+use super::table::{Flaw, Table, start_of};
 use crate::{Catalogue, Finding, Format, Recording, RecordingError, StartTime};
 
 /// Rows that are read at once where they are not compressed; a multiple of 8, for values of one bit.
@@ -124,7 +124,7 @@ impl Work<'_> {
         for first in (0..batch.rows).step_by(step) {
             let rows = first..batch.rows.min(first + step);
             let array = |column: usize| batch.array(self.columns[column], rows.clone(), &self.dictionaries, most);
-            let read = |column: usize| Ok(std::iter::once(array(column)));
+            let read = |column: usize| -> Result<_, Flaw> { Ok(std::iter::once(array(column))) };
             table.append(rows.len(), read).map_err(|fault| fault.error(self.reader.file))?;
         }
         (self.reader.progress)(place.end(), self.reader.size);

@@ -1,17 +1,19 @@
 //! Parquet: row groups of columns in pages, of which those of selected columns are read.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::ops::Range;
 
-use arrow_array::ArrayRef;
+use arrow_array::{ArrayRef, RecordBatch};
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReaderBuilder};
+use parquet::basic::Compression;
 use parquet::file::metadata::ParquetMetaData;
 
 use super::Reader;
 use super::pages::Pages;
 use super::plan::Plan;
-use super::table::{Table, start_of};
-use crate::{Catalogue, Format, Recording, RecordingError, StartTime};
+use super::table::{Flaw, Table, start_of};
+use crate::{Catalogue, Format, Recording, RecordingError, SkipReason, StartTime};
 
 /// Rows that are read at once.
 const ROWS: usize = 1 << 16;
@@ -44,9 +46,9 @@ impl<'r> Parquet<'r> {
         let expected: Vec<usize> = self.samples().into_iter().map(|count| count.unwrap_or(most).min(most)).collect();
         let (done, total) = (Cell::new(0), all.saturating_mul(self.plan.reads() as u64));
         let columns = self.plan.columns.clone();
-        // One column after the other: of each that is being read there are pages in memory.
+        let columns = Columns { reader, metadata: &self.metadata, columns: &columns, rows, block: RefCell::default() };
         let read = |column: usize| {
-            let arrays = arrays(reader, &self.metadata, columns[column])?;
+            let arrays = columns.arrays(column)?;
             Ok(arrays.inspect(|array| {
                 done.set(done.get() + array.as_ref().map_or(0, |array| array.len() as u64));
                 (reader.progress)(done.get(), total);
@@ -91,16 +93,80 @@ fn nulls(metadata: &ParquetMetaData, root: usize) -> Option<usize> {
     metadata.row_groups().iter().try_fold(0_usize, |sum, group| sum.checked_add(nulls(group)?))
 }
 
-/// The arrays of a column.
-fn arrays(
+/// The columns that are read. Of each that is being read there are pages in memory, so long ones are read one after the
+/// other; a reader goes through the schema of all, so short ones are read in blocks.
+struct Columns<'a> {
+    reader: &'a Reader<'a>,
+    metadata: &'a ArrowReaderMetadata,
+    columns: &'a [usize],
+    rows: usize,
+    /// The places of the columns that were read last, and their batches; none where they could not be read together.
+    block: RefCell<(Range<usize>, Vec<RecordBatch>)>,
+}
+
+impl Columns<'_> {
+    /// The arrays of the column at a place.
+    fn arrays(&self, place: usize) -> Result<Box<dyn Iterator<Item = Result<ArrayRef, String>> + '_>, Flaw> {
+        let width = (ROWS / self.rows.max(1)).max(1);
+        if width > 1 {
+            let first = place / width * width;
+            let mut block = self.block.borrow_mut();
+            if !block.0.contains(&place) {
+                let places = first..self.columns.len().min(first + width);
+                *block = (places.clone(), self.together(places));
+            }
+            if !block.1.is_empty() {
+                let arrays: Vec<_> = block.1.iter().map(|batch| Ok(batch.column(place - first).clone())).collect();
+                return Ok(Box::new(arrays.into_iter()));
+            }
+        }
+        let column = self.columns[place];
+        if let Some(reason) = unreadable(self.metadata.metadata(), column) {
+            return Err(Flaw::Unusable(reason));
+        }
+        let batches = batches(self.reader, self.metadata, &[column])?;
+        Ok(Box::new(batches.map(|batch| batch.map(|batch| batch.column(0).clone()))))
+    }
+
+    /// The batches of several columns; none where one cannot be read, which has to be found. No more are read than it
+    /// takes to see that there are too many rows.
+    fn together(&self, places: Range<usize>) -> Vec<RecordBatch> {
+        let mut before = 0;
+        let is_due = |batch: &Result<RecordBatch, String>| {
+            let is_due = before <= self.rows;
+            before += batch.as_ref().map_or(0, RecordBatch::num_rows);
+            is_due
+        };
+        let batches = batches(self.reader, self.metadata, &self.columns[places]);
+        batches.and_then(|batches| batches.take_while(is_due).collect()).unwrap_or_default()
+    }
+}
+
+/// The batches of columns, whose arrays are in the order of the file.
+fn batches(
     reader: &Reader<'_>,
     metadata: &ArrowReaderMetadata,
-    column: usize,
-) -> Result<impl Iterator<Item = Result<ArrayRef, String>> + use<>, String> {
+    columns: &[usize],
+) -> Result<impl Iterator<Item = Result<RecordBatch, String>> + use<>, String> {
     let builder = ParquetRecordBatchReaderBuilder::new_with_metadata(Pages::of(reader), metadata.clone());
-    let mask = ProjectionMask::roots(builder.parquet_schema(), [column]);
-    let batches = builder.with_projection(mask).with_batch_size(ROWS).build().map_err(|e| e.to_string())?;
-    Ok(batches.map(|batch| batch.map(|batch| batch.column(0).clone()).map_err(|e| e.to_string())))
+    let mask = ProjectionMask::roots(builder.parquet_schema(), columns.iter().copied());
+    let rows = usize::try_from(metadata.metadata().file_metadata().num_rows()).unwrap_or(ROWS).clamp(1, ROWS);
+    let batches = builder.with_projection(mask).with_batch_size(rows).build().map_err(|e| e.to_string())?;
+    Ok(batches.map(|batch| batch.map_err(|e| e.to_string())))
+}
+
+/// Why a sound column cannot be read: how it is compressed.
+fn unreadable(metadata: &ParquetMetaData, root: usize) -> Option<SkipReason> {
+    let schema = metadata.file_metadata().schema_descr();
+    let leaves = (0..schema.num_columns()).filter(|&leaf| schema.get_column_root_idx(leaf) == root);
+    let compression = |leaf: usize| metadata.row_groups().first()?.columns().get(leaf).map(|chunk| chunk.compression());
+    let name = leaves.filter_map(compression).find_map(|compression| match compression {
+        Compression::BROTLI(_) => Some("brotli"),
+        Compression::LZO => Some("LZO"),
+        _ => None,
+    })?;
+    let detail = format!("compressed with {name}; save the file with snappy, gzip, lz4 or zstd");
+    Some(SkipReason::Unsupported { detail })
 }
 
 /// When the recording started, as its first date says.
@@ -111,8 +177,8 @@ fn started(
 ) -> Result<Option<StartTime>, RecordingError> {
     let Some((column, clock)) = plan.dates() else { return Ok(None) };
     let damaged = |detail| reader.damaged(detail);
-    for array in arrays(reader, metadata, plan.columns[*column]).map_err(damaged)? {
-        if let Some(start) = start_of(&array.map_err(damaged)?, clock) {
+    for batch in batches(reader, metadata, &[plan.columns[*column]]).map_err(damaged)? {
+        if let Some(start) = start_of(batch.map_err(damaged)?.column(0), clock) {
             return Ok(Some(start));
         }
     }

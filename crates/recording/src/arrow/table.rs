@@ -7,7 +7,7 @@ use arrow_array::{Array, ArrayRef};
 use super::plan::{Clock, Group, Plan};
 use super::values::{is_wide, numbers, per_second, ticks};
 use crate::finding::are_rounded;
-use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, StartTime};
+use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, SkipReason, StartTime};
 
 const DAY_S: f64 = 86_400.0;
 /// Values that are turned into numbers at once.
@@ -37,12 +37,30 @@ struct Part {
 /// What is wrong with a column.
 pub(super) struct Fault {
     column: String,
-    detail: String,
+    flaw: Flaw,
+}
+
+/// Why values cannot be had.
+pub(super) enum Flaw {
+    /// The file is damaged.
+    Damage(String),
+    /// It is sound, but this is in the way.
+    Unusable(SkipReason),
+}
+
+impl<T: Into<String>> From<T> for Flaw {
+    fn from(detail: T) -> Self {
+        Self::Damage(detail.into())
+    }
 }
 
 impl Fault {
     pub(super) fn error(self, file: &str) -> RecordingError {
-        RecordingError::DamagedChannel { file: file.into(), channel: self.column, detail: self.detail }
+        let (file, channel) = (file.into(), self.column);
+        match self.flaw {
+            Flaw::Damage(detail) => RecordingError::DamagedChannel { file, channel, detail },
+            Flaw::Unusable(reason) => RecordingError::UnusableChannel { file, channel, reason },
+        }
     }
 }
 
@@ -69,10 +87,10 @@ impl Table {
     pub(super) fn append<A: Iterator<Item = Result<ArrayRef, String>>>(
         &mut self,
         rows: usize,
-        read: impl Fn(usize) -> Result<A, String>,
+        read: impl Fn(usize) -> Result<A, Flaw>,
     ) -> Result<(), Fault> {
-        let each = |column: usize, name: &str, take: &mut dyn FnMut(usize, &ArrayRef) -> Result<(), String>| {
-            each(read(column), rows, take).map_err(|detail| Fault { column: name.into(), detail })
+        let each = |column: usize, name: &str, take: &mut dyn FnMut(usize, &ArrayRef) -> Result<(), Flaw>| {
+            each(read(column), rows, take).map_err(|flaw| Fault { column: name.into(), flaw })
         };
         let marks: Vec<Option<usize>> = self.plan.marks().collect();
         for (index, mark) in marks.into_iter().enumerate() {
@@ -114,12 +132,12 @@ impl Table {
     }
 
     /// Appends the time stamps of the rows of an array, those that are present, `before` rows into what is appended.
-    fn time(&mut self, index: usize, before: usize, array: &dyn Array, present: Option<&[bool]>) -> Result<(), String> {
+    fn time(&mut self, index: usize, before: usize, array: &dyn Array, present: Option<&[bool]>) -> Result<(), Flaw> {
         let Some((_, clock)) = &self.plan.groups[index].clock else { return Ok(()) };
         let part = &mut self.parts[index];
         let is_present = |row: &usize| present.is_none_or(|present| present[before + *row]);
         if let Some(row) = (0..array.len()).filter(is_present).find(|&row| array.is_null(row)) {
-            return Err(format!("row {} has no time stamp", self.rows + before + row + 1));
+            return Err(Flaw::Unusable(SkipReason::NoTimeStamp { row: self.rows + before + row + 1 }));
         }
         if let Clock::Numbers((factor, divisor)) = clock {
             let values = numbers(array).ok_or(TYPE_CHANGES)?;
@@ -172,27 +190,27 @@ impl Table {
 
 /// Hands on the arrays of a column, each with how many rows are before it; there must be `rows` in all.
 fn each<A: Iterator<Item = Result<ArrayRef, String>>>(
-    arrays: Result<A, String>,
+    arrays: Result<A, Flaw>,
     rows: usize,
-    take: &mut dyn FnMut(usize, &ArrayRef) -> Result<(), String>,
-) -> Result<(), String> {
+    take: &mut dyn FnMut(usize, &ArrayRef) -> Result<(), Flaw>,
+) -> Result<(), Flaw> {
     let mut before = 0;
     for array in arrays? {
         let array = array?;
         if array.len() > rows - before {
-            return Err(format!("it has more than {rows} rows"));
+            return Err(format!("it has more than {rows} rows").into());
         }
         take(before, &array)?;
         before += array.len();
     }
     match before == rows {
         true => Ok(()),
-        false => Err(format!("it has {before} rows of {rows}")),
+        false => Err(format!("it has {before} rows of {rows}").into()),
     }
 }
 
 /// Appends the numbers of the rows that are present; `first_row` counts those before the array.
-fn append(array: &dyn Array, present: Option<&[bool]>, first_row: usize, samples: &mut Vec<f64>) -> Result<(), String> {
+fn append(array: &dyn Array, present: Option<&[bool]>, first_row: usize, samples: &mut Vec<f64>) -> Result<(), Flaw> {
     for first in (0..array.len()).step_by(PIECE) {
         let part = array.slice(first, PIECE.min(array.len() - first));
         let values = numbers(part.as_ref()).ok_or(TYPE_CHANGES)?;
@@ -201,7 +219,7 @@ fn append(array: &dyn Array, present: Option<&[bool]>, first_row: usize, samples
             continue;
         };
         if let Some(row) = (0..values.len()).find(|&row| !present[row] && !part.is_null(row)) {
-            return Err(format!("row {} has a value but no time stamp", first_row + first + row + 1));
+            return Err(Flaw::Unusable(SkipReason::NoTimeStamp { row: first_row + first + row + 1 }));
         }
         samples.extend(values.iter().zip(present).filter(|(_, present)| **present).map(|(value, _)| value));
     }

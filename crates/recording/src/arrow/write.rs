@@ -4,13 +4,16 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io::{Error, Write};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, Float64Array, RecordBatch};
+use arrow_array::cast::AsArray;
+use arrow_array::{Array, ArrayRef, Float64Array, RecordBatch};
 use arrow_ipc::writer::FileWriter;
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
-use parquet::arrow::ArrowWriter;
+use parquet::arrow::{ArrowSchemaConverter, add_encoded_arrow_schema_to_metadata};
 use parquet::basic::Compression;
+use parquet::data_type::DoubleType;
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 
 use super::key;
 use crate::mat::start_text;
@@ -19,7 +22,7 @@ use crate::{Channel, Recording, RecordingError};
 
 /// Numbers in a batch, which is a row group of Parquet, that its writer keeps in memory once more.
 const BATCH: usize = 1 << 20;
-/// Bytes of different values beyond which a column is not written by their numbers: all columns keep so many in memory.
+/// Bytes of different values beyond which a column is not written by their numbers.
 const DIFFERENT: usize = 1 << 14;
 /// The name of the column of time stamps.
 const TIME: &str = "time";
@@ -50,15 +53,21 @@ const TIME: &str = "time";
 /// ```
 pub fn write_parquet(recording: &Recording, out: impl Write + Send) -> Result<(), RecordingError> {
     let batches = Batches::new(recording)?;
-    let properties = WriterProperties::builder()
+    let mut properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(Default::default()))
-        .set_max_row_group_row_count(Some(batches.rows))
         .set_dictionary_page_size_limit(DIFFERENT)
         .build();
     let write = || -> Result<(), ParquetError> {
-        let mut writer = ArrowWriter::try_new(out, batches.schema.clone(), Some(properties))?;
+        let schema = ArrowSchemaConverter::new().convert(&batches.schema)?;
+        add_encoded_arrow_schema_to_metadata(&batches.schema, &mut properties);
+        let mut writer = SerializedFileWriter::new(out, schema.root_schema_ptr(), Arc::new(properties))?;
         for batch in batches {
-            writer.write(&batch?)?;
+            let mut group = writer.next_row_group()?;
+            // One column after the other: what is being written keeps buffers, whatever its rows.
+            for column in batch?.columns() {
+                write_column(&mut group, column.as_primitive())?;
+            }
+            group.close()?;
         }
         writer.close().map(drop)
     };
@@ -110,6 +119,18 @@ pub fn write_arrow(recording: &Recording, out: impl Write) -> Result<(), Recordi
 pub fn encode_arrow(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     let mut bytes = Vec::new();
     write_arrow(recording, &mut bytes).map(|()| bytes)
+}
+
+/// Writes the next column of a row group.
+fn write_column<W: Write + Send>(
+    group: &mut SerializedRowGroupWriter<'_, W>,
+    column: &Float64Array,
+) -> Result<(), ParquetError> {
+    let is_there: Vec<i16> = (0..column.len()).map(|row| i16::from(column.is_valid(row))).collect();
+    let values: Vec<f64> = column.iter().flatten().collect();
+    let mut writer = group.next_column()?.ok_or_else(|| ParquetError::General("too few columns".into()))?;
+    writer.typed::<DoubleType>().write_batch(&values, Some(&is_there), None)?;
+    writer.close()
 }
 
 fn cannot(format: &str, what: String) -> RecordingError {

@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use super::value::Value;
-use crate::heading::{seconds, time_word};
+use crate::SkipReason;
+use crate::heading::{seconds, time_word, unbracketed};
 
 /// Seconds per unit, as a fraction.
 pub(super) type Factor = (f64, f64);
@@ -11,9 +12,9 @@ pub(super) type Factor = (f64, f64);
 /// Names that mean the clock, and nothing but the clock.
 const TIME: [&str; 8] = ["time", "t", "zeit", "timestamps", "timestamp", "zeitstempel", "tout", "samplinginstants"];
 
-/// Whether a name is one of a clock without number or unit.
+/// Whether a name is one of a clock without number or unit. A capital `T` is a temperature or a torque.
 pub(super) fn is_plain_time(name: &str) -> bool {
-    TIME.contains(&name.to_lowercase().as_str())
+    name != "T" && TIME.contains(&name.to_lowercase().as_str())
 }
 
 /// The unit of a vector that is named like a clock: `t`, `Time`, `time_2`, `time_ms`.
@@ -21,20 +22,46 @@ pub(super) fn clock_unit(name: &str) -> Option<Factor> {
     if is_plain_time(name) || time_word(name).is_some() {
         return Some((1.0, 1.0));
     }
+    unit_in_name(name)
+}
+
+/// The unit at the end of `time_ms`.
+fn unit_in_name(name: &str) -> Option<Factor> {
     let (stem, unit) = name.rsplit_once('_')?;
     seconds(unit).filter(|_| is_plain_time(stem) && !unit.is_empty())
 }
 
-/// Seconds per unit, spelled as in the `TimeUnit` of MATLAB's data objects.
+/// The unit that a clock has by its name or by a text beside it; none where neither gives one.
+pub(super) fn stated_unit(members: &Members, clock: &Member) -> Result<Option<Factor>, SkipReason> {
+    let by_name = unit_in_name(&clock.name);
+    let text = unit_beside(members, &clock.name).and_then(|unit| unit.value.text());
+    let Some(text) = text.map(unbracketed).filter(|text| !text.is_empty()) else { return Ok(by_name) };
+    match (long_unit(text), by_name) {
+        (Some(stated), None) => Ok(Some(stated)),
+        (Some(stated), Some(named)) if stated == named => Ok(Some(stated)),
+        _ => Err(SkipReason::TimeUnit { clock: clock.path.clone(), unit: text.escape_debug().to_string() }),
+    }
+}
+
+/// The text that states the unit of a clock: `t_unit` of `t`, or one of any clock (`time_unit` is `time`'s where there is
+/// one).
+fn unit_beside<'m>(members: &'m Members, clock: &str) -> Option<&'m Member> {
+    let lower = clock.to_lowercase();
+    let own = ["unit", "units"].map(|word| format!("{lower}_{word}"));
+    let of_time: &[&str] = if members.named(&["time"]).is_none() { &["time_unit", "time_units"] } else { &[] };
+    members.named(&own.each_ref().map(String::as_str)).or_else(|| members.named(&[&["timeunit"], of_time].concat()))
+}
+
+/// Seconds per unit, spelled also as in the `TimeUnit` of MATLAB's data objects.
 fn long_unit(text: &str) -> Option<Factor> {
-    Some(match text {
+    Some(match text.to_lowercase().as_str() {
         "nanoseconds" => (1.0, 1e9),
         "microseconds" => (1.0, 1e6),
         "milliseconds" => (1.0, 1e3),
         "minutes" => (60.0, 1.0),
         "hours" => (3600.0, 1.0),
         "days" => (86400.0, 1.0),
-        other => return seconds(other),
+        _ => return seconds(text),
     })
 }
 
@@ -151,6 +178,7 @@ pub(super) fn describes(members: &Members, name: &str, has_one_array: bool) -> b
         "label" | "blockname" | "title" | "plotstyle" | "dimensions" => has(&["values"]),
         "inputname" | "inputunit" | "uname" => has(&["u", "inputdata"]),
         "outputname" | "outputunit" | "yname" => has(&["y", "outputdata"]),
+        "timeunit" | "time_unit" | "time_units" if members.list.iter().any(|m| clock_unit(&m.name).is_some()) => true,
         "timeunit" | "ts" | "tstart" => sample_time(members).is_some(),
         _ => ["_unit", "_units"].iter().any(|end| lower.strip_suffix(end).is_some_and(|stem| has(&[stem]))),
     }
@@ -161,7 +189,7 @@ pub(super) fn sample_time(members: &Members) -> Option<(f64, f64)> {
     members.named(&["u", "y", "inputdata", "outputdata"])?;
     let unit = match members.named(&["timeunit"]) {
         None => (1.0, 1.0),
-        Some(unit) => long_unit(&unit.value.text()?.to_lowercase())?,
+        Some(unit) => long_unit(unit.value.text()?)?,
     };
     let step = members.number("ts").filter(|ts| *ts > 0.0)?;
     let start = members.number("tstart").unwrap_or(0.0);

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use hdf5_pure::{AttrValue, Chunk, ChunkIndex, DType, Dataset, File, FormatError, Group, Object};
+use hdf5_pure::{
+    AttrValue, Chunk, ChunkIndex, DType, Dataset, Datatype, DatatypeByteOrder, File, FormatError, Group, Object,
+};
 
 use super::objects::{self, Objects};
 use super::scope::joined;
@@ -24,11 +26,17 @@ const MAX_PER_BYTE: usize = 1032 / 8;
 /// Numbers read at once.
 const PIECE: usize = 1 << 20;
 
+/// Attributes of a dataset that give its unit.
+const UNIT: [&str; 8] = ["unit", "units", "Unit", "Units", "UNIT", "UNITS", "einheit", "Einheit"];
+
 type Attributes = HashMap<String, AttrValue>;
 
 /// The variables of a file with their names.
 pub(super) fn variables(file: &str, source: &Shared, wanted: Wanted<'_>) -> Result<Variables, RecordingError> {
-    let damaged = |detail: String| RecordingError::Damaged { file: file.into(), offset: None, detail };
+    let damaged = |detail: String| match detail.contains(SOFT_LINK) {
+        true => RecordingError::SoftLink { file: file.into() },
+        false => RecordingError::Damaged { file: file.into(), offset: None, detail },
+    };
     let size = source::size(file, &**source)?;
     let most = usize::try_from(size).unwrap_or(usize::MAX).saturating_mul(MAX_PER_BYTE);
     guarded(file, || {
@@ -56,6 +64,11 @@ fn hidden<'a>(root: &Group, mut reader: Reader<'a>) -> Result<Objects<'a>, Strin
     Objects::new(metadata, false, move |index| reader.object(contents.get(index).ok_or("a property is missing")?, 0))
 }
 
+/// The address of what is nowhere in the file, which the links of groups before HDF5 1.8 give: their library does not tell
+/// them from datasets, and reads there.
+const UNDEFINED: u64 = u64::MAX;
+const SOFT_LINK: &str = "a soft link in a group of the oldest layout of HDF5";
+
 /// A file as its library takes it.
 struct Bytes {
     source: Shared,
@@ -68,6 +81,9 @@ impl hdf5_pure::Source for Bytes {
     }
 
     fn read_at(&self, offset: u64, buffer: &mut [u8]) -> Result<(), FormatError> {
+        if offset == UNDEFINED {
+            return Err(FormatError::Source(SOFT_LINK.into()));
+        }
         self.source.read_at(offset, buffer).map_err(|error| FormatError::Source(error.to_string()))
     }
 }
@@ -89,7 +105,7 @@ impl Reader<'_> {
             let attributes = dataset.attrs().map_err(text)?;
             let value = self.dataset(&dataset, &attributes, &joined(path, &name), depth);
             let value = value.map_err(|detail| format!("\"{name}\": {detail}"))?;
-            if let Some(unit) = ["unit", "units", "Unit"].iter().find_map(|key| attributes.get(*key)?.as_str()) {
+            if let Some(unit) = UNIT.iter().find_map(|key| attributes.get(*key)?.as_str()) {
                 found.push((format!("{name}_unit"), Value::Text(vec![unit.to_owned()])));
             }
             found.push((name, value));
@@ -230,7 +246,7 @@ impl Reader<'_> {
             ("char", DType::U16 | DType::U8 | DType::U32) => self.characters(dataset),
             (_, DType::String | DType::VariableLengthString) => self.strings(dataset),
             (_, DType::Compound(members)) if is_complex(&members) => Ok(Value::not_numeric("complex numbers")),
-            (_, kind) if is_numeric(&kind) => self.array(dataset, path),
+            (_, kind) if is_numeric(&kind) || is_boolean(dataset) || is_half(dataset) => self.array(dataset, path),
             (_, kind) => Ok(Value::unsupported(format!("data of type {kind}"))),
         }
     }
@@ -282,7 +298,11 @@ fn sizes(dataset: &Dataset) -> Result<Vec<usize>, String> {
 
 /// The numbers of a dataset, read some rows of the slowest dimension at a time.
 fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
-    let [rows, rest @ ..] = sizes else { return dataset.read_f64().map_err(text) };
+    let read = |first: usize, count: usize| match is_half(dataset) {
+        true => Ok(halves(&dataset.read_raw_rows(first as u64, count as u64).map_err(text)?)),
+        false => dataset.read_f64_rows(first as u64, count as u64).map_err(text),
+    };
+    let [rows, rest @ ..] = sizes else { return read(0, 1) };
     if *rows == 0 || rest.contains(&0) {
         return Ok(Vec::new());
     }
@@ -295,7 +315,7 @@ fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
     values.try_reserve_exact(rows * width).map_err(|error| error.to_string())?;
     for first in (0..*rows).step_by(step) {
         let count = step.min(rows - first);
-        values.extend(dataset.read_f64_rows(first as u64, count as u64).map_err(text)?);
+        values.extend(read(first, count)?);
     }
     Ok(values)
 }
@@ -325,7 +345,64 @@ fn is_complex(members: &[(String, DType)]) -> bool {
     matches!(names.as_slice(), ["real", "imag"] | ["r", "i"])
 }
 
+/// Whether a dataset holds truth values as h5py and PyTables write them: an enumeration of bytes.
+fn is_boolean(dataset: &Dataset) -> bool {
+    let Ok(Datatype::Enumeration { members, .. }) = dataset.datatype() else { return false };
+    let members: Vec<_> = members.iter().map(|member| (member.name.as_str(), member.value.as_slice())).collect();
+    members == [("FALSE", &[0_u8][..]), ("TRUE", &[1])]
+}
+
+/// Whether a dataset holds floats of 16 bits (IEEE 754 binary16), the low byte first.
+fn is_half(dataset: &Dataset) -> bool {
+    let Ok(Datatype::FloatingPoint { size: 2, byte_order: DatatypeByteOrder::LittleEndian, layout }) =
+        dataset.datatype()
+    else {
+        return false;
+    };
+    let exponent = (layout.exponent_location, layout.exponent_size, layout.exponent_bias);
+    exponent == (10, 5, 15) && (layout.mantissa_location, layout.mantissa_size) == (0, 10)
+}
+
+fn halves(bytes: &[u8]) -> Vec<f64> {
+    bytes.as_chunks().0.iter().map(|bytes| half(u16::from_le_bytes(*bytes))).collect()
+}
+
+/// The number that a sign, five bits of exponent and ten of mantissa are.
+fn half(bits: u16) -> f64 {
+    let (exponent, mantissa) = (i32::from(bits >> 10 & 0x1F), f64::from(bits & 0x3FF));
+    let magnitude = match exponent {
+        0 => mantissa * 2_f64.powi(-24),
+        31 if mantissa == 0.0 => f64::INFINITY,
+        31 => f64::NAN,
+        _ => (mantissa + 1024.0) * 2_f64.powi(exponent - 25),
+    };
+    if bits >> 15 == 1 { -magnitude } else { magnitude }
+}
+
 fn is_numeric(kind: &DType) -> bool {
     use DType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
     matches!(kind, F32 | F64 | I8 | I16 | I32 | I64 | U8 | U16 | U32 | U64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::half;
+
+    /// The examples of IEEE 754 binary16: one, its neighbour, the largest, the smallest normal and subnormal ones.
+    #[test]
+    fn exact_floats_of_16_bits() {
+        let examples = [
+            (0x3C00, 1.0),
+            (0x3C01, 1.0 + 2_f64.powi(-10)),
+            (0xC000, -2.0),
+            (0x7BFF, 65504.0),
+            (0x0400, 2_f64.powi(-14)),
+            (0x0001, 2_f64.powi(-24)),
+            (0xFC00, f64::NEG_INFINITY),
+        ];
+        for (bits, number) in examples {
+            assert_eq!(half(bits), number, "{bits:x}");
+        }
+        assert!(half(0x7E00).is_nan() && half(0x8000).is_sign_negative());
+    }
 }

@@ -5,7 +5,9 @@
 
 use std::collections::BTreeMap;
 
-use super::labels::{Labels, Member, Members, clock_unit, describes, is_plain_time, sample_time, stated_period};
+use super::labels::{
+    Factor, Labels, Member, Members, clock_unit, describes, is_plain_time, sample_time, stated_period, stated_unit,
+};
 use super::value::{Array, Struct, Value, object_reason};
 use crate::error::require_names;
 use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason};
@@ -13,9 +15,8 @@ use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, Selecti
 /// The most channels of a file.
 pub(super) const MAX_CHANNELS: usize = 1 << 17;
 
-/// For lengths, the clock that arrays of this length have: an index into the rasters, or the names of the vectors that
-/// might be meant.
-type Clocks = BTreeMap<usize, Result<usize, String>>;
+/// For lengths, the clock that arrays of this length have: an index into the rasters, or why there is none.
+type Clocks = BTreeMap<usize, Result<usize, SkipReason>>;
 
 /// Clocks and channels under construction.
 pub(super) struct Plan {
@@ -116,15 +117,12 @@ impl Plan {
             if found.iter().any(|&i| is_plain_time(&list[i].name)) {
                 found.retain(|&i| is_plain_time(&list[i].name));
             }
-            let agree = found.iter().all(|&i| list[i].value == list[found[0]].value);
-            let clock = match (agree, &list[found[0]].value) {
-                (true, Value::Numbers(array)) => {
-                    found.iter().for_each(|&i| taken[i] = true);
-                    Ok(self.clock(path, &list[found[0]], array, stated.as_ref()))
-                }
-                _ => Err(found.iter().take(3).map(|&i| list[i].path.as_str()).collect::<Vec<_>>().join(", ")),
-            };
-            clocks.insert(samples, clock);
+            let named: Vec<&Member> = found.iter().map(|&i| &list[i]).collect();
+            let clock = agreed(members, &named);
+            if clock.is_ok() {
+                found.iter().for_each(|&i| taken[i] = true);
+            }
+            clocks.insert(samples, clock.map(|(array, unit)| self.clock(path, named[0], array, unit, stated.as_ref())));
         }
         if let Some(start_and_step) = sample_time(members) {
             self.sampled(path, members, start_and_step, &mut clocks);
@@ -132,15 +130,22 @@ impl Plan {
         (clocks, taken)
     }
 
-    /// The clock that a member is, in seconds. A period that is stated beside it may betray a smaller unit.
-    fn clock(&mut self, scope: &str, member: &Member, array: &Array, stated: Option<&(String, f64)>) -> usize {
+    /// The clock that a member is, in seconds. Without a unit, a period that is stated beside it may betray a smaller one.
+    fn clock(
+        &mut self,
+        scope: &str,
+        member: &Member,
+        array: &Array,
+        unit: Option<Factor>,
+        stated: Option<&(String, f64)>,
+    ) -> usize {
         if array.is_rounded() {
             self.findings.push(Finding::RoundedIntegers { channel: member.path.clone() });
         }
-        let mut factor = clock_unit(&member.name).unwrap_or((1.0, 1.0));
+        let mut factor = unit.unwrap_or((1.0, 1.0));
         let steps = array.values.len() - 1;
         let step = (array.values[steps] - array.values[0]) / steps as f64;
-        if let Some((number, period_s)) = stated.filter(|_| factor == (1.0, 1.0)) {
+        if let Some((number, period_s)) = stated.filter(|_| unit.is_none()) {
             let fits = |per_second: f64| (step / per_second / period_s - 1.0).abs() < 1e-3;
             let unit = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)].into_iter().find(|(_, per_second)| fits(*per_second));
             if let Some((unit, per_second)) = unit {
@@ -163,7 +168,8 @@ impl Plan {
         if self.clocks.is_empty() {
             self.clocks.push(Clocks::new());
         }
-        let several = |clock: &mut Result<usize, String>| *clock = Err(format!("{variable} and others"));
+        let candidates = format!("{variable} and others");
+        let several = |clock: &mut Result<usize, SkipReason>| *clock = Err(SkipReason::AmbiguousTime { candidates });
         if samples > 1 {
             self.clocks[0].entry(samples).and_modify(several).or_insert(Ok(index));
         }
@@ -189,7 +195,7 @@ impl Plan {
     }
 
     /// The clock of arrays of this length.
-    fn clock_of(&self, samples: usize) -> Option<&Result<usize, String>> {
+    fn clock_of(&self, samples: usize) -> Option<&Result<usize, SkipReason>> {
         self.clocks.iter().rev().find_map(|clocks| clocks.get(&samples))
     }
 
@@ -234,9 +240,7 @@ impl Plan {
         let across = || self.clock_of(array.columns).filter(|_| !is_vector).map(|clock| (clock, true));
         match down.or_else(across) {
             Some((Ok(raster), by_rows)) => Ok((*raster, by_rows)),
-            Some((Err(names), _)) if self.row_distance_s.is_none() => {
-                Err(SkipReason::AmbiguousTime { candidates: names.clone() })
-            }
+            Some((Err(reason), _)) if self.row_distance_s.is_none() => Err(reason.clone()),
             _ => Ok((self.counted(samples).ok_or(SkipReason::NoTimeVector { samples })?, false)),
         }
     }
@@ -327,6 +331,22 @@ fn clock_length(member: &Member) -> Option<usize> {
     let named = clock_unit(&member.name).is_some() && member.is_whole();
     let finite = first.is_finite() && last.is_finite();
     (named && array.is_vector() && finite && first < last && array.values.is_sorted()).then_some(array.values.len())
+}
+
+/// The numbers and the unit that all vectors named as time, at least one, agree on.
+fn agreed<'m>(members: &Members, named: &[&'m Member]) -> Result<(&'m Array, Option<Factor>), SkipReason> {
+    let units = named.iter().map(|member| stated_unit(members, member)).collect::<Result<Vec<_>, _>>()?;
+    let mut stated = units.into_iter().flatten();
+    let unit = stated.next();
+    match &named[0].value {
+        Value::Numbers(array) if named.iter().all(|m| m.value == named[0].value) && stated.all(|u| Some(u) == unit) => {
+            Ok((array, unit))
+        }
+        _ => {
+            let candidates = named.iter().take(3).map(|m| m.path.as_str()).collect::<Vec<_>>().join(", ");
+            Err(SkipReason::AmbiguousTime { candidates })
+        }
+    }
 }
 
 /// Names for `count` channels of the array `name`.

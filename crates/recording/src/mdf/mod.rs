@@ -29,10 +29,11 @@ pub(crate) fn decode<S: Source>(
     name: &str,
     source: S,
     selection: &Selection,
+    row_distance_s: Option<f64>,
     progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Recording, RecordingError> {
     let file = Mdf::open(source).map_err(|e| failure(name, e))?;
-    let groups = plan::groups(name, &file)?;
+    let groups = plan::groups(name, &file, row_distance_s)?;
     let names = groups.iter().flat_map(|g| &g.channels);
     require_names(name, selection, names.map(|c| c.name))?;
     let built = Assembly::build(name, &file, selection, &groups, progress)?;
@@ -48,7 +49,7 @@ pub(crate) fn decode<S: Source>(
 
 pub(crate) fn catalogue<S: Source>(name: &str, source: S) -> Result<Catalogue, RecordingError> {
     let file = Mdf::open(source).map_err(|e| failure(name, e))?;
-    let groups = plan::groups(name, &file)?;
+    let groups = plan::groups(name, &file, None)?;
     let (rasters, channels, findings) = plan::list(name, &file, &groups)?;
     Ok(Catalogue {
         format: Format::Mdf { version: file.version() },

@@ -1,8 +1,11 @@
 //! Which channels of an MDF file are taken over, and what becomes of them.
 
+use std::cmp::Ordering;
+
 use ::mdf::{Address, Kind, Mdf, Quantity, Source, Values};
 
 use super::{failure, plausible};
+use crate::heading::{seconds, unbracketed};
 use crate::{Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason};
 
 /// Bytes of names, units and comments beyond which a file says the same thing over and over.
@@ -12,14 +15,24 @@ const MOST_TEXT: usize = 1 << 28;
 pub(super) struct Group<'f> {
     index: usize,
     name: Option<String>,
-    /// Samples as the file announces them.
-    announced: u64,
+    /// Samples as the file announces them; none where it was not closed and announces nothing.
+    announced: Option<u64>,
     /// Samples that its data can hold, at most.
     pub(super) at_most: u64,
     /// Size of its data after decompression, with that of the groups stored between them.
     pub(super) stream_bytes: u64,
-    time: Result<Address, SkipReason>,
+    time: Result<Clock, SkipReason>,
+    /// The unit of its clock, where it is not the second.
+    odd_unit: Option<&'f str>,
     pub(super) channels: Vec<Item<'f>>,
+}
+
+/// What gives a group its time.
+#[derive(Clone, Copy)]
+enum Clock {
+    Master(Address),
+    /// Samples that are so far apart, s.
+    Counted(f64),
 }
 
 /// A channel other than the clock of its group.
@@ -32,8 +45,13 @@ pub(super) struct Item<'f> {
 }
 
 /// The groups of a file that have channels.
-pub(super) fn groups<'f, S: Source>(name: &str, file: &'f Mdf<S>) -> Result<Vec<Group<'f>>, RecordingError> {
-    let groups: Vec<_> = file.groups().iter().enumerate().map(|(index, group)| of(index, group)).collect();
+pub(super) fn groups<'f, S: Source>(
+    name: &str,
+    file: &'f Mdf<S>,
+    row_distance_s: Option<f64>,
+) -> Result<Vec<Group<'f>>, RecordingError> {
+    let groups = file.groups().iter().enumerate();
+    let groups: Vec<_> = groups.map(|(index, group)| of(file, index, group, row_distance_s)).collect();
     let items = groups.iter().flat_map(|g| &g.channels);
     let text = items.fold(0_usize, |sum, i| sum.saturating_add(i.name.len() + i.unit.len() + i.comment.len()));
     if text <= MOST_TEXT {
@@ -43,19 +61,33 @@ pub(super) fn groups<'f, S: Source>(name: &str, file: &'f Mdf<S>) -> Result<Vec<
     Err(RecordingError::Damaged { file: name.into(), offset: None, detail })
 }
 
-fn of(index: usize, group: &::mdf::Group) -> Group<'_> {
+/// The unit of a clock of which the format says that it is in seconds, and the file something else.
+fn odd_unit<S: Source>(file: &Mdf<S>, master: ::mdf::Master) -> Option<&str> {
+    let Address { group, channel } = master.address;
+    let unit = &file.groups().get(group)?.channels.get(channel)?.unit;
+    Some(unit.as_ref()).filter(|unit| seconds(unbracketed(unit)) != Some((1.0, 1.0)))
+}
+
+fn of<'f, S: Source>(
+    file: &'f Mdf<S>,
+    index: usize,
+    group: &'f ::mdf::Group,
+    row_distance_s: Option<f64>,
+) -> Group<'f> {
+    let is_closed = !file.findings().contains(&::mdf::Finding::NotFinalised);
     let channels = group.channels.iter().enumerate().filter(|(_, c)| !c.is_master);
     Group {
         index,
         name: some_text(&group.name).or_else(|| some_text(&group.comment)),
-        announced: group.announced,
+        announced: Some(group.announced).filter(|&announced| is_closed || announced > 0),
         at_most: group.at_most,
         stream_bytes: group.stream_bytes,
         time: match group.master {
-            Some(master) if master.quantity == Quantity::Time => Ok(master.address),
+            Some(master) if master.quantity == Quantity::Time => Ok(Clock::Master(master.address)),
             Some(_) => Err(SkipReason::NotOverTime),
-            None => Err(SkipReason::NoTime),
+            None => row_distance_s.map(Clock::Counted).ok_or(SkipReason::NoTime),
         },
+        odd_unit: group.master.and_then(|master| odd_unit(file, master)),
         channels: channels
             .map(|(place, c)| Item {
                 name: c.name.trim(),
@@ -112,7 +144,9 @@ impl<'a> Assembly<'a> {
             let skipped = assembly.findings.split_off(before);
             if let (Ok(time), false) = (&group.time, items.is_empty()) {
                 plausible(name, group, items.len() + 1)?;
-                addresses.push(*time);
+                if let Clock::Master(address) = time {
+                    addresses.push(*address);
+                }
                 addresses.extend(items.iter().map(|i| i.address));
             }
             chosen.push((group, items, skipped));
@@ -121,8 +155,8 @@ impl<'a> Assembly<'a> {
         assembly.rounded = file.rounded();
         for (group, items, skipped) in chosen {
             assembly.findings.extend(skipped);
-            if group.time.is_ok() && !items.is_empty() {
-                assembly.group(group, &items, &mut values)?;
+            if let (Ok(clock), false) = (group.time.as_ref(), items.is_empty()) {
+                assembly.group(group, *clock, &items, &mut values)?;
             }
         }
         Ok(assembly)
@@ -131,18 +165,23 @@ impl<'a> Assembly<'a> {
     fn group(
         &mut self,
         group: &Group<'_>,
+        clock: Clock,
         items: &[&Item<'_>],
         values: &mut impl Iterator<Item = Values>,
     ) -> Result<(), RecordingError> {
-        let time_s = self.numbers("time", values.next())?;
-        let clock = group.time.iter().map(|address| ("time", address));
-        for (channel, address) in clock.chain(items.iter().map(|item| (item.name, &item.address))) {
+        let (mut time_s, master, distance_s) = match clock {
+            Clock::Master(address) => (Some(self.numbers("time", values.next())?), Some(address), 0.0),
+            Clock::Counted(distance_s) => (None, None, distance_s),
+        };
+        let master = master.iter().map(|address| ("time", address));
+        for (channel, address) in master.chain(items.iter().map(|item| (item.name, &item.address))) {
             if self.rounded.contains(address) {
                 self.findings.push(Finding::RoundedIntegers { channel: channel.into() });
             }
         }
         for item in items {
             let samples = self.numbers(item.name, values.next())?;
+            let time_s = time_s.get_or_insert_with(|| (0..samples.len()).map(|row| row as f64 * distance_s).collect());
             if samples.len() != time_s.len() {
                 let detail = format!("it has {} samples, its clock {}", samples.len(), time_s.len());
                 return Err(self.damaged(item.name, detail));
@@ -155,7 +194,8 @@ impl<'a> Assembly<'a> {
                 samples,
             });
         }
-        self.findings.extend(count_finding(self.rasters.len(), group.announced, time_s.len() as u64));
+        let time_s = time_s.unwrap_or_default();
+        self.findings.extend(group.findings(self.rasters.len(), time_s.len() as u64));
         self.rasters.push(Raster { time_s, name: group.name.clone() });
         Ok(())
     }
@@ -218,7 +258,7 @@ pub(super) fn list<S: Source>(name: &str, file: &Mdf<S>, groups: &[Group<'_>]) -
         }
         if channels.len() > first {
             let found = file.count(group.index).map_err(|e| failure(name, e))?;
-            findings.extend(count_finding(rasters.len(), group.announced, found));
+            findings.extend(group.findings(rasters.len(), found));
             let samples = usize::try_from(found).ok();
             rasters.push(RasterInfo { name: group.name.clone(), samples });
         }
@@ -226,13 +266,16 @@ pub(super) fn list<S: Source>(name: &str, file: &Mdf<S>, groups: &[Group<'_>]) -
     Ok((rasters, channels, findings))
 }
 
-fn count_finding(raster: usize, announced: u64, found: u64) -> Option<Finding> {
-    match announced.cmp(&found) {
-        // Files that were not closed announce nothing.
-        _ if announced == 0 => None,
-        std::cmp::Ordering::Equal => None,
-        std::cmp::Ordering::Greater => Some(Finding::MissingSamples { raster, announced, found }),
-        std::cmp::Ordering::Less => Some(Finding::UnannouncedSamples { raster, announced, found }),
+impl Group<'_> {
+    /// What is to be said of its clock, which has become a raster of so many samples.
+    fn findings(&self, raster: usize, found: u64) -> impl Iterator<Item = Finding> + use<> {
+        let count = self.announced.and_then(|announced| match announced.cmp(&found) {
+            Ordering::Equal => None,
+            Ordering::Greater => Some(Finding::MissingSamples { raster, announced, found }),
+            Ordering::Less => Some(Finding::UnannouncedSamples { raster, announced, found }),
+        });
+        let unit = self.odd_unit.map(|unit| Finding::IgnoredTimeUnit { raster, unit: unit.to_owned() });
+        count.into_iter().chain(unit)
     }
 }
 

@@ -155,6 +155,18 @@ pub(crate) fn variable(name: &str, samples: &[f64]) -> Vec<u8> {
     element(14, &parts.concat())
 }
 
+/// A text as an element of level 5.
+fn words(name: &str, text: &str) -> Vec<u8> {
+    let columns = u32::try_from(text.len()).unwrap().to_le_bytes();
+    let parts = [
+        element(6, &[4, 0, 0, 0, 0, 0, 0, 0]),
+        element(5, &[[1, 0, 0, 0], columns].concat()),
+        element(1, name.as_bytes()),
+        element(16, text.as_bytes()),
+    ];
+    element(14, &parts.concat())
+}
+
 /// Tag, content and padding.
 pub(crate) fn element(kind: u32, content: &[u8]) -> Vec<u8> {
     let size = u32::try_from(content.len()).unwrap();
@@ -175,6 +187,61 @@ fn exact_units_of_time() {
     assert!(stated.findings.contains(&assumed));
     let seconds = read(&plain(("time", &ramp), &[("y", &ramp), ("fs", &[1.0 / 400.0])]));
     assert_eq!(seconds.rasters[0].time_s, ramp);
+}
+
+/// A text beside a clock states its unit, as it does beside a channel.
+#[test]
+fn exact_the_unit_beside_a_clock_counts() {
+    let ramp = [0.0, 10.0, 20.0];
+    let of = |clock: &str, name: &str, text: &str| {
+        read(&[plain((clock, &ramp), &[("n", &ramp)]), words(name, text)].concat())
+    };
+    let milliseconds = [0.0, 0.01, 0.02];
+    let stated = [
+        ("time", "time_unit"),
+        ("t", "t_units"),
+        ("t", "time_unit"),
+        ("Time", "TimeUnit"),
+        ("time_ms", "time_ms_unit"),
+    ];
+    for (clock, name) in stated {
+        for text in ["ms", "[ms]", "Milliseconds"] {
+            let recording = of(clock, name, text);
+            assert_eq!(
+                (data(&recording, "n").1, &recording.findings[..]),
+                (&milliseconds[..], &[][..]),
+                "{name} {text}"
+            );
+        }
+    }
+    assert_eq!(data(&of("time", "time_unit", ""), "n").1, ramp);
+    for (clock, name, text) in [("time", "time_unit", "rpm"), ("time_ms", "time_ms_unit", "us")] {
+        let (clock, unit) = (clock.to_owned(), text.to_owned());
+        assert_eq!(*reason(&of(&clock, name, text), "n"), SkipReason::TimeUnit { clock, unit });
+    }
+    // Of two clocks, the text is the one's whose name it bears.
+    let long = [0.0, 1.0, 2.0, 3.0];
+    let two = plain(("time", &ramp), &[("n", &ramp), ("t", &long), ("m", &long)]);
+    let two = read(&[two, words("time_unit", "ms")].concat());
+    assert_eq!((data(&two, "n").1, data(&two, "m").1), (&milliseconds[..], &long[..]));
+}
+
+/// A stated unit is not overruled by a number beside it.
+#[test]
+fn regress_a_stated_unit_is_no_assumption() {
+    let ramp = [0.0, 10.0, 20.0];
+    let bytes = [plain(("t", &ramp), &[("n", &ramp), ("dt", &[0.01])]), words("t_unit", "s")].concat();
+    assert_eq!(data(&read(&bytes), "n").1, ramp);
+}
+
+#[test]
+fn regress_a_capital_t_is_no_clock() {
+    let (rising, rest) = ([20.0, 55.0, 90.0], [1.0, -1.0, 0.5]);
+    let alone = read(&plain(("T", &rising), &[("n", &rest)]));
+    assert_eq!(*reason(&alone, "n"), SkipReason::NoTimeVector { samples: 3 });
+    let both = read(&plain(("t", &[0.0, 0.1, 0.2]), &[("T", &rising), ("n", &rest)]));
+    assert_eq!(data(&both, "T"), (&rising[..], &[0.0, 0.1, 0.2][..]));
+    assert_eq!(names(&both), ["T", "n"]);
 }
 
 #[test]
@@ -395,6 +462,21 @@ fn exact_hdf5_of_other_programs() {
     assert_eq!(data(&recording, "speed"), (&[0.0, 2.0, 4.0, 6.0, 8.0, 10.0][..], &clock[..]));
     assert_eq!(channel(&recording, "speed").unit, "rpm");
     assert_eq!(channel(&recording, "table(2,:)").samples, [1.0, 3.0, 5.0, 7.0, 9.0, 11.0]);
+}
+
+#[test]
+fn exact_the_unit_on_a_clock_of_hdf5_counts_and_truth_values_are_numbers() {
+    let recording = decode("a.h5", include_bytes!("data/mat/clock_unit.h5"), &Selection::All).unwrap();
+    assert_eq!(data(&recording, "speed").1, TIME);
+    assert_eq!(channel(&recording, "on").samples, [0.0, 1.0, 0.0, 1.0, 0.0, 1.0]);
+    assert_eq!(channel(&recording, "half").samples, [-1.0, -0.5, 0.0, 0.5, 1.0, 1.5]);
+    assert_eq!(recording.findings, []);
+}
+
+#[test]
+fn regress_a_soft_link_of_old_hdf5_is_not_taken_for_damage() {
+    let error = decode("a.h5", include_bytes!("data/mat/soft_link.h5"), &Selection::All).unwrap_err();
+    assert_eq!(error, RecordingError::SoftLink { file: "a.h5".into() });
 }
 
 #[test]

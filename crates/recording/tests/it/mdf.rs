@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use recording::{
     Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason, Source, catalogue,
-    catalogue_from, decode, decode_from, encode_csv, encode_mdf4,
+    catalogue_from, decode, decode_from, decode_untimed, encode_csv, encode_mdf4,
 };
 
 fn small(name: &str) -> &'static [u8] {
@@ -87,7 +87,37 @@ fn exact_groups_without_a_clock_are_skipped() {
     let channel = String::from("Torque");
     assert!(recording.findings.contains(&Finding::SkippedChannel { channel, reason }));
     let error = decode("a.mf4", &bytes, &Selection::names(["Torque"])).unwrap_err();
-    assert!(error.to_string().ends_with("its group has no time channel"), "{error}");
+    assert!(error.to_string().contains("its group has no time channel; give the sample time"), "{error}");
+    let counted = decode_untimed("a.mf4", &bytes, 0.5).unwrap();
+    assert_eq!(counted.channel("Torque").unwrap().samples, read("small.mf4").channels[0].samples);
+    assert_eq!(counted.rasters[0].time_s, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
+}
+
+/// Of the master's unit nothing is believed, but it is said.
+#[test]
+fn exact_a_clock_in_another_unit_is_said() {
+    let recording = read("small.mf4");
+    let bytes = encode_mdf4(&recording).unwrap();
+    let unit = bytes.windows(26).position(|w| w.starts_with(b"##TX") && w[24..26] == *b"s\0").unwrap() + 24;
+    let mut minutes = bytes.clone();
+    minutes[unit] = b'h';
+    let read = decode("a.mf4", &minutes, &Selection::All).unwrap();
+    assert_eq!(read.rasters, recording.rasters);
+    assert_eq!(read.findings, [Finding::IgnoredTimeUnit { raster: 0, unit: "h".into() }]);
+    assert_eq!(catalogue("a.mf4", &minutes).unwrap().findings, read.findings);
+}
+
+#[test]
+fn exact_records_of_a_closed_file_that_are_not_announced_are_said() {
+    let mut bytes = small("small.mf4").to_vec();
+    let group = bytes.windows(4).position(|w| w == b"##CG").unwrap();
+    let links = usize::from(bytes[group + 16]);
+    let cycles = group + 24 + 8 * links + 8;
+    assert_eq!(bytes[cycles], 6);
+    bytes[cycles] = 0;
+    let recording = decode("a.mf4", &bytes, &Selection::All).unwrap();
+    assert_eq!(recording.channels[0].samples.len(), 6);
+    assert_eq!(recording.findings, [Finding::UnannouncedSamples { raster: 0, announced: 0, found: 6 }]);
 }
 
 /// Bytes that tell how many of them were read.

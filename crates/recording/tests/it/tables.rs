@@ -12,6 +12,9 @@ use arrow_ipc::CompressionType;
 use arrow_ipc::writer::{FileWriter, IpcWriteOptions, StreamWriter};
 use arrow_schema::{Field, Schema};
 use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use recording::{
     CsvProblem, Finding, Recording, RecordingError, Selection, SkipReason, StartTime, catalogue, decode,
     decode_untimed, encode_csv, encode_parquet,
@@ -156,7 +159,55 @@ fn exact_several_clocks_in_one_table() {
     assert_eq!((r.rasters.len(), &r.rasters[1].time_s[..]), (2, &[0.0, 1.0][..]));
     assert!(r.channels[1].samples[1].is_nan() && r.channels[1].samples.len() == 2);
     let error = decode("a", &parquet(&batch(columns(Some(5.0)))), &Selection::All).unwrap_err();
-    assert!(error.to_string().contains("row 3 has a value but no time stamp"), "{error}");
+    assert!(error.to_string().contains("row 3 has a value but no time stamp; write the stamp"), "{error}");
+    assert!(!error.to_string().contains("copy the file"), "{error}");
+}
+
+fn compressed(batch: &RecordBatch, compression: Compression) -> Vec<u8> {
+    let properties = WriterProperties::builder().set_compression(compression).build();
+    let mut writer = ArrowWriter::try_new(Vec::new(), batch.schema(), Some(properties)).unwrap();
+    writer.write(batch).unwrap();
+    writer.into_inner().unwrap()
+}
+
+#[test]
+fn exact_every_compression_but_two_is_read() {
+    let columns = || batch(vec![("time", None, floats(&TIME)), ("a", None, floats(&[1.0, 2.0, 3.0]))]);
+    let zstd = Compression::ZSTD(Default::default());
+    for compression in [Compression::SNAPPY, Compression::GZIP(Default::default()), Compression::LZ4_RAW, zstd] {
+        let bytes = compressed(&columns(), compression);
+        assert_eq!(decode("a", &bytes, &Selection::All).unwrap().channels[0].samples, [1.0, 2.0, 3.0], "{compression}");
+    }
+}
+
+/// Written by pyarrow, since brotli cannot be written here either.
+#[test]
+fn exact_brotli_is_refused_with_what_to_do() {
+    let error = decode("a", include_bytes!("data/brotli.parquet"), &Selection::All).unwrap_err();
+    assert!(error.to_string().ends_with("brotli; save the file with snappy, gzip, lz4 or zstd"), "{error}");
+    assert!(matches!(error, RecordingError::UnusableChannel { .. }), "{error:?}");
+}
+
+/// A wide table is read in blocks of columns, in which a damaged one is named as it is when alone.
+#[test]
+fn exact_wide_tables_are_read_in_blocks() {
+    const ROWS: usize = 1 << 13;
+    let column = |k: usize| floats(&(0..ROWS).map(|i| (i * k) as f64).collect::<Vec<_>>());
+    let names: Vec<&'static str> = (0..20).map(|k| &*format!("c{k}").leak()).collect();
+    let columns = names.iter().enumerate().map(|(k, name)| (*name, None, column(k)));
+    let all = batch(std::iter::once(("time", None, column(1))).chain(columns).collect());
+    let bytes = compressed(&all, Compression::UNCOMPRESSED);
+    let recording = decode("a", &bytes, &Selection::All).unwrap();
+    for (k, channel) in recording.channels.iter().enumerate() {
+        let is_as_written = channel.samples.iter().enumerate().all(|(i, sample)| *sample == (i * k) as f64);
+        assert!(is_as_written && channel.samples.len() == ROWS, "{}", channel.name);
+    }
+    let file = SerializedFileReader::new(bytes::Bytes::from(bytes.clone())).unwrap();
+    let (start, _) = file.metadata().row_group(0).column(12).byte_range();
+    let mut damaged = bytes;
+    damaged[start as usize..start as usize + 8].fill(0xFF);
+    let error = decode("a", &damaged, &Selection::All).unwrap_err();
+    assert!(matches!(&error, RecordingError::DamagedChannel { channel, .. } if channel == "c11"), "{error}");
 }
 
 #[test]

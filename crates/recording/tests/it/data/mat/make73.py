@@ -84,3 +84,15 @@ for name, libver in (("small", ("earliest", "v110")), ("newer", "latest")):
     with h5py.File(f"{out}/{name}.h5", "w", libver=libver) as f:
         f.create_dataset("time", data=np.arange(n) / 10.0, track_times=False)
         f.create_dataset("speed", data=np.arange(n) * 2, track_times=False, chunks=(4,), compression="gzip", fletcher32=True)
+
+with h5py.File(f"{out}/clock_unit.h5", "w", libver=("earliest", "v108")) as f:
+    f.create_dataset("time", data=np.arange(n) * 10.0, track_times=False).attrs["Unit"] = "ms"
+    f.create_dataset("speed", data=np.arange(n) * 2, track_times=False)
+    f.create_dataset("on", data=np.arange(n) % 2 == 1, track_times=False)
+    f.create_dataset("half", data=np.arange(n, dtype=np.float16) / 2 - 1, track_times=False)
+
+# A link that is no dataset, in the layout of groups before HDF5 1.8.
+with h5py.File(f"{out}/soft_link.h5", "w", libver=("earliest", "v108")) as f:
+    f.create_dataset("time", data=np.arange(n) / 10.0, track_times=False)
+    f.create_dataset("speed", data=np.arange(n) * 2, track_times=False)
+    f["revolutions"] = h5py.SoftLink("/speed")
