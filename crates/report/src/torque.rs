@@ -72,11 +72,11 @@ pub fn agreement(delay: &SignalDelay) -> &'static str {
     }
 }
 
-/// Each route to a delay with its 95 % interval.
+/// Each route to a delay with its 95 % interval, wider by what the route may be off by.
 pub fn routes(delay: &SignalDelay) -> Vec<String> {
     let route = |r: &bench::study::DelayRoute| match r.interval_s {
         Some((low, high)) => {
-            let ends = [low, high].map(|s| number::significant(1e3 * s, 4));
+            let ends = [low - r.systematic_s, high + r.systematic_s].map(|s| number::significant(1e3 * s, 4));
             format!("{} {} … {} ms", r.name, ends[0], ends[1])
         }
         None => format!("{} {}", r.name, number::duration(r.delay_s)),

@@ -169,27 +169,27 @@ fn replays(study: &Study) -> Rule {
     let asks = "Replays of recordings that no part was estimated from: half of the signals fit with 70 % or more and \
                 none below 40 %; if half of them are below 40 %, not met.";
     let unseen = study.replays.iter().filter(|replay| !replay.seen_in_estimation);
-    let mut fits: Vec<(f64, String)> = unseen
+    let fits: Vec<(f64, String)> = unseen
         .flat_map(|replay| replay.signals.iter().map(move |signal| (replay, signal)))
         .map(|(replay, signal)| {
             let fit = if signal.fit_percent.is_nan() { f64::NEG_INFINITY } else { signal.fit_percent };
             (fit, format!("{} of {}", signal.quantity, replay.stretch.file))
         })
         .collect();
-    fits.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (Some((lowest, which)), Some((middle, _))) = (fits.first(), fits.get((fits.len().max(1) - 1) / 2)) else {
+    let Some((lowest, which)) = fits.iter().min_by(|a, b| a.0.total_cmp(&b.0)) else {
         return Rule {
             asks,
             found: "no recording was replayed that the estimates have not seen".to_owned(),
             level: Level::Reservations,
         };
     };
-    let level = match (*middle, *lowest) {
+    let middle = number::median(&fits.iter().map(|(fit, _)| *fit).collect::<Vec<_>>());
+    let level = match (middle, *lowest) {
         (m, l) if m >= 70.0 && l >= 40.0 => Level::Good,
         (m, _) if m >= 40.0 => Level::Reservations,
         _ => Level::Insufficient,
     };
-    let (middle, lowest) = (number::fit(*middle), number::fit(*lowest));
+    let (middle, lowest) = (number::fit(middle), number::fit(*lowest));
     let found = format!("median fit of {} signals {middle}, lowest {lowest}: {which}", fits.len());
     Rule { asks, found, level }
 }

@@ -14,7 +14,7 @@ use crate::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
 use crate::estimate::stretch::need;
 use crate::estimate::{EstimateError, speed_controller, torque_control};
 use crate::processors::on_all_processors;
-use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
+use crate::study::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::study::{BenchVariant, Estimate, Shaft};
 use crate::torque_signals::{Told, Untold};
 use crate::{BenchFile, Experiment, Role};
@@ -23,6 +23,8 @@ pub use together::{CommonValue, Together};
 /// Bands that the shaft is estimated from beside the whole one, Hz.
 const BANDS_HZ: [(f64, f64); 4] = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (30.0, 110.0)];
 
+/// Samples of T_d further apart than this, s, miss what moves the shaft.
+const COARSE_S: f64 = 2e-3;
 /// A simple shaft whose errors are this many times what noise explains is not the whole truth.
 const MISFIT: f64 = 2.0;
 
@@ -117,18 +119,35 @@ fn of_recording(
     inputs: Result<ShaftInputs<'_>, EstimateError>,
     bench: &BenchFile,
 ) -> ShaftRecording {
-    let shaft = told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate));
+    let folded = inputs.as_ref().ok().and_then(|inputs| folded_torque(inputs, bench));
+    let shaft = match &folded {
+        Some(why) if !SHAFT_TESTS.contains(&experiment.label.test.as_str()) => Told::Untold(why.clone()),
+        _ => told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate)),
+    };
     let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
     let (mut dual_mass, mut routes) = (None, Routes::default());
     if let (Ok(inputs), Told::Found(shaft)) = (&inputs, &shaft) {
         routes = by_other_routes(experiment, inputs, shaft, bench);
         bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
-        beyond = told(shaft::test_terms(inputs));
+        beyond = folded.map_or_else(|| told(shaft::test_terms(inputs)), Told::Untold);
         dual_mass = needs_dual_mass(bench, &beyond).then(|| told(with_dual_mass(inputs)));
         inertias = tells_inertias(experiment, bench).then(|| told(both_inertias(experiment, inputs, bench)));
     }
     let (file, label) = (experiment.file.clone(), experiment.label.to_string());
     ShaftRecording { file, label, shaft, bands, beyond, dual_mass, routes, inertias }
+}
+
+/// Why T_d is not known between its samples, where it is not and they are far apart. What folds in them is taken for the shaft:
+/// beside a demand that moves T_d it is little, beside a motored engine alone it is most of T_d.
+fn folded_torque(inputs: &ShaftInputs<'_>, bench: &BenchFile) -> Option<Untold> {
+    let apart_s = inputs.torque.iter().map(|torque| torque.signal.sample_time_s).fold(f64::INFINITY, f64::min);
+    let is_coarse = bench.variant == BenchVariant::LoadCell && apart_s > COARSE_S;
+    let reason = format!(
+        "T_d is known by its samples alone, {} ms apart, and what folds in them cannot be told from the shaft; record T_d* and \
+         give WhiteNoise_T_TN or Step_T_TN along, which tells what T_d does between its samples",
+        1e3 * apart_s
+    );
+    is_coarse.then_some(Untold::Failed { reason })
 }
 
 fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Shaft, bench: &BenchFile) -> Routes {

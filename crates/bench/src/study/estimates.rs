@@ -6,15 +6,13 @@ use crate::estimate::timing;
 use crate::estimate::torque_control::{self, TorqueControlFit};
 use crate::model::AssembledModel;
 use crate::study::findings::{Findings, needs_part};
-use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
+use crate::study::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::study::whole::{self, Pieces, Whole};
 use crate::study::{
     Estimate, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
 };
 use crate::{BenchFile, Experiment, Finding, Role, Severity};
 
-/// Tests the shaft can be estimated from, best first.
-const SHAFT_TESTS: [&str; 7] = ["Multisine", "Binary", "BS", "WhiteNoise", "Levels", "Ramp", "Step"];
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.

@@ -11,6 +11,8 @@ use crate::{BenchFile, ControlMode, Experiment, Role};
 
 /// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
 const FRICTION_DOUBT_PERCENT: f64 = 20.0;
+/// Tests the shaft can be estimated from, best first.
+pub(crate) const SHAFT_TESTS: [&str; 7] = ["Multisine", "Binary", "BS", "WhiteNoise", "Levels", "Ramp", "Step"];
 /// Tests in which T_d* moves the bench over a wide band.
 const EXCITED_TESTS: [&str; 3] = ["Multisine", "Binary", "WhiteNoise"];
 

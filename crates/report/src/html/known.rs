@@ -27,7 +27,7 @@ pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Markup {
 
 fn group(grade: Grade, all: &[Known]) -> Markup {
     let of_grade: Vec<&Known> = all.iter().filter(|one| one.grade == grade).collect();
-    let rows: Vec<Vec<Markup>> = of_grade.chunk_by(|a, b| a.why.first() == b.why.first()).map(row).collect();
+    let rows: Vec<Vec<Markup>> = of_grade.chunk_by(|a, b| is_alike(a, b)).map(row).collect();
     if rows.is_empty() {
         return Markup::default();
     }
@@ -39,6 +39,11 @@ fn group(grade: Grade, all: &[Known]) -> Markup {
         prose(grade.meaning()),
         table("known", &["Quantity", "Why"], rows)
     )
+}
+
+/// Whether two quantities are of one part and from the same data.
+fn is_alike(a: &Known, b: &Known) -> bool {
+    a.part == b.part && a.why.first() == b.why.first()
 }
 
 /// Quantities that come from the same place, and what is to be said of any of them.

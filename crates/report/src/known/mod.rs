@@ -83,6 +83,8 @@ impl Grade {
 /// One quantity, how well it is known, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Known {
+    /// The part of the model it belongs to, counted in the order of the report.
+    pub part: usize,
     /// Its symbol, empty where it has none.
     pub symbol: String,
     /// What it is.
@@ -97,7 +99,7 @@ pub struct Known {
 
 impl Known {
     fn new(symbol: &str, name: &str, grade: Grade, value: String, why: Vec<String>) -> Self {
-        Known { symbol: symbol.to_owned(), name: name.to_owned(), grade, value, why }
+        Known { part: 0, symbol: symbol.to_owned(), name: name.to_owned(), grade, value, why }
     }
 
     fn of(parameter: &Parameter, grade: Grade, why: Vec<String>) -> Self {
@@ -113,18 +115,20 @@ impl Known {
 
 /// Every quantity that matters, in the order of the report.
 pub fn known(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
-    let mut all = signals::delays(study);
-    all.extend(control::speed_controller(study, analyses));
-    all.extend(control::feed_forward(study, analyses));
-    all.extend(control::torque_control(study, analyses));
-    all.extend(shaft::shaft(study, analyses));
-    all.extend(shaft::inertias(study, analyses));
-    all.extend(shaft::skews(study));
-    all.push(signals::friction(study, analyses));
-    all.push(signals::engine_torque(study, analyses));
-    all.extend(whole::resonance(study));
-    all.push(whole::replays(study));
-    all
+    let parts = [
+        signals::delays(study),
+        control::speed_controller(study, analyses),
+        control::feed_forward(study, analyses),
+        control::torque_control(study, analyses),
+        shaft::shaft(study, analyses),
+        shaft::inertias(study, analyses),
+        shaft::skews(study),
+        vec![signals::friction(study, analyses), signals::engine_torque(study, analyses)],
+        whole::resonance(study),
+        vec![whole::replays(study)],
+    ];
+    let numbered = parts.into_iter().enumerate();
+    numbered.flat_map(|(part, of_part)| of_part.into_iter().map(move |one| Known { part, ..one })).collect()
 }
 
 /// Half of the interval over the value.

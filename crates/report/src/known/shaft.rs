@@ -85,7 +85,7 @@ fn on_inertia(study: &Study, part: &Shaft) -> Option<String> {
     let stated = number::measure(stated_kg_m2, "kg m²");
     let checked = match part.inertias.as_ref().and_then(|(file, e)| Some((file, e.parameter("J_d")?))) {
         Some((file, found)) if holds(found, stated_kg_m2) => {
-            format!("which {file} confirms ({})", number::parameter(found))
+            format!("which {file} confirms within 1 % or its interval ({})", number::parameter(found))
         }
         Some((file, found)) => format!("where {file} gives {}", number::parameter(found)),
         None => "which no recording checks".to_owned(),
@@ -102,7 +102,11 @@ fn holds(found: &Parameter, value: f64) -> bool {
 fn together(found: &Analyses, own: &Parameter) -> Option<String> {
     let all = found.shaft.together.as_ref()?;
     let common = if own.symbol == "K" { &all.stiffness } else { &all.damping };
-    let verdict = if all.apart { "which are not of one shaft by their own intervals" } else { "which agree" };
+    let verdict = if all.apart {
+        "which in K and B together differ by more than their own intervals allow"
+    } else {
+        "which agree"
+    };
     Some(format!(
         "All {} recordings together, {verdict}, give {} = {}.",
         common.by_recording.len(),
@@ -139,7 +143,7 @@ fn inertia(study: &Study, analyses: Option<&Analyses>, (symbol, name, kg_m2): (&
     let by_width = grade(study, best);
     let words = checks.iter().map(|(file, found)| format!("{file} gives {}", number::parameter(found)));
     let words: Vec<String> = words.collect();
-    let verdict = if agree { "which agrees with" } else { "which does not hold" };
+    let verdict = if agree { "which agrees, within 1 % or its interval, with" } else { "which does not hold" };
     let why = vec![format!("{}, {verdict} the {stated} of the bench file.", wording::join(&words, "and"))];
     Known::new(symbol, name, if agree { by_width } else { by_width.contradicted() }, number::parameter(best), why)
 }

@@ -75,9 +75,7 @@ pub(super) fn replays(study: &Study) -> Known {
             vec!["No recording was replayed that the estimates have not seen; record another experiment.".to_owned()];
         return known(Grade::NotAtAll, "–".to_owned(), why);
     };
-    let mut sorted = fits.clone();
-    sorted.sort_by(f64::total_cmp);
-    let median = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
+    let median = number::median(&fits);
     let by_fit = match median {
         fit if fit >= FITS.0 => Grade::Well,
         fit if fit >= FITS.1 => Grade::Roughly,

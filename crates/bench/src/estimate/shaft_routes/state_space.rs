@@ -30,8 +30,8 @@ use signal::{Complex64, Sos};
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
 use super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE, Timing, estimate_of};
-use crate::estimate::EstimateError;
 use crate::estimate::shaft::ShaftInputs;
+use crate::estimate::{EstimateError, timing_floor_s};
 use crate::study::{Estimate, Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
 
@@ -140,8 +140,13 @@ pub fn estimate(inputs: &ShaftInputs<'_>, timing: &Timing, skews: Skews) -> Resu
     let theta: Vec<f64> = found.parameters().iter().zip(&bias).map(|(t, b)| t - b).collect();
     found.model = found.model.with_parameters(&theta).map_err(|e| of(e.into()))?;
     let known = Stretch { end_s: record.time_s(record.estimation().end), ..stretch };
+    let mut estimate = read_out(&found, &structure, clocks, known);
+    let fastest_s = inputs.signals().map(|signal| signal.sample_time_s).fold(f64::INFINITY, f64::min);
+    for skew in [SKEW_ENGINE, SKEW_TORQUE] {
+        estimate.add_systematic(&[skew.symbol], timing_floor_s(fastest_s));
+    }
     Ok(StateSpaceRoute {
-        estimate: read_out(&found, &structure, clocks, known),
+        estimate,
         skews,
         validation: record.validation(inputs, &found.model)?,
         sample_time_s: record.sample_time_s,
