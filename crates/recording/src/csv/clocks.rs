@@ -14,9 +14,19 @@ const SAME_RATE: f64 = 0.1;
 /// A column that is named as time.
 pub(super) struct Candidate {
     pub(super) column: usize,
-    /// Whether its name is that of the first clock, apart from a number.
-    pub(super) is_alike: bool,
+    pub(super) likeness: Likeness,
     pub(super) track: Track,
+}
+
+/// How a name is like that of the first clock.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Likeness {
+    /// Certainly a clock's: the same, apart from a number.
+    Same,
+    /// The same letter apart from a number, and no unit: `t1` and `t2` may be temperatures.
+    SameLetter,
+    /// Another.
+    Other,
 }
 
 /// How a column of time begins.
@@ -95,17 +105,30 @@ impl Track {
         if !self.begins_with(other) {
             return self.runs_with(other);
         }
-        let tolerance = SAME_STEP * self.step_s().min(other.step_s());
+        self.is_echoed_by(other)
+    }
+
+    /// Whether the other has the same numbers.
+    fn is_echoed_by(&self, other: &Self) -> bool {
         let apart = (self.start_s - other.start_s).abs();
-        self.differences(other).all(|difference| apart + difference.abs() <= tolerance)
+        self.frame == other.frame && self.differences(other).all(|difference| apart + difference.abs() <= self.same_s())
+    }
+
+    /// Up to this, times are the same, s.
+    fn same_s(&self) -> f64 {
+        SAME_STEP * self.step_s()
     }
 }
 
-/// The clocks of a table, and a column that could have been its first.
-#[derive(Debug, PartialEq)]
+/// The clocks of a table.
+#[derive(Debug, Default, PartialEq)]
 pub(super) struct Clocks {
     pub(super) columns: Vec<usize>,
+    /// What could have been the first.
     pub(super) passed_over: Option<usize>,
+    /// Channels with the same numbers as the first clock, which have to go on so, up to `same_s`.
+    pub(super) echoes: Vec<usize>,
+    pub(super) same_s: f64,
 }
 
 /// A column that may be a clock or a channel, and the clock before it.
@@ -123,20 +146,26 @@ pub(super) struct Doubt {
 /// is another reading of the first. All else may be either.
 pub(super) fn choose(mut candidates: Vec<Candidate>, width: usize) -> Result<Clocks, Doubt> {
     let mut is_first = true;
-    candidates.retain(|candidate| std::mem::take(&mut is_first) || candidate.is_alike || candidate.track.rises());
-    let Some(first) = candidates.first() else { return Ok(Clocks { columns: Vec::new(), passed_over: None }) };
+    candidates.retain(|candidate| {
+        std::mem::take(&mut is_first) || candidate.likeness == Likeness::Same || candidate.track.rises()
+    });
+    let Some(first) = candidates.first() else { return Ok(Clocks::default()) };
     let is_finer = |other: &&Candidate| {
-        let is_block = other.is_alike && Place::of(other.column, &candidates, width).is_after_channel;
+        let is_block = other.likeness == Likeness::Same && Place::of(other.column, &candidates, width).is_after_channel;
         !is_block && first.track.repeats() && other.track.rises_always() && first.track.runs_with(&other.track)
     };
     let finer = candidates.iter().find(is_finer);
     let main = finer.unwrap_or(first);
-    let mut clocks = Clocks { columns: Vec::new(), passed_over: finer.map(|_| first.column) };
+    let passed_over = finer.map(|_| first.column);
+    let mut clocks = Clocks { passed_over, same_s: main.track.same_s(), ..Clocks::default() };
     for candidate in &candidates {
         let place = Place::of(candidate.column, &candidates, width);
-        let is_passed_over = clocks.passed_over == Some(candidate.column);
-        if candidate.column == main.column || (!is_passed_over && is_clock(candidate, main, &place)?) {
-            clocks.columns.push(candidate.column);
+        let column = candidate.column;
+        let is_passed_over = passed_over == Some(column);
+        if column == main.column || (!is_passed_over && is_clock(candidate, main, &place)?) {
+            clocks.columns.push(column);
+        } else if !is_passed_over && place.has_channels && main.track.is_echoed_by(&candidate.track) {
+            clocks.echoes.push(column);
         }
     }
     Ok(clocks)
@@ -164,15 +193,16 @@ impl Place {
 
 fn is_clock(candidate: &Candidate, main: &Candidate, place: &Place) -> Result<bool, Doubt> {
     let track = &candidate.track;
-    if candidate.is_alike && place.is_after_channel {
+    if candidate.likeness == Likeness::Same && place.is_after_channel {
         return Ok(true);
     }
-    if !place.has_channels || !track.rises() || main.track.is_told_by(track) {
-        return Ok(false);
-    }
     let is_between = place.is_after_channel && place.is_before_channel;
-    match is_between && track.rises_always() && main.track.begins_with(track) {
-        true => Ok(true),
-        false => Err(Doubt { column: candidate.column, clock: main.column }),
+    let is_like_clock = is_between && track.rises_always() && main.track.begins_with(track);
+    match place.has_channels && track.rises() {
+        true if is_like_clock && candidate.likeness == Likeness::SameLetter => Ok(true),
+        true if main.track.is_told_by(track) => Ok(false),
+        true if is_like_clock => Ok(true),
+        true => Err(Doubt { column: candidate.column, clock: main.column }),
+        false => Ok(false),
     }
 }

@@ -1,6 +1,6 @@
 //! Names, units and comments, which columns are time, and where the samples begin.
 
-use super::clocks::{self, Candidate, Clocks, Doubt, Track};
+use super::clocks::{self, Candidate, Clocks, Doubt, Likeness, Track};
 use super::number::{Decimals, Number, is_number};
 use super::rows::{Row, Rows};
 use super::stamp::Stamp;
@@ -23,9 +23,21 @@ const MAX_HEADING: usize = 3;
 /// What stands above the samples.
 pub(super) struct Header<'a> {
     pub(super) columns: Vec<Column>,
+    /// Channels that have to go on as the first clock does.
+    pub(super) echoes: Vec<Echo>,
     pub(super) comment: Option<String>,
     /// Where the samples begin.
     pub(super) samples: Rows<'a>,
+}
+
+/// A channel that reads the same as the clock in the first rows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Echo {
+    pub(super) column: usize,
+    /// Seconds per unit as a fraction.
+    pub(super) factor: (f64, f64),
+    /// Up to this it is the same, s.
+    pub(super) tolerance_s: f64,
 }
 
 /// A column's heading.
@@ -180,7 +192,12 @@ impl<'a> Head<'a> {
             columns[column].role = Role::CoarseTime;
         }
         let comment = self.comment(names);
-        Ok(Header { columns, comment, samples: self.rows[samples].0.clone() })
+        let echo = |&column: &usize| match self.role(names, samples, &columns, column) {
+            Ok(Role::Time(factor)) => Some(Echo { column, factor, tolerance_s: clocks.same_s }),
+            _ => None,
+        };
+        let echoes = clocks.echoes.iter().filter_map(echo).collect();
+        Ok(Header { columns, echoes, comment, samples: self.rows[samples].0.clone() })
     }
 
     /// The clocks among the columns that are named as time.
@@ -193,8 +210,8 @@ impl<'a> Head<'a> {
         };
         let candidate = |column: usize| {
             let role = self.role(names, samples, columns, column)?;
-            let is_alike = are_alike(heading(first), heading(column));
-            Ok(Candidate { column, is_alike, track: self.track(samples, role, column) })
+            let likeness = likeness(heading(first), heading(column));
+            Ok(Candidate { column, likeness, track: self.track(samples, role, column) })
         };
         let may_be = |&column: &usize| {
             let (name, unit) = heading(column);
@@ -338,7 +355,7 @@ impl<'a> Head<'a> {
             None => (1..=self.rows[samples].1.width()).map(numbered).collect(),
         };
         let comment = self.comment(names.unwrap_or(samples));
-        Ok(Header { columns, comment, samples: self.rows[samples].0.clone() })
+        Ok(Header { columns, echoes: Vec::new(), comment, samples: self.rows[samples].0.clone() })
     }
 }
 
@@ -362,11 +379,16 @@ fn numbered(number: usize) -> Column {
     Column { name, unit: String::new(), comment: String::new(), role: Role::Samples }
 }
 
-/// Whether names and units of two columns of time differ in a number only. A `t` with a number and without a unit may be
-/// a temperature.
-fn are_alike((first, _): (&str, &str), (name, unit): (&str, &str)) -> bool {
-    let word = time_word(name);
-    name == first || (word.is_some() && word == time_word(first) && (word != Some("t") || !unit.is_empty()))
+/// How name and unit of a column of time are like those of the first. A `t` with a number and without a unit may be a
+/// temperature.
+fn likeness((first, _): (&str, &str), (name, unit): (&str, &str)) -> Likeness {
+    match time_word(name) {
+        _ if name == first => Likeness::Same,
+        Some(word) if Some(word) != time_word(first) => Likeness::Other,
+        Some("t") if unit.is_empty() => Likeness::SameLetter,
+        Some(_) => Likeness::Same,
+        None => Likeness::Other,
+    }
 }
 
 fn is_date_name(name: &str) -> bool {

@@ -97,9 +97,9 @@ impl<'a> Opened<'a> {
         let header = header?;
         let names = header.names();
         require_names(name, selection, names.iter().map(String::as_str))?;
-        let Header { columns, comment, samples } = header;
+        let Header { columns, echoes, comment, samples } = header;
         let place = samples.place();
-        let mut table = Table::new(name, columns, selection, delimiter, row_distance_s);
+        let mut table = Table::new(name, columns, selection, delimiter, row_distance_s).with_echoes(echoes);
         table.expect(pieces.lines().unwrap_or(0), pieces.progress().1);
         let findings = pieces.findings();
         Ok(Self { pieces, text, table, place, delimiter, comment, findings })

@@ -1,11 +1,14 @@
 //! Rows of samples to columns.
 
-use super::header::{Column, Header, Role};
+use super::header::{Column, Echo, Header, Role};
 use super::number::{Decimals, Number};
 use super::rows::{Row, Rows};
 use super::stamp::{DAY, Frame, Stamp};
 use crate::finding::are_rounded;
 use crate::{Channel, CsvProblem, Finding, Raster, RecordingError, Selection, SkipReason, StartTime};
+
+/// Share of a time by which its spellings in two units may differ.
+const ROUNDING: f64 = 1e-15;
 
 /// A problem in a column of a row.
 type Fault = (Option<usize>, CsvProblem);
@@ -19,6 +22,7 @@ pub(super) struct Table<'a> {
     headings: Vec<Column>,
     columns: Vec<Sink>,
     blocks: Vec<Block>,
+    echoes: Vec<Echo>,
     pub(super) decimals: Decimals,
     stamps: Stamps,
     /// Time from row to row, s, where no column holds time.
@@ -75,10 +79,16 @@ impl<'a> Table<'a> {
             columns: columns.iter().enumerate().map(sink).collect(),
             blocks: blocks(&clocks, &columns),
             headings: columns,
+            echoes: Vec::new(),
             decimals: Decimals::new(delimiter),
             stamps: Stamps::default(),
             row_distance_s,
         }
+    }
+
+    /// Channels that have to go on as their clock does.
+    pub(super) fn with_echoes(self, echoes: Vec<Echo>) -> Self {
+        Self { echoes, ..self }
     }
 
     /// Takes the memory for `lines` of a text of `size` bytes at once, for what grows is copied, and leaves holes.
@@ -161,6 +171,7 @@ impl<'a> Table<'a> {
         }
         let columns = columns.clone();
         self.time(row, block)?;
+        self.refuse_other_time(row, block)?;
         for column in columns {
             self.cell(row, column).map_err(|problem| (Some(column), problem))?;
         }
@@ -191,6 +202,28 @@ impl<'a> Table<'a> {
         };
         time_s.push(time.map_err(|problem| (Some(clock), problem))?);
         Ok(())
+    }
+
+    /// What read like the clock so far and goes on otherwise may be the clock of the columns behind it.
+    fn refuse_other_time(&self, row: &Row<'_>, block: usize) -> Result<(), Fault> {
+        let Block { columns, clock: Some(clock), time_s, .. } = &self.blocks[block] else { return Ok(()) };
+        let time_s = time_s.last().copied().unwrap_or(f64::NAN);
+        let goes_on = |echo: &&Echo| {
+            let read = self.decimals.clone().read(row.text(echo.column), row.line, echo.column);
+            let told_s = match read {
+                Ok(Number::Value(told)) => told * echo.factor.0 / echo.factor.1,
+                _ => f64::NAN,
+            };
+            (told_s - time_s).abs() <= echo.tolerance_s.max(ROUNDING * time_s.abs())
+        };
+        match self.echoes.iter().filter(|echo| columns.contains(&echo.column)).find(|echo| !goes_on(echo)) {
+            None => Ok(()),
+            Some(Echo { column, .. }) => {
+                let name = |column: usize| self.headings[column].name.clone();
+                let problem = CsvProblem::ClockOrChannel { name: name(*column), clock: name(*clock) };
+                Err((Some(*column), problem))
+            }
+        }
     }
 
     #[inline]

@@ -304,6 +304,12 @@ fn regress_a_channel_that_is_measured_in_time_stays_one() {
         assert!(table(text).iter().all(|(_, time_s, _)| *time_s == [0.0, 1.0, 2.0]), "{text}");
         assert_eq!(read(text).rasters.len(), 1);
     }
+    // What goes on otherwise later is found out; of two with a number both are clocks.
+    let line = |row: usize| format!("{row};1;{};2\n", row + usize::from(row > 300));
+    let lines: String = (0..400).map(line).collect();
+    let doubt = CsvProblem::ClockOrChannel { name: "timestamp".into(), clock: "time".into() };
+    assert_eq!(problem(&format!("time;n;timestamp;M\n{lines}")), (303, Some(3), doubt));
+    assert_eq!(table(&format!("t1;n;t2;M\n{lines}"))[1].1[399], 400.0);
 }
 
 #[test]
