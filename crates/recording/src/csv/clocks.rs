@@ -142,7 +142,7 @@ pub(super) struct Doubt {
 ///
 /// The first is, unless it repeats itself and another tells the same time and rises with every row. Another is a clock
 /// that stands between channels, and either is named as the first, or rises with every row from about the same time as
-/// the first, but otherwise than it. It is a channel where it falls or stays, where no channel follows it, or where it
+/// the first, but faster or slower. It is a channel where it falls or stays, where no channel follows it, or where it
 /// is another reading of the first. All else may be either.
 pub(super) fn choose(mut candidates: Vec<Candidate>, width: usize) -> Result<Clocks, Doubt> {
     let mut is_first = true;
@@ -201,7 +201,7 @@ fn is_clock(candidate: &Candidate, main: &Candidate, place: &Place) -> Result<bo
     match place.has_channels && track.rises() {
         true if is_like_clock && candidate.likeness == Likeness::SameLetter => Ok(true),
         true if main.track.is_told_by(track) => Ok(false),
-        true if is_like_clock => Ok(true),
+        true if is_like_clock && !main.track.runs_with(track) => Ok(true),
         true => Err(Doubt { column: candidate.column, clock: main.column }),
         false => Ok(false),
     }

@@ -281,7 +281,8 @@ impl<'a> Head<'a> {
             is_date && !matches!(Stamp::read_pair(row.text(date), row.text(column)), Ok(None))
         });
         let is_empty = row.text(column).is_empty();
-        if !is_number(row.text(column)) && !(is_empty && seconds(&unit).is_some()) {
+        let may_be_number = is_number(row.text(column)) || (is_empty && seconds(&unit).is_some());
+        if !may_be_number {
             return Ok(Role::Stamps(beside.filter(|_| !is_empty)));
         }
         match seconds(&unit) {

@@ -323,10 +323,14 @@ fn regress_temperatures_beside_a_clock_are_no_clocks() {
     let last = table("t [s];T [°C];t_oil;t2\n0;20;25,5;26\n1;21;26,5;28\n");
     assert_eq!(last.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["T", "t_oil", "t2"]);
     // Both read as the clock of what follows, or as channels.
-    let doubtful = ["t;t1;n\n0;25,5;1\n1;25,6;2\n2;25,9;3\n", "t;n;t1;M\n0;1;25,5;1\n1;2;25,6;2\n2;3;25,9;3\n"];
-    for (text, column) in doubtful.iter().zip([2, 3]) {
-        let problem_of_clock = CsvProblem::ClockOrChannel { name: "t1".into(), clock: "t".into() };
-        assert_eq!(problem(text), (1, Some(column), problem_of_clock), "{text}");
+    let doubtful = [
+        "t;n;t1 x;M\n0;1;1;1\n1;2;2;2\n2;3;3;3\n",
+        "t;t1;n\n0;25,5;1\n1;25,6;2\n2;25,9;3\n",
+        "t;n;t1;M\n0;1;25,5;1\n1;2;25,6;2\n2;3;25,9;3\n",
+    ];
+    for (text, (column, name)) in doubtful.iter().zip([(3, "t1 x"), (2, "t1"), (3, "t1")]) {
+        let doubt = CsvProblem::ClockOrChannel { name: name.into(), clock: "t".into() };
+        assert_eq!(problem(text), (1, Some(column), doubt), "{text}");
     }
 }
 
