@@ -170,10 +170,7 @@ impl<'a> Head<'a> {
         let dated = || headings.iter().position(|(name, _)| is_date_name(name));
         let &(name, unit) = headings.first()?;
         let is_measured = is_unit(unit) || (is_unit(unit_below) && !is_number(name) && !name.is_empty());
-        match is_measured && mentions_time(name) {
-            true => Some(0),
-            false => named().or(is_measured.then_some(0)).or_else(dated),
-        }
+        is_measured.then_some(0).or_else(named).or_else(dated)
     }
 
     fn header(&self, names: usize, samples: usize) -> Result<Header<'a>, RecordingError> {
@@ -363,16 +360,18 @@ impl<'a> Head<'a> {
 /// Whether text is a unit, and no name: in brackets, with signs that names lack, or one that benches write.
 fn is_unit(cell: &str) -> bool {
     let unit = unbracketed(cell);
-    let is_common = ["nm", "knm", "n", "kn", "rpm", "hz", "v", "a", "w", "kw", "k", "bar", "mm", "m", "kg", "rad"];
-    unit != cell
-        || unit.contains(['/', '°', '%', '²', '·', '^'])
-        || seconds(unit).is_some()
-        || is_common.contains(&unit.to_lowercase().as_str())
+    let is_common =
+        matches!(unit, "-" | "N" | "kN" | "m" | "mm" | "kg" | "g" | "rad" | "Hz" | "kHz" | "V" | "A" | "W" | "kW")
+            || matches!(
+                unit,
+                "K" | "Pa" | "hPa" | "kPa" | "bar" | "mbar" | "J" | "Nm" | "mNm" | "kNm" | "rpm" | "RPM" | "deg"
+            );
+    unit != cell || is_common || unit.contains(['/', '°', '%', '²', '·', '^']) || seconds(unit).is_some()
 }
 
-/// Whether a row below names may hold their units: short text, and a unit among it.
+/// Whether a row below names may hold their units, and nothing else.
 fn may_be_units(row: &Row<'_>) -> bool {
-    row.filled().all(|cell| !is_number(cell) && cell.chars().count() <= MAX_UNIT) && row.filled().any(is_unit)
+    row.filled().all(|cell| !is_number(cell) && cell.chars().count() <= MAX_UNIT && is_unit(cell))
 }
 
 fn numbered(number: usize) -> Column {

@@ -290,6 +290,9 @@ fn regress_a_second_clock_is_known_by_its_numbers() {
 fn regress_a_channel_that_is_measured_in_time_stays_one() {
     let duration = "time [s];n;injection time [ms];M\n0;1;3,2;5\n1;2;3,1;6\n2;3;3,4;7\n";
     let units = "time;n;t_oil;M\ns;rpm;°C;Nm\n0;1;0,5;5\n1;2;1,7;6\n2;3;2,4;7\n";
+    let first = "injection duration [ms];time [s];n\n3,2;0;5\n3,1;1;6\n3,3;2;7\n";
+    let doubt = CsvProblem::ClockOrChannel { name: "time [s]".into(), clock: "injection duration [ms]".into() };
+    assert_eq!(problem(first), (1, Some(2), doubt));
     let last = "time;n;t_oil\n0;1;0,5\n1;2;1,7\n2;3;2,4\n";
     let stated = "time [s];n;dead time_channel [s];M\n0;1;0;5\n1;2;3;6\n2;3;7;7\n";
     for (text, channels) in [(duration, 3), (units, 3), (last, 2), (stated, 3)] {
@@ -375,8 +378,10 @@ fn regress_units_below_names_without_time() {
     let expected = [channel("speed", "1/min", [1.5, 2.0]), channel("torque", "Nm", [2.0, 3.0])];
     assert_eq!(read("speed;torque\n1/min;Nm\n1,5;2\n2;3\n"), expected);
     assert_eq!(read("speed|torque\n[1/min]|[Nm]\n1,5|2\n2|3\n"), expected);
-    let grouped = read("motor;load\nspeed;torque\n1,5;2\n2;3\n");
-    assert_eq!(grouped, [channel("speed", "", [1.5, 2.0]), channel("torque", "", [2.0, 3.0])]);
+    for names in [["speed", "torque"], ["n", "M"]] {
+        let grouped = read(&format!("motor;load\n{};{}\n1,5;2\n2;3\n", names[0], names[1]));
+        assert_eq!(grouped, [channel(names[0], "", [1.5, 2.0]), channel(names[1], "", [2.0, 3.0])]);
+    }
 }
 
 #[test]
