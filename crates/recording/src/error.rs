@@ -217,12 +217,41 @@ pub enum CsvProblem {
         /// The unit.
         unit: String,
     },
+    /// A column that is named as time and is not clearly a clock or a channel.
+    #[error(
+        "\"{name}\" may be the clock of columns that follow it, or a channel on the clock \"{clock}\"; if it is a clock, call \
+         it \"{clock}\" too and put its columns right behind it, if it is a channel, add \"_channel\" to its \
+         name"
+    )]
+    ClockOrChannel {
+        /// Its heading.
+        name: String,
+        /// The heading of the clock.
+        clock: String,
+    },
+    /// A time column whose name and unit row say different units.
+    #[error(
+        "the name says that time is in \"{name}\", the row of units says \"{below}\"; correct the one that is wrong, or leave \
+         it out"
+    )]
+    TwoTimeUnits {
+        /// The unit in the name.
+        name: String,
+        /// The unit below it.
+        below: String,
+    },
     /// A column holds values but has no name.
-    #[error("the column has no name")]
+    #[error("the column has no name, and does not just count the rows; name it in the heading")]
     NoName,
     /// A cell is not a number.
     #[error("\"{text}\" is not a number")]
     NotANumber {
+        /// The cell.
+        text: String,
+    },
+    /// A number is larger than a double can be.
+    #[error("\"{text}\" is beyond the numbers that a double holds, up to 1.8e308; correct it, or leave the cell empty")]
+    TooLarge {
         /// The cell.
         text: String,
     },

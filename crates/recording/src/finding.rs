@@ -50,6 +50,13 @@ pub enum Finding {
     },
     /// A text file that is not UTF-8 was read as Latin-1.
     AssumedLatin1,
+    /// A text file ends in bytes of NUL, as one does whose writer lost power; they were left out.
+    NulBytes {
+        /// Where they begin.
+        offset: u64,
+        /// How many there are.
+        count: u64,
+    },
     /// The last line of a text file has too few columns and was left out.
     IncompleteLastLine {
         /// Its number, from 1.
@@ -97,6 +104,7 @@ impl Finding {
             Self::MissingSamples { .. }
                 | Self::NotFinalised
                 | Self::CutOff { .. }
+                | Self::NulBytes { .. }
                 | Self::IncompleteLastLine { .. }
                 | Self::NoFinalLineEnd { .. }
                 | Self::MissingVariable { .. }
@@ -126,6 +134,11 @@ impl fmt::Display for Finding {
                 write!(f, "{count} channels are named \"{name}\"")
             }
             Self::AssumedLatin1 => f.write_str("the text is not UTF-8 and was read as Latin-1"),
+            Self::NulBytes { offset, count } => write!(
+                f,
+                "the text ends at byte {offset}; the {count} bytes after it are NUL, as where the writer lost power, and were \
+                 left out; samples may be missing"
+            ),
             Self::IncompleteLastLine { line } => {
                 write!(f, "line {line}, the last, is incomplete and was left out; the file seems to be cut off")
             }
@@ -197,6 +210,12 @@ pub enum SkipReason {
         /// Its length.
         samples: usize,
     },
+    /// Time that repeats itself, beside time that rises with every row, which is the clock.
+    CoarseTime,
+    /// A clock that no channel follows.
+    NoChannels,
+    /// A column without a name that counts the rows.
+    RowNumbers,
     /// A constant.
     SingleNumber {
         /// The number.
@@ -234,6 +253,11 @@ impl fmt::Display for SkipReason {
             Self::UnusedTime { samples } => {
                 write!(f, "it is named as time, but no array beside it has its {samples} samples")
             }
+            Self::CoarseTime => f.write_str(
+                "it is time that does not rise with every row; another column tells the same time finer, and is the clock",
+            ),
+            Self::NoChannels => f.write_str("it is named as a clock, but no channel follows it"),
+            Self::RowNumbers => f.write_str("it has no name and counts the rows"),
             Self::SingleNumber { number } => write!(f, "it is the single number {number}, not samples over time"),
         }
     }

@@ -38,6 +38,38 @@ pub(crate) fn time_word(name: &str) -> Option<&'static str> {
     ((rest.is_empty() || numbered) && !(word == "t" && name.starts_with('T'))).then_some(word)
 }
 
+/// Whether a word of a name means time: `time_fast`, `DynoSpeed_time`, `Time 1ms raster`, `zeitLangsam`. A `t` is one as
+/// the first word. What ends in `_channel` says that it is no clock.
+pub(crate) fn mentions_time(name: &str) -> bool {
+    if name.trim_end().ends_with("_channel") {
+        return false;
+    }
+    let mut words = words(name).into_iter();
+    words.next().is_some_and(|first| first == "t" || is_time(&first)) || words.any(|word| is_time(&word))
+}
+
+fn is_time(word: &str) -> bool {
+    let word = word.to_lowercase();
+    word != "t" && WORDS.contains(&word.as_str())
+}
+
+/// The words of a name, which anything but letters separates, or a capital after a small letter.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut is_small = false;
+    for letter in name.chars() {
+        if !letter.is_alphabetic() || (is_small && letter.is_uppercase()) {
+            words.push(String::new());
+        }
+        is_small = letter.is_lowercase();
+        if let (true, Some(word)) = (letter.is_alphabetic(), words.last_mut()) {
+            word.push(letter);
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
 /// Seconds per unit as a fraction; no unit means seconds.
 pub(crate) fn seconds(unit: &str) -> Option<(f64, f64)> {
     Some(match unit.trim() {
@@ -65,9 +97,10 @@ pub(crate) fn name_and_unit(cell: &str) -> (&str, &str) {
     (cell, "")
 }
 
-/// Splits the heading of a clock also where its unit is spelled `t/s`, `Zeit in ms` or `time_us`.
+/// Splits the heading of a clock also where its unit is spelled `t/s`, `Zeit in ms` or `time_us`, and where pandas has
+/// added a number to what stood there twice, as in `Time (s).1`.
 pub(crate) fn clock_and_unit(cell: &str) -> (&str, &str) {
-    let (name, unit) = name_and_unit(cell);
+    let (name, unit) = name_and_unit(without_number(cell));
     if !unit.is_empty() || time_word(name).is_some() {
         return (name, unit);
     }
@@ -76,6 +109,13 @@ pub(crate) fn clock_and_unit(cell: &str) -> (&str, &str) {
     let is_clock =
         |(stem, unit): &(&str, &str)| time_word(stem).is_some() && !unit.is_empty() && seconds(unit).is_some();
     clocks.find(is_clock).unwrap_or((name, unit))
+}
+
+/// A heading without the number that pandas adds after a bracket.
+fn without_number(cell: &str) -> &str {
+    let is_number = |number: &str| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit());
+    let parts = cell.rsplit_once('.').filter(|(stem, number)| stem.ends_with([')', ']']) && is_number(number));
+    parts.map_or(cell, |(stem, _)| stem)
 }
 
 /// What brackets around a whole cell enclose.

@@ -16,12 +16,21 @@
 //! | Parquet, Arrow (file and stream), with the feature `parquet` | yes | yes (`write_parquet`, `write_arrow`) |
 //!
 //! Text is read with tabs, semicolons, commas or bars between the columns and decimal points or commas, in UTF-8,
-//! UTF-16 or Latin-1. A heading is one row with a name of time in it, and up to two more with units and comments; what
-//! stands above is the recording's comment, and lines that begin with `#` or `%` are skipped. Each time column is the
-//! clock of the columns up to the next, which may be shorter. Time is a number in the unit that the heading gives, a
-//! time of day (past midnight the next day's), or date and time; with a date, seconds count from the first stamp, which
-//! is the start time. A column whose first value is text is skipped. `1,234` is a decimal number where some other
-//! number of the file shows that digits are not grouped; otherwise, and where signs are mixed, the file is refused.
+//! UTF-16 or Latin-1; bytes of NUL behind it are left out, and said. A heading is one row with a name of time in it, and
+//! up to two more with units and comments; what stands above is the recording's comment, and lines that begin with `#`
+//! or `%` are skipped. Time is a number in the unit that the heading gives, a time of day (past midnight the next
+//! day's), or date and time; with a date, seconds count from the first stamp, which is the start time. A column whose
+//! first value is text is skipped, and so is a first column without a name that counts the rows. `1,234` is a decimal
+//! number where some other number of the file shows that digits are not grouped; otherwise, where signs are mixed, and
+//! where a number is beyond what a double holds, the file is refused.
+//!
+//! Each clock is that of the columns up to the next, which may be shorter. The first column named as time is one, unless
+//! it repeats itself and another tells the same time and rises with every row, as seconds do beside a time of day.
+//! Another is one if it is named alike (`time`, `time_2`, `Time (s).1`), or if a word of its name means time
+//! (`time_slow`), it stands between channels, and its first rows (of the 200 of the heading and after it) rise, from
+//! about the same time as the first clock's, but faster or slower. It is a channel if it falls or stays, if no channel
+//! follows it, if it counts the same time from elsewhere, if it is the same to the last row, or if its name ends in
+//! `_channel`. What may be either is refused.
 //!
 //! The masters of MDF are in seconds; one that says otherwise is read so all the same, and named. Groups without a master
 //! are left out, unless the distance of samples is given.

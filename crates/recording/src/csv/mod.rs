@@ -1,8 +1,9 @@
 //! CSV: blocks of columns side by side, each with a time column of its own.
 //!
-//! [`text`] finds characters and delimiter, [`rows`] splits into cells, [`header`] finds names and clocks, [`table`]
-//! turns rows into columns with [`number`] and [`stamp`].
+//! [`text`] finds characters and delimiter, [`rows`] splits into cells, [`header`] finds names, and with
+//! [`clocks`] the clocks, [`table`] turns rows into columns with [`number`] and [`stamp`].
 
+mod clocks;
 mod header;
 mod number;
 mod rows;
@@ -88,16 +89,19 @@ impl<'a> Opened<'a> {
         }
         let no_delimiter =
             || RecordingError::Csv { file: name.into(), line: 1, column: None, problem: CsvProblem::NoDelimiter };
-        let delimiter = text::delimiter(&text, row_distance_s.is_some()).ok_or_else(no_delimiter)?;
-        let head = Head::read(name, Rows::new(&text, delimiter));
-        let header = heading(&head, row_distance_s)?;
+        let delimiters = text::delimiters(&text, row_distance_s.is_some());
+        let headings =
+            || delimiters.iter().map(|&delimiter| (delimiter, heading(name, &text, delimiter, row_distance_s)));
+        let understood = headings().find(|(_, header)| !is_no_table(header)).or_else(|| headings().next());
+        let (delimiter, header) = understood.ok_or_else(no_delimiter)?;
+        let header = header?;
         let names = header.names();
         require_names(name, selection, names.iter().map(String::as_str))?;
-        let Header { columns, comment, samples } = header;
+        let Header { columns, echoes, comment, samples } = header;
         let place = samples.place();
-        let mut table = Table::new(name, columns, selection, delimiter, row_distance_s);
+        let mut table = Table::new(name, columns, selection, delimiter, row_distance_s).with_echoes(echoes);
         table.expect(pieces.lines().unwrap_or(0), pieces.progress().1);
-        let findings = pieces.assumed_latin1().then_some(Finding::AssumedLatin1).into_iter().collect();
+        let findings = pieces.findings();
         Ok(Self { pieces, text, table, place, delimiter, comment, findings })
     }
 }
@@ -147,10 +151,21 @@ fn fill(
 }
 
 /// The heading with a time column, or one without where rows are a known time apart.
-fn heading<'a>(head: &Head<'a>, row_distance_s: Option<f64>) -> Result<Header<'a>, RecordingError> {
-    use CsvProblem::{NoData, NoHeader, NoTime};
-    match (head.timed(), row_distance_s) {
-        (Err(RecordingError::Csv { problem: NoTime { .. } | NoHeader | NoData, .. }), Some(_)) => head.untimed(),
-        (header, _) => header,
+fn heading<'a>(
+    name: &'a str,
+    text: &'a str,
+    delimiter: u8,
+    row_distance_s: Option<f64>,
+) -> Result<Header<'a>, RecordingError> {
+    let head = Head::read(name, Rows::new(text, delimiter));
+    match head.timed() {
+        header if is_no_table(&header) && row_distance_s.is_some() => head.untimed(),
+        header => header,
     }
+}
+
+/// Whether with this delimiter there is nothing like a heading with a time column, and samples below.
+fn is_no_table(header: &Result<Header<'_>, RecordingError>) -> bool {
+    use CsvProblem::{NoData, NoHeader, NoTime};
+    matches!(header, Err(RecordingError::Csv { problem: NoTime { .. } | NoHeader | NoData, .. }))
 }

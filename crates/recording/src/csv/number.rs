@@ -43,7 +43,8 @@ impl Decimals {
     pub(super) fn read(&mut self, cell: &str, line: u64, column: usize) -> Result<Number, CsvProblem> {
         if self.is_proven
             && self.sign == Some(b'.')
-            && let Ok(value) = cell.parse()
+            && let Ok(value) = cell.parse::<f64>()
+            && value.is_finite()
         {
             return Ok(Number::Value(value));
         }
@@ -58,7 +59,7 @@ impl Decimals {
         let count = |sign| cell.bytes().filter(|b| *b == sign).count();
         match (count(b','), count(b'.')) {
             (0, 0) => match cell.parse() {
-                Ok(value) => Ok(Number::Value(value)),
+                Ok(value) => held(value, cell),
                 Err(_) => words_or_groups(cell),
             },
             (1, 0) => self.signed(cell, b',', line, column),
@@ -80,7 +81,7 @@ impl Decimals {
         } else {
             self.is_proven = true;
         }
-        Ok(Number::Value(value))
+        held(value, cell)
     }
 
     /// Takes notice of a cell that is not read.
@@ -96,6 +97,14 @@ impl Decimals {
     /// The first number that has two readings, between which nothing in the file decides: line, column and text.
     pub(super) fn undecided(&self) -> Option<&(u64, usize, String)> {
         self.doubtful.as_ref().filter(|_| !self.is_proven)
+    }
+}
+
+/// A number as it was parsed; digits that came out as infinite were too large for a double.
+fn held(value: f64, cell: &str) -> Result<Number, CsvProblem> {
+    match value.is_infinite() && cell.bytes().any(|b| b.is_ascii_digit()) {
+        true => Err(CsvProblem::TooLarge { text: cell.into() }),
+        false => Ok(Number::Value(value)),
     }
 }
 

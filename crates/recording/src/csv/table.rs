@@ -1,11 +1,14 @@
 //! Rows of samples to columns.
 
-use super::header::{Column, Header, Role};
+use super::header::{Column, Echo, Header, Role};
 use super::number::{Decimals, Number};
 use super::rows::{Row, Rows};
 use super::stamp::{DAY, Frame, Stamp};
 use crate::finding::are_rounded;
 use crate::{Channel, CsvProblem, Finding, Raster, RecordingError, Selection, SkipReason, StartTime};
+
+/// Share of a time by which its spellings in two units may differ.
+const ROUNDING: f64 = 1e-15;
 
 /// A problem in a column of a row.
 type Fault = (Option<usize>, CsvProblem);
@@ -19,6 +22,7 @@ pub(super) struct Table<'a> {
     headings: Vec<Column>,
     columns: Vec<Sink>,
     blocks: Vec<Block>,
+    echoes: Vec<Echo>,
     pub(super) decimals: Decimals,
     stamps: Stamps,
     /// Time from row to row, s, where no column holds time.
@@ -39,6 +43,8 @@ enum Sink {
     Unread,
     /// Without a name; it has to stay empty.
     Nameless,
+    /// The first, without a name; it has to stay empty, or to count the rows: the last number that it held.
+    RowNumbers(Option<u64>),
 }
 
 /// Columns side by side that share a clock.
@@ -59,9 +65,9 @@ impl<'a> Table<'a> {
         delimiter: u8,
         row_distance_s: Option<f64>,
     ) -> Self {
-        let is_clock = |c: &Column| matches!(c.role, Role::Time(_) | Role::Stamps(_) | Role::SpreadsheetDays);
-        let clocks: Vec<usize> = (0..columns.len()).filter(|&c| is_clock(&columns[c])).collect();
-        let sink = |column: &Column| match column.role {
+        let clocks: Vec<usize> = (0..columns.len()).filter(|&c| columns[c].role.is_clock()).collect();
+        let sink = |(index, column): (usize, &Column)| match column.role {
+            Role::Samples if column.name.is_empty() && index == 0 => Sink::RowNumbers(None),
             Role::Samples if column.name.is_empty() => Sink::Nameless,
             Role::Samples if selection.takes(&column.name) => {
                 Sink::Samples { values: Vec::new(), is_numeric: false, is_rounded: false }
@@ -70,13 +76,19 @@ impl<'a> Table<'a> {
         };
         Self {
             file,
-            columns: columns.iter().map(sink).collect(),
+            columns: columns.iter().enumerate().map(sink).collect(),
             blocks: blocks(&clocks, &columns),
             headings: columns,
+            echoes: Vec::new(),
             decimals: Decimals::new(delimiter),
             stamps: Stamps::default(),
             row_distance_s,
         }
+    }
+
+    /// Channels that have to go on as their clock does.
+    pub(super) fn with_echoes(self, echoes: Vec<Echo>) -> Self {
+        Self { echoes, ..self }
     }
 
     /// Takes the memory for `lines` of a text of `size` bytes at once, for what grows is copied, and leaves holes.
@@ -159,6 +171,7 @@ impl<'a> Table<'a> {
         }
         let columns = columns.clone();
         self.time(row, block)?;
+        self.refuse_other_time(row, block)?;
         for column in columns {
             self.cell(row, column).map_err(|problem| (Some(column), problem))?;
         }
@@ -185,10 +198,32 @@ impl<'a> Table<'a> {
                 }
                 time
             }
-            Role::Samples | Role::Date => Ok(f64::NAN),
+            Role::Samples | Role::Date | Role::CoarseTime => Ok(f64::NAN),
         };
         time_s.push(time.map_err(|problem| (Some(clock), problem))?);
         Ok(())
+    }
+
+    /// What read like the clock so far and goes on otherwise may be the clock of the columns behind it.
+    fn refuse_other_time(&self, row: &Row<'_>, block: usize) -> Result<(), Fault> {
+        let Block { columns, clock: Some(clock), time_s, .. } = &self.blocks[block] else { return Ok(()) };
+        let time_s = time_s.last().copied().unwrap_or(f64::NAN);
+        let goes_on = |echo: &&Echo| {
+            let read = self.decimals.clone().read(row.text(echo.column), row.line, echo.column);
+            let told_s = match read {
+                Ok(Number::Value(told)) => told * echo.factor.0 / echo.factor.1,
+                _ => f64::NAN,
+            };
+            (told_s - time_s).abs() <= echo.tolerance_s.max(ROUNDING * time_s.abs())
+        };
+        match self.echoes.iter().filter(|echo| columns.contains(&echo.column)).find(|echo| !goes_on(echo)) {
+            None => Ok(()),
+            Some(Echo { column, .. }) => {
+                let name = |column: usize| self.headings[column].name.clone();
+                let problem = CsvProblem::ClockOrChannel { name: name(*column), clock: name(*clock) };
+                Err((Some(*column), problem))
+            }
+        }
     }
 
     #[inline]
@@ -209,7 +244,8 @@ impl<'a> Table<'a> {
                 self.decimals.observe(text, row.line, column)?;
             }
             Sink::Nameless if !text.is_empty() => return Err(CsvProblem::NoName),
-            Sink::Text | Sink::Unread | Sink::Nameless => {}
+            Sink::RowNumbers(last) if !text.is_empty() => *last = Some(next_number(*last, text)?),
+            Sink::Text | Sink::Unread | Sink::Nameless | Sink::RowNumbers(_) => {}
         }
         Ok(())
     }
@@ -219,6 +255,10 @@ impl<'a> Table<'a> {
         let mut content = Content { start_time: self.stamps.start(), ..Content::default() };
         let mut columns: Vec<_> = self.headings.into_iter().zip(self.columns).map(Some).collect();
         for block in self.blocks {
+            let is_channel = |column: &Option<(Column, Sink)>| {
+                column.as_ref().is_some_and(|(heading, _)| heading.role == Role::Samples && !heading.name.is_empty())
+            };
+            let is_lonely = !columns.get(block.columns.clone()).unwrap_or_default().iter().any(is_channel);
             let before = content.channels.len();
             for place in columns.get_mut(block.columns).unwrap_or_default() {
                 match place.take() {
@@ -237,6 +277,18 @@ impl<'a> Table<'a> {
                         }
                         content.findings.push(Finding::SkippedChannel { channel: name, reason });
                     }
+                    Some((Column { name, role: Role::CoarseTime, .. }, _)) => {
+                        let reason = SkipReason::CoarseTime;
+                        content.findings.push(Finding::SkippedChannel { channel: name, reason });
+                    }
+                    Some((Column { name, role, .. }, _)) if is_lonely && role.is_clock() => {
+                        let reason = SkipReason::NoChannels;
+                        content.findings.push(Finding::SkippedChannel { channel: name, reason });
+                    }
+                    Some((_, Sink::RowNumbers(Some(_)))) => {
+                        let (channel, reason) = ("column 1".into(), SkipReason::RowNumbers);
+                        content.findings.push(Finding::SkippedChannel { channel, reason });
+                    }
                     _ => {}
                 }
             }
@@ -246,6 +298,12 @@ impl<'a> Table<'a> {
         }
         Ok(content)
     }
+}
+
+/// The number of a row, which is more than that of the row before.
+fn next_number(last: Option<u64>, text: &str) -> Result<u64, CsvProblem> {
+    let number = text.parse().ok().filter(|number| last.is_none_or(|last| last < *number));
+    number.ok_or(CsvProblem::NoName)
 }
 
 /// Whether a number is written without fraction and exponent.
@@ -311,7 +369,7 @@ const NANOSECONDS_PER_DAY: f64 = 86_400e9;
 
 /// Written dates and times of day of a file, in seconds since its first.
 #[derive(Default)]
-struct Stamps {
+pub(super) struct Stamps {
     /// The first stamp of the file, from which seconds are counted.
     first: Option<Stamp>,
     /// The decimal sign of a fraction that was just read.
@@ -319,7 +377,18 @@ struct Stamps {
 }
 
 impl Stamps {
-    fn time_s(&mut self, cell: &str, date: Option<&str>, last: &mut Option<(i64, i64)>) -> Result<f64, CsvProblem> {
+    /// The first stamp that was read.
+    pub(super) fn first(&self) -> Option<Stamp> {
+        self.first
+    }
+
+    /// A stamp in seconds; `last` is the one before it in its column, and its midnight.
+    pub(super) fn time_s(
+        &mut self,
+        cell: &str,
+        date: Option<&str>,
+        last: &mut Option<(i64, i64)>,
+    ) -> Result<f64, CsvProblem> {
         let stamp = match date {
             Some(date) => Stamp::read_pair(date, cell)?,
             None => Stamp::read(cell)?,

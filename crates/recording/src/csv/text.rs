@@ -2,7 +2,7 @@
 
 use super::rows::BLANKS;
 use crate::source::{bytes, size};
-use crate::{RecordingError, Source};
+use crate::{Finding, RecordingError, Source};
 
 /// Lines looked at to find the delimiter.
 const SAMPLE_LINES: usize = 400;
@@ -35,25 +35,25 @@ pub(super) struct Pieces<'a> {
     piece: u64,
     /// The most lines that there are; none where the file was not looked through.
     lines: Option<usize>,
+    /// The bytes of NUL behind the text.
+    nulls: u64,
 }
 
 impl<'a> Pieces<'a> {
-    /// Finds out how the text is stored: UTF-8, UTF-16 with a byte order mark, or else Latin-1. That, and how many lines
+    /// Finds out how the text is stored: UTF-8, UTF-16, or else Latin-1. That, and how many lines
     /// there are, takes looking through all of it, of a list only through what is read of it.
     pub(super) fn open(file: &'a str, source: &'a dyn Source, is_list: bool) -> Result<Self, RecordingError> {
         let end = size(file, source)?;
-        let head = bytes(file, source, 0, 3)?;
-        let last = bytes(file, source, end.saturating_sub(1), 1)?;
+        let head = bytes(file, source, 0, 4)?;
+        let (encoding, at) = beginning(&head);
+        let filled = before_nulls(file, source, end)?;
+        let filled = if encoding == Encoding::Utf8 { filled } else { filled.next_multiple_of(2).min(end) };
+        let nulls = end - filled;
         // The end-of-file mark of DOS is no text.
-        let before_mark = if last == [0x1A] { end - 1 } else { end };
-        let (encoding, at, end) = match head.as_slice() {
-            [0xFF, 0xFE, ..] => (Encoding::Utf16 { is_big: false }, 2, end),
-            [0xFE, 0xFF, ..] => (Encoding::Utf16 { is_big: true }, 2, end),
-            [0xEF, 0xBB, 0xBF] => (Encoding::Utf8, 3, before_mark),
-            _ => (Encoding::Utf8, 0, before_mark),
-        };
+        let last = bytes(file, source, filled.saturating_sub(1), 1)?;
+        let end = if encoding == Encoding::Utf8 && last == [0x1A] { filled - 1 } else { filled };
         let piece = if is_list { LISTED_PIECE } else { PIECE };
-        let mut pieces = Self { file, source, at, end, encoding, cut: Vec::new(), piece, lines: None };
+        let mut pieces = Self { file, source, at, end, encoding, cut: Vec::new(), piece, lines: None, nulls };
         let (is_utf8, lines) = pieces.survey(if is_list { piece } else { u64::MAX })?;
         if encoding == Encoding::Utf8 && !is_utf8 {
             pieces.encoding = Encoding::Latin1;
@@ -68,8 +68,11 @@ impl<'a> Pieces<'a> {
         self.lines
     }
 
-    pub(super) fn assumed_latin1(&self) -> bool {
-        self.encoding == Encoding::Latin1
+    /// What is to be said of how the text is stored.
+    pub(super) fn findings(&self) -> Vec<Finding> {
+        let latin1 = (self.encoding == Encoding::Latin1).then_some(Finding::AssumedLatin1);
+        let nulls = Finding::NulBytes { offset: self.end, count: self.nulls };
+        latin1.into_iter().chain((self.nulls > 0).then_some(nulls)).collect()
     }
 
     /// How many bytes were read, and how many there are.
@@ -149,38 +152,80 @@ fn whole_characters(bytes: &[u8]) -> usize {
     if is_cut { bytes.len() - back } else { bytes.len() }
 }
 
-/// Content without the end-of-file mark of DOS.
-fn without_end_mark(bytes: &[u8]) -> &[u8] {
-    bytes.strip_suffix(b"\x1A").unwrap_or(bytes)
-}
-
-/// Whether a file that begins so may be text: no control characters other than white space.
-pub(crate) fn is_text(bytes: &[u8]) -> bool {
-    if matches!(bytes, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]) {
-        return true;
+/// How a text that begins so is stored, and after how many bytes it begins. Without a byte order mark, UTF-16 shows in
+/// the other byte of its first two characters.
+fn beginning(head: &[u8]) -> (Encoding, u64) {
+    match head {
+        [0xFF, 0xFE, ..] => (Encoding::Utf16 { is_big: false }, 2),
+        [0xFE, 0xFF, ..] => (Encoding::Utf16 { is_big: true }, 2),
+        [0xEF, 0xBB, 0xBF, ..] => (Encoding::Utf8, 3),
+        [1..=0xFF, 0, 1..=0xFF, 0, ..] => (Encoding::Utf16 { is_big: false }, 0),
+        [0, 1..=0xFF, 0, 1..=0xFF, ..] => (Encoding::Utf16 { is_big: true }, 0),
+        _ => (Encoding::Utf8, 0),
     }
-    let control = |b: &u8| b.is_ascii_control() && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0C);
-    !without_end_mark(bytes).iter().any(control)
 }
 
-/// What separates the cells: what a first line `sep=;` says, or else the first of tab, semicolon and comma that occurs,
-/// outside quotes, in at least half of the last lines of the sample, above which there may be other text; blanks, where
-/// `may_be_blanks` and nothing else occurs.
-pub(super) fn delimiter(content: &str, may_be_blanks: bool) -> Option<u8> {
+/// Where the bytes of NUL begin that end a file: a writer that lost power leaves them.
+fn before_nulls(file: &str, source: &dyn Source, mut end: u64) -> Result<u64, RecordingError> {
+    while end > 0 {
+        let begin = end.saturating_sub(LISTED_PIECE);
+        let piece = bytes(file, source, begin, end - begin)?;
+        if let Some(last) = piece.iter().rposition(|&byte| byte != 0) {
+            return Ok(begin + last as u64 + 1);
+        }
+        end = begin;
+    }
+    Ok(0)
+}
+
+/// Content without the bytes of NUL at its end, and the end-of-file mark of DOS.
+fn without_end(bytes: &[u8]) -> &[u8] {
+    let filled = &bytes[..bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1)];
+    filled.strip_suffix(b"\x1A").unwrap_or(filled)
+}
+
+/// Whether a file that begins so may be text: no control characters other than white space, and a line end before
+/// bytes of NUL.
+pub(crate) fn is_text(bytes: &[u8]) -> bool {
+    match beginning(bytes) {
+        (Encoding::Utf16 { .. }, 2) => true,
+        (Encoding::Utf16 { is_big }, _) => {
+            let (pairs, _) = bytes.as_chunks::<2>();
+            let filled = &pairs[..pairs.iter().rposition(|pair| *pair != [0, 0]).map_or(0, |last| last + 1)];
+            !filled.iter().any(|&[a, b]| if is_big { a == 0 && is_control(b) } else { b == 0 && is_control(a) })
+        }
+        _ => {
+            let text = without_end(bytes);
+            !text.iter().any(|&b| is_control(b)) && (bytes.last() != Some(&0) || text.contains(&b'\n'))
+        }
+    }
+}
+
+/// Whether a character is a control character other than white space.
+fn is_control(byte: u8) -> bool {
+    byte.is_ascii_control() && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0C)
+}
+
+/// What may separate the cells, the likelier first: what a first line `sep=;` says, or else those of tab, semicolon, bar
+/// and comma that occur, outside quotes, in at least half of the last lines of the sample, above which there may be
+/// other text; blanks, where `may_be_blanks` and nothing else occurs.
+pub(super) fn delimiters(content: &str, may_be_blanks: bool) -> Vec<u8> {
     let stated = content.lines().next().and_then(|line| line.trim_matches('"').strip_prefix("sep=")).map(str::as_bytes);
     if let Some([stated @ (b';' | b',' | b'\t' | b'|')]) = stated {
-        return Some(*stated);
+        return vec![*stated];
     }
     let is_filled = |line: &&str| !line.trim().is_empty() && !line.starts_with(['#', '%']);
     let lines: Vec<&str> = content.lines().filter(is_filled).take(SAMPLE_LINES).collect();
-    let occurring = [MANY, FEW].into_iter().find_map(|tail| {
+    let occurring = [MANY, FEW].into_iter().map(|tail| {
         let lines = &lines[lines.len().saturating_sub(tail)..];
-        [b'\t', b';', b',', b'|'].into_iter().find(|&d| {
+        let is_frequent = |&d: &u8| {
             let with = lines.iter().filter(|l| occurs(l, d)).count();
             with > 0 && with * 2 >= lines.len()
-        })
+        };
+        [b'\t', b';', b'|', b','].into_iter().filter(is_frequent).collect::<Vec<_>>()
     });
-    occurring.or((may_be_blanks && !lines.is_empty()).then_some(BLANKS))
+    let blanks = (may_be_blanks && !lines.is_empty()).then(|| vec![BLANKS]);
+    occurring.chain(blanks).find(|found| !found.is_empty()).unwrap_or_default()
 }
 
 fn occurs(line: &str, delimiter: u8) -> bool {

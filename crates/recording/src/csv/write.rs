@@ -5,7 +5,7 @@ use std::io::Write;
 
 use super::number::is_grouped;
 use super::stamp::Stamp;
-use crate::heading::{heading, name_and_unit, time_word};
+use crate::heading::{heading, mentions_time, name_and_unit, seconds, time_word};
 use crate::source::unwritable;
 use crate::{Channel, Raster, Recording, RecordingError};
 
@@ -13,7 +13,7 @@ use crate::{Channel, Raster, Recording, RecordingError};
 const PIECE: usize = 1 << 16;
 
 /// Writes a recording as CSV: commas, decimal points, one block `time [s], channel [unit], …` for each raster, side by
-/// side, shorter ones padded with empty cells, those without samples last.
+/// side, shorter ones padded with empty cells, those without samples last, those without channels not at all.
 ///
 /// Numbers are written with as many digits as it takes to read the same number back. File comment, start time,
 /// raster names and channel comments are not written.
@@ -56,14 +56,16 @@ pub fn encode_tsv(recording: &Recording) -> Result<Vec<u8>, RecordingError> {
     write_tsv(recording, &mut bytes).map(|()| bytes)
 }
 
-/// Whether a heading of text can hold a channel's name and unit: the name is not empty, means no time, and neither has
-/// control characters or blanks at its ends, and together they are not read as a date or a time of day.
+/// Whether a heading of text can hold a channel's name and unit: the name is not empty, neither has control characters or
+/// blanks at its ends, and together they are not read as a date, a time of day or a clock, as a name with a word for time
+/// is that is in a unit of time or in none; with `_channel` at its end it fits.
 #[must_use]
 pub fn fits_text(name: &str, unit: &str) -> bool {
     let plain = |text: &str| text.trim() == text && !text.chars().any(char::is_control);
     let is_label = |label: &String| name_and_unit(label) == (name, unit) && matches!(Stamp::read(label), Ok(None));
     let is_read_back = labelled(name, unit).as_ref().is_some_and(is_label);
-    time_word(name) != Some("time") && !name.is_empty() && plain(name) && plain(unit) && is_read_back
+    let is_time = mentions_time(name) && seconds(unit).is_some();
+    !is_time && time_word(name) != Some("time") && !name.is_empty() && plain(name) && plain(unit) && is_read_back
 }
 
 /// `name [unit]`, or with other brackets where the unit has such.
@@ -80,6 +82,7 @@ fn write(recording: &Recording, delimiter: char, mut out: impl Write) -> Result<
     for channel in &recording.channels {
         blocks[channel.raster].1.push(channel);
     }
+    blocks.retain(|(_, channels)| !channels.is_empty());
     // The first block's clock tells a reader where the samples begin.
     blocks.sort_by_key(|(raster, _)| raster.time_s.is_empty());
     let mut headings = Vec::new();
@@ -91,7 +94,7 @@ fn write(recording: &Recording, delimiter: char, mut out: impl Write) -> Result<
     }
     let mut text = headings.join(&String::from(delimiter));
     text.push('\n');
-    let rows = recording.rasters.iter().map(|r| r.time_s.len()).max();
+    let rows = blocks.iter().map(|(raster, _)| raster.time_s.len()).max();
     let columns: Vec<&[f64]> = blocks.iter().flat_map(|(raster, channels)| columns(raster, channels)).collect();
     for row in 0..rows.unwrap_or(0) {
         write_row(&mut text, &columns, row, delimiter);

@@ -243,3 +243,214 @@ fn exact_rounded_integers_are_said() {
     assert!(!rounded("t [s],n\n0,1\n1,9007199254740991\n"));
     assert!(!rounded("t [s],n\n0,1.5\n1,1e300\n"));
 }
+
+/// Channels by name, with their times and samples.
+fn table(text: &str) -> Vec<(String, Vec<f64>, Vec<f64>)> {
+    let r = read(text);
+    r.channels.iter().map(|c| (c.name.clone(), r.time_s(c).unwrap().to_vec(), c.samples.clone())).collect()
+}
+
+/// Lines of `time;n` and `clock;b` side by side, the second block at `step_s` and shorter.
+fn two_blocks(headings: [&str; 2], step_s: f64) -> String {
+    let line = |row: usize| match row < 12 {
+        true => format!("{};{row};{};{}\n", 0.01 * row as f64, step_s * row as f64, 5 + row),
+        false => format!("{};{row};;\n", 0.01 * row as f64),
+    };
+    format!("{};a;{};b\n{}", headings[0], headings[1], (0..30).map(line).collect::<String>())
+}
+
+#[test]
+fn regress_a_second_clock_is_known_by_its_numbers() {
+    let pandas = "Time (s);a;Time (s).1;b\n0;1;0;5\n0,5;2;2;6\n1;3;;\n1,5;4;;\n";
+    assert_eq!(table(pandas)[1], ("b".into(), vec![0.0, 2.0], vec![5.0, 6.0]));
+    let headings = [
+        ["time_fast [s]", "time_slow [s]"],
+        ["Time_Group1 [s]", "Time_Group2 [s]"],
+        ["t_fast [s]", "t_slow [s]"],
+        ["Zeit_schnell [s]", "Zeit_langsam [s]"],
+        ["time A [s]", "time B [s]"],
+        ["DynoSpeed_time [s]", "T_time [s]"],
+        ["Time 1ms raster [s]", "Time 10ms raster [s]"],
+        ["time", "timestamp"],
+        ["time", "t"],
+        ["t1", "t2"],
+        ["Zeit", "time"],
+        ["timeFast [s]", "timeSlow"],
+    ];
+    for pair in headings {
+        let channels = table(&two_blocks(pair, 0.1));
+        assert_eq!(channels.len(), 2, "{pair:?}");
+        assert_eq!((channels[0].1.len(), channels[1].1.len(), channels[1].1[11]), (30, 12, 0.1 * 11.0), "{pair:?}");
+    }
+    let milliseconds = two_blocks(["t_fast [s]", "t_slow [ms]"], 100.0);
+    assert!((table(&milliseconds)[1].1[11] - 1.1).abs() < 1e-12);
+}
+
+#[test]
+fn regress_a_channel_that_is_measured_in_time_stays_one() {
+    let duration = "time [s];n;injection time [ms];M\n0;1;3,2;5\n1;2;3,1;6\n2;3;3,4;7\n";
+    let units = "time;n;t_oil;M\ns;rpm;°C;Nm\n0;1;0,5;5\n1;2;1,7;6\n2;3;2,4;7\n";
+    let first = "injection duration [ms];time [s];n\n3,2;0;5\n3,1;1;6\n3,3;2;7\n";
+    let doubt = CsvProblem::ClockOrChannel { name: "time [s]".into(), clock: "injection duration [ms]".into() };
+    assert_eq!(problem(first), (1, Some(2), doubt));
+    let last = "time;n;t_oil\n0;1;0,5\n1;2;1,7\n2;3;2,4\n";
+    let stated = "time [s];n;dead time_channel [s];M\n0;1;0;5\n1;2;3;6\n2;3;7;7\n";
+    for (text, channels) in [(duration, 3), (units, 3), (last, 2), (stated, 3)] {
+        let found = table(text);
+        assert_eq!(found.len(), channels, "{text}");
+        assert!(found.iter().all(|(_, time_s, _)| *time_s == [0.0, 1.0, 2.0]), "{text}");
+    }
+    // The same clock, counted from elsewhere, or the same numbers again.
+    let epoch = "time [s];n;unix time [s];M\n0;1;1700000000;5\n1;2;1700000001;6\n2;3;1700000002;7\n";
+    let again = "time;n;timestamp;M\n0;1;0;5\n1;2;1;6\n2;3;2;7\n";
+    for text in [epoch, again] {
+        assert!(table(text).iter().all(|(_, time_s, _)| *time_s == [0.0, 1.0, 2.0]), "{text}");
+        assert_eq!(read(text).rasters.len(), 1);
+    }
+    // What goes on otherwise later is found out; of two with a number both are clocks.
+    let line = |row: usize| format!("{row};1;{};2\n", row + usize::from(row > 300));
+    let lines: String = (0..400).map(line).collect();
+    let doubt = CsvProblem::ClockOrChannel { name: "timestamp".into(), clock: "time".into() };
+    assert_eq!(problem(&format!("time;n;timestamp;M\n{lines}")), (303, Some(3), doubt));
+    assert_eq!(table(&format!("t1;n;t2;M\n{lines}"))[1].1[399], 400.0);
+}
+
+#[test]
+fn regress_temperatures_beside_a_clock_are_no_clocks() {
+    let short = "t;t1;t2;n\n0;25,5;26,5;1000\n0,1;25,6;26,6;1001\n";
+    let names: Vec<_> = table(short).into_iter().map(|(name, time_s, _)| (name, time_s)).collect();
+    let on_t = |name: &str| (name.to_owned(), vec![0.0, 0.1]);
+    assert_eq!(names, [on_t("t1"), on_t("t2"), on_t("n")]);
+    let falling = "t;t1;n\n0;25,5;1\n1;25,4;2\n";
+    assert_eq!(table(falling).len(), 2);
+    let last = table("t [s];T [°C];t_oil;t2\n0;20;25,5;26\n1;21;26,5;28\n");
+    assert_eq!(last.iter().map(|c| c.0.as_str()).collect::<Vec<_>>(), ["T", "t_oil", "t2"]);
+    // Both read as the clock of what follows, or as channels.
+    let doubtful = [
+        "t;n;t1 x;M\n0;1;1;1\n1;2;2;2\n2;3;3;3\n",
+        "t;t1;n\n0;25,5;1\n1;25,6;2\n2;25,9;3\n",
+        "t;n;t1;M\n0;1;25,5;1\n1;2;25,6;2\n2;3;25,9;3\n",
+    ];
+    for (text, (column, name)) in doubtful.iter().zip([(3, "t1 x"), (2, "t1"), (3, "t1")]) {
+        let doubt = CsvProblem::ClockOrChannel { name: name.into(), clock: "t".into() };
+        assert_eq!(problem(text), (1, Some(column), doubt), "{text}");
+    }
+}
+
+#[test]
+fn regress_a_clock_without_channels_is_said() {
+    let r = read("time,speed,time_2\n0,1,0\n1,2,3\n");
+    let skipped = Finding::SkippedChannel { channel: "time_2".into(), reason: SkipReason::NoChannels };
+    assert_eq!((r.channels.len(), r.findings), (1, vec![skipped]));
+}
+
+#[test]
+fn regress_of_two_readings_of_a_clock_the_one_that_always_rises_is_it() {
+    let lines = |stamp: &dyn Fn(usize) -> String| -> String {
+        (0..250).map(|row| format!("{};{:.2};{row}\n", stamp(row), row as f64 / 100.0)).collect()
+    };
+    let dates = |row: usize| format!("2024-01-01 10:00:{:02}", row / 100);
+    let clock = |row: usize| format!("10:00:{:02}", (row + 50) / 100);
+    let tables = [
+        ("Timestamp", "Elapsed Time [s]", lines(&dates)),
+        ("Uhrzeit", "Zeit [s]", lines(&clock)),
+        ("Time", "Time [s]", lines(&clock)),
+    ];
+    for (coarse, fine, samples) in tables {
+        let r = read(&format!("{coarse};{fine};n\n{samples}"));
+        assert_eq!((r.channels.len(), r.rasters.len(), r.rasters[0].time_s[249]), (1, 1, 2.49), "{coarse}");
+        let skipped = Finding::SkippedChannel { channel: coarse.into(), reason: SkipReason::CoarseTime };
+        assert_eq!(r.findings, [skipped], "{coarse}");
+    }
+    // To the millisecond the stamp is as good, and the number a channel.
+    let stamps = lines(&|row| format!("2024-01-01 10:00:{:06.3}", row as f64 / 100.0));
+    let r = read(&format!("Timestamp;Elapsed Time [s];n\n{stamps}"));
+    assert_eq!((r.channels.len(), r.rasters[0].time_s[249], r.start_time.is_some()), (2, 2.49, true));
+}
+
+#[test]
+fn regress_units_below_names_without_time() {
+    let read = |text: &str| {
+        let r = recording::decode_untimed("a.csv", text.as_bytes(), 0.1).unwrap();
+        r.channels.into_iter().map(|c| (c.name, c.unit, c.samples)).collect::<Vec<_>>()
+    };
+    let channel = |name: &str, unit: &str, samples: [f64; 2]| (name.to_owned(), unit.to_owned(), samples.to_vec());
+    let expected = [channel("speed", "1/min", [1.5, 2.0]), channel("torque", "Nm", [2.0, 3.0])];
+    assert_eq!(read("speed;torque\n1/min;Nm\n1,5;2\n2;3\n"), expected);
+    assert_eq!(read("speed|torque\n[1/min]|[Nm]\n1,5|2\n2|3\n"), expected);
+    for names in [["speed", "torque"], ["n", "M"]] {
+        let grouped = read(&format!("motor;load\n{};{}\n1,5;2\n2;3\n", names[0], names[1]));
+        assert_eq!(grouped, [channel(names[0], "", [1.5, 2.0]), channel(names[1], "", [2.0, 3.0])]);
+    }
+}
+
+#[test]
+fn regress_two_units_of_one_clock_are_refused() {
+    let two = |name: &str, below: &str| CsvProblem::TwoTimeUnits { name: name.into(), below: below.into() };
+    assert_eq!(problem("time_ms,a\ns,Nm\n0,1\n10,2\n"), (1, Some(1), two("ms", "s")));
+    assert_eq!(problem("time [s],a\nms,Nm\n0,1\n10,2\n"), (1, Some(1), two("s", "ms")));
+    assert_eq!(read("time_ms,a\nms,Nm\n0,1\n10,2\n").rasters[0].time_s, [0.0, 0.01]);
+}
+
+#[test]
+fn regress_row_numbers_without_a_name_are_left_out() {
+    let r = read(",time,a\n0,0.0,1\n1,0.5,2\n2,1.0,3\n");
+    assert_eq!((&r.rasters[0].time_s[..], &r.channels[0].samples[..]), (&[0.0, 0.5, 1.0][..], &[1.0, 2.0, 3.0][..]));
+    let skipped = Finding::SkippedChannel { channel: "column 1".into(), reason: SkipReason::RowNumbers };
+    assert_eq!(r.findings, [skipped]);
+    assert_eq!(problem(",time,a\n0,0.0,1\n0,0.5,2\n"), (3, Some(1), CsvProblem::NoName));
+    assert_eq!(problem(",time,a\n2.5,0.0,1\n"), (2, Some(1), CsvProblem::NoName));
+}
+
+#[test]
+fn regress_bars_between_decimal_commas() {
+    for text in ["time|a|b\n0|1,5|2\n1|2,5|3\n", "Zeit|a|b\n0,0|1,5|2\n1,0|2,5|3\n"] {
+        let r = read(text);
+        assert_eq!(
+            (&r.rasters[0].time_s[..], &r.channels[0].samples[..]),
+            (&[0.0, 1.0][..], &[1.5, 2.5][..]),
+            "{text}"
+        );
+        assert_eq!(r.format, recording::Format::Csv { delimiter: '|', decimal_comma: true });
+    }
+    // Bars within text separate nothing.
+    assert_eq!(read("time,n,flags\n0,1,a|b\n1,2,b|c\n").channels[0].samples, [1.0, 2.0]);
+}
+
+#[test]
+fn regress_nul_bytes_at_the_end_are_said() {
+    let r = read("time,a\n0,1\n1,2\n\0\0\0\0");
+    assert_eq!(
+        (&r.rasters[0].time_s[..], r.findings),
+        (&[0.0, 1.0][..], vec![Finding::NulBytes { offset: 15, count: 4 }])
+    );
+    let cut = read(&format!("time,a\n0,1\n1{}", "\0".repeat(1 << 19)));
+    assert_eq!(cut.rasters[0].time_s, [0.0]);
+    let expected = [Finding::NulBytes { offset: 12, count: 1 << 19 }, Finding::IncompleteLastLine { line: 3 }];
+    assert_eq!(cut.findings, expected);
+    assert!(cut.findings.iter().all(Finding::is_loss));
+}
+
+#[test]
+fn exact_utf16_is_read_without_a_byte_order_mark() {
+    let text = "time;T [°C]\n0;20\n";
+    let little: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let big: Vec<u8> = text.encode_utf16().flat_map(u16::to_be_bytes).collect();
+    for bytes in [&little, &big] {
+        let r = decode("a.csv", bytes, &Selection::All).unwrap();
+        assert_eq!((r.channels[0].unit.as_str(), &r.channels[0].samples[..], r.findings), ("°C", &[20.0][..], vec![]));
+    }
+    let cut = [&little[..], &[0; 7]].concat();
+    let r = decode("a.csv", &cut, &Selection::All).unwrap();
+    assert_eq!((r.channels.len(), r.findings), (1, vec![Finding::NulBytes { offset: 34, count: 7 }]));
+}
+
+#[test]
+fn regress_numbers_beyond_a_double_are_refused() {
+    for text in ["1e400", "-1e400", "1.5e999"] {
+        let settled = format!("time,a\n0.5,1.25\n1,{text}\n");
+        assert_eq!(problem(&settled), (3, Some(2), CsvProblem::TooLarge { text: text.into() }));
+    }
+    assert_eq!(problem("time;a\n0,5;1,5e400\n"), (2, Some(2), CsvProblem::TooLarge { text: "1,5e400".into() }));
+    assert_eq!(read("time,a\n0,1e300\n1,inf\n").channels[0].samples, [1e300, f64::INFINITY]);
+}

@@ -125,10 +125,11 @@ proptest! {
 
 #[test]
 fn regress_names_that_text_reads_as_something_else_do_not_fit_it() {
-    for name in ["2026-11-21", "12:34:56", "a\u{1}b", "a\tb", "time", " a"] {
+    for name in ["2026-11-21", "12:34:56", "a\u{1}b", "a\tb", "time", " a", "time_slow", "dead time", "t2"] {
         assert!(!fits_text(name, ""), "{name:?}");
     }
     assert!(fits_text("12", "Nm") && fits_text("Speed 2026-11-21", "rpm"));
+    assert!(fits_text("t_oil", "°C") && fits_text("injection duration", "ms") && fits_text("dead time_channel", "ms"));
 }
 
 /// A recording of one channel.
@@ -163,6 +164,13 @@ fn exact_a_raster_without_samples_comes_last_in_text() {
     let read = decode("a.csv", &encode_csv(&recording).unwrap(), &Selection::All).unwrap();
     let found: Vec<_> = read.channels.iter().map(|c| (c.name.as_str(), c.unit.as_str(), c.samples.len())).collect();
     assert_eq!(found, [("x", "V", 2), ("y", "A", 0)]);
+}
+
+#[test]
+fn exact_a_raster_without_channels_is_not_written_as_text() {
+    let mut recording = one("x", "V");
+    recording.rasters.push(Raster { time_s: vec![0.0, 1.0, 2.0], name: None });
+    assert_eq!(encode_csv(&recording).unwrap(), encode_csv(&one("x", "V")).unwrap());
 }
 
 #[test]
