@@ -233,6 +233,21 @@ fn stat_intervals_of_the_load_cell_cover() {
     assert!(near.iter().all(|share| *share >= 0.95), "{near:?}");
 }
 
+/// N_d bends half a gate later than T_d acts; orders of the engine at which nothing is coherent lie in the band.
+#[test]
+#[ignore = "slow"]
+fn stat_the_bend_of_the_speed_is_found_between_engine_orders() {
+    let errors = in_parallel(8, |seed| {
+        let (experiment, _) =
+            recorded(&BenchParameters::default(), &ExperimentPlan::white_noise_t_tn(1200.0, 30.0), seed as u64);
+        let signals = of(&experiment);
+        let delay = signals.recordings[0].delays.found().unwrap().iter().find(|d| d.role == Role::AirGapTorque).unwrap();
+        let bend = delay.against_speed_bend.clone().unwrap();
+        ((bend.value + 0.5e-3).abs(), bend.standard_error)
+    });
+    assert!(errors.iter().all(|(error, standard)| *error < 1e-4 && *standard < 5e-5), "{errors:?}");
+}
+
 #[test]
 fn stat_an_inverter_that_misjudges_its_machine_is_not_trusted() {
     let trust = |error: f64| {
