@@ -37,6 +37,8 @@ const PARTS: &[(&str, Meaning)] = &[
     ("setpt", Demand),
     ("setval", Demand),
     ("sollwert", Demand),
+    ("solldreh", Demand),
+    ("sollmoment", Demand),
     ("target", Demand),
     ("desired", Demand),
     ("command", Demand),
@@ -58,6 +60,9 @@ const PARTS: &[(&str, Meaning)] = &[
     ("messbrems", LoadCell),
     ("measure", Measured),
     ("gemessen", Measured),
+    ("istwert", Measured),
+    ("istdreh", Measured),
+    ("istmoment", Measured),
     ("actual", Measured),
     ("flange", Flange),
     ("flansch", Flange),
@@ -237,6 +242,8 @@ fn read_token(token: &str, found: &mut Vec<Found>) {
 }
 
 fn read_parts(text: &str, found: &mut Vec<Found>) {
+    // A Leistungsbremse is a dynamometer, Leistung is power.
+    let text = text.replace("leistungsbrems", "brems");
     for (part, meaning) in PARTS {
         if text.contains(part) {
             push(found, part, *meaning);

@@ -55,10 +55,12 @@ pub struct DatasetOptions {
 pub enum Resampling {
     /// Faster than the data: through a low-pass filter without phase shift.
     Filtered,
-    /// Slower than the data: each value stays until the next.
+    /// Slower than the data, or as slow and sampled beside their ticks: each value stays until the next.
     Held,
     /// Slower than the data: on straight lines from value to value.
     Straight,
+    /// As slow as the data, but sampled beside their ticks: on straight lines.
+    Beside,
     /// Slower than the data: as a signal without content above half its own sample rate.
     BandLimited,
 }
@@ -142,7 +144,7 @@ pub enum DatasetError {
     },
     /// Time stamps that do not rise.
     #[error(
-        "{file}: the time stamps of \"{channel}\" do not rise at sample {sample}; export the recording again, or cut it before that with --to"
+        "{file}: the time stamps of \"{channel}\" do not rise at sample {sample}; export the recording again, or cut it before that"
     )]
     TimeNotRising {
         /// The file.

@@ -31,7 +31,7 @@ pub struct OnOneClock {
 /// sample, before it begins, after it ends and in its gaps, it is NaN.
 ///
 /// # Errors
-/// [`DatasetError::SampleTime`] where the clock cannot be used on the recording, [`DatasetError::NoneOnClock`] where no
+/// [`DatasetError::SampleTime`] where the clock cannot be used on the recording, why the first channel cannot be brought onto it where no
 /// channel can be brought onto it.
 pub fn on_one_clock(
     file: &str,
@@ -60,7 +60,8 @@ pub fn on_one_clock(
         }
     }
     if channels.is_empty() {
-        return Err(DatasetError::NoneOnClock { file: file.to_owned(), sample_time_s });
+        let none = DatasetError::NoneOnClock { file: file.to_owned(), sample_time_s };
+        return Err(left_out.into_iter().next().unwrap_or(none));
     }
     let time_s = (0..clock.count).map(|tick| instant_s(start_s, tick, sample_time_s)).collect();
     let recording = Recording { rasters: vec![Raster { time_s, name: None }], channels, ..recording };

@@ -126,8 +126,11 @@ impl<'r> Timed<'r> {
         }
         let same = (self.sample_time_s - clock.sample_time_s).abs() <= SAME_SHARE * clock.sample_time_s;
         let how = match part {
-            _ if same && self.is_beside(clock) => Some(Resampling::Straight),
-            _ if same => None,
+            _ if same && !self.is_beside(clock) => None,
+            Part::Alone(Intersample::ZeroOrderHold) if same && largest_s <= JITTER_SHARE * self.sample_time_s => {
+                Some(Resampling::Held)
+            }
+            _ if same => Some(Resampling::Beside),
             _ if self.is_faster(clock.sample_time_s) => Some(Resampling::Filtered),
             Part::Output => {
                 log.push(Adjustment::Sparse { channel: name(), sample_time_s: self.sample_time_s });
@@ -151,7 +154,7 @@ impl<'r> Timed<'r> {
         }
         let failed = |source| DatasetError::Signal { file: file.to_owned(), channel: name(), source };
         let column = match how {
-            None | Some(Resampling::Straight) => self.straight(clock),
+            None | Some(Resampling::Straight | Resampling::Beside) => self.straight(clock),
             Some(Resampling::Held) => self.held(clock),
             Some(Resampling::Filtered) => self.resampled(clock, Some(part)).map_err(failed)?,
             Some(Resampling::BandLimited) => self.resampled(clock, None).map_err(failed)?,

@@ -81,6 +81,19 @@ fn exact_other_naming_schemes() {
     );
     check(
         [
+            "Istdrehzahl Leistungsbremse",
+            "Drehzahlistwert Verbrennungsmotor",
+            "Solldrehzahl Leistungsbremse",
+            "Solldrehmoment Leistungsbremse",
+            "Istdrehmoment Umrichter",
+            "Istdrehmoment Kraftmessdose",
+            "Drehmoment Welle berechnet",
+        ],
+        "U/min",
+        "Nm",
+    );
+    check(
+        [
             "Brake/Speed [actual]",
             "Engine/Speed [actual]",
             "Brake/Speed [setpoint]",

@@ -241,7 +241,8 @@ fn stat_the_bend_of_the_speed_is_found_between_engine_orders() {
         let (experiment, _) =
             recorded(&BenchParameters::default(), &ExperimentPlan::white_noise_t_tn(1200.0, 30.0), seed as u64);
         let signals = of(&experiment);
-        let delay = signals.recordings[0].delays.found().unwrap().iter().find(|d| d.role == Role::AirGapTorque).unwrap();
+        let delay =
+            signals.recordings[0].delays.found().unwrap().iter().find(|d| d.role == Role::AirGapTorque).unwrap();
         let bend = delay.against_speed_bend.clone().unwrap();
         ((bend.value + 0.5e-3).abs(), bend.standard_error)
     });

@@ -90,6 +90,7 @@ fn resampling(how: Resampling) -> &'static str {
         Resampling::Filtered => "through a low-pass filter without phase shift",
         Resampling::Held => "each value held until the next (--between)",
         Resampling::Straight => "on straight lines from value to value (--between)",
+        Resampling::Beside => "on straight lines between its samples, which lie beside the ticks",
         Resampling::BandLimited => "as a band-limited signal (--between)",
     }
 }

@@ -42,6 +42,7 @@ fn resampling(how: Resampling) -> &'static str {
         Resampling::Filtered => ", through a low-pass filter without phase shift, and is band-limited since",
         Resampling::Held => ", each value held until the next (--between)",
         Resampling::Straight => ", on straight lines from value to value (--between)",
+        Resampling::Beside => ", on straight lines between its samples, which lie beside those of the others",
         Resampling::BandLimited => ", as a band-limited signal (--between)",
     }
 }
