@@ -46,7 +46,7 @@ fn because(rules: &[Rule]) -> Markup {
         .into_iter()
         .map(|rule| {
             let found = wording::capitalised(&rule.found);
-            markup!("<li><em>{}.</em> <span class=\"asked\">{}</span></li>", prose(&found), prose(rule.asks))
+            markup!("<li><em>{}.</em> <span class=\"asked\">Asked: {}</span></li>", prose(&found), prose(rule.asks))
         })
         .collect();
     match decisive.is_empty() {

@@ -218,7 +218,7 @@ fn decibel(gain: f64) -> Rounded {
 fn bode_caption(unit: &str, with_sines: bool) -> String {
     let mut caption = format!("Gain relative to 1 {unit}; shaded: 95 % band of the model.");
     if with_sines {
-        caption.push_str(" Points: gains measured by sine tests, the engine’s part removed, with 95 % error bars.");
+        caption.push_str(" Points: gains measured by sine tests, the engine’s part removed, with 95 % intervals of the measured gain.");
     }
     caption
 }
@@ -251,7 +251,7 @@ fn sine_figure(whole: &WholeModel) -> Figure {
         symbols: true,
         title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
         caption:
-            "Points: measured, the engine’s part removed, with 95 % error bars. Grey: at an engine order, where the \
+            "Points: measured, the engine’s part removed, with 95 % intervals of the measured gain. Grey: at an engine order, where the \
                   engine cannot be told from the dynamometer. Shaded: 95 % band of the model."
                 .to_owned(),
         x: Axis::linear("frequency", "Hz").within(0.0, 1.1 * highest),
@@ -265,7 +265,7 @@ fn sine_table(points: &[SinePoint]) -> Markup {
         vec![
             unbroken(&number::significant_with_unit(point.frequency_hz, 3, "Hz")),
             unbroken(&number::plus_minus(point.gain, error, "")),
-            unbroken(&number::to_place_of(shown_gain(point), error)),
+            unbroken(&number::plus_minus(shown_gain(point), error, "")),
             unbroken(&number::to_place_of(point.model_gain, error)),
             unbroken(&deviation(point)),
             markup!("{}", if point.at_engine_order { "at an engine order" } else { "" }),
@@ -273,7 +273,7 @@ fn sine_table(points: &[SinePoint]) -> Markup {
         ]
     });
     let heads =
-        ["Frequency", "Measured gain, ± 95 %", "Without the engine’s part", "Model", "Over model", "", "Recording"];
+        ["Frequency", "Measured gain, ± 95 %", "Without the engine’s part, ± as measured", "Model", "Over model", "", "Recording"];
     table("numbers", &heads, rows)
 }
 
