@@ -93,12 +93,6 @@ impl TorqueSmoother<'_> {
         all
     }
 
-    /// The variance that each of a line's two states keeps, Nm²: a damped oscillator of density q holds q/(2 ζω).
-    pub(super) fn line_power(&self, line: usize, logarithms: &[f64], scale: f64) -> f64 {
-        let omega = TAU * self.observed.lines_hz[line];
-        scale * (logarithms[DAMPING + 1 + line] - logarithms[DAMPING]).exp() / (2.0 * omega)
-    }
-
     /// Each speed's variance over its guess, the first one's being one.
     pub(super) fn noise_ratios<'b>(&self, logarithms: &'b [f64]) -> impl Iterator<Item = f64> + 'b {
         let further = self.observed.noise_rad_s.len() - 1;
@@ -114,7 +108,10 @@ impl TorqueSmoother<'_> {
         let (system, start) = self.system(logarithms, *scale)?;
         let innovations = system.innovations(&start, self.observed.torque.as_ref(), self.observed.speeds.as_ref())?;
         let density = |logarithm: f64| (scale * logarithm.exp()).sqrt();
-        let line = |(k, hz): (usize, &f64)| (*hz, (2.0 * self.line_power(k, logarithms, *scale)).sqrt());
+        let line = |(k, hz): (usize, &f64)| {
+            let power = scale * (logarithms[DAMPING + 1 + k] - logarithms[DAMPING]).exp() / (2.0 * TAU * hz);
+            (*hz, (2.0 * power).sqrt())
+        };
         let ratios = self.observed.noise_rad_s.iter().zip(self.noise_ratios(logarithms));
         Ok(NoiseLevels {
             speeds_rad_s: ratios.map(|(noise, ratio)| (scale * ratio).sqrt() * noise).collect(),

@@ -32,7 +32,7 @@ const LINES: usize = 4;
 const STEADY: f64 = 0.02;
 /// Instants at which T_d is read within a sample of N_d.
 const WITHIN: usize = 4;
-/// Standard deviations at the start: the torque sought, Nm, and of a line no more than that; its slope, Nm/s.
+/// Standard deviations at the start: the torque sought, Nm; its slope, Nm/s.
 const START: (f64, f64) = (300.0, 1e4);
 
 /// How speeds answer T_d and the torque that is sought: dx/dt = A x + b T_d + e T.
@@ -232,21 +232,19 @@ impl TorqueSmoother<'_> {
         let sampled = StateSpace::discrete(transition, input, c, Mat::zeros(means, 1), step)?;
         let ratios = self.observed.noise_rad_s.iter().zip(self.noise_ratios(logarithms));
         let variances = ratios.map(|(noise, ratio)| scale * ratio * noise.powi(2)).collect();
-        Ok((NoisySystem::new(sampled, process, variances)?, self.start(logarithms, scale)))
+        Ok((NoisySystem::new(sampled, process, variances)?, self.start()))
     }
 
-    /// Speeds near the first reading, the torque sought somewhere about T_d. Lines start as they are at any time: with a wider
-    /// start than what hardly damped ones keep, the way back loses their variances among its rounding errors.
-    fn start(&self, logarithms: &[f64], scale: f64) -> Belief {
+    /// Speeds near the first reading, the torque sought somewhere about T_d.
+    fn start(&self) -> Belief {
         let (n, means, wandering) = (self.states(), self.means(), self.wandering());
         let mechanics = self.mechanics;
         let torque = self.observed.torque[(0, 0)];
         let deviation = |i: usize| match i {
             i if i < means => mechanics.start[mechanics.measured[i]],
             i if i < wandering => mechanics.start[i - means],
-            i if i == wandering => START.0,
             i if i == wandering + 1 => START.1,
-            i => self.line_power((i - wandering - 2) / 2, logarithms, scale).sqrt().min(START.0),
+            _ => START.0,
         };
         let mean = |i: usize| match i {
             i if i < means => 0.0,
