@@ -64,7 +64,8 @@ fn regress_recordings_that_tell_nothing_end_with_a_code_that_says_so() {
     let short = simulate(&BenchParameters::default(), &ExperimentPlan::white_noise_t_tn(1200.0, 0.05), 1).unwrap();
     let mut still = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 6.0), 1).unwrap();
     for channel in &mut still.channels {
-        channel.samples.fill(channel.samples[0]);
+        let first = channel.samples[0];
+        channel.samples.fill(first);
     }
     let campaign = Campaign::whole().with("WhiteNoise_T_TN_1200.mf4", &short).with("BS_T_NT_1200.mf4", &still);
     for command in ["torque", "engine", "look", "controller"] {
