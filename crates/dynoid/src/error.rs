@@ -25,14 +25,25 @@ pub(crate) enum Outcome {
     NotSafe,
     /// The command went on past inputs that cannot be read; each was named.
     SomeUnreadable,
+    /// No recording tells anything; why was said of each.
+    NothingTold,
 }
 
 impl Outcome {
+    /// That of a command that looks at recordings one by one.
+    pub(crate) fn of(tells: bool, refused: &[String]) -> Self {
+        match (tells, refused) {
+            (true, []) => Outcome::Done,
+            (true, _) => Outcome::SomeUnreadable,
+            (false, _) => Outcome::NothingTold,
+        }
+    }
+
     pub(crate) fn code(self) -> u8 {
         match self {
             Outcome::Done => 0,
             Outcome::Insufficient | Outcome::NotSafe => 1,
-            Outcome::SomeUnreadable => INPUT,
+            Outcome::SomeUnreadable | Outcome::NothingTold => INPUT,
         }
     }
 }
@@ -255,21 +266,17 @@ fn read_words(error: &io::Error) -> String {
 fn write_words(path: &Path, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "you may not write here; choose another place with --out".into()
+            "you may not write here; choose another place".into()
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "the disk is full; free some space, or choose another place with --out".into()
+            "the disk is full; free some space, or choose another place".into()
         }
-        io::ErrorKind::NotADirectory => {
-            "part of this path is a file, not a folder; choose another place with --out".into()
-        }
+        io::ErrorKind::NotADirectory => "part of this path is a file, not a folder; choose another place".into(),
         io::ErrorKind::NotFound if crate::input::folder_of(path).is_dir() => {
-            "no file can be made in this folder; choose another place with --out".into()
+            "no file can be made in this folder; choose another place".into()
         }
-        io::ErrorKind::NotFound => {
-            "the folder to write to is not there; make it, or choose another place with --out".into()
-        }
-        _ => format!("this cannot be written: {error}; choose another place with --out"),
+        io::ErrorKind::NotFound => "the folder to write to is not there; make it, or choose another place".into(),
+        _ => format!("this cannot be written: {error}; choose another place"),
     }
 }
 

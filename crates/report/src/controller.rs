@@ -22,7 +22,7 @@ const MARGIN: f64 = 0.03;
 /// Why a recording does not tell something of the speed controller, with what would.
 pub fn untold(why: &Untold) -> String {
     match why {
-        Untold::Missing { role } => format!("{} is not recorded; record it", wording::role(*role)),
+        Untold::Missing { .. } | Untold::WrongSign { .. } => crate::torque::untold(why),
         Untold::NotExcited | Untold::NotExplained => {
             "N_d* hardly moves where T_d* is below its limit; run Levels_N_NT".to_owned()
         }

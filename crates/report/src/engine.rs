@@ -97,12 +97,17 @@ pub fn cylinders(cylinders: &Cylinders) -> String {
     }
 }
 
+/// How the cylinders' parts are cut, and what their intervals hold.
+pub const CUT: &str = "A cylinder's part is cut from one trough of the firing order to the next, without a mark of top dead centre: \
+    neighbours reach into it, so that it is no cylinder's torque alone. The ± (95 %) holds noise and a once-a-turn error of the \
+    engine's encoder, as large as what comes back with every turn and at least 0.01 %";
+
 /// A cylinder's row: place in the order of firing, mean torque less the cycle's with its interval, scatter.
 pub fn cylinder_rows(cylinders: &Cylinders) -> Vec<[String; 3]> {
     let row = |(place, c): (usize, &Cylinder)| {
         [
             (place + 1).to_string(),
-            number::plus_minus(c.apart_nm, BAND * c.standard_error_nm, "Nm"),
+            number::plus_minus(c.apart_nm, BAND * c.whole_error_nm(), "Nm"),
             number::significant_with_unit(c.variation_nm, 2, "Nm"),
         ]
     };
@@ -198,12 +203,12 @@ fn by_cycle(file: &str, cycles: &Cycles) -> Figure {
 
 fn by_cylinder(file: &str, cycles: &Cycles) -> Figure {
     let all = &cycles.cylinders.cylinders;
-    let row = |(place, c): (usize, &Cylinder)| ((place + 1) as f64, c.apart_nm, c.standard_error_nm);
+    let row = |(place, c): (usize, &Cylinder)| ((place + 1) as f64, c.apart_nm, c.whole_error_nm());
     let layer = bars("mean over the cylinder's part, 95 %", all.iter().enumerate().map(row));
     let panel = Panel::new(Axis::linear("T_e less the cycle's mean", "Nm"), HEIGHT, vec![layer]);
     let axis = Axis::linear("place in the order of firing", "").within(0.5, all.len() as f64 + 0.5);
     Figure::new(&format!("{file}: engine torque cylinder by cylinder"), axis, vec![panel])
-        .with_caption(format!("{}.", cylinders(&cycles.cylinders)))
+        .with_caption(format!("{}. {CUT}.", cylinders(&cycles.cylinders)))
 }
 
 fn by_order(file: &str, cycles: &Cycles) -> Figure {

@@ -1,6 +1,7 @@
 //! Friction and inertia of the dynamometer, in words and figures.
 
-use bench::friction::{Friction, Inertia, Term, Undetermined};
+use bench::friction::{Friction, Inertia, Term, TorqueUsed, Undetermined};
+use bench::study::Parameter;
 use bench::units::RPM_RAD_S;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
@@ -8,8 +9,8 @@ use crate::wording::number;
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
-/// An estimated J_d beyond the stated one by more than this part of it is as if more than the dynamometer turned.
-const MORE_TURNS: f64 = 0.15;
+/// Half the width of a 95 % interval in standard deviations.
+const BAND: f64 = 1.96;
 /// Below this difference a criterion does not decide.
 const UNDECIDED: f64 = 6.0;
 
@@ -29,31 +30,95 @@ pub fn terms(all: &[Term]) -> String {
     all.iter().map(|one| term(*one)).collect::<Vec<_>>().join(" + ")
 }
 
-/// What is to be said beside the numbers; `stated_kg_m2` is J_d of the bench file.
-pub fn remarks(friction: &Friction, stated_kg_m2: f64) -> Vec<String> {
-    let mut all = Vec::new();
-    match &friction.inertia {
-        Inertia::Estimated { inertia, .. } => {
-            let (low, high) = inertia.interval;
-            if low > (1.0 + MORE_TURNS) * stated_kg_m2 {
-                all.push(format!(
-                    "J_d comes out {} % above the {} of the bench file: if the shaft was off, correct the bench file",
-                    number::significant(100.0 * (inertia.value / stated_kg_m2 - 1.0), 2),
-                    number::measure(stated_kg_m2, "kg m²"),
-                ));
-            } else if !(low..=high).contains(&stated_kg_m2) {
-                all.push(format!("the bench file states {} for J_d", number::measure(stated_kg_m2, "kg m²")));
-            }
-        }
-        Inertia::Stated { inertia_kg_m2, why } => all.push(format!(
+/// J_d of a bench file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StatedInertia {
+    /// J_d, kg m².
+    pub kg_m2: f64,
+    /// Its standard uncertainty, %, where the bench file states one.
+    pub uncertainty_percent: Option<f64>,
+}
+
+/// What is to be known beside the numbers.
+pub fn remarks(friction: &Friction) -> Vec<String> {
+    let told = match &friction.inertia {
+        Inertia::Estimated { .. } => None,
+        Inertia::Stated { inertia_kg_m2, why } => Some(format!(
             "{}: these recordings tell friction over inertia alone; torques hold for the {} of the bench file. For J_d, step \
              N_d* (NoShaft_N_NT)",
             undetermined(*why),
             number::measure(*inertia_kg_m2, "kg m²"),
         )),
+    };
+    let uses = |source| friction.run_outs.iter().any(|run_out| run_out.torque == Some(source));
+    let calculated = uses(TorqueUsed::Calculated).then(|| {
+        "T_d is T_d,calc as it was recorded, since no T_d* that it follows tells what it does between its samples: means \
+         over several of them were compared; name T_d* in the bench file for a sharper estimate"
+            .to_owned()
+    });
+    told.into_iter().chain(calculated).chain(undecided(friction)).collect()
+}
+
+/// What casts doubt on the numbers, with what to do.
+pub fn doubts(friction: &Friction, stated: StatedInertia) -> Vec<String> {
+    let of_inertia = match &friction.inertia {
+        Inertia::Estimated { inertia, .. } => against_stated(inertia, stated),
+        Inertia::Stated { .. } => None,
+    };
+    let of_cell = || {
+        let is_of_cell = |run_out: &&bench::friction::RunOut| run_out.torque == Some(TorqueUsed::LoadCell);
+        let mut files: Vec<&str> =
+            friction.run_outs.iter().filter(is_of_cell).map(|run_out| run_out.stretch.file.as_str()).collect();
+        files.dedup();
+        (!files.is_empty()).then(|| {
+            format!(
+                "{}: T_d is taken from the load cell, T_d,meas, since there is no T_d,calc that can be used: δ_T holds how \
+                 late the load cell is, and what it adds to T_d beyond that shows in J_d; record T_d,calc, or mend what a \
+                 warning says of it",
+                files.join(", ")
+            )
+        })
+    };
+    of_inertia.into_iter().chain(of_cell()).chain(below_zero(friction)).collect()
+}
+
+/// J_d against that of the bench file, where the difference is more than both uncertainties allow.
+fn against_stated(inertia: &Parameter, stated: StatedInertia) -> Option<String> {
+    let own = 0.5 * (inertia.interval.1 - inertia.interval.0);
+    let theirs = BAND * stated.uncertainty_percent.unwrap_or(0.0) / 100.0 * stated.kg_m2;
+    let apart = inertia.value - stated.kg_m2;
+    (apart.abs() > own.hypot(theirs)).then(|| {
+        let way = if apart > 0.0 { "above" } else { "below" };
+        let exact = match stated.uncertainty_percent {
+            Some(_) => "",
+            None => " (which counts as exact: state its uncertainty as dynamometer_inertia_uncertainty_percent)",
+        };
+        format!(
+            "J_d comes out {} % {way} the {} of the bench file{exact}, more than the intervals allow: if the shaft was off and \
+             the gain of T_d is right, correct dynamometer_inertia in the bench file",
+            number::significant(100.0 * apart.abs() / stated.kg_m2, 2),
+            number::measure(stated.kg_m2, "kg m²"),
+        )
+    })
+}
+
+/// Coulomb friction below zero: what holds over the speeds seen drives at others.
+fn below_zero(friction: &Friction) -> Option<String> {
+    let coulomb = friction.friction.parameter("c_0").filter(|c| c.interval.1 < 0.0)?;
+    Some(format!(
+        "c_0 is below zero ({}), which no friction is: T_fric holds over the speeds seen, not below them; record slower speeds",
+        number::interval(coulomb)
+    ))
+}
+
+/// What T_d of a stretch was taken from, in a word.
+pub fn torque_used(used: Option<TorqueUsed>) -> &'static str {
+    match used {
+        None => "no T_d",
+        Some(TorqueUsed::Modelled) => "T_d from T_d* through the torque control",
+        Some(TorqueUsed::Calculated) => "T_d from T_d,calc",
+        Some(TorqueUsed::LoadCell) => "T_d from the load cell",
     }
-    all.extend(undecided(friction));
-    all
 }
 
 /// Candidates that explain the speed as well as the chosen one.
@@ -105,8 +170,10 @@ pub fn figures(friction: &Friction) -> Vec<Figure> {
             Layer::timed_trace("modelled", Style::Modelled, &run_out.time_s, &speeds(&run_out.modelled_rad_s)),
         ];
         let panel = Panel::new(Axis::linear("N_d", "rpm"), HEIGHT, layers);
-        Figure::new(&run_out.stretch.file, Axis::time(), vec![panel])
-            .with_caption("The model runs from the first sample on, driven by T_d alone; what T_d lacks adds up.")
+        Figure::new(&run_out.stretch.file, Axis::time(), vec![panel]).with_caption(format!(
+            "The model runs from the first sample on, driven by T_d alone; what T_d lacks adds up. Used: {}.",
+            torque_used(run_out.torque)
+        ))
     });
     std::iter::once(first).chain(rest).collect()
 }

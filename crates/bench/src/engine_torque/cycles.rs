@@ -90,10 +90,21 @@ pub struct CylindersOnceATurn {
 pub struct Cylinder {
     /// Mean torque over its part of the cycle less the cycle's, Nm.
     pub apart_nm: f64,
-    /// Standard error, Nm.
+    /// Standard error by how cycles differ, Nm.
     pub standard_error_nm: f64,
+    /// Standard deviation that a once-a-turn error of the engine's encoder brings, Nm: as large as what comes back with every
+    /// turn, and that of an error of 10⁻⁴ of the speed.
+    pub encoder_nm: f64,
     /// Standard deviation from cycle to cycle, Nm.
     pub variation_nm: f64,
+}
+
+impl Cylinder {
+    /// Standard error of noise and encoder together, Nm.
+    #[must_use]
+    pub fn whole_error_nm(&self) -> f64 {
+        self.standard_error_nm.hypot(self.encoder_nm)
+    }
 }
 
 /// An order of the crankshaft in T_e: a cosine of the crank's angle that every cycle has alike.
@@ -296,9 +307,10 @@ fn compared(rows: &[Vec<f64>], turns: f64, once_a_turn_nm: f64) -> Cylinders {
     let of_cylinder = |c: usize| {
         let mean = rows.iter().map(|row| row[c]).sum::<f64>() / count;
         let variance = rows.iter().map(|row| (row[c] - mean).powi(2)).sum::<f64>() / (count - 1.0);
-        Cylinder { apart_nm: mean, standard_error_nm: (variance / count).sqrt(), variation_nm: variance.sqrt() }
+        let standard_error_nm = (variance / count).sqrt();
+        Cylinder { apart_nm: mean, standard_error_nm, encoder_nm: 0.0, variation_nm: variance.sqrt() }
     };
-    let all: Vec<Cylinder> = (0..cylinders).map(of_cylinder).collect();
+    let mut all: Vec<Cylinder> = (0..cylinders).map(of_cylinder).collect();
     let apart: Vec<f64> = all.iter().map(|c| c.apart_nm).collect();
     let freedom = cylinders as f64 - 1.0;
     let within = (count - 1.0) * all.iter().map(|c| c.variation_nm.powi(2)).sum::<f64>() / (freedom * (count - 1.0));
@@ -312,6 +324,10 @@ fn compared(rows: &[Vec<f64>], turns: f64, once_a_turn_nm: f64) -> Cylinders {
     let rms_nm = (of_turn / cylinders as f64).sqrt();
     // A cosine of amplitude A over a cylinder's part has the mean A sinc(turns) at its middle.
     let part = (PI * turns).sin().abs() / (PI * turns);
+    if !patterns.is_empty() {
+        let least = part * once_a_turn_nm / 2f64.sqrt();
+        all.iter_mut().for_each(|cylinder| cylinder.encoder_nm = rms_nm.hypot(least));
+    }
     Cylinders {
         cylinders: all,
         alike_probability: alike(whole, freedom).unwrap_or(1.0),

@@ -17,7 +17,7 @@ pub use self::source::{InertiaSource, TwoMasses};
 use crate::estimate::{speed_controller, torque_control};
 use crate::processors::on_all_processors;
 use crate::study::shaft_inputs::stated_gate;
-use crate::torque_signals::Told;
+use crate::torque_signals::{Told, believable};
 use crate::{BenchFile, Experiment};
 
 /// What recordings tell of the engine's torque.
@@ -45,15 +45,20 @@ pub struct EngineRecording {
 /// Rebuilds the engine's torque of every recording with a shaft; `step` hears of each before its turn comes.
 ///
 /// The shaft is that of the recording that tells it best, J_e that of a recording with a broadband T_d* in torque control
-/// where one tells it, otherwise the bench file's.
+/// where one tells it, otherwise the bench file's. Recordings whose T_d,calc has the wrong sign are not used.
 #[must_use]
 pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> EngineTorque {
     let limit = bench.limits.torque_nm;
+    let all: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let experiments: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
     let controller =
         experiments.iter().filter(|e| e.is_test("BS")).find_map(|e| speed_controller::estimate(e, limit).ok());
-    let control = torque_control::choose(experiments).and_then(|e| torque_control::estimate(e, limit).ok());
+    let control = torque_control::choose(&experiments).and_then(|e| torque_control::estimate(e, limit).ok());
     let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
-    let masses = TwoMasses::of(&with_shaft, bench, controller.as_ref(), control.as_ref());
+    let masses = match all.iter().find_map(|experiment| believable(experiment).err()) {
+        Some(why) if with_shaft.is_empty() => Err(why),
+        _ => TwoMasses::of(&with_shaft, bench, controller.as_ref(), control.as_ref()),
+    };
     let known = rebuild::Known {
         engine: bench.engine(),
         stated_gate_s: stated_gate(bench),
@@ -68,17 +73,19 @@ pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn
         step(&experiment.file);
         of_recording(experiment, &masses, &known)
     };
-    let recordings = on_all_processors(&with_shaft, look, &|_, _| ());
+    let recordings = on_all_processors(&all, look, &|_, _| ());
     EngineTorque { masses: Told::Found(masses), recordings }
 }
 
 fn of_recording(experiment: &Experiment, masses: &TwoMasses, known: &rebuild::Known<'_>) -> EngineRecording {
-    let (engine, cycles) = match rebuild::rebuild(experiment, masses, known) {
+    let rebuilt = believable(experiment)
+        .and_then(|()| rebuild::rebuild(experiment, masses, known).map_err(|error| (&error).into()));
+    let (engine, cycles) = match rebuilt {
         Ok((engine, motion)) => {
             let cycles = cycles::of(&engine, &motion, known.engine).map_or_else(Told::Untold, Told::Found);
             (Told::Found(engine), cycles)
         }
-        Err(error) => (Told::Untold((&error).into()), Told::Untold((&error).into())),
+        Err(why) => (Told::Untold(why.clone()), Told::Untold(why)),
     };
     EngineRecording { file: experiment.file.clone(), label: experiment.label.to_string(), engine, cycles }
 }

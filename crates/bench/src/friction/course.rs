@@ -5,8 +5,9 @@ use std::ops::Range;
 use signal::{Signal, runs};
 
 use super::regression::Fitted;
-use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut, Term};
+use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed};
 use crate::estimate::{timing_floor_s, torque_control};
+use crate::prepare::wrong_sign;
 use crate::study::Stretch;
 use crate::{Experiment, Role};
 
@@ -31,6 +32,13 @@ const DISAGREES: f64 = 0.05;
 const AHEAD_S: f64 = 0.01;
 /// Values of the modelled T_d in a sample of T_d*.
 const FINER: usize = 4;
+/// What T_d does within a sample is not recorded; means over so many of its samples hardly see it.
+const SAMPLES_OF_TORQUE: f64 = 5.0;
+/// Means over this hardly see what a load cell does to T_d beyond being late, s.
+const BLOCK_OF_CELL_S: f64 = 0.1;
+/// T_d jumps where it changes from one sample to the next by more than so many times what it does on the average (rms), and by
+/// this part of the most.
+const JUMPS: (f64, f64) = (3.0, 0.25);
 /// T_d is averaged over this to see what it does beyond noise and ripple, s.
 const BLOCK_S: f64 = 0.05;
 /// Points of a figure.
@@ -43,8 +51,20 @@ pub(super) struct Course {
     pub(super) speed: Signal,
     pub(super) dropped: Vec<bool>,
     pub(super) torque: Option<Signal>,
+    /// What T_d was taken from.
+    pub(super) source: Option<TorqueUsed>,
+    /// Means over this are compared, s; zero where every sample counts.
+    pub(super) block_s: f64,
     /// Standard error of the clock of T_d against that of T_d,calc, s.
     pub(super) dated_s: f64,
+}
+
+/// T_d as it is known.
+struct Torque {
+    signal: Signal,
+    source: TorqueUsed,
+    block_s: f64,
+    dated_s: f64,
 }
 
 /// The stretches of a recording in which the dynamometer turns fast enough.
@@ -55,8 +75,8 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
     }
     let role = Role::DynoSpeed;
     let measured = experiment.signal(role).ok_or_else(|| FrictionError::MissingSignal { file: file(), role })?;
-    let known = torque(experiment, options.torque_limit_nm);
-    let torque = known.as_ref().map(|(torque, _)| torque);
+    let known = torque(experiment, options.torque_limit_nm)?;
+    let torque = known.as_ref().map(|known| &known.signal);
     let (speed, dropped) = without_drop_outs(measured);
     let fastest = speed.samples.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
     let slowest = options.slowest_rad_s.unwrap_or_else(|| match fastest {
@@ -91,16 +111,22 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
         },
         dropped: dropped[run].to_vec(),
         torque: torque.cloned(),
-        dated_s: known.as_ref().map_or(0.0, |(_, dated_s)| *dated_s),
+        source: known.as_ref().map(|known| known.source),
+        block_s: known.as_ref().map_or(0.0, |known| known.block_s),
+        dated_s: known.as_ref().map_or(0.0, |known| known.dated_s),
     };
     Ok(runs.into_iter().map(course).collect())
 }
 
 /// T_d as finely as it can be known: T_d* through the torque control that this recording itself shows, where T_d,calc agrees with
-/// it, since T_d,calc dates the edges of T_d no better than to its own sample; else T_d,calc, or the load cell. With the standard
-/// error of its clock against that of T_d,calc, s.
-fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(Signal, f64)> {
-    let recorded = [Role::AirGapTorque, Role::LoadCellTorque].into_iter().find_map(|role| experiment.signal(role))?;
+/// it, since T_d,calc dates the edges of T_d no better than to its own sample; else T_d,calc, or the load cell.
+fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Option<Torque>, FrictionError> {
+    let roles = [(Role::AirGapTorque, TorqueUsed::Calculated), (Role::LoadCellTorque, TorqueUsed::LoadCell)];
+    let found = roles.into_iter().find_map(|(role, source)| Some((experiment.signal(role)?, role, source)));
+    let Some((recorded, role, source)) = found else { return Ok(None) };
+    if wrong_sign(experiment, role).is_some() {
+        return Err(FrictionError::WrongSign { file: experiment.file.clone(), role });
+    }
     // Few edges, each at the same place between two samples, date T_d,calc no better than any sample is dated.
     let own_s = timing_floor_s(recorded.sample_time_s);
     let modelled = || {
@@ -114,11 +140,22 @@ fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(Sign
         let agrees = inverter.residual.standard_deviation_nm < DISAGREES * spread;
         agrees.then(|| {
             let torque = inverter.finer_air_gap_torque(demand, FINER);
-            let dated_s = delay.standard_error.min(recorded.sample_time_s).hypot(own_s);
-            (Signal { start_s: torque.start_s - AHEAD_S, ..torque }, dated_s)
+            Torque {
+                signal: Signal { start_s: torque.start_s - AHEAD_S, ..torque },
+                source: TorqueUsed::Modelled,
+                block_s: 0.0,
+                dated_s: delay.standard_error.min(recorded.sample_time_s).hypot(own_s),
+            }
         })
     };
-    Some(modelled().unwrap_or_else(|| (recorded.clone(), own_s)))
+    let least_s = if source == TorqueUsed::LoadCell { BLOCK_OF_CELL_S } else { 0.0 };
+    let as_recorded = || Torque {
+        signal: recorded.clone(),
+        source,
+        block_s: least_s.max(SAMPLES_OF_TORQUE * recorded.sample_time_s),
+        dated_s: own_s,
+    };
+    Ok(Some(modelled().unwrap_or_else(as_recorded)))
 }
 
 /// Refuses speeds that tell nothing.
@@ -180,6 +217,7 @@ impl Course {
         let at = || (0..self.speed.len()).step_by(step);
         RunOut {
             stretch: self.stretch(),
+            torque: self.source,
             left_out: self.dropped.iter().filter(|d| **d).count(),
             time_s: at().map(|i| self.speed.time_s(i)).collect(),
             measured_rad_s: at().map(|i| self.speed.samples[i]).collect(),
@@ -199,6 +237,23 @@ impl Course {
         let all = self.read(&sum, delay_s);
         let first = all.first().copied().unwrap_or(0.0);
         Some(all.into_iter().map(|sum| sum - first).collect())
+    }
+
+    /// What the jumps of T_d come to, Nm, at the instants of N_d, and the time between two samples within which each happens, s;
+    /// none where T_d is known between its samples.
+    pub(super) fn jumps(&self, delay_s: f64) -> Option<(Vec<f64>, f64)> {
+        let torque = self.torque.as_ref().filter(|_| self.source != Some(TorqueUsed::Modelled))?;
+        let changes: Vec<f64> = torque.samples.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let most = changes.iter().fold(0.0, |most: f64, c| most.max(c.abs()));
+        let rms = (changes.iter().map(|c| c * c).sum::<f64>() / changes.len().max(1) as f64).sqrt();
+        let least = (JUMPS.0 * rms).max(JUMPS.1 * most);
+        let mut sum = 0.0;
+        let sums = changes.iter().map(|change| {
+            sum += if change.abs() > least { *change } else { 0.0 };
+            sum
+        });
+        let jumped = torque.with_samples(std::iter::once(0.0).chain(sums).collect());
+        Some((self.read(&jumped, delay_s), torque.sample_time_s))
     }
 
     /// A signal at the instants of N_d, `late_s` later on its own clock.
@@ -222,6 +277,21 @@ impl Course {
         let pairs = torque.chunks_exact(length).zip(self.speed.samples.chunks_exact(length));
         Some((pairs.map(|(t, w)| (mean(t), mean(w))).collect(), length as f64 * self.speed.sample_time_s))
     }
+}
+
+/// The largest torque that can have slowed a dynamometer of this inertia: what T_d and the change of its speed come to, Nm.
+pub(super) fn largest_torque_nm(courses: &[Course], inertia_kg_m2: f64) -> f64 {
+    let of_course = |course: &Course| {
+        let length = ((BLOCK_S / course.speed.sample_time_s) as usize).max(1);
+        let block_s = length as f64 * course.speed.sample_time_s;
+        let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+        let speeds: Vec<f64> = course.speed.samples.chunks_exact(length).map(mean).collect();
+        let torques = course.torque_at(0.0).unwrap_or_default();
+        let braked = torques.chunks_exact(length).map(|part| mean(part).abs()).fold(0.0, f64::max);
+        let change = |pair: &[f64]| inertia_kg_m2 * (pair[1] - pair[0]).abs() / block_s;
+        braked + speeds.windows(2).map(change).fold(0.0, f64::max)
+    };
+    courses.iter().map(of_course).fold(0.0, f64::max)
 }
 
 /// The integral by the rule of trapezia, zero at the first sample.

@@ -24,7 +24,11 @@ pub enum FrictionError {
         label: String,
     },
     /// A signal is missing.
-    #[error("{file}: friction needs {} ({}); record it", .role.symbol(), .role.key())]
+    #[error(
+        "{file}: friction needs {} ({}), and there is none that can be used; record it, or, where a warning names its channel, \
+         mend that",
+        .role.symbol(), .role.key()
+    )]
     MissingSignal {
         /// File.
         file: String,
@@ -60,6 +64,50 @@ pub enum FrictionError {
         from_rad_s: f64,
         /// Highest speed, rad/s.
         to_rad_s: f64,
+    },
+    /// A torque has the wrong sign.
+    #[error(
+        "{file}: {} brakes with a negative sign, against what it does to the speed; write sign = -1 for {} in the bench file",
+        .role.symbol(), .role.key()
+    )]
+    WrongSign {
+        /// File.
+        file: String,
+        /// Role.
+        role: Role,
+    },
+    /// Friction that drives.
+    #[error(
+        "{files}: friction comes out at {torque_nm:.1} Nm at {:.0} rpm, and would drive the dynamometer, which no friction does. \
+         Was the shaft on, or the engine coupled (then the label is wrong)? Does T_d have the right sign, and no offset?",
+        .speed_rad_s / RPM_RAD_S
+    )]
+    Drives {
+        /// Files.
+        files: String,
+        /// Friction as it comes out, Nm.
+        torque_nm: f64,
+        /// Where, rad/s.
+        speed_rad_s: f64,
+    },
+    /// Friction that is not known to within any torque that acted.
+    #[error(
+        "{files}: friction comes out at {torque_nm:.3e} ± {half_width_nm:.2e} Nm at {:.0} rpm, while T_d and the change of speed \
+         come to {largest_nm:.0} Nm at most: these recordings do not tell it. Was the shaft on (then the label is wrong)? If it \
+         was off, step N_d* between levels far apart (NoShaft_N_NT)",
+        .speed_rad_s / RPM_RAD_S
+    )]
+    BeyondTorques {
+        /// Files.
+        files: String,
+        /// Friction as it comes out, Nm.
+        torque_nm: f64,
+        /// Half of its 95 % interval, Nm.
+        half_width_nm: f64,
+        /// Where, rad/s.
+        speed_rad_s: f64,
+        /// The largest torque that acted, Nm.
+        largest_nm: f64,
     },
     /// Numbers do not allow an estimate.
     #[error("{file}: {source}")]

@@ -24,6 +24,8 @@ use regression::{Drive, Excitation, Fitted, Problem};
 const TERM_LEVEL: f64 = 0.99;
 /// 1/J_d counts as determined by the data below this relative standard error.
 const DETERMINED: f64 = 0.1;
+/// Friction drives where it does so beyond so many half widths of its interval, and by this part of the largest torque.
+const DRIVES: (f64, f64) = (2.0, 0.05);
 /// Points of the curve.
 const POINTS: usize = 41;
 /// Longest delay between the clocks, s.
@@ -144,6 +146,18 @@ pub enum Undetermined {
     LittleExcitation,
 }
 
+/// What T_d was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TorqueUsed {
+    /// T_d* through the torque control that the recording shows.
+    Modelled,
+    /// T_d,calc as it was recorded.
+    Calculated,
+    /// T_d,meas, for want of T_d,calc.
+    LoadCell,
+}
+
 /// A choice of terms and what it leaves unexplained.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Candidate {
@@ -173,6 +187,8 @@ pub struct CurvePoint {
 pub struct RunOut {
     /// Where.
     pub stretch: Stretch,
+    /// What T_d was taken from; none where none was recorded.
+    pub torque: Option<TorqueUsed>,
     /// Samples left out: drop-outs.
     pub left_out: usize,
     /// Instants, s.
@@ -221,9 +237,11 @@ impl Friction {
 ///
 /// Coulomb and viscous friction are always there, an offset where both directions are seen and tell it from zero; a quadratic and a cubic term where they are told from zero with 99 %
 /// confidence. Samples of N_d that drop out are left out. Without a recorded torque, the longest fall of the speed is used.
+/// Where T_d is known at its own samples alone, or as the load cell sees it, means over several of them are compared.
 ///
 /// # Errors
-/// No recording; one with the shaft on; no N_d; a speed that hardly varies; too few samples.
+/// No recording; one with the shaft on; no N_d; a speed that hardly varies; too few samples; a T_d of the wrong sign; friction
+/// that drives, or is known to within no torque that acted.
 ///
 /// # Source
 /// Glans & Kärnell 2018, (4.1); Ljung 1999, ch. 7; Ibragimov & Müller 2010 for the intervals.
@@ -267,10 +285,11 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
     };
     let best = fits.iter().map(|fit| fit.bic).fold(f64::INFINITY, f64::min);
     let stretches: Vec<Stretch> = courses.iter().map(Course::stretch).collect();
+    check_torques(fit, &courses)?;
     let per_inertia = fit.per_inertia(&stretches);
     let friction = fit.friction(&stretches);
     Ok(Friction {
-        curve: fit.curve(course::speeds(&courses), POINTS),
+        curve: fit.curve(course::speeds(&courses), |_| true),
         candidates: fits
             .iter()
             .enumerate()
@@ -286,6 +305,35 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
         friction,
         per_inertia,
     })
+}
+
+/// Refuses friction that no dynamometer by itself has.
+fn check_torques(fit: &Fitted, courses: &[Course]) -> Result<(), FrictionError> {
+    let largest_nm = course::largest_torque_nm(courses, fit.inertia_kg_m2());
+    let mut files: Vec<&str> = courses.iter().map(|course| course.file.as_str()).collect();
+    files.dedup();
+    let files = files.join(", ");
+    // An offset of T_d is no friction.
+    let curve = fit.curve(course::speeds(courses), |term| term != Term::Offset);
+    let sharpest = curve.iter().min_by(|a, b| a.half_width_nm.total_cmp(&b.half_width_nm));
+    if let Some(CurvePoint { speed_rad_s, torque_nm, half_width_nm }) = sharpest.copied()
+        && half_width_nm.max(torque_nm.abs() - half_width_nm) > largest_nm
+    {
+        return Err(FrictionError::BeyondTorques { files, torque_nm, half_width_nm, speed_rad_s, largest_nm });
+    }
+    let slowest = courses.iter().flat_map(|c| &c.speed.samples).fold(f64::INFINITY, |least, w| least.min(w.abs()));
+    let driving_nm = |point: &CurvePoint| -point.torque_nm * point.speed_rad_s.signum();
+    let drives = |point: &&CurvePoint| {
+        point.speed_rad_s.abs() >= slowest
+            && driving_nm(point) > (DRIVES.0 * point.half_width_nm).max(DRIVES.1 * largest_nm)
+    };
+    let worst = curve.iter().filter(drives).max_by(|a, b| driving_nm(a).total_cmp(&driving_nm(b)));
+    match worst {
+        Some(CurvePoint { speed_rad_s, torque_nm, .. }) => {
+            Err(FrictionError::Drives { files, torque_nm: *torque_nm, speed_rad_s: *speed_rad_s })
+        }
+        None => Ok(()),
+    }
 }
 
 /// How T_d acts in the equations: with J_d free where the data determine it, else as the bench file has it.

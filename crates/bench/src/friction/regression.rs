@@ -8,7 +8,7 @@ use ident::{Bounds, IdentError, LinearFit, Minimum, Termination, least_squares};
 use lti::StateSpace;
 
 use super::course::{Course, integral};
-use super::{CurvePoint, LONGEST_DELAY_S, ROUNDS, SHIFTED_S, Term};
+use super::{CurvePoint, LONGEST_DELAY_S, POINTS, ROUNDS, SHIFTED_S, Term};
 use crate::estimate::{Label, timing_floor_s};
 use crate::study::{Estimate, Parameter, Stretch};
 
@@ -20,6 +20,8 @@ const BATCHES: usize = 16;
 const WALK: (f64, f64, f64) = (-6.0, -30.0, 12.0);
 /// Rounds of noise ratio and estimate in turn.
 const NOISE_ROUNDS: usize = 3;
+/// Fewest means that are compared.
+const FEWEST_BLOCKS: f64 = 100.0;
 /// Level of the intervals.
 const LEVEL: f64 = 0.95;
 /// Variance of the speed at the start of a stretch, of which the first sample was taken off, in variances of the noise.
@@ -54,6 +56,8 @@ pub(super) struct Problem<'a> {
     delay_s: f64,
     /// ln of the variance of the random walk over that of the noise.
     walk: f64,
+    /// Means over this are compared, s.
+    block_s: f64,
 }
 
 /// An estimate: [1/J_d, shift of T_d over J_d] where T_d drives freely, then c_i/J_d.
@@ -69,7 +73,9 @@ pub(super) struct Fitted {
 
 impl<'a> Problem<'a> {
     pub(super) fn new(courses: &'a [Course]) -> Self {
-        Problem { courses, delay_s: 0.0, walk: WALK.0 }
+        let whole_s: f64 = courses.iter().map(|course| course.speed.duration_s()).sum();
+        let block_s = courses.iter().map(|course| course.block_s).fold(0.0, f64::max);
+        Problem { courses, delay_s: 0.0, walk: WALK.0, block_s: block_s.min(whole_s / FEWEST_BLOCKS) }
     }
 
     /// What T_d does beyond noise and ripple, to a dynamometer of about this inertia.
@@ -119,14 +125,12 @@ impl<'a> Problem<'a> {
         for _ in 0..NOISE_ROUNDS {
             let parameters = self.fit(terms, drive)?.linear.parameters;
             let columns = self.columns(&self.courses[index], terms, drive);
-            let left = |k: usize| match longest.dropped[k] {
-                true => f64::NAN,
-                false => {
-                    columns.target[k] - columns.regressors.iter().zip(&parameters).map(|(c, p)| c[k] * p).sum::<f64>()
-                }
+            let left = |k: usize| {
+                columns.target[k] - columns.regressors.iter().zip(&parameters).map(|(c, p)| c[k] * p).sum::<f64>()
             };
-            let outputs = Mat::from_fn(longest.speed.len(), 1, |k, _| left(k));
-            let none = Mat::zeros(longest.speed.len(), 0);
+            let left: Vec<f64> = (0..longest.speed.len()).map(left).collect();
+            let outputs = self.means(longest, &left);
+            let none = Mat::zeros(outputs.nrows(), 0);
             let bounds = [Bounds::new(WALK.1, WALK.2)];
             let found = likeliest(&[self.walk], &bounds, |p| walk(p[0]), none.as_ref(), outputs.as_ref())?;
             let change = found.parameters[0] - self.walk;
@@ -145,25 +149,38 @@ impl<'a> Problem<'a> {
         for course in self.courses {
             let columns = self.columns(course, terms, drive);
             let whitened = |column: &Vec<f64>| {
-                let seen = |k: usize| if course.dropped[k] { f64::NAN } else { column[k] };
-                let outputs = Mat::from_fn(column.len(), 1, |k, _| seen(k));
-                system.innovations(&start, Mat::zeros(column.len(), 0).as_ref(), outputs.as_ref())
+                let outputs = self.means(course, column);
+                system.innovations(&start, Mat::zeros(outputs.nrows(), 0).as_ref(), outputs.as_ref())
             };
             let target = whitened(&columns.target)?;
             let all = columns.regressors.iter().map(whitened).collect::<Result<Vec<_>, _>>()?;
-            rows.extend((0..target.len()).map(|k| all.iter().map(|c| c[k]).chain([target[k]]).collect()));
+            let jumps = course.jumps(self.delay_s).map_or_else(
+                || vec![0.0; course.speed.len()],
+                // The 95 % half width of an instant that is anywhere between two samples.
+                |(jumps, between_s)| jumps.iter().map(|nm| 0.5 * LEVEL * between_s * nm).collect(),
+            );
+            let jumps = whitened(&jumps)?;
+            let row = |k: usize| all.iter().map(|c| c[k]).chain([target[k], jumps[k]]).collect();
+            rows.extend((0..target.len()).map(row));
         }
         self.solved(terms, drive, &rows)
     }
 
+    /// From rows of regressors, the target, and what is wrong with ∫T_d where all its jumps are half a sample off, Nm s.
     fn solved(&self, terms: &[Term], drive: Drive, rows: &[Vec<f64>]) -> Result<Fitted, IdentError> {
-        let count = rows.first().map_or(0, |row| row.len().saturating_sub(1));
+        let count = rows.first().map_or(0, |row| row.len().saturating_sub(2));
         let regressors = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
         let target: Vec<f64> = rows.iter().map(|row| row[count]).collect();
         let linear = least_squares(regressors.as_ref(), &target)?;
         let residual =
             |i: usize| target[i] - (0..count).map(|j| regressors[(i, j)] * linear.parameters[j]).sum::<f64>();
         let samples = rows.len() as f64;
+        let jumps: Vec<f64> = rows.iter().map(|row| row[count + 1]).collect();
+        let by_jumps = least_squares(regressors.as_ref(), &jumps)?.parameters;
+        let per_torque = match drive {
+            Drive::Known { inertia_kg_m2 } => 1.0 / inertia_kg_m2,
+            Drive::Free => linear.parameters[0],
+        };
         let bic = samples * (linear.cost / samples).ln() + count as f64 * samples.ln();
         let minimum = Minimum {
             parameters: linear.parameters.clone(),
@@ -177,7 +194,22 @@ impl<'a> Problem<'a> {
             condition: linear.condition,
         };
         let (covariance, freedom) = with_few_events(&minimum)?;
+        let moved = per_torque / student_t_quantile(0.5 + 0.5 * LEVEL, freedom);
+        let covariance =
+            Mat::from_fn(count, count, |i, j| covariance[(i, j)] + moved * moved * by_jumps[i] * by_jumps[j]);
         Ok(Fitted { terms: terms.to_vec(), delay_s: self.delay_s, bic, drive, linear, covariance, freedom })
+    }
+
+    /// Means of a column over the blocks of a course, without drop-outs: one column, NaN where all of a block dropped out. What
+    /// is linear in columns is so in their means.
+    fn means(&self, course: &Course, column: &[f64]) -> Mat<f64> {
+        let length = ((self.block_s / course.speed.sample_time_s).round() as usize).max(1);
+        let mean = |block: usize, _| {
+            let seen = (block * length..(block + 1) * length).filter(|k| !course.dropped[*k]);
+            let (count, sum) = seen.fold((0.0, 0.0), |(count, sum), k| (count + 1.0, sum + column[k]));
+            if count > 0.0 { sum / count } else { f64::NAN }
+        };
+        Mat::from_fn(column.len() / length, 1, mean)
     }
 
     /// What the speed is made of along a course, from its first sample on.
@@ -365,22 +397,25 @@ impl Fitted {
         }
     }
 
-    /// T_fric over a range of speeds.
-    pub(super) fn curve(&self, (from, to): (f64, f64), points: usize) -> Vec<CurvePoint> {
+    /// What those of its terms come to over a range of speeds.
+    pub(super) fn curve(&self, (from, to): (f64, f64), is_part: impl Fn(Term) -> bool) -> Vec<CurvePoint> {
+        let first = self.first_term();
+        let parts: Vec<(usize, Term)> = self.terms.iter().copied().enumerate().filter(|(_, t)| is_part(*t)).collect();
         let width = student_t_quantile(0.5 + 0.5 * LEVEL, self.freedom);
         let point = |k: usize| {
-            let speed_rad_s = from + (to - from) * k as f64 / (points - 1) as f64;
+            let speed_rad_s = from + (to - from) * k as f64 / (POINTS - 1) as f64;
             let mut row = vec![0.0; self.linear.parameters.len()];
-            for (i, term) in self.terms.iter().enumerate() {
-                let own = self.torque_row(i);
+            for (i, term) in &parts {
+                let own = self.torque_row(*i);
                 row.iter_mut().zip(&own).for_each(|(sum, own)| *sum += term.at(speed_rad_s) * own);
             }
+            let of_term = |(i, term): &(usize, Term)| self.linear.parameters[first + i] * term.at(speed_rad_s);
             CurvePoint {
                 speed_rad_s,
-                torque_nm: self.inertia_kg_m2() * self.deceleration(speed_rad_s),
+                torque_nm: self.inertia_kg_m2() * parts.iter().map(of_term).sum::<f64>(),
                 half_width_nm: width * self.joint(&row, &row).max(0.0).sqrt(),
             }
         };
-        (0..points).map(point).collect()
+        (0..POINTS).map(point).collect()
     }
 }

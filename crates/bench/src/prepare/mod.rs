@@ -14,6 +14,7 @@ use recording::Recording;
 use signal::Signal;
 
 pub use physics::saturated_stretches;
+pub(crate) use sign::wrong_sign;
 
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Diagnostic, Finding, Place, Severity};

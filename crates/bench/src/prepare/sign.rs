@@ -26,12 +26,16 @@ const DECISIVE: f64 = 0.3;
 /// Notes each torque of the dynamometer whose sign contradicts the convention.
 pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut Log) {
     for role in [Role::AirGapTorque, Role::LoadCellTorque, Role::DynoTorqueDemand] {
-        let Some(correlation) = braking_correlation(experiment, role) else { continue };
-        if correlation < -DECISIVE {
+        if let Some(correlation) = wrong_sign(experiment, role) {
             let channel = bench_file.channels.get(&role).map_or(role.key(), |mapping| mapping.name.as_str());
             log.channel(Severity::Error, channel, None, Finding::WrongTorqueSign { correlation });
         }
     }
+}
+
+/// The correlation that contradicts the sign of a torque; none where it is right, or not told.
+pub(crate) fn wrong_sign(experiment: &Experiment, role: Role) -> Option<f64> {
+    braking_correlation(experiment, role).filter(|correlation| *correlation < -DECISIVE)
 }
 
 /// Correlation of a torque with what it does as a brake, positive if it brakes with a positive sign. Of the indicators that

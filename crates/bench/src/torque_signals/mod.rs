@@ -10,6 +10,8 @@ use crate::estimate::EstimateError;
 use crate::estimate::speed_controller::{self, SpeedControllerFit};
 use crate::estimate::timing::{self, ShaftFilter};
 use crate::estimate::torque_control::{self, TorqueControlFit};
+use crate::experiment::Excitation;
+use crate::prepare::wrong_sign;
 use crate::study::{Parameter, SignalDelay};
 use crate::{BenchFile, Experiment, Role};
 use shaft::Known;
@@ -66,6 +68,11 @@ pub enum Untold {
     NotExcited,
     /// No filter explains T_d,shaft,calc.
     NotExplained,
+    /// A torque brakes with a negative sign, against what it does to the speed.
+    WrongSign {
+        /// Its role.
+        role: Role,
+    },
     /// The estimator's own words.
     Failed {
         /// They.
@@ -130,20 +137,35 @@ impl TorqueSignals {
 /// Delays come from experiments that move T_d* by themselves (WhiteNoise_T_TN, Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT), see
 /// [`timing::estimate`]; the filter from any with N_d, T_d,calc and T_d,shaft,calc; the shaft torque from any with a shaft, N_d and
 /// T_d,calc. The encoder's once-a-turn error is taken out where the speed controller tells it (BS_T_NT).
+///
+/// A T_d,calc whose sign contradicts what it does to the speed is not used.
 #[must_use]
 pub fn torque_signals(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> TorqueSignals {
-    let control = torque_control::choose(experiments)
+    let believed: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
+    let control = torque_control::choose(&believed)
         .and_then(|experiment| torque_control::estimate(experiment, bench.limits.torque_nm).ok());
     let mut recordings = Vec::new();
     for experiment in experiments {
         step(&experiment.file);
         recordings.push(of_recording(experiment, control.as_ref(), bench));
     }
-    TorqueSignals { recordings, trust: trust::check(experiments).ok().flatten() }
+    TorqueSignals { recordings, trust: trust::check(&believed).ok().flatten() }
+}
+
+/// Whether the sign of T_d,calc is that of what it does to the speed, or not told.
+///
+/// # Errors
+/// It is the opposite one.
+pub(crate) fn believable(experiment: &Experiment) -> Result<(), Untold> {
+    let role = Role::AirGapTorque;
+    wrong_sign(experiment, role).map_or(Ok(()), |_| Err(Untold::WrongSign { role }))
 }
 
 /// `best` is the torque control of the experiment that tells it best; it serves where a recording does not tell it itself.
 fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench: &BenchFile) -> TorqueRecording {
+    if let Err(why) = believable(experiment) {
+        return with_wrong_sign(experiment, &why, bench);
+    }
     let limit = bench.limits.torque_nm;
     let is_known = torque_control::choose(&[experiment]).is_some();
     let control = if is_known { torque_control::estimate(experiment, limit).ok() } else { None };
@@ -155,6 +177,21 @@ fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench:
         filter: filter(experiment),
         shaft: (!experiment.label.is_without_shaft())
             .then(|| rebuilt(experiment, control.as_ref().or(best), controller.as_ref(), bench)),
+    }
+}
+
+/// What is left where T_d,calc cannot be believed: how late the other torques are.
+fn with_wrong_sign(experiment: &Experiment, why: &Untold, bench: &BenchFile) -> TorqueRecording {
+    let mut others = experiment.clone();
+    others.signals.remove(&Role::AirGapTorque);
+    let others_tell = others.label.excitation == Excitation::Torque;
+    let delays = if others_tell { delays(&others, None, bench) } else { Told::Untold(why.clone()) };
+    TorqueRecording {
+        file: experiment.file.clone(),
+        label: experiment.label.to_string(),
+        delays: if delays.found().is_some() { delays } else { Told::Untold(why.clone()) },
+        filter: Some(Told::Untold(why.clone())),
+        shaft: (!experiment.label.is_without_shaft()).then(|| Told::Untold(why.clone())),
     }
 }
 

@@ -171,6 +171,11 @@ fn stat_an_encoder_error_is_not_taken_for_cylinders() {
     assert!(turn.alike_probability.unwrap() > 0.001, "{turn:?}");
     // Four cylinders see the pattern's cosine alone, whatever its sine is.
     assert!(turn.encoder_error < 4e-4 && turn.encoder_error > 0.0, "{turn:?}");
+    // The interval holds the difference that is the encoder's alone.
+    let holds = |c: &bench::engine_torque::Cylinder| c.apart_nm.abs() < 1.96 * c.whole_error_nm();
+    assert!(cylinders.cylinders.iter().all(holds), "{cylinders:?}");
+    let by_noise = |c: &bench::engine_torque::Cylinder| c.apart_nm.abs() > 1.96 * c.standard_error_nm;
+    assert!(cylinders.cylinders.iter().any(by_noise), "{cylinders:?}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use bench::experiment::{ExperimentPlan, Waveform};
-use bench::friction::{Friction, FrictionError, FrictionOptions, Inertia, Term, Undetermined, estimate};
+use bench::friction::{Friction, FrictionError, FrictionOptions, Inertia, Term, TorqueUsed, Undetermined, estimate};
 use bench::study::Parameter;
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, simulate};
@@ -216,6 +216,66 @@ fn stat_intervals_of_inertia_and_friction_cover() {
         println!("{name}: {share:.3}");
         assert!(share >= 0.9, "{name}: {share}");
     }
+}
+
+/// Where T_d* does not tell what T_d does between its samples: T_d,calc alone, and the load cell alone, 8 ms late and with a
+/// resonance at 75 Hz.
+#[test]
+#[ignore = "slow"]
+fn stat_intervals_cover_without_the_demand_and_with_the_load_cell_alone() {
+    const RUNS: usize = 40;
+    for (source, without) in [
+        (TorqueUsed::Calculated, vec![Role::DynoTorqueDemand]),
+        (TorqueUsed::LoadCell, vec![Role::AirGapTorque]),
+        (TorqueUsed::LoadCell, vec![Role::AirGapTorque, Role::DynoTorqueDemand]),
+    ] {
+        let found = in_parallel(RUNS, |i| {
+            let mut random = Random::new(2000 + i as u64);
+            let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
+            let (coulomb, viscous, truth) = (within(0.0, 6.0), within(0.0, 0.05), within(0.3, 0.9));
+            let plan = if i % 2 == 0 { steps() } else { ExperimentPlan::no_shaft_n_nt(1200.0, 15.0) };
+            let mut experiment = recorded(&bench_with(coulomb, viscous, truth), &plan, i as u64);
+            without.iter().for_each(|role| drop(experiment.signals.remove(role)));
+            let friction = found(&experiment);
+            assert!(friction.run_outs.iter().all(|run_out| run_out.torque == Some(source)));
+            let (inertia, delay) = inertia(&friction);
+            let middle = &friction.curve[friction.curve.len() / 2];
+            let apart = middle.torque_nm - (coulomb + viscous * middle.speed_rad_s);
+            // The cell's own delay, and that of its resonance at low frequencies, 2ζ/ω_n.
+            let of_cell = 8e-3 + 2.0 * 0.25 / (std::f64::consts::TAU * 75.0);
+            let late = if source == TorqueUsed::LoadCell { of_cell } else { 0.0 } - 0.5e-3;
+            let errors =
+                [inertia.value / truth - 1.0, inertia.standard_error / truth, delay.value, delay.standard_error];
+            ([holds(inertia, truth), holds(delay, late), apart.abs() < middle.half_width_nm], errors)
+        });
+        let share = |k: usize| found.iter().filter(|f| f.0[k]).count() as f64 / RUNS as f64;
+        for parity in 0..2 {
+            let own: Vec<&[f64; 4]> = found.iter().skip(parity).step_by(2).map(|f| &f.1).collect();
+            let mean = |k: usize| own.iter().map(|e| e[k]).sum::<f64>() / own.len() as f64;
+            println!("{source:?} without {without:?}: {:?}", [0, 1, 2, 3].map(mean));
+        }
+        println!("J_d, δ_T, T_fric in the middle: {:?}", [0, 1, 2].map(share));
+        assert!([0, 1, 2].iter().all(|k| share(*k) >= 0.875), "{source:?}");
+    }
+}
+
+#[test]
+fn regress_friction_that_no_dynamometer_has_is_refused() {
+    let driven_by_engine = made([-20.0, 0.0, 0.0, 0.0], driven, 0.0, 0.003, 4);
+    let text = estimate(&[&driven_by_engine], OPTIONS).unwrap_err().to_string();
+    assert!(["made.mf4", "would drive", "shaft on", "sign"].iter().all(|word| text.contains(word)), "{text}");
+    let mut negative = made([1.5, 0.02, 0.0, 0.0], driven, 0.0, 0.003, 4);
+    let torque = negative.signals.get_mut(&Role::AirGapTorque).unwrap();
+    *torque = torque.map(|t| -t);
+    let text = estimate(&[&negative], OPTIONS).unwrap_err().to_string();
+    assert!(["T_d,calc", "sign = -1", "air_gap_torque"].iter().all(|word| text.contains(word)), "{text}");
+    // A recording with the engine on that is labelled as one without shaft.
+    let plan = ExperimentPlan::bs_t_nt(1200.0, 15.0);
+    let recording = simulate(&BenchParameters::default(), &plan, 3).unwrap();
+    let label = "NoShaft_N_NT".parse().unwrap();
+    let mislabelled = prepare("bs.mf4", &recording, &default_bench(), label).unwrap().0;
+    let text = estimate(&[&mislabelled], OPTIONS).unwrap_err().to_string();
+    assert!(text.contains("shaft on") && text.contains("label"), "{text}");
 }
 
 /// The run-out of a flywheel dynamometer that is kept beside the project: time, s, and speed, rad/s.

@@ -305,3 +305,45 @@ fn regress_what_a_recording_does_not_tell_is_said() {
     *shaft = shaft.with_samples((0..shaft.len()).map(|i| (0.37 * i as f64).sin()).collect());
     assert_eq!(of(&unrelated).recordings[0].filter, Some(Told::Untold(Untold::NotExplained)));
 }
+
+/// Of the first samples, about which less is known than about those in the middle.
+#[test]
+fn regress_the_deviation_of_the_first_samples_is_positive_and_covers() {
+    let bench = centred(BenchParameters::default());
+    let found = in_parallel(4, |i| {
+        let plan = ExperimentPlan::white_noise_t_tn([1200.0, 2000.0][i % 2], 10.0);
+        let (experiment, truth) = recorded(&bench, &plan, 40 + i as u64);
+        let signals = of(&experiment);
+        let shaft = rebuilt(&signals);
+        let at = |k: usize| ((shaft.start_s + k as f64 * shaft.sample_time_s) / truth.sample_time_s).round() as usize;
+        let error = |k: usize| shaft.smoothed_nm[k] - truth.shaft_torque_nm[at(k)];
+        let first: Vec<(f64, f64)> = (0..25).map(|k| (error(k), shaft.standard_deviation_nm[k])).collect();
+        let settled = shaft.standard_deviation_nm[shaft.standard_deviation_nm.len() / 2];
+        (first, settled)
+    });
+    let mut inside = 0.0;
+    for (first, settled) in &found {
+        println!("{settled:.3}: {first:.3?}");
+        assert!(first.iter().all(|(_, deviation)| *deviation > 0.9 * settled), "{first:?}, settled {settled}");
+        inside += first.iter().filter(|(error, deviation)| error.abs() < 1.96 * deviation).count() as f64;
+    }
+    let share = inside / (25 * found.len()) as f64;
+    assert!(share > 0.8, "{share}");
+}
+
+#[test]
+fn regress_a_torque_of_the_wrong_sign_tells_no_delay_and_no_shaft_torque() {
+    let (mut experiment, _) = recorded(&BenchParameters::default(), &ExperimentPlan::white_noise_t_tn(1200.0, 15.0), 2);
+    let torque = experiment.signals.get_mut(&Role::AirGapTorque).unwrap();
+    *torque = torque.map(|t| -t);
+    let signals = of(&experiment);
+    let recording = &signals.recordings[0];
+    let wrong = Untold::WrongSign { role: Role::AirGapTorque };
+    assert_eq!(recording.shaft, Some(Told::Untold(wrong.clone())));
+    assert_eq!(recording.filter, Some(Told::Untold(wrong.clone())));
+    let delays = recording.delays.found().unwrap();
+    assert!(delays.iter().all(|delay| delay.role != Role::AirGapTorque), "{delays:?}");
+    assert!(signals.trust.is_none());
+    let engine = bench::engine_torque::engine_torque(&[&experiment], &default_bench(), &|_| ());
+    assert_eq!(engine.masses, Told::Untold(wrong));
+}

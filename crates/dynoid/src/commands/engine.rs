@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bench::engine_torque::{Cycles, EngineRecording, EngineTorque, engine_torque};
 use bench::torque_signals::Told;
-use report::engine::{cycles, cylinder_rows, cylinders, figures, masses};
+use report::engine::{CUT, cycles, cylinder_rows, cylinders, figures, masses};
 use report::torque::untold;
 use serde_json::json;
 
@@ -41,7 +41,8 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
         found.recordings.iter().for_each(|recording| print(recording, terminal));
         [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
-    Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+    let tells = found.recordings.iter().any(|recording| recording.engine.found().is_some());
+    Ok(Outcome::of(tells, &refused))
 }
 
 /// A recording's results without the samples.
@@ -84,6 +85,7 @@ fn print_cycles(found: &Cycles, terminal: &mut Terminal) {
         table.row(row.map(Into::into));
     }
     terminal.table(&table);
+    terminal.paragraph(&format!("{CUT}."));
 }
 
 /// Writes the engine torque of the one recording there is.
@@ -101,7 +103,11 @@ fn write(found: &EngineTorque, out: &Path, terminal: &mut Terminal) -> Result<()
         sample_time_s: engine.sample_time_s,
         channels: vec![
             ("engine_torque", "by a fixed-interval smoother", &engine.smoothed_nm),
-            ("engine_torque_standard_deviation", "of noise, masses and shaft", &engine.standard_deviation_nm),
+            (
+                "engine_torque_standard_deviation_without_encoder_error",
+                "of noise, masses and shaft, without what a once-a-turn error of the encoder adds",
+                &engine.standard_deviation_nm,
+            ),
             ("engine_torque_zero_phase", "by a filter without phase shift", &engine.zero_phase_nm),
         ],
     };

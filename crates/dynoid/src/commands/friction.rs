@@ -3,7 +3,7 @@
 use bench::Experiment;
 use bench::friction::{Friction, FrictionOptions, Inertia, estimate};
 use bench::units::RPM_RAD_S;
-use report::friction::{figures, remarks, terms};
+use report::friction::{StatedInertia, doubts, figures, remarks, terms, torque_used};
 use report::wording::number;
 use serde_json::json;
 
@@ -17,11 +17,16 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let mut used: Vec<Experiment> = Vec::new();
     let mut options = FrictionOptions { inertia_kg_m2: f64::NAN, slowest_rad_s: None, torque_limit_nm: None };
+    let mut stated = StatedInertia { kg_m2: f64::NAN, uncertainty_percent: None };
     let all_named = !arguments.given.recordings.is_empty();
     let refused =
         experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
             let slowest_rad_s = arguments.slowest.map(|rpm| rpm * RPM_RAD_S);
             options = FrictionOptions { slowest_rad_s, ..FrictionOptions::of(bench) };
+            stated = StatedInertia {
+                kg_m2: bench.dynamometer_inertia_kg_m2,
+                uncertainty_percent: bench.dynamometer_inertia_uncertainty_percent,
+            };
             // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
             if all_named || experiment.label.is_without_shaft() {
                 used.push(experiment);
@@ -29,21 +34,23 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
         })?;
     let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(|source| CliError::Friction { source })?;
     picture(&arguments.result, "Friction of the dynamometer", || figures(&found))?;
+    let doubts = doubts(&found, stated);
+    doubts.iter().for_each(|doubt| terminal.warning(doubt));
     if arguments.result.json {
         terminal.json(&json!({
             "inertia": found.inertia, "friction": found.friction, "per_inertia": found.per_inertia,
             "candidates": found.candidates, "curve": found.curve,
-            "used": found.run_outs.iter().map(|r| json!({"stretch": r.stretch, "left_out": r.left_out})).collect::<Vec<_>>(),
-            "refused": refused,
+            "used": found.run_outs.iter().map(|r| json!({"stretch": r.stretch, "torque": r.torque, "left_out": r.left_out})).collect::<Vec<_>>(),
+            "doubts": doubts, "refused": refused,
         }))?;
     } else if !terminal.is_quiet() {
-        print(&found, options.inertia_kg_m2, terminal);
+        print(&found, terminal);
         written(&arguments.result.plot, terminal);
     }
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
 }
 
-fn print(found: &Friction, stated_kg_m2: f64, terminal: &mut Terminal) {
+fn print(found: &Friction, terminal: &mut Terminal) {
     let inertia = match &found.inertia {
         Inertia::Estimated { inertia, delay } => vec![inertia.as_ref(), delay.as_ref()],
         Inertia::Stated { .. } => Vec::new(),
@@ -65,9 +72,10 @@ fn print(found: &Friction, stated_kg_m2: f64, terminal: &mut Terminal) {
             count => format!(", {count} samples that drop out left out"),
         };
         let ends = [stretch.start_s, stretch.end_s].map(|s| number::significant(s, 4));
-        terminal.line(&format!("used: {}, {} to {} s{lost}", stretch.file, ends[0], ends[1]));
+        let torque = torque_used(run_out.torque);
+        terminal.line(&format!("used: {}, {} to {} s, {torque}{lost}", stretch.file, ends[0], ends[1]));
     }
-    remarks(found, stated_kg_m2).iter().for_each(|remark| terminal.note(remark));
+    remarks(found).iter().for_each(|remark| terminal.note(remark));
 }
 
 fn candidates(found: &Friction, terminal: &mut Terminal) {

@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<
         print_orders(&over, &signals, terminal);
         written(&arguments.result.plot, terminal);
     }
-    Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+    Ok(Outcome::of(looks.iter().any(|look| nothing_seen(look).is_none()), &refused))
 }
 
 /// Why a recording shows nothing at all.

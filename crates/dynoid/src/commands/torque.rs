@@ -37,7 +37,14 @@ pub(crate) fn run(arguments: &TorqueArguments, terminal: &mut Terminal) -> Resul
         print_all(&signals, terminal);
         [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
-    Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+    Ok(Outcome::of(signals.recordings.iter().any(tells) || signals.trust.is_some(), &refused))
+}
+
+/// Whether a recording tells anything at all.
+fn tells(recording: &TorqueRecording) -> bool {
+    let filter = recording.filter.as_ref().is_some_and(|told| told.found().is_some());
+    let shaft = recording.shaft.as_ref().is_some_and(|told| told.found().is_some());
+    recording.delays.found().is_some() || filter || shaft
 }
 
 /// A recording's results without the samples of the shaft torque.
@@ -128,7 +135,11 @@ fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result
         sample_time_s: shaft.sample_time_s,
         channels: vec![
             ("shaft_torque", "by a fixed-interval smoother", &shaft.smoothed_nm),
-            ("shaft_torque_standard_deviation", "of the smoother", &shaft.standard_deviation_nm),
+            (
+                "shaft_torque_standard_deviation_without_encoder_error",
+                "of the smoother, without what a once-a-turn error of the encoder adds",
+                &shaft.standard_deviation_nm,
+            ),
             ("shaft_torque_zero_phase", "by a filter without phase shift", &shaft.zero_phase_nm),
         ],
     };

@@ -9,7 +9,15 @@ fn stat_the_engine_torque_is_rebuilt_drawn_and_written() {
     let ran = campaign.run(&["engine", "bench.toml", recording, "--out", "engine.csv", "--plot", "engine.html"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
-    for words in ["J_e = ", "T_e rebuilt: known to ±", "cycles of", "T_e less the cycle's mean", "engine.csv"] {
+    for words in [
+        "J_e = ",
+        "T_e rebuilt: known to ±",
+        "cycles of",
+        "T_e less the cycle's mean",
+        "from one trough of the firing order to the next",
+        "once-a-turn error of the engine's encoder",
+        "engine.csv",
+    ] {
         assert!(text.contains(words), "{words}: {text}");
     }
     let page = campaign.read("engine.html");
@@ -18,7 +26,8 @@ fn stat_the_engine_torque_is_rebuilt_drawn_and_written() {
     }
     let heading = campaign.read("engine.csv").lines().next().unwrap().to_owned();
     assert!(
-        heading.contains("engine_torque [Nm]") && heading.contains("engine_torque_standard_deviation"),
+        heading.contains("engine_torque [Nm]")
+            && heading.contains("engine_torque_standard_deviation_without_encoder_error [Nm]"),
         "{heading}"
     );
 }

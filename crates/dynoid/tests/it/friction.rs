@@ -37,3 +37,38 @@ fn regress_recordings_with_shaft_are_refused_with_what_to_run() {
     campaign.run(&["friction", "bench.toml"]).assert_refused(3, &["no recording without shaft", "NoShaft_N_NT"]);
     campaign.run(&["friction", "bench.toml", "--slowest", "-3"]).assert_refused(2, &["--slowest"]);
 }
+
+#[test]
+fn regress_a_stated_inertia_is_doubted_either_way_and_within_its_uncertainty_not() {
+    let campaign = campaign();
+    let bench = campaign.read("bench.toml");
+    let line = bench.lines().find(|line| line.starts_with("dynamometer_inertia")).unwrap();
+    for (stated, words) in [("1.2 kg m²", "50 % below"), ("0.3 kg m²", "% above")] {
+        let other = bench.replace(line, &format!("dynamometer_inertia = \"{stated}\""));
+        campaign.write("other.toml", other.as_bytes());
+        let ran = campaign.run(&["friction", "other.toml"]);
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        for word in ["warning: J_d comes out", words, "correct dynamometer_inertia"] {
+            assert!(ran.stderr.contains(word), "{word}: {}", ran.stderr);
+        }
+    }
+    let wide = "dynamometer_inertia = \"0.62 kg m²\"\ndynamometer_inertia_uncertainty_percent = 5";
+    campaign.write("wide.toml", bench.replace(line, wide).as_bytes());
+    let ran = campaign.run(&["friction", "wide.toml"]);
+    assert!(!ran.stderr.contains("J_d comes out"), "{}", ran.stderr);
+    assert!(ran.stdout.contains("T_d from T_d* through the torque control"), "{}", ran.stdout);
+}
+
+#[test]
+fn regress_the_load_cell_is_named_where_it_stands_in_for_the_calculated_torque() {
+    let campaign = campaign();
+    let bench = campaign.read("bench.toml");
+    let line = bench.lines().find(|line| line.starts_with("air_gap_torque")).unwrap();
+    campaign.write("cell.toml", bench.replace(line, "air_gap_torque = \"NotThere\"").as_bytes());
+    let ran = campaign.run(&["friction", "cell.toml"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    assert!(ran.stdout.contains("T_d from the load cell"), "{}", ran.stdout);
+    assert!(ran.stderr.contains("T_d is taken from the load cell, T_d,meas"), "{}", ran.stderr);
+    let nowhere = campaign.run(&["friction", "bench.toml", "--plot", "nodir/x.html"]);
+    assert!(nowhere.code == Some(4) && !nowhere.stderr.contains("--out"), "{}", nowhere.stderr);
+}

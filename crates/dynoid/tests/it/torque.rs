@@ -39,7 +39,8 @@ fn exact_the_rebuilt_torque_is_written_as_a_recording() {
     assert_eq!(text.lines().count() as u64, samples + 1);
     let heading = text.lines().next().unwrap();
     assert!(
-        heading.contains("shaft_torque [Nm]") && heading.contains("shaft_torque_standard_deviation [Nm]"),
+        heading.contains("shaft_torque [Nm]")
+            && heading.contains("shaft_torque_standard_deviation_without_encoder_error [Nm]"),
         "{heading}"
     );
     let quiet = campaign.run(&["torque", "bench.toml", recording, "--quiet"]);
@@ -55,4 +56,23 @@ fn regress_what_cannot_be_done_is_refused_before_any_work() {
     campaign.write("recordings/WhiteNoise_T_TN_1200.mf4", b"no recording");
     let ran = campaign.run(&["torque", "bench.toml", "recordings/WhiteNoise_T_TN_1200.mf4"]);
     ran.assert_refused(3, &["WhiteNoise_T_TN_1200.mf4", "none of the recordings"]);
+}
+
+/// Recordings that were read, and of which nothing can be said: too short, or with channels that never change.
+#[test]
+fn regress_recordings_that_tell_nothing_end_with_a_code_that_says_so() {
+    let short = simulate(&BenchParameters::default(), &ExperimentPlan::white_noise_t_tn(1200.0, 0.05), 1).unwrap();
+    let mut still = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 6.0), 1).unwrap();
+    for channel in &mut still.channels {
+        let first = channel.samples[0];
+        channel.samples.fill(first);
+    }
+    let campaign = Campaign::whole().with("WhiteNoise_T_TN_1200.mf4", &short).with("BS_T_NT_1200.mf4", &still);
+    for command in ["torque", "engine", "look", "controller"] {
+        for recording in ["recordings/WhiteNoise_T_TN_1200.mf4", "recordings/BS_T_NT_1200.mf4"] {
+            let ran = campaign.run(&[command, "bench.toml", recording]);
+            assert_eq!(ran.code, Some(3), "{command} {recording}: {}{}", ran.stdout, ran.stderr);
+            assert!(!ran.stdout.contains("is not recorded; record it"), "{}", ran.stdout);
+        }
+    }
 }

@@ -55,7 +55,8 @@ fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Te
         print_rest(&found, terminal);
         written(&result.plot, terminal);
     }
-    Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
+    let tells = found.controllers.iter().any(|one| one.found.found().is_some());
+    Ok(Outcome::of(tells, &refused))
 }
 
 /// The results without the samples of T_d*.

@@ -35,6 +35,7 @@ fn one(recording: &EngineRecording) -> Markup {
         Told::Found(found) => {
             all.push(sentence(&words::cycles(found)));
             all.push(sentence(&words::cylinders(&found.cylinders)));
+            all.push(sentence(words::CUT));
             let heads = ["Fires as", "T_e less the cycle’s mean", "Varies from cycle to cycle by"];
             all.push(plain_table(&heads, words::cylinder_rows(&found.cylinders).into_iter().map(Vec::from)));
         }

@@ -23,7 +23,12 @@ pub(crate) fn friction(found: &Result<Friction, FrictionError>, bench: &BenchFac
          cannot be told from engine torque",
     );
     all.push(parameters(inertia.into_iter().chain(&found.friction.parameters).chain(&found.per_inertia.parameters)));
-    words::remarks(found, bench.dynamometer_inertia_kg_m2).iter().for_each(|remark| all.push(sentence(remark)));
+    let stated = words::StatedInertia {
+        kg_m2: bench.dynamometer_inertia_kg_m2,
+        uncertainty_percent: bench.dynamometer_inertia_uncertainty_percent,
+    };
+    let said = words::doubts(found, stated).into_iter().chain(words::remarks(found));
+    said.for_each(|remark| all.push(sentence(&remark)));
     let row = |candidate: &bench::friction::Candidate| {
         let chosen = if candidate.chosen { "chosen" } else { "" };
         vec![words::terms(&candidate.terms), number::significant(candidate.bic_above_best, 3), chosen.to_owned()]
