@@ -102,7 +102,11 @@ fn short_name(cause: &Cause) -> String {
 
 /// A part of a recording: the spectrum of each signal with its lines, and where the firing and its multiples are.
 pub fn figure(look: &Look, part: &LookedPart) -> Figure {
-    let panels = part.signals.iter().map(|signal| panel(signal, look.firing_order * part.speed_rad_s / TAU)).collect();
+    let panels = part
+        .signals
+        .iter()
+        .map(|signal| panel(signal, look.firing_order.map(|order| order * part.speed_rad_s / TAU)))
+        .collect();
     let demanded = match part.demanded_hz[..] {
         [one] => format!(", {} Hz demanded", number::significant(one, 3)),
         _ => String::new(),
@@ -113,13 +117,14 @@ pub fn figure(look: &Look, part: &LookedPart) -> Figure {
     Figure::new(&title, Axis::linear("frequency", "Hz"), panels).with_caption(caption)
 }
 
-fn panel(signal: &LookedSignal, firing_hz: f64) -> Panel {
+fn panel(signal: &LookedSignal, firing_hz: Option<f64>) -> Panel {
     let (unit, per_si) = unit(signal.role);
     let scaled: Vec<f64> = signal.amplitude.iter().map(|a| a * per_si).collect();
     // What lies under the weakest line is noise.
     let lowest = 0.2 * signal.lines.iter().map(|l| l.amplitude * per_si).fold(f64::INFINITY, f64::min);
     let highest = 4.0 * scaled.iter().copied().fold(0.0, f64::max);
-    let mut layers = firings(firing_hz, 1.0 / signal.sample_time_s, [lowest, highest]);
+    let firings = firing_hz.map(|hz| firings(hz, 1.0 / signal.sample_time_s, [lowest, highest]));
+    let mut layers = firings.unwrap_or_default();
     layers.push(Layer::trace("amplitude", Style::Measured, grid(&signal.frequency_hz), &scaled));
     let mut seen: Vec<&str> = Vec::new();
     for line in &signal.lines {

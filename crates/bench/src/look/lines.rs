@@ -25,6 +25,8 @@ const EXCESS: f64 = 18.0;
 /// Phases that are closer than this to another's cannot be told from it; those farther than the second do not touch.
 const SAME: f64 = 0.9;
 const APART: f64 = 0.02;
+/// The mains stray: what is this like them, two bins away at a steady speed, may be theirs.
+const RESOLVED: f64 = 1.0 / 6.0;
 /// An amplitude is there where it is this many times its standard error, and this share of the largest beside it: what a
 /// reference leaves of a strong line looks like a weak one.
 const CLEAR: f64 = 4.5;
@@ -49,6 +51,8 @@ const MOST_UNKNOWN: usize = 8;
 const FALSE_ALARM: f64 = 1e-9;
 /// Bins within which a line without a cause is part of one with.
 const BESIDE: f64 = 4.0;
+/// Bins within which two lines are one.
+const SAME_BINS: f64 = 2.0;
 
 /// A line.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,7 +147,12 @@ impl Lines {
                 break;
             }
             open.retain(|r| !new.iter().any(|line| seen.is_of(line, r)));
-            found.extend(new);
+            for line in new {
+                match found.iter_mut().find(|known| seen.is_unresolved(&known.causes, &line.causes)) {
+                    Some(known) => known.causes.extend(line.causes),
+                    None => found.push(line),
+                }
+            }
             seen.show(left);
         }
         let beside = seen.beside(&found, references);
@@ -307,7 +316,7 @@ impl<'a> Seen<'a> {
     }
 
     /// The amplitudes of lines that touch each other, by least squares; they are taken off what is left.
-    fn amplitudes(&self, group: Vec<Vec<Candidate>>, known: &[Found], left: &mut [f64]) -> Vec<Found> {
+    fn amplitudes(&self, mut group: Vec<Vec<Candidate>>, known: &[Found], left: &mut [f64]) -> Vec<Found> {
         let count = self.samples.len();
         let wave = |k: usize, j: usize| {
             let turning = group[j / 2][0].turning[k];
@@ -329,14 +338,24 @@ impl<'a> Seen<'a> {
         };
         let lines: Vec<(f64, f64)> = (0..group.len()).map(line).collect();
         let largest = lines.iter().map(|l| l.0).fold(0.0, f64::max);
-        let mut found = Vec::new();
-        for (i, (amplitude, standard_error)) in lines.into_iter().enumerate() {
-            let frequency_hz = folded_hz(group[i][0].reference.course.at_hz(self.turns_hz), self.rate_hz());
-            let is_near = |f: &&Found| (f.frequency_hz - frequency_hz).abs() < self.skirt_hz(f);
+        let shown_hz = |i: usize| folded_hz(group[i][0].reference.course.at_hz(self.turns_hz), self.rate_hz());
+        let stands = |i: &usize| {
+            let (amplitude, standard_error) = lines[*i];
+            let is_near = |f: &&Found| (f.frequency_hz - shown_hz(*i)).abs() < self.skirt_hz(f);
             let near = known.iter().filter(is_near).map(|f| f.amplitude).fold(largest, f64::max);
-            if amplitude < CLEAR * standard_error || amplitude < SHARE * near {
-                continue;
-            }
+            amplitude >= CLEAR * standard_error && amplitude >= SHARE * near
+        };
+        let standing: Vec<usize> = (0..group.len()).filter(stands).collect();
+        if let Some((kept, other)) = self.unresolved(&group, &standing) {
+            let same = std::mem::take(&mut group[other]);
+            group[kept].extend(same);
+            strongest_first(&mut group[kept]);
+            group.remove(other);
+            return self.amplitudes(group, known, left);
+        }
+        let mut found = Vec::new();
+        for i in standing {
+            let ((amplitude, standard_error), frequency_hz) = (lines[i], shown_hz(i));
             for (k, left) in left.iter_mut().enumerate() {
                 *left -= solution[(2 * i, 0)] * wave(k, 2 * i) + solution[(2 * i + 1, 0)] * wave(k, 2 * i + 1);
             }
@@ -344,6 +363,23 @@ impl<'a> Seen<'a> {
             found.push(Found { frequency_hz, amplitude, standard_error, causes });
         }
         found
+    }
+
+    /// Two lines of which one may be of the mains, and the other is within its resolution: two phases share the power of a
+    /// line whose frequency lies between them, and that of the mains is not known better.
+    fn unresolved(&self, group: &[Vec<Candidate>], lines: &[usize]) -> Option<(usize, usize)> {
+        let causes = |i: usize| group[i].iter().map(|c| c.reference.clone()).collect::<Vec<_>>();
+        let pairs = lines.iter().enumerate().flat_map(|(k, i)| lines[..k].iter().map(move |j| (*j, *i)));
+        pairs.into_iter().find(|(i, j)| self.is_unresolved(&causes(*i), &causes(*j)))
+    }
+
+    /// Whether one of two lines may be of the mains, and the other is within its resolution.
+    fn is_unresolved(&self, a: &[Reference], b: &[Reference]) -> bool {
+        let mains = a.iter().chain(b).find(|r| matches!(r.cause, Cause::Mains { .. }));
+        let (Some(_), Some(a), Some(b)) = (mains, a.first(), b.first()) else { return false };
+        let shown_hz = |r: &Reference| folded_hz(r.course.at_hz(self.turns_hz), self.rate_hz());
+        let is_near = (shown_hz(a) - shown_hz(b)).abs() < SAME_BINS * self.bin_hz();
+        is_near && self.likeness(&self.turning(a), &self.turning(b)) > RESOLVED
     }
 
     /// What stands out of the rest, away from the lines that were found: an order whose strength changes, or a line without a
@@ -359,23 +395,26 @@ impl<'a> Seen<'a> {
                 continue;
             }
             let has = |cause: &Cause| found.iter().flat_map(|f| &f.causes).any(|r| r.cause == *cause);
-            let staying = self.staying(s.freq_hz, references).filter(|r| !has(&r.cause));
-            let causes = staying.or_else(|| self.modulated(s.freq_hz, references)).into_iter().collect();
+            let at: Vec<Reference> = self.at(s.freq_hz, references).filter(|r| !has(&r.cause)).cloned().collect();
+            let causes = match at.is_empty() {
+                true => self.modulated(s.freq_hz, references).into_iter().collect(),
+                false => at,
+            };
             let (amplitude, standard_error) = (s.amplitude, s.amplitude_deviation);
             new.push(Found { frequency_hz: s.freq_hz, amplitude, standard_error, causes });
         }
         new
     }
 
-    /// The multiple of the mains whose tolerance a frequency is within: with noise about it, what lies beside it may have
-    /// hidden it.
-    fn staying(&self, frequency_hz: f64, references: &[Reference]) -> Option<Reference> {
-        let shown_hz = |r: &Reference| folded_hz(r.course.frequency_hz, self.rate_hz());
-        let is_it = |r: &&Reference| {
-            matches!(r.cause, Cause::Mains { .. })
-                && (shown_hz(r) - frequency_hz).abs() < r.course.tolerance_hz + self.bin_hz()
-        };
-        references.iter().find(is_it).cloned()
+    /// The orders, multiples of the mains and sidebands of a ripple that a frequency is as far as the recording tells: with noise
+    /// about it, what lies beside it may have hidden them.
+    fn at<'r>(&self, frequency_hz: f64, references: &'r [Reference]) -> impl Iterator<Item = &'r Reference> {
+        let is_meant =
+            |cause: &Cause| matches!(cause, Cause::Mains { .. } | Cause::RippleSideband { .. } | Cause::Order { .. });
+        let (turns_hz, rate_hz, bins_hz) = (self.turns_hz, self.rate_hz(), SAME_BINS * self.bin_hz());
+        let apart_hz = move |r: &Reference| (folded_hz(r.course.at_hz(turns_hz), rate_hz) - frequency_hz).abs();
+        let is_it = move |r: &&Reference| apart_hz(r) < r.course.tolerance_hz + bins_hz;
+        references.iter().filter(move |r| is_meant(&r.cause)).filter(is_it)
     }
 
     /// The order in whose neighbourhood a frequency is.
@@ -400,6 +439,12 @@ impl<'a> Seen<'a> {
     fn spread_hz(&self, reference: &Reference) -> f64 {
         reference.course.order.abs() * self.spread_hz
     }
+}
+
+/// Of candidates that cannot be told apart the one first that explains most.
+fn strongest_first(line: &mut [Candidate]) {
+    let strongest = line.iter().enumerate().max_by(|a, b| a.1.power.total_cmp(&b.1.power)).map(|(k, _)| k);
+    line[..=strongest.unwrap_or(0)].rotate_right(1);
 }
 
 /// Candidates in groups that touch each other; within a group those that cannot be told apart are one.

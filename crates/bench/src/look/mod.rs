@@ -20,6 +20,7 @@ mod campbell;
 mod cause;
 mod demand;
 mod lines;
+mod mains;
 mod naming;
 mod over_speed;
 mod reference;
@@ -39,6 +40,7 @@ pub use campbell::ShortSpectrum;
 pub use cause::Cause;
 use demand::Stretch;
 use lines::{Found, Lines};
+pub use mains::on_one_mains;
 use naming::Naming;
 pub use over_speed::{CurvePoint, OrderCurve, OverSpeed, over_speed};
 pub use reference::folded_hz;
@@ -70,8 +72,8 @@ pub struct Look {
     pub file: String,
     /// The experiment's label.
     pub label: String,
-    /// The order of the firing.
-    pub firing_order: f64,
+    /// The order of the firing; none without the shaft.
+    pub firing_order: Option<f64>,
     /// Its parts: each sine of a sine test, or the whole.
     pub parts: Vec<LookedPart>,
 }
@@ -146,7 +148,10 @@ pub struct Line {
 /// ```
 #[must_use]
 pub fn look(experiment: &Experiment, engine: Engine) -> Look {
-    let speed = experiment.signal(Role::EngineSpeed).or_else(|| experiment.signal(Role::DynoSpeed));
+    // Without the shaft nothing of the engine is in what the dynamometer shows.
+    let engine = (!experiment.label.is_without_shaft()).then_some(engine);
+    let turning = if engine.is_some() { Role::EngineSpeed } else { Role::DynoSpeed };
+    let speed = experiment.signal(turning).or_else(|| experiment.signal(Role::DynoSpeed));
     let angle = speed.filter(|speed| !speed.is_empty()).map(Angle::of);
     let looker = angle.as_ref().map(|angle| Looker { experiment, engine, angle });
     let parts = looker
@@ -155,7 +160,7 @@ pub fn look(experiment: &Experiment, engine: Engine) -> Look {
     Look {
         file: experiment.file.clone(),
         label: experiment.label.to_string(),
-        firing_order: engine.firings_per_turn(),
+        firing_order: engine.map(|engine| engine.firings_per_turn()),
         parts: parts.collect(),
     }
 }
@@ -163,7 +168,8 @@ pub fn look(experiment: &Experiment, engine: Engine) -> Look {
 /// A recording to look at.
 struct Looker<'a> {
     experiment: &'a Experiment,
-    engine: Engine,
+    /// None without the shaft.
+    engine: Option<Engine>,
     angle: &'a Angle<'a>,
 }
 
@@ -239,17 +245,23 @@ impl Looker<'_> {
         let is_asked_for = role == demand::demand_role(self.experiment);
         let references = if is_asked_for { setting.demanded() } else { setting.references(rate_hz) };
         let lines = Lines::of(&signal, self.angle, &references);
-        let (lines, tracks) = match changes && !is_asked_for {
-            true => self.followed(&signal, lines, &references),
-            false => (lines, Vec::new()),
+        let (lines, tracks) = match self.engine.filter(|_| changes && !is_asked_for) {
+            Some(engine) => self.followed(engine, &signal, lines, &references),
+            None => (lines, Vec::new()),
         };
         Some(Shown { role, signal, lines, broad: Vec::new(), tracks })
     }
 
     /// Orders that can be followed through a change of speed, and the lines of the rest. An order's strength changes with the
     /// speed: what a constant one leaves of it shows wherever another phase meets it, where the speed rests above all.
-    fn followed(&self, signal: &Signal, lines: Lines, references: &[Reference]) -> (Lines, Vec<OrderTrack>) {
-        let (tracks, rest) = tracking::order_tracks(signal, self.angle, self.engine, &lines.found);
+    fn followed(
+        &self,
+        engine: Engine,
+        signal: &Signal,
+        lines: Lines,
+        references: &[Reference],
+    ) -> (Lines, Vec<OrderTrack>) {
+        let (tracks, rest) = tracking::order_tracks(signal, self.angle, engine, &lines.found);
         let is_order = |r: &&Reference| matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. });
         let others: Vec<Reference> = references.iter().filter(|r| !is_order(r)).cloned().collect();
         (lines.of_changing(&tracks, Lines::of(&rest, self.angle, &others)), tracks)
@@ -267,15 +279,17 @@ impl Looker<'_> {
 
     /// Whether a frequency is that of what varies from firing to firing: not without an engine, whose speed is recorded.
     fn is_of_firing(&self, frequency_hz: f64, stretch: &Stretch) -> bool {
-        let turns = self.experiment.signal(Role::EngineSpeed).is_some();
+        let Some(engine) = self.engine.filter(|_| self.experiment.signal(Role::EngineSpeed).is_some()) else {
+            return false;
+        };
         // Where the speed changes, weak orders are not followed.
-        let order = if self.changes(stretch) { self.cycle_order() } else { 0.5 * self.engine.firings_per_turn() };
-        turns && self.meets(order, |_| frequency_hz, stretch)
+        let order = if self.changes(stretch) { self.cycle_order() } else { 0.5 * engine.firings_per_turn() };
+        self.meets(order, |_| frequency_hz, stretch)
     }
 
-    /// The order of a working cycle.
+    /// The order of a working cycle; without an engine that of a turn.
     fn cycle_order(&self) -> f64 {
-        2.0 / f64::from(self.engine.strokes)
+        self.engine.map_or(1.0, |engine| 2.0 / f64::from(engine.strokes))
     }
 
     /// Whether a frequency often is that of a multiple of an order.

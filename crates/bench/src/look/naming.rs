@@ -61,9 +61,9 @@ impl<'a> Naming<'a> {
             (None, Some(asked)) => self.with_asked(causes, &asked, found.amplitude),
             (None, None) => causes,
         };
-        // A multiple of the mains that folds onto a lower one is the weaker of the two; references come with the lowest first.
-        let mut has_mains = false;
-        causes.retain(|r| !matches!(r.cause, Cause::Mains { .. }) || !std::mem::replace(&mut has_mains, true));
+        // A multiple of the mains that folds onto a lower one is the weaker of the two.
+        let lowest = causes.iter().filter_map(multiple_of_mains).min();
+        causes.retain(|r| multiple_of_mains(r).is_none_or(|multiple| Some(multiple) == lowest));
         if let Some(demanded) = causes.iter().position(|r| r.cause == Cause::Demanded) {
             // What a sine's own images add to it where they fold onto it is little.
             causes = vec![causes.swap_remove(demanded)];
@@ -220,6 +220,14 @@ impl<'a> Naming<'a> {
 /// What a lag lets through at a multiple of its bandwidth.
 fn gain(multiple: f64) -> f64 {
     1.0 / (1.0 + multiple * multiple).sqrt()
+}
+
+/// Which multiple of the mains it is.
+fn multiple_of_mains(reference: &Reference) -> Option<u32> {
+    match reference.cause {
+        Cause::Mains { multiple, .. } => Some(multiple),
+        _ => None,
+    }
 }
 
 fn is_image(reference: &Reference) -> bool {

@@ -9,6 +9,8 @@ use crate::model::Engine;
 /// Orders are looked for up to this multiple of the firing order; up to the second, they modulate and are modulated.
 const HIGHEST_FIRING: f64 = 6.0;
 const STRONG_FIRING: f64 = 2.0;
+/// Without an engine, what an encoder repeats with each turn is looked for up to multiples as of this firing order.
+const WITHOUT_ENGINE: f64 = 2.0;
 /// Frequencies of mains, Hz, and how many multiples of them are looked for.
 pub(super) const MAINS_HZ: [f64; 2] = [50.0, 60.0];
 const MAINS_MULTIPLES: u32 = 6;
@@ -66,7 +68,8 @@ pub fn folded_hz(frequency_hz: f64, rate_hz: f64) -> f64 {
 /// What the references of a signal depend on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Setting<'a> {
-    pub(super) engine: Engine,
+    /// None without the shaft.
+    pub(super) engine: Option<Engine>,
     /// Speed of the engine, Hz.
     pub(super) turns_hz: f64,
     /// Demanded sines, Hz.
@@ -92,7 +95,7 @@ impl Setting<'_> {
         self.sines_hz.iter().flat_map(|hz| self.of_sine(*hz)).filter(is_demanded).collect()
     }
 
-    /// The engine's orders, those above half the sample rate where they fold to.
+    /// Orders, those above half the sample rate where they fold to.
     fn orders(&self, rate_hz: f64) -> impl Iterator<Item = Reference> {
         let turns_hz = self.turns_hz;
         self.multiples(HIGHEST_FIRING).map(move |(order, is_firing)| {
@@ -106,11 +109,13 @@ impl Setting<'_> {
     }
 
     /// Multiples of half the speed, as a working cycle has them, up to a multiple of the firing; and whether they are one of it.
+    /// Without an engine, whole multiples.
     fn multiples(&self, highest: f64) -> impl Iterator<Item = (f64, bool)> {
-        let firing = self.engine.firings_per_turn();
-        let step = 2.0 / f64::from(self.engine.strokes);
-        let count = (highest * firing / step).round() as usize;
-        (1..=count).map(move |k| (step * k as f64, (step * k as f64 / firing).fract() == 0.0))
+        let firing = self.engine.map(Engine::firings_per_turn);
+        let step = self.engine.map_or(1.0, |engine| 2.0 / f64::from(engine.strokes));
+        let count = (highest * firing.unwrap_or(WITHOUT_ENGINE) / step).round() as usize;
+        let is_firing = move |order: f64| firing.is_some_and(|firing| (order / firing).fract() == 0.0);
+        (1..=count).map(move |k| (step * k as f64, is_firing(step * k as f64)))
     }
 
     /// Sidebands that a ripple gives a torque that swings with the engine, and images of the orders to which a demand answers.

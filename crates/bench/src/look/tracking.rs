@@ -151,12 +151,13 @@ pub(super) fn range_hz(angle: &Angle<'_>, start_s: f64, end_s: f64) -> [f64; 2] 
     means.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], hz| [low.min(hz), high.max(hz)])
 }
 
-/// The points of one order, the noise about each averaged with that of its neighbours.
+/// The points of one order. The noise about each is that of its own window, or where that is more, averaged with its
+/// neighbours': a step of the demand is in one window alone.
 fn points(fitted: &[Vec<Option<Fitted>>], order: usize) -> Vec<TrackPoint> {
     let of_order: Vec<&Fitted> = fitted.iter().filter_map(|window| window[order].as_ref()).collect();
     let noise = |k: usize| {
         let about = &of_order[k.saturating_sub(NEIGHBOURS)..(k + NEIGHBOURS + 1).min(of_order.len())];
-        about.iter().map(|fitted| fitted.noise).sum::<f64>() / about.len() as f64
+        of_order[k].noise.max(about.iter().map(|fitted| fitted.noise).sum::<f64>() / about.len() as f64)
     };
     let point = |(k, fitted): (usize, &&Fitted)| TrackPoint {
         standard_error: (0.5 * noise(k) * fitted.widened).sqrt(),

@@ -6,7 +6,7 @@ use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
 use crate::engine_torque::{EngineTorque, engine_torque};
 use crate::estimate::EstimateError;
 use crate::friction::{self, Friction, FrictionError, FrictionOptions};
-use crate::look::{Look, OverSpeed, look, over_speed};
+use crate::look::{Look, OverSpeed, look, on_one_mains, over_speed};
 use crate::processors::on_all_processors;
 use crate::shaft_study::{ShaftStudy, shaft_study};
 use crate::speed_control::{self, PiStudy, SpeedControl, StudyOptions, speed_control};
@@ -63,7 +63,7 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
     let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
     analysing("lines");
     let engine = bench.engine();
-    let lines: Vec<Look> = on_all_processors(experiments, |experiment| look(experiment, engine), &|_, _| ());
+    let lines = on_one_mains(on_all_processors(experiments, |experiment| look(experiment, engine), &|_, _| ()));
     analysing("torque signals");
     let torque_signals = torque_signals(&all, bench, &mut |_| ());
     analysing("speed controller");

@@ -1,7 +1,7 @@
 //! `dynoid look`: what recordings show before any model.
 
 use bench::look::{
-    BANDWIDTH_ORDERS, FEWEST_SAMPLES, Look, LookedPart, LookedSignal, OverSpeed, TURNS, look, over_speed,
+    BANDWIDTH_ORDERS, FEWEST_SAMPLES, Look, LookedPart, LookedSignal, OverSpeed, TURNS, look, on_one_mains, over_speed,
 };
 use bench::units::si_spelling;
 use report::look::{cause, figure, over_speed_figures, unit};
@@ -21,6 +21,7 @@ pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<
         experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
             looks.push(look(&experiment, bench.engine()));
         })?;
+    let looks = on_one_mains(looks);
     looks.iter().filter_map(nothing_seen).for_each(|reason| terminal.warning(&reason));
     let signals = over_speed(&looks);
     let over = match &looks[..] {
