@@ -3,7 +3,9 @@
 use std::f64::consts::TAU;
 
 use bench::Role;
-use bench::look::{Cause, Line, Look, LookedPart, LookedSignal, OrderCurve, OverSpeed, ShortSpectrum, folded_hz};
+use bench::look::{
+    Cause, CurvePoint, Line, Look, LookedPart, LookedSignal, OrderCurve, OverSpeed, ShortSpectrum, folded_hz,
+};
 use bench::units::RPM_RAD_S;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
@@ -19,7 +21,9 @@ const MOST_NAMED: usize = 12;
 /// Orders whose amplitudes are drawn over the speed.
 const MOST_CURVES: usize = 5;
 /// Fewer speeds than these are drawn as points.
-const FEW_POINTS: usize = 10;
+const FEW_POINTS: usize = 3;
+/// Points so many classes of speed apart are joined.
+const NEAR: f64 = 4.0;
 /// Rows of a map, at most; the shades above nothing; and the least and the largest ratio that they span.
 const ROWS: usize = 130;
 const SHADES: f64 = 9.0;
@@ -169,8 +173,15 @@ fn path(name: &str, style: Style, x: &[f64], y: &[f64]) -> Layer {
     Layer::Path { name: name.to_owned(), style, x: rounded(x), y: rounded(y) }
 }
 
-fn word(style: Style, (x, y): (f64, f64), word: String) -> Layer {
-    Layer::Words { style, x: vec![Rounded(x)], y: vec![Rounded(y)], words: vec![word] }
+fn word(style: Style, place: (f64, f64), word: String) -> Layer {
+    words(style, [(place, word)])
+}
+
+/// Words at their places, none over another.
+fn words(style: Style, words: impl IntoIterator<Item = ((f64, f64), String)>) -> Layer {
+    let (places, words): (Vec<(f64, f64)>, Vec<String>) = words.into_iter().unzip();
+    let (x, y) = places.into_iter().map(|(x, y)| (Rounded(x), Rounded(y))).unzip();
+    Layer::Words { style, x, y, words }
 }
 
 /// The signals over the speed: their Campbell maps, the orders' amplitudes, and where there is one, the phases.
@@ -206,11 +217,17 @@ fn campbell(signal: &OverSpeed) -> Panel {
     let top_hz = (cells * per_row) as f64 * ShortSpectrum::STEP_HZ;
     let x = [low, high].map(|w| Rounded(w / RPM_RAD_S));
     let mut layers = vec![Layer::Shades { x, y: [Rounded(0.0), Rounded(top_hz)], columns: rows }];
-    for line in &signal.staying {
-        let label = format!("{}, {} Hz", short_name(&line.cause), number::significant(line.frequency_hz, 3));
-        layers.push(Layer::HorizontalMark { y: Rounded(line.frequency_hz), label });
-    }
     layers.extend(order_lines(signal, rate_hz));
+    // Over the orders, which come close at low speeds.
+    let ends = [low, high].map(|w| w / RPM_RAD_S);
+    for line in &signal.staying {
+        layers.push(path("stays", Style::Other, &ends, &[line.frequency_hz; 2]));
+    }
+    let labels = signal.staying.iter().map(|line| {
+        let label = format!("{}, {} Hz", short_name(&line.cause), number::significant(line.frequency_hz, 3));
+        ((ends[0], line.frequency_hz), label)
+    });
+    layers.push(words(Style::Other, labels));
     let axis = Axis::linear(&format!("{}: frequency", signal.role.symbol()), "Hz").within(0.0, 0.5 * rate_hz);
     Panel::new(axis, MAP_HEIGHT, layers).noted(format!("a shade is {shade_db:.0} dB"))
 }
@@ -243,25 +260,28 @@ fn order_lines(signal: &OverSpeed, rate_hz: f64) -> Vec<Layer> {
     let [low, high] = signal.speed_rad_s;
     let speeds: Vec<f64> = (0..=POINTS).map(|k| low + (high - low) * k as f64 / POINTS as f64).collect();
     let rpm: Vec<f64> = speeds.iter().map(|w| w / RPM_RAD_S).collect();
+    // Nothing is drawn through speeds that no recording has.
+    let class = |w: f64| (signal.map.len() as f64 * (w - low) / (high - low)) as usize;
+    let is_known = |w: f64| signal.map.get(class(w)).or(signal.map.last()).is_some_and(|column| !column.is_empty());
     let mut layers = Vec::new();
     for curve in &signal.orders {
         let shown = |folds: bool| -> Vec<f64> {
             let at = |w: &f64| {
                 let hz = curve.at_hz(*w);
-                if (hz > 0.5 * rate_hz) == folds { folded_hz(hz, rate_hz) } else { f64::NAN }
+                let is_shown = (hz > 0.5 * rate_hz) == folds && is_known(*w);
+                if is_shown { folded_hz(hz, rate_hz) } else { f64::NAN }
             };
             speeds.iter().map(at).collect()
         };
         layers.push(path("orders", Style::Modelled, &rpm, &shown(false)));
         layers.push(path("folded orders", Style::Sixth, &rpm, &shown(true)));
     }
-    for (k, curve) in signal.orders.iter().enumerate() {
+    let numbers = signal.orders.iter().enumerate().map(|(k, curve)| {
         // Not all numbers at one speed, where lines meet.
-        let speed = low + (high - low) * (0.97 - 0.04 * (k % 3) as f64);
-        let hz = curve.at_hz(speed);
-        let style = if hz > 0.5 * rate_hz { Style::Sixth } else { Style::Modelled };
-        layers.push(word(style, (speed / RPM_RAD_S, folded_hz(hz, rate_hz)), format!("{}", curve.order)));
-    }
+        let speed = low + (high - low) * (0.99 - 0.01 * (k % 3) as f64);
+        ((speed / RPM_RAD_S, folded_hz(curve.at_hz(speed), rate_hz)), format!("{}", curve.order))
+    });
+    layers.push(words(Style::Modelled, numbers));
     layers
 }
 
@@ -277,22 +297,28 @@ fn strongest(signal: &OverSpeed) -> impl Iterator<Item = (&OrderCurve, String)> 
 fn amplitudes(signal: &OverSpeed) -> Panel {
     let (unit, per_si) = unit(signal.role);
     let mut layers = Vec::new();
+    let [lowest, highest] = signal.speed_rad_s;
+    let reach = NEAR * (highest - lowest) / signal.map.len().max(1) as f64;
     for (curve, name) in strongest(signal) {
         let style = style_of(curve.order);
-        let x: Vec<f64> = curve.points.iter().map(|p| p.speed_rad_s / RPM_RAD_S).collect();
-        let y: Vec<f64> = curve.points.iter().map(|p| p.amplitude * per_si).collect();
-        let off = |sign: f64| -> Vec<f64> {
-            curve.points.iter().map(|p| (p.amplitude + sign * 2.0 * p.standard_error) * per_si).collect()
-        };
-        let (low, high) = (rounded(&off(-1.0)), rounded(&off(1.0)));
-        if x.len() < FEW_POINTS {
-            // Between speeds that are far apart nothing is known.
-            let (x, y) = (Abscissa::Values(rounded(&x)), rounded(&y));
-            layers.push(Layer::Points { name, style, x, y, low: Some(low), high: Some(high) });
-        } else {
-            let x_of_band = Abscissa::Values(rounded(&x));
-            layers.push(Layer::Band { name: name.clone(), style, x: x_of_band, low, high });
-            layers.push(Layer::curve(&name, style, &x, &y));
+        // Between speeds that are far apart nothing is known.
+        let is_near = |a: &CurvePoint, b: &CurvePoint| b.speed_rad_s - a.speed_rad_s <= reach;
+        for points in curve.points.chunk_by(is_near) {
+            let name = name.clone();
+            let x: Vec<f64> = points.iter().map(|p| p.speed_rad_s / RPM_RAD_S).collect();
+            let y: Vec<f64> = points.iter().map(|p| p.amplitude * per_si).collect();
+            let off = |sign: f64| -> Vec<f64> {
+                points.iter().map(|p| (p.amplitude + sign * 2.0 * p.standard_error).max(0.0) * per_si).collect()
+            };
+            let (low, high) = (rounded(&off(-1.0)), rounded(&off(1.0)));
+            if points.len() < FEW_POINTS {
+                let (x, y) = (Abscissa::Values(rounded(&x)), rounded(&y));
+                layers.push(Layer::Points { name, style, x, y, low: Some(low), high: Some(high) });
+            } else {
+                let x_of_band = Abscissa::Values(rounded(&x));
+                layers.push(Layer::Band { name: name.clone(), style, x: x_of_band, low, high });
+                layers.push(Layer::curve(&name, style, &x, &y));
+            }
         }
     }
     Panel::new(Axis::linear(signal.role.symbol(), unit), HEIGHT, layers)

@@ -155,6 +155,8 @@ impl Lines {
             }
             seen.show(left);
         }
+        let strays: Vec<Vec<Reference>> = found.iter().map(|line| seen.strays(line, &found, references)).collect();
+        found.iter_mut().zip(strays).for_each(|(line, strays)| line.causes.extend(strays));
         let beside = seen.beside(&found, references);
         found.extend(beside);
         found.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
@@ -375,11 +377,28 @@ impl<'a> Seen<'a> {
 
     /// Whether one of two lines may be of the mains, and the other is within its resolution.
     fn is_unresolved(&self, a: &[Reference], b: &[Reference]) -> bool {
-        let mains = a.iter().chain(b).find(|r| matches!(r.cause, Cause::Mains { .. }));
-        let (Some(_), Some(a), Some(b)) = (mains, a.first(), b.first()) else { return false };
+        let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
+        let mut pairs = pairs.filter(|(a, b)| is_of_mains(a) || is_of_mains(b));
         let shown_hz = |r: &Reference| folded_hz(r.course.at_hz(self.turns_hz), self.rate_hz());
-        let is_near = (shown_hz(a) - shown_hz(b)).abs() < SAME_BINS * self.bin_hz();
-        is_near && self.likeness(&self.turning(a), &self.turning(b)) > RESOLVED
+        let is_near = |a, b| (shown_hz(a) - shown_hz(b)).abs() < SAME_BINS * self.bin_hz();
+        pairs.any(|(a, b)| is_near(a, b) && self.likeness(&self.turning(a), &self.turning(b)) > RESOLVED)
+    }
+
+    /// What a line may come from as well of which only what strays was found: the mains, within their tolerance, and orders whose
+    /// phase cannot be told from its own.
+    fn strays(&self, line: &Found, found: &[Found], references: &[Reference]) -> Vec<Reference> {
+        let is_straying = |r: &Reference| is_of_mains(r) || matches!(r.cause, Cause::RippleSideband { .. });
+        if line.causes.is_empty() || !line.causes.iter().all(is_straying) {
+            return Vec::new();
+        }
+        let is_known = |r: &Reference| found.iter().flat_map(|f| &f.causes).any(|known| known.cause == r.cause);
+        let own = self.turning(&line.causes[0]);
+        let is_alike = |r: &Reference| self.likeness(&self.turning(r), &own) > SAME;
+        let is_order = |r: &Reference| matches!(r.cause, Cause::Order { .. });
+        let apart_hz = |r: &Reference| folded_hz(r.course.frequency_hz, self.rate_hz()) - line.frequency_hz;
+        let is_mains = |r: &Reference| is_of_mains(r) && apart_hz(r).abs() < r.course.tolerance_hz;
+        let is_meant = |r: &&Reference| is_mains(r) || (is_order(r) && is_alike(r));
+        self.at(line.frequency_hz, references).filter(is_meant).filter(|r| !is_known(r)).cloned().collect()
     }
 
     /// What stands out of the rest, away from the lines that were found: an order whose strength changes, or a line without a
@@ -439,6 +458,10 @@ impl<'a> Seen<'a> {
     fn spread_hz(&self, reference: &Reference) -> f64 {
         reference.course.order.abs() * self.spread_hz
     }
+}
+
+fn is_of_mains(reference: &Reference) -> bool {
+    matches!(reference.cause, Cause::Mains { .. })
 }
 
 /// Of candidates that cannot be told apart the one first that explains most.
