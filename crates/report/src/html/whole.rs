@@ -272,8 +272,15 @@ fn sine_table(points: &[SinePoint]) -> Markup {
             markup!("<span class=\"file\">{}</span>", point.file),
         ]
     });
-    let heads =
-        ["Frequency", "Measured gain, ± 95 %", "Without the engine’s part, ± as measured", "Model", "Over model", "", "Recording"];
+    let heads = [
+        "Frequency",
+        "Measured gain, ± 95 %",
+        "Without the engine’s part, ± as measured",
+        "Model",
+        "Over model",
+        "",
+        "Recording",
+    ];
     table("numbers", &heads, rows)
 }
 
