@@ -49,7 +49,7 @@ fn an_inertia_in_the_wrong_unit() {
 fn a_wrong_inertia_is_doubted() {
     let campaign = Campaign::whole();
     campaign.write("bench.toml", BENCH.replace("0.6 kg m²", "1.2 kg m²").as_bytes());
-    let found = campaign.findings_about("BS_T_NT_1200.mf4");
+    let found = campaign.findings_about("WhiteNoise_T_TN_1200.mf4");
     assert!(found.contains("inertia J_d of 1.2 kg m²"), "{found}");
 }
 
