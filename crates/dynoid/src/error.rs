@@ -98,7 +98,7 @@ pub(crate) enum CliError {
     #[error("{}: {}", .path.display(), write_words(.path, .source))]
     Write { path: PathBuf, source: io::Error },
     /// Something else stands where a file or folder is to be written.
-    #[error("{}: {what} of this name is already there; remove it, or choose another place with --out, or with --plot for a figure with --out", .path.display())]
+    #[error("{}: {what} of this name is already there; remove it, or choose another place with --out", .path.display())]
     InTheWay { path: PathBuf, what: &'static str },
     /// A bench file that must not be overwritten.
     #[error("{}: the bench file is already there and was left as it is; write another with --out, or replace it with --force", .path.display())]
@@ -266,17 +266,21 @@ fn read_words(error: &io::Error) -> String {
 fn write_words(path: &Path, error: &io::Error) -> String {
     match error.kind() {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "you may not write here; choose another place with --out, or with --plot for a figure".into()
+            "you may not write here; choose another place with --out or --plot".into()
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "the disk is full; free some space, or choose another place with --out, or with --plot for a figure".into()
+            "the disk is full; free some space, or choose another place with --out or --plot".into()
         }
-        io::ErrorKind::NotADirectory => "part of this path is a file, not a folder; choose another place with --out, or with --plot for a figure".into(),
+        io::ErrorKind::NotADirectory => {
+            "part of this path is a file, not a folder; choose another place with --out or --plot".into()
+        }
         io::ErrorKind::NotFound if crate::input::folder_of(path).is_dir() => {
-            "no file can be made in this folder; choose another place with --out, or with --plot for a figure".into()
+            "no file can be made in this folder; choose another place with --out or --plot".into()
         }
-        io::ErrorKind::NotFound => "the folder to write to is not there; make it, or choose another place with --out, or with --plot for a figure".into(),
-        _ => format!("this cannot be written: {error}; choose another place with --out, or with --plot for a figure"),
+        io::ErrorKind::NotFound => {
+            "the folder to write to is not there; make it, or choose another place with --out or --plot".into()
+        }
+        _ => format!("this cannot be written: {error}; choose another place with --out or --plot"),
     }
 }
 

@@ -70,5 +70,5 @@ fn regress_the_load_cell_is_named_where_it_stands_in_for_the_calculated_torque()
     assert!(ran.stdout.contains("T_d from the load cell"), "{}", ran.stdout);
     assert!(ran.stderr.contains("T_d is taken from the load cell, T_d,meas"), "{}", ran.stderr);
     let nowhere = campaign.run(&["friction", "bench.toml", "--plot", "nodir/x.html"]);
-    assert!(nowhere.code == Some(4) && !nowhere.stderr.contains("--out"), "{}", nowhere.stderr);
+    assert!(nowhere.code == Some(4) && nowhere.stderr.contains("--plot"), "{}", nowhere.stderr);
 }
