@@ -11,9 +11,9 @@ use signal::{Signal, SignalError};
 pub use self::filter::{Difference, Filter, FilterCandidate, ShaftFilter};
 use self::load_cell::LoadCell;
 use self::routes::{Curvature, Measured, correlation_peak, on_one_raster, phase_slope};
-use super::EstimateError;
 use super::parameter::Label;
 use super::torque_control::{self, TorqueControlFit, stretch_of, usable_signal};
+use super::{EstimateError, timing_floor_s};
 use crate::study::{DelayRoute, Parameter, SignalDelay, Timing};
 use crate::{ControlMode, Experiment, Finding, Role};
 
@@ -157,7 +157,9 @@ impl Bench<'_> {
             Role::SystemShaftTorque => self.average_against_bend(average?),
             _ => self.flange_against_bend(role),
         };
-        measured.map(|m| parameter(AGAINST_BEND, m))
+        let dated_s = timing_floor_s(self.demand.sample_time_s);
+        let dated = |m: Measured| Measured { standard_error_s: m.standard_error_s.hypot(dated_s), ..m };
+        measured.map(|m| parameter(AGAINST_BEND, dated(m)))
     }
 
     /// J_d dω_d/dt on the raster of N_d.
