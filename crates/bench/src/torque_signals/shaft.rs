@@ -25,8 +25,6 @@ const HIGHEST_LINE: f64 = 0.5;
 const FOR_LEVELS_S: f64 = 8.0;
 /// Standard deviation of ω_d at the start, rad/s.
 const START_RAD_S: f64 = 1.0;
-/// Over this from the start the way back loses variances among the rounding errors of a wide start, s.
-const START_S: f64 = 0.1;
 /// Least noise of a speed, rad/s.
 const LEAST_NOISE_RAD_S: f64 = 1e-6;
 
@@ -90,8 +88,7 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
     let smoother = TorqueSmoother { mechanics: &mechanics, observed: &observed };
     let levels = smoother.levels(FOR_LEVELS_S).map_err(failed)?;
     let smoothed = smoother.smooth(&levels).map_err(failed)?;
-    let (smoothed_nm, deviation_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
-    let standard_deviation_nm = with_start(deviation_nm, speed.sample_time_s);
+    let (smoothed_nm, standard_deviation_nm) = smoothed.combination(&smoother.weights()).map_err(failed)?;
     let count = smoothed_nm.len();
     let filtered = |x: &Signal, wanted, gate_s, late_s: f64| {
         ZeroPhase { band_hz: BAND_HZ, gate_s, wanted }.at(x, clock.start_s + late_s, speed.sample_time_s, count)
@@ -117,15 +114,6 @@ pub(super) fn rebuild(experiment: &Experiment, known: &Known<'_>) -> Result<Rebu
             error => OnceATurn::TakenOut(error * known.inertia_kg_m2 * mean * mean),
         },
     })
-}
-
-/// Deviations with those of the start as they are at the end: to noise that drives a torque alike at all times, what later
-/// samples tell of the first is what earlier ones tell of the last.
-fn with_start(mut deviation_nm: Vec<f64>, step_s: f64) -> Vec<f64> {
-    let count = ((START_S / step_s) as usize).min(deviation_nm.len() / 2);
-    let last: Vec<f64> = deviation_nm.iter().rev().take(count).copied().collect();
-    deviation_nm[..count].copy_from_slice(&last);
-    deviation_nm
 }
 
 /// J_d dω_d/dt = T_shaft − T_d.

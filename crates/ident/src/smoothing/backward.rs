@@ -5,13 +5,22 @@ use faer::{Mat, MatRef};
 use super::Smoothed;
 use super::forward::{Forward, Innovation, dot};
 use super::steady::Memory;
+use crate::triangle::upper_factor;
 
-/// The gradient of the likelihood by the state, and minus its curvature: r and N of Durbin and Koopman.
+/// The gradient of the likelihood by the state, and minus its curvature: r and N of Durbin and Koopman, N as RᵀR. By R,
+/// information that a measurement replaces leaves no rounding error behind that a wide covariance would enlarge.
 struct Later {
     gradient: Vec<f64>,
-    information: Vec<f64>,
-    product: Vec<f64>,
+    /// R, by rows.
+    root: Vec<f64>,
     column: Vec<f64>,
+}
+
+/// What later measurements say of a state, and what is then known of it.
+struct Known {
+    root: Vec<f64>,
+    information: Vec<f64>,
+    posterior: Vec<f64>,
 }
 
 /// x̂(k) = x(k | k−1) + P(k | k−1) r, with the covariance P − P N P.
@@ -19,14 +28,10 @@ pub(super) fn smooth(forward: &Forward, outputs: MatRef<'_, f64>) -> Smoothed {
     let (n, samples) = (forward.states, outputs.nrows());
     let mut states = Mat::zeros(samples, n);
     let mut covariances = vec![0.0; samples * n * n];
-    let mut later = Later {
-        gradient: vec![0.0; n],
-        information: vec![0.0; n * n],
-        product: vec![0.0; n * n],
-        column: vec![0.0; n],
-    };
+    let mut later = Later { gradient: vec![0.0; n], root: vec![0.0; n * n], column: vec![0.0; n] };
+    let mut information = vec![0.0; n * n];
     // N at a sample and the covariance of its state, by the forward step and N at the sample after it.
-    let mut memory: Memory<usize, (Vec<f64>, Vec<f64>)> = Memory::new();
+    let mut memory: Memory<usize, Known> = Memory::new();
     let mut left = forward.innovations.len();
     for sample in (0..samples).rev() {
         if sample + 1 < samples {
@@ -46,22 +51,21 @@ pub(super) fn smooth(forward: &Forward, outputs: MatRef<'_, f64>) -> Smoothed {
             later.gradient_through_measurement(c, gain, innovation);
         }
         let number = forward.settled[sample];
-        if memory.recall(&number, &later.information).is_none() {
-            let before = later.information.clone();
+        if memory.recall(&number, &information).is_none() {
+            let before = later.root.clone();
             if sample + 1 < samples {
-                later.information_through_transition(&forward.transition);
+                later.root_through_transition(&forward.transition);
             }
             for (c, gain, innovation) in (left..last).rev().map(step) {
-                later.information_through_measurement(c, gain, innovation.variance);
+                later.root_through_measurement(c, gain, innovation.variance);
             }
-            let mut posterior = vec![0.0; n * n];
-            later.posterior(p, &mut posterior);
-            let information = std::mem::replace(&mut later.information, before.clone());
-            memory.remember(number, before, (information, posterior));
+            let root = std::mem::replace(&mut later.root, before);
+            memory.remember(number, information.clone(), Known::new(root, p, n));
         }
-        if let Some((information, posterior)) = memory.recall(&number, &later.information) {
-            covariances[sample * n * n..(sample + 1) * n * n].copy_from_slice(posterior);
-            later.information.copy_from_slice(information);
+        if let Some(known) = memory.recall(&number, &information) {
+            covariances[sample * n * n..(sample + 1) * n * n].copy_from_slice(&known.posterior);
+            later.root.copy_from_slice(&known.root);
+            information.copy_from_slice(&known.information);
         }
         for i in 0..n {
             states[(sample, i)] = forward.predicted[sample * n + i] + dot(&p[i * n..(i + 1) * n], &later.gradient);
@@ -80,18 +84,14 @@ impl Later {
         self.gradient.copy_from_slice(&self.column);
     }
 
-    /// N ← Aᵀ N A.
-    fn information_through_transition(&mut self, a: &[f64]) {
+    /// R ← R A.
+    fn root_through_transition(&mut self, a: &[f64]) {
         let n = self.gradient.len();
-        for i in 0..n {
+        for row in self.root.chunks_exact_mut(n) {
             for j in 0..n {
-                self.product[i * n + j] = (0..n).map(|k| self.information[i * n + k] * a[k * n + j]).sum();
+                self.column[j] = (0..n).map(|k| row[k] * a[k * n + j]).sum();
             }
-        }
-        for i in 0..n {
-            for j in 0..n {
-                self.information[i * n + j] = (0..n).map(|k| a[k * n + i] * self.product[k * n + j]).sum();
-            }
+            row.copy_from_slice(&self.column);
         }
     }
 
@@ -101,33 +101,29 @@ impl Later {
         self.gradient.iter_mut().zip(c).for_each(|(r, c)| *r += push * c);
     }
 
-    /// N ← c cᵀ/F + Lᵀ N L.
-    fn information_through_measurement(&mut self, c: &[f64], gain: &[f64], variance: f64) {
-        let n = c.len();
-        for i in 0..n {
-            self.column[i] = dot(&self.information[i * n..(i + 1) * n], gain);
+    /// N ← c cᵀ/F + Lᵀ N L: R ← R L with the row cᵀ/√F below.
+    fn root_through_measurement(&mut self, c: &[f64], gain: &[f64], variance: f64) {
+        for row in self.root.chunks_exact_mut(c.len()) {
+            let taken = dot(row, gain);
+            row.iter_mut().zip(c).for_each(|(entry, c)| *entry -= taken * c);
         }
-        let square = dot(gain, &self.column) + 1.0 / variance;
-        for i in 0..n {
-            for j in 0..n {
-                self.information[i * n + j] += square * c[i] * c[j] - self.column[i] * c[j] - c[i] * self.column[j];
-            }
-        }
+        self.root.extend(c.iter().map(|c| c / variance.sqrt()));
     }
+}
 
-    /// P − P N P.
-    fn posterior(&mut self, p: &[f64], into: &mut [f64]) {
-        let n = self.gradient.len();
-        for i in 0..n {
-            for j in 0..n {
-                self.product[i * n + j] = (0..n).map(|k| self.information[i * n + k] * p[k * n + j]).sum();
-            }
-        }
-        for i in 0..n {
-            for j in 0..n {
-                let taken: f64 = (0..n).map(|k| p[i * n + k] * self.product[k * n + j]).sum();
-                into[i * n + j] = p[i * n + j] - taken;
-            }
+impl Known {
+    /// From any R of n columns, and the covariance P of the state before later measurements: P − P N P.
+    fn new(root: Vec<f64>, p: &[f64], n: usize) -> Known {
+        let rows = root.len() / n.max(1);
+        let factor = upper_factor(Mat::from_fn(rows, n, |i, j| root[i * n + j]));
+        let rows = factor.nrows();
+        let explained = &factor * Mat::from_fn(n, n, |i, j| p[i * n + j]);
+        let square = |m: &Mat<f64>, i: usize, j: usize| -> f64 { (0..rows).map(|k| m[(k, i)] * m[(k, j)]).sum() };
+        let pairs = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        Known {
+            root: pairs().map(|(i, j)| if i < rows { factor[(i, j)] } else { 0.0 }).collect(),
+            information: pairs().map(|(i, j)| square(&factor, i, j)).collect(),
+            posterior: pairs().map(|(i, j)| p[i * n + j] - square(&explained, i, j)).collect(),
         }
     }
 }

@@ -159,13 +159,26 @@ impl Filter<'_> {
         if !(variance > 0.0 && variance.is_finite()) {
             return Err(NO_ROOM);
         }
+        self.column.iter_mut().for_each(|gain| *gain /= variance);
+        self.joseph(c, self.system.measurement_variance[output]);
+        Ok(variance)
+    }
+
+    /// P ← L P Lᵀ + r K Kᵀ with L = I − K cᵀ and K in `column`: Joseph's form, positive where P is far above r.
+    fn joseph(&mut self, c: &[f64], r: f64) {
+        let n = self.x.len();
         for i in 0..n {
-            for j in 0..n {
-                self.p[i * n + j] -= self.column[i] * self.column[j] / variance;
+            let (row, gain) = (&mut self.p[i * n..(i + 1) * n], &self.column);
+            // Row i of P Lᵀ.
+            let seen = dot(row, c);
+            row.iter_mut().zip(gain).for_each(|(p, gain)| *p -= seen * gain);
+        }
+        for j in 0..n {
+            let seen: f64 = (0..n).map(|i| c[i] * self.p[i * n + j]).sum();
+            for i in 0..n {
+                self.p[i * n + j] += (r * self.column[j] - seen) * self.column[i];
             }
         }
-        self.column.iter_mut().for_each(|gain| *gain /= variance);
-        Ok(variance)
     }
 
     /// One sample on: A x + B u.

@@ -123,7 +123,7 @@ impl NoisySystem {
     /// States and their covariance at every sample, given all measurements.
     ///
     /// `inputs` is samples × inputs, `outputs` samples × outputs; an output that was not measured is NaN. `start` is what
-    /// is known of x(0) before the first measurement; where that is nothing, a covariance that is large but not beyond 10⁸
+    /// is known of x(0) before the first measurement; where that is nothing, a covariance that is large but not beyond 10¹²
     /// times what the measurements leave of it.
     ///
     /// The backward pass is Bryson and Frazier's form of the smoother of Rauch, Tung and Striebel: the same numbers without

@@ -162,6 +162,50 @@ fn exact_likelihood_and_states_are_those_of_the_joint_density_where_noise_does_n
     }
 }
 
+/// A torque that walks turns a speed, which is read to 10⁻⁵ of what is thought possible at the start.
+#[test]
+fn exact_the_first_states_after_a_start_that_is_wide_beside_the_noise() {
+    let (step, walk, start) = (1e-3, 1.0, [1.0, 1e6]);
+    for noise in [1e-8, 1e-10, 1e-12_f64] {
+        let outputs = Mat::from_fn(SAMPLES, 1, |k, _| (0.3 * k as f64).sin() * noise.sqrt());
+        let shaft = StateSpace::discrete(
+            mat![[1.0, step], [0.0, 1.0]],
+            Mat::zeros(2, 0),
+            mat![[1.0, 0.0]],
+            Mat::zeros(1, 0),
+            step,
+        )
+        .unwrap();
+        let system = NoisySystem::new(shaft, diagonal(&[0.0, walk]), vec![noise]).unwrap();
+        let belief = Belief { mean: vec![0.0; 2], covariance: diagonal(&start) };
+        let smoothed = system.smooth(&belief, Mat::zeros(SAMPLES, 0).as_ref(), outputs.as_ref()).unwrap();
+        // The unknowns: the speed at the start, and every torque.
+        let mut rows = vec![(vec![(0, 1.0)], 0.0, start[0]), (vec![(1, 1.0)], 0.0, start[1])];
+        for k in 0..SAMPLES {
+            let speed: Vec<(usize, f64)> = std::iter::once((0, 1.0)).chain((0..k).map(|j| (1 + j, step))).collect();
+            rows.push((speed, outputs[(k, 0)], noise));
+            if k > 0 {
+                rows.push((vec![(1 + k, 1.0), (k, -1.0)], 0.0, walk));
+            }
+        }
+        let mut phi = Mat::<f64>::zeros(rows.len(), SAMPLES + 1);
+        for (i, (entries, _, variance)) in rows.iter().enumerate() {
+            entries.iter().for_each(|(j, weight)| phi[(i, *j)] = weight / variance.sqrt());
+        }
+        let target: Vec<f64> = rows.iter().map(|(_, value, variance)| value / variance.sqrt()).collect();
+        let direct = least_squares(phi.as_ref(), &target).unwrap();
+        for k in 0..SAMPLES {
+            let covariance = smoothed.covariance(k).unwrap();
+            let variance = direct.unscaled_covariance[(1 + k, 1 + k)];
+            let off = (smoothed.states[(k, 1)] - direct.parameters[1 + k]) / variance.sqrt();
+            assert!(off.abs() < 1e-3, "{noise:e} {k}: {off}");
+            assert!((covariance[(1, 1)] / variance - 1.0).abs() < 1e-3, "{noise:e} {k}: {covariance:?} {variance}");
+        }
+        let first = smoothed.covariance(0).unwrap()[(0, 0)];
+        assert!((first / direct.unscaled_covariance[(0, 0)] - 1.0).abs() < 1e-3, "{noise:e}: {first}");
+    }
+}
+
 #[test]
 fn exact_noise_sampled_from_a_wandering_slope() {
     let wandering =
