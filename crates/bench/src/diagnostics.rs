@@ -158,6 +158,11 @@ pub enum Finding {
         /// Its mean over that of the dynamometer speed. 9.55 or 0.105 betrays rpm against rad/s.
         ratio_to_dyno_speed: f64,
     },
+    /// The equation of the shaft holds far better with N_d and N_e exchanged: their channels are mixed up.
+    SpeedsExchanged {
+        /// Mean of |error|²/σ² as the speeds are named, over that with them exchanged.
+        misfit_ratio: f64,
+    },
     /// The recording is shorter than the estimate needs.
     TooShort {
         /// Its length, s.

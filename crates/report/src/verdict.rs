@@ -221,7 +221,9 @@ fn findings(study: &Study) -> Rule {
     let count = |severity: Severity| study.diagnostics.iter().filter(|found| found.severity == severity).count();
     let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
     let is_doubted = |found: &Diagnostic| matches!(found.finding, Finding::ImplausibleInertia { .. });
-    let is_contradiction = |found: &Diagnostic| found.severity == Severity::Error && is_doubted(found);
+    let is_exchanged = |found: &Diagnostic| matches!(found.finding, Finding::SpeedsExchanged { .. });
+    let is_contradiction =
+        |found: &Diagnostic| is_exchanged(found) || found.severity == Severity::Error && is_doubted(found);
     let level = match errors {
         0 if study.diagnostics.iter().any(is_doubted) => Level::Reservations,
         0 => Level::Good,
@@ -231,7 +233,7 @@ fn findings(study: &Study) -> Rule {
     let plural = |n: usize, word: &str| if n == 1 { format!("1 {word}") } else { format!("{n} {word}s") };
     let found = format!("{}, {}", plural(errors, "error"), plural(warnings, "warning"));
     Rule {
-        asks: "No finding is an error; with an inertia that the data contradict, not met. Warnings do not count here, but for a doubtful inertia.",
+        asks: "No finding is an error; with an inertia that the data contradict, or speeds exchanged, not met. Warnings do not count here, but for a doubtful inertia.",
         found,
         level,
     }

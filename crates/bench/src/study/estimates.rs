@@ -13,6 +13,9 @@ use crate::study::{
 };
 use crate::{BenchFile, Experiment, Finding, Role, Severity};
 
+/// Times by which the shaft's equation leaves less with the speeds exchanged that tell that their channels are: rightly named
+/// speeds have 10⁻³ and exchanged ones 10³, with a dual-mass flywheel behind a flange, which the equation lacks, 0.3 and 9.
+const EXCHANGED: f64 = 3.0;
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
@@ -152,11 +155,18 @@ fn shaft<'a>(
     let candidates = findings.of_tests(&SHAFT_TESTS);
     let bench = findings.bench;
     let labels = ["BS_T_NT", "WhiteNoise_T_TN"];
-    let mut fit = findings.first("shaft", &candidates, &labels, |experiment| {
+    let mut exchanged = None;
+    let fit = findings.first("shaft", &candidates, &labels, |experiment| {
         let inputs = shaft_inputs(experiment, bench, controller, torque_control)?;
+        let misfit_ratio = shaft::gain_by_exchange(&inputs).ok().filter(|ratio| *ratio > EXCHANGED);
+        exchanged = exchanged.take().or(misfit_ratio.map(|ratio| (experiment, ratio)));
         let (shaft, inertia) = (shaft::estimate(&inputs)?, shaft::estimate_inertia(&inputs)?);
         Ok(ShaftFit { shaft, experiment, inertia })
-    })?;
+    });
+    if let Some((experiment, misfit_ratio)) = exchanged {
+        findings.doubt(&experiment.file, Severity::Error, Finding::SpeedsExchanged { misfit_ratio });
+    }
+    let mut fit = fit?;
     fit.shaft.inertias = inertias(&candidates, bench, controller, torque_control);
     Ok(fit)
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use bench::model::ModelParameter;
 use bench::study::{Campaign, Estimate, Need, Parameter, Part, Source, Study, StudyError, run};
 use bench::virtual_bench::{BenchParameters, ClockParameters, ExperimentPlan, simulate};
-use bench::{BenchFile, Finding, Role};
+use bench::{BenchFile, Finding, Role, Severity};
 use recording::{Recording, RecordingError};
 
 use crate::support::BENCH_A;
@@ -98,6 +98,34 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
     assert_eq!(told("0.28"), []);
     let wrong = told("0.35");
     assert!(wrong.len() == 1 && wrong[0].0 == "J_e" && (wrong[0].1 - 0.28).abs() < 0.014, "{wrong:?}");
+}
+
+#[test]
+fn stat_exchanged_speeds_are_noticed() {
+    let told = |bench: &BenchFile, source: Source| {
+        let study = studied(bench, vec![source]);
+        let found = study.diagnostics.into_iter().filter(|d| matches!(d.finding, Finding::SpeedsExchanged { .. }));
+        found.map(|d| (d.severity, d.place.file)).collect::<Vec<_>>()
+    };
+    let exchanged = [(Severity::Error, Some("BS_T_NT_1200.mf4".to_owned()))];
+    let cell =
+        |names| told(&bench_file("0.6", "0.28", "400 Nm", names), sources(|file| file.starts_with("BS")).remove(0));
+    assert_eq!(cell(BENCH_A), []);
+    let mut mixed_up = BENCH_A;
+    mixed_up.swap(0, 1);
+    assert_eq!(cell(mixed_up), exchanged);
+    let recording = simulate(&BenchParameters::torque_flange(), &ExperimentPlan::bs_t_nt(1200.0, 20.0), 3).unwrap();
+    let flange = |[dyno, engine]: [&str; 2]| {
+        let text = format!(
+            "[bench]\nname = \"x\"\nvariant = \"torque-flange\"\ncylinders = 4\ndynamometer_inertia = 0.6\n\
+             engine_inertia = 0.28\n[limits]\ntorque = \"400 Nm\"\n[channels]\ndyno_speed = \"{dyno}\"\n\
+             engine_speed = \"{engine}\"\ndyno_torque_demand = \"DynoTorqueDemand\"\n\
+             air_gap_torque = \"DynoTorqueCalc\"\nflange_torque = \"FlangeTorque\"\n"
+        );
+        told(&text.parse().unwrap(), source("BS_T_NT_1200.mf4", Ok(recording.clone())))
+    };
+    assert_eq!(flange(["DynoSpeed", "EngineSpeed"]), []);
+    assert_eq!(flange(["EngineSpeed", "DynoSpeed"]), exchanged);
 }
 
 /// What `work` makes of 0, 1, … on two threads, in order.

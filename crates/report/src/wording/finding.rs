@@ -67,6 +67,12 @@ pub fn finding(finding: &Finding) -> String {
         Finding::Clipped { value, share: of } => {
             format!("The signal rests at its extreme value {} (SI) in {} of the samples.", si(*value), share(*of))
         }
+        Finding::SpeedsExchanged { misfit_ratio } => {
+            let times = significant(*misfit_ratio, 2);
+            format!(
+                "The channels of N_d and N_e seem exchanged: that way round the shaft’s equation leaves {times} times less."
+            )
+        }
         Finding::TooShort { duration_s, needed_s } => {
             format!("The recording lasts {}; the estimate needs {}.", duration(*duration_s), duration(*needed_s))
         }
@@ -142,6 +148,9 @@ pub fn advice(finding: &Finding) -> &'static str {
             "Check that the sensor is connected and that the right channel is named in the bench file."
         }
         Finding::Clipped { .. } => "Widen the measuring range, or lower the excitation, and record again.",
+        Finding::SpeedsExchanged { .. } => {
+            "Exchange the two channels in the bench file; until then use no number of this study."
+        }
         Finding::TooShort { .. } => "Record for longer.",
         Finding::WrongTorqueSign { .. } => {
             "Invert the channel’s sign in the bench file; here positive T_d brakes the dynamometer."

@@ -27,6 +27,7 @@ fn findings() -> Vec<Finding> {
         Finding::Clipped { value: 400.04, share: 0.0312 },
         Finding::ImplausibleMagnitude { role: Role::EngineSpeed, largest: 15_000.0, looks_like: Some("rpm".into()) },
         Finding::SpeedsDisagree { role: Role::EngineSpeed, ratio_to_dyno_speed: 9.549 },
+        Finding::SpeedsExchanged { misfit_ratio: 2991.8 },
         Finding::TooShort { duration_s: 0.4, needed_s: 12.0 },
         Finding::WrongTorqueSign { correlation: -0.934 },
         Finding::ImplausibleInertia {

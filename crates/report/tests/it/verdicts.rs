@@ -1,7 +1,7 @@
 //! The verdict's rules.
 
 use bench::study::Part;
-use bench::{Finding, Severity};
+use bench::{Diagnostic, Finding, Place, Severity};
 use report::verdict::{Level, verdict};
 
 use crate::fixture;
@@ -21,6 +21,14 @@ fn exact_a_study_without_errors_is_good() {
 #[test]
 fn exact_an_error_is_a_reservation() {
     assert_eq!(verdict(&fixture::complete()).level, Level::Reservations);
+}
+
+#[test]
+fn exact_exchanged_speeds_are_insufficient() {
+    let mut study = without_errors();
+    let finding = Finding::SpeedsExchanged { misfit_ratio: 2991.8 };
+    study.diagnostics.push(Diagnostic { severity: Severity::Error, place: Place::default(), finding });
+    assert_eq!(verdict(&study).level, Level::Insufficient);
 }
 
 #[test]

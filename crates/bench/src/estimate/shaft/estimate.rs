@@ -103,6 +103,17 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
     Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
 }
 
+/// By how many times the equation leaves less with N_d and N_e exchanged: far beyond one where their channels are mixed up.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn gain_by_exchange(inputs: &ShaftInputs<'_>) -> Result<f64, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let misfit = |inputs: &ShaftInputs<'_>| Ok(Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale);
+    let exchanged = ShaftInputs { dyno_speed: inputs.engine_speed, engine_speed: inputs.dyno_speed, ..inputs.clone() };
+    Ok(misfit(inputs)? / misfit(&exchanged)?)
+}
+
 /// K and B from bands of frequencies, each with gate and skews as the whole band tells them and, second, as if time stamps were
 /// exact and speeds momentary; nothing where a band tells nothing, K or B being at zero.
 ///

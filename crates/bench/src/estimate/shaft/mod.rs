@@ -20,7 +20,7 @@ mod terms;
 
 pub use estimate::{
     estimate, estimate_by_band, estimate_dual_mass, estimate_inertia, estimate_parameters, estimate_with_inertias,
-    test_terms,
+    gain_by_exchange, test_terms,
 };
 pub use inputs::{NoisyTorque, ShaftInputs};
 pub use terms::{Beyond, Term, TermTest, Weight};
