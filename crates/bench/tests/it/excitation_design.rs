@@ -219,7 +219,7 @@ fn regress_impossible_tasks_are_refused() {
 }
 
 /// Benches of the comparison. None of their seeds served to choose the settings of the design.
-const BENCHES: usize = 480;
+const BENCHES: usize = 240;
 const FIRST_SEED: u64 = 40_000;
 /// Peak of what the demand makes of T_shaft, the same for all demands, Nm.
 const SHAFT_PEAK_NM: f64 = 60.0;

@@ -188,7 +188,7 @@ fn stat_run_out_of_the_virtual_bench() {
 #[test]
 #[ignore = "slow"]
 fn stat_intervals_of_inertia_and_friction_cover() {
-    const RUNS: usize = 120;
+    const RUNS: usize = 80;
     let covered = in_parallel(RUNS, |i| {
         let mut random = Random::new(1000 + i as u64);
         let mut within = |low: f64, high: f64| low + (high - low) * random.uniform();
