@@ -300,7 +300,8 @@ pub fn estimator(of: Estimator) -> &'static str {
 /// How noise and SNR are meant.
 pub const STUDY_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
      sees, and not to the N_d it is estimated from. The thesis (§7.1) gives neither its bands nor its definition of SNR; \
-     its table 7.1 is one draw of each, estimated T_d* from N_d.";
+     its table 7.1 is one draw of each, estimated T_d* from N_d. Coverage: the share of the 95 % intervals that hold the truth; in \
+     brackets its own 95 % interval, by the number of draws (Clopper–Pearson).";
 /// What the two estimators are good for.
 pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: it takes \
      noise to be the logged encoder's alone, which would bias T_d* from N_d.";
@@ -411,7 +412,7 @@ fn histogram(study: &PiStudy, case: &Case, summary: &Summary) -> Figure {
         estimator(case.estimator),
         number::significant_with_unit(summary.mean, 5, &summary.unit),
         number::significant_with_unit(summary.standard_deviation, 2, &summary.unit),
-        number::share(summary.coverage)
+        number::proportion(&summary.coverage)
     );
     Figure::new(&title, Axis::linear(symbol, &summary.unit), vec![panel]).with_caption(caption)
 }

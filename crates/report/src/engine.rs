@@ -13,8 +13,12 @@ use crate::wording::number;
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
-/// How much of the torque is drawn, s.
+/// Working cycles of which the torque is drawn.
+const SHOWN_CYCLES: f64 = 3.0;
+/// How much of the torque is drawn where cycles are not told, s.
 const SHOWN_S: f64 = 0.25;
+/// Cycles whose means are drawn: more of them cover each other.
+const DRAWN_CYCLES: usize = 75;
 /// Half the width of a 95 % band in standard deviations.
 const BAND: f64 = 1.96;
 /// Cylinders that differ so little by chance are alike.
@@ -120,7 +124,7 @@ fn median(values: &[f64]) -> f64 {
     sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
-/// Of every recording: a quarter of a second, the torque over the crank's angle, cycle by cycle, cylinders, orders.
+/// Of every recording: some cycles over time, the torque over the crank's angle, cycle by cycle, cylinders, orders.
 pub fn figures(found: &EngineTorque) -> Vec<Figure> {
     found.recordings.iter().flat_map(figures_of).collect()
 }
@@ -128,7 +132,7 @@ pub fn figures(found: &EngineTorque) -> Vec<Figure> {
 /// Those of one recording.
 pub fn figures_of(recording: &EngineRecording) -> Vec<Figure> {
     let Told::Found(engine) = &recording.engine else { return Vec::new() };
-    let mut all = vec![over_time(&recording.file, engine)];
+    let mut all = vec![over_time(&recording.file, engine, recording.cycles.found())];
     match &recording.cycles {
         Told::Untold(why) => {
             let last = all.len() - 1;
@@ -144,8 +148,10 @@ pub fn figures_of(recording: &EngineRecording) -> Vec<Figure> {
     all
 }
 
-fn over_time(file: &str, engine: &RebuiltEngine) -> Figure {
-    let count = ((SHOWN_S / engine.sample_time_s) as usize).min(engine.smoothed_nm.len());
+fn over_time(file: &str, engine: &RebuiltEngine, cycles: Option<&Cycles>) -> Figure {
+    let cycle_s = cycles.map(|found| median(&found.cycles.iter().map(|c| c.duration_s).collect::<Vec<_>>()));
+    let shown_s = cycle_s.map_or(SHOWN_S, |cycle_s| SHOWN_CYCLES * cycle_s);
+    let count = ((shown_s / engine.sample_time_s) as usize).min(engine.smoothed_nm.len());
     let from = (engine.smoothed_nm.len() - count) / 2;
     let shown = from..from + count;
     let clock = (engine.start_s + from as f64 * engine.sample_time_s, engine.sample_time_s);
@@ -168,7 +174,7 @@ fn over_time(file: &str, engine: &RebuiltEngine) -> Figure {
         Axis::time(),
         vec![Panel::new(Axis::linear("T_e", "Nm"), HEIGHT, layers)],
     )
-    .with_caption(format!("A quarter of a second of it; {}.", rebuilt(engine)))
+    .with_caption(format!("{} of it, from the middle; {}.", number::duration(shown_s), rebuilt(engine)))
 }
 
 fn over_angle(file: &str, cycles: &Cycles, profile: &Profile) -> Figure {
@@ -196,9 +202,17 @@ fn over_angle(file: &str, cycles: &Cycles, profile: &Profile) -> Figure {
 
 fn by_cycle(file: &str, cycles: &Cycles) -> Figure {
     let middle = |c: &Cycle| (c.start_s + 0.5 * c.duration_s, c.mean_nm, c.standard_deviation_nm);
-    let layer = bars("mean of a cycle, 95 % by noise", cycles.cycles.iter().map(middle));
+    let count = cycles.cycles.len();
+    let drawn = count.min(DRAWN_CYCLES);
+    let shown = cycles.cycles.iter().skip((count - drawn) / 2).take(drawn);
+    let layer = bars("mean of a cycle, 95 % by noise", shown.map(middle));
     let panel = Panel::new(Axis::linear("T_e of a cycle", "Nm"), HEIGHT, vec![layer]);
-    Figure::new(&format!("{file}: engine torque cycle by cycle"), Axis::time(), vec![panel])
+    let figure = Figure::new(&format!("{file}: engine torque cycle by cycle"), Axis::time(), vec![panel]);
+    let caption = match drawn < count {
+        true => format!("{drawn} of {count} cycles, from the middle, with 95 % intervals by noise."),
+        false => "With 95 % intervals by noise.".to_owned(),
+    };
+    figure.with_caption(caption)
 }
 
 fn by_cylinder(file: &str, cycles: &Cycles) -> Figure {

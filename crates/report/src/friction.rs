@@ -9,6 +9,8 @@ use crate::wording::number;
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
+/// Measured speeds that are drawn of a stretch.
+const DOTS: usize = 150;
 /// Half the width of a 95 % interval in standard deviations.
 const BAND: f64 = 1.96;
 /// Below this difference a criterion does not decide.
@@ -53,7 +55,8 @@ pub fn remarks(friction: &Friction) -> Vec<String> {
     let uses = |source| friction.run_outs.iter().any(|run_out| run_out.torque == Some(source));
     let calculated = uses(TorqueUsed::Calculated).then(|| {
         "T_d is T_d,calc as it was recorded, since no T_d* that it follows tells what it does between its samples: means \
-         over several of them were compared; name T_d* in the bench file for a sharper estimate"
+         over several of them were compared, and J_d is told less well for it; a recording with T_d*, named in the bench file \
+         as dyno_torque_demand, makes its interval narrower"
             .to_owned()
     });
     told.into_iter().chain(calculated).chain(undecided(friction)).collect()
@@ -73,7 +76,7 @@ pub fn doubts(friction: &Friction, stated: StatedInertia) -> Vec<String> {
         (!files.is_empty()).then(|| {
             format!(
                 "{}: T_d is taken from the load cell, T_d,meas, since there is no T_d,calc that can be used: δ_T holds how \
-                 late the load cell is, and what it adds to T_d beyond that shows in J_d; record T_d,calc, or mend what a \
+                 late the load cell is, and what it adds to T_d beyond that shows in J_d; record T_d,calc with T_d*, which makes the interval of J_d narrower, or mend what a \
                  warning says of it",
                 files.join(", ")
             )
@@ -148,6 +151,13 @@ fn undetermined(why: Undetermined) -> &'static str {
     }
 }
 
+/// What was measured as dots evenly spaced, few enough that the model's line is seen over them.
+fn measured(time_s: &[f64], values: &[f64]) -> Layer {
+    let every = values.len().div_ceil(DOTS).max(1);
+    let thinned = |all: &[f64]| all.iter().step_by(every).copied().collect::<Vec<f64>>();
+    Layer::dots("measured", Style::Measured, &thinned(time_s), &thinned(values))
+}
+
 /// T_fric over speed, and each stretch with the speed of the model.
 pub fn figures(friction: &Friction) -> Vec<Figure> {
     let rpm: Vec<f64> = friction.curve.iter().map(|p| p.speed_rad_s / RPM_RAD_S).collect();
@@ -166,12 +176,13 @@ pub fn figures(friction: &Friction) -> Vec<Figure> {
     let rest = friction.run_outs.iter().map(|run_out| {
         let speeds = |values: &[f64]| values.iter().map(|w| w / RPM_RAD_S).collect::<Vec<f64>>();
         let layers = vec![
-            Layer::timed_trace("measured", Style::Measured, &run_out.time_s, &speeds(&run_out.measured_rad_s)),
+            measured(&run_out.time_s, &speeds(&run_out.measured_rad_s)),
             Layer::timed_trace("modelled", Style::Modelled, &run_out.time_s, &speeds(&run_out.modelled_rad_s)),
         ];
         let panel = Panel::new(Axis::linear("N_d", "rpm"), HEIGHT, layers);
         Figure::new(&run_out.stretch.file, Axis::time(), vec![panel]).with_caption(format!(
-            "The model runs from the first sample on, driven by T_d alone; what T_d lacks adds up. Used: {}.",
+            "Dots: some of the measured speeds; line: the model, which runs from the first sample on, driven by T_d alone; what T_d \
+             lacks adds up. Used: {}.",
             torque_used(run_out.torque)
         ))
     });

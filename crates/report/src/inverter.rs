@@ -1,12 +1,13 @@
 //! What the torque control can be told to be, in words and figures.
 
-use bench::study::Trace;
+use bench::study::{Parameter, Trace};
 use bench::torque_control_study::{
     BlackBox, Closed, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, Root, Scanned, Shown, Structure,
     StudiedRecording, TorqueControlStudy, Verdict, Visibility, VisibilityCase,
 };
 use plot::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
 
+use crate::torque;
 use crate::wording::number;
 
 /// Height of a panel on the page.
@@ -154,6 +155,16 @@ pub fn belief(recording: &StudiedRecording, black_box: &BlackBox) -> Option<Stri
     ))
 }
 
+/// What a delay below zero means, of the delay alone or beside a lag.
+pub fn early(recording: &StudiedRecording) -> Vec<String> {
+    let delay = |p: &Parameter| torque::early(&format!("{} ({})", p.symbol, p.name), p);
+    std::iter::once(&recording.pure_delay)
+        .chain(&recording.delay_and_lag)
+        .filter(|p| p.unit == "s")
+        .filter_map(delay)
+        .collect()
+}
+
 /// What is told beyond delay and lag.
 pub fn beyond(recording: &StudiedRecording) -> String {
     let Some(test) = &recording.second_order else {
@@ -271,6 +282,9 @@ fn map(recording: &StudiedRecording, input: Input) -> Option<Figure> {
             [(&black_box.poles, Marker::Cross, "poles"), (&black_box.zeros, Marker::Ring, "zeros")]
         {
             let (x, y): (Vec<f64>, Vec<f64>) = roots.iter().filter(seen).map(|r| (r.re, r.im)).unzip();
+            if x.is_empty() {
+                continue;
+            }
             let name = format!("{kind} of {}", structure(&black_box.structure));
             layers.push(Layer::Markers { name, style, marker, x: rounded(&x), y: rounded(&y) });
         }
@@ -288,7 +302,10 @@ fn map(recording: &StudiedRecording, input: Input) -> Option<Figure> {
     let panel = Panel::new(Axis::linear("imaginary part", ""), 420, layers);
     let title = format!("{}: poles and zeros of black boxes on {}", recording.label, driven_by(input));
     let caption = format!(
-        "Estimated from {}; in z at {} Hz{loop_}. A pole and a zero whose regions meet explain noise.{left_out}",
+        "Crosses are poles, rings zeros, in a colour a model; ellipses of the same colour hold the true root with {:.0} %; inside the \
+         grey circle models are stable. Estimated from {}; in z at {} Hz{loop_}. A pole and a zero whose regions meet explain \
+         noise.{left_out}",
+        100.0 * ELLIPSE_LEVEL,
         recording.file,
         number::significant(1.0 / recording.sample_time_s, 4)
     );

@@ -2,22 +2,57 @@
 
 use bench::study::{Candidate, Gain, NextExperiments};
 
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// Candidates that stand side by side.
 const SIDE_BY_SIDE: usize = 3;
 
-/// The candidates worth comparing, the best first.
-pub fn best(found: &NextExperiments) -> &[Candidate] {
-    let worth_while = found.candidates.iter().take_while(|candidate| candidate.is_worth_while()).count();
-    &found.candidates[..worth_while.min(SIDE_BY_SIDE)]
+/// An experiment: with the demand that buys most and, where it was tried with two, with the other.
+#[derive(Debug, Clone, Copy)]
+pub struct Choice<'a> {
+    /// With the better demand.
+    pub candidate: &'a Candidate,
+    /// With the other one: that of the method beside a designed one, or the designed one beside it.
+    pub other: Option<&'a Candidate>,
 }
 
-/// What to record next and why, in a sentence.
+/// The experiments that were tried, each once, the best first.
+pub fn choices(found: &NextExperiments) -> Vec<Choice<'_>> {
+    let mut all: Vec<Choice<'_>> = Vec::new();
+    for candidate in &found.candidates {
+        match all.iter_mut().find(|choice| choice.candidate.label == candidate.label) {
+            Some(choice) => choice.other = Some(candidate),
+            None => all.push(Choice { candidate, other: None }),
+        }
+    }
+    all
+}
+
+/// The experiments worth comparing, the best first.
+pub fn best(found: &NextExperiments) -> Vec<Choice<'_>> {
+    choices(found).into_iter().take_while(|choice| choice.candidate.is_worth_while()).take(SIDE_BY_SIDE).collect()
+}
+
+/// What to record next and why, in a sentence or two.
 pub fn recommendation(found: &NextExperiments) -> String {
-    let Some(first) = best(found).first() else { return nothing_to_gain(found) };
+    let Some(first) = best(found).first().copied() else { return nothing_to_gain(found) };
+    let other = first.other.map(|other| format!(" {}.", wording::capitalised(&instead(other)))).unwrap_or_default();
+    format!("Record {} next: {}.{other}", what(first.candidate), reasons(first.candidate))
+}
+
+/// What the other demand of an experiment would buy.
+pub fn instead(other: &Candidate) -> String {
+    let demand = if other.is_designed { "designed for this shaft" } else { "with the demand of the method" };
+    match other.is_worth_while() {
+        true => format!("{demand}, the same experiment buys: {}", reasons(other)),
+        false => format!("{demand}, the same experiment buys nothing"),
+    }
+}
+
+/// What an experiment buys.
+fn reasons(candidate: &Candidate) -> String {
     let gains =
-        |known: bool| first.gains.iter().filter(move |gain| gain.is_worth_while() && gain.now.is_some() == known);
+        |known: bool| candidate.gains.iter().filter(move |gain| gain.is_worth_while() && gain.now.is_some() == known);
     let new: Vec<String> = gains(false).map(|gain| gain.symbol.clone()).collect();
     let narrower: Vec<String> = gains(true).map(narrowed).collect();
     let mut buys = Vec::new();
@@ -27,7 +62,7 @@ pub fn recommendation(found: &NextExperiments) -> String {
     if !narrower.is_empty() {
         buys.push(listed(&narrower));
     }
-    format!("Record {} next: {}.", what(first), buys.join("; "))
+    buys.join("; ")
 }
 
 /// Why no experiment is recommended.
@@ -94,7 +129,8 @@ pub struct Row {
 pub fn rows(found: &NextExperiments) -> Vec<Row> {
     let best = best(found);
     let mut all: Vec<&Gain> = Vec::new();
-    for gain in best.iter().chain(found.candidates.first()).flat_map(|candidate| &candidate.gains) {
+    let shown = || best.iter().map(|choice| choice.candidate);
+    for gain in shown().chain(found.candidates.first()).flat_map(|candidate| &candidate.gains) {
         if !all.iter().any(|known| known.symbol == gain.symbol) {
             all.push(gain);
         }
@@ -109,7 +145,7 @@ pub fn rows(found: &NextExperiments) -> Vec<Row> {
             name: gain.name.clone(),
             value: number::measure(gain.value, &gain.unit),
             now: relative(gain.now, gain.value),
-            then: best.iter().map(after).collect(),
+            then: shown().map(after).collect(),
         }
     };
     all.iter().map(row).collect()

@@ -2,7 +2,7 @@
 
 use bench::Role;
 use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
-use bench::study::{SignalDelay, Trace};
+use bench::study::{Parameter, SignalDelay, Trace};
 use bench::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck, Untold};
 use bench::torque_smoother::TorqueSource;
 use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
@@ -75,6 +75,26 @@ pub fn shaft_filter(found: &ShaftFilter) -> String {
     });
     let told = if found.is_told() { "" } else { "; the two are not told apart: record longer" };
     best + &second.map(|second| format!("; {second}{told}")).unwrap_or_default()
+}
+
+/// What it means that a delay behind T_d* is below zero by more than its interval; none where it is not.
+pub fn early(what: &str, delay: &Parameter) -> Option<String> {
+    (delay.interval.1 < 0.0).then(|| {
+        format!(
+            "{what} is below zero ({}), which is not physical, since nothing answers T_d* before T_d* asks: their clocks are apart by \
+             as much and by the true delay, which is not known. What is estimated of the shaft takes this out; to know the delay, \
+             record both on one clock, and where what is left depends on T_d*, doubt that a delay and a lag describe it",
+            number::interval(delay)
+        )
+    })
+}
+
+/// The torque signals that are early against T_d*, in words.
+pub fn early_signals(delays: &[SignalDelay]) -> Vec<String> {
+    let of = |delay: &SignalDelay| {
+        early(&format!("The delay of {} behind T_d*", delay.role.symbol()), delay.against_demand.as_ref()?)
+    };
+    delays.iter().filter_map(of).collect()
 }
 
 /// Whether the routes to a delay agree.

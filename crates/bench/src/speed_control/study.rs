@@ -20,6 +20,7 @@ use crate::estimate::{EstimateError, speed_controller};
 use crate::experiment::{ExperimentPlan, UPDATE_S};
 use crate::processors::on_all_processors;
 use crate::random::{Random, Source};
+use crate::safety::Proportion;
 use crate::study::Estimate;
 use crate::units::RPM_RAD_S;
 use crate::virtual_bench::{BenchParameters, CHANNELS, VirtualBenchError, simulate};
@@ -158,8 +159,8 @@ pub struct Summary {
     pub standard_deviation: f64,
     /// Mean of the standard errors that the estimates claim.
     pub claimed: f64,
-    /// Share of the 95 % intervals that hold the truth.
-    pub coverage: f64,
+    /// How many of the 95 % intervals hold the truth.
+    pub coverage: Proportion,
 }
 
 /// What is studied where no recording is given: N_d and N_d* of BS_T_NT on the default virtual bench.
@@ -321,7 +322,7 @@ fn summary(found: &[&Estimate], symbol: &str, truth: f64) -> Option<Summary> {
         bias: mean - truth,
         standard_deviation,
         claimed: parameters.iter().map(|p| p.standard_error).sum::<f64>() / count,
-        coverage: covered as f64 / count,
+        coverage: Proportion::new(covered, parameters.len()),
         values,
     })
 }

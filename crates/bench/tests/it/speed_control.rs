@@ -269,12 +269,12 @@ fn stat_the_study_covers_the_truth_from_t_d_demand() {
         for s in &case.summaries {
             println!(
                 "{:?} {:?} {}: bias {:.2e}, st. dev. {:.2e}, claimed {:.2e}, coverage {:.2}",
-                case.noise, case.estimator, s.symbol, s.bias, s.standard_deviation, s.claimed, s.coverage
+                case.noise, case.estimator, s.symbol, s.bias, s.standard_deviation, s.claimed, s.coverage.estimate
             );
             if case.estimator == Estimator::Forward {
                 assert!(s.bias.abs() < 4.0 * s.standard_deviation / (draws as f64).sqrt(), "{s:?}");
                 // Four binomial standard deviations below 0.95.
-                assert!(s.coverage > 0.81, "{s:?}");
+                assert!(s.coverage.estimate > 0.81, "{s:?}");
             }
         }
         assert_eq!(case.failed, 0);

@@ -6,8 +6,8 @@ use bench::torque_control_study::{
 };
 use bench::{BenchFile, Experiment};
 use report::inverter::{
-    against_bar, belief, beyond, circular, closed, figures, first_visible, model, mover, recording_needed, structure,
-    verdict,
+    against_bar, belief, beyond, circular, closed, early, figures, first_visible, model, mover, recording_needed,
+    structure, verdict,
 };
 use report::torque::untold;
 use report::wording::number;
@@ -73,6 +73,7 @@ fn print(studied: &TorqueControlStudy, recording: &StudiedRecording, terminal: &
     };
     terminal.line(&format!("estimated up to {} s, judged from there to {} s; {ripple}", ends[0], ends[1]));
     parameters(recording, terminal);
+    early(recording).iter().for_each(|text| terminal.paragraph(text));
     judgements(studied, recording, terminal);
     terminal.paragraph(&against_bar(studied, recording));
     let all = recording.black_boxes.iter();

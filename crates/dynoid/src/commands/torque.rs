@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bench::study::SignalDelay;
 use bench::torque_signals::{Told, TorqueRecording, TorqueSignals, torque_signals};
-use report::torque::{NO_TRUST, agreement, figures, lateness, routes, shaft_filter, trust, untold};
+use report::torque::{NO_TRUST, agreement, early_signals, figures, lateness, routes, shaft_filter, trust, untold};
 use report::wording::number;
 use serde_json::json;
 
@@ -100,6 +100,7 @@ fn print_delays(delays: &[SignalDelay], terminal: &mut Terminal) {
     }
     terminal.table(&table);
     lateness(delays).into_iter().for_each(|text| terminal.line(&text));
+    early_signals(delays).iter().for_each(|text| terminal.paragraph(text));
 }
 
 /// What all recordings tell together.

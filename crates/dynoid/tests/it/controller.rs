@@ -59,7 +59,15 @@ fn exact_the_study_is_repeatable_and_shows_the_published_table() {
     let study = ["controller", "study", "bench.toml", recording, "--draws", "3", "--plot", "study.svg"];
     let ran = campaign.run(&study);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
-    for words in ["table 7.1", "1.8896", "low-pass 1 Hz, SNR 13", "T_d* from N_d", "N_d from T_d*", "3 draws"] {
+    for words in [
+        "table 7.1",
+        "1.8896",
+        "low-pass 1 Hz, SNR 13",
+        "T_d* from N_d",
+        "N_d from T_d*",
+        "3 draws",
+        "100 % (29 … 100 %)",
+    ] {
         assert!(ran.stdout.contains(words), "{words}: {}", ran.stdout);
     }
     assert!(campaign.read("study.svg").contains("over all draws"));
@@ -69,6 +77,10 @@ fn exact_the_study_is_repeatable_and_shows_the_published_table() {
     assert_eq!(found["cases"].as_array().unwrap().len(), 6);
     let mean = found["cases"][0]["summaries"][0]["mean"].as_f64().unwrap();
     assert!((mean - 1.5).abs() < 1e-6, "{mean}");
+    let coverage = &found["cases"][2]["summaries"][0]["coverage"];
+    assert_eq!(coverage["of"], 2);
+    let [lower, upper] = ["lower", "upper"].map(|end| coverage[end].as_f64().unwrap());
+    assert!(lower < 0.2 && upper - lower > 0.8, "{coverage}");
 }
 
 #[test]

@@ -21,7 +21,14 @@ fn stat_the_engine_torque_is_rebuilt_drawn_and_written() {
         assert!(text.contains(words), "{words}: {text}");
     }
     let page = campaign.read("engine.html");
-    for words in ["engine torque rebuilt", "over the crank", "cylinder by cylinder", "orders of the engine torque"] {
+    for words in [
+        "engine torque rebuilt",
+        "75 of ",
+        " cycles, from the middle",
+        "over the crank",
+        "cylinder by cylinder",
+        "orders of the engine torque",
+    ] {
         assert!(page.contains(words), "{words}");
     }
     let heading = campaign.read("engine.csv").lines().next().unwrap().to_owned();

@@ -21,11 +21,29 @@ fn stat_friction_and_inertia_are_said_of_the_recordings_without_shaft() {
         assert!(ran.stdout.contains(words), "{words}: {}", ran.stdout);
     }
     assert!(!ran.stdout.contains("BS_T_NT"), "{}", ran.stdout);
-    assert!(campaign.read("friction.html").contains("Friction over speed"));
+    let page = campaign.read("friction.html");
+    assert!(page.contains("Friction over speed") && page.contains("Dots: some of the measured speeds"));
     let found = campaign.run(&["friction", "bench.toml", "--json"]).json();
     let interval = &found["inertia"]["inertia"]["interval"];
     let ends = [interval[0].as_f64().unwrap(), interval[1].as_f64().unwrap()];
     assert!(ends[0] < 0.601 && ends[1] > 0.599 && ends[1] - ends[0] < 0.03, "{ends:?}");
+}
+
+/// Without T_d* the interval of J_d is wide, and it is said what would make it narrower.
+#[test]
+fn regress_what_narrows_the_inertia_is_said_where_t_d_demand_is_missing() {
+    let campaign = campaign();
+    let remedy = "a recording with T_d*, named in the bench file as dyno_torque_demand, makes its interval narrower";
+    let width = |bench: &str| {
+        let interval = campaign.run(&["friction", bench, "--json"]).json()["inertia"]["inertia"]["interval"].clone();
+        interval[1].as_f64().unwrap() - interval[0].as_f64().unwrap()
+    };
+    let text = campaign.read("bench.toml");
+    let without: Vec<&str> = text.lines().filter(|line| !line.starts_with("dyno_torque_demand")).collect();
+    campaign.write("without.toml", without.join("\n").as_bytes());
+    assert!(width("without.toml") > width("bench.toml"));
+    assert!(campaign.run(&["friction", "without.toml"]).stderr.contains(remedy));
+    assert!(!campaign.run(&["friction", "bench.toml"]).stderr.contains(remedy));
 }
 
 #[test]

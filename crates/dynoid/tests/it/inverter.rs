@@ -28,7 +28,12 @@ fn stat_models_are_held_against_the_bar_on_both_excitations() {
         assert!(text.contains(words), "{words}: {text}");
     }
     let page = campaign.read("inverter.html");
-    for words in ["poles and zeros", "fit against order", "What other rates and demands would tell"] {
+    for words in [
+        "poles and zeros",
+        "Crosses are poles, rings zeros",
+        "fit against order",
+        "What other rates and demands would tell",
+    ] {
         assert!(page.contains(words), "{words}");
     }
 }

@@ -75,6 +75,11 @@ fn ref_two_motors_by_the_command_shaft() {
         near((stiffness * (1.0 / motor + 1.0 / load)).sqrt() / TAU, 76.6, 0.02);
         near(-told(parameters, "δ_T").0, 1.2e-4, 0.25);
     }
+    // A delay below zero is not left without a word.
+    let ran = campaign.run(&["inverter", "bench.toml", "--highest-order", "1", "--longest-delay", "1"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+    let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("is below zero (−") && text.contains("record both on one clock"), "{text}");
     // ζ = 0.005 of the published response, B = 2ζ√(K J J_l/(J + J_l)), once any friction of the bearings is thought possible.
     let text = campaign.read("bench.toml").replace(
         "cylinders = 0\n",

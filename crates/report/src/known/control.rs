@@ -6,6 +6,7 @@ use bench::study::{Analyses, Estimate, Parameter, SpeedController, Study, Torque
 use super::{Grade, Known, grade, of_part, recording, source};
 use crate::controller;
 use crate::inverter;
+use crate::torque;
 use crate::wording::{self, number};
 
 /// PI and delay.
@@ -100,6 +101,7 @@ pub(super) fn torque_control(study: &Study, analyses: Option<&Analyses>) -> Vec<
                 "A delay alone follows the same stretch with {}.",
                 number::fit(part.pure_delay_validation.fit_percent)
             ));
+            why.extend(torque::early(&own.symbol, own).map(|text| text + "."));
             why.extend(sampling(study, part, own));
             why.extend(analyses.and_then(|found| {
                 let studied = found.torque_control.as_ref().ok()?;

@@ -1,5 +1,6 @@
 //! Numbers as engineers write them: as many digits as the uncertainty allows, in a unit of fitting size.
 
+use bench::safety::Proportion;
 use bench::study::Parameter;
 
 /// Slower than this whole revolutions a minute say too little.
@@ -128,6 +129,12 @@ pub fn share(share: f64) -> String {
         s if s > 0.0 && s < 0.001 => "less than 0.1 %".to_owned(),
         s => format!("{} %", fixed(100.0 * s, if s < 0.1 { 1 } else { 0 })),
     }
+}
+
+/// A share with its 95 % interval, e.g. `94 % (89 … 97 %)`.
+pub fn proportion(of: &Proportion) -> String {
+    let (low, high) = (share(of.lower), share(of.upper));
+    format!("{} ({} … {high})", share(of.estimate), low.trim_end_matches(" %"))
 }
 
 /// A fit in per cent, one digit behind the point; two where a fit near 100 % would otherwise look perfect.

@@ -3,6 +3,7 @@
 mod counterparts;
 mod fixture;
 mod known;
+mod next;
 mod page;
 mod prop;
 mod snap;

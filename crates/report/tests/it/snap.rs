@@ -1,5 +1,6 @@
 //! Wording and structure, word for word.
 
+use bench::safety::Proportion;
 use bench::study::{Need, Parameter};
 use bench::{Diagnostic, Finding, Place, Role, Severity};
 use report::wording::{self, number};
@@ -98,6 +99,7 @@ fn snap_numbers() {
         parameter("Nm", 12.345_67, f64::INFINITY, f64::INFINITY),
         parameter("Nm", 12.345_67, 0.0, 0.0),
         [0.0, 0.000_4, 0.0312, 0.5, f64::NAN].map(number::share).join(", "),
+        [(0, 200), (94, 100), (5, 5)].map(|(count, of)| number::proportion(&Proportion::new(count, of))).join(", "),
         [99.412, 95.36, -12.0, f64::NAN].map(number::fit).join(", "),
         [0.000_000_25, 0.0004, 0.012, 12.34, 119.96, 725.2, f64::NAN].map(number::duration).join(", "),
         [157.0796, 0.0].map(number::rpm).join(", "),

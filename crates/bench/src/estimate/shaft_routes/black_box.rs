@@ -57,6 +57,10 @@ const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 /// Intervals that reach zero within so many standard errors tell nothing.
 const TOLD: f64 = 2.0;
 
+/// Why coefficients tell nothing of a shaft.
+const NO_TWO_MASSES: &str = "the coefficients are far from those of two masses and a spring, so that they tell neither K and B nor the \
+    inertias; take the shaft from another route, and check the sign and unit of T_d";
+
 const P_ENGINE: Label =
     Label { symbol: "P", name: "proportional gain of the engine's speed control", unit: "Nm s/rad" };
 const I_ENGINE: Label = Label { symbol: "I", name: "integral gain of the engine's speed control", unit: "Nm/rad" };
@@ -149,14 +153,12 @@ pub fn estimate(
     let whitened = Whitened::new(&measured, signals.sample_time_s, control, skew_s).map_err(of)?;
     let starts = START_PARTS.map(|part| control.start(&measured, inertia, part * inertia, signals.sample_time_s));
     let found = starts.iter().filter_map(|start| whitened.fit(start).ok()).min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let found =
-        found.ok_or(IdentError::Structure { what: "the coefficients are those of no two-mass system" }).map_err(of)?;
+    let found = found.ok_or(IdentError::Structure { what: NO_TWO_MASSES }).map_err(of)?;
     let freedom = measured.values.len() as f64 - control.unknowns() as f64;
     let probability = chi_squared_tail(found.cost, freedom);
     let labels = [DYNO_INERTIA, ENGINE_INERTIA, K, B, P_ENGINE, I_ENGINE];
     if found.cost > FAR * FAR * freedom {
-        let what = "the coefficients are far from those of two masses and a spring";
-        return Err(of(IdentError::Structure { what }));
+        return Err(of(IdentError::Structure { what: NO_TWO_MASSES }));
     }
     // Where two masses do not explain the coefficients, they miss by more than these scatter.
     let explained = probability >= LEAST_PROBABILITY;
@@ -208,6 +210,22 @@ impl EngineControl {
         match self {
             EngineControl::None => 3,
             EngineControl::Speed => 4,
+        }
+    }
+
+    /// Why coefficients whose covariance is singular tell nothing, and what to do.
+    fn untold(self) -> &'static str {
+        match self {
+            EngineControl::None => {
+                "T_d does not tell the 3 poles and 5 coefficients of the black box apart: some of them can change together and ω_d \
+                 stays the same, as where T_d moves at few frequencies or follows ω_d alone; record Unfired_N_NT for longer and \
+                 with larger steps of N_d*, or take the shaft from another route (BS_T_NT, WhiteNoise_T_TN)"
+            }
+            EngineControl::Speed => {
+                "T_d does not tell the 4 poles and 6 coefficients of the black box apart (the engine's own speed control takes one \
+                 pole): some of them can change together and ω_d stays the same, as where T_d moves at few frequencies; record it \
+                 with a wide-band T_d*, or motored in speed control (Unfired_N_NT), or take the shaft from another route"
+            }
         }
     }
 
@@ -397,11 +415,11 @@ impl<'a> Whitened<'a> {
         let n = measured.values.len();
         let scale: Vec<f64> = (0..n).map(|i| measured.covariance[(i, i)].sqrt()).collect();
         let correlation = Mat::from_fn(n, n, |i, j| measured.covariance[(i, j)] / (scale[i] * scale[j]));
-        let failed = IdentError::Decomposition { what: "covariance" };
-        let eigen = correlation.self_adjoint_eigen(faer::Side::Lower).map_err(|_| failed.clone())?;
+        let untold = IdentError::Structure { what: control.untold() };
+        let eigen = correlation.self_adjoint_eigen(faer::Side::Lower).map_err(|_| untold.clone())?;
         let largest = (0..n).map(|i| eigen.S()[i]).fold(0.0, f64::max);
         if !(0..n).all(|i| eigen.S()[i] > 1e-14 * largest) {
-            return Err(failed);
+            return Err(untold);
         }
         let factor = Mat::from_fn(n, n, |i, j| eigen.U()[(j, i)] / (eigen.S()[i].sqrt() * scale[j]));
         Ok(Whitened { measured, factor, sample_time_s, control, skew_s })
@@ -459,5 +477,33 @@ impl ResidualModel for &Whitened<'_> {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What cannot be told apart is said in the words of a recording, not in those of matrices.
+    #[test]
+    fn regress_a_singular_covariance_is_said_with_the_remedy() {
+        let singular = |values: usize| Coefficients {
+            values: vec![0.5; values],
+            covariance: Mat::from_fn(values, values, |_, _| 1e-6),
+        };
+        for (control, values, poles) in [(EngineControl::None, 8, "3 poles"), (EngineControl::Speed, 10, "4 poles")] {
+            for measured in
+                [singular(values), Coefficients { covariance: Mat::zeros(values, values), ..singular(values) }]
+            {
+                let Err(error) = Whitened::new(&measured, SAMPLE_TIME_S, control, 1e-4) else {
+                    panic!("a singular covariance was taken")
+                };
+                let text = EstimateError::Ident { file: "Unfired_N_NT.mf4".to_owned(), source: error }.to_string();
+                for words in ["Unfired_N_NT.mf4: T_d", poles, "record", "another route"] {
+                    assert!(text.contains(words), "{words}: {text}");
+                }
+                assert!(!text.contains("covariance"), "{text}");
+            }
+        }
     }
 }

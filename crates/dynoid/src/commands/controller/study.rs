@@ -122,7 +122,7 @@ fn row(found: &PiStudy, (case, summary): (&Case, &Summary), heading: String, tab
         spread(summary.bias).into(),
         of_many(spread(summary.standard_deviation)).into(),
         spread(summary.claimed).into(),
-        of_many(number::share(summary.coverage)).into(),
+        of_many(number::proportion(&summary.coverage)).into(),
         once.map_or_else(|| "–".to_owned(), digits).into(),
         summary.unit.clone().into(),
     ]);

@@ -4,8 +4,7 @@ use bench::ControlMode;
 use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use bench::prediction::PredictionInputs;
 use bench::safety::{
-    ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proportion, Proposal, Quantity, SafeSine, Safety, SafetyCheck,
-    SafetyInputs, check,
+    ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck, SafetyInputs, check,
 };
 use bench::virtual_bench::Assumption;
 use report::wording::{self, number};
@@ -77,7 +76,10 @@ fn print(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, terminal: 
             .item(("not checked:", Style::Caution), "the bench file states no limit that bears on this; add [limits]");
     }
     if checked.unstable.count > 0 {
-        terminal.item(("not stable:", Style::Bad), &format!("{} of the benches drawn", probability(&checked.unstable)));
+        terminal.item(
+            ("not stable:", Style::Bad),
+            &format!("{} of the benches drawn", number::proportion(&checked.unstable)),
+        );
     }
     if let Some(hint) = checked.thermal {
         let words = format!(
@@ -131,7 +133,7 @@ fn limits(checked: &SafetyCheck) -> Table {
             value(one.quantile(0.5) / si, unit).into(),
             value(beyond(one) / si, unit).into(),
             limit,
-            one.reached.as_ref().map_or_else(String::new, probability).into(),
+            one.reached.as_ref().map_or_else(String::new, number::proportion).into(),
             Cell::styled(verdict, style(one.safety())),
         ]);
     }
@@ -145,11 +147,6 @@ fn beyond(checked: &Checked) -> f64 {
 
 fn value(value: f64, unit: &str) -> String {
     if value.is_infinite() { "without bound".to_owned() } else { format!("{} {unit}", number::significant(value, 4)) }
-}
-
-fn probability(reached: &Proportion) -> String {
-    let ends = (number::share(reached.lower), number::share(reached.upper));
-    format!("{} ({} … {})", number::share(reached.estimate), ends.0, ends.1)
 }
 
 fn style(safety: Safety) -> Style {
@@ -179,7 +176,7 @@ fn propose(proposal: &Proposal, terminal: &mut Terminal) {
             value(sine.frequency_hz, "Hz").into(),
             value(sine.planned_nm, "Nm").into(),
             value(sine.safe_nm, "Nm").into(),
-            probability(&sine.reached).into(),
+            number::proportion(&sine.reached).into(),
         ]);
     }
     terminal.table(&table);

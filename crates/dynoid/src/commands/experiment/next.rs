@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use bench::study::{Candidate, NextError, NextExperiments, NextOptions, next_experiments};
-use report::next::{best, command, recommendation, rows, what};
+use bench::study::{NextError, NextExperiments, NextOptions, next_experiments};
+use report::next::{Choice, best, choices, command, instead, recommendation, rows, what};
 use report::wording::{self, number};
 
 use crate::cli::experiment::NextArguments;
@@ -71,10 +71,11 @@ fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Term
         terminal.table(&widths);
         terminal.gap();
     }
-    for (place, candidate) in found.candidates.iter().enumerate() {
-        let mark = if place < best(found).len() { format!("{}", place + 1) } else { "–".to_owned() };
-        let style = if candidate.is_worth_while() { Style::Good } else { Style::Faint };
-        terminal.item((&mark, style), &in_words(candidate));
+    let compared = best(found).len();
+    for (place, choice) in choices(found).iter().enumerate() {
+        let mark = if place < compared { format!("{}", place + 1) } else { "–".to_owned() };
+        let style = if choice.candidate.is_worth_while() { Style::Good } else { Style::Faint };
+        terminal.item((&mark, style), &in_words(choice));
     }
     terminal.gap();
     for assumption in &found.assumptions {
@@ -83,7 +84,7 @@ fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Term
     if let Some(first) = best(found).first() {
         let study = input::folder_of(&arguments.bench).join("study").join("study.json");
         let study = study.is_file().then(|| shown(&study).to_string());
-        let command = command(first, &shown(&arguments.bench).to_string(), study.as_deref());
+        let command = command(first.candidate, &shown(&arguments.bench).to_string(), study.as_deref());
         terminal.line(&format!("its demands: {command}"));
     }
 }
@@ -111,11 +112,19 @@ fn widths(found: &NextExperiments) -> Table {
     table
 }
 
-fn in_words(candidate: &Candidate) -> String {
+fn in_words(choice: &Choice<'_>) -> String {
+    let candidate = choice.candidate;
     let peak = number::measure(candidate.peak_shaft_torque_nm, "Nm");
     let buys = match candidate.is_worth_while() {
         true => "",
         false => "; buys nothing",
     };
-    format!("{}, T_shaft up to {peak}{buys}", what(candidate))
+    let other = match choice.other {
+        Some(other) => {
+            let peak = number::measure(other.peak_shaft_torque_nm, "Nm");
+            format!("; {}, T_shaft up to {peak}", instead(other))
+        }
+        None => String::new(),
+    };
+    format!("{}, T_shaft up to {peak}{buys}{other}", what(candidate))
 }

@@ -144,7 +144,7 @@ fn case_rows(found: &PiStudy, case: &Case) -> Vec<Vec<String>> {
             spread(summary.bias),
             of_many(spread(summary.standard_deviation)),
             spread(summary.claimed),
-            of_many(number::share(summary.coverage)),
+            of_many(number::proportion(&summary.coverage)),
             once.map_or_else(|| "–".to_owned(), digits),
         ]
     };

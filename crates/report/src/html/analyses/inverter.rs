@@ -32,6 +32,7 @@ pub(crate) fn inverter(found: &Result<TorqueControlStudy, TorqueControlStudyErro
 fn one(studied: &TorqueControlStudy, recording: &StudiedRecording) -> Markup {
     let mut all = of_recording(&recording.file, &recording.label);
     all.push(parameters(std::iter::once(&recording.pure_delay).chain(&recording.delay_and_lag)));
+    words::early(recording).iter().for_each(|text| all.push(sentence(text)));
     all.push(judgements(studied, recording));
     all.push(sentence(&words::against_bar(studied, recording)));
     all.push(sentence(&words::beyond(recording)));

@@ -21,7 +21,7 @@ pub(crate) fn next(found: &Result<NextExperiments, NextError>) -> Markup {
          half a 95 % interval, as a part of the value, now and after it",
     ));
     let best = words::best(found);
-    let after: Vec<String> = best.iter().map(|candidate| format!("After {}", words::what(candidate))).collect();
+    let after: Vec<String> = best.iter().map(|choice| format!("After {}", words::what(choice.candidate))).collect();
     let headings: Vec<&str> =
         ["", "Parameter", "Value", "Now"].into_iter().chain(after.iter().map(String::as_str)).collect();
     let row = |row: words::Row| {
@@ -30,8 +30,9 @@ pub(crate) fn next(found: &Result<NextExperiments, NextError>) -> Markup {
         own.into_iter().chain(then).collect::<Vec<Markup>>()
     };
     all.push(table("parameters", &headings, words::rows(found).into_iter().map(row)));
+    let choices = words::choices(found);
     let useless: Vec<&str> =
-        found.candidates.iter().filter(|c| !c.is_worth_while()).map(|c| c.label.as_str()).collect();
+        choices.iter().map(|c| c.candidate).filter(|c| !c.is_worth_while()).map(|c| c.label.as_str()).collect();
     if !useless.is_empty() {
         all.push(sentence(&format!("As long and at the same speed, nothing is bought by {}", useless.join(", "))));
     }

@@ -9,9 +9,14 @@ use crate::shaft as words;
 use crate::torque;
 use crate::wording::number;
 
+/// Why a recording may stand in the section with two values.
+const WHICH: &str = "From here on K and B of each recording are estimated from its first part, as those at the head of the section are, and the \
+    rest judges them. “Other recordings and routes” above takes whole recordings, to compare them with one another, so that its \
+    values differ a little from those below. The model has the ones at the head";
+
 /// What all recordings with a shaft tell of it.
 pub(crate) fn shaft(found: &ShaftStudy) -> Markup {
-    let mut all = Markup::default();
+    let mut all = if found.recordings.len() > 1 { sentence(WHICH) } else { Markup::default() };
     if let Some(together) = &found.together {
         all.push(heading("All recordings together"));
         all.push(parameters([&together.stiffness.parameter, &together.damping.parameter]));

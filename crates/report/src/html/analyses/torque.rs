@@ -53,6 +53,8 @@ fn delays(found: &TorqueSignals) -> Markup {
         ["Recording", "Signal", "Behind T_d*", "Behind the bend of N_d", "Agree", "By each route, 95 % intervals"];
     let mut all = heading("Delays in every recording that tells them");
     all.push(plain_table(&heads, rows));
+    let found = found.recordings.iter().filter_map(|recording| recording.delays.found());
+    found.flat_map(|delays| torque::early_signals(delays)).for_each(|text| all.push(sentence(&text)));
     all
 }
 

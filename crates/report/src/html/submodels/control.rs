@@ -1,10 +1,11 @@
 //! Speed control, feed-forward and torque control.
 
-use bench::study::{FeedForward, Part, SpeedController, Study, TorqueControl};
+use bench::study::{Estimate, FeedForward, Part, SpeedController, Study, TorqueControl};
 
 use crate::html::parts::{fit_line, lead, not_estimated, parameters, unbroken};
 use crate::html::plots::{Extent, comparison, correlations, cross_outside, figure, residual_test, side_by_side};
 use crate::html::typeset::prose;
+use crate::torque;
 use crate::wording::number;
 use plot::markup;
 use plot::markup::Markup;
@@ -99,6 +100,13 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
     .collect()
 }
 
+/// What a delay below zero means, where one is.
+fn early(estimate: &Estimate) -> Markup {
+    let delays = estimate.parameters.iter().filter(|p| p.unit == "s");
+    let said = delays.filter_map(|p| torque::early(&format!("{} ({})", p.symbol, p.name), p));
+    said.map(|text| markup!("<p>{}</p>\n", prose(&format!("{text}.")))).collect()
+}
+
 /// Inverter and machine: delay alone, and delay with lag.
 pub(crate) fn torque_control(study: &Study) -> Markup {
     let what =
@@ -119,8 +127,10 @@ pub(crate) fn torque_control(study: &Study) -> Markup {
         lead(what, equation),
         markup!("<h3>Delay and lag</h3>\n"),
         parameters(&part.delay_and_lag, &[]),
+        early(&part.delay_and_lag),
         markup!("<h3>Delay alone</h3>\n"),
         parameters(&part.pure_delay, &[]),
+        early(&part.pure_delay),
         fit_line(&part.delay_and_lag_validation),
         markup!("<p>{}</p>\n", prose(&bar)),
         figure(&comparison(title, &part.delay_and_lag_validation, Some(("delay alone", &part.pure_delay_validation)))),

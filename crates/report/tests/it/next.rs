@@ -1,0 +1,38 @@
+//! What to record next, in words.
+
+use bench::study::{Candidate, Gain, NextExperiments};
+use report::next::{best, choices, recommendation};
+
+fn gain(symbol: &str, now: Option<f64>, then: f64) -> Gain {
+    let (symbol, name) = (symbol.to_owned(), symbol.to_owned());
+    Gain { symbol, name, unit: "Nm/rad".to_owned(), value: 100.0, now, then, is_enough_now: false }
+}
+
+fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
+    let (speed_rpm, duration_s) = (1200.0, 60.0);
+    Candidate { label: label.to_owned(), is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, gains }
+}
+
+/// An experiment that was tried with two demands is one entry, which says what each of them buys.
+#[test]
+fn regress_an_experiment_with_two_demands_is_one_entry() {
+    let candidates = vec![
+        candidate("Multisine_T_TN", true, vec![gain("J_e", None, 1.0), gain("K", Some(10.0), 1.0)]),
+        candidate("Multisine_T_TN", false, vec![gain("K", Some(10.0), 5.0)]),
+        candidate("BS_T_NT", false, vec![gain("K", Some(10.0), 6.0)]),
+        candidate("Step_T_TN", false, Vec::new()),
+    ];
+    let mut found = NextExperiments { now: Vec::new(), candidates, enough: 0.01, assumptions: Vec::new() };
+    let labels: Vec<&str> = choices(&found).iter().map(|choice| choice.candidate.label.as_str()).collect();
+    assert_eq!(labels, ["Multisine_T_TN", "BS_T_NT", "Step_T_TN"]);
+    assert_eq!(best(&found).len(), 2);
+    assert_eq!(
+        recommendation(&found),
+        "Record Multisine_T_TN (designed for this shaft), 60 s at 1200 rpm next: it tells J_e, which nothing recorded does; K \
+         gets known within ± 1 % in place of ± 10 %. With the demand of the method, the same experiment buys: K gets known \
+         within ± 5 % in place of ± 10 %."
+    );
+    found.candidates[1].gains.clear();
+    let told = recommendation(&found);
+    assert!(told.ends_with("With the demand of the method, the same experiment buys nothing."), "{told}");
+}
