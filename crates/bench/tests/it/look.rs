@@ -1,6 +1,7 @@
 //! Lines of simulated recordings, whose causes are known, and what they are named.
 
 mod labelled;
+mod recorded;
 
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
