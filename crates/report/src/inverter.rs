@@ -1,6 +1,6 @@
 //! What the torque control can be told to be, in words and figures.
 
-use bench::study::{Parameter, Trace};
+use bench::study::Trace;
 use bench::torque_control_study::{
     BlackBox, Closed, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, Root, Scanned, Shown, Structure,
     StudiedRecording, TorqueControlStudy, Verdict, Visibility, VisibilityCase,
@@ -157,12 +157,7 @@ pub fn belief(recording: &StudiedRecording, black_box: &BlackBox) -> Option<Stri
 
 /// What a delay below zero means, of the delay alone or beside a lag.
 pub fn early(recording: &StudiedRecording) -> Vec<String> {
-    let delay = |p: &Parameter| torque::early(&format!("{} ({})", p.symbol, p.name), p);
-    std::iter::once(&recording.pure_delay)
-        .chain(&recording.delay_and_lag)
-        .filter(|p| p.unit == "s")
-        .filter_map(delay)
-        .collect()
+    torque::early_delays(std::iter::once(&recording.pure_delay).chain(&recording.delay_and_lag))
 }
 
 /// What is told beyond delay and lag.

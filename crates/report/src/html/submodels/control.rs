@@ -102,9 +102,8 @@ pub(crate) fn feed_forward(study: &Study) -> Markup {
 
 /// What a delay below zero means, where one is.
 fn early(estimate: &Estimate) -> Markup {
-    let delays = estimate.parameters.iter().filter(|p| p.unit == "s");
-    let said = delays.filter_map(|p| torque::early(&format!("{} ({})", p.symbol, p.name), p));
-    said.map(|text| markup!("<p>{}</p>\n", prose(&format!("{text}.")))).collect()
+    let said = torque::early_delays(&estimate.parameters);
+    said.iter().map(|text| markup!("<p>{}</p>\n", prose(&format!("{text}.")))).collect()
 }
 
 /// Inverter and machine: delay alone, and delay with lag.
