@@ -39,11 +39,12 @@ fn check() -> Result<(), String> {
     cargo("format", &["fmt", "--all", "--check"])?;
     step("layers", layers::check)?;
     let python = step("packages to compare with", python::interpreter)?;
-    cargo("clippy", &["clippy", "--workspace", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
-    // In release, which the program is built in anyway; with the slow statistical suites.
+    // In release, which the program is built in anyway: what is compiled for one of these is there for the next.
+    cargo("clippy", &["clippy", "--workspace", "--release", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
+    // With the slow statistical suites.
     let tests = ["test", "--workspace", "--release", "--quiet", "--", "--include-ignored"];
     cargo_with("tests", &tests, python.as_deref())?;
-    cargo("docs", &["doc", "--workspace", "--no-deps", "--quiet"])?;
+    cargo("docs", &["doc", "--workspace", "--release", "--no-deps", "--quiet"])?;
     println!("all checks passed");
     if python.is_none() {
         python::warn();

@@ -205,6 +205,18 @@ pub enum Finding {
         /// Centre frequencies, Hz.
         frequencies_hz: Vec<f64>,
     },
+    /// A multiple of the firing frequency is one of a speed's sample rate: the engine's pulses fold onto slow changes of their own
+    /// strength.
+    PulsesFoldToRest {
+        /// Which speed.
+        role: Role,
+        /// Its sample rate, Hz.
+        rate_hz: f64,
+        /// Mean firing frequency, Hz.
+        firing_hz: f64,
+        /// The lowest such multiple of the firing frequency.
+        multiple: u32,
+    },
     /// The residuals of a submodel are correlated with its input beyond the 99 % region.
     ResidualsCorrelated {
         /// Which submodel.

@@ -264,24 +264,16 @@ fn read_words(error: &io::Error) -> String {
 }
 
 fn write_words(path: &Path, error: &io::Error) -> String {
-    match error.kind() {
-        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => {
-            "you may not write here; choose another place with --out or --plot".into()
-        }
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            "the disk is full; free some space, or choose another place with --out or --plot".into()
-        }
-        io::ErrorKind::NotADirectory => {
-            "part of this path is a file, not a folder; choose another place with --out or --plot".into()
-        }
-        io::ErrorKind::NotFound if crate::input::folder_of(path).is_dir() => {
-            "no file can be made in this folder; choose another place with --out or --plot".into()
-        }
-        io::ErrorKind::NotFound => {
-            "the folder to write to is not there; make it, or choose another place with --out or --plot".into()
-        }
-        _ => format!("this cannot be written: {error}; choose another place with --out or --plot"),
-    }
+    let fault = match error.kind() {
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "you may not write here",
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "the disk is full; free some space, or",
+        io::ErrorKind::NotADirectory => "part of this path is a file, not a folder",
+        io::ErrorKind::NotFound if crate::input::folder_of(path).is_dir() => "no file can be made in this folder",
+        io::ErrorKind::NotFound => "the folder to write to is not there; make it, or",
+        _ => &format!("this cannot be written: {error}"),
+    };
+    let joint = if fault.ends_with("or") { "" } else { ";" };
+    format!("{fault}{joint} choose another place with --out or --plot")
 }
 
 fn bench_file_words(error: &BenchFileError) -> String {

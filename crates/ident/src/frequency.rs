@@ -215,6 +215,8 @@ pub struct ErrorsInVariables<'a, E> {
     priors: &'a [Prior],
     polynomials: Vec<[Complex64; ORDERS]>,
     derivatives: Vec<Vec<[Complex64; ORDERS]>>,
+    /// The polynomials at the s of the last bin.
+    values: Vec<Complex64>,
 }
 
 /// The estimate, with a covariance that counts overlapping bins once.
@@ -243,7 +245,8 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
     ) -> Self {
         let polynomials = vec![[Complex64::default(); ORDERS]; E::SIGNALS];
         let derivatives = vec![polynomials.clone(); E::PARAMETERS];
-        ErrorsInVariables { equation, signals, window, bins, priors, polynomials, derivatives }
+        let values = vec![Complex64::ZERO; E::SIGNALS];
+        ErrorsInVariables { equation, signals, window, bins, priors, polynomials, derivatives, values }
     }
 
     /// Minimises from `start` within `bounds`.
@@ -300,23 +303,29 @@ fn neighbour_products(fit: &Minimum, bins: &[usize]) -> faer::Mat<f64> {
 }
 
 impl<E: Equation> ErrorsInVariables<'_, E> {
-    /// e and σ² at one bin; with the polynomials of the last call to `coefficients`.
-    fn error_and_variance(&self, bin: usize, s: Complex64) -> (Complex64, f64) {
+    /// e and σ² at one bin, with the polynomials of the last call to `coefficients`; keeps the polynomials' values.
+    fn error_and_variance(&mut self, bin: usize, s: Complex64) -> (Complex64, f64) {
         let (mut error, mut variance) = (Complex64::default(), 0.0);
-        for (polynomial, signal) in self.polynomials.iter().zip(self.signals) {
+        for ((polynomial, value), signal) in self.polynomials.iter().zip(&mut self.values).zip(self.signals) {
             error += apply(polynomial, &signal.modulated, bin);
-            variance += horner(polynomial, s).norm_sqr() * signal.noise_density;
+            *value = horner(polynomial, s);
+            variance += value.norm_sqr() * signal.noise_density;
         }
         (error, variance * self.window.energy_s())
     }
 
-    /// Derivatives of e and σ² by θ_j at one bin.
+    /// Derivatives of e and σ² by θ_j at one bin. Most parameters are in the polynomials of few signals, and some signals have
+    /// no noise.
     fn derivative(&self, bin: usize, s: Complex64, j: usize) -> (Complex64, f64) {
         let (mut error, mut variance) = (Complex64::default(), 0.0);
-        for (i, signal) in self.signals.iter().enumerate() {
-            error += apply(&self.derivatives[j][i], &signal.modulated, bin);
-            let product = horner(&self.polynomials[i], s).conj() * horner(&self.derivatives[j][i], s);
-            variance += 2.0 * product.re * signal.noise_density;
+        for ((derivative, value), signal) in self.derivatives[j].iter().zip(&self.values).zip(self.signals) {
+            if derivative.iter().all(|c| *c == Complex64::ZERO) {
+                continue;
+            }
+            error += apply(derivative, &signal.modulated, bin);
+            if signal.noise_density > 0.0 {
+                variance += 2.0 * (value.conj() * horner(derivative, s)).re * signal.noise_density;
+            }
         }
         (error, variance * self.window.energy_s())
     }

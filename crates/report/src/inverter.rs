@@ -16,6 +16,8 @@ const HEIGHT: u32 = 220;
 const ERROR_HEIGHT: u32 = 110;
 /// Roots further from zero than this would make all others small: they are left out, and said to be.
 const FURTHEST: f64 = 2.0;
+/// Nobody records longer.
+const ONE_DAY_S: f64 = 86_400.0;
 /// Families and inputs in the order of the tables.
 const KINDS: [(Family, Input); 4] = [
     (Family::Arx, Input::Demand),
@@ -177,9 +179,13 @@ pub fn beyond(recording: &StudiedRecording) -> String {
     format!("Second order, 1/(1 + s/a + κ (s/a)²): {told}{doubt}")
 }
 
-/// The length of a recording; below a second, which no estimate of this takes, it says no more than that.
+/// The length of a recording; below a second, which no estimate of this takes, and above a day it says no more than that.
 pub fn recording_needed(seconds: f64) -> String {
-    if seconds < 1.0 { "less than 1 s".to_owned() } else { number::duration(seconds) }
+    match seconds {
+        ..1.0 => "less than 1 s".to_owned(),
+        ONE_DAY_S.. => "more than a day".to_owned(),
+        _ => number::duration(seconds),
+    }
 }
 
 /// The first rate and hold at which a loop of second order is told from a lag, and what is told at all.

@@ -6,6 +6,7 @@ use crate::estimate::timing;
 use crate::estimate::torque_control::{self, TorqueControlFit};
 use crate::model::AssembledModel;
 use crate::study::findings::{Findings, needs_part};
+use crate::study::folded_pulses::Folded;
 use crate::study::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::study::whole::{self, Pieces, Whole};
 use crate::study::{
@@ -178,14 +179,28 @@ fn cross_check(
     controller: Option<&SpeedControllerFit>,
     torque_control: Option<&TorqueControlFit>,
 ) {
+    doubt_pulses(findings, fit.experiment);
     let others = findings.of_tests(&SHAFT_TESTS).into_iter().filter(|e| e.file != fit.experiment.file);
     for other in others {
         let inputs = shaft_inputs(other, findings.bench, controller, torque_control);
         if let Ok(estimate) = inputs.and_then(|inputs| shaft::estimate_parameters(&inputs)) {
             fit.shaft.cross_checks.push((other.file.clone(), estimate));
+            doubt_pulses(findings, other);
         }
     }
     doubt_shaft(findings, fit.experiment, &fit.shaft, fit.inertia);
+}
+
+/// Says where pulses fold onto what K is estimated from, which no residual shows: what folds goes with what it folds onto.
+fn doubt_pulses(findings: &mut Findings<'_>, experiment: &Experiment) {
+    let engine = findings.bench.engine();
+    for role in [Role::DynoSpeed, Role::EngineSpeed] {
+        let Some(speed) = experiment.signal(role) else { continue };
+        if let Some(Folded { firing_hz, multiple }) = Folded::of(speed, engine.firings_per_turn()) {
+            let finding = Finding::PulsesFoldToRest { role, rate_hz: 1.0 / speed.sample_time_s, firing_hz, multiple };
+            findings.doubt(&experiment.file, Severity::Note, finding);
+        }
+    }
 }
 
 fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {

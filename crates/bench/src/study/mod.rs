@@ -3,6 +3,7 @@
 mod analyses;
 mod estimates;
 mod findings;
+mod folded_pulses;
 mod gather;
 mod next;
 mod recorded;

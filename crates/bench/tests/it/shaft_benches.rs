@@ -63,8 +63,8 @@ impl Drawn {
     /// What a study of two recordings says of the shaft.
     fn study(&self, seed: u64) -> Estimate {
         let plans = [
-            ("BS_T_NT.mf4", ExperimentPlan::bs_t_nt(self.speed_rpm, 40.0)),
-            ("WhiteNoise_T_TN.mf4", ExperimentPlan::white_noise_t_tn(self.speed_rpm, 20.0)),
+            ("BS_T_NT.mf4", ExperimentPlan::bs_t_nt(self.speed_rpm, 20.0)),
+            ("WhiteNoise_T_TN.mf4", ExperimentPlan::white_noise_t_tn(self.speed_rpm, 10.0)),
         ];
         let recorded = |((file, plan), seed): (&(&str, ExperimentPlan), u64)| {
             source(file, Ok(simulate(&self.parameters, plan, seed).unwrap()))

@@ -101,6 +101,25 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
 }
 
 #[test]
+fn exact_pulses_that_fold_to_rest_are_noticed() {
+    let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
+    let told = |plan: ExperimentPlan| {
+        let recording = simulate(&BenchParameters::default(), &plan, 3).unwrap();
+        let found = studied(&bench, vec![source(&format!("{}.mf4", plan.label), Ok(recording))]).diagnostics;
+        let found = found.into_iter().filter_map(|d| match d.finding {
+            Finding::PulsesFoldToRest { role, rate_hz, multiple, .. } => Some((role, rate_hz.round(), multiple)),
+            _ => None,
+        });
+        found.collect::<Vec<_>>()
+    };
+    // Four cylinders and four strokes fire at 100 Hz, and N_e is recorded at 500 Hz.
+    assert_eq!(told(ExperimentPlan::bs_t_nt(3000.0, 15.0)), [(Role::EngineSpeed, 500.0, 5)]);
+    assert_eq!(told(ExperimentPlan::bs_t_nt(2950.0, 15.0)), []);
+    // A speed that wanders takes the pulses past what they would fold onto.
+    assert_eq!(told(ExperimentPlan::white_noise_t_tn(3000.0, 15.0)), []);
+}
+
+#[test]
 fn stat_exchanged_speeds_are_noticed() {
     let told = |bench: &BenchFile, source: Source| {
         let study = studied(bench, vec![source]);

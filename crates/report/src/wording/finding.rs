@@ -105,6 +105,14 @@ pub fn finding(finding: &Finding) -> String {
             )
         }
         Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
+        Finding::PulsesFoldToRest { role: speed, rate_hz, firing_hz, multiple } => {
+            let (rate, firing) = (measure(*rate_hz, "Hz"), measure(*firing_hz, "Hz"));
+            format!(
+                "The engine fires at {firing}; {multiple} times that is a multiple of the {rate} at which {} is recorded, so that \
+                 its pulses fold onto slow changes of their own strength, and no residual shows it.",
+                role(*speed)
+            )
+        }
         Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
     }
 }
@@ -171,6 +179,9 @@ pub fn advice(finding: &Finding) -> &'static str {
             "The controller’s delay is less certain for it. Record the signal with finer steps."
         }
         Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
+        Finding::PulsesFoldToRest { .. } => {
+            "K of this recording may be off by some times its interval (on virtual benches, by twice: a part in a thousand). Record at a speed 2 % higher or lower."
+        }
         Finding::RoutesDisagree { .. } => {
             "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
         }

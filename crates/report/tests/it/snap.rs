@@ -40,6 +40,7 @@ fn findings() -> Vec<Finding> {
         Finding::Saturated { share: 0.00004, limit_nm: 400.0 },
         Finding::EarlySignal { role: Role::AirGapTorque, advance_s: 0.0009 },
         Finding::ExcludedLines { frequencies_hz: vec![25.0, 50.0, 74.8] },
+        Finding::PulsesFoldToRest { role: Role::EngineSpeed, rate_hz: 500.0, firing_hz: 100.003, multiple: 5 },
         Finding::ResidualsCorrelated { submodel: "speed_controller".into(), share_outside: 0.21 },
         Finding::NotConverged { submodel: "shaft".into() },
         Finding::RoutesDisagree { quantity: "K".into(), first: (2438.0, 6.0), second: (2391.0, 5.2) },

@@ -62,12 +62,14 @@ impl CellModel<'_> {
         let a = mat![[0.0, 1.0], [-natural * natural, -2.0 * damping * natural]];
         let cell = StateSpace::continuous(a, mat![[0.0], [natural * natural]], mat![[1.0, 0.0]], mat![[0.0]])?;
         let hold = cell.to_discrete_foh(self.torque.sample_time_s)?;
-        let (a, b0, b1) = (hold.a(), hold.b0(), hold.b1());
+        let row = |i: usize| [hold.a()[(i, 0)], hold.a()[(i, 1)], hold.b0()[(i, 0)], hold.b1()[(i, 0)]];
+        let rows = [row(0), row(1)];
         let mut state = [self.torque.samples.first().copied().unwrap_or(0.0), 0.0];
         let mut reading = Reading { value: vec![state[0]], slope: vec![state[1]] };
         for pair in self.torque.samples.windows(2) {
             let [x, v] = state;
-            state = [0, 1].map(|i| a[(i, 0)] * x + a[(i, 1)] * v + b0[(i, 0)] * pair[0] + b1[(i, 0)] * pair[1]);
+            state =
+                rows.map(|[by_x, by_v, by_now, by_next]| by_x * x + by_v * v + by_now * pair[0] + by_next * pair[1]);
             reading.value.push(state[0]);
             reading.slope.push(state[1]);
         }
@@ -146,20 +148,26 @@ impl ResidualModel for CellModel<'_> {
         residuals: &mut [f64],
         jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError> {
-        let (gain, offset) = (parameters[3], parameters[4]);
-        let modelled = self.modelled(parameters)?;
+        let (delay_s, gain, offset) = (parameters[0], parameters[3], parameters[4]);
+        let reading = self.reading(parameters[1], parameters[2])?;
+        let modelled = self.delayed(&reading, delay_s);
         for ((residual, y), m) in residuals.iter_mut().zip(&self.observed.values).zip(&modelled) {
             *residual = gain * m + offset - y;
         }
         let Some(mut jacobian) = jacobian else { return Ok(()) };
-        for (j, step) in [DELAY_STEP_S, STEP * parameters[1], STEP * parameters[2]].into_iter().enumerate() {
+        let mut differentiate = |j: usize, step: f64, above: &[f64], below: &[f64]| {
+            for (i, (a, b)) in above.iter().zip(below).enumerate() {
+                jacobian[(i, j)] = gain * (a - b) / (2.0 * step);
+            }
+        };
+        let (later, earlier) = (delay_s + DELAY_STEP_S, delay_s - DELAY_STEP_S);
+        differentiate(0, DELAY_STEP_S, &self.delayed(&reading, later), &self.delayed(&reading, earlier));
+        for j in [1, 2] {
+            let step = STEP * parameters[j];
             let (mut above, mut below) = (parameters.to_vec(), parameters.to_vec());
             above[j] += step;
             below[j] -= step;
-            let (above, below) = (self.modelled(&above)?, self.modelled(&below)?);
-            for (i, (a, b)) in above.iter().zip(&below).enumerate() {
-                jacobian[(i, j)] = gain * (a - b) / (2.0 * step);
-            }
+            differentiate(j, step, &self.modelled(&above)?, &self.modelled(&below)?);
         }
         for (i, m) in modelled.iter().enumerate() {
             (jacobian[(i, 3)], jacobian[(i, 4)]) = (*m, 1.0);

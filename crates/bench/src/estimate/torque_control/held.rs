@@ -90,7 +90,7 @@ impl<'a> Mode<'a> {
         }
         self.rate = rate;
         let step = self.demand.sample_time_s;
-        let keep = (-rate * step).exp();
+        let keep = exponential(-rate * step);
         let (mut x, mut by_rate) =
             (Complex64::from(self.demand.values.first().copied().unwrap_or(0.0)), Complex64::ZERO);
         for (n, u) in self.demand.values.iter().enumerate() {
@@ -106,7 +106,7 @@ impl<'a> Mode<'a> {
         let Some(u) = self.demand.values.get(n) else {
             return ModeSample { value: Complex64::ZERO, by_delay: Complex64::ZERO, by_rate: Complex64::ZERO };
         };
-        let decay = (-self.rate * since).exp();
+        let decay = exponential(-self.rate * since);
         let distance = decay * (self.state[n] - *u);
         ModeSample {
             value: distance + *u,
@@ -114,4 +114,9 @@ impl<'a> Mode<'a> {
             by_rate: decay * self.state_by_rate[n] - distance * since,
         }
     }
+}
+
+/// e^z, for a real z without the sine and cosine that are known.
+fn exponential(z: Complex64) -> Complex64 {
+    if z.im == 0.0 { Complex64::from(z.re.exp()) } else { z.exp() }
 }

@@ -266,11 +266,11 @@ fn free_gain(
     Ok(Parameter::new(GAIN, free.parameters[at], covariance[(at, at)].sqrt(), freedom))
 }
 
-/// A grid of delays (in halves of the demand's sample) and lags.
+/// A grid of delays (in halves of the demand's sample) and lags, lag by lag: a mode is computed once for all delays.
 fn starts(sample_time_s: f64) -> Vec<Vec<f64>> {
     let delays = (0..).map(|j| 0.5 * j as f64 * sample_time_s - EARLIEST_S).take_while(|d| *d < LONGEST_DELAY_S);
     let lags = [60.0, 150.0, 400.0, 1000.0, 2500.0];
-    delays.flat_map(|d| lags.map(|a| vec![d, a])).collect()
+    lags.into_iter().flat_map(|a| delays.clone().map(move |d| vec![d, a])).collect()
 }
 
 impl Lagged {
