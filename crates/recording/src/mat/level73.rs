@@ -298,9 +298,14 @@ fn sizes(dataset: &Dataset) -> Result<Vec<usize>, String> {
 
 /// The numbers of a dataset, read some rows of the slowest dimension at a time.
 fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
-    let read = |first: usize, count: usize| match is_half(dataset) {
-        true => Ok(halves(&dataset.read_raw_rows(first as u64, count as u64).map_err(text)?)),
-        false => dataset.read_f64_rows(first as u64, count as u64).map_err(text),
+    let (is_half, is_double) = (is_half(dataset), is_double(dataset));
+    let read = |first: usize, count: usize| {
+        let raw = || dataset.read_raw_rows(first as u64, count as u64).map_err(text);
+        match (is_half, is_double) {
+            (true, _) => Ok(halves(&raw()?)),
+            (_, true) => doubles(raw()?, PIECE),
+            _ => dataset.read_f64_rows(first as u64, count as u64).map_err(text),
+        }
     };
     let [rows, rest @ ..] = sizes else { return read(0, 1) };
     if *rows == 0 || rest.contains(&0) {
@@ -311,6 +316,9 @@ fn numbers(dataset: &Dataset, sizes: &[usize]) -> Result<Vec<f64>, String> {
     // Chunks that are begun are read to their end.
     let step = usize::try_from(chunk).unwrap_or(*rows).max(1);
     let step = (PIECE / width).max(1).checked_next_multiple_of(step).unwrap_or(*rows);
+    if step >= *rows {
+        return read(0, *rows);
+    }
     let mut values = Vec::new();
     values.try_reserve_exact(rows * width).map_err(|error| error.to_string())?;
     for first in (0..*rows).step_by(step) {
@@ -354,13 +362,39 @@ fn is_boolean(dataset: &Dataset) -> bool {
 
 /// Whether a dataset holds floats of 16 bits (IEEE 754 binary16), the low byte first.
 fn is_half(dataset: &Dataset) -> bool {
-    let Ok(Datatype::FloatingPoint { size: 2, byte_order: DatatypeByteOrder::LittleEndian, layout }) =
-        dataset.datatype()
+    is_float(dataset, 2, (10, 5, 15))
+}
+
+/// Whether a dataset holds floats of 64 bits (IEEE 754 binary64), the low byte first.
+fn is_double(dataset: &Dataset) -> bool {
+    is_float(dataset, 8, (52, 11, 1023))
+}
+
+/// Whether a dataset holds floats of so many bytes, the low one first, with this place, size and bias of the exponent above the
+/// mantissa.
+fn is_float(dataset: &Dataset, bytes: u32, exponent: (u8, u8, u32)) -> bool {
+    let Ok(Datatype::FloatingPoint { size, byte_order: DatatypeByteOrder::LittleEndian, layout }) = dataset.datatype()
     else {
         return false;
     };
-    let exponent = (layout.exponent_location, layout.exponent_size, layout.exponent_bias);
-    exponent == (10, 5, 15) && (layout.mantissa_location, layout.mantissa_size) == (0, 10)
+    let found = (layout.exponent_location, layout.exponent_size, layout.exponent_bias);
+    size == bytes && found == exponent && (layout.mantissa_location, layout.mantissa_size) == (0, exponent.0)
+}
+
+/// Numbers from their bytes, which are given back piece by piece from the end, so that a long vector is not in memory twice.
+fn doubles(mut bytes: Vec<u8>, piece: usize) -> Result<Vec<f64>, String> {
+    let count = bytes.len() / size_of::<f64>();
+    Vec::<f64>::new().try_reserve_exact(count).map_err(|error| error.to_string())?;
+    let mut values = vec![0.0; count];
+    while !bytes.is_empty() {
+        let left = bytes.len() / size_of::<f64>();
+        let first = left.saturating_sub(1) / piece * piece;
+        let last = bytes[first * size_of::<f64>()..].as_chunks().0;
+        values[first..].iter_mut().zip(last).for_each(|(value, bytes)| *value = f64::from_le_bytes(*bytes));
+        bytes.truncate(first * size_of::<f64>());
+        bytes.shrink_to_fit();
+    }
+    Ok(values)
 }
 
 fn halves(bytes: &[u8]) -> Vec<f64> {
@@ -386,7 +420,16 @@ fn is_numeric(kind: &DType) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::half;
+    use super::{doubles, half};
+
+    #[test]
+    fn exact_doubles_in_pieces() {
+        let numbers: Vec<f64> = (0..10).map(|i| 1.5 * f64::from(i) - 4.0).collect();
+        for (count, piece) in [(0, 3), (1, 3), (3, 3), (4, 3), (10, 3), (10, 10), (10, 100)] {
+            let bytes = numbers[..count].iter().flat_map(|number| number.to_le_bytes()).collect();
+            assert_eq!(doubles(bytes, piece).unwrap(), numbers[..count], "{count} in pieces of {piece}");
+        }
+    }
 
     /// The examples of IEEE 754 binary16: one, its neighbour, the largest, the smallest normal and subnormal ones.
     #[test]

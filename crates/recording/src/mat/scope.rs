@@ -61,7 +61,7 @@ impl Plan {
             flatten(joined(path, &name), &name, value, &mut members);
         }
         let mut members = Members::new(members);
-        let (clocks, taken) = self.find_clocks(path, &members);
+        let (clocks, taken) = self.find_clocks(path, &mut members);
         self.clocks.push(clocks);
         let arrays = members.list.iter().zip(&taken).filter(|(m, taken)| !**taken && is_array(&m.value)).count();
         for index in (0..members.list.len()).filter(|&index| !taken[index]) {
@@ -102,27 +102,33 @@ impl Plan {
     }
 
     /// The clocks that a scope brings along, and which of its members they are.
-    fn find_clocks(&mut self, path: &str, members: &Members) -> (Clocks, Vec<bool>) {
-        let list = &members.list;
+    fn find_clocks(&mut self, path: &str, members: &mut Members) -> (Clocks, Vec<bool>) {
         let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (index, member) in list.iter().enumerate() {
+        for (index, member) in members.list.iter().enumerate() {
             if let Some(samples) = clock_length(member) {
                 by_length.entry(samples).or_default().push(index);
             }
         }
         let stated = stated_period(members);
-        let mut taken = vec![false; list.len()];
+        let mut taken = vec![false; members.list.len()];
         let mut clocks = Clocks::new();
         for (samples, mut found) in by_length {
-            if found.iter().any(|&i| is_plain_time(&list[i].name)) {
-                found.retain(|&i| is_plain_time(&list[i].name));
+            let is_plain = |&i: &usize| is_plain_time(&members.list[i].name);
+            if found.iter().any(is_plain) {
+                found.retain(is_plain);
             }
-            let named: Vec<&Member> = found.iter().map(|&i| &list[i]).collect();
-            let clock = agreed(members, &named);
-            if clock.is_ok() {
-                found.iter().for_each(|&i| taken[i] = true);
+            match agreed(members, &found) {
+                Ok(unit) => {
+                    found.iter().for_each(|&i| taken[i] = true);
+                    let Member { path: own, value, .. } = members.take(found[0]);
+                    if let Value::Numbers(array) = value {
+                        clocks.insert(samples, Ok(self.clock(path, own, array, unit, stated.as_ref())));
+                    }
+                }
+                Err(reason) => {
+                    clocks.insert(samples, Err(reason));
+                }
             }
-            clocks.insert(samples, clock.map(|(array, unit)| self.clock(path, named[0], array, unit, stated.as_ref())));
         }
         if let Some(start_and_step) = sample_time(members) {
             self.sampled(path, members, start_and_step, &mut clocks);
@@ -134,13 +140,13 @@ impl Plan {
     fn clock(
         &mut self,
         scope: &str,
-        member: &Member,
-        array: &Array,
+        path: String,
+        array: Array,
         unit: Option<Factor>,
         stated: Option<&(String, f64)>,
     ) -> usize {
         if array.is_rounded() {
-            self.findings.push(Finding::RoundedIntegers { channel: member.path.clone() });
+            self.findings.push(Finding::RoundedIntegers { channel: path.clone() });
         }
         let mut factor = unit.unwrap_or((1.0, 1.0));
         let steps = array.values.len() - 1;
@@ -150,13 +156,14 @@ impl Plan {
             let unit = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)].into_iter().find(|(_, per_second)| fits(*per_second));
             if let Some((unit, per_second)) = unit {
                 factor.1 = per_second;
-                let (clock, unit, stated_by) = (member.path.clone(), unit.to_owned(), number.clone());
+                let (clock, unit, stated_by) = (path.clone(), unit.to_owned(), number.clone());
                 self.findings.push(Finding::AssumedTimeUnit { clock, unit, stated_by });
             }
         }
-        let time_s = array.values.iter().map(|t| t * factor.0 / factor.1).collect();
+        let mut time_s = array.values;
+        time_s.iter_mut().for_each(|t| *t = *t * factor.0 / factor.1);
         let raster = self.raster(scope, time_s);
-        self.vectors.push((raster, member.path.clone()));
+        self.vectors.push((raster, path));
         raster
     }
 
@@ -333,14 +340,15 @@ fn clock_length(member: &Member) -> Option<usize> {
     (named && array.is_vector() && finite && first < last && array.values.is_sorted()).then_some(array.values.len())
 }
 
-/// The numbers and the unit that all vectors named as time, at least one, agree on.
-fn agreed<'m>(members: &Members, named: &[&'m Member]) -> Result<(&'m Array, Option<Factor>), SkipReason> {
+/// The unit that the vectors named as time, at least one, agree on, if they agree on their numbers too.
+fn agreed(members: &Members, found: &[usize]) -> Result<Option<Factor>, SkipReason> {
+    let named: Vec<&Member> = found.iter().map(|&i| &members.list[i]).collect();
     let units = named.iter().map(|member| stated_unit(members, member)).collect::<Result<Vec<_>, _>>()?;
     let mut stated = units.into_iter().flatten();
     let unit = stated.next();
     match &named[0].value {
-        Value::Numbers(array) if named.iter().all(|m| m.value == named[0].value) && stated.all(|u| Some(u) == unit) => {
-            Ok((array, unit))
+        Value::Numbers(_) if named.iter().all(|m| m.value == named[0].value) && stated.all(|u| Some(u) == unit) => {
+            Ok(unit)
         }
         _ => {
             let candidates = named.iter().take(3).map(|m| m.path.as_str()).collect::<Vec<_>>().join(", ");
