@@ -180,7 +180,7 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
         Finding::PulsesFoldToRest { .. } => {
-            "K of this recording may be off by some times its interval (on virtual benches, by twice: a part in a thousand). Record at a speed 2 % higher or lower."
+            "K of this recording may be off by some times its interval (on virtual benches, by twice: a part in a thousand). Record at a speed 5 % higher or lower."
         }
         Finding::RoutesDisagree { .. } => {
             "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
