@@ -59,7 +59,7 @@ def task(path, what):
     wall = time.perf_counter() - start
     usage = resource.getrusage(resource.RUSAGE_SELF)
     print(
-        f"asammdf {what}: {channels} channels, {samples} samples; open {opened:.4f} s, wall {wall:.3f} s, processor "
+        f"asammdf {what}: {channels} channels, {samples} samples; open {opened:.4f} s, wall {wall:.4f} s, processor "
         f"{usage.ru_utime + usage.ru_stime:.2f} s, peak {usage.ru_maxrss / 1000:.0f} MB"
     )
 
@@ -85,9 +85,11 @@ def compare(folder, measure):
             ]
             ours, theirs = ([min(column) for column in zip(*side)] for side in zip(*runs))
             wall, processor, peak = zip(ours, theirs)
-            ratio = lambda pair: f"{pair[1] / pair[0]:.1f}" if pair[0] >= 0.05 else "–"
-            both = lambda pair: f"{pair[0]:.2f} / {pair[1]:.2f}"
-            cells = [both(wall), ratio(wall), both(processor), ratio(processor)]
+            ratio = lambda pair: f"{pair[1] / pair[0]:.1f}"
+            both = lambda pair, digits: f"{pair[0]:.{digits}f} / {pair[1]:.{digits}f}"
+            # The system counts processor time in hundredths of a second.
+            counted = ratio(processor) if processor[0] >= 0.05 else "–"
+            cells = [both(wall, 4), ratio(wall), both(processor, 2), counted]
             rows.append(" | ".join([f"| {name}", what, *cells, f"{peak[0]:.0f} / {peak[1]:.0f} |"]))
     print("\n".join(["", *rows]))
 

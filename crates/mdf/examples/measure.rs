@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (wall, (processor, peak)) = (start.elapsed().as_secs_f64(), usage());
     let channels: usize = file.groups().iter().map(|g| g.channels.len()).sum();
     println!(
-        "ours {what}: {channels} channels, {samples} samples; open {opened:.4} s, wall {wall:.3} s, processor \
+        "ours {what}: {channels} channels, {samples} samples; open {opened:.4} s, wall {wall:.4} s, processor \
          {processor:.2} s, peak {peak:.0} MB"
     );
     Ok(())

@@ -4,9 +4,10 @@ use std::collections::HashMap;
 
 use crate::{MdfError, Source};
 
-const PAGE: u64 = 1 << 15;
-/// Pages held at once.
-const MOST: usize = 512;
+/// Of the many blocks of data only the heads are read, so that larger pages would mostly bring what is not looked at.
+const PAGE: u64 = 1 << 12;
+/// Pages held at once: few, so that memory that has been written to before is written to again.
+const MOST: usize = 1 << 7;
 
 /// A source with its length, and pages of it in memory.
 pub(crate) struct Pages<'a, S: ?Sized> {

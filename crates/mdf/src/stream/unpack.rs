@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use flate2::{Decompress, FlushDecompress, Status};
+use libdeflater::{DecompressionError, Decompressor};
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 
@@ -24,7 +25,8 @@ pub(super) fn unpack(
 ) -> Result<(), MdfError> {
     let length = usize::try_from(needed).map_err(|_| MdfError::TooLarge { numbers: needed })?;
     let done = match codec {
-        Codec::Deflate => inflate(packed, length, out),
+        Codec::Deflate if needed == fragment.length => inflate(packed, length, out),
+        Codec::Deflate => inflate_part(packed, length, out),
         Codec::Zstandard => zstandard(packed, length, out),
         Codec::Lz4 => drain(FrameDecoder::new(packed), length, out),
         Codec::Unknown(code) => {
@@ -39,7 +41,24 @@ pub(super) fn unpack(
     }
 }
 
+/// Unpacks a whole block, with the inflater that is fastest where it need not stop.
 fn inflate(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, String> {
+    let mut inflater = Decompressor::new();
+    let mut room = length.min(out.len().max(FIRST));
+    loop {
+        out.resize(room, 0);
+        match inflater.zlib_decompress(packed, out) {
+            Ok(done) => return Ok(done),
+            Err(DecompressionError::BadData) => return Err("they are damaged, or their checksum is another".into()),
+            Err(DecompressionError::InsufficientSpace) if room == length => {
+                return Err(format!("they hold more than the {length} bytes announced"));
+            }
+            Err(DecompressionError::InsufficientSpace) => room = length.min(room.saturating_mul(4)),
+        }
+    }
+}
+
+fn inflate_part(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, String> {
     let mut inflater = Decompress::new(true);
     out.resize(length.min(out.len().max(FIRST)), 0);
     loop {

@@ -4,7 +4,7 @@ use mdf::{Address, Mdf, MdfError};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use crate::features::{LZ4, ZSTANDARD, one_packed};
+use crate::features::{LZ4, ZSTANDARD, deflated, one_packed, stored};
 use crate::made::{Cg, Cn, Made, cn, one_group, time};
 
 const OTHERS: [&[u8]; 4] = [
@@ -55,7 +55,9 @@ fn made() -> Vec<Vec<u8>> {
     let list = [&[0; 4][..], &1_u32.to_le_bytes(), &[0; 8]].concat();
     let list = made.block(b"##DL", &[0, data], &list);
     let first = made.data_group(group, list, 0);
-    let packed = [(3, ZSTANDARD), (4, LZ4)].map(|(code, bytes)| one_packed(code, bytes));
+    let deflated = deflated(&stored());
+    let packed = [(0, &deflated[..]), (1, &deflated), (3, ZSTANDARD), (4, LZ4)];
+    let packed = packed.map(|(code, bytes)| one_packed(code, bytes));
     let plain = one_group(&[time(), cn(0, 8, 8)], &[7; 90], 9, 0);
     [vec![made.finish(first), plain], packed.to_vec()].concat()
 }
@@ -80,9 +82,9 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
 
     #[test]
-    fn prop_many_bytes_may_be_wrong(which in 0_usize..8, hits in vec((any::<usize>(), any::<u8>()), 1..12)) {
+    fn prop_many_bytes_may_be_wrong(which in 0_usize..10, hits in vec((any::<usize>(), any::<u8>()), 1..12)) {
         let files = made();
-        let mut bytes = files.get(which).cloned().unwrap_or_else(|| OTHERS[which - 4].to_vec());
+        let mut bytes = files.get(which).cloned().unwrap_or_else(|| OTHERS[which - files.len()].to_vec());
         for (at, value) in hits {
             let at = at % bytes.len();
             bytes[at] = value;

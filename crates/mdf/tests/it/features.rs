@@ -227,7 +227,7 @@ fn exact_virtual_channels_and_bytes() {
     assert!(matches!(read(&bytes, 0, 1), Values::Bytes(b) if b.get(1) == [3, 4]));
 }
 
-fn deflated(bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn deflated(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = flate2::write::ZlibEncoder::new(vec![], flate2::Compression::fast());
     std::io::Write::write_all(&mut encoder, bytes).unwrap();
     encoder.finish().unwrap()
@@ -270,7 +270,12 @@ fn exact_transposed_blocks_of_any_size_and_place() {
     }
 }
 
-/// As compressed by zstd 1.5.7 and lz4 1.10 (frames): 0, 3, …, 117, forty times 0, forty times 7.
+/// 0, 3, …, 117, forty times 0, forty times 7.
+pub(crate) fn stored() -> Vec<u8> {
+    (0..120).map(|i| if i < 40 { 3 * i } else { 7 * u8::from(i >= 80) }).collect()
+}
+
+/// [`stored`] as compressed by zstd 1.5.7 and lz4 1.10 (frames).
 pub(crate) const ZSTANDARD: &[u8] = b"\x28\xb5\x2f\xfd\x20\x78\x9d\x01\x00\xa4\x02\x00\x03\x06\x09\x0c\x0f\x12\x15\x18\x1b\
     \x1e\x21\x24\x27\x2a\x2d\x30\x33\x36\x39\x3c\x3f\x42\x45\x48\x4b\x4e\x51\x54\x57\x5a\x5d\x60\x63\x66\x69\x6c\x6f\x72\x75\x00\
     \x07\x02\x00\x40\x29\xa2\x04\x65";
@@ -302,6 +307,16 @@ fn exact_sums_of_deflated_data_are_compared() {
     assert!(matches!(read, Err(mdf::MdfError::Damaged { .. })), "{read:?}");
 }
 
+#[test]
+fn exact_sizes_of_deflated_data_are_compared() {
+    for (size, says) in [(119, "120 bytes are announced, the packed data hold 119"), (121, "more than the 120 bytes")] {
+        let made = one_packed(0, &deflated(&vec![7; size]));
+        let file = Mdf::open(&made[..]).unwrap();
+        let error = file.read(&[Address { group: 0, channel: 1 }], &|_, _| {}).unwrap_err().to_string();
+        assert!(error.contains(says), "{error}");
+    }
+}
+
 /// The sum of what [`ZSTANDARD`] becomes: the low half of its XXH64.
 const SUM: [u8; 4] = [0xDD, 0x47, 0xAE, 0xBD];
 
@@ -327,9 +342,10 @@ fn exact_sums_and_sizes_of_zstandard_are_compared() {
 }
 
 #[test]
-fn exact_blocks_of_zstandard_and_lz4() {
-    let stored: Vec<u8> = (0..120).map(|i| if i < 40 { 3 * i } else { 7 * u8::from(i >= 80) }).collect();
-    for (code, bytes) in [(2, ZSTANDARD), (3, ZSTANDARD), (4, LZ4), (5, LZ4)] {
+fn exact_blocks_of_every_compression() {
+    let stored = stored();
+    let deflated = deflated(&stored);
+    for (code, bytes) in [(0, &deflated[..]), (1, &deflated), (2, ZSTANDARD), (3, ZSTANDARD), (4, LZ4), (5, LZ4)] {
         let at = |row: usize, byte: usize| stored[if code % 2 == 1 { byte * 40 + row } else { 3 * row + byte }];
         let whole = one_packed(code, bytes);
         let low: Vec<f64> = (0..40).map(|r| f64::from(u16::from_le_bytes([at(r, 0), at(r, 1)]))).collect();
