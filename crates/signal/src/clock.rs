@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_at_least, check_finite};
+use crate::rank::median;
 
 /// Intervals longer than this many typical ones are gaps, or end in a late stamp.
 const LONGEST: f64 = 1.5;
@@ -58,11 +59,11 @@ impl ClockCheck {
 
 /// Examines time stamps, in seconds.
 ///
-/// The typical interval is the median of the positive ones. An interval of zero or less is a break in order; one of more
-/// than one and a half of the typical one is a gap, unless the stamp was only early or late: where intervals are also much
-/// shorter than that, stamps are held against a clock that follows them slowly. The other intervals are regular, and their
-/// mean is the sample time. So stamps rounded to a step somewhat finer than the sample time give the true sample time, not
-/// a multiple of that step; a step so coarse that stamps repeat biases it upwards.
+/// The typical interval is the lower median of the positive ones, and so one of them. An interval of zero or less is a
+/// break in order; one of more than one and a half of the typical one is a gap, unless the stamp was only early or late:
+/// where intervals are also much shorter than that, stamps are held against a clock that follows them slowly. The other
+/// intervals are regular, and their mean is the sample time. So stamps rounded to a step somewhat finer than the sample time
+/// give the true sample time, not a multiple of that step; a step so coarse that stamps repeat biases it upwards.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than two stamps, or none that rises; [`SignalError::NonFinite`].
@@ -78,21 +79,25 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     check_at_least(2, times_s.len())?;
     check_finite(times_s)?;
     let intervals = || times_s.windows(2).map(|w| w[1] - w[0]);
-    let typical = median_positive(intervals()).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
-    let short = || intervals().filter(|&d| d > 0.0 && d <= LONGEST * typical);
-    let is_shaky = short().any(|d| d < SHORTEST * typical);
-    let steps = if is_shaky {
-        steps_of_shaky_stamps(times_s, typical, mean(short()))
-    } else {
-        steps(times_s, typical, mean(short()))
+    let positive = || intervals().filter(|d| *d > 0.0);
+    let typical = median(positive).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
+    let short = || positive().filter(|&d| d <= LONGEST * typical);
+    let about_s = mean(short());
+    let shaky_s = short().any(|d| d < SHORTEST * typical).then(|| over_many(times_s, about_s));
+    // Each interval with its samples, worked out anew each time: a long clock would be in memory twice.
+    let stepped = || {
+        let mut step = match shaky_s {
+            Some(sample_time_s) => Step::OfShakyStamps { clock_s: first(times_s, sample_time_s), sample_time_s },
+            None => Step::OfEvenStamps { sample_time_s: about_s },
+        };
+        intervals().enumerate().map(move |(i, d)| (d, step.samples(times_s, typical, i)))
     };
-    let regular = || intervals().zip(&steps).filter(|(d, steps)| *d > 0.0 && **steps == 1).map(|(d, _)| d);
+    let regular = || stepped().filter(|(d, steps)| *d > 0.0 && *steps == 1).map(|(d, _)| d);
     let sample_time_s = mean(regular());
     let departure = |d: f64| (d - sample_time_s).abs();
-    let gaps: Vec<Gap> = intervals()
-        .zip(&steps)
+    let gaps: Vec<Gap> = stepped()
         .enumerate()
-        .filter(|(_, (_, steps))| **steps > 1)
+        .filter(|(_, (_, steps))| *steps > 1)
         .map(|(i, (duration_s, steps))| Gap { between: i..i + 1, duration_s, missing: steps - 1 })
         .collect();
     Ok(ClockCheck {
@@ -105,41 +110,45 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     })
 }
 
-/// Samples from each stamp to the next, where no stamp is early or late by much; 1 from one that is not earlier than the next.
-fn steps(times_s: &[f64], typical: f64, sample_time_s: f64) -> Vec<usize> {
-    let step = |d: f64| if d > LONGEST * typical { (d / sample_time_s).round() as usize } else { 1 };
-    times_s.windows(2).map(|w| step(w[1] - w[0]).max(1)).collect()
+/// How many samples lie from each stamp to the next.
+enum Step {
+    /// No stamp is early or late by much.
+    OfEvenStamps { sample_time_s: f64 },
+    /// Stamps may be early or late by nearly half a sample time: each is held against a clock that follows them with a
+    /// first-order lag, and a sample counts as missing only if the next stamp says so too.
+    OfShakyStamps { clock_s: f64, sample_time_s: f64 },
 }
 
-/// Samples from each stamp to the next, where stamps may be early or late by nearly half a sample time: each is held against
-/// a clock that follows them with a first-order lag, and a sample counts as missing only if the next stamp says so too.
-fn steps_of_shaky_stamps(times_s: &[f64], typical: f64, about_s: f64) -> Vec<usize> {
-    let sample_time_s = over_many(times_s, about_s);
-    let mut clock_s = first(times_s, sample_time_s);
-    let mut steps = Vec::with_capacity(times_s.len());
-    for (i, pair) in times_s.windows(2).enumerate() {
-        if pair[1] <= pair[0] {
-            clock_s = pair[1];
-            steps.push(1);
-            continue;
+impl Step {
+    /// Samples from stamp `i` to the next, asked in order; 1 to one that is not later.
+    fn samples(&mut self, times_s: &[f64], typical: f64, i: usize) -> usize {
+        let (before_s, after_s) = (times_s[i], times_s[i + 1]);
+        match self {
+            Self::OfEvenStamps { .. } if after_s - before_s <= LONGEST * typical => 1,
+            Self::OfEvenStamps { sample_time_s } => (((after_s - before_s) / *sample_time_s).round() as usize).max(1),
+            Self::OfShakyStamps { clock_s, .. } if after_s <= before_s => {
+                *clock_s = after_s;
+                1
+            }
+            Self::OfShakyStamps { clock_s, sample_time_s } => {
+                let since = |t: f64| ((t - *clock_s) / *sample_time_s).round();
+                let next = times_s.get(i + 2).filter(|t| **t > after_s).map_or(f64::INFINITY, |t| since(*t) - 1.0);
+                let most = if after_s - before_s <= typical { 1.0 } else { next.max(1.0) };
+                let step = since(after_s).clamp(1.0, most);
+                let off_s = after_s - *clock_s - step * *sample_time_s;
+                let begins_anew = step > 1.0 && off_s.abs() > ANOTHER_PHASE * *sample_time_s;
+                *clock_s = if begins_anew { after_s } else { after_s - (1.0 - FOLLOWED) * off_s };
+                step as usize
+            }
         }
-        let since = |t: f64| ((t - clock_s) / sample_time_s).round();
-        let next = times_s.get(i + 2).filter(|t| **t > pair[1]).map_or(f64::INFINITY, |t| since(*t) - 1.0);
-        let most = if pair[1] - pair[0] <= typical { 1.0 } else { next.max(1.0) };
-        let step = since(pair[1]).clamp(1.0, most);
-        let off_s = pair[1] - clock_s - step * sample_time_s;
-        let begins_anew = step > 1.0 && off_s.abs() > ANOTHER_PHASE * sample_time_s;
-        clock_s = if begins_anew { pair[1] } else { pair[1] - (1.0 - FOLLOWED) * off_s };
-        steps.push(step as usize);
     }
-    steps
 }
 
 /// The mean sample time over stretches of [`MANY`] in which none is missing, from what it is about.
 fn over_many(times_s: &[f64], about_s: f64) -> f64 {
     let many = MANY.min(times_s.len() - 1);
     let stretches = || times_s.windows(many + 1).map(|w| (w[many] - w[0]) / many as f64);
-    let Some(typical) = median_positive(stretches()) else { return about_s };
+    let Some(typical) = median(|| stretches().filter(|d| *d > 0.0)) else { return about_s };
     let whole = || stretches().filter(|d| (d - typical).abs() < 0.5 * typical / many as f64);
     let found = mean(whole());
     if (found / about_s - 1.0).abs() < MOST_BIASED { found } else { about_s }
@@ -156,11 +165,4 @@ fn first(times_s: &[f64], sample_time_s: f64) -> f64 {
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     sum / count
-}
-
-/// The lower median, so that it is one of the intervals and at least one interval is regular.
-fn median_positive(intervals: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut positive: Vec<f64> = intervals.filter(|d| *d > 0.0).collect();
-    let middle = positive.len().checked_sub(1)? / 2;
-    Some(*positive.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

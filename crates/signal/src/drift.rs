@@ -8,12 +8,14 @@ use crate::correlation::{golden_maximum, is_constant};
 use crate::error::{SignalError, check_at_least, check_finite};
 use crate::spectrum::SegmentTransform;
 use crate::window::Window;
-use crate::{Complex64, Signal};
+use crate::{Complex64, SignalView};
 
 /// Stretches that the common time is cut into.
 const SEGMENTS: usize = 16;
 /// Samples of the slower signal that a stretch needs.
 const SEGMENT_SAMPLES: usize = 64;
+/// Samples of the faster signal from the beginning of a stretch that are transformed at most: of hours, to save memory.
+const MOST_SAMPLES: f64 = (1 << 20) as f64;
 /// Rates searched, either way: crystals differ by some 10⁻⁴, clocks of software by more.
 const LARGEST_RATE: f64 = 2e-3;
 /// Lines used at most; more would add time, not certainty.
@@ -45,9 +47,10 @@ pub struct Drift {
 /// How fast `later` becomes later than `earlier`, for two signals with any relation that is linear and does not change
 /// with time; their sample times may differ, and their stamps may be offset.
 ///
-/// The common time is cut into sixteen stretches. With `S_k(f)` the cross-periodogram of stretch `k`, which begins at
-/// `t_k`, the rate `r` is where `−Σ_f ln(1 − γ²(f, r))` is largest, `γ²` being the coherence of the stretches after each
-/// is turned by `e^{j2πf r t_k}`: the likelihood of Gaussian signals.
+/// The common time is cut into sixteen stretches, of each of which the first million samples of the faster signal count.
+/// With `S_k(f)` the cross-periodogram of stretch `k`, which begins at `t_k`, the rate `r` is where
+/// `−Σ_f ln(1 − γ²(f, r))` is largest, `γ²` being the coherence of the stretches after each is turned by `e^{j2πf r t_k}`:
+/// the likelihood of Gaussian signals.
 /// Rates up to 2·10⁻³ are searched. Where the signals have too little in common to tell, or several rates are as likely
 /// (as of a single line), the standard error is of that size.
 ///
@@ -73,8 +76,11 @@ pub struct Drift {
 /// Knapp and Carter, *The generalized correlation method for estimation of time delay*, IEEE Trans. ASSP 24, 1976, for
 /// the likelihood; Betz, *Comparison of the deskewed short-time correlator and the maximum likelihood correlator*, IEEE
 /// Trans. ASSP 32, 1984, for turning short stretches.
-pub fn relative_drift(earlier: &Signal, later: &Signal) -> Result<Drift, SignalError> {
-    let stretches = Stretches::of(earlier, later)?;
+pub fn relative_drift<'a>(
+    earlier: impl Into<SignalView<'a>>,
+    later: impl Into<SignalView<'a>>,
+) -> Result<Drift, SignalError> {
+    let stretches = Stretches::of(earlier.into(), later.into())?;
     let step = 1.0 / (stretches.highest_hz * stretches.duration_s) / STEPS_PER_PEAK;
     let (best, second) = stretches.likeliest(step);
     let rate = stretches.refined(best, step, |_| true);
@@ -107,41 +113,44 @@ struct Stretches {
 }
 
 impl Stretches {
-    fn of(earlier: &Signal, later: &Signal) -> Result<Self, SignalError> {
+    fn of(earlier: SignalView<'_>, later: SignalView<'_>) -> Result<Self, SignalError> {
         let from_s = earlier.start_s.max(later.start_s);
         let to_s = earlier.end_s().min(later.end_s());
-        let slower_s = earlier.sample_time_s.max(later.sample_time_s);
+        let (faster_s, slower_s) =
+            (earlier.sample_time_s.min(later.sample_time_s), earlier.sample_time_s.max(later.sample_time_s));
         let samples = ((to_s - from_s) / slower_s).floor().max(0.0) as usize;
         check_at_least(SEGMENTS * SEGMENT_SAMPLES, samples)?;
         let stretch_s = (samples / SEGMENTS) as f64 * slower_s;
-        let of = |signal: &Signal| transforms(signal, from_s, stretch_s);
-        let (x, y) = (of(earlier)?, of(later)?);
+        let most_s = (MOST_SAMPLES * faster_s / slower_s).floor().max(SEGMENT_SAMPLES as f64) * slower_s;
+        let transformed_s = stretch_s.min(most_s);
         let duration_s = SEGMENTS as f64 * stretch_s;
         let searched_hz = MOST_STEPS / (STEPS_PER_PEAK * LARGEST_RATE * duration_s);
         let highest_hz = (0.5 * BAND_SHARE / slower_s).min(searched_hz);
-        let last = (highest_hz * stretch_s) as usize;
+        let last = (highest_hz * transformed_s) as usize;
         let every = last.div_ceil(MOST_LINES).max(1);
-        let mut found = Stretches { cross: Vec::new(), freq_hz: Vec::new(), highest_hz, stretch_s, duration_s };
         // Below the second line a linear trend reaches through the window.
-        for line in (2..=last).step_by(every) {
-            found.add(line, &x, &y);
+        let lines = || (2..=last).step_by(every);
+        let of = |signal: SignalView<'_>| transforms(signal, from_s, stretch_s, transformed_s, lines);
+        let (x, y) = (of(earlier)?, of(later)?);
+        let mut found = Stretches { cross: Vec::new(), freq_hz: Vec::new(), highest_hz, stretch_s, duration_s };
+        for (index, line) in lines().enumerate() {
+            found.add(line as f64 / transformed_s, index, &x, &y);
         }
         Ok(found)
     }
 
     /// Takes in a line, unless a signal has no power there.
-    fn add(&mut self, line: usize, x: &[Transform], y: &[Transform]) {
-        let power = |of: &[Transform]| of.iter().map(|t| t.lines[line].norm_sqr()).sum::<f64>();
+    fn add(&mut self, freq_hz: f64, index: usize, x: &[Transform], y: &[Transform]) {
+        let power = |of: &[Transform]| of.iter().map(|t| t.lines[index].norm_sqr()).sum::<f64>();
         let scale = 1.0 / (power(x) * power(y)).sqrt();
         if !scale.is_finite() {
             return;
         }
-        let freq_hz = line as f64 / self.stretch_s;
         self.freq_hz.push(freq_hz);
         self.cross.extend(x.iter().zip(y).map(|(x, y)| {
             // The first samples of a stretch are not taken at the same instant.
             let turned = Complex64::cis(-TAU * freq_hz * (y.start_s - x.start_s));
-            x.lines[line].conj() * y.lines[line] * turned * scale
+            x.lines[index].conj() * y.lines[index] * turned * scale
         }));
     }
 
@@ -195,27 +204,33 @@ impl Stretches {
     }
 }
 
-/// A stretch's Fourier transform and the instant of its first sample.
+/// Lines of a stretch's Fourier transform and the instant of its first sample.
 struct Transform {
     start_s: f64,
     lines: Vec<Complex64>,
 }
 
-/// Of each stretch the transform, its mean removed, under a Hann window.
-fn transforms(signal: &Signal, from_s: f64, stretch_s: f64) -> Result<Vec<Transform>, SignalError> {
-    check_finite(&signal.samples)?;
-    let length = (stretch_s / signal.sample_time_s).round() as usize;
+/// Of each stretch the transform of so much of its beginning, its mean removed, under a Hann window.
+fn transforms<I: Iterator<Item = usize>>(
+    signal: SignalView<'_>,
+    from_s: f64,
+    stretch_s: f64,
+    transformed_s: f64,
+    lines: impl Fn() -> I,
+) -> Result<Vec<Transform>, SignalError> {
+    check_finite(signal.samples)?;
+    let length = (transformed_s / signal.sample_time_s).round() as usize;
     let window = Window::Hann.periodic(length)?;
-    if is_constant(&signal.samples) {
+    if is_constant(signal.samples) {
         return Err(SignalError::Constant);
     }
     let mut transform = SegmentTransform::new(&window);
     let of_stretch = |k: usize| {
         let wanted =
             ((from_s + k as f64 * stretch_s - signal.start_s) / signal.sample_time_s).round().max(0.0) as usize;
-        let first = wanted.min(signal.len() - length);
-        let lines = transform.apply(&signal.samples[first..first + length])?.to_vec();
-        Ok(Transform { start_s: signal.time_s(first), lines })
+        let first = wanted.min(signal.samples.len() - length);
+        let all = transform.apply(&signal.samples[first..first + length])?;
+        Ok(Transform { start_s: signal.time_s(first), lines: lines().map(|line| all[line]).collect() })
     };
     (0..SEGMENTS).map(of_stretch).collect()
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_range};
+use crate::rank::{median, ranked};
 use crate::runs;
 
 /// What counts as damage.
@@ -110,19 +111,20 @@ const ALONE: f64 = 0.5;
 const TAIL: (f64, f64) = (0.02, 2.326_347_874);
 
 fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
-    // Of a long signal no more than one series of sizes is in memory at a time.
-    let middle = median(&mut finite(x).collect::<Vec<f64>>());
+    let middle = median(|| finite(x)).unwrap_or(0.0);
     let (bend, about_median) = (|i: usize| bend(x, i), |i: usize| x[i] - middle);
-    let least = |sizes| largest_by_chance(sizes, options.spike_false_alarm);
-    let (of_bends, of_all) = (least(sizes(x.len(), bend)), least(sizes(x.len(), about_median)));
+    let false_alarm = options.spike_false_alarm;
+    let of_bends = largest_by_chance(|| sizes(x.len(), bend), false_alarm);
+    let of_all = largest_by_chance(|| sizes(x.len(), about_median), false_alarm);
     let (error, least): (&dyn Fn(usize) -> f64, f64) = match of_all < of_bends {
         true => (&about_median, of_all),
         false => (&bend, of_bends),
     };
-    let mut departure = departures(x, options.spike_half_window);
-    let mut sizes = sizes(x.len(), &mut departure);
+    let departure_sizes = || sizes(x.len(), departures(x, options.spike_half_window));
     // Held signals depart nowhere but at spikes: there the plain deviation has to serve.
-    let threshold = if median(&mut sizes) > 0.0 { least } else { least.max(3.0 * standard_deviation(x)) };
+    let (held, all) = departure_sizes().fold((0, 0), |(held, all), size| (held + usize::from(size == 0.0), all + 1));
+    let threshold = if 2 * held < all { least } else { least.max(3.0 * standard_deviation(x)) };
+    let mut departure = departures(x, options.spike_half_window);
     let mut is_spike = |i: &usize| error(*i).abs() > threshold && departure(*i).abs() > ALONE * error(*i).abs();
     let found: Vec<usize> = (0..x.len()).filter(&mut is_spike).collect();
     let found = with_neighbours(&found, x.len(), &mut departure);
@@ -131,23 +133,26 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
         return found;
     }
     // Edges depart too, all of about the same size: what is far beyond all but a few of the departures is no edge.
-    let (_, usual, _) = sizes.select_nth_unstable_by(most, |a, b| b.total_cmp(a));
-    let beyond = FAR_BEYOND * *usual;
+    let usual = ranked(departure_sizes, |count| count.saturating_sub(1 + most)).unwrap_or(0.0);
+    let beyond = FAR_BEYOND * usual;
     found.into_iter().filter(|&i| departure(i).abs() > beyond).collect()
 }
 
 /// The finite ones of the sizes of so many values.
-fn sizes(count: usize, mut value: impl FnMut(usize) -> f64) -> Vec<f64> {
-    (0..count).map(|i| value(i).abs()).filter(|size| size.is_finite()).collect()
+fn sizes(count: usize, mut value: impl FnMut(usize) -> f64) -> impl Iterator<Item = f64> {
+    (0..count).map(move |i| value(i).abs()).filter(|size| size.is_finite())
 }
 
 /// What the largest of so many Gaussian values stays below but with the probability of a false alarm.
-fn largest_by_chance(mut sizes: Vec<f64>, false_alarm: f64) -> f64 {
-    let Some(last) = sizes.len().checked_sub(1) else { return f64::INFINITY };
-    let usual = 1.4826 * median(&mut sizes);
-    let rank = (TAIL.0 * last as f64).ceil() as usize;
-    let tail = *sizes.select_nth_unstable_by(rank, |a, b| b.total_cmp(a)).1 / TAIL.1;
-    usual.max(tail) * (2.0 * ((last + 1) as f64 / false_alarm).ln()).sqrt()
+fn largest_by_chance<I: Iterator<Item = f64>>(sizes: impl Fn() -> I, false_alarm: f64) -> f64 {
+    let mut count = 0;
+    let place = |all: usize| {
+        count = all;
+        all.saturating_sub(1 + (TAIL.0 * all.saturating_sub(1) as f64).ceil() as usize)
+    };
+    let Some(tail) = ranked(&sizes, place) else { return f64::INFINITY };
+    let usual = 1.4826 * median(&sizes).unwrap_or(0.0);
+    usual.max(tail / TAIL.1) * (2.0 * (count as f64 / false_alarm).ln()).sqrt()
 }
 
 /// Spikes of several samples: beside one, what departs to the same side at least half as far.
@@ -180,7 +185,7 @@ fn departures(x: &[f64], half_window: usize) -> impl FnMut(usize) -> f64 {
         let half = half_window.min(i).min(x.len() - 1 - i);
         window.clear();
         window.extend(finite(&x[i - half..=i + half]));
-        x[i] - median(&mut window)
+        x[i] - lower_median(&mut window)
     }
 }
 
@@ -190,7 +195,7 @@ fn finite(x: &[f64]) -> impl Iterator<Item = f64> {
 }
 
 /// The lower median, zero of nothing.
-fn median(values: &mut [f64]) -> f64 {
+fn lower_median(values: &mut [f64]) -> f64 {
     match values.len().checked_sub(1) {
         Some(last) => *values.select_nth_unstable_by(last / 2, f64::total_cmp).1,
         None => 0.0,

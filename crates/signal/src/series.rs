@@ -1,4 +1,4 @@
-//! [`Signal`]: samples and the clock they were taken on.
+//! [`Signal`]: samples and the clock they were taken on; [`SignalView`]: the same, of samples that are not its own.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,10 +34,7 @@ impl Signal {
     /// [`SignalError::SampleTime`] where the sample time is not positive and finite, [`SignalError::NonFinite`] where
     /// the start is not finite.
     pub fn new(start_s: f64, sample_time_s: f64, samples: Vec<f64>) -> Result<Self, SignalError> {
-        check_sample_time(sample_time_s)?;
-        if !start_s.is_finite() {
-            return Err(SignalError::NonFinite { index: 0 });
-        }
+        check_instants(start_s, sample_time_s)?;
         Ok(Self { start_s, sample_time_s, samples })
     }
 
@@ -116,6 +113,44 @@ impl Signal {
     pub fn mean(&self) -> Option<f64> {
         mean(&self.samples)
     }
+}
+
+/// A uniformly sampled signal whose samples belong to another: long ones need not be copied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SignalView<'a> {
+    pub(crate) start_s: f64,
+    pub(crate) sample_time_s: f64,
+    pub(crate) samples: &'a [f64],
+}
+
+impl<'a> SignalView<'a> {
+    /// As [`Signal::new`], of samples that stay where they are.
+    ///
+    /// # Errors
+    /// As [`Signal::new`].
+    pub fn new(start_s: f64, sample_time_s: f64, samples: &'a [f64]) -> Result<Self, SignalError> {
+        check_instants(start_s, sample_time_s)?;
+        Ok(Self { start_s, sample_time_s, samples })
+    }
+
+    pub(crate) fn time_s(&self, i: usize) -> f64 {
+        self.start_s + i as f64 * self.sample_time_s
+    }
+
+    pub(crate) fn end_s(&self) -> f64 {
+        self.time_s(self.samples.len().saturating_sub(1))
+    }
+}
+
+impl<'a> From<&'a Signal> for SignalView<'a> {
+    fn from(signal: &'a Signal) -> Self {
+        Self { start_s: signal.start_s, sample_time_s: signal.sample_time_s, samples: &signal.samples }
+    }
+}
+
+fn check_instants(start_s: f64, sample_time_s: f64) -> Result<(), SignalError> {
+    check_sample_time(sample_time_s)?;
+    if start_s.is_finite() { Ok(()) } else { Err(SignalError::NonFinite { index: 0 }) }
 }
 
 pub(crate) fn mean(x: &[f64]) -> Option<f64> {

@@ -52,6 +52,26 @@ fn stat_drift_is_found_with_its_standard_error() {
     assert!(sum.abs() < 4.0 * (runs as f64).sqrt(), "{sum}");
 }
 
+/// Nearly five hours at a thousand samples a second, of which not all are transformed.
+#[test]
+#[ignore = "slow"]
+fn stat_drift_over_hours_is_found_with_its_standard_error() {
+    let mut random = Random::new(1);
+    let steps: Vec<f64> = (0..175_002).map(|_| random.normal()).collect();
+    let mut sampled = |sample_time_s: f64, rate: f64| {
+        let value = |i: usize| {
+            let place = i as f64 * sample_time_s * (1.0 - rate) / 0.1;
+            let (before, part) = (place.floor(), place.fract());
+            steps[before as usize] * (1.0 - part) + steps[before as usize + 1] * part
+        };
+        let samples = (0..(17_500.0 / sample_time_s) as usize).map(|i| value(i) + random.normal()).collect();
+        Signal::new(0.0, sample_time_s, samples).unwrap()
+    };
+    let (x, y) = (sampled(0.001, 0.0), sampled(0.01, 3e-7));
+    let found = relative_drift(&x, &y).unwrap();
+    assert!((found.rate - 3e-7).abs() < 4.0 * found.standard_error && found.standard_error < 1e-7, "{found:?}");
+}
+
 #[test]
 fn stat_signals_with_nothing_in_common_say_nothing() {
     for seed in 0..40 {

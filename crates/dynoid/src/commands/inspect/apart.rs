@@ -7,7 +7,7 @@ use bench::units::parse_unit;
 use recording::{Channel, Recording};
 use report::wording;
 use serde::Serialize;
-use signal::Signal;
+use signal::SignalView;
 use signal::clock::check_clock;
 use signal::drift::{Drift, relative_drift};
 
@@ -78,8 +78,8 @@ impl Clock {
         is_even.then_some(Self { start_s: time_s[0], sample_time_s: check.sample_time_s, samples: time_s.len() })
     }
 
-    fn signal(self, channel: &Channel) -> Option<Signal> {
-        Signal::new(self.start_s, self.sample_time_s, channel.samples.clone()).ok()
+    fn signal(self, channel: &Channel) -> Option<SignalView<'_>> {
+        SignalView::new(self.start_s, self.sample_time_s, &channel.samples).ok()
     }
 
     fn end_s(self) -> f64 {
@@ -90,7 +90,7 @@ impl Clock {
 fn apart(recording: &Recording, (reference, fast): (usize, Clock), (own, clock): (usize, Clock)) -> Option<Apart> {
     let pairs = pairs(recording, reference, own);
     let told = pairs.into_iter().filter_map(|(there, here)| {
-        let drift = relative_drift(&fast.signal(there)?, &clock.signal(here)?).ok()?;
+        let drift = relative_drift(fast.signal(there)?, clock.signal(here)?).ok()?;
         Some((there, here, drift))
     });
     let (there, here, drift) = told.min_by(|a, b| a.2.standard_error.total_cmp(&b.2.standard_error))?;
