@@ -10,6 +10,7 @@ use super::labels::{
 };
 use super::value::{Array, Struct, Value, object_reason};
 use crate::error::require_names;
+use crate::heading::time_word;
 use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason};
 
 /// The most channels of a file.
@@ -103,13 +104,13 @@ impl Plan {
 
     /// The clocks that a scope brings along, and which of its members they are.
     fn find_clocks(&mut self, path: &str, members: &mut Members) -> (Clocks, Vec<bool>) {
+        let stated = stated_period(members);
         let mut by_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (index, member) in members.list.iter().enumerate() {
-            if let Some(samples) = clock_length(member) {
+            if let Some(samples) = clock_length(member).filter(|_| !is_belied(members, member, stated.as_ref())) {
                 by_length.entry(samples).or_default().push(index);
             }
         }
-        let stated = stated_period(members);
         let mut taken = vec![false; members.list.len()];
         let mut clocks = Clocks::new();
         for (samples, mut found) in by_length {
@@ -149,12 +150,9 @@ impl Plan {
             self.findings.push(Finding::RoundedIntegers { channel: path.clone() });
         }
         let mut factor = unit.unwrap_or((1.0, 1.0));
-        let steps = array.values.len() - 1;
-        let step = (array.values[steps] - array.values[0]) / steps as f64;
         if let Some((number, period_s)) = stated.filter(|_| unit.is_none()) {
-            let fits = |per_second: f64| (step / per_second / period_s - 1.0).abs() < 1e-3;
-            let unit = [("ms", 1e3), ("us", 1e6), ("ns", 1e9)].into_iter().find(|(_, per_second)| fits(*per_second));
-            if let Some((unit, per_second)) = unit {
+            let smaller = unit_by_period(&array, *period_s).filter(|(_, per_second)| *per_second > 1.0);
+            if let Some((unit, per_second)) = smaller {
                 factor.1 = per_second;
                 let (clock, unit, stated_by) = (path.clone(), unit.to_owned(), number.clone());
                 self.findings.push(Finding::AssumedTimeUnit { clock, unit, stated_by });
@@ -338,6 +336,22 @@ fn clock_length(member: &Member) -> Option<usize> {
     let named = clock_unit(&member.name).is_some() && member.is_whole();
     let finite = first.is_finite() && last.is_finite();
     (named && array.is_vector() && finite && first < last && array.values.is_sorted()).then_some(array.values.len())
+}
+
+/// Whether a clock by name is none by its numbers: `t1` may be a temperature, and is where a period is stated beside it
+/// that its steps are not, in whatever unit.
+fn is_belied(members: &Members, member: &Member, stated: Option<&(String, f64)>) -> bool {
+    let (Value::Numbers(array), Some((_, period_s))) = (&member.value, stated) else { return false };
+    let is_sure = is_plain_time(&member.name) || time_word(&member.name) != Some("t");
+    !is_sure && stated_unit(members, member) == Ok(None) && unit_by_period(array, *period_s).is_none()
+}
+
+/// The unit, and how many of it are a second, in which the steps of a clock are such a period on average.
+fn unit_by_period(clock: &Array, period_s: f64) -> Option<(&'static str, f64)> {
+    let steps = clock.values.len().checked_sub(1)?;
+    let step = (clock.values[steps] - clock.values[0]) / steps as f64;
+    let fits = |per_second: f64| (step / per_second / period_s - 1.0).abs() < 1e-3;
+    [("s", 1.0), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)].into_iter().find(|(_, per_second)| fits(*per_second))
 }
 
 /// The unit that the vectors named as time, at least one, agree on, if they agree on their numbers too.

@@ -244,6 +244,23 @@ fn regress_a_capital_t_is_no_clock() {
     assert_eq!(names(&both), ["T", "n"]);
 }
 
+/// Beside a period, a numbered letter is a clock if its steps are that long.
+#[test]
+fn regress_a_temperature_beside_a_period_is_no_clock() {
+    let (rising, rest) = ([20.0, 55.0, 90.0], [1.0, -1.0, 0.5]);
+    let of = |name: &str, clock: &[f64]| read(&plain((name, clock), &[("n", &rest), ("dt", &[0.01])]));
+    let temperature = of("t1", &rising);
+    assert_eq!(names(&temperature), Vec::<&str>::new());
+    for name in ["t1", "n"] {
+        assert_eq!(*reason(&temperature, name), SkipReason::NoTimeVector { samples: 3 });
+    }
+    assert_eq!(data(&of("t1", &[5.0, 5.01, 5.02]), "n").1, [5.0, 5.01, 5.02]);
+    assert_eq!(data(&of("t1", &[0.0, 10.0, 20.0]), "n").1, [0.0, 0.01, 0.02]);
+    // A name that says time is believed.
+    assert_eq!(data(&of("t", &rising), "n").1, rising);
+    assert_eq!(data(&of("time_1", &rising), "n").1, rising);
+}
+
 #[test]
 fn exact_clocks_that_are_none_or_too_many() {
     let falling = read(&plain(("t", &[3.0, 2.0, 1.0]), &[("y", &[1.0, 2.0, 3.0])]));
