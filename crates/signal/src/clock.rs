@@ -110,6 +110,33 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     })
 }
 
+/// Number of the tick of a clock, (start, sample time) in s, that is closest to an instant.
+#[must_use]
+pub fn tick(time_s: f64, clock: (f64, f64)) -> f64 {
+    ((time_s - clock.0) / clock.1).round()
+}
+
+/// The clock, (start, sample time) in s, closest to time stamps in the sense of least squares, so that jitter of the first
+/// and the last stamp does not move it. Each stamp belongs to the tick of a rough clock that is closest to it.
+///
+/// None where all stamps belong to one tick.
+///
+/// # Example
+/// ```
+/// let (start_s, sample_time_s) = signal::clock::fitted_clock(&[0.01, 0.1, 0.2, 0.3, 0.39], (0.01, 0.095)).unwrap();
+/// assert!((start_s - 0.008).abs() < 1e-12 && (sample_time_s - 0.096).abs() < 1e-12);
+/// ```
+#[must_use]
+pub fn fitted_clock(times_s: &[f64], rough: (f64, f64)) -> Option<(f64, f64)> {
+    let count = times_s.len() as f64;
+    let ticks = || times_s.iter().map(|&time| tick(time, rough));
+    let (mean_tick, mean_time) = (ticks().sum::<f64>() / count, times_s.iter().map(|t| t / count).sum::<f64>());
+    let spread: f64 = ticks().map(|tick| (tick - mean_tick).powi(2)).sum();
+    let common: f64 = ticks().zip(times_s).map(|(tick, time)| (tick - mean_tick) * (time - mean_time)).sum();
+    let sample_time_s = common / spread;
+    (sample_time_s > 0.0).then_some((mean_time - mean_tick * sample_time_s, sample_time_s))
+}
+
 /// How many samples lie from each stamp to the next.
 enum Step {
     /// No stamp is early or late by much.

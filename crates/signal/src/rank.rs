@@ -1,7 +1,7 @@
 //! Values by their place in ascending order, of series that are too long for a copy.
 
 /// So many values are copied and put in order; of more, those are that share enough leading bits to be so few.
-const FEW: usize = 1 << 16;
+const FEW: usize = 1 << 20;
 /// Leading bits that are told apart in one pass over the values.
 const DIGIT: u32 = 16;
 
@@ -87,7 +87,7 @@ mod tests {
     /// Series longer than are copied: spread, in a narrow band, of two values, with signs and what is no number.
     #[test]
     fn exact_places_of_long_series() {
-        let count = 3 * super::FEW;
+        let count = super::FEW + super::FEW / 4;
         let noise = |i: usize| (i as f64 * 12.9898).sin() * 43758.5453;
         let series: [Vec<f64>; 5] = [
             (0..count).map(noise).collect(),

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use signal::Signal;
-use signal::clock::{ClockCheck, check_clock};
+use signal::clock::{ClockCheck, check_clock, fitted_clock, tick};
 
 use super::{Log, Source, Stretches};
 use crate::diagnostics::{Finding, Severity};
@@ -116,27 +116,10 @@ fn stretch(time_s: &[f64], values: &[f64], typical_s: f64) -> Option<Signal> {
     Signal::new(clock.0, clock.1, samples).ok()
 }
 
-/// Number of the tick of a clock, (start, sample time) in s, that is closest to an instant.
-fn tick(time_s: f64, clock: (f64, f64)) -> f64 {
-    ((time_s - clock.0) / clock.1).round()
-}
-
 /// Largest distance of time stamps from the nearest tick of a clock, s.
 fn largest_deviation(time_s: &[f64], clock: (f64, f64)) -> f64 {
     let deviation = |time: &f64| (time - clock.0 - tick(*time, clock) * clock.1).abs();
     time_s.iter().map(deviation).fold(0.0, f64::max)
-}
-
-/// The clock closest to the time stamps in the sense of least squares, so that jitter of the first and the last stamp does
-/// not move it.
-fn fitted_clock(time_s: &[f64], rough: (f64, f64)) -> Option<(f64, f64)> {
-    let count = time_s.len() as f64;
-    let ticks = || time_s.iter().map(|&time| tick(time, rough));
-    let (mean_tick, mean_time) = (ticks().sum::<f64>() / count, time_s.iter().map(|t| t / count).sum::<f64>());
-    let spread: f64 = ticks().map(|tick| (tick - mean_tick).powi(2)).sum();
-    let common: f64 = ticks().zip(time_s).map(|(tick, time)| (tick - mean_tick) * (time - mean_time)).sum();
-    let sample_time_s = common / spread;
-    (sample_time_s > 0.0).then_some((mean_time - mean_tick * sample_time_s, sample_time_s))
 }
 
 /// Values on a uniform clock, on straight lines between the samples. The time stamps rise.

@@ -65,10 +65,17 @@ fn clocks_that_run_apart_are_said_with_what_to_do() {
     recording.channels.retain(|c| c.raster != raster || c.name == "EngineSpeed");
     channel(&mut recording, "EngineSpeed").samples = every_fourth(&speed);
     let campaign = Campaign::empty().with("together.mf4", &recording);
-    recording.rasters[raster].time_s.iter_mut().for_each(|time| *time *= 1.0 + rate);
+    let stamps = recording.rasters[raster].time_s.clone();
+    if let [first, .., last] = &mut recording.rasters[raster].time_s[..] {
+        (*first, *last) = (*first + 1e-3, *last - 1e-3);
+    }
+    let campaign = campaign.with("jittered.mf4", &recording);
+    recording.rasters[raster].time_s = stamps.iter().map(|time| time * (1.0 + rate)).collect();
     let campaign = campaign.with("apart.mf4", &recording);
-    let together = campaign.run(&["inspect", "recordings/together.mf4"]).stdout;
-    assert!(!together.contains("runs apart"), "{together}");
+    for file in ["recordings/together.mf4", "recordings/jittered.mf4"] {
+        let together = campaign.run(&["inspect", file]).stdout;
+        assert!(!together.contains("runs apart"), "{together}");
+    }
     let apart = campaign.run(&["inspect", "recordings/apart.mf4"]).stdout;
     for words in
         ["Its clock runs apart from that of raster", "EngineSpeed", "DynoSpeed", "ppm", "Synchronise the devices"]
@@ -80,6 +87,15 @@ fn clocks_that_run_apart_are_said_with_what_to_do() {
     let found: Vec<_> = clocks.iter().filter_map(|clock| clock["runs_apart"]["rate"].as_f64()).collect();
     let [found] = found.as_slice() else { panic!("{found:?}") };
     assert!((found - rate).abs() < 0.05 * rate, "{found}");
+}
+
+#[test]
+fn a_clock_that_falls_is_said_to_go_back() {
+    let mut recording = short();
+    recording.rasters.iter_mut().for_each(|raster| raster.time_s.reverse());
+    let campaign = Campaign::empty().with("back.mf4", &recording);
+    let ran = campaign.run(&["inspect", "recordings/back.mf4"]);
+    assert!(ran.stdout.contains("999 time stamps go back or repeat"), "{}", ran.stdout);
 }
 
 #[test]

@@ -88,13 +88,6 @@ impl Task {
         }
     }
 
-    /// How many of the first bytes of a record it takes, of which `data_bytes` are samples.
-    pub(crate) fn needs(&self, data_bytes: usize) -> usize {
-        let (byte, width) = self.place();
-        let invalid = self.invalid_bit.map_or(0, |bit| data_bytes + bit as usize / 8 + 1);
-        invalid.max(byte.saturating_add(width))
-    }
-
     fn place(&self) -> (usize, usize) {
         match self.take {
             Take::Number(field) => (field.byte, field.width()),

@@ -151,10 +151,9 @@ impl<'a, S: Source + ?Sized> PieceReader<'a, S> {
             None => Invalid::After(shape.data_bytes),
         };
         let stride = shape.stride();
-        let needed = tasks.iter().map(|t| t.needs(shape.data_bytes)).max().unwrap_or(0) + shape.id_bytes;
         let view = match stride {
             0 => View::Rows(&[]),
-            _ => self.data.view(range(stride), stride, needed)?,
+            _ => self.data.view(range(stride), stride)?,
         };
         let block = Block { view, stride, shift: shape.id_bytes, first: piece.first, invalid };
         shape.check_identifiers(&block)?;

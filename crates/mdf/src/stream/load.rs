@@ -24,7 +24,7 @@ pub(crate) struct Loader<'a, S: ?Sized> {
 pub(crate) enum View<'a> {
     /// In their order.
     Rows(&'a [u8]),
-    /// Whole records, still transposed: the first byte of all `rows`, their second byte, …; as many as were asked for.
+    /// Whole records, still transposed: the first byte of all `rows`, their second byte, ….
     Columns { bytes: &'a [u8], rows: usize },
 }
 
@@ -34,8 +34,8 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
     }
 
     /// The bytes of `range`; transposed ones as they are stored, where the range is one fragment of records of `stride`
-    /// bytes, and then no more of them than the first `needed` bytes of each record.
-    pub(crate) fn view(&mut self, range: Range<u64>, stride: usize, needed: usize) -> Result<View<'_>, MdfError> {
+    /// bytes.
+    pub(crate) fn view(&mut self, range: Range<u64>, stride: usize) -> Result<View<'_>, MdfError> {
         let whole = self.stream.at(range.start).filter(|&i| {
             let fragment = &self.stream.fragments[i];
             fragment.start == range.start && fragment.end() == range.end
@@ -44,14 +44,14 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
             let fragment = self.stream.fragments[index];
             match fragment.packing {
                 Packing::Packed { columns: 0, .. } => {
-                    self.unpack(index, fragment.length)?;
+                    self.unpack(index)?;
                     return Ok(View::Rows(&self.unpacked));
                 }
                 Packing::Packed { columns, .. }
                     if columns as usize == stride && fragment.length.is_multiple_of(stride as u64) =>
                 {
                     let rows = fragment.length / stride as u64;
-                    self.unpack(index, rows * needed.min(stride) as u64)?;
+                    self.unpack(index)?;
                     return Ok(View::Columns { bytes: &self.unpacked, rows: rows as usize });
                 }
                 _ => {}
@@ -77,7 +77,7 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
                 out.resize(begin + (to - from) as usize, 0);
                 read(self.source, fragment.offset + from, &mut out[begin..])?;
             } else {
-                self.unpack(index, fragment.length)?;
+                self.unpack(index)?;
                 self.copy(&fragment, from as usize..to as usize, out);
             }
             place = end;
@@ -101,8 +101,8 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
         }
     }
 
-    /// Unpacks the first `needed` bytes of a fragment.
-    fn unpack(&mut self, index: usize, needed: u64) -> Result<(), MdfError> {
+    /// Unpacks a fragment.
+    fn unpack(&mut self, index: usize) -> Result<(), MdfError> {
         if self.unpacked_is == Some(index) {
             return Ok(());
         }
@@ -112,10 +112,10 @@ impl<'a, S: Source + ?Sized> Loader<'a, S> {
         self.packed.resize(usize::try_from(fragment.stored).map_err(too_large)?, 0);
         read(self.source, fragment.offset, &mut self.packed)?;
         match fragment.packing {
-            Packing::Packed { codec, .. } => unpack(codec, &self.packed, &fragment, needed, &mut self.unpacked)?,
+            Packing::Packed { codec, .. } => unpack(codec, &self.packed, &fragment, &mut self.unpacked)?,
             Packing::Plain => std::mem::swap(&mut self.packed, &mut self.unpacked),
         }
-        self.unpacked_is = (needed == fragment.length).then_some(index);
+        self.unpacked_is = Some(index);
         Ok(())
     }
 }

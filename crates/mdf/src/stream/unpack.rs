@@ -2,7 +2,6 @@
 
 use std::io::Read;
 
-use flate2::{Decompress, FlushDecompress, Status};
 use libdeflater::{DecompressionError, Decompressor};
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
@@ -15,18 +14,11 @@ use crate::error::damaged;
 /// Grows at first by this much: what is announced need not be true.
 const FIRST: usize = 1 << 24;
 
-/// Unpacks the first `needed` bytes, which are checked against the checksum, if there is one and no more of them.
-pub(super) fn unpack(
-    codec: Codec,
-    packed: &[u8],
-    fragment: &Fragment,
-    needed: u64,
-    out: &mut Vec<u8>,
-) -> Result<(), MdfError> {
-    let length = usize::try_from(needed).map_err(|_| MdfError::TooLarge { numbers: needed })?;
+/// Unpacks a fragment. Whatever is needed of it, all is unpacked: only the checksum tells whether any of it is right.
+pub(super) fn unpack(codec: Codec, packed: &[u8], fragment: &Fragment, out: &mut Vec<u8>) -> Result<(), MdfError> {
+    let length = usize::try_from(fragment.length).map_err(|_| MdfError::TooLarge { numbers: fragment.length })?;
     let done = match codec {
-        Codec::Deflate if needed == fragment.length => inflate(packed, length, out),
-        Codec::Deflate => inflate_part(packed, length, out),
+        Codec::Deflate => inflate(packed, length, out),
         Codec::Zstandard => zstandard(packed, length, out),
         Codec::Lz4 => drain(FrameDecoder::new(packed), length, out),
         Codec::Unknown(code) => {
@@ -41,7 +33,6 @@ pub(super) fn unpack(
     }
 }
 
-/// Unpacks a whole block, with the inflater that is fastest where it need not stop.
 fn inflate(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, String> {
     let mut inflater = Decompressor::new();
     let mut room = length.min(out.len().max(FIRST));
@@ -51,25 +42,10 @@ fn inflate(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, Str
             Ok(done) => return Ok(done),
             Err(DecompressionError::BadData) => return Err("they are damaged, or their checksum is another".into()),
             Err(DecompressionError::InsufficientSpace) if room == length => {
-                return Err(format!("they hold more than the {length} bytes announced"));
+                return Err(format!("they are damaged, or hold more than the {length} bytes announced"));
             }
             Err(DecompressionError::InsufficientSpace) => room = length.min(room.saturating_mul(4)),
         }
-    }
-}
-
-fn inflate_part(packed: &[u8], length: usize, out: &mut Vec<u8>) -> Result<usize, String> {
-    let mut inflater = Decompress::new(true);
-    out.resize(length.min(out.len().max(FIRST)), 0);
-    loop {
-        let (taken, done) = (inflater.total_in() as usize, inflater.total_out() as usize);
-        let (rest, room) = (packed.get(taken..).unwrap_or_default(), out.get_mut(done..).unwrap_or_default());
-        let status = inflater.decompress(rest, room, FlushDecompress::Finish).map_err(|e| e.to_string())?;
-        let done = inflater.total_out() as usize;
-        if status == Status::StreamEnd || done < out.len() || done == length {
-            return Ok(done);
-        }
-        out.resize(length.min(done.saturating_mul(4)), 0);
     }
 }
 

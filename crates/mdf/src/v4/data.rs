@@ -138,6 +138,9 @@ impl<S: Source + ?Sized> Walk<'_, S> {
             4 | 5 => Codec::Lz4,
             _ => Codec::Unknown(code),
         };
+        if code % 2 == 1 && columns == 0 {
+            return Err(damaged(link, "packed data are transposed for records of no bytes"));
+        }
         // Records of one byte are the same either way round.
         let columns = if code % 2 == 1 && columns > 1 { columns } else { 0 };
         if stored > available - PACKED_HEADER {

@@ -302,9 +302,21 @@ fn exact_sums_of_deflated_data_are_compared() {
     assert_eq!(numbers(&one_packed(0, &packed), 0, 1), [7.0; 40]);
     let last = packed.len() - 1;
     packed[last] ^= 1;
-    let made = one_packed(0, &packed);
-    let read = Mdf::open(&made[..]).unwrap().read(&[Address { group: 0, channel: 1 }], &|_, _| {});
-    assert!(matches!(read, Err(mdf::MdfError::Damaged { .. })), "{read:?}");
+    // Of transposed records the first channel alone comes before what is damaged.
+    for (code, channel) in [(0, 1), (1, 1), (1, 0)] {
+        let made = one_packed(code, &packed);
+        let read = Mdf::open(&made[..]).unwrap().read(&[Address { group: 0, channel }], &|_, _| {});
+        assert!(matches!(read, Err(mdf::MdfError::Damaged { .. })), "{read:?}");
+    }
+}
+
+#[test]
+fn regress_records_of_no_bytes_are_not_transposed() {
+    let mut made = one_packed(1, &deflated(&[7; 120]));
+    let block = made.windows(4).position(|bytes| bytes == b"##DZ").unwrap();
+    made[block + 28..block + 32].fill(0);
+    let error = Mdf::open(&made[..]).unwrap_err().to_string();
+    assert!(error.contains("transposed for records of no bytes"), "{error}");
 }
 
 #[test]

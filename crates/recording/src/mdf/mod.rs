@@ -73,12 +73,11 @@ fn with_findings<S: Source>(file: &Mdf<S>, of_groups: Vec<Finding>) -> Vec<Findi
     if file.findings().contains(&::mdf::Finding::NotFinalised) {
         findings.push(Finding::NotFinalised);
     }
-    let says_loss = |f: &Finding| matches!(f, Finding::MissingSamples { .. } | Finding::NotFinalised);
     let cut = file.findings().iter().find_map(|f| match f {
         ::mdf::Finding::CutOff { offset } | ::mdf::Finding::ListEndsEarly { offset } => Some(*offset),
         _ => None,
     });
-    if let Some(offset) = cut.filter(|_| !findings.iter().chain(&of_groups).any(says_loss)) {
+    if let Some(offset) = cut.filter(|_| findings.is_empty()) {
         findings.push(Finding::CutOff { offset });
     }
     findings.extend(of_groups);

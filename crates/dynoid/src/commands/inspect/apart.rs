@@ -8,7 +8,7 @@ use recording::{Channel, Recording};
 use report::wording;
 use serde::Serialize;
 use signal::SignalView;
-use signal::clock::check_clock;
+use signal::clock::{check_clock, fitted_clock};
 use signal::drift::{Drift, relative_drift};
 
 /// Channels that two clocks are compared by, at most: each takes a fraction of a second.
@@ -68,6 +68,8 @@ struct Clock {
     start_s: f64,
     sample_time_s: f64,
     samples: usize,
+    /// How well its stamps, which jitter, tell its rate.
+    rate_error: f64,
 }
 
 impl Clock {
@@ -75,7 +77,13 @@ impl Clock {
         let check = check_clock(time_s).ok().filter(|_| time_s.len() >= FEWEST_SAMPLES)?;
         let is_even =
             check.gaps.is_empty() && check.non_monotonic.is_empty() && check.worst_jitter_s < check.sample_time_s;
-        is_even.then_some(Self { start_s: time_s[0], sample_time_s: check.sample_time_s, samples: time_s.len() })
+        let rough = (time_s[0], check.sample_time_s);
+        let (start_s, sample_time_s) = fitted_clock(time_s, rough).filter(|_| is_even)?;
+        // Of a line through stamps that are off independently, each by σ: √12 σ/(T √N). Intervals are off by √2 σ.
+        let samples = time_s.len();
+        let stamp_s = check.jitter_s / 2.0_f64.sqrt();
+        let rate_error = 12.0_f64.sqrt() * stamp_s / (sample_time_s * (samples as f64).powf(1.5));
+        Some(Self { start_s, sample_time_s, samples, rate_error })
     }
 
     fn signal(self, channel: &Channel) -> Option<SignalView<'_>> {
@@ -95,6 +103,7 @@ fn apart(recording: &Recording, (reference, fast): (usize, Clock), (own, clock):
     });
     let (there, here, drift) = told.min_by(|a, b| a.2.standard_error.total_cmp(&b.2.standard_error))?;
     let Drift { rate, standard_error } = drift;
+    let standard_error = standard_error.hypot(fast.rate_error).hypot(clock.rate_error);
     let apart_s = rate * (fast.end_s().min(clock.end_s()) - fast.start_s.max(clock.start_s));
     let counts =
         rate.abs() > SIGNIFICANCE * standard_error && apart_s.abs() > SHARE_OF_SAMPLE_TIME * fast.sample_time_s;

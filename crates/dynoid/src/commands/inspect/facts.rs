@@ -241,7 +241,7 @@ impl Clock {
             missing_samples: check.as_ref().map_or(0, |check| check.missing_samples),
             longest_gap: longest
                 .map(|gap| LongestGap { at_s: finite_stamps[gap.between.start], duration_s: gap.duration_s }),
-            stamps_not_later_than_the_one_before: check.as_ref().map_or(0, |check| check.non_monotonic.len()),
+            stamps_not_later_than_the_one_before: finite_stamps.windows(2).filter(|pair| pair[1] <= pair[0]).count(),
             stamps_not_a_number: raster.time_s.len() - finite_stamps.len(),
             runs_apart,
             channels,
@@ -264,7 +264,11 @@ impl Values {
             comment: channel.comment.clone(),
             minimum: finite().reduce(f64::min),
             maximum: finite().reduce(f64::max),
-            mean: (count > 0).then(|| finite().map(|value| value / count as f64).sum()),
+            // From the first value on, so that of equal values it is exactly that.
+            mean: finite().next().map(|first| {
+                let share = |value: f64| value / count as f64;
+                first + finite().map(|value| share(value) - share(first)).sum::<f64>()
+            }),
             not_a_number: channel.samples.len() - count,
             is_constant: count > 0 && quality.as_ref().is_some_and(|quality| quality.constant),
             share_at_minimum: share(|quality| &quality.clipped_low),
