@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), String> {
 
 fn beside_peers(sizes: &[usize], name: &[String]) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let folder = crate::target_folder()?.join("benchmark");
+    let folder = crate::folder::target()?.join("benchmark");
     std::fs::create_dir_all(&folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     let results = folder.join("results.tsv");
     std::fs::write(&results, "").map_err(|e| format!("{}: {e}", results.display()))?;
@@ -54,7 +54,7 @@ fn beside_peers(sizes: &[usize], name: &[String]) -> Result<(), String> {
 /// Reading MDF files of a gigabyte, beside asammdf.
 fn mdf() -> Result<(), String> {
     let python = crate::python::interpreter()?.ok_or("there is no asammdf to compare with")?;
-    let target = crate::target_folder()?;
+    let target = crate::folder::target()?;
     let mut build = Command::new(env!("CARGO"));
     build.args(["build", "--quiet", "--release", "--package", "mdf", "--example", "measure"]);
     succeed("building the reader", &mut build)?;

@@ -2,17 +2,19 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
+mod folder;
 mod layers;
 mod python;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
 const USAGE: &str = "usage: cargo xtask <task>
 
   check    format, clippy with warnings as errors, layers, tests, slow tests, comparisons with other packages, docs
-  layers   hold the crates' dependencies to the table in ARCHITECTURE.md
+  layers   check the crates' dependencies against the table in ARCHITECTURE.md, and their modules for circles;
+           --graph counts modules, arrows and circles by crate, --graph CRATE lists the circles of one
   bench    time the estimators; with --peers other packages on the same data too (see benchmarks/README.md)
            [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]
            or, with --mdf alone, the reading of MDF files of a gigabyte beside asammdf";
@@ -22,7 +24,10 @@ fn main() -> ExitCode {
     let task = arguments.next().unwrap_or_default();
     let result = match task.as_str() {
         "check" => check(),
-        "layers" => layers::check(),
+        "layers" => match arguments.next().as_deref() {
+            Some("--graph") => layers::graph(arguments.next().as_deref()),
+            _ => layers::check(),
+        },
         "bench" => bench::run(&arguments.collect::<Vec<_>>()),
         _ => Err(USAGE.to_owned()),
     };
@@ -50,13 +55,6 @@ fn check() -> Result<(), String> {
         python::warn();
     }
     Ok(())
-}
-
-/// Where cargo puts what it builds.
-fn target_folder() -> Result<PathBuf, String> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target");
-    let folder = std::env::var_os("CARGO_TARGET_DIR").map_or(beside, PathBuf::from);
-    std::path::absolute(folder).map_err(|error| error.to_string())
 }
 
 fn step<T>(name: &str, action: impl FnOnce() -> Result<T, String>) -> Result<T, String> {

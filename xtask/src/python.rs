@@ -44,7 +44,7 @@ pub(crate) fn warn() {
 }
 
 fn environment() -> Result<PathBuf, String> {
-    let folder = crate::target_folder()?.join("python");
+    let folder = crate::folder::target()?.join("python");
     let python = folder.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
     let stamp = folder.join("installed.txt");
     if fs::read_to_string(&stamp).is_ok_and(|installed| installed == PINNED) {

@@ -1,0 +1,120 @@
+//! `cargo xtask layers`: which crates may use which, and no circles among the modules of a crate.
+
+mod cycles;
+mod names;
+mod rooms;
+mod source;
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use self::cycles::{Arrows, Cycle, Kind};
+
+/// Crates in which modules below the same module still go in circles. A crate that has become free of them has to leave
+/// this list.
+const SIBLINGS_IN_CIRCLES: &[&str] = &["bench", "dynoid", "ident", "lti", "mdf", "recording"];
+
+/// Crates in which a module's own items and modules below it still use one another. A crate that has become free of that
+/// has to leave this list.
+const PARENTS_IN_CIRCLES: &[&str] = &["bench", "dynoid", "ident", "mdf", "plot", "recording", "report", "signal"];
+
+/// Checks the dependencies of all crates, and the modules in each of them.
+pub(crate) fn check() -> Result<(), String> {
+    let metadata = metadata()?;
+    let mut faults = rooms::faults(&metadata)?;
+    for room in Room::all(&metadata)? {
+        faults.extend(room.faults(Kind::Siblings, SIBLINGS_IN_CIRCLES));
+        faults.extend(room.faults(Kind::ParentAndChildren, PARENTS_IN_CIRCLES));
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
+}
+
+/// Prints, for each crate, how many modules, arrows between them and circles it has; of one crate, every circle.
+pub(crate) fn graph(chosen: Option<&str>) -> Result<(), String> {
+    println!(
+        "{:<16} {:>8} {:>8} {:>20} {:>20}",
+        "crate", "modules", "arrows", "circles of siblings", "with the parent"
+    );
+    for room in Room::all(&metadata()?)? {
+        if chosen.is_some_and(|name| name != room.name) {
+            continue;
+        }
+        let [siblings, parents] = [Kind::Siblings, Kind::ParentAndChildren].map(|kind| room.cycles(kind).count());
+        println!("{:<16} {:>8} {:>8} {siblings:>20} {parents:>20}", room.name, room.modules, room.arrows);
+        if chosen.is_some() {
+            room.cycles.iter().for_each(|cycle| println!("\n{}", cycle.in_full()));
+        }
+    }
+    Ok(())
+}
+
+/// One library or program, its modules counted and its circles found.
+struct Room {
+    name: String,
+    modules: usize,
+    arrows: usize,
+    cycles: Vec<Cycle>,
+}
+
+impl Room {
+    fn all(metadata: &Value) -> Result<Vec<Self>, String> {
+        let root = PathBuf::from(metadata["workspace_root"].as_str().unwrap_or_default());
+        let mut rooms = Vec::new();
+        for package in array(&metadata["packages"]) {
+            for target in array(&package["targets"]).iter().filter(|target| is_product(target)) {
+                let name = target["name"].as_str().unwrap_or_default();
+                let file = Path::new(target["src_path"].as_str().unwrap_or_default());
+                rooms.push(Self::read(name, file, &root)?);
+            }
+        }
+        Ok(rooms)
+    }
+
+    fn read(name: &str, file: &Path, root: &Path) -> Result<Self, String> {
+        let tree = source::Tree::read(file)?;
+        let arrows = Arrows::of(&tree);
+        let cycles = cycles::find(&tree, &arrows, root);
+        Ok(Self { name: name.to_owned(), modules: tree.modules.len(), arrows: arrows.count(), cycles })
+    }
+
+    fn cycles(&self, kind: Kind) -> impl Iterator<Item = &Cycle> {
+        self.cycles.iter().filter(move |cycle| cycle.kind == kind)
+    }
+
+    /// Circles in a crate that is not on the list, or their absence from one that is.
+    fn faults(&self, kind: Kind, listed: &[&str]) -> Vec<String> {
+        let name = self.name.as_str();
+        match (self.cycles(kind).next().is_none(), listed.contains(&name)) {
+            (true, true) => {
+                let list = match kind {
+                    Kind::Siblings => "SIBLINGS_IN_CIRCLES",
+                    Kind::ParentAndChildren => "PARENTS_IN_CIRCLES",
+                };
+                vec![format!("`{name}` has no such circles any more: take it off {list} in xtask/src/layers/mod.rs")]
+            }
+            (false, false) => self.cycles(kind).map(|cycle| format!("`{name}`: {cycle}")).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+/// A library or a program, not a test, an example or a benchmark.
+fn is_product(target: &Value) -> bool {
+    array(&target["kind"]).iter().any(|kind| matches!(kind.as_str(), Some("lib" | "bin" | "proc-macro")))
+}
+
+fn array(value: &Value) -> &[Value] {
+    value.as_array().map(Vec::as_slice).unwrap_or_default()
+}
+
+fn metadata() -> Result<Value, String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--format-version", "1"])
+        .output()
+        .map_err(|error| format!("cargo metadata could not be started: {error}"))?;
+    serde_json::from_slice(&output.stdout).map_err(|error| format!("cargo metadata is not JSON: {error}"))
+}
