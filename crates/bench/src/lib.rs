@@ -8,17 +8,24 @@
 //! Notation follows Glans & Kärnell, *Development of a Method on how to Model a Dynamometer for Driveline Testing*,
 //! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
 
+mod air_gap_torque;
 pub mod align;
 pub mod analysis;
 pub mod bench_file;
+pub mod bench_parameters;
 pub mod channels;
 pub mod dataset;
 pub mod diagnostics;
+pub mod drive_ripple;
+pub mod effects;
 pub mod engine_torque;
 pub mod estimate;
+pub mod estimation;
 pub mod excitation_design;
 pub mod experiment;
+pub mod facts;
 pub mod friction;
+mod intake;
 pub mod look;
 pub mod model;
 pub mod prediction;
@@ -26,11 +33,16 @@ pub mod prepare;
 mod processors;
 mod random;
 pub mod replay;
+pub mod results;
 pub mod role;
 pub mod safety;
 mod search;
+pub mod segments;
+mod shaft_inputs;
 pub mod shaft_study;
 pub mod simulate;
+pub mod sine;
+pub mod skews;
 pub mod speed_control;
 pub mod study;
 pub mod torque_control_study;

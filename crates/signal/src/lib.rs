@@ -26,6 +26,7 @@ mod sinc;
 pub mod spectrum;
 pub mod spline;
 pub mod window;
+pub mod zero_phase;
 
 pub use error::SignalError;
 pub use filter::{Fir, Sos};

@@ -7,8 +7,8 @@ use lti::FrequencyResponse;
 use signal::Complex64;
 
 use crate::ControlMode;
+use crate::analysis::BodeCurve;
 use crate::model::{BenchModel, ModelUncertainty};
-use crate::study::BodeCurve;
 use crate::units::RPM_RAD_S;
 
 const LOWEST_HZ: f64 = 0.1;

@@ -1,8 +1,8 @@
 //! What each parameter does to what is computed from the model.
 
-use crate::estimate::Label;
+use crate::analysis::{Influence, ParameterInfluence};
+use crate::estimation::Label;
 use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
-use crate::study::{Influence, ParameterInfluence};
 
 /// Parameters of a model, as far as it has the part.
 const PARAMETERS: [ModelParameter; 9] = [

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use signal::Complex64;
 
+use crate::analysis::Margins;
 use crate::model::BenchModel;
-use crate::study::Margins;
 
 const LOWEST_HZ: f64 = 0.01;
 const POINTS: usize = 6000;

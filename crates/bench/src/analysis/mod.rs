@@ -3,16 +3,18 @@
 mod bode;
 mod influence;
 mod margins;
-mod segments;
-mod sine;
+mod result;
 
+pub use crate::segments::{Segment, steady_sines};
+pub use crate::sine::{SineTest, sine_points};
+pub use crate::skews::SignalSkews;
 pub use margins::margins;
-pub use segments::{Segment, steady_sines};
-pub use sine::{SignalSkews, SineTest, sine_points};
+pub use result::{BodeCurve, Influence, Margins, ParameterInfluence, SinePoint, WholeModel};
 
-use crate::estimate::{EstimateError, Label};
-use crate::model::{BenchModel, Engine, ModelUncertainty};
-use crate::study::{Parameter, WholeModel};
+use crate::estimation::{EstimateError, Label};
+use crate::facts::Engine;
+use crate::model::{BenchModel, ModelUncertainty};
+use crate::results::Parameter;
 
 /// What the analysis works on.
 #[derive(Debug, Clone, Copy)]

@@ -32,9 +32,8 @@ pub use fault::{BenchFileError, Fault, FaultKind};
 pub use write::{Draft, PLACEHOLDER};
 
 use crate::ExperimentLabel;
-use crate::model::Engine;
+use crate::facts::{BenchFacts, BenchVariant, Engine};
 use crate::role::Role;
-use crate::study::{BenchFacts, BenchVariant};
 use crate::units::{self, Unit};
 
 /// A bench file, checked and in SI.
@@ -64,7 +63,7 @@ pub struct BenchFile {
     pub limits: Limits,
     /// What is known of the shaft before anything was estimated.
     pub shaft: ShaftPrior,
-    /// Fields of [`BenchParameters`](crate::virtual_bench::BenchParameters) for simulations of this bench; empty where
+    /// Fields of [`BenchParameters`](crate::bench_parameters::BenchParameters) for simulations of this bench; empty where
     /// none is stated.
     pub virtual_bench: toml::Table,
     /// Channel of each role.

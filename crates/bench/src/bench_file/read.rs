@@ -9,8 +9,8 @@ use super::sections::{Faults, Place, Section};
 use super::{
     BenchFile, ChannelMapping, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ShaftPrior, virtual_bench,
 };
+use crate::facts::BenchVariant;
 use crate::role::{Quantity, Role};
-use crate::study::BenchVariant;
 use crate::units::{self, Unit};
 
 const BENCH_KEYS: &[&str] = &[

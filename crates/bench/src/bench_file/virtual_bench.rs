@@ -6,7 +6,7 @@ use toml::de::{DeTable, Deserializer};
 
 use super::fault::FaultKind;
 use super::sections::{Faults, Section};
-use crate::virtual_bench::BenchParameters;
+use crate::bench_parameters::BenchParameters;
 
 /// Reads the table; every key that no virtual bench has, and every value of the wrong type, is a fault.
 pub(super) fn read(section: &Section<'_, '_>, faults: &mut Faults<'_>) -> toml::Table {

@@ -5,8 +5,8 @@ use std::fmt::Write;
 
 use super::{BenchFile, ChannelMapping, Limits, ShaftPrior};
 use crate::channels::{Ambiguity, Guess};
+use crate::facts::BenchVariant;
 use crate::role::Role;
-use crate::study::BenchVariant;
 
 /// What stands where a person must write something. A bench file that still holds it is refused.
 pub const PLACEHOLDER: &str = "FILL IN";

@@ -16,8 +16,8 @@ use std::fmt;
 use recording::Recording;
 
 use crate::bench_file::ChannelMapping;
+use crate::facts::BenchVariant;
 use crate::role::{Quantity, Role};
-use crate::study::BenchVariant;
 use crate::units::Unit;
 
 /// A proposal: which channel plays which role.

@@ -10,8 +10,8 @@ use serde::Serialize;
 use signal::{Complex64, distributions};
 
 use super::rebuild::{ENCODER_ERROR, Motion, RebuiltEngine};
-use crate::model::Engine;
-use crate::torque_signals::Untold;
+use crate::facts::Engine;
+use crate::results::Untold;
 
 /// Samples that a firing interval must have.
 const FEWEST_SAMPLES: f64 = 6.0;

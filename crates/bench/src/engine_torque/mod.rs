@@ -16,8 +16,9 @@ pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 use crate::estimate::{speed_controller, torque_control};
 use crate::processors::on_all_processors;
-use crate::study::shaft_inputs::stated_gate;
-use crate::torque_signals::{Told, believable};
+use crate::results::Told;
+use crate::shaft_inputs::stated_gate;
+use crate::torque_signals::believable;
 use crate::{BenchFile, Experiment};
 
 /// What recordings tell of the engine's torque.

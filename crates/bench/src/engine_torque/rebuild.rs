@@ -10,15 +10,15 @@ use signal::resample::{Interpolation, interpolate_at};
 use super::source::{TwoMasses, Values};
 use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
-use crate::estimate::{EstimateError, noise_floor};
-use crate::model::Engine;
+use crate::estimation::{EstimateError, noise_floor};
+use crate::facts::Engine;
 use crate::processors::on_all_processors;
-use crate::replay::{Wanted, ZeroPhase};
 use crate::torque_smoother::{
     Clock, Levels, Mechanics, NoiseLevels, Observations, Prepared, Stamps, TorqueSmoother, TorqueSource, firing_lines,
     needed,
 };
 use crate::{Experiment, Role};
+use signal::zero_phase::{Wanted, ZeroPhase};
 
 /// Up to where the filter without phase shift passes, Hz.
 const BAND_HZ: f64 = 120.0;

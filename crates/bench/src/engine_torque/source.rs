@@ -6,9 +6,9 @@ use serde::Serialize;
 use crate::estimate::shaft;
 use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
-use crate::study::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
-use crate::study::{BenchVariant, Estimate};
-use crate::torque_signals::Untold;
+use crate::facts::BenchVariant;
+use crate::results::{Estimate, Untold};
+use crate::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
 use crate::{BenchFile, Experiment};
 
 /// A J_e that is less certain than this is no better than the bench file's.

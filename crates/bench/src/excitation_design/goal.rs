@@ -8,10 +8,10 @@ use super::task::{
 };
 use super::{Criterion, DesignError, Robustness};
 use crate::bench_file::Limits;
+use crate::bench_parameters::BenchParameters;
 use crate::experiment::{DEMAND_HOLD_S, UPDATE_S};
+use crate::facts::BenchVariant;
 use crate::model::{BenchModel, ModelParameter};
-use crate::study::BenchVariant;
-use crate::virtual_bench::BenchParameters;
 
 /// Lowest frequency of an excitation from which gains of an integrator have to be told, Hz.
 const SLOW_HZ: f64 = 0.25;

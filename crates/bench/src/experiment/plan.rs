@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::{PlanError, require, require_not_negative, require_positive};
 use super::waveform::Waveform;
 use super::{ControlMode, Excitation, ExperimentLabel, UPDATE_S};
-use crate::model::Engine;
+use crate::facts::Engine;
 use crate::units::RPM_RAD_S;
 
 /// Which torque the dynamometer controls in TN mode.

@@ -6,9 +6,10 @@ use signal::{Signal, runs};
 
 use super::regression::Fitted;
 use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed};
-use crate::estimate::{timing_floor_s, torque_control};
+use crate::estimate::torque_control;
+use crate::estimation::timing_floor_s;
 use crate::prepare::wrong_sign;
-use crate::study::Stretch;
+use crate::results::Stretch;
 use crate::{Experiment, Role};
 
 /// Shortest stretch, s: alone, and where T_d drives.

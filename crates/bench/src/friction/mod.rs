@@ -13,8 +13,8 @@ mod regression;
 
 use serde::Serialize;
 
-use crate::estimate::Label;
-use crate::study::{Estimate, Parameter, Stretch};
+use crate::estimation::Label;
+use crate::results::{Estimate, Parameter, Stretch};
 use crate::{BenchFile, Experiment};
 use course::{Course, Directions};
 pub use error::FrictionError;

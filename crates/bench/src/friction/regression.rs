@@ -9,8 +9,8 @@ use lti::StateSpace;
 
 use super::course::{Course, integral};
 use super::{CurvePoint, LONGEST_DELAY_S, POINTS, ROUNDS, SHIFTED_S, Term};
-use crate::estimate::{Label, timing_floor_s};
-use crate::study::{Estimate, Parameter, Stretch};
+use crate::estimation::{Label, timing_floor_s};
+use crate::results::{Estimate, Parameter, Stretch};
 
 /// With less than this many events nothing is known of their scatter; the interval is then wide as it is.
 const FEWEST_EVENTS: f64 = 3.0;

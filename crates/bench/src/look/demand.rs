@@ -3,7 +3,7 @@
 use signal::Signal;
 use signal::periodicity::{Sinusoid, find_sinusoids};
 
-use crate::analysis::steady_sines;
+use crate::segments::steady_sines;
 use crate::{ControlMode, Experiment, Role};
 
 /// Sines that a demand may be made of, at most; the share of it that they leave at most; the least of the largest that counts.
@@ -49,7 +49,7 @@ pub(super) fn stretches(experiment: &Experiment) -> Vec<Stretch> {
     let sines: Vec<_> = steady_sines(demand).into_iter().filter(|s| s.end_s - s.start_s >= LONG_S).collect();
     if sines.len() > 1 && sines.iter().map(|s| s.end_s - s.start_s).sum::<f64>() > ONE_AFTER_ANOTHER * (end_s - start_s)
     {
-        let one = |s: crate::analysis::Segment| Stretch {
+        let one = |s: crate::segments::Segment| Stretch {
             start_s: s.start_s.max(start_s),
             end_s: s.end_s.min(end_s),
             sines_hz: vec![s.frequency_hz],

@@ -31,7 +31,7 @@ use serde::Serialize;
 use signal::Signal;
 use signal::spectrum::{fft_frequencies_hz, fft_real};
 
-use crate::model::Engine;
+use crate::facts::Engine;
 use crate::{ControlMode, Experiment, Role};
 use angle::Angle;
 pub use campbell::ShortSpectrum;

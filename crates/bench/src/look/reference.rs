@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::angle::Angle;
 use super::cause::Cause;
-use crate::model::Engine;
+use crate::facts::Engine;
 
 /// Orders are looked for up to this multiple of the firing order; up to the second, they modulate and are modulated.
 const HIGHEST_FIRING: f64 = 6.0;

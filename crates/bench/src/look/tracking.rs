@@ -23,7 +23,7 @@ use signal::Signal;
 use super::angle::Angle;
 use super::lines::Found;
 use super::reference::Course;
-use crate::model::Engine;
+use crate::facts::Engine;
 
 /// The window, in turns of the crank: five working cycles of four strokes.
 pub const TURNS: f64 = 10.0;

@@ -3,7 +3,6 @@
 //! Mechanics (6.1, 6.4, 2.7): J_d dω_d/dt = T_shaft − T_d, J_e dω_e/dt = T_e − T_shaft,
 //! T_shaft = K Δθ + B (ω_e − ω_d) with dΔθ/dt = ω_e − ω_d. T_d is positive when it brakes.
 
-mod assemble;
 mod linear;
 mod parameter;
 mod resonance;
@@ -11,7 +10,7 @@ mod uncertainty;
 
 use serde::{Deserialize, Serialize};
 
-pub use assemble::{StudyParts, assemble};
+pub use crate::facts::Engine;
 pub(crate) use linear::mean_over;
 pub use parameter::ModelParameter;
 pub use resonance::Resonance;
@@ -94,34 +93,5 @@ impl BenchModel {
     /// The model without feed-forward.
     pub fn without_feed_forward(&self) -> Self {
         BenchModel { feed_forward: None, ..self.clone() }
-    }
-}
-
-/// The engine's firing, as the bench file states it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Engine {
-    /// Cylinders.
-    pub cylinders: u32,
-    /// Strokes, 2 or 4.
-    pub strokes: u32,
-}
-
-impl Engine {
-    /// Firings a turn of the crankshaft: cylinders for two strokes, cylinders/2 for four (2.1).
-    pub fn firings_per_turn(self) -> f64 {
-        let turns_per_cycle = f64::from(self.strokes) / 2.0;
-        f64::from(self.cylinders) / turns_per_cycle
-    }
-
-    /// Speed, rpm, at which the firing frequency f_cb = firings_per_turn · N/60 (2.1) equals `frequency_hz`.
-    pub fn firing_speed_rpm(self, frequency_hz: f64) -> f64 {
-        60.0 * frequency_hz / self.firings_per_turn()
-    }
-
-    /// Orders (multiples of the speed) at which a fired engine excites the shaft by itself: those of f_cb/4, f_cb/2 and
-    /// f_cb (thesis §2.1), for four cylinders and four strokes 0.5, 1 and 2.
-    pub fn orders(self) -> [f64; 3] {
-        let firing = self.firings_per_turn();
-        [firing / 4.0, firing / 2.0, firing]
     }
 }

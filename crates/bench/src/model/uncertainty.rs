@@ -5,9 +5,9 @@ use serde::{Deserialize, Deserializer, Serialize};
 use signal::distributions::chi_squared_quantile;
 
 use super::{BenchModel, ModelParameter};
-use crate::estimate::Label;
+use crate::estimation::Label;
 use crate::random::Random;
-use crate::study::Parameter;
+use crate::results::Parameter;
 
 /// Draws after which a model is given up that hardly ever gives a possible bench.
 const MOST_DRAWS: usize = 1000;

@@ -10,12 +10,13 @@ use std::cell::RefCell;
 
 use crate::ControlMode;
 use crate::bench_file::Limits;
+use crate::bench_parameters::EngineParameters;
 use crate::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
+use crate::intake::demanded_torque_nm;
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
     Drive, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
 };
-use crate::virtual_bench::{EngineParameters, demanded_torque_nm};
 
 pub use peaks::{Peak, PeakOf};
 

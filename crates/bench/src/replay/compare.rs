@@ -6,12 +6,12 @@ use signal::resample::{Interpolation, hold, interpolate_at};
 
 use super::ReplayInputs;
 use super::reconstruct::Acted;
-use super::zero_phase::{Wanted, ZeroPhase};
-use crate::estimate::EstimateError;
+use crate::estimation::EstimateError;
+use crate::results::{Stretch, Trace, Validation};
 use crate::simulate::Response;
-use crate::study::{Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
+use signal::zero_phase::{Wanted, ZeroPhase};
 
 /// Compared signals keep off the ends of the simulation by this, s, so that skews can be undone.
 const MARGIN_S: f64 = 0.02;

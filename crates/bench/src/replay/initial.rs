@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
-use super::{Run, Start, held};
-use crate::estimate::EstimateError;
+use super::{ReplayError, Run, Start, held};
+use crate::estimation::EstimateError;
 use crate::simulate::InitialState;
 use crate::{ControlMode, Role};
 
@@ -14,7 +14,7 @@ const STEPS: [f64; 6] = [1.0, 1.0, 1e-2, 1e-3, 1e-3, 1.0];
 
 impl Run<'_> {
     /// The start by least squares on N_d and N_e, from a first guess read off the reconstruction.
-    pub(super) fn fitted_start(&self) -> Result<Start, EstimateError> {
+    pub(super) fn fitted_start(&self) -> Result<Start, ReplayError> {
         let guess = self.guess()?;
         let reference = self.speeds(&guess)?;
         let measured = self.measured_speeds(&guess);
@@ -78,7 +78,7 @@ impl Run<'_> {
     }
 
     /// N_d, then N_e, as the model has them, over the stretch the start is fitted on.
-    fn speeds(&self, start: &Start) -> Result<Vec<f64>, EstimateError> {
+    fn speeds(&self, start: &Start) -> Result<Vec<f64>, ReplayError> {
         let response = self.simulate(start)?;
         let comparison = self.comparison(start);
         let mut speeds = comparison.dyno_speed_of(&response);

@@ -1,46 +1,38 @@
 //! Recordings replayed on the assembled model (thesis §7.3).
 
 mod compare;
+mod encoder_error;
+mod error;
 mod initial;
 mod once_a_turn;
 mod reconstruct;
-mod zero_phase;
+mod result;
 
 use signal::Signal;
 use signal::resample::hold;
 
-use crate::analysis::SignalSkews;
-use crate::estimate::EstimateError;
-use crate::estimate::torque_control::InverterModel;
+use crate::drive_ripple::DriveRipple;
+use crate::estimation::EstimateError;
 use crate::model::{BenchModel, ModelParameter};
+use crate::results::Stretch;
 use crate::simulate::{Drive, InitialState, Inputs, Response, Ripple, simulate_with_ripple};
-use crate::study::{Replay, Stretch};
+use crate::skews::SignalSkews;
 use crate::{ControlMode, Experiment, Role};
 use compare::Comparison;
+pub use encoder_error::{EncoderError, encoder_error};
+pub use error::ReplayError;
 use once_a_turn::OnceATurn;
-pub(crate) use reconstruct::encoder_error;
 use reconstruct::{Acted, reconstruct};
-pub(crate) use zero_phase::{Wanted, ZeroPhase};
-
-/// Once-a-turn error of the dynamometer's speed as recorded, as far as the speed controller does not answer it (that is
-/// how it is told from a true variation): the recording shows N_d (1 + a cos φ + b sin φ), φ being the angle turned since
-/// the recording's start, φ_k = T Σ_{i ≤ k} N_d,i.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EncoderError {
-    /// a.
-    pub cosine: f64,
-    /// b.
-    pub sine: f64,
-}
+pub use result::Replay;
 
 /// What a replay is told beside the recording and the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayInputs<'a> {
     /// T_d at 1 kHz, on the clock of T_d,calc; T_d,calc itself, band-limited, where `None`.
     pub air_gap_torque: Option<&'a Signal>,
-    /// The inverter with offset and ripple as they were in this recording, on the clock of T_d,calc. They are put upon
-    /// the modelled T_d; without it the replay has none. Delay and lag are those of the bench model.
-    pub ripple: Option<&'a InverterModel>,
+    /// Offset and ripple of T_d as they were in this recording, on the clock of T_d,calc. They are put upon the modelled
+    /// T_d; without it the replay has none. Delay and lag are those of the bench model.
+    pub ripple: Option<&'a DriveRipple>,
     /// Skews of N_e and T_d against N_d.
     pub skews: SignalSkews,
     /// Once-a-turn error of the recorded N_d. It is taken out of the reconstruction and put onto the modelled N_d before
@@ -95,7 +87,7 @@ impl Default for ReplayInputs<'_> {
 /// # Errors
 /// N_d, N_e, T_d or the demand is missing; less than a second is common to all; the model lacks the speed controller or
 /// inverter that speed control needs.
-pub fn replay(experiment: &Experiment, model: &BenchModel, inputs: &ReplayInputs<'_>) -> Result<Replay, EstimateError> {
+pub fn replay(experiment: &Experiment, model: &BenchModel, inputs: &ReplayInputs<'_>) -> Result<Replay, ReplayError> {
     let acted = reconstruct(experiment, model, inputs)?;
     let run = Run::new(experiment, model, inputs, acted)?;
     let start = run.fitted_start()?;
@@ -148,7 +140,7 @@ impl<'a> Run<'a> {
         };
         let demand = role.map(|role| held(experiment, &acted, role)).transpose()?;
         let stamps = (0..acted.len()).map(|i| acted.start_s + i as f64 * acted.step_s + late);
-        let ripple = inputs.ripple.map_or_else(Default::default, |r| stamps.map(|t| r.ripple_at(t)).unzip());
+        let ripple = inputs.ripple.map_or_else(Default::default, |r| stamps.map(|t| r.at(t)).unzip());
         let engine_turn = OnceATurn::new(&acted.engine_speed, acted.step_s, model.encoder_gate_s);
         Ok(Run { experiment, inputs, model, acted, engine_turn, ripple, demand })
     }
@@ -163,7 +155,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    fn simulate(&self, start: &Start) -> Result<Response, EstimateError> {
+    fn simulate(&self, start: &Start) -> Result<Response, ReplayError> {
         let error = start.engine_torque_error_nm;
         let inertia = self.model.mechanics.engine_inertia_kg_m2;
         let apparent = self.engine_turn.slope(start.engine_encoder);
@@ -177,7 +169,7 @@ impl<'a> Run<'a> {
         let inputs = Inputs { sample_time_s: self.acted.step_s, engine_torque_nm: &engine_torque, drive };
         let ripple = Ripple { relative: &self.ripple.0, added_nm: &self.ripple.1 };
         simulate_with_ripple(&self.model, &inputs, ripple, &start.state)
-            .map_err(|source| EstimateError::Simulation { file: self.experiment.file.clone(), source })
+            .map_err(|source| ReplayError::Simulation { file: self.experiment.file.clone(), source })
     }
 }
 

@@ -2,11 +2,12 @@
 
 use signal::Signal;
 
-use super::zero_phase::{Wanted, ZeroPhase};
-use super::{EncoderError, ReplayInputs};
-use crate::estimate::EstimateError;
+use super::ReplayInputs;
+use super::encoder_error::encoder_error;
+use crate::estimation::EstimateError;
 use crate::model::BenchModel;
 use crate::{Experiment, Role};
+use signal::zero_phase::{Wanted, ZeroPhase};
 
 /// Left out at both ends, where the filters see reflected data, s.
 const EDGE_S: f64 = 0.1;
@@ -107,15 +108,4 @@ fn common(
     let dyno = signals[0];
     let index = |t: f64| ((t - dyno.start_s) / dyno.sample_time_s).ceil().max(0.0) as usize;
     Ok(index(from)..index(to).min(dyno.len()))
-}
-
-/// N_d (a cos φ + b sin φ) with φ_k = T Σ_{i ≤ k} N_d,i from the recording's start.
-pub(crate) fn encoder_error(dyno: &Signal, error: Option<EncoderError>) -> Vec<f64> {
-    let Some(error) = error else { return vec![0.0; dyno.len()] };
-    let mut angle = 0.0;
-    let at = |speed: &f64| {
-        angle += speed * dyno.sample_time_s;
-        speed * (error.cosine * f64::cos(angle) + error.sine * f64::sin(angle))
-    };
-    dyno.samples.iter().map(at).collect()
 }

@@ -7,7 +7,8 @@ use serde::Serialize;
 use super::sines::Ladder;
 use crate::bench_file::Limits;
 use crate::experiment::{DEMAND_HOLD_S, ExperimentPlan};
-use crate::model::{BenchModel, Engine};
+use crate::facts::Engine;
+use crate::model::BenchModel;
 use crate::prediction::{Prediction, PredictionInputs};
 
 /// Frequencies closer to the resonance than this part of it lie at the resonance.

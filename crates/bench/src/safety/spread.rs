@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
+use crate::bench_parameters::EngineParameters;
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::random::Random;
-use crate::virtual_bench::EngineParameters;
 use signal::distributions::normal_quantile;
 
 /// A bench that could be the one at hand.

@@ -11,12 +11,12 @@ use crate::estimate::shaft_routes::Timing;
 use crate::estimate::shaft_routes::black_box::{self, BlackBoxRoute};
 use crate::estimate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
 use crate::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
-use crate::estimate::stretch::need;
-use crate::estimate::{EstimateError, speed_controller, torque_control};
+use crate::estimate::{speed_controller, torque_control};
+use crate::estimation::{EstimateError, need};
+use crate::facts::BenchVariant;
 use crate::processors::on_all_processors;
-use crate::study::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
-use crate::study::{BenchVariant, Estimate, Shaft};
-use crate::torque_signals::{Told, Untold};
+use crate::results::{Estimate, Shaft, Told, Untold};
+use crate::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::{BenchFile, Experiment, Role};
 pub use together::{CommonValue, Together};
 

@@ -13,8 +13,8 @@ use ident::distributions::chi_squared_tail;
 use serde::Serialize;
 
 use super::ShaftRecording;
-use crate::estimate::Label;
-use crate::study::{Estimate, Parameter};
+use crate::estimation::Label;
+use crate::results::{Estimate, Parameter};
 
 const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::estimate::Label;
-use crate::study::{Estimate, Parameter};
+use crate::estimation::Label;
+use crate::results::{Estimate, Parameter};
 use crate::units::RPM_RAD_S;
 
 const B_0: Label = Label { symbol: "b_0", name: "on the speed error of this update", unit: "Nm/rpm" };

@@ -3,21 +3,19 @@
 //! estimate.
 
 mod discrete;
-mod study;
 
 use serde::Serialize;
 
 use crate::estimate::speed_controller::{
     self, FeedForwardTerms, Limit, SpeedControllerFit, Structure, feed_forward_terms, limit, structure,
 };
-use crate::study::{Estimate, FeedForward, Parameter, Validation};
-use crate::torque_signals::{Told, Untold};
+use crate::results::{Estimate, FeedForward, Parameter, Told, Untold, Validation};
 use crate::{BenchFile, ControlMode, Excitation, Experiment};
 
-pub use discrete::{Discrete, IntegrationRule};
-pub use study::{
+pub use crate::study::pi_noise::{
     Case, Estimator, Noise, PUBLISHED, PiStudy, PublishedRow, StudyOptions, Summary, study, virtual_experiment,
 };
+pub use discrete::{Discrete, IntegrationRule};
 
 /// What recordings tell of the speed controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,17 +1,16 @@
 //! Which recording serves which estimate, and what is missing where none does.
 
-use crate::estimate::shaft;
+use crate::analysis::WholeModel;
 use crate::estimate::speed_controller::{self, SpeedControllerFit};
-use crate::estimate::timing;
 use crate::estimate::torque_control::{self, TorqueControlFit};
+use crate::estimate::{shaft, timing};
 use crate::model::AssembledModel;
+use crate::replay::Replay;
+use crate::results::{Estimate, FeedForward, Need, Part, Shaft, SpeedController, Timing, TorqueControl};
+use crate::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::study::findings::{Findings, needs_part};
 use crate::study::folded_pulses::Folded;
-use crate::study::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::study::whole::{self, Pieces, Whole};
-use crate::study::{
-    Estimate, FeedForward, Need, Part, Replay, Shaft, SpeedController, Timing, TorqueControl, WholeModel,
-};
 use crate::{BenchFile, Experiment, Finding, Role, Severity};
 
 /// Times by which the shaft's equation leaves less with the speeds exchanged that tell that their channels are: rightly named

@@ -1,7 +1,8 @@
 //! A study's data, the doubts about them, and what was used for what, as they grow.
 
-use crate::estimate::EstimateError;
-use crate::study::{Need, Progress, ResidualTest, Validation};
+use crate::estimation::EstimateError;
+use crate::results::{Need, ResidualTest, Validation};
+use crate::study::Progress;
 use crate::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
 
 /// The data of a study and the doubts about it, as they grow.

@@ -1,22 +1,26 @@
 //! The study: everything that can be learnt from a campaign of recordings, in one call.
 
 mod analyses;
+mod assemble;
 mod estimates;
 mod findings;
 mod folded_pulses;
 mod gather;
 mod next;
+pub mod pi_noise;
 mod recorded;
 mod result;
 mod run;
-pub(crate) mod shaft_inputs;
-mod torque;
 mod whole;
 
+pub use crate::analysis::{BodeCurve, Influence, Margins, ParameterInfluence, SinePoint, WholeModel};
+pub use crate::facts::{BenchFacts, BenchVariant};
+pub use crate::replay::Replay;
+pub use crate::results::*;
 pub use analyses::Analyses;
+pub use assemble::{StudyParts, assemble};
 pub use gather::{Source, experiment_of};
 pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
 pub use recorded::{RecordedCourse, StepResponse};
 pub use result::*;
 pub use run::{Campaign, Progress, StudyError, run, run_full};
-pub(crate) use torque::inverter_of;

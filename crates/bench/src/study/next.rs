@@ -8,20 +8,19 @@
 use crate::analysis::results_of;
 use crate::estimate::speed_controller::Encoder;
 use crate::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
-use crate::experiment::ExperimentPlan;
 use crate::experiment::catalogue::{self, Settings};
+use crate::experiment::{ExperimentPlan, UPDATE_S};
 use crate::model::AssembledModel;
 use crate::processors::on_all_processors;
+use crate::results::{Estimate, Parameter};
 use crate::study::estimates::Fits;
 use crate::study::findings::Findings;
 use crate::study::gather::experiment_of;
 use crate::study::run::usable;
 use crate::study::whole::model_of;
-use crate::study::{Estimate, Parameter, Progress, Source, StudyError};
+use crate::study::{Progress, Source, StudyError};
 use crate::units::RPM_RAD_S;
-use crate::virtual_bench::{
-    Assumption, Numerics, StatedBench, UPDATE_S, VirtualBenchError, VirtualRun, rename, simulate_told,
-};
+use crate::virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_told};
 use crate::{BenchFile, Experiment, Role};
 
 /// Experiments of the method that a study learns from.

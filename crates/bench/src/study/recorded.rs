@@ -2,7 +2,7 @@
 
 use signal::Signal;
 
-use crate::study::Trace;
+use crate::results::Trace;
 use crate::{ControlMode, Experiment, Role};
 
 /// What is shown before and after a step, s.

@@ -1,13 +1,18 @@
 //! The assembled model: analysed, and replayed on recordings.
 
-use crate::analysis::{SignalSkews, SineTest, WholeInputs, whole_model};
+use crate::air_gap_torque::modelled_torque;
+use crate::analysis::{WholeInputs, WholeModel, whole_model};
 use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
-use crate::model::{AssembledModel, BenchModel, StudyParts, assemble as assemble_model};
-use crate::replay::{EncoderError, ReplayInputs, replay};
+use crate::facts::BenchFacts;
+use crate::model::{AssembledModel, BenchModel};
+use crate::replay::{EncoderError, Replay, ReplayError, ReplayInputs, replay};
+use crate::results::{FeedForward, Need, Shaft};
+use crate::sine::SineTest;
+use crate::skews::SignalSkews;
+use crate::study::Progress;
+use crate::study::assemble::{StudyParts, assemble as assemble_model};
 use crate::study::findings::{Findings, needs_part};
-use crate::study::torque::modelled_torque;
-use crate::study::{BenchFacts, FeedForward, Need, Progress, Replay, Shaft, WholeModel};
 use crate::{ControlMode, Experiment, Finding, Severity};
 
 /// Tests worth replaying in each control mode, best first.
@@ -121,7 +126,7 @@ fn replay_one(
     pieces: &Pieces<'_>,
     model: &BenchModel,
     experiment: &Experiment,
-) -> Result<Replay, crate::estimate::EstimateError> {
+) -> Result<Replay, ReplayError> {
     let (torque, inverter) = modelled_torque(experiment, pieces.torque_control).unzip();
     let once_a_turn = match experiment.label.mode {
         ControlMode::Nt => {
@@ -131,7 +136,7 @@ fn replay_one(
     };
     let inputs = ReplayInputs {
         air_gap_torque: torque.as_ref(),
-        ripple: inverter.as_ref(),
+        ripple: inverter.as_ref().map(|model| &model.ripple),
         skews: pieces.skews(),
         encoder_error: once_a_turn.map(|(cosine, sine)| EncoderError { cosine, sine }),
         stretch_s: experiment.signals.values().next().map(|s| (s.start_s, s.start_s + REPLAYED_S)),

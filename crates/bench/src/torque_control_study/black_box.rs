@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::OrdersTried;
 use super::record::{Record, rms};
-use crate::estimate::Label;
-use crate::study::Parameter;
+use crate::estimation::Label;
+use crate::results::Parameter;
 
 /// How exactly structures are searched that only may be chosen.
 const ROUGHLY: NonlinearOptions = NonlinearOptions { iteration_limit: 20, step_tolerance: 1e-4, cost_tolerance: 1e-6 };

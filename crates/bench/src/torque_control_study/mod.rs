@@ -17,8 +17,7 @@ mod visibility;
 use serde::Serialize;
 
 use crate::estimate::torque_control::SecondOrderTest;
-use crate::study::{Parameter, ResidualTest, Stretch, Trace};
-use crate::torque_signals::Untold;
+use crate::results::{Parameter, ResidualTest, Stretch, Trace, Untold};
 use crate::{BenchFile, Experiment};
 pub use black_box::{ASKED_HZ, BlackBox, ChosenBy, Closed, ELLIPSE_LEVEL, Family, Input, Root, Scanned, Structure};
 pub use paired::PairedTest;
@@ -277,7 +276,7 @@ fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> S
         sample_time_s: record.sample_time_s,
         estimation: record.stretch(record.estimation()),
         held_out: record.stretch(record.held_out()),
-        ripple_hz: record.control.inverter.ripple.iter().map(|line| line.frequency_hz).collect(),
+        ripple_hz: record.control.inverter.ripple.lines.iter().map(|line| line.frequency_hz).collect(),
         pure_delay: result.pure_delay.parameters[0].clone(),
         pure_delay_residuals: result.pure_delay_validation.residuals.clone(),
         delay_and_lag: result.delay_and_lag.parameters.clone(),

@@ -9,8 +9,8 @@ use super::black_box::Input;
 use crate::estimate::torque_control::{
     self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, usable_samples,
 };
-use crate::estimate::{EstimateError, stretch::need};
-use crate::study::{Stretch, Trace};
+use crate::estimation::{EstimateError, need};
+use crate::results::{Stretch, Trace};
 use crate::{Experiment, Role};
 
 /// Parts of a recording that models are estimated from, and chosen by; the rest is held out.

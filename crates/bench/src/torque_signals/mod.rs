@@ -6,13 +6,13 @@ mod trust;
 
 use serde::Serialize;
 
-use crate::estimate::EstimateError;
 use crate::estimate::speed_controller::{self, SpeedControllerFit};
 use crate::estimate::timing::{self, ShaftFilter};
 use crate::estimate::torque_control::{self, TorqueControlFit};
 use crate::experiment::Excitation;
 use crate::prepare::wrong_sign;
-use crate::study::{Parameter, SignalDelay};
+use crate::results::{Parameter, SignalDelay};
+pub use crate::results::{Told, Untold};
 use crate::{BenchFile, Experiment, Role};
 use shaft::Known;
 pub use shaft::{OnceATurn, RebuiltShaft};
@@ -43,78 +43,6 @@ pub struct TorqueRecording {
     pub filter: Option<Told<ShaftFilter>>,
     /// The shaft torque; `None` without a shaft.
     pub shaft: Option<Told<RebuiltShaft>>,
-}
-
-/// A result, or why there is none.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Told<T> {
-    /// The result.
-    Found(T),
-    /// Why there is none.
-    Untold(Untold),
-}
-
-/// Why a recording does not tell something.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Untold {
-    /// A signal was not recorded.
-    Missing {
-        /// Its role.
-        role: Role,
-    },
-    /// T_d* does not move T_d by itself in this experiment, or hardly.
-    NotExcited,
-    /// No filter explains T_d,shaft,calc.
-    NotExplained,
-    /// A torque brakes with a negative sign, against what it does to the speed.
-    WrongSign {
-        /// Its role.
-        role: Role,
-    },
-    /// The estimator's own words.
-    Failed {
-        /// They.
-        reason: String,
-    },
-}
-
-impl<T> Told<T> {
-    /// The result by reference, or why there is none.
-    ///
-    /// # Errors
-    /// That there is none.
-    pub fn as_ref(&self) -> Result<&T, &Untold> {
-        match self {
-            Told::Found(value) => Ok(value),
-            Told::Untold(why) => Err(why),
-        }
-    }
-
-    /// The result, where there is one.
-    pub fn found(&self) -> Option<&T> {
-        match self {
-            Told::Found(value) => Some(value),
-            Told::Untold(_) => None,
-        }
-    }
-}
-
-impl From<&EstimateError> for Untold {
-    fn from(error: &EstimateError) -> Self {
-        match error {
-            EstimateError::MissingSignal { role, .. } => Untold::Missing { role: *role },
-            EstimateError::WeakExcitation { .. } => Untold::NotExcited,
-            error => Untold::Failed { reason: error.to_string() },
-        }
-    }
-}
-
-impl<T> From<Result<T, EstimateError>> for Told<T> {
-    fn from(outcome: Result<T, EstimateError>) -> Self {
-        outcome.map_or_else(|error| Told::Untold(Untold::from(&error)), Told::Found)
-    }
 }
 
 impl TorqueSignals {

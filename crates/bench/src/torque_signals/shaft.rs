@@ -8,14 +8,14 @@ use signal::Signal;
 
 use crate::estimate::speed_controller::Encoder;
 use crate::estimate::torque_control::TorqueControlFit;
-use crate::estimate::{EstimateError, noise_floor};
-use crate::model::Engine;
-use crate::replay::{Wanted, ZeroPhase};
-use crate::study::Trace;
+use crate::estimation::{EstimateError, noise_floor};
+use crate::facts::Engine;
+use crate::results::Trace;
 use crate::torque_smoother::{
     Clock, Mechanics, NoiseLevels, Observations, Prepared, Stamps, TorqueSmoother, TorqueSource, firing_lines,
 };
 use crate::{Experiment, Role};
+use signal::zero_phase::{Wanted, ZeroPhase};
 
 /// Up to where the filter without phase shift passes, Hz.
 const BAND_HZ: f64 = 120.0;

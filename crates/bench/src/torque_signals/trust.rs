@@ -5,8 +5,8 @@ use ident::{IdentError, least_squares};
 use serde::Serialize;
 use signal::Signal;
 
-use crate::estimate::Label;
-use crate::study::Parameter;
+use crate::estimation::Label;
+use crate::results::Parameter;
 use crate::{Experiment, Role};
 
 /// Length of the blocks whose means are compared, s.

@@ -20,8 +20,8 @@ pub(crate) use self::levels::Levels;
 pub use self::levels::NoiseLevels;
 pub(crate) use self::prepared::Prepared;
 pub use self::prepared::TorqueSource;
-use crate::estimate::EstimateError;
-use crate::model::Engine;
+use crate::estimation::EstimateError;
+use crate::facts::Engine;
 use crate::{Experiment, Role};
 
 /// Shortest recording, s.

@@ -4,11 +4,11 @@ use serde::Serialize;
 use signal::Signal;
 
 use super::{WITHIN, needed};
-use crate::estimate::EstimateError;
+use crate::air_gap_torque::inverter_of;
 use crate::estimate::speed_controller::Encoder;
 use crate::estimate::torque_control::TorqueControlFit;
+use crate::estimation::EstimateError;
 use crate::replay::{EncoderError, encoder_error};
-use crate::study::inverter_of;
 use crate::{Experiment, Role};
 
 /// Where T_d comes from.

@@ -27,11 +27,9 @@
 
 mod control;
 mod drive;
-mod effects;
 mod engine;
 mod error;
 mod names;
-mod parameters;
 mod run;
 mod sensors;
 mod stated;
@@ -39,19 +37,19 @@ mod train;
 mod truth;
 mod write;
 
-pub(crate) use engine::demanded_torque_nm;
+use crate::bench_parameters::require;
 use recording::Recording;
 use serde::Serialize;
 
-pub use crate::experiment::{ExperimentPlan, Sine, TorqueTarget, UPDATE_S, Waveform};
-pub use effects::{Effects, Gains, NaiveZeros, ShaftZeros, ShownTrace, Spectrum};
-pub use error::VirtualBenchError;
-pub use names::{CHANNELS, rename};
-pub use parameters::{
+pub use crate::bench_parameters::{
     BenchParameters, ClockParameters, ControllerParameters, DualMassFlywheel, DynoTwist, EngineParameters,
     FlangeParameters, Harmonic, InductionMachine, InverterParameters, LossFactor, MachineKnowledge,
     MechanicsParameters, PulseParameters, SensorParameters, SliderCrank, ThrottleMap,
 };
+pub use crate::effects::{Effects, Gains, NaiveZeros, ShaftZeros, ShownTrace, Spectrum};
+pub use crate::experiment::{ExperimentPlan, Sine, TorqueTarget, UPDATE_S, Waveform};
+pub use error::VirtualBenchError;
+pub use names::{CHANNELS, rename};
 pub use stated::{Assumption, StatedBench};
 pub use truth::Truth;
 
@@ -75,12 +73,13 @@ impl Numerics {
     fn check(self, has_machine: bool) -> Result<(), VirtualBenchError> {
         let (steps, hidden) = (self.steps_per_update, self.steps_per_hidden_sample);
         let requirement = "between 1 and 10 000";
-        error::require("numerics.steps_per_update", steps as f64, (1..=10_000).contains(&steps), requirement)?;
+        require("numerics.steps_per_update", steps as f64, (1..=10_000).contains(&steps), requirement)?;
         let samples = drive::SAMPLES_PER_UPDATE;
         let fits = !has_machine || steps.is_multiple_of(samples);
         let whole = "a multiple of 4, as the inverter samples four times a millisecond";
-        error::require("numerics.steps_per_update", steps as f64, fits, whole)?;
-        error::require("numerics.steps_per_hidden_sample", hidden as f64, hidden > 0, "at least 1")
+        require("numerics.steps_per_update", steps as f64, fits, whole)?;
+        require("numerics.steps_per_hidden_sample", hidden as f64, hidden > 0, "at least 1")?;
+        Ok(())
     }
 }
 

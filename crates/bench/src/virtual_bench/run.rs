@@ -6,13 +6,12 @@ use super::control::{ShaftTorqueController, SpeedController};
 use super::drive::{Inverter, Knowledge, TimedDemand};
 use super::engine::{Air, Combustion, Engine, EngineSpeedControl};
 use super::error::VirtualBenchError;
-use super::parameters::BenchParameters;
 use super::sensors::{Readings, Sensors, rounded};
 use super::train::{Torques, Train};
-use super::{HiddenTruth, Numerics, UPDATE_S};
+use super::{HiddenTruth, Numerics};
 use crate::ControlMode;
-use crate::experiment::Demands;
-use crate::experiment::{ExperimentPlan, TorqueTarget};
+use crate::bench_parameters::BenchParameters;
+use crate::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
 use crate::random::{Random, Source};
 
 /// Updates from one word about progress to the next.

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::parameters::{BenchParameters, DualMassFlywheel, EngineParameters};
-use super::{UPDATE_S, VirtualBenchError};
-use crate::experiment::ExperimentPlan;
+use super::VirtualBenchError;
+use crate::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters};
+use crate::experiment::{ExperimentPlan, UPDATE_S};
+use crate::facts::BenchVariant;
 use crate::model::{BenchModel, FeedForwardGains, InverterModel, Mechanics, PiController};
 use crate::role::Role;
-use crate::study::BenchVariant;
 use crate::{BenchFile, ControlMode};
 
 /// Damping ratio of the resonance where no damping is stated: that of steel shafts with rubber couplings.

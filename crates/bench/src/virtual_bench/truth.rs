@@ -2,10 +2,10 @@
 
 use serde::Serialize;
 
-use super::UPDATE_S;
 use super::drive::SAMPLES_PER_UPDATE;
-use super::parameters::BenchParameters;
 use super::train::resonance_hz;
+use crate::bench_parameters::BenchParameters;
+use crate::experiment::UPDATE_S;
 use crate::units::RPM_RAD_S;
 
 /// The true values of what a study estimates, in the study's units.

@@ -2,12 +2,12 @@
 
 use recording::{Channel, Format, Raster, Recording};
 
-use super::parameters::{BenchParameters, ClockParameters};
+use super::HiddenTruth;
 use super::run::Registers;
-use super::{HiddenTruth, UPDATE_S};
 use crate::ControlMode;
-use crate::experiment::{ExperimentPlan, TorqueTarget};
-use crate::study::BenchVariant;
+use crate::bench_parameters::{BenchParameters, ClockParameters};
+use crate::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
+use crate::facts::BenchVariant;
 use crate::units::RPM_RAD_S;
 
 /// The recording of a run, with channel names of a DTB or a TB bench: speeds in rpm, torques in Nm, throttle in %.

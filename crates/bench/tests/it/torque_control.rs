@@ -15,7 +15,7 @@ fn assert_exact(truth: Truth) {
     close(value(&fit, 0), truth.delay_s);
     close(value(&fit, 1), truth.lag_rad_s);
     close(value(&fit, 2), truth.delay_s + 1.0 / truth.lag_rad_s);
-    assert_eq!(fit.inverter.ripple.len(), usize::from(truth.ripple_hz.is_some()));
+    assert_eq!(fit.inverter.ripple.lines.len(), usize::from(truth.ripple_hz.is_some()));
     assert!(fit.result.delay_and_lag_validation.fit_percent > 99.999);
     assert!(fit.result.pure_delay_validation.fit_percent < 95.0);
     let pure = fit.result.pure_delay.parameters[0].value;
@@ -93,7 +93,8 @@ fn stat_intervals_cover_the_truth_and_residuals_are_white() {
 #[test]
 fn stat_no_ripple_is_found_in_noise() {
     let truth = Truth { noise_nm: 0.3, ripple_hz: None, duration_s: 8.0, ..TRUTH };
-    let found = |seed| usize::from(!estimate(&white_noise(truth, seed), None).unwrap().inverter.ripple.is_empty());
+    let found =
+        |seed| usize::from(!estimate(&white_noise(truth, seed), None).unwrap().inverter.ripple.lines.is_empty());
     assert!((0..40).map(found).sum::<usize>() <= 2);
 }
 

@@ -142,8 +142,8 @@ fn regress_ripple_leads_no_lag_away_where_the_engine_moves_the_demand() {
     let fit = torque_control::estimate(&experiment, Some(400.0)).unwrap();
     let lag = fit.result.delay_and_lag.parameter("a").unwrap();
     assert!((lag.interval.0..=lag.interval.1).contains(&565.4867) && lag.standard_error < 20.0, "{lag:?}");
-    assert_eq!(fit.inverter.ripple.len(), 1, "{:?}", fit.inverter.ripple);
-    assert!((fit.inverter.ripple[0].frequency_hz - 100.0).abs() < 1e-3);
+    assert_eq!(fit.inverter.ripple.lines.len(), 1, "{:?}", fit.inverter.ripple.lines);
+    assert!((fit.inverter.ripple.lines[0].frequency_hz - 100.0).abs() < 1e-3);
 }
 
 #[test]

@@ -277,7 +277,7 @@ fn exact_impossible_parameters_are_refused() {
     parameters.mechanics.dyno_inertia_kg_m2 = -0.6;
     let error = simulate(&parameters, &ExperimentPlan::bs_t_nt(1200.0, 1.0), 1);
     let is_named = |name: &str| name == "mechanics.dyno_inertia_kg_m2";
-    assert!(matches!(error, Err(VirtualBenchError::Parameter { name, .. }) if is_named(name)));
+    assert!(matches!(error, Err(VirtualBenchError::Parameter(error))  if is_named(error.name)));
     let error = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, f64::NAN), 1);
     assert!(matches!(error, Err(VirtualBenchError::Plan(_))));
     let mut parameters = BenchParameters::default();

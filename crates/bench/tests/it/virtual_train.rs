@@ -258,7 +258,7 @@ fn regress_impossible_trains_are_refused() {
         let mut parameters = BenchParameters::default();
         set(&mut parameters);
         let result = simulate(&parameters, &ExperimentPlan::bs_t_nt(1200.0, 1.0), 1);
-        assert!(matches!(result, Err(VirtualBenchError::Parameter { .. })), "{parameters:?}");
+        assert!(matches!(result, Err(VirtualBenchError::Parameter(_))), "{parameters:?}");
     };
     refused(|p| p.mechanics.shaft_backlash_rad = -0.01);
     refused(|p| p.mechanics.shaft_stiffening_nm_per_rad3 = f64::NAN);

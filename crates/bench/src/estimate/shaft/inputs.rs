@@ -2,22 +2,14 @@
 
 use signal::Signal;
 
-use crate::estimate::EstimateError;
-use crate::study::Stretch;
+use crate::air_gap_torque::NoisyTorque;
+use crate::estimation::EstimateError;
+use crate::results::Stretch;
 
 /// Largest skew looked for, s.
 pub(super) const LARGEST_SKEW_S: f64 = 0.02;
 /// Shortest usable recording, s.
 const SHORTEST_S: f64 = 4.0;
-
-/// A torque record and the noise on its samples.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NoisyTorque {
-    /// Torque, Nm.
-    pub signal: Signal,
-    /// Standard deviation of its white noise, Nm.
-    pub noise_nm: f64,
-}
 
 /// What the shaft is estimated from.
 #[derive(Debug, Clone, PartialEq)]

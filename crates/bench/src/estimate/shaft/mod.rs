@@ -18,9 +18,10 @@ mod spectra;
 mod springs;
 mod terms;
 
+pub use crate::air_gap_torque::NoisyTorque;
 pub use estimate::{
     estimate, estimate_by_band, estimate_dual_mass, estimate_inertia, estimate_parameters, estimate_with_inertias,
     gain_by_exchange, test_terms,
 };
-pub use inputs::{NoisyTorque, ShaftInputs};
+pub use inputs::ShaftInputs;
 pub use terms::{Beyond, Term, TermTest, Weight};

@@ -9,8 +9,8 @@ use signal::Complex64;
 use super::equation::{self, Corrections, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
-use crate::estimate::EstimateError;
-use crate::study::{MeasuredResponse, Stretch, Trace, Validation};
+use crate::estimation::EstimateError;
+use crate::results::{MeasuredResponse, Stretch, Trace, Validation};
 
 /// Bands of the measured frequency response per octave.
 const BANDS_PER_OCTAVE: f64 = 6.0;

@@ -9,7 +9,7 @@ use signal::{Complex64, Signal};
 
 use super::equation::{Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
-use crate::estimate::EstimateError;
+use crate::estimation::EstimateError;
 
 /// Lowest frequency used, Hz: below it the recording holds too few periods.
 pub(super) const LOWEST_HZ: f64 = 1.0;

@@ -16,10 +16,10 @@ use signal::Signal;
 use super::equation::{self, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::highest_hz;
-use crate::estimate::parameter::Label;
-use crate::replay::{Wanted, ZeroPhase};
-use crate::study::Parameter;
+use crate::estimation::Label;
+use crate::results::Parameter;
 use crate::units::RPM_RAD_S;
+use signal::zero_phase::{Wanted, ZeroPhase};
 
 /// Changes with torque are told for so many Nm.
 const PER_NM: f64 = 100.0;

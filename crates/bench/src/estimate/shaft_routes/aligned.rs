@@ -3,9 +3,9 @@
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
 
-use crate::estimate::EstimateError;
 use crate::estimate::shaft::ShaftInputs;
-use crate::study::Stretch;
+use crate::estimation::EstimateError;
+use crate::results::Stretch;
 
 /// Left out at each end of a recording, s: room for the skews and for the interpolation.
 const MARGIN_S: f64 = 0.1;

@@ -33,10 +33,10 @@ use signal::Complex64;
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
 use super::{B, DYNO_INERTIA, ENGINE_INERTIA, K, Timing, estimate_of};
 use crate::estimate::shaft::ShaftInputs;
-use crate::estimate::{EstimateError, Label, timing_floor_s};
+use crate::estimation::{EstimateError, Label, timing_floor_s};
 use crate::experiment::ControlMode;
-use crate::model::Engine;
-use crate::study::Estimate;
+use crate::facts::Engine;
+use crate::results::Estimate;
 
 /// Orders go up to so many firing orders.
 const FIRING_ORDERS: f64 = 2.0;

@@ -13,8 +13,8 @@ pub mod state_space;
 
 use serde::Serialize;
 
-use crate::estimate::parameter::Label;
-use crate::study::{Estimate, Parameter, Stretch};
+use crate::estimation::Label;
+use crate::results::{Estimate, Parameter, Stretch};
 
 pub(super) const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 pub(super) const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };

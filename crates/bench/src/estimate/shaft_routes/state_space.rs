@@ -31,8 +31,8 @@ use signal::{Complex64, Sos};
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
 use super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE, Timing, estimate_of};
 use crate::estimate::shaft::ShaftInputs;
-use crate::estimate::{EstimateError, timing_floor_s};
-use crate::study::{Estimate, Stretch, Trace, Validation};
+use crate::estimation::{EstimateError, timing_floor_s};
+use crate::results::{Estimate, Stretch, Trace, Validation};
 use crate::units::RPM_RAD_S;
 
 /// Share of the recording that is estimated from; the rest judges.

@@ -4,9 +4,8 @@ use signal::Signal;
 use signal::spline::UniformSpline;
 
 use super::inverse::{self, InverseController};
-use crate::estimate::stretch::{longest_unsaturated, need};
-use crate::estimate::{EstimateError, noise_floor};
-use crate::study::Stretch;
+use crate::estimation::{EstimateError, longest_unsaturated, need, noise_floor};
+use crate::results::Stretch;
 use crate::{Experiment, Role};
 
 /// Shortest usable stretch, s.

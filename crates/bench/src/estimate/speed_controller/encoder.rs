@@ -2,7 +2,7 @@
 
 use signal::Signal;
 
-use crate::estimate::noise_floor;
+use crate::estimation::noise_floor;
 
 /// Relative standard uncertainty of a gate that is assumed to last one sample time.
 const ASSUMED_GATE_DOUBT: f64 = 0.1;

@@ -10,9 +10,8 @@ use super::data::{Data, ident_error, signal_error, starting_point};
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT};
 use crate::align::split_window;
-use crate::estimate::parameter::{Label, ReadOut, transformed};
-use crate::estimate::{EstimateError, timing_floor_s};
-use crate::study::{Estimate, FeedForward, Parameter, ResidualTest, SpeedController, Trace, Validation};
+use crate::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
+use crate::results::{Estimate, FeedForward, Parameter, ResidualTest, SpeedController, Trace, Validation};
 use crate::units::RPM_RAD_S;
 use crate::{Experiment, Role};
 

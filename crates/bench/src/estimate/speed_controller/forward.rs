@@ -16,9 +16,8 @@ use super::data::{Data, ident_error, signal_error, starting_point};
 use super::fit::{BATCHES, K_I, K_P, TAU};
 use super::inverse::{self, recursion};
 use crate::Experiment;
-use crate::estimate::parameter::{ReadOut, transformed};
-use crate::estimate::{EstimateError, timing_floor_s};
-use crate::study::Estimate;
+use crate::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
+use crate::results::Estimate;
 use crate::units::RPM_RAD_S;
 
 /// Parameters, by position: K_p in Nm s/rad, K_i T in Nm s/rad, what the prefilter's start leaves, τ in samples.

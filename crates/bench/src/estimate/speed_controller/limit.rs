@@ -19,12 +19,10 @@ use super::data::signal_error;
 use super::fit::{K_ACCELERATION, K_I, K_P, K_SPEED, SpeedControllerFit, TAU};
 use super::inverse;
 use super::terms::LEVEL;
-use crate::Experiment;
-use crate::Role;
-use crate::estimate::EstimateError;
-use crate::estimate::stretch::need;
-use crate::study::FeedForward;
+use crate::estimation::{EstimateError, need};
+use crate::results::FeedForward;
 use crate::units::RPM_RAD_S;
+use crate::{Experiment, Role};
 
 /// Within this part of the highest |T_d*| a sample counts as being at the limit.
 const AT_LIMIT: f64 = 1e-6;

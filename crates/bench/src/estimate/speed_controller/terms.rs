@@ -21,9 +21,8 @@ use super::data::{Data, ident_error};
 use super::fit::{BATCHES, K_I, K_P, SpeedControllerFit, TAU, check_moves, run};
 use super::inverse::{self, COUNT};
 use crate::Experiment;
-use crate::estimate::parameter::{Label, ReadOut, transformed};
-use crate::estimate::{EstimateError, timing_floor_s};
-use crate::study::{Estimate, Parameter, Stretch};
+use crate::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
+use crate::results::{Estimate, Parameter, Stretch};
 use crate::units::RPM_RAD_S;
 
 /// Probability of finding any term where there is none.

@@ -5,10 +5,9 @@ use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimi
 use lti::StateSpace;
 use signal::Signal;
 
-use crate::estimate::parameter::Label;
-use crate::estimate::timing_floor_s;
 use crate::estimate::torque_control::{InverterModel, Observed, robust_covariance, standard_deviation, usable_samples};
-use crate::study::{Estimate, Parameter, Stretch};
+use crate::estimation::{Label, timing_floor_s};
+use crate::results::{Estimate, Parameter, Stretch};
 
 /// Relative step of the numerical derivatives by ω_n and ζ: error and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;

@@ -11,10 +11,9 @@ use signal::{Signal, SignalError};
 pub use self::filter::{Difference, Filter, FilterCandidate, ShaftFilter};
 use self::load_cell::LoadCell;
 use self::routes::{Curvature, Measured, correlation_peak, on_one_raster, phase_slope};
-use super::parameter::Label;
 use super::torque_control::{self, TorqueControlFit, stretch_of, usable_signal};
-use super::{EstimateError, timing_floor_s};
-use crate::study::{DelayRoute, Parameter, SignalDelay, Timing};
+use crate::estimation::{EstimateError, Label, timing_floor_s};
+use crate::results::{DelayRoute, Parameter, SignalDelay, Timing};
 use crate::{ControlMode, Experiment, Finding, Role};
 
 /// The signals whose delay is wanted.

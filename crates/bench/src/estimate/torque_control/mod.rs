@@ -20,16 +20,15 @@ use ident::{Bounds, IdentError, Minimum};
 use serde::Serialize;
 use signal::Signal;
 
-use crate::estimate::parameter::Label;
-use crate::estimate::{EstimateError, timing_floor_s};
-use crate::study::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
+use crate::estimation::{EstimateError, Label, timing_floor_s};
+use crate::results::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
 use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
 
+pub use crate::drive_ripple::{DriveRipple, RippleLine};
 pub(crate) use held::HeldDemand;
 pub use model::{InverterModel, ResidualStatistics};
 pub(super) use observed::Observed;
 pub(crate) use observed::usable_samples;
-pub use ripple::RippleLine;
 use rippled::{DelayAndLag, RippledModel};
 pub(crate) use search::batches;
 use search::fit_with_ripple;
@@ -238,14 +237,12 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     let mut model = RippledModel::new(DelayAndLag::new(held), observed);
     let fit = fit_with_ripple(&mut model, &starts(held.sample_time_s()), &bounds)?;
     let (covariance, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
-    let (offset_nm, ripple) = model.linear_of(&fit.parameters);
+    let (offset_nm, lines) = model.linear_of(&fit.parameters);
     let gain = free_gain(&mut model, &fit, &bounds, observed.sample_time_s)?;
     let inverter = InverterModel {
         delay_s: fit.parameters[0],
         lag_rad_s: fit.parameters[1],
-        offset_nm,
-        ripple,
-        reference_s: observed.reference_s,
+        ripple: DriveRipple { offset_nm, lines, reference_s: observed.reference_s },
         torque_limit_nm: limit,
         residual: model::statistics(&fit.residuals, observed)?,
     };
@@ -301,7 +298,7 @@ impl Lagged {
 fn doubts(
     experiment: &Experiment,
     lagged: &Lagged,
-    validation: &crate::study::Validation,
+    validation: &crate::results::Validation,
     demand_sample_time_s: f64,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();

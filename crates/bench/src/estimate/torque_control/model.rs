@@ -8,9 +8,9 @@ use signal::{Complex64, Signal};
 
 use super::held::{HeldDemand, Mode};
 use super::observed::{Observed, demand_at, usable_samples};
-use super::ripple::RippleLine;
 use super::rippled::{DelayAndLag, RippledModel};
 use super::search::fit_with_lines;
+use crate::drive_ripple::DriveRipple;
 
 /// Lags of the residual tests.
 pub(super) const LAGS: usize = 25;
@@ -41,12 +41,9 @@ pub struct InverterModel {
     pub delay_s: f64,
     /// a, rad/s.
     pub lag_rad_s: f64,
-    /// o, Nm: offset of T_d,calc against the demand.
-    pub offset_nm: f64,
-    /// Ripple lines, strongest first.
-    pub ripple: Vec<RippleLine>,
-    /// t_ref, s of the recording's clock.
-    pub reference_s: f64,
+    /// Offset and ripple.
+    #[serde(flatten)]
+    pub ripple: DriveRipple,
     /// Limit of the demand, Nm.
     pub torque_limit_nm: Option<f64>,
     /// Residuals of T_d,calc on the data the model was fitted to.
@@ -89,12 +86,13 @@ impl InverterModel {
         let fit = fit_with_lines(&mut model, &response, &fixed, &frequencies)?;
         let (offset_nm, ripple) = model.linear_of(&fit.parameters);
         let residual = statistics(&fit.residuals, &observed)?;
-        Ok(InverterModel { offset_nm, ripple, reference_s: observed.reference_s, residual, ..self.clone() })
+        let ripple = DriveRipple { offset_nm, lines: ripple, reference_s: observed.reference_s };
+        Ok(InverterModel { ripple, residual, ..self.clone() })
     }
 
     /// The frequencies near the known ones at which the residuals without ripple have most power.
     fn find_lines_again(&self, held: &HeldDemand, observed: &Observed) -> Result<Vec<f64>, IdentError> {
-        let smooth = InverterModel { offset_nm: 0.0, ripple: Vec::new(), ..self.clone() };
+        let smooth = InverterModel { ripple: DriveRipple::default(), ..self.clone() };
         let modelled = smooth.torque_at(held, &observed.times_s);
         let mut errors: Vec<f64> = observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
@@ -103,7 +101,7 @@ impl InverterModel {
         if span.is_nan() || span <= 0.0 {
             return Err(IdentError::TooFewSamples { samples: observed.len(), parameters: 1 });
         }
-        Ok(self.ripple.iter().map(|line| strongest_near(&errors, observed, line.frequency_hz, span)).collect())
+        Ok(self.ripple.lines.iter().map(|line| strongest_near(&errors, observed, line.frequency_hz, span)).collect())
     }
 
     /// T_d at any instants.
@@ -115,20 +113,14 @@ impl InverterModel {
 
     /// Offset and ripple upon a torque without them.
     pub(super) fn with_ripple(&self, torque_nm: f64, time_s: f64) -> f64 {
-        let (relative, added_nm) = self.ripple_at(time_s);
+        let (relative, added_nm) = self.ripple.at(time_s);
         torque_nm + (added_nm + torque_nm * relative)
     }
 
     /// A torque with offset and ripple taken off.
     pub(crate) fn without_ripple(&self, torque_nm: f64, time_s: f64) -> f64 {
-        let (relative, added_nm) = self.ripple_at(time_s);
+        let (relative, added_nm) = self.ripple.at(time_s);
         (torque_nm - added_nm) / (1.0 + relative)
-    }
-
-    /// Ripple at an instant of the recording's clock: r and w in T_d = m (1 + r) + w, the offset being part of w.
-    pub(crate) fn ripple_at(&self, time_s: f64) -> (f64, f64) {
-        let parts = self.ripple.iter().map(|line| line.parts(time_s - self.reference_s));
-        parts.fold((0.0, self.offset_nm), |sum, part| (sum.0 + part.0, sum.1 + part.1))
     }
 }
 

@@ -9,7 +9,8 @@ use super::observed::Observed;
 use super::rippled::linear_part;
 use super::search::robust_covariance;
 use super::{DELAY, EARLIEST_S, LONGEST_DELAY_S};
-use crate::study::{Estimate, Parameter, Stretch};
+use crate::drive_ripple::DriveRipple;
+use crate::results::{Estimate, Parameter, Stretch};
 
 /// Parts of a sample of the demand in which delays are tried.
 const PARTS: usize = 20;
@@ -32,9 +33,10 @@ pub(super) fn fit(
 ) -> Result<(Estimate, PureDelay), IdentError> {
     let (delay_s, step_s) = best_step(held, observed, lagged);
     let modelled = delayed(held, observed, delay_s);
-    let frequencies: Vec<f64> = lagged.ripple.iter().map(|l| l.frequency_hz).collect();
-    let (offset_nm, ripple) = linear_part(&modelled, observed, &frequencies)?;
-    let dressing = InverterModel { offset_nm, ripple, ..lagged.clone() };
+    let frequencies: Vec<f64> = lagged.ripple.lines.iter().map(|l| l.frequency_hz).collect();
+    let (offset_nm, lines) = linear_part(&modelled, observed, &frequencies)?;
+    let ripple = DriveRipple { offset_nm, lines, reference_s: lagged.ripple.reference_s };
+    let dressing = InverterModel { ripple, ..lagged.clone() };
     let model = PureDelay { delay_s, dressing };
     let (noise, freedom) = noise_variance(held, observed, &model)?;
     let variance = step_s * step_s / 12.0 + noise;

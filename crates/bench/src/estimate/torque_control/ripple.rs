@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 
 use ident::distributions::chi_squared_quantile;
-use serde::Serialize;
 use signal::SignalError;
 use signal::spectrum::fft_real;
 
@@ -17,26 +16,6 @@ const NEIGHBOURHOOD_HZ: f64 = 10.0;
 const SEPARATION_HZ: f64 = 1.0;
 /// Chance of taking noise for a line.
 const FALSE_ALARM: f64 = 0.01;
-
-/// One line of the drive's ripple, v cos φ + w sin φ + T (p cos φ + q sin φ), φ = 2πf(t − t_ref), on the torque T.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct RippleLine {
-    /// f, Hz.
-    pub frequency_hz: f64,
-    /// v, w, Nm.
-    pub additive_nm: [f64; 2],
-    /// p, q, in parts of the torque.
-    pub relative: [f64; 2],
-}
-
-impl RippleLine {
-    /// The line's (factor, addend): what multiplies T beyond one, and what is added, a time after t_ref.
-    pub(in crate::estimate) fn parts(&self, since_s: f64) -> (f64, f64) {
-        let (sin, cos) = (TAU * self.frequency_hz * since_s).sin_cos();
-        let sum = |p: [f64; 2]| p[0] * cos + p[1] * sin;
-        (sum(self.relative), sum(self.additive_nm))
-    }
-}
 
 /// The strongest line of the residuals above 20 Hz that is none of `known_hz`, if it stands out of the floor beside it.
 ///

@@ -7,7 +7,7 @@ use ident::{Bounds, IdentError, ResidualModel, least_squares};
 
 use super::held::{HeldDemand, Mode};
 use super::observed::Observed;
-use super::ripple::RippleLine;
+use crate::drive_ripple::RippleLine;
 use signal::Complex64;
 
 /// Parameters of one line: frequency, additive cosine and sine, relative cosine and sine.

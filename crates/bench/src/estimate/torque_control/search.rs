@@ -4,8 +4,9 @@ use faer::Mat;
 use ident::covariance::batched_sandwich;
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, minimise};
 
-use super::ripple::{RippleLine, lowers_cost, strongest_line};
+use super::ripple::{lowers_cost, strongest_line};
 use super::rippled::{Response, RippledModel};
+use crate::drive_ripple::RippleLine;
 
 /// Most ripple lines looked for.
 const MOST_LINES: usize = 4;

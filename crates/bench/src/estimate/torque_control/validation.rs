@@ -6,7 +6,7 @@ use ident::{Dataset, IdentError};
 use super::held::HeldDemand;
 use super::model::{LAGS, LEVEL};
 use super::observed::{Observed, demand_at};
-use crate::study::{ResidualTest, Stretch, Trace, Validation};
+use crate::results::{ResidualTest, Stretch, Trace, Validation};
 use crate::{Experiment, Role};
 
 /// Fit, traces and residual tests of `modelled` on `seen`, a stretch without missing samples.

@@ -1,6 +1,6 @@
 //! Shaft-torque control: the third control mode of the bench (thesis §3.2).
 
-use crate::virtual_bench::parameters::ControllerParameters;
+use crate::bench_parameters::ControllerParameters;
 
 /// T_d* = T_shaft* + I, dI/dt = K (T_shaft* − T_shaft), within ± the torque limit; the integrator rests while the limit
 /// is exceeded and the error would drive it further. At rest T_d* = T_shaft* − T_fric: the integrator finds the

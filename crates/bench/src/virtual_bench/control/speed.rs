@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::bench_parameters::ControllerParameters;
 use crate::virtual_bench::drive::TimedDemand;
-use crate::virtual_bench::parameters::ControllerParameters;
 
 /// Part of an update below which a delay counts as a whole number of updates.
 const WHOLE: f64 = 1e-9;

@@ -3,7 +3,7 @@
 use lti::Complex64;
 
 use super::machine::{Electrical, Machine};
-use crate::virtual_bench::parameters::InductionMachine;
+use crate::bench_parameters::InductionMachine;
 
 /// Part of the voltage limit at which the flux is reduced: the rest is for the currents to change.
 const VOLTAGE_RESERVE: f64 = 0.9;

@@ -1,7 +1,7 @@
 //! How the torque that the inverter computes differs from the machine's.
 
-use crate::study::BenchVariant;
-use crate::virtual_bench::parameters::{BenchParameters, MachineKnowledge};
+use crate::bench_parameters::{BenchParameters, MachineKnowledge};
+use crate::facts::BenchVariant;
 
 /// Torque below which the adaptation slows down, Nm: at no torque there is nothing to learn from.
 const SLOW_BELOW_NM: f64 = 5.0;

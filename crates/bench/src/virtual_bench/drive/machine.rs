@@ -2,7 +2,7 @@
 
 use lti::Complex64;
 
-use crate::virtual_bench::parameters::InductionMachine;
+use crate::bench_parameters::InductionMachine;
 
 /// Modulus of q h below which sinh(q h)/q is taken from its series.
 const SMALL: f64 = 1e-4;

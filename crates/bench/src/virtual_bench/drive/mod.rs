@@ -14,7 +14,7 @@ use lag::Lag;
 use lti::Complex64;
 use machine::{Electrical, Machine};
 
-use super::parameters::InverterParameters;
+use crate::bench_parameters::InverterParameters;
 
 pub(super) use knowledge::Knowledge;
 

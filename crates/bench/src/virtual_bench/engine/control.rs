@@ -1,6 +1,6 @@
 //! The engine's speed control.
 
-use crate::virtual_bench::parameters::EngineParameters;
+use crate::bench_parameters::EngineParameters;
 
 /// Engine speed control in TN mode: T = K_p (ω_e* − ω_e) + I, dI/dt = K_i (ω_e* − ω_e), every update.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::virtual_bench::parameters::{EngineParameters, SliderCrank};
+use crate::bench_parameters::{EngineParameters, SliderCrank};
 
 /// Points of the tables in a turn: 0.1° each.
 const POINTS_A_TURN: usize = 3600;

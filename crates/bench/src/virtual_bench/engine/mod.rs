@@ -1,18 +1,16 @@
 //! The engine: torque over crank angle, the air it gets, and its speed control.
 
-mod air;
 mod control;
 mod cylinder;
 mod pulsation;
 mod slider_crank;
 
-use super::parameters::EngineParameters;
 use super::train::{Jump, Train};
+use crate::bench_parameters::EngineParameters;
 use pulsation::Pulsation;
 use slider_crank::CrankEngine;
 
-pub(super) use air::Air;
-pub(crate) use air::demanded_torque_nm;
+pub(super) use crate::intake::Air;
 pub(super) use control::EngineSpeedControl;
 
 /// Whether fuel burns.

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::{Combustion, EngineStep};
+use crate::bench_parameters::EngineParameters;
 use crate::random::{Random, Source};
-use crate::virtual_bench::parameters::EngineParameters;
 use crate::virtual_bench::train::{Jump, Train};
 
 /// The engine's torque, firing by firing.

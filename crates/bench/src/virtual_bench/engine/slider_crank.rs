@@ -2,8 +2,8 @@
 
 use super::cylinder::{Angle, Cycle, charge_pa};
 use super::{Combustion, EngineStep};
+use crate::bench_parameters::{EngineParameters, SliderCrank};
 use crate::random::{Random, Source};
-use crate::virtual_bench::parameters::{EngineParameters, SliderCrank};
 use crate::virtual_bench::train::Train;
 
 /// The engine's cylinders. The crankshaft obeys (J_e + M − M̄) dω/dt = T_gas − ½ (dM/dθ) ω² − T_on, M = Σ m (dx/dθ)²;

@@ -2,8 +2,8 @@
 
 use super::pulses::Pulses;
 use super::{Rotation, rounded};
+use crate::bench_parameters::SensorParameters;
 use crate::random::{Random, Source};
-use crate::virtual_bench::parameters::SensorParameters;
 
 /// Speed from an encoder: N = (θ̃(t) − θ̃(t − gate))/gate with θ̃ = θ + ε sin θ, or from the disk's pulses; plus noise,
 /// rounded.

@@ -11,12 +11,12 @@ use rotation::Rotation;
 use system_shaft::SystemShaftTorque;
 use torque::{SensorDynamics, TorqueSensor};
 
-use super::UPDATE_S;
 use super::error::VirtualBenchError;
-use super::parameters::BenchParameters;
 use super::train::Train;
+use crate::bench_parameters::BenchParameters;
+use crate::experiment::UPDATE_S;
+use crate::facts::BenchVariant;
 use crate::random::{Random, Source};
-use crate::study::BenchVariant;
 
 /// What the sensors read at one update.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -4,9 +4,9 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use super::Rotation;
+use crate::bench_parameters::PulseParameters;
+use crate::experiment::UPDATE_S;
 use crate::random::Random;
-use crate::virtual_bench::UPDATE_S;
-use crate::virtual_bench::parameters::PulseParameters;
 
 /// Newton steps for the time of an edge; the angle is nearly linear between two steps of the bench.
 const NEWTON_STEPS: usize = 3;

@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 use faer::Mat;
 use lti::{Complex64, StateSpace};
 
-use super::loss::{RelaxingSpring, RelaxingSprings};
-use crate::virtual_bench::parameters::MechanicsParameters;
+use crate::bench_parameters::{MechanicsParameters, RelaxingSpring, RelaxingSprings};
 
 /// Where the air-gap torque and the bearings' friction act.
 pub(super) const ROTOR: usize = 0;

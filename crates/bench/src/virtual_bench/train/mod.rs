@@ -2,18 +2,16 @@
 //! straight over a step; backlash, stiffening and Coulomb friction are torques of a predictor and a corrector.
 
 mod assembly;
-mod loss;
 mod resonance;
 mod shaft_law;
 
 use assembly::{Assembly, BRAKE, ENGINE, INPUTS, ROTOR, SHAFT};
 use shaft_law::ShaftLaw;
 
-pub(super) use loss::RelaxingSprings;
 pub(super) use resonance::resonance_hz;
 
 use super::error::VirtualBenchError;
-use super::parameters::MechanicsParameters;
+use crate::bench_parameters::MechanicsParameters;
 
 /// Speed below which Coulomb friction falls linearly to zero, rad/s; it keeps the friction law single-valued.
 const COULOMB_TRANSITION_RAD_S: f64 = 0.1;

@@ -1,8 +1,8 @@
 //! Where T_d → T_shaft has its largest gain.
 
 use super::assembly::Assembly;
+use crate::bench_parameters::MechanicsParameters;
 use crate::search::maximum;
-use crate::virtual_bench::parameters::MechanicsParameters;
 
 /// Frequencies between which it is looked for, Hz.
 const RANGE_HZ: (f64, f64) = (1.0, 200.0);

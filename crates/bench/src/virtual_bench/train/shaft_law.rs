@@ -1,6 +1,6 @@
 //! What backlash and stiffening add to the linear shaft.
 
-use crate::virtual_bench::parameters::MechanicsParameters;
+use crate::bench_parameters::MechanicsParameters;
 
 /// Penetration over which the damping of a shaft with play sets in, rad: without it the torque would jump at the stop.
 const CONTACT_RAD: f64 = 5e-4;

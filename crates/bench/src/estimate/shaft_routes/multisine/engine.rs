@@ -10,7 +10,7 @@ use super::lines::Row;
 use super::shaft::{COUNT, ENGINE_SKEW, INERTIA, Shaft, differences};
 use super::{CostTest, cost_test};
 use crate::estimate::shaft::ShaftInputs;
-use crate::model::Engine;
+use crate::facts::Engine;
 
 /// Beyond this coherence the engine's cycles repeat with the demand.
 const COHERENT: f64 = 0.5;

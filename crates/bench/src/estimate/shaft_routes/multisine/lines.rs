@@ -9,10 +9,10 @@ use signal::{Complex64, Signal};
 
 use super::super::Timing;
 use super::super::aligned::{self, inner_stretch};
-use crate::estimate::EstimateError;
 use crate::estimate::shaft::ShaftInputs;
-use crate::model::Engine;
-use crate::study::Stretch;
+use crate::estimation::EstimateError;
+use crate::facts::Engine;
+use crate::results::Stretch;
 
 /// Fewest periods.
 const FEWEST_PERIODS: usize = 3;

@@ -34,11 +34,10 @@ use serde::Serialize;
 use signal::Signal;
 
 use super::{ENGINE_INERTIA, Timing, estimate_of};
-use crate::estimate::EstimateError;
 use crate::estimate::shaft::ShaftInputs;
-use crate::estimate::timing_floor_s;
-use crate::model::Engine;
-use crate::study::Estimate;
+use crate::estimation::{EstimateError, timing_floor_s};
+use crate::facts::Engine;
+use crate::results::Estimate;
 use engine::EngineSide;
 use lines::Lines;
 use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};

@@ -1,0 +1,154 @@
+//! The results of the bench's parts.
+
+use serde::Serialize;
+
+use super::estimate::{Estimate, Parameter, Stretch};
+use super::validation::Validation;
+use crate::role::Role;
+
+/// Delays of the torque signals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Timing {
+    /// One row a signal.
+    pub delays: Vec<SignalDelay>,
+}
+
+/// Delay of one signal, by several routes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SignalDelay {
+    /// The signal.
+    pub role: Role,
+    /// Against the torque demand T_d*.
+    pub against_demand: Option<Parameter>,
+    /// Against the bend in N_d (the mechanical effect of T_d).
+    pub against_speed_bend: Option<Parameter>,
+    /// The same delay against T_d* by each route that applies. Routes without a model see the mean delay over the demand's
+    /// spectrum, so that they agree to about a tenth of a millisecond at best.
+    pub routes: Vec<DelayRoute>,
+    /// Length of the moving average that reproduces the signal from N_d and T_d,calc, in samples of N_d.
+    pub moving_average_length: Option<usize>,
+    /// Dynamics of a load cell: its own delay τ_cell in s, ω_n in rad/s, ζ.
+    pub dynamics: Option<Estimate>,
+    /// Where it was measured.
+    pub stretch: Stretch,
+}
+
+/// A delay by one route.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DelayRoute {
+    /// What the route is called.
+    pub name: String,
+    /// Delay, s.
+    pub delay_s: f64,
+    /// 95 % interval, s; `None` where the recording is too short to tell.
+    pub interval_s: Option<(f64, f64)>,
+    /// How far the route may be off by what it is, s: what of the signal's dynamics it takes for delay.
+    pub systematic_s: f64,
+}
+
+impl SignalDelay {
+    /// Whether all routes agree with `against_demand`, within their intervals and what they may be off by; `None` where there
+    /// is nothing to compare.
+    #[must_use]
+    pub fn routes_agree(&self) -> Option<bool> {
+        let own = self.against_demand.as_ref()?;
+        let half = |(low, high): (f64, f64)| 0.5 * (high - low);
+        let agrees = |route: &DelayRoute| {
+            let allowed = route.interval_s.map_or(0.0, half) + half(own.interval) + route.systematic_s;
+            (route.delay_s - own.value).abs() <= allowed
+        };
+        (self.routes.len() > 1).then(|| self.routes.iter().all(agrees))
+    }
+}
+
+/// PI with delay: T_d* = e^{−sτ}(K_p + K_i/s)(N_d − N_d*) + x_0.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpeedController {
+    /// K_p in Nm/rpm, K_i in Nm/(rpm s), τ in s, I_0 (initial integrator state) in Nm, T_g (encoder gate) in s.
+    /// K_p is that of integration by forward Euler; backward Euler has the same sequence with K_p less by K_i T.
+    pub estimate: Estimate,
+    /// The zero −K_i/K_p of (K_p s + K_i)/s, rad/s.
+    pub zero: Parameter,
+    /// Sample time of the controller, s.
+    pub sample_time_s: f64,
+    /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error in rpm.
+    pub discrete: (f64, f64),
+    /// On held-out data, with the delay.
+    pub validation: Validation,
+    /// On the same data, with τ = 0 but re-estimated: the residuals that betray the delay.
+    pub without_delay: Validation,
+}
+
+/// Feed-forward k N_d* + m + k_a dN_d*/dt; m is not separable from the integrator's initial state.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeedForward {
+    /// k in Nm/rpm, k_a in Nm/(rpm/s).
+    pub estimate: Estimate,
+    /// Held-out data: PI and feed-forward.
+    pub validation: Validation,
+    /// Same data: PI alone.
+    pub pi_alone: Validation,
+}
+
+/// Closed-loop torque control, T_d* → T_d.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TorqueControl {
+    /// Delay alone: τ in s.
+    pub pure_delay: Estimate,
+    /// Delay and lag e^{−sτ} a/(s + a): τ in s, a in rad/s, and their total delay τ + 1/a in s.
+    pub delay_and_lag: Estimate,
+    /// Held-out data, delay alone.
+    pub pure_delay_validation: Validation,
+    /// Held-out data, delay and lag.
+    pub delay_and_lag_validation: Validation,
+}
+
+/// Shaft: T_shaft = K ∫(ω_e − ω_d) dt + B (ω_e − ω_d).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shaft {
+    /// K in Nm/rad, B in Nm s/rad, gate and skews in s, drag in Nm s/rad.
+    pub estimate: Estimate,
+    /// The zero −K/B of (K + B s)/s, rad/s.
+    pub zero: Parameter,
+    /// What a fit that ignores gate and skew gives on the same data: K, B, zero.
+    pub ignoring_timing: Estimate,
+    /// Equation error over its standard deviation, by frequency.
+    pub residual_spectrum: ResidualSpectrum,
+    /// Frequency response Δω → T_shaft measured and modelled.
+    pub frequency_response: MeasuredResponse,
+    /// T_shaft on a held-out stretch.
+    pub validation: Validation,
+    /// Other recordings and other routes: name and estimate.
+    pub cross_checks: Vec<(String, Estimate)>,
+    /// J_d (where a load cell is the bench's) and J_e as if nothing were known of them, with K, B and timing: the recording
+    /// in torque control that they are from, and the estimate.
+    pub inertias: Option<(String, Estimate)>,
+}
+
+/// Equation error of a frequency-domain fit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResidualSpectrum {
+    /// Frequencies used, Hz.
+    pub frequencies_hz: Vec<f64>,
+    /// |error|/σ at each.
+    pub normalised_magnitude: Vec<f64>,
+    /// 99 % of the magnitudes lie below this if the model is right.
+    pub bound: f64,
+    /// Frequencies left out, Hz.
+    pub excluded_hz: Vec<f64>,
+}
+
+/// A measured frequency response beside a model's.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredResponse {
+    /// Frequencies, Hz.
+    pub frequencies_hz: Vec<f64>,
+    /// Measured gain in dB.
+    pub measured_gain_db: Vec<f64>,
+    /// Measured phase, degrees.
+    pub measured_phase_deg: Vec<f64>,
+    /// Modelled gain in dB.
+    pub modelled_gain_db: Vec<f64>,
+    /// Modelled phase, degrees.
+    pub modelled_phase_deg: Vec<f64>,
+}

@@ -1,0 +1,69 @@
+//! Measured against modelled, on data an estimate has not seen.
+
+use serde::Serialize;
+
+use super::estimate::Stretch;
+
+/// A uniformly sampled curve for plots, in the unit people use.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Trace {
+    /// Time of the first sample, s.
+    pub start_s: f64,
+    /// Sample time, s.
+    pub sample_time_s: f64,
+    /// Values.
+    pub values: Vec<f64>,
+}
+
+/// Measured against modelled, on data the estimate has not seen.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Validation {
+    /// The held-out stretch.
+    pub stretch: Stretch,
+    /// What is compared, e.g. `T_d*`.
+    pub quantity: String,
+    /// Unit of the traces.
+    pub unit: String,
+    /// 100(1 − ‖y − ŷ‖/‖y − ȳ‖).
+    pub fit_percent: f64,
+    /// Root of the mean squared error, in `unit`.
+    pub rms_error: f64,
+    /// Measured.
+    pub measured: Trace,
+    /// Modelled.
+    pub modelled: Trace,
+    /// Residual tests, where the sampling makes them meaningful.
+    pub residuals: Option<ResidualTest>,
+}
+
+/// Residual correlations with their region of confidence (Ljung 1999, §16.6; thesis §2.3.5).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ResidualTest {
+    /// Sample time of the residuals, s.
+    pub sample_time_s: f64,
+    /// Level of the regions, e.g. 0.99.
+    pub level: f64,
+    /// Autocorrelation at lags 0…M, normalised to one at lag 0.
+    pub autocorrelation: Vec<f64>,
+    /// Half-width of the region for the autocorrelation at lags 1…M.
+    pub autocorrelation_bound: f64,
+    /// Cross-correlation of residual and past input at lags −M…M, normalised. Positive lags: the input comes first.
+    pub cross_correlation: Vec<f64>,
+    /// Half-width of the region for each cross-correlation lag.
+    pub cross_correlation_bound: f64,
+    /// Name of the input.
+    pub input: String,
+}
+
+impl ResidualTest {
+    /// Share of lags outside the region beyond which residuals are called correlated with the input: at 99 % and 26 lags,
+    /// chance puts two or more outside less than once in thirty recordings.
+    pub const MANY_OUTSIDE: f64 = 0.05;
+
+    /// Share of the lags 0…M at which the residual depends on present and past input beyond the region.
+    pub fn share_outside(&self) -> f64 {
+        let past = &self.cross_correlation[self.cross_correlation.len() / 2..];
+        let outside = past.iter().filter(|c| c.abs() > self.cross_correlation_bound).count();
+        outside as f64 / past.len().max(1) as f64
+    }
+}

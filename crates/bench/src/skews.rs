@@ -1,0 +1,10 @@
+//! How the signals of a recording lie in time against each other.
+
+/// How much later other signals show an event than N_d does (N_d itself is late by half its gate), s.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SignalSkews {
+    /// N_e.
+    pub engine_speed_s: f64,
+    /// T_d.
+    pub torque_s: f64,
+}
