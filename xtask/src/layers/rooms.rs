@@ -32,7 +32,7 @@ pub(super) fn faults(metadata: &Value) -> Result<Vec<String>, String> {
     let packages = metadata["packages"].as_array().ok_or("cargo metadata lists no packages")?;
     let mut faults = Vec::new();
     for package in packages {
-        let name = package["name"].as_str().unwrap_or_default();
+        let name = room(package["name"].as_str().unwrap_or_default());
         let Some((_, allowed)) = MAY_USE.iter().find(|(room, _)| *room == name) else {
             faults.push(format!("crate `{name}` has no row in the table of rooms"));
             continue;
@@ -53,5 +53,10 @@ pub(super) fn faults(metadata: &Value) -> Result<Vec<String>, String> {
 fn dependencies(package: &Value) -> Vec<&str> {
     let all = package["dependencies"].as_array().map(Vec::as_slice).unwrap_or_default();
     let is_dev = |d: &Value| d["kind"].as_str() == Some("dev");
-    all.iter().filter(|d| !is_dev(d)).filter_map(|d| d["name"].as_str()).collect()
+    all.iter().filter(|d| !is_dev(d)).filter_map(|d| d["name"].as_str().map(room)).collect()
+}
+
+/// The room of a package: published ones carry the project's name before their own.
+fn room(package: &str) -> &str {
+    package.strip_prefix("dynoid-").unwrap_or(package)
 }
