@@ -10,7 +10,7 @@ use bench::speed_control::{
 use bench::study::ResidualTest;
 use bench::torque_signals::{Told, Untold};
 use bench::units::RPM_RAD_S;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 use crate::wording::{self, number};
 

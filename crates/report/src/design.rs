@@ -6,7 +6,7 @@ use bench::experiment::{DemandKind, Demands, ExcitationSpectrum, ExperimentPlan,
 use bench::model::Engine;
 use bench::prediction::Prediction;
 use bench::units::RPM_RAD_S;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 use crate::wording::number;
 

@@ -6,7 +6,7 @@ use bench::engine_torque::{
 };
 use bench::torque_signals::Told;
 use bench::torque_smoother::TorqueSource;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::torque::untold;
 use crate::wording::number;

@@ -3,7 +3,7 @@
 use bench::friction::{Friction, Inertia, Term, TorqueUsed, Undetermined};
 use bench::study::Parameter;
 use bench::units::RPM_RAD_S;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::wording::number;
 

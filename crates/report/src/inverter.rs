@@ -5,7 +5,7 @@ use bench::torque_control_study::{
     BlackBox, Closed, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, Root, Scanned, Shown, Structure,
     StudiedRecording, TorqueControlStudy, Verdict, Visibility, VisibilityCase,
 };
-use plot::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
+use page::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
 
 use crate::torque;
 use crate::wording::number;

@@ -7,7 +7,7 @@ use bench::look::{
     Cause, CurvePoint, Line, Look, LookedPart, LookedSignal, OrderCurve, OverSpeed, ShortSpectrum, folded_hz,
 };
 use bench::units::RPM_RAD_S;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 use crate::wording::{self, number};
 

@@ -1,7 +1,7 @@
 //! Figures of a safety check: how peaks spread over the benches drawn, and how large sines may be.
 
 use bench::safety::{Checked, Proposal, Quantity, SafetyCheck};
-use plot::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 use crate::wording;
 

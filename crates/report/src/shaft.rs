@@ -6,7 +6,7 @@ use bench::estimate::shaft_routes::multisine::{CostTest, MultisineRoute};
 use bench::shaft_study::{Band, DualMass, Routes, ShaftRecording, ShaftStudy, Together};
 use bench::study::{Estimate, Parameter, Shaft};
 use bench::torque_signals::{Told, Untold as NotTold};
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::wording::number;
 

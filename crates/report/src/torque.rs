@@ -5,7 +5,7 @@ use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use bench::study::{Parameter, SignalDelay, Trace};
 use bench::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck, Untold};
 use bench::torque_smoother::TorqueSource;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use crate::wording::{self, number};
 

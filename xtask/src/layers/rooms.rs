@@ -10,9 +10,9 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("mdf", &[]),
     ("recording", &["mdf"]),
     ("bench", &["recording", "signal", "lti", "ident"]),
-    ("plot", &[]),
-    ("report", &["bench", "plot"]),
-    ("dynoid", &["signal", "lti", "ident", "recording", "bench", "plot", "report"]),
+    ("page", &[]),
+    ("report", &["bench", "page"]),
+    ("dynoid", &["signal", "lti", "ident", "recording", "bench", "page", "report"]),
     ("testkit", &["signal", "lti", "ident"]),
     ("xtask", &[]),
 ];
@@ -24,7 +24,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("tempfile", &["dynoid"]),
     ("hdf5-pure", &["recording"]),
     ("parquet", &["recording"]),
-    ("resvg", &["plot"]),
+    ("resvg", &["page"]),
 ];
 
 /// What breaks either table. Dependencies of tests are free.

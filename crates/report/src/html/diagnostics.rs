@@ -4,8 +4,8 @@ use bench::{Diagnostic, Severity, Study};
 
 use super::typeset::prose;
 use crate::wording;
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// The section on findings.
 pub(crate) fn section(study: &Study) -> Markup {

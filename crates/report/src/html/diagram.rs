@@ -5,8 +5,8 @@ use bench::study::{Estimate, Need, Part};
 
 use super::typeset::symbol_svg;
 use crate::wording::{join, number};
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// The diagram's own coordinates; the page scales it.
 const WIDTH: i32 = 880;

@@ -7,8 +7,8 @@ use super::parts::{table, unbroken};
 use super::typeset::{prose, symbol};
 use crate::known::{Grade, Known, known};
 use crate::wording::number;
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// The section on what is known.
 pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Markup {

@@ -1,6 +1,6 @@
 //! A short account of the method, the same in every report.
 
-use plot::markup::Markup;
+use page::markup::Markup;
 
 /// The methods appendix.
 pub(crate) fn section() -> Markup {

@@ -20,8 +20,8 @@ mod whole;
 use bench::Study;
 use bench::study::Analyses;
 
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 const STYLE: &str = include_str!("../../assets/report.css");
 
@@ -107,11 +107,11 @@ fn page(study: &Study, contents: &Markup, body: &Markup) -> Markup {
         study.provenance.version,
         study.bench.name,
         Markup::raw(STYLE),
-        Markup::raw(plot::STYLE),
+        Markup::raw(page::STYLE),
         contents,
         masthead(study),
         body,
-        Markup::raw(plot::SCRIPT),
+        Markup::raw(page::SCRIPT),
     )
 }
 

@@ -4,8 +4,8 @@ use bench::study::{Estimate, Need, Parameter, Stretch, Validation};
 
 use super::typeset::{prose, symbol};
 use crate::wording::{self, number};
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// A number that must not break across lines.
 pub(crate) fn unbroken(text: &str) -> Markup {

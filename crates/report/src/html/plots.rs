@@ -5,13 +5,13 @@ use bench::study::{ResidualTest, Trace, Validation};
 use super::parts::unbroken;
 use super::typeset::prose;
 use crate::wording::number;
-use plot::markup;
-use plot::markup::Markup;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, drawn_of, rounded};
+use page::markup;
+use page::markup::Markup;
+use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, drawn_of, rounded};
 
 /// The element the script draws a figure into.
 pub(crate) fn figure(figure: &Figure) -> Markup {
-    plot::figure_element(figure, &prose(&figure.title), &prose(&figure.caption))
+    page::figure_element(figure, &prose(&figure.title), &prose(&figure.caption))
 }
 
 /// Figures next to each other, where the page is wide enough.

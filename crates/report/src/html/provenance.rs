@@ -6,8 +6,8 @@ use bench::study::{BenchFacts, RecordingSummary};
 use super::parts::{table, unbroken};
 use super::typeset::symbol;
 use crate::wording::{experiment, number, part, variant};
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// The section on provenance.
 pub(crate) fn section(study: &Study) -> Markup {

@@ -7,9 +7,9 @@ use super::parts::{stretch, table};
 use super::plots::{difference, figure, thinned, trace_layer};
 use super::typeset::{prose, symbol};
 use crate::wording::{capitalised, experiment, mode, number};
-use plot::markup;
-use plot::markup::Markup;
-use plot::{Axis, Figure, Panel, Style};
+use page::markup;
+use page::markup::Markup;
+use page::{Axis, Figure, Panel, Style};
 
 /// The section on replays.
 pub(crate) fn section(study: &Study) -> Markup {

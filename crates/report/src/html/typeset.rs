@@ -1,7 +1,7 @@
 //! Typesets the thesis's symbols: `T_d*` becomes T with a subscript d.
 
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// Symbols that are typeset where they stand in a sentence; a longer one before one it begins with.
 const SYMBOLS: &[&str] = &[

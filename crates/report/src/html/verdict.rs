@@ -8,8 +8,8 @@ use super::parts::{table, unbroken};
 use super::typeset::{prose, symbol};
 use crate::verdict::{Level, Rule, verdict};
 use crate::wording::{self, number};
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// Findings shown on the first page.
 const SHOWN_FINDINGS: usize = 4;

@@ -7,9 +7,9 @@ use super::parts::{lead, not_estimated, parameter_rows, table, unbroken};
 use super::plots::figure;
 use super::typeset::{prose, symbol};
 use crate::wording::{mode_short, number};
-use plot::markup;
-use plot::markup::Markup;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::markup;
+use page::markup::Markup;
+use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 /// Normal quantile of the error bars.
 const QUANTILE_95: f64 = 1.96;

@@ -1,6 +1,6 @@
 //! Pictures of recordings that were converted.
 
-use plot::{Axis, Figure, Layer, Panel, Style};
+use page::{Axis, Figure, Layer, Panel, Style};
 use recording::Recording;
 
 /// Most channels drawn of one recording: more cannot be looked at.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use bench::dataset::on_one_clock;
 use ident::Intersample;
-use plot::Figure;
+use page::Figure;
 use recording::{Recording, Selection};
 use serde::Serialize;
 

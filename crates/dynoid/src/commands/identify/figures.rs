@@ -3,7 +3,7 @@
 use ident::prediction::Response;
 use ident::validate::{Independence, ResidualReport, Whiteness};
 use ident::{Dataset, Label};
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 /// Correlations below this are rounding.
 const ROUNDING: f64 = 1e-12;

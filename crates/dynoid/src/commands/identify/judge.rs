@@ -257,7 +257,7 @@ fn run(
 pub(in crate::commands) fn picture(
     arguments: &ResultArguments,
     title: &str,
-    figures: impl FnOnce() -> Vec<plot::Figure>,
+    figures: impl FnOnce() -> Vec<page::Figure>,
 ) -> Result<(), CliError> {
     match &arguments.plot {
         Some(path) => replace_file(path, &draw(path, title, &figures())?),

@@ -5,7 +5,7 @@ use bench::estimate::speed_controller::{FeedForwardTerms, Round, TermTest};
 use bench::speed_control::{Case, Controller, ControllerRecording, Estimator, PiStudy, SpeedControl, Summary};
 use bench::torque_signals::Told;
 use bench::units::RPM_RAD_S;
-use plot::markup::Markup;
+use page::markup::Markup;
 
 use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
 use crate::controller as words;

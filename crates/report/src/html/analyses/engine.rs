@@ -2,7 +2,7 @@
 
 use bench::engine_torque::{EngineRecording, EngineTorque};
 use bench::torque_signals::Told;
-use plot::markup::Markup;
+use page::markup::Markup;
 
 use super::{figures, of_recording, plain_table, sentence, untold};
 use crate::engine as words;

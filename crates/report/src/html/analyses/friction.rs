@@ -2,7 +2,7 @@
 
 use bench::friction::{Friction, FrictionError, Inertia};
 use bench::study::BenchFacts;
-use plot::markup::Markup;
+use page::markup::Markup;
 
 use super::{figures, parameters, plain_table, sentence, untold};
 use crate::friction as words;

@@ -2,7 +2,7 @@
 
 use bench::study::Analyses;
 use bench::torque_control_study::{Judgement, StudiedRecording, TorqueControlStudy, TorqueControlStudyError};
-use plot::markup::Markup;
+use page::markup::Markup;
 
 use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
 use crate::inverter as words;

@@ -1,8 +1,8 @@
 //! Lines of the spectra.
 
 use bench::look::{Cause, Line, Look, LookedSignal, OverSpeed};
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 use super::{figures, heading, plain_table, sentence, untold};
 use crate::html::typeset::prose;

@@ -21,9 +21,9 @@ pub(crate) use shaft::shaft;
 pub(crate) use torque::torque;
 
 use bench::study::Parameter;
-use plot::markup;
-use plot::markup::Markup;
-use plot::{Figure, Panel};
+use page::markup;
+use page::markup::Markup;
+use page::{Figure, Panel};
 
 use super::parts::{parameter_rows, table};
 use super::plots::figure;

@@ -1,7 +1,7 @@
 //! What to record next.
 
 use bench::study::{NextError, NextExperiments};
-use plot::markup::Markup;
+use page::markup::Markup;
 
 use super::super::parts::{table, unbroken};
 use super::super::typeset::{prose, symbol};

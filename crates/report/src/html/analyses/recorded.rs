@@ -2,8 +2,8 @@
 
 use bench::Role;
 use bench::study::{RecordedCourse, StepResponse, Trace};
-use plot::markup::Markup;
-use plot::{Axis, Figure, Layer, Panel, Style};
+use page::markup::Markup;
+use page::{Axis, Figure, Layer, Panel, Style};
 
 use super::{figures, sentence};
 use crate::look::unit;
@@ -94,7 +94,7 @@ fn step_figure(found: &StepResponse) -> Figure {
         Row { signals: &TORQUES, name: "torque", unit: "Nm", height: 220 },
         Row { signals: &[(Role::DynoSpeed, Style::Modelled)], name: "N_d", unit: "rpm", height: 110 },
     ];
-    let at_step = || Layer::VerticalMarks { x: vec![plot::Rounded(0.0)], label: "T_d* steps".to_owned() };
+    let at_step = || Layer::VerticalMarks { x: vec![page::Rounded(0.0)], label: "T_d* steps".to_owned() };
     let panels = rows.iter().filter_map(|row| row.panel(Some(at_step()), layer));
     Figure::new("A step of T_d*, and what followed it", Axis::linear("time after the step", "ms"), panels.collect())
         .with_caption(format!(

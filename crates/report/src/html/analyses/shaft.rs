@@ -2,7 +2,7 @@
 
 use bench::shaft_study::{ShaftRecording, ShaftStudy};
 use bench::torque_signals::Told;
-use plot::markup::Markup;
+use page::markup::Markup;
 
 use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
 use crate::shaft as words;

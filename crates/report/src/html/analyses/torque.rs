@@ -1,7 +1,7 @@
 //! The torque signals held against each other.
 
 use bench::torque_signals::{Told, TorqueRecording, TorqueSignals};
-use plot::markup::Markup;
+use page::markup::Markup;
 
 use super::{figures, heading, parameters, plain_table, sentence, untold};
 use crate::torque;

@@ -7,8 +7,8 @@ use crate::html::plots::{Extent, comparison, correlations, cross_outside, figure
 use crate::html::typeset::prose;
 use crate::torque;
 use crate::wording::number;
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 /// PI with delay.
 pub(crate) fn speed_controller(study: &Study) -> Markup {

@@ -6,9 +6,9 @@ use crate::html::parts::{fit_line, lead, not_estimated, parameters, table, unbro
 use crate::html::plots::{comparison, figure};
 use crate::html::typeset::{prose, symbol};
 use crate::wording::number;
-use plot::markup;
-use plot::markup::Markup;
-use plot::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::markup;
+use page::markup::Markup;
+use page::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 /// An inertia less certain than this part of itself is not worth a number.
 const SILENT: f64 = 0.2;

@@ -6,8 +6,8 @@ use bench::study::{DelayRoute, Parameter, Part, SignalDelay, Study};
 use crate::html::parts::{not_estimated, parameters, stretch, table, unbroken};
 use crate::html::typeset::{prose, symbol};
 use crate::wording::{number, role, role_name};
-use plot::markup;
-use plot::markup::Markup;
+use page::markup;
+use page::markup::Markup;
 
 const WHAT: &str = "How late each torque signal is, against the torque demand T_d* and against the moment the \
                     dynamometer speed N_d begins to bend.";

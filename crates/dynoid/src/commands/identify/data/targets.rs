@@ -46,11 +46,11 @@ fn kind(path: &Path) -> Result<Kind, CliError> {
 pub(in crate::commands::identify) fn draw(
     path: &Path,
     title: &str,
-    figures: &[plot::Figure],
+    figures: &[page::Figure],
 ) -> Result<Vec<u8>, CliError> {
     match kind(path)? {
-        Kind::Page => Ok(plot::page(title, figures).into_bytes()),
-        Kind::Svg => Ok(plot::svg(figures).into_bytes()),
-        Kind::Png => plot::png(figures).map_err(CliError::internal),
+        Kind::Page => Ok(page::page(title, figures).into_bytes()),
+        Kind::Svg => Ok(page::svg(figures).into_bytes()),
+        Kind::Png => page::png(figures).map_err(CliError::internal),
     }
 }

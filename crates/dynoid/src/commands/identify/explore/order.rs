@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use bench::dataset::CommonClock;
 use ident::{Criterion, OrderScan, OrderTable, ScannedStructure};
-use plot::{Axis, Figure, Layer, Panel, Style};
+use page::{Axis, Figure, Layer, Panel, Style};
 
 use super::super::data::{Gaps, check_movement, check_plot, load_between_gaps};
 use super::super::figures::figure;

@@ -90,7 +90,7 @@ impl Verdict {
     }
 
     /// The simulation, beside it the prediction where a noise model makes it another, and the residual tests.
-    pub(super) fn figures(&self, data: &Dataset, has_noise_model: bool) -> Vec<plot::Figure> {
+    pub(super) fn figures(&self, data: &Dataset, has_noise_model: bool) -> Vec<page::Figure> {
         let mut all = Vec::new();
         if let Some(judged) = self.judged.last() {
             let predicted = has_noise_model.then_some(("predicted one step", &judged.predicted));

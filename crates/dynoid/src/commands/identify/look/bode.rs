@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use ident::uncertainty::{Dynamics, Feature, Features};
 use ident::{AnyModel, IdentError, ModelDocument};
 use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
-use plot::{Axis, Figure};
+use page::{Axis, Figure};
 
 use super::super::data::check_plot;
 use super::super::words::{digits, ratio_unit, with_range};

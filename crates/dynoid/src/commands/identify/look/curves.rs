@@ -1,7 +1,7 @@
 //! Curves with bands: figures, summaries and points.
 
 use lti::Mode;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 
 use super::super::figures::figure;
 use super::super::judge::{picture, written};

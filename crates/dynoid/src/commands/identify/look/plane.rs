@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use lti::Complex64;
-use plot::{Axis, Figure, Layer, Marker, Panel, Style, rounded};
+use page::{Axis, Figure, Layer, Marker, Panel, Style, rounded};
 
 use super::super::figures::figure;
 use super::super::words::digits;

@@ -3,7 +3,7 @@
 use ident::uncertainty::{Dynamics, Feature};
 use ident::{AnyModel, IdentError, LinearModel};
 use lti::TimeGrid;
-use plot::Axis;
+use page::Axis;
 
 use super::super::data::check_plot;
 use super::curves::{Curve, Fact, Quantity, show, unstable};

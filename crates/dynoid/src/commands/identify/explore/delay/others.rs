@@ -7,7 +7,7 @@ use ident::delay::{
 use ident::distributions::normal_quantile;
 use ident::validate::{ResidualTest, TestData};
 use ident::{Arx, ArxOrders, Dataset, IdentError, Intersample, Label};
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 use serde_json::{Value, json};
 
 use super::super::super::figures::figure;

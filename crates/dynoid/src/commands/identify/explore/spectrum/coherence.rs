@@ -1,6 +1,6 @@
 //! How much of an output goes with its only input, frequency by frequency.
 
-use plot::{Abscissa, Axis, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Layer, Panel, Style, rounded};
 use signal::SignalError;
 use signal::spectrum::{Welch, cross_spectrum};
 

@@ -5,7 +5,7 @@ mod coherence;
 use bench::dataset::CommonClock;
 use ident::Dataset;
 use ident::distributions::interval as student_interval;
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
 

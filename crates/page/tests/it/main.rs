@@ -1,4 +1,4 @@
-//! Integration tests of `plot`.
+//! Integration tests of `page`.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod drawing;

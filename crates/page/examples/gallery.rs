@@ -1,14 +1,14 @@
-//! Draws one figure of each kind: `cargo run -p plot --example gallery -- FOLDER`.
+//! Draws one figure of each kind: `cargo run -p page --example gallery -- FOLDER`.
 #![allow(clippy::unwrap_used, clippy::disallowed_methods)]
 
-use plot::{Abscissa, Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
 
 fn main() {
     let folder = std::path::PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".into()));
     let figures = [bode(), complex_plane(), correlations(), response()];
-    std::fs::write(folder.join("gallery.svg"), plot::svg(&figures)).unwrap();
-    std::fs::write(folder.join("gallery.png"), plot::png(&figures).unwrap()).unwrap();
-    std::fs::write(folder.join("gallery.html"), plot::page("Gallery", &figures)).unwrap();
+    std::fs::write(folder.join("gallery.svg"), page::svg(&figures)).unwrap();
+    std::fs::write(folder.join("gallery.png"), page::png(&figures).unwrap()).unwrap();
+    std::fs::write(folder.join("gallery.html"), page::page("Gallery", &figures)).unwrap();
 }
 
 fn bode() -> Figure {

@@ -1,6 +1,6 @@
 //! What is in a drawing.
 
-use plot::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded, svg};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded, svg};
 
 const INDEX: &str = "<tspan dy=\"3\" font-size=\"9\">";
 
