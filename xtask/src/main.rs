@@ -5,6 +5,7 @@ mod bench;
 mod folder;
 mod layers;
 mod python;
+mod wording;
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -15,6 +16,8 @@ const USAGE: &str = "usage: cargo xtask <task>
   check    format, clippy with warnings as errors, layers, tests, slow tests, comparisons with other packages, docs
   layers   check the crates' dependencies against the table in ARCHITECTURE.md, and their modules for circles;
            --graph counts modules, arrows and circles by crate, --graph CRATE lists the circles of one
+  wording  count the worst patterns of wording against the ceilings in xtask/wording.json; PATTERN or PATH lists the places,
+           --record lowers the ceilings
   bench    time the estimators; with --peers other packages on the same data too (see benchmarks/README.md)
            [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]
            or, with --mdf alone, the reading of MDF files of a gigabyte beside asammdf";
@@ -27,6 +30,11 @@ fn main() -> ExitCode {
         "layers" => match arguments.next().as_deref() {
             Some("--graph") => layers::graph(arguments.next().as_deref()),
             _ => layers::check(),
+        },
+        "wording" => match arguments.next().as_deref() {
+            Some("--record") => wording::record(),
+            Some(filter) => wording::list(filter),
+            None => wording::check(),
         },
         "bench" => bench::run(&arguments.collect::<Vec<_>>()),
         _ => Err(USAGE.to_owned()),

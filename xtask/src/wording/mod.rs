@@ -1,0 +1,175 @@
+//! Plain English: the worst patterns of wording, counted in everything that people read.
+//!
+//! Each room (a crate, or a folder of documents) has a ceiling for each pattern, recorded in `wording.json`. A room may not
+//! exceed its ceiling. A ceiling above the count fails too, so that the ceilings only fall. A pattern without an entry is at zero.
+
+mod patterns;
+mod texts;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use patterns::Finding;
+
+/// Ceilings by room and pattern.
+type Ceilings = BTreeMap<String, BTreeMap<String, usize>>;
+
+/// Compares the counts with the recorded ceilings.
+pub(crate) fn check() -> Result<(), String> {
+    let findings = findings()?;
+    let recorded = recorded()?;
+    let complaints = complaints(&findings, &recorded);
+    if complaints.is_empty() {
+        println!("wording: {} places are left to rewrite", findings.len());
+        return Ok(());
+    }
+    Err(complaints.join("\n"))
+}
+
+/// Prints each finding whose path contains `filter`, or whose pattern it names, with a suggestion.
+pub(crate) fn list(filter: &str) -> Result<(), String> {
+    for finding in findings()? {
+        if finding.path.contains(filter) || finding.pattern.name == filter {
+            println!("{finding}");
+        }
+    }
+    Ok(())
+}
+
+/// Records the present counts as ceilings. No pattern may become more frequent in the whole project.
+pub(crate) fn record() -> Result<(), String> {
+    let present = counts(&findings()?);
+    let recorded = recorded()?;
+    let (before, after) = (totals(&recorded), totals(&present));
+    for (pattern, &count) in &after {
+        let ceiling = before.get(pattern).copied().unwrap_or(0);
+        if count > ceiling && !before.is_empty() {
+            return Err(format!("{pattern}: {count} places, {ceiling} were recorded; reword the new ones first"));
+        }
+    }
+    let text = serde_json::to_string_pretty(&present).map_err(|error| error.to_string())?;
+    fs::write(ceilings_path(), text + "\n").map_err(|error| format!("{}: {error}", ceilings_path().display()))
+}
+
+fn findings() -> Result<Vec<Finding>, String> {
+    let root = root();
+    let mut findings = Vec::new();
+    for path in texts::files(&root)? {
+        let name = path.strip_prefix(&root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+        let content = fs::read_to_string(&path).map_err(|error| format!("{name}: {error}"))?;
+        for text in texts::of_file(&name, &content)? {
+            findings.extend(patterns::find(&name, &text));
+        }
+    }
+    Ok(findings)
+}
+
+fn complaints(findings: &[Finding], recorded: &Ceilings) -> Vec<String> {
+    let present = counts(findings);
+    let of = |ceilings: &Ceilings, room: &str, pattern: &str| {
+        ceilings.get(room).and_then(|patterns| patterns.get(pattern)).copied().unwrap_or(0)
+    };
+    let mut complaints = Vec::new();
+    for (room, patterns) in &present {
+        for (pattern, &count) in patterns {
+            let ceiling = of(recorded, room, pattern);
+            if count > ceiling {
+                let mut places = findings.iter().filter(|f| f.room() == *room && f.pattern.name == pattern.as_str());
+                let shown: Vec<String> = places.by_ref().take(8).map(|finding| format!("  {finding}")).collect();
+                complaints.push(format!(
+                    "{room}: {pattern} in {count} places, at most {ceiling} allowed; \
+                     `cargo xtask wording {room}` lists all\n{}",
+                    shown.join("\n")
+                ));
+            }
+        }
+    }
+    for (room, patterns) in recorded {
+        for (pattern, &ceiling) in patterns {
+            let count = of(&present, room, pattern);
+            if count < ceiling {
+                complaints.push(format!(
+                    "{room}: {pattern} has fallen to {count}, but {ceiling} is recorded; run `cargo xtask wording --record`"
+                ));
+            }
+        }
+    }
+    complaints
+}
+
+fn counts(findings: &[Finding]) -> Ceilings {
+    let mut counts = Ceilings::new();
+    for finding in findings {
+        let room = counts.entry(finding.room().to_owned()).or_default();
+        *room.entry(finding.pattern.name.to_owned()).or_default() += 1;
+    }
+    counts
+}
+
+fn totals(ceilings: &Ceilings) -> BTreeMap<&str, usize> {
+    let mut totals = BTreeMap::new();
+    for (pattern, count) in ceilings.values().flatten() {
+        *totals.entry(pattern.as_str()).or_default() += count;
+    }
+    totals
+}
+
+fn recorded() -> Result<Ceilings, String> {
+    let path = ceilings_path();
+    if !path.exists() {
+        return Ok(Ceilings::new());
+    }
+    let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+    serde_json::from_str(&text).map_err(|error| format!("{}: {error}", path.display()))
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_path_buf()
+}
+
+fn ceilings_path() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("wording.json")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn in_markdown(path: &str, text: &str) -> Vec<Finding> {
+        let texts = texts::of_file(path, text).unwrap_or_default();
+        texts.iter().flat_map(|text| patterns::find(path, text)).collect()
+    }
+
+    #[test]
+    fn exact_a_room_may_neither_exceed_its_ceiling_nor_keep_one_that_is_too_high() {
+        let one = in_markdown("docs/a.md", "The delay is told by a step.\n");
+        let ceilings = |count| Ceilings::from([("docs".to_owned(), BTreeMap::from([("told".to_owned(), count)]))]);
+        assert_eq!(one.len(), 1);
+        assert!(complaints(&one, &ceilings(1)).is_empty());
+        assert!(complaints(&one, &ceilings(0))[0].contains("docs/a.md:1"));
+        assert!(complaints(&one, &ceilings(2))[0].contains("has fallen to 1"));
+        assert!(complaints(&[], &Ceilings::new()).is_empty());
+    }
+
+    #[test]
+    fn exact_rust_strings_and_docs_are_read_and_comments_are_not() {
+        let source =
+            "//! It tells the delay.\n// told\nfn f() {\n    // untold\n    g(\"cannot be \\\n     told\");\n}\n";
+        let found = in_markdown("crates/lti/src/a.rs", source);
+        let lines: Vec<usize> = found.iter().map(|finding| finding.line).collect();
+        assert_eq!(lines, [1, 5]);
+        assert_eq!(found[0].room(), "lti");
+    }
+
+    #[test]
+    fn exact_long_sentences_are_counted_without_code_and_tables() {
+        let long = "word ".repeat(26);
+        assert_eq!(in_markdown("README.md", &format!("Short one.\n{long}\nend.\n"))[0].pattern.name, "long sentence");
+        assert!(in_markdown("README.md", &format!("```\n{long}\n```\n")).is_empty());
+        assert!(
+            in_markdown("README.md", &format!("`{long}` is code.\n\n{}", "- six words in this item\n".repeat(6)))
+                .is_empty()
+        );
+    }
+}

@@ -1,0 +1,138 @@
+//! The patterns, and what to write in their place.
+
+use std::fmt;
+use std::sync::LazyLock;
+
+use regex_lite::Regex;
+
+use super::texts::Text;
+
+/// A sentence has at most so many words.
+const LONGEST_SENTENCE: usize = 25;
+
+/// Something that should be reworded wherever it is found.
+pub(super) struct Pattern {
+    pub(super) name: &'static str,
+    expression: Regex,
+    suggestion: &'static str,
+}
+
+/// One place to reword.
+pub(super) struct Finding {
+    pub(super) path: String,
+    pub(super) line: usize,
+    pub(super) pattern: &'static Pattern,
+    excerpt: String,
+}
+
+impl Finding {
+    /// The crate or folder that the ceiling belongs to.
+    pub(super) fn room(&self) -> &str {
+        let mut parts = self.path.split('/');
+        match (parts.next(), parts.next()) {
+            (Some("crates"), Some(room)) => room,
+            (Some(folder), Some(_)) => folder,
+            _ => "documents",
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { path, line, pattern, excerpt } = self;
+        write!(f, "{path}:{line}: {}: \"{excerpt}\" → {}", pattern.name, pattern.suggestion)
+    }
+}
+
+static PATTERNS: LazyLock<Vec<Pattern>> = LazyLock::new(|| {
+    let table = [
+        (
+            "told",
+            r"(?i)\b(untold|told|tells?|telling)\b",
+            "show, estimate, state; \"cannot be distinguished from\"; \"the recordings cannot show\"",
+        ),
+        (
+            "held against",
+            r"(?i)\b((is|are|be|was|were|been) held against|hold(s|ing)?\b[^.,;:]{0,60}\bagainst)\b",
+            "compare with, check against",
+        ),
+        (
+            "stands",
+            r"(?i)\bst(ands?|anding|ood) (in|beside|with|behind|between|there)\b",
+            "is in, is next to, is listed in",
+        ),
+        (
+            "inverted",
+            r"(?:^|[.:;!?] |\n)(By which|Of which|From which|To which|So it is|So is|So are|Of these)\b",
+            "begin with the subject",
+        ),
+        (
+            "what, verb",
+            r"\b[Ww]hat [^.,;:]{3,80}, (says?|is|are|was|has|have|gives?|needs?|stays?|shows?|goes|stands?)\b",
+            "\"X gives what Y\": subject, verb, object",
+        ),
+    ];
+    let pattern = |(name, expression, suggestion)| Pattern { name, expression: compiled(expression), suggestion };
+    table.into_iter().map(pattern).collect()
+});
+
+/// Its expression finds where a sentence ends.
+static LONG_SENTENCE: LazyLock<Pattern> = LazyLock::new(|| Pattern {
+    name: "long sentence",
+    expression: compiled(r"[.!?;:](?:\s|$)|\n\n"),
+    suggestion: "two sentences, of at most 25 words each",
+});
+
+/// Of expressions that are written in this program.
+#[expect(clippy::expect_used)]
+pub(super) fn compiled(expression: &str) -> Regex {
+    Regex::new(expression).expect("a regular expression")
+}
+
+/// Places where a pattern is right: a quotation, a test's data, a name. The text must contain the second column.
+const ALLOWED: &[(&str, &str, &str)] = &[
+    ("CONTRIBUTING.md", "told", "the style sheet names the words it forbids"),
+    ("xtask/src/wording/", "", "the patterns themselves"),
+];
+
+/// The findings in one text.
+pub(super) fn find(path: &str, text: &Text) -> Vec<Finding> {
+    if ALLOWED.iter().any(|(place, part, _)| path.starts_with(place) && text.words.contains(part)) {
+        return Vec::new();
+    }
+    let finding = |pattern: &'static Pattern, at: usize, excerpt: &str| Finding {
+        path: path.to_owned(),
+        line: text.line + text.words[..at].matches('\n').count(),
+        pattern,
+        excerpt: excerpt.split_whitespace().collect::<Vec<_>>().join(" "),
+    };
+    let mut findings = Vec::new();
+    for pattern in PATTERNS.iter() {
+        let places = pattern.expression.find_iter(&text.words);
+        findings.extend(places.map(|place| finding(pattern, place.start(), around(&text.words, place.range()))));
+    }
+    if text.sentences {
+        let mut start = 0;
+        let ends = LONG_SENTENCE.expression.find_iter(&text.words).map(|place| place.end());
+        for end in ends.chain([text.words.len()]) {
+            let sentence = &text.words[start..end];
+            if words(sentence) > LONGEST_SENTENCE {
+                let first = start + sentence.len() - sentence.trim_start().len();
+                findings.push(finding(&LONG_SENTENCE, first, around(&text.words, first..first)));
+            }
+            start = end;
+        }
+    }
+    findings
+}
+
+/// Words hold a letter: numbers, signs and symbols are none.
+fn words(sentence: &str) -> usize {
+    sentence.split_whitespace().filter(|word| word.chars().filter(|c| c.is_alphabetic()).count() > 1).count()
+}
+
+fn around(text: &str, place: std::ops::Range<usize>) -> &str {
+    let start = text[..place.start].char_indices().rev().nth(30).map_or(0, |(at, _)| at);
+    let end = text[place.end..].char_indices().nth(40).map_or(text.len(), |(at, _)| place.end + at);
+    &text[start..end]
+}
