@@ -13,6 +13,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("page", &[]),
     ("report", &["bench", "page"]),
     ("dynoid", &["signal", "lti", "ident", "recording", "bench", "page", "report"]),
+    ("testdata", &[]),
     ("testkit", &["signal", "lti", "ident"]),
     ("xtask", &[]),
 ];

@@ -1,7 +1,6 @@
 //! Friction and inertia of a dynamometer that turns by itself, against what it was made of.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use bench::experiment::{ExperimentPlan, Waveform};
 use bench::friction::{Friction, FrictionError, FrictionOptions, Inertia, Term, TorqueUsed, Undetermined, estimate};
@@ -280,13 +279,7 @@ fn regress_friction_that_no_dynamometer_has_is_refused() {
 
 /// The run-out of a flywheel dynamometer that is kept beside the project: time, s, and speed, rad/s.
 fn flywheel() -> Option<(Vec<f64>, Vec<f64>)> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let shared = std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from);
-    let path = shared.join("reference/inertia-dyno/unloaded_spindown.txt");
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        println!("skipped: {} is not there", path.display());
-        return None;
-    };
+    let text = std::fs::read_to_string(testdata::shared("reference/inertia-dyno/unloaded_spindown.txt")?).unwrap();
     let rows: Vec<Vec<f64>> =
         text.lines().map(|line| line.split_whitespace().filter_map(|cell| cell.parse().ok()).collect()).collect();
     let mut last = f64::NEG_INFINITY;

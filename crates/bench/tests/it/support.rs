@@ -1,7 +1,7 @@
 //! Recordings made in memory.
 
 use std::f64::consts::TAU;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use recording::{Channel, Format, Raster, Recording};
 
@@ -130,15 +130,10 @@ pub(crate) fn bench_file(limits: &str, replaced: &[(&str, &str)]) -> bench::Benc
     text.parse().unwrap()
 }
 
-/// Names and contents of a simulated bench's recordings, where they are present beside the project or in
-/// `DYNOID_SHARED`; none, and a word about it, where they are not.
+/// Names and contents of a simulated bench's recordings; none, and the test counts as skipped, where they are absent.
 pub(crate) fn recordings(bench: &str) -> Vec<(String, Recording)> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let folder = std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from).join("recordings").join(bench);
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        println!("skipped: {} is not there", folder.display());
-        return Vec::new();
-    };
+    let Some(folder) = testdata::shared(&format!("recordings/{bench}")) else { return Vec::new() };
+    let entries = std::fs::read_dir(&folder).unwrap();
     let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
     files.retain(|path| path.extension().is_some_and(|ending| ending == "mf4" || ending == "mdf"));
     files.sort();

@@ -1,5 +1,5 @@
 //! The commands on measurements of others, against what they published. Skipped where the shared folder is not there.
-#![allow(clippy::print_stdout, reason = "what was skipped and found is for whoever reads the test run")]
+#![allow(clippy::print_stdout, reason = "what was found is for whoever reads the test run")]
 
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
@@ -8,16 +8,9 @@ use serde_json::Value;
 
 use crate::support::Campaign;
 
-/// A file of the reference data; `None`, with a word about it, where it is absent.
+/// A file of the reference data; `None`, and the test counts as skipped, where it is absent.
 fn reference(path: &str) -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    let shared = std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from);
-    let file = shared.join("reference").join(path);
-    if !file.is_file() {
-        println!("skipped: {} is not there", file.display());
-        return None;
-    }
-    Some(file)
+    testdata::shared(&format!("reference/{path}"))
 }
 
 /// A bench where nothing fires, with one recording.

@@ -5,7 +5,7 @@ use ident::{Arx, ArxOrders, Dataset, Doubt, Experiment, IdentError};
 use proptest::prelude::*;
 
 use crate::noise::Noise;
-use crate::shared::shared;
+use testdata::shared;
 
 /// `y(t) = Σ (−a) y + Σ b u + e` from rest, with the given delay.
 pub(crate) fn respond(a: &[f64], b: &[f64], nk: usize, u: &[f64], e: &[f64]) -> Vec<f64> {
@@ -20,13 +20,9 @@ pub(crate) fn respond(a: &[f64], b: &[f64], nk: usize, u: &[f64], e: &[f64]) -> 
 }
 
 /// Two comma-separated columns below a heading, of a file in the shared folder; says so where it is absent.
-#[allow(clippy::disallowed_methods, clippy::print_stderr)]
+#[allow(clippy::disallowed_methods)]
 pub(crate) fn two_columns(path: &str) -> Option<(Vec<f64>, Vec<f64>)> {
-    let Some(file) = shared(path) else {
-        eprintln!("skipped: {path} is not there");
-        return None;
-    };
-    let text = std::fs::read_to_string(file).unwrap();
+    let text = std::fs::read_to_string(shared(path)?).unwrap();
     let row = |line: &str| {
         let (u, y) = line.split_once(',').unwrap();
         (u.trim().parse::<f64>().unwrap(), y.trim().parse::<f64>().unwrap())

@@ -3,15 +3,11 @@ use ident::delay::{ArxDelay, FractionalDelay, ImpulseDelay, PeakDelay, PhaseDela
 use ident::{Dataset, IdentError, Intersample, Trend, TrendScope, TrendShape};
 
 use crate::noise::Noise;
-use crate::shared::shared;
+use testdata::shared;
 
-#[allow(clippy::print_stdout, clippy::disallowed_methods)]
+#[allow(clippy::disallowed_methods)]
 fn recorded(name: &str, rows: std::ops::Range<usize>) -> Option<Dataset> {
-    let Some(path) = shared(name) else {
-        println!("skipped: {name} is not here");
-        return None;
-    };
-    let text = std::fs::read_to_string(path).unwrap();
+    let text = std::fs::read_to_string(shared(name)?).unwrap();
     let numbers = |line: &str| -> Vec<f64> { line.split(',').map(|v| v.trim().parse().unwrap()).collect() };
     let table: Vec<Vec<f64>> = text.lines().skip(1).map(numbers).collect();
     let column = |j: usize| -> Vec<f64> { table.iter().map(|r| r[j]).collect() };

@@ -38,7 +38,6 @@ mod residual_whiteness;
 mod response_intervals;
 mod scaling;
 mod several_outputs;
-mod shared;
 mod smoothing;
 mod stand_in;
 mod state_space;

@@ -7,7 +7,7 @@ use signal::Sos;
 
 use crate::noise::Noise;
 use crate::polynomials::{armax_model, binary, bj_model, column, low_pass, oe_model, respond, simulated, siso, table};
-use crate::shared::shared;
+use testdata::shared;
 
 fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(found.len(), expected.len());
@@ -285,17 +285,9 @@ fn stat_time_series() {
     }
 }
 
-#[allow(
-    clippy::disallowed_methods,
-    clippy::print_stdout,
-    reason = "reference data are files, and a skipped test says so"
-)]
+#[allow(clippy::disallowed_methods, reason = "reference data are files")]
 fn read(path: &str) -> Option<Vec<Vec<f64>>> {
-    let Some(file) = shared(path) else {
-        println!("skipped: {path} is not there");
-        return None;
-    };
-    let text = std::fs::read_to_string(file).unwrap();
+    let text = std::fs::read_to_string(shared(path)?).unwrap();
     let row = |line: &str| line.split(',').map(|v| v.trim().parse().unwrap()).collect::<Vec<f64>>();
     let rows: Vec<Vec<f64>> = text.lines().skip(1).filter(|l| !l.is_empty()).map(row).collect();
     Some((0..rows[0].len()).map(|j| rows.iter().map(|r| r[j]).collect()).collect())

@@ -6,8 +6,8 @@ use ident::covariance::delta_variance;
 use ident::{Dataset, Doubt, Fit, Focus, IdentError, Parametric, StateSpaceModel, StateSpacePem, Subspace, Weighting};
 use lti::{Complex64, Innovations};
 
-use crate::shared::shared;
 use crate::systems::{data, gain_error, mimo, pole_near, siso};
+use testdata::shared;
 
 #[test]
 fn exact_prediction_and_simulation() {

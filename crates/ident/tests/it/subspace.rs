@@ -8,8 +8,8 @@ use ident::{Dataset, Doubt, Experiment, IdentError, Subspace, Trend, TrendScope,
 use lti::StateSpace;
 
 use crate::noise::Noise;
-use crate::shared::shared;
 use crate::systems::{data, gain_error, mimo, outputs, pole_near, siso, white_inputs};
+use testdata::shared;
 
 const ALL: [Weighting; 3] = [Weighting::N4sid, Weighting::Moesp, Weighting::Cva];
 

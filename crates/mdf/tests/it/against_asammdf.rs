@@ -3,32 +3,19 @@
 //! `tests/against_asammdf/dump.py` writes down what asammdf reads. Where `DYNOID_PYTHON` names no interpreter that has it,
 //! the tests are skipped.
 
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use mdf::{Address, Kind, Mdf, Values};
+use testdata::{python, shared};
 
 use crate::features::{LZ4, ZSTANDARD, mixed, one_packed};
 use crate::made::{Cn, cn, one_group};
 
-fn python() -> Option<OsString> {
-    let python = std::env::var_os("DYNOID_PYTHON");
-    if python.is_none() {
-        eprintln!("skipped: DYNOID_PYTHON names no Python with asammdf");
-    }
-    python
-}
-
 fn script(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/against_asammdf").join(name)
-}
-
-/// The folder of files of others, beside the workspace or named by the environment.
-fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from)
 }
 
 fn files_in(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -235,12 +222,9 @@ fn dumped(python: &OsStr, files: &[PathBuf], folder: &Path) {
 #[test]
 fn ref_files_of_others_are_read_as_asammdf_reads_them() {
     let mut files = vec![];
-    files_in(&shared().join("reference/mdf"), &mut files);
-    files_in(&shared().join("recordings"), &mut files);
-    if files.is_empty() {
-        eprintln!("skipped: there are no files of others");
-        return;
-    }
+    let (Some(reference), Some(recordings)) = (shared("reference/mdf"), shared("recordings")) else { return };
+    files_in(&reference, &mut files);
+    files_in(&recordings, &mut files);
     let Some(python) = python() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("asammdf-others");
     dumped(&python, &files, &folder);

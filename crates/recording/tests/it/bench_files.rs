@@ -4,9 +4,9 @@
 //! stamps and of the samples; see its first lines for how it was made.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use recording::{Selection, decode};
+use testdata::shared;
 
 /// FNV-1a over the little-endian bytes.
 fn checksum(samples: &[f64]) -> u64 {
@@ -14,15 +14,8 @@ fn checksum(samples: &[f64]) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// The folder of recordings beside the workspace, or the one named by the environment.
-fn shared() -> PathBuf {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared");
-    std::env::var_os("DYNOID_SHARED").map_or(beside, PathBuf::from)
-}
-
 #[test]
 fn ref_bench_files_equal_asammdf() {
-    let folder = shared().join("recordings");
     let expected = include_str!("data/bench_files.txt").lines().filter(|l| !l.starts_with('#'));
     let mut files: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for line in expected {
@@ -30,10 +23,8 @@ fn ref_bench_files_equal_asammdf() {
         files.entry(file).or_default().push(rest);
     }
     for (file, channels) in files {
-        let Ok(bytes) = std::fs::read(folder.join(file)) else {
-            eprintln!("skipped: {} is not there", folder.join(file).display());
-            continue;
-        };
+        let Some(path) = shared(&format!("recordings/{file}")) else { continue };
+        let bytes = std::fs::read(path).unwrap();
         let recording = decode(file, &bytes, &Selection::All).unwrap();
         assert_eq!(recording.findings, [], "{file}");
         let read: Vec<String> = recording

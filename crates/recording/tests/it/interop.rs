@@ -5,14 +5,10 @@ use std::process::Command;
 
 use recording::{Channel, Format, Raster, Recording, RecordingError, Selection, decode};
 
-/// Runs `interop.py`; `None`, with a word about it, where no Python is named.
+/// Runs `interop.py`; `None`, and the test counts as skipped, where no Python is named.
 fn python(arguments: &[&str]) -> Option<String> {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/interop.py");
-    let Some(interpreter) = std::env::var_os("DYNOID_PYTHON") else {
-        eprintln!("skipped: DYNOID_PYTHON names no Python with scipy, pandas, pyarrow and h5py");
-        return None;
-    };
-    let output = Command::new(interpreter).arg(script).args(arguments).output().unwrap();
+    let output = Command::new(testdata::python()?).arg(script).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Some(String::from_utf8(output.stdout).unwrap())
 }

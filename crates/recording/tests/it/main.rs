@@ -12,6 +12,5 @@ mod mat;
 mod mdf;
 mod round_trip;
 mod selection;
-mod shared;
 #[cfg(feature = "parquet")]
 mod tables;

@@ -11,7 +11,7 @@ mod run_down;
 mod servo;
 mod wheel;
 
-use crate::shared::shared;
+use testdata::shared;
 
 /// Named channels of a recording of the shared folder; `None`, with a word about it, where it is absent.
 fn channels<const N: usize>(path: &str, names: [&str; N]) -> Option<[Vec<f64>; N]> {
