@@ -180,7 +180,7 @@ pub(crate) enum CliError {
     #[error("{}: {source}", .path.display())]
     ModelVersion { path: PathBuf, source: ident::IdentError },
     /// A model file where recordings are wanted.
-    #[error("{}: this is a model file, not a recording; `dynoid poles`, `bode`, `step` and `convert` show what it holds", .path.display())]
+    #[error("{}: this is a model file, not a recording; `dynoid model poles`, `bode`, `step` and `convert` show what it holds", .path.display())]
     IsModel { path: PathBuf },
     /// A file that is no structure of a grey-box model.
     #[error("{}: this is no structure of a grey-box model: {reason}\nthe layout is shown by `dynoid fit greybox --help`", .path.display())]

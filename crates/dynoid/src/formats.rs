@@ -13,11 +13,17 @@ use crate::output::replace_with;
 /// A format of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FileFormat {
+    /// MDF 4.10
     Mf4,
+    /// Text, commas between the columns
     Csv,
+    /// Text, tabs between the columns
     Tsv,
+    /// MATLAB -v7
     Mat,
+    /// Parquet
     Parquet,
+    /// Arrow, Feather
     Arrow,
 }
 

@@ -19,8 +19,9 @@ mod terminal;
 use std::process::ExitCode;
 
 use crate::cli::experiment::ExperimentCommand;
-use crate::cli::{Cli, Command, StudyCommand};
-use crate::commands::identify;
+use crate::cli::identify::{DataCommand, ModelCommand};
+use crate::cli::{Cli, Command};
+use crate::commands::{experiment, identify};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -43,40 +44,40 @@ fn run(cli: Cli) -> ExitCode {
 
 fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     match command {
-        Command::Demo(arguments) => commands::demo::run(arguments, terminal),
-        Command::Study { command: StudyCommand::Run(arguments) } => commands::study::run(arguments, terminal),
-        Command::Experiment { command: ExperimentCommand::List(arguments) } => {
-            commands::experiment::list::run(arguments, terminal)
-        }
-        Command::Experiment { command: ExperimentCommand::Design(arguments) } => {
-            commands::experiment::design::run(arguments, terminal)
-        }
-        Command::Experiment { command: ExperimentCommand::Check(arguments) } => {
-            commands::experiment::check::run(arguments, terminal)
-        }
-        Command::Experiment { command: ExperimentCommand::Next(arguments) } => {
-            commands::experiment::next::run(arguments, terminal)
-        }
         Command::Init(arguments) => commands::init::run(arguments, terminal),
-        Command::Look(arguments) => commands::look::run(arguments, terminal),
-        Command::Shaft(arguments) => commands::shaft::run(arguments, terminal),
-        Command::Torque(arguments) => commands::torque::run(arguments, terminal),
-        Command::Engine(arguments) => commands::engine::run(arguments, terminal),
+        Command::Study(arguments) => commands::study::run(arguments, terminal),
+        Command::Demo(arguments) => commands::demo::run(arguments, terminal),
+        Command::Lines(arguments) => commands::lines::run(arguments, terminal),
+        Command::TorqueSignals(arguments) => commands::torque_signals::run(arguments, terminal),
+        Command::TorqueControl(arguments) => commands::torque_control::run(arguments, terminal),
         Command::Controller(arguments) => commands::controller::run(arguments, terminal),
-        Command::Inverter(arguments) => commands::inverter::run(arguments, terminal),
+        Command::Shaft(arguments) => commands::shaft::run(arguments, terminal),
+        Command::Engine(arguments) => commands::engine::run(arguments, terminal),
         Command::Friction(arguments) => commands::friction::run(arguments, terminal),
+        Command::Experiment { command } => match command {
+            ExperimentCommand::List(arguments) => experiment::list::run(arguments, terminal),
+            ExperimentCommand::Design(arguments) => experiment::design::run(arguments, terminal),
+            ExperimentCommand::Check(arguments) => experiment::check::run(arguments, terminal),
+            ExperimentCommand::Simulate(arguments) => experiment::simulate::run(arguments, terminal),
+            ExperimentCommand::Next(arguments) => experiment::next::run(arguments, terminal),
+        },
         Command::Inspect(arguments) => commands::inspect::run(arguments, terminal),
-        Command::Fit { command } => identify::fit::run(command, terminal),
-        Command::Compare(arguments) => identify::judge::compare(arguments, terminal),
-        Command::Resid(arguments) => identify::judge::resid(arguments, terminal),
-        Command::Simulate(arguments) => commands::simulate::run(arguments, terminal),
-        Command::Predict(arguments) => identify::judge::predict_model(arguments, terminal),
-        Command::Bode(arguments) => identify::look::bode(arguments, terminal),
-        Command::Step(arguments) => identify::look::step(arguments, terminal),
-        Command::Poles(arguments) => identify::look::poles(arguments, terminal),
         Command::Convert(arguments) => commands::convert::run(arguments, terminal),
-        Command::Spectrum(arguments) => identify::explore::spectrum(arguments, terminal),
-        Command::Delay(arguments) => identify::explore::delay(arguments, terminal),
-        Command::Order(arguments) => identify::explore::order(arguments, terminal),
+        Command::Data { command } => match command {
+            DataCommand::Spectrum(arguments) => identify::explore::spectrum(arguments, terminal),
+            DataCommand::Delay(arguments) => identify::explore::delay(arguments, terminal),
+            DataCommand::Order(arguments) => identify::explore::order(arguments, terminal),
+        },
+        Command::Fit { command } => identify::fit::run(command, terminal),
+        Command::Model { command } => match command {
+            ModelCommand::Bode(arguments) => identify::show::bode(arguments, terminal),
+            ModelCommand::Step(arguments) => identify::show::step(arguments, terminal),
+            ModelCommand::Poles(arguments) => identify::show::poles(arguments, terminal),
+            ModelCommand::Compare(arguments) => identify::judge::compare(arguments, terminal),
+            ModelCommand::Residuals(arguments) => identify::judge::residuals(arguments, terminal),
+            ModelCommand::Predict(arguments) => identify::judge::predict(arguments, terminal),
+            ModelCommand::Simulate(arguments) => identify::judge::simulate(arguments, terminal),
+            ModelCommand::Convert(arguments) => identify::convert::convert(arguments, terminal),
+        },
     }
 }

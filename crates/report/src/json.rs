@@ -50,15 +50,15 @@ impl std::fmt::Display for StudyModelError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             StudyModelError::NotAStudy { reason } => {
-                write!(f, "this is no study.json ({reason}); one is written by `dynoid study run bench.toml`")
+                write!(f, "this is no study.json ({reason}); one is written by `dynoid study bench.toml`")
             }
             StudyModelError::OtherVersion { found } => write!(
                 f,
-                "this study is of version {found}, where {FORMAT_VERSION} is read; run `dynoid study run bench.toml` again"
+                "this study is of version {found}, where {FORMAT_VERSION} is read; run `dynoid study bench.toml` again"
             ),
             StudyModelError::NoModel => f.write_str(
                 "this study holds no bench model: its recordings did not give one, or an earlier dynoid wrote it; run \
-                 `dynoid study run bench.toml` again and see what it says of the shaft",
+                 `dynoid study bench.toml` again and see what it says of the shaft",
             ),
         }
     }

@@ -96,7 +96,7 @@ impl fmt::Display for Goal {
             Goal::EngineInertia => "J_e",
             Goal::SpeedController => "PI",
             Goal::FeedForward => "FF",
-            Goal::TorqueControl => "FOC",
+            Goal::TorqueControl => "TC",
         })
     }
 }

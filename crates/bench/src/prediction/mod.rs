@@ -53,7 +53,7 @@ pub struct Prediction {
 pub enum PredictionError {
     /// The model has no control of the shaft torque.
     #[error(
-        "control of the shaft torque is no part of the bench model; `dynoid simulate` runs it on the virtual bench"
+        "control of the shaft torque is no part of the bench model; `dynoid experiment simulate` runs it on the virtual bench"
     )]
     ShaftTorqueControl,
     /// The model cannot be simulated.

@@ -16,9 +16,14 @@ Examples:
   dynoid controller bench.toml
   dynoid controller bench.toml BS_T_NT_1200.mf4 --plot controller.html
   dynoid controller bench.toml --json | jq '.controllers[].found.found.with_delay.parameters[] | {symbol, value, interval}'
-  dynoid controller study
+  dynoid controller noise-test
 
-Recordings in speed control tell the speed controller. With constant N_d* (BS_T_NT): PI without and with delay side by side, the discrete form, and whether a filter, a derivative, a second integrator or an offset stands beside it. Where N_d* moves (Levels_N_NT, Ramp_N_NT): the feed-forward k N_d* + k_a dN_d*/dt, and whether its static map bends, has hysteresis or compensates friction. Where T_d* rests at its limit: the limit, and what becomes of the integrator there. Tests are made at the 1 % level for all terms of a recording together (Holm)."
+The command uses recordings in speed control:
+  N_d* constant (BS_T_NT)                PI without and with delay, the discrete form; tests for a filter, a derivative, a second integrator and an offset
+  N_d* changing (Levels_N_NT, Ramp_N_NT) the feed-forward k N_d* + k_a dN_d*/dt; tests for a bent static map, hysteresis and friction compensation
+  T_d* at its limit                      the limit, and the anti-windup of the integrator
+
+All tests of one recording together have the level 1 % (Holm)."
 )]
 pub(crate) struct ControllerArguments {
     #[command(subcommand)]
@@ -31,19 +36,21 @@ pub(crate) struct ControllerArguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum ControllerCommand {
-    /// Simulates a known PI with noise on the speed it sees, estimates it again, many times over
-    Study(ControllerStudyArguments),
+    /// Show what noise on the speed does to the estimate of a known PI
+    NoiseTest(NoiseTestArguments),
 }
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid controller study
-  dynoid controller study bench.toml BS_T_NT_1200.mf4 --draws 1000 --plot study.html
-  dynoid controller study --low-pass 0.5 --low-pass-snr 20 --json | jq '.cases[].summaries[] | {symbol, bias, coverage}'
+  dynoid controller noise-test
+  dynoid controller noise-test bench.toml BS_T_NT_1200.mf4 --draws 1000 --plot noise.html
+  dynoid controller noise-test --low-pass 0.5 --low-pass-snr 20 --json | jq '.cases[].summaries[] | {symbol, bias, coverage}'
 
-The study of the thesis, §7.1: could noise be why a PI does not explain a recording? A known PI with delay runs on recorded speeds, noise is added to the speed that it sees, and it is estimated again from T_d* and the speeds without that noise. Without a recording, BS_T_NT on a virtual bench serves. The SNR is the variance of the speed error over that of the noise. The thesis gives neither its bands nor its definition of SNR.")]
-pub(crate) struct ControllerStudyArguments {
+Could noise explain why a PI does not fit a recording (thesis, §7.1)? A known PI with delay runs on recorded speeds, with noise added to the speed that it sees. It is then estimated from T_d* and the speeds without that noise, many times. Without a recording the test simulates BS_T_NT.
+
+SNR is the variance of the speed error divided by that of the noise. The thesis gives neither its bands nor its definition of SNR.")]
+pub(crate) struct NoiseTestArguments {
     /// The bench file whose channels the recording has [default: a virtual bench]
     #[arg(value_name = "BENCH.toml")]
     pub(crate) bench: Option<PathBuf>,

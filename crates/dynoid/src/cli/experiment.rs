@@ -1,22 +1,34 @@
-//! Arguments of `dynoid experiment`, and of `dynoid simulate`, which has two uses.
+//! Arguments of `dynoid experiment`.
 
 use std::path::PathBuf;
 
 use bench::excitation_design::Goal;
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::identify::{ResultArguments, RunArguments};
+use super::identify::ResultArguments;
 use super::number;
 
+pub(crate) const EXAMPLES: &str = "\
+Examples:
+  dynoid experiment list
+  dynoid experiment design bench.toml BS_T_NT
+  dynoid experiment check bench.toml BS_T_NT
+  dynoid experiment simulate bench.toml BS_T_NT --out run.mf4
+
+Names: {test}_{T|N}_{NT|TN}. T or N is what is excited, torque or speed. NT: the dynamometer controls speed, the engine torque; TN: the reverse.";
+
+/// What is done with an experiment before it is run on the bench.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ExperimentCommand {
-    /// Lists the experiments of the method with their parameters
+    /// List the experiments of the method with their parameters
     List(ListArguments),
-    /// Writes the demands of an experiment, draws them, and predicts what the bench will do
+    /// Write the demands of an experiment, and predict speeds and torques
     Design(DesignArguments),
-    /// Checks whether an experiment is safe on a bench that is not known exactly
+    /// Compute how probably an experiment exceeds a limit of the bench
     Check(CheckArguments),
-    /// Says what to record next: what each experiment would make narrower of what is known
+    /// Simulate an experiment on a virtual bench, and record it
+    Simulate(SimulateArguments),
+    /// Find the experiment that improves the estimates most
     Next(NextArguments),
 }
 
@@ -30,7 +42,7 @@ pub(crate) struct ListArguments {
     /// Only this experiment, with its parameters
     #[arg(value_name = "NAME")]
     pub(crate) name: Option<String>,
-    /// Prints everything as JSON
+    /// Print everything as JSON
     #[arg(long)]
     pub(crate) json: bool,
 }
@@ -38,19 +50,19 @@ pub(crate) struct ListArguments {
 /// The numbers of an experiment.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct PlanArguments {
-    /// Speed, rpm: constant, or the one from which it changes
+    /// Speed, rpm: the constant speed, or the first one
     #[arg(long, value_name = "RPM", value_parser = number::finite, help_heading = "Experiment")]
     pub(crate) speed: Option<f64>,
     /// Length of the recording
     #[arg(long, value_name = "SECONDS", value_parser = number::positive, help_heading = "Experiment")]
     pub(crate) duration: Option<f64>,
-    /// Another parameter, such as low=35 or low="35 Nm"; give it again for more. `dynoid experiment list NAME` shows them
+    /// Another parameter, such as low=35 or low="35 Nm"; repeat it for more. `dynoid experiment list NAME` shows them
     #[arg(long = "set", value_name = "NAME=VALUE", help_heading = "Experiment")]
     pub(crate) set: Vec<String>,
-    /// Seed of what is random in demands and bench; the same seed gives the same bytes [default: 1]
+    /// Seed of demands and bench; the same seed gives the same bytes [default: 1]
     #[arg(long, value_name = "N", help_heading = "Experiment")]
     pub(crate) seed: Option<u64>,
-    /// Takes shaft, speed controller, feed-forward and torque control from a study, in place of what the bench file states
+    /// Take shaft, speed controller, feed-forward and torque control from a study instead of the bench file
     #[arg(long = "model", value_name = "STUDY.json", help_heading = "Experiment")]
     pub(crate) study: Option<PathBuf>,
 }
@@ -83,13 +95,21 @@ Examples:
   dynoid experiment design bench.toml --optimal K,B --speed 1500 --duration 20 --peak-shaft-torque 60
   dynoid experiment design bench.toml --optimal PI,FF --form binary --set torque=40
 
-Writes NAME_SPEED.csv and NAME_SPEED.mf4 (the demands: speeds every 1 ms, all others every 10 ms, as the automation system takes them), NAME_SPEED.html (demands, their spectrum with resonance and firing, predicted speeds and torques) and NAME_SPEED_predicted.mf4.
+Files written:
+  NAME_SPEED.csv, NAME_SPEED.mf4  the demands for the automation system: speeds every 1 ms, all others every 10 ms
+  NAME_SPEED.html                 demands, their spectrum with resonance and firing frequency, predicted speeds and torques
+  NAME_SPEED_predicted.mf4        the prediction
 
-Demands of one's own are a recording with columns named dyno_speed_demand (rpm; dynamometer controls speed) or engine_speed_demand (rpm) with dyno_torque_demand or shaft_torque_demand (Nm; it controls torque), engine_torque_demand (Nm) or throttle_demand (%), and ignition_efficiency (1). Speeds run straight between their stamps, the others are held.
+Your own demands are a recording with these columns:
+  dyno_speed_demand (rpm)         the dynamometer controls speed
+  engine_speed_demand (rpm) with dyno_torque_demand or shaft_torque_demand (Nm)
+                                  the dynamometer controls torque
+  engine_torque_demand (Nm) or throttle_demand (%), ignition_efficiency (1)
+Speeds are linear between their time stamps; the others are held.
 
-With --optimal, spectrum and phases of a multisine, or the edges of a binary demand, are chosen for the least variance of what is named, on a bench whose resonance is known within ±15 % (with --model: as the study found it), and scaled until the first peak is met. --speed, --duration, --set settling=… and --set torque=… (mean of T_d*, in speed control the engine's torque) say where. Standard errors are those of the best estimator; beside them stand those after white noise with the same peak of the shaft torque. `dynoid experiment check` and `dynoid simulate --experiment` take the file that is written.
+--optimal chooses the spectrum and phases of a multisine, or the edges of a binary demand, for the least variance of the named parameters. Without --model the resonance is known within ±15 %. The demand is scaled until the first limit is met. --speed, --duration, --set settling=… and --set torque=… (mean of T_d*, in speed control of the engine torque) give the operating point. The standard errors are those of the best estimator, compared with white noise of the same peak shaft torque.
 
-The prediction is the linear bench model, of a study with --model, otherwise of what the bench file states ([shaft] resonance or stiffness); what had to be assumed is said. Firing pulses are no part of it; `dynoid simulate bench.toml --experiment NAME` has them.")]
+The prediction uses the linear bench model of a study (--model), or the values of the bench file ([shaft] resonance or stiffness); assumptions are listed. It has no firing pulses; `dynoid experiment simulate` has them.")]
 pub(crate) struct DesignArguments {
     #[command(flatten)]
     pub(crate) on: OnBenchArguments,
@@ -98,28 +118,28 @@ pub(crate) struct DesignArguments {
     pub(crate) experiment: Option<String>,
     #[command(flatten)]
     pub(crate) optimal: OptimalArguments,
-    /// Folder to write to; made if it is not there
+    /// Folder to write to; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "experiments")]
     pub(crate) out: PathBuf,
 }
 
-/// The excitation from which chosen parameters are learnt best.
+/// The excitation that gives chosen parameters the least variance.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Optimal excitation")]
 pub(crate) struct OptimalArguments {
-    /// In place of NAME: designs the excitation after which these have the least variance, out of K, B, J_d, J_e, PI (speed controller), FF (feed-forward), FOC (torque control)
+    /// Instead of NAME: design the excitation for the least variance of these, out of K, B, J_d, J_e, PI (speed controller), FF (feed-forward), TC (torque control)
     #[arg(long, value_name = "WHAT,…", value_delimiter = ',')]
     pub(crate) optimal: Vec<Goal>,
     /// Form of the demand
     #[arg(long, value_enum, default_value_t = Form::Multisine, requires = "optimal")]
     pub(crate) form: Form,
-    /// What is excited: T, the torque demand in torque control, or N, the speed demand in speed control [default: N where PI, FF or J_e are asked for]
+    /// Excite T, the torque demand in torque control, or N, the speed demand in speed control [default: N for PI, FF or J_e]
     #[arg(long, value_enum, value_name = "T|N", ignore_case = true, requires = "optimal")]
     pub(crate) excite: Option<Excite>,
-    /// Largest deviation of T_shaft from its mean [default: half of what the limits of the bench file leave; the rest is for firing pulses]
+    /// Largest deviation of T_shaft from its mean [default: half of the range within the limits; the rest is for firing pulses]
     #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
     pub(crate) peak_shaft_torque: Option<f64>,
-    /// Largest deviation of T_d from its mean [default: 95 % of what the limits of the bench file leave]
+    /// Largest deviation of T_d from its mean [default: 95 % of the range within the limits]
     #[arg(long, value_name = "NM", value_parser = number::positive, requires = "optimal")]
     pub(crate) peak_torque: Option<f64>,
     /// Largest deviation of N_d from its mean
@@ -150,18 +170,18 @@ Examples:
   dynoid experiment check bench.toml cycle.csv --model study/study.json --samples 1000
   dynoid experiment check bench.toml BS_T_NT --quiet && echo safe
 
-Many benches are drawn that could be this one, and the experiment is predicted on each. With --model they follow the covariance of the study's estimates; without, the resonance is known within ±20 %, the damping within ±50 % and the engine's inertia within ±10 % of what the bench file states (95 % ranges of log-normal distributions). The speed control of an engine of which [virtual_bench] says nothing has between a tenth of the assumed bandwidth and all of it: the slower it is, the less it damps the resonance.
+The command predicts the experiment on many random benches. With --model they follow the covariance of the study's estimates. Without it, they spread around the bench file (95 % ranges, log-normal): resonance ±20 %, damping ±50 %, engine inertia ±10 %. If [virtual_bench] does not describe the engine's speed control, its bandwidth is between a tenth of the usual value and that value. A slower one damps the resonance less.
 
-A limit of [limits] is safe where at most 5 % of the benches reach it and the 95 % interval of that probability ends below 5 % too; risky where only the interval reaches beyond; unsafe otherwise. What is not stated is not checked. For a sine test of T_d* the largest safe amplitude at each frequency is proposed.
+A limit of [limits] is safe if at most 5 % of the benches reach it, and the 95 % interval of that share ends below 5 %. It is risky if only the interval ends above, and unsafe otherwise. Limits that are not stated are not checked. For a sine test of T_d* the command proposes the largest safe amplitude at each frequency.
 
-The exit code is 0 where all limits stated are safe, and 1 otherwise, also where none is stated. Firing pulses are no part of the prediction: leave room for them.")]
+The exit code is 0 if all stated limits are safe, and 1 otherwise, also without any stated limit. The prediction has no firing pulses: leave room for them.")]
 pub(crate) struct CheckArguments {
     #[command(flatten)]
     pub(crate) on: OnBenchArguments,
     /// An experiment of the method, such as Sine_T_TN, or a file of demands
     #[arg(value_name = "NAME|FILE")]
     pub(crate) experiment: String,
-    /// Benches drawn; fewer than 72 are never enough for `safe`
+    /// Number of random benches; fewer than 72 never suffice for `safe`
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) samples: u32,
 }
@@ -173,60 +193,50 @@ Examples:
   dynoid experiment next bench.toml --speed 2000 --duration 120
   dynoid experiment next bench.toml --json | jq '.candidates[0].label'
 
-Each experiment of the method is run on a virtual bench as this one is known to be, with its rasters and the noise of its speeds, and studied beside the recordings there are; the intervals that the study then states are set beside those of now. Where [limits] states shaft_torque, a multisine designed for the shaft within it is tried too. All run at the same speed for the same time.
+The command simulates each experiment of the method on a virtual bench with the known parameters, rasters and speed noise of this bench. It studies each simulated recording together with the real ones, and compares the new intervals with the present ones. All experiments have the same speed and length. With a limit of shaft_torque in [limits], a multisine designed for the shaft is tried too.
 
-An interval that gets narrower by less than a fifth counts for nothing: realisations of one experiment differ by as much. Without any recording it needs [shaft] in the bench file.")]
+An interval that shrinks by less than a fifth does not count, because repetitions of one experiment differ by as much. Without recordings the bench file needs [shaft].")]
 pub(crate) struct NextArguments {
     /// The bench file
     #[arg(value_name = "BENCH.toml")]
     pub(crate) bench: PathBuf,
-    /// Speed at which the next experiment would run, rpm
+    /// Speed of the next experiment, rpm
     #[arg(long, value_name = "RPM", value_parser = number::positive, default_value_t = 1200.0)]
     pub(crate) speed: f64,
-    /// Its length
+    /// Length of the recording
     #[arg(long, value_name = "SECONDS", value_parser = number::positive, default_value_t = 60.0)]
     pub(crate) duration: f64,
-    /// Per cent of its value within which a number is known well enough: narrowing it further buys nothing
+    /// A parameter is known well enough if its interval is within this many per cent
     #[arg(long, value_name = "PERCENT", value_parser = number::positive, default_value_t = 1.0)]
     pub(crate) enough: f64,
-    /// Seed of what is random in it
+    /// Seed of the simulations
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Prints everything as JSON
+    /// Print everything as JSON
     #[arg(long)]
     pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
-#[command(
-    mut_arg("model", |arg| arg.value_name("MODEL.json|BENCH.toml").help("A model file, or with --experiment a bench file")),
-    mut_arg("on", |arg| arg.required(false)),
-    override_usage = "dynoid simulate [OPTIONS] MODEL.json --on RECORDING\n       dynoid simulate [OPTIONS] BENCH.toml --experiment NAME --out FILE",
-    after_help = "\
-A model, on the inputs of a recording:
-  dynoid simulate model.json --on demand.mf4 --out simulated.csv
+#[command(after_help = "\
+Examples:
+  dynoid experiment simulate bench.toml BS_T_NT --out recordings/BS_T_NT_1200.mf4
+  dynoid experiment simulate bench.toml Sine_T_TN --speed 2000 --set amplitude=12 --out sine.parquet --truth truth.mf4
+  dynoid experiment simulate bench.toml experiments/Step_T_TN_1200.csv --model study/study.json --out run.mf4
 
-A bench, in an experiment:
-  dynoid simulate bench.toml --experiment BS_T_NT --out recordings/BS_T_NT_1200.mf4
-  dynoid simulate bench.toml --experiment Sine_T_TN --speed 2000 --set amplitude=12 --out sine.parquet --truth truth.mf4
-  dynoid simulate bench.toml --experiment experiments/Step_T_TN_1200.csv --model study/study.json --out run.mf4
+The virtual bench has a firing engine, torque control and sensors. Its channels have the names of [channels], so that `dynoid study` reads the recording like one of the real bench. It is the default virtual bench with the values of the bench file. The table [virtual_bench] sets every other value, such as [virtual_bench.mechanics] shaft_backlash_rad = 0.002.
 
-A bench is simulated with firing engine, inverter and sensors, and recorded under the names of [channels], so that `dynoid study run` reads it as the bench's own. It is the default virtual bench with what the bench file states; [virtual_bench] in it sets any other field, as [virtual_bench.mechanics] shaft_backlash_rad = 0.002 does. What really happened is written with --truth alone."
-)]
+Only --truth writes the true signals.")]
 pub(crate) struct SimulateArguments {
     #[command(flatten)]
-    pub(crate) run: RunArguments,
-    /// Runs an experiment on the bench of a bench file: one of the method, such as BS_T_NT, or a file of demands
-    #[arg(
-        long,
-        value_name = "NAME|FILE",
-        conflicts_with_all = ["on", "from_s", "to_s", "sample_time_s", "detrend", "from_rest"],
-        help_heading = "Experiment"
-    )]
-    pub(crate) experiment: Option<String>,
-    #[command(flatten)]
-    pub(crate) plan: PlanArguments,
-    /// Writes what really happened, without sensors, to a recording of its own
-    #[arg(long, value_name = "FILE", requires = "experiment", help_heading = "Experiment")]
+    pub(crate) on: OnBenchArguments,
+    /// An experiment of the method, such as BS_T_NT, or a file of demands
+    #[arg(value_name = "NAME|FILE")]
+    pub(crate) experiment: String,
+    /// Write the recording; its ending gives the format: .mf4, .csv, .tsv, .mat, .parquet or .arrow
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write the true signals, without sensors, to a recording of their own
+    #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
 }

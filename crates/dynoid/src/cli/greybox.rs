@@ -13,7 +13,7 @@ Examples:
   dynoid fit greybox two_mass.toml run.mf4 -u T_d -y w_d -y w_e --detrend none --out model.json
   dynoid fit greybox two_mass.toml a.mf4 b.mf4 -u T_d -y w_d -y w_e --detrend none --starts 20
 
-The structure is a TOML file. Two inertias J_d and J_e on a shaft of stiffness K and damping B, torque on the first, both speeds measured; the states are the two speeds and the twist:
+The structure is a TOML file. This one has two inertias J_d and J_e on a shaft of stiffness K and damping B. The torque acts on the first inertia, and both speeds are measured. The states are the two speeds and the twist:
 
   [parameters]
   J_d = { value = 0.6, fixed = true }
@@ -31,19 +31,23 @@ The structure is a TOML file. Two inertias J_d and J_e on a shaft of stiffness K
   [derived]
   resonance_hz = \"sqrt(K*(1/J_d + 1/J_e))/(2*pi)\"
 
-Rows of A are states, columns of B inputs in the order of -u, rows of C outputs in the order of -y. D (zero unless given) and K (gain of the sampled predictor, states by outputs; none unless given) follow the same way. Entries are numbers or formulas in quotes: parameters, numbers, pi, + - * / ^, parentheses, sqrt and exp. The search starts at `value` and keeps between `min` and `max`; `fixed` ones stay. The model is continuous, x' = A x + B u, y = C x + D u; above the tables, `sample_time_s = 0.01` makes it discrete, and `input_delays_s = [\"T\"]`, one an input, delays the inputs of a continuous one. Derived quantities are reported with standard errors.
+Rows of A are states, columns of B inputs in the order of -u, rows of C outputs in the order of -y. D is zero by default. K, the gain of the sampled predictor (states by outputs), is absent by default. Entries are numbers or formulas in quotes, with parameters, numbers, pi, + - * / ^, parentheses, sqrt and exp.
 
-By default the mean of every channel is taken off, which suits a model about an operating point. A structure that integrates, as this one does, needs `--detrend none`.")]
+The search starts at `value` and stays between `min` and `max`; `fixed` parameters do not change. Derived quantities are reported with standard errors.
+
+The model is continuous: x' = A x + B u, y = C x + D u. Above the tables, `sample_time_s = 0.01` makes it discrete, and `input_delays_s = [\"T\"]`, one an input, delays the inputs of a continuous model.
+
+By default the mean of every channel is subtracted, which suits a model at an operating point. A structure that integrates, as this one does, needs `--detrend none`.")]
 pub(crate) struct GreyBoxArguments {
-    /// The structure: parameters, and matrices of formulas of them
+    /// The structure: parameters, and matrices of formulas
     #[arg(value_name = "STRUCTURE.toml")]
     pub(crate) structure: PathBuf,
     #[command(flatten)]
     pub(crate) fit: FitArguments,
-    /// Further starting points against local minima, within the bounds or from a tenth to ten times the value
+    /// Further starting points against local minima: within the bounds, or from a tenth to ten times the value
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = number::count)]
     pub(crate) starts: usize,
-    /// Takes the system to be at rest at the first sample; with `--detrend none`, for what is taken off is no rest
+    /// Assume rest at the first sample; use it with `--detrend none`
     #[arg(long)]
     pub(crate) from_rest: bool,
 }

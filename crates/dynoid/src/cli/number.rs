@@ -1,4 +1,4 @@
-//! Numbers on the command line, refused in words that say which ones are meant.
+//! Numbers on the command line.
 
 /// A number that is finite.
 pub(super) fn finite(text: &str) -> Result<f64, String> {

@@ -10,7 +10,7 @@ use recording::Recording;
 use report::wording;
 use serde::Serialize;
 
-use crate::cli::InitArguments;
+use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};
 use crate::input::{self, InputFile};
 use crate::output;
@@ -151,7 +151,7 @@ fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Ter
         }
     }
     terminal.gap();
-    terminal.line(&format!("Next: look the file over, then `dynoid study run {}`", shown(out)));
+    terminal.line(&format!("Next: look the file over, then `dynoid study {}`", shown(out)));
 }
 
 fn hint(key: &str) -> &'static str {

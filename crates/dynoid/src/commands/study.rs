@@ -1,4 +1,4 @@
-//! `dynoid study run`: from a bench file to a report.
+//! `dynoid study`: from a bench file to a report.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use bench::study::{Analyses, Campaign, Progress as StudyProgress, Source, StudyE
 use bench::{BenchFile, Study};
 use report::wording;
 
-use crate::cli::StudyRunArguments;
+use crate::cli::bench::StudyArguments;
 use crate::error::{CliError, Outcome};
 use crate::input;
 use crate::output::OutputFolder;
@@ -33,7 +33,7 @@ pub(crate) struct Written {
     pub(crate) data: PathBuf,
 }
 
-pub(crate) fn run(arguments: &StudyRunArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = arguments.out.clone().unwrap_or_else(|| input::folder_of(&arguments.bench).join("study"));
     let extent = if arguments.full { Extent::Full } else { Extent::Model };
     let written = study(&arguments.bench, &out, (None, extent), terminal)?;

@@ -4,14 +4,14 @@ use recording::encode_mdf4;
 
 use crate::support::{BENCH, Campaign, bs, channel};
 
-const STUDY: [&str; 3] = ["study", "run", "bench.toml"];
+const STUDY: [&str; 2] = ["study", "bench.toml"];
 
 #[test]
 fn bench_files_that_cannot_be_read() {
     let campaign = Campaign::empty();
-    campaign.run(&["study", "run", "cell.toml"]).assert_refused(3, &["cell.toml", "no such file"]);
-    campaign.run(&["study", "run", "."]).assert_refused(3, &["folder", "did you mean", "bench.toml"]);
-    campaign.run(&["study", "run", "recordings"]).assert_refused(3, &["folder", "dynoid init"]);
+    campaign.run(&["study", "cell.toml"]).assert_refused(3, &["cell.toml", "no such file"]);
+    campaign.run(&["study", "."]).assert_refused(3, &["folder", "did you mean", "bench.toml"]);
+    campaign.run(&["study", "recordings"]).assert_refused(3, &["folder", "dynoid init"]);
     campaign.write("bench.toml", &[0xff, 0xfe, 0x00, b'x']);
     campaign.run(&STUDY).assert_refused(3, &["bench.toml", "UTF-8"]);
     campaign.write("bench.toml", b"[bench\n");
@@ -22,7 +22,7 @@ fn bench_files_that_cannot_be_read() {
 fn a_byte_order_mark_does_no_harm() {
     let campaign = Campaign::whole();
     campaign.write("bench.toml", format!("\u{feff}{BENCH}").as_bytes());
-    campaign.run(&["study", "run", "bench.toml", "--json"]).study();
+    campaign.run(&["study", "bench.toml", "--json"]).study();
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn exact_the_result_is_json_without_samples() {
 fn exact_the_study_is_repeatable_and_shows_the_published_table() {
     let campaign = campaign();
     let recording = "recordings/BS_T_NT_1200.mf4";
-    let study = ["controller", "study", "bench.toml", recording, "--draws", "3", "--plot", "study.svg"];
+    let study = ["controller", "noise-test", "bench.toml", recording, "--draws", "3", "--plot", "study.svg"];
     let ran = campaign.run(&study);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     for words in [
@@ -72,7 +72,7 @@ fn exact_the_study_is_repeatable_and_shows_the_published_table() {
     }
     assert!(campaign.read("study.svg").contains("over all draws"));
     assert_eq!(ran.stdout, campaign.run(&study).stdout);
-    let other = ["controller", "study", "bench.toml", recording, "--draws", "2", "--k-p", "1.5", "--json"];
+    let other = ["controller", "noise-test", "bench.toml", recording, "--draws", "2", "--k-p", "1.5", "--json"];
     let found = campaign.run(&other).json();
     assert_eq!(found["cases"].as_array().unwrap().len(), 6);
     let mean = found["cases"][0]["summaries"][0]["mean"].as_f64().unwrap();
@@ -90,11 +90,12 @@ fn regress_what_cannot_be_done_is_refused_with_the_remedy() {
     campaign
         .run(&["controller", "bench.toml", "recordings/Levels_N_NT_1200.mf4"])
         .assert_refused(3, &["constant N_d*", "BS_T_NT"]);
-    let white_noise = ["controller", "study", "bench.toml", "recordings/WhiteNoise_T_TN_1200.mf4"];
+    let white_noise = ["controller", "noise-test", "bench.toml", "recordings/WhiteNoise_T_TN_1200.mf4"];
     campaign.run(&white_noise).assert_refused(3, &["in speed control"]);
     let folder = std::env::temp_dir();
-    dynoid(&folder, &["controller", "study", "--band-pass", "50,20"]).assert_refused(2, &["--band-pass", "lower"]);
-    dynoid(&folder, &["controller", "study", "--band-pass", "20"]).assert_refused(2, &["--band-pass", "two corners"]);
-    dynoid(&folder, &["controller", "study", "--draws", "1"]).assert_refused(2, &["--draws"]);
-    dynoid(&folder, &["controller", "study", "--low-pass", "600", "--draws", "2"]).assert_refused(3, &["600"]);
+    dynoid(&folder, &["controller", "noise-test", "--band-pass", "50,20"]).assert_refused(2, &["--band-pass", "lower"]);
+    dynoid(&folder, &["controller", "noise-test", "--band-pass", "20"])
+        .assert_refused(2, &["--band-pass", "two corners"]);
+    dynoid(&folder, &["controller", "noise-test", "--draws", "1"]).assert_refused(2, &["--draws"]);
+    dynoid(&folder, &["controller", "noise-test", "--low-pass", "600", "--draws", "2"]).assert_refused(3, &["600"]);
 }

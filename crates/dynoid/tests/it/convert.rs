@@ -6,7 +6,7 @@ use crate::identify::{fitted, folder, run};
 
 /// The simulation of a model from rest.
 fn simulated(folder: &TempDir, model: &str) -> Vec<f64> {
-    let ran = run(folder, &format!("simulate {model} --on unseen.csv --from-rest --json"));
+    let ran = run(folder, &format!("model simulate {model} --on unseen.csv --from-rest --json"));
     assert_eq!(ran.code, Some(0), "{model}: {}", ran.stderr);
     ran.json()[0]["values"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
 }
@@ -38,11 +38,11 @@ fn exact_conversions_are_the_same_model_delay_included() {
         ("armax", "--to ss --continuous"),
         ("armax", "--to tf --continuous"),
     ] {
-        let ran = run(&folder, &format!("convert {model}.json {form} --out c.json"));
+        let ran = run(&folder, &format!("model convert {model}.json {form} --out c.json"));
         assert_eq!(ran.code, Some(0), "{model} {form}: {}", ran.stderr);
         assert!(ran.stdout.contains("written: c.json"), "{}", ran.stdout);
         assert_same(&folder, &format!("{model}.json"), "c.json");
-        for command in ["bode", "step", "poles"] {
+        for command in ["model bode", "model step", "model poles"] {
             let ran = run(&folder, &format!("{command} c.json"));
             assert_eq!(ran.code, Some(0), "{command} of {model} {form}: {}", ran.stderr);
         }
@@ -53,12 +53,12 @@ fn exact_conversions_are_the_same_model_delay_included() {
 fn printed_json_is_the_model_file() {
     let folder = folder();
     fitted(&folder, "fit tf --zeros 0 --poles 2 --delay 0.03 --out tf.json");
-    let ran = run(&folder, "convert tf.json --to ss --json --out c.json");
+    let ran = run(&folder, "model convert tf.json --to ss --json --out c.json");
     let written: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(folder.path().join("c.json")).unwrap()).unwrap();
     assert_eq!((ran.code, &ran.json()), (Some(0), &written), "{}", ran.stderr);
     assert_eq!((&written["format"], &written["model"]["kind"]), (&"dynoid model".into(), &"grey_box".into()));
-    let text = run(&folder, "convert tf.json --to ss").stdout;
+    let text = run(&folder, "model convert tf.json --to ss").stdout;
     assert!(text.contains("delay of valve 0.03 s"), "{text}");
 }
 
@@ -66,9 +66,9 @@ fn printed_json_is_the_model_file() {
 fn exact_a_noise_model_stays_with_the_state_space() {
     let folder = folder();
     fitted(&folder, "fit armax --out armax.json");
-    assert_eq!(run(&folder, "convert armax.json --to ss --out ss.json --quiet").code, Some(0));
+    assert_eq!(run(&folder, "model convert armax.json --to ss --out ss.json --quiet").code, Some(0));
     let fits = |model: &str| {
-        let compared = run(&folder, &format!("compare {model} --on unseen.csv --horizon 1 --json")).json();
+        let compared = run(&folder, &format!("model compare {model} --on unseen.csv --horizon 1 --json")).json();
         compared[0]["fit_percent"][0][0].as_f64().unwrap()
     };
     assert!((fits("armax.json") - fits("ss.json")).abs() < 1e-6);
@@ -78,13 +78,13 @@ fn exact_a_noise_model_stays_with_the_state_space() {
 fn what_cannot_be_converted_is_said() {
     let folder = folder();
     fitted(&folder, "fit tf --zeros 0 --poles 2 --delay 0.03 --out tf.json");
-    run(&folder, "convert tf.json --to zpk --out c.json").assert_refused(2, &["--to tf"]);
-    run(&folder, "convert tf.json --to ss --out tf.json").assert_refused(2, &["tf.json", "is read"]);
-    run(&folder, "convert tf.json --to ss --out c.csv").assert_refused(2, &["c.csv", ".json"]);
+    run(&folder, "model convert tf.json --to zpk --out c.json").assert_refused(2, &["--to tf"]);
+    run(&folder, "model convert tf.json --to ss --out tf.json").assert_refused(2, &["tf.json", "is read"]);
+    run(&folder, "model convert tf.json --to ss --out c.csv").assert_refused(2, &["c.csv", ".json"]);
     // 0.03 s is no whole number of these samples, and Tustin's rule has no answer to that.
-    run(&folder, "convert tf.json --to ss --sample-time 0.1 --method tustin")
+    run(&folder, "model convert tf.json --to ss --sample-time 0.1 --method tustin")
         .assert_refused(2, &["0.03", "--method zoh"]);
-    let whole = run(&folder, "convert tf.json --to ss --sample-time 0.01 --method tustin --json");
+    let whole = run(&folder, "model convert tf.json --to ss --sample-time 0.01 --method tustin --json");
     assert_eq!(whole.code, Some(0), "{}", whole.stderr);
 }
 
@@ -97,9 +97,9 @@ fn what_a_form_does_not_hold_is_said() {
         ("armax", "ss", "the covariance"),
     ] {
         fitted(&folder, &format!("fit {model} --out m.json"));
-        let ran = run(&folder, &format!("convert m.json --to {to} --out c.json"));
+        let ran = run(&folder, &format!("model convert m.json --to {to} --out c.json"));
         assert!(ran.stderr.contains(words), "{model} to {to}: {}", ran.stderr);
-        let again = run(&folder, "convert c.json --to ss --out d.json");
+        let again = run(&folder, "model convert c.json --to ss --out d.json");
         assert_eq!((again.code, again.stderr.as_str()), (Some(0), ""), "nothing is lost a second time");
     }
 }
@@ -108,12 +108,12 @@ fn what_a_form_does_not_hold_is_said() {
 fn both_forms_are_drawn() {
     let folder = folder();
     fitted(&folder, "fit oe --out m.json");
-    let line = "convert m.json --to tf --continuous --method tustin --prewarp 0.5 --plot both.svg";
+    let line = "model convert m.json --to tf --continuous --method tustin --prewarp 0.5 --plot both.svg";
     let ran = run(&folder, line);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let svg = std::fs::read_to_string(folder.path().join("both.svg")).unwrap();
     assert!(svg.contains("as it was") && svg.contains("converted"), "the legend names both");
-    run(&folder, "convert m.json --to tf --prewarp 0.5").assert_refused(2, &["--prewarp", "tustin"]);
+    run(&folder, "model convert m.json --to tf --prewarp 0.5").assert_refused(2, &["--prewarp", "tustin"]);
 }
 
 #[test]
@@ -121,9 +121,10 @@ fn exact_prewarping_keeps_the_response_at_its_frequency() {
     let folder = folder();
     fitted(&folder, "fit oe --out m.json");
     let zpk = |options: &str| {
-        let ran = run(&folder, &format!("convert m.json --to tf --continuous --method tustin {options}--out c.json"));
+        let ran =
+            run(&folder, &format!("model convert m.json --to tf --continuous --method tustin {options}--out c.json"));
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
-        run(&folder, "bode m.json c.json --json").json()
+        run(&folder, "model bode m.json c.json --json").json()
     };
     let difference = |both: &serde_json::Value, at_hz: f64| {
         let curve = |model: usize| &both[model];

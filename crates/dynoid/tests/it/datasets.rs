@@ -76,10 +76,10 @@ fn stat_fits_to_the_simulated_output_run_on_the_fastest_clock() {
 fn stat_the_delay_of_a_held_demand_is_found_on_the_fastest_clock() {
     let folder = two_rasters();
     // A demand that changes with every sample may be held or run straight in between: half a sample of delay apart.
-    let unsaid = done(&folder, "delay run.csv -u demand -y torque --json").json();
+    let unsaid = done(&folder, "data delay run.csv -u demand -y torque --json").json();
     assert!(unsaid["delay"][0]["interval_95"].is_null(), "{unsaid}");
     assert!(unsaid["delay"][0]["unclaimed"].as_str().unwrap().contains("--between"), "{unsaid}");
-    let line = "delay run.csv -u demand -y torque --between held";
+    let line = "data delay run.csv -u demand -y torque --between held";
     let found = done(&folder, &format!("{line} --json")).json();
     assert_eq!(found["sample_time_s"], 0.001);
     let delay = &found["delay"][0];
@@ -102,7 +102,7 @@ fn regress_no_delay_is_claimed_of_channels_that_do_not_vary() {
     std::fs::write(folder.path().join("run.csv"), format!("time,moves,rests\n{}", rows.collect::<String>())).unwrap();
     for [input, output] in [["rests", "moves"], ["moves", "rests"]] {
         for detrend in ["mean", "none"] {
-            let line = format!("delay run.csv -u {input} -y {output} --detrend {detrend}");
+            let line = format!("data delay run.csv -u {input} -y {output} --detrend {detrend}");
             run(&folder, &line).assert_refused(3, &["\"rests\"", "does not vary"]);
         }
     }
@@ -127,20 +127,20 @@ fn regress_outputs_that_depend_on_each_other_make_a_short_result() {
 #[test]
 fn regress_more_structures_than_can_be_compared_are_refused() {
     let folder = folder();
-    let line = "order run.csv -u valve -y speed --na 1:100 --nb 1:100 --nk 1:200";
+    let line = "data order run.csv -u valve -y speed --na 1:100 --nb 1:100 --nk 1:200";
     run(&folder, line).assert_refused(2, &["2000000 structures", "100000", "--nk"]);
 }
 
 #[test]
 fn a_peak_says_where_its_top_may_be() {
     let folder = folder();
-    let spectra = done(&folder, "spectrum run.csv -u valve -y speed --json").json();
+    let spectra = done(&folder, "data spectrum run.csv -u valve -y speed --json").json();
     for peak in spectra[0]["peaks"].as_array().unwrap() {
         let at = |end: usize| peak["frequency_interval_95_hz"][end].as_f64().unwrap();
         let top = peak["frequency_hz"].as_f64().unwrap();
         assert!(at(0) <= top && top <= at(1) && at(1) > at(0), "{peak}");
     }
-    assert!(!done(&folder, "spectrum run.csv -u valve -y speed").stdout.contains('±'));
+    assert!(!done(&folder, "data spectrum run.csv -u valve -y speed").stdout.contains('±'));
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn a_model_that_explains_nothing_is_doubted() {
     let text = done(&folder, "fit oe run.csv -u valve -y speed").stdout;
     assert_eq!(text.matches("next to nothing").count(), 1, "{text}");
     assert!(text.contains("doubt:"), "{text}");
-    done(&folder, "poles m.json");
+    done(&folder, "model poles m.json");
     let good = crate::identify::folder();
     assert!(!fitted(&good, "fit oe")["doubts"].to_string().contains("next to nothing"));
 }
@@ -193,9 +193,9 @@ fn recordings_are_cut_where_inputs_are_missing() {
         assert!(fit > 60.0, "{method}: {fit}");
     }
     fitted(&folder, "fit armax --out m.json");
-    done(&folder, "resid m.json --on gaps.csv");
-    done(&folder, "compare m.json --on gaps.csv");
-    done(&folder, "simulate m.json --on gaps.csv --out s.csv --plot s.svg");
+    done(&folder, "model residuals m.json --on gaps.csv");
+    done(&folder, "model compare m.json --on gaps.csv");
+    done(&folder, "model simulate m.json --on gaps.csv --out s.csv --plot s.svg");
     let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
     let rows: Vec<&str> = text.lines().collect();
     assert_eq!(rows.len(), 601);
@@ -218,7 +218,7 @@ fn an_estimate_is_kept_where_its_judgement_fails() {
     std::fs::write(folder.path().join("short.csv"), short).unwrap();
     let result = fitted(&folder, "fit arx --validate short.csv --out m.json");
     assert!(result["residuals_error"].as_str().unwrap().contains("59 samples are too few"), "{result}");
-    done(&folder, "poles m.json");
+    done(&folder, "model poles m.json");
 }
 
 #[test]
@@ -254,7 +254,7 @@ fn too_few_samples_name_the_data_and_what_to_lower() {
 fn files_are_called_what_they_are() {
     let folder = folder();
     std::fs::write(folder.path().join("m.json"), [0xff, 0xfe, b'{']).unwrap();
-    let ran = run(&folder, "poles m.json");
+    let ran = run(&folder, "model poles m.json");
     ran.assert_refused(3, &["m.json", "UTF-8", "model file"]);
     assert!(!ran.stderr.contains("bench file"), "{}", ran.stderr);
 }
@@ -265,7 +265,7 @@ fn models_meet_no_other_units() {
     done(&folder, "fit arx run.csv -u valve -y speed --out m.json");
     let text = std::fs::read_to_string(folder.path().join("run.csv")).unwrap();
     std::fs::write(folder.path().join("other.csv"), text.replace("[rad/s]", "[rpm]")).unwrap();
-    run(&folder, "compare m.json --on other.csv").assert_refused(3, &["other.csv", "rpm", "rad/s"]);
+    run(&folder, "model compare m.json --on other.csv").assert_refused(3, &["other.csv", "rpm", "rad/s"]);
     run(&folder, "fit arx run.csv other.csv -u valve -y speed").assert_refused(3, &["other.csv", "rpm", "rad/s"]);
 }
 
@@ -311,7 +311,7 @@ fn models_meet_untimed_text_and_other_clocks() {
     let untimed: String = text.lines().map(|line| format!("{}\n", line.split_once(',').unwrap().1)).collect();
     std::fs::write(folder.path().join("bare.csv"), untimed).unwrap();
     let fit = |line: &str| {
-        let compared = done(&folder, &format!("compare {line} --json")).json();
+        let compared = done(&folder, &format!("model compare {line} --json")).json();
         compared[0]["fit_percent"][0][0].as_f64().unwrap()
     };
     let timed = fit("tf.json --on unseen.csv");
@@ -319,10 +319,11 @@ fn models_meet_untimed_text_and_other_clocks() {
     assert!((fit("tf.json --on bare.csv --sample-time 0.1") - timed).abs() < 1e-9);
     // With the wrong time from row to row the model is too fast for the data.
     assert!(fit("tf.json --on bare.csv --sample-time 0.2") < timed - 20.0);
-    for command in ["resid arx.json", "simulate tf.json", "predict arx.json"] {
+    for command in ["model residuals arx.json", "model simulate tf.json", "model predict arx.json"] {
         done(&folder, &format!("{command} --on bare.csv --sample-time 0.1"));
     }
-    run(&folder, "resid arx.json --on unseen.csv --sample-time 0.2").assert_refused(2, &["--sample-time", "discrete"]);
+    run(&folder, "model residuals arx.json --on unseen.csv --sample-time 0.2")
+        .assert_refused(2, &["--sample-time", "discrete"]);
 }
 
 #[test]
@@ -331,7 +332,7 @@ fn comparisons_say_everything_once() {
     with_gaps(&folder);
     fitted(&folder, "fit tf --zeros 1 --poles 2 --out tf.json");
     fitted(&folder, "fit arx --out arx.json");
-    let ran = done(&folder, "compare tf.json arx.json --on gaps.csv");
+    let ran = done(&folder, "model compare tf.json arx.json --on gaps.csv");
     assert_eq!(ran.stderr.matches("\"valve\": 32 of 600 samples are missing").count(), 1, "{}", ran.stderr);
     let text = done(&folder, "fit arx gaps.csv -u valve -y speed").stdout;
     assert!(text.contains("estimation, gaps.csv part 2"), "{text}");
@@ -346,7 +347,7 @@ fn written_times_are_short_decimals() {
     let rows = (0..400).map(|n| format!("{},{},{}\n", 2.5 + 0.01 * f64::from(n), random.normal(), random.normal()));
     std::fs::write(folder.path().join("run.csv"), format!("time,valve,speed\n{}", rows.collect::<String>())).unwrap();
     fitted(&folder, "fit arx --out m.json");
-    done(&folder, "simulate m.json --on run.csv --out s.csv");
+    done(&folder, "model simulate m.json --on run.csv --out s.csv");
     let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
     let times: Vec<&str> = text.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!((times.len(), times[0], times[51], times[399]), (400, "2.5", "3.01", "6.49"));

@@ -14,7 +14,7 @@ fn stat_the_demo_finds_what_it_simulated() {
     assert!(inside >= 7, "{inside} of 9 intervals contain the truth: {}", ran.stdout);
     let files: Vec<_> = std::fs::read_dir(folder.path().join("dynoid-demo/recordings")).unwrap().collect();
     assert_eq!(files.len(), 9);
-    let again = dynoid(folder.path(), &["study", "run", "dynoid-demo/bench.toml", "--json"]).study();
+    let again = dynoid(folder.path(), &["study", "dynoid-demo/bench.toml", "--json"]).study();
     assert_eq!(again["estimates"], demo["study"]["estimates"]);
 }
 

@@ -1,4 +1,4 @@
-//! `dynoid experiment`, and `dynoid simulate` on a bench file.
+//! `dynoid experiment`.
 
 use std::collections::BTreeSet;
 
@@ -93,7 +93,7 @@ fn exact_demands_of_a_design_are_those_that_are_recorded() {
             campaign.run(&["experiment", "design", "bench.toml", name, "--duration", "5", "--seed", "3", "--json"]);
         let csv = ran.json()["files"][0].as_str().unwrap().to_owned();
         assert!(csv.contains(stem), "{csv}");
-        let simulate = ["simulate", "bench.toml", "--quiet", "--seed", "3", "--experiment"];
+        let simulate = ["experiment", "simulate", "bench.toml", "--quiet", "--seed", "3"];
         let by_name = [&simulate[..], &[name, "--duration", "5", "--out", "by_name.mf4"]].concat();
         let by_file = [&simulate[..], &[csv.as_str(), "--out", "by_file.mf4"]].concat();
         done(&campaign, &by_name);
@@ -113,8 +113,8 @@ fn exact_demands_of_a_design_are_those_that_are_recorded() {
 fn exact_equal_seeds_give_equal_bytes_and_the_truth_only_on_request() {
     let campaign = Campaign::empty();
     let run = |seed: &str, out: &str, more: &[&str]| {
-        let arguments =
-            ["simulate", "bench.toml", "--experiment", "BS_T_NT", "--duration", "2", "--seed", seed, "--out", out];
+        let simulate = ["experiment", "simulate", "bench.toml", "BS_T_NT"];
+        let arguments = [&simulate[..], &["--duration", "2", "--seed", seed, "--out", out]].concat();
         let ran = campaign.run(&[&arguments[..], more].concat());
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
         std::fs::read(campaign.path(out)).unwrap()
@@ -139,7 +139,7 @@ fn exact_channels_have_the_names_units_and_signs_of_the_bench_file() {
         .replace("air_gap_torque = \"DynoTorqueCalc\"", "air_gap_torque = { name = \"M_Br\", sign = -1 }");
     campaign.write("other.toml", text.as_bytes());
     for (bench, out) in [("bench.toml", "BS_T_NT_a.mf4"), ("other.toml", "BS_T_NT_b.mf4")] {
-        done(&campaign, &["simulate", bench, "--experiment", "BS_T_NT", "--duration", "1", "--out", out]);
+        done(&campaign, &["experiment", "simulate", bench, "BS_T_NT", "--duration", "1", "--out", out]);
     }
     let (usual, other) = (recorded(&campaign, "BS_T_NT_a.mf4"), recorded(&campaign, "BS_T_NT_b.mf4"));
     let rpm: Vec<f64> = samples(&other, "n_Br").iter().map(|w| w * 30.0 / std::f64::consts::PI).collect();
@@ -156,9 +156,9 @@ fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
     campaign.write("bench.toml", bench(more).as_bytes());
     for experiment in ["BS_T_NT", "WhiteNoise_T_TN"] {
         let out = format!("recordings/{experiment}_1200.mf4");
-        done(&campaign, &["simulate", "bench.toml", "--experiment", experiment, "--duration", "20", "--out", &out]);
+        done(&campaign, &["experiment", "simulate", "bench.toml", experiment, "--duration", "20", "--out", &out]);
     }
-    let study = campaign.run(&["study", "run", "bench.toml", "--json"]).study();
+    let study = campaign.run(&["study", "bench.toml", "--json"]).study();
     let text = campaign.read("study/study.json");
     let model = report::model(&text).unwrap();
     let mechanics = model.model.mechanics;
@@ -179,22 +179,22 @@ fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
     assert!(shaft["quantile_95"].as_f64() > shaft["quantile_5"].as_f64(), "{json}");
     campaign.write("old.json", text.replace("\"format_version\":1", "\"format_version\":9").as_bytes());
     let old = [&design[..6], &["--model", "old.json"]].concat();
-    campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 1 is read", "study run"]);
+    campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 1 is read", "dynoid study"]);
 }
 
 #[test]
 fn regress_wrong_combinations_are_refused_in_words() {
     let campaign = Campaign::empty();
     let refused = |arguments: &[&str], code, words: &[&str]| campaign.run(arguments).assert_refused(code, words);
-    refused(&["simulate", "bench.toml"], 2, &["--experiment BS_T_NT", "experiment list"]);
-    refused(&["simulate", "bench.toml", "--experiment", "BS_T_NT"], 2, &["--out run.mf4"]);
-    refused(&["simulate", "bench.toml", "--on", "run.mf4", "--experiment", "BS_T_NT"], 2, &["--on", "--experiment"]);
-    refused(&["simulate", "model.json"], 2, &["--on", "--experiment"]);
-    refused(&["simulate", "model.json", "--on", "run.mf4", "--seed", "1"], 2, &["--experiment"]);
+    refused(&["experiment", "simulate", "bench.toml"], 2, &["NAME|FILE"]);
+    refused(&["experiment", "simulate", "bench.toml", "BS_T_NT"], 2, &["--out run.mf4"]);
+    refused(&["experiment", "simulate", "bench.toml", "BS_T_NT", "--on", "run.mf4"], 2, &["--on"]);
+    refused(&["model", "simulate", "model.json"], 2, &["--on"]);
+    refused(&["model", "simulate", "model.json", "--on", "run.mf4", "--seed", "1"], 2, &["--seed"]);
     campaign.write("model.json", b"{\"format\": \"dynoid model\"}");
-    let model = ["simulate", "model.json", "--experiment", "BS_T_NT", "--out", "run.mf4"];
+    let model = ["experiment", "simulate", "model.json", "BS_T_NT", "--out", "run.mf4"];
     refused(&model, 2, &["model.json", "this is a model file", "--model"]);
-    let run = |more: &[&'static str]| [&["simulate", "bench.toml", "--out", "run.mf4", "--experiment"], more].concat();
+    let run = |more: &[&'static str]| [&["experiment", "simulate", "bench.toml", "--out", "run.mf4"], more].concat();
     refused(&run(&["BS_N_NT"]), 2, &["did you mean `BS_T_NT`"]);
     refused(&run(&["BS_T_NT", "--set", "hihg=3"]), 2, &["did you mean `high`"]);
     refused(&run(&["BS_T_NT", "--set", "high"]), 2, &["NAME=VALUE"]);
@@ -272,9 +272,9 @@ fn an_optimal_excitation_is_designed_checked_and_run() {
     let checked = campaign.run(&["experiment", "check", "bench.toml", csv, "--samples", "80"]);
     assert_eq!(checked.code, Some(0), "{}{}", checked.stdout, checked.stderr);
     let run = "recordings/Multisine_T_TN_1500.mf4";
-    done(&campaign, &["simulate", "bench.toml", "--experiment", csv, "--out", run]);
+    done(&campaign, &["experiment", "simulate", "bench.toml", csv, "--out", run]);
     // What was designed to tell of the shaft is what a study takes for it.
-    campaign.run(&["study", "run", "bench.toml", "--quiet"]);
+    campaign.run(&["study", "bench.toml", "--quiet"]);
     let study: serde_json::Value = serde_json::from_str(&campaign.read("study/study.json")).unwrap();
     let used = study["study"]["recordings"][0]["used_for"].to_string();
     assert!(used.contains("shaft") && used.contains("torque control"), "{used}");
@@ -284,7 +284,7 @@ fn an_optimal_excitation_is_designed_checked_and_run() {
     let peaks = binary["prediction"]["peaks"].as_array().unwrap();
     assert!(peaks.iter().all(|peak| peak["is_beyond_limit"] == false), "{binary}");
     of(&["PI", "--excite", "T"]).assert_refused(2, &["PI, FF and J_e show in speed control"]);
-    of(&["K,Q"]).assert_refused(2, &["`Q` is none of K, B, J_d, J_e, PI, FF, FOC"]);
+    of(&["K,Q"]).assert_refused(2, &["`Q` is none of K, B, J_d, J_e, PI, FF, TC"]);
     of(&["K", "--set", "torque=700"]).assert_refused(2, &["[limits] leaves nothing"]);
 }
 

@@ -1,4 +1,4 @@
-//! `dynoid study run --full`: one report of all analyses.
+//! `dynoid study --full`: one report of all analyses.
 
 use crate::support::{Campaign, dynoid, white_noise};
 
@@ -56,7 +56,7 @@ fn section(page: &str, id: &str) -> String {
 fn exact_every_figure_of_the_thesis_has_its_counterpart() {
     let folder = tempfile::tempdir().unwrap();
     dynoid(folder.path(), &["demo", "--quiet"]);
-    let ran = dynoid(folder.path(), &["study", "run", "dynoid-demo/bench.toml", "--full", "--quiet"]);
+    let ran = dynoid(folder.path(), &["study", "dynoid-demo/bench.toml", "--full", "--quiet"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let page = std::fs::read_to_string(folder.path().join("dynoid-demo/study/report.html")).unwrap();
     for (figure, id, words) in COUNTERPARTS {
@@ -69,7 +69,7 @@ fn exact_every_figure_of_the_thesis_has_its_counterpart() {
 #[test]
 fn an_analysis_without_its_recording_costs_no_other() {
     let campaign = Campaign::empty().with("WhiteNoise_T_TN_1200.mf4", &white_noise());
-    let ran = campaign.run(&["study", "run", "bench.toml", "--full", "--quiet"]);
+    let ran = campaign.run(&["study", "bench.toml", "--full", "--quiet"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
     let page = campaign.read("study/report.html");
     for (id, words) in [
@@ -84,7 +84,7 @@ fn an_analysis_without_its_recording_costs_no_other() {
     ] {
         assert!(section(&page, id).contains(words), "`{words}` is not in section {id}:\n{}", section(&page, id));
     }
-    campaign.run(&["study", "run", "bench.toml", "--quiet"]);
+    campaign.run(&["study", "bench.toml", "--quiet"]);
     let quick = campaign.read("study/report.html");
     assert!(quick.len() < page.len() && !quick.contains("<section id=\"engine-torque\">"));
 }

@@ -84,12 +84,12 @@ fn stat_derived_quantities_and_the_model_file() {
         assert!(text.stdout.contains(words), "`{words}` is not in:\n{}", text.stdout);
     }
     for line in [
-        "bode model.json --json",
-        "step model.json --json",
-        "poles model.json --json",
-        "convert model.json --to tf --json",
-        "compare model.json --on run.csv --detrend none --json",
-        "resid model.json --on run.csv --detrend none --json",
+        "model bode model.json --json",
+        "model step model.json --json",
+        "model poles model.json --json",
+        "model convert model.json --to tf --json",
+        "model compare model.json --on run.csv --detrend none --json",
+        "model residuals model.json --on run.csv --detrend none --json",
     ] {
         let ran = run(&folder, line);
         assert_eq!(ran.code, Some(0), "{line}: {}", ran.stderr);

@@ -15,58 +15,94 @@ fn snap_help() {
 }
 
 #[test]
-fn snap_help_look() {
-    insta::assert_snapshot!("help_look", help(&["look", "--help"]));
-}
-
-#[test]
-fn snap_help_shaft() {
-    insta::assert_snapshot!("help_shaft", help(&["shaft", "--help"]));
-}
-
-#[test]
-fn snap_help_torque() {
-    insta::assert_snapshot!("help_torque", help(&["torque", "--help"]));
-    insta::assert_snapshot!("help_inverter", help(&["inverter", "--help"]));
-    insta::assert_snapshot!("help_friction", help(&["friction", "--help"]));
-}
-
-#[test]
-fn snap_help_controller() {
-    insta::assert_snapshot!("help_controller", help(&["controller", "--help"]));
-    insta::assert_snapshot!("help_controller_study", help(&["controller", "study", "--help"]));
-}
-
-#[test]
-fn snap_help_demo() {
+fn snap_help_of_the_whole_bench() {
+    insta::assert_snapshot!("help_init", help(&["init", "--help"]));
+    insta::assert_snapshot!("help_study", help(&["study", "--help"]));
     insta::assert_snapshot!("help_demo", help(&["demo", "--help"]));
 }
 
 #[test]
-fn snap_help_study_run() {
-    insta::assert_snapshot!("help_study_run", help(&["study", "run", "--help"]));
+fn snap_help_of_parts() {
+    insta::assert_snapshot!("help_lines", help(&["lines", "--help"]));
+    insta::assert_snapshot!("help_torque_signals", help(&["torque-signals", "--help"]));
+    insta::assert_snapshot!("help_torque_control", help(&["torque-control", "--help"]));
+    insta::assert_snapshot!("help_controller", help(&["controller", "--help"]));
+    insta::assert_snapshot!("help_controller_noise_test", help(&["controller", "noise-test", "--help"]));
+    insta::assert_snapshot!("help_shaft", help(&["shaft", "--help"]));
+    insta::assert_snapshot!("help_engine", help(&["engine", "--help"]));
+    insta::assert_snapshot!("help_friction", help(&["friction", "--help"]));
 }
 
 #[test]
-fn snap_help_init() {
-    insta::assert_snapshot!("help_init", help(&["init", "--help"]));
-}
-
-#[test]
-fn snap_help_inspect() {
-    insta::assert_snapshot!("help_inspect", help(&["inspect", "--help"]));
-}
-
-#[test]
-fn snap_help_experiment() {
+fn snap_help_of_experiments() {
+    insta::assert_snapshot!("help_experiment", help(&["help", "experiment"]));
     insta::assert_snapshot!("help_experiment_design", help(&["experiment", "design", "--help"]));
     insta::assert_snapshot!("help_experiment_check", help(&["experiment", "check", "--help"]));
-    insta::assert_snapshot!("help_simulate", help(&["simulate", "--help"]));
+    insta::assert_snapshot!("help_experiment_simulate", help(&["experiment", "simulate", "--help"]));
+    insta::assert_snapshot!("help_experiment_next", help(&["experiment", "next", "--help"]));
+}
+
+#[test]
+fn snap_help_of_recordings_and_models() {
+    insta::assert_snapshot!("help_inspect", help(&["inspect", "--help"]));
+    insta::assert_snapshot!("help_convert", help(&["convert", "--help"]));
+    insta::assert_snapshot!("help_data", help(&["help", "data"]));
+    insta::assert_snapshot!("help_fit", help(&["help", "fit"]));
+    insta::assert_snapshot!("help_model", help(&["help", "model"]));
+}
+
+/// Every command below a group, and those without one.
+fn commands() -> Vec<Vec<String>> {
+    let named_in = |page: &str| -> Vec<String> {
+        let lines = page.lines().filter_map(|line| line.strip_prefix("  ").filter(|rest| !rest.starts_with(' ')));
+        lines.map(|line| line.split(' ').next().unwrap_or_default().to_owned()).collect()
+    };
+    let all = named_in(help(&["--help"]).split("Examples:").next().unwrap_or_default());
+    let mut commands = Vec::new();
+    for command in all {
+        let page = help(&["help", &command]);
+        match page.split_once("Commands:\n") {
+            Some((_, list)) if !page.contains("[BENCH.toml]") => {
+                let inner = named_in(list.split("\n\n").next().unwrap_or_default());
+                commands.extend(inner.into_iter().filter(|n| n != "help").map(|name| vec![command.clone(), name]));
+            }
+            _ => commands.push(vec![command]),
+        }
+    }
+    commands
+}
+
+#[test]
+fn exact_every_command_has_examples() {
+    let commands = commands();
+    assert!(commands.len() > 25, "{commands:?}");
+    for command in commands {
+        let words: Vec<&str> = std::iter::once("help").chain(command.iter().map(String::as_str)).collect();
+        let example = format!("\n  dynoid {} ", command.join(" "));
+        let page = format!("{} ", help(&words).replace('\n', " \n"));
+        assert!(page.contains(&example), "{command:?}: {page}");
+    }
 }
 
 #[test]
 fn a_wrong_command_line_ends_with_code_2() {
-    for arguments in [&[][..], &["estimate"], &["study", "run"], &["demo", "--seed", "many"]] {
+    for arguments in [&[][..], &["estimate"], &["study"], &["demo", "--seed", "many"]] {
         assert_eq!(dynoid(&std::env::temp_dir(), arguments).code, Some(2), "{arguments:?}");
+    }
+}
+
+#[test]
+fn exact_a_command_that_is_not_there_leads_to_one_that_is() {
+    for (line, meant) in [
+        ("bode model.json", "'model bode'"),
+        ("look bench.toml", "'lines'"),
+        ("inverter bench.toml", "'torque-control'"),
+        ("simulate bench.toml", "'experiment simulate'"),
+        ("resid model.json", "'model residuals'"),
+        ("studdy bench.toml", "'study'"),
+        ("study run bench.toml", "dynoid study BENCH.toml"),
+    ] {
+        let arguments: Vec<&str> = line.split(' ').collect();
+        dynoid(&std::env::temp_dir(), &arguments).assert_refused(2, &["tip:", meant]);
     }
 }

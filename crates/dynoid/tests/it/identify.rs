@@ -81,19 +81,19 @@ fn model_files_serve_every_command() {
         fitted(&folder, line);
     }
     let models = "armax.json tf.json ss.json";
-    let compared = run(&folder, &format!("compare {models} --on unseen.csv --json")).json();
+    let compared = run(&folder, &format!("model compare {models} --on unseen.csv --json")).json();
     assert!(compared.as_array().unwrap().iter().all(|m| m["fit_percent"][0][0].as_f64().unwrap() > 50.0), "{compared}");
-    let tests = run(&folder, "resid armax.json --on unseen.csv --json").json();
+    let tests = run(&folder, "model residuals armax.json --on unseen.csv --json").json();
     assert_eq!(tests["whiteness"][0]["joint"]["passed"], true);
-    for command in ["bode", "step", "poles"] {
+    for command in ["model bode", "model step", "model poles"] {
         let shown = run(&folder, &format!("{command} {models} --json"));
         assert_eq!(shown.code, Some(0), "{command}: {}", shown.stderr);
         assert!(shown.json().as_array().unwrap().len() >= 3, "{command}");
     }
-    let zpk = run(&folder, "convert armax.json --to zpk --continuous --json");
+    let zpk = run(&folder, "model convert armax.json --to zpk --continuous --json");
     assert_eq!(zpk.code, Some(0), "{}", zpk.stderr);
     for kind in ["tf", "zpk", "ss"] {
-        let line = format!("convert tf.json --to {kind} --sample-time 0.05 --json");
+        let line = format!("model convert tf.json --to {kind} --sample-time 0.05 --json");
         assert_eq!(run(&folder, &line).code, Some(0), "{kind}");
     }
 }
@@ -103,8 +103,8 @@ fn simulated_and_predicted_outputs_are_recordings_about_the_operating_point() {
     let folder = folder();
     fitted(&folder, "fit armax --out armax.json");
     for line in [
-        "simulate armax.json --on unseen.csv --out s.csv",
-        "predict armax.json --on unseen.csv --horizon 5 --out p.mf4",
+        "model simulate armax.json --on unseen.csv --out s.csv",
+        "model predict armax.json --on unseen.csv --horizon 5 --out p.mf4",
     ] {
         let ran = run(&folder, line);
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
@@ -125,7 +125,7 @@ fn a_demand_alone_can_be_simulated() {
     fitted(&folder, "fit tf --zeros 1 --poles 2 --out m.json");
     let rows: String = (0..200).map(|t| format!("{},{}\n", 0.1 * t as f64, if t < 20 { 3.0 } else { 4.0 })).collect();
     std::fs::write(folder.path().join("demand.csv"), format!("time [s],valve [V]\n{rows}")).unwrap();
-    let ran = run(&folder, "simulate m.json --on demand.csv --out s.csv --json");
+    let ran = run(&folder, "model simulate m.json --on demand.csv --out s.csv --json");
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let text = std::fs::read_to_string(folder.path().join("s.csv")).unwrap();
     let last: f64 = text.lines().last().unwrap().split(',').nth(1).unwrap().parse().unwrap();
@@ -136,16 +136,16 @@ fn a_demand_alone_can_be_simulated() {
 #[test]
 fn data_are_explored() {
     let folder = folder();
-    let delay = run(&folder, "delay run.csv -u valve -y speed --json").json();
+    let delay = run(&folder, "data delay run.csv -u valve -y speed --json").json();
     assert_eq!(delay["arx"]["samples"][0], 1);
-    let order = run(&folder, "order run.csv -u valve -y speed --na 1:4 --nb 1:4 --nk 1:2 --json").json();
+    let order = run(&folder, "data order run.csv -u valve -y speed --na 1:4 --nb 1:4 --nk 1:2 --json").json();
     assert_eq!((&order["best"]["BIC"]["na"], &order["best"]["BIC"]["nb"]), (&2.into(), &2.into()));
     for method in ["welch", "blackman-tukey", "lpm", "lrm", "etfe"] {
-        let spectrum = run(&folder, &format!("spectrum run.csv -u valve -y speed --method {method} --json"));
+        let spectrum = run(&folder, &format!("data spectrum run.csv -u valve -y speed --method {method} --json"));
         assert_eq!(spectrum.code, Some(0), "{method}: {}", spectrum.stderr);
         assert!(spectrum.json()[0]["magnitude"].as_array().unwrap().len() > 20);
     }
-    assert_eq!(run(&folder, "spectrum run.csv -y speed --json").code, Some(0));
+    assert_eq!(run(&folder, "data spectrum run.csv -y speed --json").code, Some(0));
 }
 
 #[test]
@@ -154,10 +154,10 @@ fn regress_models_of_different_outputs_are_compared_each_with_its_own() {
     let ran = run(&folder, "fit arx run.csv -u speed -y valve --quiet --out back.json");
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     fitted(&folder, "fit arx --out forth.json");
-    let compared = run(&folder, "compare forth.json back.json --on unseen.csv --json --plot c.svg").json();
+    let compared = run(&folder, "model compare forth.json back.json --on unseen.csv --json --plot c.svg").json();
     assert_eq!(compared[0]["outputs"][0]["name"], "speed");
     assert_eq!(compared[1]["outputs"][0]["unit"], "V");
-    let table = run(&folder, "compare forth.json back.json --on unseen.csv").stdout;
+    let table = run(&folder, "model compare forth.json back.json --on unseen.csv").stdout;
     assert!(table.contains("rad/s") && table.contains("valve"), "{table}");
 }
 
@@ -168,8 +168,9 @@ fn regress_recordings_are_never_written_over() {
     run(&folder, "fit arx run.csv -u valve -y speed --plot run.csv").assert_refused(2, &["run.csv", "is read"]);
     run(&folder, "fit arx run.csv -u valve -y speed --out model.csv").assert_refused(2, &["model.csv", ".json"]);
     fitted(&folder, "fit arx --out m.json");
-    run(&folder, "simulate m.json --on run.csv --out run.csv").assert_refused(2, &["run.csv", "is read"]);
-    run(&folder, "simulate m.json --on run.csv --on unseen.csv --out both.csv").assert_refused(2, &["one recording"]);
+    run(&folder, "model simulate m.json --on run.csv --out run.csv").assert_refused(2, &["run.csv", "is read"]);
+    run(&folder, "model simulate m.json --on run.csv --on unseen.csv --out both.csv")
+        .assert_refused(2, &["one recording"]);
     assert_eq!(std::fs::read(folder.path().join("run.csv")).unwrap(), before);
 }
 
@@ -183,7 +184,7 @@ fn regress_edited_model_files_are_refused() {
         let mut changed = model.clone();
         change(&mut changed);
         std::fs::write(folder.path().join("e.json"), changed.to_string()).unwrap();
-        let ran = run(&folder, "bode e.json --json");
+        let ran = run(&folder, "model bode e.json --json");
         assert_eq!(ran.code, Some(3), "stdout: {}", &ran.stdout[..ran.stdout.len().min(300)]);
         assert!(ran.stderr.contains("e.json"), "{}", ran.stderr);
     };
@@ -195,7 +196,7 @@ fn regress_edited_model_files_are_refused() {
     refused(&|m| m["model"]["value"]["equations"][0]["nk"][0] = 1_000_000_000.into());
     model["format"] = "other".into();
     std::fs::write(folder.path().join("f.json"), model.to_string()).unwrap();
-    run(&folder, "poles f.json").assert_refused(3, &["f.json", "other"]);
+    run(&folder, "model poles f.json").assert_refused(3, &["f.json", "other"]);
 }
 
 #[test]
@@ -223,7 +224,7 @@ fn regress_impossible_requests_say_what_to_do() {
         .assert_refused(2, &["--structure Q7", "process model"]);
     run(&folder, "fit arx run.csv -u speed -y speed").assert_refused(2, &["speed", "twice"]);
     run(&folder, "fit arx run.csv -u valve -y speed --from 20 --to 10").assert_refused(2, &["--from", "--to"]);
-    run(&folder, "bode run.csv").assert_refused(3, &["run.csv", "model file"]);
+    run(&folder, "model bode run.csv").assert_refused(3, &["run.csv", "model file"]);
     std::fs::write(folder.path().join("bare.csv"), "u,y\n1,2\n2,3\n").unwrap();
     run(&folder, "fit arx bare.csv -u u -y y").assert_refused(3, &["--sample-time"]);
     std::fs::write(

@@ -16,10 +16,10 @@ fn snap_init_proposes_a_bench_file_that_studies_once_filled_in() {
     assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""));
     insta::assert_snapshot!("init", ran.stdout);
     campaign
-        .run(&["study", "run", "new.toml"])
+        .run(&["study", "new.toml"])
         .assert_refused(3, &["new.toml", "line 7: bench.cylinders", "bench.dynamometer_inertia", "fill"]);
     campaign.write("new.toml", filled_in(&campaign.read("new.toml")).as_bytes());
-    let study = campaign.run(&["study", "run", "new.toml", "--json"]).study();
+    let study = campaign.run(&["study", "new.toml", "--json"]).study();
     assert_eq!(study["recordings"].as_array().map(Vec::len), Some(2));
 }
 
@@ -45,7 +45,7 @@ fn files_and_folders_are_listed_relative_to_the_bench_file() {
     assert!(text.contains(r#"files = ["../recordings/[1] BS_T_NT.mf4", "../recordings/second.MF4"]"#), "{text}");
     let text = filled_in(&text).replacen("label = \"FILL IN\"", "label = \"WhiteNoise_T_TN\"", 1);
     campaign.write("benches/b.toml", text.as_bytes());
-    let study = campaign.run(&["study", "run", "benches/b.toml", "--json"]).study();
+    let study = campaign.run(&["study", "benches/b.toml", "--json"]).study();
     let labels: Vec<&str> =
         study["recordings"].as_array().unwrap().iter().filter_map(|r| r["label"].as_str()).collect();
     assert_eq!(labels, ["BS_T_NT", "WhiteNoise_T_TN"]);

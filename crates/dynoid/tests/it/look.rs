@@ -51,10 +51,10 @@ fn with_models() -> TempDir {
 #[test]
 fn poles_that_all_ways_share_are_said_once_with_frequency_and_damping() {
     let folder = with_models();
-    let text = said(&folder, "poles ss.json");
+    let text = said(&folder, "model poles ss.json");
     assert_eq!(text.matches("natural frequency").count(), 3, "poles, and the zeros of two ways: {text}");
     assert!(text.contains("zeros of u → N_one") && text.contains("zeros of u → two"), "{text}");
-    let one = &run(&folder, "poles oe.json --json").json()[0];
+    let one = &run(&folder, "model poles oe.json --json").json()[0];
     let poles = one["poles"][0]["roots"].as_array().unwrap();
     let hertz = poles[0]["natural_frequency_hz_interval"].as_array().unwrap();
     let (low, high) = (hertz[0].as_f64().unwrap(), hertz[1].as_f64().unwrap());
@@ -64,39 +64,39 @@ fn poles_that_all_ways_share_are_said_once_with_frequency_and_damping() {
     let damping = poles[0]["damping"].as_f64().unwrap();
     assert!((damping - 0.0605).abs() < 0.005, "{damping}");
     assert!(poles[0]["time_constant_s_interval"][0].as_f64().unwrap() > 0.0);
-    assert!(said(&folder, "poles oe.json").contains("sample time 0.01 s"));
+    assert!(said(&folder, "model poles oe.json").contains("sample time 0.01 s"));
 }
 
 #[test]
 fn responses_are_summed_up_and_shown_whole_only_on_request() {
     let folder = with_models();
-    let bode = said(&folder, "bode oe.json");
+    let bode = said(&folder, "model bode oe.json");
     for word in ["gain at rest", "rpm/Nm", "resonance", "95 % interval"] {
         assert!(bode.contains(word), "{word}: {bode}");
     }
     assert!(bode.lines().count() < 10 && !bode.contains("margin"), "rpm are not Nm, so no loop can be closed: {bode}");
-    let step = said(&folder, "step oe.json ss.json");
+    let step = said(&folder, "model step oe.json ss.json");
     for word in ["final value", "rise time", "settling time", "overshoot", "dead time"] {
         assert!(step.contains(word), "{word}: {step}");
     }
-    let summary = run(&folder, "step oe.json --json").json()[0]["summary"].clone();
+    let summary = run(&folder, "model step oe.json --json").json()[0]["summary"].clone();
     let fact = |name: &str| summary.as_array().unwrap().iter().find(|fact| fact["name"] == name).unwrap().clone();
     assert_eq!(fact("dead time")["value"], 0.02);
     let ends = fact("final value")["interval"].clone();
     let truth = 1.5 / (1.0 - 2.0 * 0.97 * (0.08 * std::f64::consts::TAU).cos() + 0.97 * 0.97);
     assert!(ends[0].as_f64().unwrap() < truth && truth < ends[1].as_f64().unwrap(), "{truth} in {ends}");
-    assert!(said(&folder, "bode oe.json --table").lines().count() > 300);
-    assert!(said(&folder, "step oe.json --table --level 0.9").contains("90 % interval"));
-    run(&folder, "step oe.json --table --json").assert_refused(2, &["--table", "--json"]);
+    assert!(said(&folder, "model bode oe.json --table").lines().count() > 300);
+    assert!(said(&folder, "model step oe.json --table --level 0.9").contains("90 % interval"));
+    run(&folder, "model step oe.json --table --json").assert_refused(2, &["--table", "--json"]);
 }
 
 #[test]
 fn figures_keep_the_names_of_files_and_channels() {
     let folder = with_models();
-    said(&folder, "compare ss.json --on T_TN.csv --plot c.svg");
+    said(&folder, "model compare ss.json --on T_TN.csv --plot c.svg");
     let text = std::fs::read_to_string(folder.path().join("c.svg")).unwrap();
     assert!(text.contains(">N_one, T_TN.csv</text>"), "{}", &text[..600]);
-    said(&folder, "poles ss.json oe.json --plot p.svg");
+    said(&folder, "model poles ss.json oe.json --plot p.svg");
     let poles = std::fs::read_to_string(folder.path().join("p.svg")).unwrap();
     assert!(poles.contains("unit circle") && poles.contains("equal damping"));
 }
@@ -104,13 +104,13 @@ fn figures_keep_the_names_of_files_and_channels() {
 #[test]
 fn a_spectrum_has_the_peaks_that_are_in_it() {
     let folder = folder();
-    let power = &run(&folder, "spectrum T_TN.csv -y N_one --json").json()[0];
+    let power = &run(&folder, "data spectrum T_TN.csv -y N_one --json").json()[0];
     let at: Vec<f64> = power["peaks"].as_array().unwrap().iter().map(|p| p["frequency_hz"].as_f64().unwrap()).collect();
     assert_eq!(at.len(), 2, "the resonance and the sine: {at:?}");
     assert!((at[0] - 8.0).abs() < 0.5 && (at[1] - 20.0).abs() < 0.5, "{at:?}");
-    let response = said(&folder, "spectrum T_TN.csv -u u -y two");
+    let response = said(&folder, "data spectrum T_TN.csv -u u -y two");
     assert!(response.contains("its top lies within") && response.contains("dB"), "{response}");
-    run(&folder, "spectrum T_TN.csv -u u -u two -y N_one --method welch").assert_refused(2, &["one input"]);
+    run(&folder, "data spectrum T_TN.csv -u u -u two -y N_one --method welch").assert_refused(2, &["one input"]);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_spectrum_is_that_of_the_longest_stretch_without_gaps() {
     let cells = lines[60].split(',').count();
     lines[60] = format!("{}{}", lines[60].split(',').next().unwrap(), ",NaN".repeat(cells - 1));
     std::fs::write(folder.path().join("gap.csv"), lines.join("\n") + "\n").unwrap();
-    let ran = run(&folder, "spectrum gap.csv -u u -y two --json");
+    let ran = run(&folder, "data spectrum gap.csv -u u -y two --json");
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     assert!(ran.stderr.contains("gap.csv was cut") && ran.stderr.contains("the longest is shown"), "{}", ran.stderr);
     assert_eq!(ran.json().as_array().unwrap().len(), 1);
@@ -130,33 +130,34 @@ fn a_spectrum_is_that_of_the_longest_stretch_without_gaps() {
 #[test]
 fn an_order_at_the_end_of_the_scan_is_said() {
     let folder = folder();
-    let text = said(&folder, "order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3");
+    let text = said(&folder, "data order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3");
     assert!(text.contains("try --na 1:4") && text.contains("try --nk 1:5"), "{text}");
     assert!(!text.contains("--nb"), "a range of one number is meant so: {text}");
-    let edges = run(&folder, "order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3 --json").json()["at_edge"].clone();
+    let edges =
+        run(&folder, "data order T_TN.csv -u u -y two --na 1:2 --nb 1:1 --nk 1:3 --json").json()["at_edge"].clone();
     assert_eq!(edges[0]["option"], "--na");
 }
 
 #[test]
 fn a_delay_before_a_resonance_is_told_from_its_lag() {
     let folder = folder();
-    let delay = run(&folder, "delay T_TN.csv -u u -y two --between held --json").json();
+    let delay = run(&folder, "data delay T_TN.csv -u u -y two --between held --json").json();
     // Three samples, one of which is that of the hold.
     assert_eq!(delay["arx"]["samples"][0], 3);
     let ends = &delay["delay"][0]["interval_95"];
     assert!(ends[0].as_f64().unwrap() < 0.02 && 0.02 < ends[1].as_f64().unwrap(), "{delay}");
     // The input moves with every sample: nobody said that it is held.
-    let unsaid = run(&folder, "delay T_TN.csv -u u -y two --json").json();
+    let unsaid = run(&folder, "data delay T_TN.csv -u u -y two --json").json();
     assert!(unsaid["delay"][0]["interval_95"].is_null(), "{unsaid}");
     assert!(unsaid["delay"][0]["unclaimed"].as_str().unwrap().contains("--between held"), "{unsaid}");
-    let short = said(&folder, "delay T_TN.csv -u u -y two --longest 3");
+    let short = said(&folder, "data delay T_TN.csv -u u -y two --longest 3");
     assert!(short.contains("try --longest 6"), "{short}");
 }
 
 #[test]
 fn residual_tests_say_what_they_found() {
     let folder = with_models();
-    let text = said(&folder, "resid ss.json --on T_TN.csv");
+    let text = said(&folder, "model residuals ss.json --on T_TN.csv");
     assert!(!text.contains("p 0.000") && text.contains("p < 0.001"), "{text}");
     assert!(text.contains("failed: residuals of N_one are not white"), "{text}");
 }
@@ -173,7 +174,7 @@ fn regress_no_delay_is_claimed_of_one_sine() {
         };
         let rows: String = (0..1000).map(row).collect();
         std::fs::write(folder.path().join("sine.csv"), format!("time,u,y\n{rows}")).unwrap();
-        let ran = run(&folder, "delay sine.csv -u u -y y");
+        let ran = run(&folder, "data delay sine.csv -u u -y y");
         let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
         assert!(text.contains("no interval is claimed: \"u\" is one sine of 5 Hz"), "{text}");

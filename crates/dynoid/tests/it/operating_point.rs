@@ -29,16 +29,16 @@ fn another_operating_point_is_told_from_a_bad_model() {
     shifted(&folder);
     let result = fitted(&folder, "fit oe --out model.json");
     let own = result["judged"][0]["fit_percent_simulated"][0][0].as_f64().unwrap();
-    let (again, silent) = fit_percent(&folder, "compare model.json --on run.csv");
+    let (again, silent) = fit_percent(&folder, "model compare model.json --on run.csv");
     assert!((own - again).abs() < 1e-9, "on its own recording the model is as good as the fit said: {own}, {again}");
     assert!(!silent.contains("level or a drift"), "{silent}");
-    let (elsewhere, said) = fit_percent(&folder, "compare model.json --on shifted.csv");
+    let (elsewhere, said) = fit_percent(&folder, "model compare model.json --on shifted.csv");
     assert!(elsewhere < -1000.0 && said.contains("level or a drift") && said.contains("--detrend mean"), "{said}");
-    let (dynamics, silent) = fit_percent(&folder, "compare model.json --on shifted.csv --detrend mean");
+    let (dynamics, silent) = fit_percent(&folder, "model compare model.json --on shifted.csv --detrend mean");
     assert!(dynamics > 80.0 && !silent.contains("level or a drift"), "{dynamics} {silent}");
-    let (_, said) = fit_percent(&folder, "compare model.json --on unseen.csv --detrend none");
+    let (_, said) = fit_percent(&folder, "model compare model.json --on unseen.csv --detrend none");
     assert!(said.contains("--detrend model"), "{said}");
-    let said = run(&folder, "resid model.json --on shifted.csv").stderr;
+    let said = run(&folder, "model residuals model.json --on shifted.csv").stderr;
     assert!(said.contains("level or a drift"), "{said}");
 }
 
@@ -50,11 +50,11 @@ fn a_simulation_does_not_look_at_the_output() {
     let inputs = text.lines().map(|line| format!("{}\n", line.rsplit_once(',').unwrap().0));
     std::fs::write(folder.path().join("inputs.csv"), inputs.collect::<String>()).unwrap();
     let values = |on: &str| {
-        let ran = run(&folder, &format!("simulate model.json --on {on} --from-rest --out s.csv --json"));
+        let ran = run(&folder, &format!("model simulate model.json --on {on} --from-rest --out s.csv --json"));
         assert_eq!(ran.code, Some(0), "{}", ran.stderr);
         std::fs::read_to_string(folder.path().join("s.csv")).unwrap()
     };
     assert_eq!(values("unseen.csv"), values("inputs.csv"));
-    run(&folder, "simulate model.json --on inputs.csv --detrend mean")
+    run(&folder, "model simulate model.json --on inputs.csv --detrend mean")
         .assert_refused(2, &["speed", "leave the option out"]);
 }

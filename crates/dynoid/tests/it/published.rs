@@ -69,7 +69,7 @@ fn ref_two_motors_by_the_command_shaft() {
         near(-told(parameters, "δ_T").0, 1.2e-4, 0.25);
     }
     // A delay below zero is not left without a word.
-    let ran = campaign.run(&["inverter", "bench.toml", "--highest-order", "1", "--longest-delay", "1"]);
+    let ran = campaign.run(&["torque-control", "bench.toml", "--highest-order", "1", "--longest-delay", "1"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("is below zero (−") && text.contains("record both on one clock"), "{text}");
@@ -240,7 +240,7 @@ fn ref_drive_train_by_the_command_spectrum() {
     campaign.write("step.csv", format!("t [s],n1 [rad/s],n2 [rad/s],T1 [Nm],T2 [Nm]\n{text}").as_bytes());
     for channel in ["T1", "T2", "n2"] {
         let spectrum = |window: &str| {
-            run(&campaign, &["spectrum", "step.csv", "-y", channel, "--method", "welch", "--window", window])
+            run(&campaign, &["data", "spectrum", "step.csv", "-y", channel, "--method", "welch", "--window", window])
         };
         let coarse = spectrum("2048");
         let found: Vec<f64> =

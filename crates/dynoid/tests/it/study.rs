@@ -1,11 +1,11 @@
-//! `dynoid study run`: results and where they go.
+//! `dynoid study`: results and where they go.
 
 use crate::support::{BENCH, Campaign, bs, dynoid};
 
 #[test]
 fn report_and_data_lie_beside_the_bench_file() {
     let campaign = Campaign::whole();
-    let ran = campaign.run(&["study", "run", "bench.toml"]);
+    let ran = campaign.run(&["study", "bench.toml"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
     assert_eq!(campaign.results(), ["report.html", "study.json"]);
     assert!(campaign.read("study/report.html").contains("Test bench"));
@@ -18,7 +18,7 @@ fn report_and_data_lie_beside_the_bench_file() {
 
 #[test]
 fn stat_json_holds_the_stiffness() {
-    let study = Campaign::whole().run(&["study", "run", "bench.toml", "--json"]).study();
+    let study = Campaign::whole().run(&["study", "bench.toml", "--json"]).study();
     let stiffness = study["estimates"].as_array().unwrap().iter().find(|e| e["symbol"] == "K").unwrap();
     let (value, error) = (stiffness["value"].as_f64().unwrap(), stiffness["standard_error"].as_f64().unwrap());
     assert!((value - 2437.7).abs() < 4.0 * error && error < 100.0, "{value} ± {error}");
@@ -30,7 +30,7 @@ fn the_working_directory_does_not_matter() {
     let campaign = Campaign::whole();
     let bench = campaign.path("bench.toml");
     let elsewhere = tempfile::tempdir().unwrap();
-    let ran = dynoid(elsewhere.path(), &["study", "run", bench.to_str().unwrap(), "--out", "here", "--json"]);
+    let ran = dynoid(elsewhere.path(), &["study", bench.to_str().unwrap(), "--out", "here", "--json"]);
     assert_eq!(ran.study()["recordings"][0]["file"], "recordings/BS_T_NT_1200.mf4");
     assert!(elsewhere.path().join("here/report.html").is_file());
     assert_eq!(campaign.results(), [""; 0]);
@@ -39,14 +39,14 @@ fn the_working_directory_does_not_matter() {
 #[test]
 fn existing_results_are_kept_when_a_run_fails() {
     let campaign = Campaign::whole();
-    campaign.run(&["study", "run", "bench.toml", "--quiet"]);
+    campaign.run(&["study", "bench.toml", "--quiet"]);
     let before = [campaign.read("study/report.html"), campaign.read("study/study.json")];
     for name in ["BS_T_NT_1200.mf4", "WhiteNoise_T_TN_1200.mf4"] {
         let path = campaign.path("recordings").join(name);
         let bytes = std::fs::read(&path).unwrap();
         std::fs::write(&path, &bytes[..200]).unwrap();
     }
-    campaign.run(&["study", "run", "bench.toml"]).assert_refused(3, &["none of the 2 recordings", "BS_T_NT_1200"]);
+    campaign.run(&["study", "bench.toml"]).assert_refused(3, &["none of the 2 recordings", "BS_T_NT_1200"]);
     assert_eq!([campaign.read("study/report.html"), campaign.read("study/study.json")], before);
     assert_eq!(campaign.results(), ["report.html", "study.json"]);
 }
@@ -56,7 +56,7 @@ fn results_are_written_all_or_none() {
     let campaign = Campaign::whole();
     std::fs::create_dir_all(campaign.path("study/report.html")).unwrap();
     campaign.write("study/study.json", b"the old one");
-    campaign.run(&["study", "run", "bench.toml"]).assert_refused(4, &["report.html", "a folder of this name"]);
+    campaign.run(&["study", "bench.toml"]).assert_refused(4, &["report.html", "a folder of this name"]);
     assert_eq!(campaign.read("study/study.json"), "the old one");
     assert_eq!(campaign.results(), ["report.html", "study.json"]);
 }
@@ -66,7 +66,7 @@ fn other_files_beside_the_results_are_left_alone() {
     let campaign = Campaign::whole();
     std::fs::create_dir(campaign.path("study")).unwrap();
     campaign.write("study/notes.txt", b"mine");
-    campaign.run(&["study", "run", "bench.toml", "--quiet"]);
+    campaign.run(&["study", "bench.toml", "--quiet"]);
     assert_eq!(campaign.results(), ["notes.txt", "report.html", "study.json"]);
     assert_eq!(campaign.read("study/notes.txt"), "mine");
 }
@@ -74,7 +74,7 @@ fn other_files_beside_the_results_are_left_alone() {
 #[test]
 fn a_place_that_cannot_be_written_is_named() {
     let campaign = Campaign::whole();
-    let run = |out| campaign.run(&["study", "run", "bench.toml", "--out", out]);
+    let run = |out| campaign.run(&["study", "bench.toml", "--out", out]);
     run("bench.toml").assert_refused(4, &["bench.toml", "a file of this name", "--out"]);
     run("bench.toml/below").assert_refused(4, &["below", "--out"]);
     #[cfg(target_os = "linux")]
@@ -86,7 +86,7 @@ fn a_file_listed_twice_is_read_once() {
     let campaign = Campaign::whole();
     let twice = r#"files = ["recordings/*.mf4", "recordings/BS_T_NT_1200.mf4", "./recordings"]"#;
     campaign.write("bench.toml", BENCH.replace(r#"files = ["recordings/*.mf4"]"#, twice).as_bytes());
-    let study = campaign.run(&["study", "run", "bench.toml", "--json"]).study();
+    let study = campaign.run(&["study", "bench.toml", "--json"]).study();
     assert_eq!(study["recordings"].as_array().map(Vec::len), Some(2));
 }
 
@@ -98,6 +98,6 @@ fn a_folder_named_like_a_pattern_is_found() {
     campaign.write("cell [4]/bench.toml", BENCH.as_bytes());
     let bytes = recording::encode_mdf4(&bs()).unwrap();
     campaign.write("cell [4]/recordings/BS_T_NT.mf4", &bytes);
-    let study = campaign.run(&["study", "run", "cell [4]/bench.toml", "--json"]).study();
+    let study = campaign.run(&["study", "cell [4]/bench.toml", "--json"]).study();
     assert_eq!(study["recordings"][0]["file"], "recordings/BS_T_NT.mf4");
 }

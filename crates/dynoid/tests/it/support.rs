@@ -139,7 +139,7 @@ impl Campaign {
     /// Runs the study and returns the text of every finding about a file.
     #[track_caller]
     pub(crate) fn findings_about(&self, file: &str) -> String {
-        let study = self.run(&["study", "run", "bench.toml", "--json"]).study();
+        let study = self.run(&["study", "bench.toml", "--json"]).study();
         let findings = study["findings"].as_array().expect("findings");
         let about = findings.iter().filter(|found| found["file"] == format!("recordings/{file}"));
         let line = |found: &serde_json::Value| {

@@ -38,7 +38,7 @@ fn escape_codes_in_a_recording_do_not_reach_the_terminal() {
 #[test]
 fn quiet_leaves_standard_output_empty() {
     let campaign = Campaign::whole();
-    let ran = campaign.run(&["study", "run", "bench.toml", "--quiet"]);
+    let ran = campaign.run(&["study", "bench.toml", "--quiet"]);
     assert!(matches!(ran.code, Some(0 | 1)), "{}", ran.stderr);
     assert_eq!((ran.stdout.as_str(), ran.stderr.as_str()), ("", ""));
     assert_eq!(campaign.results(), ["report.html", "study.json"]);

@@ -16,22 +16,21 @@ fn a_time_series_is_shown_from_its_noise() {
     let fit = said(&folder, "fit armax run.csv -y speed --na 2 --nc 1 --out series.json");
     assert!(fit.contains("ARMA na 2 nc 1: e → speed"), "{fit}");
     for (command, wanted) in [
-        ("poles", "zeros"),
-        ("bode", "e → speed"),
-        ("step", "final value"),
-        ("convert", "numerator"),
-        ("convert --to zpk", "gain"),
-        ("convert --to ss", "K"),
+        ("model poles", "zeros"),
+        ("model bode", "e → speed"),
+        ("model step", "final value"),
+        ("model convert", "numerator"),
+        ("model convert --to zpk", "gain"),
+        ("model convert --to ss", "K"),
     ] {
-        let (first, rest) = command.split_once(' ').map_or((command, String::new()), |(a, b)| (a, format!(" {b}")));
-        let text = said(&folder, &format!("{first} series.json{rest}"));
+        let text = said(&folder, &format!("{command} series.json"));
         assert!(text.contains(wanted), "{command}: {text}");
     }
-    let roots = run(&folder, "poles series.json --json").json();
+    let roots = run(&folder, "model poles series.json --json").json();
     let root = &roots[0]["poles"][0]["roots"][0];
     assert!(root["covariance"][0][0].as_f64().unwrap() > 0.0, "poles of the noise have regions: {roots}");
     fitted(&folder, "fit bj --out bj.json");
-    let both = run(&folder, "poles bj.json --noise --json").json();
+    let both = run(&folder, "model poles bj.json --noise --json").json();
     assert_eq!((both.as_array().unwrap().len(), &both[1]["poles"][0]["channels"][0]), (2, &"e → speed".into()));
 }
 
@@ -44,12 +43,12 @@ fn a_model_that_runs_away_is_said_to() {
     model.as_object_mut().unwrap().remove("estimate");
     model["model"]["value"]["equations"][0]["a"][0] = serde_json::json!([0.376, -2.814]);
     std::fs::write(&path, model.to_string()).unwrap();
-    for command in ["bode", "step"] {
+    for command in ["model bode", "model step"] {
         let text = said(&folder, &format!("{command} model.json"));
         assert!(text.contains("not stable") && text.contains("pole at -1.876"), "{text}");
         assert!(!text.contains("bandwidth (") && !text.contains("final value  "), "{text}");
     }
-    let ran = run(&folder, "compare model.json --on unseen.csv");
+    let ran = run(&folder, "model compare model.json --on unseen.csv");
     assert!(ran.stderr.contains("is not stable") && ran.stderr.contains("--horizon"), "{}", ran.stderr);
     assert!(ran.stdout.lines().all(|line| line.len() < 120), "{}", ran.stdout);
 }
@@ -72,7 +71,7 @@ fn data_that_tell_nothing_are_refused_by_name() {
     ] {
         run(&folder, &format!("fit {structure} {file}.csv -u u -y y")).assert_refused(3, &words);
     }
-    for command in ["order", "spectrum", "delay"] {
+    for command in ["data order", "data spectrum", "data delay"] {
         let ran = run(&folder, &format!("{command} off.csv -u u -y y"));
         ran.assert_refused(3, &["off.csv", "\"u\"", "does not vary"]);
     }
@@ -85,14 +84,14 @@ fn delays_longer_than_the_data_are_refused_with_their_unit() {
         |line: &str, words: &[&str]| run(&folder, &format!("{line} -u valve -y speed")).assert_refused(2, words);
     refused("fit arx run.csv --nk 5000", &["--nk 5000", "in samples", "600"]);
     refused("fit tf run.csv --delay 0:1000", &["--delay 0:1000", "in seconds", "60 s"]);
-    refused("delay run.csv --longest 5000", &["--longest 5000", "600"]);
+    refused("data delay run.csv --longest 5000", &["--longest 5000", "600"]);
 }
 
 #[test]
 fn predictions_beyond_the_data_are_called_simulations() {
     let folder = folder();
     fitted(&folder, "fit arx --out model.json");
-    for command in ["predict", "compare"] {
+    for command in ["model predict", "model compare"] {
         let ran = run(&folder, &format!("{command} model.json --on unseen.csv --horizon 100000"));
         assert!(ran.stderr.contains("100000 samples ahead is a simulation"), "{}", ran.stderr);
         let ran = run(&folder, &format!("{command} model.json --on unseen.csv --horizon 5"));
@@ -104,11 +103,13 @@ fn predictions_beyond_the_data_are_called_simulations() {
 fn places_that_cannot_be_written_are_found_before_any_work() {
     let folder = folder();
     fitted(&folder, "fit arx --out model.json");
-    for command in ["bode model.json", "step model.json", "poles model.json", "spectrum run.csv -y speed"] {
+    for command in
+        ["model bode model.json", "model step model.json", "model poles model.json", "data spectrum run.csv -y speed"]
+    {
         run(&folder, &format!("{command} --plot nowhere/x.png")).assert_refused(4, &["nowhere/x.png", "folder"]);
         run(&folder, &format!("{command} --plot x.bmp")).assert_refused(2, &["x.bmp", ".png"]);
     }
-    for command in ["order", "delay"] {
+    for command in ["data order", "data delay"] {
         let line = format!("{command} run.csv -u valve -y speed --plot nowhere/x.png");
         run(&folder, &line).assert_refused(4, &["nowhere/x.png", "folder"]);
     }
@@ -136,7 +137,7 @@ fn regress_data_without_noise_have_intervals_without_width() {
     std::fs::write(folder.path().join("exact.csv"), text).unwrap();
     for fit in ["arx --na 2 --nb 1", "ss --order 2"] {
         said(&folder, &format!("fit {fit} exact.csv -u u -y y --detrend none --out exact.json"));
-        for look in ["poles", "bode", "step"] {
+        for look in ["model poles", "model bode", "model step"] {
             said(&folder, &format!("{look} exact.json"));
         }
     }
@@ -173,9 +174,9 @@ fn model_files_are_told_from_recordings_and_by_their_version() {
     let text = std::fs::read_to_string(folder.path().join("m.json")).unwrap();
     let later = text.replace("\"version\": 1", "\"version\": 2").replace("\"inputs\"", "\"entries\"");
     std::fs::write(folder.path().join("later.json"), later).unwrap();
-    run(&folder, "poles later.json").assert_refused(3, &["later.json", "version 2", "a later dynoid wrote it"]);
+    run(&folder, "model poles later.json").assert_refused(3, &["later.json", "version 2", "a later dynoid wrote it"]);
     std::fs::write(folder.path().join("other.json"), "{\"format\": \"shopping list\", \"version\": 1}").unwrap();
-    run(&folder, "poles other.json").assert_refused(3, &["other.json", "no model file", "shopping list"]);
+    run(&folder, "model poles other.json").assert_refused(3, &["other.json", "no model file", "shopping list"]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Arguments of the commands that show what data say before a model is chosen.
+//! Arguments of `dynoid data spectrum`, `delay` and `order`.
 
 use clap::{Args, ValueEnum};
 
@@ -15,23 +15,23 @@ pub(crate) enum SpectrumMethod {
     Lpm,
     /// The local rational method, for light damping
     Lrm,
-    /// The quotient of Fourier transforms
+    /// The quotient of the Fourier transforms
     Etfe,
 }
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid spectrum run.mf4 -y N_dyno --plot spectrum.html
-  dynoid spectrum run.mf4 -u T_demand -y N_dyno --method lpm --plot response.html")]
+  dynoid data spectrum run.mf4 -y N_dyno --plot spectrum.html
+  dynoid data spectrum run.mf4 -u T_demand -y N_dyno --method lpm --plot response.html")]
 pub(crate) struct SpectrumArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
-    /// How; without an input the power spectrum is Welch's
+    /// The method; without an input, Welch's power spectrum
     #[arg(long, value_enum, default_value_t = SpectrumMethod::Lpm)]
     pub(crate) method: SpectrumMethod,
-    /// Length of Welch's segments or of the lag window, in samples: longer ones tell nearer peaks apart, shorter ones vary
-    /// less [default: an eighth of the record, 1024 at most]
+    /// Length of Welch's segments or of the lag window, in samples: longer resolves closer peaks, shorter reduces variance
+    /// [default: an eighth of the record, 1024 at most]
     #[arg(long, value_name = "SAMPLES", value_parser = number::count)]
     pub(crate) window: Option<usize>,
     #[command(flatten)]
@@ -40,17 +40,15 @@ pub(crate) struct SpectrumArguments {
 
 #[derive(Debug, Args)]
 #[command(after_help = "\
-The delay is the dead time beside the simplest dynamics that leave no trace of the inputs: gain, 1 to 4 poles. Its interval
-holds with coloured noise and ripple, and allows for time stamps that are right to a twentieth of the fastest raster. Where
-the models leave a doubt, or methods disagree, no interval is claimed, and the reason is said.
-
 Examples:
-  dynoid delay run.mf4 -u T_demand -y T_calc
-  dynoid delay run.mf4 -u T_demand -y N_dyno --between straight")]
+  dynoid data delay run.mf4 -u T_demand -y T_calc
+  dynoid data delay run.mf4 -u T_demand -y N_dyno --between straight
+
+The delay is the dead time of the simplest model whose residuals are independent of the inputs: a gain, or 1 to 4 poles. Its interval is valid with coloured noise and ripple, and includes time stamp errors of a twentieth of the fastest raster. Without a valid model, or if methods disagree, the command gives no interval and says why.")]
 pub(crate) struct DelayArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
-    /// Longest delay looked for, in samples of the fastest channel
+    /// Longest delay to try, in samples of the fastest channel
     #[arg(long, default_value_t = 30, value_parser = number::count)]
     pub(crate) longest: usize,
     #[command(flatten)]
@@ -60,7 +58,7 @@ pub(crate) struct DelayArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid order run.mf4 -u T_demand -y N_dyno --na 1:10 --nb 1:10 --nk 1:5 --split 0.5")]
+  dynoid data order run.mf4 -u T_demand -y N_dyno --na 1:10 --nb 1:10 --nk 1:5 --split 0.5")]
 pub(crate) struct OrderArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
@@ -73,7 +71,7 @@ pub(crate) struct OrderArguments {
     /// Delays in samples, FIRST:LAST
     #[arg(long, default_value = "1:3", value_name = "RANGE")]
     pub(crate) nk: String,
-    /// Fits on this share of the data and ranks by the rest too
+    /// Fit on this share of the data, and rank on the rest too
     #[arg(long, value_name = "SHARE", value_parser = number::share)]
     pub(crate) split: Option<f64>,
     #[command(flatten)]

@@ -8,7 +8,7 @@ use super::{DataArguments, ResultArguments};
 use crate::cli::greybox::GreyBoxArguments;
 use crate::cli::number;
 
-/// Where a model goes, and what it is held against.
+/// Where a model is written, and which data judge it.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct FitArguments {
     #[command(flatten)]
@@ -16,11 +16,11 @@ pub(crate) struct FitArguments {
     /// The model file to write
     #[arg(long, short, value_name = "MODEL.json")]
     pub(crate) out: Option<PathBuf>,
-    /// Estimates from the first part of each recording, this share of it, and judges on the rest
+    /// Estimate from this first share of each recording, and judge on the rest
     #[arg(long, value_name = "SHARE", conflicts_with = "validate", value_parser = number::share)]
     pub(crate) split: Option<f64>,
-    /// Judges on another recording, about the operating point of the data of the estimate; its dynamics alone are judged by
-    /// `dynoid compare --detrend mean`
+    /// Judge on another recording, at the operating point of the estimation data. `dynoid model compare --detrend mean`
+    /// judges the dynamics alone
     #[arg(long, value_name = "RECORDING")]
     pub(crate) validate: Vec<PathBuf>,
     #[command(flatten)]
@@ -30,9 +30,9 @@ pub(crate) struct FitArguments {
 /// How a transfer function is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TransferFunctionBy {
-    /// By the smallest error of the simulated output, searched for
+    /// Output error: search for the smallest error of the simulated output
     Oe,
-    /// By refined instrumental variables, without a search: one input, a known delay
+    /// Refined instrumental variables: one input, a known delay
     Srivc,
 }
 
@@ -63,7 +63,7 @@ pub(crate) enum FitCommand {
     Process(ProcessArguments),
     /// State space: subspace start, then the prediction-error method
     Ss(StateSpaceArguments),
-    /// Grey box: physical parameters of a structure that you write down
+    /// Grey box: physical parameters of your own equations
     Greybox(GreyBoxArguments),
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct ArxArguments {
     /// Delay in samples; one number, or one an input
     #[arg(long, value_delimiter = ',', default_value = "1", value_parser = number::count)]
     pub(crate) nk: Vec<usize>,
-    /// Estimates by four-step instrumental variables: right for any colour of the noise
+    /// Use four-step instrumental variables: consistent for any colour of the noise
     #[arg(long)]
     pub(crate) iv: bool,
 }
@@ -110,7 +110,7 @@ Examples:
   dynoid fit oe run.mf4 -u u -y y --nb 2 --nf 2 --nk 3 --split 0.5
   dynoid fit bj furnace.csv -u u -y y --sample-time 9 --nb 3 --nf 2 --nk 3 --nd 2
 
-Orders that the structure does not have are ignored only where they keep their default.")]
+An order that the structure does not have is an error.")]
 pub(crate) struct PolynomialArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
@@ -132,13 +132,13 @@ pub(crate) struct PolynomialArguments {
     /// Delay in samples; one number, or one an input [default: 1]
     #[arg(long, value_delimiter = ',', value_parser = number::count)]
     pub(crate) nk: Vec<usize>,
-    /// What is taken for the initial state
+    /// The initial state of each recording
     #[arg(long, value_enum, default_value_t = Initial::Estimated)]
     pub(crate) initial: Initial,
-    /// Makes the errors of the simulation small, not those of the prediction
+    /// Minimise the simulation error instead of the prediction error
     #[arg(long)]
     pub(crate) simulation: bool,
-    /// Finds the dynamics in this band alone, in Hz; the noise is that of all frequencies
+    /// Estimate the dynamics in this band only, in Hz; the noise model covers all frequencies
     #[arg(long, value_name = "LOW,HIGH", value_delimiter = ',', value_parser = number::finite)]
     pub(crate) band: Vec<f64>,
 }
@@ -159,22 +159,22 @@ pub(crate) struct TransferFunctionArguments {
     /// Degree of the denominator; one number, or one an input
     #[arg(long, value_delimiter = ',', default_value = "1", value_parser = number::count)]
     pub(crate) poles: Vec<usize>,
-    /// Delay in seconds: a number to keep it there, or a range LOW:HIGH to look in; one, or one an input [default: none]
+    /// Delay in seconds: a fixed number, or a range LOW:HIGH to search; one, or one an input [default: none]
     #[arg(long, value_delimiter = ',', value_name = "SECONDS")]
     pub(crate) delay: Vec<String>,
-    /// How
+    /// The method
     #[arg(long, value_enum, default_value_t = TransferFunctionBy::Oe)]
     pub(crate) method: TransferFunctionBy,
-    /// Of the poles from each input, so many are known to be at zero; with `--detrend none`
+    /// Number of poles at zero from each input; with `--detrend none`
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = number::count)]
     pub(crate) integrators: usize,
-    /// Estimates a constant on the output of each recording besides
+    /// Estimate a constant offset of the output of each recording too
     #[arg(long)]
     pub(crate) offset: bool,
-    /// Lets poles be unstable
+    /// Allow unstable poles
     #[arg(long)]
     pub(crate) unstable: bool,
-    /// What is taken for the initial state
+    /// The initial state of each recording
     #[arg(long, value_enum, default_value_t = Initial::Estimated)]
     pub(crate) initial: Initial,
 }
@@ -186,18 +186,18 @@ Examples:
   dynoid fit process run.mf4 -u u -y y --structure P2DU --delay 0:2
   dynoid fit process run.mf4 -u u -y y --structure P1D --hold K=2
 
-The structure is P, the number of lags (0 to 3), and letters: Z a zero, D a delay, I an integrator, U a pair of poles that may be complex.")]
+The structure is P, the number of lags (0 to 3), and letters: Z a zero, D a delay, I an integrator, U a pole pair that may be complex.")]
 pub(crate) struct ProcessArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
     /// The structure, such as P1D or P2DZ
     #[arg(long, default_value = "P1D")]
     pub(crate) structure: String,
-    /// Range in which the delay is looked for, in seconds
+    /// Range in which the delay is searched, in seconds
     #[arg(long, value_name = "LOW:HIGH")]
     pub(crate) delay: Option<String>,
-    /// Holds a parameter at a value, such as K=2 for a gain that is known; give it again for more. The names are those of
-    /// the result: K, Tp1, Tz, Td …, with several inputs `K[1]`, `K[2]` …
+    /// Fix a parameter, such as K=2 for a known gain; repeat it for more. Names as in the result: K, Tp1, Tz, Td …, with
+    /// several inputs `K[1]`, `K[2]` …
     #[arg(long, value_name = "NAME=VALUE")]
     pub(crate) hold: Vec<String>,
 }
@@ -210,19 +210,19 @@ Examples:
 pub(crate) struct StateSpaceArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,
-    /// Number of states; `auto` lets the singular values decide
+    /// Number of states; `auto` chooses by the singular values
     #[arg(long, default_value = "auto")]
     pub(crate) order: String,
-    /// Stops after the subspace method
+    /// Stop after the subspace method
     #[arg(long)]
     pub(crate) subspace: bool,
     /// The weighting of the subspace method
     #[arg(long, value_enum, default_value_t = SubspaceWeighting::Cva)]
     pub(crate) weighting: SubspaceWeighting,
-    /// The output may answer within the same sample
+    /// Allow a response within the same sample
     #[arg(long)]
     pub(crate) feedthrough: bool,
-    /// Makes the errors of the simulation small, not those of the prediction
+    /// Minimise the simulation error instead of the prediction error
     #[arg(long)]
     pub(crate) simulation: bool,
 }
@@ -231,8 +231,8 @@ pub(crate) struct StateSpaceArguments {
 pub(crate) enum SubspaceWeighting {
     /// Canonical variates
     Cva,
-    /// As Van Overschee and De Moor
+    /// Van Overschee and De Moor
     N4sid,
-    /// As Verhaegen
+    /// Verhaegen
     Moesp,
 }

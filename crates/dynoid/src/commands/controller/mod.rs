@@ -1,6 +1,6 @@
 //! `dynoid controller`: the speed controller.
 
-mod study;
+mod noise_test;
 
 use bench::estimate::speed_controller::{FeedForwardTerms, Round, TermTest};
 use bench::speed_control::{
@@ -27,7 +27,7 @@ use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ControllerArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     match (&arguments.command, &arguments.given) {
-        (Some(ControllerCommand::Study(arguments)), _) => study::run(arguments, terminal),
+        (Some(ControllerCommand::NoiseTest(arguments)), _) => noise_test::run(arguments, terminal),
         (None, Some(given)) => identify(given, &arguments.result, terminal),
         (None, None) => {
             Err(CliError::Usage { what: "name a bench file; `dynoid controller --help` has examples".into() })

@@ -52,8 +52,8 @@ struct ChannelFacts {
     raster: usize,
 }
 
-/// `dynoid convert` on recordings
-pub(super) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+/// `dynoid convert`
+pub(crate) fn run(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments)?;
     let targets = plan(input::named(&arguments.files)?, arguments)?;
     check_plot(&arguments.result, &[&arguments.files])?;
@@ -95,9 +95,6 @@ pub(super) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
 
 fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
     let usage = |what: String| Err(CliError::Usage { what });
-    if arguments.continuous || arguments.method.is_some() || arguments.prewarp.is_some() {
-        return usage("--continuous, --method and --prewarp are for models; these are recordings".into());
-    }
     if let (Some(start_s), Some(end_s)) = (arguments.start, arguments.end)
         && start_s > end_s
     {

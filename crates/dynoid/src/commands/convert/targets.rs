@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use crate::cli::convert::{ConvertArguments, Form};
+use crate::cli::convert::ConvertArguments;
 use crate::error::CliError;
 use crate::formats::FileFormat;
 use crate::input::{InputFile, ending};
@@ -23,10 +23,7 @@ pub(super) fn plan(files: Vec<InputFile>, arguments: &ConvertArguments) -> Resul
         return usage("give the file to write with --out, or a folder with --out and a format with --to".into());
     };
     let targets = match arguments.to {
-        Some(Form::Model(_)) => {
-            return usage("--to: tf, zpk and ss are forms of models; these are recordings".into());
-        }
-        Some(Form::Recording(format)) => in_folder(files, out, format)?,
+        Some(format) => in_folder(files, out, format)?,
         None => vec![alone(files, out)?],
     };
     check_apart(&targets)?;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use bench::BenchFile;
 use bench::virtual_bench::{BenchParameters, Effects, ShaftZeros};
 
-use crate::cli::DemoArguments;
+use crate::cli::bench::DemoArguments;
 use crate::commands::study::{self, Extent, Written};
 use crate::error::{CliError, Outcome};
 use crate::output::{self, OutputFolder};
@@ -64,7 +64,7 @@ fn effects(parameters: &BenchParameters, seed: u64) -> Result<String, CliError> 
 fn bench_file(parameters: &BenchParameters) -> String {
     let file: BenchFile = campaign::bench_file(parameters, &format!("{RECORDINGS}/*.mf4"));
     format!(
-        "{FIRST_LINE}\n# Change what you like and run `dynoid study run {BENCH_FILE}`; the next demo in this folder \
+        "{FIRST_LINE}\n# Change what you like and run `dynoid study {BENCH_FILE}`; the next demo in this folder \
          writes it anew.\n\n{}",
         file.to_toml()
     )
@@ -110,6 +110,6 @@ fn print(written: &Written, bench: &Path, rows: &[comparison::Row<'_>], terminal
     let effects = shown(&written.report.with_file_name(EFFECTS));
     terminal.line(&format!("  open {effects}: firing, folding and late sensors in the recordings"));
     terminal.line(&format!("  dynoid inspect {}", shown(&written.report.with_file_name(RECORDINGS))));
-    terminal.line(&format!("  change {} and: dynoid study run {0}", shown(bench)));
+    terminal.line(&format!("  change {} and: dynoid study {0}", shown(bench)));
     terminal.line("  your own recordings: dynoid init FOLDER");
 }

@@ -28,6 +28,10 @@ impl Bench {
         study: Option<&Path>,
         terminal: &mut Terminal,
     ) -> Result<Self, CliError> {
+        if input::is_json(path) {
+            let what = "this is a model file, not a bench file; the model of a study comes with --model";
+            return Err(CliError::Usage { what: format!("{}: {what}", path.display()) });
+        }
         let (file, _) = read_bench(path)?;
         let assembled = study.map(read_model).transpose()?;
         let stated = StatedBench::of(&file, assembled.as_ref().map(|assembled| &assembled.model))
@@ -80,6 +84,6 @@ impl Bench {
 }
 
 fn read_model(path: &Path) -> Result<AssembledModel, CliError> {
-    let text = input::read_text(path, "a study.json as `dynoid study run` writes")?;
+    let text = input::read_text(path, "a study.json as `dynoid study` writes")?;
     report::model(&text).map_err(|source| CliError::StudyModel { path: path.to_owned(), source })
 }

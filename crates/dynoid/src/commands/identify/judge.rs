@@ -1,4 +1,4 @@
-//! `dynoid compare`, `resid`, `simulate`, `predict`: models against recordings.
+//! `dynoid model compare`, `residuals`, `simulate`, `predict`: models on recordings.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use super::data::{Files, Loaded, Note, check_plot, check_targets, draw, say};
 use super::fit::which_data;
 use super::{figures, model_file, operating_point, recorded, words};
 use crate::cli::identify::{
-    CompareArguments, MeetArguments, PredictArguments, ResidArguments, ResultArguments, RunArguments,
+    CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, ResultArguments, RunArguments,
 };
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
@@ -29,7 +29,7 @@ struct Met {
     judged: Result<Judgement, IdentError>,
 }
 
-/// `dynoid compare`
+/// `dynoid model compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.meet.on, &arguments.models])?;
     if arguments.horizon == Some(0) {
@@ -146,8 +146,8 @@ fn comparison(all: &[Met]) -> Table {
     table
 }
 
-/// `dynoid resid`
-pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+/// `dynoid model residuals`
+pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.meet.on, std::slice::from_ref(&arguments.model)])?;
     let document = model_file::read(&arguments.model)?;
     let files = recordings(&document, &arguments.meet, terminal)?;
@@ -184,13 +184,13 @@ pub(crate) fn resid(arguments: &ResidArguments, terminal: &mut Terminal) -> Resu
     Ok(Outcome::Done)
 }
 
-/// `dynoid simulate` on a model file
-pub(crate) fn simulate_model(arguments: &RunArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+/// `dynoid model simulate`
+pub(crate) fn simulate(arguments: &RunArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     run(arguments, "simulated", None, terminal)
 }
 
-/// `dynoid predict`
-pub(crate) fn predict_model(arguments: &PredictArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+/// `dynoid model predict`
+pub(crate) fn predict(arguments: &PredictArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     if arguments.horizon == 0 {
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }

@@ -7,7 +7,7 @@ mod start_time;
 
 use serde::Serialize;
 
-use crate::cli::InspectArguments;
+use crate::cli::inspect::InspectArguments;
 use crate::error::{CliError, Outcome};
 use crate::input::{self, InputFile, Read};
 use crate::terminal::Terminal;

@@ -19,7 +19,7 @@ pub(crate) fn inverter(found: &Result<TorqueControlStudy, TorqueControlStudyErro
     let mut all = heading("Delay, lag or black box?");
     all.push(sentence(&format!(
         "Every model is held against the bar that T_d is T_d* one sample of T_d,calc ago. Black boxes of up to {} poles and {} \
-         samples of delay were tried here; `dynoid inverter` tries more, which takes minutes",
+         samples of delay were tried here; `dynoid torque-control` tries more, which takes minutes",
         orders.highest, orders.longest_delay
     )));
     studied.recordings.iter().for_each(|recording| all.push(one(studied, recording)));

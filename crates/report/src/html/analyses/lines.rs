@@ -34,7 +34,7 @@ fn of_recording(look: &Look) -> Markup {
     if look.parts.len() > DRAWN_PARTS {
         all.push(markup!(
             "<p class=\"note\">{}</p>\n",
-            prose(&format!("The first of {} parts of {}; `dynoid look` draws them all.", look.parts.len(), look.file))
+            prose(&format!("The first of {} parts of {}; `dynoid lines` draws them all.", look.parts.len(), look.file))
         ));
     }
     all

@@ -4,10 +4,9 @@ use std::f64::consts::TAU;
 
 use lti::{Discretisation, LtiError, StateSpace, TransferFunction};
 
-use super::ConvertArguments;
-use crate::cli::convert::Sampling;
+use crate::cli::identify::{ModelConvertArguments, Sampling};
 
-pub(super) fn rule(arguments: &ConvertArguments) -> Discretisation {
+pub(super) fn rule(arguments: &ModelConvertArguments) -> Discretisation {
     match arguments.method {
         Sampling::Zoh => Discretisation::ZeroOrderHold,
         Sampling::Foh => Discretisation::FirstOrderHold,
@@ -17,7 +16,7 @@ pub(super) fn rule(arguments: &ConvertArguments) -> Discretisation {
     }
 }
 
-pub(super) fn resampled(system: StateSpace, arguments: &ConvertArguments) -> Result<StateSpace, LtiError> {
+pub(super) fn resampled(system: StateSpace, arguments: &ModelConvertArguments) -> Result<StateSpace, LtiError> {
     let method = rule(arguments);
     match (arguments.sample_time, system.sample_time_s()) {
         (Some(t), None) => system.to_discrete(method, t),
@@ -27,7 +26,10 @@ pub(super) fn resampled(system: StateSpace, arguments: &ConvertArguments) -> Res
     }
 }
 
-pub(super) fn resampled_ratio(h: TransferFunction, arguments: &ConvertArguments) -> Result<TransferFunction, LtiError> {
+pub(super) fn resampled_ratio(
+    h: TransferFunction,
+    arguments: &ModelConvertArguments,
+) -> Result<TransferFunction, LtiError> {
     let method = rule(arguments);
     match (arguments.sample_time, h.sample_time_s()) {
         (Some(t), None) => h.to_discrete(method, t),

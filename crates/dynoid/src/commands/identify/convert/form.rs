@@ -7,7 +7,7 @@ use lti::{LtiError, TransferFunction};
 use super::failed;
 use super::ratio::{print_ratio, ratio_model};
 use super::system::System;
-use crate::cli::convert::Representation;
+use crate::cli::identify::Representation;
 use crate::error::CliError;
 use crate::terminal::Terminal;
 

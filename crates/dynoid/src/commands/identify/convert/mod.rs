@@ -1,11 +1,9 @@
-//! `dynoid convert` on a model file: the model in another form.
+//! `dynoid model convert`: a model in another form.
 
 mod clock;
 mod form;
 mod ratio;
 mod system;
-
-use std::path::PathBuf;
 
 use ident::{IdentError, LinearModel, ModelDocument};
 use lti::{Complex64, LtiError};
@@ -13,35 +11,14 @@ use lti::{Complex64, LtiError};
 use super::data::{check_plot, check_targets};
 use super::judge::{picture, written};
 use super::words::significant;
-use super::{look, model_file};
-use crate::cli::convert::{Representation, Sampling};
-use crate::cli::identify::ResultArguments;
+use super::{model_file, show};
+use crate::cli::identify::{ModelConvertArguments, Representation, Sampling};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
 use form::Converted;
 use ratio::{pair, ratios};
 use system::system;
-
-/// What is asked for.
-pub(crate) struct ConvertArguments {
-    /// The model file.
-    pub(crate) model: PathBuf,
-    /// The representation wanted.
-    pub(crate) to: Representation,
-    /// The clock it gets, s, if another.
-    pub(crate) sample_time: Option<f64>,
-    /// Makes a discrete model continuous.
-    pub(crate) continuous: bool,
-    /// The rule between continuous and discrete.
-    pub(crate) method: Sampling,
-    /// The model file to write.
-    pub(crate) out: Option<PathBuf>,
-    /// Where Tustin's rule is to be exact, Hz; at rest unless it is given.
-    pub(crate) prewarp_hz: Option<f64>,
-    /// The result as JSON or as a picture.
-    pub(crate) result: ResultArguments,
-}
 
 fn failed(source: impl Into<IdentError>) -> CliError {
     let source = source.into();
@@ -62,8 +39,8 @@ fn failed(source: impl Into<IdentError>) -> CliError {
     }
 }
 
-/// `dynoid convert` on a model file
-pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+/// `dynoid model convert`
+pub(crate) fn convert(arguments: &ModelConvertArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check(arguments)?;
     let source = from_noise(model_file::read(&arguments.model)?, arguments)?;
     let converted = match arguments.to {
@@ -78,7 +55,7 @@ pub(crate) fn convert(arguments: &ConvertArguments, terminal: &mut Terminal) -> 
     };
     if arguments.result.plot.is_some() {
         let both = [("as it was", source.clone()), ("converted", converted.document(&source)?)];
-        let figures = look::bode_figures(both.map(|(name, document)| (name.to_owned(), document)))?;
+        let figures = show::bode_figures(both.map(|(name, document)| (name.to_owned(), document)))?;
         picture(&arguments.result, &model_file::name(&arguments.model), || figures)?;
     }
     if let Some(document) = &document
@@ -121,7 +98,7 @@ fn lost(source: &ModelDocument, converted: &ModelDocument) -> Result<Option<&'st
     })
 }
 
-fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
+fn check(arguments: &ModelConvertArguments) -> Result<(), CliError> {
     check_plot(&arguments.result, &[std::slice::from_ref(&arguments.model)])?;
     if arguments.prewarp_hz.is_some() && arguments.method != Sampling::Tustin {
         return Err(CliError::Usage { what: "--prewarp belongs to --method tustin; give both".into() });
@@ -136,7 +113,7 @@ fn check(arguments: &ConvertArguments) -> Result<(), CliError> {
 }
 
 /// A time series has no way but the one from its noise, which a state space on its own clock holds anyway.
-fn from_noise(source: ModelDocument, arguments: &ConvertArguments) -> Result<ModelDocument, CliError> {
+fn from_noise(source: ModelDocument, arguments: &ModelConvertArguments) -> Result<ModelDocument, CliError> {
     let keeps_clock = arguments.sample_time.is_none() && !arguments.continuous;
     if !source.inputs.is_empty() || (arguments.to == Representation::Ss && keeps_clock) {
         return Ok(source);

@@ -5,16 +5,19 @@ use ident::{AnyModel, ModelDocument, RationalChannel, TransferFunctionModel};
 use lti::{Complex64, LtiError, PolynomialEquation, PolynomialModel, TransferFunction};
 
 use super::clock::resampled_ratio;
+use super::failed;
 use super::form::{clock_words, noise_covariance};
-use super::{ConvertArguments, failed};
-use crate::cli::convert::Representation;
+use crate::cli::identify::{ModelConvertArguments, Representation};
 use crate::commands::identify::words::{self, significant};
 use crate::error::CliError;
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 /// Every way from an input to an output on the clock that is asked for.
-pub(super) fn ratios(source: &ModelDocument, arguments: &ConvertArguments) -> Result<Vec<TransferFunction>, LtiError> {
+pub(super) fn ratios(
+    source: &ModelDocument,
+    arguments: &ModelConvertArguments,
+) -> Result<Vec<TransferFunction>, LtiError> {
     let inputs = source.inputs.len();
     let way = |n: usize| resampled_ratio(ratio(&source.model, n / inputs, n % inputs)?, arguments);
     (0..source.outputs.len() * inputs).map(way).collect()

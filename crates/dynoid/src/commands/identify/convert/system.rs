@@ -9,9 +9,10 @@ use ident::{
 use lti::{Discretisation, Innovations, LtiError, PolynomialModel, StateSpace};
 
 use super::clock::{resampled, rule};
+use super::failed;
 use super::form::{clock_words, noise_covariance};
 use super::ratio::{discrete_model, ratios};
-use super::{ConvertArguments, failed};
+use crate::cli::identify::ModelConvertArguments;
 use crate::commands::identify::words::significant;
 use crate::error::CliError;
 use crate::terminal::Terminal;
@@ -26,7 +27,7 @@ pub(super) struct System {
 }
 
 /// The state space that is asked for.
-pub(super) fn system(source: &ModelDocument, arguments: &ConvertArguments) -> Result<System, CliError> {
+pub(super) fn system(source: &ModelDocument, arguments: &ModelConvertArguments) -> Result<System, CliError> {
     let own = source.model.system().map_err(failed)?;
     let stays = arguments.sample_time.is_none() && !arguments.continuous;
     if own.sample_time_s().is_some() && stays {
@@ -50,7 +51,7 @@ pub(super) fn system(source: &ModelDocument, arguments: &ConvertArguments) -> Re
 
 /// A polynomial model continuous, or on another clock: with delays, which have no continuous counterpart as states, beside
 /// it.
-fn polynomial_system(model: &PolynomialModel, arguments: &ConvertArguments) -> Result<System, CliError> {
+fn polynomial_system(model: &PolynomialModel, arguments: &ModelConvertArguments) -> Result<System, CliError> {
     let as_states = |system| System { system, input_delays_s: Vec::new(), gain: None };
     let whole = resampled(without_noise(model, usize::MAX).map_err(failed)?, arguments);
     // One sample of each delay is that of the hold.
@@ -90,7 +91,7 @@ fn without_noise(model: &PolynomialModel, longest: usize) -> Result<StateSpace, 
 /// A model with delays, sampled: its delays are states.
 fn sampled_with_delays(
     source: &ModelDocument,
-    arguments: &ConvertArguments,
+    arguments: &ModelConvertArguments,
     sample_time_s: f64,
 ) -> Result<StateSpace, LtiError> {
     let held = |intersample| Ok(source.model.innovations(sample_time_s, intersample)?.system().clone());

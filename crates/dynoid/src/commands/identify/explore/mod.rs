@@ -1,4 +1,4 @@
-//! `dynoid spectrum`, `delay`, `order`: what data say before a model is chosen.
+//! `dynoid data spectrum`, `delay`, `order`: what data say before a model is chosen.
 
 mod delay;
 mod order;

@@ -1,4 +1,4 @@
-//! `dynoid order`: orders and delay of ARX models.
+//! `dynoid data order`: orders and delay of ARX models.
 
 use std::ops::RangeInclusive;
 
@@ -18,7 +18,7 @@ use crate::terminal::Terminal;
 /// Structures compared, at most.
 const MOST: usize = 100_000;
 
-/// `dynoid order`
+/// `dynoid data order`
 pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let ranges = [range("--na", &arguments.na)?, range("--nb", &arguments.nb)?, range("--nk", &arguments.nk)?];
@@ -80,7 +80,7 @@ fn check_size(structures: usize, arguments: &OrderArguments) -> Result<(), CliEr
     let OrderArguments { na, nb, nk, .. } = arguments;
     let what = format!(
         "--na {na} --nb {nb} --nk {nk} are {structures} structures, and at most {MOST} are compared: find the delay first, \
-         with `dynoid delay`, and give a narrow --nk about it, or shorter ranges of orders"
+         with `dynoid data delay`, and give a narrow --nk about it, or shorter ranges of orders"
     );
     Err(CliError::Usage { what })
 }

@@ -9,7 +9,7 @@ use super::verdict::{Judged, is_singular};
 use super::{Finished, INTERVAL, greybox};
 use crate::cli::identify::FitArguments;
 use crate::commands::identify::judge::REGION;
-use crate::commands::identify::look;
+use crate::commands::identify::show;
 use crate::commands::identify::words::{self, significant};
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
@@ -109,7 +109,7 @@ impl Finished {
         }
         match &self.fit.model {
             AnyModel::StateSpace(_) => {
-                if let Err(reason) = look::print_roots(&self.document, INTERVAL, terminal) {
+                if let Err(reason) = show::print_roots(&self.document, INTERVAL, terminal) {
                     terminal.line(&format!("no poles and zeros: {reason}; the entries of the matrices are in --json"));
                 }
             }

@@ -1,4 +1,4 @@
-//! `dynoid delay`: dead times beside dynamics, what other methods say, and what to make of it where they disagree.
+//! `dynoid data delay`: dead times beside dynamics, what other methods say, and what to make of it where they disagree.
 
 mod modelled;
 mod others;
@@ -22,7 +22,7 @@ const LEVEL: f64 = 0.95;
 /// A time stamp is trusted to this part of the clock either way.
 const DATED: f64 = 1.0 / 20.0;
 
-/// `dynoid delay`
+/// `dynoid data delay`
 pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     if arguments.data.inputs.is_empty() {

@@ -1,4 +1,4 @@
-//! `dynoid spectrum`: power spectra and frequency responses.
+//! `dynoid data spectrum`: power spectra and frequency responses.
 
 mod coherence;
 
@@ -73,7 +73,7 @@ impl Spectrum {
     }
 }
 
-/// `dynoid spectrum`
+/// `dynoid data spectrum`
 pub(crate) fn spectrum(arguments: &SpectrumArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.data.recordings])?;
     let loaded = load_on(CommonClock::Slowest, &arguments.data, terminal)?;

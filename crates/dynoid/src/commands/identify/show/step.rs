@@ -1,4 +1,4 @@
-//! `dynoid step`: step responses.
+//! `dynoid model step`: step responses.
 
 use ident::uncertainty::{Dynamics, Feature};
 use ident::{AnyModel, IdentError, LinearModel};
@@ -19,7 +19,7 @@ const FEWEST: usize = 5;
 /// Intervals of a response, at most.
 const MOST: f64 = 20_000.0;
 
-/// `dynoid step`
+/// `dynoid model step`
 pub(crate) fn step(arguments: &CurveArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.models.result, &[&arguments.models.models])?;
     let models = models(&arguments.models)?;

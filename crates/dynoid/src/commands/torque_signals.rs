@@ -1,4 +1,4 @@
-//! `dynoid torque`: the torque signals held against each other, and the shaft torque rebuilt.
+//! `dynoid torque-signals`: the torque signals held against each other, and the shaft torque rebuilt.
 
 use std::path::Path;
 
@@ -11,12 +11,12 @@ use serde_json::json;
 use super::experiments::{self, Campaign, print_parameters};
 use super::identify::judge::{picture, written};
 use super::rebuilt::{self, Rebuilt};
-use crate::cli::torque::TorqueArguments;
+use crate::cli::torque_signals::TorqueSignalsArguments;
 use crate::error::{CliError, Outcome};
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
-pub(crate) fn run(arguments: &TorqueArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     rebuilt::check(arguments.out.as_deref(), &arguments.given)?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);

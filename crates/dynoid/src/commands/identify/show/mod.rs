@@ -1,4 +1,4 @@
-//! `dynoid bode`, `step`, `poles`: what a model is like.
+//! `dynoid model bode`, `step`, `poles`: what a model is like.
 
 mod bode;
 mod curves;

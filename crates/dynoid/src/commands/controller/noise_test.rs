@@ -1,4 +1,4 @@
-//! `dynoid controller study`: what noise does to the estimate of a PI that is known.
+//! `dynoid controller noise-test`: what noise does to the estimate of a PI that is known.
 
 use bench::speed_control::{Case, Estimator, PiStudy, StudyOptions, Summary, study, virtual_experiment};
 use bench::{ControlMode, Experiment, Role};
@@ -6,7 +6,7 @@ use report::controller::{ESTIMATORS, STUDY_DEFINITIONS, estimator, noise, publis
 use report::wording::number;
 
 use crate::cli::GivenRecordings;
-use crate::cli::controller::ControllerStudyArguments;
+use crate::cli::controller::NoiseTestArguments;
 use crate::commands::experiments;
 use crate::commands::identify::data::check_plot;
 use crate::commands::identify::judge::{picture, written};
@@ -14,7 +14,7 @@ use crate::error::{CliError, Outcome};
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
-pub(super) fn run(arguments: &ControllerStudyArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let options = options(arguments)?;
     let experiment = match &arguments.bench {
         Some(bench) => recorded(bench, arguments, terminal)?,
@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &ControllerStudyArguments, terminal: &mut Terminal)
     Ok(Outcome::Done)
 }
 
-fn options(arguments: &ControllerStudyArguments) -> Result<StudyOptions, CliError> {
+fn options(arguments: &NoiseTestArguments) -> Result<StudyOptions, CliError> {
     let [low, high] = arguments.band_pass[..] else {
         return Err(CliError::Usage { what: "--band-pass: give two corners, such as 100,200".to_owned() });
     };
@@ -60,7 +60,7 @@ fn options(arguments: &ControllerStudyArguments) -> Result<StudyOptions, CliErro
 /// The recording that is named, or the longest BS_T_NT, or else the longest in speed control.
 fn recorded(
     bench: &std::path::Path,
-    arguments: &ControllerStudyArguments,
+    arguments: &NoiseTestArguments,
     terminal: &mut Terminal,
 ) -> Result<Experiment, CliError> {
     let given = GivenRecordings { bench: bench.to_owned(), recordings: arguments.recording.iter().cloned().collect() };

@@ -1,11 +1,11 @@
-//! `dynoid inverter`: what the torque control of simulated recordings can be told to be.
+//! `dynoid torque-control`: what the torque control of simulated recordings can be told to be.
 
 use crate::support::Campaign;
 
 const FEW: [&str; 4] = ["--highest-order", "2", "--longest-delay", "1"];
 
 fn run(campaign: &Campaign, more: &[&str]) -> crate::support::Ran {
-    campaign.run(&[&["inverter", "bench.toml"], &FEW[..], more].concat())
+    campaign.run(&[&["torque-control", "bench.toml"], &FEW[..], more].concat())
 }
 
 #[test]
@@ -56,8 +56,8 @@ fn exact_json_holds_every_judgement() {
 #[test]
 fn regress_what_cannot_be_done_is_refused() {
     let campaign = Campaign::whole();
-    campaign.run(&["inverter", "bench.toml", "--highest-order", "0"]).assert_refused(2, &["--highest-order"]);
-    campaign.run(&["inverter", "bench.toml", "--plot", "x.pdf"]).assert_refused(2, &["x.pdf"]);
+    campaign.run(&["torque-control", "bench.toml", "--highest-order", "0"]).assert_refused(2, &["--highest-order"]);
+    campaign.run(&["torque-control", "bench.toml", "--plot", "x.pdf"]).assert_refused(2, &["x.pdf"]);
     for name in ["WhiteNoise_T_TN_1200.mf4", "BS_T_NT_1200.mf4"] {
         std::fs::remove_file(campaign.path(&format!("recordings/{name}"))).unwrap();
     }

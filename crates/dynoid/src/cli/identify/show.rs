@@ -1,4 +1,4 @@
-//! Arguments of the commands that show what models are like.
+//! Arguments of `dynoid model bode`, `step` and `poles`.
 
 use std::path::PathBuf;
 
@@ -10,16 +10,16 @@ use crate::cli::number;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid poles model.json --plot poles.png
-  dynoid poles arx.json ss.json --level 0.99")]
+  dynoid model poles model.json --plot poles.png
+  dynoid model poles arx.json ss.json --level 0.99")]
 pub(crate) struct ModelArguments {
     /// Model files
     #[arg(value_name = "MODEL.json", required = true)]
     pub(crate) models: Vec<PathBuf>,
-    /// Confidence of bands and regions
+    /// Confidence level of bands and regions
     #[arg(long, default_value_t = 0.95, value_name = "SHARE", value_parser = number::share)]
     pub(crate) level: f64,
-    /// Shows the way from the noise e to each output too; of a time series it is shown anyway
+    /// Show the path from the noise e to each output too; always shown for a time series
     #[arg(long)]
     pub(crate) noise: bool,
     #[command(flatten)]
@@ -29,14 +29,14 @@ pub(crate) struct ModelArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid bode model.json --plot bode.html
-  dynoid bode arx.json ss.json --plot bode.svg
-  dynoid step model.json --table
-  dynoid step model.json --json | jq '.[0].summary'")]
+  dynoid model bode model.json --plot bode.html
+  dynoid model bode arx.json ss.json --plot bode.svg
+  dynoid model step model.json --table
+  dynoid model step model.json --json | jq '.[0].summary'")]
 pub(crate) struct CurveArguments {
     #[command(flatten)]
     pub(crate) models: ModelArguments,
-    /// Prints every point of the curves, not their summary
+    /// Print every point of the curves instead of a summary
     #[arg(long, conflicts_with = "json")]
     pub(crate) table: bool,
 }

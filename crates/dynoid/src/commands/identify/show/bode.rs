@@ -1,4 +1,4 @@
-//! `dynoid bode`: frequency responses.
+//! `dynoid model bode`: frequency responses.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,7 +20,7 @@ const FREQUENCIES: usize = 400;
 /// Confidence of bands where none is asked for.
 const LEVEL: f64 = 0.95;
 
-/// `dynoid bode`
+/// `dynoid model bode`
 pub(crate) fn bode(arguments: &CurveArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.models.result, &[&arguments.models.models])?;
     let models = models(&arguments.models)?;

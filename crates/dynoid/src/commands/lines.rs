@@ -1,4 +1,4 @@
-//! `dynoid look`: what recordings show before any model.
+//! `dynoid lines`: what recordings show before any model.
 
 use bench::look::{
     BANDWIDTH_ORDERS, FEWEST_SAMPLES, Look, LookedPart, LookedSignal, OverSpeed, TURNS, look, on_one_mains, over_speed,
@@ -10,12 +10,12 @@ use serde_json::json;
 
 use super::experiments;
 use super::identify::judge::{picture, written};
-use crate::cli::look::LookArguments;
+use crate::cli::lines::LinesArguments;
 use crate::error::{CliError, Outcome};
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
-pub(crate) fn run(arguments: &LookArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let mut looks = Vec::new();
     let refused =
         experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {

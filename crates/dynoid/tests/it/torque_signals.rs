@@ -1,4 +1,4 @@
-//! `dynoid torque`: the torque signals of simulated recordings.
+//! `dynoid torque-signals`: the torque signals of simulated recordings.
 
 use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
 
@@ -8,7 +8,7 @@ use crate::support::Campaign;
 fn stat_delays_filter_shaft_torque_load_cell_and_trust_are_said() {
     let steps = simulate(&BenchParameters::default(), &ExperimentPlan::step_t_tn(1200.0, 24.0), 5).unwrap();
     let campaign = Campaign::whole().with("Step_T_TN_1200.mf4", &steps);
-    let ran = campaign.run(&["torque", "bench.toml", "--plot", "torque.html"]);
+    let ran = campaign.run(&["torque-signals", "bench.toml", "--plot", "torque.html"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     for words in [
@@ -30,7 +30,7 @@ fn stat_delays_filter_shaft_torque_load_cell_and_trust_are_said() {
 fn exact_the_rebuilt_torque_is_written_as_a_recording() {
     let campaign = Campaign::whole();
     let recording = "recordings/WhiteNoise_T_TN_1200.mf4";
-    let ran = campaign.run(&["torque", "bench.toml", recording, "--out", "shaft.csv", "--json"]);
+    let ran = campaign.run(&["torque-signals", "bench.toml", recording, "--out", "shaft.csv", "--json"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let found = ran.json();
     assert_eq!(found["recordings"][0]["filter"]["found"]["best"]["filter"]["length"], 16);
@@ -43,18 +43,18 @@ fn exact_the_rebuilt_torque_is_written_as_a_recording() {
             && heading.contains("shaft_torque_standard_deviation_without_encoder_error [Nm]"),
         "{heading}"
     );
-    let quiet = campaign.run(&["torque", "bench.toml", recording, "--quiet"]);
+    let quiet = campaign.run(&["torque-signals", "bench.toml", recording, "--quiet"]);
     assert_eq!((quiet.code, quiet.stdout.as_str()), (Some(0), ""));
 }
 
 #[test]
 fn regress_what_cannot_be_done_is_refused_before_any_work() {
     let campaign = Campaign::whole();
-    campaign.run(&["torque", "bench.toml", "--out", "x.doc"]).assert_refused(2, &["x.doc", ".mf4"]);
+    campaign.run(&["torque-signals", "bench.toml", "--out", "x.doc"]).assert_refused(2, &["x.doc", ".mf4"]);
     let recording = "recordings/BS_T_NT_1200.mf4";
-    campaign.run(&["torque", "bench.toml", recording, "--out", recording]).assert_refused(2, &["is read"]);
+    campaign.run(&["torque-signals", "bench.toml", recording, "--out", recording]).assert_refused(2, &["is read"]);
     campaign.write("recordings/WhiteNoise_T_TN_1200.mf4", b"no recording");
-    let ran = campaign.run(&["torque", "bench.toml", "recordings/WhiteNoise_T_TN_1200.mf4"]);
+    let ran = campaign.run(&["torque-signals", "bench.toml", "recordings/WhiteNoise_T_TN_1200.mf4"]);
     ran.assert_refused(3, &["WhiteNoise_T_TN_1200.mf4", "none of the recordings"]);
 }
 
@@ -68,7 +68,7 @@ fn regress_recordings_that_tell_nothing_end_with_a_code_that_says_so() {
         channel.samples.fill(first);
     }
     let campaign = Campaign::whole().with("WhiteNoise_T_TN_1200.mf4", &short).with("BS_T_NT_1200.mf4", &still);
-    for command in ["torque", "engine", "look", "controller"] {
+    for command in ["torque-signals", "engine", "lines", "controller"] {
         for recording in ["recordings/WhiteNoise_T_TN_1200.mf4", "recordings/BS_T_NT_1200.mf4"] {
             let ran = campaign.run(&[command, "bench.toml", recording]);
             assert_eq!(ran.code, Some(3), "{command} {recording}: {}{}", ran.stdout, ran.stderr);

@@ -1,4 +1,4 @@
-//! `dynoid inverter`: what the torque control can be told to be.
+//! `dynoid torque-control`: what the torque control can be told to be.
 
 use bench::study::Parameter;
 use bench::torque_control_study::{
@@ -15,7 +15,7 @@ use serde_json::json;
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{picture, written};
-use crate::cli::inverter::InverterArguments;
+use crate::cli::torque_control::TorqueControlArguments;
 use crate::error::{CliError, Outcome};
 use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
@@ -23,7 +23,7 @@ use crate::terminal::Terminal;
 /// Steps of the progress.
 const STEPS: u64 = 100;
 
-pub(crate) fn run(arguments: &InverterArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let orders = OrdersTried { highest: arguments.highest_order, longest_delay: arguments.longest_delay };
     let studied = studied(&experiments, &bench, orders, terminal)?;

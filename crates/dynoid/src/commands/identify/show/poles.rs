@@ -1,4 +1,4 @@
-//! `dynoid poles`: poles and zeros.
+//! `dynoid model poles`: poles and zeros.
 
 use std::f64::consts::TAU;
 
@@ -29,7 +29,7 @@ pub(super) struct Roots {
     pub(super) roots: Vec<UncertainRoot>,
 }
 
-/// `dynoid poles`
+/// `dynoid model poles`
 pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.models])?;
     let (models, level) = (models(arguments)?, arguments.level);

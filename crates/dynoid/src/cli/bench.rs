@@ -1,0 +1,73 @@
+//! Arguments of the commands for the whole bench: `dynoid init`, `study` and `demo`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid init recordings/
+  dynoid init monday/*.mf4 tuesday/*.mf4 --out cell4.toml
+
+Check the proposal: a channel with the wrong role gives a wrong model. Then fill in what recordings cannot show: the number of cylinders and both inertias.")]
+pub(crate) struct InitArguments {
+    /// Recordings, or folders of recordings (MDF, CSV, MAT, HDF5, Parquet, Arrow)
+    #[arg(value_name = "RECORDINGS", required = true)]
+    pub(crate) recordings: Vec<PathBuf>,
+    /// The bench file to write
+    #[arg(long, value_name = "FILE", default_value = "bench.toml")]
+    pub(crate) out: PathBuf,
+    /// Replace a bench file that is already there
+    #[arg(long)]
+    pub(crate) force: bool,
+    /// Print the proposal as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid study bench.toml
+  dynoid study cell4/bench.toml --out results/2026-05-03
+  dynoid study bench.toml --full
+  dynoid study bench.toml --json | jq .verdict.level
+
+The study writes report.html, one file for any browser, and study.json, every number for programs. It replaces older results only when the new ones are complete. `dynoid init` proposes the bench file.
+
+With --full the report also contains `dynoid lines`, `torque-signals`, `torque-control`, `controller`, `controller noise-test`, `shaft`, `engine`, `friction` and `experiment next`. If an analysis lacks its recording, the report names the experiment to run.")]
+pub(crate) struct StudyArguments {
+    /// The bench file: what is known of the bench, its channels, and its recordings
+    #[arg(value_name = "BENCH.toml")]
+    pub(crate) bench: PathBuf,
+    /// Folder for the results [default: study/ next to the bench file]
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Add all analyses of single parts to the report
+    #[arg(long)]
+    pub(crate) full: bool,
+    /// Print verdict, estimates and findings as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  dynoid demo
+  dynoid demo --out first-try --seed 7
+  dynoid demo --json | jq '.comparison[] | select(.contains_truth | not)'
+
+The folder then contains recordings/*.mf4, bench.toml, report.html, effects.html and study.json. Change bench.toml and run `dynoid study` on it: leave recordings out, or change an inertia.")]
+pub(crate) struct DemoArguments {
+    /// Folder to write to; created if it does not exist
+    #[arg(long, value_name = "DIR", default_value = "dynoid-demo")]
+    pub(crate) out: PathBuf,
+    /// Seed of the simulation; the same seed gives the same recordings
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Print the comparison as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}

@@ -1,0 +1,69 @@
+//! The first help page: the commands, grouped by what the user wants to do.
+
+use std::fmt::Write as _;
+
+use clap::Command;
+
+/// Headings and the commands below them.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("The whole bench", &["init", "study", "demo"]),
+    (
+        "One part of the bench",
+        &["lines", "torque-signals", "torque-control", "controller", "shaft", "engine", "friction"],
+    ),
+    ("Experiments", &["experiment"]),
+    ("Recordings", &["inspect", "convert"]),
+    ("Linear models of any channels", &["data", "fit", "model"]),
+];
+
+const EXAMPLES: &str = "\
+  dynoid demo                 try everything without recordings of your own
+  dynoid init recordings/     write bench.toml; then fill in what it asks for
+  dynoid study bench.toml     write study/report.html";
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 done, but the verdict is bad; 2 wrong command line;
+  3 unreadable input; 4 output not written; 5 a fault in dynoid itself";
+
+/// The program with its commands listed under headings.
+pub(super) fn grouped(command: Command) -> Command {
+    let (heading, literal) = (*command.get_styles().get_header(), *command.get_styles().get_literal());
+    let mut page = String::from("{about}\n\n{usage-heading} {usage}\n");
+    for (title, names) in GROUPS {
+        let _ = write!(page, "\n{heading}{title}:{heading:#}\n");
+        for name in names {
+            let about = command.find_subcommand(name).and_then(Command::get_about).map(ToString::to_string);
+            let _ = writeln!(page, "  {literal}{name:<14}{literal:#}  {}", about.unwrap_or_default());
+        }
+    }
+    let _ = write!(page, "\n{heading}Examples:{heading:#}\n{EXAMPLES}\n");
+    let _ = write!(page, "\n`dynoid help COMMAND` explains a command. Options of all: --quiet, --color WHEN.\n");
+    page.push_str(EXIT_CODES);
+    command.help_template(page)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::{GROUPS, grouped};
+    use crate::cli::Cli;
+
+    #[test]
+    fn exact_every_command_stands_in_one_group() {
+        let command = Cli::command();
+        let mut listed: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        let mut there: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+        listed.sort_unstable();
+        there.sort_unstable();
+        assert_eq!(listed, there);
+    }
+
+    #[test]
+    fn exact_the_first_page_fits_a_screen() {
+        let page = grouped(Cli::command()).render_help().to_string();
+        assert!(page.lines().count() <= 40, "{} lines", page.lines().count());
+        let widest = page.lines().map(|line| line.chars().count()).max();
+        assert!(widest <= Some(80), "{widest:?} columns");
+    }
+}
