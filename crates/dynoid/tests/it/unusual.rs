@@ -176,7 +176,7 @@ fn model_files_are_told_from_recordings_and_by_their_version() {
     std::fs::write(folder.path().join("later.json"), later).unwrap();
     run(&folder, "model poles later.json").assert_refused(3, &["later.json", "version 2", "a later dynoid wrote it"]);
     std::fs::write(folder.path().join("other.json"), "{\"format\": \"shopping list\", \"version\": 1}").unwrap();
-    run(&folder, "model poles other.json").assert_refused(3, &["other.json", "no model file", "shopping list"]);
+    run(&folder, "model poles other.json").assert_refused(3, &["other.json", "not a model file", "shopping list"]);
 }
 
 #[test]

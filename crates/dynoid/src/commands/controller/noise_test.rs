@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
     let progress = terminal.long("estimating draw after draw");
     let found = study(&experiment, &options, &|done, all| progress.told(done, all));
     drop(progress);
-    let found = found.map_err(|source| CliError::ControllerStudy { source })?;
+    let found = found.map_err(|source| CliError::NoiseTest { source })?;
     picture(&arguments.result, "Study of a known PI", || study_figures(&found))?;
     if arguments.result.json {
         terminal.json(&found)?;
