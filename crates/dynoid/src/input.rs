@@ -41,7 +41,7 @@ fn refuse_folder(path: &Path) -> Result<(), CliError> {
     }
 }
 
-/// Whether a path names a pipe or a device. Recordings are read from any place of theirs, which those do not allow.
+/// Whether a path names a pipe or a device. Recordings need random access, which those do not allow.
 fn is_stream(path: &Path) -> bool {
     path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir())
 }
@@ -71,15 +71,15 @@ fn refuse_model(file: &InputFile) -> Result<(), CliError> {
     }
 }
 
-/// The text of a file, without a byte order mark; what is `wanted` is said where it is no text.
+/// The text of a file, without a byte order mark. The error for a file that is not text names what is `wanted`.
 pub(crate) fn read_text(path: &Path, wanted: &'static str) -> Result<String, CliError> {
     let text = String::from_utf8(read_bytes(path)?).map_err(|_| CliError::NotText { path: path.to_owned(), wanted })?;
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// Reads and decodes a recording. One that cannot be decoded is a source too: it holds the reason.
+/// Reads and decodes a recording. If decoding fails, the source holds the reason.
 ///
-/// The file is never in memory as a whole, unless its format asks for it.
+/// The whole file is in memory only if its format requires it.
 pub(crate) fn read_source(file: &InputFile) -> Result<Source, CliError> {
     Ok(Source { file: file.name.clone(), sha256: sha256(file)?, recording: decode(file)? })
 }
@@ -89,7 +89,7 @@ pub(crate) fn decode(file: &InputFile) -> Result<Result<Recording, RecordingErro
     Ok(decode_from(&file.name, opened(file)?, &Selection::All, None, &|_, _| {}))
 }
 
-/// The channels of these names or patterns; all where there are none.
+/// The channels of these names or patterns; all channels without any.
 pub(crate) fn selection(names: &[String]) -> Selection {
     match names {
         [] => Selection::All,
@@ -97,7 +97,7 @@ pub(crate) fn selection(names: &[String]) -> Selection {
     }
 }
 
-/// What a recording lists, without its samples where the format allows that.
+/// The channels of a recording; without reading samples, if the format allows.
 pub(crate) fn catalogue(file: &InputFile) -> Result<Catalogue, CliError> {
     refuse_model(file)?;
     catalogue_from(&file.name, opened(file)?).map_err(|source| CliError::Recording { source, untimed: false })
@@ -110,7 +110,7 @@ pub(crate) struct Read {
     pub(crate) is_untimed: bool,
 }
 
-/// Reads and decodes a recording, or text without a time column where the time from row to row is given.
+/// Reads and decodes a recording, or text without a time column if the time from row to row is given.
 pub(crate) fn read_recording(
     file: &InputFile,
     selection: &Selection,
@@ -133,7 +133,7 @@ pub(crate) fn read_recording(
     Ok(Read { recording, is_untimed })
 }
 
-/// Whether a table could not be read since no column is its time.
+/// Whether a table could not be read because no column is its time.
 fn lacks_time(error: &RecordingError) -> bool {
     match error {
         RecordingError::NoTimeColumn { .. } => true,
@@ -144,7 +144,7 @@ fn lacks_time(error: &RecordingError) -> bool {
     }
 }
 
-/// What a recording holds beside its channels.
+/// The content of a recording besides its channels.
 pub(crate) fn extras(file: &InputFile) -> Result<Extras, CliError> {
     extras_from(&file.name, &*opened(file)?).map_err(|source| CliError::Recording { source, untimed: false })
 }
@@ -157,7 +157,7 @@ fn opened(file: &InputFile) -> Result<Arc<File>, CliError> {
     File::open(&file.path).map(Arc::new).map_err(|source| CliError::read(&file.path, source))
 }
 
-/// The SHA-256 of a file's content, hexadecimal: for it the whole file is read.
+/// The SHA-256 of a file's content, hexadecimal.
 pub(crate) fn sha256(file: &InputFile) -> Result<String, CliError> {
     sha256_of(&mut &*opened(file)?).map_err(|source| CliError::read(&file.path, source))
 }
