@@ -250,15 +250,11 @@ fn because(reasons: &[String]) -> String {
 
 fn read_words(error: &io::Error) -> String {
     match error.kind() {
-        io::ErrorKind::NotFound => {
-            "no such file or folder; check the name and the current folder".into()
-        }
+        io::ErrorKind::NotFound => "no such file or folder; check the name and the current folder".into(),
         io::ErrorKind::PermissionDenied => {
             "no permission to read this; ask for read access, or copy it to your own folder".into()
         }
-        _ => format!(
-            "reading failed: {error}; check the disk or the network drive, or copy the file to a local disk"
-        ),
+        _ => format!("reading failed: {error}; check the disk or the network drive, or copy the file to a local disk"),
     }
 }
 
@@ -277,11 +273,7 @@ fn write_words(path: &Path, error: &io::Error) -> String {
 
 fn bench_file_words(error: &BenchFileError) -> String {
     let count = error.faults.len();
-    let head = if count == 1 {
-        "one error".into()
-    } else {
-        format!("{count} errors")
-    };
+    let head = if count == 1 { "one error".into() } else { format!("{count} errors") };
     let lines: Vec<String> = error.faults.iter().map(|fault| format!("  {fault}")).collect();
     format!("{head}:\n{}", lines.join("\n"))
 }
