@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use numerics::search;
+use numerics::vector::{dot, norm, sum_of_squares};
 use signal::Signal;
-
-use crate::search::golden_section;
 
 /// The demand is looked at in blocks of about this length, s.
 const BLOCK_S: f64 = 5e-3;
@@ -19,6 +19,8 @@ const EXPLAINED: f64 = 0.7;
 const QUIET: f64 = 0.1;
 /// Windows of one piece agree in frequency within this, Hz.
 const AGREEMENT_HZ: f64 = 0.05;
+/// Part of the range about a piece's frequency to which that is refined.
+const FINE: f64 = 8e-9;
 /// Windows a piece must have.
 const FEWEST_WINDOWS: usize = 4;
 
@@ -86,7 +88,7 @@ impl Track {
         let frequencies: Vec<f64> = (0..count).map(|i| LOWEST_HZ + GRID_HZ * i as f64).collect();
         let bases: Vec<Basis> = frequencies.iter().map(|f| Basis::new(f * self.block_s, self.length)).collect();
         let windows: Vec<Vec<f64>> = self.blocks.windows(self.length).step_by(self.hop).map(detrended).collect();
-        let powers: Vec<f64> = windows.iter().map(|w| power(w)).collect();
+        let powers: Vec<f64> = windows.iter().map(|w| sum_of_squares(w)).collect();
         let loudest = powers.iter().copied().fold(0.0, f64::max);
         let loud = |i: usize| powers[i] > QUIET * QUIET * loudest;
         self.windows = (0..windows.len())
@@ -106,11 +108,12 @@ impl Track {
         let to = from + (count - 1) * self.hop + self.length;
         let stretch = detrended(&self.blocks[from..to]);
         let start = self.windows[first].unwrap_or(LOWEST_HZ);
+        let reach_hz = 2.0 * AGREEMENT_HZ;
         let explained = |f: f64| Basis::new(f * self.block_s, stretch.len()).explained(&stretch);
         Segment {
             start_s: self.start_s + from as f64 * self.block_s,
             end_s: self.start_s + to as f64 * self.block_s,
-            frequency_hz: golden_section((start - 2.0 * AGREEMENT_HZ, start + 2.0 * AGREEMENT_HZ), explained),
+            frequency_hz: search::maximum((start - reach_hz, start + reach_hz), FINE * reach_hz, explained),
         }
     }
 }
@@ -152,16 +155,8 @@ fn peak(window: &[f64], power: f64, frequencies: &[f64], bases: &[Basis]) -> Opt
     Some(frequencies[best] + 0.5 * GRID_HZ * (low - high) / (low - 2.0 * top + high))
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn power(x: &[f64]) -> f64 {
-    dot(x, x)
-}
-
 fn normalised(x: Vec<f64>) -> Vec<f64> {
-    let norm = power(&x).sqrt();
+    let norm = norm(&x);
     if norm > 0.0 { x.iter().map(|v| v / norm).collect() } else { x }
 }
 

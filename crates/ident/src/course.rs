@@ -8,6 +8,7 @@ use std::borrow::Cow;
 
 use faer::Mat;
 use lti::{Innovations, LtiError};
+use numerics::vector::dot;
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
 
@@ -118,7 +119,7 @@ impl Filter {
         let last = u.len() as i64 + self.first + width as i64;
         let around: Vec<f64> = (self.first..last).map(|k| beyond(u, k, at_rest)).collect();
         let column = |weights: &Vec<f64>| {
-            around.windows(width).take(u.len()).map(|near| crate::gram::dot(weights, near)).collect::<Vec<f64>>()
+            around.windows(width).take(u.len()).map(|near| dot(weights, near)).collect::<Vec<f64>>()
         };
         self.weights.iter().map(column).collect()
     }

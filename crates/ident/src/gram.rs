@@ -2,9 +2,13 @@
 
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatRef, Par, Side};
+use numerics::parallel;
+use numerics::vector::{add_scaled, dot};
 
 /// Samples of a block of the correlation sums, chosen to stay in the cache.
 const BLOCK: usize = 2048;
+/// Samples of the correlation sums that one task forms.
+const PART: usize = 8 * BLOCK;
 
 /// The upper triangular R with `RᵀR` = `gram`, of which the lower half is read; `None` where a diagonal of R, with the
 /// columns scaled to one, falls below `least`. The Gram matrix squares the condition of the data: at this bound its
@@ -62,19 +66,14 @@ pub(crate) fn of_windows(channels: &[&[f64]], width: usize) -> Mat<f64> {
     gram
 }
 
-/// `Σ_t x_c(t) x_d(t + lag)` at `(lag · channels + c) · channels + d`, half of the record on a thread of its own.
+/// `Σ_t x_c(t) x_d(t + lag)` at `(lag · channels + c) · channels + d`.
 fn correlations(channels: &[&[f64]], width: usize, windows: usize) -> Vec<f64> {
-    if windows < 8 * BLOCK {
-        return correlate(channels, width, 0..windows);
-    }
-    let half = windows / 2;
-    let mut second = Vec::new();
-    let mut sums = std::thread::scope(|scope| {
-        scope.spawn(|| second = correlate(channels, width, half..windows));
-        correlate(channels, width, 0..half)
-    });
-    sums.iter_mut().zip(second).for_each(|(s, other)| *s += other);
-    sums
+    let part = |range| correlate(channels, width, range);
+    let add = |mut sums: Vec<f64>, others: Vec<f64>| {
+        add_scaled(1.0, &others, &mut sums);
+        sums
+    };
+    parallel::reduce(windows, PART, part, add).unwrap_or_else(|| vec![0.0; width * channels.len().pow(2)])
 }
 
 fn correlate(channels: &[&[f64]], width: usize, range: std::ops::Range<usize>) -> Vec<f64> {
@@ -92,18 +91,4 @@ fn correlate(channels: &[&[f64]], width: usize, range: std::ops::Range<usize>) -
         start = end;
     }
     sums
-}
-
-/// Scalar product with independent partial sums, which lets it run in vector registers.
-pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
-    const LANES: usize = 16;
-    let mut sums = [0.0; LANES];
-    let (xs, ys) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
-    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in xs.zip(ys) {
-        for i in 0..LANES {
-            sums[i] += a[i] * b[i];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }

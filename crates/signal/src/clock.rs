@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
+use numerics::order::{lower_median, lower_median_streamed};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_at_least, check_finite};
-use crate::rank::median;
 
 /// Intervals longer than this many typical ones are gaps, or end in a late stamp.
 const LONGEST: f64 = 1.5;
@@ -80,7 +80,7 @@ pub fn check_clock(times_s: &[f64]) -> Result<ClockCheck, SignalError> {
     check_finite(times_s)?;
     let intervals = || times_s.windows(2).map(|w| w[1] - w[0]);
     let positive = || intervals().filter(|d| *d > 0.0);
-    let typical = median(positive).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
+    let typical = lower_median_streamed(positive).ok_or(SignalError::TooShort { needed: 2, got: 1 })?;
     let short = || positive().filter(|&d| d <= LONGEST * typical);
     let about_s = mean(short());
     let shaky_s = short().any(|d| d < SHORTEST * typical).then(|| over_many(times_s, about_s));
@@ -175,7 +175,7 @@ impl Step {
 fn over_many(times_s: &[f64], about_s: f64) -> f64 {
     let many = MANY.min(times_s.len() - 1);
     let stretches = || times_s.windows(many + 1).map(|w| (w[many] - w[0]) / many as f64);
-    let Some(typical) = median(|| stretches().filter(|d| *d > 0.0)) else { return about_s };
+    let Some(typical) = lower_median_streamed(|| stretches().filter(|d| *d > 0.0)) else { return about_s };
     let whole = || stretches().filter(|d| (d - typical).abs() < 0.5 * typical / many as f64);
     let found = mean(whole());
     if (found / about_s - 1.0).abs() < MOST_BIASED { found } else { about_s }
@@ -184,8 +184,7 @@ fn over_many(times_s: &[f64], about_s: f64) -> f64 {
 /// Where the clock stands at the first stamp: the median of what the first stamps say.
 fn first(times_s: &[f64], sample_time_s: f64) -> f64 {
     let mut said: Vec<f64> = times_s.iter().take(8).enumerate().map(|(i, t)| t - i as f64 * sample_time_s).collect();
-    let middle = (said.len() - 1) / 2;
-    let median = *said.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let median = lower_median(&mut said).unwrap_or(times_s[0]);
     if (median - times_s[0]).abs() < 0.5 * sample_time_s { median } else { times_s[0] }
 }
 

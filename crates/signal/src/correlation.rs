@@ -1,5 +1,7 @@
 //! Correlations and the delays read from them.
 
+use numerics::search;
+use numerics::vector::mean_square;
 use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
@@ -135,7 +137,7 @@ pub fn delay_by_correlation(
     let at_edge = range > 0 && coarse.abs() == range;
     let sign = r.at(coarse).signum();
     let value = |lag: f64| sign * sinc::interpolate(|k| r.at(k), lag);
-    let lag = golden_maximum(value, coarse as f64 - 1.0, coarse as f64 + 1.0, 1e-8);
+    let lag = search::maximum((coarse as f64 - 1.0, coarse as f64 + 1.0), 1e-8, value);
     Ok(CorrelationDelay { delay_s: lag * sample_time_s, coefficient: sign * value(lag) / power, at_edge })
 }
 
@@ -146,29 +148,4 @@ pub(crate) fn is_constant(x: &[f64]) -> bool {
 fn centred(x: &[f64]) -> Vec<f64> {
     let mean = mean(x).unwrap_or(0.0);
     x.iter().map(|v| v - mean).collect()
-}
-
-fn mean_square(x: &[f64]) -> f64 {
-    x.iter().map(|v| v * v).sum::<f64>() / x.len().max(1) as f64
-}
-
-/// Golden-section search for the maximum of a function with one peak between two points, to within `width`.
-pub(crate) fn golden_maximum(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64, width: f64) -> f64 {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let (mut a, mut b) = (high - RATIO * (high - low), low + RATIO * (high - low));
-    let (mut fa, mut fb) = (f(a), f(b));
-    while high - low > width {
-        if fa < fb {
-            low = a;
-            (a, fa) = (b, fb);
-            b = low + RATIO * (high - low);
-            fb = f(b);
-        } else {
-            high = b;
-            (b, fb) = (a, fa);
-            a = high - RATIO * (high - low);
-            fa = f(a);
-        }
-    }
-    0.5 * (low + high)
 }

@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use numerics::search;
 use serde::{Deserialize, Serialize};
 
-use crate::correlation::{golden_maximum, is_constant};
+use crate::correlation::is_constant;
 use crate::error::{SignalError, check_at_least, check_finite};
 use crate::spectrum::SegmentTransform;
 use crate::window::Window;
@@ -169,7 +170,7 @@ impl Stretches {
 
     /// The likeliest rate within a step of this one, from the stretches that are kept.
     fn refined(&self, rate: f64, step: f64, kept: impl Fn(usize) -> bool) -> f64 {
-        golden_maximum(|rate| self.log_likelihood(rate, &kept), rate - step, rate + step, 1e-4 * step)
+        search::maximum((rate - step, rate + step), 1e-4 * step, |rate| self.log_likelihood(rate, &kept))
     }
 
     /// Whether the signals are coherent beyond chance. γ² of unrelated ones is Beta(1, K−1) distributed, so that

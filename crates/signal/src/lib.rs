@@ -18,7 +18,6 @@ pub mod filter;
 pub mod frf;
 pub mod periodicity;
 pub mod quality;
-mod rank;
 pub mod resample;
 mod runs;
 mod series;

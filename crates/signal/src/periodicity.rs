@@ -2,8 +2,11 @@
 
 use std::f64::consts::{LN_2, PI, TAU};
 
+use numerics::order::upper_median;
+use numerics::search;
+
 use crate::Complex64;
-use crate::correlation::{auto_correlation, golden_maximum, is_constant};
+use crate::correlation::{auto_correlation, is_constant};
 use crate::error::{SignalError, check_at_least, check_finite, check_range, check_sample_time};
 use crate::series::mean;
 use crate::spectrum::{fft_real, fourier_sum};
@@ -140,7 +143,7 @@ fn noise_about(power: &[f64], length: usize, k: usize) -> f64 {
     let width = (2 * NEIGHBOURS).min(last);
     let first = k.saturating_sub(NEIGHBOURS).clamp(1, last + 1 - width);
     let mut window = power[first..first + width].to_vec();
-    *window.select_nth_unstable_by(width / 2, f64::total_cmp).1 / LN_2
+    upper_median(&mut window).unwrap_or(0.0) / LN_2
 }
 
 /// That the largest of `N/2` exponentially distributed powers exceeds `strength` times their mean.
@@ -165,10 +168,10 @@ impl Line {
         // A bin to either side may hold more than one peak.
         let at = |i: i32| low + (high - low) * f64::from(i) / 8.0;
         let best = (0..=8).max_by(|a, b| explained(at(*a)).total_cmp(&explained(at(*b)))).unwrap_or(4);
-        let turns = golden_maximum(explained, at((best - 1).max(0)), at((best + 1).min(8)), 1e-5 * bin);
+        let turns = search::maximum((at((best - 1).max(0)), at((best + 1).min(8))), 1e-5 * bin, explained);
         let fine = Demodulated::new(x, turns);
         let explained = |turns: f64| Self::fit(fine.sum_at(turns), turns, x.len()).1;
-        let turns = golden_maximum(explained, turns - 1e-3 * bin, turns + 1e-3 * bin, 1e-8 * bin);
+        let turns = search::maximum((turns - 1e-3 * bin, turns + 1e-3 * bin), 1e-8 * bin, explained);
         Self { turns, value: Self::fit(fine.sum_at(turns), turns, x.len()).0 }
     }
 
@@ -309,7 +312,7 @@ pub fn fit_harmonics(x: &[f64], sample_time_s: f64, freq_hz: f64, count: usize) 
     let steps = 4 * count.min(1000) as i32;
     let at = |i: i32| (guess + 0.5 * bin * f64::from(i) / f64::from(steps)).clamp(bin, highest);
     let best = (-steps..=steps).max_by(|a, b| explained(at(*a)).total_cmp(&explained(at(*b)))).unwrap_or(0);
-    let turns = golden_maximum(explained, at(best - 1), at(best + 1), 1e-7 * bin / count as f64);
+    let turns = search::maximum((at(best - 1), at(best + 1)), 1e-7 * bin / count as f64, explained);
     let total: f64 = x.iter().map(|v| v * v).sum();
     let (halves, power) = harmonics_at(&x, turns, count);
     Ok(HarmonicSeries {

@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
+use numerics::order::{lower_median, lower_median_streamed, select_streamed};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{SignalError, check_range};
-use crate::rank::{median, ranked};
 use crate::runs;
 
 /// What counts as damage.
@@ -111,7 +111,7 @@ const ALONE: f64 = 0.5;
 const TAIL: (f64, f64) = (0.02, 2.326_347_874);
 
 fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
-    let middle = median(|| finite(x)).unwrap_or(0.0);
+    let middle = lower_median_streamed(|| finite(x)).unwrap_or(0.0);
     let (bend, about_median) = (|i: usize| bend(x, i), |i: usize| x[i] - middle);
     let false_alarm = options.spike_false_alarm;
     let of_bends = largest_by_chance(|| sizes(x.len(), bend), false_alarm);
@@ -133,7 +133,7 @@ fn spikes(x: &[f64], options: &QualityOptions) -> Vec<usize> {
         return found;
     }
     // Edges depart too, all of about the same size: what is far beyond all but a few of the departures is no edge.
-    let usual = ranked(departure_sizes, |count| count.saturating_sub(1 + most)).unwrap_or(0.0);
+    let usual = select_streamed(departure_sizes, |count| count.saturating_sub(1 + most)).unwrap_or(0.0);
     let beyond = FAR_BEYOND * usual;
     found.into_iter().filter(|&i| departure(i).abs() > beyond).collect()
 }
@@ -150,8 +150,8 @@ fn largest_by_chance<I: Iterator<Item = f64>>(sizes: impl Fn() -> I, false_alarm
         count = all;
         all.saturating_sub(1 + (TAIL.0 * all.saturating_sub(1) as f64).ceil() as usize)
     };
-    let Some(tail) = ranked(&sizes, place) else { return f64::INFINITY };
-    let usual = 1.4826 * median(&sizes).unwrap_or(0.0);
+    let Some(tail) = select_streamed(&sizes, place) else { return f64::INFINITY };
+    let usual = 1.4826 * lower_median_streamed(&sizes).unwrap_or(0.0);
     usual.max(tail / TAIL.1) * (2.0 * (count as f64 / false_alarm).ln()).sqrt()
 }
 
@@ -185,21 +185,13 @@ fn departures(x: &[f64], half_window: usize) -> impl FnMut(usize) -> f64 {
         let half = half_window.min(i).min(x.len() - 1 - i);
         window.clear();
         window.extend(finite(&x[i - half..=i + half]));
-        x[i] - lower_median(&mut window)
+        x[i] - lower_median(&mut window).unwrap_or(0.0)
     }
 }
 
 /// The samples that are finite.
 fn finite(x: &[f64]) -> impl Iterator<Item = f64> {
     x.iter().copied().filter(|v| v.is_finite())
-}
-
-/// The lower median, zero of nothing.
-fn lower_median(values: &mut [f64]) -> f64 {
-    match values.len().checked_sub(1) {
-        Some(last) => *values.select_nth_unstable_by(last / 2, f64::total_cmp).1,
-        None => 0.0,
-    }
 }
 
 fn standard_deviation(x: &[f64]) -> f64 {

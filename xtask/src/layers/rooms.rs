@@ -4,17 +4,18 @@ use serde_json::Value;
 
 /// Crate, and the crates of ours it may use. The table of ARCHITECTURE.md.
 const MAY_USE: &[(&str, &[&str])] = &[
-    ("signal", &[]),
-    ("lti", &["signal"]),
-    ("ident", &["signal", "lti"]),
+    ("numerics", &[]),
+    ("signal", &["numerics"]),
+    ("lti", &["numerics", "signal"]),
+    ("ident", &["numerics", "signal", "lti"]),
     ("mdf", &[]),
     ("recording", &["mdf"]),
-    ("bench", &["recording", "signal", "lti", "ident"]),
+    ("bench", &["recording", "numerics", "signal", "lti", "ident"]),
     ("page", &[]),
     ("report", &["bench", "page"]),
-    ("dynoid", &["signal", "lti", "ident", "recording", "bench", "page", "report"]),
+    ("dynoid", &["numerics", "signal", "lti", "ident", "recording", "bench", "page", "report"]),
     ("testdata", &[]),
-    ("testkit", &["signal", "lti", "ident"]),
+    ("testkit", &["numerics", "signal", "lti", "ident"]),
     ("xtask", &[]),
 ];
 
@@ -25,6 +26,7 @@ const RESERVED: &[(&str, &[&str])] = &[
     ("tempfile", &["dynoid"]),
     ("hdf5-pure", &["recording"]),
     ("parquet", &["recording"]),
+    ("rayon", &["mdf", "numerics"]),
     ("resvg", &["page"]),
 ];
 

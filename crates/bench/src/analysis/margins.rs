@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use numerics::search;
 use signal::Complex64;
 
 use crate::analysis::Margins;
@@ -9,7 +10,6 @@ use crate::model::BenchModel;
 
 const LOWEST_HZ: f64 = 0.01;
 const POINTS: usize = 6000;
-const BISECTIONS: usize = 60;
 
 /// Gain and phase margin of the speed loop L ([`BenchModel::open_loop`]) from 0.01 Hz to half the controller's rate.
 ///
@@ -44,19 +44,12 @@ fn crossings(
     counts: impl Fn(Complex64) -> bool,
 ) -> impl Iterator<Item = f64> {
     grid.windows(2).filter_map(move |pair| {
-        let (mut low, mut high) = (pair[0], pair[1]);
-        let rises = measure(open_loop(low)) < 0.0;
-        if rises == (measure(open_loop(high)) < 0.0) {
+        let rises = measure(open_loop(pair[0])) < 0.0;
+        let is_before = |frequency_hz: f64| rises == (measure(open_loop(frequency_hz)) < 0.0);
+        if is_before(pair[1]) {
             return None;
         }
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            if rises == (measure(open_loop(middle)) < 0.0) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let (low, _) = search::bisect((pair[0], pair[1]), is_before);
         counts(open_loop(low)).then_some(low)
     })
 }

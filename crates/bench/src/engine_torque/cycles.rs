@@ -6,6 +6,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use numerics::vector::dot;
 use serde::Serialize;
 use signal::{Complex64, distributions};
 
@@ -357,8 +358,4 @@ fn once_a_turn(cylinders: usize, turns: f64) -> Vec<Vec<f64>> {
         }
     }
     patterns
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

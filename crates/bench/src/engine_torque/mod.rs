@@ -9,13 +9,13 @@ mod cycles;
 mod rebuild;
 mod source;
 
+use numerics::parallel;
 use serde::Serialize;
 
 pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
 pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 use crate::estimate::{speed_controller, torque_control};
-use crate::processors::on_all_processors;
 use crate::results::Told;
 use crate::shaft_inputs::stated_gate;
 use crate::torque_signals::believable;
@@ -74,7 +74,7 @@ pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn
         step(&experiment.file);
         of_recording(experiment, &masses, &known)
     };
-    let recordings = on_all_processors(&all, look, &|_, _| ());
+    let recordings = parallel::map(&all, look);
     EngineTorque { masses: Told::Found(masses), recordings }
 }
 

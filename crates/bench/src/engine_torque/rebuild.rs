@@ -3,6 +3,7 @@
 use faer::Mat;
 use ident::IdentError;
 use ident::smoothing::Smoothed;
+use numerics::parallel;
 use serde::Serialize;
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
@@ -12,7 +13,6 @@ use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
 use crate::estimation::{EstimateError, noise_floor};
 use crate::facts::Engine;
-use crate::processors::on_all_processors;
 use crate::torque_smoother::{
     Clock, Levels, Mechanics, NoiseLevels, Observations, Prepared, Stamps, TorqueSmoother, TorqueSource, firing_lines,
     needed,
@@ -212,7 +212,7 @@ impl Recorded<'_> {
             Ok((observed.start_s, smoothed.combination(&smoother.weights()).map_err(failed)?.0))
         };
         let mut variances = vec![0.0; smoothed_nm.len()];
-        for outcome in on_all_processors(&masses.apart(), moved, &|_, _| ()) {
+        for outcome in parallel::map(&masses.apart(), moved) {
             let (moved_start_s, moved) = outcome?;
             // A clock that is read a little later may lose a sample at an end.
             let shift = ((moved_start_s - start_s) / step_s).round() as isize;

@@ -4,7 +4,7 @@ use recording::{Channel, Format, Raster, Recording};
 
 use super::waveform::{Waveform, hold};
 use super::{ControlMode, DEMAND_HOLD_S, ExperimentPlan, TorqueTarget, UPDATE_S};
-use crate::random::{Random, Source};
+use crate::random::Source;
 
 /// Demands at every update (1 ms) of an experiment. SI. Each random one has a stream of its own, so that equal plan and
 /// seed give equal bits.
@@ -35,7 +35,7 @@ impl Demands {
     pub fn of(plan: &ExperimentPlan, seed: u64, hold_s: f64) -> Self {
         let updates = plan.updates();
         let held_updates = (hold_s / UPDATE_S).round() as usize;
-        let sample = |waveform: &Waveform, source| waveform.sample(&mut Random::new(seed, source), UPDATE_S, updates);
+        let sample = |waveform: &Waveform, source: Source| waveform.sample(&mut source.stream(seed), UPDATE_S, updates);
         let held = |waveform: &Waveform, source| {
             let mut values = sample(waveform, source);
             hold(&mut values, held_updates);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 
 use super::error::{PlanError, require, require_positive};
-use crate::random::Random;
+use numerics::random::Stream;
 
 /// Guards the division of times against rounding, as a part of the divisor.
 const ROUNDING: f64 = 1e-9;
@@ -118,7 +118,7 @@ pub struct Sine {
 
 impl Waveform {
     /// The values at k · `update_s`, k = 0 … `updates` − 1.
-    pub(super) fn sample(&self, random: &mut Random, update_s: f64, updates: usize) -> Vec<f64> {
+    pub(super) fn sample(&self, random: &mut Stream, update_s: f64, updates: usize) -> Vec<f64> {
         let mut values = self.unsettled(random, update_s, updates);
         if let (Some(rest), Some(first)) = (self.rest(), values.first_mut()) {
             *first = rest;
@@ -136,7 +136,7 @@ impl Waveform {
         }
     }
 
-    fn unsettled(&self, random: &mut Random, update_s: f64, updates: usize) -> Vec<f64> {
+    fn unsettled(&self, random: &mut Stream, update_s: f64, updates: usize) -> Vec<f64> {
         let times = (0..updates).map(|k| k as f64 * update_s);
         match self {
             Self::Constant { value } => vec![*value; updates],
@@ -174,7 +174,7 @@ impl Waveform {
         }
     }
 
-    fn sample_levels(&self, random: &mut Random, update_s: f64, updates: usize) -> Vec<f64> {
+    fn sample_levels(&self, random: &mut Stream, update_s: f64, updates: usize) -> Vec<f64> {
         let Self::RandomLevels { low, high, dwell_s, lowest_slope_per_s, highest_slope_per_s } = self else {
             return Vec::new();
         };

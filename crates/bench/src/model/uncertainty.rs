@@ -6,8 +6,8 @@ use signal::distributions::chi_squared_quantile;
 
 use super::{BenchModel, ModelParameter};
 use crate::estimation::Label;
-use crate::random::Random;
 use crate::results::Parameter;
+use numerics::random::Stream;
 
 /// Draws after which a model is given up that hardly ever gives a possible bench.
 const MOST_DRAWS: usize = 1000;
@@ -127,7 +127,7 @@ impl ModelUncertainty {
     /// A model drawn from this uncertainty: each part from a multivariate Student t with its covariance as scale and its
     /// degrees of freedom. A draw that no bench can have (a stiffness or bandwidth of zero or below, a negative damping,
     /// inertia or delay) is drawn again; `None` where nearly all are such.
-    pub(crate) fn draw(&self, model: &BenchModel, random: &mut Random) -> Option<BenchModel> {
+    pub(crate) fn draw(&self, model: &BenchModel, random: &mut Stream) -> Option<BenchModel> {
         self.parts.iter().try_fold(model.clone(), |model, (parameters, covariance, degrees_of_freedom)| {
             let factor = cholesky(covariance);
             (0..MOST_DRAWS).find_map(|_| {
@@ -144,7 +144,7 @@ impl ModelUncertainty {
 }
 
 /// √(ν/χ²_ν), by which normal draws become those of Student's t; 1 where ν is no finite number above zero.
-fn student_scale(random: &mut Random, degrees_of_freedom: f64) -> f64 {
+fn student_scale(random: &mut Stream, degrees_of_freedom: f64) -> f64 {
     if !degrees_of_freedom.is_finite() || degrees_of_freedom <= 0.0 {
         return 1.0;
     }

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::experiment::Demands;
 use crate::prediction::{PredictionError, PredictionInputs};
-use crate::random::{Random, Source};
+use crate::random::Source;
 
 pub use quantity::Quantity;
 pub use sines::{Proposal, SafeSine};
@@ -128,7 +128,7 @@ pub fn check(inputs: &SafetyInputs<'_>, told: &(dyn Fn(u64, u64) + Sync)) -> Res
         return Err(SafetyError::NoSamples);
     }
     let nominal = inputs.prediction.model;
-    let mut random = Random::new(inputs.seed, Source::Safety);
+    let mut random = Source::Safety.stream(inputs.seed);
     let benches = (0..inputs.samples)
         .map(|_| {
             let model = inputs.spread.draw(nominal, &mut random).ok_or(SafetyError::NoBench)?;

@@ -1,10 +1,11 @@
 //! One run a bench, on all processors.
 
+use numerics::parallel;
+
 use super::quantity::{self, Quantity};
 use super::sines::{self, Ladder};
 use super::spread::Drawn;
 use crate::prediction::{PredictionError, PredictionInputs, predict};
-use crate::processors::on_all_processors;
 
 /// What one bench did.
 pub(super) struct Outcome {
@@ -23,7 +24,7 @@ pub(super) fn outcomes(
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<Outcome>, PredictionError> {
     let run = |bench: &Drawn| outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
-    on_all_processors(benches, run, told).into_iter().collect()
+    parallel::map_with_progress(benches, run, told).into_iter().collect()
 }
 
 fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::bench_parameters::EngineParameters;
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
-use crate::random::Random;
+use numerics::random::Stream;
 use signal::distributions::normal_quantile;
 
 /// A bench that could be the one at hand.
@@ -53,7 +53,7 @@ impl Default for Prior {
 
 impl BenchSpread<'_> {
     /// A bench; `None` where hardly any draw is possible.
-    pub(super) fn draw(&self, nominal: &BenchModel, random: &mut Random) -> Option<BenchModel> {
+    pub(super) fn draw(&self, nominal: &BenchModel, random: &mut Stream) -> Option<BenchModel> {
         match self {
             BenchSpread::Estimated(uncertainty) => uncertainty.draw(nominal, random),
             BenchSpread::Prior(prior) => {
@@ -64,7 +64,7 @@ impl BenchSpread<'_> {
 }
 
 impl Prior {
-    fn draw(&self, nominal: &Mechanics, random: &mut Random) -> Mechanics {
+    fn draw(&self, nominal: &Mechanics, random: &mut Stream) -> Mechanics {
         let mut factor = |reach: f64| (reach.ln_1p() / normal_quantile(0.975) * random.normal()).exp();
         let (resonance, damping) = (factor(self.resonance), factor(self.damping));
         let drawn =

@@ -3,6 +3,7 @@
 
 mod together;
 
+use numerics::parallel;
 use serde::Serialize;
 use signal::Signal;
 
@@ -14,7 +15,6 @@ use crate::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
 use crate::estimate::{speed_controller, torque_control};
 use crate::estimation::{EstimateError, need};
 use crate::facts::BenchVariant;
-use crate::processors::on_all_processors;
 use crate::results::{Estimate, Shaft, Told, Untold};
 use crate::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::{BenchFile, Experiment, Role};
@@ -109,7 +109,7 @@ pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn F
         let inputs = shaft_inputs(experiment, bench, controller.as_ref(), control.as_ref());
         of_recording(experiment, inputs, bench)
     };
-    let recordings = on_all_processors(&with_shaft, look, &|_, _| ());
+    let recordings = parallel::map(&with_shaft, look);
     let together = together::of(&recordings);
     ShaftStudy { recordings, together }
 }

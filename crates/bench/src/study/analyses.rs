@@ -1,5 +1,7 @@
 //! What the analyses of the parts tell of a campaign beside the study: the same that each of them tells on its own.
 
+use numerics::parallel;
+
 use super::Progress;
 use super::next::{self, NextError, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
@@ -7,7 +9,6 @@ use crate::engine_torque::{EngineTorque, engine_torque};
 use crate::estimation::EstimateError;
 use crate::friction::{self, Friction, FrictionError, FrictionOptions};
 use crate::look::{Look, OverSpeed, look, on_one_mains, over_speed};
-use crate::processors::on_all_processors;
 use crate::shaft_study::{ShaftStudy, shaft_study};
 use crate::speed_control::{self, SpeedControl, speed_control};
 use crate::study::pi_noise::{PiStudy, StudyOptions};
@@ -64,7 +65,7 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
     let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
     analysing("lines");
     let engine = bench.engine();
-    let lines = on_one_mains(on_all_processors(experiments, |experiment| look(experiment, engine), &|_, _| ()));
+    let lines = on_one_mains(parallel::map(experiments, |experiment| look(experiment, engine)));
     analysing("torque signals");
     let torque_signals = torque_signals(&all, bench, &mut |_| ());
     analysing("speed controller");

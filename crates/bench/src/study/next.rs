@@ -5,13 +5,14 @@
 //! is what the experiment buys: choices of the study, its corrections, and its trust in time stamps are in it, which
 //! a count of information (see [`crate::excitation_design`]) leaves out.
 
+use numerics::parallel;
+
 use crate::analysis::results_of;
 use crate::estimate::speed_controller::Encoder;
 use crate::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
 use crate::experiment::catalogue::{self, Settings};
 use crate::experiment::{ExperimentPlan, UPDATE_S};
 use crate::model::AssembledModel;
-use crate::processors::on_all_processors;
 use crate::results::{Estimate, Parameter};
 use crate::study::estimates::Fits;
 use crate::study::findings::Findings;
@@ -209,7 +210,7 @@ pub(super) fn beside(
             gains: then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect(),
         })
     };
-    let candidates = on_all_processors(&plans, tried, told);
+    let candidates = parallel::map_with_progress(&plans, tried, told);
     let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
     candidates.sort_by(|a, b| b.worth().partial_cmp(&a.worth()).unwrap_or(std::cmp::Ordering::Equal));
     Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })

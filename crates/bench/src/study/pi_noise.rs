@@ -11,6 +11,7 @@
 //! # Source
 //! Thesis §7.1, figure 7.1, table 7.1.
 
+use numerics::parallel;
 use serde::Serialize;
 use signal::Signal;
 use signal::spline::UniformSpline;
@@ -19,13 +20,13 @@ use crate::bench_parameters::BenchParameters;
 use crate::estimate::speed_controller;
 use crate::estimation::{EstimateError, need};
 use crate::experiment::{ExperimentPlan, UPDATE_S};
-use crate::processors::on_all_processors;
-use crate::random::{Random, Source};
+use crate::random::Source;
 use crate::results::Estimate;
 use crate::safety::Proportion;
 use crate::units::RPM_RAD_S;
 use crate::virtual_bench::{CHANNELS, VirtualBenchError, simulate};
 use crate::{Experiment, Role};
+use numerics::random::Stream;
 
 /// Order of the noise's Butterworth filters (that of a band-pass is twice this).
 const NOISE_ORDER: usize = 4;
@@ -195,7 +196,7 @@ pub fn study(
     let plan: Vec<(Noise, u64)> = std::iter::once((Noise::None, 0))
         .chain((0..options.draws as u64).flat_map(|draw| [(Noise::LowPass, draw), (Noise::BandPass, draw)]))
         .collect();
-    let outcomes = on_all_processors(&plan, |(noise, draw)| known.draw(*noise, *draw), told);
+    let outcomes = parallel::map_with_progress(&plan, |(noise, draw)| known.draw(*noise, *draw), told);
     let case = |(noise, estimator): (Noise, Estimator)| {
         let of_noise = plan.iter().zip(&outcomes).filter(|((of, _), _)| *of == noise);
         let all: Vec<_> = of_noise
@@ -267,7 +268,7 @@ impl<'a> Known<'a> {
 
     /// T_d* of one draw, and the controller that is estimated from it, forward and inverse.
     fn draw(&self, noise: Noise, draw: u64) -> [Result<Estimate, EstimateError>; 2] {
-        let mut random = Random::new(self.options.seed.wrapping_add(draw << 20), Source::PiStudy);
+        let mut random = Source::PiStudy.stream(self.options.seed.wrapping_add(draw << 20));
         let initial_nm = random.between(INITIAL_NM.0, INITIAL_NM.1);
         let added = self.noise(noise, &mut random);
         let t = self.clock.sample_time_s;
@@ -286,7 +287,7 @@ impl<'a> Known<'a> {
     }
 
     /// Noise in rad/s, as long as the recording; what its filter does at the start is left out.
-    fn noise(&self, noise: Noise, random: &mut Random) -> Vec<f64> {
+    fn noise(&self, noise: Noise, random: &mut Stream) -> Vec<f64> {
         let count = self.error.len();
         let filter = match noise {
             Noise::None => return vec![0.0; count],

@@ -14,6 +14,7 @@ mod paired;
 mod record;
 mod visibility;
 
+use numerics::parallel;
 use serde::Serialize;
 
 use crate::estimate::torque_control::SecondOrderTest;
@@ -26,6 +27,8 @@ pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, v
 
 /// Level at which a model is said to be better or worse than the bar, of all that are judged on a recording together.
 pub const LEVEL: f64 = 0.99;
+/// Structures tried between two reports of progress.
+const BATCH: usize = 16;
 /// Experiments by which the dynamometer, and by which the engine moves T_d*, best first.
 const EXPERIMENTS: [(Excited, &[&str]); 2] = [
     (Excited::Dynamometer, &["WhiteNoise_T_TN", "Multisine_T_TN", "Binary_T_TN", "Step_T_TN"]),
@@ -290,24 +293,15 @@ fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> S
     }
 }
 
-/// Every structure that the data determine, on as many threads as there are.
+/// Every structure that the data determine.
 fn scan(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> Vec<Scanned> {
     let families = [Family::Arx, Family::OutputError];
     let pairs = families.into_iter().flat_map(|family| [Input::Demand, Input::Error].map(|input| (family, input)));
     let all: Vec<Structure> = pairs.flat_map(|(family, input)| Structure::all((family, input), orders)).collect();
-    let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let batch = 8 * threads;
     let mut found = Vec::new();
-    for (n, structures) in all.chunks(batch).enumerate() {
-        let share = structures.len().div_ceil(threads);
-        found.extend(std::thread::scope(|scope| {
-            let parts: Vec<_> = structures
-                .chunks(share)
-                .map(|part| scope.spawn(|| part.iter().filter_map(|s| s.scan(record)).collect::<Vec<_>>()))
-                .collect();
-            parts.into_iter().flat_map(|part| part.join().unwrap_or_default()).collect::<Vec<_>>()
-        }));
-        told(((n + 1) * batch) as f64 / all.len() as f64);
+    for (n, structures) in all.chunks(BATCH).enumerate() {
+        found.extend(parallel::map(structures, |structure| structure.scan(record)).into_iter().flatten());
+        told(((n + 1) * BATCH) as f64 / all.len() as f64);
     }
     found
 }

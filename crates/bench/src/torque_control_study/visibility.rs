@@ -8,7 +8,7 @@ use super::record::{Record, rms};
 use crate::estimate::torque_control::{
     CRITICALLY_DAMPED, HeldDemand, SecondOrder, distance_from_lag, lag_errors, term_error,
 };
-use crate::random::{Random, Source};
+use crate::random::Source;
 
 /// Rates of T_d,calc looked at, Hz.
 const RATES_HZ: [f64; 5] = [250.0, 500.0, 1000.0, 2000.0, 4000.0];
@@ -135,7 +135,7 @@ fn least_term(is_told: impl Fn(f64) -> bool) -> f64 {
 fn white_demand(hold_s: f64) -> HeldDemand {
     let held_for = (hold_s / UPDATE_S).round() as usize;
     let count = (COMPUTED_S / UPDATE_S) as usize;
-    let mut random = Random::new(SEED, Source::DynoTorque);
+    let mut random = Source::DynoTorque.stream(SEED);
     let levels: Vec<f64> = (0..=count / held_for).map(|_| random.normal()).collect();
     let samples = (0..count).map(|i| levels[i / held_for]).collect();
     HeldDemand::new(&Signal { start_s: 0.0, sample_time_s: UPDATE_S, samples }, None)

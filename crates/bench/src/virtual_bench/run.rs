@@ -12,7 +12,7 @@ use super::{HiddenTruth, Numerics};
 use crate::ControlMode;
 use crate::bench_parameters::BenchParameters;
 use crate::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
-use crate::random::{Random, Source};
+use crate::random::Source;
 
 /// Updates from one word about progress to the next.
 const TOLD_EVERY: usize = 500;
@@ -106,7 +106,7 @@ impl Bench {
     ) -> Result<Self, VirtualBenchError> {
         let step_s = UPDATE_S / numerics.steps_per_update as f64;
         let speed = demands.speed_rad_s[0];
-        let angle = Random::new(seed, Source::StartAngle).between(0.0, 2.0 * TAU);
+        let angle = Source::StartAngle.stream(seed).between(0.0, 2.0 * TAU);
         let mut train = Train::new(&parameters.mechanics, plan.has_shaft, step_s)?;
         let rest = Rest::new(parameters, plan, demands, train.friction_nm(speed));
         train.rest_at(speed, angle, rest.engine_nm);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use bench::analysis::SignalSkews;
 use bench::estimate::EstimateError;
-use bench::replay::{EncoderError, ReplayInputs, replay};
+use bench::replay::{EncoderError, ReplayError, ReplayInputs, replay};
 use bench::simulate::{Drive, InitialState, Inputs, Response, simulate};
 use bench::{Experiment, Role};
 use signal::Signal;
@@ -91,11 +91,14 @@ fn exact_a_wrong_stiffness_shows_in_the_replay() {
 fn exact_missing_signals_and_short_stretches_are_errors() {
     let model = bench_a();
     let inputs = ReplayInputs { stretch_s: Some((1.0, 1.5)), ..ReplayInputs::default() };
-    assert!(matches!(replay(&speed_control(), &model, &inputs), Err(EstimateError::TooShort { .. })));
+    assert!(matches!(
+        replay(&speed_control(), &model, &inputs),
+        Err(ReplayError::Recording(EstimateError::TooShort { .. }))
+    ));
     let mut experiment = speed_control();
     experiment.signals.remove(&Role::EngineSpeed);
     let error = replay(&experiment, &model, &ReplayInputs::default()).unwrap_err();
-    assert!(matches!(error, EstimateError::MissingSignal { role: Role::EngineSpeed, .. }));
+    assert!(matches!(error, ReplayError::Recording(EstimateError::MissingSignal { role: Role::EngineSpeed, .. })));
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Orthonormal bases of what is fitted along with the parameters but not asked for: initial states and offsets.
 
+use numerics::vector::{add_scaled, dot, norm};
+
 /// A column that loses all but this part of its length to the columns before it says nothing new.
 const DEPENDENT: f64 = 1e-10;
 
@@ -27,8 +29,8 @@ impl Basis {
             for _ in 0..2 {
                 for (q, of) in basis.columns.iter().zip(&basis.combinations) {
                     let along = dot(q, &column);
-                    add(-along, q, &mut column);
-                    add(-along, of, &mut combination);
+                    add_scaled(-along, q, &mut column);
+                    add_scaled(-along, of, &mut combination);
                 }
             }
             let rest = norm(&column);
@@ -52,22 +54,10 @@ impl Basis {
         for _ in 0..2 {
             for (q, of) in self.columns.iter().zip(&self.combinations) {
                 let along = dot(q, x);
-                add(-along, q, x);
-                add(along, of, &mut found);
+                add_scaled(-along, q, x);
+                add_scaled(along, of, &mut found);
             }
         }
         found
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-fn norm(x: &[f64]) -> f64 {
-    dot(x, x).sqrt()
-}
-
-fn add(factor: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }

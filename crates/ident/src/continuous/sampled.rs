@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use lti::{LtiError, StateSpace};
+use numerics::vector::dot;
 
 use crate::Intersample;
 use crate::course::COEFFICIENTS;
@@ -236,10 +237,6 @@ pub(crate) fn response_to_powers(
     let g: Vec<f64> = system.b().col(input).iter().map(|b| b * sample_time_s).collect();
     let Stretch { phi, powers } = stretch(&f, &g, 1.0, COEFFICIENTS)?;
     Ok((phi, powers))
-}
-
-fn dot(x: &[f64], y: &[f64]) -> f64 {
-    x.iter().zip(y).map(|(x, y)| x * y).sum()
 }
 
 fn by_rows(m: &Mat<f64>) -> Vec<f64> {

@@ -1,6 +1,9 @@
 //! A delay to a fraction of a sample beside dynamics.
 
-use super::{ArxDelay, DelayEstimate, check_one_input, golden_minimum, past_outputs, signals};
+use numerics::search;
+use numerics::vector::dot;
+
+use super::{ArxDelay, DelayEstimate, check_one_input, past_outputs, signals};
 use crate::distributions::chi_squared_quantile;
 use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
@@ -63,7 +66,7 @@ impl FractionalDelay {
         let ranking = self.0.estimate(data)?;
         let whole = ranking.delays[0] as f64;
         let loss = |fraction: f64| self.loss(data, whole, fraction);
-        let fraction = golden_minimum(loss, -1.0, 1.0, TOLERANCE)?;
+        let fraction = search::try_minimum((-1.0, 1.0), TOLERANCE, loss)?;
         let (below, at, above) = (loss(fraction - STEP)?, loss(fraction)?, loss(fraction + STEP)?);
         let curvature = (below - 2.0 * at + above) / (STEP * STEP);
         let variance = 2.0 * at / (ranking.samples as f64 * curvature);
@@ -109,7 +112,7 @@ impl FractionalDelay {
                 (first..record[0].len() as isize - ahead).map(|t| record[0][t as usize] - explained(t)).collect();
             rows += errors.len();
             for (lag, sum) in sums.iter_mut().enumerate() {
-                *sum += errors.iter().skip(lag).zip(&errors).map(|(e, before)| e * before).sum::<f64>();
+                *sum += errors.get(lag..).map_or(0.0, |later| dot(later, &errors));
             }
         }
         let n = rows as f64;

@@ -77,29 +77,3 @@ fn check_one_input(data: &Dataset) -> Result<(), IdentError> {
     }
     Err(IdentError::Structure { what: "this delay is estimated from one input: choose one of them" })
 }
-
-/// Golden-section search for the minimum between two points.
-fn golden_minimum(
-    mut f: impl FnMut(f64) -> Result<f64, IdentError>,
-    mut low: f64,
-    mut high: f64,
-    tolerance: f64,
-) -> Result<f64, IdentError> {
-    const RATIO: f64 = 0.618_033_988_749_894_9;
-    let (mut a, mut b) = (high - RATIO * (high - low), low + RATIO * (high - low));
-    let (mut fa, mut fb) = (f(a)?, f(b)?);
-    while high - low > tolerance {
-        if fa > fb {
-            low = a;
-            (a, fa) = (b, fb);
-            b = low + RATIO * (high - low);
-            fb = f(b)?;
-        } else {
-            high = b;
-            (b, fb) = (a, fa);
-            a = high - RATIO * (high - low);
-            fa = f(a)?;
-        }
-    }
-    Ok(0.5 * (low + high))
-}

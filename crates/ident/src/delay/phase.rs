@@ -2,10 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use numerics::search;
 use signal::correlation::delay_by_correlation;
 use signal::spectrum::{Welch, cross_spectrum};
 
-use super::{DelayEstimate, check_one_input, golden_minimum, signals};
+use super::{DelayEstimate, check_one_input, signals};
 use crate::data::check_range;
 use crate::distributions::chi_squared_quantile;
 use crate::{Dataset, IdentError};
@@ -102,7 +103,7 @@ impl PhaseDelay {
         let whole = coarse.delay_s.round() as isize;
         let (lines, averages) = self.lines(&signals, whole, coarse.coefficient < 0.0, data.sample_time_s())?;
         let misfit = |tau: f64| lines.iter().map(|l| -l.weight * (l.phase + l.angle * tau).cos()).sum();
-        let fraction = golden_minimum(|tau| Ok(misfit(tau)), -1.0, 1.0, 1e-8)?;
+        let fraction = search::minimum((-1.0, 1.0), 1e-8, misfit);
         let information: f64 = lines.iter().map(|l| 2.0 * averages * l.angle * l.angle * l.weight).sum();
         let is_straight = is_straight(&lines, averages, fraction);
         let standard_error = if is_straight { information.powf(-0.5) } else { f64::INFINITY };

@@ -3,6 +3,7 @@
 mod search;
 
 use faer::{Mat, MatMut};
+use numerics::vector::sum_of_squares;
 
 use crate::{IdentError, Triangle};
 use search::Search;
@@ -74,7 +75,7 @@ impl<M: ResidualModel> SumOfSquares for Tabulated<'_, M> {
 
     fn cost(&mut self, parameters: &[f64]) -> Result<f64, IdentError> {
         self.model.evaluate(parameters, &mut self.trial, None)?;
-        Ok(squared_norm(&self.trial))
+        Ok(sum_of_squares(&self.trial))
     }
 
     fn factor(&mut self, parameters: &[f64]) -> Result<Mat<f64>, IdentError> {
@@ -293,8 +294,4 @@ fn check_start<O: SumOfSquares>(model: &O, start: &[f64], bounds: &[Bounds]) -> 
         }
     }
     Ok(())
-}
-
-fn squared_norm(values: &[f64]) -> f64 {
-    values.iter().map(|v| v * v).sum()
 }

@@ -20,6 +20,7 @@ mod start;
 mod yardstick;
 
 use lti::PolynomialModel;
+use numerics::parallel;
 use signal::filter::Sos;
 
 use self::orders::Orders;
@@ -158,21 +159,8 @@ impl Polynomial {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
         let orders = self.orders(data.inputs())?;
         let held = self.held_coefficients(&orders, data)?;
-        let outputs = data.outputs();
-        let one = |output: usize| equation::estimate(self, &orders, data, output, &held[output]);
-        if outputs == 1 {
-            return assemble::fit(&orders, data, vec![one(0)?]);
-        }
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        let mut equations = Vec::with_capacity(outputs);
-        for first in (0..outputs).step_by(threads) {
-            let batch = first..outputs.min(first + threads);
-            equations.extend(std::thread::scope(|scope| {
-                let handles: Vec<_> = batch.map(|output| scope.spawn(move || one(output))).collect();
-                let joined = handles.into_iter().map(|h| h.join());
-                joined.map(|r| r.unwrap_or(Err(IdentError::Decomposition { what: "parallel" }))).collect::<Vec<_>>()
-            }));
-        }
+        let one = |output: &usize| equation::estimate(self, &orders, data, *output, &held[*output]);
+        let equations = parallel::map(&Vec::from_iter(0..data.outputs()), one);
         assemble::fit(&orders, data, equations.into_iter().collect::<Result<_, _>>()?)
     }
 

@@ -5,6 +5,8 @@ mod solution;
 use std::ops::Range;
 
 use faer::Mat;
+use numerics::parallel;
+use numerics::vector::dot;
 
 pub(crate) use solution::{Solution, factor_of, noise_covariance, parameter_covariance, robust_covariance, solve};
 
@@ -96,11 +98,7 @@ impl<'a> Regression<'a> {
         }
         // Always the same two halves, whatever the machine: the same data give the same numbers everywhere.
         let half = self.rows / 2;
-        let (mut first, second) = std::thread::scope(|scope| {
-            let second = scope.spawn(|| self.gather(half..self.rows));
-            let first = self.gather(0..half);
-            (first, second.join().unwrap_or_else(|_| self.gather(half..self.rows)))
-        });
+        let (mut first, second) = parallel::join(|| self.gather(0..half), || self.gather(half..self.rows));
         first.merge(second);
         first.finish()
     }
@@ -188,10 +186,6 @@ impl<'a> Regression<'a> {
 fn in_chunks(stretch: Stretch) -> impl Iterator<Item = Stretch> {
     let Stretch { experiment, range } = stretch;
     range.clone().step_by(CHUNK).map(move |start| Stretch { experiment, range: start..(start + CHUNK).min(range.end) })
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 /// One equation `target = regressorsᵀ θ + ε` by the indices of its columns. Least squares where the instruments are the

@@ -3,7 +3,9 @@
 use faer::{Mat, MatRef};
 
 use super::Smoothed;
-use super::forward::{Forward, Innovation, dot};
+use numerics::vector::dot;
+
+use super::forward::{Forward, Innovation};
 use super::steady::Memory;
 use crate::triangle::upper_factor;
 

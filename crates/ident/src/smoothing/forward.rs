@@ -1,6 +1,7 @@
 //! The Kalman filter, one measurement after the other.
 
 use faer::MatRef;
+use numerics::vector::dot;
 
 use super::steady::Memory;
 use super::{Belief, NoisySystem, check_length, check_square};
@@ -234,8 +235,4 @@ fn check(
 
 fn by_rows(m: MatRef<'_, f64>) -> Vec<f64> {
     (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 use lti::Innovations;
+use numerics::parallel;
 
 use super::derivatives::Derivatives;
 use crate::data::Experiment;
@@ -96,39 +97,7 @@ impl Predictor {
     /// Calls `visit(x̂, u, ε, complete)` at every instant. Where an output is missing, its ε is zero and `complete`
     /// false.
     pub(crate) fn walk(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
-        self.walk_first(experiment.len(), experiment, x0, visit);
-    }
-
-    /// As [`Predictor::walk`], over so many instants.
-    fn walk_first(
-        &self,
-        instants: usize,
-        experiment: &Experiment,
-        x0: &[f64],
-        mut visit: impl FnMut(&[f64], &[f64], &[f64], bool),
-    ) {
-        let inputs: Vec<&[f64]> = (0..self.m).map(|j| experiment.input(j)).collect();
-        let outputs: Vec<&[f64]> = (0..self.p).map(|i| experiment.output(i)).collect();
-        let (mut x, mut next) = (x0.to_vec(), vec![0.0; self.n]);
-        let (mut u, mut e) = (vec![0.0; self.m], vec![0.0; self.p]);
-        for t in 0..instants {
-            u.iter_mut().zip(&inputs).for_each(|(u, input)| *u = input[t]);
-            e.fill(0.0);
-            add_product(&self.c, &x, &mut e);
-            add_product(&self.d, &u, &mut e);
-            let mut complete = true;
-            for (e, output) in e.iter_mut().zip(&outputs) {
-                let missing = output[t].is_nan();
-                *e = if missing { 0.0 } else { output[t] - *e };
-                complete &= !missing;
-            }
-            visit(&x, &u, &e, complete);
-            next.fill(0.0);
-            add_product(&self.a, &x, &mut next);
-            add_product(&self.b, &u, &mut next);
-            add_product(&self.k, &e, &mut next);
-            std::mem::swap(&mut x, &mut next);
-        }
+        Walk::new(self, experiment, x0).advance(experiment.len(), visit);
     }
 
     /// `Σ ε εᵀ`, the instants it runs over, and the predicted states at the instants `marks` of each experiment, which
@@ -165,11 +134,65 @@ impl Predictor {
         for (experiment, x0) in data.experiments().iter().zip(x0) {
             let instants = experiment.len().min(ENOUGH);
             count += instants;
-            self.walk_first(instants, experiment, x0, |x, _, _, _| {
+            Walk::new(self, experiment, x0).advance(instants, |x, _, _, _| {
                 sums.iter_mut().zip(x).for_each(|(s, x)| *s += x * x);
             });
         }
         sums.iter().map(|s| (s / count.max(1) as f64).sqrt()).collect()
+    }
+}
+
+/// A pass of the predictor over an experiment, which may be interrupted.
+struct Walk<'a> {
+    predictor: &'a Predictor,
+    inputs: Vec<&'a [f64]>,
+    outputs: Vec<&'a [f64]>,
+    instant: usize,
+    samples: usize,
+    x: Vec<f64>,
+    next: Vec<f64>,
+    u: Vec<f64>,
+    e: Vec<f64>,
+}
+
+impl<'a> Walk<'a> {
+    fn new(predictor: &'a Predictor, experiment: &'a Experiment, x0: &[f64]) -> Self {
+        Walk {
+            predictor,
+            inputs: (0..predictor.m).map(|j| experiment.input(j)).collect(),
+            outputs: (0..predictor.p).map(|i| experiment.output(i)).collect(),
+            instant: 0,
+            samples: experiment.len(),
+            x: x0.to_vec(),
+            next: vec![0.0; predictor.n],
+            u: vec![0.0; predictor.m],
+            e: vec![0.0; predictor.p],
+        }
+    }
+
+    /// Goes on by this many instants, or to the end of the experiment. `visit` as in [`Predictor::walk`].
+    fn advance(&mut self, instants: usize, mut visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
+        let Walk { predictor, inputs, outputs, x, next, u, e, .. } = self;
+        let end = self.samples.min(self.instant + instants);
+        for t in self.instant..end {
+            u.iter_mut().zip(&*inputs).for_each(|(u, input)| *u = input[t]);
+            e.fill(0.0);
+            add_product(&predictor.c, x, e);
+            add_product(&predictor.d, u, e);
+            let mut complete = true;
+            for (e, output) in e.iter_mut().zip(&*outputs) {
+                let missing = output[t].is_nan();
+                *e = if missing { 0.0 } else { output[t] - *e };
+                complete &= !missing;
+            }
+            visit(x, u, e, complete);
+            next.fill(0.0);
+            add_product(&predictor.a, x, next);
+            add_product(&predictor.b, u, next);
+            add_product(&predictor.k, e, next);
+            std::mem::swap(x, next);
+        }
+        self.instant = end;
     }
 }
 
@@ -243,21 +266,18 @@ impl Lineariser<'_> {
         Linearised { factor: whole.finish(), rows, tops }
     }
 
-    /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. Derivatives are formed here, folded on a second thread.
+    /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. While a chunk is folded, the derivatives of the next are formed.
     fn experiment(&self, experiment: &Experiment, x0: &[f64], instants: usize) -> Triangle {
         let mut triangle = Triangle::new(self.initial + self.basis.ncols() + 1);
-        let mut fold = |chunk: &[f64]| self.fold(chunk, &mut triangle);
+        let mut rows = Rows::new(self, experiment, x0);
         if experiment.len() <= 4 * CHUNK {
-            self.chunks(experiment, x0, instants, |chunk| fold(&chunk));
+            std::iter::from_fn(|| rows.chunk(instants)).for_each(|chunk| self.fold(&chunk, &mut triangle));
             return triangle;
         }
-        let (sender, receiver) = std::sync::mpsc::sync_channel::<Vec<f64>>(8);
-        std::thread::scope(|scope| {
-            scope.spawn(move || receiver.iter().for_each(|chunk| fold(&chunk)));
-            // A send fails only once the other thread has panicked, which the scope passes on.
-            self.chunks(experiment, x0, instants, |chunk| drop(sender.send(chunk)));
-            drop(sender);
-        });
+        let mut chunk = rows.chunk(instants);
+        while let Some(formed) = chunk {
+            ((), chunk) = parallel::join(|| self.fold(&formed, &mut triangle), || rows.chunk(instants));
+        }
         triangle
     }
 
@@ -284,37 +304,10 @@ impl Lineariser<'_> {
         });
     }
 
-    /// Hands over rows `[Ψ₀, Ψ, ε]`, whitened, a chunk at a time.
-    fn chunks(&self, experiment: &Experiment, x0: &[f64], instants: usize, mut give: impl FnMut(Vec<f64>)) {
-        let full = instants * self.predictor.p * self.width();
-        let mut chunk = Vec::with_capacity(full);
-        self.rows(experiment, x0, |rows, complete| {
-            if complete {
-                chunk.extend_from_slice(rows);
-            }
-            if chunk.len() == full {
-                give(std::mem::replace(&mut chunk, Vec::with_capacity(full)));
-            }
-        });
-        if !chunk.is_empty() {
-            give(chunk);
-        }
-    }
-
     /// Shows `visit` the rows `[Ψ₀, Ψ, ε]` of all outputs at every instant, whitened, and whether every output is there;
     /// where not, they are without meaning.
-    pub(crate) fn rows(&self, experiment: &Experiment, x0: &[f64], mut visit: impl FnMut(&[f64], bool)) {
-        let width = self.width();
-        let mut derivatives = Derivatives::new(self.predictor, self.free, self.initial);
-        let mut rows = vec![0.0; self.predictor.p * width];
-        self.predictor.walk(experiment, x0, |x, u, e, complete| {
-            if complete {
-                derivatives.write(x, u, e, &mut rows);
-                self.whiten(&mut rows, width);
-            }
-            visit(&rows, complete);
-            derivatives.advance(x, u, e);
-        });
+    pub(crate) fn rows(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], bool)) {
+        Rows::new(self, experiment, x0).advance(experiment.len(), visit);
     }
 
     /// The whitened errors instant by instant, NaN where an output is missing.
@@ -339,5 +332,51 @@ impl Lineariser<'_> {
                 row.iter_mut().zip(other).for_each(|(v, o)| *v += weight * o);
             }
         }
+    }
+}
+
+/// The rows `[Ψ₀, Ψ, ε]` of an experiment, formed piece by piece.
+struct Rows<'a> {
+    of: &'a Lineariser<'a>,
+    walk: Walk<'a>,
+    derivatives: Derivatives<'a>,
+    /// Those of one instant.
+    rows: Vec<f64>,
+}
+
+impl<'a> Rows<'a> {
+    fn new(of: &'a Lineariser<'a>, experiment: &'a Experiment, x0: &[f64]) -> Self {
+        Rows {
+            of,
+            walk: Walk::new(of.predictor, experiment, x0),
+            derivatives: Derivatives::new(of.predictor, of.free, of.initial),
+            rows: vec![0.0; of.predictor.p * of.width()],
+        }
+    }
+
+    /// Goes on by this many instants. `visit` as in [`Lineariser::rows`].
+    fn advance(&mut self, instants: usize, mut visit: impl FnMut(&[f64], bool)) {
+        let Rows { of, walk, derivatives, rows } = self;
+        walk.advance(instants, |x, u, e, complete| {
+            if complete {
+                derivatives.write(x, u, e, rows);
+                of.whiten(rows, of.width());
+            }
+            visit(rows, complete);
+            derivatives.advance(x, u, e);
+        });
+    }
+
+    /// The rows of the next instants with every output, at most `instants` of them; `None` at the end.
+    fn chunk(&mut self, instants: usize) -> Option<Vec<f64>> {
+        let mut chunk = Vec::with_capacity(instants * self.rows.len());
+        while chunk.is_empty() && self.walk.instant < self.walk.samples {
+            self.advance(instants, |rows, complete| {
+                if complete {
+                    chunk.extend_from_slice(rows);
+                }
+            });
+        }
+        (!chunk.is_empty()).then_some(chunk)
     }
 }

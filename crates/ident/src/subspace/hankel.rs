@@ -1,6 +1,7 @@
 //! The triangular factor of the block Hankel matrix of past and future data.
 
 use faer::Mat;
+use numerics::parallel;
 
 use crate::data::Experiment;
 use crate::{Dataset, Triangle, gram};
@@ -90,17 +91,14 @@ impl<'a> Hankel<'a> {
         Some(HankelFactor { r, windows: self.windows() })
     }
 
-    /// The factor by QR of the rows, half of each experiment on a thread of its own.
+    /// The factor by QR of the rows, both halves of each experiment at the same time.
     pub(crate) fn orthogonal(&self) -> HankelFactor {
         let mut whole = Triangle::new(self.columns());
         for experiment in &self.experiments {
             let windows = experiment.len() - self.horizons.total() + 1;
             let half = windows / 2;
-            let mut second = Mat::new();
-            let first = std::thread::scope(|scope| {
-                scope.spawn(|| second = self.rows(experiment, half..windows));
-                self.rows(experiment, 0..half)
-            });
+            let (first, second) =
+                parallel::join(|| self.rows(experiment, 0..half), || self.rows(experiment, half..windows));
             push_matrix(&mut whole, &first);
             push_matrix(&mut whole, &second);
         }

@@ -1,6 +1,7 @@
 //! What responses are summed up by: gain at rest, resonances, bandwidth, rise time, overshoot.
 
 use lti::{Complex64, LtiError, Margins, StepCharacteristics, TimeGrid};
+use numerics::search;
 
 use super::Dynamics;
 use super::bands::response_over_time;
@@ -11,15 +12,12 @@ use crate::{Fit, IdentError, LinearModel, Parametric};
 const PROMINENCE_DB: f64 = 0.5;
 /// Resonances found at most: the ones that stand out most.
 const MOST_PEAKS: usize = 6;
-/// What a section of an interval in golden ratio leaves of it.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-/// Sections after which a ten-thousandth of the interval is left.
-const SECTIONS: usize = 20;
+/// What the golden section leaves of the interval.
+const WIDTH: f64 = 1e-4;
 /// Reach of the last parabola, as a part of the interval.
 const LAST: f64 = 1e-3;
 /// Part of the grid's spacing to which the parabola of a resonance reaches: narrow, so that it moves as the maximum does.
 const STENCIL: f64 = 0.1;
-const BISECTIONS: usize = 60;
 /// Relative step of frequency for a slope.
 const SLOPE: f64 = 1e-4;
 
@@ -123,12 +121,8 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
         let gains = self.model.frequency_response(self.output, self.input, omega_rad_s)?.response;
         let below = gains.iter().position(|h| h.norm() < level).filter(|k| *k > 0 && level.is_finite() && level > 0.0);
         let Some(k) = below else { return Ok(None) };
-        let (mut low, mut high) = (omega_rad_s[k - 1], omega_rad_s[k]);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            let is_above = self.gain_at(self.model, middle)?.norm() >= level;
-            (low, high) = if is_above { (middle, high) } else { (low, middle) };
-        }
+        let is_above = |omega: f64| Ok::<bool, LtiError>(self.gain_at(self.model, omega)?.norm() >= level);
+        let (low, _) = search::try_bisect((omega_rad_s[k - 1], omega_rad_s[k]), is_above)?;
         let size = |m: &M, omega: f64| Ok::<f64, LtiError>(self.gain_at(m, omega)?.norm().ln());
         let slope = (size(self.model, low * (1.0 + SLOPE))? - size(self.model, low * (1.0 - SLOPE))?) / (2.0 * SLOPE);
         let errors = self.errors(|m| Ok(vec![size(m, low)? - size(m, 0.0)?]))?;
@@ -176,23 +170,9 @@ impl<'a, M: Parametric + Dynamics> Features<'a, M> {
     /// Where the gain is largest between the ends of a grid's three points of which the middle one is the highest: by golden
     /// section, which no shape of the peak leads astray, and a parabola where rounding ends it.
     fn highest(&self, around: &[f64]) -> Result<f64, IdentError> {
-        let gain = |omega: f64| Ok::<f64, IdentError>(self.gain_at(self.model, omega)?.norm());
-        let (mut low, mut high) = (around[0].ln(), around[2].ln());
-        let inner = |low: f64, high: f64| (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-        let (mut left, mut right) = inner(low, high);
-        let (mut at_left, mut at_right) = (gain(left.exp())?, gain(right.exp())?);
-        for _ in 0..SECTIONS {
-            if at_left >= at_right {
-                (high, right, at_right) = (right, left, at_left);
-                left = inner(low, high).0;
-                at_left = gain(left.exp())?;
-            } else {
-                (low, left, at_left) = (left, right, at_right);
-                right = inner(low, high).1;
-                at_right = gain(right.exp())?;
-            }
-        }
-        let (omega, step) = ((0.5 * (low + high)).exp(), LAST * (around[2] / around[0]).ln());
+        let loss = |log_omega: f64| Ok::<f64, LtiError>(-self.gain_at(self.model, log_omega.exp())?.norm());
+        let (bounds, length) = ((around[0].ln(), around[2].ln()), (around[2] / around[0]).ln());
+        let (omega, step) = (search::try_minimum(bounds, WIDTH * length, loss)?.exp(), LAST * length);
         Ok(omega * self.top(self.model, omega, step)?.0.clamp(-step, step).exp())
     }
 

@@ -1,6 +1,7 @@
 //! What an estimate does to residuals: what it took out of them, and what its errors add.
 
 use faer::Mat;
+use numerics::vector::dot;
 
 use super::quadratic::{Covariance, Sums};
 use super::sensitivity::Stack;
@@ -240,7 +241,7 @@ impl Footing {
         };
         let own: Vec<f64> = kernel(output).iter().zip(&pairs).map(|(r, n)| r * n / rows as f64).collect();
         let middle = reach + 2 * lags;
-        let covariance = |l: usize| crate::gram::dot(&own, &ru[middle + l - reach..=middle + l + reach]);
+        let covariance = |l: usize| dot(&own, &ru[middle + l - reach..=middle + l + reach]);
         let z = self.weights_through(&kernel, u, lags, reach)?;
         let mut sandwich = Sandwich::of_rows(&self.colour, z.ncols());
         let (p, r) = (self.stack.outputs(), z.ncols());
@@ -280,7 +281,7 @@ impl Footing {
                 let e = Series::raw(&self.stack.series(self.weights.col_as_slice(k), j));
                 let cross = products(u, &e, lags + reach)?;
                 // Σ_τ r(τ) c(l − τ), with c from −M − reach on.
-                (0..count).for_each(|l| z[(l, k)] += crate::gram::dot(&kernel, &cross[l..=l + 2 * reach]));
+                (0..count).for_each(|l| z[(l, k)] += dot(&kernel, &cross[l..=l + 2 * reach]));
             }
         }
         Ok(z)
@@ -306,9 +307,9 @@ fn constant(stack: &Stack, output: usize, missing: &[bool]) -> Vec<f64> {
 
 /// Clears a column of blocks, and tells whether there is more to it than these.
 fn is_left(column: &mut [f64], blocks: &[Block]) -> bool {
-    let before = crate::gram::dot(column, column);
+    let before = dot(column, column);
     blocks.iter().for_each(|block| block.clear(column));
-    crate::gram::dot(column, column) > LEFT * LEFT * before
+    dot(column, column) > LEFT * LEFT * before
 }
 
 /// `u(t + M − i)` at place i.

@@ -1,10 +1,10 @@
 //! Quadratic forms with the inverse of a covariance of many sums that may be singular.
 
 use faer::{Mat, Side};
+use numerics::vector::dot;
 
 use super::JointTest;
 use crate::IdentError;
-use crate::gram::dot;
 use crate::triangle::upper_factor;
 use crate::uncertainty::root::inverse_root;
 

@@ -1,6 +1,8 @@
 //! How residuals change with the parameters and the initial states of the model they are of.
 
 use faer::Mat;
+use numerics::parallel;
+use numerics::vector::norm;
 
 use crate::course::OnData;
 use crate::prediction::{InitialState, residuals};
@@ -98,7 +100,7 @@ pub(super) fn to_parameters<M: Parametric + LinearModel>(
             let found = Stack::column(&residuals(model.as_ref()?, data, initial).ok()?.outputs);
             Some(found.iter().zip(errors).map(|(f, e)| (f - e) / h).collect::<Vec<_>>())
         };
-        for (k, found) in pending.into_iter().zip(on_two_threads(&models, change)) {
+        for (k, found) in pending.into_iter().zip(parallel::map(&models, change)) {
             columns[k] = found;
         }
     }
@@ -106,9 +108,8 @@ pub(super) fn to_parameters<M: Parametric + LinearModel>(
         return Err(IdentError::NotFinite { what: "the sensitivity to a parameter", index });
     }
     let mut columns: Vec<Vec<f64>> = columns.into_iter().flatten().collect();
-    let size = |column: &Vec<f64>| column.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let largest = columns.iter().map(size).fold(0.0, f64::max);
-    columns.retain(|column| size(column) > ROUNDING * largest);
+    let largest = columns.iter().map(|column| norm(column)).fold(0.0, f64::max);
+    columns.retain(|column| norm(column) > ROUNDING * largest);
     Ok(columns)
 }
 
@@ -147,16 +148,4 @@ pub(super) fn to_states<M: LinearModel + ?Sized>(
         Mat::from_fn(rows, columns.len(), |i, k| columns[k][i])
     };
     Ok((0..count).map(table).collect())
-}
-
-/// The values of a function, half of them found on a thread of its own.
-fn on_two_threads<T: Sync, R: Send>(items: &[T], of: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let (first, second) = items.split_at(items.len() / 2);
-    let mut later = Vec::new();
-    let mut all: Vec<R> = std::thread::scope(|scope| {
-        scope.spawn(|| later = second.iter().map(&of).collect());
-        first.iter().map(&of).collect()
-    });
-    all.append(&mut later);
-    all
 }

@@ -1,9 +1,9 @@
 //! Channels over all experiments, and sums of their products.
 
+use numerics::vector::dot;
 use signal::correlation::cross_correlation;
 
 use crate::IdentError;
-use crate::gram::dot;
 
 /// One channel over all experiments: its mean taken off, zeros for what is missing.
 pub(super) struct Series {

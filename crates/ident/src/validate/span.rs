@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use faer::Mat;
+use numerics::vector::dot;
 
 use super::sensitivity::Stack;
 use crate::uncertainty::root::inverse_root;
@@ -42,7 +43,7 @@ impl Block {
     pub(super) fn clear(&self, column: &mut [f64]) {
         let part = &mut column[self.rows.clone()];
         for k in 0..self.removed.ncols() {
-            let along = crate::gram::dot(self.weights.col_as_slice(k), part);
+            let along = dot(self.weights.col_as_slice(k), part);
             part.iter_mut().zip(self.removed.col_as_slice(k)).for_each(|(v, a)| *v -= along * a);
         }
     }

@@ -1,6 +1,7 @@
 //! The correlation of residuals with their own past.
 
 use faer::Mat;
+use numerics::vector::dot;
 
 use super::JointTest;
 use super::footing::Footing;
@@ -265,7 +266,7 @@ impl Units<'_> {
             let (lag, i, j) = (place / (p * p) + 1, place / p % p, place % p);
             let x = &columns.col_as_slice(q)[i * length..(i + 1) * length];
             let later = x.get(lag..).unwrap_or_default();
-            crate::gram::dot(later, &self.past[j].parts[m][..later.len()]) / self.sizes[i]
+            dot(later, &self.past[j].parts[m][..later.len()]) / self.sizes[i]
         })
     }
 }

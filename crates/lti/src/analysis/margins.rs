@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use numerics::search;
 use serde::{Deserialize, Serialize};
 
 use crate::Complex64;
@@ -40,7 +41,6 @@ pub struct Margins {
 }
 
 const GRID_POINTS: usize = 4000;
-const BISECTIONS: usize = 60;
 /// Octaves beyond the grid in which the unit circle is looked for.
 const MOST_STEPS: f64 = 200.0;
 /// Distance from the real axis, relative to the gain, that is none where a crossing has been found.
@@ -94,15 +94,8 @@ fn crossings(
         if before.is_nan() || after.is_nan() || rises == (after < 0.0) {
             continue;
         }
-        let (mut low, mut high) = (omega_rad_s[k - 1], omega_rad_s[k]);
-        for _ in 0..BISECTIONS {
-            let middle = 0.5 * (low + high);
-            if rises == (measure(open_loop(middle)) < 0.0) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
+        let is_before = |omega: f64| rises == (measure(open_loop(omega)) < 0.0);
+        let (low, high) = search::bisect((omega_rad_s[k - 1], omega_rad_s[k]), is_before);
         found.push(0.5 * (low + high));
     }
     found

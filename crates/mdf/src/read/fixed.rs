@@ -1,7 +1,6 @@
-//! Groups that have their stream for themselves: records at a fixed distance, read by several threads.
+//! Groups that have their stream for themselves: records at a fixed distance, read by several workers.
 
 use std::sync::{Mutex, PoisonError};
-use std::thread;
 
 use super::column::{Block, Cells, Column, Invalid, Task, columns};
 use super::{Progress, Shape};
@@ -10,10 +9,10 @@ use crate::{MdfError, Source};
 
 /// Bytes of records that are read at once.
 const PIECE: u64 = 1 << 19;
-/// More threads would hold more memory than they win time.
-const MOST_THREADS: usize = 4;
+/// More workers would hold more memory than they win time.
+const MOST_WORKERS: usize = 4;
 
-/// Records that one thread reads at once.
+/// Records that one worker reads at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Piece {
     first: u64,
@@ -74,12 +73,12 @@ pub(crate) fn read<S: Source + ?Sized>(
         0 => vec![Piece { first: 0, rows: count }],
         _ => pieces(shape.stream, stride, rows),
     };
-    let threads = thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS).min(pieces.len());
+    let workers = rayon::current_num_threads().min(MOST_WORKERS).min(pieces.len());
     let rest = columns.iter_mut().map(Column::cells).collect();
     let queue = Mutex::new(Queue { pieces: pieces.into_iter(), rest, failure: None, done_bytes: 0 });
-    thread::scope(|scope| {
-        for _ in 1..threads {
-            scope.spawn(|| work(source, shape, tasks, &queue, progress));
+    rayon::scope(|scope| {
+        for _ in 1..workers {
+            scope.spawn(|_| work(source, shape, tasks, &queue, progress));
         }
         work(source, shape, tasks, &queue, progress);
     });

@@ -3,14 +3,13 @@
 mod binary;
 mod multisine;
 mod noise;
-mod random;
 mod steps;
 mod sweep;
 
 pub use binary::{Prbs, random_binary};
 pub use multisine::{Multisine, Phases};
 pub use noise::{band_limited_noise, held_noise};
-pub use random::Random;
+pub use numerics::random::Random;
 pub use steps::{Corner, Step, levels, ramps, stepped_sine};
 pub use sweep::{Sweep, chirp};
 

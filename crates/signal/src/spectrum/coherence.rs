@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
+use numerics::search;
+
 use super::CrossSpectrum;
 use crate::distributions::{chi_squared_quantile, student_t_quantile};
 use crate::error::{SignalError, check_range};
 
-/// Halvings of an interval of coherence, which leave 2⁻⁵⁰ of it.
-const HALVINGS: usize = 50;
 /// Sums are scaled down beyond this.
 const LARGE: f64 = 1e200;
 
@@ -123,15 +123,7 @@ fn check_confidence(confidence: f64) -> Result<(), SignalError> {
 
 /// The true coherence under which an estimate of at most `found` has this probability; 0 where it has less under any.
 fn coherence_where(found: f64, averages: usize, probability: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if coherence_cdf(found, middle, averages) > probability {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let (low, high) = search::bisect((0.0, 1.0), |coherence| coherence_cdf(found, coherence, averages) > probability);
     if high < 1e-12 { 0.0 } else { 0.5 * (low + high) }
 }
 

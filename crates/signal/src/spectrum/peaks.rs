@@ -1,5 +1,7 @@
 //! Peaks of a spectrum that stand out of what is around them.
 
+use numerics::order::upper_median;
+
 /// A peak.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpectralPeak {
@@ -94,14 +96,13 @@ fn without_ripples(
 fn background(freq_hz: &[f64], values: &[f64], index: usize, lobe: usize, room: &mut Vec<f64>) -> Option<f64> {
     let first = freq_hz.partition_point(|f| *f < 0.5 * freq_hz[index]);
     let end = freq_hz.partition_point(|f| *f <= 2.0 * freq_hz[index]);
-    let below = median(values.get(first..index.saturating_sub(lobe))?, room)?;
-    let above = median(values.get(index + lobe + 1..end)?, room)?;
+    let below = median_of_finite(values.get(first..index.saturating_sub(lobe))?, room)?;
+    let above = median_of_finite(values.get(index + lobe + 1..end)?, room)?;
     Some((below * above).sqrt())
 }
 
-fn median(values: &[f64], room: &mut Vec<f64>) -> Option<f64> {
+fn median_of_finite(values: &[f64], room: &mut Vec<f64>) -> Option<f64> {
     room.clear();
     room.extend(values.iter().filter(|v| v.is_finite()));
-    let middle = room.len() / 2;
-    (room.len() >= FEWEST).then(|| *room.select_nth_unstable_by(middle, f64::total_cmp).1)
+    (room.len() >= FEWEST).then(|| upper_median(room)).flatten()
 }

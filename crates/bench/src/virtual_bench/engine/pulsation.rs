@@ -4,15 +4,16 @@ use std::f64::consts::TAU;
 
 use super::{Combustion, EngineStep};
 use crate::bench_parameters::EngineParameters;
-use crate::random::{Random, Source};
+use crate::random::Source;
 use crate::virtual_bench::train::{Jump, Train};
+use numerics::random::Stream;
 
 /// The engine's torque, firing by firing.
 #[derive(Debug, Clone)]
 pub(crate) struct Pulsation {
     parameters: EngineParameters,
     combustion: Combustion,
-    random: Random,
+    random: Stream,
     /// Crank angle from one firing to the next, rad.
     firing_interval_rad: f64,
     next_firing_rad: f64,
@@ -39,7 +40,7 @@ impl Pulsation {
         });
         Self {
             combustion,
-            random: Random::new(seed, Source::Firing),
+            random: Source::Firing.stream(seed),
             firing_interval_rad: interval_rad,
             next_firing_rad: ((angle_rad / interval_rad).floor() + 1.0) * interval_rad,
             cylinder: 0,

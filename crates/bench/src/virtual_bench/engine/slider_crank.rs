@@ -3,8 +3,9 @@
 use super::cylinder::{Angle, Cycle, charge_pa};
 use super::{Combustion, EngineStep};
 use crate::bench_parameters::{EngineParameters, SliderCrank};
-use crate::random::{Random, Source};
+use crate::random::Source;
 use crate::virtual_bench::train::Train;
+use numerics::random::Stream;
 
 /// The engine's cylinders. The crankshaft obeys (J_e + M − M̄) dω/dt = T_gas − ½ (dM/dθ) ω² − T_on, M = Σ m (dx/dθ)²;
 /// T_e is what makes J_e dω/dt = T_e − T_on of it.
@@ -16,7 +17,7 @@ pub(crate) struct CrankEngine {
     factors: Vec<f64>,
     cycle_variation: f64,
     combustion: Combustion,
-    random: Random,
+    random: Stream,
     /// Friction and auxiliaries, Nm.
     friction_nm: f64,
     cylinders: Vec<Cylinder>,
@@ -53,7 +54,7 @@ impl CrankEngine {
             factors: parameters.cylinder_factors.clone(),
             cycle_variation: parameters.cycle_variation,
             combustion,
-            random: Random::new(seed, Source::Firing),
+            random: Source::Firing.stream(seed),
             friction_nm: (idle_nm - parameters.motored_torque_nm).max(0.0),
             cylinders: Vec::with_capacity(count),
         };

@@ -3,7 +3,8 @@
 use super::pulses::Pulses;
 use super::{Rotation, rounded};
 use crate::bench_parameters::SensorParameters;
-use crate::random::{Random, Source};
+use crate::random::Source;
+use numerics::random::Stream;
 
 /// Speed from an encoder: N = (θ̃(t) − θ̃(t − gate))/gate with θ̃ = θ + ε sin θ, or from the disk's pulses; plus noise,
 /// rounded.
@@ -13,7 +14,7 @@ pub(super) struct Encoder {
     eccentricity: f64,
     noise_rad_s: f64,
     resolution_rad_s: f64,
-    random: Random,
+    random: Stream,
     pulses: Option<Pulses>,
 }
 
@@ -33,7 +34,7 @@ impl Encoder {
         (streams, seed): (EncoderStreams, u64),
         motion: (f64, f64),
     ) -> Self {
-        let random = |source| Random::new(seed, source);
+        let random = |source: Source| source.stream(seed);
         let pulses = parameters.pulses.as_ref().map(|pulses| {
             let randoms = (random(streams.slits), random(streams.edges));
             Pulses::new(pulses, (parameters.gate_s, eccentricity), randoms, motion)

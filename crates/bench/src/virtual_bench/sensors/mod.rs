@@ -16,7 +16,8 @@ use super::train::Train;
 use crate::bench_parameters::BenchParameters;
 use crate::experiment::UPDATE_S;
 use crate::facts::BenchVariant;
-use crate::random::{Random, Source};
+use crate::random::Source;
+use numerics::random::Stream;
 
 /// What the sensors read at one update.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -42,10 +43,10 @@ pub(super) struct Sensors {
     dyno_encoder: Encoder,
     engine_encoder: Encoder,
     calc_noise_nm: f64,
-    calc_random: Random,
+    calc_random: Stream,
     cell: TorqueSensor,
     cell_noise_nm: f64,
-    cell_random: Random,
+    cell_random: Stream,
     system_shaft: SystemShaftTorque,
     flange: Option<Flange>,
 }
@@ -56,7 +57,7 @@ struct Flange {
     sensor: TorqueSensor,
     noise_nm: f64,
     resolution_nm: f64,
-    random: Random,
+    random: Stream,
 }
 
 impl Sensors {
@@ -84,10 +85,10 @@ impl Sensors {
             dyno_encoder: encoder(sensors.dyno_eccentricity, DYNO_STREAMS, (train.dyno_angle_rad(), speed)),
             engine_encoder: encoder(sensors.engine_eccentricity, ENGINE_STREAMS, (train.engine_angle_rad(), speed)),
             calc_noise_nm: sensors.calc_noise_nm,
-            calc_random: Random::new(seed, Source::CalcTorque),
+            calc_random: Source::CalcTorque.stream(seed),
             cell: TorqueSensor::new(cell, step_s, air_gap_nm)?,
             cell_noise_nm: sensors.cell_noise_nm,
-            cell_random: Random::new(seed, Source::LoadCell),
+            cell_random: Source::LoadCell.stream(seed),
             system_shaft: SystemShaftTorque::new(inertia, UPDATE_S, sensors.moving_average, speed),
             flange: match parameters.variant {
                 BenchVariant::LoadCell => None,
@@ -133,7 +134,7 @@ impl Flange {
             sensor: TorqueSensor::new(dynamics, step_s, train.shaft_torque_nm())?,
             noise_nm: flange.noise_nm,
             resolution_nm: flange.resolution_nm,
-            random: Random::new(seed, Source::Flange),
+            random: Source::Flange.stream(seed),
         })
     }
 

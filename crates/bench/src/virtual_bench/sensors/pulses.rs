@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use super::Rotation;
 use crate::bench_parameters::PulseParameters;
 use crate::experiment::UPDATE_S;
-use crate::random::Random;
+use numerics::random::Stream;
 
 /// Newton steps for the time of an edge; the angle is nearly linear between two steps of the bench.
 const NEWTON_STEPS: usize = 3;
@@ -27,7 +27,7 @@ pub(super) struct Pulses {
     eccentricity: f64,
     jitter_rad: f64,
     timer_hz: f64,
-    random: Random,
+    random: Stream,
     time_s: f64,
     /// The last edge before each reading in the gate, the oldest first.
     edges: VecDeque<Edge>,
@@ -39,7 +39,7 @@ impl Pulses {
     pub(super) fn new(
         parameters: &PulseParameters,
         (gate_s, eccentricity): (f64, f64),
-        (mut pattern, random): (Random, Random),
+        (mut pattern, random): (Stream, Stream),
         (angle_rad, speed_rad_s): (f64, f64),
     ) -> Self {
         let pitch_rad = TAU / f64::from(parameters.slits);

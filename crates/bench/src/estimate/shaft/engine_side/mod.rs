@@ -18,12 +18,12 @@ use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 use ident::IdentError;
 use ident::frequency::{Modulated, OVERLAP};
+use numerics::search;
 use signal::{Complex64, Signal};
 
 use self::equation::{Control, DELAY, EngineEquation, Sides, UNKNOWNS, Unknowns};
 use self::instruments::{Instruments, solved};
 use super::spectra::Spectra;
-use crate::search;
 
 /// Longest τ, s: half of what a single cylinder takes from firing to firing at 600 rpm.
 const LONGEST_DELAY_S: f64 = 0.1;
@@ -101,7 +101,7 @@ impl Search<'_> {
     /// The unknowns whose errors project least on the instruments, with τ as near as may be to what it is beforehand.
     fn best(&self, instruments: &Instruments) -> Result<Unknowns, IdentError> {
         let merit = |delay_s: f64| self.with_delay(instruments, delay_s).map_or(f64::NEG_INFINITY, |(_, cost)| -cost);
-        let delay_s = search::maximum((0.0, LONGEST_DELAY_S), TRIED_DELAYS, merit);
+        let delay_s = search::global_maximum((0.0, LONGEST_DELAY_S), TRIED_DELAYS, merit);
         Ok(self.with_delay(instruments, delay_s)?.0)
     }
 

@@ -1,0 +1,7 @@
+#![doc = include_str!("../README.md")]
+
+pub mod order;
+pub mod parallel;
+pub mod random;
+pub mod search;
+pub mod vector;

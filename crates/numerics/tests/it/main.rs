@@ -1,0 +1,4 @@
+//! Tests of the shared numerical tools from outside.
+
+mod parallel;
+mod random;

@@ -1,0 +1,62 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use numerics::parallel::{current_num_threads, join, map, map_with_progress, reduce, with_threads};
+use numerics::random::Random;
+use numerics::vector::sum_of_squares;
+
+const THREADS: [usize; 4] = [1, 2, 3, 8];
+
+/// The result of some work on each number of threads, which has to be the same bit for bit.
+fn on_any_number_of_threads<R: Send + PartialEq + std::fmt::Debug>(work: impl Fn() -> R + Sync) -> R {
+    let mut results = THREADS.map(|threads| with_threads(threads, &work)).into_iter();
+    let first = results.next().unwrap();
+    results.for_each(|other| assert_eq!(other, first));
+    first
+}
+
+#[test]
+fn exact_results_keep_the_order_of_their_tasks() {
+    let tasks: Vec<usize> = (0..1000).collect();
+    let found = on_any_number_of_threads(|| map(&tasks, |task| task * task));
+    assert_eq!(found, (0..1000).map(|task| task * task).collect::<Vec<_>>());
+    assert!(map(&[] as &[usize], |task| *task).is_empty());
+}
+
+#[test]
+fn prop_rounding_does_not_depend_on_the_threads() {
+    let mut random = Random::new(4);
+    let values: Vec<f64> =
+        (0..100_003).map(|_| random.normal() * 10f64.powi((random.uniform() * 12.0) as i32)).collect();
+    let sum = || reduce(values.len(), 1000, |range| sum_of_squares(&values[range]), |a, b| a + b).map(f64::to_bits);
+    let found = f64::from_bits(on_any_number_of_threads(sum).unwrap());
+    assert!((found / sum_of_squares(&values) - 1.0).abs() < 1e-12);
+    assert_eq!(reduce(0, 10, |range| range.len(), |a, b| a + b), None);
+}
+
+#[test]
+fn exact_both_sides_of_a_join_are_done() {
+    assert_eq!(on_any_number_of_threads(|| join(|| 1, || join(|| 2, || 3))), (1, (2, 3)));
+}
+
+#[test]
+fn exact_every_task_is_reported() {
+    let (calls, last) = (AtomicU64::new(0), AtomicU64::new(0));
+    let progress = |done: u64, all: u64| {
+        assert_eq!(all, 50);
+        calls.fetch_add(1, Ordering::Relaxed);
+        last.fetch_max(done, Ordering::Relaxed);
+    };
+    assert_eq!(map_with_progress(&[2_u8; 50], |task| task + 1, &progress), [3; 50]);
+    assert_eq!((calls.into_inner(), last.into_inner()), (50, 50));
+}
+
+#[test]
+fn exact_work_gets_the_threads_that_were_asked_for() {
+    THREADS.iter().for_each(|threads| assert_eq!(with_threads(*threads, current_num_threads), *threads));
+}
+
+#[test]
+#[should_panic(expected = "of a task")]
+fn regress_a_panic_reaches_the_caller() {
+    map(&[1, 2, 3], |task| assert_ne!(*task, 2, "of a task"));
+}
