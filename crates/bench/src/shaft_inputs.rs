@@ -5,6 +5,7 @@ use crate::estimate::shaft::{self, ShaftInputs};
 use crate::estimate::speed_controller::{Encoder, SpeedControllerFit};
 use crate::estimate::torque_control::TorqueControlFit;
 use crate::estimation::{EstimateError, need};
+use crate::experiment::Test;
 use crate::facts::BenchVariant;
 use crate::results::Estimate;
 use crate::{BenchFile, ControlMode, Experiment, Role};
@@ -12,9 +13,10 @@ use crate::{BenchFile, ControlMode, Experiment, Role};
 /// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
 const FRICTION_DOUBT_PERCENT: f64 = 20.0;
 /// Tests the shaft can be estimated from, best first.
-pub(crate) const SHAFT_TESTS: [&str; 7] = ["Multisine", "Binary", "BS", "WhiteNoise", "Levels", "Ramp", "Step"];
+pub(crate) const SHAFT_TESTS: [Test; 7] =
+    [Test::Multisine, Test::Binary, Test::Bs, Test::WhiteNoise, Test::Levels, Test::Ramp, Test::Step];
 /// Tests in which T_d* moves the bench over a wide band.
-const EXCITED_TESTS: [&str; 3] = ["Multisine", "Binary", "WhiteNoise"];
+const EXCITED_TESTS: [Test; 3] = [Test::Multisine, Test::Binary, Test::WhiteNoise];
 
 /// What the shaft's estimator needs of one recording, with the torque between its samples.
 pub(crate) fn shaft_inputs<'a>(
@@ -59,7 +61,7 @@ fn friction_slope(bench: &BenchFile) -> (f64, f64) {
 pub(crate) fn tells_inertias(experiment: &Experiment, bench: &BenchFile) -> bool {
     bench.variant == BenchVariant::LoadCell
         && experiment.label.mode == ControlMode::Tn
-        && EXCITED_TESTS.contains(&experiment.label.test.as_str())
+        && EXCITED_TESTS.contains(&experiment.label.test)
 }
 
 /// Both inertias as if nothing were known of them.

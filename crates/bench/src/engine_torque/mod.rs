@@ -16,6 +16,7 @@ pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, O
 pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 use crate::estimate::{speed_controller, torque_control};
+use crate::experiment::Test;
 use crate::results::Told;
 use crate::shaft_inputs::stated_gate;
 use crate::torque_signals::believable;
@@ -53,7 +54,7 @@ pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn
     let all: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let experiments: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
     let controller =
-        experiments.iter().filter(|e| e.is_test("BS")).find_map(|e| speed_controller::estimate(e, limit).ok());
+        experiments.iter().filter(|e| e.is_test(&Test::Bs)).find_map(|e| speed_controller::estimate(e, limit).ok());
     let control = torque_control::choose(&experiments).and_then(|e| torque_control::estimate(e, limit).ok());
     let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let masses = match all.iter().find_map(|experiment| believable(experiment).err()) {

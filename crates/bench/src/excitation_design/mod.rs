@@ -52,7 +52,7 @@ mod white;
 use serde::{Deserialize, Serialize};
 use signal::SignalError;
 
-use crate::experiment::{ControlMode, Excitation, ExperimentPlan, Sine, Waveform};
+use crate::experiment::{ControlMode, Excitation, ExperimentPlan, Sine, Test, Waveform};
 use crate::model::ModelParameter;
 use crate::simulate::SimulationError;
 use crate::units::RPM_RAD_S;
@@ -163,8 +163,8 @@ pub struct DesignedExcitation {
 }
 
 impl DesignedExcitation {
-    /// The experiment that carries it, labelled by a test's name, at a speed and with the torque that the bench runs at.
-    pub fn plan(&self, test: &str, excited: ExcitedDemand, at: OperatingPoint, duration_s: f64) -> ExperimentPlan {
+    /// The experiment that carries it, labelled by a test, at a speed and with the torque that the bench runs at.
+    pub fn plan(&self, test: Test, excited: ExcitedDemand, at: OperatingPoint, duration_s: f64) -> ExperimentPlan {
         let speed_rpm = at.speed_rad_s / RPM_RAD_S;
         match excited {
             ExcitedDemand::Torque => ExperimentPlan {

@@ -6,9 +6,10 @@ use signal::SignalError;
 
 use super::catalogue::{CatalogueError, Parameter, Settings};
 use super::{
-    ControlMode, DEMAND_HOLD_S, DemandKind, Excitation, ExperimentLabel, ExperimentPlan, PlanError, TorqueTarget,
+    ControlMode, DEMAND_HOLD_S, DemandKind, Excitation, ExperimentLabel, ExperimentPlan, PlanError, Test, TorqueTarget,
     UPDATE_S, Waveform,
 };
+
 use crate::role::Quantity;
 use crate::units::{self, RPM_RAD_S, UnitError};
 
@@ -200,10 +201,10 @@ pub fn plan(file: &str, recording: &Recording, settings: &Settings) -> Result<Fr
     if duration_s < UPDATE_S {
         return Err(FreeFormError::NoLength);
     }
-    let base = ExperimentPlan::new(&label.test, label.excitation, mode, settings.get("speed"), duration_s);
+    let base = ExperimentPlan::new(label.test.clone(), label.excitation, mode, settings.get("speed"), duration_s);
     base.check()?;
     let has_shaft = !label.is_without_shaft();
-    let is_motored = settings.get("motored") > 0.5 || label.test.eq_ignore_ascii_case("Unfired");
+    let is_motored = settings.get("motored") > 0.5 || label.test == Test::Unfired;
     let waveform = |kind: DemandKind| found.demand(kind).map(|demand| demand.waveform(start_s, duration_s));
     let torque_target = match found.demand(DemandKind::ShaftTorque) {
         Some(_) => TorqueTarget::Shaft,
@@ -306,7 +307,7 @@ impl<'a> Found<'a> {
         let changes = |given: &&Given<'_>| given.values.windows(2).any(|pair| pair[0] != pair[1]);
         let torque = self.demands.iter().filter(changes).any(|given| !given.kind.is_speed());
         let excitation = if torque { Excitation::Torque } else { Excitation::Speed };
-        ExperimentLabel { test: "FreeForm".to_owned(), excitation, mode }
+        ExperimentLabel { test: Test::FreeForm, excitation, mode }
     }
 
     /// From the first stamp to the end of the last: one step of the fastest raster after it.

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use super::Test;
+
 /// What is excited: the letter after the test's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Excitation {
@@ -26,8 +28,8 @@ pub enum ControlMode {
 /// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1).
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct ExperimentLabel {
-    /// The test's name, e.g. `BS`, `WhiteNoise`, `Step`, `Ramp`, `Levels`, `Unfired`, `Sine`, `NoShaft`.
-    pub test: String,
+    /// What is done.
+    pub test: Test,
     /// What is excited.
     pub excitation: Excitation,
     /// Who controls what.
@@ -59,7 +61,8 @@ pub struct LabelError {
 impl FromStr for ExperimentLabel {
     type Err = LabelError;
 
-    /// Finds the label in a text such as a file's name: `BS_T_NT`, `BS_T_NT_1200`, `2018-05-03 BS_T_NT 1200rpm`.
+    /// Finds the label in a text such as a file's name: `BS_T_NT`, `BS_T_NT_1200`, `2018-05-03 BS_T_NT 1200rpm`. The letter
+    /// case of the test does not matter.
     fn from_str(text: &str) -> Result<Self, LabelError> {
         let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty()).collect();
         words.windows(3).find_map(label_from_words).ok_or_else(|| LabelError { text: text.to_owned() })
@@ -67,9 +70,14 @@ impl FromStr for ExperimentLabel {
 }
 
 impl ExperimentLabel {
+    /// The label of a test that excites something in a mode.
+    pub const fn new(test: Test, excitation: Excitation, mode: ControlMode) -> Self {
+        ExperimentLabel { test, excitation, mode }
+    }
+
     /// Whether the shaft is off: the dynamometer turns alone.
     pub fn is_without_shaft(&self) -> bool {
-        self.test.eq_ignore_ascii_case("NoShaft")
+        self.test == Test::NoShaft
     }
 }
 
@@ -86,7 +94,7 @@ fn label_from_words(words: &[&str]) -> Option<ExperimentLabel> {
         _ => return None,
     };
     test.starts_with(|c: char| c.is_ascii_alphabetic()).then(|| ExperimentLabel {
-        test: (*test).to_owned(),
+        test: Test::from(*test),
         excitation,
         mode,
     })

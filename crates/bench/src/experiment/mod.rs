@@ -13,6 +13,7 @@ mod label;
 mod plan;
 mod recorded;
 mod spectrum;
+mod test;
 mod waveform;
 
 pub use demands::{DemandKind, Demands, NamedDemand};
@@ -21,6 +22,7 @@ pub use label::{ControlMode, Excitation, ExperimentLabel, LabelError};
 pub use plan::{ExperimentPlan, TorqueTarget};
 pub use recorded::Experiment;
 pub use spectrum::ExcitationSpectrum;
+pub use test::Test;
 pub use waveform::{Sine, Waveform};
 
 /// Time from one update of the controllers to the next, s: how often a speed demand may change.

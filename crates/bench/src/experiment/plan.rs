@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{PlanError, require, require_not_negative, require_positive};
 use super::waveform::Waveform;
-use super::{ControlMode, Excitation, ExperimentLabel, UPDATE_S};
+use super::{ControlMode, Excitation, ExperimentLabel, Test, UPDATE_S};
 use crate::facts::Engine;
 use crate::units::RPM_RAD_S;
 
@@ -58,9 +58,9 @@ fn best_ignition() -> Waveform {
 }
 
 impl ExperimentPlan {
-    pub(crate) fn new(test: &str, excitation: Excitation, mode: ControlMode, speed_rpm: f64, duration_s: f64) -> Self {
+    pub(crate) fn new(test: Test, excitation: Excitation, mode: ControlMode, speed_rpm: f64, duration_s: f64) -> Self {
         Self {
-            label: ExperimentLabel { test: test.to_owned(), excitation, mode },
+            label: ExperimentLabel { test, excitation, mode },
             duration_s,
             settling_s: 2.0,
             speed_rad_s: Waveform::Constant { value: speed_rpm * RPM_RAD_S },
@@ -78,19 +78,22 @@ impl ExperimentPlan {
     /// never within a firing; constant speed.
     pub fn bs_t_nt(speed_rpm: f64, duration_s: f64) -> Self {
         let engine_torque_nm = Waveform::RandomBinary { low: 35.0, high: 55.0, clock_s: 0.08 };
-        Self { engine_torque_nm, ..Self::new("BS", Excitation::Torque, ControlMode::Nt, speed_rpm, duration_s) }
+        Self { engine_torque_nm, ..Self::new(Test::Bs, Excitation::Torque, ControlMode::Nt, speed_rpm, duration_s) }
     }
 
     /// WhiteNoise_T_TN: white T_d* of 60 ± 12 Nm at the demand rate.
     pub fn white_noise_t_tn(speed_rpm: f64, duration_s: f64) -> Self {
         let dyno_torque_nm = Waveform::WhiteNoise { mean: 60.0, standard_deviation: 12.0 };
-        Self { dyno_torque_nm, ..Self::new("WhiteNoise", Excitation::Torque, ControlMode::Tn, speed_rpm, duration_s) }
+        Self {
+            dyno_torque_nm,
+            ..Self::new(Test::WhiteNoise, Excitation::Torque, ControlMode::Tn, speed_rpm, duration_s)
+        }
     }
 
     /// Step_T_TN: T_d* steps between 60 and 85 Nm every 2 s.
     pub fn step_t_tn(speed_rpm: f64, duration_s: f64) -> Self {
         let dyno_torque_nm = Waveform::Square { first: 60.0, second: 85.0, dwell_s: 2.0 };
-        Self { dyno_torque_nm, ..Self::new("Step", Excitation::Torque, ControlMode::Tn, speed_rpm, duration_s) }
+        Self { dyno_torque_nm, ..Self::new(Test::Step, Excitation::Torque, ControlMode::Tn, speed_rpm, duration_s) }
     }
 
     /// Ramp_N_NT: N_d* ramps to a level 800 rpm higher and back in 3 s, resting 5 s at each; the first ramp after 2 s.
@@ -98,7 +101,7 @@ impl ExperimentPlan {
         let low = speed_rpm * RPM_RAD_S;
         let high = (speed_rpm + 800.0) * RPM_RAD_S;
         let speed_rad_s = Waveform::Ramps { low, high, first_s: 2.0, ramp_s: 3.0, dwell_s: 5.0 };
-        Self { speed_rad_s, ..Self::new("Ramp", Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s) }
+        Self { speed_rad_s, ..Self::new(Test::Ramp, Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s) }
     }
 
     /// Levels_N_NT: every 3 s N_d* leaves for a random level between the speed and 1800 rpm more, with a random slope
@@ -111,7 +114,7 @@ impl ExperimentPlan {
             lowest_slope_per_s: 100.0 * RPM_RAD_S,
             highest_slope_per_s: 1000.0 * RPM_RAD_S,
         };
-        Self { speed_rad_s, ..Self::new("Levels", Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s) }
+        Self { speed_rad_s, ..Self::new(Test::Levels, Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s) }
     }
 
     /// Unfired_N_NT: motored engine, N_d* switched at random between 12 rpm below and above the speed, at most every
@@ -122,7 +125,7 @@ impl ExperimentPlan {
             high: (speed_rpm + 12.0) * RPM_RAD_S,
             clock_s: 0.08,
         };
-        let plan = Self::new("Unfired", Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s);
+        let plan = Self::new(Test::Unfired, Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s);
         Self { speed_rad_s, is_motored: true, ..plan }
     }
 
@@ -134,7 +137,7 @@ impl ExperimentPlan {
             frequencies_hz: (1..=20).map(f64::from).collect(),
             dwell_s: duration_s / 20.0,
         };
-        Self { dyno_torque_nm, ..Self::new("Sine", Excitation::Torque, ControlMode::Tn, speed_rpm, duration_s) }
+        Self { dyno_torque_nm, ..Self::new(Test::Sine, Excitation::Torque, ControlMode::Tn, speed_rpm, duration_s) }
     }
 
     /// NoShaft_N_NT: shaft off, N_d* steps up by 150 rpm and back every 3 s.
@@ -142,7 +145,7 @@ impl ExperimentPlan {
         let first = speed_rpm * RPM_RAD_S;
         let second = (speed_rpm + 150.0) * RPM_RAD_S;
         let speed_rad_s = Waveform::Square { first, second, dwell_s: 3.0 };
-        let plan = Self::new("NoShaft", Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s);
+        let plan = Self::new(Test::NoShaft, Excitation::Speed, ControlMode::Nt, speed_rpm, duration_s);
         Self { speed_rad_s, has_shaft: false, ..plan }
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use signal::Signal;
 
-use super::ExperimentLabel;
+use super::{ExperimentLabel, Test};
 use crate::Role;
 
 /// One labelled recording in SI. Every signal is uniformly sampled on its own clock and free of gaps and NaN; what was
@@ -25,8 +25,8 @@ impl Experiment {
         self.signals.get(&role)
     }
 
-    /// Whether the label's test is `test` (case does not matter).
-    pub fn is_test(&self, test: &str) -> bool {
-        self.label.test.eq_ignore_ascii_case(test)
+    /// Whether the label's test is `test`.
+    pub fn is_test(&self, test: &Test) -> bool {
+        self.label.test == *test
     }
 }

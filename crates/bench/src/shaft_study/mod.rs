@@ -14,6 +14,7 @@ use crate::estimate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute
 use crate::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
 use crate::estimate::{speed_controller, torque_control};
 use crate::estimation::{EstimateError, need};
+use crate::experiment::Test;
 use crate::facts::BenchVariant;
 use crate::results::{Estimate, Shaft, Told, Untold};
 use crate::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
@@ -101,7 +102,7 @@ pub struct Band {
 pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> ShaftStudy {
     let limit = bench.limits.torque_nm;
     let controller =
-        experiments.iter().filter(|e| e.is_test("BS")).find_map(|e| speed_controller::estimate(e, limit).ok());
+        experiments.iter().filter(|e| e.is_test(&Test::Bs)).find_map(|e| speed_controller::estimate(e, limit).ok());
     let control = torque_control::choose(experiments).and_then(|e| torque_control::estimate(e, limit).ok());
     let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let look = |experiment: &&Experiment| {
@@ -121,7 +122,7 @@ fn of_recording(
 ) -> ShaftRecording {
     let folded = inputs.as_ref().ok().and_then(|inputs| folded_torque(inputs, bench));
     let shaft = match &folded {
-        Some(why) if !SHAFT_TESTS.contains(&experiment.label.test.as_str()) => Told::Untold(why.clone()),
+        Some(why) if !SHAFT_TESTS.contains(&experiment.label.test) => Told::Untold(why.clone()),
         _ => told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate)),
     };
     let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
@@ -160,9 +161,9 @@ fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Sh
     Routes {
         state_space: Some(told(state_space::estimate(inputs, &timing, Skews::Estimated))),
         black_box: experiment
-            .is_test("Unfired")
+            .is_test(&Test::Unfired)
             .then(|| told(black_box::estimate(inputs, &timing, engine, experiment.label.mode))),
-        multisine: experiment.is_test("Multisine").then(|| told(demand.and_then(multisine))),
+        multisine: experiment.is_test(&Test::Multisine).then(|| told(demand.and_then(multisine))),
         torque_sample_time_s: inputs.torque.iter().map(|torque| torque.signal.sample_time_s).min_by(f64::total_cmp),
     }
 }

@@ -9,6 +9,7 @@ use serde::Serialize;
 use crate::estimate::speed_controller::{
     self, FeedForwardTerms, Limit, SpeedControllerFit, Structure, feed_forward_terms, limit, structure,
 };
+use crate::experiment::Test;
 use crate::results::{Estimate, FeedForward, Parameter, Told, Untold, Validation};
 use crate::{BenchFile, ControlMode, Excitation, Experiment};
 
@@ -94,7 +95,7 @@ pub struct LimitRecording {
 #[must_use]
 pub fn speed_control(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> SpeedControl {
     let torque_limit_nm = bench.limits.torque_nm;
-    let held: Vec<&Experiment> = longest_first(experiments, |e| e.is_test("BS"));
+    let held: Vec<&Experiment> = longest_first(experiments, |e| e.is_test(&Test::Bs));
     let moved: Vec<&Experiment> = longest_first(experiments, |e| e.label.excitation == Excitation::Speed);
     let mut best: Option<SpeedControllerFit> = None;
     let mut controllers = Vec::new();

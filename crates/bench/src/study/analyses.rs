@@ -7,6 +7,7 @@ use super::next::{self, NextError, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
 use crate::engine_torque::{EngineTorque, engine_torque};
 use crate::estimation::EstimateError;
+use crate::experiment::Test;
 use crate::friction::{self, Friction, FrictionError, FrictionOptions};
 use crate::look::{Look, OverSpeed, look, on_one_mains, over_speed};
 use crate::shaft_study::{ShaftStudy, shaft_study};
@@ -103,7 +104,7 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
 /// The longest recording with constant N_d*.
 fn held_speed<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
     let length = |e: &&Experiment| e.signals.values().map(signal::Signal::len).max();
-    experiments.iter().copied().filter(|e| e.is_test("BS")).max_by_key(length)
+    experiments.iter().copied().filter(|e| e.is_test(&Test::Bs)).max_by_key(length)
 }
 
 fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {

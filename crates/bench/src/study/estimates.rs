@@ -4,6 +4,7 @@ use crate::analysis::WholeModel;
 use crate::estimate::speed_controller::{self, SpeedControllerFit};
 use crate::estimate::torque_control::{self, TorqueControlFit};
 use crate::estimate::{shaft, timing};
+use crate::experiment::Test;
 use crate::model::AssembledModel;
 use crate::replay::Replay;
 use crate::results::{Estimate, FeedForward, Need, Part, Shaft, SpeedController, Timing, TorqueControl};
@@ -104,7 +105,7 @@ pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
 
 fn controller(findings: &mut Findings<'_>) -> Result<SpeedControllerFit, Vec<Need>> {
     let limit = findings.bench.limits.torque_nm;
-    let recordings = findings.of_test("BS");
+    let recordings = findings.of_test(&Test::Bs);
     let fit =
         findings.first("speed controller", &recordings, &["BS_T_NT"], |e| speed_controller::estimate(e, limit))?;
     findings.doubt_residuals("speed_controller", &fit.result.validation);
@@ -121,7 +122,7 @@ fn feed_forward(
 ) -> Result<FeedForward, Vec<Need>> {
     let Some(controller) = controller else { return Err(needs_part("speed controller")) };
     let limit = findings.bench.limits.torque_nm;
-    let recordings = findings.of_tests(&["Levels", "Ramp"]);
+    let recordings = findings.of_tests(&[Test::Levels, Test::Ramp]);
     let labels = ["Levels_N_NT", "Ramp_N_NT"];
     findings.first("feed-forward", &recordings, &labels, |candidate| {
         let judge = recordings.iter().find(|other| other.file != candidate.file).copied();
@@ -131,7 +132,7 @@ fn feed_forward(
 
 fn torque_control(findings: &mut Findings<'_>) -> Result<TorqueControlFit, Vec<Need>> {
     let limit = findings.bench.limits.torque_nm;
-    let candidates = findings.of_tests(&["WhiteNoise", "Multisine", "Binary", "Step", "BS"]);
+    let candidates = findings.of_tests(&[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step, Test::Bs]);
     let fit = findings.first("torque control", &candidates, &["WhiteNoise_T_TN", "Step_T_TN", "BS_T_NT"], |e| {
         torque_control::estimate(e, limit)
     })?;
@@ -141,7 +142,7 @@ fn torque_control(findings: &mut Findings<'_>) -> Result<TorqueControlFit, Vec<N
 
 fn timing(findings: &mut Findings<'_>, torque_control: Option<&TorqueControlFit>) -> Result<Timing, Vec<Need>> {
     let inertia = findings.bench.dynamometer_inertia_kg_m2;
-    let candidates = findings.of_tests(&["WhiteNoise", "Multisine", "Binary", "Step"]);
+    let candidates = findings.of_tests(&[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step]);
     findings.first("timing", &candidates, &["WhiteNoise_T_TN", "Step_T_TN"], |e| {
         timing::estimate(&[e], torque_control, inertia)
     })

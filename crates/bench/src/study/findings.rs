@@ -1,6 +1,7 @@
 //! A study's data, the doubts about them, and what was used for what, as they grow.
 
 use crate::estimation::EstimateError;
+use crate::experiment::Test;
 use crate::results::{Need, ResidualTest, Validation};
 use crate::study::Progress;
 use crate::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
@@ -54,13 +55,13 @@ impl<'a> Findings<'a> {
     }
 
     /// Experiments of a test, the longest first.
-    pub(super) fn of_test(&self, test: &str) -> Vec<&'a Experiment> {
+    pub(super) fn of_test(&self, test: &Test) -> Vec<&'a Experiment> {
         let mut found: Vec<&Experiment> = self.experiments.iter().filter(|e| e.is_test(test)).collect();
         found.sort_by(|a, b| duration_s(b).total_cmp(&duration_s(a)));
         found
     }
 
-    pub(super) fn of_tests(&self, tests: &[&str]) -> Vec<&'a Experiment> {
+    pub(super) fn of_tests(&self, tests: &[Test]) -> Vec<&'a Experiment> {
         tests.iter().flat_map(|test| self.of_test(test)).collect()
     }
 

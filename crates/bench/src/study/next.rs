@@ -10,6 +10,7 @@ use numerics::parallel;
 use crate::analysis::results_of;
 use crate::estimate::speed_controller::Encoder;
 use crate::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
+use crate::experiment::Test;
 use crate::experiment::catalogue::{self, Settings};
 use crate::experiment::{ExperimentPlan, UPDATE_S};
 use crate::model::AssembledModel;
@@ -288,7 +289,7 @@ fn designed(bench: &BenchFile, stated: &StatedBench, at: OperatingPoint, duratio
     let model = stated.parameters.linear_model();
     let excited = ExcitedDemand::Torque;
     let task = DesignTask::of_goals(&DESIGNED_FOR, model, excited, at, measured, limits, duration_s).ok()?;
-    let mut plan = design(&task).ok()?.multisine.plan("Multisine", excited, at, duration_s);
+    let mut plan = design(&task).ok()?.multisine.plan(Test::Multisine, excited, at, duration_s);
     plan.settling_s = SETTLING_S;
     Some(plan)
 }

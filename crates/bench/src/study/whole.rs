@@ -4,6 +4,7 @@ use crate::air_gap_torque::modelled_torque;
 use crate::analysis::{WholeInputs, WholeModel, whole_model};
 use crate::estimate::speed_controller::SpeedControllerFit;
 use crate::estimate::torque_control::TorqueControlFit;
+use crate::experiment::Test;
 use crate::facts::BenchFacts;
 use crate::model::{AssembledModel, BenchModel};
 use crate::replay::{EncoderError, Replay, ReplayError, ReplayInputs, replay};
@@ -16,8 +17,8 @@ use crate::study::findings::{Findings, needs_part};
 use crate::{ControlMode, Experiment, Finding, Severity};
 
 /// Tests worth replaying in each control mode, best first.
-const REPLAYED_NT: [&str; 4] = ["BS", "Ramp", "Levels", "Unfired"];
-const REPLAYED_TN: [&str; 3] = ["Step", "WhiteNoise", "Sine"];
+const REPLAYED_NT: [Test; 4] = [Test::Bs, Test::Ramp, Test::Levels, Test::Unfired];
+const REPLAYED_TN: [Test; 3] = [Test::Step, Test::WhiteNoise, Test::Sine];
 /// Recordings replayed in each mode.
 const REPLAYS_PER_MODE: usize = 2;
 /// Longest stretch that is replayed, s: enough to judge, and quick to draw.
@@ -73,7 +74,7 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
     let facts = findings.bench.facts();
     let Some(assembled) = model_of(&facts, pieces) else { return Whole::missing() };
     let AssembledModel { model, uncertainty } = &assembled;
-    let sines = findings.of_tests(&["Sine"]);
+    let sines = findings.of_test(&Test::Sine);
     let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
     let skews = pieces.skews();
     let sine_tests: Vec<SineTest<'_>> = sines
@@ -91,13 +92,13 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
 }
 
 /// The recordings of a mode to replay: one of each test, those first that nothing was estimated from.
-fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[&str]) -> Vec<&'a Experiment> {
+fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[Test]) -> Vec<&'a Experiment> {
     let unseen_first = |mut found: Vec<&'a Experiment>| {
         found.retain(|e| e.label.mode == mode);
         found.sort_by_key(|e| findings.is_seen(&e.file));
         found
     };
-    let of_each = tests.iter().filter_map(|test| unseen_first(findings.of_tests(&[test])).first().copied());
+    let of_each = tests.iter().filter_map(|test| unseen_first(findings.of_test(test)).first().copied());
     let mut chosen = unseen_first(of_each.collect());
     chosen.truncate(REPLAYS_PER_MODE);
     chosen

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::estimate::speed_controller::{self, SpeedControllerFit};
 use crate::estimate::timing::{self, ShaftFilter};
 use crate::estimate::torque_control::{self, TorqueControlFit};
-use crate::experiment::Excitation;
+use crate::experiment::{Excitation, Test};
 use crate::prepare::wrong_sign;
 use crate::results::{Parameter, SignalDelay};
 pub use crate::results::{Told, Untold};
@@ -97,7 +97,8 @@ fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench:
     let limit = bench.limits.torque_nm;
     let is_known = torque_control::choose(&[experiment]).is_some();
     let control = if is_known { torque_control::estimate(experiment, limit).ok() } else { None };
-    let controller = if experiment.is_test("BS") { speed_controller::estimate(experiment, limit).ok() } else { None };
+    let controller =
+        if experiment.is_test(&Test::Bs) { speed_controller::estimate(experiment, limit).ok() } else { None };
     TorqueRecording {
         file: experiment.file.clone(),
         label: experiment.label.to_string(),

@@ -191,3 +191,11 @@ fn exact_constant_speed_beside_torques_of_ones_own() {
     );
     assert_eq!(DemandKind::ALL.len(), 7);
 }
+
+#[test]
+fn regress_letter_case_of_a_test_does_not_matter() {
+    for (text, label) in [("whitenoise_T_TN_1500", "WhiteNoise_T_TN"), ("bs_T_NT", "BS_T_NT"), ("Own_N_NT", "Own_N_NT")]
+    {
+        assert_eq!(text.parse::<ExperimentLabel>().unwrap().to_string(), label);
+    }
+}

@@ -8,7 +8,7 @@ use bench::estimate::{speed_controller, torque_control};
 use bench::excitation_design::{
     DesignTask, ExcitationDesign, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design,
 };
-use bench::experiment::{Demands, ExperimentPlan, UPDATE_S};
+use bench::experiment::{Demands, ExperimentPlan, Test, UPDATE_S};
 use bench::model::ModelParameter;
 use bench::simulate::{Drive, InitialState, Inputs, Response, simulate};
 use bench::units::RPM_RAD_S;
@@ -39,7 +39,7 @@ fn designed(goals: &[Goal], excited: ExcitedDemand) -> (ExcitationDesign, Experi
     };
     let task = DesignTask::of_goals(goals, bench_a(), excited, AT, measured, limits, LENGTH_S).unwrap();
     let found = design(&task).unwrap();
-    let plan = found.multisine.plan("Multisine", excited, AT, LENGTH_S);
+    let plan = found.multisine.plan(Test::Multisine, excited, AT, LENGTH_S);
     (found, plan)
 }
 

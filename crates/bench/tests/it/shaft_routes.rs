@@ -10,6 +10,7 @@ use bench::estimate::shaft_routes::black_box::{self, BlackBoxRoute, Untold};
 use bench::estimate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
 use bench::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
 use bench::estimate::torque_control::{self, InverterModel};
+use bench::experiment::Test;
 use bench::model::Engine;
 use bench::study::Estimate;
 use bench::units::RPM_RAD_S;
@@ -119,7 +120,7 @@ impl Drawn {
         let sines = Multisine::flat(period, harmonics, 12.0, Phases::Schroeder);
         let values = sines.generate(Length { sample_time_s: 0.01, length: period }).unwrap().samples;
         let mut plan = ExperimentPlan::step_t_tn(self.speed_rpm, duration_s);
-        plan.label.test = "Multisine".to_owned();
+        plan.label.test = Test::Multisine;
         plan.dyno_torque_nm =
             Waveform::Periodic { sample_time_s: 0.01, values: values.iter().map(|x| 60.0 + x).collect() };
         self.recorded(&plan, seed)

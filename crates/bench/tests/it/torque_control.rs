@@ -1,5 +1,6 @@
 use bench::estimate::EstimateError;
 use bench::estimate::torque_control::{TorqueControlFit, choose, estimate};
+use bench::experiment::Test;
 use bench::{Experiment, Finding, Role};
 use signal::Signal;
 
@@ -158,11 +159,19 @@ fn regress_short_constant_and_nan_are_errors() {
 }
 
 #[test]
+fn regress_letter_case_of_a_test_does_not_matter() {
+    let mut white = white_noise(TRUTH, 1);
+    white.label = "whitenoise_T_TN_1500".parse().unwrap();
+    assert_eq!(white.label.to_string(), "WhiteNoise_T_TN");
+    assert!(choose(&[&white]).is_some());
+}
+
+#[test]
 fn regress_white_noise_is_preferred() {
     let mut step = white_noise(TRUTH, 1);
     step.label = "Step_T_TN".parse().unwrap();
     let white = white_noise(TRUTH, 1);
-    assert!(choose(&[&step, &white]).unwrap().is_test("WhiteNoise"));
-    assert!(choose(&[&step]).unwrap().is_test("Step"));
+    assert!(choose(&[&step, &white]).unwrap().is_test(&Test::WhiteNoise));
+    assert!(choose(&[&step]).unwrap().is_test(&Test::Step));
     assert!(choose(&[]).is_none());
 }

@@ -21,8 +21,9 @@ use serde::Serialize;
 use signal::Signal;
 
 use crate::estimation::{EstimateError, Label, timing_floor_s};
+use crate::experiment::Test;
 use crate::results::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
-use crate::{Diagnostic, Experiment, Finding, Place, Role, Severity};
+use crate::{ControlMode, Diagnostic, Excitation, Experiment, ExperimentLabel, Finding, Place, Role, Severity};
 
 pub use crate::drive_ripple::{DriveRipple, RippleLine};
 pub(crate) use held::HeldDemand;
@@ -55,7 +56,13 @@ const EARLY: f64 = 4.0;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
 /// Experiments that excite the torque control, best first.
-const PREFERRED: [&str; 5] = ["WhiteNoise_T_TN", "Multisine_T_TN", "Binary_T_TN", "Step_T_TN", "BS_T_NT"];
+const PREFERRED: [ExperimentLabel; 5] = [
+    ExperimentLabel::new(Test::WhiteNoise, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Multisine, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Binary, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Step, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Bs, Excitation::Torque, ControlMode::Nt),
+];
 
 pub(super) const DELAY: Label = Label { symbol: "τ", name: "delay of the torque control", unit: "s" };
 const LAG: Label = Label { symbol: "a", name: "bandwidth of the torque control", unit: "rad/s" };
@@ -86,7 +93,7 @@ impl TorqueControlFit {
 
 /// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
 pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
-    PREFERRED.iter().find_map(|label| experiments.iter().find(|e| e.label.to_string() == *label).copied())
+    PREFERRED.iter().find_map(|label| experiments.iter().find(|e| e.label == *label).copied())
 }
 
 /// Estimates T_d = e^{−sτ} a/(s + a) T_d* from one experiment, with T_d* held between its samples.

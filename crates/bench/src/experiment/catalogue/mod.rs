@@ -19,7 +19,7 @@ use serde::Serialize;
 pub use error::CatalogueError;
 pub use settings::Settings;
 
-use super::{ControlMode, Excitation, ExperimentLabel, ExperimentPlan};
+use super::{ControlMode, Excitation, ExperimentLabel, ExperimentPlan, Test};
 
 /// A number that an experiment can be given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -39,10 +39,10 @@ pub struct Parameter {
 }
 
 /// An experiment of the method, of which a plan is made by giving it numbers.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Template {
-    /// The test's name, first part of the label.
-    pub test: &'static str,
+    /// What is done, first part of the label.
+    pub test: Test,
     /// What is excited.
     pub excitation: Excitation,
     /// Who controls what.
@@ -59,7 +59,7 @@ pub struct Template {
 impl Template {
     /// The label of its recordings.
     pub fn label(&self) -> ExperimentLabel {
-        ExperimentLabel { test: self.test.to_owned(), excitation: self.excitation, mode: self.mode }
+        ExperimentLabel { test: self.test.clone(), excitation: self.excitation, mode: self.mode }
     }
 
     /// Its parameters: those of every experiment first.
@@ -96,7 +96,8 @@ pub fn all() -> &'static [Template] {
 pub fn find(name: &str) -> Result<&'static Template, CatalogueError> {
     let by_label = || all().iter().find(|t| t.label().to_string().eq_ignore_ascii_case(name));
     let by_test = || {
-        let mut same = all().iter().filter(|t| t.test.eq_ignore_ascii_case(name));
+        let test = Test::from(name);
+        let mut same = all().iter().filter(|t| t.test == test);
         same.next().filter(|_| same.next().is_none())
     };
     by_label().or_else(by_test).ok_or_else(|| {

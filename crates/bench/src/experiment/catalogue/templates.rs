@@ -3,7 +3,7 @@
 use signal::excitation::{Multisine, Phases, Timing};
 
 use super::{CatalogueError, Parameter, Settings, Template};
-use crate::experiment::{ControlMode, DEMAND_HOLD_S, Excitation, ExperimentPlan, UPDATE_S, Waveform};
+use crate::experiment::{ControlMode, DEMAND_HOLD_S, Excitation, ExperimentPlan, Test, UPDATE_S, Waveform};
 use crate::units::RPM_RAD_S;
 
 /// Sines of a multisine that are still optimised; each costs time.
@@ -70,7 +70,7 @@ const fn multisine_parameters(
 
 pub(super) const ALL: &[Template] = &[
     Template {
-        test: "BS",
+        test: Test::Bs,
         excitation: Excitation::Torque,
         mode: ControlMode::Nt,
         demands: "constant N_d*; engine torque switched at random between two ignition angles",
@@ -89,7 +89,7 @@ pub(super) const ALL: &[Template] = &[
         },
     },
     Template {
-        test: "WhiteNoise",
+        test: Test::WhiteNoise,
         excitation: Excitation::Torque,
         mode: ControlMode::Tn,
         demands: "white T_d*, drawn anew every 10 ms",
@@ -106,7 +106,7 @@ pub(super) const ALL: &[Template] = &[
         },
     },
     Template {
-        test: "Step",
+        test: Test::Step,
         excitation: Excitation::Torque,
         mode: ControlMode::Tn,
         demands: "steps of T_d* between two levels",
@@ -125,7 +125,7 @@ pub(super) const ALL: &[Template] = &[
         },
     },
     Template {
-        test: "Ramp",
+        test: Test::Ramp,
         excitation: Excitation::Speed,
         mode: ControlMode::Nt,
         demands: "N_d* ramps up and down between two levels",
@@ -151,7 +151,7 @@ pub(super) const ALL: &[Template] = &[
         },
     },
     Template {
-        test: "Levels",
+        test: Test::Levels,
         excitation: Excitation::Speed,
         mode: ControlMode::Nt,
         demands: "N_d* over many random levels, approached with random slopes",
@@ -167,7 +167,7 @@ pub(super) const ALL: &[Template] = &[
         build: levels,
     },
     Template {
-        test: "Unfired",
+        test: Test::Unfired,
         excitation: Excitation::Speed,
         mode: ControlMode::Nt,
         demands: "motored engine; N_d* switched at random about the speed",
@@ -188,7 +188,7 @@ pub(super) const ALL: &[Template] = &[
         },
     },
     Template {
-        test: "Sine",
+        test: Test::Sine,
         excitation: Excitation::Torque,
         mode: ControlMode::Tn,
         demands: "sines of T_d*, one frequency after another, each for an equal share of the time",
@@ -204,7 +204,7 @@ pub(super) const ALL: &[Template] = &[
         build: sine,
     },
     Template {
-        test: "NoShaft",
+        test: Test::NoShaft,
         excitation: Excitation::Speed,
         mode: ControlMode::Nt,
         demands: "shaft off; steps of N_d*",
@@ -225,7 +225,7 @@ pub(super) const ALL: &[Template] = &[
         },
     },
     Template {
-        test: "Multisine",
+        test: Test::Multisine,
         excitation: Excitation::Torque,
         mode: ControlMode::Tn,
         demands: "sines of T_d* at once, period after period",
@@ -239,11 +239,11 @@ pub(super) const ALL: &[Template] = &[
         build: |s| {
             let dyno_torque_nm = multisine(s, DEMAND_HOLD_S, s.get("mean"), 1.0)?;
             let plan = ExperimentPlan::step_t_tn(s.get("speed"), s.get("duration"));
-            Ok(ExperimentPlan { dyno_torque_nm, ..renamed(plan, "Multisine") })
+            Ok(ExperimentPlan { dyno_torque_nm, ..renamed(plan, Test::Multisine) })
         },
     },
     Template {
-        test: "Multisine",
+        test: Test::Multisine,
         excitation: Excitation::Speed,
         mode: ControlMode::Nt,
         demands: "sines of N_d* at once, period after period",
@@ -257,7 +257,7 @@ pub(super) const ALL: &[Template] = &[
         build: |s| {
             let speed_rad_s = multisine(s, UPDATE_S, s.get("speed"), RPM_RAD_S)?;
             let plan = ExperimentPlan::ramp_n_nt(s.get("speed"), s.get("duration"));
-            Ok(with_engine_torque(ExperimentPlan { speed_rad_s, ..renamed(plan, "Multisine") }, s))
+            Ok(with_engine_torque(ExperimentPlan { speed_rad_s, ..renamed(plan, Test::Multisine) }, s))
         },
     },
 ];
@@ -266,8 +266,8 @@ fn with_engine_torque(plan: ExperimentPlan, s: &Settings) -> ExperimentPlan {
     ExperimentPlan { engine_torque_nm: Waveform::Constant { value: s.get("torque") }, ..plan }
 }
 
-fn renamed(mut plan: ExperimentPlan, test: &str) -> ExperimentPlan {
-    test.clone_into(&mut plan.label.test);
+fn renamed(mut plan: ExperimentPlan, test: Test) -> ExperimentPlan {
+    plan.label.test = test;
     plan
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use bench::experiment::{ExperimentPlan, Waveform};
+use bench::experiment::{ExperimentPlan, Test, Waveform};
 use bench::look::{Cause, Line, Look, LookedPart, LookedSignal, look};
 use bench::model::Engine;
 use bench::study::BenchVariant;
@@ -160,7 +160,7 @@ impl Drawn {
             8 => ExperimentPlan::unfired_n_nt(speed_rpm, duration_s),
             _ => ExperimentPlan::no_shaft_n_nt(speed_rpm, duration_s),
         };
-        if plan.label.test == "BS" && within(0.0, 2.0) < 1.0 {
+        if plan.label.test == Test::Bs && within(0.0, 2.0) < 1.0 {
             plan.engine_torque_nm = Waveform::Constant { value: within(20.0, 60.0) };
         }
         Drawn { parameters, plan, seed }
@@ -281,7 +281,7 @@ impl Drawn {
             HOLD if self.sines_hz().is_empty() => return None,
             HOLD => other.parameters.controller.demand_hold_s = 1e-3,
             _ => match &mut other.plan.dyno_torque_nm {
-                Waveform::SineLadder { amplitude, .. } if self.plan.label.test == "Sine" => *amplitude = 0.0,
+                Waveform::SineLadder { amplitude, .. } if self.plan.label.test == Test::Sine => *amplitude = 0.0,
                 _ => return None,
             },
         }
@@ -308,7 +308,7 @@ impl Drawn {
 
     fn sines_hz(&self) -> Vec<f64> {
         match &self.plan.dyno_torque_nm {
-            Waveform::SineLadder { frequencies_hz, .. } if self.plan.label.test == "Sine" => frequencies_hz.clone(),
+            Waveform::SineLadder { frequencies_hz, .. } if self.plan.label.test == Test::Sine => frequencies_hz.clone(),
             _ => Vec::new(),
         }
     }

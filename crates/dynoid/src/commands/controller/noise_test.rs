@@ -1,5 +1,6 @@
 //! `dynoid controller noise-test`: what noise does to the estimate of a PI that is known.
 
+use bench::experiment::Test;
 use bench::speed_control::{Case, Estimator, PiStudy, StudyOptions, Summary, study, virtual_experiment};
 use bench::{ControlMode, Experiment, Role};
 use report::controller::{ESTIMATORS, STUDY_DEFINITIONS, estimator, noise, published, study_figures};
@@ -71,7 +72,7 @@ fn recorded(
             all.push(experiment);
         }
     })?;
-    let rank = |e: &Experiment| (e.is_test("BS"), e.signal(Role::DynoSpeed).map_or(0, signal::Signal::len));
+    let rank = |e: &Experiment| (e.is_test(&Test::Bs), e.signal(Role::DynoSpeed).map_or(0, signal::Signal::len));
     all.into_iter().max_by_key(rank).ok_or_else(|| CliError::NoSpeedControl { path: bench.to_owned() })
 }
 

@@ -4,7 +4,7 @@ use bench::excitation_design::{
     DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, Goal, LimitedQuantity, Measurements,
     OperatingPoint, PeakLimits, PredictedParameter, SpectralLine, design,
 };
-use bench::experiment::catalogue;
+use bench::experiment::{Test, catalogue};
 use bench::units::RPM_RAD_S;
 use report::wording::{self, number};
 use serde_json::json;
@@ -49,8 +49,8 @@ pub(super) fn plan(
     let found: ExcitationDesign = design(&task).map_err(|error| refused(error.to_string()))?;
     drop(progress);
     let (test, excitation, lines) = match asked.form {
-        Form::Multisine => ("Multisine", found.multisine, found.spectrum),
-        Form::Binary => ("Binary", found.binary, Vec::new()),
+        Form::Multisine => (Test::Multisine, found.multisine, found.spectrum),
+        Form::Binary => (Test::Binary, found.binary, Vec::new()),
     };
     let mut plan = excitation.plan(test, excited, at, duration_s);
     plan.settling_s = settings.get("settling");
