@@ -89,17 +89,19 @@ pub(super) fn compiled(expression: &str) -> Regex {
     Regex::new(expression).expect("a regular expression")
 }
 
-/// Places where a pattern is right: a quotation, a test's data, a name. The text must contain the second column.
+/// Where a pattern is right: the place, the pattern (all of them if empty), and why.
 const ALLOWED: &[(&str, &str, &str)] = &[
-    ("CONTRIBUTING.md", "told", "the style sheet names the words it forbids"),
+    ("CONTRIBUTING.md", "told", "the style sheet quotes what it forbids"),
+    ("CONTRIBUTING.md", "held against", "the style sheet quotes what it forbids"),
+    ("CONTRIBUTING.md", "stands", "the style sheet quotes what it forbids"),
+    ("CONTRIBUTING.md", "inverted", "the style sheet quotes what it forbids"),
+    ("CONTRIBUTING.md", "what, verb", "the style sheet quotes what it forbids"),
+    ("docs/src/glossary.md", "told", "a column has the words that are not used"),
     ("xtask/src/wording/", "", "the patterns themselves"),
 ];
 
 /// The findings in one text.
 pub(super) fn find(path: &str, text: &Text) -> Vec<Finding> {
-    if ALLOWED.iter().any(|(place, part, _)| path.starts_with(place) && text.words.contains(part)) {
-        return Vec::new();
-    }
     let finding = |pattern: &'static Pattern, at: usize, excerpt: &str| Finding {
         path: path.to_owned(),
         line: text.line + text.words[..at].matches('\n').count(),
@@ -123,7 +125,12 @@ pub(super) fn find(path: &str, text: &Text) -> Vec<Finding> {
             start = end;
         }
     }
+    findings.retain(|finding| !allowed(path, finding.pattern.name));
     findings
+}
+
+fn allowed(path: &str, pattern: &str) -> bool {
+    ALLOWED.iter().any(|&(place, of, _)| path.starts_with(place) && (of.is_empty() || of == pattern))
 }
 
 /// Words hold a letter: numbers, signs and symbols are none.
