@@ -75,7 +75,7 @@ fn literals(tokens: TokenStream, docs_are_help: bool, texts: &mut Vec<Text>) {
                 let line = literal.span().start().line;
                 let words = spoken(&literal.to_string());
                 if let Some(words) = words {
-                    texts.push(Text { line, words: without(&PLACEHOLDER, &words), sentences: true });
+                    texts.push(Text { line, words: without(&TAG, &without(&PLACEHOLDER, &words)), sentences: true });
                 }
             }
             TokenTree::Group(group) => match doc_comment(&group) {
