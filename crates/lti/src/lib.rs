@@ -3,7 +3,7 @@
 //!
 //! This crate knows systems whose numbers are given. It may not know how they are estimated, nor files.
 //!
-//! Conventions: rows are time and columns are channels in every table of signals; polynomial coefficients stand in
+//! Conventions: rows are time and columns are channels in every table of signals; polynomial coefficients are in
 //! descending powers; angular frequencies are in rad/s; a system without a sample time is continuous.
 
 mod analysis;

@@ -12,7 +12,7 @@ use crate::state_space::{StateSpace, check_same_clock, frequency_point, is_algeb
 
 /// One input, one output: `H(s) = num(s)/den(s) · e^{−s·delay}`, or `H(z) = num(z)/den(z) · z^{−delay/T}`.
 ///
-/// Coefficients stand in descending powers of `s` or of `z` (not of `z⁻¹`), without leading zeros.
+/// Coefficients are in descending powers of `s` or of `z` (not of `z⁻¹`), without leading zeros.
 ///
 /// # Example
 /// ```

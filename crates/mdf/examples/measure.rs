@@ -1,6 +1,6 @@
 //! Times opening, listing and reading of an MDF file: `measure FILE (list|five|all)`.
 //!
-//! Prints wall and processor time in seconds and the peak of the memory in MB, where the system tells them.
+//! Prints wall and processor time in seconds and the peak of the memory in MB, where the system reports them.
 #![allow(clippy::print_stdout)]
 
 use std::error::Error;

@@ -26,7 +26,7 @@ pub struct Group {
     pub comment: Arc<str>,
     /// Records as the file announces them.
     pub announced: u64,
-    /// Records that its data can hold; `None` where only reading them would tell (see [`crate::Mdf::count`]).
+    /// Records that its data can hold; `None` if only reading can count them (see [`crate::Mdf::count`]).
     pub found: Option<u64>,
     /// Records that its data could hold at most.
     pub at_most: u64,
@@ -102,7 +102,7 @@ pub enum Kind {
     Number,
     /// Text.
     Text,
-    /// Bytes without a meaning that the file would tell.
+    /// Bytes whose meaning the file does not state.
     Bytes,
 }
 

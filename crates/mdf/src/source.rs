@@ -9,7 +9,7 @@ pub trait Source: Send + Sync {
     ///
     /// # Errors
     ///
-    /// Where the length cannot be told.
+    /// If the length cannot be found.
     fn size(&self) -> io::Result<u64>;
 
     /// Fills `buffer` with the bytes from `offset` on.

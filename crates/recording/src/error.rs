@@ -88,7 +88,7 @@ pub enum RecordingError {
         /// What is wrong there.
         detail: String,
     },
-    /// A group of HDF5 holds a soft link, in the layout in which it cannot be told from a dataset.
+    /// A group of HDF5 holds a soft link, in the layout in which it looks like a dataset.
     #[error(
         "{file}: a soft link of HDF5 in the layout before version 1.8 cannot be read; write the file with libver=\"v110\", \
          or without soft links"
@@ -269,8 +269,8 @@ pub enum CsvProblem {
     },
     /// Every number with a decimal sign may be one with its digits grouped in thousands.
     #[error(
-        "\"{text}\" may be a number with three decimals or one with its digits grouped in thousands, and nothing else in \
-         the file tells; export the numbers with another number of decimals"
+        "\"{text}\" may be a number with three decimals, or a number with a separator of thousands; export the numbers \
+         with another number of decimals"
     )]
     AmbiguousSign {
         /// The first such cell.
@@ -285,8 +285,8 @@ pub enum CsvProblem {
         /// The cell.
         text: String,
     },
-    /// A date whose day and month cannot be told apart.
-    #[error("in the date \"{text}\" day and month cannot be told apart; write it as 2026-11-21")]
+    /// A date that has two readings.
+    #[error("it is unknown which number of the date \"{text}\" is the day; write it as 2026-11-21")]
     AmbiguousDate {
         /// The cell.
         text: String,
@@ -322,7 +322,7 @@ fn the_closest(similar: &[String]) -> String {
 }
 
 thread_local! {
-    /// Whether a panic of this thread will be caught and told as an error.
+    /// Whether a panic of this thread will be caught and reported as an error.
     static IS_GUARDED: Cell<bool> = const { Cell::new(false) };
 }
 

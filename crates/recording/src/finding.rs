@@ -254,7 +254,7 @@ impl fmt::Display for SkipReason {
                 write!(f, "it is named as time, but no array beside it has its {samples} samples")
             }
             Self::CoarseTime => f.write_str(
-                "it is time that does not rise with every row; another column tells the same time finer, and is the clock",
+                "this time does not rise with every row; another column has the same time with a finer step, and is the clock",
             ),
             Self::NoChannels => f.write_str("it is named as a clock, but no channel follows it"),
             Self::RowNumbers => f.write_str("it has no name and counts the rows"),

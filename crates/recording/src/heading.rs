@@ -98,7 +98,7 @@ pub(crate) fn name_and_unit(cell: &str) -> (&str, &str) {
 }
 
 /// Splits the heading of a clock also where its unit is spelled `t/s`, `Zeit in ms` or `time_us`, and where pandas has
-/// added a number to what stood there twice, as in `Time (s).1`.
+/// added a number to a repeated name, as in `Time (s).1`.
 pub(crate) fn clock_and_unit(cell: &str) -> (&str, &str) {
     let (name, unit) = name_and_unit(without_number(cell));
     if !unit.is_empty() || time_word(name).is_some() {

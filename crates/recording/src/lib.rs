@@ -25,9 +25,9 @@
 //! where a number is beyond what a double holds, the file is refused.
 //!
 //! Each clock is that of the columns up to the next, which may be shorter. The first column named as time is one, unless
-//! it repeats itself and another tells the same time and rises with every row, as seconds do beside a time of day.
+//! it repeats itself and another shows the same time and rises with every row, as seconds do beside a time of day.
 //! Another is one if it is named alike (`time`, `time_2`, `Time (s).1`), or if a word of its name means time
-//! (`time_slow`), it stands between channels, and its first rows (of the 200 of the heading and after it) rise, from
+//! (`time_slow`), it is between channels, and its first rows (of the 200 of the heading and after it) rise, from
 //! about the same time as the first clock's, but faster or slower. It is a channel if it falls or stays, if no channel
 //! follows it, if it counts the same time from elsewhere, if it is the same to the last row, or if its name ends in
 //! `_channel`. What may be either is refused.
@@ -138,7 +138,7 @@ pub fn decode_untimed(name: &str, bytes: &[u8], row_distance_s: f64) -> Result<R
 
 /// Lists the channels of a measurement file without their samples.
 ///
-/// Only what is listed is read: of MDF, Parquet, Arrow and HDF5 the structure, of MAT-files also what tells the clocks
+/// Only what is listed is read: of MDF, Parquet, Arrow and HDF5 the structure, of MAT-files also what gives the clocks
 /// and what is small, of text the first megabytes. Where longer text goes on after them, nothing is said of the number of
 /// its samples, and a column that is empty up to there is taken for a channel.
 ///
@@ -165,7 +165,7 @@ pub fn catalogue(name: &str, bytes: &[u8]) -> Result<Catalogue, RecordingError> 
 /// their other columns (7.3), for arrays whose rows are the channels as much again, and for compressed Arrow a column of a
 /// batch.
 ///
-/// `progress` is told what is done and how much there is in all, from any thread.
+/// `progress` gets what is done and how much there is in all, from any thread.
 ///
 /// # Errors
 ///
@@ -218,7 +218,7 @@ pub fn extras_from(name: &str, source: &dyn Source) -> Result<Extras, RecordingE
     }
 }
 
-/// Bytes at the beginning of a file that tell its format.
+/// Bytes at the beginning of a file that show its format.
 const HEAD: u64 = 1 << 12;
 
 /// The reader that content calls for.

@@ -129,7 +129,7 @@ impl Catalogue {
 pub struct RasterInfo {
     /// The name or comment that the file gives the group.
     pub name: Option<String>,
-    /// How many samples each of its channels has; none where only reading all of them would tell.
+    /// How many samples each of its channels has; none if only reading can count them.
     pub samples: Option<usize>,
 }
 

@@ -61,7 +61,7 @@ impl ClockCheck {
 ///
 /// The typical interval is the lower median of the positive ones, and so one of them. An interval of zero or less is a
 /// break in order; one of more than one and a half of the typical one is a gap, unless the stamp was only early or late:
-/// where intervals are also much shorter than that, stamps are held against a clock that follows them slowly. The other
+/// where intervals are also much shorter than that, stamps are compared with a clock that follows them slowly. The other
 /// intervals are regular, and their mean is the sample time. So stamps rounded to a step somewhat finer than the sample time
 /// give the true sample time, not a multiple of that step; a step so coarse that stamps repeat biases it upwards.
 ///
@@ -141,7 +141,7 @@ pub fn fitted_clock(times_s: &[f64], rough: (f64, f64)) -> Option<(f64, f64)> {
 enum Step {
     /// No stamp is early or late by much.
     OfEvenStamps { sample_time_s: f64 },
-    /// Stamps may be early or late by nearly half a sample time: each is held against a clock that follows them with a
+    /// Stamps may be early or late by nearly half a sample time: each is compared with a clock that follows them with a
     /// first-order lag, and a sample counts as missing only if the next stamp says so too.
     OfShakyStamps { clock_s: f64, sample_time_s: f64 },
 }

@@ -1,4 +1,4 @@
-//! Whether the clocks of two signals run apart, told by the signals themselves.
+//! Whether the clocks of two signals run apart, estimated from the signals themselves.
 
 use std::f64::consts::TAU;
 
@@ -52,7 +52,7 @@ pub struct Drift {
 /// With `S_k(f)` the cross-periodogram of stretch `k`, which begins at `t_k`, the rate `r` is where
 /// `−Σ_f ln(1 − γ²(f, r))` is largest, `γ²` being the coherence of the stretches after each is turned by `e^{j2πf r t_k}`:
 /// the likelihood of Gaussian signals.
-/// Rates up to 2·10⁻³ are searched. Where the signals have too little in common to tell, or several rates are as likely
+/// Rates up to 2·10⁻³ are searched. Where the signals have too little in common, or several rates are as likely
 /// (as of a single line), the standard error is of that size.
 ///
 /// # Errors

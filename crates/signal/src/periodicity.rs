@@ -11,7 +11,7 @@ use crate::error::{SignalError, check_at_least, check_finite, check_range, check
 use crate::series::mean;
 use crate::spectrum::{fft_real, fourier_sum};
 
-/// Bins on each side whose median tells the noise about a line.
+/// Bins on each side whose median gives the noise about a line.
 const NEIGHBOURS: usize = 100;
 
 /// A sinusoid, `amplitude · cos(2π freq_hz t + phase_rad)` with `t = 0` at the first sample, with standard deviations for
@@ -39,7 +39,7 @@ pub struct Sinusoid {
 /// One after the other is found at the largest line (relative to the noise about it) of what is left, and all are refined in
 /// turn by maximising their Fourier sum with the others taken off, which reaches far below a bin; it stops at one that
 /// noise would show with a probability above `false_alarm`. The mean is removed. Sinusoids closer than about two bins
-/// (`2/(N·T)` hertz) are not told apart. Noise is judged by the median of 200 neighbouring lines.
+/// (`2/(N·T)` hertz) are not separated. Noise is estimated by the median of 200 neighbouring lines.
 ///
 /// # Errors
 /// [`SignalError::TooShort`] for fewer than 32 samples, [`SignalError::Constant`], [`SignalError::Parameter`] for a

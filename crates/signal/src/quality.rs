@@ -13,7 +13,7 @@ use crate::runs;
 pub struct QualityOptions {
     /// Shortest run at the smallest or largest value that counts as clipped; at least two.
     pub clip_run: usize,
-    /// Samples on each side whose median a spike is held against; at least one.
+    /// Samples on each side whose median a spike is compared with; at least one.
     pub spike_half_window: usize,
     /// Probability that Gaussian data of any colour show a spike anywhere, with the scale estimated robustly.
     pub spike_false_alarm: f64,

@@ -12,7 +12,7 @@ pub(super) const AT_REST: f64 = 1e-7;
 /// A pole by its natural frequency and damping: `s² + 2ζ ω_n s + ω_n²` for a pair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
-    /// The pole as it stands in the system, in `s` or in `z`.
+    /// The pole of the system, in `s` or in `z`.
     pub pole: Complex64,
     /// `ω_n = |s|`, in rad/s; infinite for a discrete pole at zero.
     pub natural_frequency_rad_s: f64,

@@ -1,4 +1,4 @@
-//! Streams in which records of several groups follow each other, told apart by identifiers: read in one pass.
+//! Streams with records of several groups, each with the identifier of its group: read in one pass.
 
 use std::collections::HashMap;
 

@@ -21,7 +21,7 @@ use column::{Block, Column, Take, Task, columns};
 use mixed::{Framing, Member};
 use varying::Collector;
 
-/// Tells how far reading has come: bytes of samples done, and in all.
+/// Reports progress: bytes of samples done, and in all.
 pub(crate) struct Progress<'a> {
     pub tell: &'a (dyn Fn(u64, u64) + Sync),
     pub before: u64,
@@ -114,7 +114,7 @@ impl Wanted<'_> {
 impl<S: Source> Mdf<S> {
     /// Reads the samples of channels, conversion applied, one answer for each address.
     ///
-    /// Only the data of their groups are read, each stream once, whatever the order of addresses. `progress` is told the
+    /// Only the data of their groups are read, each stream once, whatever the order of addresses. `progress` gets the
     /// bytes of samples done and in all, from any thread.
     ///
     /// # Errors
@@ -252,7 +252,7 @@ impl<S: Source> Mdf<S> {
         self.parts.data[data].groups.iter().map(member).collect()
     }
 
-    /// Counts the records of a group by reading them, where [`crate::Group::found`] does not tell.
+    /// Counts the records of a group by reading them, where [`crate::Group::found`] does not state their number.
     ///
     /// # Errors
     ///

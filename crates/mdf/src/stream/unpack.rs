@@ -14,7 +14,7 @@ use crate::error::damaged;
 /// Grows at first by this much: what is announced need not be true.
 const FIRST: usize = 1 << 24;
 
-/// Unpacks a fragment. Whatever is needed of it, all is unpacked: only the checksum tells whether any of it is right.
+/// Unpacks a fragment. All of it is unpacked, even if only a part is needed, because the checksum covers all of it.
 pub(super) fn unpack(codec: Codec, packed: &[u8], fragment: &Fragment, out: &mut Vec<u8>) -> Result<(), MdfError> {
     let length = usize::try_from(fragment.length).map_err(|_| MdfError::TooLarge { numbers: fragment.length })?;
     let done = match codec {

@@ -1,4 +1,4 @@
-//! What stands in for [`super::arrow`] in a build without the feature `parquet`.
+//! Takes the place of [`super::arrow`] in a build without the feature `parquet`.
 
 #[path = "kind.rs"]
 mod kind;

@@ -30,7 +30,7 @@ pub(super) struct Group {
     pub(super) name: Option<String>,
 }
 
-/// How a column tells the time.
+/// How a column gives the time.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Clock {
     /// Numbers, with seconds per unit as a fraction.
@@ -235,7 +235,7 @@ fn clocks<'a>(fields: impl Iterator<Item = &'a Field>) -> HashMap<usize, Clock> 
     }
 }
 
-/// How this column tells the time, if it can.
+/// How this column gives the time, if it does.
 fn clock(field: &Field) -> Option<Clock> {
     match field.data_type() {
         DataType::Timestamp(unit, zone) => Some(Clock::Stamps(*unit, zone.as_ref().map(ToString::to_string))),

@@ -1,13 +1,13 @@
 //! Which of the columns that are named as time are clocks.
 //!
-//! A name does not tell: `injection time [ms]` and a temperature `t2` are channels, `Uhrzeit` beside `Zeit [s]` is
-//! another reading of the same clock, `time_slow [s]` is the clock of the columns that follow it. The numbers have to.
+//! A name does not decide: `injection time [ms]` and a temperature `t2` are channels, `Uhrzeit` beside `Zeit [s]` is
+//! another reading of the same clock, `time_slow [s]` is the clock of the columns that follow it. The numbers decide.
 
 use super::stamp::Frame;
 
 /// Stamps written to the second are that far off.
 const STAMP_S: f64 = 1.0;
-/// Shares of a step, and of all that was read, within which two clocks tell the same time.
+/// Shares of a step, and of all that was read, within which two clocks show the same time.
 const SAME_STEP: f64 = 1e-6;
 const SAME_RATE: f64 = 0.1;
 
@@ -140,8 +140,8 @@ pub(super) struct Doubt {
 
 /// Which of the candidates, the first of which is named as the table's clock, are clocks, in a table of so many columns.
 ///
-/// The first is, unless it repeats itself and another tells the same time and rises with every row. Another is a clock
-/// that stands between channels, and either is named as the first, or rises with every row from about the same time as
+/// The first is, unless it repeats itself and another shows the same time and rises with every row. Another is a clock
+/// if it is between channels, and either is named as the first, or rises with every row from about the same time as
 /// the first, but faster or slower. It is a channel where it falls or stays, where no channel follows it, or where it
 /// is another reading of the first. All else may be either.
 pub(super) fn choose(mut candidates: Vec<Candidate>, width: usize) -> Result<Clocks, Doubt> {

@@ -11,7 +11,7 @@ pub(super) enum Number {
     Text,
 }
 
-/// The decimal sign of a file. `1,234` may be 1.234 or 1234: some other number of the file has to tell.
+/// The decimal sign of a file. `1,234` may be 1.234 or 1234: some other number of the file has to decide.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Decimals {
     sign: Option<u8>,
@@ -124,7 +124,7 @@ fn parse_with(cell: &str, sign: u8) -> Option<f64> {
     }
 }
 
-/// Whether digits stand in groups of three with this sign between, so that it may be no decimal sign: `1,234`.
+/// Whether digits are in groups of three with this sign between them, so that it may be no decimal sign: `1,234`.
 pub(super) fn is_grouped(cell: &str, sign: char) -> bool {
     let mut groups = cell.trim_start_matches(['-', '+']).split(sign);
     let digits = |group: &str| group.bytes().all(|b| b.is_ascii_digit());

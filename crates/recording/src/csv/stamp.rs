@@ -69,11 +69,11 @@ impl Stamp {
 enum Day {
     /// Days since 1970-01-01.
     Known(i64),
-    /// Day and month cannot be told apart.
+    /// Which number is the day is unknown.
     Ambiguous,
 }
 
-/// `2026-11-21`, `2026/11/21`, `21.11.2026`, and `21/11/2026` or `11/21/2026` where the numbers tell which is meant.
+/// `2026-11-21`, `2026/11/21`, `21.11.2026`, and `21/11/2026` or `11/21/2026` where the numbers show which is meant.
 fn day(text: &str) -> Option<Day> {
     let sign = text.chars().find(|c| !c.is_ascii_digit()).filter(|c| matches!(c, '-' | '/' | '.'))?;
     let mut parts = text.split(sign);

@@ -64,8 +64,8 @@ fn hidden<'a>(root: &Group, mut reader: Reader<'a>) -> Result<Objects<'a>, Strin
     Objects::new(metadata, false, move |index| reader.object(contents.get(index).ok_or("a property is missing")?, 0))
 }
 
-/// The address of what is nowhere in the file, which the links of groups before HDF5 1.8 give: their library does not tell
-/// them from datasets, and reads there.
+/// The address of what is nowhere in the file, which the links of groups before HDF5 1.8 give: their library takes them
+/// for datasets, and reads there.
 const UNDEFINED: u64 = u64::MAX;
 const SOFT_LINK: &str = "a soft link in a group of the oldest layout of HDF5";
 

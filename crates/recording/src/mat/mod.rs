@@ -26,7 +26,7 @@ pub use write::{encode_mat5, write_mat5};
 /// What an HDF5 file starts with; one of level 7.3 after a header like that of level 5.
 const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
 
-/// Bytes that tell the level.
+/// Bytes that show the level.
 const HEAD: u64 = 256;
 
 /// Whether content is a MAT-file, of a level that can be read or not.

@@ -100,7 +100,7 @@ fn of<'f, S: Source>(
     }
 }
 
-/// What can be told against a channel without reading it.
+/// Why a channel is left out, as far as it is known without reading.
 fn obstacle(channel: &::mdf::Channel) -> Option<SkipReason> {
     if let Some(obstacle) = &channel.obstacle {
         return Some(SkipReason::Unsupported { detail: obstacle.to_string() });

@@ -15,7 +15,7 @@ pub enum Phases {
     /// Schroeder's formula, which keeps peaks low for many adjacent lines:
     /// `φ_k = φ_1 − 2π Σ_{l<k} (k − l) p_l`, `p` the relative powers; `−π k (k − 1)/F` for equal ones.
     Schroeder,
-    /// Independent and uniform: for averages over realisations, which tell nonlinear distortion from the response.
+    /// Independent and uniform: for averages over realisations, which separate nonlinear distortion from the response.
     Random {
         /// Of the random numbers.
         seed: u64,
