@@ -2,18 +2,26 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod bench;
+mod check;
+mod deep;
+mod dependencies;
 mod folder;
 mod layers;
 mod python;
+mod release;
+mod skipped;
+mod steps;
 mod wording;
 
-use std::path::Path;
-use std::process::{Command, ExitCode};
-use std::time::Instant;
+use std::process::ExitCode;
 
 const USAGE: &str = "usage: cargo xtask <task>
 
-  check    format, clippy with warnings as errors, layers, tests, slow tests, comparisons with other packages, docs
+  check    what every change must pass: format, layers, wording, licences, clippy, all fast tests, comparisons with other
+           packages, docs, a build of the fuzz targets
+  deep     the slow statistical suites, before every release; writes docs/deep-check.md
+           NAME runs the suites whose name contains it, and prints their results instead
+  release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
   layers   check the crates' dependencies against the table in ARCHITECTURE.md, and their modules for circles;
            --graph counts modules, arrows and circles by crate, --graph CRATE lists the circles of one
   wording  count the worst patterns of wording against the ceilings in xtask/wording.json; PATTERN or PATH lists the places,
@@ -26,7 +34,9 @@ fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);
     let task = arguments.next().unwrap_or_default();
     let result = match task.as_str() {
-        "check" => check(),
+        "check" => check::all(),
+        "deep" => deep::run(arguments.next().as_deref()),
+        "release" => release::make(&arguments.collect::<Vec<_>>()),
         "layers" => match arguments.next().as_deref() {
             Some("--graph") => layers::graph(arguments.next().as_deref()),
             _ => layers::check(),
@@ -46,48 +56,4 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
-}
-
-fn check() -> Result<(), String> {
-    cargo("format", &["fmt", "--all", "--check"])?;
-    step("layers", layers::check)?;
-    let python = step("packages to compare with", python::interpreter)?;
-    // In release, which the program is built in anyway: what is compiled for one of these is there for the next.
-    cargo("clippy", &["clippy", "--workspace", "--release", "--all-targets", "--quiet", "--", "-D", "warnings"])?;
-    // With the slow statistical suites.
-    let tests = ["test", "--workspace", "--release", "--quiet", "--", "--include-ignored"];
-    cargo_with("tests", &tests, python.as_deref())?;
-    cargo("docs", &["doc", "--workspace", "--release", "--no-deps", "--quiet"])?;
-    println!("all checks passed");
-    if python.is_none() {
-        python::warn();
-    }
-    Ok(())
-}
-
-fn step<T>(name: &str, action: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    println!("== {name}");
-    let start = Instant::now();
-    let outcome = action()?;
-    println!("== {name}: passed in {:.1} s", start.elapsed().as_secs_f64());
-    Ok(outcome)
-}
-
-fn cargo(name: &str, arguments: &[&str]) -> Result<(), String> {
-    cargo_with(name, arguments, None)
-}
-
-/// Runs cargo; `python` is the interpreter of the comparisons.
-fn cargo_with(name: &str, arguments: &[&str], python: Option<&Path>) -> Result<(), String> {
-    step(name, || {
-        let status = Command::new(env!("CARGO"))
-            .args(arguments)
-            .envs(python.map(|path| (python::VARIABLE, path)))
-            .env("RUSTDOCFLAGS", "-D warnings")
-            // The same cases every time: a check that passed passes again. `cargo test` alone draws new ones.
-            .env("PROPTEST_RNG_SEED", "1")
-            .status()
-            .map_err(|error| format!("cargo could not be started: {error}"))?;
-        if status.success() { Ok(()) } else { Err(format!("{name} failed: cargo {}", arguments.join(" "))) }
-    })
 }
