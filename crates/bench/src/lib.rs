@@ -1,57 +1,78 @@
-//! The dynamometer test bench: what its signals mean, what its parts are, and how they are estimated, assembled and
-//! judged.
-//!
-//! Raw channel names and units end here (`channels`, `units`); after that everything is SI with a [`Role`]. The crate
-//! reads no file, knows no path, no clock, no web, no command line: it turns decoded [`recording::Recording`]s and a
-//! [`BenchFile`] into a [`Study`], which is plain data that others write down.
-//!
-//! Notation follows Glans & Kärnell, *Development of a Method on how to Model a Dynamometer for Driveline Testing*,
-//! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
+//! The rooms of the bench under one name, while their users move to them.
 
-mod air_gap_torque;
-pub mod align;
-pub mod analysis;
-pub mod bench_file;
-pub mod bench_parameters;
-pub mod channels;
-pub mod dataset;
-pub mod diagnostics;
-pub mod drive_ripple;
-pub mod effects;
-pub mod engine_torque;
-pub mod estimate;
-pub mod estimation;
-pub mod excitation_design;
-pub mod experiment;
-pub mod facts;
-pub mod friction;
-mod intake;
-pub mod look;
-pub mod model;
-pub mod prediction;
-pub mod prepare;
-mod random;
-pub mod replay;
-pub mod results;
-pub mod role;
-pub mod safety;
-pub mod segments;
-mod shaft_inputs;
-pub mod shaft_study;
-pub mod simulate;
-pub mod sine;
-pub mod skews;
-pub mod speed_control;
-pub mod study;
-pub mod torque_control_study;
-pub mod torque_signals;
-pub mod torque_smoother;
-pub mod units;
-pub mod virtual_bench;
+#![allow(missing_docs)]
 
-pub use bench_file::BenchFile;
-pub use diagnostics::{Diagnostic, Finding, Place, Severity};
-pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
-pub use prepare::{PrepareError, prepare};
-pub use role::Role;
+pub use ::dataset;
+pub use ::effects;
+pub use bench_model::{drive_ripple, prediction, replay, simulate, skews};
+pub use design::{excitation_design, safety};
+pub use part_engine as engine_torque;
+pub use part_friction as friction;
+pub use part_lines::{look, segments, sine};
+pub use part_shaft::shaft_study;
+pub use part_torque::{torque_control_study, torque_smoother};
+pub use rig::{
+    BenchFile, ControlMode, Diagnostic, Excitation, Experiment, ExperimentLabel, Finding, Place, PrepareError, Role,
+    Severity,
+};
+pub use rig::{
+    align, bench_file, bench_parameters, channels, diagnostics, estimation, experiment, facts, prepare, results,
+};
 pub use study::Study;
+
+pub mod role {
+    pub use ::units::Quantity;
+    pub use rig::role::*;
+}
+
+pub mod units {
+    pub use ::units::*;
+    pub use rig::role::parse_unit_of_role;
+}
+
+pub mod model {
+    pub use ::study::{StudyParts, assemble};
+    pub use bench_model::model::*;
+    pub use rig::facts::Engine;
+}
+
+pub mod analysis {
+    pub use bench_model::analysis::*;
+    pub use bench_model::skews::SignalSkews;
+    pub use part_lines::segments::{Segment, steady_sines};
+    pub use part_lines::sine::{SineTest, sine_points};
+}
+
+pub mod virtual_bench {
+    pub use ::effects::{Effects, Gains, NaiveZeros, ShaftZeros, ShownTrace, Spectrum};
+    pub use ::virtual_bench::*;
+    pub use rig::bench_parameters::*;
+    pub use rig::experiment::{ExperimentPlan, Sine, TorqueTarget, UPDATE_S, Waveform};
+}
+
+pub mod estimate {
+    pub use part_controller::speed_controller;
+    pub use part_shaft::{shaft, shaft_routes};
+    pub use part_torque::{timing, torque_control};
+    pub use rig::estimation::EstimateError;
+}
+
+pub mod speed_control {
+    pub use ::study::pi_noise::{
+        Case, Estimator, Noise, PUBLISHED, PiStudy, PublishedRow, StudyOptions, Summary, study, virtual_experiment,
+    };
+    pub use part_controller::speed_control::*;
+}
+
+pub mod torque_signals {
+    pub use part_torque::torque_signals::*;
+    pub use rig::results::{Told, Untold};
+}
+
+pub mod study {
+    pub use ::study::*;
+    pub use bench_model::analysis::{BodeCurve, Influence, Margins, ParameterInfluence, SinePoint, WholeModel};
+    pub use bench_model::replay::Replay;
+    pub use rig::facts::{BenchFacts, BenchVariant};
+    pub use rig::results::*;
+}

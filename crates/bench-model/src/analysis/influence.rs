@@ -1,0 +1,44 @@
+//! What each parameter does to what is computed from the model.
+
+use crate::analysis::{Influence, ParameterInfluence};
+use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
+use rig::estimation::Label;
+
+/// Parameters of a model, as far as it has the part.
+const PARAMETERS: [ModelParameter; 9] = [
+    ModelParameter::DynoInertia,
+    ModelParameter::EngineInertia,
+    ModelParameter::Stiffness,
+    ModelParameter::Damping,
+    ModelParameter::Proportional,
+    ModelParameter::Integral,
+    ModelParameter::ControllerDelay,
+    ModelParameter::InverterDelay,
+    ModelParameter::InverterBandwidth,
+];
+/// Step of the numerical slopes, in parts of the parameter.
+const STEP: f64 = 1e-4;
+/// Results that move by less than this many per cent a per cent are not moved by a parameter.
+const UNMOVED: f64 = 1e-3;
+
+/// What each parameter does to a result; parameters that do nothing to it are left out.
+pub(super) fn influence(
+    (label, model, uncertainty): (Label, &BenchModel, &ModelUncertainty),
+    result: impl Fn(&BenchModel) -> f64,
+) -> Influence {
+    let value = result(model);
+    let removed = uncertainty.removed_by_knowing(model, &result);
+    let of = |parameter: ModelParameter| {
+        let at = model.value(parameter).filter(|at| *at != 0.0)?;
+        let moved = |by: f64| result(&model.with(parameter, at * (1.0 + by)));
+        let elasticity = (moved(STEP) - moved(-STEP)) / (2.0 * STEP * value);
+        let known = removed.iter().find(|(which, _)| *which == parameter);
+        let share = known.map(|(_, share)| *share);
+        (elasticity.abs() > UNMOVED).then_some(ParameterInfluence { parameter, elasticity, variance_share: share })
+    };
+    Influence {
+        symbol: label.symbol.to_owned(),
+        name: label.name.to_owned(),
+        parameters: PARAMETERS.into_iter().filter_map(of).collect(),
+    }
+}

@@ -1,0 +1,13 @@
+//! The model of a bench: two masses, a shaft, speed controller and torque control, with the uncertainty of its numbers;
+//! its analysis, and the bench simulated, predicted and replayed with it.
+//!
+//! The crate knows what a bench is ([`rig`]) and linear systems. It knows no estimator and no study.
+
+pub mod analysis;
+pub mod drive_ripple;
+pub mod intake;
+pub mod model;
+pub mod prediction;
+pub mod replay;
+pub mod simulate;
+pub mod skews;

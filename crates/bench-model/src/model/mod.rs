@@ -1,0 +1,96 @@
+//! The assembled bench model: parameters in SI, linear forms, resonance, and how uncertainty passes through them.
+//!
+//! Mechanics (6.1, 6.4, 2.7): J_d dω_d/dt = T_shaft − T_d, J_e dω_e/dt = T_e − T_shaft,
+//! T_shaft = K Δθ + B (ω_e − ω_d) with dΔθ/dt = ω_e − ω_d. T_d is positive when it brakes.
+
+mod linear;
+mod parameter;
+mod resonance;
+mod uncertainty;
+
+use serde::{Deserialize, Serialize};
+
+pub use linear::mean_over;
+pub use parameter::ModelParameter;
+pub use resonance::Resonance;
+pub use uncertainty::{Derived, ModelUncertainty, PartCovariance, UncertaintyError};
+
+/// Two masses and a shaft.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Mechanics {
+    /// J_d, kg m².
+    pub dyno_inertia_kg_m2: f64,
+    /// J_e, kg m², flywheel included.
+    pub engine_inertia_kg_m2: f64,
+    /// K, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// B, Nm s/rad.
+    pub damping_nm_s_per_rad: f64,
+}
+
+/// The speed controller's PI part with its transport delay, T_d* = e^{−sτ}(K_p + K_i/s)(ω_d − ω_d*) (6.2, 6.6), as it
+/// runs: every `sample_time_s`, on the encoder's reading, its output held. The output of an update takes effect τ later.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PiController {
+    /// K_p, Nm s/rad.
+    pub proportional_nm_s_per_rad: f64,
+    /// K_i, Nm/rad.
+    pub integral_nm_per_rad: f64,
+    /// τ, s.
+    pub delay_s: f64,
+    /// Time between updates, s.
+    pub sample_time_s: f64,
+}
+
+/// Feed-forward k ω_d* + k_a dω_d*/dt (6.7 and the acceleration term), not delayed. The constant m is part of the
+/// integrator's initial state.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FeedForwardGains {
+    /// k, Nm s/rad.
+    pub speed_nm_s_per_rad: f64,
+    /// k_a, Nm s²/rad.
+    pub acceleration_nm_s2_per_rad: f64,
+}
+
+/// Inverter and machine: T_d = e^{−s d} a/(s + a) T_d*.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct InverterModel {
+    /// d, s.
+    pub delay_s: f64,
+    /// a, rad/s; `None` for a delay alone.
+    pub bandwidth_rad_s: Option<f64>,
+}
+
+/// The assembled bench. What could not be estimated is `None`; then speed control (no controller, no inverter) or torque
+/// demand (no inverter) cannot be simulated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BenchModel {
+    /// Inertias and shaft.
+    pub mechanics: Mechanics,
+    /// PI of the speed controller.
+    pub speed_controller: Option<PiController>,
+    /// Feed-forward of the speed controller.
+    pub feed_forward: Option<FeedForwardGains>,
+    /// Torque control.
+    pub inverter: Option<InverterModel>,
+    /// Limit of |T_d*|, Nm.
+    pub torque_limit_nm: Option<f64>,
+    /// Time over which an encoder averages the speed, s; the reading at t is the mean over t − gate … t.
+    pub encoder_gate_s: f64,
+}
+
+/// A model with its uncertainty, as a study keeps it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AssembledModel {
+    /// The model.
+    pub model: BenchModel,
+    /// Of its parameters.
+    pub uncertainty: ModelUncertainty,
+}
+
+impl BenchModel {
+    /// The model without feed-forward.
+    pub fn without_feed_forward(&self) -> Self {
+        BenchModel { feed_forward: None, ..self.clone() }
+    }
+}

@@ -1,0 +1,220 @@
+//! Uncertainty of what is computed from the model.
+
+use faer::Mat;
+use serde::{Deserialize, Deserializer, Serialize};
+use signal::distributions::chi_squared_quantile;
+
+use super::{BenchModel, ModelParameter};
+use numerics::random::Stream;
+use rig::estimation::Label;
+use rig::results::Parameter;
+
+/// Draws after which a model is given up that hardly ever gives a possible bench.
+const MOST_DRAWS: usize = 1000;
+/// Pivots of a correlation matrix below this are rounding.
+const SMALLEST_PIVOT: f64 = 1e-14;
+
+/// Covariance of the parameters of one part of the model, SI.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PartCovariance {
+    /// Parameters, in the covariance's order.
+    pub parameters: Vec<ModelParameter>,
+    /// Their covariance, SI.
+    pub covariance: Vec<Vec<f64>>,
+    /// Degrees of freedom behind it; infinite ones are written as null.
+    #[serde(deserialize_with = "infinite_if_null")]
+    pub degrees_of_freedom: f64,
+}
+
+/// Why a covariance cannot be used.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum UncertaintyError {
+    /// The covariance is not square in the number of parameters.
+    #[error("the covariance of {parameters} parameters has {rows} rows, or a row of another length")]
+    Shape {
+        /// Parameters.
+        parameters: usize,
+        /// Rows found.
+        rows: usize,
+    },
+    /// A variance is negative or an entry is not finite.
+    #[error("the covariance of {parameter:?} is not a variance")]
+    NotAVariance {
+        /// The parameter whose row is wrong.
+        parameter: ModelParameter,
+    },
+}
+
+/// Uncertainty of a [`BenchModel`]: parts estimated from different data, hence independent; the covariance of all
+/// parameters is block diagonal. A parameter in no part is taken as exact, as an inertia stated without uncertainty is.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(into = "Vec<PartCovariance>", try_from = "Vec<PartCovariance>")]
+pub struct ModelUncertainty {
+    parts: Vec<(Vec<ModelParameter>, Mat<f64>, f64)>,
+}
+
+/// A number computed from the model, with its uncertainty.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Derived {
+    /// Value at the estimates.
+    pub value: f64,
+    /// Standard error.
+    pub standard_error: f64,
+    /// Effective degrees of freedom; infinite where nothing is uncertain.
+    pub degrees_of_freedom: f64,
+}
+
+impl ModelUncertainty {
+    /// Uncertainty from its parts.
+    ///
+    /// # Errors
+    /// A covariance of the wrong shape, with a negative variance, or not finite.
+    pub fn new(parts: &[PartCovariance]) -> Result<Self, UncertaintyError> {
+        let parts = parts.iter().map(checked).collect::<Result<Vec<_>, _>>()?;
+        Ok(ModelUncertainty { parts })
+    }
+
+    /// A function of the model, with its standard error by the delta method, Var g ≈ Σ_parts ∇gᵀ P ∇g, and the degrees
+    /// of freedom of that sum of independent variances, (Σ v_i)²/Σ(v_i²/ν_i).
+    ///
+    /// # Source
+    /// Thesis (2.4); Ljung 1999, (9.56); Satterthwaite, Biometrics Bulletin 2 (1946) 110.
+    pub fn propagate(&self, model: &BenchModel, function: impl Fn(&BenchModel) -> f64) -> Derived {
+        let (mut total, mut weighted) = (0.0, 0.0);
+        for (parameters, covariance, degrees_of_freedom) in &self.parts {
+            let known: Vec<f64> = parameters.iter().map(|p| model.value(*p).unwrap_or(0.0)).collect();
+            let at = |values: &[f64]| {
+                let changed = parameters.iter().zip(values).fold(model.clone(), |m, (p, v)| m.with(*p, *v));
+                function(&changed)
+            };
+            let variance = ident::covariance::delta_variance(&known, covariance, at).max(0.0);
+            total += variance;
+            weighted += variance * variance / degrees_of_freedom;
+        }
+        let degrees_of_freedom = if weighted > 0.0 { total * total / weighted } else { f64::INFINITY };
+        Derived { value: function(model), standard_error: total.sqrt(), degrees_of_freedom }
+    }
+
+    /// Of every parameter in a part, which share of the variance of a function of the model would go if it were known exactly:
+    /// (P ∇g)_i²/P_ii of the total, by the rule for the conditional variance of normal variables.
+    ///
+    /// # Source
+    /// Anderson, *An Introduction to Multivariate Statistical Analysis*, 3rd ed. 2003, §2.5.
+    pub(crate) fn removed_by_knowing(
+        &self,
+        model: &BenchModel,
+        function: impl Fn(&BenchModel) -> f64,
+    ) -> Vec<(ModelParameter, f64)> {
+        let (mut total, mut removed) = (0.0, Vec::new());
+        for (parameters, covariance, _) in &self.parts {
+            let known: Vec<f64> = parameters.iter().map(|p| model.value(*p).unwrap_or(0.0)).collect();
+            let at = |values: &[f64]| {
+                let changed = parameters.iter().zip(values).fold(model.clone(), |m, (p, v)| m.with(*p, *v));
+                function(&changed)
+            };
+            let slope = ident::covariance::gradient(&known, covariance, at);
+            for (i, parameter) in parameters.iter().enumerate() {
+                let along: f64 = slope.iter().enumerate().map(|(j, slope)| covariance[(i, j)] * slope).sum();
+                total += slope[i] * along;
+                let own = covariance[(i, i)];
+                removed.push((*parameter, if own > 0.0 { along * along / own } else { 0.0 }));
+            }
+        }
+        let share = |variance: f64| if total > 0.0 { (variance / total).min(1.0) } else { 0.0 };
+        removed.into_iter().map(|(parameter, variance)| (parameter, share(variance))).collect()
+    }
+
+    /// A model drawn from this uncertainty: each part from a multivariate Student t with its covariance as scale and its
+    /// degrees of freedom. A draw that no bench can have (a stiffness or bandwidth of zero or below, a negative damping,
+    /// inertia or delay) is drawn again; `None` where nearly all are such.
+    pub fn draw(&self, model: &BenchModel, random: &mut Stream) -> Option<BenchModel> {
+        self.parts.iter().try_fold(model.clone(), |model, (parameters, covariance, degrees_of_freedom)| {
+            let factor = cholesky(covariance);
+            (0..MOST_DRAWS).find_map(|_| {
+                let normal: Vec<f64> = parameters.iter().map(|_| random.normal()).collect();
+                let spread = student_scale(random, *degrees_of_freedom);
+                let steps = factor.iter().map(|row| spread * row.iter().zip(&normal).map(|(l, z)| l * z).sum::<f64>());
+                parameters.iter().zip(steps).try_fold(model.clone(), |drawn, (parameter, step)| {
+                    let value = model.value(*parameter).unwrap_or(0.0) + step;
+                    parameter.can_be(value).then(|| drawn.with(*parameter, value))
+                })
+            })
+        })
+    }
+}
+
+/// √(ν/χ²_ν), by which normal draws become those of Student's t; 1 where ν is no finite number above zero.
+fn student_scale(random: &mut Stream, degrees_of_freedom: f64) -> f64 {
+    if !degrees_of_freedom.is_finite() || degrees_of_freedom <= 0.0 {
+        return 1.0;
+    }
+    let chi_squared = chi_squared_quantile(1.0 - random.uniform(), degrees_of_freedom);
+    (degrees_of_freedom / chi_squared).sqrt()
+}
+
+/// L with L Lᵀ = P, of the scaled matrix; a direction without variance gets zeros.
+fn cholesky(covariance: &Mat<f64>) -> Vec<Vec<f64>> {
+    let n = covariance.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
+    let mut lower = vec![vec![0.0; n]; n];
+    for j in 0..n {
+        for i in j..n {
+            let product = scale[i] * scale[j];
+            let entry = if product > 0.0 { covariance[(i, j)] / product } else { 0.0 };
+            let rest = entry - (0..j).map(|k| lower[i][k] * lower[j][k]).sum::<f64>();
+            let pivot: f64 = lower[j][j];
+            lower[i][j] = match (i == j, rest > SMALLEST_PIVOT, pivot > 0.0) {
+                (true, true, _) => rest.sqrt(),
+                (false, _, true) => rest / pivot,
+                _ => 0.0,
+            };
+        }
+    }
+    for (row, scale) in lower.iter_mut().zip(&scale) {
+        row.iter_mut().for_each(|entry| *entry *= scale);
+    }
+    lower
+}
+
+impl TryFrom<Vec<PartCovariance>> for ModelUncertainty {
+    type Error = UncertaintyError;
+
+    fn try_from(parts: Vec<PartCovariance>) -> Result<Self, UncertaintyError> {
+        ModelUncertainty::new(&parts)
+    }
+}
+
+impl From<ModelUncertainty> for Vec<PartCovariance> {
+    fn from(uncertainty: ModelUncertainty) -> Self {
+        let part = |(parameters, covariance, degrees_of_freedom): (Vec<ModelParameter>, Mat<f64>, f64)| {
+            let row = |i| (0..covariance.ncols()).map(|j| covariance[(i, j)]).collect();
+            PartCovariance { covariance: (0..covariance.nrows()).map(row).collect(), parameters, degrees_of_freedom }
+        };
+        uncertainty.parts.into_iter().map(part).collect()
+    }
+}
+
+fn infinite_if_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
+}
+
+impl Derived {
+    /// As a parameter of a study.
+    pub fn parameter(self, label: Label) -> Parameter {
+        Parameter::new(label, self.value, self.standard_error, self.degrees_of_freedom)
+    }
+}
+
+fn checked(part: &PartCovariance) -> Result<(Vec<ModelParameter>, Mat<f64>, f64), UncertaintyError> {
+    let n = part.parameters.len();
+    if part.covariance.len() != n || part.covariance.iter().any(|row| row.len() != n) {
+        return Err(UncertaintyError::Shape { parameters: n, rows: part.covariance.len() });
+    }
+    for (i, parameter) in part.parameters.iter().enumerate() {
+        if part.covariance[i].iter().any(|v| !v.is_finite()) || part.covariance[i][i] < 0.0 {
+            return Err(UncertaintyError::NotAVariance { parameter: *parameter });
+        }
+    }
+    let matrix = Mat::from_fn(n, n, |i, j| part.covariance[i][j]);
+    Ok((part.parameters.clone(), matrix, part.degrees_of_freedom))
+}

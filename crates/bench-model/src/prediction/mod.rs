@@ -1,0 +1,167 @@
+//! What a bench will do in an experiment, before it is run: the bench model under the plan's demands, and its peaks against
+//! the limits that the bench file states.
+//!
+//! The engine gives its mean torque: firing pulses are no part of a linear prediction, and neither is what a virtual bench
+//! adds beyond the model. In TN mode the engine's speed control is that of the virtual bench.
+
+mod peaks;
+
+use std::cell::RefCell;
+
+use crate::intake::demanded_torque_nm;
+use crate::model::{BenchModel, Mechanics, ModelUncertainty};
+use crate::simulate::{
+    Drive, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
+};
+use rig::ControlMode;
+use rig::bench_file::Limits;
+use rig::bench_parameters::EngineParameters;
+use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
+
+pub use peaks::{Peak, PeakOf};
+
+/// What a prediction rests on.
+#[derive(Debug, Clone, Copy)]
+pub struct PredictionInputs<'a> {
+    /// The plan.
+    pub plan: &'a ExperimentPlan,
+    /// Its demands, every millisecond.
+    pub demands: &'a Demands,
+    /// The bench; a part that it lacks must not be needed.
+    pub model: &'a BenchModel,
+    /// The engine: motored torque, throttle map, intake, speed control.
+    pub engine: &'a EngineParameters,
+    /// What the bench must not exceed.
+    pub limits: Limits,
+}
+
+/// What the bench will do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// Time between samples, s: that of the controller, or 1 ms.
+    pub sample_time_s: f64,
+    /// Speeds, torques and demand at every sample.
+    pub response: Response,
+    /// Whether there is a shaft, and so an engine that turns.
+    pub has_shaft: bool,
+    /// Largest values, against the limits.
+    pub peaks: Vec<Peak>,
+}
+
+/// Why nothing can be predicted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PredictionError {
+    /// The model has no control of the shaft torque.
+    #[error(
+        "control of the shaft torque is no part of the bench model; `dynoid experiment simulate` runs it on the virtual bench"
+    )]
+    ShaftTorqueControl,
+    /// The model cannot be simulated.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The response left the finite numbers.
+    #[error("the prediction grows without bound: this model's speed control is not stable on these inertias")]
+    Unstable,
+}
+
+/// Predicts an experiment.
+///
+/// # Errors
+/// A part the plan needs is missing in the model, control of the shaft torque, an unstable loop.
+pub fn predict(inputs: &PredictionInputs<'_>) -> Result<Prediction, PredictionError> {
+    let sample_time_s = sample_time_s(inputs);
+    let response = respond(inputs, inputs.model)?;
+    let peaks = peaks::all(&response, sample_time_s, inputs);
+    Ok(Prediction { sample_time_s, response, has_shaft: inputs.plan.has_shaft, peaks })
+}
+
+/// The standard error of each peak of a prediction, from the model's uncertainty by the delta method; in the order of
+/// [`Prediction::peaks`].
+pub fn peak_errors(inputs: &PredictionInputs<'_>, uncertainty: &ModelUncertainty) -> Vec<f64> {
+    let sample_time_s = sample_time_s(inputs);
+    // Every peak asks for the same neighbours of the model.
+    let known: RefCell<Vec<(BenchModel, Vec<f64>)>> = RefCell::default();
+    let peak = |model: &BenchModel, index: usize| {
+        if let Some((_, values)) = known.borrow().iter().find(|(other, _)| other == model) {
+            return values.get(index).copied().unwrap_or(f64::NAN);
+        }
+        let peaks = respond(inputs, model).map(|response| peaks::all(&response, sample_time_s, inputs));
+        let values: Vec<f64> = peaks.unwrap_or_default().iter().map(|peak| peak.value).collect();
+        let value = values.get(index).copied().unwrap_or(f64::NAN);
+        known.borrow_mut().push((model.clone(), values));
+        value
+    };
+    let count = predict(inputs).map_or(0, |prediction| prediction.peaks.len());
+    (0..count).map(|index| uncertainty.propagate(inputs.model, |m| peak(m, index)).standard_error).collect()
+}
+
+fn sample_time_s(inputs: &PredictionInputs<'_>) -> f64 {
+    match (inputs.plan.label.mode, inputs.model.speed_controller) {
+        (ControlMode::Nt, Some(controller)) => controller.sample_time_s,
+        _ => UPDATE_S,
+    }
+}
+
+fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response, PredictionError> {
+    let PredictionInputs { plan, demands, engine, .. } = *inputs;
+    if plan.torque_target == TorqueTarget::Shaft && plan.label.mode == ControlMode::Tn {
+        return Err(PredictionError::ShaftTorqueControl);
+    }
+    let model = &if plan.has_shaft { model.clone() } else { without_shaft(model) };
+    let sample_time_s = sample_time_s(inputs);
+    let on_clock = |values: &[f64]| resampled(values, sample_time_s);
+    let speed = on_clock(&demands.speed_rad_s);
+    let engine_torque = match (plan.has_shaft, plan.is_motored, plan.label.mode) {
+        (false, ..) => vec![0.0; speed.len()],
+        (true, true, _) => vec![engine.motored_torque_nm; speed.len()],
+        (true, false, ControlMode::Nt) => on_clock(&demanded_torque_nm(engine, demands)),
+        (true, false, ControlMode::Tn) => vec![demands.dyno_torque_nm[0]; speed.len()],
+    };
+    let start = start(model, speed[0], engine_torque[0]);
+    let response = match plan.label.mode {
+        ControlMode::Nt => {
+            let drive = Drive::SpeedDemand(&speed);
+            simulate(model, &Inputs { sample_time_s, engine_torque_nm: &engine_torque, drive }, &start)?
+        }
+        ControlMode::Tn => {
+            let torque = on_clock(&demands.dyno_torque_nm);
+            let inputs =
+                Inputs { sample_time_s, engine_torque_nm: &engine_torque, drive: Drive::TorqueDemand(&torque) };
+            let control = EngineSpeedControl {
+                demand_rad_s: &speed,
+                proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad,
+                integral_nm_per_rad: engine.speed_control_integral_nm_per_rad,
+            };
+            match plan.is_motored || !plan.has_shaft {
+                true => simulate(model, &inputs, &start)?,
+                false => simulate_governed(model, &inputs, &control, &start)?,
+            }
+        }
+    };
+    let is_finite = |values: &[f64]| values.iter().all(|value| value.abs() < 1e6);
+    if is_finite(&response.dyno_speed_rad_s) && is_finite(&response.shaft_torque_nm) {
+        return Ok(response);
+    }
+    Err(PredictionError::Unstable)
+}
+
+/// The dynamometer alone.
+fn without_shaft(model: &BenchModel) -> BenchModel {
+    let mechanics = Mechanics { stiffness_nm_per_rad: 0.0, damping_nm_s_per_rad: 0.0, ..model.mechanics };
+    BenchModel { mechanics, ..model.clone() }
+}
+
+/// The bench at rest at its first demands.
+fn start(model: &BenchModel, speed_rad_s: f64, torque_nm: f64) -> InitialState {
+    let steady = InitialState::steady(model, speed_rad_s, torque_nm);
+    // Without a shaft there is neither torque nor twist.
+    if model.mechanics.stiffness_nm_per_rad > 0.0 { steady } else { InitialState { twist_rad: 0.0, ..steady } }
+}
+
+/// Values of every millisecond, held, on another clock.
+fn resampled(values: &[f64], sample_time_s: f64) -> Vec<f64> {
+    let ratio = sample_time_s / UPDATE_S;
+    let count = ((values.len() as f64 / ratio + 1e-6).floor() as usize).max(1);
+    let last = values.len().saturating_sub(1);
+    (0..count).map(|k| values[((k as f64 * ratio + 1e-6).floor() as usize).min(last)]).collect()
+}

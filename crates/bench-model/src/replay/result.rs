@@ -1,0 +1,21 @@
+//! A recording replayed on the assembled model, as data.
+
+use serde::Serialize;
+
+use rig::ControlMode;
+use rig::results::{Stretch, Validation};
+
+/// A recording replayed on the assembled model.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Replay {
+    /// The recording's file and label.
+    pub stretch: Stretch,
+    /// Label.
+    pub label: String,
+    /// Control mode.
+    pub mode: ControlMode,
+    /// Whether any part of the model was estimated from this recording.
+    pub seen_in_estimation: bool,
+    /// N_d, N_e, T_d, T_shaft: measured against modelled.
+    pub signals: Vec<Validation>,
+}

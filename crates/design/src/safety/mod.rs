@@ -1,0 +1,182 @@
+//! Whether an experiment is safe on a bench that is not known exactly: many benches are drawn, each runs the demands, and
+//! every limit of the bench file gets the probability of being reached.
+//!
+//! Firing pulses are no part of the prediction, see [`bench_model::prediction`]: they add to the shaft torque.
+
+mod quantity;
+mod run;
+mod sines;
+mod spread;
+mod verdict;
+
+use serde::Serialize;
+
+use bench_model::prediction::{PredictionError, PredictionInputs};
+use rig::experiment::Demands;
+use rig::random::Source;
+
+pub use quantity::Quantity;
+pub use sines::{Proposal, SafeSine};
+pub use spread::{BenchSpread, Prior};
+pub use verdict::{ALLOWED, Proportion, Safety};
+
+use run::{Outcome, outcomes};
+use spread::Drawn;
+
+/// Share of the bandwidth that the speed control of an engine of which nothing is known has at least.
+pub const ASSUMED_ENGINE: f64 = 0.1;
+
+/// Ignition efficiencies below this heat the exhaust much.
+const HOT_EFFICIENCY: f64 = 0.8;
+
+/// What a safety check rests on.
+#[derive(Debug, Clone, Copy)]
+pub struct SafetyInputs<'a> {
+    /// Plan, demands, nominal bench and limits.
+    pub prediction: PredictionInputs<'a>,
+    /// How benches differ from the nominal one.
+    pub spread: BenchSpread<'a>,
+    /// Nobody measures how fast the engine's speed control (TN) is, and the faster it is, the more it damps the resonance: its
+    /// bandwidth is drawn between this share of the one stated and all of it. 1: exactly as stated; see [`ASSUMED_ENGINE`].
+    pub slowest_engine_control: f64,
+    /// Benches drawn; from 72 on, none of which reaches a limit, the 95 % interval of its probability ends below 5 %.
+    pub samples: usize,
+    /// Seed of the draws; equal seeds give equal results, however many threads work.
+    pub seed: u64,
+}
+
+/// One quantity over all benches drawn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Checked {
+    /// What it is.
+    pub of: Quantity,
+    /// The limit stated, SI.
+    pub limit: Option<f64>,
+    /// Its value on every bench, SI, growing; infinite where a bench is not stable.
+    pub values: Vec<f64>,
+    /// How often the limit is reached; `None` without one.
+    pub reached: Option<Proportion>,
+    /// The value on the worst bench, SI.
+    pub worst: f64,
+    /// Resonance of that bench in torque control, Hz; `None` without a shaft.
+    pub worst_resonance_hz: Option<f64>,
+}
+
+/// What retarded ignition does to the exhaust: a hint, no limit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ThermalHint {
+    /// How long the ignition efficiency lies below 0.8, s.
+    pub below_80_percent_s: f64,
+    /// Mean share of the torque that is lost to it, 0 … 1.
+    pub mean_loss: f64,
+}
+
+/// The result of a safety check.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SafetyCheck {
+    /// Every quantity that the plan has.
+    pub checked: Vec<Checked>,
+    /// How many of the benches drawn are not stable.
+    pub unstable: Proportion,
+    /// Verdict of all together.
+    pub safety: Safety,
+    /// Retarded ignition, if the plan has any.
+    pub thermal: Option<ThermalHint>,
+    /// Amplitudes at which a sine test keeps the limits; `None` where the plan is no sine test of T_d*, or no limit
+    /// bears on its amplitude.
+    pub sines: Option<Proposal>,
+}
+
+/// Why nothing can be checked.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SafetyError {
+    /// The nominal bench cannot be predicted.
+    #[error(transparent)]
+    Prediction(#[from] PredictionError),
+    /// The uncertainty holds hardly any possible bench.
+    #[error(
+        "the parameters are so uncertain that hardly any bench drawn from them is possible; give better data to the study, \
+         or check without it"
+    )]
+    NoBench,
+    /// No samples.
+    #[error("at least one bench must be drawn")]
+    NoSamples,
+}
+
+impl Checked {
+    /// The value that a share of the benches stays below, SI (linear between them).
+    pub fn quantile(&self, probability: f64) -> f64 {
+        let place = probability.clamp(0.0, 1.0) * (self.values.len().saturating_sub(1)) as f64;
+        let (below, part) = (place.floor() as usize, place.fract());
+        let at = |index: usize| self.values.get(index).copied().unwrap_or(f64::NAN);
+        if part == 0.0 { at(below) } else { at(below) * (1.0 - part) + at(below + 1) * part }
+    }
+
+    /// Verdict of its limit alone.
+    pub fn safety(&self) -> Safety {
+        self.reached.map_or(Safety::NotChecked, |reached| reached.safety())
+    }
+}
+
+/// Checks an experiment. `told` hears from any thread how many runs of how many are done.
+///
+/// # Errors
+/// The nominal bench cannot be predicted, no samples, an uncertainty without possible benches.
+pub fn check(inputs: &SafetyInputs<'_>, told: &(dyn Fn(u64, u64) + Sync)) -> Result<SafetyCheck, SafetyError> {
+    if inputs.samples == 0 {
+        return Err(SafetyError::NoSamples);
+    }
+    let nominal = inputs.prediction.model;
+    let mut random = Source::Safety.stream(inputs.seed);
+    let benches = (0..inputs.samples)
+        .map(|_| {
+            let model = inputs.spread.draw(nominal, &mut random).ok_or(SafetyError::NoBench)?;
+            let speed = random.between(inputs.slowest_engine_control, 1.0);
+            Ok(Drawn { model, engine: spread::slowed(inputs.prediction.engine, speed) })
+        })
+        .collect::<Result<Vec<_>, SafetyError>>()?;
+    let outcomes = outcomes(&inputs.prediction, &benches, told)?;
+    let checked = checked(&inputs.prediction, &outcomes);
+    let unstable = Proportion::new(outcomes.iter().filter(|outcome| outcome.is_unstable).count(), outcomes.len());
+    let sines = sines::propose(&inputs.prediction, &benches, &outcomes, told)?;
+    Ok(SafetyCheck {
+        safety: verdict::overall(&checked, unstable),
+        thermal: thermal(&inputs.prediction),
+        checked,
+        unstable,
+        sines,
+    })
+}
+
+/// Every quantity of the plan, judged.
+fn checked(inputs: &PredictionInputs<'_>, outcomes: &[Outcome]) -> Vec<Checked> {
+    let judge = |of: &Quantity| {
+        let limit = of.limit(&inputs.limits);
+        let value = |outcome: &Outcome| outcome.values[*of as usize];
+        let worst = outcomes.iter().reduce(|a, b| if of.is_worse(value(b), value(a)) { b } else { a })?;
+        let mut values: Vec<f64> = outcomes.iter().map(value).collect();
+        values.sort_by(f64::total_cmp);
+        let reached = limit.map(|limit| {
+            let count = values.iter().filter(|value| quantity::reaches(**value, limit)).count();
+            Proportion::new(count, values.len())
+        });
+        let worst_resonance_hz = inputs.plan.has_shaft.then_some(worst.resonance_hz);
+        Some(Checked { of: *of, limit, values, reached, worst: value(worst), worst_resonance_hz })
+    };
+    Quantity::of_plan(inputs.plan).iter().filter_map(judge).collect()
+}
+
+fn thermal(inputs: &PredictionInputs<'_>) -> Option<ThermalHint> {
+    let is_fired = inputs.plan.has_shaft && !inputs.plan.is_motored;
+    let Demands { ignition_efficiency, .. } = inputs.demands;
+    if !is_fired || ignition_efficiency.iter().all(|efficiency| *efficiency >= 1.0) {
+        return None;
+    }
+    let hot = ignition_efficiency.iter().filter(|efficiency| **efficiency < HOT_EFFICIENCY).count();
+    let lost: f64 = ignition_efficiency.iter().map(|efficiency| 1.0 - efficiency).sum();
+    Some(ThermalHint {
+        below_80_percent_s: hot as f64 * rig::experiment::UPDATE_S,
+        mean_loss: lost / ignition_efficiency.len() as f64,
+    })
+}

@@ -1,0 +1,48 @@
+//! One run a bench, on all processors.
+
+use numerics::parallel;
+
+use super::quantity::{self, Quantity};
+use super::sines::{self, Ladder};
+use super::spread::Drawn;
+use bench_model::prediction::{PredictionError, PredictionInputs, predict};
+
+/// What one bench did.
+pub(super) struct Outcome {
+    /// By [`Quantity`].
+    pub(super) values: [f64; Quantity::COUNT],
+    pub(super) resonance_hz: f64,
+    pub(super) is_unstable: bool,
+    /// The largest amplitude that each sine of a sine test may have, Nm; empty for other plans.
+    pub(super) allowed_nm: Vec<f64>,
+}
+
+/// The outcomes of all benches, in their order.
+pub(super) fn outcomes(
+    inputs: &PredictionInputs<'_>,
+    benches: &[Drawn],
+    told: &(dyn Fn(u64, u64) + Sync),
+) -> Result<Vec<Outcome>, PredictionError> {
+    let run = |bench: &Drawn| outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
+    parallel::map_with_progress(benches, run, told).into_iter().collect()
+}
+
+fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {
+    let resonance_hz = inputs.model.mechanics.resonance().frequency_hz;
+    let ladder = Ladder::of(inputs.plan);
+    match predict(inputs) {
+        Ok(prediction) => {
+            let values = quantity::values(inputs, inputs.model, &prediction);
+            let allowed_nm = match ladder {
+                Some(ladder) => sines::allowed_nm(inputs, &ladder, &prediction)?,
+                None => Vec::new(),
+            };
+            Ok(Outcome { values, resonance_hz, is_unstable: false, allowed_nm })
+        }
+        Err(PredictionError::Unstable) => {
+            let allowed_nm = ladder.map_or_else(Vec::new, |ladder| vec![0.0; ladder.frequencies_hz.len()]);
+            Ok(Outcome { values: quantity::unbounded(), resonance_hz, is_unstable: true, allowed_nm })
+        }
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,4 @@
+//! The dynamometer's speed controller: its estimator, and what recordings show of it.
+
+pub mod speed_control;
+pub mod speed_controller;

@@ -1,0 +1,153 @@
+//! The dynamometer's speed controller, as recordings tell it: PI without and with delay side by side, its discrete form, what
+//! may stand beside it, the limit of T_d*, and the feed-forward (thesis §6.3.1); and the study of §7.1, what noise does to the
+//! estimate.
+
+mod discrete;
+
+use serde::Serialize;
+
+use crate::speed_controller::{
+    self, FeedForwardTerms, Limit, SpeedControllerFit, Structure, feed_forward_terms, limit, structure,
+};
+use rig::experiment::Test;
+use rig::results::{Estimate, FeedForward, Parameter, Told, Untold, Validation};
+use rig::{BenchFile, ControlMode, Excitation, Experiment};
+
+pub use discrete::{Discrete, IntegrationRule};
+
+/// What recordings tell of the speed controller.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SpeedControl {
+    /// PI and delay, one entry a recording with constant N_d*, the longest first.
+    pub controllers: Vec<ControllerRecording>,
+    /// Feed-forward, one entry a recording in which N_d* moves, the longest first.
+    pub feed_forward: Vec<FeedForwardRecording>,
+    /// The limit of T_d*, one entry a recording in speed control; empty without a controller.
+    pub limits: Vec<LimitRecording>,
+}
+
+/// What one recording with constant N_d* tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ControllerRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// The controller.
+    pub found: Told<Box<Controller>>,
+}
+
+/// PI without and with delay.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Controller {
+    /// K_p, K_i, τ, I_0 and, where the data tell it, the encoder's gate T_g.
+    pub with_delay: Estimate,
+    /// K_p, K_i, I_0 of PI alone, from the same stretch.
+    pub without_delay: Estimate,
+    /// The former on the held-out stretch.
+    pub validation: Validation,
+    /// The latter on the same stretch.
+    pub validation_without_delay: Validation,
+    /// K_p in Nm s/rad and K_i in Nm/rad.
+    pub si: Vec<Parameter>,
+    /// The same as the controller computes it.
+    pub discrete: Discrete,
+    /// What may stand beside PI and delay.
+    pub structure: Told<Structure>,
+}
+
+/// What one recording with moving N_d* tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeedForwardRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// k and k_a, and whether there is more.
+    pub found: Told<Box<FeedForwardFound>>,
+}
+
+/// A straight feed-forward, and tests for what bends it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeedForwardFound {
+    /// k and k_a, with the PI alone beside them.
+    pub straight: FeedForward,
+    /// Static map, hysteresis, friction compensation.
+    pub terms: Told<FeedForwardTerms>,
+}
+
+/// The limit of T_d* in one recording.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LimitRecording {
+    /// The file.
+    pub file: String,
+    /// The limit.
+    pub found: Told<Limit>,
+}
+
+/// Looks at the speed controller in recordings in speed control; `step` hears of each before its turn comes.
+///
+/// PI and delay come from recordings with constant N_d* (BS_T_NT); the controller of the longest of them serves the others:
+/// the feed-forward from those in which N_d* moves (Levels_N_NT, Ramp_N_NT), judged on the next of these, and the limit.
+#[must_use]
+pub fn speed_control(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> SpeedControl {
+    let torque_limit_nm = bench.limits.torque_nm;
+    let held: Vec<&Experiment> = longest_first(experiments, |e| e.is_test(&Test::Bs));
+    let moved: Vec<&Experiment> = longest_first(experiments, |e| e.label.excitation == Excitation::Speed);
+    let mut best: Option<SpeedControllerFit> = None;
+    let mut controllers = Vec::new();
+    for experiment in &held {
+        step(&experiment.file);
+        let fit = speed_controller::estimate(experiment, torque_limit_nm);
+        controllers.push(ControllerRecording {
+            file: experiment.file.clone(),
+            label: experiment.label.to_string(),
+            found: match &fit {
+                Ok(fit) => Told::Found(Box::new(controller(experiment, fit, torque_limit_nm))),
+                Err(error) => Told::Untold(Untold::from(error)),
+            },
+        });
+        best = best.or(fit.ok());
+    }
+    let Some(best) = best else { return SpeedControl { controllers, feed_forward: Vec::new(), limits: Vec::new() } };
+    let mut feed_forward = Vec::new();
+    for experiment in &moved {
+        step(&experiment.file);
+        let judge = moved.iter().find(|other| other.file != experiment.file).copied();
+        let straight = speed_controller::estimate_feed_forward(experiment, judge, &best, torque_limit_nm);
+        let found = straight.map(|straight| {
+            let terms = feed_forward_terms(experiment, &best, torque_limit_nm).into();
+            Box::new(FeedForwardFound { straight, terms })
+        });
+        let (file, label) = (experiment.file.clone(), experiment.label.to_string());
+        feed_forward.push(FeedForwardRecording { file, label, found: found.into() });
+    }
+    let straight = feed_forward.iter().find_map(|one| one.found.found()).map(|found| &found.straight);
+    let limits = held.iter().chain(&moved).map(|experiment| LimitRecording {
+        file: experiment.file.clone(),
+        found: limit(experiment, &best, straight).into(),
+    });
+    SpeedControl { limits: limits.collect(), controllers, feed_forward }
+}
+
+/// Those in speed control that fulfil a condition, the longest first.
+fn longest_first<'a>(experiments: &[&'a Experiment], wanted: impl Fn(&Experiment) -> bool) -> Vec<&'a Experiment> {
+    let in_control = |e: &&&'a Experiment| e.label.mode == ControlMode::Nt && wanted(e);
+    let mut found: Vec<&Experiment> = experiments.iter().filter(in_control).copied().collect();
+    let duration = |e: &Experiment| e.signals.values().map(signal::Signal::duration_s).fold(0.0, f64::max);
+    found.sort_by(|a, b| duration(b).total_cmp(&duration(a)));
+    found
+}
+
+fn controller(experiment: &Experiment, fit: &SpeedControllerFit, torque_limit_nm: Option<f64>) -> Controller {
+    let result = &fit.result;
+    Controller {
+        with_delay: result.estimate.clone(),
+        without_delay: fit.without_delay.clone(),
+        validation: result.validation.clone(),
+        validation_without_delay: result.without_delay.clone(),
+        si: discrete::in_si(&result.estimate),
+        discrete: Discrete::of(&result.estimate, result.sample_time_s),
+        structure: structure(experiment, fit, torque_limit_nm).into(),
+    }
+}

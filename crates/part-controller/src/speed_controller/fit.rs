@@ -1,0 +1,395 @@
+//! Fitting the inverted controller, and judging it the way it is used: T_d* from measured speed.
+
+use ident::covariance::at_least_white;
+use ident::validate::{self, fit_percent, rms_error};
+use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
+use signal::Signal;
+use signal::spline::UniformSpline;
+
+use super::data::{Data, ident_error, signal_error, starting_point};
+use super::encoder::Encoder;
+use super::inverse::{self, COUNT};
+use rig::align::split_window;
+use rig::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
+use rig::results::{Estimate, FeedForward, Parameter, ResidualTest, SpeedController, Trace, Validation};
+use rig::{Experiment, Role};
+use units::RPM_RAD_S;
+
+/// Share of a recording that is estimated from; the rest judges.
+const ESTIMATION_SHARE: f64 = 0.7;
+/// Stretches the robust covariance is built from.
+pub(super) const BATCHES: usize = 30;
+/// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what was
+/// found is then noise, and its root would bias the delay.
+const SHORTEST_GATE: f64 = 0.5;
+/// A once-a-turn error larger than this part of the speed is no encoder's.
+const LARGEST_ECCENTRICITY: f64 = 2e-3;
+/// Lags of the residual tests.
+const LAGS: usize = 25;
+/// Level of the residual tests' regions.
+const TEST_LEVEL: f64 = 0.99;
+
+pub(super) const K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm/rpm" };
+pub(super) const K_I: Label = Label { symbol: "K_i", name: "integral gain", unit: "Nm/(rpm s)" };
+pub(super) const TAU: Label = Label { symbol: "τ", name: "delay of the controller", unit: "s" };
+const ZERO: Label = Label { symbol: "−K_i/K_p", name: "zero of (K_p s + K_i)/s", unit: "rad/s" };
+const I_0: Label = Label { symbol: "I_0", name: "initial state of the integrator", unit: "Nm" };
+const T_G: Label = Label { symbol: "T_g", name: "gate of the speed encoder", unit: "s" };
+pub(super) const K_SPEED: Label = Label { symbol: "k", name: "feed-forward of speed", unit: "Nm/rpm" };
+pub(super) const K_ACCELERATION: Label =
+    Label { symbol: "k_a", name: "feed-forward of acceleration", unit: "Nm/(rpm/s)" };
+
+/// The estimated speed controller, for people and for the estimators that follow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpeedControllerFit {
+    /// For the study.
+    pub result: SpeedController,
+    /// K_p, K_i and I_0 of PI without delay, on the same stretch.
+    pub without_delay: Estimate,
+    /// What was learnt of the encoder.
+    pub encoder: Encoder,
+    /// Internal parameters, by the positions in [`inverse`].
+    pub(super) theta: Vec<f64>,
+    /// Whether the gate was found in the data.
+    pub(super) is_gated: bool,
+    /// Samples by which N_d* enters the speed error late.
+    pub(super) reference_lag: usize,
+    /// Step of the recorded T_d*, Nm, where its rounding hides the encoder's gate.
+    pub coarse_demand_nm: Option<f64>,
+}
+
+/// Estimates PI and delay from a recording in speed control with constant N_d* (BS_T_NT).
+///
+/// # Errors
+/// A missing signal, too short a stretch below the torque limit, or data that do not determine the parameters.
+pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<SpeedControllerFit, EstimateError> {
+    let data = Data::of(experiment, torque_limit_nm)?;
+    let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
+    let (known, unseen) = (data.part(experiment, estimation), data.part(experiment, validation));
+    let Found { fit, lag, smooth, start, coarse_demand_nm } = found_in(&known)?;
+    let (estimate, encoder) = described(&known, &fit, lag, coarse_demand_nm)?;
+    let without = fit_without_delay(&smooth, start, lag)?;
+    let k_p = 1.0 / fit.parameters[inverse::P];
+    let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
+    Ok(SpeedControllerFit {
+        result: SpeedController {
+            zero: zero_of(&estimate),
+            estimate,
+            sample_time_s: data.demand.sample_time_s,
+            discrete: (discrete.0 * RPM_RAD_S, discrete.1 * RPM_RAD_S),
+            validation: validate(&unseen, &fit.parameters, lag)?,
+            without_delay: validate(&unseen, &without.parameters, lag)?,
+        },
+        without_delay: describe_without_delay(&known, &without)?,
+        encoder,
+        is_gated: !fit.at_bound[inverse::GATE_SQUARED],
+        theta: fit.parameters,
+        reference_lag: lag,
+        coarse_demand_nm,
+    })
+}
+
+/// The zero of (K_p s + K_i)/s by the delta method, K_p and K_i being the first two parameters.
+fn zero_of(estimate: &Estimate) -> Parameter {
+    let [k_p, k_i] = [0, 1].map(|i| estimate.parameters.get(i).map_or(f64::NAN, |p| p.value));
+    let gradient = [k_i / (k_p * k_p), -1.0 / k_p];
+    let rows = estimate.covariance.iter().zip(gradient);
+    let variance: f64 = rows.map(|(row, a)| row.iter().zip(gradient).map(|(c, b)| a * c * b).sum::<f64>()).sum();
+    let freedom = estimate.parameters.first().map_or(f64::NAN, |p| p.degrees_of_freedom);
+    Parameter::new(ZERO, -k_i / k_p, variance.max(0.0).sqrt(), freedom)
+}
+
+/// Estimates PI and delay from all of a recording whose T_d* is that of PI and delay alone; nothing is held out.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_alone(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Estimate, EstimateError> {
+    let data = Data::of(experiment, torque_limit_nm)?;
+    let Found { fit, lag, coarse_demand_nm, .. } = found_in(&data)?;
+    Ok(described(&data, &fit, lag, coarse_demand_nm)?.0)
+}
+
+/// PI and delay as the search left them.
+struct Found {
+    fit: Minimum,
+    lag: usize,
+    /// The data it was found in, and where the search began.
+    smooth: Data,
+    start: Vec<f64>,
+    coarse_demand_nm: Option<f64>,
+}
+
+fn found_in(data: &Data) -> Result<Found, EstimateError> {
+    let coarse_demand_nm = data.coarse_demand_nm()?;
+    let free = |j: usize| j < inverse::K && (j != inverse::GATE_SQUARED || coarse_demand_nm.is_none());
+    let smooth = data.smoothed()?;
+    let start = starting_point(&smooth)?;
+    let (fit, lag) = fit_with_lag(&smooth, start.clone(), free)?;
+    Ok(Found { fit, lag, smooth, start, coarse_demand_nm })
+}
+
+fn described(
+    data: &Data,
+    fit: &Minimum,
+    lag: usize,
+    coarse_demand_nm: Option<f64>,
+) -> Result<(Estimate, Encoder), EstimateError> {
+    let noise = refit_stretch(data, &fit.parameters, lag)?.noise_variance().sqrt();
+    let (mut estimate, mut encoder) = describe(data, fit, noise)?;
+    if coarse_demand_nm.is_some() {
+        // A gate of nought to one sample, all alike; half of it is in the delay.
+        encoder.gate_standard_error_s = data.demand.sample_time_s / 12f64.sqrt();
+        estimate.add_systematic(&[TAU.symbol], encoder.gate_standard_error_s);
+    }
+    Ok((estimate, encoder))
+}
+
+/// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), together with the PI.
+///
+/// `judge` is another such recording, on which the estimate is judged; without one the last part of the first serves.
+///
+/// # Errors
+/// A missing signal, a constant N_d*, too short a stretch below the torque limit, or data that do not determine the
+/// parameters.
+pub fn estimate_feed_forward(
+    experiment: &Experiment,
+    judge: Option<&Experiment>,
+    controller: &SpeedControllerFit,
+    torque_limit_nm: Option<f64>,
+) -> Result<FeedForward, EstimateError> {
+    let data = Data::of(experiment, torque_limit_nm)?;
+    let (known, unseen) = match judge.map(|other| Data::of(other, torque_limit_nm)) {
+        Some(Ok(other)) => (data, other),
+        Some(Err(_)) | None => {
+            let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
+            (data.part(experiment, estimation), data.part(experiment, validation))
+        }
+    };
+    check_moves(experiment, &known.reference)?;
+    let fit = fit_feed_forward(&known.smoothed()?, controller)?;
+    let alone = |j: usize| if matches!(j, inverse::K | inverse::K_A) { 0.0 } else { controller.theta[j] };
+    let pi_alone: Vec<f64> = (0..COUNT).map(alone).collect();
+    Ok(FeedForward {
+        estimate: describe_feed_forward(&known, &fit)?,
+        validation: validate(&unseen, &fit.parameters, controller.reference_lag)?,
+        pi_alone: validate(&unseen, &pi_alone, controller.reference_lag)?,
+    })
+}
+
+impl SpeedControllerFit {
+    /// Once-a-turn error of N_d in another recording in speed control, as far as the controller does not answer it:
+    /// coefficients of cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording
+    /// cannot tell.
+    pub fn once_a_turn_in(&self, experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(f64, f64)> {
+        let data = Data::of(experiment, torque_limit_nm).ok()?;
+        let fit = refit_stretch(&data, &self.theta, self.reference_lag).ok()?;
+        let found = (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]);
+        (found.0.hypot(found.1) < LARGEST_ECCENTRICITY).then_some(found)
+    }
+}
+
+pub(super) fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
+    let mean = reference.mean().unwrap_or(0.0);
+    let spread = (reference.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / reference.len() as f64).sqrt();
+    if spread > 1.0 {
+        return Ok(());
+    }
+    Err(EstimateError::WeakExcitation {
+        file: experiment.file.clone(),
+        role: Role::DynoSpeedDemand,
+        standard_deviation: spread,
+    })
+}
+
+/// Fits with the lag of N_d* in the speed error made consistent with the delay found, and without a gate where there is
+/// none.
+fn fit_with_lag(
+    data: &Data,
+    mut start: Vec<f64>,
+    free: impl Fn(usize) -> bool,
+) -> Result<(Minimum, usize), EstimateError> {
+    let mut lag = 1;
+    let mut fit = run(data, lag, &start, &free)?;
+    let gate = fit.parameters[inverse::GATE_SQUARED].sqrt();
+    let is_gated = gate >= SHORTEST_GATE;
+    if !is_gated {
+        start[inverse::GATE_SQUARED] = 0.0;
+    }
+    let free = |j: usize| free(j) && (is_gated || j != inverse::GATE_SQUARED);
+    let found = fit.parameters[inverse::LEAD] + if is_gated { gate / 2.0 } else { 0.0 };
+    let right_lag = found.round().max(0.0) as usize;
+    if right_lag != lag || !is_gated {
+        lag = right_lag;
+        fit = run(data, lag, &start, free)?;
+    }
+    Ok((fit, lag))
+}
+
+fn fit_without_delay(data: &Data, mut start: Vec<f64>, lag: usize) -> Result<Minimum, EstimateError> {
+    (start[inverse::LEAD], start[inverse::GATE_SQUARED]) = (0.0, 0.0);
+    let free = |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
+    run(data, lag, &start, free)
+}
+
+fn fit_feed_forward(data: &Data, controller: &SpeedControllerFit) -> Result<Minimum, EstimateError> {
+    let mut start = controller.theta.clone();
+    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
+    (start[inverse::COSINE], start[inverse::SINE]) = (0.0, 0.0);
+    run(data, controller.reference_lag, &start, |j| j <= inverse::K_A && j != inverse::GATE_SQUARED)
+}
+
+/// Minimises the residual over the free parameters, from `start`; one number for each further term of the feed-forward may be
+/// missing there, which then starts at zero.
+pub(super) fn run(
+    data: &Data,
+    lag: usize,
+    start: &[f64],
+    free: impl Fn(usize) -> bool,
+) -> Result<Minimum, EstimateError> {
+    let unbounded = |j: usize| match j {
+        inverse::P => Bounds::new(1e-9, 1e9),
+        inverse::Q => Bounds::new(0.0, 1.0),
+        inverse::LEAD => Bounds::new(-5.0, 15.0),
+        inverse::GATE_SQUARED => Bounds::new(0.0, 100.0),
+        // Below half, inverting the filter or the derivative is not stable.
+        inverse::FILTER | inverse::DERIVATIVE => Bounds::new(-0.45, 1e4),
+        inverse::SECOND_INTEGRATOR => Bounds::new(-0.25, 0.25),
+        _ => Bounds::NONE,
+    };
+    let mut start = start.to_vec();
+    start.resize(COUNT + data.further.len(), 0.0);
+    let bounds: Vec<Bounds> =
+        start.iter().enumerate().map(|(j, v)| if free(j) { unbounded(j) } else { Bounds::new(*v, *v) }).collect();
+    let mut model = data.model(lag, &free);
+    minimise(&mut model, &start, &bounds, NonlinearOptions::default()).map_err(|source| ident_error(data, source))
+}
+
+/// Gains, delay and gate with their covariance, from the internal parameters.
+fn describe(data: &Data, fit: &Minimum, noise_rad_s: f64) -> Result<(Estimate, Encoder), EstimateError> {
+    let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
+    let t = data.demand.sample_time_s;
+    let first_demand = data.demand.samples[0];
+    let gate = |g: &[f64]| g[inverse::GATE_SQUARED].max(0.0).sqrt() * t;
+    let outputs: [ReadOut<'_>; 5] = [
+        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
+        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
+        (TAU, &|g| g[inverse::LEAD] * t + gate(g) / 2.0),
+        (I_0, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
+        (T_G, &gate),
+    ];
+    // Without a gate of its own the logged speed is the one the controller sees: nothing to report.
+    let reported = if fit.at_bound[inverse::GATE_SQUARED] { &outputs[..4] } else { &outputs[..] };
+    let mut estimate = transformed(reported, fit, &covariance, dof, &data.stretch);
+    estimate.add_systematic(&[TAU.symbol], timing_floor_s(t));
+    let gate_standard_error_s = estimate.parameter(T_G.symbol).map_or(0.0, |p| p.standard_error);
+    let encoder = Encoder {
+        gate_s: gate(&fit.parameters),
+        gate_standard_error_s,
+        noise_rad_s,
+        once_a_turn: (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]),
+    };
+    Ok((estimate, encoder))
+}
+
+fn describe_without_delay(data: &Data, fit: &Minimum) -> Result<Estimate, EstimateError> {
+    let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
+    let (t, first_demand) = (data.demand.sample_time_s, data.demand.samples[0]);
+    let outputs: [ReadOut<'_>; 3] = [
+        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
+        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
+        (I_0, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
+    ];
+    Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
+}
+
+fn describe_feed_forward(data: &Data, fit: &Minimum) -> Result<Estimate, EstimateError> {
+    let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
+    let t = data.demand.sample_time_s;
+    let outputs: [ReadOut<'_>; 4] = [
+        (K_SPEED, &|g| RPM_RAD_S * g[inverse::K]),
+        (K_ACCELERATION, &|g| RPM_RAD_S * t * g[inverse::K_A]),
+        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
+        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
+    ];
+    Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
+}
+
+/// T_d* computed from measured speed, against T_d* recorded; residual tests on the inverted form, whose residual is the
+/// encoder's noise if the model is right.
+fn validate(data: &Data, theta: &[f64], lag: usize) -> Result<Validation, EstimateError> {
+    let modelled = forward(data, theta, lag)?;
+    let measured = &data.demand.samples;
+    let of = |e| ident_error(data, e);
+    Ok(Validation {
+        stretch: data.stretch.clone(),
+        quantity: Role::DynoTorqueDemand.symbol().to_owned(),
+        unit: "Nm".to_owned(),
+        fit_percent: fit_percent(measured, &modelled).map_err(of)?,
+        rms_error: rms_error(measured, &modelled).map_err(of)?,
+        measured: trace(&data.demand, measured.clone()),
+        modelled: trace(&data.demand, modelled),
+        residuals: Some(residual_test(data, theta, lag)?),
+    })
+}
+
+fn trace(clock: &Signal, values: Vec<f64>) -> Trace {
+    Trace { start_s: clock.start_s, sample_time_s: clock.sample_time_s, values }
+}
+
+/// Simulates T_d* from the measured speed, the integrator's initial state fitted.
+fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateError> {
+    let turn = |(w, angle): (&f64, &f64)| {
+        w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin())
+    };
+    let seen = data.speed.samples.iter().zip(&data.phase_rad).map(turn).collect();
+    let spline = UniformSpline::new(seen).map_err(|e| signal_error(&data.stretch.file, e))?;
+    let (k_p, step) = (1.0 / theta[inverse::P], theta[inverse::Q] / theta[inverse::P]);
+    let reference = &data.reference.samples;
+    let mut integral = 0.0;
+    let mut output = Vec::with_capacity(data.demand.len());
+    for k in 0..data.demand.len() {
+        let instant = data.demand.time_s(k) - theta[inverse::LEAD] * data.demand.sample_time_s;
+        let at = ((instant - data.speed.start_s) / data.speed.sample_time_s).clamp(0.0, data.speed.len() as f64 - 1.0);
+        let error = spline.value(at) - reference[k.saturating_sub(lag)];
+        let feed =
+            theta[inverse::K] * reference[k] + theta[inverse::K_A] * (reference[k] - reference[k.saturating_sub(1)]);
+        output.push(k_p * error + integral + feed);
+        integral += step * error;
+    }
+    let offset = data.demand.samples.iter().zip(&output).map(|(m, s)| m - s).sum::<f64>() / output.len() as f64;
+    output.iter_mut().for_each(|v| *v += offset);
+    Ok(output)
+}
+
+fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest, EstimateError> {
+    let fit = refit_stretch(data, theta, lag)?;
+    let positions = data.model(lag, &|_| false).kept();
+    let input = demand_at_speed(data, positions);
+    let test = validate::ResidualTest { lags: LAGS, level: TEST_LEVEL, ..Default::default() };
+    let seen = Dataset::siso(data.speed.sample_time_s, &input, &fit.residuals).map_err(|e| ident_error(data, e))?;
+    let mut found = test.run_on_residuals(&seen).map_err(|e| ident_error(data, e))?;
+    let (own, cross) = (found.whiteness.swap_remove(0), found.independence.swap_remove(0).swap_remove(0));
+    Ok(ResidualTest {
+        sample_time_s: data.speed.sample_time_s,
+        level: TEST_LEVEL,
+        autocorrelation_bound: own.widest_bound(),
+        autocorrelation: own.auto,
+        cross_correlation_bound: cross.widest_bound(),
+        cross_correlation: cross.cross,
+        input: Role::DynoTorqueDemand.symbol().to_owned(),
+    })
+}
+
+/// Fits what belongs to a stretch itself, its initial state and the angle's zero, and leaves the controller as it is.
+fn refit_stretch(data: &Data, theta: &[f64], lag: usize) -> Result<Minimum, EstimateError> {
+    let mut start = theta.to_vec();
+    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
+    run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))
+}
+
+/// T_d* held at the instants of N_d.
+fn demand_at_speed(data: &Data, samples: std::ops::Range<usize>) -> Vec<f64> {
+    let last = data.demand.len() - 1;
+    let index = |i: usize| (data.speed.time_s(i) - data.demand.start_s) / data.demand.sample_time_s;
+    samples.map(|i| data.demand.samples[(index(i).round().max(0.0) as usize).min(last)]).collect()
+}

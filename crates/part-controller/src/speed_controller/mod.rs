@@ -1,0 +1,35 @@
+//! The speed controller: PI with delay, and its feed-forward.
+//!
+//! T_d* is computed, hence free of noise; N_d is measured. Regressing T_d* on N_d would therefore be an
+//! errors-in-variables problem with biased answers. The controller is inverted instead: from T_d* follows exactly which
+//! speed error it must have seen, and the measured speed is compared with that (an output-error fit whose residual is
+//! the encoder's noise).
+//!
+//! Controller, at its own sample time T, with e(k) = N_d(kT − τ) − N_d*(k − l) and l = τ/T rounded:
+//!
+//! T_d*(k) = K_p e(k) + I(k) + k N_d*(k) + k_a (N_d*(k) − N_d*(k − 1))/T,  I(k + 1) = I(k) + K_i T e(k).
+//!
+//! Integrating by backward or trapezoidal rule gives the same sequence with K_p less by K_i T or K_i T/2: the rule
+//! cannot be told from data, so forward Euler, which is also the exact discretisation of (6.5) under a held input, is
+//! the convention here.
+//!
+//! # Source
+//! Thesis (6.2), (6.5)–(6.7); Ljung 1999, §4.3 (output error), §9.4.
+
+mod data;
+mod encoder;
+mod fit;
+mod forward;
+mod inverse;
+mod limit;
+mod terms;
+
+pub use encoder::Encoder;
+pub use fit::estimate_alone;
+pub use fit::{SpeedControllerFit, estimate, estimate_feed_forward};
+pub use forward::estimate_forward;
+pub use limit::{AntiWindup, LawTest, Limit, LimitReached, limit};
+pub use terms::{
+    FeedForwardTerms, LEVEL, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict, feed_forward_terms,
+    structure,
+};

@@ -1,0 +1,94 @@
+//! T_e, the engine's torque, which no bench records: rebuilt from N_d, N_e and T_d on the two masses and the shaft between
+//! them (6.1), (6.4), by a fixed-interval smoother with its uncertainty, cycle by cycle and, where firings are told apart,
+//! cylinder by cylinder.
+//!
+//! What the rebuilt torque holds: gas torque and the inertia torque of pistons and rods, less the engine's friction; and the
+//! bearing friction of the dynamometer at the mean speed, which nothing with the shaft on tells from it.
+
+mod cycles;
+mod rebuild;
+mod source;
+
+use numerics::parallel;
+use serde::Serialize;
+
+pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
+pub use self::rebuild::RebuiltEngine;
+pub use self::source::{InertiaSource, TwoMasses};
+use part_controller::speed_controller;
+use part_shaft::shaft_inputs::stated_gate;
+use part_torque::torque_control;
+use part_torque::torque_signals::believable;
+use rig::experiment::Test;
+use rig::results::Told;
+use rig::{BenchFile, Experiment};
+
+/// What recordings tell of the engine's torque.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EngineTorque {
+    /// The masses and the shaft that all recordings are rebuilt with, or why there are none.
+    pub masses: Told<TwoMasses>,
+    /// One entry a recording with a shaft; none without masses.
+    pub recordings: Vec<EngineRecording>,
+}
+
+/// What one recording tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct EngineRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// The engine's torque.
+    pub engine: Told<RebuiltEngine>,
+    /// The same by cycle and cylinder; untold where firings are too fast for the rate of N_d.
+    pub cycles: Told<Cycles>,
+}
+
+/// Rebuilds the engine's torque of every recording with a shaft; `step` hears of each before its turn comes.
+///
+/// The shaft is that of the recording that tells it best, J_e that of a recording with a broadband T_d* in torque control
+/// where one tells it, otherwise the bench file's. Recordings whose T_d,calc has the wrong sign are not used.
+#[must_use]
+pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> EngineTorque {
+    let limit = bench.limits.torque_nm;
+    let all: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let experiments: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
+    let controller =
+        experiments.iter().filter(|e| e.is_test(&Test::Bs)).find_map(|e| speed_controller::estimate(e, limit).ok());
+    let control = torque_control::choose(&experiments).and_then(|e| torque_control::estimate(e, limit).ok());
+    let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let masses = match all.iter().find_map(|experiment| believable(experiment).err()) {
+        Some(why) if with_shaft.is_empty() => Err(why),
+        _ => TwoMasses::of(&with_shaft, bench, controller.as_ref(), control.as_ref()),
+    };
+    let known = rebuild::Known {
+        engine: bench.engine(),
+        stated_gate_s: stated_gate(bench),
+        controller: controller.as_ref(),
+        torque_control: control.as_ref(),
+    };
+    let masses = match masses {
+        Ok(masses) => masses,
+        Err(why) => return EngineTorque { masses: Told::Untold(why), recordings: Vec::new() },
+    };
+    let look = |experiment: &&Experiment| {
+        step(&experiment.file);
+        of_recording(experiment, &masses, &known)
+    };
+    let recordings = parallel::map(&all, look);
+    EngineTorque { masses: Told::Found(masses), recordings }
+}
+
+fn of_recording(experiment: &Experiment, masses: &TwoMasses, known: &rebuild::Known<'_>) -> EngineRecording {
+    let rebuilt = believable(experiment)
+        .and_then(|()| rebuild::rebuild(experiment, masses, known).map_err(|error| (&error).into()));
+    let (engine, cycles) = match rebuilt {
+        Ok((engine, motion)) => {
+            let cycles = cycles::of(&engine, &motion, known.engine).map_or_else(Told::Untold, Told::Found);
+            (Told::Found(engine), cycles)
+        }
+        Err(why) => (Told::Untold(why.clone()), Told::Untold(why)),
+    };
+    EngineRecording { file: experiment.file.clone(), label: experiment.label.to_string(), engine, cycles }
+}

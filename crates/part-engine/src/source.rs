@@ -1,0 +1,154 @@
+//! The two masses and the shaft between them, with what is uncertain of them.
+
+use faer::Mat;
+use serde::Serialize;
+
+use part_controller::speed_controller::SpeedControllerFit;
+use part_shaft::shaft;
+use part_shaft::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
+use part_torque::torque_control::TorqueControlFit;
+use rig::facts::BenchVariant;
+use rig::results::{Estimate, Untold};
+use rig::{BenchFile, Experiment};
+
+/// A J_e that is less certain than this is no better than the bench file's.
+const TOLD: f64 = 0.05;
+/// K, B, c_1, δ_e and δ_T as the shaft's estimate names them.
+const OF_SHAFT: [&str; 5] = ["K", "B", "c_1", "δ_e", "δ_T"];
+/// J_d and J_e come after them.
+pub(super) const PARAMETERS: usize = OF_SHAFT.len() + 2;
+
+/// Where J_e comes from.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InertiaSource {
+    /// Estimated from this recording.
+    Estimated(String),
+    /// The bench file states it; its uncertainty is unknown and in no interval.
+    BenchFile,
+}
+
+/// A recording and what it tells.
+type Told = (String, Estimate);
+
+/// Two masses with a shaft between them. SI.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TwoMasses {
+    /// The recording that the shaft is from.
+    pub shaft_from: String,
+    /// Where J_e is from.
+    pub inertia_from: InertiaSource,
+    /// K, Nm/rad; B, Nm s/rad; c_1, slope of the dynamometer's friction, Nm s/rad; δ_e and δ_T, by how much N_e and T_d are
+    /// late, s; J_d and J_e, kg m².
+    pub values: [f64; PARAMETERS],
+    /// Their covariance.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// The values by name.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Values {
+    pub(super) stiffness: f64,
+    pub(super) damping: f64,
+    pub(super) friction_slope: f64,
+    pub(super) engine_late_s: f64,
+    pub(super) torque_late_s: f64,
+    pub(super) dyno_inertia: f64,
+    pub(super) engine_inertia: f64,
+}
+
+impl Values {
+    pub(super) fn of(values: &[f64; PARAMETERS]) -> Self {
+        let [stiffness, damping, friction_slope, engine_late_s, torque_late_s, dyno_inertia, engine_inertia] = *values;
+        Values { stiffness, damping, friction_slope, engine_late_s, torque_late_s, dyno_inertia, engine_inertia }
+    }
+}
+
+impl TwoMasses {
+    /// The shaft of the recording that tells K best.
+    ///
+    /// # Errors
+    /// No recording tells the shaft: why the last one that was tried does not, or that none has a shaft.
+    pub(super) fn of(
+        experiments: &[&Experiment],
+        bench: &BenchFile,
+        controller: Option<&SpeedControllerFit>,
+        torque_control: Option<&TorqueControlFit>,
+    ) -> Result<Self, Untold> {
+        let reason = "every recording is without shaft; give one with it, such as BS_T_NT".to_owned();
+        let mut failed = Untold::Failed { reason };
+        let (mut best, mut both): (Option<Told>, Option<Told>) = (None, None);
+        for experiment in experiments {
+            let inputs = shaft_inputs(experiment, bench, controller, torque_control);
+            let estimate = match inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate_parameters) {
+                Ok(estimate) => estimate,
+                Err(error) => {
+                    failed = (&error).into();
+                    continue;
+                }
+            };
+            if let (Ok(inputs), true) = (&inputs, tells_inertias(experiment, bench))
+                && let Ok(found) = both_inertias(experiment, inputs, bench)
+                && uncertainty(&found, "J_e") < both.as_ref().map_or(TOLD, |(_, other)| uncertainty(other, "J_e"))
+            {
+                both = Some((experiment.file.clone(), found));
+            }
+            if best.as_ref().is_none_or(|(_, other)| uncertainty(&estimate, "K") < uncertainty(other, "K")) {
+                best = Some((experiment.file.clone(), estimate));
+            }
+        }
+        let (file, estimate) = best.ok_or(failed)?;
+        Ok(Self::assembled((file, &estimate), both, bench))
+    }
+
+    fn assembled((file, shaft): (String, &Estimate), both: Option<Told>, bench: &BenchFile) -> Self {
+        let mut values = [0.0; PARAMETERS];
+        let mut covariance = vec![vec![0.0; PARAMETERS]; PARAMETERS];
+        let places = OF_SHAFT.map(|symbol| shaft.parameters.iter().position(|p| p.symbol == symbol));
+        for (i, at) in places.iter().enumerate() {
+            let Some(at) = *at else { continue };
+            values[i] = shaft.parameters[at].value;
+            for (j, other) in places.iter().enumerate() {
+                covariance[i][j] = other.map_or(0.0, |other| shaft.covariance[at][other]);
+            }
+        }
+        let [dyno, engine] = [PARAMETERS - 2, PARAMETERS - 1];
+        let stated = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0;
+        (values[dyno], values[engine]) = (bench.dynamometer_inertia_kg_m2, bench.engine_inertia_kg_m2);
+        // Behind a torque flange J_d stands in no equation of the shaft.
+        covariance[dyno][dyno] =
+            if bench.variant == BenchVariant::LoadCell { (stated * values[dyno]).powi(2) } else { 0.0 };
+        let inertia_from = match both {
+            None => InertiaSource::BenchFile,
+            Some((file, found)) => {
+                let engine_inertia =
+                    found.parameter("J_e").map_or((values[engine], 0.0), |p| (p.value, p.standard_error));
+                (values[engine], covariance[engine][engine]) = (engine_inertia.0, engine_inertia.1.powi(2));
+                InertiaSource::Estimated(file)
+            }
+        };
+        TwoMasses { shaft_from: file, inertia_from, values, covariance }
+    }
+
+    /// Values one standard deviation away, in as many independent directions as there are: the columns of a square root of
+    /// the covariance.
+    pub(super) fn apart(&self) -> Vec<[f64; PARAMETERS]> {
+        let deviations: Vec<f64> = (0..PARAMETERS).map(|i| self.covariance[i][i].max(0.0).sqrt()).collect();
+        let correlation = |i: usize, j: usize| match deviations[i] * deviations[j] {
+            0.0 => 0.0,
+            scale => self.covariance[i][j] / scale,
+        };
+        let correlations = Mat::from_fn(PARAMETERS, PARAMETERS, correlation);
+        let Ok(eigen) = correlations.self_adjoint_eigen(faer::Side::Lower) else { return Vec::new() };
+        let direction = |k: usize| {
+            let length = eigen.S()[k].max(0.0).sqrt();
+            std::array::from_fn(|i| self.values[i] + length * eigen.U()[(i, k)] * deviations[i])
+        };
+        let moves = |values: &[f64; PARAMETERS]| values != &self.values;
+        (0..PARAMETERS).map(direction).filter(moves).collect()
+    }
+}
+
+fn uncertainty(estimate: &Estimate, symbol: &str) -> f64 {
+    estimate.parameter(symbol).map_or(f64::INFINITY, |p| p.standard_error / p.value.abs())
+}

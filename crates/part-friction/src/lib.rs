@@ -1,0 +1,360 @@
+//! Friction and inertia of the dynamometer from recordings without shaft: steps of speed, and run-outs (thesis §4.8).
+//!
+//! J_d dω_d/dt = −T_d − T_fric(ω_d) (4.1), T_fric = c_0 sgn ω + c_1 ω + c_2 ω|ω| + c_3 ω³, and where both directions are seen
+//! T_0, by which friction differs between them or T_d is off. Integrated over time, nothing is
+//! differentiated: ω_d(t) = ω_0 − (1/J_d) ∫T_d(t − δ) dt − Σ (c_i/J_d) ∫…dt, linear in 1/J_d and c_i/J_d. δ, by which the
+//! torque's clock is late against the speed's, is a parameter too. What torques leave unsaid adds up in the speed as a random
+//! walk does, under the encoder's white noise; the ratio of the two is that of greatest likelihood, and the estimate that of
+//! generalised least squares. Intervals are robust to residuals that are coloured all the same.
+
+mod course;
+mod error;
+mod regression;
+
+use serde::Serialize;
+
+use course::{Course, Directions};
+pub use error::FrictionError;
+use regression::{Drive, Excitation, Fitted, Problem};
+use rig::estimation::Label;
+use rig::results::{Estimate, Parameter, Stretch};
+use rig::{BenchFile, Experiment};
+
+/// A term of higher order stays where the interval of its coefficient at this level does not hold zero.
+const TERM_LEVEL: f64 = 0.99;
+/// 1/J_d counts as determined by the data below this relative standard error.
+const DETERMINED: f64 = 0.1;
+/// Friction drives where it does so beyond so many half widths of its interval, and by this part of the largest torque.
+const DRIVES: (f64, f64) = (2.0, 0.05);
+/// Points of the curve.
+const POINTS: usize = 41;
+/// Longest delay between the clocks, s.
+const LONGEST_DELAY_S: f64 = 0.05;
+/// Rounds of shifting T_d by its delay.
+const ROUNDS: usize = 8;
+/// A round that shifts by less than this has converged, s.
+const SHIFTED_S: f64 = 1e-7;
+
+const INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
+const DELAY: Label = Label { symbol: "δ_T", name: "how late T_d is against N_d", unit: "s" };
+
+/// A term of T_fric(ω).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Term {
+    /// T_0, the same whatever the direction: told apart from the others where both directions are seen.
+    Offset,
+    /// c_0 sgn ω.
+    Coulomb,
+    /// c_1 ω.
+    Viscous,
+    /// c_2 ω|ω|, of air.
+    Quadratic,
+    /// c_3 ω³.
+    Cubic,
+}
+
+impl Term {
+    /// Those of one direction, from the lowest order on.
+    pub const ALL: [Term; 4] = [Term::Coulomb, Term::Viscous, Term::Quadratic, Term::Cubic];
+
+    fn at(self, speed: f64) -> f64 {
+        match self {
+            Term::Offset => 1.0,
+            Term::Coulomb => speed.signum(),
+            Term::Viscous => speed,
+            Term::Quadratic => speed * speed.abs(),
+            Term::Cubic => speed.powi(3),
+        }
+    }
+
+    fn torque(self) -> Label {
+        match self {
+            Term::Offset => {
+                Label { symbol: "T_0", name: "offset of T_d, or of friction between directions", unit: "Nm" }
+            }
+            Term::Coulomb => Label { symbol: "c_0", name: "Coulomb friction", unit: "Nm" },
+            Term::Viscous => Label { symbol: "c_1", name: "viscous friction", unit: "Nm s/rad" },
+            Term::Quadratic => Label { symbol: "c_2", name: "quadratic friction", unit: "Nm s²/rad²" },
+            Term::Cubic => Label { symbol: "c_3", name: "cubic friction", unit: "Nm s³/rad³" },
+        }
+    }
+
+    fn deceleration(self) -> Label {
+        match self {
+            Term::Offset => Label { symbol: "T_0/J", name: "offset over inertia", unit: "rad/s²" },
+            Term::Coulomb => Label { symbol: "c_0/J", name: "Coulomb friction over inertia", unit: "rad/s²" },
+            Term::Viscous => Label { symbol: "c_1/J", name: "viscous friction over inertia", unit: "1/s" },
+            Term::Quadratic => Label { symbol: "c_2/J", name: "quadratic friction over inertia", unit: "1/rad" },
+            Term::Cubic => Label { symbol: "c_3/J", name: "cubic friction over inertia", unit: "s/rad²" },
+        }
+    }
+}
+
+/// What is wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionOptions {
+    /// J_d of the bench file, kg m²: what turns a deceleration into a torque where the recordings do not tell J_d.
+    pub inertia_kg_m2: f64,
+    /// Slower than this is left out, where a bearing sticks rather than slides, rad/s; a fiftieth of the highest speed, and at
+    /// least one, where `None`.
+    pub slowest_rad_s: Option<f64>,
+    /// Limit of the inverter, Nm.
+    pub torque_limit_nm: Option<f64>,
+}
+
+impl FrictionOptions {
+    /// What a bench file states.
+    pub fn of(bench: &BenchFile) -> Self {
+        FrictionOptions {
+            inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
+            slowest_rad_s: None,
+            torque_limit_nm: bench.limits.torque_nm,
+        }
+    }
+}
+
+/// Whence J_d.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "from", rename_all = "snake_case")]
+pub enum Inertia {
+    /// The recordings: T_d changed the speed.
+    Estimated {
+        /// J_d, kg m².
+        inertia: Box<Parameter>,
+        /// By how much T_d is later than N_d, s.
+        delay: Box<Parameter>,
+    },
+    /// The bench file: T_d was zero, not recorded, or changed nothing, and the recordings tell friction over inertia alone.
+    Stated {
+        /// J_d, kg m².
+        inertia_kg_m2: f64,
+        /// Why.
+        why: Undetermined,
+    },
+}
+
+/// Why the recordings do not tell J_d.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Undetermined {
+    /// No torque was recorded.
+    NoTorque,
+    /// T_d was zero throughout.
+    TorqueFree,
+    /// T_d hardly changed the speed, or only as friction does.
+    LittleExcitation,
+}
+
+/// What T_d was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TorqueUsed {
+    /// T_d* through the torque control that the recording shows.
+    Modelled,
+    /// T_d,calc as it was recorded.
+    Calculated,
+    /// T_d,meas, for want of T_d,calc.
+    LoadCell,
+}
+
+/// A choice of terms and what it leaves unexplained.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Candidate {
+    /// Its terms.
+    pub terms: Vec<Term>,
+    /// Coefficients over J_d.
+    pub per_inertia: Vec<Parameter>,
+    /// −2 ln likelihood + ln(samples) for each parameter, less that of the best candidate.
+    pub bic_above_best: f64,
+    /// Whether it is the one that was chosen.
+    pub chosen: bool,
+}
+
+/// T_fric at a speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// ω_d, rad/s.
+    pub speed_rad_s: f64,
+    /// T_fric, Nm.
+    pub torque_nm: f64,
+    /// Half of its 95 % interval, Nm; without the uncertainty of a stated J_d.
+    pub half_width_nm: f64,
+}
+
+/// A speed that was measured beside that of the model, for a figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunOut {
+    /// Where.
+    pub stretch: Stretch,
+    /// What T_d was taken from; none where none was recorded.
+    pub torque: Option<TorqueUsed>,
+    /// Samples left out: drop-outs.
+    pub left_out: usize,
+    /// Instants, s.
+    pub time_s: Vec<f64>,
+    /// N_d, rad/s.
+    pub measured_rad_s: Vec<f64>,
+    /// That of the model from the first sample on, rad/s.
+    pub modelled_rad_s: Vec<f64>,
+}
+
+/// Friction and inertia of a dynamometer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Friction {
+    /// J_d and whence.
+    pub inertia: Inertia,
+    /// Coefficients of T_fric, Nm and so on.
+    pub friction: Estimate,
+    /// Coefficients over J_d: what a run-out tells by itself.
+    pub per_inertia: Estimate,
+    /// All choices of terms that were held against each other.
+    pub candidates: Vec<Candidate>,
+    /// T_fric over the speeds that were seen.
+    pub curve: Vec<CurvePoint>,
+    /// What was used.
+    pub run_outs: Vec<RunOut>,
+}
+
+impl Friction {
+    /// The terms that were chosen.
+    #[must_use]
+    pub fn terms(&self) -> &[Term] {
+        self.candidates.iter().find(|c| c.chosen).map_or(&[], |c| &c.terms)
+    }
+
+    /// J_d, estimated or stated, kg m².
+    #[must_use]
+    pub fn inertia_kg_m2(&self) -> f64 {
+        match &self.inertia {
+            Inertia::Estimated { inertia, .. } => inertia.value,
+            Inertia::Stated { inertia_kg_m2, .. } => *inertia_kg_m2,
+        }
+    }
+}
+
+/// Estimates friction, and J_d where torque tells it, from recordings without shaft, all together.
+///
+/// Coulomb and viscous friction are always there, an offset where both directions are seen and tell it from zero; a quadratic and a cubic term where they are told from zero with 99 %
+/// confidence. Samples of N_d that drop out are left out. Without a recorded torque, the longest fall of the speed is used.
+/// Where T_d is known at its own samples alone, or as the load cell sees it, means over several of them are compared.
+///
+/// # Errors
+/// No recording; one with the shaft on; no N_d; a speed that hardly varies; too few samples; a T_d of the wrong sign; friction
+/// that drives, or is known to within no torque that acted.
+///
+/// # Source
+/// Glans & Kärnell 2018, (4.1); Ljung 1999, ch. 7; Ibragimov & Müller 2010 for the intervals.
+pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result<Friction, FrictionError> {
+    let mut courses: Vec<Course> = Vec::new();
+    for experiment in experiments {
+        courses.extend(course::courses(experiment, options)?);
+    }
+    let Some(file) = courses.first().map(|course| course.file.clone()) else {
+        return Err(FrictionError::NoRecording);
+    };
+    course::check_range(&courses)?;
+    let failed = |source| FrictionError::Ident { file: file.clone(), source };
+    let mut problem = Problem::new(&courses);
+    let directions = course::directions(&courses);
+    let (drive, inertia) = drive(&mut problem, directions, options.inertia_kg_m2).map_err(failed)?;
+    let whole = problem.fit(&directions.with(&Term::ALL), drive);
+    let has_offset = whole.is_ok_and(|fit| fit.is_told(Term::Offset, TERM_LEVEL));
+    let directions = if has_offset { Directions::Both } else { Directions::One };
+    let mut fits = Vec::new();
+    for count in (2..=Term::ALL.len()).rev() {
+        match problem.fit(&directions.with(&Term::ALL[..count]), drive) {
+            Ok(fit) => fits.push(fit),
+            // Speeds that lie too close together for terms of such order.
+            Err(ident::IdentError::RankDeficient { .. }) if count > 2 => {}
+            Err(source) => return Err(failed(source)),
+        }
+    }
+    let is_least = |fit: &Fitted| fit.terms.last() == Some(&Term::Viscous);
+    let chosen = fits.iter().position(|fit| is_least(fit) || fit.is_last_told(TERM_LEVEL)).unwrap_or(0);
+    for terms in [&[Term::Coulomb][..], &[Term::Viscous]] {
+        fits.push(problem.fit(&directions.with(terms), drive).map_err(failed)?);
+    }
+    let fit = &fits[chosen];
+    let whence = match inertia {
+        None => Inertia::Estimated {
+            inertia: Box::new(fit.inertia(INERTIA).ok_or(FrictionError::NoRecording)?),
+            delay: Box::new(problem.delay(fit, DELAY)),
+        },
+        Some(why) => Inertia::Stated { inertia_kg_m2: options.inertia_kg_m2, why },
+    };
+    let best = fits.iter().map(|fit| fit.bic).fold(f64::INFINITY, f64::min);
+    let stretches: Vec<Stretch> = courses.iter().map(Course::stretch).collect();
+    check_torques(fit, &courses)?;
+    let per_inertia = fit.per_inertia(&stretches);
+    let friction = fit.friction(&stretches);
+    Ok(Friction {
+        curve: fit.curve(course::speeds(&courses), |_| true),
+        candidates: fits
+            .iter()
+            .enumerate()
+            .map(|(i, fit)| Candidate {
+                terms: fit.terms.clone(),
+                per_inertia: fit.per_inertia(&stretches).parameters,
+                bic_above_best: fit.bic - best,
+                chosen: i == chosen,
+            })
+            .collect(),
+        run_outs: courses.iter().map(|course| course.run_out(fit)).collect(),
+        inertia: whence,
+        friction,
+        per_inertia,
+    })
+}
+
+/// Refuses friction that no dynamometer by itself has.
+fn check_torques(fit: &Fitted, courses: &[Course]) -> Result<(), FrictionError> {
+    let largest_nm = course::largest_torque_nm(courses, fit.inertia_kg_m2());
+    let mut files: Vec<&str> = courses.iter().map(|course| course.file.as_str()).collect();
+    files.dedup();
+    let files = files.join(", ");
+    // An offset of T_d is no friction.
+    let curve = fit.curve(course::speeds(courses), |term| term != Term::Offset);
+    let sharpest = curve.iter().min_by(|a, b| a.half_width_nm.total_cmp(&b.half_width_nm));
+    if let Some(CurvePoint { speed_rad_s, torque_nm, half_width_nm }) = sharpest.copied()
+        && half_width_nm.max(torque_nm.abs() - half_width_nm) > largest_nm
+    {
+        return Err(FrictionError::BeyondTorques { files, torque_nm, half_width_nm, speed_rad_s, largest_nm });
+    }
+    let slowest = courses.iter().flat_map(|c| &c.speed.samples).fold(f64::INFINITY, |least, w| least.min(w.abs()));
+    let driving_nm = |point: &CurvePoint| -point.torque_nm * point.speed_rad_s.signum();
+    let drives = |point: &&CurvePoint| {
+        point.speed_rad_s.abs() >= slowest
+            && driving_nm(point) > (DRIVES.0 * point.half_width_nm).max(DRIVES.1 * largest_nm)
+    };
+    let worst = curve.iter().filter(drives).max_by(|a, b| driving_nm(a).total_cmp(&driving_nm(b)));
+    match worst {
+        Some(CurvePoint { speed_rad_s, torque_nm, .. }) => {
+            Err(FrictionError::Drives { files, torque_nm: *torque_nm, speed_rad_s: *speed_rad_s })
+        }
+        None => Ok(()),
+    }
+}
+
+/// How T_d acts in the equations: with J_d free where the data determine it, else as the bench file has it.
+fn drive(
+    problem: &mut Problem<'_>,
+    directions: Directions,
+    stated_kg_m2: f64,
+) -> Result<(Drive, Option<Undetermined>), ident::IdentError> {
+    let usual = directions.with(&Term::ALL[..2]);
+    let stated = Drive::Known { inertia_kg_m2: stated_kg_m2 };
+    let why = match problem.excitation(stated_kg_m2) {
+        Excitation::NotRecorded => Undetermined::NoTorque,
+        Excitation::None => Undetermined::TorqueFree,
+        Excitation::Little => Undetermined::LittleExcitation,
+        Excitation::Enough => match problem.settle_delay(&usual) {
+            Ok(fit) if fit.inertia_error() < DETERMINED => return Ok((Drive::Free, None)),
+            Ok(_) | Err(ident::IdentError::RankDeficient { .. }) => Undetermined::LittleExcitation,
+            Err(error) => return Err(error),
+        },
+    };
+    problem.forget_delay();
+    problem.settle_noise(&usual, stated)?;
+    Ok((stated, Some(why)))
+}

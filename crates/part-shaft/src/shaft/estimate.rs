@@ -1,0 +1,507 @@
+//! Estimating the shaft and saying how sure that is.
+
+use std::f64::consts::TAU;
+
+use super::engine_side::{self, EngineInertia};
+use super::equation::{self, COUNT, Dating, ShaftEquation};
+use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
+use super::response::{measured_response, validate};
+use super::spectra::{Spectra, whole_band_hz};
+use super::terms::{Beyond, Term, TermTest};
+use ident::Bounds;
+use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
+use part_torque::torque_control::standard_deviation;
+use rig::Role;
+use rig::align::split_window;
+use rig::estimation::{EstimateError, Label, ReadOut, transformed};
+use rig::results::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
+use signal::Signal;
+
+const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
+const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
+const SKEW_ENGINE: Label = Label { symbol: "δ_e", name: "skew of N_e against N_d (positive: later)", unit: "s" };
+const SKEW_TORQUE: Label = Label { symbol: "δ_T", name: "skew of T_d,calc against N_d (positive: later)", unit: "s" };
+const GATE: Label = Label { symbol: "T_g", name: "gate of the speed encoders", unit: "s" };
+const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
+const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
+const MASS: Label = Label { symbol: "J_2", name: "inertia between shaft and engine", unit: "kg m²" };
+const SPRING: Label = Label { symbol: "K_2", name: "stiffness of the flywheel's spring", unit: "Nm/rad" };
+const SPRING_DAMPING: Label = Label { symbol: "B_2", name: "damping of the flywheel's spring", unit: "Nm s/rad" };
+const FRICTION: Label =
+    Label { symbol: "c_1", name: "slope of the dynamometer's friction over speed", unit: "Nm s/rad" };
+const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: "rad/s" };
+
+/// Share of the recording that is estimated from; the rest judges.
+const ESTIMATION_SHARE: f64 = 0.7;
+/// A bin whose |error|²/σ² exceeds this many times the mean is taken for a line the model does not know: under the model
+/// that happens once in e^20 bins.
+const OUTLIER: f64 = 20.0;
+/// Bins about an outlier that its line reaches.
+const OUTLIER_REACH: usize = 4;
+/// Times that outliers are looked for.
+const OUTLIER_ROUNDS: usize = 3;
+/// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
+const ECCENTRICITY: f64 = 1e-3;
+/// A second mass is told by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
+const LARGEST_SECOND_MASS_S2: f64 = 1.6e-5;
+/// A speed that varies less than this (standard deviation) excites nothing, rad/s.
+const STILL_RAD_S: f64 = 1e-6;
+/// Where the search for a dual-mass flywheel starts: J_2 in kg m², and K_2 over K.
+const FLYWHEELS: [(f64, f64); 8] =
+    [(0.02, 0.2), (0.02, 0.7), (0.02, 2.5), (0.1, 0.2), (0.1, 0.7), (0.1, 2.5), (0.3, 0.3), (0.3, 1.5)];
+/// Damping of both springs there, as a part of the critical.
+const START_DAMPING: f64 = 0.05;
+/// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
+const SLOWEST_RAD_S: f64 = 30.0;
+/// Level of the residual spectrum's bound.
+const BOUND_LEVEL: f64 = 0.99;
+
+/// Estimates the shaft from the first part of a recording and judges it on the rest.
+///
+/// # Errors
+/// Signals that do not overlap long enough, or data that do not determine the parameters.
+pub fn estimate(inputs: &ShaftInputs<'_>) -> Result<Shaft, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let (estimation, validation) = split_window((stretch.start_s, stretch.end_s), ESTIMATION_SHARE);
+    let known = Stretch { end_s: estimation.1, ..stretch };
+    let solution = Solution::of(inputs, &known, Unknowns::Shaft)?;
+    let naive = Solution::of(inputs, &known, Unknowns::ShaftWithoutTiming)?;
+    let theta = &solution.fit.fit.parameters;
+    Ok(Shaft {
+        estimate: solution.estimate(&known),
+        zero: solution.zero(&known)?,
+        ignoring_timing: naive.estimate(&known),
+        residual_spectrum: solution.residual_spectrum(),
+        frequency_response: measured_response(&solution.spectra, theta),
+        validation: validate(inputs, theta, validation)?,
+        cross_checks: Vec::new(),
+        inertias: None,
+    })
+}
+
+/// The parameters alone, from the whole of a recording: to compare recordings with one another.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_parameters(inputs: &ShaftInputs<'_>) -> Result<Estimate, EstimateError> {
+    let stretch = inputs.stretch()?;
+    Ok(Solution::of(inputs, &stretch, Unknowns::Shaft)?.estimate(&stretch))
+}
+
+/// J_d as the data see it, with its standard error, kg m²: a check on the value in the bench file. `None` where the
+/// torque is that of a flange, which does not depend on J_d.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, EstimateError> {
+    if inputs.inertia_kg_m2.is_none() {
+        return Ok(None);
+    }
+    let solution = Solution::of(inputs, &inputs.stretch()?, Unknowns::ShaftAndInertia)?;
+    let variance = solution.fit.covariance[(equation::INERTIA, equation::INERTIA)];
+    Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
+}
+
+/// By how many times the equation leaves less with N_d and N_e exchanged: far beyond one where their channels are mixed up.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn gain_by_exchange(inputs: &ShaftInputs<'_>) -> Result<f64, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let misfit = |inputs: &ShaftInputs<'_>| Ok(Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale);
+    let exchanged = ShaftInputs { dyno_speed: inputs.engine_speed, engine_speed: inputs.dyno_speed, ..inputs.clone() };
+    Ok(misfit(inputs)? / misfit(&exchanged)?)
+}
+
+/// K and B from bands of frequencies, each with gate and skews as the whole band tells them and, second, as if time stamps were
+/// exact and speeds momentary; nothing where a band tells nothing, K or B being at zero.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_by_band(
+    inputs: &ShaftInputs<'_>,
+    bands_hz: &[(f64, f64)],
+) -> Result<Vec<Option<(Estimate, Estimate)>>, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let whole = Solution::of(inputs, &stretch, Unknowns::Shaft)?;
+    let (theta, covariance) = (&whole.fit.fit.parameters, &whole.fit.covariance);
+    let known = |parameter: usize| {
+        let standard_uncertainty = covariance[(parameter, parameter)].sqrt();
+        (standard_uncertainty > 0.0).then(|| Prior { parameter, value: theta[parameter], standard_uncertainty })
+    };
+    let timing = [equation::SKEW_ENGINE, equation::SKEW_TORQUE, equation::GATE, equation::FRICTION];
+    let timing: Vec<Prior> = timing.into_iter().filter_map(known).collect();
+    let of_band = |band_hz: (f64, f64)| {
+        let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing, from: None };
+        let own = Solution::dated(inputs, &stretch, Unknowns::Shaft, timed).ok()?;
+        if [equation::K, equation::B].iter().any(|at| own.fit.fit.at_bound[*at]) {
+            return None;
+        }
+        let exact = Dated { band_hz, ..Dated::as_recorded(inputs) };
+        let naive = Solution::dated(inputs, &stretch, Unknowns::ShaftWithoutTiming, exact).ok()?;
+        Some((own.estimate(&stretch), naive.estimate(&stretch)))
+    };
+    Ok(bands_hz.iter().map(|band_hz| of_band(*band_hz)).collect())
+}
+
+/// Holds every [`Term`] beyond the simple shaft against the whole of a recording, each by itself.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
+    let stretch = inputs.stretch()?;
+    // A term that is there may spoil a fit without it, skews included: each is estimated from the start.
+    let test = |term: Term| {
+        // What is not moved, or not told from K, B and timing, leaves the fit without a solution.
+        let Ok(Solution { fit, .. }) = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(term)) else {
+            return TermTest::new(term, None);
+        };
+        let deviation = fit.covariance[(equation::TERM, equation::TERM)].sqrt();
+        TermTest::new(term, (deviation > 0.0).then_some((&fit, deviation)))
+    };
+    let simple_misfit = Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale;
+    Ok(Beyond::judged(simple_misfit, Term::ALL.into_iter().map(test).collect()))
+}
+
+/// The shaft of a bench with a dual-mass flywheel: K, B, the mass J_2 between shaft and engine, the spring K_2 and damping B_2
+/// behind it, timing, and the mean of |error|²/σ², which is one where it and the noise levels are right. From the whole of a
+/// recording.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn estimate_dual_mass(inputs: &ShaftInputs<'_>) -> Result<(Estimate, f64), EstimateError> {
+    let stretch = inputs.stretch()?;
+    let solution = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(Term::DualMass))?;
+    let [mass, stiffness, damping] = equation::DUAL_MASS;
+    let outputs: [ReadOut<'_>; 8] = [
+        (K, &|t| t[equation::K]),
+        (B, &|t| t[equation::B]),
+        (MASS, &|t| t[mass]),
+        (SPRING, &|t| t[stiffness]),
+        (SPRING_DAMPING, &|t| t[damping]),
+        (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
+        (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
+        (GATE, &|t| t[equation::GATE]),
+    ];
+    Ok((solution.outputs(&outputs, &stretch), solution.fit.scale))
+}
+
+/// K, B, J_d and J_e with timing, from the whole of a recording, as if nothing were known of the inertias; J_d stays as
+/// stated where the torque is that of a flange.
+///
+/// `demand`, T_d* in torque control and N_d* in speed control, tells J_e: what it moves cannot come from the engine, whose
+/// torque is not recorded. It has to be on the clock of N_d to some milliseconds.
+/// The engine's own speed control, which acts upon its next firing, is estimated along.
+///
+/// # Errors
+/// Those of [`estimate`], and a demand that moves nothing.
+pub fn estimate_with_inertias(
+    inputs: &ShaftInputs<'_>,
+    demand: &Signal,
+    firings_per_turn: f64,
+) -> Result<Estimate, EstimateError> {
+    let stretch = inputs.stretch()?;
+    let unknowns = if inputs.inertia_kg_m2.is_some() { Unknowns::ShaftAndInertia } else { Unknowns::Shaft };
+    let solution = Solution::of(inputs, &stretch, unknowns)?;
+    let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
+    let shaft = (&*solution.fit.fit.parameters, &solution.fit.covariance);
+    let firing_s = if firings_per_turn > 0.0 { 1.0 / (firings_per_turn * turns_per_s) } else { WITHOUT_FIRING_S };
+    let engine = engine_side::estimate(&solution.spectra, demand, firing_s, shaft)
+        .map_err(|source| EstimateError::Ident { file: inputs.file.to_owned(), source })?;
+    Ok(solution.with_engine_inertia(&stretch, &engine))
+}
+
+/// Where nothing fires nothing waits for the next firing: what answers to the other machine's speed, such as its friction, does so
+/// within about this time, s.
+const WITHOUT_FIRING_S: f64 = 1e-5;
+
+/// What a fit is to find.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Unknowns {
+    /// K, B, gate and skews; J_d within its stated uncertainty.
+    Shaft,
+    /// K and B alone, as if time stamps were exact and speeds momentary.
+    ShaftWithoutTiming,
+    /// J_d too, as if nothing were known of it.
+    ShaftAndInertia,
+    /// As the shaft, with a term beyond it.
+    ShaftAnd(Term),
+}
+
+impl Unknowns {
+    fn term(self) -> Option<Term> {
+        match self {
+            Unknowns::ShaftAnd(term) => Some(term),
+            _ => None,
+        }
+    }
+}
+
+/// What is known of the timing before a fit.
+#[derive(Debug, Clone, Copy)]
+struct Dated<'a> {
+    /// By how much signals are dated earlier.
+    dating: Dating,
+    /// From and to which frequency the signals are used.
+    band_hz: (f64, f64),
+    /// What is known of parameters beside what the inputs say.
+    known: &'a [Prior],
+    /// Where the search starts; the usual place where `None`.
+    from: Option<&'a [f64]>,
+}
+
+impl Dated<'_> {
+    fn as_recorded(inputs: &ShaftInputs<'_>) -> Self {
+        Dated { dating: Dating::default(), band_hz: whole_band_hz(inputs), known: &[], from: None }
+    }
+}
+
+/// A fit with what it was made from.
+struct Solution {
+    spectra: Spectra,
+    fit: FrequencyFit,
+    excluded_hz: Vec<f64>,
+}
+
+impl Solution {
+    fn of(inputs: &ShaftInputs<'_>, stretch: &Stretch, unknowns: Unknowns) -> Result<Self, EstimateError> {
+        check_moved(inputs)?;
+        let recorded = Dated::as_recorded(inputs);
+        let first = Self::dated(inputs, stretch, unknowns, recorded)?;
+        match unknowns {
+            Unknowns::ShaftWithoutTiming => Ok(first),
+            _ => {
+                let theta = &first.fit.fit.parameters;
+                let again = Dated { dating: Dating::of(theta), from: Some(theta), ..recorded };
+                Self::dated(inputs, stretch, unknowns, again)
+            }
+        }
+    }
+
+    fn dated(
+        inputs: &ShaftInputs<'_>,
+        stretch: &Stretch,
+        unknowns: Unknowns,
+        Dated { dating, band_hz, known, from }: Dated<'_>,
+    ) -> Result<Self, EstimateError> {
+        let error = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
+        let mut spectra = Spectra::new(inputs, (stretch.start_s, stretch.end_s), dating, band_hz)?;
+        if let Some(wave) = unknowns.term().and_then(|term| term.wave(inputs, dating)) {
+            spectra = spectra.with_wave(&wave).map_err(error)?;
+        }
+        let mut excluded_hz = Vec::new();
+        let mut fit = solve(inputs, &spectra, unknowns, known, from).map_err(error)?;
+        // Outliers of a model known to be wrong say nothing about the data.
+        if unknowns != Unknowns::ShaftWithoutTiming {
+            for _ in 0..OUTLIER_ROUNDS {
+                let lines = drop_outliers(&mut spectra, &fit);
+                if lines.is_empty() {
+                    break;
+                }
+                excluded_hz.extend(lines);
+                fit = solve(inputs, &spectra, unknowns, known, Some(&fit.fit.parameters)).map_err(error)?;
+            }
+        }
+        Ok(Solution { spectra, fit, excluded_hz })
+    }
+
+    fn outputs(&self, outputs: &[ReadOut<'_>], stretch: &Stretch) -> Estimate {
+        transformed(outputs, &self.fit.fit, &self.fit.covariance, self.fit.degrees_of_freedom, stretch)
+    }
+
+    fn estimate(&self, stretch: &Stretch) -> Estimate {
+        let mut outputs: Vec<ReadOut<'_>> = vec![
+            (K, &|t| t[equation::K]),
+            (B, &|t| t[equation::B]),
+            (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
+            (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
+            (GATE, &|t| t[equation::GATE]),
+        ];
+        let is_estimated = |at: usize| self.fit.covariance[(at, at)] > 0.0;
+        if is_estimated(equation::FRICTION) {
+            outputs.push((FRICTION, &|t| t[equation::FRICTION]));
+        }
+        if is_estimated(equation::INERTIA) {
+            outputs.push((DYNO_INERTIA, &|t| t[equation::INERTIA]));
+        }
+        self.outputs(&outputs, stretch)
+    }
+
+    /// The shaft's parameters, J_d where it was estimated, and J_e.
+    fn with_engine_inertia(&self, stretch: &Stretch, engine: &EngineInertia) -> Estimate {
+        let mut labels: Vec<(Label, usize)> = vec![(K, equation::K), (B, equation::B)];
+        if self.fit.covariance[(equation::INERTIA, equation::INERTIA)] > 0.0 {
+            labels.push((DYNO_INERTIA, equation::INERTIA));
+        }
+        labels.extend([
+            (SKEW_ENGINE, equation::SKEW_ENGINE),
+            (SKEW_TORQUE, equation::SKEW_TORQUE),
+            (GATE, equation::GATE),
+        ]);
+        let (theta, known) = (&self.fit.fit.parameters, &self.fit.covariance);
+        let entry = |label: Label, at: usize| {
+            Parameter::new(label, theta[at], known[(at, at)].max(0.0).sqrt(), self.fit.degrees_of_freedom)
+        };
+        let mut parameters: Vec<Parameter> = labels.iter().map(|(label, at)| entry(*label, *at)).collect();
+        let error = engine.variance.sqrt();
+        parameters.push(Parameter::new(ENGINE_INERTIA, engine.inertia_kg_m2, error, engine.degrees_of_freedom));
+        let with_engine = |at: usize| engine.with_shaft[at];
+        let row = |i: usize| labels.iter().map(|(_, j)| known[(i, *j)]).chain([with_engine(i)]).collect();
+        let mut covariance: Vec<Vec<f64>> = labels.iter().map(|(_, i)| row(*i)).collect();
+        covariance.push(labels.iter().map(|(_, at)| with_engine(*at)).chain([engine.variance]).collect());
+        Estimate {
+            parameters,
+            covariance,
+            stretches: vec![stretch.clone()],
+            iterations: self.fit.fit.iterations,
+            condition: self.fit.fit.condition,
+        }
+    }
+
+    fn zero(&self, stretch: &Stretch) -> Result<Parameter, EstimateError> {
+        let mut zero = self.outputs(&[(ZERO, &|t| -t[equation::K] / t[equation::B])], stretch);
+        zero.parameters.pop().ok_or_else(|| EstimateError::Ident {
+            file: stretch.file.clone(),
+            source: ident::IdentError::TooFewSamples { samples: 0, parameters: 1 },
+        })
+    }
+
+    fn residual_spectrum(&self) -> ResidualSpectrum {
+        let scale = self.fit.scale.sqrt();
+        ResidualSpectrum {
+            frequencies_hz: self.spectra.bins.iter().map(|k| self.spectra.window.frequency_hz(*k)).collect(),
+            normalised_magnitude: self.fit.normalised.iter().map(|q| q / scale).collect(),
+            // |e|²/σ² is exponentially distributed with mean one.
+            bound: (-(1.0 - BOUND_LEVEL).ln()).sqrt(),
+            excluded_hz: self.excluded_hz.clone(),
+        }
+    }
+}
+
+fn check_moved(inputs: &ShaftInputs<'_>) -> Result<(), EstimateError> {
+    for (role, speed) in [(Role::DynoSpeed, inputs.dyno_speed), (Role::EngineSpeed, inputs.engine_speed)] {
+        let standard_deviation = standard_deviation(&speed.samples);
+        if standard_deviation < STILL_RAD_S {
+            return Err(EstimateError::WeakExcitation { file: inputs.file.to_owned(), role, standard_deviation });
+        }
+    }
+    Ok(())
+}
+
+fn solve(
+    inputs: &ShaftInputs<'_>,
+    spectra: &Spectra,
+    unknowns: Unknowns,
+    known: &[Prior],
+    from: Option<&[f64]>,
+) -> Result<FrequencyFit, ident::IdentError> {
+    let (gate, gate_uncertainty) = inputs.gate_s;
+    let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
+    let mut start = [0.0; COUNT];
+    (start[equation::K], start[equation::GATE]) = (starting_stiffness(spectra, inertia), gate);
+    start[equation::INERTIA] = inertia;
+    let positive = Bounds::new(0.0, f64::INFINITY);
+    let skew = Bounds::new(-LARGEST_SKEW_S, LARGEST_SKEW_S);
+    let mut bounds = [Bounds::NONE; COUNT];
+    bounds[..=equation::B].fill(positive);
+    bounds[equation::SKEW_ENGINE..=equation::SKEW_TORQUE].fill(skew);
+    bounds[equation::GATE] = Bounds::new(0.0, LARGEST_SKEW_S);
+    bounds[equation::INERTIA] = Bounds::new(inertia, inertia);
+    bounds[equation::FRICTION] = Bounds::new(0.0, 0.0);
+    bounds[equation::TERM] = Bounds::new(0.0, 0.0);
+    let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
+    if inertia > 0.0 && unknowns != Unknowns::ShaftWithoutTiming {
+        bounds[equation::FRICTION] = Bounds::NONE;
+        let (value, standard_uncertainty) = inputs.friction_slope_nm_s_per_rad;
+        start[equation::FRICTION] = value;
+        priors.push(Prior { parameter: equation::FRICTION, value, standard_uncertainty });
+    }
+    bounds[equation::DUAL_MASS[1]..=equation::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
+    match unknowns.term() {
+        Some(Term::DualMass) => equation::DUAL_MASS.iter().for_each(|i| bounds[*i] = positive),
+        Some(Term::SecondMass) => bounds[equation::TERM] = Bounds::new(-LARGEST_SECOND_MASS_S2, LARGEST_SECOND_MASS_S2),
+        Some(_) => bounds[equation::TERM] = Bounds::NONE,
+        None => (),
+    }
+    match unknowns {
+        Unknowns::Shaft | Unknowns::ShaftAnd(_) if inertia_uncertainty > 0.0 => {
+            bounds[equation::INERTIA] = positive;
+            priors.push(Prior {
+                parameter: equation::INERTIA,
+                value: inertia,
+                standard_uncertainty: inertia_uncertainty,
+            });
+        }
+        Unknowns::Shaft | Unknowns::ShaftAnd(_) => (),
+        Unknowns::ShaftWithoutTiming => {
+            start[equation::GATE] = 0.0;
+            bounds[equation::SKEW_ENGINE..=equation::GATE].fill(Bounds::new(0.0, 0.0));
+            priors.clear();
+        }
+        Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
+    }
+    priors.retain(|prior| known.iter().all(|k| k.parameter != prior.parameter));
+    priors.extend(known);
+    let turns = [equation::DYNO_TURN, equation::ENGINE_TURN].into_iter().flatten();
+    priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
+    let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };
+    let fit = |start: &[f64]| {
+        ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(start, &bounds)
+    };
+    match (from, unknowns.term()) {
+        (Some(from), _) => fit(from),
+        (None, Some(Term::DualMass)) => best_of(flywheels(start).iter().map(|start| fit(start))),
+        (None, _) => fit(&start),
+    }
+}
+
+/// The fit that leaves least; the last failure where all fail.
+fn best_of(
+    fits: impl Iterator<Item = Result<FrequencyFit, ident::IdentError>>,
+) -> Result<FrequencyFit, ident::IdentError> {
+    let better = |best: Result<FrequencyFit, ident::IdentError>, next: Result<FrequencyFit, ident::IdentError>| match (
+        &best, &next,
+    ) {
+        (Ok(a), Ok(b)) if b.scale < a.scale => next,
+        (Err(_), _) => next,
+        _ => best,
+    };
+    let none = ident::IdentError::TooFewSamples { samples: 0, parameters: COUNT };
+    fits.fold(Err(none), better)
+}
+
+/// Starts with a dual-mass flywheel, both springs together as stiff as the one of `start`.
+fn flywheels(start: [f64; COUNT]) -> [[f64; COUNT]; FLYWHEELS.len()] {
+    FLYWHEELS.map(|(mass, ratio)| {
+        let mut with = start;
+        let stiffness = start[equation::K] * (1.0 + 1.0 / ratio);
+        let damping = |stiffness: f64| 2.0 * START_DAMPING * (stiffness * mass).sqrt();
+        (with[equation::K], with[equation::B]) = (stiffness, damping(stiffness));
+        let [at_mass, at_stiffness, at_damping] = equation::DUAL_MASS;
+        (with[at_mass], with[at_stiffness], with[at_damping]) = (mass, ratio * stiffness, damping(ratio * stiffness));
+        with
+    })
+}
+
+/// K of a shaft without damping or skew, by least squares over the lowest third of the bins.
+fn starting_stiffness(spectra: &Spectra, inertia: f64) -> f64 {
+    let (mut product, mut power) = (0.0, f64::MIN_POSITIVE);
+    for k in &spectra.bins[..spectra.bins.len().div_ceil(3)] {
+        let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][*k];
+        let twist = of(1, 0) - of(0, 0);
+        let rate = inertia * of(0, 2) + of(2, 1);
+        product += (rate * twist.conj()).re;
+        power += twist.norm_sqr();
+    }
+    (product / power).max(1.0)
+}
+
+/// Removes bins that hold lines the model does not know, with their neighbours; returns the lines' frequencies.
+fn drop_outliers(spectra: &mut Spectra, fit: &FrequencyFit) -> Vec<f64> {
+    let limit = OUTLIER * fit.scale;
+    let outliers: Vec<usize> =
+        spectra.bins.iter().zip(&fit.normalised).filter(|(_, q)| **q * **q > limit).map(|(k, _)| *k).collect();
+    spectra.bins.retain(|k| !outliers.iter().any(|o| k.abs_diff(*o) <= OUTLIER_REACH));
+    let lines = outliers.chunk_by(|a, b| b - a <= 2 * OUTLIER_REACH);
+    lines.map(|line| spectra.window.frequency_hz(line[line.len() / 2])).collect()
+}

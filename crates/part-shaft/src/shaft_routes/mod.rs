@@ -1,0 +1,73 @@
+//! Further routes to the shaft, each of which errs in its own way: K and B that several of them find are worth more.
+//!
+//! | route | from | without |
+//! | --- | --- | --- |
+//! | [`state_space`] | (T_d, ω_e) → ω_d in the time domain, thesis (6.11) | differentiation, windows |
+//! | [`black_box`] | T_d → ω_d alone, through the coefficients of an ARMAX model | ω_e but for the crank angle, J_d |
+//! | [`multisine`] | mean spectra over the periods of a demand, weighted by their scatter | stated noise levels |
+
+mod aligned;
+pub mod black_box;
+pub mod multisine;
+pub mod state_space;
+
+use serde::Serialize;
+
+use rig::estimation::Label;
+use rig::results::{Estimate, Parameter, Stretch};
+
+pub(super) const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
+pub(super) const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
+pub(super) const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
+pub(super) const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
+pub(super) const SKEW_ENGINE: Label =
+    Label { symbol: "δ_e", name: "skew of N_e against N_d (positive: later)", unit: "s" };
+pub(super) const SKEW_TORQUE: Label =
+    Label { symbol: "δ_T", name: "skew of T_d against N_d (positive: later)", unit: "s" };
+
+/// When the signals were taken, each with its standard uncertainty, s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Timing {
+    /// δ_e: by how much N_e is dated later than N_d.
+    pub engine_skew_s: (f64, f64),
+    /// δ_T: by how much the torque is dated later than N_d.
+    pub torque_skew_s: (f64, f64),
+    /// T_g: gate of both encoders.
+    pub gate_s: (f64, f64),
+}
+
+impl Timing {
+    /// Clocks that agree, and this gate.
+    #[must_use]
+    pub fn synchronous(gate_s: f64) -> Self {
+        Timing { engine_skew_s: (0.0, 0.0), torque_skew_s: (0.0, 0.0), gate_s: (gate_s, 0.0) }
+    }
+
+    /// The timing that an estimate of the shaft found; none where it has no δ_e, δ_T or T_g.
+    #[must_use]
+    pub fn of(shaft: &Estimate) -> Option<Self> {
+        let found = |symbol: &str| shaft.parameter(symbol).map(|p| (p.value, p.standard_error));
+        Some(Timing { engine_skew_s: found("δ_e")?, torque_skew_s: found("δ_T")?, gate_s: found("T_g")? })
+    }
+}
+
+/// Parameters with their covariance, as the study keeps them.
+pub(super) fn estimate_of(
+    found: &[(Label, f64)],
+    covariance: Vec<Vec<f64>>,
+    degrees_of_freedom: f64,
+    stretch: Stretch,
+    (iterations, condition): (usize, f64),
+) -> Estimate {
+    let parameter = |(i, (label, value)): (usize, &(Label, f64))| {
+        let error = covariance[i][i].max(0.0).sqrt();
+        Parameter::new(*label, *value, error, degrees_of_freedom)
+    };
+    Estimate {
+        parameters: found.iter().enumerate().map(parameter).collect(),
+        covariance,
+        stretches: vec![stretch],
+        iterations,
+        condition,
+    }
+}

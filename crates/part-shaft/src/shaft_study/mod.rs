@@ -1,0 +1,195 @@
+//! The shaft of every recording: by band of frequencies, with both inertias, against what may be in a shaft beyond K and B,
+//! and of all recordings together (thesis §6.3.5, §7.2).
+
+mod together;
+
+use numerics::parallel;
+use serde::Serialize;
+use signal::Signal;
+
+use crate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
+use crate::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
+use crate::shaft_routes::Timing;
+use crate::shaft_routes::black_box::{self, BlackBoxRoute};
+use crate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
+use crate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
+use part_controller::speed_controller;
+use part_torque::torque_control;
+use rig::estimation::{EstimateError, need};
+use rig::experiment::Test;
+use rig::facts::BenchVariant;
+use rig::results::{Estimate, Shaft, Told, Untold};
+use rig::{BenchFile, Experiment, Role};
+pub use together::{CommonValue, Together};
+
+/// Bands that the shaft is estimated from beside the whole one, Hz.
+const BANDS_HZ: [(f64, f64); 4] = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (30.0, 110.0)];
+
+/// Samples of T_d further apart than this, s, miss what moves the shaft.
+const COARSE_S: f64 = 2e-3;
+/// A simple shaft whose errors are this many times what noise explains is not the whole truth.
+const MISFIT: f64 = 2.0;
+
+/// What recordings tell of the shaft.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShaftStudy {
+    /// One entry a recording with a shaft.
+    pub recordings: Vec<ShaftRecording>,
+    /// K and B of all recordings together, from two on.
+    pub together: Option<Together>,
+}
+
+/// What one recording tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShaftRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// The shaft by Δω → T_shaft with gate and skew, from 70 % of the recording, the rest judging it.
+    pub shaft: Told<Shaft>,
+    /// The same by band; a band that tells nothing is left out.
+    pub bands: Vec<Band>,
+    /// What may be in the shaft beyond K and B.
+    pub beyond: Told<Beyond>,
+    /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which goes
+    /// with such a flywheel.
+    pub dual_mass: Option<Told<DualMass>>,
+    /// K and B by other routes, each of which errs in its own way.
+    pub routes: Routes,
+    /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot tell them.
+    pub inertias: Option<Told<Estimate>>,
+}
+
+/// Two springs with a mass between them, thesis §3.3.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DualMass {
+    /// K and B of the shaft, J_2, K_2 and B_2 of the flywheel, timing.
+    pub estimate: Estimate,
+    /// Mean of |error|²/σ²: one where the model and the noise levels are right.
+    pub misfit: f64,
+}
+
+/// Routes to the shaft beside Δω → T_shaft; `None` where the experiment does not allow one. Behind a torque flange all are.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Routes {
+    /// (T_d, ω_e) → ω_d in the time domain, thesis (6.11).
+    pub state_space: Option<Told<StateSpaceRoute>>,
+    /// T_d → ω_d alone, with the engine motored (Unfired_N_NT): a fired one hides K and B behind its torque.
+    pub black_box: Option<Told<BlackBoxRoute>>,
+    /// Means over the periods of a demand that repeats (Multisine_T_TN).
+    pub multisine: Option<Told<MultisineRoute>>,
+    /// How far apart T_d is known, s. What folds where it is known by its own samples alone is in no interval.
+    pub torque_sample_time_s: Option<f64>,
+}
+
+/// The shaft from a band of frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Band {
+    /// From and to, Hz.
+    pub band_hz: (f64, f64),
+    /// K and B, with timing and friction as the whole band tells them.
+    pub estimate: Estimate,
+    /// K and B as if time stamps were exact and speeds momentary.
+    pub ignoring_timing: Estimate,
+}
+
+/// Looks at the shaft in every recording that has one; `step` hears of each before its turn comes. Recordings are
+/// looked at on all processors.
+///
+/// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
+/// recording that tells it best, gate and noise of the encoder those of a BS_T_NT, where there is one.
+#[must_use]
+pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> ShaftStudy {
+    let limit = bench.limits.torque_nm;
+    let controller =
+        experiments.iter().filter(|e| e.is_test(&Test::Bs)).find_map(|e| speed_controller::estimate(e, limit).ok());
+    let control = torque_control::choose(experiments).and_then(|e| torque_control::estimate(e, limit).ok());
+    let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let look = |experiment: &&Experiment| {
+        step(&experiment.file);
+        let inputs = shaft_inputs(experiment, bench, controller.as_ref(), control.as_ref());
+        of_recording(experiment, inputs, bench)
+    };
+    let recordings = parallel::map(&with_shaft, look);
+    let together = together::of(&recordings);
+    ShaftStudy { recordings, together }
+}
+
+fn of_recording(
+    experiment: &Experiment,
+    inputs: Result<ShaftInputs<'_>, EstimateError>,
+    bench: &BenchFile,
+) -> ShaftRecording {
+    let folded = inputs.as_ref().ok().and_then(|inputs| folded_torque(inputs, bench));
+    let shaft = match &folded {
+        Some(why) if !SHAFT_TESTS.contains(&experiment.label.test) => Told::Untold(why.clone()),
+        _ => told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate)),
+    };
+    let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
+    let (mut dual_mass, mut routes) = (None, Routes::default());
+    if let (Ok(inputs), Told::Found(shaft)) = (&inputs, &shaft) {
+        routes = by_other_routes(experiment, inputs, shaft, bench);
+        bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
+        beyond = folded.map_or_else(|| told(shaft::test_terms(inputs)), Told::Untold);
+        dual_mass = needs_dual_mass(bench, &beyond).then(|| told(with_dual_mass(inputs)));
+        inertias = tells_inertias(experiment, bench).then(|| told(both_inertias(experiment, inputs, bench)));
+    }
+    let (file, label) = (experiment.file.clone(), experiment.label.to_string());
+    ShaftRecording { file, label, shaft, bands, beyond, dual_mass, routes, inertias }
+}
+
+/// Why T_d is not known between its samples, where it is not and they are far apart. What folds in them is taken for the shaft:
+/// beside a demand that moves T_d it is little, beside a motored engine alone it is most of T_d.
+fn folded_torque(inputs: &ShaftInputs<'_>, bench: &BenchFile) -> Option<Untold> {
+    let apart_s = inputs.torque.iter().map(|torque| torque.signal.sample_time_s).fold(f64::INFINITY, f64::min);
+    let is_coarse = bench.variant == BenchVariant::LoadCell && apart_s > COARSE_S;
+    let reason = format!(
+        "T_d is known by its samples alone, {} ms apart, and what folds in them cannot be told from the shaft; record T_d* and \
+         give WhiteNoise_T_TN or Step_T_TN along, which tells what T_d does between its samples",
+        1e3 * apart_s
+    );
+    is_coarse.then_some(Untold::Failed { reason })
+}
+
+fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Shaft, bench: &BenchFile) -> Routes {
+    let Some(timing) = Timing::of(&shaft.estimate).filter(|_| inputs.inertia_kg_m2.is_some()) else {
+        return Routes::default();
+    };
+    let engine = bench.engine();
+    let multisine = |demand: &Signal| multisine::estimate(inputs, demand, &timing, DynoInertia::Stated, engine);
+    let demand = need(experiment, Role::DynoTorqueDemand);
+    Routes {
+        state_space: Some(told(state_space::estimate(inputs, &timing, Skews::Estimated))),
+        black_box: experiment
+            .is_test(&Test::Unfired)
+            .then(|| told(black_box::estimate(inputs, &timing, engine, experiment.label.mode))),
+        multisine: experiment.is_test(&Test::Multisine).then(|| told(demand.and_then(multisine))),
+        torque_sample_time_s: inputs.torque.iter().map(|torque| torque.signal.sample_time_s).min_by(f64::total_cmp),
+    }
+}
+
+fn needs_dual_mass(bench: &BenchFile, beyond: &Told<Beyond>) -> bool {
+    let is_told = |beyond: &Beyond| {
+        let second_mass = |test: &TermTest| test.found && test.term == Term::SecondMass;
+        beyond.simple_misfit > MISFIT || beyond.tests.iter().any(second_mass)
+    };
+    bench.variant == BenchVariant::TorqueFlange || beyond.found().is_some_and(is_told)
+}
+
+fn with_dual_mass(inputs: &ShaftInputs<'_>) -> Result<DualMass, EstimateError> {
+    let (estimate, misfit) = shaft::estimate_dual_mass(inputs)?;
+    Ok(DualMass { estimate, misfit })
+}
+
+fn told<T>(outcome: Result<T, EstimateError>) -> Told<T> {
+    outcome.into()
+}
+
+fn by_band(found: Vec<Option<(Estimate, Estimate)>>) -> Vec<Band> {
+    let band = |(band_hz, found): (&(f64, f64), Option<(Estimate, Estimate)>)| {
+        let (estimate, ignoring_timing) = found?;
+        Some(Band { band_hz: *band_hz, estimate, ignoring_timing })
+    };
+    BANDS_HZ.iter().zip(found).filter_map(band).collect()
+}

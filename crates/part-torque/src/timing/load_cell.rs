@@ -1,0 +1,240 @@
+//! The load cell: a further delay and a second-order resonance behind the torque control.
+
+use faer::{Mat, MatMut, mat};
+use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
+use lti::StateSpace;
+use signal::Signal;
+
+use crate::torque_control::{InverterModel, Observed, robust_covariance, standard_deviation, usable_samples};
+use rig::estimation::{Label, timing_floor_s};
+use rig::results::{Estimate, Parameter, Stretch};
+
+/// Relative step of the numerical derivatives by ω_n and ζ: error and rounding are both near 1e-10.
+const STEP: f64 = 1e-5;
+/// Step of the derivative by the delay, s.
+const DELAY_STEP_S: f64 = 1e-6;
+/// The longest delay of a load cell looked for, s.
+const LONGEST_S: f64 = 0.03;
+/// Natural frequencies, rad/s, and the damping ratio tried first.
+const NATURALS: [f64; 5] = [150.0, 300.0, 450.0, 700.0, 1200.0];
+const DAMPED: f64 = 0.3;
+/// Starts that are followed to their minimum: a cell that hardly rings has two.
+const STARTS: usize = 3;
+/// Values of T_d in a sample of T_d*: with 16, chords to what a lag does after an edge are off by 10⁻⁴ of it.
+const FINER: usize = 16;
+/// As much of a recording is used, s.
+const MOST_S: f64 = 120.0;
+const NATURAL_RAD_S: (f64, f64) = (30.0, 3000.0);
+const DAMPING: (f64, f64) = (0.01, 0.95);
+
+const CELL_DELAY: Label = Label { symbol: "τ_cell", name: "delay of the load cell", unit: "s" };
+const NATURAL: Label = Label { symbol: "ω_n", name: "natural frequency of the load cell", unit: "rad/s" };
+const RATIO: Label = Label { symbol: "ζ", name: "damping ratio of the load cell", unit: "1" };
+const TOTAL: Label = Label { symbol: "τ_total", name: "total delay against T_d*", unit: "s" };
+
+/// What was found about the load cell.
+pub(super) struct LoadCell {
+    /// τ_cell, ω_n, ζ.
+    pub(super) dynamics: Estimate,
+    /// τ + 1/a + τ_cell + 2ζ/ω_n.
+    pub(super) total: Parameter,
+    /// Whether it reached a minimum inside its bounds.
+    pub(super) usable: bool,
+}
+
+/// e^{−sD} ω_n²/(s² + 2ζω_n s + ω_n²) on T_d, times a gain, and an offset; θ = (D, ω_n, ζ, gain, offset).
+///
+/// T_d runs straight between its fine samples, for which the response is exact; between its own samples it is a cubic.
+struct CellModel<'a> {
+    torque: &'a Signal,
+    observed: &'a Observed,
+}
+
+/// The cell's reading without delay and its slope, on the clock of T_d.
+struct Reading {
+    value: Vec<f64>,
+    slope: Vec<f64>,
+}
+
+impl CellModel<'_> {
+    fn reading(&self, natural: f64, damping: f64) -> Result<Reading, IdentError> {
+        let a = mat![[0.0, 1.0], [-natural * natural, -2.0 * damping * natural]];
+        let cell = StateSpace::continuous(a, mat![[0.0], [natural * natural]], mat![[1.0, 0.0]], mat![[0.0]])?;
+        let hold = cell.to_discrete_foh(self.torque.sample_time_s)?;
+        let row = |i: usize| [hold.a()[(i, 0)], hold.a()[(i, 1)], hold.b0()[(i, 0)], hold.b1()[(i, 0)]];
+        let rows = [row(0), row(1)];
+        let mut state = [self.torque.samples.first().copied().unwrap_or(0.0), 0.0];
+        let mut reading = Reading { value: vec![state[0]], slope: vec![state[1]] };
+        for pair in self.torque.samples.windows(2) {
+            let [x, v] = state;
+            state =
+                rows.map(|[by_x, by_v, by_now, by_next]| by_x * x + by_v * v + by_now * pair[0] + by_next * pair[1]);
+            reading.value.push(state[0]);
+            reading.slope.push(state[1]);
+        }
+        Ok(reading)
+    }
+
+    /// What the cell reads at the observed instants, late by a delay.
+    fn delayed(&self, reading: &Reading, delay_s: f64) -> Vec<f64> {
+        let step = self.torque.sample_time_s;
+        let last = reading.value.len().saturating_sub(2) as f64;
+        let at = |time_s: &f64| {
+            let position = ((time_s - delay_s - self.torque.start_s) / step).clamp(0.0, last + 1.0);
+            let below = position.floor().min(last);
+            let (k, u) = (below as usize, position - below);
+            let (x, y) = (reading.value[k], reading.value[k + 1]);
+            let (from, to) = (step * reading.slope[k], step * reading.slope[k + 1]);
+            let (square, cube) = (u * u, u * u * u);
+            x + (y - x) * (3.0 * square - 2.0 * cube) + from * (u - 2.0 * square + cube) + to * (cube - square)
+        };
+        self.observed.times_s.iter().map(at).collect()
+    }
+
+    fn modelled(&self, parameters: &[f64]) -> Result<Vec<f64>, IdentError> {
+        Ok(self.delayed(&self.reading(parameters[1], parameters[2])?, parameters[0]))
+    }
+
+    /// How the cell's delay, ω_n and ζ at a minimum move with a of the torque control before it: −(JᵀJ)⁻¹Jᵀ ∂r/∂a.
+    fn moves_with_lag(&self, fit: &Minimum, demand: &Signal, inverter: &InverterModel) -> Result<[f64; 3], IdentError> {
+        let step = STEP * inverter.lag_rad_s;
+        let moved = |by: f64| {
+            let lag_rad_s = inverter.lag_rad_s + by;
+            let torque = InverterModel { lag_rad_s, ..inverter.clone() }.finer_air_gap_torque(demand, FINER);
+            CellModel { torque: &torque, observed: self.observed }.modelled(&fit.parameters)
+        };
+        let (above, below) = (moved(step)?, moved(-step)?);
+        let scale = fit.parameters[3] / (2.0 * step);
+        let slope = Mat::from_fn(above.len(), 1, |i, _| scale * (above[i] - below[i]));
+        let projected = &fit.unscaled_covariance * (fit.jacobian.transpose() * slope);
+        Ok([0, 1, 2].map(|i| -projected[(i, 0)]))
+    }
+
+    /// For each of a few natural frequencies the best of a grid of delays, with one damping ratio; the best first.
+    fn starts(&self) -> Result<Vec<Vec<f64>>, IdentError> {
+        let delays: Vec<f64> = (0..).map(|j| 1e-3 * f64::from(j)).take_while(|d| *d < LONGEST_S).collect();
+        let mut starts = Vec::new();
+        for natural in NATURALS {
+            let mut best = (f64::INFINITY, vec![0.0; 3]);
+            let reading = self.reading(natural, DAMPED)?;
+            for delay in &delays {
+                let modelled = self.delayed(&reading, *delay);
+                let apart: Vec<f64> = self.observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
+                let spread = standard_deviation(&apart);
+                if spread < best.0 {
+                    best = (spread, vec![*delay, natural, DAMPED, 1.0, 0.0]);
+                }
+            }
+            starts.push(best);
+        }
+        starts.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(starts.into_iter().map(|(_, start)| start).collect())
+    }
+}
+
+impl ResidualModel for CellModel<'_> {
+    fn parameter_count(&self) -> usize {
+        5
+    }
+
+    fn residual_count(&self) -> usize {
+        self.observed.len()
+    }
+
+    fn evaluate(
+        &mut self,
+        parameters: &[f64],
+        residuals: &mut [f64],
+        jacobian: Option<MatMut<'_, f64>>,
+    ) -> Result<(), IdentError> {
+        let (delay_s, gain, offset) = (parameters[0], parameters[3], parameters[4]);
+        let reading = self.reading(parameters[1], parameters[2])?;
+        let modelled = self.delayed(&reading, delay_s);
+        for ((residual, y), m) in residuals.iter_mut().zip(&self.observed.values).zip(&modelled) {
+            *residual = gain * m + offset - y;
+        }
+        let Some(mut jacobian) = jacobian else { return Ok(()) };
+        let mut differentiate = |j: usize, step: f64, above: &[f64], below: &[f64]| {
+            for (i, (a, b)) in above.iter().zip(below).enumerate() {
+                jacobian[(i, j)] = gain * (a - b) / (2.0 * step);
+            }
+        };
+        let (later, earlier) = (delay_s + DELAY_STEP_S, delay_s - DELAY_STEP_S);
+        differentiate(0, DELAY_STEP_S, &self.delayed(&reading, later), &self.delayed(&reading, earlier));
+        for j in [1, 2] {
+            let step = STEP * parameters[j];
+            let (mut above, mut below) = (parameters.to_vec(), parameters.to_vec());
+            above[j] += step;
+            below[j] -= step;
+            differentiate(j, step, &self.modelled(&above)?, &self.modelled(&below)?);
+        }
+        for (i, m) in modelled.iter().enumerate() {
+            (jacobian[(i, 3)], jacobian[(i, 4)]) = (*m, 1.0);
+        }
+        Ok(())
+    }
+}
+
+/// Fits the load cell behind a torque control whose τ and a have the covariance `known`, to at most two minutes. T_d is that
+/// of the torque control with the ripple found in T_d,calc, which goes through the cell as all of T_d does.
+///
+/// # Errors
+/// Too few samples, or data that do not determine the parameters.
+pub(super) fn fit(
+    demand: &Signal,
+    cell: &Signal,
+    inverter: &InverterModel,
+    known: [[f64; 2]; 2],
+    stretch: &Stretch,
+) -> Result<LoadCell, IdentError> {
+    let demand = &demand.slice(demand.start_s, demand.start_s + MOST_S);
+    let torque = inverter.finer_air_gap_torque(demand, FINER);
+    let usable = usable_samples(demand, cell, inverter.torque_limit_nm);
+    let observed = Observed::new(cell, &usable, 0..cell.len());
+    let bounds = [
+        Bounds::new(0.0, LONGEST_S),
+        Bounds::new(NATURAL_RAD_S.0, NATURAL_RAD_S.1),
+        Bounds::new(DAMPING.0, DAMPING.1),
+        Bounds::NONE,
+        Bounds::NONE,
+    ];
+    let mut model = CellModel { torque: &torque, observed: &observed };
+    let mut fit: Option<Minimum> = None;
+    for start in model.starts()?.iter().take(STARTS) {
+        let found = minimise(&mut model, start, &bounds, NonlinearOptions::default())?;
+        if fit.as_ref().is_none_or(|best| found.cost < best.cost) {
+            fit = Some(found);
+        }
+    }
+    let fit = fit.ok_or(IdentError::TooFewSamples { samples: observed.len(), parameters: bounds.len() })?;
+    let (p, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
+    let [own, natural, damping] = [fit.parameters[0], fit.parameters[1], fit.parameters[2]];
+    let by_lag = model.moves_with_lag(&fit, demand, inverter)?;
+    let gradient = [1.0, -2.0 * damping / (natural * natural), 2.0 / natural];
+    let total_by_lag: f64 = -inverter.lag_rad_s.powi(-2) + gradient.iter().zip(by_lag).map(|(g, m)| g * m).sum::<f64>();
+    let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+    // What τ is off by, the cell's own delay makes good.
+    let variance: f64 = pairs.map(|(i, j)| gradient[i] * p[(i, j)] * gradient[j]).sum::<f64>()
+        + total_by_lag * total_by_lag * known[1][1];
+    let dated = timing_floor_s(demand.sample_time_s);
+    let total = inverter.delay_s + own + 1.0 / inverter.lag_rad_s + 2.0 * damping / natural;
+    let moves = [0, 1, 2].map(|i| [if i == 0 { -1.0 } else { 0.0 }, by_lag[i]]);
+    let of_known = |i: usize, j: usize| -> f64 {
+        (0..2).map(|k| (0..2).map(|l| moves[i][k] * known[k][l] * moves[j][l]).sum::<f64>()).sum()
+    };
+    let covariance: Vec<Vec<f64>> = (0..3).map(|i| (0..3).map(|j| p[(i, j)] + of_known(i, j)).collect()).collect();
+    let values = [(CELL_DELAY, own), (NATURAL, natural), (RATIO, damping)];
+    let parameter =
+        |(i, (label, value)): (usize, &(Label, f64))| Parameter::new(*label, *value, covariance[i][i].sqrt(), freedom);
+    Ok(LoadCell {
+        dynamics: Estimate {
+            parameters: values.iter().enumerate().map(parameter).collect(),
+            covariance: covariance.clone(),
+            stretches: vec![stretch.clone()],
+            iterations: fit.iterations,
+            condition: fit.condition,
+        },
+        total: Parameter::new(TOTAL, total, variance.sqrt().hypot(dated), freedom),
+        usable: fit.termination.converged() && fit.parameters[3] > 0.0 && !fit.at_bound[..3].contains(&true),
+    })
+}

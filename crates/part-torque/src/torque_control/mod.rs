@@ -1,0 +1,333 @@
+//! Torque control: inverter and machine, closed loop from T_d* to T_d (thesis §6.3.4; (6.3), (6.8) and the delay with
+//! lag, the best found there).
+//!
+//! T_d,calc is compared with the exact response of the model to the held demand, at the stamps of T_d,calc itself.
+//! The ripple of the drive, which multiplies the torque as well as adding to it, is found in the residual spectrum and
+//! estimated jointly: left out, it biases the lag.
+
+mod held;
+mod model;
+mod observed;
+mod pure_delay;
+mod ripple;
+mod rippled;
+mod search;
+mod second_order;
+mod validation;
+
+use faer::Mat;
+use ident::{Bounds, IdentError, Minimum};
+use serde::Serialize;
+use signal::Signal;
+
+use rig::estimation::{EstimateError, Label, timing_floor_s};
+use rig::experiment::Test;
+use rig::results::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
+use rig::{ControlMode, Diagnostic, Excitation, Experiment, ExperimentLabel, Finding, Place, Role, Severity};
+
+pub use bench_model::drive_ripple::{DriveRipple, RippleLine};
+pub use held::HeldDemand;
+pub use model::{InverterModel, ResidualStatistics};
+pub(super) use observed::Observed;
+pub(crate) use observed::usable_samples;
+use rippled::{DelayAndLag, RippledModel};
+pub use search::batches;
+use search::fit_with_ripple;
+pub(super) use search::robust_covariance;
+pub use second_order::{CRITICALLY_DAMPED, SecondOrderTest};
+pub(crate) use second_order::{SecondOrder, distance_from_lag, lag_errors, term_error};
+
+/// The longest delay looked for, s.
+const LONGEST_DELAY_S: f64 = 0.02;
+/// By how much T_d,calc may be dated before the demand that it follows, s: as far as clocks of rasters are apart.
+const EARLIEST_S: f64 = 0.005;
+/// Range of the lag, rad/s.
+const LAG_RAD_S: (f64, f64) = (20.0, 2e4);
+/// Part of the recording that is estimated from; the rest is held out.
+const ESTIMATION_SHARE: f64 = 0.7;
+/// Shortest usable recording, s.
+const SHORTEST_S: f64 = 4.0;
+/// A demand that varies less than this (standard deviation) excites nothing, Nm.
+const WEAK_NM: f64 = 0.1;
+/// Largest share of the samples that may be lost to the torque limit.
+const MOST_SATURATED: f64 = 0.5;
+/// A delay that is negative by this many standard errors is no accident.
+const EARLY: f64 = 4.0;
+/// Level at which the gain is tested against one.
+const GAIN_LEVEL: f64 = 0.99;
+/// Experiments that excite the torque control, best first.
+const PREFERRED: [ExperimentLabel; 5] = [
+    ExperimentLabel::new(Test::WhiteNoise, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Multisine, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Binary, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Step, Excitation::Torque, ControlMode::Tn),
+    ExperimentLabel::new(Test::Bs, Excitation::Torque, ControlMode::Nt),
+];
+
+pub(super) const DELAY: Label = Label { symbol: "τ", name: "delay of the torque control", unit: "s" };
+const LAG: Label = Label { symbol: "a", name: "bandwidth of the torque control", unit: "rad/s" };
+const TOTAL: Label = Label { symbol: "τ + 1/a", name: "total delay of the torque control", unit: "s" };
+const GAIN: Label = Label { symbol: "T_d,calc/T_d*", name: "gain of the torque control", unit: "1" };
+
+/// The estimate of the torque control and the model made of it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TorqueControlFit {
+    /// Parameters and validation.
+    pub result: TorqueControl,
+    /// The model at the estimate, with the ripple of the estimation part of the recording.
+    pub inverter: InverterModel,
+    /// Gain when it is left free; the estimate has it at one.
+    pub gain: Parameter,
+    /// Doubts.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+impl TorqueControlFit {
+    /// Whether a lag was found: one that is known to no better than half of itself, or rests on a bound, is as good as none.
+    pub fn has_lag(&self) -> bool {
+        let lag = self.result.delay_and_lag.parameter(LAG.symbol);
+        let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
+        is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.inverter.lag_rad_s)
+    }
+}
+
+/// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
+pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
+    PREFERRED.iter().find_map(|label| experiments.iter().find(|e| e.label == *label).copied())
+}
+
+/// Estimates T_d = e^{−sτ} a/(s + a) T_d* from one experiment, with T_d* held between its samples.
+///
+/// Needs T_d* and T_d,calc in Nm, each on its own clock. Samples within 0.1 s of |T_d*| ≥ `torque_limit_nm` are left
+/// out. The first 70 % of the recording are estimated from, the rest validates. Offset and ripple lines are estimated
+/// jointly (see [`InverterModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
+/// reported in the diagnostics. Covariances are robust to coloured residuals.
+///
+/// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is dated
+/// before the demand (at most 5 ms).
+///
+/// Returns τ in s, a in rad/s and the total delay τ + 1/a in s (by the delta method), the same for a delay alone, and
+/// the model.
+///
+/// # Errors
+/// A signal that is missing, too short, constant, not finite, or too often at the limit; data that do not determine the
+/// parameters.
+///
+/// # Source
+/// Glans & Kärnell 2018, §6.3.4; Ljung 1999, ch. 7 and 9 (prediction error, robust covariance).
+pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<TorqueControlFit, EstimateError> {
+    let (demand, torque) = signals(experiment)?;
+    let usable = usable_samples(demand, torque, torque_limit_nm);
+    let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;
+    let observed = Observed::new(torque, &usable, 0..split);
+    let mut diagnostics = check_saturation(experiment, torque_limit_nm, &usable)?;
+    let held = HeldDemand::new(demand, torque_limit_nm);
+    let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
+    let lagged = fit_lagged(&held, &observed, torque_limit_nm).map_err(failed)?;
+    let stretch = stretch_of(experiment, torque, 0..split);
+    let mut delay_and_lag = lagged.estimate(&stretch);
+    let (mut pure_delay, delayed) = pure_delay::fit(&held, &observed, &lagged.model, &stretch).map_err(failed)?;
+    let held_out = Observed::new(torque, &usable, split..torque.len());
+    let judge =
+        |modelled: &[f64], seen: &Observed| validation::judge(experiment, &held, seen, modelled).map_err(failed);
+    let seen = held_out.part(held_out.longest_run());
+    let delay_and_lag_validation = judge(&lagged.model.torque_at(&held, &seen.times_s), &seen)?;
+    let pure_delay_validation = judge(&delayed.torque_at(&held, &seen.times_s), &seen)?;
+    diagnostics.extend(doubts(experiment, &lagged, &delay_and_lag_validation, demand.sample_time_s));
+    // Both delays are read off the same two clocks.
+    let floor = timing_floor_s(demand.sample_time_s);
+    delay_and_lag.add_systematic(&["τ", "τ + 1/a"], floor);
+    pure_delay.add_systematic(&["τ"], floor);
+    Ok(TorqueControlFit {
+        result: TorqueControl { pure_delay, delay_and_lag, pure_delay_validation, delay_and_lag_validation },
+        inverter: lagged.model,
+        gain: lagged.gain,
+        diagnostics,
+    })
+}
+
+/// Tests on the estimation part of the experiment that `fit` comes from whether more than delay and lag is told.
+///
+/// # Errors
+/// Those of [`estimate`].
+pub fn second_order(
+    experiment: &Experiment,
+    fit: &TorqueControlFit,
+    torque_limit_nm: Option<f64>,
+) -> Result<SecondOrderTest, EstimateError> {
+    let (demand, torque) = signals(experiment)?;
+    let usable = usable_samples(demand, torque, torque_limit_nm);
+    let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;
+    let seen = Observed::new(torque, &usable, 0..split);
+    let smooth = seen.times_s.iter().zip(&seen.values).map(|(t, y)| fit.inverter.without_ripple(*y, *t)).collect();
+    let observed = Observed { values: smooth, ..seen };
+    let held = HeldDemand::new(demand, torque_limit_nm);
+    second_order::test(&held, &observed, (fit.inverter.delay_s, fit.inverter.lag_rad_s))
+        .map_err(|source| EstimateError::Ident { file: experiment.file.clone(), source })
+}
+
+/// T_d* and T_d,calc, checked.
+fn signals(experiment: &Experiment) -> Result<(&Signal, &Signal), EstimateError> {
+    let demand = usable_signal(experiment, Role::DynoTorqueDemand)?;
+    let torque = usable_signal(experiment, Role::AirGapTorque)?;
+    let standard_deviation = standard_deviation(&demand.samples);
+    if standard_deviation.is_nan() || standard_deviation < WEAK_NM {
+        let role = Role::DynoTorqueDemand;
+        return Err(EstimateError::WeakExcitation { file: experiment.file.clone(), role, standard_deviation });
+    }
+    Ok((demand, torque))
+}
+
+/// The signal of a role, present, finite and long enough.
+pub(super) fn usable_signal(experiment: &Experiment, role: Role) -> Result<&Signal, EstimateError> {
+    let file = || experiment.file.clone();
+    let signal = experiment.signal(role).ok_or_else(|| EstimateError::MissingSignal { file: file(), role })?;
+    check_finite(role.symbol(), &signal.samples).map_err(|source| EstimateError::Ident { file: file(), source })?;
+    if signal.duration_s() < SHORTEST_S {
+        let duration_s = signal.duration_s();
+        return Err(EstimateError::TooShort { file: file(), duration_s, needed_s: SHORTEST_S });
+    }
+    Ok(signal)
+}
+
+fn check_finite(what: &'static str, values: &[f64]) -> Result<(), IdentError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(index) => Err(IdentError::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}
+
+pub fn standard_deviation(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n).sqrt()
+}
+
+pub(super) fn stretch_of(experiment: &Experiment, signal: &Signal, range: std::ops::Range<usize>) -> Stretch {
+    let end = range.end.saturating_sub(1).max(range.start);
+    Stretch { file: experiment.file.clone(), start_s: signal.time_s(range.start), end_s: signal.time_s(end) }
+}
+
+fn check_saturation(
+    experiment: &Experiment,
+    limit: Option<f64>,
+    usable: &[bool],
+) -> Result<Vec<Diagnostic>, EstimateError> {
+    let Some(limit_nm) = limit else { return Ok(Vec::new()) };
+    let Some(demand) = experiment.signal(Role::DynoTorqueDemand) else { return Ok(Vec::new()) };
+    let share = demand.samples.iter().filter(|u| u.abs() >= limit_nm).count() as f64 / demand.len().max(1) as f64;
+    let lost = usable.iter().filter(|u| !**u).count() as f64 / usable.len().max(1) as f64;
+    if share > 0.0 && lost > MOST_SATURATED {
+        let role = Role::DynoTorqueDemand;
+        return Err(EstimateError::Saturated { file: experiment.file.clone(), role, share });
+    }
+    Ok(if share > 0.0 { vec![warning(experiment, Finding::Saturated { share, limit_nm })] } else { Vec::new() })
+}
+
+fn warning(experiment: &Experiment, finding: Finding) -> Diagnostic {
+    let place = Place { file: Some(experiment.file.clone()), ..Place::default() };
+    Diagnostic { severity: Severity::Warning, place, finding }
+}
+
+/// The fit of delay and lag.
+struct Lagged {
+    model: InverterModel,
+    /// Of τ and a.
+    covariance: Mat<f64>,
+    freedom: f64,
+    gain: Parameter,
+    fit: Minimum,
+}
+
+fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Result<Lagged, IdentError> {
+    let bounds = [Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)];
+    let mut model = RippledModel::new(DelayAndLag::new(held), observed);
+    let fit = fit_with_ripple(&mut model, &starts(held.sample_time_s()), &bounds)?;
+    let (covariance, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
+    let (offset_nm, lines) = model.linear_of(&fit.parameters);
+    let gain = free_gain(&mut model, &fit, &bounds, observed.sample_time_s)?;
+    let inverter = InverterModel {
+        delay_s: fit.parameters[0],
+        lag_rad_s: fit.parameters[1],
+        ripple: DriveRipple { offset_nm, lines, reference_s: observed.reference_s },
+        torque_limit_nm: limit,
+        residual: model::statistics(&fit.residuals, observed)?,
+    };
+    let covariance =
+        Mat::from_fn(2, 2, |i, j| if fit.at_bound[i] && i == j { f64::INFINITY } else { covariance[(i, j)] });
+    Ok(Lagged { model: inverter, covariance, freedom, gain, fit })
+}
+
+fn free_gain(
+    model: &mut RippledModel<'_, DelayAndLag<'_>>,
+    fit: &Minimum,
+    bounds: &[Bounds],
+    sample_time_s: f64,
+) -> Result<Parameter, IdentError> {
+    let free = search::free_the_gain(model, fit, bounds)?;
+    let (covariance, freedom) = robust_covariance(&free, sample_time_s)?;
+    let at = model.response_count();
+    Ok(Parameter::new(GAIN, free.parameters[at], covariance[(at, at)].sqrt(), freedom))
+}
+
+/// A grid of delays (in halves of the demand's sample) and lags, lag by lag: a mode is computed once for all delays.
+fn starts(sample_time_s: f64) -> Vec<Vec<f64>> {
+    let delays = (0..).map(|j| 0.5 * j as f64 * sample_time_s - EARLIEST_S).take_while(|d| *d < LONGEST_DELAY_S);
+    let lags = [60.0, 150.0, 400.0, 1000.0, 2500.0];
+    lags.into_iter().flat_map(|a| delays.clone().map(move |d| vec![d, a])).collect()
+}
+
+impl Lagged {
+    /// τ, a and τ + 1/a with their joint covariance.
+    fn estimate(&self, stretch: &Stretch) -> Estimate {
+        let (delay, lag) = (self.model.delay_s, self.model.lag_rad_s);
+        let rows = [[1.0, 0.0], [0.0, 1.0], [1.0, -1.0 / (lag * lag)]];
+        let joint = |i: usize, j: usize| -> f64 {
+            let pairs = (0..2).flat_map(|k| (0..2).map(move |l| (k, l)));
+            let terms = pairs.map(|(k, l)| (rows[i][k] * rows[j][l], self.covariance[(k, l)]));
+            terms.filter(|t| t.0 != 0.0).map(|(weight, c)| weight * c).sum()
+        };
+        let covariance: Vec<Vec<f64>> = (0..3).map(|i| (0..3).map(|j| joint(i, j)).collect()).collect();
+        let values = [(DELAY, delay), (LAG, lag), (TOTAL, delay + 1.0 / lag)];
+        let parameter = |(i, (label, value)): (usize, &(Label, f64))| {
+            Parameter::new(*label, *value, covariance[i][i].sqrt(), self.freedom)
+        };
+        Estimate {
+            parameters: values.iter().enumerate().map(parameter).collect(),
+            covariance,
+            stretches: vec![stretch.clone()],
+            iterations: self.fit.iterations,
+            condition: self.fit.condition,
+        }
+    }
+}
+
+fn doubts(
+    experiment: &Experiment,
+    lagged: &Lagged,
+    validation: &rig::results::Validation,
+    demand_sample_time_s: f64,
+) -> Vec<Diagnostic> {
+    let mut found = Vec::new();
+    let submodel = || "torque control".to_owned();
+    if !lagged.fit.termination.converged() || lagged.fit.at_bound[..2].contains(&true) {
+        found.push(warning(experiment, Finding::NotConverged { submodel: submodel() }));
+    }
+    let (advance_s, uncertainty_s) = (-lagged.model.delay_s, lagged.covariance[(0, 0)].sqrt());
+    if advance_s > EARLY * uncertainty_s.max(timing_floor_s(demand_sample_time_s)) {
+        found.push(warning(experiment, Finding::EarlySignal { role: Role::AirGapTorque, advance_s }));
+    }
+    let gain = &lagged.gain;
+    let (low, high) =
+        ident::distributions::interval(gain.value, gain.standard_error, gain.degrees_of_freedom, GAIN_LEVEL);
+    if !(low..=high).contains(&1.0) {
+        let quantity = "gain from T_d* to T_d,calc".to_owned();
+        let (first, second) = ((gain.value, gain.standard_error), (1.0, 0.0));
+        found.push(warning(experiment, Finding::RoutesDisagree { quantity, first, second }));
+    }
+    let share_outside = validation.residuals.as_ref().map_or(0.0, ResidualTest::share_outside);
+    if share_outside > ResidualTest::MANY_OUTSIDE {
+        found.push(warning(experiment, Finding::ResidualsCorrelated { submodel: submodel(), share_outside }));
+    }
+    found
+}

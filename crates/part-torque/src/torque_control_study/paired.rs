@@ -1,0 +1,90 @@
+//! Whether one model's errors are smaller than another's on the same samples.
+
+use ident::distributions::f_tail;
+use serde::Serialize;
+
+use crate::torque_control::batches;
+
+/// A test of squared errors in pairs.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PairedTest {
+    /// Mean of the bar's squared error less the model's, Nm²: positive where the model is better.
+    pub difference_nm2: f64,
+    /// Its standard error, Nm².
+    pub standard_error_nm2: f64,
+    /// Degrees of freedom of Student's t.
+    pub degrees_of_freedom: f64,
+    /// Probability of a difference as large as this, either way, where there is none.
+    pub p_value: f64,
+}
+
+/// Compares squared errors by their means over batches of half a second: what hangs together within a batch, such as a held
+/// demand or ripple, counts once.
+///
+/// # Source
+/// Diebold & Mariano, *Comparing predictive accuracy*, J. Business & Economic Statistics 13, 1995, with the variance of
+/// Ibragimov & Müller, *t-statistic based correlation and heterogeneity robust inference*, 2010.
+pub(super) fn compare(bar: &[f64], model: &[f64], sample_time_s: f64) -> PairedTest {
+    let differences: Vec<f64> = bar.iter().zip(model).map(|(b, m)| b * b - m * m).collect();
+    let count = batches(differences.len(), sample_time_s);
+    let length = (differences.len() / count).max(1);
+    let means: Vec<f64> = differences.chunks_exact(length).map(|c| c.iter().sum::<f64>() / length as f64).collect();
+    let n = means.len() as f64;
+    let difference_nm2 = means.iter().sum::<f64>() / n;
+    let variance = means.iter().map(|m| (m - difference_nm2).powi(2)).sum::<f64>() / (n * (n - 1.0));
+    let degrees_of_freedom = n - 1.0;
+    let t_squared = difference_nm2 * difference_nm2 / variance;
+    let p_value = match difference_nm2 {
+        0.0 => 1.0,
+        _ if t_squared.is_finite() => f_tail(t_squared, 1.0, degrees_of_freedom),
+        _ => f64::NAN,
+    };
+    PairedTest { difference_nm2, standard_error_nm2: variance.sqrt(), degrees_of_freedom, p_value }
+}
+
+/// Probabilities of several tests, each raised so that the chance of any false alarm among them is what the least says.
+///
+/// # Source
+/// Holm, *A simple sequentially rejective multiple test procedure*, Scandinavian Journal of Statistics 6, 1979.
+pub(super) fn holm(p_values: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..p_values.len()).collect();
+    order.sort_by(|a, b| p_values[*a].total_cmp(&p_values[*b]));
+    let mut raised = vec![1.0; p_values.len()];
+    let mut least: f64 = 0.0;
+    for (rank, index) in order.into_iter().enumerate() {
+        least = least.max((p_values.len() - rank) as f64 * p_values[index]).min(1.0);
+        raised[index] = least;
+    }
+    raised
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exact_holm() {
+        let raised = holm(&[0.01, 0.04, 0.03, 0.005]);
+        for (found, expected) in raised.iter().zip([0.03, 0.06, 0.06, 0.02]) {
+            assert!((found - expected).abs() < 1e-12, "{raised:?}");
+        }
+        assert_eq!(holm(&[0.6, 0.7]), [1.0, 1.0]);
+    }
+
+    /// Errors that hang together for 20 samples, equal in size: false alarms at 5 % of the tests.
+    #[test]
+    fn stat_errors_of_one_size_are_not_told_apart() {
+        let mut random = signal::excitation::Random::new(9);
+        let mut coloured = || {
+            let (mut x, keep) = (0.0, 0.95_f64);
+            let values = (0..4000).map(|_| {
+                x = keep * x + random.normal();
+                x
+            });
+            values.collect::<Vec<f64>>()
+        };
+        let alarms = (0..400).filter(|_| compare(&coloured(), &coloured(), 4e-3).p_value < 0.05).count();
+        // Binomial(400, 0.05): 8 to 34 with probability 0.998.
+        assert!((8..=34).contains(&alarms), "{alarms}");
+    }
+}

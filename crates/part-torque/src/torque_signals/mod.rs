@@ -1,0 +1,158 @@
+//! The torque signals of a bench: how late each is, what filter stands in the system's own shaft torque, what the shaft torque
+//! really was, how the load cell moves, and whether T_d,calc can be trusted at rest (thesis §3.4, §6.1).
+
+mod shaft;
+mod trust;
+
+use serde::Serialize;
+
+use crate::timing::{self, ShaftFilter};
+use crate::torque_control::{self, TorqueControlFit};
+use part_controller::speed_controller::{self, SpeedControllerFit};
+use rig::experiment::{Excitation, Test};
+use rig::prepare::wrong_sign;
+use rig::results::{Parameter, SignalDelay};
+use rig::results::{Told, Untold};
+use rig::{BenchFile, Experiment, Role};
+use shaft::Known;
+pub use shaft::{OnceATurn, RebuiltShaft};
+pub use trust::{Trust, TrustCheck};
+
+/// Torques whose signals this is about.
+const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
+
+/// What recordings tell of the torque signals.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TorqueSignals {
+    /// One entry a recording.
+    pub recordings: Vec<TorqueRecording>,
+    /// T_d,calc against the load cell, of all recordings together.
+    pub trust: Option<TrustCheck>,
+}
+
+/// What one recording tells.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TorqueRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// Delays of its torque signals.
+    pub delays: Told<Vec<SignalDelay>>,
+    /// The filter in T_d,shaft,calc; `None` where that was not recorded.
+    pub filter: Option<Told<ShaftFilter>>,
+    /// The shaft torque; `None` without a shaft.
+    pub shaft: Option<Told<RebuiltShaft>>,
+}
+
+impl TorqueSignals {
+    /// The load cell's own dynamics, τ_cell, ω_n and ζ, by the recording that tells them best: that whose ω_n is sharpest.
+    #[must_use]
+    pub fn load_cell(&self) -> Option<(&str, &[Parameter])> {
+        let all = self.recordings.iter().filter_map(|recording| {
+            let delays = recording.delays.found()?;
+            let cell = delays.iter().find_map(|delay| delay.dynamics.as_ref())?;
+            Some((recording.file.as_str(), cell.parameters.as_slice()))
+        });
+        let sharpness =
+            |parameters: &[Parameter]| parameters.get(1).map_or(f64::INFINITY, |p| p.standard_error / p.value);
+        all.min_by(|a, b| sharpness(a.1).total_cmp(&sharpness(b.1)))
+    }
+}
+
+/// Looks at the torque signals of recordings; `step` hears of each before its turn comes.
+///
+/// Delays come from experiments that move T_d* by themselves (WhiteNoise_T_TN, Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT), see
+/// [`timing::estimate`]; the filter from any with N_d, T_d,calc and T_d,shaft,calc; the shaft torque from any with a shaft, N_d and
+/// T_d,calc. The encoder's once-a-turn error is taken out where the speed controller tells it (BS_T_NT).
+///
+/// A T_d,calc whose sign contradicts what it does to the speed is not used.
+#[must_use]
+pub fn torque_signals(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> TorqueSignals {
+    let believed: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
+    let control = torque_control::choose(&believed)
+        .and_then(|experiment| torque_control::estimate(experiment, bench.limits.torque_nm).ok());
+    let mut recordings = Vec::new();
+    for experiment in experiments {
+        step(&experiment.file);
+        recordings.push(of_recording(experiment, control.as_ref(), bench));
+    }
+    TorqueSignals { recordings, trust: trust::check(&believed).ok().flatten() }
+}
+
+/// Whether the sign of T_d,calc is that of what it does to the speed, or not told.
+///
+/// # Errors
+/// It is the opposite one.
+pub fn believable(experiment: &Experiment) -> Result<(), Untold> {
+    let role = Role::AirGapTorque;
+    wrong_sign(experiment, role).map_or(Ok(()), |_| Err(Untold::WrongSign { role }))
+}
+
+/// `best` is the torque control of the experiment that tells it best; it serves where a recording does not tell it itself.
+fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench: &BenchFile) -> TorqueRecording {
+    if let Err(why) = believable(experiment) {
+        return with_wrong_sign(experiment, &why, bench);
+    }
+    let limit = bench.limits.torque_nm;
+    let is_known = torque_control::choose(&[experiment]).is_some();
+    let control = if is_known { torque_control::estimate(experiment, limit).ok() } else { None };
+    let controller =
+        if experiment.is_test(&Test::Bs) { speed_controller::estimate(experiment, limit).ok() } else { None };
+    TorqueRecording {
+        file: experiment.file.clone(),
+        label: experiment.label.to_string(),
+        delays: if is_known { delays(experiment, control.as_ref(), bench) } else { Told::Untold(Untold::NotExcited) },
+        filter: filter(experiment),
+        shaft: (!experiment.label.is_without_shaft())
+            .then(|| rebuilt(experiment, control.as_ref().or(best), controller.as_ref(), bench)),
+    }
+}
+
+/// What is left where T_d,calc cannot be believed: how late the other torques are.
+fn with_wrong_sign(experiment: &Experiment, why: &Untold, bench: &BenchFile) -> TorqueRecording {
+    let mut others = experiment.clone();
+    others.signals.remove(&Role::AirGapTorque);
+    let others_tell = others.label.excitation == Excitation::Torque;
+    let delays = if others_tell { delays(&others, None, bench) } else { Told::Untold(why.clone()) };
+    TorqueRecording {
+        file: experiment.file.clone(),
+        label: experiment.label.to_string(),
+        delays: if delays.found().is_some() { delays } else { Told::Untold(why.clone()) },
+        filter: Some(Told::Untold(why.clone())),
+        shaft: (!experiment.label.is_without_shaft()).then(|| Told::Untold(why.clone())),
+    }
+}
+
+fn delays(experiment: &Experiment, control: Option<&TorqueControlFit>, bench: &BenchFile) -> Told<Vec<SignalDelay>> {
+    if !TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
+        return Told::Untold(Untold::Missing { role: Role::AirGapTorque });
+    }
+    timing::estimate(&[experiment], control, bench.dynamometer_inertia_kg_m2).map(|timing| timing.delays).into()
+}
+
+fn filter(experiment: &Experiment) -> Option<Told<ShaftFilter>> {
+    experiment.signal(Role::SystemShaftTorque)?;
+    let missing = [Role::DynoSpeed, Role::AirGapTorque].into_iter().find(|role| experiment.signal(*role).is_none());
+    Some(match (missing, timing::shaft_filter(experiment)) {
+        (Some(role), _) => Told::Untold(Untold::Missing { role }),
+        (None, Some(filter)) => Told::Found(filter),
+        (None, None) => Told::Untold(Untold::NotExplained),
+    })
+}
+
+fn rebuilt(
+    experiment: &Experiment,
+    control: Option<&TorqueControlFit>,
+    controller: Option<&SpeedControllerFit>,
+    bench: &BenchFile,
+) -> Told<RebuiltShaft> {
+    let known = Known {
+        inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
+        engine: bench.engine(),
+        torque_control: control,
+        encoder: controller.map(|fit| fit.encoder),
+        stated_gate_s: bench.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s),
+    };
+    shaft::rebuild(experiment, &known).into()
+}

@@ -1,0 +1,154 @@
+//! The engine and its control.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use crate::bench_parameters::{ParameterError, SliderCrank, require, require_not_negative};
+use units::RPM_RAD_S;
+
+/// One harmonic of the firing order.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Harmonic {
+    /// Amplitude relative to the mean torque, 1.
+    pub relative_amplitude: f64,
+    /// Phase at the moment of firing, rad.
+    pub phase_rad: f64,
+}
+
+/// Engine with c cylinders and s strokes, firing at crank angles θ = sπ j/c. From firing j to the next,
+/// T_e = T_j (1 + p Σ_n a_n cos(2n c θ/s + φ_n)), T_j = (level at firing j) · (factor of cylinder j mod c) · (1 + ε_j),
+/// ε_j normal and independent. p is 1 when fired; a motored engine has p < 1, unit cylinder factors and no ε_j.
+/// Firing frequency: f_cb = (2c/s) N_e/60 (thesis 2.1 for c = s = 4).
+///
+/// The level: the torque demanded, or that of the throttle map, T(α, ω_e), goes through the intake, 1/(1 + sτ), and
+/// gives T_b at the best ignition angle. Ignition with efficiency η acts on the next firing:
+/// level = T_b − (1 − η)(T_b − T_motored).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EngineParameters {
+    /// Torque of each cylinder relative to the level, in firing order; their number is the number of cylinders.
+    pub cylinder_factors: Vec<f64>,
+    /// Strokes of a working cycle, 2 or 4.
+    pub strokes: u32,
+    /// a_n, φ_n: harmonics of the firing order, first harmonic first.
+    pub firing_harmonics: Vec<Harmonic>,
+    /// Cylinders on a crankshaft in place of the harmonics; none: the harmonics.
+    pub slider_crank: Option<SliderCrank>,
+    /// Standard deviation of ε, 1.
+    pub cycle_variation: f64,
+    /// Mean torque of the motored engine, Nm (negative).
+    pub motored_torque_nm: f64,
+    /// p of the motored engine, 1.
+    pub motored_pulsation: f64,
+    /// Proportional gain of the engine's speed control (TN): torque per speed too low, Nm s/rad.
+    pub speed_control_proportional_nm_s_per_rad: f64,
+    /// Integral gain of the engine's speed control (TN), Nm/rad.
+    pub speed_control_integral_nm_per_rad: f64,
+    /// τ of the intake, s; zero: the charge follows at once.
+    pub intake_lag_s: f64,
+    /// Torque over throttle and speed.
+    pub throttle_map: ThrottleMap,
+}
+
+/// The engine's torque at rest over throttle and speed, linear between the points of a grid and constant beyond it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ThrottleMap {
+    /// α of the grid's rows, growing, 0 … 1.
+    pub throttle: Vec<f64>,
+    /// ω_e of its columns, growing, rad/s.
+    pub speed_rad_s: Vec<f64>,
+    /// Torque, one row a throttle, Nm.
+    pub torque_nm: Vec<Vec<f64>>,
+}
+
+impl Default for ThrottleMap {
+    /// A two-litre engine with natural intake.
+    fn default() -> Self {
+        let row = |torque_nm: [f64; 4]| torque_nm.to_vec();
+        Self {
+            throttle: vec![0.0, 0.05, 0.1, 0.2, 0.4, 1.0],
+            speed_rad_s: [800.0, 2000.0, 4000.0, 6000.0].map(|n: f64| n * RPM_RAD_S).to_vec(),
+            torque_nm: vec![
+                row([5.0, -18.0, -28.0, -38.0]),
+                row([60.0, 12.0, -14.0, -30.0]),
+                row([105.0, 55.0, 10.0, -15.0]),
+                row([140.0, 120.0, 72.0, 30.0]),
+                row([155.0, 165.0, 145.0, 105.0]),
+                row([160.0, 180.0, 190.0, 165.0]),
+            ],
+        }
+    }
+}
+
+impl Default for EngineParameters {
+    fn default() -> Self {
+        let harmonic = |relative_amplitude, phase_rad| Harmonic { relative_amplitude, phase_rad };
+        Self {
+            cylinder_factors: vec![1.0, 0.93, 1.05, 0.98],
+            strokes: 4,
+            firing_harmonics: vec![harmonic(2.0, 0.3), harmonic(0.9, 1.1), harmonic(0.4, -0.5), harmonic(0.2, 0.2)],
+            slider_crank: None,
+            cycle_variation: 0.02,
+            motored_torque_nm: -15.8,
+            motored_pulsation: 0.2,
+            speed_control_proportional_nm_s_per_rad: 2.0,
+            speed_control_integral_nm_per_rad: 6.0,
+            intake_lag_s: 0.0,
+            throttle_map: ThrottleMap::default(),
+        }
+    }
+}
+
+impl EngineParameters {
+    /// Crank angle of a working cycle, rad.
+    pub fn cycle_rad(&self) -> f64 {
+        f64::from(self.strokes) * PI
+    }
+
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let cylinders = self.cylinder_factors.len();
+        require("engine.cylinder_factors", cylinders as f64, cylinders > 0, "one factor for each cylinder")?;
+        require("engine.strokes", f64::from(self.strokes), [2, 4].contains(&self.strokes), "2 or 4")?;
+        for &factor in &self.cylinder_factors {
+            require("engine.cylinder_factors", factor, true, "finite")?;
+        }
+        for harmonic in &self.firing_harmonics {
+            require("engine.firing_harmonics", harmonic.relative_amplitude, true, "finite")?;
+            require("engine.firing_harmonics", harmonic.phase_rad, true, "finite")?;
+        }
+        require_not_negative("engine.cycle_variation", self.cycle_variation)?;
+        require("engine.motored_torque_nm", self.motored_torque_nm, true, "finite")?;
+        require("engine.motored_pulsation", self.motored_pulsation, true, "finite")?;
+        let gain = self.speed_control_proportional_nm_s_per_rad;
+        require_not_negative("engine.speed_control_proportional_nm_s_per_rad", gain)?;
+        require_not_negative("engine.speed_control_integral_nm_per_rad", self.speed_control_integral_nm_per_rad)?;
+        require_not_negative("engine.intake_lag_s", self.intake_lag_s)?;
+        self.slider_crank.map_or(Ok(()), |crank| crank.check())?;
+        self.throttle_map.check()
+    }
+}
+
+impl ThrottleMap {
+    fn check(&self) -> Result<(), ParameterError> {
+        for (name, axis) in
+            [("engine.throttle_map.throttle", &self.throttle), ("engine.throttle_map.speed_rad_s", &self.speed_rad_s)]
+        {
+            require(name, axis.len() as f64, !axis.is_empty(), "an axis of at least one point")?;
+            axis.iter().try_for_each(|&value| require(name, value, true, "finite"))?;
+            let falls = axis.windows(2).find(|pair| pair[1] <= pair[0]);
+            falls.map_or(Ok(()), |pair| require(name, pair[1], false, "growing"))?;
+        }
+        let rows = self.torque_nm.len();
+        require("engine.throttle_map.torque_nm", rows as f64, rows == self.throttle.len(), "one row a throttle")?;
+        for row in &self.torque_nm {
+            let columns = row.len();
+            let fits = columns == self.speed_rad_s.len();
+            require("engine.throttle_map.torque_nm", columns as f64, fits, "one column a speed")?;
+            row.iter().try_for_each(|&torque| require("engine.throttle_map.torque_nm", torque, true, "finite"))?;
+        }
+        Ok(())
+    }
+}

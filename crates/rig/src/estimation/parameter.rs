@@ -1,0 +1,82 @@
+//! Making [`Parameter`]s and [`Estimate`]s from numbers.
+
+use faer::Mat;
+use ident::Minimum;
+use ident::distributions::interval;
+
+use crate::results::{Estimate, Parameter, Stretch};
+
+/// Level of every parameter's interval.
+const INTERVAL_LEVEL: f64 = 0.95;
+
+/// What a parameter is called and measured in.
+#[derive(Debug, Clone, Copy)]
+pub struct Label {
+    pub symbol: &'static str,
+    pub name: &'static str,
+    pub unit: &'static str,
+}
+
+/// A quantity people read, as a function of a fit's internal parameters.
+pub type ReadOut<'a> = (Label, &'a dyn Fn(&[f64]) -> f64);
+
+impl Parameter {
+    /// A parameter with its 95 % Student-t interval.
+    pub fn new(label: Label, value: f64, standard_error: f64, degrees_of_freedom: f64) -> Self {
+        Parameter {
+            symbol: label.symbol.to_owned(),
+            name: label.name.to_owned(),
+            unit: label.unit.to_owned(),
+            value,
+            standard_error,
+            degrees_of_freedom,
+            interval: interval(value, standard_error, degrees_of_freedom, INTERVAL_LEVEL),
+        }
+    }
+}
+
+impl Estimate {
+    /// Adds a systematic uncertainty that moves the named parameters together and nothing else.
+    pub fn add_systematic(&mut self, symbols: &[&str], standard_uncertainty: f64) {
+        let moved: Vec<usize> =
+            (0..self.parameters.len()).filter(|i| symbols.contains(&self.parameters[*i].symbol.as_str())).collect();
+        for i in &moved {
+            for j in &moved {
+                self.covariance[*i][*j] += standard_uncertainty * standard_uncertainty;
+            }
+        }
+        for i in moved {
+            let parameter = &mut self.parameters[i];
+            parameter.standard_error = self.covariance[i][i].sqrt();
+            let (error, dof) = (parameter.standard_error, parameter.degrees_of_freedom);
+            parameter.interval = interval(parameter.value, error, dof, INTERVAL_LEVEL);
+        }
+    }
+}
+
+/// The quantities people read, as functions of a fit's internal parameters, with their covariance by the delta method.
+pub fn transformed(
+    outputs: &[ReadOut<'_>],
+    fit: &Minimum,
+    covariance: &Mat<f64>,
+    degrees_of_freedom: f64,
+    stretch: &Stretch,
+) -> Estimate {
+    let gradients: Vec<Vec<f64>> =
+        outputs.iter().map(|(_, g)| ident::covariance::gradient(&fit.parameters, covariance, g)).collect();
+    let joint = |a: &[f64], b: &[f64]| {
+        let n = a.len();
+        (0..n).map(|i| (0..n).map(|j| a[i] * covariance[(i, j)] * b[j]).sum::<f64>()).sum::<f64>()
+    };
+    let matrix: Vec<Vec<f64>> = gradients.iter().map(|a| gradients.iter().map(|b| joint(a, b)).collect()).collect();
+    let parameter = |(i, (label, g)): (usize, &ReadOut<'_>)| {
+        Parameter::new(*label, g(&fit.parameters), matrix[i][i].max(0.0).sqrt(), degrees_of_freedom)
+    };
+    Estimate {
+        parameters: outputs.iter().enumerate().map(parameter).collect(),
+        covariance: matrix,
+        stretches: vec![stretch.clone()],
+        iterations: fit.iterations,
+        condition: fit.condition,
+    }
+}

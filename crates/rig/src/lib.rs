@@ -1,0 +1,27 @@
+//! What a dynamometer test bench is: its signals and their roles, what is stated of it, experiments planned and recorded,
+//! and the plain types in which its parts are estimated.
+//!
+//! Raw channel names and units end here ([`channels`], [`bench_file`], [`prepare`](mod@prepare)); after that everything is SI with a
+//! [`Role`]. The crate reads no file, and knows no model, no simulation and no estimator.
+//!
+//! Notation follows Glans & Kärnell, *Development of a Method on how to Model a Dynamometer for Driveline Testing*,
+//! Chalmers EX112/2018; equation numbers in the documentation are that thesis's.
+
+pub mod align;
+pub mod bench_file;
+pub mod bench_parameters;
+pub mod channels;
+pub mod diagnostics;
+pub mod estimation;
+pub mod experiment;
+pub mod facts;
+pub mod prepare;
+pub mod random;
+pub mod results;
+pub mod role;
+
+pub use bench_file::BenchFile;
+pub use diagnostics::{Diagnostic, Finding, Place, Severity};
+pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
+pub use prepare::{PrepareError, prepare};
+pub use role::Role;

@@ -1,0 +1,108 @@
+//! Checks of one channel's values: dead, clipped, or of a magnitude that its unit cannot mean.
+
+use signal::Signal;
+use signal::quality::{QualityOptions, check_quality};
+
+use super::{Log, Source, longest};
+use crate::bench_file::BenchFile;
+use crate::diagnostics::{Finding, Severity};
+use crate::experiment::{ControlMode, Excitation, ExperimentLabel};
+use crate::role::Role;
+use units::{self, Quantity, Unit};
+
+/// Few benches turn faster: a channel labelled rad/s that does may hold rpm.
+const FAST_RAD_S: f64 = 700.0;
+/// A value this many times a limit of the bench file is not believed.
+const BEYOND_LIMIT: f64 = 2.0;
+/// Share of the samples at the largest or smallest value above which a measured signal is called clipped.
+const CLIPPED_SHARE: f64 = 0.005;
+
+/// Whether a channel's values can be used; what is wrong with them is noted.
+pub(super) fn are_usable(
+    source: &Source<'_>,
+    stretches: &[Signal],
+    label: &ExperimentLabel,
+    bench_file: &BenchFile,
+    log: &mut Log,
+) -> bool {
+    let Some(signal) = longest(stretches) else { return false };
+    let Ok(quality) = check_quality(&signal.samples, &QualityOptions::default()) else { return false };
+    if quality.constant {
+        return is_constant_usable(source, signal, label, log);
+    }
+    if !is_plausible(source, signal, bench_file, log) {
+        return false;
+    }
+    for runs in [&quality.clipped_low, &quality.clipped_high] {
+        let count: usize = runs.iter().map(|run| run.len()).sum();
+        let share = count as f64 / signal.len() as f64;
+        let first = runs.first().and_then(|run| Some((signal.time_s(run.start), *signal.samples.get(run.start)?)));
+        if let Some((time_s, value)) = first.filter(|_| share > CLIPPED_SHARE && is_measured(source.role)) {
+            log.channel(Severity::Warning, source.channel, Some(time_s), Finding::Clipped { value, share });
+        }
+    }
+    true
+}
+
+fn is_measured(role: Role) -> bool {
+    !role.is_demand() && role != Role::Throttle
+}
+
+/// Notes a signal that never changes where it should. A measured one is dead and is refused.
+fn is_constant_usable(source: &Source<'_>, signal: &Signal, label: &ExperimentLabel, log: &mut Log) -> bool {
+    let value = signal.samples.first().copied().unwrap_or_default();
+    if !should_move(source.role, label) {
+        return true;
+    }
+    let is_dead = is_measured(source.role);
+    let severity = if is_dead { Severity::Error } else { Severity::Warning };
+    log.channel(severity, source.channel, None, Finding::Constant { value });
+    !is_dead
+}
+
+/// Whether a role's signal changes in an experiment.
+fn should_move(role: Role, label: &ExperimentLabel) -> bool {
+    match role {
+        Role::DynoSpeedDemand => label.mode == ControlMode::Nt && label.excitation == Excitation::Speed,
+        Role::EngineSpeed | Role::SystemShaftTorque | Role::FlangeTorque => !label.is_without_shaft(),
+        Role::Throttle => false,
+        _ => true,
+    }
+}
+
+/// Whether a signal's magnitude is possible. What is possible but rare is noted.
+fn is_plausible(source: &Source<'_>, signal: &Signal, bench_file: &BenchFile, log: &mut Log) -> bool {
+    let magnitudes = signal.samples.iter().map(|value| value.abs()).enumerate();
+    let Some((index, largest)) = magnitudes.max_by(|a, b| a.1.total_cmp(&b.1)) else { return false };
+    let impossible = largest_possible(source.role, bench_file);
+    let rare = if source.unit.spelling == "rad/s" { FAST_RAD_S.min(impossible) } else { impossible };
+    if largest <= rare || (largest <= impossible && stated_limit(source.role, bench_file).is_some()) {
+        return true;
+    }
+    let looks_like = plausible_unit(source.unit, largest, rare);
+    let finding = Finding::ImplausibleMagnitude { role: source.role, largest, looks_like };
+    let refused = largest > impossible;
+    let severity = if refused { Severity::Error } else { Severity::Warning };
+    log.channel(severity, source.channel, Some(signal.time_s(index)), finding);
+    !refused
+}
+
+fn stated_limit(role: Role, bench_file: &BenchFile) -> Option<f64> {
+    match role.quantity() {
+        Quantity::AngularSpeed => bench_file.limits.speed_rad_s,
+        _ => None,
+    }
+}
+
+fn largest_possible(role: Role, bench_file: &BenchFile) -> f64 {
+    let stated = stated_limit(role, bench_file).map(|limit| BEYOND_LIMIT * limit);
+    stated.or(role.quantity().largest_at_a_bench()).unwrap_or(f64::INFINITY)
+}
+
+/// The usual unit in which the recorded number would be plausible.
+fn plausible_unit(unit: Unit, largest: f64, possible: f64) -> Option<String> {
+    let recorded = unit.from_si(largest);
+    let usual = ["rpm", "Nm", "%", "mNm", "deg/s"].into_iter().filter_map(|spelling| units::parse_unit(spelling).ok());
+    let mut same = usual.filter(|other| other.quantity == unit.quantity && other.spelling != unit.spelling);
+    same.find(|other| other.to_si(recorded) <= possible).map(|other| other.spelling.to_owned())
+}

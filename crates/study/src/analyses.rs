@@ -1,0 +1,114 @@
+//! What the analyses of the parts tell of a campaign beside the study: the same that each of them tells on its own.
+
+use numerics::parallel;
+
+use super::Progress;
+use super::next::{self, NextError, NextExperiments, NextOptions};
+use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
+use crate::pi_noise::{PiStudy, StudyOptions};
+use part_controller::speed_control::{self, SpeedControl, speed_control};
+use part_engine::{EngineTorque, engine_torque};
+use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
+use part_lines::look::{Look, OverSpeed, look, on_one_mains, over_speed};
+use part_shaft::shaft_study::{ShaftStudy, shaft_study};
+use part_torque::torque_control_study::{self, OrdersTried, TorqueControlStudy, TorqueControlStudyError};
+use part_torque::torque_signals::{TorqueSignals, torque_signals};
+use rig::estimation::EstimateError;
+use rig::experiment::Test;
+use rig::{BenchFile, Experiment};
+
+/// Orders of the torque control that are tried here: those of the thesis's low-order models. All of `OrdersTried::default()`
+/// take minutes.
+const ORDERS: OrdersTried = OrdersTried { highest: 2, longest_delay: 2 };
+/// Draws of each noise in the study of a known PI: enough to tell a coverage of 95 % from one of 80 %.
+const DRAWS: usize = 50;
+
+/// The analyses of a campaign's recordings. One that lacks its recordings says so, and costs none of the others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Analyses {
+    /// What was recorded, as it was recorded.
+    pub courses: Vec<RecordedCourse>,
+    /// The torque signals and N_d at a step of T_d*; `None` without such a step in torque control.
+    pub step: Option<StepResponse>,
+    /// Lines of the spectra, one entry a recording.
+    pub lines: Vec<Look>,
+    /// The lines of all recordings over the speed.
+    pub over_speed: Vec<OverSpeed>,
+    /// The torque signals against each other.
+    pub torque_signals: TorqueSignals,
+    /// What stands beside PI, delay and feed-forward.
+    pub speed_control: SpeedControl,
+    /// What noise does to the estimate of a PI; `None` without a BS_T_NT.
+    pub pi_study: Option<Result<PiStudy, EstimateError>>,
+    /// Models of the torque control held against a delay of one sample.
+    pub torque_control: Result<TorqueControlStudy, TorqueControlStudyError>,
+    /// Friction and inertia of the dynamometer.
+    pub friction: Result<Friction, FrictionError>,
+    /// The shaft by band, by route, and beyond K and B.
+    pub shaft: ShaftStudy,
+    /// The engine's torque.
+    pub engine_torque: EngineTorque,
+    /// What to record next.
+    pub next: Result<NextExperiments, NextError>,
+}
+
+impl Analyses {
+    /// How many are told of to `progress`.
+    pub const COUNT: usize = 8;
+
+    /// The highest order and the longest delay of torque controls that were tried.
+    pub const ORDERS_TRIED: OrdersTried = ORDERS;
+}
+
+/// Makes all analyses that the recordings allow.
+pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: &mut dyn FnMut(Progress)) -> Analyses {
+    let all: Vec<&Experiment> = experiments.iter().collect();
+    let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
+    analysing("lines");
+    let engine = bench.engine();
+    let lines = on_one_mains(parallel::map(experiments, |experiment| look(experiment, engine)));
+    analysing("torque signals");
+    let torque_signals = torque_signals(&all, bench, &mut |_| ());
+    analysing("speed controller");
+    let speed_control = speed_control(&all, bench, &mut |_| ());
+    let pi_study = held_speed(&all).map(|experiment| {
+        let options = StudyOptions { draws: DRAWS, ..StudyOptions::default() };
+        speed_control::study(experiment, &options, &|_, _| ())
+    });
+    analysing("torque control");
+    let torque_control = torque_control_study::study(&all, bench, ORDERS, &mut |_, _| ());
+    analysing("friction");
+    let friction = friction_of(&all, bench);
+    analysing("shaft");
+    let shaft = shaft_study(&all, bench, &|_| ());
+    analysing("engine torque");
+    let engine_torque = engine_torque(&all, bench, &|_| ());
+    analysing("next experiment");
+    let next = next::beside(bench, experiments, NextOptions::default(), &mut |_| (), &|_, _| ());
+    Analyses {
+        courses: courses(&all),
+        step: step_response(&all),
+        over_speed: over_speed(&lines),
+        lines,
+        torque_signals,
+        speed_control,
+        pi_study,
+        torque_control,
+        friction,
+        shaft,
+        engine_torque,
+        next,
+    }
+}
+
+/// The longest recording with constant N_d*.
+fn held_speed<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
+    let length = |e: &&Experiment| e.signals.values().map(signal::Signal::len).max();
+    experiments.iter().copied().filter(|e| e.is_test(&Test::Bs)).max_by_key(length)
+}
+
+fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {
+    let without_shaft: Vec<&Experiment> =
+        experiments.iter().copied().filter(|experiment| experiment.label.is_without_shaft()).collect();
+    friction::estimate(&without_shaft, FrictionOptions::of(bench))
+}

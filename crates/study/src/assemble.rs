@@ -1,0 +1,153 @@
+//! From the parts of a study to one model and its uncertainty. Gains per rpm become SI here and nowhere else.
+
+use bench_model::model::{
+    AssembledModel, BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty,
+    PartCovariance, PiController,
+};
+use rig::facts::{BenchFacts, BenchVariant};
+use rig::results::{Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
+use units::RPM_RAD_S;
+
+/// Parts of a study that make up a model. Only the shaft is indispensable.
+#[derive(Debug, Clone, Copy)]
+pub struct StudyParts<'a> {
+    /// Inertias and torque limit.
+    pub facts: &'a BenchFacts,
+    /// K and B.
+    pub shaft: &'a Shaft,
+    /// K_p, K_i, τ.
+    pub speed_controller: Option<&'a SpeedController>,
+    /// k, k_a.
+    pub feed_forward: Option<&'a FeedForward>,
+    /// τ and a of delay and lag.
+    pub torque_control: Option<&'a TorqueControl>,
+    /// Time over which an encoder averages the speed, s.
+    pub encoder_gate_s: f64,
+}
+
+/// The symbols a part's parameters have in its [`Estimate`], what they are in the model, and SI per unit of the estimate.
+type Names = &'static [(&'static str, ModelParameter, f64)];
+
+const SHAFT: Names = &[("K", ModelParameter::Stiffness, 1.0), ("B", ModelParameter::Damping, 1.0)];
+/// Where J_d is known with an uncertainty and the shaft torque is computed with it.
+const SHAFT_AND_INERTIA: Names = &[
+    ("K", ModelParameter::Stiffness, 1.0),
+    ("B", ModelParameter::Damping, 1.0),
+    ("J_d", ModelParameter::DynoInertia, 1.0),
+];
+const CONTROLLER: Names = &[
+    ("K_p", ModelParameter::Proportional, 1.0 / RPM_RAD_S),
+    ("K_i", ModelParameter::Integral, 1.0 / RPM_RAD_S),
+    ("τ", ModelParameter::ControllerDelay, 1.0),
+];
+const FEED_FORWARD: Names = &[
+    ("k", ModelParameter::SpeedFeedForward, 1.0 / RPM_RAD_S),
+    ("k_a", ModelParameter::AccelerationFeedForward, 1.0 / RPM_RAD_S),
+];
+const INVERTER: Names = &[("τ", ModelParameter::InverterDelay, 1.0), ("a", ModelParameter::InverterBandwidth, 1.0)];
+
+/// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
+/// one of its numbers is left out. The gate is taken as exact, and so is an inertia without a stated uncertainty.
+pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
+    let (shaft, facts) = (&parts.shaft.estimate, parts.facts);
+    let inertia = shaft.parameter("J_d");
+    let mechanics = Mechanics {
+        dyno_inertia_kg_m2: inertia.map_or(facts.dynamometer_inertia_kg_m2, |p| p.value),
+        engine_inertia_kg_m2: facts.engine_inertia_kg_m2,
+        stiffness_nm_per_rad: shaft.parameter("K")?.value,
+        damping_nm_s_per_rad: shaft.parameter("B")?.value,
+    };
+    let torque_control = torque_control_on_one_clock(parts);
+    let model = BenchModel {
+        mechanics,
+        speed_controller: parts.speed_controller.and_then(controller),
+        feed_forward: parts.feed_forward.and_then(feed_forward),
+        inverter: torque_control.as_ref().and_then(inverter),
+        torque_limit_nm: facts.torque_limit_nm,
+        encoder_gate_s: parts.encoder_gate_s,
+    };
+    let blocks: Vec<PartCovariance> = [
+        Some((shaft, if inertia.is_some() { SHAFT_AND_INERTIA } else { SHAFT })),
+        parts.speed_controller.map(|c| (&c.estimate, CONTROLLER)),
+        parts.feed_forward.map(|f| (&f.estimate, FEED_FORWARD)),
+        torque_control.as_ref().map(|t| (t, INVERTER)),
+    ]
+    .into_iter()
+    .flatten()
+    .filter_map(|(estimate, names)| block(estimate, names))
+    .chain(stated_inertias(&mechanics, facts, inertia.is_some()))
+    .collect();
+    Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()? })
+}
+
+/// Inertias of which the bench file alone tells how well they are known.
+fn stated_inertias(mechanics: &Mechanics, facts: &BenchFacts, is_estimated: bool) -> Vec<PartCovariance> {
+    let of_dyno = facts.dynamometer_inertia_uncertainty_percent.filter(|_| !is_estimated);
+    let stated = [
+        (ModelParameter::DynoInertia, mechanics.dyno_inertia_kg_m2, of_dyno),
+        (ModelParameter::EngineInertia, mechanics.engine_inertia_kg_m2, facts.engine_inertia_uncertainty_percent),
+    ];
+    let part = |(parameter, inertia, percent): (ModelParameter, f64, Option<f64>)| PartCovariance {
+        parameters: vec![parameter],
+        covariance: vec![vec![(percent.unwrap_or(0.0) / 100.0 * inertia).powi(2)]],
+        degrees_of_freedom: f64::INFINITY,
+    };
+    stated.into_iter().filter(|(.., percent)| percent.is_some_and(|percent| percent > 0.0)).map(part).collect()
+}
+
+fn si(estimate: &Estimate, names: Names, which: ModelParameter) -> Option<f64> {
+    let (symbol, _, scale) = names.iter().find(|(_, parameter, _)| *parameter == which)?;
+    Some(estimate.parameter(symbol)?.value * scale)
+}
+
+fn controller(part: &SpeedController) -> Option<PiController> {
+    let value = |which| si(&part.estimate, CONTROLLER, which);
+    Some(PiController {
+        proportional_nm_s_per_rad: value(ModelParameter::Proportional)?,
+        integral_nm_per_rad: value(ModelParameter::Integral)?,
+        delay_s: value(ModelParameter::ControllerDelay)?.max(0.0),
+        sample_time_s: part.sample_time_s,
+    })
+}
+
+fn feed_forward(part: &FeedForward) -> Option<FeedForwardGains> {
+    Some(FeedForwardGains {
+        speed_nm_s_per_rad: si(&part.estimate, FEED_FORWARD, ModelParameter::SpeedFeedForward)?,
+        acceleration_nm_s2_per_rad: si(&part.estimate, FEED_FORWARD, ModelParameter::AccelerationFeedForward)?,
+    })
+}
+
+/// τ and a without what only the clock of T_d,calc adds to τ: its skew against N_d, and with it against T_d*, which the
+/// shaft's estimate finds where T_d,calc is its torque.
+fn torque_control_on_one_clock(parts: &StudyParts<'_>) -> Option<Estimate> {
+    let mut estimate = parts.torque_control?.delay_and_lag.clone();
+    let delay = estimate.parameters.iter().position(|p| p.symbol == "τ")?;
+    if let (BenchVariant::LoadCell, Some(skew)) = (parts.facts.variant, parts.shaft.estimate.parameter("δ_T")) {
+        estimate.parameters[delay].value -= skew.value;
+        *estimate.covariance.get_mut(delay)?.get_mut(delay)? += skew.standard_error.powi(2);
+    }
+    Some(estimate)
+}
+
+fn inverter(estimate: &Estimate) -> Option<InverterModel> {
+    Some(InverterModel {
+        delay_s: si(estimate, INVERTER, ModelParameter::InverterDelay)?.max(0.0),
+        bandwidth_rad_s: Some(si(estimate, INVERTER, ModelParameter::InverterBandwidth)?),
+    })
+}
+
+/// The rows and columns of an estimate's covariance that belong to the model, in SI.
+fn block(estimate: &Estimate, names: Names) -> Option<PartCovariance> {
+    let place = |symbol: &str| estimate.parameters.iter().position(|p| p.symbol == symbol);
+    let places = names.iter().map(|(symbol, ..)| place(symbol)).collect::<Option<Vec<usize>>>()?;
+    let entry = |i: usize, j: usize| {
+        let value = estimate.covariance.get(places[i])?.get(places[j])?;
+        Some(value * names[i].2 * names[j].2)
+    };
+    let row = |i: usize| (0..names.len()).map(|j| entry(i, j)).collect::<Option<Vec<f64>>>();
+    Some(PartCovariance {
+        parameters: names.iter().map(|(_, parameter, _)| *parameter).collect(),
+        covariance: (0..names.len()).map(row).collect::<Option<Vec<_>>>()?,
+        degrees_of_freedom: estimate.parameters.get(*places.first()?)?.degrees_of_freedom,
+    })
+}

@@ -1,0 +1,107 @@
+//! A study's data, the doubts about them, and what was used for what, as they grow.
+
+use crate::Progress;
+use rig::estimation::EstimateError;
+use rig::experiment::Test;
+use rig::results::{Need, ResidualTest, Validation};
+use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
+
+/// The data of a study and the doubts about it, as they grow.
+pub(super) struct Findings<'a> {
+    pub(super) bench: &'a BenchFile,
+    pub(super) experiments: &'a [Experiment],
+    pub(super) diagnostics: Vec<Diagnostic>,
+    pub(super) progress: &'a mut dyn FnMut(Progress),
+    /// File and what it was used for.
+    uses: Vec<(String, &'static str)>,
+}
+
+impl<'a> Findings<'a> {
+    pub(super) fn new(
+        bench: &'a BenchFile,
+        experiments: &'a [Experiment],
+        diagnostics: Vec<Diagnostic>,
+        progress: &'a mut dyn FnMut(Progress),
+    ) -> Self {
+        Findings { bench, experiments, diagnostics, progress, uses: Vec::new() }
+    }
+
+    /// What a file was used for.
+    pub(super) fn uses_of(&self, file: &str) -> Vec<String> {
+        self.uses.iter().filter(|(f, _)| f == file).map(|(_, use_)| (*use_).to_owned()).collect()
+    }
+
+    /// Whether any part was estimated from a file.
+    pub(super) fn is_seen(&self, file: &str) -> bool {
+        self.uses.iter().any(|(f, _)| f == file)
+    }
+
+    pub(super) fn note_use(&mut self, file: &str, part: &'static str) {
+        self.uses.push((file.to_owned(), part));
+    }
+
+    pub(super) fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {
+        let place = Place { file: Some(file.to_owned()), ..Place::default() };
+        self.diagnostics.push(Diagnostic { severity, place, finding });
+    }
+
+    /// Doubts a part whose residuals depend on its input on the held-out stretch.
+    pub(super) fn doubt_residuals(&mut self, submodel: &str, validation: &Validation) {
+        let share_outside = validation.residuals.as_ref().map_or(0.0, ResidualTest::share_outside);
+        if share_outside > ResidualTest::MANY_OUTSIDE {
+            let finding = Finding::ResidualsCorrelated { submodel: submodel.to_owned(), share_outside };
+            self.doubt(&validation.stretch.file, Severity::Warning, finding);
+        }
+    }
+
+    /// Experiments of a test, the longest first.
+    pub(super) fn of_test(&self, test: &Test) -> Vec<&'a Experiment> {
+        let mut found: Vec<&Experiment> = self.experiments.iter().filter(|e| e.is_test(test)).collect();
+        found.sort_by(|a, b| duration_s(b).total_cmp(&duration_s(a)));
+        found
+    }
+
+    pub(super) fn of_tests(&self, tests: &[Test]) -> Vec<&'a Experiment> {
+        tests.iter().flat_map(|test| self.of_test(test)).collect()
+    }
+
+    /// The first success among candidates; otherwise what would have been needed.
+    pub(super) fn first<T>(
+        &mut self,
+        part: &'static str,
+        candidates: &[&'a Experiment],
+        labels: &[&str],
+        mut estimate: impl FnMut(&'a Experiment) -> Result<T, EstimateError>,
+    ) -> Result<T, Vec<Need>> {
+        (self.progress)(Progress::Estimating { part });
+        let mut needs = Vec::new();
+        for candidate in candidates {
+            match estimate(candidate) {
+                Ok(value) => {
+                    self.note_use(&candidate.file, part);
+                    return Ok(value);
+                }
+                Err(error) => needs.push(need_of(&error, &candidate.file)),
+            }
+        }
+        if needs.is_empty() {
+            needs.push(Need::Recording { any_of: labels.iter().map(|l| (*l).to_owned()).collect() });
+        }
+        Err(needs)
+    }
+}
+
+fn duration_s(experiment: &Experiment) -> f64 {
+    experiment.signals.values().map(signal::Signal::duration_s).fold(0.0, f64::max)
+}
+
+fn need_of(error: &EstimateError, file: &str) -> Need {
+    match error {
+        EstimateError::MissingSignal { role, .. } => Need::Channel { file: file.to_owned(), role: *role },
+        other => Need::UsableData { file: file.to_owned(), reason: other.to_string() },
+    }
+}
+
+pub(super) fn needs_part(name: &str) -> Vec<Need> {
+    vec![Need::Part { name: name.to_owned() }]
+}

@@ -1,0 +1,90 @@
+//! From decoded files to labelled experiments.
+
+use recording::{Recording, RecordingError};
+
+use crate::{Progress, RecordingSummary};
+use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, Severity, prepare};
+
+/// One file as the program read it.
+#[derive(Debug)]
+pub struct Source {
+    /// The file, as the user knows it.
+    pub file: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+    /// What it holds, or why it cannot be read.
+    pub recording: Result<Recording, RecordingError>,
+}
+
+/// What came of the sources.
+pub(super) struct Gathered {
+    pub(super) experiments: Vec<Experiment>,
+    pub(super) recordings: Vec<RecordingSummary>,
+    pub(super) diagnostics: Vec<Diagnostic>,
+}
+
+/// Prepares every source that can be used; says of the others why not.
+pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn FnMut(Progress)) -> Gathered {
+    let mut gathered = Gathered { experiments: Vec::new(), recordings: Vec::new(), diagnostics: Vec::new() };
+    for source in sources {
+        progress(Progress::Preparing { file: source.file.clone() });
+        let mut summary = RecordingSummary {
+            file: source.file.clone(),
+            sha256: source.sha256.clone(),
+            label: None,
+            duration_s: source.recording.as_ref().map_or(0.0, duration_s),
+            mean_speed_rad_s: None,
+            sample_times_s: Vec::new(),
+            used_for: Vec::new(),
+        };
+        match first_of_its_kind(&source, &gathered.recordings).and_then(|()| experiment_of(bench, &source)) {
+            Ok((experiment, diagnostics)) => {
+                summary.label = Some(experiment.label.to_string());
+                summary.mean_speed_rad_s = experiment.signal(Role::DynoSpeed).and_then(signal::Signal::mean);
+                summary.sample_times_s = experiment.signals.iter().map(|(r, s)| (*r, s.sample_time_s)).collect();
+                gathered.diagnostics.extend(diagnostics);
+                gathered.experiments.push(experiment);
+            }
+            Err(diagnostics) => gathered.diagnostics.extend(diagnostics),
+        }
+        gathered.recordings.push(summary);
+    }
+    gathered
+}
+
+fn duration_s(recording: &Recording) -> f64 {
+    let times = || recording.rasters.iter().flat_map(|r| r.time_s.iter().copied()).filter(|t| t.is_finite());
+    let (first, last) = times().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+    (last - first).max(0.0)
+}
+
+fn refused(source: &Source, finding: Finding) -> Vec<Diagnostic> {
+    let place = Place { file: Some(source.file.clone()), ..Place::default() };
+    vec![Diagnostic { severity: Severity::Error, place, finding }]
+}
+
+fn first_of_its_kind(source: &Source, earlier: &[RecordingSummary]) -> Result<(), Vec<Diagnostic>> {
+    match earlier.iter().find(|e| e.sha256 == source.sha256 || e.file == source.file) {
+        Some(twin) => Err(refused(source, Finding::DuplicateRecording { other: twin.file.clone() })),
+        None => Ok(()),
+    }
+}
+
+/// The experiment a source holds with the doubts about it.
+///
+/// # Errors
+/// The reasons why it holds none.
+pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, Vec<Diagnostic>), Vec<Diagnostic>> {
+    let recording = match &source.recording {
+        Ok(recording) => recording,
+        Err(error) => return Err(refused(source, Finding::UnreadableRecording { reason: error.to_string() })),
+    };
+    let Some(label) = bench.label_of(&source.file) else {
+        return Err(refused(source, Finding::NoLabel));
+    };
+    prepare(&source.file, recording, bench, label).map_err(|error| match error {
+        PrepareError::NothingUsable { diagnostics, .. } | PrepareError::NoCommonStretch { diagnostics, .. } => {
+            diagnostics
+        }
+    })
+}

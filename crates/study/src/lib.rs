@@ -1,0 +1,22 @@
+//! The study: everything that can be learnt from a campaign of recordings, in one call.
+
+mod analyses;
+mod assemble;
+mod estimates;
+mod findings;
+mod folded_pulses;
+mod gather;
+mod next;
+pub mod pi_noise;
+mod recorded;
+mod result;
+mod run;
+mod whole;
+
+pub use analyses::Analyses;
+pub use assemble::{StudyParts, assemble};
+pub use gather::{Source, experiment_of};
+pub use next::{Candidate, Gain, NextError, NextExperiments, NextOptions, next_experiments};
+pub use recorded::{RecordedCourse, StepResponse};
+pub use result::*;
+pub use run::{Campaign, Progress, StudyError, run, run_full};

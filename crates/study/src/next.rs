@@ -1,0 +1,329 @@
+//! What a further recording would buy.
+//!
+//! Each experiment of the method is run on a virtual bench that is as this one is known to be, and studied beside the
+//! recordings there are, as it would be once it is measured. What the study then states in place of what it states now
+//! is what the experiment buys: choices of the study, its corrections, and its trust in time stamps are in it, which
+//! a count of information (see [`design::excitation_design`]) leaves out.
+
+use numerics::parallel;
+
+use crate::estimates::Fits;
+use crate::findings::Findings;
+use crate::gather::experiment_of;
+use crate::run::usable;
+use crate::whole::model_of;
+use crate::{Progress, Source, StudyError};
+use bench_model::analysis::results_of;
+use bench_model::model::AssembledModel;
+use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
+use part_controller::speed_controller::Encoder;
+use rig::experiment::catalogue::{self, Settings};
+use rig::experiment::{ExperimentPlan, Test, UPDATE_S};
+use rig::results::{Estimate, Parameter};
+use rig::{BenchFile, Experiment, Role};
+use units::RPM_RAD_S;
+use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_told};
+
+/// Experiments of the method that a study learns from.
+const CANDIDATES: [&str; 7] =
+    ["BS_T_NT", "WhiteNoise_T_TN", "Multisine_T_TN", "Multisine_N_NT", "Levels_N_NT", "Ramp_N_NT", "Step_T_TN"];
+/// Torque at which a designed experiment runs, Nm: that of the method's others.
+const DESIGNED_AT_NM: f64 = 60.0;
+/// How far a designed experiment may move the speed, rad/s.
+const SWING_RAD_S: f64 = 100.0 * RPM_RAD_S;
+/// Shortest experiment that an estimator takes, s.
+const SHORTEST_S: f64 = 5.0;
+/// Time at the operating point before the recording starts, s.
+const SETTLING_S: f64 = 2.0;
+/// What is designed for: the shaft, on which resonance, gain and damping rest.
+const DESIGNED_FOR: [Goal; 2] = [Goal::Stiffness, Goal::Damping];
+/// Intervals after two realisations of one experiment differ by as much without a reason: that of J_e, the least repeatable,
+/// by an eighth (standard deviation, six recordings of 16 s).
+const SAME: f64 = 0.2;
+
+/// What the next experiment may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NextOptions {
+    /// Speed at which it would run, rpm.
+    pub speed_rpm: f64,
+    /// Its length, s.
+    pub duration_s: f64,
+    /// Half an interval of this part of the value is narrow enough, and narrowing it further buys nothing.
+    pub enough: f64,
+    /// Seed of what is random in it.
+    pub seed: u64,
+}
+
+impl Default for NextOptions {
+    /// A minute at 1200 rpm; within one per cent is enough.
+    fn default() -> Self {
+        NextOptions { speed_rpm: 1200.0, duration_s: 60.0, enough: 0.01, seed: 1 }
+    }
+}
+
+/// Why nothing can be said.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NextError {
+    /// The recordings cannot be studied.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// No shaft is known, so that no bench can stand in for this one.
+    #[error("neither the recordings nor the bench file tell the shaft, so no bench can stand in for this one")]
+    UnknownShaft,
+    /// Experiments that are too short for every estimator.
+    #[error("experiments of {duration_s} s tell nothing; at least {SHORTEST_S} s are needed")]
+    TooShort {
+        /// Their length, s.
+        duration_s: f64,
+    },
+    /// There is no such bench.
+    #[error(transparent)]
+    VirtualBench(#[from] VirtualBenchError),
+}
+
+/// What further experiments would buy.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NextExperiments {
+    /// What is known now: results of the whole model, and parameters of its parts.
+    pub now: Vec<Parameter>,
+    /// The experiments, the one that buys most first.
+    pub candidates: Vec<Candidate>,
+    /// Half an interval of this part of the value was taken for narrow enough.
+    pub enough: f64,
+    /// What had to be assumed of the bench that they were tried on.
+    pub assumptions: Vec<Assumption>,
+}
+
+/// An experiment, and what would be known after it.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Candidate {
+    /// Its label.
+    pub label: String,
+    /// Whether its demand was designed for this bench, see [`design::excitation_design`].
+    pub is_designed: bool,
+    /// Speed, rpm.
+    pub speed_rpm: f64,
+    /// Length, s.
+    pub duration_s: f64,
+    /// The largest |T_shaft| it drove the virtual bench to, firing pulses included, Nm.
+    pub peak_shaft_torque_nm: f64,
+    /// What it changes, in the order of what is known.
+    pub gains: Vec<Gain>,
+}
+
+/// What an experiment does to one number.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Gain {
+    /// Symbol.
+    pub symbol: String,
+    /// What it is.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// Its value now, or where it is not known now, after the experiment.
+    pub value: f64,
+    /// Half the width of the 95 % interval now; none: not known now.
+    pub now: Option<f64>,
+    /// The same after the experiment.
+    pub then: f64,
+    /// Whether the interval is narrow enough already.
+    pub is_enough_now: bool,
+}
+
+impl Gain {
+    /// By how much the interval gets narrower, if there is one now.
+    pub fn narrowing(&self) -> Option<f64> {
+        Some(self.now? / self.then)
+    }
+
+    /// Whether the number gets known, or an interval that is too wide narrower by more than realisations differ.
+    pub fn is_worth_while(&self) -> bool {
+        !self.is_enough_now && self.narrowing().is_none_or(|narrowing| narrowing * (1.0 - SAME) > 1.0)
+    }
+}
+
+impl Candidate {
+    /// How many numbers it makes known that are not, and the sum of the logarithms by which it narrows intervals that are
+    /// too wide; one that it leaves wider costs nothing, since a recording can be left out.
+    pub fn worth(&self) -> (usize, f64) {
+        let new = self.gains.iter().filter(|gain| gain.now.is_none()).count();
+        let narrowed = self.gains.iter().filter(|gain| !gain.is_enough_now).filter_map(Gain::narrowing);
+        (new, narrowed.map(|narrowing| narrowing.ln().max(0.0)).sum())
+    }
+
+    /// Whether it buys anything.
+    pub fn is_worth_while(&self) -> bool {
+        self.gains.iter().any(Gain::is_worth_while)
+    }
+}
+
+/// What each experiment of the method would buy, beside the recordings there are; there may be none.
+///
+/// # Errors
+/// [`NextError`]: recordings of which none can be used, or a bench of which too little is known to try anything on.
+pub fn next_experiments(
+    bench: &BenchFile,
+    sources: Vec<Source>,
+    options: NextOptions,
+    progress: &mut dyn FnMut(Progress),
+    told: &(dyn Fn(u64, u64) + Sync),
+) -> Result<NextExperiments, NextError> {
+    let experiments = match usable(bench, sources, progress) {
+        Ok(gathered) => gathered.experiments,
+        Err(StudyError::NoRecordings) => Vec::new(),
+        Err(error) => return Err(error.into()),
+    };
+    beside(bench, &experiments, options, progress, told)
+}
+
+/// The same, beside experiments that were prepared.
+pub(super) fn beside(
+    bench: &BenchFile,
+    experiments: &[Experiment],
+    options: NextOptions,
+    progress: &mut dyn FnMut(Progress),
+    told: &(dyn Fn(u64, u64) + Sync),
+) -> Result<NextExperiments, NextError> {
+    if options.duration_s.is_nan() || options.duration_s < SHORTEST_S {
+        return Err(NextError::TooShort { duration_s: options.duration_s });
+    }
+    let known = Known::of(bench, experiments, progress);
+    let mut stated = StatedBench::of(bench, known.model.as_ref().map(|assembled| &assembled.model))?;
+    if !stated.knows_shaft() {
+        return Err(NextError::UnknownShaft);
+    }
+    adopt_sensors(&mut stated, experiments, known.encoder);
+    let at = OperatingPoint { speed_rad_s: options.speed_rpm * RPM_RAD_S, torque_nm: DESIGNED_AT_NM };
+    let plans: Vec<(ExperimentPlan, bool)> = designed(bench, &stated, at, options.duration_s)
+        .into_iter()
+        .map(|plan| (plan, true))
+        .chain(of_the_method(options.speed_rpm, options.duration_s).map(|plan| (plan, false)))
+        .collect();
+    let tried = |(plan, is_designed): &(ExperimentPlan, bool)| {
+        let (then, peak_shaft_torque_nm) = try_out(bench, experiments, &stated, plan, options.seed)?;
+        Ok(Candidate {
+            label: plan.label.to_string(),
+            is_designed: *is_designed,
+            speed_rpm: options.speed_rpm,
+            duration_s: plan.duration_s,
+            peak_shaft_torque_nm,
+            gains: then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect(),
+        })
+    };
+    let candidates = parallel::map_with_progress(&plans, tried, told);
+    let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
+    candidates.sort_by(|a, b| b.worth().partial_cmp(&a.worth()).unwrap_or(std::cmp::Ordering::Equal));
+    Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
+}
+
+/// What recordings tell.
+struct Known {
+    numbers: Vec<Parameter>,
+    model: Option<AssembledModel>,
+    encoder: Option<Encoder>,
+}
+
+impl Known {
+    fn of(bench: &BenchFile, experiments: &[Experiment], progress: &mut dyn FnMut(Progress)) -> Self {
+        let mut findings = Findings::new(bench, experiments, Vec::new(), progress);
+        let fits = Fits::of(&mut findings);
+        let model = fits.pieces().and_then(|pieces| model_of(&bench.facts(), &pieces));
+        let of_model = model.iter().flat_map(|assembled| results_of(&assembled.model, &assembled.uncertainty));
+        let numbers = of_model.chain(of_parts(&fits)).filter(|p| p.standard_error > 0.0).collect();
+        Known { numbers, model, encoder: fits.controller.ok().map(|c| c.encoder) }
+    }
+}
+
+/// The parameters of the parts that people ask for.
+fn of_parts(fits: &Fits<'_>) -> Vec<Parameter> {
+    let shaft = fits.shaft.as_ref().ok().map(|fit| &fit.shaft);
+    let inertias = shaft.and_then(|shaft| shaft.inertias.as_ref()).map(|(_, estimate)| estimate);
+    let parts: [(Option<&Estimate>, &[&str]); 5] = [
+        (shaft.map(|shaft| &shaft.estimate), &["K", "B"]),
+        (inertias, &["J_d", "J_e"]),
+        (fits.controller.as_ref().ok().map(|c| &c.result.estimate), &["K_p", "K_i"]),
+        (fits.feed_forward.as_ref().ok().map(|f| &f.estimate), &["k", "k_a"]),
+        (fits.torque_control.as_ref().ok().map(|t| &t.result.delay_and_lag), &["τ + 1/a"]),
+    ];
+    let of = |(estimate, symbols): (Option<&Estimate>, &[&str])| {
+        symbols.iter().filter_map(|symbol| estimate?.parameter(symbol).cloned()).collect::<Vec<Parameter>>()
+    };
+    parts.into_iter().flat_map(of).collect()
+}
+
+/// The recordings' rasters and the noise of their speeds, in place of those of the default virtual bench.
+fn adopt_sensors(stated: &mut StatedBench, experiments: &[Experiment], encoder: Option<Encoder>) {
+    let parameters = &mut stated.parameters;
+    let updates = |role: Role| {
+        let sampled = experiments.iter().find_map(|e| e.signal(role))?;
+        Some(((sampled.sample_time_s / UPDATE_S).round() as usize).max(1))
+    };
+    if let Some(updates) = updates(Role::EngineSpeed) {
+        parameters.clocks.engine_speed_decimation = updates;
+    }
+    if let Some(updates) = updates(Role::AirGapTorque).or(updates(Role::FlangeTorque)) {
+        parameters.clocks.torque_decimation = updates;
+    }
+    if let Some(speed) = experiments.iter().find_map(|e| e.signal(Role::DynoSpeed)) {
+        // The floor of the recorded speed has its rounding in it.
+        parameters.sensors.speed_noise_rad_s = Encoder::known_or_assumed(encoder, speed, None).noise_rad_s;
+        parameters.sensors.speed_resolution_rad_s = 0.0;
+    }
+}
+
+fn of_the_method(speed_rpm: f64, duration_s: f64) -> impl Iterator<Item = ExperimentPlan> {
+    CANDIDATES.into_iter().filter_map(move |label| {
+        let template = catalogue::find(label).ok()?;
+        let (speed, duration) = (speed_rpm.to_string(), duration_s.to_string());
+        let settings = Settings::parse(&template.parameters(), &[("speed", &speed), ("duration", &duration)]).ok()?;
+        template.plan(&settings).ok()
+    })
+}
+
+/// The excitation that tells the shaft best within the limits that are stated; none where none is.
+fn designed(bench: &BenchFile, stated: &StatedBench, at: OperatingPoint, duration_s: f64) -> Option<ExperimentPlan> {
+    let limits = PeakLimits { speed_rad_s: Some(SWING_RAD_S), ..PeakLimits::left_by(&bench.limits, at) };
+    limits.shaft_torque_nm?;
+    let measured = Measurements::of_bench(&stated.parameters, at);
+    let model = stated.parameters.linear_model();
+    let excited = ExcitedDemand::Torque;
+    let task = DesignTask::of_goals(&DESIGNED_FOR, model, excited, at, measured, limits, duration_s).ok()?;
+    let mut plan = design(&task).ok()?.multisine.plan(Test::Multisine, excited, at, duration_s);
+    plan.settling_s = SETTLING_S;
+    Some(plan)
+}
+
+/// What is known once the recording of an experiment on the bench stands beside those there are, and the largest |T_shaft| in it, Nm.
+fn try_out(
+    bench: &BenchFile,
+    experiments: &[Experiment],
+    stated: &StatedBench,
+    plan: &ExperimentPlan,
+    seed: u64,
+) -> Result<(Vec<Parameter>, f64), VirtualBenchError> {
+    let VirtualRun { mut recording, hidden } =
+        simulate_told(&stated.parameters, plan, seed, Numerics::default(), &mut |_, _| {})?;
+    rename(&mut recording, &bench.channels);
+    // No file of the recordings is called so.
+    let file = format!("{0}_next/{0}.mf4", plan.label);
+    let source = Source { file, sha256: String::new(), recording: Ok(recording) };
+    let mut all = experiments.to_vec();
+    all.extend(experiment_of(bench, &source).ok().map(|(experiment, _)| experiment));
+    let peak_nm = hidden.shaft_torque_nm.iter().fold(0.0_f64, |peak, torque| peak.max(torque.abs()));
+    Ok((Known::of(bench, &all, &mut |_| {}).numbers, peak_nm))
+}
+
+/// What becomes of a number.
+fn gain(then: &Parameter, now: &[Parameter], enough: f64) -> Gain {
+    let half_width = |p: &Parameter| 0.5 * (p.interval.1 - p.interval.0);
+    let now = now.iter().find(|known| known.symbol == then.symbol);
+    Gain {
+        symbol: then.symbol.clone(),
+        name: then.name.clone(),
+        unit: then.unit.clone(),
+        value: now.unwrap_or(then).value,
+        now: now.map(half_width),
+        then: half_width(then),
+        is_enough_now: now.is_some_and(|p| half_width(p) <= enough * p.value.abs()),
+    }
+}

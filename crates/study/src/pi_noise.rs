@@ -1,0 +1,336 @@
+//! The study of §7.1: a PI controller that is known runs on recorded speeds, noise is added to the speed it sees, and it is
+//! estimated again from its T_d* and the speeds without that noise; many draws instead of one.
+//!
+//! Noise that the controller sees and nobody logs stands in T_d* behind PI, where the estimate that follows the controller forward
+//! (as the thesis's does) is right, and the inverted controller, which is made for noise of the logged speed, is biased. The study
+//! makes both.
+//!
+//! The thesis does not say in which bands its noise lay nor how its SNR is defined; here the SNR is the ratio of the variance
+//! of the speed error to that of the noise, and every draw is scaled to it exactly.
+//!
+//! # Source
+//! Thesis §7.1, figure 7.1, table 7.1.
+
+use numerics::parallel;
+use serde::Serialize;
+use signal::Signal;
+use signal::spline::UniformSpline;
+
+use design::safety::Proportion;
+use numerics::random::Stream;
+use part_controller::speed_controller;
+use rig::bench_parameters::BenchParameters;
+use rig::estimation::{EstimateError, need};
+use rig::experiment::{ExperimentPlan, UPDATE_S};
+use rig::random::Source;
+use rig::results::Estimate;
+use rig::{Experiment, Role};
+use units::RPM_RAD_S;
+use virtual_bench::{CHANNELS, VirtualBenchError, simulate};
+
+/// Order of the noise's Butterworth filters (that of a band-pass is twice this).
+const NOISE_ORDER: usize = 4;
+/// The integrator starts within this of a middling torque, Nm.
+const INITIAL_NM: (f64, f64) = (20.0, 60.0);
+/// Length and speed of the virtual recording.
+const VIRTUAL: (f64, f64) = (60.0, 1200.0);
+
+/// A row of table 7.1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PublishedRow {
+    /// The noise.
+    pub noise: Noise,
+    /// K_p, Nm/rpm.
+    pub k_p: f64,
+    /// K_i, Nm/(rpm s).
+    pub k_i: f64,
+}
+
+/// Table 7.1 of the thesis, whose truth was K_p 0.9385 and K_i 1.8650: one draw of each noise.
+pub const PUBLISHED: [PublishedRow; 3] = [
+    PublishedRow { noise: Noise::None, k_p: 0.9385, k_i: 1.8650 },
+    PublishedRow { noise: Noise::LowPass, k_p: 0.9388, k_i: 1.8896 },
+    PublishedRow { noise: Noise::BandPass, k_p: 0.9385, k_i: 1.8650 },
+];
+
+/// Noise on the speed that the controller sees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Noise {
+    /// None.
+    None,
+    /// White noise through a low-pass.
+    LowPass,
+    /// White noise through a band-pass.
+    BandPass,
+}
+
+/// How the controller is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Estimator {
+    /// T_d* from N_d, as the thesis does.
+    Forward,
+    /// N_d from T_d*: what recordings are estimated with.
+    Inverse,
+}
+
+/// What is studied.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StudyOptions {
+    /// K_p, Nm/rpm.
+    pub k_p: f64,
+    /// K_i, Nm/(rpm s).
+    pub k_i: f64,
+    /// τ, s.
+    pub delay_s: f64,
+    /// Corner of the low-pass, Hz.
+    pub low_pass_hz: f64,
+    /// Variance of the speed error over that of low-pass noise.
+    pub low_pass_snr: f64,
+    /// Corners of the band-pass, Hz.
+    pub band_pass_hz: (f64, f64),
+    /// Variance of the speed error over that of band-pass noise.
+    pub band_pass_snr: f64,
+    /// Draws of each noise.
+    pub draws: usize,
+    /// Seed; equal seeds give equal results, however many threads work.
+    pub seed: u64,
+}
+
+impl Default for StudyOptions {
+    fn default() -> Self {
+        StudyOptions {
+            k_p: 0.9385,
+            k_i: 1.8650,
+            delay_s: 1e-3,
+            low_pass_hz: 1.0,
+            low_pass_snr: 13.0,
+            band_pass_hz: (100.0, 200.0),
+            band_pass_snr: 8.0,
+            draws: 200,
+            seed: 1,
+        }
+    }
+}
+
+/// The result.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PiStudy {
+    /// The recording whose speeds were used.
+    pub file: String,
+    /// Standard deviation of its speed error, rad/s.
+    pub error_rad_s: f64,
+    /// What was studied.
+    pub options: StudyOptions,
+    /// Without noise, with low-pass noise, with band-pass noise, each by both estimators.
+    pub cases: Vec<Case>,
+}
+
+/// One kind of noise, estimated one way.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Case {
+    /// The noise.
+    pub noise: Noise,
+    /// The estimator.
+    pub estimator: Estimator,
+    /// Standard deviation of the noise, rad/s.
+    pub noise_rad_s: f64,
+    /// Draws from which nothing could be estimated.
+    pub failed: usize,
+    /// K_p, K_i and τ over all draws.
+    pub summaries: Vec<Summary>,
+}
+
+/// One parameter over all draws.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Its symbol.
+    pub symbol: String,
+    /// Its unit.
+    pub unit: String,
+    /// Truth.
+    pub truth: f64,
+    /// Each draw.
+    pub values: Vec<f64>,
+    /// Mean of the draws.
+    pub mean: f64,
+    /// Mean less truth.
+    pub bias: f64,
+    /// Standard deviation of the draws; zero for one.
+    pub standard_deviation: f64,
+    /// Mean of the standard errors that the estimates claim.
+    pub claimed: f64,
+    /// How many of the 95 % intervals hold the truth.
+    pub coverage: Proportion,
+}
+
+/// What is studied where no recording is given: N_d and N_d* of BS_T_NT on the default virtual bench.
+///
+/// # Errors
+/// Those of [`simulate`].
+pub fn virtual_experiment(seed: u64) -> Result<Experiment, VirtualBenchError> {
+    let (duration_s, speed_rpm) = VIRTUAL;
+    let plan = ExperimentPlan::bs_t_nt(speed_rpm, duration_s);
+    let recording = simulate(&BenchParameters::default(), &plan, seed)?;
+    let signal = |(role, name): &(Role, &str)| {
+        let channel = recording.channels.iter().find(|channel| channel.name == *name)?;
+        let samples = channel.samples.iter().map(|rpm| rpm * RPM_RAD_S).collect();
+        Some((*role, Signal::new(0.0, UPDATE_S, samples).ok()?))
+    };
+    let speeds = CHANNELS.iter().filter(|(role, _)| matches!(role, Role::DynoSpeed | Role::DynoSpeedDemand));
+    let signals = speeds.filter_map(signal).collect();
+    Ok(Experiment { file: format!("{} of a virtual bench", plan.label), label: plan.label, signals })
+}
+
+/// Runs the study on the speeds of a recording; `told` hears from any thread how many draws of how many are done.
+///
+/// # Errors
+/// A missing signal, noise whose band does not fit the sample rate, or an estimate that fails without noise.
+pub fn study(
+    experiment: &Experiment,
+    options: &StudyOptions,
+    told: &(dyn Fn(u64, u64) + Sync),
+) -> Result<PiStudy, EstimateError> {
+    let known = Known::new(experiment, options)?;
+    let plan: Vec<(Noise, u64)> = std::iter::once((Noise::None, 0))
+        .chain((0..options.draws as u64).flat_map(|draw| [(Noise::LowPass, draw), (Noise::BandPass, draw)]))
+        .collect();
+    let outcomes = parallel::map_with_progress(&plan, |(noise, draw)| known.draw(*noise, *draw), told);
+    let case = |(noise, estimator): (Noise, Estimator)| {
+        let of_noise = plan.iter().zip(&outcomes).filter(|((of, _), _)| *of == noise);
+        let all: Vec<_> = of_noise
+            .map(|(_, [forward, inverse])| if estimator == Estimator::Forward { forward } else { inverse })
+            .collect();
+        let found: Vec<&Estimate> = all.iter().filter_map(|outcome| outcome.as_ref().ok()).collect();
+        let noise_rad_s = known.noise_rad_s(noise);
+        Case { noise, estimator, noise_rad_s, failed: all.len() - found.len(), summaries: summaries(&found, options) }
+    };
+    if let Some(Err(error)) =
+        outcomes.first().and_then(|[forward, inverse]| [forward, inverse].into_iter().find(|o| o.is_err()))
+    {
+        return Err(error.clone());
+    }
+    let noises = [Noise::None, Noise::LowPass, Noise::BandPass];
+    let both = |noise| [(noise, Estimator::Forward), (noise, Estimator::Inverse)];
+    Ok(PiStudy {
+        file: experiment.file.clone(),
+        error_rad_s: known.error_rad_s,
+        options: options.clone(),
+        cases: noises.into_iter().flat_map(both).map(case).collect(),
+    })
+}
+
+/// The speeds, and what the controller makes of them.
+struct Known<'a> {
+    experiment: &'a Experiment,
+    options: &'a StudyOptions,
+    /// N_d − N_d* at the controller's updates, τ late, rad/s.
+    error: Vec<f64>,
+    error_rad_s: f64,
+    clock: Signal,
+    low_pass: signal::Sos,
+    band_pass: signal::Sos,
+}
+
+impl<'a> Known<'a> {
+    fn new(experiment: &'a Experiment, options: &'a StudyOptions) -> Result<Self, EstimateError> {
+        let of = |source| EstimateError::Signal { file: experiment.file.clone(), source };
+        let reference = need(experiment, Role::DynoSpeedDemand)?;
+        let speed = need(experiment, Role::DynoSpeed)?;
+        let t = reference.sample_time_s;
+        let spline = UniformSpline::new(speed.samples.clone()).map_err(of)?;
+        let lag = (options.delay_s / t).round() as usize;
+        let error = |k: usize| {
+            let at = (reference.time_s(k) - options.delay_s - speed.start_s) / speed.sample_time_s;
+            spline.value(at.clamp(0.0, speed.len() as f64 - 1.0)) - reference.samples[k.saturating_sub(lag)]
+        };
+        let error: Vec<f64> = (0..reference.len()).map(error).collect();
+        let (low, high) = options.band_pass_hz;
+        Ok(Known {
+            experiment,
+            options,
+            error_rad_s: standard_deviation(&error),
+            error,
+            clock: reference.clone(),
+            low_pass: signal::Sos::butterworth_lowpass(NOISE_ORDER, options.low_pass_hz, t).map_err(of)?,
+            band_pass: signal::Sos::butterworth_bandpass(NOISE_ORDER, low, high, t).map_err(of)?,
+        })
+    }
+
+    fn noise_rad_s(&self, noise: Noise) -> f64 {
+        match noise {
+            Noise::None => 0.0,
+            Noise::LowPass => self.error_rad_s / self.options.low_pass_snr.sqrt(),
+            Noise::BandPass => self.error_rad_s / self.options.band_pass_snr.sqrt(),
+        }
+    }
+
+    /// T_d* of one draw, and the controller that is estimated from it, forward and inverse.
+    fn draw(&self, noise: Noise, draw: u64) -> [Result<Estimate, EstimateError>; 2] {
+        let mut random = Source::PiStudy.stream(self.options.seed.wrapping_add(draw << 20));
+        let initial_nm = random.between(INITIAL_NM.0, INITIAL_NM.1);
+        let added = self.noise(noise, &mut random);
+        let t = self.clock.sample_time_s;
+        let (k_p, step) = (self.options.k_p / RPM_RAD_S, self.options.k_i / RPM_RAD_S * t);
+        let mut integral_nm = initial_nm;
+        let torque = |(e, n): (&f64, f64)| {
+            let seen = e + n;
+            let torque_nm = k_p * seen + integral_nm;
+            integral_nm += step * seen;
+            torque_nm
+        };
+        let demand = self.error.iter().zip(added).map(torque).collect();
+        let mut experiment = self.experiment.clone();
+        experiment.signals.insert(Role::DynoTorqueDemand, self.clock.with_samples(demand));
+        [speed_controller::estimate_forward(&experiment), speed_controller::estimate_alone(&experiment, None)]
+    }
+
+    /// Noise in rad/s, as long as the recording; what its filter does at the start is left out.
+    fn noise(&self, noise: Noise, random: &mut Stream) -> Vec<f64> {
+        let count = self.error.len();
+        let filter = match noise {
+            Noise::None => return vec![0.0; count],
+            Noise::LowPass => &self.low_pass,
+            Noise::BandPass => &self.band_pass,
+        };
+        let settling =
+            (10.0 / (self.options.low_pass_hz.min(self.options.band_pass_hz.0) * self.clock.sample_time_s)) as usize;
+        let white: Vec<f64> = (0..settling + count).map(|_| random.normal()).collect();
+        let coloured = filter.filter(&white, &mut filter.state_at_rest()).split_off(settling);
+        let scale = self.noise_rad_s(noise) / standard_deviation(&coloured);
+        coloured.into_iter().map(|n| scale * n).collect()
+    }
+}
+
+fn summaries(found: &[&Estimate], options: &StudyOptions) -> Vec<Summary> {
+    let truths = [("K_p", options.k_p), ("K_i", options.k_i), ("τ", options.delay_s)];
+    truths.iter().filter_map(|(symbol, truth)| summary(found, symbol, *truth)).collect()
+}
+
+fn summary(found: &[&Estimate], symbol: &str, truth: f64) -> Option<Summary> {
+    let parameters: Vec<_> = found.iter().filter_map(|estimate| estimate.parameter(symbol)).collect();
+    let unit = parameters.first()?.unit.clone();
+    let values: Vec<f64> = parameters.iter().map(|p| p.value).collect();
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let covered = parameters.iter().filter(|p| p.interval.0 <= truth && truth <= p.interval.1).count();
+    let standard_deviation = if values.len() > 1 { standard_deviation(&values) } else { 0.0 };
+    Some(Summary {
+        symbol: symbol.to_owned(),
+        unit,
+        truth,
+        mean,
+        bias: mean - truth,
+        standard_deviation,
+        claimed: parameters.iter().map(|p| p.standard_error).sum::<f64>() / count,
+        coverage: Proportion::new(covered, parameters.len()),
+        values,
+    })
+}
+
+fn standard_deviation(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0)).sqrt()
+}

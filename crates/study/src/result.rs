@@ -1,0 +1,71 @@
+//! The types a study is made of. They hold numbers and structure only; wording and drawing belong to the report.
+
+use serde::Serialize;
+
+use bench_model::analysis::WholeModel;
+use bench_model::model::AssembledModel;
+use bench_model::replay::Replay;
+use rig::facts::BenchFacts;
+use rig::results::{FeedForward, Part, Shaft, SpeedController, Timing, TorqueControl};
+use rig::{Diagnostic, Role};
+
+/// Everything learnt from one campaign.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Study {
+    /// Where it came from.
+    pub provenance: Provenance,
+    /// What the bench file states about the bench.
+    pub bench: BenchFacts,
+    /// The recordings that were looked at, used or not.
+    pub recordings: Vec<RecordingSummary>,
+    /// Delay of each torque signal.
+    pub timing: Part<Timing>,
+    /// PI with delay.
+    pub speed_controller: Part<SpeedController>,
+    /// Feed-forward of the speed controller.
+    pub feed_forward: Part<FeedForward>,
+    /// Inverter and machine, closed loop from T_d* to T_d.
+    pub torque_control: Part<TorqueControl>,
+    /// Stiffness and damping, with gate and skew.
+    pub shaft: Part<Shaft>,
+    /// The assembled model's analysis.
+    pub whole: Part<WholeModel>,
+    /// The assembled model itself, in SI, for those who compute with it.
+    pub model: Option<AssembledModel>,
+    /// Replays of recordings on the assembled model.
+    pub replays: Vec<Replay>,
+    /// Doubts.
+    pub diagnostics: Vec<Diagnostic>,
+}
+
+/// Where a study came from: enough to repeat it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Provenance {
+    /// Version of dynoid.
+    pub version: String,
+    /// The bench file, word for word.
+    pub bench_file: String,
+    /// Name of the bench file.
+    pub bench_file_name: String,
+    /// Seed, when the recordings were simulated.
+    pub seed: Option<u64>,
+}
+
+/// One recording as the study saw it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RecordingSummary {
+    /// File, as the user knows it.
+    pub file: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
+    /// Label, if it has one.
+    pub label: Option<String>,
+    /// Length, s.
+    pub duration_s: f64,
+    /// Mean dynamometer speed, rad/s.
+    pub mean_speed_rad_s: Option<f64>,
+    /// Sample times by role.
+    pub sample_times_s: Vec<(Role, f64)>,
+    /// What it was used for.
+    pub used_for: Vec<String>,
+}

@@ -1,0 +1,148 @@
+//! The assembled model: analysed, and replayed on recordings.
+
+use crate::Progress;
+use crate::assemble::{StudyParts, assemble as assemble_model};
+use crate::findings::{Findings, needs_part};
+use bench_model::analysis::{WholeInputs, WholeModel, whole_model};
+use bench_model::model::{AssembledModel, BenchModel};
+use bench_model::replay::{EncoderError, Replay, ReplayError, ReplayInputs, replay};
+use bench_model::skews::SignalSkews;
+use part_controller::speed_controller::SpeedControllerFit;
+use part_lines::sine::SineTest;
+use part_torque::air_gap_torque::modelled_torque;
+use part_torque::torque_control::TorqueControlFit;
+use rig::experiment::Test;
+use rig::facts::BenchFacts;
+use rig::results::{FeedForward, Need, Shaft};
+use rig::{ControlMode, Experiment, Finding, Severity};
+
+/// Tests worth replaying in each control mode, best first.
+const REPLAYED_NT: [Test; 4] = [Test::Bs, Test::Ramp, Test::Levels, Test::Unfired];
+const REPLAYED_TN: [Test; 3] = [Test::Step, Test::WhiteNoise, Test::Sine];
+/// Recordings replayed in each mode.
+const REPLAYS_PER_MODE: usize = 2;
+/// Longest stretch that is replayed, s: enough to judge, and quick to draw.
+const REPLAYED_S: f64 = 20.0;
+
+/// The parts that were estimated.
+pub(super) struct Pieces<'a> {
+    pub(super) shaft: &'a Shaft,
+    pub(super) controller: Option<&'a SpeedControllerFit>,
+    pub(super) feed_forward: Option<&'a FeedForward>,
+    pub(super) torque_control: Option<&'a TorqueControlFit>,
+}
+
+impl Pieces<'_> {
+    fn skews(&self) -> SignalSkews {
+        let value = |symbol: &str| self.shaft.estimate.parameter(symbol).map_or(0.0, |p| p.value);
+        SignalSkews { engine_speed_s: value("δ_e"), torque_s: value("δ_T") - self.gate_s() / 2.0 }
+    }
+
+    fn gate_s(&self) -> f64 {
+        self.shaft.estimate.parameter("T_g").map_or(0.0, |p| p.value)
+    }
+}
+
+/// The model that the parts make up, and its analysis.
+pub(super) struct Whole {
+    pub(super) model: Option<AssembledModel>,
+    pub(super) analysis: Result<WholeModel, Vec<Need>>,
+}
+
+impl Whole {
+    /// Without a shaft there is no model.
+    pub(super) fn missing() -> Self {
+        Whole { model: None, analysis: Err(needs_part("shaft")) }
+    }
+}
+
+/// The model that the parts make up; none where they lack what a model needs.
+pub(super) fn model_of(facts: &BenchFacts, pieces: &Pieces<'_>) -> Option<AssembledModel> {
+    assemble_model(&StudyParts {
+        facts,
+        shaft: pieces.shaft,
+        speed_controller: pieces.controller.map(|c| &c.result),
+        feed_forward: pieces.feed_forward,
+        torque_control: pieces.torque_control.map(|t| &t.result),
+        encoder_gate_s: pieces.gate_s(),
+    })
+}
+
+/// The model that the parts make up, analysed.
+pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whole {
+    (findings.progress)(Progress::Estimating { part: "whole model" });
+    let facts = findings.bench.facts();
+    let Some(assembled) = model_of(&facts, pieces) else { return Whole::missing() };
+    let AssembledModel { model, uncertainty } = &assembled;
+    let sines = findings.of_test(&Test::Sine);
+    let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
+    let skews = pieces.skews();
+    let sine_tests: Vec<SineTest<'_>> = sines
+        .iter()
+        .zip(&torques)
+        .map(|(experiment, torque)| SineTest { experiment, air_gap_torque: torque.as_ref(), skews })
+        .collect();
+    let engine = findings.bench.engine();
+    let inputs = WholeInputs { model, uncertainty, engine, sine_tests: &sine_tests };
+    let whole = whole_model(&inputs).map_err(|error| {
+        let file = sines.first().map_or_else(String::new, |e| e.file.clone());
+        vec![Need::UsableData { file, reason: error.to_string() }]
+    });
+    Whole { model: Some(assembled), analysis: whole }
+}
+
+/// The recordings of a mode to replay: one of each test, those first that nothing was estimated from.
+fn replayed<'a>(findings: &Findings<'a>, mode: ControlMode, tests: &[Test]) -> Vec<&'a Experiment> {
+    let unseen_first = |mut found: Vec<&'a Experiment>| {
+        found.retain(|e| e.label.mode == mode);
+        found.sort_by_key(|e| findings.is_seen(&e.file));
+        found
+    };
+    let of_each = tests.iter().filter_map(|test| unseen_first(findings.of_test(test)).first().copied());
+    let mut chosen = unseen_first(of_each.collect());
+    chosen.truncate(REPLAYS_PER_MODE);
+    chosen
+}
+
+/// Replays recordings in both modes.
+pub(super) fn replays(findings: &mut Findings<'_>, pieces: &Pieces<'_>, model: &BenchModel) -> Vec<Replay> {
+    let mut done = Vec::new();
+    for (mode, tests) in [(ControlMode::Nt, &REPLAYED_NT[..]), (ControlMode::Tn, &REPLAYED_TN[..])] {
+        for experiment in replayed(findings, mode, tests) {
+            (findings.progress)(Progress::Replaying { file: experiment.file.clone() });
+            match replay_one(findings, pieces, model, experiment) {
+                Ok(replay) => done.push(replay),
+                Err(error) => {
+                    let finding = Finding::NotReplayed { reason: error.to_string() };
+                    findings.doubt(&experiment.file, Severity::Note, finding);
+                }
+            }
+        }
+    }
+    done
+}
+
+fn replay_one(
+    findings: &Findings<'_>,
+    pieces: &Pieces<'_>,
+    model: &BenchModel,
+    experiment: &Experiment,
+) -> Result<Replay, ReplayError> {
+    let (torque, inverter) = modelled_torque(experiment, pieces.torque_control).unzip();
+    let once_a_turn = match experiment.label.mode {
+        ControlMode::Nt => {
+            pieces.controller.and_then(|c| c.once_a_turn_in(experiment, findings.bench.limits.torque_nm))
+        }
+        ControlMode::Tn => None,
+    };
+    let inputs = ReplayInputs {
+        air_gap_torque: torque.as_ref(),
+        ripple: inverter.as_ref().map(|model| &model.ripple),
+        skews: pieces.skews(),
+        encoder_error: once_a_turn.map(|(cosine, sine)| EncoderError { cosine, sine }),
+        stretch_s: experiment.signals.values().next().map(|s| (s.start_s, s.start_s + REPLAYED_S)),
+        seen_in_estimation: findings.is_seen(&experiment.file),
+        ..ReplayInputs::default()
+    };
+    replay(experiment, model, &inputs)
+}

@@ -1,0 +1,7 @@
+//! The dynamometer's controllers, which run every millisecond.
+
+mod shaft_torque;
+mod speed;
+
+pub(crate) use shaft_torque::ShaftTorqueController;
+pub use speed::SpeedController;

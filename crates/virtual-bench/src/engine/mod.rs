@@ -1,0 +1,80 @@
+//! The engine: torque over crank angle, the air it gets, and its speed control.
+
+mod control;
+mod cylinder;
+mod pulsation;
+mod slider_crank;
+
+use super::train::{Jump, Train};
+use pulsation::Pulsation;
+use rig::bench_parameters::EngineParameters;
+use slider_crank::CrankEngine;
+
+pub(super) use bench_model::intake::Air;
+pub(super) use control::EngineSpeedControl;
+
+/// Whether fuel burns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Combustion {
+    Fired,
+    Motored,
+    /// The shaft is off: the engine does not turn.
+    Stopped,
+}
+
+/// The engine's torque over a step. `end_nm` is that of the cylinder firing at its start, continued to its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct EngineStep {
+    pub(super) start_nm: f64,
+    pub(super) end_nm: f64,
+    pub(super) firing: Option<Jump>,
+}
+
+/// The engine's torque over crank angle, in two fidelities.
+#[derive(Debug, Clone)]
+pub(super) enum Engine {
+    Pulsation(Box<Pulsation>),
+    SliderCrank(Box<CrankEngine>),
+}
+
+impl Engine {
+    /// The engine at a crank angle, running at a torque level.
+    pub(super) fn new(
+        parameters: &EngineParameters,
+        combustion: Combustion,
+        seed: u64,
+        angle_rad: f64,
+        level_nm: f64,
+    ) -> Self {
+        match &parameters.slider_crank {
+            Some(crank) if combustion != Combustion::Stopped => {
+                Self::SliderCrank(Box::new(CrankEngine::new(parameters, crank, combustion, seed, angle_rad, level_nm)))
+            }
+            _ => Self::Pulsation(Box::new(Pulsation::new(parameters, combustion, seed, angle_rad, level_nm))),
+        }
+    }
+
+    /// The torque over the next step; `level_nm` is used where a cylinder fires within the step.
+    pub(super) fn step(&mut self, train: &Train, step_s: f64, level_nm: f64) -> EngineStep {
+        match self {
+            Self::Pulsation(engine) => engine.step(train, step_s, level_nm),
+            Self::SliderCrank(engine) => engine.step(train, step_s, level_nm),
+        }
+    }
+
+    /// Torque now, Nm.
+    pub(super) fn now_nm(&self, train: &Train) -> f64 {
+        match self {
+            Self::Pulsation(engine) => engine.now_nm(train),
+            Self::SliderCrank(engine) => engine.now_nm(train),
+        }
+    }
+
+    /// How much more torque ends a step than was foreseen, now that its end is known, Nm.
+    pub(super) fn unforeseen_nm(&self, train: &Train, foreseen: &EngineStep) -> f64 {
+        match self {
+            Self::Pulsation(_) => 0.0,
+            Self::SliderCrank(engine) => engine.now_nm(train) - foreseen.end_nm,
+        }
+    }
+}

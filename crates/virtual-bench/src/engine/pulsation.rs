@@ -1,0 +1,108 @@
+//! The engine's torque as harmonics of the firing order.
+
+use std::f64::consts::TAU;
+
+use super::{Combustion, EngineStep};
+use crate::train::{Jump, Train};
+use numerics::random::Stream;
+use rig::bench_parameters::EngineParameters;
+use rig::random::Source;
+
+/// The engine's torque, firing by firing.
+#[derive(Debug, Clone)]
+pub(crate) struct Pulsation {
+    parameters: EngineParameters,
+    combustion: Combustion,
+    random: Stream,
+    /// Crank angle from one firing to the next, rad.
+    firing_interval_rad: f64,
+    next_firing_rad: f64,
+    cylinder: usize,
+    firing_torque_nm: f64,
+    pulsation: f64,
+    /// (a_n cos φ_n, a_n sin φ_n).
+    harmonics: Vec<(f64, f64)>,
+}
+
+impl Pulsation {
+    /// The engine at a crank angle, running at a torque level.
+    pub(super) fn new(
+        parameters: &EngineParameters,
+        combustion: Combustion,
+        seed: u64,
+        angle_rad: f64,
+        level_nm: f64,
+    ) -> Self {
+        let interval_rad = parameters.cycle_rad() / parameters.cylinder_factors.len() as f64;
+        let harmonics = parameters.firing_harmonics.iter().map(|h| {
+            let (sine, cosine) = h.phase_rad.sin_cos();
+            (h.relative_amplitude * cosine, h.relative_amplitude * sine)
+        });
+        Self {
+            combustion,
+            random: Source::Firing.stream(seed),
+            firing_interval_rad: interval_rad,
+            next_firing_rad: ((angle_rad / interval_rad).floor() + 1.0) * interval_rad,
+            cylinder: 0,
+            firing_torque_nm: level_nm,
+            pulsation: if combustion == Combustion::Fired { 1.0 } else { parameters.motored_pulsation },
+            harmonics: harmonics.collect(),
+            parameters: parameters.clone(),
+        }
+    }
+
+    /// Torque now, Nm.
+    pub(super) fn now_nm(&self, train: &Train) -> f64 {
+        self.torque_nm(train.engine_angle_rad())
+    }
+
+    /// Torque at a crank angle, Nm: T_j (1 + p Σ a_n cos(2n c θ/s + φ_n)).
+    fn torque_nm(&self, angle_rad: f64) -> f64 {
+        self.firing_torque_nm * self.pulse(angle_rad)
+    }
+
+    fn pulse(&self, angle_rad: f64) -> f64 {
+        let (sine, cosine) = (TAU * angle_rad / self.firing_interval_rad).sin_cos();
+        let (mut s, mut c) = (sine, cosine);
+        let mut sum = 0.0;
+        for &(in_phase, quadrature) in &self.harmonics {
+            sum += in_phase * c - quadrature * s;
+            (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
+        }
+        1.0 + self.pulsation * sum
+    }
+
+    /// The torque over the next step, with the crank's angle predicted to second order; `level_nm` is used where a
+    /// cylinder fires within the step.
+    pub(super) fn step(&mut self, train: &Train, step_s: f64, level_nm: f64) -> EngineStep {
+        let (angle_rad, speed) = (train.engine_angle_rad(), train.engine_speed_rad_s());
+        let start_nm = self.torque_nm(angle_rad);
+        let acceleration = train.engine_acceleration_rad_s2(start_nm);
+        let turned = |time_s: f64| (speed + 0.5 * acceleration * time_s) * time_s;
+        let end_nm = self.torque_nm(angle_rad + turned(step_s));
+        let to_firing_rad = self.next_firing_rad - angle_rad;
+        let firing = (turned(step_s) >= to_firing_rad && speed > 0.0).then(|| {
+            let first_guess_s = (to_firing_rad / speed).clamp(0.0, step_s);
+            let mean_speed = speed + 0.5 * acceleration * first_guess_s;
+            let time_s = (to_firing_rad / mean_speed).clamp(0.0, step_s);
+            Jump { remaining_s: step_s - time_s, jump_nm: self.fire(level_nm) }
+        });
+        EngineStep { start_nm, end_nm, firing }
+    }
+
+    /// The next cylinder takes over; returns the jump of the torque, Nm.
+    fn fire(&mut self, level_nm: f64) -> f64 {
+        let before_nm = self.firing_torque_nm;
+        self.cylinder = (self.cylinder + 1) % self.parameters.cylinder_factors.len();
+        self.firing_torque_nm = match self.combustion {
+            Combustion::Motored | Combustion::Stopped => level_nm,
+            Combustion::Fired => {
+                let factor = self.parameters.cylinder_factors[self.cylinder];
+                level_nm * factor * (1.0 + self.parameters.cycle_variation * self.random.normal())
+            }
+        };
+        let jump_nm = (self.firing_torque_nm - before_nm) * self.pulse(self.next_firing_rad);
+        self.next_firing_rad += self.firing_interval_rad;
+        jump_nm
+    }
+}

@@ -1,0 +1,263 @@
+//! A virtual bench that is like a stated one: what its bench file says, what a model says, and what had to be assumed.
+
+use serde::{Deserialize, Serialize};
+
+use super::VirtualBenchError;
+use bench_model::model::{BenchModel, FeedForwardGains, InverterModel, Mechanics, PiController};
+use rig::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters};
+use rig::experiment::{ExperimentPlan, UPDATE_S};
+use rig::facts::BenchVariant;
+use rig::role::Role;
+use rig::{BenchFile, ControlMode};
+
+/// Damping ratio of the resonance where no damping is stated: that of steel shafts with rubber couplings.
+const ASSUMED_DAMPING_RATIO: f64 = 0.1;
+
+/// Something about a bench that nobody stated, so that a default stands in for it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Assumption {
+    /// K and B of the shaft.
+    Shaft {
+        /// K, Nm/rad.
+        stiffness_nm_per_rad: f64,
+        /// B, Nm s/rad.
+        damping_nm_s_per_rad: f64,
+    },
+    /// B of the shaft, from a damping ratio.
+    Damping {
+        /// ζ, 1.
+        ratio: f64,
+        /// B, Nm s/rad.
+        damping_nm_s_per_rad: f64,
+    },
+    /// Speed controller and feed-forward.
+    SpeedController {
+        /// K_p, Nm s/rad.
+        proportional_nm_s_per_rad: f64,
+        /// K_i, Nm/rad.
+        integral_nm_per_rad: f64,
+    },
+    /// Feed-forward of the speed controller.
+    FeedForward,
+    /// Delay and lag of the torque control.
+    TorqueControl {
+        /// d, s.
+        delay_s: f64,
+        /// a, rad/s.
+        bandwidth_rad_s: f64,
+    },
+    /// The inverter's limit.
+    TorqueLimit {
+        /// Nm.
+        torque_nm: f64,
+    },
+    /// The dual-mass flywheel of a bench with a torque flange.
+    Flywheel,
+    /// Firing pulses and speed control of the engine.
+    Engine,
+}
+
+/// A virtual bench like a stated one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StatedBench {
+    /// Its parameters.
+    pub parameters: BenchParameters,
+    /// What had to be assumed.
+    pub assumptions: Vec<Assumption>,
+}
+
+impl StatedBench {
+    /// The virtual bench of a bench file: the default one, with inertias, cylinders, strokes, variant, torque limit, encoder
+    /// gate and shaft as the file states them, with every field of its table `[virtual_bench]`, and with shaft, speed
+    /// controller, feed-forward and torque control of `model`, if there is one, in place of all that. The inertias stay those
+    /// of the file.
+    ///
+    /// # Errors
+    /// [`VirtualBenchError`] where the parameters are impossible.
+    pub fn of(file: &BenchFile, model: Option<&BenchModel>) -> Result<Self, VirtualBenchError> {
+        let mut parameters = stated_in(file);
+        if !file.virtual_bench.is_empty() {
+            parameters = overlaid(&parameters, &file.virtual_bench)?;
+        }
+        if let Some(model) = model {
+            take_over(&mut parameters, model);
+        }
+        parameters.check()?;
+        let assumptions = assumptions(file, model, &parameters);
+        Ok(Self { parameters, assumptions })
+    }
+
+    /// The assumptions that an experiment rests on: without a shaft, or in torque control, not all matter.
+    pub fn assumed_for(&self, plan: &ExperimentPlan) -> Vec<Assumption> {
+        let matters = |assumption: &&Assumption| match assumption {
+            Assumption::Shaft { .. } | Assumption::Damping { .. } | Assumption::Flywheel | Assumption::Engine => {
+                plan.has_shaft
+            }
+            Assumption::SpeedController { .. } | Assumption::FeedForward => plan.label.mode == ControlMode::Nt,
+            Assumption::TorqueControl { .. } | Assumption::TorqueLimit { .. } => true,
+        };
+        self.assumptions.iter().filter(matters).copied().collect()
+    }
+
+    /// Whether the shaft's stiffness is known, and not assumed.
+    pub fn knows_shaft(&self) -> bool {
+        !self.assumptions.iter().any(|assumption| matches!(assumption, Assumption::Shaft { .. }))
+    }
+}
+
+fn stated_in(file: &BenchFile) -> BenchParameters {
+    let mut parameters = match file.variant {
+        BenchVariant::LoadCell => BenchParameters::default(),
+        BenchVariant::TorqueFlange => BenchParameters::torque_flange(),
+    };
+    let (dyno, engine) = (file.dynamometer_inertia_kg_m2, file.engine_inertia_kg_m2);
+    let mechanics = &mut parameters.mechanics;
+    // The flywheel's secondary side keeps its share of the engine's inertia.
+    let share = engine / mechanics.engine_inertia_kg_m2;
+    mechanics.flywheel = mechanics.flywheel.map(|flywheel| DualMassFlywheel {
+        secondary_inertia_kg_m2: flywheel.secondary_inertia_kg_m2 * share,
+        ..flywheel
+    });
+    (mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2) = (dyno, engine);
+    if let Some(stiffness) = file.shaft.stiffness_nm_per_rad((dyno, engine)) {
+        mechanics.shaft_stiffness_nm_per_rad = stiffness;
+        let natural_rad_s = (stiffness * (1.0 / dyno + 1.0 / engine)).sqrt();
+        mechanics.shaft_damping_nm_s_per_rad = 2.0 * ASSUMED_DAMPING_RATIO * stiffness / natural_rad_s;
+    }
+    if let Some(damping) = file.shaft.damping_nm_s_per_rad {
+        mechanics.shaft_damping_nm_s_per_rad = damping;
+    }
+    parameters.engine = engine_of(file, parameters.engine);
+    if let Some(limit) = file.limits.torque_nm {
+        parameters.inverter.torque_limit_nm = limit;
+    }
+    let gate_s = file.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s);
+    if let Some(gate_s) = gate_s.filter(|gate_s| *gate_s > 0.0) {
+        parameters.sensors.gate_s = gate_s;
+    }
+    parameters
+}
+
+/// An engine with the stated cylinders, unequal as the default one's are.
+fn engine_of(file: &BenchFile, engine: EngineParameters) -> EngineParameters {
+    let factors = engine.cylinder_factors.iter().cycle().take(file.cylinders as usize);
+    EngineParameters { cylinder_factors: factors.copied().collect(), strokes: file.strokes, ..engine }
+}
+
+fn overlaid(parameters: &BenchParameters, table: &toml::Table) -> Result<BenchParameters, VirtualBenchError> {
+    let unfit = |reason: &dyn std::fmt::Display| VirtualBenchError::Unfit { reason: reason.to_string() };
+    let mut whole = toml::Table::try_from(parameters).map_err(|error| unfit(&error))?;
+    overlay(&mut whole, table);
+    BenchParameters::deserialize(whole).map_err(|error| unfit(&error.message()))
+}
+
+fn overlay(whole: &mut toml::Table, table: &toml::Table) {
+    for (key, value) in table {
+        match (whole.get_mut(key), value) {
+            (Some(toml::Value::Table(below)), toml::Value::Table(value)) => overlay(below, value),
+            _ => {
+                whole.insert(key.clone(), value.clone());
+            }
+        }
+    }
+}
+
+fn take_over(parameters: &mut BenchParameters, model: &BenchModel) {
+    parameters.mechanics.shaft_stiffness_nm_per_rad = model.mechanics.stiffness_nm_per_rad;
+    parameters.mechanics.shaft_damping_nm_s_per_rad = model.mechanics.damping_nm_s_per_rad;
+    if let Some(pi) = model.speed_controller {
+        parameters.controller.proportional_nm_s_per_rad = pi.proportional_nm_s_per_rad;
+        parameters.controller.integral_nm_per_rad = pi.integral_nm_per_rad;
+        parameters.controller.delay_s = pi.delay_s;
+    }
+    if let Some(feed_forward) = model.feed_forward {
+        parameters.controller.speed_feed_forward_nm_s_per_rad = feed_forward.speed_nm_s_per_rad;
+        parameters.controller.acceleration_feed_forward_nm_s2_per_rad = feed_forward.acceleration_nm_s2_per_rad;
+    }
+    if let Some(inverter) = model.inverter {
+        parameters.inverter.delay_s = inverter.delay_s;
+        parameters.inverter.machine = None;
+        if let Some(bandwidth) = inverter.bandwidth_rad_s {
+            parameters.inverter.bandwidth_rad_s = bandwidth;
+        }
+    }
+}
+
+fn assumptions(file: &BenchFile, model: Option<&BenchModel>, parameters: &BenchParameters) -> Vec<Assumption> {
+    let stated = |path: &[&str]| has(&file.virtual_bench, path);
+    let (mechanics, controller) = (&parameters.mechanics, &parameters.controller);
+    let (shaft, damping) = (file.shaft, mechanics.shaft_damping_nm_s_per_rad);
+    let knows_stiffness = shaft.stiffness_nm_per_rad.or(shaft.resonance_hz).is_some()
+        || stated(&["mechanics", "shaft_stiffness_nm_per_rad"])
+        || model.is_some();
+    let knows_damping =
+        shaft.damping_nm_s_per_rad.is_some() || stated(&["mechanics", "shaft_damping_nm_s_per_rad"]) || model.is_some();
+    let stiffness = mechanics.shaft_stiffness_nm_per_rad;
+    let ratio = parameters.linear_model().mechanics.resonance().damping_ratio;
+    let lacks = |part: &str, is_modelled: bool| !is_modelled && !stated(&[part]);
+    [
+        (!knows_stiffness)
+            .then_some(Assumption::Shaft { stiffness_nm_per_rad: stiffness, damping_nm_s_per_rad: damping }),
+        (knows_stiffness && !knows_damping).then_some(Assumption::Damping { ratio, damping_nm_s_per_rad: damping }),
+        lacks("controller", model.is_some_and(|m| m.speed_controller.is_some())).then_some(
+            Assumption::SpeedController {
+                proportional_nm_s_per_rad: controller.proportional_nm_s_per_rad,
+                integral_nm_per_rad: controller.integral_nm_per_rad,
+            },
+        ),
+        lacks("controller", model.is_some_and(|m| m.feed_forward.is_some())).then_some(Assumption::FeedForward),
+        lacks("inverter", model.is_some_and(|m| m.inverter.is_some())).then_some(Assumption::TorqueControl {
+            delay_s: parameters.inverter.delay_s,
+            bandwidth_rad_s: parameters.inverter.bandwidth_rad_s,
+        }),
+        (file.limits.torque_nm.is_none() && !stated(&["inverter", "torque_limit_nm"]))
+            .then_some(Assumption::TorqueLimit { torque_nm: parameters.inverter.torque_limit_nm }),
+        (mechanics.flywheel.is_some() && !stated(&["mechanics", "flywheel"])).then_some(Assumption::Flywheel),
+        (!stated(&["engine"])).then_some(Assumption::Engine),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// Whether a table states something at a path.
+fn has(table: &toml::Table, path: &[&str]) -> bool {
+    match path {
+        [] => true,
+        [key, rest @ ..] => match table.get(*key) {
+            Some(toml::Value::Table(below)) => has(below, rest),
+            Some(_) => rest.is_empty(),
+            None => false,
+        },
+    }
+}
+
+impl BenchParameters {
+    /// The linear model of this bench, as an exact study would assemble it: two masses, PI with feed-forward, delay and lag.
+    /// Ripple, play, friction, a flywheel of two masses and the machine's inside are no part of it.
+    pub fn linear_model(&self) -> BenchModel {
+        let bandwidth = self.inverter.machine.map_or(self.inverter.bandwidth_rad_s, |m| m.current_bandwidth_rad_s);
+        BenchModel {
+            mechanics: Mechanics {
+                dyno_inertia_kg_m2: self.mechanics.dyno_inertia_kg_m2,
+                engine_inertia_kg_m2: self.mechanics.engine_inertia_kg_m2,
+                stiffness_nm_per_rad: self.mechanics.shaft_stiffness_nm_per_rad,
+                damping_nm_s_per_rad: self.mechanics.shaft_damping_nm_s_per_rad,
+            },
+            speed_controller: Some(PiController {
+                proportional_nm_s_per_rad: self.controller.proportional_nm_s_per_rad,
+                integral_nm_per_rad: self.controller.integral_nm_per_rad,
+                delay_s: self.controller.delay_s,
+                sample_time_s: UPDATE_S,
+            }),
+            feed_forward: Some(FeedForwardGains {
+                speed_nm_s_per_rad: self.controller.speed_feed_forward_nm_s_per_rad,
+                acceleration_nm_s2_per_rad: self.controller.acceleration_feed_forward_nm_s2_per_rad,
+            }),
+            inverter: Some(InverterModel { delay_s: self.inverter.delay_s, bandwidth_rad_s: Some(bandwidth) }),
+            torque_limit_nm: Some(self.inverter.torque_limit_nm),
+            encoder_gate_s: self.sensors.gate_s,
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! What a study of a virtual bench would find if it were exact.
+
+use serde::Serialize;
+
+use super::drive::SAMPLES_PER_UPDATE;
+use super::train::resonance_hz;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::UPDATE_S;
+use units::RPM_RAD_S;
+
+/// The true values of what a study estimates, in the study's units.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Truth {
+    /// K, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// B, Nm s/rad.
+    pub damping_nm_s_per_rad: f64,
+    /// K_p, Nm/rpm.
+    pub proportional_nm_per_rpm: f64,
+    /// K_i, Nm/(rpm s).
+    pub integral_nm_per_rpm_s: f64,
+    /// τ of the speed controller, s.
+    pub controller_delay_s: f64,
+    /// k, Nm/rpm.
+    pub speed_feed_forward_nm_per_rpm: f64,
+    /// k_a, Nm/(rpm/s).
+    pub acceleration_feed_forward_nm_s_per_rpm: f64,
+    /// Delay and lag of the torque control together, d + 1/a, s; with a machine, d, a sample of its control, and 1 over
+    /// the bandwidth of its currents.
+    pub torque_control_delay_s: f64,
+    /// Frequency of the largest gain of T_d → T_shaft in torque control, Hz; without play and stiffening.
+    pub resonance_hz: f64,
+}
+
+impl BenchParameters {
+    /// What a study of this bench would find if it were exact.
+    ///
+    /// # Example
+    /// ```
+    /// let truth = virtual_bench::BenchParameters::default().truth();
+    /// assert!((truth.proportional_nm_per_rpm - 0.9385).abs() < 1e-12);
+    /// assert!((truth.resonance_hz - 17.68).abs() < 0.01);
+    /// ```
+    pub fn truth(&self) -> Truth {
+        let (mechanics, controller) = (&self.mechanics, &self.controller);
+        let lag_s = match self.inverter.machine {
+            None => 1.0 / self.inverter.bandwidth_rad_s,
+            Some(machine) => UPDATE_S / SAMPLES_PER_UPDATE as f64 + 1.0 / machine.current_bandwidth_rad_s,
+        };
+        Truth {
+            stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
+            damping_nm_s_per_rad: mechanics.shaft_damping_nm_s_per_rad,
+            proportional_nm_per_rpm: controller.proportional_nm_s_per_rad * RPM_RAD_S,
+            integral_nm_per_rpm_s: controller.integral_nm_per_rad * RPM_RAD_S,
+            controller_delay_s: controller.delay_s,
+            speed_feed_forward_nm_per_rpm: controller.speed_feed_forward_nm_s_per_rad * RPM_RAD_S,
+            acceleration_feed_forward_nm_s_per_rpm: controller.acceleration_feed_forward_nm_s2_per_rad * RPM_RAD_S,
+            torque_control_delay_s: self.inverter.delay_s + lag_s,
+            resonance_hz: resonance_hz(mechanics),
+        }
+    }
+}
