@@ -6,9 +6,11 @@ use faer::c64;
 use recording::Recording;
 use serde::Serialize;
 
-use crate::{BenchParameters, EffectsError, simulate};
+use crate::EffectsError;
+use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, Waveform};
 use units::RPM_RAD_S;
+use virtual_bench::{Truth, simulate};
 
 /// Where the engine's orders, 0.5 the lowest, lie above the sines, rpm.
 const SPEED_RPM: f64 = 3000.0;
@@ -59,7 +61,7 @@ impl Gains {
             (acceleration * dyno + torque).norm() / torque.norm()
         };
         let gain = frequency_hz.iter().enumerate().map(gain).collect();
-        Ok(Gains { frequency_hz, gain, at_rest: engine / (dyno + engine), resonance_hz: bench.truth().resonance_hz })
+        Ok(Gains { frequency_hz, gain, at_rest: engine / (dyno + engine), resonance_hz: Truth::of(bench).resonance_hz })
     }
 }
 

@@ -14,7 +14,7 @@ use crate::run::usable;
 use crate::whole::model_of;
 use crate::{Progress, Source, StudyError};
 use bench_model::analysis::results_of;
-use bench_model::model::AssembledModel;
+use bench_model::model::{AssembledModel, BenchModel};
 use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
 use part_controller::speed_controller::Encoder;
 use rig::experiment::catalogue::{self, Settings};
@@ -285,7 +285,7 @@ fn designed(bench: &BenchFile, stated: &StatedBench, at: OperatingPoint, duratio
     let limits = PeakLimits { speed_rad_s: Some(SWING_RAD_S), ..PeakLimits::left_by(&bench.limits, at) };
     limits.shaft_torque_nm?;
     let measured = Measurements::of_bench(&stated.parameters, at);
-    let model = stated.parameters.linear_model();
+    let model = BenchModel::of(&stated.parameters);
     let excited = ExcitedDemand::Torque;
     let task = DesignTask::of_goals(&DESIGNED_FOR, model, excited, at, measured, limits, duration_s).ok()?;
     let mut plan = design(&task).ok()?.multisine.plan(Test::Multisine, excited, at, duration_s);

@@ -8,7 +8,7 @@ use bench_model::model::{AssembledModel, BenchModel};
 use bench_model::replay::{EncoderError, Replay, ReplayError, ReplayInputs, replay};
 use bench_model::skews::SignalSkews;
 use part_controller::speed_controller::SpeedControllerFit;
-use part_lines::sine::SineTest;
+use part_lines::sine::{SineTest, sine_points};
 use part_torque::air_gap_torque::modelled_torque;
 use part_torque::torque_control::TorqueControlFit;
 use rig::experiment::Test;
@@ -77,14 +77,13 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
     let sines = findings.of_test(&Test::Sine);
     let torques: Vec<_> = sines.iter().map(|e| modelled_torque(e, pieces.torque_control).map(|(t, _)| t)).collect();
     let skews = pieces.skews();
-    let sine_tests: Vec<SineTest<'_>> = sines
-        .iter()
-        .zip(&torques)
-        .map(|(experiment, torque)| SineTest { experiment, air_gap_torque: torque.as_ref(), skews })
-        .collect();
     let engine = findings.bench.engine();
-    let inputs = WholeInputs { model, uncertainty, engine, sine_tests: &sine_tests };
-    let whole = whole_model(&inputs).map_err(|error| {
+    let measured = sines.iter().zip(&torques).map(|(experiment, torque)| {
+        sine_points(model, engine, &SineTest { experiment, air_gap_torque: torque.as_ref(), skews })
+    });
+    let points = measured.collect::<Result<Vec<_>, _>>().map(|points| points.concat());
+    let analysed = |sine_points: &[_]| whole_model(&WholeInputs { model, uncertainty, engine, sine_points });
+    let whole = points.map(|points| analysed(&points)).map_err(|error| {
         let file = sines.first().map_or_else(String::new, |e| e.file.clone());
         vec![Need::UsableData { file, reason: error.to_string() }]
     });

@@ -38,7 +38,8 @@ mod truth;
 mod write;
 
 use recording::Recording;
-use rig::bench_parameters::require;
+use rig::bench_parameters::{BenchParameters, require};
+use rig::experiment::ExperimentPlan;
 use serde::Serialize;
 
 pub use error::VirtualBenchError;

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::VirtualBenchError;
-use bench_model::model::{BenchModel, FeedForwardGains, InverterModel, Mechanics, PiController};
+use bench_model::model::BenchModel;
 use rig::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters};
 use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::facts::BenchVariant;
@@ -194,7 +194,7 @@ fn assumptions(file: &BenchFile, model: Option<&BenchModel>, parameters: &BenchP
     let knows_damping =
         shaft.damping_nm_s_per_rad.is_some() || stated(&["mechanics", "shaft_damping_nm_s_per_rad"]) || model.is_some();
     let stiffness = mechanics.shaft_stiffness_nm_per_rad;
-    let ratio = parameters.linear_model().mechanics.resonance().damping_ratio;
+    let ratio = BenchModel::of(parameters).mechanics.resonance().damping_ratio;
     let lacks = |part: &str, is_modelled: bool| !is_modelled && !stated(&[part]);
     [
         (!knows_stiffness)
@@ -230,34 +230,5 @@ fn has(table: &toml::Table, path: &[&str]) -> bool {
             Some(_) => rest.is_empty(),
             None => false,
         },
-    }
-}
-
-impl BenchParameters {
-    /// The linear model of this bench, as an exact study would assemble it: two masses, PI with feed-forward, delay and lag.
-    /// Ripple, play, friction, a flywheel of two masses and the machine's inside are no part of it.
-    pub fn linear_model(&self) -> BenchModel {
-        let bandwidth = self.inverter.machine.map_or(self.inverter.bandwidth_rad_s, |m| m.current_bandwidth_rad_s);
-        BenchModel {
-            mechanics: Mechanics {
-                dyno_inertia_kg_m2: self.mechanics.dyno_inertia_kg_m2,
-                engine_inertia_kg_m2: self.mechanics.engine_inertia_kg_m2,
-                stiffness_nm_per_rad: self.mechanics.shaft_stiffness_nm_per_rad,
-                damping_nm_s_per_rad: self.mechanics.shaft_damping_nm_s_per_rad,
-            },
-            speed_controller: Some(PiController {
-                proportional_nm_s_per_rad: self.controller.proportional_nm_s_per_rad,
-                integral_nm_per_rad: self.controller.integral_nm_per_rad,
-                delay_s: self.controller.delay_s,
-                sample_time_s: UPDATE_S,
-            }),
-            feed_forward: Some(FeedForwardGains {
-                speed_nm_s_per_rad: self.controller.speed_feed_forward_nm_s_per_rad,
-                acceleration_nm_s2_per_rad: self.controller.acceleration_feed_forward_nm_s2_per_rad,
-            }),
-            inverter: Some(InverterModel { delay_s: self.inverter.delay_s, bandwidth_rad_s: Some(bandwidth) }),
-            torque_limit_nm: Some(self.inverter.torque_limit_nm),
-            encoder_gate_s: self.sensors.gate_s,
-        }
     }
 }

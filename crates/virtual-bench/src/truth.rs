@@ -32,19 +32,20 @@ pub struct Truth {
     pub resonance_hz: f64,
 }
 
-impl BenchParameters {
-    /// What a study of this bench would find if it were exact.
+impl Truth {
+    /// What a study of a virtual bench would find if it were exact.
     ///
     /// # Example
     /// ```
-    /// let truth = virtual_bench::BenchParameters::default().truth();
+    /// let truth = virtual_bench::Truth::of(&Default::default());
     /// assert!((truth.proportional_nm_per_rpm - 0.9385).abs() < 1e-12);
     /// assert!((truth.resonance_hz - 17.68).abs() < 0.01);
     /// ```
-    pub fn truth(&self) -> Truth {
-        let (mechanics, controller) = (&self.mechanics, &self.controller);
-        let lag_s = match self.inverter.machine {
-            None => 1.0 / self.inverter.bandwidth_rad_s,
+    #[must_use]
+    pub fn of(bench: &BenchParameters) -> Truth {
+        let (mechanics, controller) = (&bench.mechanics, &bench.controller);
+        let lag_s = match bench.inverter.machine {
+            None => 1.0 / bench.inverter.bandwidth_rad_s,
             Some(machine) => UPDATE_S / SAMPLES_PER_UPDATE as f64 + 1.0 / machine.current_bandwidth_rad_s,
         };
         Truth {
@@ -55,7 +56,7 @@ impl BenchParameters {
             controller_delay_s: controller.delay_s,
             speed_feed_forward_nm_per_rpm: controller.speed_feed_forward_nm_s_per_rad * RPM_RAD_S,
             acceleration_feed_forward_nm_s_per_rpm: controller.acceleration_feed_forward_nm_s2_per_rad * RPM_RAD_S,
-            torque_control_delay_s: self.inverter.delay_s + lag_s,
+            torque_control_delay_s: bench.inverter.delay_s + lag_s,
             resonance_hz: resonance_hz(mechanics),
         }
     }

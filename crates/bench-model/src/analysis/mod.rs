@@ -9,7 +9,7 @@ pub use margins::margins;
 pub use result::{BodeCurve, Influence, Margins, ParameterInfluence, SinePoint, WholeModel};
 
 use crate::model::{BenchModel, ModelUncertainty};
-use rig::estimation::{EstimateError, Label};
+use rig::estimation::Label;
 use rig::facts::Engine;
 use rig::results::Parameter;
 
@@ -22,39 +22,32 @@ pub struct WholeInputs<'a> {
     pub uncertainty: &'a ModelUncertainty,
     /// The engine's firing.
     pub engine: Engine,
-    /// Sine tests in torque control.
-    pub sine_tests: &'a [SineTest<'a>],
+    /// Gains measured by sine tests in torque control.
+    pub sine_points: &'a [SinePoint],
 }
 
 /// Analyses the assembled model. Standard errors are by the delta method from the parameters' covariance, with
 /// 95 % Student-t intervals.
 ///
 /// Curves that need a part the model lacks are left out; so are the margins.
-///
-/// # Errors
-/// A sine test lacks a signal or cannot be processed.
-pub fn whole_model(inputs: &WholeInputs<'_>) -> Result<WholeModel, EstimateError> {
-    let mut sine = Vec::new();
-    for test in inputs.sine_tests {
-        sine.extend(sine_points(inputs.model, inputs.engine, test)?);
-    }
+pub fn whole_model(inputs: &WholeInputs<'_>) -> WholeModel {
     let number = |label, function: &dyn Fn(&BenchModel) -> f64| -> Parameter {
         inputs.uncertainty.propagate(inputs.model, function).parameter(label)
     };
     let engine = inputs.engine;
     let influences = results(inputs.model)
         .map(|(label, function)| influence::influence((label, inputs.model, inputs.uncertainty), function));
-    Ok(WholeModel {
+    WholeModel {
         resonance_hz: number(RESONANCE, &resonance_hz),
         resonance_gain: number(GAIN, &resonance_gain),
         static_gain: inputs.model.mechanics.static_gain(),
         firing_meets_resonance_rpm: number(FIRING, &|m| engine.firing_speed_rpm(m.mechanics.resonance().frequency_hz)),
         damping_ratio: number(DAMPING, &damping_ratio),
         bode: bode::curves(inputs.model, inputs.uncertainty),
-        sine_points: sine,
+        sine_points: inputs.sine_points.to_vec(),
         speed_loop_margins: margins(inputs.model),
         influences: influences.collect(),
-    })
+    }
 }
 
 /// What is computed from a model, each with its interval: resonance, gain and damping there, and of the speed loop, if there

@@ -4,6 +4,7 @@
 //! T_shaft = K Δθ + B (ω_e − ω_d) with dΔθ/dt = ω_e − ω_d. T_d is positive when it brakes.
 
 mod linear;
+mod of_bench;
 mod parameter;
 mod resonance;
 mod uncertainty;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bench::analysis::{SignalSkews, SineTest, WholeInputs, margins, steady_sines, whole_model};
+use bench::analysis::{SignalSkews, SineTest, WholeInputs, margins, sine_points, steady_sines, whole_model};
 use bench::model::{Engine, ModelParameter, ModelUncertainty, PartCovariance};
 use bench::simulate::{Drive, InitialState, Inputs, simulate};
 use bench::study::Influence;
@@ -83,8 +83,9 @@ fn exact_sine_gains_are_those_of_the_curve_once_the_engine_is_accounted_for() {
         let model = bench_a();
         let test = SineTest { experiment: &experiment, air_gap_torque: None, skews };
         let uncertainty = uncertainty();
-        let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_tests: &[test] };
-        let whole = whole_model(&inputs).unwrap();
+        let points = sine_points(&model, ENGINE, &test).unwrap();
+        let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_points: &points };
+        let whole = whole_model(&inputs);
         assert_eq!(whole.sine_points.len(), 20);
         for point in &whole.sine_points {
             let corrected = point.gain_corrected_for_engine.unwrap();
@@ -105,8 +106,8 @@ fn exact_sine_gains_are_those_of_the_curve_once_the_engine_is_accounted_for() {
 fn exact_curves_and_margins_of_the_speed_loop() {
     let model = bench_a();
     let uncertainty = uncertainty();
-    let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_tests: &[] };
-    let whole = whole_model(&inputs).unwrap();
+    let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_points: &[] };
+    let whole = whole_model(&inputs);
     assert_eq!(whole.bode.len(), 6);
     for curve in &whole.bode {
         assert!(curve.frequencies_hz.len() > 190 && curve.frequencies_hz.is_sorted());
@@ -138,8 +139,8 @@ fn exact_what_each_parameter_does_to_the_resonance() {
         let parameters = vec![ModelParameter::Stiffness, ModelParameter::Damping];
         let part = PartCovariance { parameters, covariance, degrees_of_freedom: 30.0 };
         let uncertainty = ModelUncertainty::new(&[part]).unwrap();
-        let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_tests: &[] };
-        whole_model(&inputs).unwrap().influences
+        let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_points: &[] };
+        whole_model(&inputs).influences
     };
     let alone = found(vec![vec![100.0, 0.0], vec![0.0, 1e-6]]);
     let of = |all: &[Influence], symbol: &str, parameter: ModelParameter| {
@@ -172,8 +173,8 @@ fn exact_what_the_model_lacks_is_left_out() {
     model.speed_controller = None;
     model.inverter = None;
     let uncertainty = ModelUncertainty::default();
-    let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_tests: &[] };
-    let whole = whole_model(&inputs).unwrap();
+    let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_points: &[] };
+    let whole = whole_model(&inputs);
     assert_eq!(whole.bode.len(), 2);
     assert!(whole.speed_loop_margins.is_none());
     assert_eq!(whole.resonance_hz.standard_error, 0.0);

@@ -20,7 +20,7 @@ fn with_inputs<T>(
     act: impl FnOnce(&PredictionInputs<'_>) -> T,
 ) -> T {
     let demands = Demands::of(plan, 7, DEMAND_HOLD_S);
-    let model = parameters.linear_model();
+    let model = bench::model::BenchModel::of(&parameters);
     act(&PredictionInputs { plan, demands: &demands, model: &model, engine: &parameters.engine, limits })
 }
 

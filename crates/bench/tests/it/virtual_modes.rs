@@ -214,7 +214,7 @@ fn exact_plans_survive_toml() {
     let text = toml::to_string(&bench).expect("serialises");
     assert_eq!(toml::from_str::<BenchParameters>(&text).expect("parses"), bench);
     assert!(simulate_hidden(&bench, &plan, 1, Numerics::default()).is_ok());
-    assert!((bench.truth().stiffness_nm_per_rad - 2437.7).abs() < 1e-9);
+    assert!((bench::virtual_bench::Truth::of(&bench).stiffness_nm_per_rad - 2437.7).abs() < 1e-9);
 }
 
 /// The default bench's inverter with an induction machine in place of the lag.

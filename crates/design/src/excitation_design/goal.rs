@@ -176,7 +176,7 @@ impl DesignTask {
     /// let measured = Measurements::of_bench(&bench, at);
     /// let limits = PeakLimits { shaft_torque_nm: Some(30.0), ..PeakLimits::default() };
     /// let goals = [Goal::Stiffness, "B".parse()?];
-    /// let model = bench.linear_model();
+    /// let model = BenchModel::of(&bench);
     /// let task = DesignTask::of_goals(&goals, model, ExcitedDemand::Torque, at, measured, limits, 20.0)?;
     /// assert_eq!(task.of_interest.len(), 2);
     /// # Ok::<(), Box<dyn std::error::Error>>(())

@@ -44,7 +44,7 @@ impl ShaftInputs<'_> {
         (0.0, inertia_kg_m2 / RUN_OUT_S)
     }
 
-    pub fn signals(&self) -> impl Iterator<Item = &Signal> {
+    pub(crate) fn signals(&self) -> impl Iterator<Item = &Signal> {
         [self.dyno_speed, self.engine_speed].into_iter().chain(self.torque.iter().map(|t| &t.signal))
     }
 

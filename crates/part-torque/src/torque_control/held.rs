@@ -12,6 +12,7 @@ pub struct HeldDemand {
 }
 
 impl HeldDemand {
+    /// The demand limited to ±`limit_nm`.
     pub fn new(demand: &Signal, limit_nm: Option<f64>) -> Self {
         let limit = limit_nm.unwrap_or(f64::INFINITY);
         HeldDemand {
@@ -21,6 +22,7 @@ impl HeldDemand {
         }
     }
 
+    /// Time between its samples, s.
     pub fn sample_time_s(&self) -> f64 {
         self.sample_time_s
     }
@@ -46,7 +48,7 @@ impl HeldDemand {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ModeSample {
     /// x(t − d).
-    pub value: Complex64,
+    pub(crate) value: Complex64,
     /// ∂x/∂d.
     pub(crate) by_delay: Complex64,
     /// ∂x/∂a.
@@ -73,7 +75,7 @@ pub(crate) struct Mode<'a> {
 
 impl<'a> Mode<'a> {
     /// A mode whose rate is still to be set.
-    pub fn new(demand: &'a HeldDemand) -> Self {
+    pub(crate) fn new(demand: &'a HeldDemand) -> Self {
         let length = demand.values.len();
         Mode {
             demand,
@@ -101,7 +103,7 @@ impl<'a> Mode<'a> {
     }
 
     /// The mode, delayed by `delay_s`, at an instant.
-    pub fn at(&self, time_s: f64, delay_s: f64) -> ModeSample {
+    pub(crate) fn at(&self, time_s: f64, delay_s: f64) -> ModeSample {
         let (n, since) = self.demand.locate(time_s - delay_s);
         let Some(u) = self.demand.values.get(n) else {
             return ModeSample { value: Complex64::ZERO, by_delay: Complex64::ZERO, by_rate: Complex64::ZERO };

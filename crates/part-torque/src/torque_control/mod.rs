@@ -197,6 +197,7 @@ fn check_finite(what: &'static str, values: &[f64]) -> Result<(), IdentError> {
     }
 }
 
+/// Standard deviation of values about their mean, in their unit.
 pub fn standard_deviation(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;

@@ -41,7 +41,7 @@ pub(crate) struct SecondOrder {
 
 impl SecondOrder {
     /// T_d at any instants, from the present and the past of the demand.
-    pub fn torque_at(&self, held: &HeldDemand, times_s: &[f64]) -> Vec<f64> {
+    pub(crate) fn torque_at(&self, held: &HeldDemand, times_s: &[f64]) -> Vec<f64> {
         let mode = |rate: Complex64| -> Vec<Complex64> {
             let mut mode = Mode::new(held);
             mode.set_rate(rate);

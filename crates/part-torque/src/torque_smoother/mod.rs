@@ -54,7 +54,9 @@ pub struct Mechanics {
 /// of its torque begins.
 #[derive(Debug, Clone)]
 pub struct Observations {
+    /// Time of the first row, s.
     pub start_s: f64,
+    /// Time between rows, s.
     pub sample_time_s: f64,
     /// The first value of N_d.
     pub first_rad_s: f64,
@@ -71,8 +73,11 @@ pub struct Observations {
 /// Equally spaced stamps of N_d at which the smoother has a row.
 #[derive(Debug, Clone, Copy)]
 pub struct Stamps {
+    /// Time of the first, s.
     pub first_s: f64,
+    /// Time between them, s.
     pub step_s: f64,
+    /// How many there are.
     pub count: usize,
 }
 
@@ -150,7 +155,9 @@ pub fn needed(experiment: &Experiment, role: Role) -> Result<&Signal, EstimateEr
 /// Mechanics and what was observed of them. The states: means of the measured ones over the sample, those of the mechanics,
 /// the wandering part of the torque sought, its slope, and two for each line.
 pub struct TorqueSmoother<'a> {
+    /// The mechanics.
     pub mechanics: &'a Mechanics,
+    /// What was observed of them.
     pub observed: &'a Observations,
 }
 

@@ -25,8 +25,11 @@ pub enum TorqueSource {
 pub struct Prepared {
     /// N_d less the once-a-turn error of its encoder, where that is known.
     pub speed: Signal,
+    /// The dynamometer's encoder.
     pub encoder: Encoder,
+    /// T_d.
     pub torque: Signal,
+    /// Where T_d is from.
     pub source: TorqueSource,
 }
 

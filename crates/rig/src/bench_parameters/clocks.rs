@@ -46,7 +46,7 @@ impl Default for ClockParameters {
 }
 
 impl ClockParameters {
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let decimations = [
             ("clocks.engine_speed_decimation", self.engine_speed_decimation),
             ("clocks.torque_decimation", self.torque_decimation),

@@ -50,7 +50,7 @@ impl Default for ControllerParameters {
 }
 
 impl ControllerParameters {
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let any = [
             ("controller.proportional_nm_s_per_rad", self.proportional_nm_s_per_rad),
             ("controller.integral_nm_per_rad", self.integral_nm_per_rad),

@@ -108,7 +108,7 @@ impl EngineParameters {
         f64::from(self.strokes) * PI
     }
 
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let cylinders = self.cylinder_factors.len();
         require("engine.cylinder_factors", cylinders as f64, cylinders > 0, "one factor for each cylinder")?;
         require("engine.strokes", f64::from(self.strokes), [2, 4].contains(&self.strokes), "2 or 4")?;

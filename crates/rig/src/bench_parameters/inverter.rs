@@ -77,7 +77,7 @@ impl Default for InverterParameters {
 }
 
 impl InverterParameters {
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let delay = self.delay_s;
         require("inverter.delay_s", delay, (0.0..=1.0).contains(&delay), "between 0 and 1 s")?;
         require_positive("inverter.bandwidth_rad_s", self.bandwidth_rad_s)?;

@@ -63,7 +63,7 @@ impl Default for InductionMachine {
 }
 
 impl InductionMachine {
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let pairs = self.pole_pairs;
         require("inverter.machine.pole_pairs", f64::from(pairs), (1..=20).contains(&pairs), "between 1 and 20")?;
         require_positive("inverter.machine.stator_resistance_ohm", self.stator_resistance_ohm)?;

@@ -88,7 +88,7 @@ impl Default for MechanicsParameters {
 }
 
 impl MechanicsParameters {
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         require_positive("mechanics.dyno_inertia_kg_m2", self.dyno_inertia_kg_m2)?;
         require_positive("mechanics.engine_inertia_kg_m2", self.engine_inertia_kg_m2)?;
         require_positive("mechanics.shaft_stiffness_nm_per_rad", self.shaft_stiffness_nm_per_rad)?;

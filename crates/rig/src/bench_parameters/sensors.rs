@@ -129,7 +129,7 @@ impl SensorParameters {
 }
 
 impl SensorParameters {
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         require("sensors.gate_s", self.gate_s, self.gate_s >= 1e-5 && self.gate_s <= 1.0, "between 10 µs and 1 s")?;
         require("sensors.dyno_eccentricity", self.dyno_eccentricity, true, "finite")?;
         require("sensors.engine_eccentricity", self.engine_eccentricity, true, "finite")?;

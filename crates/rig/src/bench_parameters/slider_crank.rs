@@ -60,7 +60,7 @@ impl Default for SliderCrank {
 }
 
 impl SliderCrank {
-    pub fn check(&self) -> Result<(), ParameterError> {
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
         require_positive("engine.slider_crank.bore_m", self.bore_m)?;
         require_positive("engine.slider_crank.stroke_m", self.stroke_m)?;
         let ratio = self.rod_ratio;

@@ -12,8 +12,11 @@ const INTERVAL_LEVEL: f64 = 0.95;
 /// What a parameter is called and measured in.
 #[derive(Debug, Clone, Copy)]
 pub struct Label {
+    /// Symbol, e.g. `K_p`.
     pub symbol: &'static str,
+    /// Name, e.g. `proportional gain`.
     pub name: &'static str,
+    /// Unit, as written in reports.
     pub unit: &'static str,
 }
 

@@ -58,6 +58,7 @@ fn best_ignition() -> Waveform {
 }
 
 impl ExperimentPlan {
+    /// A plan without any demand beyond the speed, for a time in s.
     pub fn new(test: Test, excitation: Excitation, mode: ControlMode, speed_rpm: f64, duration_s: f64) -> Self {
         Self {
             label: ExperimentLabel { test, excitation, mode },

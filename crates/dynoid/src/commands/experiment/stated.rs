@@ -73,7 +73,7 @@ impl Bench {
     }
 
     fn any_model(&self) -> BenchModel {
-        let model = self.stated.parameters.linear_model();
+        let model = bench::model::BenchModel::of(&self.stated.parameters);
         let assembled = self.assembled.as_ref().map(|assembled| &assembled.model);
         BenchModel {
             speed_controller: assembled.and_then(|model| model.speed_controller).or(model.speed_controller),
