@@ -10,10 +10,10 @@ use faer::Mat;
 use ident::{Dataset, Experiment, IdentError, Intersample, Label};
 use recording::Recording;
 use signal::SignalError;
+use units::may_be_same;
 
 pub use one_clock::{OnOneClock, instant_s, on_one_clock};
 use timed::{Clock, Part, Timed};
-use units::may_be_same;
 
 /// Sample times that differ by less than this share are the same.
 const SAME_SHARE: f64 = 1e-3;

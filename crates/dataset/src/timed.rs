@@ -1,13 +1,13 @@
 //! One channel on its way from its own time stamps to the clock of the data.
 
 use ident::Intersample;
+use recording::names::closest;
 use recording::{Channel, Recording};
 use signal::clock::check_clock;
 use signal::resample::{Interpolation, band_of_held, band_of_straight, interpolate_at};
 use signal::{Signal, SignalError, Sos};
 
 use super::{Adjustment, DatasetError, DatasetOptions, Resampling, SAME_SHARE};
-use recording::names::closest;
 
 /// Time stamps further from the clock than this share of the sample time are interpolated.
 const JITTER_SHARE: f64 = 0.1;

@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use faer::c64;
 use recording::Recording;
-use serde::Serialize;
-
-use crate::EffectsError;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, Waveform};
+use serde::Serialize;
 use units::RPM_RAD_S;
 use virtual_bench::{Truth, simulate};
+
+use crate::EffectsError;
 
 /// Where the engine's orders, 0.5 the lowest, lie above the sines, rpm.
 const SPEED_RPM: f64 = 3000.0;

@@ -4,16 +4,15 @@ mod error;
 mod gains;
 mod zeros;
 
-use recording::Recording;
-use serde::Serialize;
-
-pub use error::EffectsError;
 use part_lines::look::amplitudes;
+use recording::Recording;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, UPDATE_S, Waveform};
 use rig::facts::BenchVariant;
+use serde::Serialize;
 use virtual_bench::{Numerics, simulate, simulate_hidden};
 
+pub use error::EffectsError;
 pub use gains::Gains;
 pub use zeros::{NaiveZeros, ShaftZeros};
 

@@ -2,15 +2,15 @@
 
 use ident::distributions::interval;
 use recording::Recording;
-use serde::Serialize;
-use signal::filter::Sos;
-
-use crate::{BenchParameters, EffectsError, sampled, simulate};
 use rig::BenchFile;
 use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::results::{Estimate, Parameter};
+use serde::Serialize;
+use signal::filter::Sos;
 use study::{Campaign, Source, run};
 use units::RPM_RAD_S;
+
+use crate::{BenchParameters, EffectsError, sampled, simulate};
 
 /// How late the engine's speed is stamped, s.
 const SKEWS_S: [f64; 3] = [-0.5e-3, 0.0, 0.5e-3];

@@ -7,12 +7,12 @@
 use std::f64::consts::{PI, TAU};
 
 use numerics::vector::dot;
+use rig::facts::Engine;
+use rig::results::Untold;
 use serde::Serialize;
 use signal::{Complex64, distributions};
 
 use super::rebuild::{ENCODER_ERROR, Motion, RebuiltEngine};
-use rig::facts::Engine;
-use rig::results::Untold;
 
 /// Samples that a firing interval must have.
 const FEWEST_SAMPLES: f64 = 6.0;

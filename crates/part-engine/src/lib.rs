@@ -10,11 +10,6 @@ mod rebuild;
 mod source;
 
 use numerics::parallel;
-use serde::Serialize;
-
-pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
-pub use self::rebuild::RebuiltEngine;
-pub use self::source::{InertiaSource, TwoMasses};
 use part_controller::speed_controller;
 use part_shaft::shaft_inputs::stated_gate;
 use part_torque::torque_control;
@@ -22,6 +17,11 @@ use part_torque::torque_signals::believable;
 use rig::experiment::Test;
 use rig::results::Told;
 use rig::{BenchFile, Experiment};
+use serde::Serialize;
+
+pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
+pub use self::rebuild::RebuiltEngine;
+pub use self::source::{InertiaSource, TwoMasses};
 
 /// What recordings tell of the engine's torque.
 #[derive(Debug, Clone, PartialEq, Serialize)]

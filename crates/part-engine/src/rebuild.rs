@@ -4,11 +4,6 @@ use faer::Mat;
 use ident::IdentError;
 use ident::smoothing::Smoothed;
 use numerics::parallel;
-use serde::Serialize;
-use signal::Signal;
-use signal::resample::{Interpolation, interpolate_at};
-
-use super::source::{TwoMasses, Values};
 use part_controller::speed_controller::SpeedControllerFit;
 use part_torque::torque_control::TorqueControlFit;
 use part_torque::torque_smoother::{
@@ -18,7 +13,12 @@ use part_torque::torque_smoother::{
 use rig::estimation::{EstimateError, noise_floor};
 use rig::facts::Engine;
 use rig::{Experiment, Role};
+use serde::Serialize;
+use signal::Signal;
+use signal::resample::{Interpolation, interpolate_at};
 use signal::zero_phase::{Wanted, ZeroPhase};
+
+use super::source::{TwoMasses, Values};
 
 /// Up to where the filter without phase shift passes, Hz.
 const BAND_HZ: f64 = 120.0;

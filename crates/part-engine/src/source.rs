@@ -1,8 +1,6 @@
 //! The two masses and the shaft between them, with what is uncertain of them.
 
 use faer::Mat;
-use serde::Serialize;
-
 use part_controller::speed_controller::SpeedControllerFit;
 use part_shaft::shaft;
 use part_shaft::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
@@ -10,6 +8,7 @@ use part_torque::torque_control::TorqueControlFit;
 use rig::facts::BenchVariant;
 use rig::results::{Estimate, Untold};
 use rig::{BenchFile, Experiment};
+use serde::Serialize;
 
 /// A J_e that is less certain than this is no better than the bench file's.
 const TOLD: f64 = 0.05;

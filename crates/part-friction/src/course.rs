@@ -2,15 +2,15 @@
 
 use std::ops::Range;
 
-use signal::{Signal, runs};
-
-use super::regression::Fitted;
-use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed};
 use part_torque::torque_control;
 use rig::estimation::timing_floor_s;
 use rig::prepare::wrong_sign;
 use rig::results::Stretch;
 use rig::{Experiment, Role};
+use signal::{Signal, runs};
+
+use super::regression::Fitted;
+use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed};
 
 /// Shortest stretch, s: alone, and where T_d drives.
 const SHORTEST_S: f64 = 1.0;

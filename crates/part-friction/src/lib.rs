@@ -11,14 +11,14 @@ mod course;
 mod error;
 mod regression;
 
+use rig::estimation::Label;
+use rig::results::{Estimate, Parameter, Stretch};
+use rig::{BenchFile, Experiment};
 use serde::Serialize;
 
 use course::{Course, Directions};
 pub use error::FrictionError;
 use regression::{Drive, Excitation, Fitted, Problem};
-use rig::estimation::Label;
-use rig::results::{Estimate, Parameter, Stretch};
-use rig::{BenchFile, Experiment};
 
 /// A term of higher order stays where the interval of its coefficient at this level does not hold zero.
 const TERM_LEVEL: f64 = 0.99;

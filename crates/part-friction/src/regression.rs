@@ -6,11 +6,11 @@ use ident::distributions::{interval, student_t_quantile};
 use ident::smoothing::{Belief, NoisySystem, likeliest};
 use ident::{Bounds, IdentError, LinearFit, Minimum, Termination, least_squares};
 use lti::StateSpace;
+use rig::estimation::{Label, timing_floor_s};
+use rig::results::{Estimate, Parameter, Stretch};
 
 use super::course::{Course, integral};
 use super::{CurvePoint, LONGEST_DELAY_S, POINTS, ROUNDS, SHIFTED_S, Term};
-use rig::estimation::{Label, timing_floor_s};
-use rig::results::{Estimate, Parameter, Stretch};
 
 /// With less than this many events nothing is known of their scatter; the interval is then wide as it is.
 const FEWEST_EVENTS: f64 = 3.0;

@@ -2,17 +2,17 @@
 
 use std::f64::consts::{PI, TAU};
 
+use bench_model::analysis::SinePoint;
+use bench_model::model::BenchModel;
+use bench_model::skews::SignalSkews;
 use faer::Mat;
+use rig::estimation::EstimateError;
+use rig::facts::Engine;
+use rig::{Experiment, Role};
 use signal::resample::{Interpolation, fractional_delay, interpolate_at};
 use signal::{Complex64, Signal, Sos};
 
 use crate::segments::{Segment, steady_sines};
-use bench_model::analysis::SinePoint;
-use bench_model::model::BenchModel;
-use bench_model::skews::SignalSkews;
-use rig::estimation::EstimateError;
-use rig::facts::Engine;
-use rig::{Experiment, Role};
 
 /// Left out at the start of a sine while the bench settles: this part of it, at least so many seconds.
 const SETTLING_PART: f64 = 0.25;

@@ -1,6 +1,5 @@
 //! From an experiment to what the shaft's estimators need of it.
 
-use crate::shaft::{self, ShaftInputs};
 use part_controller::speed_controller::{Encoder, SpeedControllerFit};
 use part_torque::air_gap_torque::{air_gap_torque, sampled_torque};
 use part_torque::torque_control::TorqueControlFit;
@@ -9,6 +8,8 @@ use rig::experiment::Test;
 use rig::facts::BenchVariant;
 use rig::results::Estimate;
 use rig::{BenchFile, ControlMode, Experiment, Role};
+
+use crate::shaft::{self, ShaftInputs};
 
 /// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
 const FRICTION_DOUBT_PERCENT: f64 = 20.0;

@@ -1,10 +1,10 @@
 //! T_d of a recording, as finely as it can be known.
 
+use rig::estimation::{EstimateError, need, noise_floor};
+use rig::{Experiment, Role};
 use signal::Signal;
 
 use crate::torque_control::{InverterModel, TorqueControlFit};
-use rig::estimation::{EstimateError, need, noise_floor};
-use rig::{Experiment, Role};
 
 /// A torque model whose residual is white is taken for this many times cleaner than the samples it was fitted to: its
 /// errors are those of a handful of parameters.

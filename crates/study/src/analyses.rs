@@ -1,12 +1,7 @@
 //! What the analyses of the parts tell of a campaign beside the study: the same that each of them tells on its own.
 
 use numerics::parallel;
-
-use super::Progress;
-use super::next::{self, NextError, NextExperiments, NextOptions};
-use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
-use crate::pi_noise::{PiStudy, StudyOptions};
-use part_controller::speed_control::{self, SpeedControl, speed_control};
+use part_controller::speed_control::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
 use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
 use part_lines::look::{Look, OverSpeed, look, on_one_mains, over_speed};
@@ -16,6 +11,11 @@ use part_torque::torque_signals::{TorqueSignals, torque_signals};
 use rig::estimation::EstimateError;
 use rig::experiment::Test;
 use rig::{BenchFile, Experiment};
+
+use super::Progress;
+use super::next::{self, NextError, NextExperiments, NextOptions};
+use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
+use crate::pi_noise::{self, PiStudy, StudyOptions};
 
 /// Orders of the torque control that are tried here: those of the thesis's low-order models. All of `OrdersTried::default()`
 /// take minutes.
@@ -73,7 +73,7 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
     let speed_control = speed_control(&all, bench, &mut |_| ());
     let pi_study = held_speed(&all).map(|experiment| {
         let options = StudyOptions { draws: DRAWS, ..StudyOptions::default() };
-        speed_control::study(experiment, &options, &|_, _| ())
+        pi_noise::study(experiment, &options, &|_, _| ())
     });
     analysing("torque control");
     let torque_control = torque_control_study::study(&all, bench, ORDERS, &mut |_, _| ());

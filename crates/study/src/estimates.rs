@@ -1,8 +1,5 @@
 //! Which recording serves which estimate, and what is missing where none does.
 
-use crate::findings::{Findings, needs_part};
-use crate::folded_pulses::Folded;
-use crate::whole::{self, Pieces, Whole};
 use bench_model::analysis::WholeModel;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
@@ -14,6 +11,10 @@ use part_torque::torque_control::{self, TorqueControlFit};
 use rig::experiment::Test;
 use rig::results::{Estimate, FeedForward, Need, Part, Shaft, SpeedController, Timing, TorqueControl};
 use rig::{BenchFile, Experiment, Finding, Role, Severity};
+
+use crate::findings::{Findings, needs_part};
+use crate::folded_pulses::Folded;
+use crate::whole::{self, Pieces, Whole};
 
 /// Times by which the shaft's equation leaves less with the speeds exchanged that tell that their channels are: rightly named
 /// speeds have 10⁻³ and exchanged ones 10³, with a dual-mass flywheel behind a flange, which the equation lacks, 0.3 and 9.

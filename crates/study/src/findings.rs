@@ -1,10 +1,11 @@
 //! A study's data, the doubts about them, and what was used for what, as they grow.
 
-use crate::Progress;
 use rig::estimation::EstimateError;
 use rig::experiment::Test;
 use rig::results::{Need, ResidualTest, Validation};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
+
+use crate::Progress;
 
 /// The data of a study and the doubts about it, as they grow.
 pub(super) struct Findings<'a> {

@@ -1,9 +1,9 @@
 //! From decoded files to labelled experiments.
 
 use recording::{Recording, RecordingError};
+use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, Severity, prepare};
 
 use crate::{Progress, RecordingSummary};
-use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, Severity, prepare};
 
 /// One file as the program read it.
 #[derive(Debug)]

@@ -5,17 +5,10 @@
 //! is what the experiment buys: choices of the study, its corrections, and its trust in time stamps are in it, which
 //! a count of information (see [`design::excitation_design`]) leaves out.
 
-use numerics::parallel;
-
-use crate::estimates::Fits;
-use crate::findings::Findings;
-use crate::gather::experiment_of;
-use crate::run::usable;
-use crate::whole::model_of;
-use crate::{Progress, Source, StudyError};
 use bench_model::analysis::results_of;
 use bench_model::model::{AssembledModel, BenchModel};
 use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
+use numerics::parallel;
 use part_controller::speed_controller::Encoder;
 use rig::experiment::catalogue::{self, Settings};
 use rig::experiment::{ExperimentPlan, Test, UPDATE_S};
@@ -23,6 +16,13 @@ use rig::results::{Estimate, Parameter};
 use rig::{BenchFile, Experiment, Role};
 use units::RPM_RAD_S;
 use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_told};
+
+use crate::estimates::Fits;
+use crate::findings::Findings;
+use crate::gather::experiment_of;
+use crate::run::usable;
+use crate::whole::model_of;
+use crate::{Progress, Source, StudyError};
 
 /// Experiments of the method that a study learns from.
 const CANDIDATES: [&str; 7] =

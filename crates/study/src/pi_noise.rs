@@ -11,12 +11,8 @@
 //! # Source
 //! Thesis §7.1, figure 7.1, table 7.1.
 
-use numerics::parallel;
-use serde::Serialize;
-use signal::Signal;
-use signal::spline::UniformSpline;
-
 use design::safety::Proportion;
+use numerics::parallel;
 use numerics::random::Stream;
 use part_controller::speed_controller;
 use rig::bench_parameters::BenchParameters;
@@ -25,6 +21,9 @@ use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::random::Source;
 use rig::results::Estimate;
 use rig::{Experiment, Role};
+use serde::Serialize;
+use signal::Signal;
+use signal::spline::UniformSpline;
 use units::RPM_RAD_S;
 use virtual_bench::{CHANNELS, VirtualBenchError, simulate};
 

@@ -1,9 +1,8 @@
 //! Recordings as they are: their courses, and a step of T_d* with what followed it (thesis, chapter 4, and figures 6.1, 6.2).
 
-use signal::Signal;
-
 use rig::results::Trace;
 use rig::{ControlMode, Experiment, Role};
+use signal::Signal;
 
 /// What is shown before and after a step, s.
 const AROUND_S: (f64, f64) = (0.02, 0.08);

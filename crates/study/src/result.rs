@@ -1,13 +1,12 @@
 //! The types a study is made of. They hold numbers and structure only; wording and drawing belong to the report.
 
-use serde::Serialize;
-
 use bench_model::analysis::WholeModel;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
 use rig::facts::BenchFacts;
 use rig::results::{FeedForward, Part, Shaft, SpeedController, Timing, TorqueControl};
 use rig::{Diagnostic, Role};
+use serde::Serialize;
 
 /// Everything learnt from one campaign.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,10 +1,11 @@
 //! The one function that sees the whole chain, from decoded recordings to the study.
 
+use rig::{BenchFile, Diagnostic, Experiment};
+
 use crate::analyses::{Analyses, analyses};
 use crate::findings::Findings;
 use crate::gather::{Gathered, Source, gather};
 use crate::{Provenance, Study, estimates};
-use rig::{BenchFile, Diagnostic, Experiment};
 
 /// Everything a study is made from.
 #[derive(Debug)]

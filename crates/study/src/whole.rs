@@ -1,8 +1,5 @@
 //! The assembled model: analysed, and replayed on recordings.
 
-use crate::Progress;
-use crate::assemble::{StudyParts, assemble as assemble_model};
-use crate::findings::{Findings, needs_part};
 use bench_model::analysis::{WholeInputs, WholeModel, whole_model};
 use bench_model::model::{AssembledModel, BenchModel};
 use bench_model::replay::{EncoderError, Replay, ReplayError, ReplayInputs, replay};
@@ -15,6 +12,10 @@ use rig::experiment::Test;
 use rig::facts::BenchFacts;
 use rig::results::{FeedForward, Need, Shaft};
 use rig::{ControlMode, Experiment, Finding, Severity};
+
+use crate::Progress;
+use crate::assemble::{StudyParts, assemble as assemble_model};
+use crate::findings::{Findings, needs_part};
 
 /// Tests worth replaying in each control mode, best first.
 const REPLAYED_NT: [Test; 4] = [Test::Bs, Test::Ramp, Test::Levels, Test::Unfired];

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use recording::Recording;
-
 use rig::bench_file::ChannelMapping;
 use rig::role::Role;
 use units::{Quantity, parse_unit};

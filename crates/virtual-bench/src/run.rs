@@ -2,6 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use rig::ControlMode;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
+use rig::random::Source;
+
 use super::control::{ShaftTorqueController, SpeedController};
 use super::drive::{Inverter, Knowledge, TimedDemand};
 use super::engine::{Air, Combustion, Engine, EngineSpeedControl};
@@ -9,10 +14,6 @@ use super::error::VirtualBenchError;
 use super::sensors::{Readings, Sensors, rounded};
 use super::train::{Torques, Train};
 use super::{HiddenTruth, Numerics};
-use rig::ControlMode;
-use rig::bench_parameters::BenchParameters;
-use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
-use rig::random::Source;
 
 /// Updates from one word about progress to the next.
 const TOLD_EVERY: usize = 500;

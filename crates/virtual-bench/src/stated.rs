@@ -1,14 +1,14 @@
 //! A virtual bench that is like a stated one: what its bench file says, what a model says, and what had to be assumed.
 
-use serde::{Deserialize, Serialize};
-
-use super::VirtualBenchError;
 use bench_model::model::BenchModel;
 use rig::bench_parameters::{BenchParameters, DualMassFlywheel, EngineParameters};
-use rig::experiment::{ExperimentPlan, UPDATE_S};
+use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
 use rig::role::Role;
 use rig::{BenchFile, ControlMode};
+use serde::{Deserialize, Serialize};
+
+use super::VirtualBenchError;
 
 /// Damping ratio of the resonance where no damping is stated: that of steel shafts with rubber couplings.
 const ASSUMED_DAMPING_RATIO: f64 = 0.1;

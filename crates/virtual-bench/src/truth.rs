@@ -1,12 +1,12 @@
 //! What a study of a virtual bench would find if it were exact.
 
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::UPDATE_S;
 use serde::Serialize;
+use units::RPM_RAD_S;
 
 use super::drive::SAMPLES_PER_UPDATE;
 use super::train::resonance_hz;
-use rig::bench_parameters::BenchParameters;
-use rig::experiment::UPDATE_S;
-use units::RPM_RAD_S;
 
 /// The true values of what a study estimates, in the study's units.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

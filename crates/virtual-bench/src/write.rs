@@ -1,14 +1,14 @@
 //! From the automation system's registers to a recording: rasters, names, units.
 
 use recording::{Channel, Format, Raster, Recording};
-
-use super::HiddenTruth;
-use super::run::Registers;
 use rig::ControlMode;
 use rig::bench_parameters::{BenchParameters, ClockParameters};
 use rig::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
 use rig::facts::BenchVariant;
 use units::RPM_RAD_S;
+
+use super::HiddenTruth;
+use super::run::Registers;
 
 /// The recording of a run, with channel names of a DTB or a TB bench: speeds in rpm, torques in Nm, throttle in %.
 pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, registers: &Registers) -> Recording {

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use ident::distributions::student_t_quantile;
 use lti::FrequencyResponse;
+use rig::ControlMode;
 use signal::Complex64;
+use units::RPM_RAD_S;
 
 use crate::analysis::BodeCurve;
 use crate::model::{BenchModel, ModelUncertainty};
-use rig::ControlMode;
-use units::RPM_RAD_S;
 
 const LOWEST_HZ: f64 = 0.1;
 const HIGHEST_HZ: f64 = 200.0;

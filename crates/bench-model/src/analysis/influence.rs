@@ -1,8 +1,9 @@
 //! What each parameter does to what is computed from the model.
 
+use rig::estimation::Label;
+
 use crate::analysis::{Influence, ParameterInfluence};
 use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
-use rig::estimation::Label;
 
 /// Parameters of a model, as far as it has the part.
 const PARAMETERS: [ModelParameter; 9] = [

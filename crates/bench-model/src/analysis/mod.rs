@@ -5,13 +5,13 @@ mod influence;
 mod margins;
 mod result;
 
-pub use margins::margins;
-pub use result::{BodeCurve, Influence, Margins, ParameterInfluence, SinePoint, WholeModel};
-
-use crate::model::{BenchModel, ModelUncertainty};
 use rig::estimation::Label;
 use rig::facts::Engine;
 use rig::results::Parameter;
+
+use crate::model::{BenchModel, ModelUncertainty};
+pub use margins::margins;
+pub use result::{BodeCurve, Influence, Margins, ParameterInfluence, SinePoint, WholeModel};
 
 /// What the analysis works on.
 #[derive(Debug, Clone, Copy)]

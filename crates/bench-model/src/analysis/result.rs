@@ -1,10 +1,10 @@
 //! What an analysis of the assembled model finds.
 
+use rig::ControlMode;
+use rig::results::Parameter;
 use serde::Serialize;
 
 use crate::model::ModelParameter;
-use rig::ControlMode;
-use rig::results::Parameter;
 
 /// Analysis of the assembled model.
 #[derive(Debug, Clone, PartialEq, Serialize)]

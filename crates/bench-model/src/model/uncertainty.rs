@@ -1,13 +1,13 @@
 //! Uncertainty of what is computed from the model.
 
 use faer::Mat;
+use numerics::random::Stream;
+use rig::estimation::Label;
+use rig::results::Parameter;
 use serde::{Deserialize, Deserializer, Serialize};
 use signal::distributions::chi_squared_quantile;
 
 use super::{BenchModel, ModelParameter};
-use numerics::random::Stream;
-use rig::estimation::Label;
-use rig::results::Parameter;
 
 /// Draws after which a model is given up that hardly ever gives a possible bench.
 const MOST_DRAWS: usize = 1000;

@@ -8,16 +8,16 @@ mod peaks;
 
 use std::cell::RefCell;
 
-use crate::intake::demanded_torque_nm;
-use crate::model::{BenchModel, Mechanics, ModelUncertainty};
-use crate::simulate::{
-    Drive, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
-};
 use rig::ControlMode;
 use rig::bench_file::Limits;
 use rig::bench_parameters::EngineParameters;
 use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
 
+use crate::intake::demanded_torque_nm;
+use crate::model::{BenchModel, Mechanics, ModelUncertainty};
+use crate::simulate::{
+    Drive, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
+};
 pub use peaks::{Peak, PeakOf};
 
 /// What a prediction rests on.

@@ -1,17 +1,17 @@
 //! Recorded against modelled, each quantity on its own raster.
 
 use ident::validate::{fit_percent, rms_error};
+use rig::estimation::EstimateError;
+use rig::results::{Stretch, Trace, Validation};
+use rig::{Experiment, Role};
 use signal::Signal;
 use signal::resample::{Interpolation, hold, interpolate_at};
+use signal::zero_phase::{Wanted, ZeroPhase};
+use units::RPM_RAD_S;
 
 use super::ReplayInputs;
 use super::reconstruct::Acted;
 use crate::simulate::Response;
-use rig::estimation::EstimateError;
-use rig::results::{Stretch, Trace, Validation};
-use rig::{Experiment, Role};
-use signal::zero_phase::{Wanted, ZeroPhase};
-use units::RPM_RAD_S;
 
 /// Compared signals keep off the ends of the simulation by this, s, so that skews can be undone.
 const MARGIN_S: f64 = 0.02;

@@ -1,7 +1,8 @@
 //! Why a recording cannot be replayed.
 
-use crate::simulate::SimulationError;
 use rig::estimation::EstimateError;
+
+use crate::simulate::SimulationError;
 
 /// Why a recording cannot be replayed on a model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

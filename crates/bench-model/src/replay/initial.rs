@@ -1,11 +1,11 @@
 //! The bench at the start of a replay.
 
 use faer::Mat;
+use rig::estimation::EstimateError;
+use rig::{ControlMode, Role};
 
 use super::{ReplayError, Run, Start, held};
 use crate::simulate::InitialState;
-use rig::estimation::EstimateError;
-use rig::{ControlMode, Role};
 
 /// In speed control the start is fitted on this much, s.
 const FITTED_S: f64 = 10.0;

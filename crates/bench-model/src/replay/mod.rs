@@ -8,6 +8,9 @@ mod once_a_turn;
 mod reconstruct;
 mod result;
 
+use rig::estimation::EstimateError;
+use rig::results::Stretch;
+use rig::{ControlMode, Experiment, Role};
 use signal::Signal;
 use signal::resample::hold;
 
@@ -21,9 +24,6 @@ pub use error::ReplayError;
 use once_a_turn::OnceATurn;
 use reconstruct::{Acted, reconstruct};
 pub use result::Replay;
-use rig::estimation::EstimateError;
-use rig::results::Stretch;
-use rig::{ControlMode, Experiment, Role};
 
 /// What a replay is told beside the recording and the model.
 #[derive(Debug, Clone, Copy, PartialEq)]

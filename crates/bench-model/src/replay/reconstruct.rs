@@ -1,13 +1,13 @@
 //! From a recording to the torques that acted.
 
+use rig::estimation::EstimateError;
+use rig::{Experiment, Role};
 use signal::Signal;
+use signal::zero_phase::{Wanted, ZeroPhase};
 
 use super::ReplayInputs;
 use super::encoder_error::encoder_error;
 use crate::model::BenchModel;
-use rig::estimation::EstimateError;
-use rig::{Experiment, Role};
-use signal::zero_phase::{Wanted, ZeroPhase};
 
 /// Left out at both ends, where the filters see reflected data, s.
 const EDGE_S: f64 = 0.1;

@@ -1,9 +1,8 @@
 //! A recording replayed on the assembled model, as data.
 
-use serde::Serialize;
-
 use rig::ControlMode;
 use rig::results::{Stretch, Validation};
+use serde::Serialize;
 
 /// A recording replayed on the assembled model.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -3,15 +3,16 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::task::{
-    DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, SampleNoise, TIME_SCALE_S, Unknown, beside_rotation,
-};
-use super::{Criterion, DesignError, Robustness};
 use bench_model::model::{BenchModel, ModelParameter};
 use rig::bench_file::Limits;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{DEMAND_HOLD_S, UPDATE_S};
 use rig::facts::BenchVariant;
+
+use super::task::{
+    DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, SampleNoise, TIME_SCALE_S, Unknown, beside_rotation,
+};
+use super::{Criterion, DesignError, Robustness};
 
 /// Lowest frequency of an excitation from which gains of an integrator have to be told, Hz.
 const SLOW_HZ: f64 = 0.25;

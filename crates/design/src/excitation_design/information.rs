@@ -1,5 +1,6 @@
 //! Fisher's information of lines, and what it makes of the parameters.
 
+use bench_model::model::BenchModel;
 use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::{Mat, Side};
 use signal::Complex64;
@@ -7,7 +8,6 @@ use signal::Complex64;
 use super::DesignError;
 use super::signals::{Neighbours, OUTPUTS, disturbances, limited};
 use super::task::{Criterion, DesignTask};
-use bench_model::model::BenchModel;
 
 /// Condition of the scaled information beyond which it counts as singular.
 const SINGULAR: f64 = 1e13;

@@ -49,21 +49,21 @@ mod task;
 mod trial;
 mod white;
 
-use serde::{Deserialize, Serialize};
-use signal::SignalError;
-
 use bench_model::model::ModelParameter;
 use bench_model::simulate::SimulationError;
+use rig::experiment::{ControlMode, Excitation, ExperimentPlan, Sine, Test, Waveform};
+use serde::{Deserialize, Serialize};
+use signal::SignalError;
+use units::RPM_RAD_S;
+
 pub use goal::{Goal, OperatingPoint, UnknownGoal};
 use information::{Line, lines, not_determined};
 use phases::Responses;
-use rig::experiment::{ControlMode, Excitation, ExperimentPlan, Sine, Test, Waveform};
 use spectrum::{bands, optimise, power_of};
 pub use task::{
     Criterion, DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, Robustness, SampleNoise, Unknown,
 };
 use trial::{HeldDemand, Trials};
-use units::RPM_RAD_S;
 
 /// Lines with less than this part of the power of the strongest are left out.
 const WEAKEST: f64 = 1e-6;

@@ -1,9 +1,9 @@
 //! What the demand, the engine and errors of the encoder do to the bench, at one frequency.
 
+use bench_model::model::{BenchModel, Mechanics, mean_over};
 use signal::Complex64;
 
 use super::task::{DesignTask, ExcitedDemand, Unknown};
-use bench_model::model::{BenchModel, Mechanics, mean_over};
 
 /// Signals that may be measured.
 pub(super) const OUTPUTS: usize = 5;

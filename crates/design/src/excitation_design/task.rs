@@ -1,10 +1,10 @@
 //! What a design is asked for.
 
+use bench_model::model::{BenchModel, ModelParameter};
 use serde::{Deserialize, Serialize};
+use units::RPM_RAD_S;
 
 use super::DesignError;
-use bench_model::model::{BenchModel, ModelParameter};
-use units::RPM_RAD_S;
 
 /// Time that unknown times are counted against, s.
 pub(super) const TIME_SCALE_S: f64 = 1e-3;

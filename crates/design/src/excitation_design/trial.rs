@@ -1,13 +1,13 @@
 //! A demand tried on the models: its peaks over time, its power over frequency.
 
+use bench_model::model::BenchModel;
+use bench_model::simulate::{Drive, InitialState, Inputs, Response, simulate};
 use signal::Complex64;
 use signal::spectrum::fft_real;
 
 use super::information::{Judged, Judges, Line, lines};
 use super::task::{DesignTask, ExcitedDemand, Robustness};
 use super::{DesignError, LimitedQuantity, Peaks};
-use bench_model::model::BenchModel;
-use bench_model::simulate::{Drive, InitialState, Inputs, Response, simulate};
 
 /// Step of the simulation at most, s.
 const LONGEST_STEP_S: f64 = 1e-3;

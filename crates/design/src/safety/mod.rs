@@ -9,19 +9,17 @@ mod sines;
 mod spread;
 mod verdict;
 
-use serde::Serialize;
-
 use bench_model::prediction::{PredictionError, PredictionInputs};
 use rig::experiment::Demands;
 use rig::random::Source;
+use serde::Serialize;
 
 pub use quantity::Quantity;
+use run::{Outcome, outcomes};
 pub use sines::{Proposal, SafeSine};
+use spread::Drawn;
 pub use spread::{BenchSpread, Prior};
 pub use verdict::{ALLOWED, Proportion, Safety};
-
-use run::{Outcome, outcomes};
-use spread::Drawn;
 
 /// Share of the bandwidth that the speed control of an engine of which nothing is known has at least.
 pub const ASSUMED_ENGINE: f64 = 0.1;

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use serde::Serialize;
-
-use super::sines::Ladder;
 use bench_model::model::BenchModel;
 use bench_model::prediction::{Prediction, PredictionInputs};
 use rig::bench_file::Limits;
 use rig::experiment::{DEMAND_HOLD_S, ExperimentPlan};
 use rig::facts::Engine;
+use serde::Serialize;
+
+use super::sines::Ladder;
 
 /// Frequencies closer to the resonance than this part of it lie at the resonance.
 const RESONANCE_BAND: f64 = 0.1;

@@ -1,11 +1,11 @@
 //! One run a bench, on all processors.
 
+use bench_model::prediction::{PredictionError, PredictionInputs, predict};
 use numerics::parallel;
 
 use super::quantity::{self, Quantity};
 use super::sines::{self, Ladder};
 use super::spread::Drawn;
-use bench_model::prediction::{PredictionError, PredictionInputs, predict};
 
 /// What one bench did.
 pub(super) struct Outcome {

@@ -1,15 +1,15 @@
 //! Amplitudes at which a sine test keeps the limits.
 
+use bench_model::model::BenchModel;
+use bench_model::prediction::{Prediction, PredictionError, PredictionInputs, predict};
+use rig::ControlMode;
+use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S, Waveform};
 use serde::Serialize;
 
 use super::quantity::{demand_samples, largest, reaches, slew};
 use super::run::{self, Outcome};
 use super::spread::Drawn;
 use super::{ALLOWED, Proportion, Quantity};
-use bench_model::model::BenchModel;
-use bench_model::prediction::{Prediction, PredictionError, PredictionInputs, predict};
-use rig::ControlMode;
-use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S, Waveform};
 
 /// Amplitudes stay this part below the ones computed: they are said with three digits.
 const MARGIN: f64 = 0.99;

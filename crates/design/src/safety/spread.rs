@@ -1,10 +1,9 @@
 //! Benches that could be the one at hand.
 
-use serde::Serialize;
-
 use bench_model::model::{BenchModel, Mechanics, ModelUncertainty};
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
+use serde::Serialize;
 use signal::distributions::normal_quantile;
 
 /// A bench that could be the one at hand.

@@ -1,9 +1,8 @@
 //! The discrete form of PI, and what of it no recording tells.
 
-use serde::Serialize;
-
 use rig::estimation::Label;
 use rig::results::{Estimate, Parameter};
+use serde::Serialize;
 use units::RPM_RAD_S;
 
 const B_0: Label = Label { symbol: "b_0", name: "on the speed error of this update", unit: "Nm/rpm" };

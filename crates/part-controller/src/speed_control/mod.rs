@@ -4,15 +4,14 @@
 
 mod discrete;
 
+use rig::experiment::Test;
+use rig::results::{Estimate, FeedForward, Parameter, Told, Untold, Validation};
+use rig::{BenchFile, ControlMode, Excitation, Experiment};
 use serde::Serialize;
 
 use crate::speed_controller::{
     self, FeedForwardTerms, Limit, SpeedControllerFit, Structure, feed_forward_terms, limit, structure,
 };
-use rig::experiment::Test;
-use rig::results::{Estimate, FeedForward, Parameter, Told, Untold, Validation};
-use rig::{BenchFile, ControlMode, Excitation, Experiment};
-
 pub use discrete::{Discrete, IntegrationRule};
 
 /// What recordings tell of the speed controller.

@@ -1,12 +1,12 @@
 //! The signals of a speed controller, stretch by stretch.
 
+use rig::estimation::{EstimateError, longest_unsaturated, need, noise_floor};
+use rig::results::Stretch;
+use rig::{Experiment, Role};
 use signal::Signal;
 use signal::spline::UniformSpline;
 
 use super::inverse::{self, InverseController};
-use rig::estimation::{EstimateError, longest_unsaturated, need, noise_floor};
-use rig::results::Stretch;
-use rig::{Experiment, Role};
 
 /// Shortest usable stretch, s.
 const SHORTEST_S: f64 = 2.0;

@@ -1,8 +1,7 @@
 //! What the speed-controller fit learns of the dynamometer's encoder.
 
-use signal::Signal;
-
 use rig::estimation::noise_floor;
+use signal::Signal;
 
 /// Relative standard uncertainty of a gate that is assumed to last one sample time.
 const ASSUMED_GATE_DOUBT: f64 = 0.1;

@@ -3,17 +3,17 @@
 use ident::covariance::at_least_white;
 use ident::validate::{self, fit_percent, rms_error};
 use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
-use signal::Signal;
-use signal::spline::UniformSpline;
-
-use super::data::{Data, ident_error, signal_error, starting_point};
-use super::encoder::Encoder;
-use super::inverse::{self, COUNT};
 use rig::align::split_window;
 use rig::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
 use rig::results::{Estimate, FeedForward, Parameter, ResidualTest, SpeedController, Trace, Validation};
 use rig::{Experiment, Role};
+use signal::Signal;
+use signal::spline::UniformSpline;
 use units::RPM_RAD_S;
+
+use super::data::{Data, ident_error, signal_error, starting_point};
+use super::encoder::Encoder;
+use super::inverse::{self, COUNT};
 
 /// Share of a recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;

@@ -10,15 +10,15 @@
 use faer::MatMut;
 use ident::covariance::at_least_white;
 use ident::{Bounds, IdentError, NonlinearOptions, ResidualModel, minimise};
+use rig::Experiment;
+use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
+use rig::results::Estimate;
 use signal::spline::UniformSpline;
+use units::RPM_RAD_S;
 
 use super::data::{Data, ident_error, signal_error, starting_point};
 use super::fit::{BATCHES, K_I, K_P, TAU};
 use super::inverse::{self, recursion};
-use rig::Experiment;
-use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
-use rig::results::Estimate;
-use units::RPM_RAD_S;
 
 /// Parameters, by position: K_p in Nm s/rad, K_i T in Nm s/rad, what the prefilter's start leaves, τ in samples.
 const GAIN: usize = 0;

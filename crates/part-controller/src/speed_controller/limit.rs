@@ -12,17 +12,17 @@ use std::ops::Range;
 use faer::Mat;
 use faer::prelude::Solve;
 use ident::distributions::f_tail;
+use rig::estimation::{EstimateError, need};
+use rig::results::FeedForward;
+use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::spline::UniformSpline;
+use units::RPM_RAD_S;
 
 use super::data::signal_error;
 use super::fit::{K_ACCELERATION, K_I, K_P, K_SPEED, SpeedControllerFit, TAU};
 use super::inverse;
 use super::terms::LEVEL;
-use rig::estimation::{EstimateError, need};
-use rig::results::FeedForward;
-use rig::{Experiment, Role};
-use units::RPM_RAD_S;
 
 /// Within this part of the highest |T_d*| a sample counts as being at the limit.
 const AT_LIMIT: f64 = 1e-6;

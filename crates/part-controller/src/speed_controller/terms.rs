@@ -14,16 +14,16 @@ use faer::prelude::Solve;
 use ident::Minimum;
 use ident::covariance::at_least_white;
 use ident::distributions::{f_tail, interval, student_t_quantile};
+use rig::Experiment;
+use rig::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
+use rig::results::{Estimate, Parameter, Stretch};
 use serde::Serialize;
 use signal::Signal;
+use units::RPM_RAD_S;
 
 use super::data::{Data, ident_error};
 use super::fit::{BATCHES, K_I, K_P, SpeedControllerFit, TAU, check_moves, run};
 use super::inverse::{self, COUNT};
-use rig::Experiment;
-use rig::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
-use rig::results::{Estimate, Parameter, Stretch};
-use units::RPM_RAD_S;
 
 /// Probability of finding any term where there is none.
 pub const LEVEL: f64 = 0.01;

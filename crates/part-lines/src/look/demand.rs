@@ -1,10 +1,10 @@
 //! What was asked of the bench: sines, and how long each value was held.
 
+use rig::{ControlMode, Experiment, Role};
 use signal::Signal;
 use signal::periodicity::{Sinusoid, find_sinusoids};
 
 use crate::segments::steady_sines;
-use rig::{ControlMode, Experiment, Role};
 
 /// Sines that a demand may be made of, at most; the share of it that they leave at most; the least of the largest that counts.
 const MOST_SINES: usize = 40;

@@ -27,6 +27,8 @@ mod tracking;
 
 use std::f64::consts::TAU;
 
+use rig::facts::Engine;
+use rig::{ControlMode, Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
 use signal::spectrum::{fft_frequencies_hz, fft_real};
@@ -42,8 +44,6 @@ pub use over_speed::{CurvePoint, OrderCurve, OverSpeed, over_speed};
 pub use reference::folded_hz;
 use reference::{Reference, Setting};
 use resonance::BroadPeak;
-use rig::facts::Engine;
-use rig::{ControlMode, Experiment, Role};
 pub use tracking::{BANDWIDTH_ORDERS, OrderTrack, TURNS, TrackPoint};
 
 /// Signals that the masses move.

@@ -1,11 +1,12 @@
 //! The cause of a line among those that its phase allows, by what the other signals show.
 
+use rig::Role;
+
 use super::cause::Cause;
 use super::lines::Found;
 use super::reference::{MAINS_HZ, RIPPLE, Reference, folded_hz};
 use super::resonance::{BroadPeak, is_one};
 use super::{DRIFT_HZ, OF_THE_MASSES, SENSORS, Shown, advice};
-use rig::Role;
 
 /// The masses on a shaft of a bench resonate below this, Hz.
 const HIGHEST_STRUCTURAL_HZ: f64 = 60.0;

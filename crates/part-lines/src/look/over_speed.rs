@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use faer::c64;
+use rig::Role;
 use serde::Serialize;
 
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
 use super::tracking::TrackPoint;
 use super::{CHANGES, Line, Look, LookedPart, LookedSignal};
-use rig::Role;
 
 /// Classes of speed from the lowest to the highest.
 const CLASSES: usize = 60;

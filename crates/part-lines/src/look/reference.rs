@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use rig::facts::Engine;
+
 use super::angle::Angle;
 use super::cause::Cause;
-use rig::facts::Engine;
 
 /// Orders are looked for up to this multiple of the firing order; up to the second, they modulate and are modulated.
 const HIGHEST_FIRING: f64 = 6.0;

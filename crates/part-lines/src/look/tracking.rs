@@ -17,13 +17,13 @@ use std::f64::consts::{PI, TAU};
 
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, c64};
+use rig::facts::Engine;
 use serde::Serialize;
 use signal::Signal;
 
 use super::angle::Angle;
 use super::lines::Found;
 use super::reference::Course;
-use rig::facts::Engine;
 
 /// The window, in turns of the crank: five working cycles of four strokes.
 pub const TURNS: f64 = 10.0;

@@ -2,12 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use super::engine_side::{self, EngineInertia};
-use super::equation::{self, COUNT, Dating, ShaftEquation};
-use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
-use super::response::{measured_response, validate};
-use super::spectra::{Spectra, whole_band_hz};
-use super::terms::{Beyond, Term, TermTest};
 use ident::Bounds;
 use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
 use part_torque::torque_control::standard_deviation;
@@ -16,6 +10,13 @@ use rig::align::split_window;
 use rig::estimation::{EstimateError, Label, ReadOut, transformed};
 use rig::results::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
 use signal::Signal;
+
+use super::engine_side::{self, EngineInertia};
+use super::equation::{self, COUNT, Dating, ShaftEquation};
+use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
+use super::response::{measured_response, validate};
+use super::spectra::{Spectra, whole_band_hz};
+use super::terms::{Beyond, Term, TermTest};
 
 const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };

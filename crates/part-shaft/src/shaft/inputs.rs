@@ -1,10 +1,9 @@
 //! What the shaft is estimated from.
 
-use signal::Signal;
-
 use part_torque::air_gap_torque::NoisyTorque;
 use rig::estimation::EstimateError;
 use rig::results::Stretch;
+use signal::Signal;
 
 /// Largest skew looked for, s.
 pub(super) const LARGEST_SKEW_S: f64 = 0.02;

@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use ident::frequency::ORDERS;
 use ident::validate::{fit_percent, rms_error};
+use rig::estimation::EstimateError;
+use rig::results::{MeasuredResponse, Stretch, Trace, Validation};
 use signal::Complex64;
 
 use super::equation::{self, Corrections, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
-use rig::estimation::EstimateError;
-use rig::results::{MeasuredResponse, Stretch, Trace, Validation};
 
 /// Bands of the measured frequency response per octave.
 const BANDS_PER_OCTAVE: f64 = 6.0;

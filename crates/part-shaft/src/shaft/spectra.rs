@@ -5,11 +5,11 @@ use std::ops::RangeInclusive;
 
 use ident::IdentError;
 use ident::frequency::{Equation, Modulated, NoisySpectrum, Samples, Window, samples_in};
+use rig::estimation::EstimateError;
 use signal::{Complex64, Signal};
 
 use super::equation::{Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
-use rig::estimation::EstimateError;
 
 /// Lowest frequency used, Hz: below it the recording holds too few periods.
 pub(super) const LOWEST_HZ: f64 = 1.0;

@@ -10,16 +10,16 @@
 
 use ident::distributions::f_tail;
 use ident::frequency::FrequencyFit;
+use rig::estimation::Label;
+use rig::results::Parameter;
 use serde::Serialize;
 use signal::Signal;
+use signal::zero_phase::{Wanted, ZeroPhase};
+use units::RPM_RAD_S;
 
 use super::equation::{self, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::highest_hz;
-use rig::estimation::Label;
-use rig::results::Parameter;
-use signal::zero_phase::{Wanted, ZeroPhase};
-use units::RPM_RAD_S;
 
 /// Changes with torque are told for so many Nm.
 const PER_NM: f64 = 100.0;

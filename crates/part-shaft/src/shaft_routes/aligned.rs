@@ -1,11 +1,11 @@
 //! Speeds and torque on one clock, that of N_d, as the encoder of N_d sees all of them.
 
+use rig::estimation::EstimateError;
+use rig::results::Stretch;
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
 
 use crate::shaft::ShaftInputs;
-use rig::estimation::EstimateError;
-use rig::results::Stretch;
 
 /// Left out at each end of a recording, s: room for the skews and for the interpolation.
 const MARGIN_S: f64 = 0.1;

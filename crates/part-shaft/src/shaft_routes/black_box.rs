@@ -27,16 +27,16 @@ use faer::{Mat, MatMut, mat};
 use ident::distributions::chi_squared_tail;
 use ident::{Bounds, Dataset, Fit, IdentError, Minimum, NonlinearOptions, Polynomial, ResidualModel, minimise};
 use lti::{LtiError, PolynomialModel, StateSpace};
+use rig::estimation::{EstimateError, Label, timing_floor_s};
+use rig::experiment::ControlMode;
+use rig::facts::Engine;
+use rig::results::Estimate;
 use serde::Serialize;
 use signal::Complex64;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
 use super::{B, DYNO_INERTIA, ENGINE_INERTIA, K, Timing, estimate_of};
 use crate::shaft::ShaftInputs;
-use rig::estimation::{EstimateError, Label, timing_floor_s};
-use rig::experiment::ControlMode;
-use rig::facts::Engine;
-use rig::results::Estimate;
 
 /// Orders go up to so many firing orders.
 const FIRING_ORDERS: f64 = 2.0;

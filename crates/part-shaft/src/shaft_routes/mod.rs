@@ -11,10 +11,9 @@ pub mod black_box;
 pub mod multisine;
 pub mod state_space;
 
-use serde::Serialize;
-
 use rig::estimation::Label;
 use rig::results::{Estimate, Parameter, Stretch};
+use serde::Serialize;
 
 pub(super) const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 pub(super) const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };

@@ -25,15 +25,15 @@ use ident::{
     least_squares,
 };
 use lti::{LtiError, StateSpace};
+use rig::estimation::{EstimateError, timing_floor_s};
+use rig::results::{Estimate, Stretch, Trace, Validation};
 use serde::Serialize;
 use signal::{Complex64, Sos};
+use units::RPM_RAD_S;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
 use super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE, Timing, estimate_of};
 use crate::shaft::ShaftInputs;
-use rig::estimation::{EstimateError, timing_floor_s};
-use rig::results::{Estimate, Stretch, Trace, Validation};
-use units::RPM_RAD_S;
 
 /// Share of the recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;

@@ -4,6 +4,13 @@
 mod together;
 
 use numerics::parallel;
+use part_controller::speed_controller;
+use part_torque::torque_control;
+use rig::estimation::{EstimateError, need};
+use rig::experiment::Test;
+use rig::facts::BenchVariant;
+use rig::results::{Estimate, Shaft, Told, Untold};
+use rig::{BenchFile, Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
 
@@ -13,13 +20,6 @@ use crate::shaft_routes::Timing;
 use crate::shaft_routes::black_box::{self, BlackBoxRoute};
 use crate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
 use crate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
-use part_controller::speed_controller;
-use part_torque::torque_control;
-use rig::estimation::{EstimateError, need};
-use rig::experiment::Test;
-use rig::facts::BenchVariant;
-use rig::results::{Estimate, Shaft, Told, Untold};
-use rig::{BenchFile, Experiment, Role};
 pub use together::{CommonValue, Together};
 
 /// Bands that the shaft is estimated from beside the whole one, Hz.

@@ -10,11 +10,11 @@
 //! of least squares*, Phys. Rev. 40, 1932 (recordings that disagree).
 
 use ident::distributions::chi_squared_tail;
+use rig::estimation::Label;
+use rig::results::{Estimate, Parameter};
 use serde::Serialize;
 
 use super::ShaftRecording;
-use rig::estimation::Label;
-use rig::results::{Estimate, Parameter};
 
 const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };

@@ -3,11 +3,11 @@
 use faer::{Mat, MatMut, mat};
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
 use lti::StateSpace;
+use rig::estimation::{Label, timing_floor_s};
+use rig::results::{Estimate, Parameter, Stretch};
 use signal::Signal;
 
 use crate::torque_control::{InverterModel, Observed, robust_covariance, standard_deviation, usable_samples};
-use rig::estimation::{Label, timing_floor_s};
-use rig::results::{Estimate, Parameter, Stretch};
 
 /// Relative step of the numerical derivatives by ω_n and ζ: error and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;

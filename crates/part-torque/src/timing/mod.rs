@@ -5,6 +5,9 @@ mod load_cell;
 mod routes;
 
 use ident::distributions::interval;
+use rig::estimation::{EstimateError, Label, timing_floor_s};
+use rig::results::{DelayRoute, Parameter, SignalDelay, Timing};
+use rig::{ControlMode, Experiment, Finding, Role};
 use signal::derivative::central_difference;
 use signal::{Signal, SignalError};
 
@@ -12,9 +15,6 @@ pub use self::filter::{Difference, Filter, FilterCandidate, ShaftFilter};
 use self::load_cell::LoadCell;
 use self::routes::{Curvature, Measured, correlation_peak, on_one_raster, phase_slope};
 use crate::torque_control::{self, TorqueControlFit, stretch_of, usable_signal};
-use rig::estimation::{EstimateError, Label, timing_floor_s};
-use rig::results::{DelayRoute, Parameter, SignalDelay, Timing};
-use rig::{ControlMode, Experiment, Finding, Role};
 
 /// The signals whose delay is wanted.
 const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];

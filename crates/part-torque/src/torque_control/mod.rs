@@ -17,13 +17,12 @@ mod validation;
 
 use faer::Mat;
 use ident::{Bounds, IdentError, Minimum};
-use serde::Serialize;
-use signal::Signal;
-
 use rig::estimation::{EstimateError, Label, timing_floor_s};
 use rig::experiment::Test;
 use rig::results::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
 use rig::{ControlMode, Diagnostic, Excitation, Experiment, ExperimentLabel, Finding, Place, Role, Severity};
+use serde::Serialize;
+use signal::Signal;
 
 pub use bench_model::drive_ripple::{DriveRipple, RippleLine};
 pub use held::HeldDemand;

@@ -1,5 +1,6 @@
 //! The inverter and the machine as a model that other estimates use.
 
+use bench_model::drive_ripple::DriveRipple;
 use faer::Mat;
 use ident::validate::ResidualTest;
 use ident::{Bounds, Dataset, IdentError};
@@ -10,7 +11,6 @@ use super::held::{HeldDemand, Mode};
 use super::observed::{Observed, demand_at, usable_samples};
 use super::rippled::{DelayAndLag, RippledModel};
 use super::search::fit_with_lines;
-use bench_model::drive_ripple::DriveRipple;
 
 /// Lags of the residual tests.
 pub(super) const LAGS: usize = 25;

@@ -1,7 +1,9 @@
 //! The bar to beat: the torque follows the demand after a delay and nothing else.
 
+use bench_model::drive_ripple::DriveRipple;
 use faer::Mat;
 use ident::{IdentError, Minimum, Termination};
+use rig::results::{Estimate, Parameter, Stretch};
 
 use super::held::HeldDemand;
 use super::model::{InverterModel, PureDelay};
@@ -9,8 +11,6 @@ use super::observed::Observed;
 use super::rippled::linear_part;
 use super::search::robust_covariance;
 use super::{DELAY, EARLIEST_S, LONGEST_DELAY_S};
-use bench_model::drive_ripple::DriveRipple;
-use rig::results::{Estimate, Parameter, Stretch};
 
 /// Parts of a sample of the demand in which delays are tried.
 const PARTS: usize = 20;

@@ -2,13 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use bench_model::drive_ripple::RippleLine;
 use faer::{Mat, MatMut};
 use ident::{Bounds, IdentError, ResidualModel, least_squares};
+use signal::Complex64;
 
 use super::held::{HeldDemand, Mode};
 use super::observed::Observed;
-use bench_model::drive_ripple::RippleLine;
-use signal::Complex64;
 
 /// Parameters of one line: frequency, additive cosine and sine, relative cosine and sine.
 const LINE: usize = 5;

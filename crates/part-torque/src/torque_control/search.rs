@@ -1,12 +1,12 @@
 //! From starting values to the fit: multi-start of the response, then one ripple line after another.
 
+use bench_model::drive_ripple::RippleLine;
 use faer::Mat;
 use ident::covariance::batched_sandwich;
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, minimise};
 
 use super::ripple::{lowers_cost, strongest_line};
 use super::rippled::{Response, RippledModel};
-use bench_model::drive_ripple::RippleLine;
 
 /// Most ripple lines looked for.
 const MOST_LINES: usize = 4;

@@ -2,12 +2,12 @@
 
 use ident::validate::{self, fit_percent, rms_error};
 use ident::{Dataset, IdentError};
+use rig::results::{ResidualTest, Stretch, Trace, Validation};
+use rig::{Experiment, Role};
 
 use super::held::HeldDemand;
 use super::model::{LAGS, LEVEL};
 use super::observed::{Observed, demand_at};
-use rig::results::{ResidualTest, Stretch, Trace, Validation};
-use rig::{Experiment, Role};
 
 /// Fit, traces and residual tests of `modelled` on `seen`, a stretch without missing samples.
 ///

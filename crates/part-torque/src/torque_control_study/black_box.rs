@@ -6,12 +6,12 @@ use ident::uncertainty::{Ellipse, UncertainRoot};
 use ident::{Arx, Criteria, Fit, IdentError, NonlinearOptions, OutputError};
 use lti::polynomial::{add, multiply};
 use lti::{Complex64, LtiError, PolynomialModel};
+use rig::estimation::Label;
+use rig::results::Parameter;
 use serde::Serialize;
 
 use super::OrdersTried;
 use super::record::{Record, rms};
-use rig::estimation::Label;
-use rig::results::Parameter;
 
 /// How exactly structures are searched that only may be chosen.
 const ROUGHLY: NonlinearOptions = NonlinearOptions { iteration_limit: 20, step_tolerance: 1e-4, cost_tolerance: 1e-6 };

@@ -15,14 +15,14 @@ mod record;
 mod visibility;
 
 use numerics::parallel;
+use rig::results::{Parameter, ResidualTest, Stretch, Trace, Untold};
+use rig::{BenchFile, Experiment};
 use serde::Serialize;
 
 use crate::torque_control::SecondOrderTest;
 pub use black_box::{ASKED_HZ, BlackBox, ChosenBy, Closed, ELLIPSE_LEVEL, Family, Input, Root, Scanned, Structure};
 pub use paired::PairedTest;
 use record::{Record, rms};
-use rig::results::{Parameter, ResidualTest, Stretch, Trace, Untold};
-use rig::{BenchFile, Experiment};
 pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, visibility};
 
 /// Level at which a model is said to be better or worse than the bar, of all that are judged on a recording together.

@@ -1,12 +1,12 @@
 //! At which rate and with which demand the rest of the torque control becomes visible.
 
 use ident::distributions::normal_quantile;
+use rig::random::Source;
 use serde::Serialize;
 use signal::Signal;
 
 use super::record::{Record, rms};
 use crate::torque_control::{CRITICALLY_DAMPED, HeldDemand, SecondOrder, distance_from_lag, lag_errors, term_error};
-use rig::random::Source;
 
 /// Rates of T_d,calc looked at, Hz.
 const RATES_HZ: [f64; 5] = [250.0, 500.0, 1000.0, 2000.0, 4000.0];

@@ -4,16 +4,16 @@
 mod shaft;
 mod trust;
 
-use serde::Serialize;
-
-use crate::timing::{self, ShaftFilter};
-use crate::torque_control::{self, TorqueControlFit};
 use part_controller::speed_controller::{self, SpeedControllerFit};
 use rig::experiment::{Excitation, Test};
 use rig::prepare::wrong_sign;
 use rig::results::{Parameter, SignalDelay};
 use rig::results::{Told, Untold};
 use rig::{BenchFile, Experiment, Role};
+use serde::Serialize;
+
+use crate::timing::{self, ShaftFilter};
+use crate::torque_control::{self, TorqueControlFit};
 use shaft::Known;
 pub use shaft::{OnceATurn, RebuiltShaft};
 pub use trust::{Trust, TrustCheck};

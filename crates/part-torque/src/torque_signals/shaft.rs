@@ -3,19 +3,19 @@
 
 use faer::Mat;
 use ident::IdentError;
-use serde::Serialize;
-use signal::Signal;
-
-use crate::torque_control::TorqueControlFit;
-use crate::torque_smoother::{
-    Clock, Mechanics, NoiseLevels, Observations, Prepared, Stamps, TorqueSmoother, TorqueSource, firing_lines,
-};
 use part_controller::speed_controller::Encoder;
 use rig::estimation::{EstimateError, noise_floor};
 use rig::facts::Engine;
 use rig::results::Trace;
 use rig::{Experiment, Role};
+use serde::Serialize;
+use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
+
+use crate::torque_control::TorqueControlFit;
+use crate::torque_smoother::{
+    Clock, Mechanics, NoiseLevels, Observations, Prepared, Stamps, TorqueSmoother, TorqueSource, firing_lines,
+};
 
 /// Up to where the filter without phase shift passes, Hz.
 const BAND_HZ: f64 = 120.0;

@@ -2,12 +2,11 @@
 
 use faer::Mat;
 use ident::{IdentError, least_squares};
-use serde::Serialize;
-use signal::Signal;
-
 use rig::estimation::Label;
 use rig::results::Parameter;
 use rig::{Experiment, Role};
+use serde::Serialize;
+use signal::Signal;
 
 /// Length of the blocks whose means are compared, s.
 const BLOCK_S: f64 = 0.5;

@@ -13,14 +13,14 @@ use faer::Mat;
 use ident::IdentError;
 use ident::smoothing::{Belief, NoisySystem, Smoothed};
 use lti::StateSpace;
+use rig::estimation::EstimateError;
+use rig::facts::Engine;
+use rig::{Experiment, Role};
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
 
 pub use self::levels::{Levels, NoiseLevels};
 pub use self::prepared::{Prepared, TorqueSource};
-use rig::estimation::EstimateError;
-use rig::facts::Engine;
-use rig::{Experiment, Role};
 
 /// Shortest recording, s.
 const SHORTEST_S: f64 = 2.0;

@@ -1,15 +1,15 @@
 //! N_d without the encoder's error, and T_d as finely as it can be known.
 
+use bench_model::replay::{EncoderError, encoder_error};
+use part_controller::speed_controller::Encoder;
+use rig::estimation::EstimateError;
+use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
 
 use super::{WITHIN, needed};
 use crate::air_gap_torque::inverter_of;
 use crate::torque_control::TorqueControlFit;
-use bench_model::replay::{EncoderError, encoder_error};
-use part_controller::speed_controller::Encoder;
-use rig::estimation::EstimateError;
-use rig::{Experiment, Role};
 
 /// Where T_d comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -28,13 +28,13 @@ mod write;
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
-pub use fault::{BenchFileError, Fault, FaultKind};
-pub use write::{Draft, PLACEHOLDER};
+use units::{self, Unit};
 
 use crate::ExperimentLabel;
 use crate::facts::{BenchFacts, BenchVariant, Engine};
 use crate::role::Role;
-use units::{self, Unit};
+pub use fault::{BenchFileError, Fault, FaultKind};
+pub use write::{Draft, PLACEHOLDER};
 
 /// A bench file, checked and in SI.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use toml::de::DeTable;
+use units::{self, Quantity, Unit};
 
 use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
@@ -11,7 +12,6 @@ use super::{
 };
 use crate::facts::BenchVariant;
 use crate::role::{Role, parse_unit_of_role};
-use units::{self, Quantity, Unit};
 
 const BENCH_KEYS: &[&str] = &[
     "name",

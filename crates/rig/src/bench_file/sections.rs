@@ -1,11 +1,11 @@
 //! Walking a TOML document key by key, so that every fault knows its line.
 
+use recording::names::likely_meant;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fault::{BenchFileError, Fault, FaultKind};
 use super::write::PLACEHOLDER;
-use recording::names::likely_meant;
 
 /// The text and the faults found in it so far.
 pub(super) struct Faults<'t> {

@@ -1,10 +1,10 @@
 //! The dynamometer's controllers.
 
 use serde::{Deserialize, Serialize};
+use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, require, require_not_negative};
 use crate::experiment::DEMAND_HOLD_S;
-use units::RPM_RAD_S;
 
 /// Speed control, updated every millisecond: T_d* = e^{−sτ} (K_p + K_i/s)(N_d − N_d*) + k N_d* + m + k_a dN_d*/dt
 /// (thesis 6.2, 6.6, 6.7), limited to ± the torque limit.

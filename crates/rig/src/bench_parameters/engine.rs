@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
+use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, SliderCrank, require, require_not_negative};
-use units::RPM_RAD_S;
 
 /// One harmonic of the firing order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -14,7 +14,6 @@ mod slider_crank;
 use serde::{Deserialize, Serialize};
 
 use crate::facts::BenchVariant;
-
 pub use clocks::ClockParameters;
 pub use controller::ControllerParameters;
 pub use engine::{EngineParameters, Harmonic, ThrottleMap};

@@ -1,9 +1,9 @@
 //! Encoders, load cell, flange, computed torques.
 
 use serde::{Deserialize, Serialize};
+use units::RPM_RAD_S;
 
 use crate::bench_parameters::{ParameterError, require, require_not_negative, require_positive};
-use units::RPM_RAD_S;
 
 /// Sensors. An encoder reads the mean speed over a gate that ends at the time stamp: N = (θ̃(t) − θ̃(t − gate))/gate
 /// with θ̃ = θ + ε sin θ, plus white noise, rounded. The load cell reads the air-gap torque late and through ω_0²/(s² +

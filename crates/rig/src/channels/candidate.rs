@@ -1,12 +1,12 @@
 //! The channels of a campaign with what their names, units and samples say.
 
 use recording::Recording;
+use units::{self, Quantity, Unit, UnitError};
 
 use super::evidence::Samples;
 use super::words::{self, Found};
 use super::{Meaning, Reason};
 use crate::role::Role;
-use units::{self, Quantity, Unit, UnitError};
 
 /// Above this share of noise-free samples a channel is a demand.
 const NOISE_FREE_SHARE: f64 = 0.6;

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use units::Quantity;
+
 use super::candidate::Candidate;
 use super::evidence::best_delay;
 use super::score::{THRESHOLD, score};
 use super::{Guess, Meaning, Reason};
 use crate::role::Role;
-use units::Quantity;
 
 /// Relative difference above which the means of two speeds disagree.
 const MEAN_TOLERANCE: f64 = 0.02;

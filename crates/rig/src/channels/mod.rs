@@ -14,11 +14,11 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use recording::Recording;
+use units::{Quantity, Unit};
 
 use crate::bench_file::ChannelMapping;
 use crate::facts::BenchVariant;
 use crate::role::Role;
-use units::{Quantity, Unit};
 
 /// A proposal: which channel plays which role.
 #[derive(Debug, Clone, PartialEq, Default)]

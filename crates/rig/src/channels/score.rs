@@ -3,10 +3,11 @@
 //! A score is a sum of evidence on a logarithmic scale: a clear word in the name weighs 3 to 5, a hint in the samples 1
 //! or 2, and a word that speaks against a role more than any word for it.
 
+use units::Quantity;
+
 use super::candidate::Candidate;
 use super::{Meaning, Reason};
 use crate::role::Role;
-use units::Quantity;
 
 /// A channel needs this much evidence to be proposed.
 pub(super) const THRESHOLD: f64 = 1.0;

@@ -3,14 +3,13 @@
 use recording::names::likely_meant;
 use recording::{Channel, Recording};
 use signal::SignalError;
+use units::{self, Quantity, RPM_RAD_S, UnitError};
 
 use super::catalogue::{CatalogueError, Parameter, Settings};
 use super::{
     ControlMode, DEMAND_HOLD_S, DemandKind, Excitation, ExperimentLabel, ExperimentPlan, PlanError, Test, TorqueTarget,
     UPDATE_S, Waveform,
 };
-
-use units::{self, Quantity, RPM_RAD_S, UnitError};
 
 /// Stamps closer than this count as one instant, s.
 const SAME_INSTANT_S: f64 = 1e-6;

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
+use units::RPM_RAD_S;
 
 use super::error::{PlanError, require, require_not_negative, require_positive};
 use super::waveform::Waveform;
 use super::{ControlMode, Excitation, ExperimentLabel, Test, UPDATE_S};
 use crate::facts::Engine;
-use units::RPM_RAD_S;
 
 /// Which torque the dynamometer controls in TN mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use numerics::random::Stream;
 use serde::{Deserialize, Serialize};
 
 use super::error::{PlanError, require, require_positive};
-use numerics::random::Stream;
 
 /// Guards the division of times against rounding, as a part of the divisor.
 const ROUNDING: f64 = 1e-9;

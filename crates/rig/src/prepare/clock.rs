@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use signal::Signal;
 use signal::clock::{ClockCheck, check_clock, fitted_clock, tick};
+use units::Quantity;
 
 use super::{Log, Source, Stretches};
 use crate::diagnostics::{Finding, Severity};
-use units::Quantity;
 
 /// A gap no longer than this is interpolated, s.
 const SHORT_GAP_S: f64 = 0.02;

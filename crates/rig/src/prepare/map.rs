@@ -1,14 +1,14 @@
 //! From roles to the channels of a recording.
 
 use recording::Recording;
+use recording::names::closest;
+use units::{self, Unit};
 
 use super::{Log, Source};
 use crate::bench_file::{BenchFile, ChannelMapping};
 use crate::diagnostics::{Finding, Severity};
 use crate::experiment::ExperimentLabel;
 use crate::role::{Role, parse_unit_of_role};
-use recording::names::closest;
-use units::{self, Unit};
 
 /// Channel names suggested in place of a missing one.
 const SUGGESTIONS: usize = 3;

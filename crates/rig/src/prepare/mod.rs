@@ -13,13 +13,12 @@ use std::collections::BTreeMap;
 use recording::Recording;
 use signal::Signal;
 
-pub use physics::saturated_stretches;
-pub use sign::wrong_sign;
-
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Diagnostic, Finding, Place, Severity};
 use crate::experiment::{Experiment, ExperimentLabel};
 use crate::role::Role;
+pub use physics::saturated_stretches;
+pub use sign::wrong_sign;
 
 /// A recording of which nothing can be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

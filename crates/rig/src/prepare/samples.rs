@@ -2,13 +2,13 @@
 
 use signal::Signal;
 use signal::quality::{QualityOptions, check_quality};
+use units::{self, Quantity, Unit};
 
 use super::{Log, Source, longest};
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Finding, Severity};
 use crate::experiment::{ControlMode, Excitation, ExperimentLabel};
 use crate::role::Role;
-use units::{self, Quantity, Unit};
 
 /// Few benches turn faster: a channel labelled rad/s that does may hold rpm.
 const FAST_RAD_S: f64 = 700.0;

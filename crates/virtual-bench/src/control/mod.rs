@@ -4,4 +4,4 @@ mod shaft_torque;
 mod speed;
 
 pub(crate) use shaft_torque::ShaftTorqueController;
-pub use speed::SpeedController;
+pub(crate) use speed::SpeedController;

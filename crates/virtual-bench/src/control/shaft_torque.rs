@@ -15,7 +15,7 @@ pub(crate) struct ShaftTorqueController {
 
 impl ShaftTorqueController {
     /// The controller at rest: holding a shaft torque with an air-gap torque.
-    pub fn new(
+    pub(crate) fn new(
         parameters: &ControllerParameters,
         limit_nm: f64,
         update_s: f64,
@@ -27,7 +27,7 @@ impl ShaftTorqueController {
     }
 
     /// One update with the demand and the shaft torque as the bench knows it; returns T_d*, Nm.
-    pub fn update(&mut self, demand_nm: f64, shaft_nm: f64) -> f64 {
+    pub(crate) fn update(&mut self, demand_nm: f64, shaft_nm: f64) -> f64 {
         let output_nm = demand_nm + self.integral_nm;
         let change_nm = self.integral_per_s * self.update_s * (demand_nm - shaft_nm);
         if output_nm.abs() <= self.limit_nm || change_nm * output_nm <= 0.0 {

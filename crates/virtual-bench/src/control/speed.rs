@@ -2,8 +2,9 @@
 
 use std::collections::VecDeque;
 
-use crate::drive::TimedDemand;
 use rig::bench_parameters::ControllerParameters;
+
+use crate::drive::TimedDemand;
 
 /// Part of an update below which a delay counts as a whole number of updates.
 const WHOLE: f64 = 1e-9;
@@ -11,7 +12,7 @@ const WHOLE: f64 = 1e-9;
 /// T_d* = e^{−sτ} (K_p + K_i/s)(N_d − N_d*) + k N_d* + m + k_a dN_d*/dt in discrete form (thesis 6.2, 6.6, 6.7); see
 /// [`ControllerParameters`].
 #[derive(Debug, Clone)]
-pub struct SpeedController {
+pub(crate) struct SpeedController {
     parameters: ControllerParameters,
     limit_nm: f64,
     update_s: f64,
@@ -35,7 +36,7 @@ pub(crate) struct Update {
 
 impl SpeedController {
     /// The controller at rest: holding a speed with a torque.
-    pub fn new(
+    pub(crate) fn new(
         parameters: &ControllerParameters,
         limit_nm: f64,
         update_s: f64,
@@ -61,7 +62,7 @@ impl SpeedController {
     }
 
     /// One update with the measured speed and the demand.
-    pub fn update(&mut self, time_s: f64, speed_rad_s: f64, demand_rad_s: f64) -> Update {
+    pub(crate) fn update(&mut self, time_s: f64, speed_rad_s: f64, demand_rad_s: f64) -> Update {
         let feed_forward_nm = self.feed_forward_nm(demand_rad_s);
         self.last_demand_rad_s = demand_rad_s;
         let output_nm = self.pi_nm(speed_rad_s - demand_rad_s, feed_forward_nm);

@@ -1,9 +1,9 @@
 //! Field-oriented control of the induction machine at 4 kHz.
 
 use lti::Complex64;
+use rig::bench_parameters::InductionMachine;
 
 use super::machine::{Electrical, Machine};
-use rig::bench_parameters::InductionMachine;
 
 /// Part of the voltage limit at which the flux is reduced: the rest is for the currents to change.
 const VOLTAGE_RESERVE: f64 = 0.9;

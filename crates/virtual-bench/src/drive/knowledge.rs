@@ -19,7 +19,7 @@ pub(crate) struct Knowledge {
 
 impl Knowledge {
     /// A cold machine that the inverter has not yet adapted to.
-    pub fn new(parameters: &BenchParameters, update_s: f64) -> Self {
+    pub(crate) fn new(parameters: &BenchParameters, update_s: f64) -> Self {
         let mut knowledge = parameters.inverter.knowledge;
         if parameters.variant == BenchVariant::TorqueFlange {
             knowledge.adaptation_time_s = 0.0;
@@ -29,13 +29,13 @@ impl Knowledge {
     }
 
     /// g = T_d/T_d,calc.
-    pub fn gain(&self) -> f64 {
+    pub(crate) fn gain(&self) -> f64 {
         let error = self.parameters.cold_error + self.parameters.error_per_k * self.temperature_rise_k;
         (1.0 + error) / (1.0 + self.adapted)
     }
 
     /// One update with the torque as it is, as computed, and as the load cell reads it.
-    pub fn update(&mut self, air_gap_nm: f64, computed_nm: f64, cell_nm: f64) {
+    pub(crate) fn update(&mut self, air_gap_nm: f64, computed_nm: f64, cell_nm: f64) {
         let towards_k = self.parameters.heating_k_per_nm2 * air_gap_nm * air_gap_nm;
         self.temperature_rise_k = towards_k + (self.temperature_rise_k - towards_k) * self.stays;
         if self.parameters.adaptation_time_s > 0.0 {

@@ -1,7 +1,6 @@
 //! The induction machine, stepped exactly for a speed and a voltage that stay over the step.
 
 use lti::Complex64;
-
 use rig::bench_parameters::InductionMachine;
 
 /// Modulus of q h below which sinh(q h)/q is taken from its series.

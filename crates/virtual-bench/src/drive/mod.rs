@@ -9,14 +9,13 @@ mod machine;
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use field_oriented::FieldOrientedControl;
-use lag::Lag;
 use lti::Complex64;
-use machine::{Electrical, Machine};
-
 use rig::bench_parameters::InverterParameters;
 
+use field_oriented::FieldOrientedControl;
 pub(super) use knowledge::Knowledge;
+use lag::Lag;
+use machine::{Electrical, Machine};
 
 /// Samples of the inverter's control in a millisecond.
 pub(super) const SAMPLES_PER_UPDATE: usize = 4;

@@ -5,13 +5,13 @@ mod cylinder;
 mod pulsation;
 mod slider_crank;
 
-use super::train::{Jump, Train};
-use pulsation::Pulsation;
 use rig::bench_parameters::EngineParameters;
-use slider_crank::CrankEngine;
 
+use super::train::{Jump, Train};
 pub(super) use bench_model::intake::Air;
 pub(super) use control::EngineSpeedControl;
+use pulsation::Pulsation;
+use slider_crank::CrankEngine;
 
 /// Whether fuel burns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use super::{Combustion, EngineStep};
-use crate::train::{Jump, Train};
 use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
 use rig::random::Source;
+
+use super::{Combustion, EngineStep};
+use crate::train::{Jump, Train};
 
 /// The engine's torque, firing by firing.
 #[derive(Debug, Clone)]

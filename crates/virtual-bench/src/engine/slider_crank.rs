@@ -1,11 +1,12 @@
 //! The engine as cylinders on a crankshaft: gas torque and the torque of the reciprocating masses.
 
-use super::cylinder::{Angle, Cycle, charge_pa};
-use super::{Combustion, EngineStep};
-use crate::train::Train;
 use numerics::random::Stream;
 use rig::bench_parameters::{EngineParameters, SliderCrank};
 use rig::random::Source;
+
+use super::cylinder::{Angle, Cycle, charge_pa};
+use super::{Combustion, EngineStep};
+use crate::train::Train;
 
 /// The engine's cylinders. The crankshaft obeys (J_e + M − M̄) dω/dt = T_gas − ½ (dM/dθ) ω² − T_on, M = Σ m (dx/dθ)²;
 /// T_e is what makes J_e dω/dt = T_e − T_on of it.

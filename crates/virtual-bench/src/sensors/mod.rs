@@ -6,18 +6,18 @@ mod rotation;
 mod system_shaft;
 mod torque;
 
-use encoder::{Encoder, EncoderStreams};
-use rotation::Rotation;
-use system_shaft::SystemShaftTorque;
-use torque::{SensorDynamics, TorqueSensor};
-
-use super::error::VirtualBenchError;
-use super::train::Train;
 use numerics::random::Stream;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::UPDATE_S;
 use rig::facts::BenchVariant;
 use rig::random::Source;
+
+use super::error::VirtualBenchError;
+use super::train::Train;
+use encoder::{Encoder, EncoderStreams};
+use rotation::Rotation;
+use system_shaft::SystemShaftTorque;
+use torque::{SensorDynamics, TorqueSensor};
 
 /// What the sensors read at one update.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -3,10 +3,11 @@
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
-use super::Rotation;
 use numerics::random::Stream;
 use rig::bench_parameters::PulseParameters;
 use rig::experiment::UPDATE_S;
+
+use super::Rotation;
 
 /// Newton steps for the time of an edge; the angle is nearly linear between two steps of the bench.
 const NEWTON_STEPS: usize = 3;

@@ -15,14 +15,14 @@ pub(crate) struct Rotation {
 
 impl Rotation {
     /// The shaft end turning at a constant speed up to now.
-    pub fn new(gate_s: f64, step_s: f64, angle_rad: f64, speed_rad_s: f64) -> Self {
+    pub(crate) fn new(gate_s: f64, step_s: f64, angle_rad: f64, speed_rad_s: f64) -> Self {
         let steps = (gate_s / step_s).ceil() as usize + 2;
         let past = |back: usize| (angle_rad - back as f64 * step_s * speed_rad_s, speed_rad_s);
         Self { step_s, points: (0..=steps).rev().map(past).collect() }
     }
 
     /// One step on.
-    pub fn advance(&mut self, angle_rad: f64, speed_rad_s: f64) {
+    pub(crate) fn advance(&mut self, angle_rad: f64, speed_rad_s: f64) {
         self.points.pop_front();
         self.points.push_back((angle_rad, speed_rad_s));
     }

@@ -38,7 +38,7 @@ pub(crate) struct TorqueSensor {
 
 impl TorqueSensor {
     /// The sensor at rest at a torque.
-    pub fn new(dynamics: SensorDynamics, step_s: f64, torque_nm: f64) -> Result<Self, VirtualBenchError> {
+    pub(crate) fn new(dynamics: SensorDynamics, step_s: f64, torque_nm: f64) -> Result<Self, VirtualBenchError> {
         let natural = TAU * dynamics.resonance_hz;
         let a = mat![[0.0, 1.0], [-natural * natural, -2.0 * dynamics.damping_ratio * natural]];
         let b = mat![[0.0], [natural * natural]];
@@ -58,7 +58,7 @@ impl TorqueSensor {
     }
 
     /// One step, at whose end the air-gap torque is `torque_nm`.
-    pub fn advance(&mut self, torque_nm: f64) {
+    pub(crate) fn advance(&mut self, torque_nm: f64) {
         let [reading, slope] = self.state;
         self.state = [0, 1].map(|i| {
             self.transition[i][0] * reading
@@ -72,7 +72,7 @@ impl TorqueSensor {
     }
 
     /// What the sensor reads now, Nm; between steps of the grid the reading is linear.
-    pub fn reading_nm(&self) -> f64 {
+    pub(crate) fn reading_nm(&self) -> f64 {
         let newest = self.undelayed_nm.len() - 1;
         let later = self.undelayed_nm[newest - self.delay_steps];
         let earlier = self.undelayed_nm[newest - self.delay_steps - 1];

@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use faer::Mat;
 use lti::{Complex64, StateSpace};
-
 use rig::bench_parameters::{MechanicsParameters, RelaxingSpring, RelaxingSprings};
 
 /// Where the air-gap torque and the bearings' friction act.

@@ -5,13 +5,12 @@ mod assembly;
 mod resonance;
 mod shaft_law;
 
-use assembly::{Assembly, BRAKE, ENGINE, INPUTS, ROTOR, SHAFT};
-use shaft_law::ShaftLaw;
-
-pub(super) use resonance::resonance_hz;
+use rig::bench_parameters::MechanicsParameters;
 
 use super::error::VirtualBenchError;
-use rig::bench_parameters::MechanicsParameters;
+use assembly::{Assembly, BRAKE, ENGINE, INPUTS, ROTOR, SHAFT};
+pub(super) use resonance::resonance_hz;
+use shaft_law::ShaftLaw;
 
 /// Speed below which Coulomb friction falls linearly to zero, rad/s; it keeps the friction law single-valued.
 const COULOMB_TRANSITION_RAD_S: f64 = 0.1;

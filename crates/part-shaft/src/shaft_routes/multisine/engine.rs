@@ -4,13 +4,13 @@ use std::f64::consts::TAU;
 
 use faer::{Mat, MatMut};
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
+use rig::facts::Engine;
 use signal::Complex64;
 
 use super::lines::Row;
 use super::shaft::{COUNT, ENGINE_SKEW, INERTIA, Shaft, differences};
 use super::{CostTest, cost_test};
 use crate::shaft::ShaftInputs;
-use rig::facts::Engine;
 
 /// Beyond this coherence the engine's cycles repeat with the demand.
 const COHERENT: f64 = 0.5;

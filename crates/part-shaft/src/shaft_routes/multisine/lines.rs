@@ -4,15 +4,15 @@ use std::f64::consts::{PI, TAU};
 
 use ident::IdentError;
 use ident::frequency::{Window, samples_in};
+use rig::estimation::EstimateError;
+use rig::facts::Engine;
+use rig::results::Stretch;
 use signal::periodicity::detect_period;
 use signal::{Complex64, Signal};
 
 use super::super::Timing;
 use super::super::aligned::{self, inner_stretch};
 use crate::shaft::ShaftInputs;
-use rig::estimation::EstimateError;
-use rig::facts::Engine;
-use rig::results::Stretch;
 
 /// Fewest periods.
 const FEWEST_PERIODS: usize = 3;

@@ -30,6 +30,9 @@ mod shaft;
 
 use ident::IdentError;
 use ident::distributions::normal_quantile;
+use rig::estimation::{EstimateError, timing_floor_s};
+use rig::facts::Engine;
+use rig::results::Estimate;
 use serde::Serialize;
 use signal::Signal;
 
@@ -37,9 +40,6 @@ use super::{ENGINE_INERTIA, Timing, estimate_of};
 use crate::shaft::ShaftInputs;
 use engine::EngineSide;
 use lines::Lines;
-use rig::estimation::{EstimateError, timing_floor_s};
-use rig::facts::Engine;
-use rig::results::Estimate;
 use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};
 
 /// Probability that the cost of a right model lies between the limits.

@@ -2,12 +2,12 @@
 
 use faer::{Mat, MatMut};
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
+use rig::estimation::Label;
 use signal::Complex64;
 
 use super::super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE};
 use super::lines::{DYNO, DYNO_WAVES, ENGINE, ENGINE_WAVES, Lines, Orders, Row, SIGNALS, TORQUE};
 use super::{CostTest, cost_test};
-use rig::estimation::Label;
 
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;

@@ -16,10 +16,9 @@ mod templates;
 use recording::names::likely_meant;
 use serde::Serialize;
 
+use super::{ControlMode, Excitation, ExperimentLabel, ExperimentPlan, Test};
 pub use error::CatalogueError;
 pub use settings::Settings;
-
-use super::{ControlMode, Excitation, ExperimentLabel, ExperimentPlan, Test};
 
 /// A number that an experiment can be given.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

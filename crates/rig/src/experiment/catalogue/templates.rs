@@ -1,10 +1,10 @@
 //! The method's table, and multisines. Defaults are the levels and times of the thesis' bench.
 
 use signal::excitation::{Multisine, Phases, Timing};
+use units::RPM_RAD_S;
 
 use super::{CatalogueError, Parameter, Settings, Template};
 use crate::experiment::{ControlMode, DEMAND_HOLD_S, Excitation, ExperimentPlan, Test, UPDATE_S, Waveform};
-use units::RPM_RAD_S;
 
 /// Sines of a multisine that are still optimised; each costs time.
 const MOST_LINES: usize = 5000;
