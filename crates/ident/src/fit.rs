@@ -4,7 +4,7 @@ use faer::Mat;
 use lti::{Innovations, LtiError, PolynomialModel};
 
 use crate::course::BandLimitedForm;
-use crate::{IdentError, Intersample, Termination};
+use crate::{IdentError, Intersample, Origin, Termination};
 
 /// A model with parameters θ that can be read and replaced. Everything derived from an estimate — intervals, bands, ellipses,
 /// sampled models — goes through it.
@@ -75,6 +75,8 @@ pub struct Fit<M> {
     pub condition: f64,
     /// What to doubt about the estimate.
     pub doubts: Vec<Doubt>,
+    /// How it was made; none for an estimate that was read from a model file.
+    pub origin: Option<Origin>,
 }
 
 /// A reason to doubt an estimate that was made all the same.
@@ -182,6 +184,7 @@ impl<M> Fit<M> {
             iterations: self.iterations,
             condition: self.condition,
             doubts: self.doubts,
+            origin: self.origin,
         }
     }
 }
@@ -230,6 +233,25 @@ impl LinearModel for PolynomialModel {
     fn innovations(&self, sample_time_s: f64, _: Intersample) -> Result<Innovations, LtiError> {
         check_clock(self.sample_time_s(), sample_time_s)?;
         PolynomialModel::innovations(self)
+    }
+}
+
+/// A fit can stand wherever its model can.
+impl<M: LinearModel> LinearModel for Fit<M> {
+    fn inputs(&self) -> usize {
+        self.model.inputs()
+    }
+
+    fn outputs(&self) -> usize {
+        self.model.outputs()
+    }
+
+    fn innovations(&self, sample_time_s: f64, intersample: Intersample) -> Result<Innovations, LtiError> {
+        self.model.innovations(sample_time_s, intersample)
+    }
+
+    fn band_limited(&self, sample_time_s: f64) -> Result<Option<BandLimitedForm>, LtiError> {
+        self.model.band_limited(sample_time_s)
     }
 }
 

@@ -9,3 +9,13 @@ pub enum Focus {
     /// Those of the simulation from the inputs alone. What noise model there is follows with the dynamics held.
     Simulation,
 }
+
+impl Focus {
+    /// The method that makes them small, by name.
+    pub(crate) fn method(self) -> &'static str {
+        match self {
+            Focus::Prediction => "prediction error",
+            Focus::Simulation => "simulation error",
+        }
+    }
+}

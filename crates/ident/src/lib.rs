@@ -75,12 +75,14 @@ pub mod least_squares;
 pub mod nonlinear;
 pub mod prediction;
 pub mod prediction_error;
+pub mod prelude;
 mod process;
 pub mod recursive;
 mod regression;
 pub mod smoothing;
 mod state_space;
 mod subspace;
+mod summary;
 mod triangle;
 pub mod uncertainty;
 pub mod validate;
@@ -102,7 +104,9 @@ pub use grey_box::{
     StructuredMatrices,
 };
 pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
+pub use lti::ChannelPair;
 pub use state_space::StateSpaceModel;
+pub use summary::Origin;
 
 // Estimators, and what they are told.
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};

@@ -7,6 +7,7 @@
 //! descending powers; angular frequencies are in rad/s; a system without a sample time is continuous.
 
 mod analysis;
+mod channel_pair;
 mod delay;
 mod delayed;
 mod error;
@@ -23,10 +24,12 @@ mod sampling;
 mod schur;
 mod simulation;
 mod state_space;
+pub mod text;
 mod transfer_function;
 mod zero_pole_gain;
 
 pub use analysis::{GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid, common_frequency_grid};
+pub use channel_pair::ChannelPair;
 pub use delayed::DelayedStateSpace;
 pub use error::LtiError;
 pub use expm::expm;

@@ -88,6 +88,7 @@ pub(crate) fn polynomial_fit(
         iterations: 0,
         condition,
         doubts: doubts(regression, &model, condition)?,
+        origin: None,
         model,
     })
 }

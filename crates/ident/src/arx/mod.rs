@@ -91,7 +91,7 @@ impl Arx {
         let solved = solve_equations(&regression, &equations, self.noise)?;
         let fit =
             polynomial_fit(&self.orders, data.sample_time_s(), (&regression, &solved.factor), &equations, &solved)?;
-        Ok(fit.doubting(data))
+        Ok(fit.doubting(data).made_by("least squares", data))
     }
 }
 

@@ -199,6 +199,7 @@ pub(crate) fn combine<C: ContinuousChannel>(
         iterations: parts.iter().map(|p| p.minimum.iterations).sum(),
         condition,
         doubts: [doubts(data, samples, termination.converged(), condition), resting].concat(),
+        origin: None,
         model,
     }
     .doubting(data))

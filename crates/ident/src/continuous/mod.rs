@@ -35,6 +35,15 @@ pub enum TransferFunctionMethod {
     InstrumentalVariables,
 }
 
+impl TransferFunctionMethod {
+    fn name(self) -> &'static str {
+        match self {
+            TransferFunctionMethod::OutputError => "simulation error",
+            TransferFunctionMethod::InstrumentalVariables => "refined instrumental variables (SRIVC)",
+        }
+    }
+}
+
 /// Estimates continuous-time transfer functions from sampled data, by minimising the error of the simulated output:
 ///
 /// `y_i(t_k) = Σ_j [G_ij u_j](t_k) + e_i(t_k)`,
@@ -162,7 +171,8 @@ impl ContinuousTransferFunction {
         let ground = Ground::new(data, self.at_rest)?;
         let parts = (0..data.outputs()).map(|output| options.search(&ground, output, None));
         let parts: Vec<OutputFit<RationalChannel>> = parts.collect::<Result<_, _>>()?;
-        combine(&ground, options.first(&ground), &parts, options.settings())
+        let fit = combine(&ground, options.first(&ground), &parts, options.settings())?;
+        Ok(fit.made_by(self.method.name(), data))
     }
 
     /// The estimate for one output, from a model of it or from starting values of its own.

@@ -104,7 +104,7 @@ pub enum Advice {
     /// Two inputs move together: their effects are hard to tell apart.
     Collinear {
         /// Indices of the inputs.
-        inputs: (usize, usize),
+        inputs: [usize; 2],
         /// Their coefficient of correlation.
         correlation: f64,
     },
@@ -204,7 +204,7 @@ impl fmt::Display for Advice {
                 )
             }
             Advice::Collinear { inputs, correlation } => {
-                write!(f, "inputs {} and {} are correlated by {correlation:.3}", inputs.0 + 1, inputs.1 + 1)
+                write!(f, "inputs {} and {} are correlated by {correlation:.3}", inputs[0] + 1, inputs[1] + 1)
             }
             Advice::Feedback { input, output, .. } => {
                 let (input, output) = (input + 1, output + 1);
@@ -385,7 +385,7 @@ fn input_advice(centred: &Dataset, (inputs, dependent): (&[usize], &[usize]), fo
         for a in &free[..index] {
             let correlation = correlation(centred.experiments(), *a, *b);
             if correlation.abs() > CORRELATION {
-                found.push(Advice::Collinear { inputs: (inputs[*a], inputs[*b]), correlation });
+                found.push(Advice::Collinear { inputs: [inputs[*a], inputs[*b]], correlation });
             }
         }
     }

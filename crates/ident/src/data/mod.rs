@@ -1,6 +1,7 @@
 //! [`Dataset`]: what estimators are given.
 
 mod advice;
+mod build;
 mod dynamics;
 mod excitation;
 mod filter;

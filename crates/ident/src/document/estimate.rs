@@ -124,6 +124,7 @@ impl EstimateRecord {
             iterations: self.iterations,
             condition: self.condition.unwrap_or(f64::NAN),
             doubts: self.doubts.clone(),
+            origin: None,
             model,
         })
     }

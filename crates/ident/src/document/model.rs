@@ -1,5 +1,6 @@
 //! [`AnyModel`]: every kind of model behind one type.
 
+use lti::text::Written;
 use lti::{FrequencyResponse, Innovations, LtiError, PolynomialModel, StateSpace};
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +49,12 @@ impl Parametric for AnyModel {
 
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
         each!(self, m => Parametric::with_parameters(m, parameters).map(Into::into))
+    }
+}
+
+impl Written for AnyModel {
+    fn written(&self, standard_errors: Option<&[f64]>) -> String {
+        each!(self, m => Written::written(m, standard_errors))
     }
 }
 

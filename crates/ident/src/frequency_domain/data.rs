@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use signal::Complex64;
 use signal::frf::{FrequencyResponse, LocalEstimate, PeriodicSpectra, periodic_spectra};
 
-use crate::{Dataset, IdentError};
+use crate::{ChannelPair, Dataset, IdentError};
 
 /// A measured frequency response: gains with the variance of each.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,14 +41,14 @@ pub struct SpectralData {
 }
 
 impl FrequencyData {
-    /// One channel of an estimated response, `(output, input)`; `averages` is what its variances were computed from, such as
+    /// One channel of an estimated response; `averages` is what its variances were computed from, such as
     /// the periods of [`signal::frf::periodic_spectra`].
     ///
     /// # Errors
     /// [`IdentError::Structure`] for a channel that does not exist.
     pub fn of_response(
         response: &FrequencyResponse,
-        (output, input): (usize, usize),
+        ChannelPair { output, input }: ChannelPair,
         averages: Option<usize>,
     ) -> Result<Self, IdentError> {
         if input >= response.inputs || output >= response.outputs {
@@ -62,7 +62,7 @@ impl FrequencyData {
         })
     }
 
-    /// One channel, `(output, input)`, of a local polynomial or rational estimate. Variances of neighbouring frequencies
+    /// One channel of a local polynomial or rational estimate. Variances of neighbouring frequencies
     /// come from the same noise, so that the cost scatters more than it is said to.
     ///
     /// # Errors
@@ -79,23 +79,26 @@ impl FrequencyData {
     /// (1..2000).for_each(|t| x[t] = 0.8 * x[t - 1] + u[t - 1]);
     /// let y: Vec<f64> = x.iter().map(|x| x + 0.1 * random.normal()).collect();
     /// let local = LocalModel::polynomial(2, 1).estimate(&[&u], &[&y], 0.1)?;
-    /// let data = FrequencyData::of_local(&local, (0, 0))?;
+    /// let data = FrequencyData::of_local(&local, ident::ChannelPair { output: 0, input: 0 })?;
     /// let fit = FrequencyTransferFunction::discrete(0, 1, 0.1).fit(&data)?;
     /// let pole = fit.fit.model.transfer_function()?.den()[1];
     /// assert!((pole + 0.8).abs() < 0.01);
     /// # Ok::<(), ident::IdentError>(())
     /// ```
-    pub fn of_local(estimate: &LocalEstimate, channel: (usize, usize)) -> Result<Self, IdentError> {
+    pub fn of_local(estimate: &LocalEstimate, channel: ChannelPair) -> Result<Self, IdentError> {
         Self::of_response(&estimate.response, channel, Some(estimate.degrees_of_freedom + 1))
     }
 }
 
 impl SpectralData {
-    /// One input and one output of mean spectra over periods, `(output, input)` by their places among the channels.
+    /// One input and one output of mean spectra over periods, by their places among all channels.
     ///
     /// # Errors
     /// [`IdentError::Structure`] for a channel that does not exist.
-    pub fn of_spectra(spectra: &PeriodicSpectra, (output, input): (usize, usize)) -> Result<Self, IdentError> {
+    pub fn of_spectra(
+        spectra: &PeriodicSpectra,
+        ChannelPair { output, input }: ChannelPair,
+    ) -> Result<Self, IdentError> {
         let channels = spectra.channels;
         if input >= channels || output >= channels {
             return Err(IdentError::Structure { what: "no such channel" });
@@ -117,7 +120,7 @@ impl SpectralData {
         })
     }
 
-    /// [`SpectralData::of_spectra`] of one input and one output, `(output, input)`, over the last whole periods of the first
+    /// [`SpectralData::of_spectra`] of one input and one output over the last whole periods of the first
     /// experiment, at the given harmonics of one over the period; at all where none are given.
     ///
     /// # Errors
@@ -129,7 +132,7 @@ impl SpectralData {
     /// Pintelon & Schoukens 2012, (2-31)–(2-33): sample means and noise (co)variances over periods.
     pub fn from_periods(
         data: &Dataset,
-        (output, input): (usize, usize),
+        ChannelPair { output, input }: ChannelPair,
         period: usize,
         harmonics: &[usize],
     ) -> Result<Self, IdentError> {
@@ -146,7 +149,8 @@ impl SpectralData {
                 return Err(IdentError::Missing { what, index });
             }
         }
-        Self::of_spectra(&periodic_spectra(&[u, y], period, data.sample_time_s(), harmonics)?, (1, 0))
+        let spectra = periodic_spectra(&[u, y], period, data.sample_time_s(), harmonics)?;
+        Self::of_spectra(&spectra, ChannelPair { output: 1, input: 0 })
     }
 }
 

@@ -5,7 +5,7 @@ use signal::Complex64;
 
 use super::data::Lines;
 use crate::distributions::{chi_squared_quantile, normal_quantile};
-use crate::{Bounds, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, ResidualModel, minimise};
+use crate::{Bounds, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Origin, Parametric, ResidualModel, minimise};
 
 /// Condition numbers above this are doubted.
 const ILL_CONDITIONED: f64 = 1e8;
@@ -171,6 +171,7 @@ pub(crate) fn spectral_fit<M: Parametric>(
         iterations: minimum.iterations,
         condition: minimum.condition,
         doubts,
+        origin: Some(Origin { method: "maximum likelihood on frequency data", output_variance: Vec::new() }),
     };
     SpectralFit { fit, cost, residuals: minimum.residuals.chunks_exact(2).map(residual).collect() }
 }

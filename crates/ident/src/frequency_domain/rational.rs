@@ -1,7 +1,7 @@
 //! Transfer functions, continuous or discrete, from frequency data.
 
 use faer::Mat;
-use lti::{LtiError, TransferFunction};
+use lti::{FrequencyResponse, LtiError, StateSpace, TransferFunction};
 use signal::Complex64;
 
 use super::basis::Basis;
@@ -9,6 +9,7 @@ use super::data::{Lines, Measured};
 use super::misfit::{Misfit, Response, SpectralFit, search, spectral_fit};
 use super::start;
 use crate::continuous::RationalChannel;
+use crate::uncertainty::{Dynamics, Ratio};
 use crate::{Bounds, Doubt, IdentError, NonlinearOptions, Parametric};
 
 /// Delays tried to start from.
@@ -29,6 +30,30 @@ impl RationalResponse {
     /// None for an estimate; the type is that of [`TransferFunction::new`].
     pub fn transfer_function(&self) -> Result<TransferFunction, LtiError> {
         self.coefficients.on_clock(self.sample_time_s)
+    }
+}
+
+impl Dynamics for RationalResponse {
+    fn system(&self) -> Result<StateSpace, LtiError> {
+        self.transfer_function()?.with_delay(0.0)?.to_state_space()
+    }
+
+    fn delay_s(&self, _output: usize, _input: usize) -> Result<f64, LtiError> {
+        Ok(self.transfer_function()?.delay_s())
+    }
+
+    fn polynomials(&self, _output: usize, _input: usize) -> Result<Option<Ratio>, LtiError> {
+        let g = self.transfer_function()?;
+        Ok(Some(Ratio { numerator: g.num().to_vec(), denominator: g.den().to_vec() }))
+    }
+
+    fn frequency_response(
+        &self,
+        _output: usize,
+        _input: usize,
+        omega_rad_s: &[f64],
+    ) -> Result<FrequencyResponse, LtiError> {
+        self.transfer_function()?.frequency_response(omega_rad_s)
     }
 }
 

@@ -54,6 +54,9 @@ pub struct GreyBox<S> {
 /// Iterations from each starting point before the best is followed to its end.
 const TRIAL_ITERATIONS: usize = 12;
 
+/// What the method is called.
+const METHOD: &str = "prediction error";
+
 impl<S: Structure> GreyBox<S> {
     /// One search from the structure's own starting values, initial states estimated.
     #[must_use]
@@ -86,7 +89,7 @@ impl<S: Structure> GreyBox<S> {
         self.check(&start, data)?;
         let continuous = start.system()?.sample_time_s().is_none();
         if !continuous || data.intersample() != Intersample::BandLimited || data.inputs() == 0 {
-            return self.fit_driven_by(data, start, false);
+            return Ok(self.fit_driven_by(data, start, false)?.made_by(METHOD, data));
         }
         let mut fit = self.fit_driven_by(&self.courses(&start, data)?, start, true)?;
         if self.initial_state == InitialState::Estimated {
@@ -97,7 +100,7 @@ impl<S: Structure> GreyBox<S> {
             fit.doubts.retain(|doubt| !matches!(doubt, Doubt::RowsLeftOut { .. }));
             fit.doubts.push(Doubt::RowsLeftOut { rows: data.samples() - fit.samples, of: data.samples() });
         }
-        Ok(fit)
+        Ok(fit.made_by(METHOD, data))
     }
 
     /// The data with the courses of their band-limited inputs, without the rows near the ends where these rest on a guess;
@@ -252,6 +255,7 @@ impl<S: Structure> GreyBox<S> {
             iterations,
             condition: gathered.condition,
             doubts,
+            origin: None,
         }
         .doubting_errors())
     }

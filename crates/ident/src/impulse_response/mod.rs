@@ -16,7 +16,7 @@ use self::search::Prior;
 use crate::arx::{ArxOrders, ILL_CONDITIONED, filter, layout, whitening_filter};
 use crate::least_squares::solve_factor;
 use crate::regression::{Equation, Regression, Signals, factor_of, noise_covariance, outputs_then_inputs};
-use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Termination};
+use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Origin, Termination};
 
 /// Estimates finite impulse responses, from every input to every output:
 ///
@@ -213,6 +213,10 @@ impl ImpulseResponse {
             iterations: 0,
             condition,
             doubts: self.doubts(regression, condition),
+            origin: Some(Origin::new(
+                if self.kernel.is_some() { "regularised least squares" } else { "least squares" },
+                data,
+            )),
         };
         let tuned = self.kernel.is_some();
         let hyperparameters = if tuned { parts.into_iter().map(|p| p.hyperparameters).collect() } else { Vec::new() };

@@ -61,7 +61,7 @@ impl<'a> Instrumented<'a> {
         let plain = Regression::new(&plain_signals, columns);
         let factor = plain.factor();
         let fit = polynomial_fit(self.orders, self.data.sample_time_s(), (&plain, &factor), &equations, &solved)?;
-        Ok(fit.doubting(self.data))
+        Ok(fit.doubting(self.data).made_by("instrumental variables", self.data))
     }
 
     fn layout(&self) -> (Vec<Lagged>, Vec<Equation>) {

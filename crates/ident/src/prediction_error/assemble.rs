@@ -54,6 +54,7 @@ pub(super) fn fit(
         iterations: equations.iter().map(|e| e.lowest.iterations).max().unwrap_or(0),
         condition: equations.iter().map(|e| e.lowest.condition).fold(1.0, f64::max),
         doubts: doubts(orders, &equations, data.samples(), rows)?,
+        origin: None,
     }
     .doubting(data))
 }

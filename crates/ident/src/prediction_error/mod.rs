@@ -161,7 +161,8 @@ impl Polynomial {
         let held = self.held_coefficients(&orders, data)?;
         let one = |output: &usize| equation::estimate(self, &orders, data, *output, &held[*output]);
         let equations = parallel::map(&Vec::from_iter(0..data.outputs()), one);
-        assemble::fit(&orders, data, equations.into_iter().collect::<Result<_, _>>()?)
+        let fit = assemble::fit(&orders, data, equations.into_iter().collect::<Result<_, _>>()?)?;
+        Ok(fit.made_by(self.focus.method(), data))
     }
 
     fn orders(&self, inputs: usize) -> Result<Orders, IdentError> {

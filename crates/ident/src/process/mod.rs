@@ -166,7 +166,7 @@ impl ProcessFit {
             let starts = start::candidates(ranges, data, &records, settings)?;
             parts.push(fit_output(data, &records, &starts, &bounds, settings)?);
         }
-        combine(&ground, first, &parts, settings)
+        Ok(combine(&ground, first, &parts, settings)?.made_by("simulation error", data))
     }
 
     /// What is searched for each output.

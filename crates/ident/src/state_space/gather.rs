@@ -252,6 +252,7 @@ pub(crate) fn estimate(
         iterations: 0,
         condition: gathered.condition,
         doubts,
+        origin: None,
     }
     .doubting(data))
 }

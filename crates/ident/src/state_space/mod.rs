@@ -126,7 +126,7 @@ impl StateSpacePem {
         if missing > 0 {
             fit.doubts.push(Doubt::RowsLeftOut { rows: missing, of: data.samples() });
         }
-        Ok(fit)
+        Ok(fit.made_by(self.focus.method(), data))
     }
 
     fn starting_point(&self, data: &Dataset) -> Result<StateSpaceModel, IdentError> {

@@ -236,7 +236,12 @@ impl Subspace {
         let states = model.system().states();
         let mut fit = estimate(data, &model, regressed.initial_states, states, Information::Sampled)?;
         fit.doubts.push(Doubt::CovarianceIsLowerBound);
-        Ok(fit)
+        let method = match self.weighting {
+            Weighting::Cva => "subspace, canonical variates (CVA)",
+            Weighting::Moesp => "subspace, MOESP",
+            Weighting::N4sid => "subspace, N4SID",
+        };
+        Ok(fit.made_by(method, data))
     }
 }
 

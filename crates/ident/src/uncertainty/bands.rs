@@ -1,6 +1,6 @@
 //! Frequency, step and impulse responses with their bands.
 
-use lti::{Complex64, LtiError, TimeGrid};
+use lti::{ChannelPair, Complex64, LtiError, TimeGrid};
 
 use super::{Derived, Dynamics, Ellipse};
 use crate::distributions::{interval, student_t_quantile};
@@ -115,7 +115,7 @@ impl<M: Parametric + LinearModel> Fit<M> {
     /// # Errors
     /// Those of the model, another step than a discrete model's among them; [`lti::LtiError::Index`]; [`IdentError::NotFinite`] where an unstable model overflows.
     pub fn step_band(&self, output: usize, input: usize, grid: &TimeGrid) -> Result<TimeBand, IdentError> {
-        self.time_band((output, input), grid, |_| 1.0)
+        self.time_band(ChannelPair { output, input }, grid, |_| 1.0)
     }
 
     /// The response of an output from rest to an input that is one at the first time and zero from the next on: the
@@ -124,16 +124,16 @@ impl<M: Parametric + LinearModel> Fit<M> {
     /// # Errors
     /// Those of [`Fit::step_band`].
     pub fn impulse_band(&self, output: usize, input: usize, grid: &TimeGrid) -> Result<TimeBand, IdentError> {
-        self.time_band((output, input), grid, |t| f64::from(u8::from(t == 0)))
+        self.time_band(ChannelPair { output, input }, grid, |t| f64::from(u8::from(t == 0)))
     }
 
     fn time_band(
         &self,
-        (output, input): (usize, usize),
+        channel: ChannelPair,
         grid: &TimeGrid,
         course: impl Fn(usize) -> f64,
     ) -> Result<TimeBand, IdentError> {
-        let derived: Derived = self.derive(|m| response_over_time(m, (output, input), grid, &course))?;
+        let derived: Derived = self.derive(|m| response_over_time(m, channel, grid, &course))?;
         Ok(TimeBand {
             time_s: grid.times(),
             standard_errors: derived.standard_errors(),
@@ -146,7 +146,7 @@ impl<M: Parametric + LinearModel> Fit<M> {
 /// The response of an output from rest to an input that runs so over the grid, held between its times.
 pub(super) fn response_over_time(
     model: &impl LinearModel,
-    (output, input): (usize, usize),
+    ChannelPair { output, input }: ChannelPair,
     grid: &TimeGrid,
     course: impl Fn(usize) -> f64,
 ) -> Result<Vec<f64>, LtiError> {

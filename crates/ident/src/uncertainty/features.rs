@@ -1,6 +1,6 @@
 //! What responses are summed up by: gain at rest, resonances, bandwidth, rise time, overshoot.
 
-use lti::{Complex64, LtiError, Margins, StepCharacteristics, TimeGrid};
+use lti::{ChannelPair, Complex64, LtiError, Margins, StepCharacteristics, TimeGrid};
 use numerics::search;
 
 use super::Dynamics;
@@ -219,7 +219,7 @@ impl<M: Parametric + Dynamics + LinearModel> Features<'_, M> {
             return Ok(None);
         };
         let seen = |m: &M| {
-            let y = response_over_time(m, (self.output, self.input), grid, |_| 1.0)?;
+            let y = response_over_time(m, ChannelPair { output: self.output, input: self.input }, grid, |_| 1.0)?;
             Ok::<_, LtiError>(StepCharacteristics::new(&grid.times(), &y, self.gain_at(m, 0.0)?.re))
         };
         let Some(step) = seen(self.model)? else { return Ok(None) };

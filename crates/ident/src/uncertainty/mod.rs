@@ -2,6 +2,7 @@
 //! and time responses, sampled models, tests between estimates.
 
 mod bands;
+mod charts;
 mod dynamics;
 mod features;
 mod hypothesis;
@@ -12,6 +13,7 @@ mod roots;
 mod sample;
 
 pub use bands::{FrequencyBand, TimeBand};
+pub use charts::{BodeChart, StepChart};
 pub use dynamics::{Dynamics, Ratio};
 pub use features::{Feature, Features, Resonance, StepFeatures};
 pub use hypothesis::{RatioTest, agreement, nested};

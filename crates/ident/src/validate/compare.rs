@@ -1,5 +1,7 @@
 //! How well models reproduce measured outputs.
 
+use std::fmt;
+
 use faer::Mat;
 
 use super::{fit_percent, rms_error};
@@ -62,14 +64,83 @@ pub fn judge<M: LinearModel + ?Sized>(
     })
 }
 
-/// [`judge`]s several models on the same data: each name with its judgement, or with the reason why there is none.
-pub fn compare(
-    models: &[(&str, &dyn LinearModel)],
+/// Several models judged on the same data.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// What each model is called.
+    pub names: Vec<String>,
+    /// How well it does, or why it cannot be judged.
+    pub judgements: Vec<Result<Judgement, IdentError>>,
+}
+
+/// Compares the simulations of several models, or fits, with measured outputs; each model's initial state is estimated.
+///
+/// # Example
+/// ```
+/// use ident::validate::compare;
+/// let u: Vec<f64> = (0..200).map(|t| if (t * t / 7) % 2 == 0 { 1.0 } else { -1.0 }).collect();
+/// let mut y = vec![0.0; 200];
+/// (2..200).for_each(|t| y[t] = 1.2 * y[t - 1] - 0.5 * y[t - 2] + u[t - 1]);
+/// let data = ident::Dataset::siso(0.1, &u, &y)?;
+/// let (first, second) = (ident::Arx::new(1, 1, 1).fit(&data)?, ident::Arx::new(2, 1, 1).fit(&data)?);
+/// let comparison = compare(&[&first, &second], &data).named(&["first order", "second order"]);
+/// assert_eq!(comparison.best(), Some("second order"));
+/// println!("{comparison}");
+/// # Ok::<(), ident::IdentError>(())
+/// ```
+#[must_use]
+pub fn compare(models: &[&dyn LinearModel], data: &Dataset) -> Comparison {
+    compare_with(models, data, None, &InitialState::Estimated)
+}
+
+/// [`judge`]s several models on the same data, by their prediction over `horizon` samples or by their simulation.
+#[must_use]
+pub fn compare_with(
+    models: &[&dyn LinearModel],
     data: &Dataset,
     horizon: Option<usize>,
     initial: &InitialState,
-) -> Vec<(String, Result<Judgement, IdentError>)> {
-    models.iter().map(|(name, model)| ((*name).to_string(), judge(*model, data, horizon, initial))).collect()
+) -> Comparison {
+    Comparison {
+        names: (1..=models.len()).map(|k| format!("model {k}")).collect(),
+        judgements: models.iter().map(|model| judge(*model, data, horizon, initial)).collect(),
+    }
+}
+
+impl Comparison {
+    /// With names for the models, in their order; a model beyond the names keeps its number.
+    #[must_use]
+    pub fn named(mut self, names: &[&str]) -> Self {
+        self.names.iter_mut().zip(names).for_each(|(own, name)| (*name).clone_into(own));
+        self
+    }
+
+    /// The name of the model whose worst output fits best; `None` where no model can be judged.
+    #[must_use]
+    pub fn best(&self) -> Option<&str> {
+        let worst = |j: &Judgement| j.fit_percent.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let judged =
+            self.judgements.iter().zip(&self.names).filter_map(|(j, name)| Some((worst(j.as_ref().ok()?), name)));
+        judged.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name.as_str())
+    }
+}
+
+impl fmt::Display for Comparison {
+    /// One line a model: the fit in percent of each output, of each experiment where there are several.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+        for (name, judgement) in self.names.iter().zip(&self.judgements) {
+            match judgement {
+                Err(reason) => writeln!(f, "{name:<width$}  cannot be judged: {reason}")?,
+                Ok(judgement) => {
+                    let list = |values: &[f64]| values.iter().map(|v| format!("{v:7.2} %")).collect::<String>();
+                    let fits: Vec<String> = judgement.fit_percent.iter().map(|e| list(e)).collect();
+                    writeln!(f, "{name:<width$}  fit {}", fits.join("  |"))?;
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 /// A measure over the samples of each output that are there.

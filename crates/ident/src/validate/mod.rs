@@ -9,7 +9,7 @@ mod series;
 mod span;
 mod whiteness;
 
-pub use compare::{Judgement, compare, judge};
+pub use compare::{Comparison, Judgement, compare, compare_with, judge};
 pub use residual_test::{Independence, ResidualReport, ResidualTest, TestData, Whiteness};
 
 use crate::IdentError;

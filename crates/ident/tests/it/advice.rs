@@ -91,7 +91,7 @@ fn exact_faults_of_channels_are_named() {
     assert!(found.contains(&Advice::Constant { channel: Channel::Input(2) }));
     assert!(found.contains(&Advice::Outliers { channel: third, at: vec![(0, 500)] }));
     assert!(
-        found.iter().any(|a| matches!(a, Advice::Collinear { inputs: (0, 1), correlation } if *correlation > 0.99))
+        found.iter().any(|a| matches!(a, Advice::Collinear { inputs: [0, 1], correlation } if *correlation > 0.99))
     );
     assert!(
         !found.iter().any(|a| matches!(a, Advice::Constant { channel } if *channel == first || *channel == second))

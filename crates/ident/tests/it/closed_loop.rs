@@ -34,6 +34,7 @@ fn packed(model: PolynomialModel, covariance: Mat<f64>, variance: f64, samples: 
         iterations: 0,
         condition: 1.0,
         doubts: Vec::new(),
+        origin: None,
     }
 }
 

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use ident::{
-    Bounds, Dataset, Doubt, FrequencyData, FrequencyGreyBox, FrequencyTransferFunction, IdentError, ResponseFunction,
-    SpectralData,
+    Bounds, ChannelPair, Dataset, Doubt, FrequencyData, FrequencyGreyBox, FrequencyTransferFunction, IdentError,
+    ResponseFunction, SpectralData,
 };
 use lti::TransferFunction;
 use signal::Complex64;
@@ -125,7 +125,8 @@ fn stat_noise_on_input_and_output_from_periods() {
     let (runs, mut covered, mut cost, mut mean) = (300, [0; 2], 0.0, 0.0);
     for _ in 0..runs {
         let (data, period, harmonics) = periodic(&mut noise, (2.0, 2.0), 12);
-        let spectra = SpectralData::from_periods(&data, (0, 0), period, &harmonics).unwrap();
+        let spectra =
+            SpectralData::from_periods(&data, ChannelPair { output: 0, input: 0 }, period, &harmonics).unwrap();
         let found = FrequencyTransferFunction::continuous(0, 1).fit(&spectra).unwrap();
         cost += found.cost.cost / found.cost.expected / f64::from(runs);
         mean += (found.fit.parameters()[1] - 10.0) / f64::from(runs);
@@ -188,9 +189,9 @@ fn regress_bad_data_and_orders_are_refused() {
         Err(other) => assert!(matches!(other, IdentError::Structure { .. }), "{other}"),
     }
     let series = Dataset::siso(0.1, &[1.0; 40], &[1.0; 40]).unwrap();
-    assert!(SpectralData::from_periods(&series, (0, 0), 10, &[1]).is_err());
-    assert!(SpectralData::from_periods(&series, (0, 1), 5, &[1]).is_err());
-    assert!(SpectralData::from_periods(&series, (0, 0), 0, &[1]).is_err());
+    assert!(SpectralData::from_periods(&series, ChannelPair { output: 0, input: 0 }, 10, &[1]).is_err());
+    assert!(SpectralData::from_periods(&series, ChannelPair { output: 0, input: 1 }, 5, &[1]).is_err());
+    assert!(SpectralData::from_periods(&series, ChannelPair { output: 0, input: 0 }, 0, &[1]).is_err());
 }
 
 /// A local estimate and periodic spectra of `signal` go in as they are.
@@ -200,13 +201,14 @@ fn stat_responses_estimated_elsewhere_are_taken() {
     let data = testkit::system::data(&truth, 0.1, 6000, 0.2, 3).unwrap();
     let record = &data.experiments()[0];
     let local = LocalModel::rational(2, 1).estimate(&[record.input(0)], &[record.output(0)], 0.1).unwrap();
-    let fit = FrequencyTransferFunction::discrete(1, 2, 0.1).fit(&FrequencyData::of_local(&local, (0, 0)).unwrap());
+    let fit = FrequencyTransferFunction::discrete(1, 2, 0.1)
+        .fit(&FrequencyData::of_local(&local, ChannelPair { output: 0, input: 0 }).unwrap());
     let expected = truth.transfer_function(0, 0).unwrap();
     let found = fit.unwrap().fit.model.transfer_function().unwrap();
     for (a, b) in expected.den().iter().zip(found.den()) {
         assert!((a - b).abs() < 5e-3, "{expected:?} {found:?}");
     }
-    assert!(FrequencyData::of_local(&local, (1, 0)).is_err());
+    assert!(FrequencyData::of_local(&local, ChannelPair { output: 1, input: 0 }).is_err());
     let period = 500;
     let u: Vec<f64> = (0..8 * period).map(|t| record.input(0)[t % period]).collect();
     let input = Mat::from_fn(u.len(), 1, |t, _| u[t]);
@@ -214,13 +216,19 @@ fn stat_responses_estimated_elsewhere_are_taken() {
     let (y, inputs) = (y.col_as_slice(0), [u.as_slice()]);
     let (inputs, output) = (inputs.map(|x| &x[period..]), &y[period..]);
     let spectra = periodic_spectra(&[inputs[0], output], period, 0.1, &[]).unwrap();
-    let spectral = SpectralData::of_spectra(&spectra, (1, 0)).unwrap();
+    let spectral = SpectralData::of_spectra(&spectra, ChannelPair { output: 1, input: 0 }).unwrap();
     let whole = Dataset::siso(0.1, inputs[0], output).unwrap();
-    assert_eq!(SpectralData::from_periods(&whole, (0, 0), period, &[]).unwrap(), spectral);
+    assert_eq!(SpectralData::from_periods(&whole, ChannelPair { output: 0, input: 0 }, period, &[]).unwrap(), spectral);
     let response = periodic_response(&[spectra], 1).unwrap().response;
-    let gains = FrequencyData::of_response(&response, (0, 0), Some(7)).unwrap();
+    let gains = FrequencyData::of_response(&response, ChannelPair { output: 0, input: 0 }, Some(7)).unwrap();
     for (k, gain) in gains.response.iter().enumerate() {
         assert!((gain - spectral.output[k] / spectral.input[k]).norm() < 1e-12 * gain.norm());
     }
-    assert!(SpectralData::of_spectra(&periodic_spectra(&inputs, period, 0.1, &[]).unwrap(), (1, 0)).is_err());
+    assert!(
+        SpectralData::of_spectra(
+            &periodic_spectra(&inputs, period, 0.1, &[]).unwrap(),
+            ChannelPair { output: 1, input: 0 }
+        )
+        .is_err()
+    );
 }

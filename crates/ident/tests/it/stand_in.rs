@@ -56,5 +56,6 @@ pub(crate) fn arx(data: &Dataset, na: usize, nb: usize) -> Result<Fit<Polynomial
         iterations: 0,
         condition: fit.condition,
         doubts: if left_out > 0 { vec![Doubt::RowsLeftOut { rows: left_out, of: rows }] } else { Vec::new() },
+        origin: None,
     })
 }

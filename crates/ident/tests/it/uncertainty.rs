@@ -25,6 +25,7 @@ pub(crate) fn fit_of<M: Parametric>(model: M, covariance: Mat<f64>) -> Fit<M> {
         iterations: 0,
         condition: 1.0,
         doubts: Vec::new(),
+        origin: None,
     }
 }
 

@@ -1,6 +1,6 @@
 use faer::Mat;
 use ident::prediction::InitialState;
-use ident::validate::{ResidualTest, TestData, compare, fit_percent, judge, rms_error};
+use ident::validate::{ResidualTest, TestData, compare_with, fit_percent, judge, rms_error};
 use ident::{Arx, Dataset, IdentError, LinearModel};
 use lti::{PolynomialEquation, PolynomialModel};
 use testkit::system;
@@ -197,10 +197,12 @@ fn exact_judgement_is_the_fit_of_each_channel_without_missing_samples() {
 fn exact_comparison_keeps_the_models_that_can_be_judged() {
     let (good, other) = (system::arx().unwrap(), system::arx_two_by_two().unwrap());
     let data = system::data(&good, 0.1, 50, 0.0, 3).unwrap();
-    let models: [(&str, &dyn LinearModel); 2] = [("good", &good), ("wrong channels", &other)];
-    let table = compare(&models, &data, None, &InitialState::Zero);
-    assert!(table[0].1.as_ref().unwrap().fit_percent[0][0] > 100.0 - 1e-9);
-    assert!(matches!(table[1].1, Err(IdentError::Length { .. })));
+    let models: [&dyn LinearModel; 2] = [&good, &other];
+    let table = compare_with(&models, &data, None, &InitialState::Zero).named(&["good", "wrong channels"]);
+    assert_eq!(table.best(), Some("good"));
+    let [first, second] = &table.judgements[..] else { panic!("two models") };
+    assert!(first.as_ref().unwrap().fit_percent[0][0] > 100.0 - 1e-9);
+    assert!(matches!(second, Err(IdentError::Length { .. })));
 }
 
 #[test]

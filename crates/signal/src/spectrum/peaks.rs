@@ -1,5 +1,7 @@
 //! Peaks of a spectrum that stand out of what is around them.
 
+use std::ops::RangeInclusive;
+
 use numerics::order::upper_median;
 
 /// A peak.
@@ -61,15 +63,15 @@ pub fn peaks(freq_hz: &[f64], values: &[f64], intervals: &[(f64, f64)], lobe: us
 /// ```
 /// // Broad, and known to a tenth: four values may be the largest.
 /// let intervals: Vec<(f64, f64)> = [1.0, 2.9, 3.0, 3.1, 2.9, 1.0].iter().map(|p| (0.9 * p, 1.1 * p)).collect();
-/// assert_eq!(signal::spectrum::top_range(&intervals, 3), (1, 4));
+/// assert_eq!(signal::spectrum::top_range(&intervals, 3), 1..=4);
 /// ```
 #[must_use]
-pub fn top_range(intervals: &[(f64, f64)], index: usize) -> (usize, usize) {
-    let Some((lower, _)) = intervals.get(index) else { return (index, index) };
+pub fn top_range(intervals: &[(f64, f64)], index: usize) -> RangeInclusive<usize> {
+    let Some((lower, _)) = intervals.get(index) else { return index..=index };
     let may_be = |(_, upper): &&(f64, f64)| upper >= lower;
     let before = intervals[..index].iter().rev().take_while(may_be).count();
     let after = intervals[index + 1..].iter().take_while(may_be).count();
-    (index - before, index + after)
+    index - before..=index + after
 }
 
 fn without_ripples(

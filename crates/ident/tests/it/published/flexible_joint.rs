@@ -1,6 +1,6 @@
 //! A rotary joint with a spring: the deflection of the arm from the angle of the base, under feedback.
 
-use ident::{FrequencyData, FrequencyGreyBox, ResponseFunction};
+use ident::{ChannelPair, FrequencyData, FrequencyGreyBox, ResponseFunction};
 use signal::frf::LocalModel;
 use signal::resample::decimate;
 use signal::{Complex64, Signal};
@@ -14,7 +14,7 @@ fn ref_flexible_joint_mode() {
     let Some(record) = channels("flexible-joint/Joint_SI_CL_40s_Data.mat", ["Theta", "Alpha"]) else { return };
     let [angle, deflection] = record.map(|x| decimate(&Signal::new(0.0, 0.002, x).unwrap(), 25).unwrap().samples);
     let local = LocalModel::polynomial(2, 1).estimate(&[&angle], &[&deflection], 0.05).unwrap();
-    let whole = FrequencyData::of_local(&local, (0, 0)).unwrap();
+    let whole = FrequencyData::of_local(&local, ChannelPair { output: 0, input: 0 }).unwrap();
     let band: Vec<usize> = (0..whole.response.len()).filter(|k| (6.0..30.0).contains(&whole.omega_rad_s[*k])).collect();
     let data = FrequencyData {
         omega_rad_s: band.iter().map(|k| whole.omega_rad_s[*k]).collect(),

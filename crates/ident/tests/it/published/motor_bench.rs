@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use ident::{Bounds, Doubt, FrequencyGreyBox, FrequencyTransferFunction, ResponseFunction, SpectralData};
+use ident::{Bounds, ChannelPair, Doubt, FrequencyGreyBox, FrequencyTransferFunction, ResponseFunction, SpectralData};
 use signal::Complex64;
 use signal::frf::periodic_spectra;
 
@@ -21,7 +21,7 @@ fn spectra() -> Option<SpectralData> {
     let harmonics: Vec<usize> = (11..=250).collect();
     let steady = [&current[PERIOD..], &motor[PERIOD..]];
     let spectra = periodic_spectra(&steady, PERIOD, SAMPLE_TIME_S, &harmonics).unwrap();
-    Some(SpectralData::of_spectra(&spectra, (1, 0)).unwrap())
+    Some(SpectralData::of_spectra(&spectra, ChannelPair { output: 1, input: 0 }).unwrap())
 }
 
 fn within(found: f64, wanted: f64, limit: f64) {

@@ -63,9 +63,9 @@ impl Spectrum {
 
     /// Where the top of a peak may lie: what the intervals allow, and what frequencies cannot be told apart.
     fn top_hz(&self, peak: &SpectralPeak) -> (f64, f64) {
-        let (first, last) = top_range(&self.all_hold, peak.index);
+        let top = top_range(&self.all_hold, peak.index);
         let resolution_hz = self.resolution_hz();
-        ((self.freq_hz[first] - resolution_hz).max(0.0), self.freq_hz[last] + resolution_hz)
+        ((self.freq_hz[*top.start()] - resolution_hz).max(0.0), self.freq_hz[*top.end()] + resolution_hz)
     }
 
     fn excess_db(&self, peak: &SpectralPeak) -> f64 {

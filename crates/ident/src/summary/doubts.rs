@@ -1,0 +1,65 @@
+//! Doubts and endings of a search in words.
+
+use std::fmt;
+
+use lti::text::number;
+
+use crate::{Doubt, Termination};
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Termination::Direct => "solved directly",
+            Termination::SmallStep => "converged, the steps became negligible",
+            Termination::SmallDecrease => "converged, the errors no longer fall",
+            Termination::NoDescent => "converged as far as the arithmetic allows",
+            Termination::Edge => "stopped at the edge of the models that exist",
+            Termination::IterationLimit => "stopped at the limit of iterations",
+        })
+    }
+}
+
+/// The doubts, one a line, below the other facts; nothing without any.
+pub(super) fn list(doubts: &[Doubt], parameters: &[String]) -> String {
+    doubts.iter().map(|doubt| format!("\n  Doubt: {}", sentence(doubt, parameters))).collect()
+}
+
+fn sentence(doubt: &Doubt, parameters: &[String]) -> String {
+    match doubt {
+        Doubt::NotConverged => "the search stopped before it converged.".to_owned(),
+        Doubt::IllConditioned { condition } => {
+            format!("the data hardly separate the parameters (condition number {}).", number(*condition))
+        }
+        Doubt::RowsLeftOut { rows, of } => format!("{rows} of {of} rows could not be used."),
+        Doubt::AtBound { parameter } => {
+            let name = parameters.get(*parameter).map_or("a parameter", String::as_str);
+            format!("{name} rests on its bound, so its standard error means nothing.")
+        }
+        Doubt::Unstable => "the model is not stable.".to_owned(),
+        Doubt::LargerThanNoise { ratio } => {
+            format!("the errors are {} times what the measured noise explains.", number(*ratio))
+        }
+        Doubt::CovarianceIsLowerBound => "the standard errors are lower bounds.".to_owned(),
+        Doubt::DependentInputs { input } => {
+            format!("input {} is a linear combination of the inputs before it.", input + 1)
+        }
+        Doubt::DependentOutputs { output } => {
+            format!("the errors of output {} follow from those of the outputs before it.", output + 1)
+        }
+        Doubt::NothingLeft { output } => {
+            format!(
+                "the model leaves no errors of output {}, so criteria and standard errors mean nothing.",
+                output + 1
+            )
+        }
+        Doubt::RootAtEdge { output, polynomial, magnitude, .. } => format!(
+            "the search for output {} stopped with a root of {polynomial} at the unit circle (magnitude {}).",
+            output + 1,
+            number(*magnitude)
+        ),
+        Doubt::ExplainsLittle { output, simulated } => {
+            let how = if *simulated { "simulates" } else { "predicts" };
+            format!("the model {how} next to nothing of output {}.", output + 1)
+        }
+    }
+}
