@@ -157,12 +157,12 @@ pub enum StructureFault {
         name: String,
     },
     /// A matrix of another shape than the others ask for.
-    #[error("{} × {} entries where {} × {} are needed", .found.0, .found.1, .expected.0, .expected.1)]
+    #[error("{found} entries where {expected} are needed")]
     Shape {
         /// Rows and columns needed.
-        expected: (usize, usize),
+        expected: lti::Dimensions,
         /// Rows and columns found; the columns are those of the first row that differs.
-        found: (usize, usize),
+        found: lti::Dimensions,
     },
     /// A parameter that nothing depends on.
     #[error("no matrix and no delay depends on it, so nothing can be learnt of it; use it or leave it out")]

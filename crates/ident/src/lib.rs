@@ -1,4 +1,4 @@
-//! System identification: estimators and their judgement.
+#![doc = include_str!("../README.md")]
 //!
 //! Notation follows Ljung, *System Identification: Theory for the User*, 2nd ed., 1999; the frequency-domain part
 //! follows Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed., 2012. Rows are time,
@@ -48,8 +48,6 @@
 //! assert!(residuals.whiteness[0].joint.passes(0.99));
 //! # Ok::<(), ident::IdentError>(())
 //! ```
-//!
-//! The crate knows no file format, no test bench, prints nothing, reads no clock and holds no global random state.
 
 mod arx;
 pub mod closed_loop;
@@ -88,12 +86,14 @@ pub mod uncertainty;
 pub mod validate;
 
 // Data.
-pub use data::{Advice, Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, Split, advise};
+pub use data::{Advice, Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, SampleIndex, Split, advise};
 pub use data::{Excitation, ExcitationOptions, Line, Trend, TrendScope, TrendShape};
 pub use frequency_domain::{FrequencyData, Lines, Measured, SpectralData};
 
 // Models and fits.
-pub use continuous::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
+pub use continuous::{
+    ContinuousChannel, ContinuousModel, Degrees, ProcessSystem, RationalChannel, TransferFunctionModel,
+};
 pub use course::BandLimitedForm;
 pub use document::{AnyModel, DocumentHeader, EstimateRecord, ModelDocument, Source};
 pub use error::{IdentError, StructureFault};

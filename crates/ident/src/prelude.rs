@@ -23,6 +23,6 @@ pub use crate::{
     AnyModel, Arma, Armax, Arx, ArxOrders, BoxJenkins, ContinuousTransferFunction, Dataset, Fit, Focus,
     FormulaStructure, FrequencyData, FrequencyGreyBox, FrequencyTransferFunction, GreyBox, IdentError, ImpulseResponse,
     InitialState, Intersample, Iv4, LinearModel, ModelDocument, OrderScan, OutputError, Parametric, Polynomial,
-    ProcessFit, StateOrder, StateSpacePem, Subspace, advise,
+    ProcessFit, StateOrder, StateSpacePem, Subspace, Trend, TrendScope, TrendShape, advise,
 };
 pub use lti::{ChannelPair, PolynomialModel, StateSpace, TransferFunction};

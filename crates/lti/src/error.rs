@@ -1,18 +1,20 @@
 //! The one error type of the crate.
 
+use crate::dimensions::Dimensions;
+
 /// Why an operation on a system cannot proceed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LtiError {
     /// A matrix or table does not have the rows and columns it must.
-    #[error("{what} is {got:?}, expected {expected:?} (rows, columns)")]
+    #[error("{what} has {got} rows and columns, {expected} are needed")]
     Shape {
         /// Which matrix.
         what: &'static str,
         /// Rows and columns it must have.
-        expected: (usize, usize),
+        expected: Dimensions,
         /// Rows and columns given.
-        got: (usize, usize),
+        got: Dimensions,
     },
     /// A number is NaN or infinite.
     #[error("{what} holds a number that is not finite")]
@@ -152,6 +154,14 @@ pub enum LtiError {
     },
 }
 
+impl LtiError {
+    /// The error of a matrix or table of other dimensions than expected.
+    #[must_use]
+    pub fn shape(what: &'static str, expected: impl Into<Dimensions>, got: impl Into<Dimensions>) -> Self {
+        LtiError::Shape { what, expected: expected.into(), got: got.into() }
+    }
+}
+
 pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), LtiError> {
     if sample_time_s.is_finite() && sample_time_s > 0.0 { Ok(()) } else { Err(LtiError::SampleTime { sample_time_s }) }
 }
@@ -161,7 +171,7 @@ pub(crate) fn check_delay(delay_s: f64) -> Result<(), LtiError> {
 }
 
 pub(crate) fn check_shape(what: &'static str, expected: (usize, usize), got: (usize, usize)) -> Result<(), LtiError> {
-    if expected == got { Ok(()) } else { Err(LtiError::Shape { what, expected, got }) }
+    if expected == got { Ok(()) } else { Err(LtiError::shape(what, expected, got)) }
 }
 
 pub(crate) fn check_finite(what: &'static str, mut values: impl Iterator<Item = f64>) -> Result<(), LtiError> {

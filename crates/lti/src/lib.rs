@@ -1,7 +1,4 @@
-//! Linear time-invariant systems: transfer functions, zeros and poles, state space, process models, their conversion,
-//! sampling, reduction, simulation and responses in time and frequency.
-//!
-//! This crate knows systems whose numbers are given. It may not know how they are estimated, nor files.
+#![doc = include_str!("../README.md")]
 //!
 //! Conventions: rows are time and columns are channels in every table of signals; polynomial coefficients are in
 //! descending powers; angular frequencies are in rad/s; a system without a sample time is continuous.
@@ -10,6 +7,7 @@ mod analysis;
 mod channel_pair;
 mod delay;
 mod delayed;
+mod dimensions;
 mod error;
 mod expm;
 mod frequency_response;
@@ -31,6 +29,7 @@ mod zero_pole_gain;
 pub use analysis::{GainMargin, Margins, Mode, PhaseMargin, StepCharacteristics, TimeGrid, common_frequency_grid};
 pub use channel_pair::ChannelPair;
 pub use delayed::DelayedStateSpace;
+pub use dimensions::Dimensions;
 pub use error::LtiError;
 pub use expm::expm;
 pub use frequency_response::{FrequencyResponse, Peak};

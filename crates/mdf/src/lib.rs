@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Measurement files in ASAM MDF, versions 2.x, 3.x and 4.x.
 //!
 //! [`Mdf::open`] reads the structure of a file, not its samples; [`Mdf::read`] reads the samples of the channels that are

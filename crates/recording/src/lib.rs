@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Measurement files as plain data: decodes bytes into a [`Recording`], and a [`Recording`] back into bytes.
 //!
 //! A recording holds channels with the names, units and comments found in the file, each on one of the file's clocks

@@ -1,8 +1,4 @@
-//! Uniformly sampled data on one clock: filters, resampling, derivatives, spectra, frequency responses, periodic parts,
-//! correlations and delays, clock and quality checks, excitation signals.
-//!
-//! This crate knows numbers and their sample time, and nothing else. It may not know files, unit strings, models of
-//! systems, or the words of a test bench.
+#![doc = include_str!("../README.md")]
 //!
 //! Conventions: `f64` and SI throughout, frequencies named `_hz` are in hertz, a positive delay means *later*.
 

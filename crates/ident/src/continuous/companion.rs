@@ -3,7 +3,7 @@
 use faer::Mat;
 use lti::{LtiError, StateSpace};
 
-use super::model::ContinuousChannel;
+use super::model::{ContinuousChannel, Degrees};
 use super::sampled::Sampled;
 use crate::Intersample;
 
@@ -24,7 +24,7 @@ pub(crate) struct Companion {
 impl Companion {
     pub(crate) fn new(channel: &impl ContinuousChannel, sample_time_s: f64) -> Result<Self, LtiError> {
         let system = channel.transfer_function()?;
-        let (m, n) = channel.degrees();
+        let Degrees { numerator: m, poles: n } = channel.degrees();
         if m > n {
             return Err(LtiError::Improper { numerator: m, denominator: n });
         }

@@ -15,7 +15,7 @@ use faer::Mat;
 
 pub(crate) use sampled::response_to_powers;
 
-pub use model::{ContinuousChannel, ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
+pub use model::{ContinuousChannel, ContinuousModel, Degrees, ProcessSystem, RationalChannel, TransferFunctionModel};
 
 use crate::course::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};

@@ -8,10 +8,19 @@ use serde::{Deserialize, Serialize};
 use super::companion::Companion;
 use crate::{BandLimitedForm, Intersample, LinearModel, Parametric};
 
+/// Degree of the numerator and number of poles of a transfer function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Degrees {
+    /// Degree of the numerator.
+    pub numerator: usize,
+    /// Number of poles.
+    pub poles: usize,
+}
+
 /// The way from one input to one output of a [`ContinuousModel`], with parameters of its own.
 pub trait ContinuousChannel: Parametric + Sync {
-    /// Degree of the numerator and number of poles that the structure has room for.
-    fn degrees(&self) -> (usize, usize);
+    /// What the structure has room for.
+    fn degrees(&self) -> Degrees;
 
     /// Which parameter is the delay in seconds, where there is one.
     fn delay_parameter(&self) -> Option<usize>;
@@ -92,8 +101,8 @@ impl Parametric for RationalChannel {
 }
 
 impl ContinuousChannel for RationalChannel {
-    fn degrees(&self) -> (usize, usize) {
-        (self.num.len() - 1, self.den.len())
+    fn degrees(&self) -> Degrees {
+        Degrees { numerator: self.num.len() - 1, poles: self.den.len() }
     }
 
     fn delay_parameter(&self) -> Option<usize> {
@@ -120,8 +129,9 @@ impl Parametric for ProcessModel {
 }
 
 impl ContinuousChannel for ProcessModel {
-    fn degrees(&self) -> (usize, usize) {
-        (usize::from(self.zero_s().is_some()), self.order() + usize::from(self.integrates()))
+    fn degrees(&self) -> Degrees {
+        let poles = self.order() + usize::from(self.integrates());
+        Degrees { numerator: usize::from(self.zero_s().is_some()), poles }
     }
 
     fn delay_parameter(&self) -> Option<usize> {
@@ -192,7 +202,7 @@ impl<C: ContinuousChannel> ContinuousModel<C> {
         let outputs = noise_covariance.nrows();
         let shape = (outputs, inputs);
         if channels.len() != outputs * inputs || noise_covariance.ncols() != outputs {
-            return Err(LtiError::Shape { what: "channels", expected: shape, got: (channels.len(), 1) });
+            return Err(LtiError::shape("channels", shape, (channels.len(), 1)));
         }
         Ok(ContinuousModel { channels, inputs, noise_covariance })
     }
@@ -343,5 +353,5 @@ fn check_count(expected: usize, found: usize) -> Result<(), LtiError> {
     if expected == found {
         return Ok(());
     }
-    Err(LtiError::Shape { what: "parameters", expected: (expected, 1), got: (found, 1) })
+    Err(LtiError::shape("parameters", (expected, 1), (found, 1)))
 }

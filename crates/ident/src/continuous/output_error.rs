@@ -10,7 +10,7 @@
 use faer::{Mat, MatMut};
 
 use super::companion::Companion;
-use super::model::{ContinuousChannel, ContinuousModel};
+use super::model::{ContinuousChannel, ContinuousModel, Degrees};
 use super::projection::Basis;
 use super::record::Record;
 use crate::{IdentError, Intersample, Parametric, ResidualModel};
@@ -167,7 +167,7 @@ fn free_responses(companion: &Companion, length: usize, intersample: Intersample
 /// most in each parameter, so that central differences are exact for any step.
 fn slopes<C: ContinuousChannel>(channel: &C) -> Result<Mat<f64>, IdentError> {
     let theta = channel.parameters();
-    let (m, n) = channel.degrees();
+    let Degrees { numerator: m, poles: n } = channel.degrees();
     let mut slopes = Mat::zeros(m + n + 3, theta.len());
     for j in 0..theta.len() {
         if channel.delay_parameter() == Some(j) {

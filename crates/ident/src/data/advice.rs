@@ -32,6 +32,28 @@ const SWITCH: f64 = 2.0;
 /// A rise of the step response is sampled well by so many samples (4 to 10 are ideal).
 const RISE: std::ops::RangeInclusive<f64> = 2.0..=50.0;
 
+/// One sample of a data set. Written down as a pair, experiment first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(from = "(usize, usize)", into = "(usize, usize)")]
+pub struct SampleIndex {
+    /// Index of the experiment.
+    pub experiment: usize,
+    /// Row in it.
+    pub row: usize,
+}
+
+impl From<(usize, usize)> for SampleIndex {
+    fn from((experiment, row): (usize, usize)) -> Self {
+        SampleIndex { experiment, row }
+    }
+}
+
+impl From<SampleIndex> for (usize, usize) {
+    fn from(index: SampleIndex) -> Self {
+        (index.experiment, index.row)
+    }
+}
+
 /// Something to know about data. Numbers are in the channel's unit unless said otherwise.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
@@ -64,8 +86,8 @@ pub enum Advice {
     Outliers {
         /// The channel.
         channel: Channel,
-        /// Experiment and row of each.
-        at: Vec<(usize, usize)>,
+        /// Where each is.
+        at: Vec<SampleIndex>,
     },
     /// A channel varies about a level other than zero: take the means off, or estimate an offset.
     Offset {
@@ -315,7 +337,7 @@ fn channel_advice(data: &Dataset, channel: Channel, found: &mut Vec<Advice>) -> 
         let x = e.channel(channel);
         known.extend(x.iter().copied().filter(|v| !v.is_nan()));
         if let Ok(quality) = check_quality(x, &QualityOptions::default()) {
-            outliers.extend(quality.spikes.into_iter().map(|row| (index, row)));
+            outliers.extend(quality.spikes.into_iter().map(|row| SampleIndex { experiment: index, row }));
             let runs = quality.clipped_low.into_iter().chain(quality.clipped_high);
             clipped += if is_held(x) || (is_input && switches(x)) { 0 } else { runs.map(|r| r.len()).sum() };
         }

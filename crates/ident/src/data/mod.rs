@@ -10,7 +10,7 @@ mod resample;
 mod select;
 mod trend;
 
-pub use advice::{Advice, advise};
+pub use advice::{Advice, SampleIndex, advise};
 pub use excitation::{Excitation, ExcitationOptions};
 pub use filter::Prefilter;
 pub use missing::Gap;

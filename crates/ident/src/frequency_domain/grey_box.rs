@@ -74,7 +74,7 @@ impl<F: Fn(&[f64], f64) -> Complex64 + Clone> Parametric for ResponseFunction<F>
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
         let expected = self.parameters.len();
         if parameters.len() != expected {
-            return Err(LtiError::Shape { what: "parameters", expected: (expected, 1), got: (parameters.len(), 1) });
+            return Err(LtiError::shape("parameters", (expected, 1), (parameters.len(), 1)));
         }
         Ok(ResponseFunction { parameters: parameters.to_vec(), ..self.clone() })
     }

@@ -221,12 +221,15 @@ fn check_shapes(parts: &FormulaParts) -> Result<(), IdentError> {
         let columns = rows.iter().map(Vec::len).find(|columns| *columns != expected.1);
         if rows.len() != expected.0 || columns.is_some() {
             let found = (rows.len(), columns.unwrap_or(expected.1));
-            return Err(fault(name, StructureFault::Shape { expected, found }));
+            return Err(fault(name, StructureFault::Shape { expected: expected.into(), found: found.into() }));
         }
     }
     let delays = parts.input_delays_s.len();
     if delays != 0 && delays != inputs {
-        return Err(fault("input_delays_s", StructureFault::Shape { expected: (1, inputs), found: (1, delays) }));
+        return Err(fault(
+            "input_delays_s",
+            StructureFault::Shape { expected: (1, inputs).into(), found: (1, delays).into() },
+        ));
     }
     Ok(())
 }

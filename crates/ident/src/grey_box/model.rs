@@ -182,7 +182,7 @@ fn sampled_noise(a: faer::MatRef<'_, f64>, q: &Mat<f64>, time_s: f64) -> Result<
 }
 
 fn check(what: &'static str, m: &Mat<f64>, expected: (usize, usize)) -> Result<(), LtiError> {
-    if m.shape() == expected { Ok(()) } else { Err(LtiError::Shape { what, expected, got: m.shape() }) }
+    if m.shape() == expected { Ok(()) } else { Err(LtiError::shape(what, expected, m.shape())) }
 }
 
 impl<S: Structure> Parametric for GreyBoxModel<S> {
@@ -197,7 +197,7 @@ impl<S: Structure> Parametric for GreyBoxModel<S> {
     fn with_parameters(&self, parameters: &[f64]) -> Result<Self, LtiError> {
         if parameters.len() != self.parameters.len() {
             let (expected, got) = ((self.parameters.len(), 1), (parameters.len(), 1));
-            return Err(LtiError::Shape { what: "parameters", expected, got });
+            return Err(LtiError::shape("parameters", expected, got));
         }
         self.structure.system(parameters)?;
         Ok(GreyBoxModel { parameters: parameters.to_vec(), ..self.clone() })

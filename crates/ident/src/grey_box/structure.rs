@@ -168,7 +168,7 @@ impl StructuredMatrices {
             for (i, row) in rows.iter().enumerate() {
                 if row.len() != columns {
                     let (expected, got) = ((rows.len(), columns), (rows.len(), row.len()));
-                    return Err(LtiError::Shape { what: "structured matrix", expected, got });
+                    return Err(LtiError::shape("structured matrix", expected, got));
                 }
                 for (j, entry) in row.iter().enumerate() {
                     m[(i, j)] = match entry {

@@ -109,7 +109,7 @@ impl Parametric for StateSpaceModel {
         let shapes = self.shapes();
         let count = shapes.iter().map(|(_, rows, columns)| rows * columns).sum();
         if parameters.len() != count {
-            return Err(LtiError::Shape { what: "parameters", expected: (count, 1), got: (parameters.len(), 1) });
+            return Err(LtiError::shape("parameters", (count, 1), (parameters.len(), 1)));
         }
         let mut start = 0;
         let mut matrices = shapes.iter().map(|(_, rows, columns)| {

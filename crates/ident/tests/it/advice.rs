@@ -1,5 +1,5 @@
 use faer::Mat;
-use ident::{Advice, Channel, Dataset, advise};
+use ident::{Advice, Channel, Dataset, SampleIndex, advise};
 
 use crate::noise::Noise;
 
@@ -52,7 +52,10 @@ fn stat_what_drives_the_input_is_not_said_to_follow_it() {
 
 #[test]
 fn exact_one_outlier_is_counted_in_the_singular() {
-    let of = |count: usize| Advice::Outliers { channel: Channel::Input(0), at: vec![(0, 3); count] }.to_string();
+    let of = |count: usize| {
+        Advice::Outliers { channel: Channel::Input(0), at: vec![SampleIndex { experiment: 0, row: 3 }; count] }
+            .to_string()
+    };
     assert_eq!(of(1), "input 1 has 1 sample that stands out");
     assert_eq!(of(7), "input 1 has 7 samples that stand out");
 }
@@ -89,7 +92,7 @@ fn exact_faults_of_channels_are_named() {
     let found = advise(&data);
     assert!(found.contains(&Advice::Missing { channel: third, samples: 1, of: rows }));
     assert!(found.contains(&Advice::Constant { channel: Channel::Input(2) }));
-    assert!(found.contains(&Advice::Outliers { channel: third, at: vec![(0, 500)] }));
+    assert!(found.contains(&Advice::Outliers { channel: third, at: vec![SampleIndex { experiment: 0, row: 500 }] }));
     assert!(
         found.iter().any(|a| matches!(a, Advice::Collinear { inputs: [0, 1], correlation } if *correlation > 0.99))
     );

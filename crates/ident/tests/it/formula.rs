@@ -243,7 +243,7 @@ fn regress_faults_of_a_structure_are_named() {
     }
     let parts = ident::FormulaParts::default();
     let found = FormulaStructure::new(parts).unwrap_err();
-    let shape = StructureFault::Shape { expected: (1, 1), found: (0, 1) };
+    let shape = StructureFault::Shape { expected: (1, 1).into(), found: (0, 1).into() };
     assert_eq!(found, IdentError::FormulaStructure { place: "A".into(), fault: shape });
 }
 

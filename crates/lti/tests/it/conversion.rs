@@ -149,7 +149,7 @@ fn exact_delays_of_parts_of_a_sample() {
 #[test]
 fn exact_wrong_shapes_and_kinds_are_refused() {
     let bad = StateSpace::continuous(mat![[1.0]], mat![[1.0], [2.0]], mat![[1.0]], mat![[0.0]]);
-    assert_eq!(bad, Err(LtiError::Shape { what: "B", expected: (1, 1), got: (2, 1) }));
+    assert_eq!(bad, Err(LtiError::shape("B", (1, 1), (2, 1))));
     let u = column(&[1.0]);
     assert_eq!(lag(1.0).simulate(u.as_ref(), &[0.0]), Err(LtiError::NotDiscrete));
     let sampled = lag(1.0).to_discrete_zoh(0.1).unwrap();
