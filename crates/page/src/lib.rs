@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Figures as data, and their three shapes: an interactive page, an SVG, a PNG.
 //!
 //! One [`Figure`] type is drawn by everyone. This crate may know nothing of benches, models or files: it gets numbers and
