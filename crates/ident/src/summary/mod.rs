@@ -3,6 +3,7 @@
 mod doubts;
 mod models;
 mod origin;
+mod residuals;
 
 pub use origin::Origin;
 
