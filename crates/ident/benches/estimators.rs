@@ -242,7 +242,7 @@ fn impulse_error(system: &StateSpace) -> Outcome<f64> {
 /// Seconds of one estimation, and its error.
 struct Measured {
     wall_s: f64,
-    /// Where the system tells it.
+    /// `None` if the system does not report it.
     processor_s: Option<f64>,
     error: f64,
 }
@@ -267,7 +267,7 @@ fn measure(task: &Task, data: &Data) -> Outcome<Measured> {
     Ok(Measured { wall_s: walls[RUNS / 2], processor_s: used, error })
 }
 
-/// Processor time of this process over all of its threads, where the system tells it.
+/// Processor time of this process over all of its threads, if the system reports it.
 fn processor_s() -> Option<f64> {
     /// Of Linux, on every architecture that matters here.
     const TICKS_A_SECOND: f64 = 100.0;

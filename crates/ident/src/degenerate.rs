@@ -9,7 +9,7 @@ use crate::{Dataset, Doubt, Fit, Triangle};
 const SAME_INPUT: f64 = 1e-11;
 /// Shares of an input below this are rounding.
 const SHARE: f64 = 1e-8;
-/// What is left of errors alike, of which a covariance tells no more.
+/// Relative difference of two equal errors, below which their covariance is rounding.
 const SAME_ERROR: f64 = 1e-7;
 
 impl<M> Fit<M> {

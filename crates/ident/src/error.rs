@@ -133,7 +133,7 @@ pub enum IdentError {
         formula: String,
         /// Where reading stopped, in characters from one.
         position: usize,
-        /// What could stand there.
+        /// What is allowed there.
         expected: &'static str,
     },
     /// A structure of formulas that does not hold together.

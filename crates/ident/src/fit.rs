@@ -86,7 +86,7 @@ pub struct Fit<M> {
 pub enum Doubt {
     /// The search stopped before a minimum: at its limit of iterations, or at an edge such as that of stability.
     NotConverged,
-    /// The parameters are barely told apart by the data.
+    /// The data can hardly separate the parameters.
     IllConditioned {
         /// Condition number of the scaled regressor or Jacobian.
         #[serde(with = "maybe_infinite")]
@@ -114,7 +114,7 @@ pub enum Doubt {
     },
     /// The covariance is the least that any estimate could have; this one may scatter more.
     CovarianceIsLowerBound,
-    /// An input is a linear combination of those before it, but for a constant: the data do not tell their effects apart.
+    /// An input is a linear combination of those before it, but for a constant: the data cannot separate their effects.
     DependentInputs {
         /// Index of the input.
         input: usize,

@@ -10,7 +10,7 @@
 //! | what you want | what to call |
 //! | --- | --- |
 //! | data with gaps, offsets, several records | [`Dataset`] and its methods |
-//! | what the data can tell | [`advise`], [`ExcitationOptions`], [`delay`] |
+//! | what the data can show | [`advise`], [`ExcitationOptions`], [`delay`] |
 //! | a first model, at once | [`Arx`], [`OrderScan`] for its orders; [`ImpulseResponse`] without any |
 //! | the same under coloured noise | [`Iv4`] |
 //! | dynamics and noise by polynomials | [`Armax`], [`OutputError`], [`BoxJenkins`], [`Polynomial`] |

@@ -10,7 +10,7 @@ use crate::regression::{
 use crate::subspace::linear::spectral_radius;
 use crate::{Doubt, Fit, IdentError, Termination};
 
-/// Condition number above which the parameters are barely told apart.
+/// Condition number above which the parameters can hardly be separated.
 pub(crate) const ILL_CONDITIONED: f64 = 1e8;
 
 /// What is taken for granted about the equation errors.
@@ -25,7 +25,7 @@ pub(crate) enum Noise {
     },
 }
 
-/// Equations solved, and the covariance of their parameters as they stand in the regression.
+/// Equations solved, and the covariance of the parameters of the regression.
 pub(crate) struct Solved {
     pub(crate) factor: Mat<f64>,
     solutions: Vec<Solution>,

@@ -156,8 +156,8 @@ impl OrderScan {
         length(&self.na).saturating_mul(length(&self.nb)).saturating_mul(length(&self.nk))
     }
 
-    /// As [`OrderScan::run`], or [`OrderScan::run_validated`] where there are validation data, and tells again and again how
-    /// many structures of how many are done.
+    /// As [`OrderScan::run`], or [`OrderScan::run_validated`] where there are validation data. Reports how many structures
+    /// of how many are done.
     ///
     /// # Errors
     /// Theirs.

@@ -37,9 +37,9 @@ const REFERENCE: usize = 1;
 /// Fits a model from `u` to `y`, once it is made sure that the loop lets it: past inputs and outputs together must be
 /// persistently exciting of `order`, the longest lag in the model.
 ///
-/// Without a reference a regulator of low order makes the input a combination of past outputs; then models cannot be told
-/// apart, and an estimator that still returns one returns any. Whether the noise model is sufficient only the residual test of
-/// the estimate can tell: residuals must be white, and independent of *past* inputs.
+/// Without a reference a regulator of low order makes the input a combination of past outputs. Many models then fit equally
+/// well, and an estimator returns any of them. Only the residual test of the estimate shows whether the noise model is
+/// sufficient: residuals must be white, and independent of *past* inputs.
 ///
 /// # Errors
 /// [`IdentError::RankDeficient`] where the data are not informative; those of `estimate`; [`IdentError::Structure`] for
@@ -48,7 +48,7 @@ const REFERENCE: usize = 1;
 /// # Example
 /// ```
 /// # use ident::closed_loop::direct;
-/// // u = −2 y with nothing else: no estimator can tell the plant from −1/2.
+/// // u = −2 y with nothing else: no estimator can separate the plant from −1/2.
 /// let y: Vec<f64> = (0..100).map(|t| ((t * t) as f64).sin()).collect();
 /// let u: Vec<f64> = y.iter().map(|y| -2.0 * y).collect();
 /// let data = ident::Dataset::siso(0.1, &u, &y)?;

@@ -109,12 +109,12 @@ pub enum Advice {
         /// Standard deviation about that line.
         standard_deviation: f64,
     },
-    /// The inputs, means taken off, excite so few orders that only small models can be told apart.
+    /// The inputs, means taken off, excite so few orders that only the parameters of small models can be estimated.
     WeakExcitation {
         /// They are persistently exciting up to this order.
         order: usize,
     },
-    /// An input is a combination of others, `Σ weight · u + level`: no data tell their effects apart. Leave one out.
+    /// An input is a combination of others, `Σ weight · u + level`: no data can separate their effects. Leave one out.
     Dependent {
         /// Index of the input.
         input: usize,
@@ -123,7 +123,7 @@ pub enum Advice {
         /// The constant beside them.
         level: f64,
     },
-    /// Two inputs move together: their effects are hard to tell apart.
+    /// Two inputs move together: their effects are hard to separate.
     Collinear {
         /// Indices of the inputs.
         inputs: [usize; 2],
@@ -221,7 +221,7 @@ impl fmt::Display for Advice {
             Advice::Dependent { input, of, level } => {
                 write!(
                     f,
-                    "{}, so that no data tell their effects apart; leave one of them out",
+                    "{}, so that no data can separate their effects; leave one of them out",
                     combination(*input, of, *level)
                 )
             }

@@ -47,7 +47,7 @@ pub(super) struct ChannelDynamics {
     pub(super) present: f64,
     /// Samples from 10 % to 90 % of the step response, where the input matters and the response settles.
     pub(super) rise_samples: Option<f64>,
-    /// Whether the output integrates the input, as far as the data can tell.
+    /// Whether the output integrates the input, as far as the data show.
     pub(super) integrates: bool,
 }
 

@@ -91,7 +91,7 @@ impl Dataset {
     }
 
     /// Gaps of at most `longest` samples between two known ones filled by a straight line; longer gaps and those at the
-    /// ends stay as they are ([`Dataset::gaps`] tells).
+    /// ends stay as they are ([`Dataset::gaps`] lists them).
     ///
     /// Filled samples are invented: they lower the noise, and their inputs were not those of the system. Fill a few,
     /// split the data at the rest.

@@ -39,7 +39,7 @@ use crate::{Dataset, IdentError};
 pub struct DelayEstimate {
     /// The delay, in samples.
     pub samples: f64,
-    /// Its standard error, in samples; infinite where the data do not tell.
+    /// Its standard error, in samples; infinite where the data do not show it.
     pub standard_error: f64,
 }
 

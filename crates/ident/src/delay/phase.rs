@@ -11,7 +11,7 @@ use crate::data::check_range;
 use crate::distributions::chi_squared_quantile;
 use crate::{Dataset, IdentError};
 
-/// Confidence with which the phase of anything but a delay is told from a straight line.
+/// Confidence of the test whether a phase is a straight line, as that of a delay.
 const STRAIGHT: f64 = 0.999;
 
 /// Coherences that signals without anything in common exceed with this probability count.

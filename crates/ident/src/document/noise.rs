@@ -44,7 +44,7 @@ fn has_noise(e: &PolynomialEquation) -> bool {
 }
 
 /// The model in its new form, and for each of its parameters the one that it was, if it was one. Numbers in place of the
-/// parameters tell where each goes.
+/// parameters show where each goes.
 fn moved<M: Parametric>(
     model: &M,
     change: impl Fn(&M) -> Result<M, LtiError>,

@@ -166,7 +166,7 @@ impl Bound {
         self.b.first().map_or(0, Vec::len)
     }
 
-    /// Refuses a free parameter that the data cannot tell of, and a fixed one that appears nowhere.
+    /// Refuses a free parameter without effect on the outputs, and a fixed one that appears nowhere.
     fn check_use(&self) -> Result<(), IdentError> {
         let mut used = vec![false; self.parameters.len()];
         let matrices = [&self.a, &self.b, &self.c, &self.d, &self.k];

@@ -21,8 +21,8 @@ pub use model::GreyBoxModel;
 use search::Parameters;
 pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatrices};
 
-/// Beyond this condition the data do not tell the parameters apart: what is left of a direction are the errors of the
-/// derivatives by differences.
+/// Beyond this condition the data cannot separate the parameters: only the errors of the derivatives by differences are left
+/// of a direction.
 const UNTOLD: f64 = 1e9;
 
 /// Grey-box estimation: the parameters of a [`Structure`] by minimising the prediction error.
@@ -83,7 +83,7 @@ impl<S: Structure> GreyBox<S> {
     /// [`IdentError::Structure`] for a structure without a free parameter, a prior without spread, or a start at which
     /// the predictor is unstable; [`IdentError::StartOutsideBounds`]; [`IdentError::Length`] for other channels than
     /// the data's or initial states of another number; [`IdentError::Missing`]; [`IdentError::TooFewSamples`];
-    /// [`IdentError::RankDeficient`] where the data do not tell the parameters apart; errors of the structure itself.
+    /// [`IdentError::RankDeficient`] if the data cannot separate the parameters; errors of the structure itself.
     pub fn fit(&self, data: &Dataset) -> Result<Fit<GreyBoxModel<S>>, IdentError> {
         let start = GreyBoxModel::new(self.structure.clone())?;
         self.check(&start, data)?;

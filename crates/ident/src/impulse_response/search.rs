@@ -5,7 +5,7 @@ use faer::Mat;
 use super::kernel::{Hyperparameters, Kernel};
 use super::posterior::Evidence;
 
-/// Largest product of regressor and prior, relative to the noise, that can be told apart in double precision.
+/// Largest product of regressor and prior, relative to the noise, that double precision can resolve.
 const CLEAREST: f64 = 1e11;
 /// Rounds over the inputs.
 const ROUNDS: usize = 3;
@@ -80,7 +80,7 @@ fn to_point(scale: f64, decay: f64, correlation: f64, count: usize) -> Vec<f64> 
     point
 }
 
-/// The inverse of [`to_point`], within what arithmetic can tell apart.
+/// The inverse of [`to_point`], to the resolution of the arithmetic.
 fn from_point(point: &[f64], limit: f64) -> Hyperparameters {
     Hyperparameters {
         scale: point[0].clamp(-50.0, limit.max(-50.0)).exp(),

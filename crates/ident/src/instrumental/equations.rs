@@ -25,8 +25,8 @@ pub(super) struct Instrumented<'a> {
 }
 
 impl<'a> Instrumented<'a> {
-    /// `instruments` stand in place of the outputs, for each experiment samples × outputs; without them inputs from
-    /// further back are taken. One of `filters` an equation.
+    /// `instruments` take the place of the outputs, for each experiment samples × outputs; without them, earlier inputs
+    /// are taken. One of `filters` an equation.
     pub(super) fn new(
         data: &'a Dataset,
         orders: &'a ArxOrders,

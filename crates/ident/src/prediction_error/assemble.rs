@@ -9,7 +9,7 @@ use super::joint;
 use super::orders::Orders;
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
 
-/// From this condition number on, the coefficients are barely told apart.
+/// From this condition number on, the coefficients can hardly be separated.
 const ILL_CONDITIONED: f64 = 1e8;
 
 /// The model of these coefficients, one list an equation, with noise of variance one.

@@ -143,7 +143,7 @@ impl Task<'_> {
     }
 
     /// The minimum that the shortest way leads to, and whether a long ARX model says that no other lies lower. Only for
-    /// structures whose noise and inputs share their poles: others have shallow minima that no such model tells apart.
+    /// structures whose noise and inputs share their poles: others have shallow minima that no such model separates.
     fn direct(&self, all: &[Segment<'_>]) -> Option<(Lowest, bool)> {
         if self.orders.na == 0 || self.orders.nd + self.orders.nf.iter().sum::<usize>() > 0 {
             return None;
@@ -246,7 +246,7 @@ impl Task<'_> {
         descend(&mut Evaluator::new(self.orders, all, aim, self.estimate_states), start, &self.bounds, search)
     }
 
-    /// Some way down, to tell starting values apart.
+    /// Some way down, to compare starting values.
     fn some_way(&self) -> NonlinearOptions {
         NonlinearOptions { iteration_limit: START_ITERATIONS, cost_tolerance: 1e-7, ..self.search }
     }
@@ -350,7 +350,7 @@ impl Task<'_> {
         all
     }
 
-    /// [`Task::start`] for the dynamics alone. Where the inputs tell more of what the best leaves, also by way of models of
+    /// [`Task::start`] for the dynamics alone. Where the inputs explain more of what the best leaves, also by way of models of
     /// higher order: their searches are not caught as easily where one pole has to do the work of two.
     fn simulating_start(
         &self,

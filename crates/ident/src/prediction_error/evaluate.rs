@@ -144,7 +144,7 @@ impl<'a> Evaluator<'a> {
         Ok((state, cost))
     }
 
-    /// Goes to θ, and tells for each segment what the directions of the initial state explain of each column of J.
+    /// Goes to θ, and returns for each segment what the directions of the initial state explain of each column of J.
     ///
     /// # Errors
     /// θ whose predictor is not stable.

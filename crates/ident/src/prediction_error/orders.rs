@@ -1,4 +1,4 @@
-//! How many coefficients each polynomial of one equation has, and where they stand in θ.
+//! How many coefficients each polynomial of one equation has, and where they are in θ.
 
 use std::ops::Range;
 
@@ -39,7 +39,7 @@ impl PerInput {
     }
 }
 
-/// The orders of one equation `A y = Σ B_k/F_k u_k + C/D e`; the coefficients stand in θ in the order a, b, c, d, f.
+/// The orders of one equation `A y = Σ B_k/F_k u_k + C/D e`; the coefficients are in θ in the order a, b, c, d, f.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Orders {
     pub(super) na: usize,
@@ -88,7 +88,7 @@ impl Orders {
         self.na + self.nc + self.nd == 0
     }
 
-    /// The same dynamics with white noise on the output, and where each coefficient left stands in the full θ.
+    /// The same dynamics with white noise on the output, and where each remaining coefficient is in the full θ.
     pub(super) fn without_noise(&self) -> (Orders, Vec<usize>) {
         let noise = self.c().start..self.d().end;
         let place = (0..self.count()).filter(|j| !noise.contains(j)).collect();

@@ -51,7 +51,7 @@ pub(super) fn lowered(
     Some(theta)
 }
 
-/// Where `F` of an input, or `A`, stands in θ.
+/// Where `F` of an input, or `A`, is in θ.
 fn denominator(orders: &Orders, input: Option<usize>) -> std::ops::Range<usize> {
     input.map_or(orders.a(), |k| orders.f(k))
 }

@@ -21,7 +21,7 @@ const SETTLED: f64 = 1e-6;
 /// Singular values below this fraction of the largest carry nothing.
 const TOLERANCE: f64 = 1e-11;
 
-/// Past residuals, and samples of each input, that are asked whether they tell more, and rows a coefficient at least.
+/// Past residuals, and samples of each input, that are tested for whether they explain more, and rows a coefficient at least.
 const TOLD_ORDER: usize = 16;
 const TOLD_ROWS: usize = 10;
 /// A fraction of what is left is noticeable from here on, and where chance makes a larger one with this probability only.
@@ -187,7 +187,7 @@ fn factor(signals: &[Vec<&[f64]>], terms: &[Term]) -> Result<Mat<f64>, IdentErro
     Ok(triangle.finish())
 }
 
-/// Whether past inputs tell noticeably more of what a model leaves than its own past does, which they would not if nothing
+/// Whether past inputs explain noticeably more of what a model leaves than its own past does, which they would not if nothing
 /// of their effect were left in it.
 pub(super) fn inputs_tell_more(orders: &Orders, segments: &[Segment<'_>], left: &[Vec<f64>]) -> bool {
     let signals: Vec<Vec<&[f64]>> = segments

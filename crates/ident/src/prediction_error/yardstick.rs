@@ -30,7 +30,7 @@ pub(super) struct Yardstick {
 }
 
 impl Yardstick {
-    /// `None` where the data are too few, too broken or too little excited to tell.
+    /// `None` where the data are too few, too broken or too little excited.
     pub(super) fn new(orders: &Orders, segments: &[Segment<'_>]) -> Option<Self> {
         let rows: usize = segments.iter().map(Segment::len).sum();
         let channels = orders.inputs() + 1;

@@ -12,7 +12,7 @@ use crate::continuous::{ProcessSystem, check_delays, first_sample, one_each};
 use crate::course::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 
-/// Longest delay searched unless told otherwise, in samples.
+/// Longest delay searched by default, in samples.
 const DELAY_SAMPLES: f64 = 30.0;
 
 /// Damping of a pair of poles is searched up to here.

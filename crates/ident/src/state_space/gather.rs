@@ -29,7 +29,7 @@ pub(crate) struct Regressed {
 /// `start`, whose `B` and `D` are zero.
 ///
 /// # Errors
-/// Inputs whose influences cannot be told apart, or a predictor that is unstable.
+/// Inputs whose influences cannot be separated, or a predictor that is unstable.
 pub(crate) fn regress_inputs(data: &Dataset, start: Innovations, feedthrough: bool) -> Result<Regressed, IdentError> {
     let predictor = Predictor::new(&start);
     let free = Free { dynamics: false, feedthrough, noise: false };

@@ -143,7 +143,7 @@ impl Subspace {
     ///
     /// The covariance is the one that a prediction-error estimate would have (gathered from stretches spread over long
     /// data); a subspace estimate comes close to it with canonical variates and scatters more with the other
-    /// weightings, so [`Doubt::CovarianceIsLowerBound`] stands beside it. Refine the estimate by
+    /// weightings, so [`Doubt::CovarianceIsLowerBound`] is added as a doubt. Refine the estimate by
     /// [`crate::StateSpacePem`] where intervals matter.
     ///
     /// # Errors
@@ -167,7 +167,7 @@ impl Subspace {
         self.finish(data, scaled)
     }
 
-    /// The singular values of the weighted projection, largest first: a drop tells the order. Canonical correlations
+    /// The singular values of the weighted projection, largest first: a drop shows the order. Canonical correlations
     /// with [`Weighting::Cva`]; otherwise in units of scaled outputs per window.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ pub struct Ratio {
 
 /// A model whose way from inputs to outputs is a linear system in its own time, continuous or discrete.
 pub trait Dynamics {
-    /// The system from inputs to outputs, without the delays that [`Dynamics::delay_s`] tells. Its matrices must be smooth
+    /// The system from inputs to outputs, without the delays of [`Dynamics::delay_s`]. Its matrices must be smooth
     /// functions of the parameters.
     ///
     /// # Errors

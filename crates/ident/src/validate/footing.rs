@@ -137,7 +137,7 @@ impl Footing {
         })
     }
 
-    /// `S_k = Σ_t ε(t) u(t − k)` for k = −M … M with their covariance, of one output whose samples `there` tells.
+    /// `S_k = Σ_t ε(t) u(t − k)` for k = −M … M with their covariance, of one output whose samples are marked by `there`.
     ///
     /// # Errors
     /// Those of the correlations.
@@ -305,7 +305,7 @@ fn constant(stack: &Stack, output: usize, missing: &[bool]) -> Vec<f64> {
     column
 }
 
-/// Clears a column of blocks, and tells whether there is more to it than these.
+/// Clears a column of blocks. Whether anything is left.
 fn is_left(column: &mut [f64], blocks: &[Block]) -> bool {
     let before = dot(column, column);
     blocks.iter().for_each(|block| block.clear(column));

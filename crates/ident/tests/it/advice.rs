@@ -204,7 +204,7 @@ fn exact_inputs_that_depend_on_others_are_named_with_what_they_are_made_of() {
         let data = Dataset::new(0.1, inputs, Mat::from_fn(600, 1, |t, _| y[t])).unwrap();
         advise(&data).iter().map(ToString::to_string).collect()
     };
-    let remedy = "so that no data tell their effects apart; leave one of them out";
+    let remedy = "so that no data can separate their effects; leave one of them out";
     let same = said([&|t| u[t], &|t| v[t], &|t| u[t]]);
     assert_eq!(same, [format!("input 3 is the same as input 1, {remedy}")]);
     let shifted = said([&|t| u[t], &|t| v[t], &|t| v[t] + 50.0]);

@@ -176,7 +176,7 @@ fn regress_useless_data_are_refused() {
             assert!(matches!(fit, Err(IdentError::RankDeficient { .. })), "{o:?} {fit:?}");
         }
     }
-    // The same input twice: B₁ and B₂ cannot be told apart.
+    // The same input twice: B₁ and B₂ cannot be separated.
     let twice = Dataset::new(1.0, table(&[&u, &u]), table(&[&y])).unwrap();
     assert!(matches!(options[0].fit(&twice), Err(IdentError::RankDeficient { .. })));
 }

@@ -1,4 +1,4 @@
-//! How many lines of frequency an input moves the output by: each tells a gain and a phase, and no more.
+//! How many lines of frequency an input moves the output by: each gives a gain and a phase, and no more.
 
 use std::f64::consts::TAU;
 

@@ -25,7 +25,7 @@ const RICHER: f64 = 0.99;
 /// Confidence from which on a simpler model is out of the question.
 const REFUTED: f64 = 0.9999;
 
-/// An interval that takes more than this share of what was searched tells nothing.
+/// An interval that takes more than this share of the searched range means nothing.
 const UNDETERMINED: f64 = 0.8;
 
 /// Losses below this part of the output's power are rounding.
@@ -164,8 +164,8 @@ pub enum DelayFault {
         /// Index of the input.
         input: usize,
     },
-    /// The input moves the output by so few lines of frequency that a delay cannot be told from the phase of the dynamics: each
-    /// line tells a gain and a phase.
+    /// The input moves the output by so few lines of frequency that a delay looks like a phase of the dynamics: each line gives
+    /// a gain and a phase.
     FewLines {
         /// Index of the input.
         input: usize,
@@ -350,7 +350,7 @@ impl DelayModel {
     }
 }
 
-/// The frequency, in hertz, of an input that is one sine, all but 1 % of its amplitude: it tells a delay from no phase shift.
+/// The frequency, in hertz, of an input that is one sine, all but 1 % of its amplitude: with it, a delay is only a phase shift.
 #[must_use]
 pub fn single_line(data: &Dataset, input: usize) -> Option<f64> {
     let found = (input < data.inputs()).then(|| Lines::of(data, input, None, 0.0).all_hz)?;

@@ -20,7 +20,7 @@ const PER_LINE: usize = 4;
 /// Probability of a line that is none.
 const FALSE_ALARM: f64 = 1e-3;
 
-/// Bins to either side that a line is held against, without those within its lobe.
+/// Bins on either side with which a line is compared, without those within its lobe.
 const BESIDE: usize = 15;
 const LOBE: usize = 2;
 
