@@ -13,7 +13,6 @@ mod formats;
 mod input;
 mod output;
 mod summary;
-mod table;
 mod terminal;
 
 use std::process::ExitCode;
@@ -24,6 +23,9 @@ use crate::cli::{Cli, Command};
 use crate::commands::{experiment, identify};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
+
+/// What made a page: its name and version.
+const PROGRAM: &str = concat!("dynoid ", env!("CARGO_PKG_VERSION"));
 
 fn main() -> ExitCode {
     let outcome = std::panic::catch_unwind(|| run(Cli::read()));

@@ -5,11 +5,11 @@ use std::sync::Once;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use page::{Page, Screen, Table, Tone, safe, wrap};
 use serde::Serialize;
 
 use crate::cli::{ColorWhen, Global};
 use crate::error::CliError;
-use crate::table::{Style, Table, safe, wrap};
 
 /// Line length where the terminal's is not known.
 const USUAL_WIDTH: usize = 100;
@@ -66,22 +66,14 @@ impl Terminal {
     }
 
     /// A line that stands out.
-    pub(crate) fn heading(&mut self, text: &str, style: Style) {
+    pub(crate) fn heading(&mut self, text: &str, style: Tone) {
         let text = self.painted(style, &safe(text));
         self.put(&text);
     }
 
     /// A text broken into lines, indented, after a mark such as `warning:`.
-    pub(crate) fn item(&mut self, (mark, style): (&str, Style), text: &str) {
-        let indent = 2;
-        let mut lines = wrap(&safe(&format!("{mark} {text}")), self.width - indent).into_iter();
-        let first = lines.next().unwrap_or_default();
-        let rest = first.strip_prefix(mark).unwrap_or(&first);
-        let first = format!("{}{}{rest}", " ".repeat(indent), self.painted(style, mark));
-        self.put(&first);
-        for line in lines {
-            self.put(&format!("{}{line}", " ".repeat(2 * indent)));
-        }
+    pub(crate) fn item(&mut self, mark: (&str, Tone), text: &str) {
+        page::item(mark, text, self.screen()).iter().for_each(|line| self.put(line));
     }
 
     /// A paragraph, broken into lines.
@@ -93,9 +85,16 @@ impl Terminal {
 
     /// A table, indented.
     pub(crate) fn table(&mut self, table: &Table) {
-        for line in table.lines(2, self.width, self.colour_out) {
-            self.put(&line);
-        }
+        page::table_lines(table, 2, self.screen()).iter().for_each(|line| self.put(line));
+    }
+
+    /// A page, but for its figures.
+    pub(crate) fn page(&mut self, page: &Page) {
+        self.put(&page::terminal(page, self.screen()));
+    }
+
+    fn screen(&self) -> Screen {
+        Screen { width: self.width, colour: self.colour_out }
     }
 
     /// A value as JSON.
@@ -108,18 +107,18 @@ impl Terminal {
     /// What was done on the way, on standard error.
     pub(crate) fn note(&mut self, text: &str) {
         if !self.quiet {
-            self.complain("note:", Style::Faint, text);
+            self.complain("note:", Tone::Faint, text);
         }
     }
 
     /// A warning, on standard error.
     pub(crate) fn warning(&mut self, text: &str) {
-        self.complain("warning:", Style::Caution, text);
+        self.complain("warning:", Tone::Caution, text);
     }
 
     /// An error, on standard error.
     pub(crate) fn error(&mut self, text: &str) {
-        self.complain("error:", Style::Bad, text);
+        self.complain("error:", Tone::Bad, text);
     }
 
     /// A display of progress over a number of steps, on standard error; nothing where that is no terminal.
@@ -161,7 +160,7 @@ impl Terminal {
         }
     }
 
-    fn painted(&self, style: Style, text: &str) -> String {
+    fn painted(&self, style: Tone, text: &str) -> String {
         if self.colour_out { style.paint(text) } else { text.to_owned() }
     }
 
@@ -177,7 +176,7 @@ impl Terminal {
         }
     }
 
-    fn complain(&mut self, mark: &str, style: Style, text: &str) {
+    fn complain(&mut self, mark: &str, style: Tone, text: &str) {
         self.flush();
         let mark = if self.colour_err { style.paint(mark) } else { mark.to_owned() };
         let lines: Vec<String> = text.lines().map(safe).collect();

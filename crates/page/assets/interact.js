@@ -2,117 +2,126 @@
 
 const SMALLEST_DRAG = 6;
 
-/** Shows a part of the x-axis; null shows all of it. */
+/** Shows a part of the x-axis, in pixels of the drawing; null shows all of it. */
 function zoomTo(plot, domain) {
-  plot.domain = domain || xExtent(plot.figure);
+  plot.domain = domain;
   plot.box.classList.toggle("zoomed", Boolean(domain));
-  redraw(plot);
-}
-
-function redraw(plot) {
-  plot.layout = drawFigure(plot, plot.width);
+  show(plot);
 }
 
 /** Horizontal position of a pointer in the figure's own coordinates. */
 function pointerX(plot, event) {
-  const box = plot.svg.getBoundingClientRect();
+  const box = plot.root.getBoundingClientRect();
   return ((event.clientX - box.left) * plot.width) / box.width;
 }
 
-const inside = (plot, x) => Math.min(plot.layout.right, Math.max(plot.layout.left, x));
+const ends = (plot) => [plot.panels[0].left, plot.width - MARGIN];
+const inside = (plot, x) => Math.min(ends(plot)[1], Math.max(ends(plot)[0], x));
+
+/** From a pixel on the screen to one of the drawing, and back. */
+const drawn = ({ panels: [{ view }] }, x) => (x - view.bx) / view.ax;
+const shown = ({ panels: [{ view }] }, x) => view.ax * x + view.bx;
 
 function listenToPointer(plot) {
   let start = null;
   let selection = null;
-  plot.svg.addEventListener("pointerdown", (event) => {
+  const over = () => [plot.panels[0].top, plot.panels[plot.panels.length - 1].bottom];
+  plot.root.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || event.pointerType === "touch") return;
     start = inside(plot, pointerX(plot, event));
-    plot.svg.setPointerCapture(event.pointerId);
+    plot.root.setPointerCapture(event.pointerId);
   });
-  plot.svg.addEventListener("pointermove", (event) => {
+  plot.root.addEventListener("pointermove", (event) => {
     const x = inside(plot, pointerX(plot, event));
-    showCursor(plot, plot.layout.sx.toValue(x), event);
+    showCursor(plot, drawn(plot, x), event);
     if (start === null) return;
-    selection = selection || svg(plot.svg, "rect", { class: "selection" });
-    const { top, bottom } = plot.layout;
+    selection = selection || svg(plot.root, "rect", { class: "selection" });
+    const [top, bottom] = over();
     const size = { x: Math.min(start, x), width: Math.abs(x - start), y: top, height: bottom - top };
     for (const key in size) selection.setAttribute(key, size[key]);
   });
-  plot.svg.addEventListener("pointerup", (event) => {
+  const end = () => {
+    if (selection) selection.remove();
+    [start, selection] = [null, null];
+  };
+  plot.root.addEventListener("pointerup", (event) => {
     const x = inside(plot, pointerX(plot, event));
-    if (selection) selection.remove();
-    selection = null;
     if (start !== null && Math.abs(x - start) >= SMALLEST_DRAG) {
-      const ends = [plot.layout.sx.toValue(start), plot.layout.sx.toValue(x)].sort((a, b) => a - b);
-      zoomTo(plot, ends);
+      zoomTo(plot, [start, x].map((at) => drawn(plot, at)).sort((a, b) => a - b));
     }
-    start = null;
+    end();
   });
-  plot.svg.addEventListener("pointercancel", () => {
-    start = null;
-    if (selection) selection.remove();
-    selection = null;
-  });
-  plot.svg.addEventListener("pointerleave", () => hideCursor(plot));
-  plot.svg.addEventListener("dblclick", () => zoomTo(plot, null));
+  plot.root.addEventListener("pointercancel", end);
+  plot.root.addEventListener("pointerleave", () => hideCursor(plot));
+  plot.root.addEventListener("dblclick", () => zoomTo(plot, null));
 }
 
-/** Draws the cursor at an x value and fills the read-out. `event` places the read-out; without it, it stays put. */
-function showCursor(plot, value, event) {
-  plot.cursor = value;
-  const { sx, panels, top, bottom } = plot.layout;
-  const x = sx.toPixel(value);
+/** Draws the cursor at an x of the drawing and fills the read-out. `event` places the read-out; without it, it stays. */
+function showCursor(plot, at, event) {
+  plot.cursor = at;
+  const x = shown(plot, at);
+  plot.root.append(plot.cursorLayer);
   plot.cursorLayer.replaceChildren();
-  svg(plot.cursorLayer, "line", { x1: x, x2: x, y1: top, y2: bottom });
-  const rows = panels.flatMap((frame) => readPanel(plot, frame, value));
-  fillReadout(plot, value, rows);
+  const last = plot.panels[plot.panels.length - 1];
+  svg(plot.cursorLayer, "line", { x1: x, x2: x, y1: plot.panels[0].top, y2: last.bottom });
+  const rows = plot.panels.flatMap((panel) => readValues(plot, panel, at));
+  fillReadout(plot, at, rows);
   placeReadout(plot, x, event);
 }
 
-/** The value of every visible series of a panel at the sample nearest to the cursor, each marked by a ring. */
-function readPanel(plot, { panel, sx, sy }, value) {
-  const shown = panel.layers.filter((layer) => isSeries(layer) && !plot.hidden.has(layer.name) && layer.x.length > 0);
-  return shown.map((layer) => {
-    const at = nearest(layer.x, value, sx);
-    const [cx, cy] = [sx.toPixel(layer.x[at]), sy.toPixel(layer.y[at])];
-    const seen = layer.x[at] >= sx.low && layer.x[at] <= sx.high && Number.isFinite(cy);
+/** The value of every visible series of a panel at the point nearest to the cursor, each marked by a ring. */
+function readValues(plot, panel, at) {
+  const { ax, bx, ay, by } = panel.view;
+  return panel.layers.filter((layer) => isSeries(layer) && !plot.hidden.has(layer.name)).map((layer) => {
+    const { x, y } = pointsOf(layer);
+    const after = lowerBound(x, at);
+    const nearest = after > 0 && (after === x.length || at - x[after - 1] <= x[after] - at) ? after - 1 : after;
+    const [cx, cy] = [ax * x[nearest] + bx, ay * y[nearest] + by];
+    const seen = x.length > 0 && cx >= panel.left - 0.5 && cx <= ends(plot)[1] + 0.5;
     if (seen) svg(plot.cursorLayer, "circle", { class: `ring s-${layer.style}`, cx, cy, r: 3.5 });
-    return { layer, label: panel.y.label, unit: panel.y.unit, value: seen ? layer.y[at] : NaN };
+    return { layer, panel, value: seen ? panel.sy.toValue(y[nearest]) : NaN };
   });
 }
 
-function fillReadout(plot, value, rows) {
-  const { label, unit } = plot.figure.x;
+function fillReadout(plot, at, rows) {
   plot.readout.replaceChildren();
-  const head = document.createElement("div");
-  head.textContent = `${label} ${positionText(plot, value)} ${unit}`;
-  head.className = "at";
-  plot.readout.append(head);
-  for (const row of rows) {
-    const line = document.createElement("div");
-    line.append(swatch(row.layer), " ");
-    htmlText(line, rows.some((other) => other.label !== row.label) ? `${row.label}, ${row.layer.name}` : row.layer.name, plot.figure.symbols);
+  const line = (text, name) => {
+    const element = document.createElement("div");
+    element.className = name;
+    element.append(text);
+    plot.readout.append(element);
+    return element;
+  };
+  line(`${plot.label} ${positionText(plot, at)} ${plot.unit}`, "at");
+  const severalPanels = rows.some((row) => row.panel !== rows[0].panel);
+  for (const { layer, panel, value } of rows) {
+    const row = line("", "value");
+    const entry = plot.entries.get(layer.name);
+    if (entry) row.append(entry.querySelector("svg").cloneNode(true), " ");
+    row.append(severalPanels ? `${panel.label}, ${layer.name}` : layer.name);
     const number = document.createElement("b");
-    number.textContent = ` ${plainNumber(row.value, 5)} ${row.unit}`;
-    line.append(number);
-    plot.readout.append(line);
+    number.textContent = ` ${plainNumber(value, 4)} ${panel.unit}`;
+    row.append(number);
   }
   plot.readout.hidden = false;
 }
 
 /** The cursor's x to a thousandth of what is in view. */
-function positionText({ figure, domain }, value) {
-  if (figure.x.scale === "log") return plainNumber(value, 4);
-  return fixedNumber(value, Math.max(0, 3 - decades(domain[1] - domain[0])));
+function positionText(plot, at) {
+  const { sx } = plot.panels[0];
+  const value = sx.toValue(at);
+  if (sx.kind === "log") return plainNumber(value, 4);
+  const [from, to] = ends(plot).map((x) => sx.toValue(drawn(plot, x)));
+  return fixedNumber(value, Math.max(0, 3 - decades(to - from)));
 }
 
 /** Puts the read-out beside the cursor, on the side with more room. */
 function placeReadout(plot, x, event) {
-  const scale = plot.svg.getBoundingClientRect().width / plot.width;
+  const scale = plot.root.getBoundingClientRect().width / plot.width;
   const [left, width] = [x * scale, plot.readout.offsetWidth];
-  const right = left + 14 + width > plot.width * scale;
-  plot.readout.style.left = `${Math.max(0, right ? left - 14 - width : left + 14)}px`;
-  const top = event ? event.clientY - plot.stage.getBoundingClientRect().top - 20 : MARGIN.top;
+  const isRight = left + 14 + width > plot.width * scale;
+  plot.readout.style.left = `${Math.max(0, isRight ? left - 14 - width : left + 14)}px`;
+  const top = event ? event.clientY - plot.stage.getBoundingClientRect().top - 20 : plot.panels[0].top;
   plot.readout.style.top = `${Math.max(0, Math.min(top, plot.stage.offsetHeight - plot.readout.offsetHeight))}px`;
 }
 
@@ -124,18 +133,18 @@ function hideCursor(plot) {
 
 /** Arrow keys move the cursor, + and − zoom around it, Escape shows all again. */
 function listenToKeys(plot) {
-  plot.svg.addEventListener("keydown", (event) => {
-    const { sx, left, right } = plot.layout;
-    const at = sx.toPixel(plot.cursor === null ? sx.toValue((left + right) / 2) : plot.cursor);
+  plot.root.addEventListener("keydown", (event) => {
+    const [left, right] = ends(plot);
+    const at = plot.cursor === null ? (left + right) / 2 : shown(plot, plot.cursor);
     const step = event.shiftKey ? 40 : 4;
     const zoom = (factor) => {
-      const edges = [left, right].map((edge) => inside(plot, at + (edge - at) * factor));
-      zoomTo(plot, edges.map(sx.toValue));
-      showCursor(plot, sx.toValue(at));
+      const middle = drawn(plot, at);
+      zoomTo(plot, [left, right].map((edge) => drawn(plot, inside(plot, at + (edge - at) * factor))));
+      showCursor(plot, middle);
     };
     const actions = {
-      ArrowLeft: () => showCursor(plot, sx.toValue(inside(plot, at - step))),
-      ArrowRight: () => showCursor(plot, sx.toValue(inside(plot, at + step))),
+      ArrowLeft: () => showCursor(plot, drawn(plot, inside(plot, at - step))),
+      ArrowRight: () => showCursor(plot, drawn(plot, inside(plot, at + step))),
       "+": () => zoom(0.5),
       "-": () => zoomTo(plot, null),
       Escape: () => { zoomTo(plot, null); hideCursor(plot); },
@@ -144,60 +153,24 @@ function listenToKeys(plot) {
     event.preventDefault();
     actions[event.key]();
   });
-  plot.svg.addEventListener("blur", () => hideCursor(plot));
+  plot.root.addEventListener("blur", () => hideCursor(plot));
 }
 
-/** One button a series; pressing it hides or shows the series in every panel. */
-function fillLegend(plot, legend) {
-  const named = new Map();
-  for (const layer of plot.figure.panels.flatMap((panel) => panel.layers)) {
-    const drawn = isSeries(layer) || isLoose(layer);
-    if (drawn && layer.name && !named.has(layer.name)) named.set(layer.name, layer);
-  }
-  for (const [name, layer] of named.size > 1 ? named : []) {
+/** Names of the legend become buttons that hide or show their series in every panel. */
+function listenToLegend(plot) {
+  for (const [name, entry] of plot.entries) {
+    if (!plot.panels.some((panel) => panel.layers.some((layer) => layer.name === name))) continue;
     const button = document.createElement("button");
     button.type = "button";
+    button.className = "entry";
     button.setAttribute("aria-pressed", "true");
-    button.append(swatch(layer), " ");
-    htmlText(button, name, plot.figure.symbols);
+    button.append(...[...entry.childNodes].map((node) => node.cloneNode(true)));
     button.addEventListener("click", () => {
-      const shown = plot.hidden.delete(name) || !plot.hidden.add(name);
-      button.setAttribute("aria-pressed", String(shown));
-      redraw(plot);
+      const isShown = plot.hidden.delete(name) || !plot.hidden.add(name);
+      button.setAttribute("aria-pressed", String(isShown));
+      show(plot);
     });
-    legend.append(button);
-  }
-  for (const label of regionLabels(plot.figure)) {
-    const entry = document.createElement("span");
-    const key = document.createElement("i");
-    key.className = "swatch shaded";
-    entry.append(key, ` ${label}`);
-    legend.append(entry);
-  }
-}
-
-function regionLabels(figure) {
-  const regions = figure.panels.flatMap((panel) => panel.layers).filter((layer) => /region/.test(layer.type) && layer.label);
-  return new Set(regions.map((layer) => layer.label));
-}
-
-function swatch(layer) {
-  if (layer.type === "markers") {
-    const key = svg(null, "svg", { class: "mark-key", width: 12, height: 12 });
-    svg(key, "path", { class: `${classOf(layer)} markers`, d: SHAPES[layer.marker](6, 6) });
-    return key;
-  }
-  const key = document.createElement("i");
-  const shape = !isLine(layer) ? " dot" : DASHED.has(layer.style) ? " dashed" : "";
-  key.className = `swatch k-${layer.style}${shape}`;
-  return key;
-}
-
-/** HTML text with indices. */
-function htmlText(parent, text, symbols) {
-  for (const [piece, isBelow] of symbolPieces(text, symbols)) {
-    const part = document.createElement(isBelow ? "sub" : "span");
-    part.textContent = piece;
-    parent.append(part);
+    entry.replaceWith(button);
+    plot.entries.set(name, button);
   }
 }

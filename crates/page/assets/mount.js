@@ -1,52 +1,51 @@
-// Start: every figure of the page gets its plot, on the screen and on paper.
+// Start: every figure of the page becomes interactive, and follows the width of its column.
 
-const PAPER_WIDTH = 680; // CSS pixels of A4 between the margins
-const PAPER_STRETCH = 0.78; // panels are lower on paper, so that fewer pages stay half empty
 const plots = [];
 
-function mount(box, number) {
-  const source = box.querySelector("script[type='application/json']");
-  const figure = decodeFigure(JSON.parse(source.textContent));
-  const stage = document.createElement("div");
-  stage.className = "stage";
-  const legend = document.createElement("div");
-  legend.className = "legend";
+function mount(box) {
+  const stage = box.querySelector(".stage");
+  const root = stage.querySelector("svg");
   const readout = document.createElement("output");
   readout.className = "readout";
   readout.hidden = true;
-  const root = svg(null, "svg", { tabindex: 0, role: "img", "aria-label": `${figure.title}. Arrow keys read values, plus zooms, Escape resets.` });
-  stage.append(root, readout);
-  source.replaceWith(legend, stage);
-  const plot = { id: `plot-${number}`, box, stage, svg: root, readout, figure, hidden: new Set(), cursor: null, width: 0, stretch: 1 };
-  plot.domain = xExtent(figure);
-  fillLegend(plot, legend);
+  stage.append(readout);
+  root.setAttribute("tabindex", 0);
+  root.setAttribute("aria-label", `${root.getAttribute("aria-label")}. Arrow keys read values, plus zooms, Escape resets.`);
+  root.querySelector("title").remove(); // it would cover the read-out
+  const panels = [...root.querySelectorAll(".panel")].map(readPanel);
+  if (panels.length === 0) return;
+  const [, , width, height] = root.getAttribute("viewBox").split(" ").map(Number);
+  const entries = new Map([...box.querySelectorAll(".legend .entry")].map((entry) => [entry.dataset.name, entry]));
+  const { xLabel: label, xUnit: unit } = root.dataset;
+  const plot = {
+    box, stage, root, readout, panels, height, entries, label, unit,
+    equalAxes: "equalAxes" in root.dataset, drawnWidth: width, width,
+    hidden: new Set(), cursor: null, domain: null, cursorLayer: svg(root, "g", { class: "cursor" }),
+  };
+  listenToLegend(plot);
   fit(plot, stage.clientWidth);
   listenToPointer(plot);
   listenToKeys(plot);
   plots.push(plot);
 }
 
-/** Draws at a new width. */
+/** Shows a figure at a width. */
 function fit(plot, width) {
-  if (width < 50 || width === plot.width) return;
-  plot.width = width;
-  redraw(plot);
+  if (width < 50) return;
+  plot.width = plot.equalAxes ? plot.drawnWidth : width;
+  show(plot);
 }
 
-/** Paper has its own width, known before it is laid out. */
+/** On paper a figure is as it was drawn. */
 function fitToPaper() {
   for (const plot of plots) {
     hideCursor(plot);
-    plot.stretch = PAPER_STRETCH;
-    fit(plot, plot.box.parentElement.classList.contains("pair") ? (PAPER_WIDTH - 24) / 2 : PAPER_WIDTH);
+    fit(plot, plot.drawnWidth);
   }
 }
 
 function fitToScreen() {
-  for (const plot of plots) {
-    plot.stretch = 1;
-    fit(plot, plot.stage.clientWidth);
-  }
+  plots.forEach((plot) => fit(plot, plot.stage.clientWidth));
 }
 
 document.querySelectorAll("figure.plot").forEach(mount);

@@ -8,7 +8,11 @@ fn main() {
     let figures = [bode(), complex_plane(), correlations(), response()];
     std::fs::write(folder.join("gallery.svg"), page::svg(&figures)).unwrap();
     std::fs::write(folder.join("gallery.png"), page::png(&figures).unwrap()).unwrap();
-    std::fs::write(folder.join("gallery.html"), page::page("Gallery", &figures)).unwrap();
+    std::fs::write(
+        folder.join("gallery.html"),
+        page::html(&page::Page::of_figures("Gallery", figures.to_vec()), "gallery"),
+    )
+    .unwrap();
 }
 
 fn bode() -> Figure {

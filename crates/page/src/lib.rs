@@ -1,17 +1,40 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Figures as data, and their three shapes: an interactive page, an SVG, a PNG.
+//! Pages as data, and their shapes: one HTML file, lines of a terminal, Markdown, JSON; figures as SVG and PNG.
 //!
-//! One [`Figure`] type is drawn by everyone. This crate may know nothing of benches, models or files: it gets numbers and
-//! labels, and returns text and bytes. It reads no font of the machine: pictures look alike everywhere.
+//! A [`Page`] is headings, text, tables, figures and findings as plain data. Whoever has something to say builds one, and
+//! the renderers here show it: all number formatting and typesetting is theirs. This crate may know nothing of benches,
+//! models or files: it gets text and numbers, and returns text and bytes. It reads no font of the machine, so that pictures
+//! look alike everywhere.
 
 mod figure;
 mod html;
+mod markdown;
 pub mod markup;
+mod model;
+pub mod number;
 mod png;
+mod prose;
+mod quantity;
 mod svg;
+mod table;
+mod terminal;
 
 pub use figure::{Abscissa, Axis, Figure, Layer, Marker, Panel, Rounded, Scale, Style, drawn_of, rounded};
-pub use html::{SCRIPT, STYLE, figure as figure_element, page};
+pub use html::html;
+pub use markdown::markdown;
+pub use model::{Block, Blocks, Card, Finding, Page, Tone, Weight};
 pub use png::{PngError, png};
+pub use prose::{Inline, Prose, Symbol};
+pub use quantity::{Digits, Quantity, Uncertainty, Unit};
 pub use svg::svg;
+pub use table::{Align, Cell, Column, Content, Row, Table};
+pub use terminal::{Screen, item, safe, table_lines, terminal, wrap};
+
+/// The page as JSON: its data, as they are.
+///
+/// # Errors
+/// Where a number or text cannot be written as JSON.
+pub fn json(page: &Page) -> Result<String, serde_json::Error> {
+    serde_json::to_string_pretty(page)
+}

@@ -22,7 +22,7 @@ const SCALE: f32 = 2.0;
 ///
 /// # Errors
 /// [`PngError`] where the picture is too large for memory.
-pub fn png(figures: &[Figure]) -> Result<Vec<u8>, PngError> {
+pub fn png<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Result<Vec<u8>, PngError> {
     let mut options = usvg::Options { font_family: crate::svg::FONT.to_owned(), ..Default::default() };
     options.fontdb_mut().load_font_data(dejavu::sans::regular().to_vec());
     options.fontdb_mut().load_font_data(dejavu::sans::bold().to_vec());

@@ -1,14 +1,14 @@
 //! A page of figures of what a simulated bench shows before any model is made of it.
 
 use bench::virtual_bench::{Effects, Gains, ShaftZeros, ShownTrace, Spectrum};
-use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Page, Panel, Rounded, Style, rounded};
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 180;
 
 /// The page: one HTML file that needs no network.
-pub fn page(effects: &Effects, zeros: &ShaftZeros) -> String {
-    page::page("What the simulated bench shows", &figures(effects, zeros))
+pub fn page(effects: &Effects, zeros: &ShaftZeros) -> Page {
+    Page::of_figures("What the simulated bench shows", figures(effects, zeros))
 }
 
 fn figures(effects: &Effects, shaft_zeros: &ShaftZeros) -> [Figure; 7] {

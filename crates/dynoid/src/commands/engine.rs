@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bench::engine_torque::{Cycles, EngineRecording, EngineTorque, engine_torque};
 use bench::torque_signals::Told;
+use page::{Align, Table, Tone};
 use report::engine::{CUT, cycles, cylinder_rows, cylinders, figures, masses};
 use report::torque::untold;
 use serde_json::json;
@@ -13,7 +14,6 @@ use super::identify::judge::{picture, written};
 use super::rebuilt::{self, Rebuilt};
 use crate::cli::engine::EngineArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -59,7 +59,7 @@ fn short(recording: &EngineRecording) -> serde_json::Value {
 
 fn print(recording: &EngineRecording, terminal: &mut Terminal) {
     terminal.gap();
-    terminal.heading(&format!("{}, {}", recording.file, recording.label), Style::Bold);
+    terminal.heading(&format!("{}, {}", recording.file, recording.label), Tone::Strong);
     match &recording.engine {
         Told::Found(engine) => terminal.paragraph(&format!("T_e rebuilt: {}.", report::engine::rebuilt(engine))),
         Told::Untold(why) => {

@@ -2,6 +2,7 @@
 
 use bench::study::{Parameter, experiment_of};
 use bench::{BenchFile, Experiment, Severity};
+use page::{Align, Table};
 use report::wording::{self, number};
 
 use super::identify::data::check_plot;
@@ -10,7 +11,6 @@ use crate::cli::GivenRecordings;
 use crate::cli::identify::ResultArguments;
 use crate::error::CliError;
 use crate::input;
-use crate::table::{Align, Table};
 use crate::terminal::Terminal;
 
 /// A bench with the recordings that can be used.

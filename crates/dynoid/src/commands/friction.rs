@@ -3,6 +3,7 @@
 use bench::Experiment;
 use bench::friction::{Friction, FrictionOptions, Inertia, estimate};
 use bench::units::RPM_RAD_S;
+use page::{Align, Table, Tone};
 use report::friction::{StatedInertia, doubts, figures, remarks, terms, torque_used};
 use report::wording::number;
 use serde_json::json;
@@ -11,7 +12,6 @@ use super::experiments::{self, print_parameters};
 use super::identify::judge::{picture, written};
 use crate::cli::friction::FrictionArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -56,7 +56,7 @@ fn print(found: &Friction, terminal: &mut Terminal) {
         Inertia::Stated { .. } => Vec::new(),
     };
     let friction = found.friction.parameters.iter().chain(&found.per_inertia.parameters);
-    terminal.heading("Friction of the dynamometer, without shaft", Style::Bold);
+    terminal.heading("Friction of the dynamometer, without shaft", Tone::Strong);
     print_parameters(inertia.into_iter().chain(friction), terminal);
     terminal.gap();
     candidates(found, terminal);

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use bench::bench_file::{Draft, PLACEHOLDER};
 use bench::channels::{Choice, Guess, guess_roles};
 use bench::{BenchFile, ExperimentLabel, Role};
+use page::{Align, Cell, Table, Tone};
 use recording::Recording;
 use report::wording;
 use serde::Serialize;
@@ -15,7 +16,6 @@ use crate::error::{CliError, Outcome};
 use crate::input::{self, InputFile};
 use crate::output;
 use crate::summary::shown;
-use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 /// A guess below this is worth a second look.
@@ -125,19 +125,19 @@ fn gaps_in(text: &str) -> Vec<(usize, String)> {
 }
 
 fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Terminal) {
-    terminal.heading("Channels", Style::Bold);
+    terminal.heading("Channels", Tone::Strong);
     terminal.table(&channels(guess));
     for ambiguity in &guess.ambiguous {
         let others = wording::join(&ambiguity.channels[1..], "and");
         let text = format!("{}: {others} would fit about as well.", wording::role(ambiguity.role));
-        terminal.item(("please check:", Style::Caution), &text);
+        terminal.item(("please check:", Tone::Caution), &text);
     }
     if !guess.missing.is_empty() {
         let roles: Vec<String> = guess.missing.iter().map(|role| wording::role(*role)).collect();
-        terminal.item(("no channel found:", Style::Faint), &format!("{}.", wording::join(&roles, "and")));
+        terminal.item(("no channel found:", Tone::Faint), &format!("{}.", wording::join(&roles, "and")));
     }
     terminal.gap();
-    terminal.heading(&format!("Written: {}", shown(out)), Style::Bold);
+    terminal.heading(&format!("Written: {}", shown(out)), Tone::Strong);
     if !gaps.is_empty() {
         terminal.line(&format!("  To be filled in, where it says \"{PLACEHOLDER}\":"));
     }
@@ -147,7 +147,7 @@ fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Ter
             gaps.iter().filter(|(_, other)| other == key).map(|(line, _)| line.to_string()).collect();
         let word = if lines.len() == 1 { "line" } else { "lines" };
         if is_first {
-            terminal.item((key, Style::Bold), &format!("({word} {}): {}", wording::join(&lines, "and"), hint(key)));
+            terminal.item((key, Tone::Strong), &format!("({word} {}): {}", wording::join(&lines, "and"), hint(key)));
         }
     }
     terminal.gap();
@@ -168,13 +168,13 @@ fn channels(guess: &Guess) -> Table {
     use Align::{Left, Right};
     let mut table = Table::new(&[("role", Left), ("", Left), ("channel", Left), ("unit", Left), ("sure", Right)]);
     for (role, choice) in &guess.choices {
-        let style = if choice.confidence < DOUBTFUL { Style::Caution } else { Style::Good };
+        let style = if choice.confidence < DOUBTFUL { Tone::Caution } else { Tone::Good };
         table.row([
             role.symbol().into(),
-            Cell::styled(wording::role_name(*role), Style::Faint),
+            Cell::toned(wording::role_name(*role), Tone::Faint),
             (&choice.channel).into(),
             unit(choice).into(),
-            Cell::styled(format!("{} %", percent(choice.confidence)), style),
+            Cell::toned(format!("{} %", percent(choice.confidence)), style),
         ]);
         table.note(&reasons(choice).join("; "));
     }

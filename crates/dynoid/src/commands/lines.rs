@@ -4,6 +4,7 @@ use bench::look::{
     BANDWIDTH_ORDERS, FEWEST_SAMPLES, Look, LookedPart, LookedSignal, OverSpeed, TURNS, look, on_one_mains, over_speed,
 };
 use bench::units::si_spelling;
+use page::{Align, Table, Tone};
 use report::look::{cause, figure, over_speed_figures, unit};
 use report::wording::number;
 use serde_json::json;
@@ -12,7 +13,6 @@ use super::experiments;
 use super::identify::judge::{picture, written};
 use crate::cli::lines::LinesArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -80,7 +80,7 @@ fn orders(signal: &OverSpeed) -> serde_json::Value {
 fn print_orders(over: &str, signals: &[OverSpeed], terminal: &mut Terminal) {
     let Some(first) = signals.first() else { return };
     let [low, high] = first.speed_rad_s.map(number::rpm);
-    terminal.heading(&format!("{over}: orders over the speed, {low} to {high}"), Style::Bold);
+    terminal.heading(&format!("{over}: orders over the speed, {low} to {high}"), Tone::Strong);
     let columns = [
         ("signal", Align::Left),
         ("order", Align::Left),
@@ -114,7 +114,7 @@ fn print_orders(over: &str, signals: &[OverSpeed], terminal: &mut Terminal) {
 fn print(look: &Look, most: usize, terminal: &mut Terminal) {
     for part in &look.parts {
         let over = format!("{} to {} s", number::significant(part.start_s, 4), number::significant(part.end_s, 4));
-        terminal.heading(&format!("{}, {over}, {}", look.file, number::rpm(part.speed_rad_s)), Style::Bold);
+        terminal.heading(&format!("{}, {over}, {}", look.file, number::rpm(part.speed_rad_s)), Tone::Strong);
         let columns =
             [("signal", Align::Left), ("Hz", Align::Right), ("amplitude", Align::Right), ("what it is", Align::Left)];
         let mut table = Table::new(&columns);

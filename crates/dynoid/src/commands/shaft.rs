@@ -3,6 +3,7 @@
 use bench::shaft_study::{ShaftRecording, ShaftStudy, Together, shaft_study};
 use bench::study::Estimate;
 use bench::torque_signals::Told;
+use page::{Align, Table, Tone};
 use report::shaft::{
     beyond, dual_mass, figures, route_remarks, routes, routes_not_taken, term, term_interval, term_value, term_verdict,
     together,
@@ -15,7 +16,6 @@ use super::experiments::{self, Campaign, print_parameters};
 use super::identify::judge::{picture, written};
 use crate::cli::shaft::ShaftArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -41,7 +41,7 @@ fn print(study: &ShaftStudy, terminal: &mut Terminal) {
         terminal.line("none of these recordings has a shaft: run BS_T_NT or WhiteNoise_T_TN with the shaft on");
     }
     for recording in &study.recordings {
-        terminal.heading(&format!("{}, {}", recording.file, recording.label), Style::Bold);
+        terminal.heading(&format!("{}, {}", recording.file, recording.label), Tone::Strong);
         match &recording.shaft {
             Told::Found(shaft) => {
                 print_parameters(shaft.estimate.parameters.iter().chain([&shaft.zero]), terminal);
@@ -158,7 +158,7 @@ fn bands(recording: &ShaftRecording, ignoring_timing: &Estimate, terminal: &mut 
 }
 
 fn print_together(all: &Together, terminal: &mut Terminal) {
-    terminal.heading("All recordings together", Style::Bold);
+    terminal.heading("All recordings together", Tone::Strong);
     print_parameters([&all.stiffness.parameter, &all.damping.parameter], terminal);
     terminal.paragraph(&together(all));
 }

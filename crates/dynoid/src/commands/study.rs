@@ -91,14 +91,14 @@ fn studied(campaign: Campaign<'_>, extent: Extent, progress: &Progress) -> Resul
         Extent::Model => {
             let study = bench::study::run(campaign, &mut step)?;
             progress.say("writing the report");
-            let html = report::html(&study);
-            Ok((study, html))
+            let page = report::study(&study);
+            Ok((study, page::html(&page, crate::PROGRAM)))
         }
         Extent::Full => {
             let (study, analyses) = bench::study::run_full(campaign, &mut step)?;
             progress.say("writing the report");
-            let html = report::full_html(&study, &analyses);
-            Ok((study, html))
+            let page = report::full_study(&study, &analyses);
+            Ok((study, page::html(&page, crate::PROGRAM)))
         }
     }
 }

@@ -5,6 +5,7 @@ use bench::torque_control_study::{
     BlackBox, ChosenBy, Judgement, Model, OrdersTried, StudiedRecording, TorqueControlStudy, Visibility, study,
 };
 use bench::{BenchFile, Experiment};
+use page::{Align, Table, Tone};
 use report::inverter::{
     against_bar, belief, beyond, circular, closed, early, figures, first_visible, model, mover, recording_needed,
     structure, verdict,
@@ -17,7 +18,6 @@ use super::experiments::{self, Campaign};
 use super::identify::judge::{picture, written};
 use crate::cli::torque_control::TorqueControlArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 /// Steps of the progress.
@@ -62,7 +62,7 @@ fn studied(
 
 fn print(studied: &TorqueControlStudy, recording: &StudiedRecording, terminal: &mut Terminal) {
     let StudiedRecording { file, label, .. } = recording;
-    terminal.heading(&format!("{file}, {label}: T_d* moved by {}", mover(recording.excited)), Style::Bold);
+    terminal.heading(&format!("{file}, {label}: T_d* moved by {}", mover(recording.excited)), Tone::Strong);
     let ends = [recording.estimation.end_s, recording.held_out.end_s].map(|s| number::significant(s, 4));
     let ripple = match recording.ripple_hz.as_slice() {
         [] => "no ripple was found".to_owned(),
@@ -175,7 +175,7 @@ fn chosen_by(studied: &TorqueControlStudy, judged: &Judgement) -> String {
 
 fn print_visibility(visibility: &Visibility, terminal: &mut Terminal) {
     let heading = format!("What {} of other rates and demands would tell", number::duration(visibility.recording_s));
-    terminal.heading(&heading, Style::Bold);
+    terminal.heading(&heading, Tone::Strong);
     let columns = [
         ("T_d,calc at", Align::Right),
         ("T_d* held", Align::Right),

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use bench::study::SignalDelay;
 use bench::torque_signals::{Told, TorqueRecording, TorqueSignals, torque_signals};
+use page::{Align, Table, Tone};
 use report::torque::{NO_TRUST, agreement, early_signals, figures, lateness, routes, shaft_filter, trust, untold};
 use report::wording::number;
 use serde_json::json;
@@ -13,7 +14,6 @@ use super::identify::judge::{picture, written};
 use super::rebuilt::{self, Rebuilt};
 use crate::cli::torque_signals::TorqueSignalsArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -61,7 +61,7 @@ fn short(recording: &TorqueRecording) -> serde_json::Value {
 }
 
 fn print(recording: &TorqueRecording, terminal: &mut Terminal) {
-    terminal.heading(&format!("{}, {}", recording.file, recording.label), Style::Bold);
+    terminal.heading(&format!("{}, {}", recording.file, recording.label), Tone::Strong);
     match &recording.delays {
         Told::Found(delays) => print_delays(delays, terminal),
         Told::Untold(why) => terminal.line(&format!("delays: {}", untold(why))),
@@ -106,7 +106,7 @@ fn print_delays(delays: &[SignalDelay], terminal: &mut Terminal) {
 /// What all recordings tell together.
 fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
     if let Some((file, parameters)) = signals.load_cell() {
-        terminal.heading(&format!("Load cell, from {file}"), Style::Bold);
+        terminal.heading(&format!("Load cell, from {file}"), Tone::Strong);
         print_parameters(parameters, terminal);
         terminal.gap();
     }

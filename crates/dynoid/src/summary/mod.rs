@@ -6,12 +6,12 @@ use std::path::Path;
 
 use bench::study::{Need, Parameter, Part, Study};
 use bench::{Diagnostic, Severity};
+use page::{Align, Cell, Table, Tone};
 use report::verdict::{Level, Rule, verdict};
 use report::wording::{self, number};
 
 use crate::commands::study::Written;
 use crate::error::Outcome;
-use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) use short::{Short, short};
@@ -53,7 +53,7 @@ fn print_verdict(study: &Study, terminal: &mut Terminal) {
     terminal.heading(&format!("Verdict: {}", verdict.level.headline()), style_of(verdict.level));
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     for Rule { asks, found, level } in verdict.rules.iter().filter(|rule| rule.level != Level::Good) {
-        table.row([Cell::styled(level.outcome(), style_of(*level)), format!("{asks} Here: {found}.").into()]);
+        table.row([Cell::toned(level.outcome(), style_of(*level)), format!("{asks} Here: {found}.").into()]);
     }
     terminal.table(&table);
     let met = verdict.rules.iter().filter(|rule| rule.level == Level::Good).count();
@@ -61,11 +61,11 @@ fn print_verdict(study: &Study, terminal: &mut Terminal) {
     terminal.gap();
 }
 
-fn style_of(level: Level) -> Style {
+fn style_of(level: Level) -> Tone {
     match level {
-        Level::Good => Style::Good,
-        Level::Reservations => Style::Caution,
-        Level::Insufficient => Style::Bad,
+        Level::Good => Tone::Good,
+        Level::Reservations => Tone::Caution,
+        Level::Insufficient => Tone::Bad,
     }
 }
 
@@ -76,14 +76,14 @@ fn print_estimates(study: &Study, terminal: &mut Terminal) {
         let shown = if part == last { "" } else { part };
         last = part;
         table.row([
-            Cell::styled(shown, Style::Faint),
+            Cell::toned(shown, Tone::Faint),
             (&parameter.symbol).into(),
             number::parameter(parameter).into(),
-            Cell::styled(&parameter.name, Style::Faint),
+            Cell::toned(&parameter.name, Tone::Faint),
         ]);
     }
     if !table.is_empty() {
-        terminal.heading("Estimates, with 95 % intervals", Style::Bold);
+        terminal.heading("Estimates, with 95 % intervals", Tone::Strong);
         terminal.table(&table);
         terminal.gap();
     }
@@ -140,10 +140,10 @@ fn print_missing(study: &Study, terminal: &mut Terminal) {
     if missing.is_empty() {
         return;
     }
-    terminal.heading("Not estimated", Style::Bold);
+    terminal.heading("Not estimated", Tone::Strong);
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     for (part, needs) in missing {
-        table.row([Cell::styled(part, Style::Caution), format!("needs {}", wording::needs(needs)).into()]);
+        table.row([Cell::toned(part, Tone::Caution), format!("needs {}", wording::needs(needs)).into()]);
     }
     terminal.table(&table);
     terminal.gap();
@@ -155,9 +155,9 @@ fn print_findings(diagnostics: &[Diagnostic], terminal: &mut Terminal) {
     if diagnostics.is_empty() {
         return;
     }
-    terminal.heading("Findings", Style::Bold);
+    terminal.heading("Findings", Tone::Strong);
     for found in doubts.iter().take(MOST_FINDINGS) {
-        let style = if found.severity == Severity::Error { Style::Bad } else { Style::Caution };
+        let style = if found.severity == Severity::Error { Tone::Bad } else { Tone::Caution };
         let place = wording::place(&found.place).map(|place| format!("{place}: ")).unwrap_or_default();
         let text = format!("{place}{} {}", wording::finding(&found.finding), wording::advice(&found.finding));
         terminal.item((&format!("{}:", wording::severity(found.severity)), style), &text);
@@ -181,7 +181,7 @@ fn print_places(written: &Written, terminal: &mut Terminal) {
     let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);
     table.row(["report".into(), shown(&written.report).into()]);
     table.row(["data".into(), shown(&written.data).into()]);
-    terminal.heading("Written", Style::Bold);
+    terminal.heading("Written", Tone::Strong);
     terminal.table(&table);
 }
 

@@ -1,4 +1,4 @@
-//! A figure as data, drawn by the plotting script (`assets/*.js`) in a page and by [`crate::svg`] without one.
+//! A figure as data, drawn by [`crate::svg`].
 //!
 //! A figure has one x-axis and one or more panels below each other that share it. Values are rounded and long traces
 //! thinned on the way in, so that a report of many recordings stays small.
@@ -17,12 +17,11 @@ const MAX_POINTS: usize = 4000;
 const OUTLINE_POINTS: usize = 1000;
 
 /// Panels on one x-axis, with a title above and a caption below.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Figure {
     /// What is shown.
     pub title: String,
-    /// What to see in it; plain text, placed by the page and not by the script.
-    #[serde(skip)]
+    /// What to see in it.
     pub caption: String,
     /// The shared x-axis.
     pub x: Axis,
@@ -35,7 +34,7 @@ pub struct Figure {
 }
 
 /// One panel.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Panel {
     /// The y-axis.
     pub y: Axis,
@@ -141,7 +140,7 @@ pub enum Marker {
 /// Something drawn in a panel. A layer's `name` stands in the legend, one entry a name; `x` and `y` are as long as each
 /// other, and so are `low` and `high`.
 #[allow(missing_docs)] // the fields are what their names say, and what the variant says of them
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 #[serde(tag = "type", rename_all = "snake_case")]
 pub enum Layer {
     /// A polyline.

@@ -1,4 +1,4 @@
-//! What part of the numbers a figure shows. The same rules as `assets/data.js`.
+//! What part of the numbers a figure shows.
 
 use super::is_log;
 use crate::figure::{Abscissa, Figure, Layer, Panel, Rounded};

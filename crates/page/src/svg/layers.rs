@@ -1,10 +1,11 @@
-//! How each kind of layer is drawn. The same rules as `assets/draw.js`.
+//! How each kind of layer is drawn. Every layer is a group that says how it moves when another part of the panel is shown.
 
 use std::fmt::Write as _;
 
 use super::extent::values;
 use super::{Frame, INK, REGION, WIDE, line, text};
 use crate::figure::{Layer, Marker, Rounded, Scale, Style};
+use crate::markup::escape;
 
 /// The colour of a style.
 pub(crate) fn colour(style: Style) -> &'static str {
@@ -21,6 +22,24 @@ pub(crate) fn colour(style: Style) -> &'static str {
         Style::Ninth => "#39424c",
         Style::Tenth => "#6d9420",
         Style::Guide => "#c9d0d7",
+    }
+}
+
+/// The name of a style in the page's style sheet.
+fn class(style: Style) -> &'static str {
+    match style {
+        Style::Measured => "measured",
+        Style::Modelled => "modelled",
+        Style::Other => "other",
+        Style::Residual => "residual",
+        Style::Fourth => "fourth",
+        Style::Fifth => "fifth",
+        Style::Sixth => "sixth",
+        Style::Seventh => "seventh",
+        Style::Eighth => "eighth",
+        Style::Ninth => "ninth",
+        Style::Tenth => "tenth",
+        Style::Guide => "guide",
     }
 }
 
@@ -51,6 +70,8 @@ fn is_rough(y: &[Rounded], frame: &Frame) -> bool {
 const DARKEST: usize = 9;
 const SHADE: f64 = 0.085;
 
+const MARK: &str = "stroke-dasharray=\"4 3\" stroke-opacity=\"0.7\" class=\"mark\"";
+
 /// From the name of a mark to one below it.
 const NAME_HEIGHT: f64 = 15.0;
 
@@ -75,32 +96,69 @@ impl MarkNames {
     }
 }
 
+/// What the page's script has to know of a layer: what it is, along which axes it moves, and the series it belongs to.
+fn attributes(layer: &Layer) -> String {
+    let (kind, moves) = match layer {
+        Layer::Line { .. } => ("line", "xy"),
+        Layer::Points { .. } => ("points", "xy"),
+        Layer::Stems { .. } => ("stems", "xy"),
+        Layer::Markers { .. } => ("markers", "xy"),
+        Layer::Path { .. } => ("path", "xy"),
+        Layer::Band { .. } => ("band", "xy"),
+        Layer::Shades { .. } => ("shades", "xy"),
+        Layer::Words { .. } => ("words", "xy"),
+        Layer::HorizontalMark { .. } => ("mark", "y"),
+        Layer::VerticalMarks { .. } => ("mark", "x"),
+        Layer::YRegion { .. } => ("region", "y"),
+        Layer::XRegion { .. } => ("region", "x"),
+    };
+    let series = match layer {
+        Layer::Line { name, style, .. }
+        | Layer::Points { name, style, .. }
+        | Layer::Stems { name, style, .. }
+        | Layer::Markers { name, style, .. }
+        | Layer::Path { name, style, .. }
+        | Layer::Band { name, style, .. } => {
+            format!(" data-name=\"{}\" data-style=\"{}\"", escape(name), class(*style))
+        }
+        _ => String::new(),
+    };
+    format!("data-type=\"{kind}\" data-moves=\"{moves}\"{series}")
+}
+
+/// Draws a layer as a group.
 pub(crate) fn draw(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Frame) {
+    let _ = writeln!(out, "<g class=\"layer\" {}>", attributes(layer));
+    contents(out, layer, names, frame);
+    out.push_str("</g>\n");
+}
+
+fn contents(out: &mut String, layer: &Layer, names: &mut MarkNames, frame: &Frame) {
     match layer {
         Layer::Line { style, x, y, .. } => {
-            let d = polyline(&values(x, y.len()), y, frame, 'M');
-            let is_dense = y.len() as f64 > Frame::RIGHT - Frame::LEFT && is_rough(y, frame);
+            let d = polyline(&values(x, y.len()), y, frame);
+            let is_dense = y.len() as f64 > frame.right - frame.left && is_rough(y, frame);
             let (width, attributes) = stroke(*style, is_dense);
             // Dashes of what has become an area would be no line but holes.
             path(out, &d, *style, width, if is_dense { attributes } else { dashes(*style) });
         }
         Layer::Points { style, x, y, low, high, .. } => {
             let x = values(x, y.len());
-            if let (Some(low), Some(high)) = (low, high) {
-                bars(out, &x, low, high, frame);
-            }
             let size = match low {
                 Some(_) => 5.5,
-                None if y.len() as f64 > Frame::RIGHT - Frame::LEFT => 2.0,
+                None if y.len() as f64 > frame.right - frame.left => 2.0,
                 None => 4.0,
             };
             path(out, &dots(&x, y, frame), *style, size, "stroke-linecap=\"round\"");
+            if let (Some(low), Some(high)) = (low, high) {
+                bars(out, &x, low, high, frame);
+            }
         }
         Layer::Stems { style, x, y, .. } => stems(out, &values(x, y.len()), y, *style, frame),
         Layer::Markers { style, marker, x, y, .. } => markers(out, x, y, (*style, *marker), frame),
         Layer::Path { style, x, y, .. } => {
             let x: Vec<f64> = x.iter().map(|v| v.0).collect();
-            path(out, &polyline(&x, y, frame, 'M'), *style, stroke(*style, false).0, dashes(*style));
+            path(out, &polyline(&x, y, frame), *style, stroke(*style, false).0, dashes(*style));
         }
         Layer::Band { style, x, low, high, .. } => band(out, &values(x, low.len()), low, high, *style, frame),
         Layer::Shades { x, y, columns } => shades(out, (x, y), columns, frame),
@@ -109,10 +167,10 @@ pub(crate) fn draw(out: &mut String, layer: &Layer, names: &mut MarkNames, frame
         Layer::VerticalMarks { x, label } => vertical_marks(out, x, label, names, frame),
         Layer::YRegion { low, high, .. } => {
             let (top, bottom) = (frame.y.pixel(high.0), frame.y.pixel(low.0));
-            region(out, (Frame::LEFT, top), (Frame::RIGHT, bottom));
+            region(out, (frame.left, top), (frame.right, bottom));
         }
         Layer::XRegion { low, high, .. } => {
-            let at = |value: f64| frame.x.pixel(value.max(f64::MIN_POSITIVE)).clamp(Frame::LEFT, Frame::RIGHT);
+            let at = |value: f64| frame.x.pixel(value.max(f64::MIN_POSITIVE)).clamp(frame.left, frame.right);
             region(out, (at(low.0), frame.top), (at(high.0), frame.bottom));
         }
     }
@@ -125,19 +183,42 @@ fn place(x: f64, y: f64, frame: &Frame) -> Option<(f64, f64)> {
     (at.0.is_finite() && at.1.is_finite()).then(|| (at.0.clamp(-1e5, 1e5), at.1.clamp(-1e5, 1e5)))
 }
 
-/// A line that is broken where a value is missing.
-fn polyline(x: &[f64], y: &[Rounded], frame: &Frame, first: char) -> String {
+/// A line that is broken where a value is missing: in hundredths of a pixel, each point by its distance from the one
+/// before, so that a long line stays short to write.
+fn polyline(x: &[f64], y: &[Rounded], frame: &Frame) -> String {
     let mut d = String::new();
-    let mut pen = first;
+    let mut pen: Option<(i64, i64)> = None;
     for (x, y) in x.iter().zip(y) {
-        let Some((px, py)) = place(*x, y.0, frame) else {
-            pen = 'M';
+        let Some(at) = place(*x, y.0, frame).map(|(px, py)| (hundredths(px), hundredths(py))) else {
+            pen = None;
             continue;
         };
-        let _ = write!(d, "{pen}{px:.1} {py:.1}");
-        pen = 'L';
+        match pen {
+            None => {
+                let _ = write!(d, "M{} {}l", short(at.0), short(at.1));
+            }
+            Some(before) => {
+                let _ = write!(d, " {} {}", short(at.0 - before.0), short(at.1 - before.1));
+            }
+        }
+        pen = Some(at);
     }
-    d
+    d.replace("l ", "l")
+}
+
+fn hundredths(pixels: f64) -> i64 {
+    (100.0 * pixels).round() as i64
+}
+
+/// Hundredths as a decimal number without zeros that say nothing: `-.5`, `12`, `3.07`.
+fn short(hundredths: i64) -> String {
+    let sign = if hundredths < 0 { "-" } else { "" };
+    let (whole, part) = (hundredths.unsigned_abs() / 100, hundredths.unsigned_abs() % 100);
+    match (whole, part) {
+        (whole, 0) => format!("{sign}{whole}"),
+        (0, part) => format!("{sign}.{part:02}").trim_end_matches('0').to_owned(),
+        (whole, part) => format!("{sign}{whole}.{part:02}").trim_end_matches('0').to_owned(),
+    }
 }
 
 fn each(x: &[f64], y: &[Rounded], frame: &Frame, piece: impl Fn(f64, f64) -> String) -> String {
@@ -145,18 +226,21 @@ fn each(x: &[f64], y: &[Rounded], frame: &Frame, piece: impl Fn(f64, f64) -> Str
 }
 
 fn dots(x: &[f64], y: &[Rounded], frame: &Frame) -> String {
-    each(x, y, frame, |px, py| format!("M{px:.1} {py:.1}h0.01"))
+    each(x, y, frame, |px, py| format!("M{px:.2} {py:.2}h.01"))
 }
 
 fn stems(out: &mut String, x: &[f64], y: &[Rounded], style: Style, frame: &Frame) {
     let zero = frame.y.pixel(0.0);
-    path(out, &each(x, y, frame, |px, py| format!("M{px:.1} {zero:.1}V{py:.1}")), style, 1.4, "");
     path(out, &dots(x, y, frame), style, 4.0, "stroke-linecap=\"round\"");
+    path(out, &each(x, y, frame, |px, py| format!("M{px:.1} {zero:.1}V{py:.1}")), style, 1.4, "");
 }
 
+/// Markers keep their size when another part of the panel is shown, so each is a path of its own.
 fn markers(out: &mut String, x: &[Rounded], y: &[Rounded], (style, marker): (Style, Marker), frame: &Frame) {
-    let x: Vec<f64> = x.iter().map(|v| v.0).collect();
-    path(out, &each(&x, y, frame, |px, py| shape(marker, px, py)), style, 1.7, "");
+    for (px, py) in x.iter().zip(y).filter_map(|(x, y)| place(x.0, y.0, frame)) {
+        let at = format!("data-at=\"{px:.2} {py:.2}\" transform=\"translate({px:.2} {py:.2})\"");
+        path(out, &shape(marker, 0.0, 0.0), style, 1.7, &at);
+    }
 }
 
 fn shape(marker: Marker, px: f64, py: f64) -> String {
@@ -206,7 +290,7 @@ fn shades(out: &mut String, (x, y): (&[Rounded; 2], &[Rounded; 2]), columns: &[S
     }
     for (shade, d) in paths.iter().enumerate().skip(1).filter(|(_, d)| !d.is_empty()) {
         let opacity = SHADE * shade as f64;
-        let _ = writeln!(out, "<path d=\"{d}\" fill=\"{INK}\" fill-opacity=\"{opacity:.3}\"/>");
+        let _ = writeln!(out, "<path d=\"{d}\" fill=\"{INK}\" fill-opacity=\"{opacity:.3}\" class=\"shade\"/>");
     }
 }
 
@@ -215,27 +299,40 @@ fn write_words(out: &mut String, (x, y): (&[Rounded], &[Rounded]), words: &[Stri
     for ((x, y), word) in x.iter().zip(y).zip(words) {
         let Some((px, py)) = place(x.0, y.0, frame) else { continue };
         let half = 0.5 * WIDE * word.chars().count() as f64;
-        let middle = px.clamp(Frame::LEFT + half, Frame::RIGHT - half);
+        let middle = px.clamp(frame.left + half, frame.right - half);
         let base = (py - 5.0).max(frame.top + 10.0);
         let covers = |t: &[f64; 4]| middle - half < t[1] && middle + half > t[0] && base - 11.0 < t[3] && base > t[2];
-        if base > frame.bottom || !(Frame::LEFT..=Frame::RIGHT).contains(&px) || taken.iter().any(covers) {
+        if base > frame.bottom || !(frame.left..=frame.right).contains(&px) {
             continue;
         }
-        taken.push([middle - half, middle + half, base - 11.0, base]);
-        let attributes =
-            format!("fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\"", colour(style));
+        // The page's script shows it where another part of the panel leaves room for it.
+        let covers_another = taken.iter().any(covers);
+        if !covers_another {
+            taken.push([middle - half, middle + half, base - 11.0, base]);
+        }
+        let shown = if covers_another { "display=\"none\" " } else { "" };
+        let attributes = format!(
+            "{shown}fill=\"{}\" stroke=\"#ffffff\" stroke-width=\"3\" paint-order=\"stroke\" class=\"word w-{}\" data-at=\"{px:.1} {py:.1}\"",
+            colour(style),
+            class(style)
+        );
         text(out, (middle, base), "middle", &attributes, word);
     }
 }
 
+/// Error bars. Their caps are short pieces of a wide stroke, which stays as wide when another part is shown.
 fn bars(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], frame: &Frame) {
-    let mut d = String::new();
+    let (mut bars, mut caps) = (String::new(), String::new());
     for ((x, low), high) in x.iter().zip(low).zip(high) {
         if let (Some((px, bottom)), Some((_, top))) = (place(*x, low.0, frame), place(*x, high.0, frame)) {
-            let _ = write!(d, "M{px:.1} {bottom:.1}V{top:.1}M{0:.1} {bottom:.1}h6M{0:.1} {top:.1}h6", px - 3.0);
+            let _ = write!(bars, "M{px:.1} {bottom:.1}V{top:.1}");
+            let _ = write!(caps, "M{px:.1} {:.1}v1.3M{px:.1} {:.1}v1.3", bottom - 0.65, top - 0.65);
         }
     }
-    let _ = writeln!(out, "<path d=\"{d}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.3\"/>");
+    for (d, width) in [(bars, 1.3), (caps, 6.0)] {
+        let _ =
+            writeln!(out, "<path d=\"{d}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"{width}\" class=\"bars\"/>");
+    }
 }
 
 fn band(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], style: Style, frame: &Frame) {
@@ -252,16 +349,21 @@ fn band(out: &mut String, x: &[f64], low: &[Rounded], high: &[Rounded], style: S
         let _ = write!(d, "{}{px:.1} {py:.1}", if n == 0 { 'M' } else { 'L' });
     }
     if !d.is_empty() {
-        let _ = writeln!(out, "<path d=\"{d}Z\" fill=\"{}\" fill-opacity=\"0.18\"/>", colour(style));
+        let _ = writeln!(
+            out,
+            "<path d=\"{d}Z\" fill=\"{}\" fill-opacity=\"0.18\" class=\"b-{}\"/>",
+            colour(style),
+            class(style)
+        );
     }
 }
 
 fn horizontal_mark(out: &mut String, value: f64, label: &str, frame: &Frame) {
     let y = frame.y.pixel(value);
     if (frame.top..=frame.bottom).contains(&y) {
-        line(out, (Frame::LEFT, y), (Frame::RIGHT, y), INK, "stroke-dasharray=\"4 3\" stroke-opacity=\"0.7\"");
+        line(out, (frame.left, y), (frame.right, y), INK, MARK);
         let base = if y - NAME_HEIGHT < frame.top { y + NAME_HEIGHT } else { y - 6.0 };
-        text(out, (Frame::LEFT + 6.0, base), "start", &format!("fill=\"{INK}\""), label);
+        text(out, (frame.left + 6.0, base), "start", &format!("fill=\"{INK}\" class=\"mark-name\""), label);
     }
 }
 
@@ -269,16 +371,16 @@ fn vertical_marks(out: &mut String, x: &[Rounded], label: &str, names: &mut Mark
     let in_view = |x: &&Rounded| (frame.x.low..=frame.x.high).contains(&x.0);
     let places: Vec<f64> = x.iter().filter(in_view).map(|x| frame.x.pixel(x.0)).collect();
     for x in &places {
-        line(out, (*x, frame.top), (*x, frame.bottom), INK, "stroke-dasharray=\"4 3\" stroke-opacity=\"0.7\"");
+        line(out, (*x, frame.top), (*x, frame.bottom), INK, MARK);
     }
     if let Some(first) = places.first() {
-        let before = *first > 0.5 * (Frame::LEFT + Frame::RIGHT);
+        let before = *first > 0.5 * (frame.left + frame.right);
         let (shift, anchor) = if before { (-5.0, "end") } else { (5.0, "start") };
         let width = WIDE * label.chars().count() as f64;
         let from = if before { first + shift - width } else { first + shift };
         let row = names.row(from, from + width);
         let base = frame.top + 12.0 + NAME_HEIGHT * row as f64;
-        text(out, (first + shift, base), anchor, &format!("fill=\"{INK}\""), label);
+        text(out, (first + shift, base), anchor, &format!("fill=\"{INK}\" class=\"mark-name\""), label);
     }
 }
 
@@ -287,7 +389,7 @@ fn region(out: &mut String, (left, top): (f64, f64), (right, bottom): (f64, f64)
     if [left, top, width, height].iter().all(|v| v.is_finite()) {
         let _ = writeln!(
             out,
-            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{REGION}\" fill-opacity=\"0.11\"/>"
+            "<rect x=\"{left:.1}\" y=\"{top:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{REGION}\" fill-opacity=\"0.11\" class=\"region\"/>"
         );
     }
 }
@@ -296,8 +398,9 @@ fn path(out: &mut String, d: &str, style: Style, width: f64, attributes: &str) {
     if !d.is_empty() {
         let _ = writeln!(
             out,
-            "<path d=\"{d}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" {attributes}/>",
-            colour(style)
+            "<path d=\"{d}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" class=\"s-{}\" {attributes}/>",
+            colour(style),
+            class(style)
         );
     }
 }

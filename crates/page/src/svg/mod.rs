@@ -1,4 +1,4 @@
-//! A figure as SVG, drawn without a browser: what the plotting script draws, on white, with its legend.
+//! A figure as SVG: on its own with title, legend and caption, or inside a page, where a script shows other parts of it.
 
 mod extent;
 mod layers;
@@ -8,43 +8,92 @@ use std::fmt::Write as _;
 
 use crate::figure::{Axis, Figure, Layer, Panel, Scale};
 use crate::markup::escape;
+use crate::prose::{Inline, Prose};
 use extent::{equal_ranges, x_extent, y_extent};
 use scale::Mapping;
 
 /// The font of every text.
 pub(crate) const FONT: &str = "DejaVu Sans";
 
-const WIDTH: f64 = 900.0;
-const LEFT: f64 = 74.0;
-const RIGHT: f64 = WIDTH - 18.0;
+/// A drawing on its own.
+const ALONE: Canvas = Canvas { width: 900.0, left: 74.0, stretch: 1.25 };
+/// From the right end of the axes to that of the drawing.
+const MARGIN: f64 = 18.0;
 const TITLE: f64 = 30.0;
 const LEGEND_ROW: f64 = 20.0;
 const ABOVE_PANEL: f64 = 24.0;
 const BETWEEN: f64 = 34.0;
 const BELOW: f64 = 52.0;
+/// Below the panels of a drawing in a page.
+const FOOT: f64 = 44.0;
 const LINE_HEIGHT: f64 = 17.0;
 /// DejaVu Sans is about 0.6 em wide.
 const WIDE: f64 = 7.3;
-/// Panels are laid out for a page of about this width; the drawing is a little larger.
-const STRETCH: f64 = 1.25;
 
 const INK: &str = "#1d232a";
 const SOFT: &str = "#56616d";
 const LINE: &str = "#dce1e6";
 const REGION: &str = "#0b5fa5";
 
-/// The figures below each other as one SVG document.
-pub fn svg(figures: &[Figure]) -> String {
+/// How wide a drawing is, where its axes begin, and how much higher panels are than they say.
+#[derive(Debug, Clone, Copy)]
+struct Canvas {
+    width: f64,
+    left: f64,
+    stretch: f64,
+}
+
+impl Canvas {
+    fn right(self) -> f64 {
+        self.width - MARGIN
+    }
+}
+
+/// The figures below each other as one SVG document, with titles, legends and captions.
+pub fn svg<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> String {
     let mut body = String::new();
     let mut top = 0.0;
-    for (number, figure) in figures.iter().enumerate() {
+    for (number, figure) in figures.into_iter().enumerate() {
         top = draw(&mut body, figure, number, top);
     }
-    let height = top.max(1.0);
+    let (width, height) = (ALONE.width, top.max(1.0));
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
          font-family=\"{FONT}, sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n\
          {body}</svg>\n"
+    )
+}
+
+/// The panels of a figure as an SVG element of a page that has title, legend and caption of its own.
+pub(crate) fn embedded(figure: &Figure, width: f64, number: usize) -> String {
+    let canvas = Canvas { width, left: 58.0, stretch: 1.0 };
+    let mut body = String::new();
+    let height = panels(&mut body, figure, number, 0.0, canvas) + FOOT - BELOW;
+    let axis = |axis: &Axis| escape(&axis_name(axis)).into_owned();
+    format!(
+        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" font-size=\"12\" role=\"img\" \
+         aria-label=\"{}\" data-x-label=\"{}\" data-x-unit=\"{}\"{}>\n<title>{}</title><desc>{}</desc>\n{body}</svg>",
+        escape(&figure.title),
+        escape(&figure.x.label),
+        escape(&figure.x.unit),
+        if figure.equal_axes { " data-equal-axes=\"\"" } else { "" },
+        escape(&figure.title),
+        format_args!(
+            "{} over {}. {}",
+            figure.panels.iter().map(|panel| axis(&panel.y)).collect::<Vec<_>>().join(", "),
+            axis(&figure.x),
+            escape(&legend_entries(figure).iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", "))
+        ),
+    )
+}
+
+/// What stands before a series' name, as an SVG element of its own.
+pub(crate) fn key(layer: &Layer) -> String {
+    let mut body = String::new();
+    layers::key(&mut body, layer, (0.0, 11.0));
+    format!(
+        "<svg class=\"key\" width=\"18\" height=\"14\" viewBox=\"0 0 18 14\" aria-hidden=\"true\">{}</svg>",
+        body.trim_end()
     )
 }
 
@@ -52,67 +101,73 @@ pub fn svg(figures: &[Figure]) -> String {
 pub(crate) struct Frame {
     pub(crate) x: Mapping,
     pub(crate) y: Mapping,
+    pub(crate) left: f64,
+    pub(crate) right: f64,
     pub(crate) top: f64,
     pub(crate) bottom: f64,
-}
-
-impl Frame {
-    pub(crate) const LEFT: f64 = LEFT;
-    pub(crate) const RIGHT: f64 = RIGHT;
 }
 
 /// Draws one figure from `top` down; returns where it ends.
 fn draw(out: &mut String, figure: &Figure, number: usize, top: f64) -> f64 {
     let bold = format!("font-size=\"15\" font-weight=\"bold\" fill=\"{INK}\"");
-    label(out, figure, (LEFT, top + 20.0), "start", &bold, &figure.title);
-    let mut top = legend(out, figure, top + TITLE);
+    label(out, figure, (ALONE.left, top + 20.0), "start", &bold, &figure.title);
+    let top = legend(out, figure, top + TITLE);
+    let top = panels(out, figure, number, top, ALONE);
+    caption(out, figure, top)
+}
+
+/// Draws the panels of a figure from `top` down; returns where they end.
+fn panels(out: &mut String, figure: &Figure, number: usize, mut top: f64, canvas: Canvas) -> f64 {
     let domain = x_extent(figure);
     for (index, panel) in figure.panels.iter().enumerate() {
         top += ABOVE_PANEL;
-        let bottom = top + f64::from(panel.height) * STRETCH;
-        let frame = frame(figure, panel, domain, top, bottom);
+        let bottom = top + f64::from(panel.height) * canvas.stretch;
+        let frame = frame(figure, panel, domain, (top, bottom), canvas);
         let clip = format!("clip-{number}-{index}");
         let last = index + 1 == figure.panels.len();
         draw_panel(out, figure, panel, &frame, &clip, last);
         top = bottom + if last { BELOW } else { BETWEEN - ABOVE_PANEL };
     }
-    caption(out, figure, top)
+    top
 }
 
-fn frame(figure: &Figure, panel: &Panel, domain: (f64, f64), top: f64, bottom: f64) -> Frame {
+fn frame(figure: &Figure, panel: &Panel, domain: (f64, f64), (top, bottom): (f64, f64), canvas: Canvas) -> Frame {
+    let (left, right) = (canvas.left, canvas.right());
     let mut x_range = domain;
     let mut y_range = y_extent(panel, domain);
     if figure.equal_axes {
-        (x_range, y_range) = equal_ranges(domain, y_range, RIGHT - LEFT, bottom - top);
+        (x_range, y_range) = equal_ranges(domain, y_range, right - left, bottom - top);
     }
     Frame {
-        x: Mapping::new(figure.x.scale, x_range, LEFT, RIGHT),
+        x: Mapping::new(figure.x.scale, x_range, left, right),
         y: Mapping::new(panel.y.scale, y_range, bottom, top),
+        left,
+        right,
         top,
         bottom,
     }
 }
 
+/// A panel: axes, then what is drawn between them, then names. What the page's script needs to show another part of it
+/// stands in `data-` attributes: the scales, the frame, and of each group whether it moves along x, y or both.
 fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, clip: &str, last: bool) {
-    let (top, bottom) = (frame.top, frame.bottom);
-    for (value, label) in frame.y.ticks((bottom - top) / 30.0) {
-        let y = frame.y.pixel(value);
-        line(out, (LEFT, y), (RIGHT, y), LINE, "");
-        text(out, (LEFT - 7.0, y + 4.0), "end", &format!("fill=\"{SOFT}\""), &label);
-    }
-    for (value, label) in frame.x.ticks((RIGHT - LEFT) / 75.0) {
-        let x = frame.x.pixel(value);
-        line(out, (x, top), (x, bottom), LINE, "");
-        if last {
-            text(out, (x, bottom + 17.0), "middle", &format!("fill=\"{SOFT}\""), &label);
-        }
-    }
-    line(out, (LEFT, bottom), (RIGHT, bottom), SOFT, "");
-    let (width, height) = (RIGHT - LEFT, bottom - top + 4.0);
+    let Frame { left, right, top, bottom, .. } = *frame;
     let _ = writeln!(
         out,
-        "<clipPath id=\"{clip}\"><rect x=\"{LEFT}\" y=\"{:.1}\" width=\"{width}\" height=\"{height:.1}\"/></clipPath>\n\
-         <g clip-path=\"url(#{clip})\">",
+        "<g class=\"panel\" data-x=\"{}\" data-y=\"{}\" data-frame=\"{left} {right} {top} {bottom}\" data-label=\"{}\" data-unit=\"{}\"{}{}>",
+        frame.x.attribute(),
+        frame.y.attribute(),
+        escape(&panel.y.label),
+        escape(&panel.y.unit),
+        if panel.y.range.is_some() { " data-fixed=\"\"" } else { "" },
+        if last { " data-last=\"\"" } else { "" },
+    );
+    axes(out, frame, last);
+    let (width, height) = (right - left, bottom - top + 4.0);
+    let _ = writeln!(
+        out,
+        "<clipPath id=\"{clip}\"><rect x=\"{left}\" y=\"{:.1}\" width=\"{width}\" height=\"{height:.1}\"/></clipPath>\n\
+         <g class=\"inside\" clip-path=\"url(#{clip})\">",
         top - 2.0
     );
     let mut names = layers::MarkNames::default();
@@ -120,18 +175,41 @@ fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, c
     out.push_str("</g>\n");
     let note = if panel.note.is_empty() { String::new() } else { format!("  {}", panel.note) };
     let name = format!("{}{note}", axis_name(&panel.y));
-    label(out, figure, (LEFT, top - 9.0), "start", &format!("fill=\"{INK}\""), &name);
+    label(out, figure, (left, top - 9.0), "start", &format!("class=\"axis-name\" fill=\"{INK}\""), &name);
     if last {
-        label(out, figure, (RIGHT, bottom + 36.0), "end", &format!("fill=\"{INK}\""), &axis_name(&figure.x));
+        let name = axis_name(&figure.x);
+        label(out, figure, (right, bottom + 36.0), "end", &format!("class=\"axis-name x\" fill=\"{INK}\""), &name);
     }
+    out.push_str("</g>\n");
+}
+
+/// Grid, ticks and their labels.
+fn axes(out: &mut String, frame: &Frame, last: bool) {
+    let Frame { left, right, top, bottom, .. } = *frame;
+    let tick = format!("class=\"tick\" fill=\"{SOFT}\"");
+    out.push_str("<g class=\"axes\">\n");
+    for (value, label) in frame.y.ticks((bottom - top) / 30.0) {
+        let y = frame.y.pixel(value);
+        line(out, (left, y), (right, y), LINE, "class=\"grid\"");
+        text(out, (left - 7.0, y + 4.0), "end", &tick, &label);
+    }
+    for (value, label) in frame.x.ticks((right - left) / 75.0) {
+        let x = frame.x.pixel(value);
+        line(out, (x, top), (x, bottom), LINE, "class=\"grid\"");
+        if last {
+            text(out, (x, bottom + 17.0), "middle", &tick, &label);
+        }
+    }
+    line(out, (left, bottom), (right, bottom), SOFT, "class=\"axis\"");
+    out.push_str("</g>\n");
 }
 
 fn axis_name(axis: &Axis) -> String {
     if axis.unit.is_empty() { axis.label.clone() } else { format!("{} [{}]", axis.label, axis.unit) }
 }
 
-/// The names of the series, in rows; returns where the rows end.
-fn legend(out: &mut String, figure: &Figure, top: f64) -> f64 {
+/// The names of the series with the first layer of each; none where there is one series alone.
+pub(crate) fn legend_entries(figure: &Figure) -> Vec<(&str, &Layer)> {
     let mut entries: Vec<(&str, &Layer)> = Vec::new();
     for layer in figure.panels.iter().flat_map(|panel| &panel.layers) {
         if let Some(name) = layer.legend_name()
@@ -141,14 +219,21 @@ fn legend(out: &mut String, figure: &Figure, top: f64) -> f64 {
             entries.push((name, layer));
         }
     }
-    if entries.len() < 2 {
+    if entries.len() < 2 { Vec::new() } else { entries }
+}
+
+/// The names of the series, in rows; returns where the rows end.
+fn legend(out: &mut String, figure: &Figure, top: f64) -> f64 {
+    let entries = legend_entries(figure);
+    if entries.is_empty() {
         return top;
     }
-    let (mut x, mut y) = (LEFT, top + 10.0);
+    let (left, right) = (ALONE.left, ALONE.right());
+    let (mut x, mut y) = (left, top + 10.0);
     for (name, layer) in entries {
         let width = 24.0 + WIDE * name.chars().count() as f64 + 16.0;
-        if x + width > RIGHT && x > LEFT {
-            (x, y) = (LEFT, y + LEGEND_ROW);
+        if x + width > right && x > left {
+            (x, y) = (left, y + LEGEND_ROW);
         }
         layers::key(out, layer, (x, y));
         label(out, figure, (x + 24.0, y), "start", &format!("fill=\"{INK}\""), name);
@@ -159,7 +244,7 @@ fn legend(out: &mut String, figure: &Figure, top: f64) -> f64 {
 
 /// The caption below a figure, broken into lines; returns where it ends.
 fn caption(out: &mut String, figure: &Figure, top: f64) -> f64 {
-    let room = ((RIGHT - LEFT) / WIDE) as usize;
+    let room = ((ALONE.right() - ALONE.left) / WIDE) as usize;
     let mut lines: Vec<String> = Vec::new();
     for word in figure.caption.split_whitespace() {
         match lines.last_mut() {
@@ -172,7 +257,7 @@ fn caption(out: &mut String, figure: &Figure, top: f64) -> f64 {
     }
     for (number, line) in lines.iter().enumerate() {
         let y = top + LINE_HEIGHT * number as f64;
-        label(out, figure, (LEFT, y), "start", &format!("fill=\"{SOFT}\""), line);
+        label(out, figure, (ALONE.left, y), "start", &format!("fill=\"{SOFT}\""), line);
     }
     if lines.is_empty() { top } else { top + LINE_HEIGHT * lines.len() as f64 }
 }
@@ -208,47 +293,24 @@ pub(crate) fn text(out: &mut String, (x, y): (f64, f64), anchor: &str, attribute
     out.push_str("</text>\n");
 }
 
-/// Splits text into pieces, each with whether it is an index: a letter, an underscore and letters or digits, where that is
-/// a word of its own and no part of a file's name.
+/// Splits text into pieces, each with whether it is an index.
 fn symbol_pieces(text: &str) -> Vec<(String, bool)> {
-    let mut pieces = vec![(String::new(), false)];
-    let characters: Vec<char> = text.chars().collect();
-    let mut at = 0;
-    while at < characters.len() {
-        let index = index_at(&characters, at);
-        if index.is_empty() {
-            if let Some((piece, _)) = pieces.last_mut() {
-                piece.push(characters[at]);
+    let mut pieces: Vec<(String, bool)> = Vec::new();
+    for inline in Prose::from(text).0 {
+        let more = match &inline {
+            Inline::Symbol(symbol) => {
+                symbol.pieces().into_iter().map(|(piece, below)| (piece.to_owned(), below)).collect()
             }
-            at += 1;
-        } else {
-            at += 1 + index.chars().count();
-            pieces.push((index, true));
-            pieces.push((String::new(), false));
+            other => vec![(Prose(vec![other.clone()]).plain(), false)],
+        };
+        for (piece, below) in more {
+            match pieces.last_mut() {
+                Some((last, false)) if !below => last.push_str(&piece),
+                _ => pieces.push((piece, below)),
+            }
         }
     }
-    pieces.retain(|(piece, _)| !piece.is_empty());
     pieces
-}
-
-/// The index that an underscore at this place begins; empty where none does.
-fn index_at(characters: &[char], at: usize) -> String {
-    let joins = |c: &char| "_-./\\".contains(*c);
-    let in_word = |c: &char| c.is_alphanumeric() || joins(c);
-    let before = at.checked_sub(1).and_then(|i| characters.get(i)).is_some_and(|c| c.is_alphabetic());
-    let earlier = at.checked_sub(2).and_then(|i| characters.get(i)).is_some_and(in_word);
-    if characters[at] != '_' || !before || earlier {
-        return String::new();
-    }
-    let index: String = characters[at + 1..].iter().take_while(|c| c.is_alphanumeric() || **c == ',').collect();
-    let index = index.trim_end_matches(',').to_owned();
-    let mut after = characters[at + 1 + index.chars().count()..].iter();
-    let goes_on = match after.next() {
-        Some('_') => true,
-        Some(c) if joins(c) => after.next().is_some_and(|c| c.is_alphanumeric()),
-        _ => false,
-    };
-    if goes_on { String::new() } else { index }
 }
 
 pub(crate) fn line(out: &mut String, from: (f64, f64), to: (f64, f64), colour: &str, attributes: &str) {

@@ -20,6 +20,16 @@ impl Mapping {
         Mapping { kind, low, high, from, slope }
     }
 
+    /// The mapping as the page's script reads it: kind, and the values at both ends.
+    pub(crate) fn attribute(&self) -> String {
+        let kind = match self.kind {
+            Scale::Linear => "linear",
+            Scale::Log => "log",
+            Scale::Angle => "angle",
+        };
+        format!("{kind} {} {}", self.low, self.high)
+    }
+
     /// Where a value is drawn; not finite where it has no place.
     pub(crate) fn pixel(&self, value: f64) -> f64 {
         self.from + (position(self.kind, value) - position(self.kind, self.low)) * self.slope

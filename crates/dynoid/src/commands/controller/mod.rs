@@ -9,6 +9,7 @@ use bench::speed_control::{
 use bench::study::Validation;
 use bench::torque_signals::Told;
 use bench::units::RPM_RAD_S;
+use page::{Align, Table, Tone};
 use report::controller::{
     M_IS_UNTOLD, bends, delay, figures, improvement, limits, negligible, probability, round, rules, structure, term,
     untold, untold_terms, verdict,
@@ -22,7 +23,6 @@ use crate::cli::GivenRecordings;
 use crate::cli::controller::{ControllerArguments, ControllerCommand};
 use crate::cli::identify::ResultArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &ControllerArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -99,7 +99,7 @@ fn without_traces(validation: &Validation) -> Value {
 }
 
 fn print_controller(one: &ControllerRecording, terminal: &mut Terminal) {
-    terminal.heading(&format!("{}, {}", one.file, one.label), Style::Bold);
+    terminal.heading(&format!("{}, {}", one.file, one.label), Tone::Strong);
     match &one.found {
         Told::Found(found) => print_found(found, terminal),
         Told::Untold(why) => terminal.line(&format!("speed controller: {}", untold(why))),
@@ -182,7 +182,7 @@ fn print_tests(tests: &[TermTest], terminal: &mut Terminal) {
 }
 
 fn print_feed_forward(one: &FeedForwardRecording, terminal: &mut Terminal) {
-    terminal.heading(&format!("{}, {}: feed-forward", one.file, one.label), Style::Bold);
+    terminal.heading(&format!("{}, {}: feed-forward", one.file, one.label), Tone::Strong);
     match &one.found {
         Told::Found(found) => print_feed_forward_found(found, terminal),
         Told::Untold(why) => terminal.line(&untold(why)),
@@ -226,7 +226,7 @@ fn print_map(terms: &FeedForwardTerms, terminal: &mut Terminal) {
 
 /// Limits, and what no recording tells.
 fn print_rest(found: &SpeedControl, terminal: &mut Terminal) {
-    terminal.heading("Limit of T_d*", Style::Bold);
+    terminal.heading("Limit of T_d*", Tone::Strong);
     limits(found).iter().for_each(|text| terminal.paragraph(text));
     terminal.gap();
     if found.feed_forward.is_empty() {

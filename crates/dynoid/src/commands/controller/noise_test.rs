@@ -3,6 +3,7 @@
 use bench::experiment::Test;
 use bench::speed_control::{Case, Estimator, PiStudy, StudyOptions, Summary, study, virtual_experiment};
 use bench::{ControlMode, Experiment, Role};
+use page::{Align, Table, Tone};
 use report::controller::{ESTIMATORS, STUDY_DEFINITIONS, estimator, noise, published, study_figures};
 use report::wording::number;
 
@@ -12,7 +13,6 @@ use crate::commands::experiments;
 use crate::commands::identify::data::check_plot;
 use crate::commands::identify::judge::{picture, written};
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -77,7 +77,7 @@ fn recorded(
 }
 
 fn print(found: &PiStudy, terminal: &mut Terminal) {
-    terminal.heading(&format!("A known PI on the speeds of {}", found.file), Style::Bold);
+    terminal.heading(&format!("A known PI on the speeds of {}", found.file), Tone::Strong);
     let columns = [
         ("noise", Align::Left),
         ("estimated", Align::Left),

@@ -5,12 +5,12 @@ use std::path::Path;
 use bench::Study;
 use bench::study::Parameter;
 use bench::virtual_bench::BenchParameters;
+use page::{Align, Cell, Table, Tone};
 use report::wording::number;
 use serde::Serialize;
 
 use crate::commands::study::Written;
 use crate::summary;
-use crate::table::{Align, Cell, Style, Table};
 
 /// Relative difference of numbers that are the same but for rounding.
 const ROUNDING: f64 = 1e-9;
@@ -79,8 +79,8 @@ pub(super) fn table(rows: &[Row<'_>]) -> Table {
             interval.into(),
             number::significant_with_unit(row.truth, 5, row.unit).into(),
             match row.contains_truth {
-                Some(true) => Cell::styled("yes", Style::Good),
-                Some(false) => Cell::styled("NO", Style::Bad),
+                Some(true) => Cell::toned("yes", Tone::Good),
+                Some(false) => Cell::toned("NO", Tone::Bad),
                 None => Cell::from("–"),
             },
         ]);

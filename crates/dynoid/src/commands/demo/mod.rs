@@ -13,8 +13,8 @@ use crate::commands::study::{self, Extent, Written};
 use crate::error::{CliError, Outcome};
 use crate::output::{self, OutputFolder};
 use crate::summary::{self, shown};
-use crate::table::Style;
 use crate::terminal::Terminal;
+use page::{Page, Tone};
 
 const RECORDINGS: &str = "recordings";
 const BENCH_FILE: &str = "bench.toml";
@@ -36,7 +36,8 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
     OutputFolder::check(&folder)?.write(&files)?;
-    output::replace_file(&out.join(EFFECTS), effects(&parameters, arguments.seed)?.as_bytes())?;
+    let effects = page::html(&effects(&parameters, arguments.seed)?, crate::PROGRAM);
+    output::replace_file(&out.join(EFFECTS), effects.as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;
     let written = study::study(&bench, out, (Some(arguments.seed), Extent::Model), terminal)?;
@@ -50,7 +51,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
 }
 
 /// The page of what the bench shows, its two parts at the same time.
-fn effects(parameters: &BenchParameters, seed: u64) -> Result<String, CliError> {
+fn effects(parameters: &BenchParameters, seed: u64) -> Result<Page, CliError> {
     let file = campaign::bench_file(parameters, RECORDINGS);
     let (effects, zeros) = std::thread::scope(|scope| {
         let zeros = scope.spawn(|| ShaftZeros::of(parameters, &file, seed));
@@ -105,7 +106,7 @@ fn print(written: &Written, bench: &Path, rows: &[comparison::Row<'_>], terminal
     terminal.gap();
     summary::print_judgement(written, terminal);
     terminal.gap();
-    terminal.heading("Next", Style::Bold);
+    terminal.heading("Next", Tone::Strong);
     terminal.line(&format!("  open {} in a browser", shown(&written.report)));
     let effects = shown(&written.report.with_file_name(EFFECTS));
     terminal.line(&format!("  open {effects}: firing, folding and late sensors in the recordings"));

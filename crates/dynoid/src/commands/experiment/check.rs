@@ -7,6 +7,7 @@ use bench::safety::{
     ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck, SafetyInputs, check,
 };
 use bench::virtual_bench::Assumption;
+use page::{Align, Cell, Table, Tone};
 use report::wording::{self, number};
 use serde_json::json;
 
@@ -17,7 +18,6 @@ use crate::cli::experiment::CheckArguments;
 use crate::commands::identify::data::check_plot;
 use crate::commands::identify::judge::{picture, written};
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -73,11 +73,11 @@ fn print(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, terminal: 
     }
     if checked.safety == Safety::NotChecked {
         terminal
-            .item(("not checked:", Style::Caution), "the bench file states no limit that bears on this; add [limits]");
+            .item(("not checked:", Tone::Caution), "the bench file states no limit that bears on this; add [limits]");
     }
     if checked.unstable.count > 0 {
         terminal.item(
-            ("not stable:", Style::Bad),
+            ("not stable:", Tone::Bad),
             &format!("{} of the benches drawn", number::proportion(&checked.unstable)),
         );
     }
@@ -87,7 +87,7 @@ fn print(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, terminal: 
             number::measure(hint.below_80_percent_s, "s"),
             number::share(hint.mean_loss)
         );
-        terminal.item(("heat:", Style::Caution), &words);
+        terminal.item(("heat:", Tone::Caution), &words);
     }
     say_assumed(bench, plan, terminal);
     if let Some(proposal) = &checked.sines {
@@ -124,7 +124,7 @@ fn limits(checked: &SafetyCheck) -> Table {
         let (name, unit, si) = wording::quantity(one.of);
         let limit = match (one.limit, one.of.has_limit()) {
             (Some(limit), _) => Cell::from(value(limit / si, unit)),
-            (None, true) => Cell::styled("none stated", Style::Faint),
+            (None, true) => Cell::toned("none stated", Tone::Faint),
             (None, false) => Cell::from(""),
         };
         let verdict = if one.of.has_limit() { wording::safety(one.safety()) } else { "" };
@@ -134,7 +134,7 @@ fn limits(checked: &SafetyCheck) -> Table {
             value(beyond(one) / si, unit).into(),
             limit,
             one.reached.as_ref().map_or_else(String::new, number::proportion).into(),
-            Cell::styled(verdict, style(one.safety())),
+            Cell::toned(verdict, style(one.safety())),
         ]);
     }
     table
@@ -149,12 +149,12 @@ fn value(value: f64, unit: &str) -> String {
     if value.is_infinite() { "without bound".to_owned() } else { format!("{} {unit}", number::significant(value, 4)) }
 }
 
-fn style(safety: Safety) -> Style {
+fn style(safety: Safety) -> Tone {
     match safety {
-        Safety::Safe => Style::Good,
-        Safety::Risky => Style::Caution,
-        Safety::Unsafe => Style::Bad,
-        Safety::NotChecked => Style::Faint,
+        Safety::Safe => Tone::Good,
+        Safety::Risky => Tone::Caution,
+        Safety::Unsafe => Tone::Bad,
+        Safety::NotChecked => Tone::Faint,
     }
 }
 

@@ -7,6 +7,7 @@ use bench::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict
 use bench::role::Role;
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::CHANNELS;
+use page::{Align, Cell, Table, Tone};
 use recording::{Channel, Format, Raster, Recording};
 use report::design::Designed;
 use report::wording::{self, number};
@@ -23,7 +24,6 @@ use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
 use crate::output::OutputFolder;
 use crate::summary::shown;
-use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 /// What was predicted, or why nothing was.
@@ -60,7 +60,7 @@ pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Resul
         facts["optimal"] = json!(optimal.as_ref().map(Optimal::facts));
         terminal.json(&facts)?;
     } else if !terminal.is_quiet() {
-        terminal.heading(&format!("{}, {} s", plan.label, plan.duration_s), Style::Bold);
+        terminal.heading(&format!("{}, {} s", plan.label, plan.duration_s), Tone::Strong);
         if let Some(optimal) = &optimal {
             optimal.print(terminal);
         }
@@ -227,7 +227,7 @@ fn print(
 /// What the prediction or simulation takes for granted.
 pub(in crate::commands) fn say_assumed(bench: &Bench, plan: &ExperimentPlan, terminal: &mut Terminal) {
     for assumption in &bench.stated.assumed_for(plan) {
-        terminal.item(("assumed:", Style::Caution), &wording::assumption(assumption));
+        terminal.item(("assumed:", Tone::Caution), &wording::assumption(assumption));
     }
 }
 
@@ -254,11 +254,11 @@ fn peaks(predicted: &Predicted) -> Table {
             None => format!("{} {unit}", number::significant(peak.value / si, 4)),
         };
         let limit = match peak.limit {
-            None => Cell::styled("none stated", Style::Faint),
+            None => Cell::toned("none stated", Tone::Faint),
             Some(limit) => {
                 let words = format!("{} {unit}", number::significant(limit / si, 4));
-                let style = if peak.is_beyond_limit() { Style::Bad } else { Style::Good };
-                Cell::styled(if peak.is_beyond_limit() { format!("{words}: REACHED") } else { words }, style)
+                let style = if peak.is_beyond_limit() { Tone::Bad } else { Tone::Good };
+                Cell::toned(if peak.is_beyond_limit() { format!("{words}: REACHED") } else { words }, style)
             }
         };
         table.row([symbol.into(), value.into(), format!("{:.3} s", peak.time_s).into(), limit]);

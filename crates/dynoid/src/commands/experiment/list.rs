@@ -5,8 +5,8 @@ use bench::experiment::{DemandKind, free_form};
 
 use crate::cli::experiment::ListArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
+use page::{Align, Table, Tone};
 
 pub(crate) fn run(arguments: &ListArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let found = arguments.name.as_deref().map(catalogue::find).transpose();
@@ -62,7 +62,7 @@ fn with_unit(value: f64, unit: &str) -> String {
 }
 
 fn detail(template: &Template, terminal: &mut Terminal) {
-    terminal.heading(&template.label().to_string(), Style::Bold);
+    terminal.heading(&template.label().to_string(), Tone::Strong);
     terminal.paragraph(&format!("Demands: {}.", template.demands));
     terminal.paragraph(&format!("Gives: {}.", template.gives));
     terminal.gap();

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use bench::study::{NextError, NextExperiments, NextOptions, next_experiments};
+use page::{Align, Cell, Table, Tone};
 use report::next::{Choice, best, choices, command, instead, recommendation, rows, what};
 use report::wording::{self, number};
 
@@ -11,7 +12,6 @@ use crate::commands::study::{no_study, read_bench, read_sources, show};
 use crate::error::{CliError, Outcome};
 use crate::input;
 use crate::summary::shown;
-use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 /// Parts that are estimated: steps of the progress display.
@@ -63,7 +63,7 @@ fn refused(bench: &Path, error: NextError) -> CliError {
 }
 
 fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Terminal) {
-    terminal.heading("What to record next", Style::Bold);
+    terminal.heading("What to record next", Tone::Strong);
     terminal.paragraph(&recommendation(found));
     terminal.gap();
     let widths = widths(found);
@@ -74,12 +74,12 @@ fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Term
     let compared = best(found).len();
     for (place, choice) in choices(found).iter().enumerate() {
         let mark = if place < compared { format!("{}", place + 1) } else { "–".to_owned() };
-        let style = if choice.candidate.is_worth_while() { Style::Good } else { Style::Faint };
+        let style = if choice.candidate.is_worth_while() { Tone::Good } else { Tone::Faint };
         terminal.item((&mark, style), &in_words(choice));
     }
     terminal.gap();
     for assumption in &found.assumptions {
-        terminal.item(("assumed:", Style::Caution), &wording::assumption(assumption));
+        terminal.item(("assumed:", Tone::Caution), &wording::assumption(assumption));
     }
     if let Some(first) = best(found).first() {
         let study = input::folder_of(&arguments.bench).join("study").join("study.json");
@@ -105,7 +105,7 @@ fn widths(found: &NextExperiments) -> Table {
         let then = row
             .then
             .into_iter()
-            .map(|(words, is_better)| Cell::styled(words, if is_better { Style::Good } else { Style::Faint }));
+            .map(|(words, is_better)| Cell::toned(words, if is_better { Tone::Good } else { Tone::Faint }));
         let cells = [row.symbol.into(), row.name.into(), row.value.into(), row.now.into()];
         table.row(cells.into_iter().chain(then).collect::<Vec<Cell>>());
     }

@@ -6,6 +6,7 @@ use bench::excitation_design::{
 };
 use bench::experiment::{Test, catalogue};
 use bench::units::RPM_RAD_S;
+use page::{Align, Cell, Table, Tone};
 use report::wording::{self, number};
 use serde_json::json;
 
@@ -13,7 +14,6 @@ use super::planned::{self, Planned};
 use super::stated::Bench;
 use crate::cli::experiment::{DesignArguments, Excite, Form, OptimalArguments};
 use crate::error::CliError;
-use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 /// How far the resonance of a bench may be off of which there is no study.
@@ -117,7 +117,7 @@ impl Optimal {
                 with_unit(one.value, 4).into(),
                 with_unit(one.standard_error, 2).into(),
                 with_unit(one.white_noise_standard_error, 2).into(),
-                Cell::styled(words, if gain >= 1.0 { Style::Good } else { Style::Caution }),
+                Cell::toned(words, if gain >= 1.0 { Tone::Good } else { Tone::Caution }),
             ]);
         }
         terminal.table(&table);

@@ -10,8 +10,8 @@ use crate::cli::greybox::GreyBoxArguments;
 use crate::cli::identify::{Detrend, FitCommand};
 use crate::error::CliError;
 use crate::input::{read_text, with_slashes};
-use crate::table::{Align, Table};
 use crate::terminal::Terminal;
+use page::{Align, Table};
 
 /// The structure that a command names; none where it is no grey box.
 pub(super) fn structure_of(command: &FitCommand) -> Result<Option<FormulaStructure>, CliError> {

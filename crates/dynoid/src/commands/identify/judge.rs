@@ -16,8 +16,8 @@ use crate::cli::identify::{
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
 use crate::output::replace_file;
-use crate::table::{Align, Table};
 use crate::terminal::Terminal;
+use page::{Align, Page, Table};
 
 /// Confidence of the regions of the residual tests.
 pub(super) const REGION: f64 = 0.99;
@@ -260,9 +260,14 @@ pub(in crate::commands) fn picture(
     figures: impl FnOnce() -> Vec<page::Figure>,
 ) -> Result<(), CliError> {
     match &arguments.plot {
-        Some(path) => replace_file(path, &draw(path, title, &figures())?),
+        Some(path) => write_page(Some(path), &Page::of_figures(title, figures())),
         None => Ok(()),
     }
+}
+
+/// Writes a page where a plot is asked for.
+pub(in crate::commands) fn write_page(plot: Option<&PathBuf>, page: &Page) -> Result<(), CliError> {
+    plot.map_or(Ok(()), |path| replace_file(path, &draw(path, page)?))
 }
 
 /// Says where something was written.

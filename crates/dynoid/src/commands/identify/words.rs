@@ -4,8 +4,8 @@ use ident::validate::{Independence, JointTest, ResidualReport};
 use ident::{Doubt, Label, Termination};
 use lti::Mode;
 
-use crate::table::Style;
 use crate::terminal::Terminal;
+use page::Tone;
 
 /// A reason to doubt, with what can be done.
 pub(super) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> String {
@@ -122,8 +122,7 @@ pub(super) fn print_tests(
     level: f64,
     terminal: &mut Terminal,
 ) {
-    let verdict =
-        |test: &JointTest| if test.passes(level) { ("passed:", Style::Good) } else { ("failed:", Style::Bad) };
+    let verdict = |test: &JointTest| if test.passes(level) { ("passed:", Tone::Good) } else { ("failed:", Tone::Bad) };
     let mut say = |test: &JointTest, good: String, bad: String| {
         let text = format!("{} ({})", if test.passes(level) { good } else { bad }, probability(test.p_value));
         terminal.item(verdict(test), &text);

@@ -1,10 +1,10 @@
 //! The facts about a recording as text.
 
+use page::{Align, Cell, Table, Tone};
 use report::wording::{experiment, number};
 
 use super::apart::Apart;
 use super::facts::{Beside, Clock, File, Listing, Values};
-use crate::table::{Align, Cell, Style, Table};
 use crate::terminal::Terminal;
 
 /// Deviations of time stamps smaller than this share of the sample time are not worth a word.
@@ -54,7 +54,7 @@ struct Head<'a> {
 }
 
 fn head(facts: Head<'_>, terminal: &mut Terminal) {
-    terminal.heading(facts.file, Style::Bold);
+    terminal.heading(facts.file, Tone::Strong);
     let start = facts.start.as_ref().map(|start| format!(", started {start}")).unwrap_or_default();
     terminal.line(&format!("  {}{start}", facts.format));
     let label = match facts.label.as_deref().map(|label| (label, experiment(label))) {
@@ -62,25 +62,25 @@ fn head(facts: Head<'_>, terminal: &mut Terminal) {
         Some((label, None)) => label.to_owned(),
         None => "no label in the file name (such as BS_T_NT); the bench file can give one".to_owned(),
     };
-    terminal.item(("experiment:", Style::Plain), &label);
+    terminal.item(("experiment:", Tone::Plain), &label);
     if let Some(comment) = facts.comment.as_ref().filter(|comment| !comment.trim().is_empty()) {
-        terminal.item(("comment:", Style::Plain), &comment.split_whitespace().collect::<Vec<_>>().join(" "));
+        terminal.item(("comment:", Tone::Plain), &comment.split_whitespace().collect::<Vec<_>>().join(" "));
     }
     for attached in &facts.extras.attachments {
         let place = if attached.embedded_bytes > 0 { "in the file" } else { "not in the file" };
         let kind = [attached.kind.as_str(), place].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>();
-        terminal.item(("attachment:", Style::Plain), &format!("{} ({})", attached.name, kind.join(", ")));
+        terminal.item(("attachment:", Tone::Plain), &format!("{} ({})", attached.name, kind.join(", ")));
     }
     for event in facts.extras.events.iter().take(MOST_EVENTS) {
         let texts = [event.name.as_str(), event.comment.as_str()].into_iter().filter(|text| !text.is_empty());
         let texts: String = texts.map(|text| format!(", {text}")).collect();
-        terminal.item(("event:", Style::Plain), &format!("{} at {} {}{texts}", event.kind, event.at, event.unit));
+        terminal.item(("event:", Tone::Plain), &format!("{} at {} {}{texts}", event.kind, event.at, event.unit));
     }
     if facts.extras.events.len() > MOST_EVENTS {
         terminal.line(&format!("  and {} more events (--json)", facts.extras.events.len() - MOST_EVENTS));
     }
     for finding in facts.findings {
-        terminal.item(("please note:", Style::Caution), finding);
+        terminal.item(("please note:", Tone::Caution), finding);
     }
 }
 
@@ -110,7 +110,7 @@ fn raster(index: usize, clock: &Clock, terminal: &mut Terminal) {
     };
     terminal.line(&format!("  raster {index}{}: {} {every}{span}", named(&clock.name), samples(clock.samples)));
     for remark in clock_remarks(clock) {
-        terminal.item(("please note:", Style::Caution), &remark);
+        terminal.item(("please note:", Tone::Caution), &remark);
     }
     use Align::{Left, Right};
     let mut table =
@@ -122,7 +122,7 @@ fn raster(index: usize, clock: &Clock, terminal: &mut Terminal) {
             value(channel.minimum).into(),
             value(channel.maximum).into(),
             value(channel.mean).into(),
-            Cell::styled(remarks(channel).join(", "), Style::Caution),
+            Cell::toned(remarks(channel).join(", "), Tone::Caution),
         ]);
     }
     terminal.table(&table);

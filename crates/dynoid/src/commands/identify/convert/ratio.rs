@@ -10,8 +10,8 @@ use super::form::{clock_words, noise_covariance};
 use crate::cli::identify::{ModelConvertArguments, Representation};
 use crate::commands::identify::words::{self, significant};
 use crate::error::CliError;
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
+use page::{Align, Table, Tone};
 
 /// Every way from an input to an output on the clock that is asked for.
 pub(super) fn ratios(
@@ -103,7 +103,7 @@ pub(super) fn print_ratio(
         (_, Some(_)) => "in falling powers of z",
         (_, None) => "in falling powers of s",
     };
-    terminal.heading(&format!("{name}, {}{delay}, {form}", clock_words(h.sample_time_s())), Style::Bold);
+    terminal.heading(&format!("{name}, {}{delay}, {form}", clock_words(h.sample_time_s())), Tone::Strong);
     if to == Representation::Zpk {
         let zpk = h.to_zero_pole_gain().map_err(failed)?;
         let mut table = Table::new(&[("", Align::Left), ("", Align::Left)]);

@@ -42,15 +42,11 @@ fn kind(path: &Path) -> Result<Kind, CliError> {
     }
 }
 
-/// The kind of picture a file's ending asks for.
-pub(in crate::commands::identify) fn draw(
-    path: &Path,
-    title: &str,
-    figures: &[page::Figure],
-) -> Result<Vec<u8>, CliError> {
+/// A page, or the figures of one, as a file's ending asks for.
+pub(in crate::commands::identify) fn draw(path: &Path, page: &page::Page) -> Result<Vec<u8>, CliError> {
     match kind(path)? {
-        Kind::Page => Ok(page::page(title, figures).into_bytes()),
-        Kind::Svg => Ok(page::svg(figures).into_bytes()),
-        Kind::Png => page::png(figures).map_err(CliError::internal),
+        Kind::Page => Ok(page::html(page, crate::PROGRAM).into_bytes()),
+        Kind::Svg => Ok(page::svg(page.figures()).into_bytes()),
+        Kind::Png => page::png(page.figures()).map_err(CliError::internal),
     }
 }

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use bench::dataset::CommonClock;
 use ident::{Criterion, OrderScan, OrderTable, ScannedStructure};
-use page::{Axis, Figure, Layer, Panel, Style};
+use page::{Align, Axis, Figure, Layer, Panel, Style, Table, Tone as Text};
 
 use super::super::data::{Gaps, check_movement, check_plot, load_between_gaps};
 use super::super::figures::figure;
@@ -12,7 +12,6 @@ use super::super::judge::{picture, written};
 use super::super::words::significant;
 use crate::cli::identify::OrderArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style as Text, Table};
 use crate::terminal::Terminal;
 
 /// Structures compared, at most.

@@ -11,9 +11,9 @@ use ident::validate::TestData;
 use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
 
 use super::data::{
-    Files, Gaps, Loaded, Note, Purpose, check_plot, check_targets, check_variation, draw, load_on, named, say,
-    take_about,
+    Files, Gaps, Loaded, Note, Purpose, check_plot, check_targets, check_variation, load_on, named, say, take_about,
 };
+use super::judge::write_page;
 use super::{greybox, model_file, operating_point};
 use crate::cli::identify::{FitArguments, FitCommand, MeetDetrend, Window};
 use crate::error::{CliError, Outcome};
@@ -85,7 +85,7 @@ impl Finished {
         if let Some(path) = &arguments.result.plot {
             let title = format!("{} → {}", show::channels(&self.document), show::method(&self.document));
             let figures = self.verdict.figures(shown, self.has_noise_model());
-            replace_file(path, &draw(path, &title, &figures)?)?;
+            write_page(Some(path), &page::Page::of_figures(title, figures))?;
         }
         Ok(())
     }

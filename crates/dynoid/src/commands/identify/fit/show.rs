@@ -3,6 +3,7 @@
 use ident::uncertainty::Dynamics;
 use ident::validate::Judgement;
 use ident::{AnyModel, Doubt, IdentError, LinearModel, ModelDocument, Parametric};
+use page::{Align, Table, Tone};
 use serde::Serialize;
 
 use super::verdict::{Judged, is_singular};
@@ -11,7 +12,6 @@ use crate::cli::identify::FitArguments;
 use crate::commands::identify::judge::REGION;
 use crate::commands::identify::show;
 use crate::commands::identify::words::{self, significant};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
 
 /// How much a reason to doubt matters.
@@ -36,11 +36,11 @@ impl Weight {
         }
     }
 
-    fn mark(self) -> (&'static str, Style) {
+    fn mark(self) -> (&'static str, Tone) {
         match self {
-            Weight::Grave => ("doubt:", Style::Bad),
-            Weight::Doubt => ("doubt:", Style::Caution),
-            Weight::Note => ("note:", Style::Faint),
+            Weight::Grave => ("doubt:", Tone::Bad),
+            Weight::Doubt => ("doubt:", Tone::Caution),
+            Weight::Note => ("note:", Tone::Faint),
         }
     }
 }
@@ -75,7 +75,7 @@ impl Finished {
 
     pub(super) fn print(&self, arguments: &FitArguments, terminal: &mut Terminal) {
         let document = &self.document;
-        terminal.heading(&format!("{}: {}", method(document), channels(document)), Style::Bold);
+        terminal.heading(&format!("{}: {}", method(document), channels(document)), Tone::Strong);
         terminal.line(&format!(
             "{} of {} s, {}",
             words::counted(self.fit.samples, "sample"),

@@ -1,7 +1,7 @@
 //! Curves with bands: figures, summaries and points.
 
 use lti::Mode;
-use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Align, Axis, Figure, Layer, Panel, Style, Table, Tone as Text, rounded};
 
 use super::super::figures::figure;
 use super::super::judge::{picture, written};
@@ -9,7 +9,6 @@ use super::super::words::{growing_pole, range, significant, with_range};
 use super::Model;
 use crate::cli::identify::CurveArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style as Text, Table};
 use crate::terminal::Terminal;
 
 /// A curve with a band, over frequency or time.
@@ -77,7 +76,7 @@ pub(super) fn show(
         terminal.json(&curves.iter().map(curve).collect::<Vec<_>>())?;
     } else if !terminal.is_quiet() {
         for curve in curves {
-            terminal.heading(&format!("{}: {}", models[curve.model].name, curve.channel), Text::Bold);
+            terminal.heading(&format!("{}: {}", models[curve.model].name, curve.channel), Text::Strong);
             match arguments.table {
                 true => print_points(curve, x, arguments.models.level, terminal),
                 false => terminal.table(&summary(curve, arguments.models.level)),

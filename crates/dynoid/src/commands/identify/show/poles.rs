@@ -14,8 +14,8 @@ use super::plane::figures;
 use super::{Model, channel_name, channels, failed, models};
 use crate::cli::identify::ModelArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style, Table};
 use crate::terminal::Terminal;
+use page::{Align, Table, Tone};
 
 /// Roots nearer to each other than this part of their size are the same, computed twice.
 const SAME: f64 = 1e-9;
@@ -47,7 +47,7 @@ pub(crate) fn poles(arguments: &ModelArguments, terminal: &mut Terminal) -> Resu
                 Some(t) => format!("roots in z, sample time {} s", digits(t, 6)),
                 None => "roots in s, in rad/s".to_owned(),
             };
-            terminal.heading(&format!("{}: {clock}", model.title()), Style::Bold);
+            terminal.heading(&format!("{}: {clock}", model.title()), Tone::Strong);
             print(model, all.iter().filter(|r| r.model == number), level, terminal);
         }
         written(&arguments.result.plot, terminal);
@@ -156,7 +156,7 @@ fn one_of_each_pair(roots: &[UncertainRoot]) -> Vec<&UncertainRoot> {
     shown
 }
 
-fn row(root: &UncertainRoot, mode: &UncertainMode, level: f64) -> [crate::table::Cell; 4] {
+fn row(root: &UncertainRoot, mode: &UncertainMode, level: f64) -> [page::Cell; 4] {
     let value = match root.value.im {
         0.0 => digits(root.value.re, 5),
         im => format!("{} ± {}i", digits(root.value.re, 5), digits(im, 5)),

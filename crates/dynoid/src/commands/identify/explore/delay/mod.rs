@@ -12,10 +12,10 @@ use super::super::judge::{picture, written};
 use super::super::words::significant;
 use crate::cli::identify::DelayArguments;
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style as Text, Table};
 use crate::terminal::Terminal;
 use modelled::Modelled;
 use others::Others;
+use page::{Align, Table, Tone as Text};
 
 /// Confidence of intervals.
 const LEVEL: f64 = 0.95;

@@ -2,13 +2,13 @@
 
 use ident::delay::{DelayFault, DelayModel, DelayModels, ModelledDelay, single_line};
 use ident::{Dataset, IdentError, Intersample};
+use page::{Table, Tone as Text};
 use serde_json::{Value, json};
 
 use super::super::super::data::Loaded;
 use super::super::super::words::{counted, probability, range, significant};
 use super::filtered;
 use super::others::Others;
-use crate::table::{Style as Text, Table};
 
 /// A share of samples that differ from the one before above this is that of an input that is not held for longer.
 const RESTLESS: f64 = 0.5;
@@ -109,7 +109,7 @@ impl Modelled {
             let beside = beside(model);
             (
                 "delay:",
-                Text::Bold,
+                Text::Strong,
                 format!("of \"{name}\" {dead} s (95 % interval {ends} s): the dead time {beside}{late}"),
             )
         };

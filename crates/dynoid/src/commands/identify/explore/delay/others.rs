@@ -7,14 +7,13 @@ use ident::delay::{
 use ident::distributions::normal_quantile;
 use ident::validate::{ResidualTest, TestData};
 use ident::{Arx, ArxOrders, Dataset, IdentError, Intersample, Label};
-use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, Table, rounded};
 use serde_json::{Value, json};
 
 use super::super::super::figures::figure;
 use super::super::super::words::{digits, range, significant};
 use super::LEVEL;
 use crate::error::CliError;
-use crate::table::Table;
 
 /// Delays listed in numbers.
 const LISTED: usize = 10;
@@ -228,7 +227,7 @@ fn coefficients(start: &ImpulseResponseStart) -> Vec<Layer> {
     };
     let dots = Layer::Points {
         name: name(),
-        style: Style::Other,
+        style: Tone::Other,
         x: Abscissa::Values(rounded(&lags)),
         y: rounded(&start.coefficients),
         low: bar(-1.0),

@@ -5,7 +5,7 @@ mod coherence;
 use bench::dataset::CommonClock;
 use ident::Dataset;
 use ident::distributions::interval as student_interval;
-use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use page::{Abscissa, Align, Axis, Figure, Layer, Panel, Style, Table, Tone as Text, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
 
@@ -17,7 +17,6 @@ use coherence::Coherence;
 
 use crate::cli::identify::{SpectrumArguments, SpectrumMethod};
 use crate::error::{CliError, Outcome};
-use crate::table::{Align, Style as Text, Table};
 use crate::terminal::Terminal;
 
 /// Confidence of bands.
@@ -155,7 +154,7 @@ fn json(s: &Spectrum) -> serde_json::Value {
 
 /// The peaks that stand out most, by rising frequency.
 fn print(s: &Spectrum, terminal: &mut Terminal) {
-    terminal.heading(&s.channel, Text::Bold);
+    terminal.heading(&s.channel, Text::Strong);
     if let Some(coherence) = &s.coherence {
         terminal.line(&coherence.sentence());
     }

@@ -1,0 +1,189 @@
+// What part of a figure is shown: its drawing is moved and stretched, and axes are marked anew. Nothing is drawn twice.
+
+const SVG = "http://www.w3.org/2000/svg";
+const MARGIN = 18; // from the right end of the axes to that of the drawing
+const AIR = 0.07; // above and below what is in view, as a part of its height
+
+/** An SVG element with attributes, appended to `parent`. */
+function svg(parent, name, attributes) {
+  const element = document.createElementNS(SVG, name);
+  for (const key in attributes) element.setAttribute(key, attributes[key]);
+  if (parent) parent.appendChild(element);
+  return element;
+}
+
+const numbers = (text) => (text.match(/-?\d*\.?\d+(?:e-?\d+)?/g) || []).map(Number);
+
+/** A panel as it was drawn: frame and scales in pixels of the drawing, layers with what they hold. */
+function readPanel(group) {
+  const [left, right, top, bottom] = group.dataset.frame.split(" ").map(Number);
+  const scale = (text, from, to) => {
+    const [kind, low, high] = text.split(" ");
+    return makeScale(kind, Number(low), Number(high), from, to);
+  };
+  const sx = scale(group.dataset.x, left, right);
+  const sy = scale(group.dataset.y, bottom, top);
+  const { label, unit } = group.dataset;
+  const layers = [...group.querySelectorAll(".layer")].map(readLayer);
+  const of = (name) => group.querySelector(name);
+  const drawn = { axes: of(".axes").cloneNode(true), x: of(".axis-name.x") };
+  const [fixed, last] = ["fixed", "last"].map((name) => name in group.dataset);
+  return { group, left, right, top, bottom, sx, sy, label, unit, layers, drawn, fixed, last, clip: of("clipPath rect") };
+}
+
+function readLayer(group) {
+  const { type, moves, name, style } = group.dataset;
+  const children = [...group.children].map((element) => {
+    const at = element.dataset.at && element.dataset.at.split(" ").map(Number);
+    const own = ["x", "y"].map((key) => Number(element.getAttribute(key)));
+    return { element, at, own, isText: element.tagName === "text", isShown: !element.hasAttribute("display") };
+  });
+  return { group, type, moves, name, style, children, points: null };
+}
+
+/** The points of a series in pixels of the drawing, read from its path when they are first needed. */
+function pointsOf(layer) {
+  if (layer.points) return layer.points;
+  const [x, y] = [[], []];
+  const path = layer.children.length > 0 ? layer.children[0].element.getAttribute("d") || "" : "";
+  for (const [, at, way] of path.matchAll(/M([^Mlhv]*)(?:l([^Mlhv]*))?/g)) {
+    let [px, py] = numbers(at);
+    x.push(px);
+    y.push(py);
+    const steps = way ? numbers(way) : [];
+    for (let n = 0; n + 1 < steps.length; n += 2) {
+      px += steps[n];
+      py += steps[n + 1];
+      x.push(px);
+      y.push(py);
+    }
+  }
+  layer.points = { x, y };
+  return layer.points;
+}
+
+const isSeries = (layer) => ["line", "points", "stems"].includes(layer.type);
+
+/** First position in ascending x whose value is not below `value`. */
+function lowerBound(x, value) {
+  let [low, high] = [0, x.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (x[middle] < value) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/** From where to where the series in view reach, in pixels of the drawing; the whole frame where none is in view. */
+function heightInView(panel, [from, to], hidden) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const layer of panel.layers) {
+    if (!isSeries(layer) || hidden.has(layer.name)) continue;
+    const { x, y } = pointsOf(layer);
+    const end = Math.min(x.length, lowerBound(x, to) + 1);
+    for (let n = Math.max(0, lowerBound(x, from) - 1); n < end; n++) {
+      low = Math.min(low, y[n]);
+      high = Math.max(high, y[n]);
+    }
+  }
+  if (!(low < high)) return [panel.top, panel.bottom];
+  const air = AIR * (high - low);
+  return [low - air, high + air];
+}
+
+/** Shows the part of the figure that `plot.domain` names (pixels of the drawing; null for all) at a width. */
+function show(plot) {
+  const { panels, width, hidden, root } = plot;
+  const right = width - MARGIN;
+  const whole = plot.domain === null && hidden.size === 0;
+  const domain = plot.domain || [panels[0].left, panels[0].right];
+  for (const panel of panels) {
+    const { left, top, bottom } = panel;
+    const ax = (right - left) / (domain[1] - domain[0]);
+    const view = { ax, bx: left - ax * domain[0], ay: 1, by: 0 };
+    if (plot.equalAxes) {
+      // A pixel stays worth the same along both axes: what is zoomed is zoomed about the middle of the height.
+      const zoom = (panel.right - left) / (domain[1] - domain[0]);
+      view.ay = zoom;
+      view.by = ((top + bottom) / 2) * (1 - zoom);
+    } else if (!whole && !panel.fixed) {
+      const [low, high] = heightInView(panel, domain, hidden);
+      view.ay = (bottom - top) / (high - low);
+      view.by = top - view.ay * low;
+    }
+    panel.view = view;
+    panel.clip.setAttribute("width", right - left);
+    panel.layers.forEach((layer) => move(layer, panel, right, hidden));
+    markAxes(panel, right, whole && width === plot.drawnWidth);
+  }
+  root.setAttribute("viewBox", `0 0 ${width} ${plot.height}`);
+  root.setAttribute("width", width);
+}
+
+/** Moves and stretches what a layer holds; texts and markers move and keep their size. */
+function move(layer, panel, right, hidden) {
+  layer.group.style.display = layer.name && hidden.has(layer.name) ? "none" : "";
+  const { ax, bx, ay, by } = panel.view;
+  const toX = (x) => (layer.moves.includes("x") ? ax * x + bx : x);
+  const toY = (y) => (layer.moves.includes("y") ? ay * y + by : y);
+  const [mx, cx] = layer.moves.includes("x") ? [ax, bx] : [(right - panel.left) / (panel.right - panel.left), 0];
+  const [my, cy] = layer.moves.includes("y") ? [ay, by] : [1, 0];
+  const shiftX = layer.moves.includes("x") ? cx : panel.left * (1 - mx);
+  const taken = [];
+  for (const child of layer.children) {
+    const { element, at, own, isText } = child;
+    if (layer.type === "words") placeWord(child, [toX(at[0]), toY(at[1])], panel, right, taken);
+    else if (at) element.setAttribute("transform", `translate(${toX(at[0])} ${toY(at[1])})`);
+    else if (!isText) element.setAttribute("transform", `matrix(${mx} 0 0 ${my} ${shiftX} ${cy})`);
+    else {
+      element.setAttribute("x", toX(own[0]));
+      element.setAttribute("y", toY(own[1]));
+    }
+  }
+}
+
+/** A word beside its point, unless it would cover one before it. */
+function placeWord({ element }, [x, y], panel, right, taken) {
+  element.removeAttribute("display");
+  const half = element.getComputedTextLength() / 2;
+  const middle = Math.min(right - half, Math.max(panel.left + half, x));
+  const base = Math.max(panel.top + 10, y - 5);
+  const covers = taken.some(([from, to, above, below]) => middle - half < to && middle + half > from && base - 11 < below && base > above);
+  if (covers || x < panel.left || x > right || base > panel.bottom) {
+    element.setAttribute("display", "none");
+    return;
+  }
+  taken.push([middle - half, middle + half, base - 11, base]);
+  element.setAttribute("x", middle);
+  element.setAttribute("y", base);
+}
+
+/** Marks the axes of what is shown; where that is all, as they were drawn. */
+function markAxes(panel, right, asDrawn) {
+  const old = panel.group.querySelector(".axes");
+  if (panel.drawn.x) panel.drawn.x.setAttribute("x", right);
+  if (asDrawn) {
+    old.replaceWith(panel.drawn.axes.cloneNode(true));
+    return;
+  }
+  const { left, top, bottom, view } = panel;
+  const axes = svg(null, "g", { class: "axes" });
+  const part = (scale, [from, to], [a, b]) => makeScale(scale.kind, scale.toValue((from - b) / a), scale.toValue((to - b) / a), from, to);
+  const sy = part(panel.sy, [bottom, top], [view.ay, view.by]);
+  const sx = part(panel.sx, [left, right], [view.ax, view.bx]);
+  const vertical = makeTicks(sy, (bottom - top) / 30);
+  for (const value of vertical.ticks) {
+    const y = sy.toPixel(value);
+    svg(axes, "line", { class: "grid", x1: left, x2: right, y1: y, y2: y });
+    svg(axes, "text", { class: "tick", x: left - 7, y: y + 4, "text-anchor": "end" }).textContent = vertical.format(value);
+  }
+  const horizontal = makeTicks(sx, (right - left) / 75);
+  for (const value of horizontal.ticks) {
+    const x = sx.toPixel(value);
+    svg(axes, "line", { class: "grid", x1: x, x2: x, y1: top, y2: bottom });
+    if (panel.last) svg(axes, "text", { class: "tick", x, y: bottom + 17, "text-anchor": "middle" }).textContent = horizontal.format(value);
+  }
+  svg(axes, "line", { class: "axis", x1: left, x2: right, y1: bottom, y2: bottom });
+  old.replaceWith(axes);
+}

@@ -1,0 +1,274 @@
+//! A page as data: blocks below each other, without a word about how they are shown.
+
+use serde::Serialize;
+
+use crate::figure::Figure;
+use crate::prose::Prose;
+use crate::quantity::Quantity;
+use crate::table::Table;
+
+/// A page: a title, and blocks below it.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Page {
+    /// What the page is about.
+    pub title: String,
+    /// A line below the title; empty for none.
+    pub subtitle: Prose,
+    /// The content.
+    pub blocks: Vec<Block>,
+}
+
+/// One block of a page.
+#[derive(Debug, Clone, Serialize)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Block {
+    /// A part of the page with a heading of its own and an entry in the contents.
+    Section {
+        /// Where links point to.
+        id: String,
+        /// The heading.
+        title: String,
+        /// What stands below it.
+        blocks: Vec<Block>,
+    },
+    /// A heading inside a section.
+    Heading {
+        /// Its text.
+        text: Prose,
+    },
+    /// A paragraph.
+    Paragraph {
+        /// Its text.
+        text: Prose,
+        /// How much it stands out.
+        weight: Weight,
+    },
+    /// A formula in a line of its own, written as `{over}/{under}` where a fraction is stacked.
+    Equation {
+        /// The formula.
+        formula: String,
+    },
+    /// A list without order.
+    List {
+        /// Its items.
+        items: Vec<Prose>,
+    },
+    /// Terms with what they mean.
+    Definitions {
+        /// Term and meaning.
+        items: Vec<(Prose, Prose)>,
+    },
+    /// A table.
+    Table(Table),
+    /// Numbers to be read at a glance.
+    Cards {
+        /// The cards, in reading order.
+        items: Vec<Card>,
+    },
+    /// A figure.
+    Figure(Figure),
+    /// Figures next to each other, where there is room.
+    Row {
+        /// The figures, left to right.
+        figures: Vec<Figure>,
+    },
+    /// A drawing that is no plot.
+    Drawing {
+        /// The drawing.
+        svg: String,
+        /// The drawing in words.
+        description: String,
+        /// What to see in it.
+        caption: Prose,
+    },
+    /// What was found, and what to do about it.
+    Finding(Finding),
+    /// A framed conclusion.
+    Callout {
+        /// How good the news is.
+        tone: Tone,
+        /// What kind of statement it is.
+        kicker: String,
+        /// The conclusion.
+        title: String,
+        /// Its reasons.
+        blocks: Vec<Block>,
+    },
+    /// Text in which every space counts.
+    Preformatted {
+        /// The text.
+        text: String,
+    },
+    /// Details that are shown on request.
+    Fold {
+        /// What is inside.
+        summary: Prose,
+        /// The details.
+        blocks: Vec<Block>,
+    },
+}
+
+/// How much a paragraph stands out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Weight {
+    /// The first of a section, that says what it is about.
+    Lead,
+    /// Most text.
+    Body,
+    /// A remark.
+    Note,
+}
+
+/// What a piece of text says by its colour, beside its words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Tone {
+    /// Nothing.
+    #[default]
+    Plain,
+    /// To be seen first.
+    Strong,
+    /// To be read last.
+    Faint,
+    /// In order.
+    Good,
+    /// To be checked.
+    Caution,
+    /// Wrong, or to be avoided.
+    Bad,
+}
+
+/// A number to be read at a glance.
+#[derive(Debug, Clone, Serialize)]
+pub struct Card {
+    /// What it is.
+    pub label: Prose,
+    /// The number, or what stands in its place.
+    pub value: Result<Quantity, Prose>,
+}
+
+/// What was found, and what to do about it.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    /// How grave it is.
+    pub tone: Tone,
+    /// How grave it is, in a word.
+    pub severity: String,
+    /// What was found.
+    pub text: Prose,
+    /// What to do about it.
+    pub remedy: Option<Prose>,
+    /// Where it was found.
+    pub places: Vec<String>,
+}
+
+impl Page {
+    /// A page of blocks.
+    pub fn new(title: impl Into<String>, blocks: Vec<Block>) -> Self {
+        Page { title: title.into(), subtitle: Prose::default(), blocks }
+    }
+
+    /// A page of figures.
+    pub fn of_figures(title: impl Into<String>, figures: Vec<Figure>) -> Self {
+        Page::new(title, figures.into_iter().map(Block::Figure).collect())
+    }
+
+    /// Every figure of the page, in reading order.
+    pub fn figures(&self) -> Vec<&Figure> {
+        figures(&self.blocks)
+    }
+}
+
+fn figures<'a>(blocks: &'a [Block]) -> Vec<&'a Figure> {
+    let of_block = |block: &'a Block| match block {
+        Block::Figure(figure) => vec![figure],
+        Block::Row { figures } => figures.iter().collect(),
+        Block::Section { blocks, .. } | Block::Callout { blocks, .. } | Block::Fold { blocks, .. } => figures(blocks),
+        _ => Vec::new(),
+    };
+    blocks.iter().flat_map(of_block).collect()
+}
+
+/// Blocks as they are put together.
+#[derive(Debug, Clone, Default)]
+pub struct Blocks(Vec<Block>);
+
+impl Blocks {
+    /// Adds a block, or several.
+    pub fn push(&mut self, more: impl Into<Blocks>) {
+        self.0.extend(more.into().0);
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The blocks, to become part of a page.
+    pub fn into_vec(self) -> Vec<Block> {
+        self.0
+    }
+}
+
+impl From<Block> for Blocks {
+    fn from(block: Block) -> Self {
+        Blocks(vec![block])
+    }
+}
+
+impl From<Vec<Block>> for Blocks {
+    fn from(blocks: Vec<Block>) -> Self {
+        Blocks(blocks)
+    }
+}
+
+impl From<Figure> for Blocks {
+    fn from(figure: Figure) -> Self {
+        Block::Figure(figure).into()
+    }
+}
+
+impl From<Table> for Blocks {
+    fn from(table: Table) -> Self {
+        Block::Table(table).into()
+    }
+}
+
+impl<B: Into<Blocks>> FromIterator<B> for Blocks {
+    fn from_iter<I: IntoIterator<Item = B>>(pieces: I) -> Self {
+        Blocks(pieces.into_iter().flat_map(|piece| piece.into().0).collect())
+    }
+}
+
+impl Block {
+    /// A heading inside a section.
+    pub fn heading(text: impl Into<Prose>) -> Self {
+        Block::Heading { text: text.into() }
+    }
+
+    /// A paragraph.
+    pub fn paragraph(text: impl Into<Prose>) -> Self {
+        Block::Paragraph { text: text.into(), weight: Weight::Body }
+    }
+
+    /// The paragraph that says what a section is about.
+    pub fn lead(text: impl Into<Prose>) -> Self {
+        Block::Paragraph { text: text.into(), weight: Weight::Lead }
+    }
+
+    /// A remark.
+    pub fn note(text: impl Into<Prose>) -> Self {
+        Block::Paragraph { text: text.into(), weight: Weight::Note }
+    }
+
+    /// A formula in a line of its own.
+    pub fn equation(formula: impl Into<String>) -> Self {
+        Block::Equation { formula: formula.into() }
+    }
+
+    /// A part of the page with an entry in the contents.
+    pub fn section(id: impl Into<String>, title: impl Into<String>, blocks: Vec<Block>) -> Self {
+        Block::Section { id: id.into(), title: title.into(), blocks }
+    }
+}

@@ -1,0 +1,152 @@
+//! The speed controller and its feed-forward beyond what the model takes of them.
+
+use bench::estimate::EstimateError;
+use bench::estimate::speed_controller::{FeedForwardTerms, Round, TermTest};
+use bench::speed_control::{Case, Controller, ControllerRecording, Estimator, PiStudy, SpeedControl, Summary};
+use bench::torque_signals::Told;
+use bench::units::RPM_RAD_S;
+use page::Blocks;
+
+use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
+use crate::controller as words;
+use crate::wording::number;
+
+/// PI and delay in every recording with constant N_d*, what stands beside them, the limit of T_d*, and what noise does.
+pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<PiStudy, EstimateError>>) -> Blocks {
+    let mut all: Blocks = found.controllers.iter().map(one).collect();
+    all.push(figures(words::correlation_figures(found)));
+    if !found.controllers.is_empty() {
+        all.push(heading("Limit of T_d*"));
+        words::limits(found).iter().for_each(|text| all.push(sentence(text)));
+    }
+    match study {
+        Some(Ok(study)) => all.push(pi_study(study)),
+        Some(Err(error)) => all.push(untold("What noise does to a PI that is known", &error.to_string())),
+        None => {}
+    }
+    all
+}
+
+fn one(recording: &ControllerRecording) -> Blocks {
+    let mut all = of_recording(&recording.file, &recording.label);
+    match &recording.found {
+        Told::Found(found) => all.push(found_in(found)),
+        Told::Untold(why) => all.push(untold("Speed controller", &words::untold(why))),
+    }
+    all
+}
+
+fn found_in(found: &Controller) -> Blocks {
+    let rows = found.with_delay.parameters.iter().map(|p| {
+        let alone = found.without_delay.parameter(&p.symbol).map_or_else(|| "–".to_owned(), number::parameter);
+        vec![p.symbol.clone(), p.name.clone(), alone, number::parameter(p), number::interval(p)]
+    });
+    let mut all = plain_table(&["", "Parameter", "PI alone", "PI and delay", "95 % interval"], rows);
+    all.push(sentence(&words::delay(found)));
+    all.push(sentence(&words::rules(found)));
+    match &found.structure {
+        Told::Found(tested) => {
+            all.push(rounds("PI and delay", &tested.rounds));
+            all.push(sentence(&words::structure(tested)));
+        }
+        Told::Untold(why) => all.push(untold("Terms beside PI and delay", &words::untold(why))),
+    }
+    all
+}
+
+fn rounds(base: &str, all: &[Round]) -> Blocks {
+    let heads = ["Term", "", "Estimate (95 %)", "Explains of N_d", "p (Holm)", ""];
+    let mut section = Blocks::default();
+    for round in all {
+        section.push(sentence(&format!("{}:", words::round(base, round))));
+        section.push(plain_table(&heads, round.tests.iter().map(test_row)));
+    }
+    let last = all.last().map(|round| round.tests.as_slice()).unwrap_or_default();
+    words::untold_terms(last).iter().chain(&words::negligible(last)).for_each(|text| section.push(sentence(text)));
+    section
+}
+
+fn test_row(test: &TermTest) -> Vec<String> {
+    let estimate = test.estimate.as_ref();
+    let is_tested = test.p_value < 1.0;
+    let or_dash = |is_told: bool, text: String| if is_told { text } else { "–".to_owned() };
+    vec![
+        words::term(test.term).to_owned(),
+        estimate.map_or_else(String::new, |p| p.symbol.clone()),
+        estimate.map_or_else(|| "–".to_owned(), number::parameter),
+        or_dash(
+            estimate.is_some() || is_tested,
+            number::significant_with_unit(test.explains_rad_s / RPM_RAD_S, 2, "rpm"),
+        ),
+        or_dash(is_tested, words::probability(test.adjusted_p_value)),
+        words::verdict(test).to_owned(),
+    ]
+}
+
+/// What bends the feed-forward, in every recording in which N_d* moves.
+pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
+    let mut all = Blocks::default();
+    for one in &found.feed_forward {
+        all.push(of_recording(&one.file, &one.label));
+        match &one.found {
+            Told::Untold(why) => all.push(untold("Feed-forward", &words::untold(why))),
+            Told::Found(found) => {
+                all.push(parameters(&found.straight.estimate.parameters));
+                all.push(sentence(&words::improvement(found)));
+                match &found.terms {
+                    Told::Found(terms) => all.push(bends(terms)),
+                    Told::Untold(why) => all.push(untold("Terms beside k and k_a", &words::untold(why))),
+                }
+            }
+        }
+    }
+    all.push(figures(words::map_figures(found)));
+    all
+}
+
+fn bends(terms: &FeedForwardTerms) -> Blocks {
+    let mut all = rounds("k and k_a", &terms.rounds);
+    all.push(sentence(&words::bends(terms)));
+    all
+}
+
+/// What noise does to the estimate of a PI that is known.
+fn pi_study(found: &PiStudy) -> Blocks {
+    let mut all = heading("Could noise be why a PI does not explain a recording?");
+    all.push(sentence(&format!(
+        "A PI that is known runs on the speeds of {}, {} times with each noise, and is estimated again",
+        found.file, found.options.draws
+    )));
+    let heads = ["Estimated", "", "Truth", "Mean", "Bias", "St. dev.", "Claimed", "Coverage", "Table 7.1"];
+    for cases in found.cases.chunk_by(|a, b| a.noise == b.noise) {
+        let noise = cases.first().map_or_else(String::new, |case| words::noise(found, case.noise));
+        all.push(sentence(&format!("{noise}:")));
+        all.push(plain_table(&heads, cases.iter().flat_map(|case| case_rows(found, case))));
+    }
+    all.push(sentence(words::STUDY_DEFINITIONS));
+    all.push(sentence(words::ESTIMATORS));
+    all.push(figures(words::study_figures(found)));
+    all
+}
+
+fn case_rows(found: &PiStudy, case: &Case) -> Vec<Vec<String>> {
+    let digits = |value: f64| number::significant(value, 5);
+    let spread = |value: f64| number::significant_with_unit(value, 2, "");
+    let row = |summary: &Summary| {
+        let of_many = |text: String| if summary.values.len() < 2 { "–".to_owned() } else { text };
+        let once =
+            words::published(found, case.noise, &summary.symbol).filter(|_| case.estimator == Estimator::Forward);
+        vec![
+            words::estimator(case.estimator).to_owned(),
+            format!("{}, {}", summary.symbol, summary.unit),
+            digits(summary.truth),
+            digits(summary.mean),
+            spread(summary.bias),
+            of_many(spread(summary.standard_deviation)),
+            spread(summary.claimed),
+            of_many(number::proportion(&summary.coverage)),
+            once.map_or_else(|| "–".to_owned(), digits),
+        ]
+    };
+    case.summaries.iter().map(row).collect()
+}

@@ -1,0 +1,93 @@
+//! What the analyses of the parts add to the report: the figures of their own pages, and the words that the command line has.
+
+mod controller;
+mod engine;
+mod friction;
+mod inverter;
+mod lines;
+mod next;
+mod recorded;
+mod shaft;
+mod torque;
+
+pub(crate) use controller::{controller, feed_forward};
+pub(crate) use engine::engine;
+pub(crate) use friction::friction;
+pub(crate) use inverter::inverter;
+pub(crate) use lines::lines;
+pub(crate) use next::next;
+pub(crate) use recorded::{courses, step};
+pub(crate) use shaft::shaft;
+pub(crate) use torque::torque;
+
+use bench::study::Parameter;
+use page::{Block, Blocks, Cell, Figure, Panel, Prose, Table};
+
+use super::parts::parameter_table;
+use crate::wording::capitalised;
+
+/// Height of the panels of a figure that fits a printed page, and room between two, CSS pixels.
+const PAGE: u32 = 780;
+const BETWEEN_PANELS: u32 = 36;
+
+/// Figures, one below the other; what is taller than a page is cut between panels.
+pub(crate) fn figures(all: Vec<Figure>) -> Blocks {
+    all.into_iter().flat_map(pages).collect()
+}
+
+/// A figure in pieces of alike height that fit a page, the caption below the last.
+fn pages(whole: Figure) -> Vec<Figure> {
+    let Figure { title, caption, x, mut panels, equal_axes, symbols } = whole;
+    let height: u32 = panels.iter().map(|panel| panel.height + BETWEEN_PANELS).sum();
+    let count = panels.len().div_ceil(height.div_ceil(PAGE).max(1) as usize).max(1);
+    let mut pieces: Vec<Vec<Panel>> = Vec::new();
+    while !panels.is_empty() {
+        let rest = panels.split_off(count.min(panels.len()));
+        pieces.push(std::mem::replace(&mut panels, rest));
+    }
+    let last = pieces.len();
+    let piece = |(n, panels): (usize, Vec<Panel>)| Figure {
+        title: if n == 0 { title.clone() } else { format!("{title}, continued") },
+        caption: if n + 1 == last { caption.clone() } else { String::new() },
+        x: x.clone(),
+        panels,
+        equal_axes,
+        symbols,
+    };
+    pieces.into_iter().enumerate().map(piece).collect()
+}
+
+/// A sentence that may begin in small letters and end without a stop.
+pub(crate) fn sentence(text: &str) -> Blocks {
+    let stop = if text.ends_with(['.', ':']) { "" } else { "." };
+    // A file's name begins as it does.
+    let names_file = text.split(' ').next().is_some_and(|word| word.contains(['/', '.']));
+    let text = if names_file { text.to_owned() } else { capitalised(text) };
+    Block::paragraph(text + stop).into()
+}
+
+/// A heading below that of the section.
+pub(crate) fn heading(text: &str) -> Blocks {
+    Block::heading(text).into()
+}
+
+/// A heading that names a recording.
+pub(crate) fn of_recording(file: &str, label: &str) -> Blocks {
+    Block::heading(Prose::verbatim(label).then(" ").then(Prose::code(file))).into()
+}
+
+/// What stands in place of an analysis that a recording, or the whole campaign, does not allow.
+pub(crate) fn untold(what: &str, why: &str) -> Blocks {
+    Block::note(format!("{what}: {}.", why.trim_end_matches('.'))).into()
+}
+
+/// A table of text.
+pub(crate) fn plain_table(heads: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> Blocks {
+    let cells = |row: Vec<String>| row.iter().map(Cell::from).collect();
+    Table::of_text(heads).with_rows(rows.into_iter().map(cells)).into()
+}
+
+/// A table of parameters.
+pub(crate) fn parameters<'a>(all: impl IntoIterator<Item = &'a Parameter>) -> Blocks {
+    parameter_table(all).into()
+}

@@ -1,0 +1,78 @@
+//! The torque signals held against each other.
+
+use bench::torque_signals::{Told, TorqueRecording, TorqueSignals};
+use page::Blocks;
+
+use super::{figures, heading, parameters, plain_table, sentence, untold};
+use crate::torque;
+use crate::wording::number;
+
+/// The section on the torque signals.
+pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
+    let mut all = sentence(
+        "Which torque can be believed, and when it is true: each against T_d*, against the bend in N_d, against the load cell \
+         at rest; and the shaft torque rebuilt from N_d and T_d with its own standard deviation",
+    );
+    all.push(match &found.trust {
+        Some(check) => sentence(&torque::trust(check)),
+        None => untold("T_d,calc is not held against the load cell", torque::NO_TRUST),
+    });
+    all.push(delays(found));
+    if let Some((file, cell)) = found.load_cell() {
+        all.push(heading(&format!("Load cell, from {file}")));
+        all.push(parameters(cell));
+    }
+    all.push(heading("The system’s own shaft torque, and the rebuilt one"));
+    all.push(by_recording(found));
+    all.push(figures(torque::figures(found)));
+    all
+}
+
+fn delays(found: &TorqueSignals) -> Blocks {
+    let shown = |p: &Option<bench::study::Parameter>| p.as_ref().map_or_else(|| "–".to_owned(), number::parameter);
+    let of_recording = |recording: &TorqueRecording| {
+        let delays = recording.delays.found().into_iter().flatten();
+        let row = |delay| -> Vec<String> {
+            let delay: &bench::study::SignalDelay = delay;
+            vec![
+                recording.file.clone(),
+                delay.role.symbol().to_owned(),
+                shown(&delay.against_demand),
+                shown(&delay.against_speed_bend),
+                torque::agreement(delay).to_owned(),
+                torque::routes(delay).join("; "),
+            ]
+        };
+        delays.map(row).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<String>> = found.recordings.iter().flat_map(of_recording).collect();
+    if rows.is_empty() {
+        return untold("Delays", "no recording moves T_d* by itself; run WhiteNoise_T_TN or Step_T_TN");
+    }
+    let heads =
+        ["Recording", "Signal", "Behind T_d*", "Behind the bend of N_d", "Agree", "By each route, 95 % intervals"];
+    let mut all = heading("Delays in every recording that tells them");
+    all.push(plain_table(&heads, rows));
+    let found = found.recordings.iter().filter_map(|recording| recording.delays.found());
+    found.flat_map(|delays| torque::early_signals(delays)).for_each(|text| all.push(sentence(&text)));
+    all
+}
+
+/// What stands in the system's own shaft torque; and where there is none of one's own, why. How certain the rebuilt one is, the
+/// figures say.
+fn by_recording(found: &TorqueSignals) -> Blocks {
+    let filters = found.recordings.iter().filter_map(|recording| {
+        let filter = match recording.filter.as_ref()? {
+            Told::Found(filter) => torque::filter(&filter.best),
+            Told::Untold(why) => torque::untold(why),
+        };
+        Some(vec![recording.file.clone(), filter])
+    });
+    let mut all = plain_table(&["Recording", "What stands in T_d,shaft,calc"], filters);
+    for recording in &found.recordings {
+        if let Some(Told::Untold(why)) = &recording.shaft {
+            all.push(untold(&format!("{}: T_shaft is not rebuilt", recording.file), &torque::untold(why)));
+        }
+    }
+    all
+}

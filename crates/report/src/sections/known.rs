@@ -1,0 +1,67 @@
+//! What is known well, what is not, and why.
+
+use bench::Study;
+use bench::study::Analyses;
+
+use page::{Block, Blocks, Cell, Prose, Table, Tone};
+
+use crate::known::{Grade, Known, known};
+
+/// The section on what is known.
+pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Blocks {
+    let all = known(study, analyses);
+    let well = all.iter().filter(|one| one.grade == Grade::Well).count();
+    let text = format!(
+        "Of {} quantities that make up the model, {well} are known well. ± is half of the 95 % interval: were the campaign repeated many \
+         times, 19 of 20 such intervals would hold the truth, provided that the model is of the right kind. The last column says why each is known as well as \
+         it is; what contradicts a value counts against it.",
+        all.len()
+    );
+    let mut section = Blocks::from(Block::lead(text));
+    Grade::ALL.into_iter().for_each(|grade| section.push(group(grade, &all)));
+    section
+}
+
+fn group(grade: Grade, all: &[Known]) -> Blocks {
+    let of_grade: Vec<&Known> = all.iter().filter(|one| one.grade == grade).collect();
+    let rows: Vec<Vec<Cell>> = of_grade.chunk_by(|a, b| is_alike(a, b)).flat_map(rows).collect();
+    if rows.is_empty() {
+        return Blocks::default();
+    }
+    vec![
+        Block::heading(
+            Prose::from(grade.headline()).then(" ").then(Prose::tag(tone(grade), of_grade.len().to_string())),
+        ),
+        Block::note(grade.meaning()),
+        Block::Table(Table::of_text(&["", "Quantity", "Value", "Why"]).with_rows(rows)),
+    ]
+    .into()
+}
+
+/// Whether two quantities are of one part and from the same data.
+fn is_alike(a: &Known, b: &Known) -> bool {
+    a.part == b.part && a.why.first() == b.why.first()
+}
+
+/// Quantities that come from the same place, a row each, and beside the first what is to be said of any of them.
+fn rows(alike: &[&Known]) -> Vec<Vec<Cell>> {
+    let mut why: Vec<&str> = Vec::new();
+    for text in alike.iter().flat_map(|one| &one.why) {
+        if !why.contains(&text.as_str()) {
+            why.push(text);
+        }
+    }
+    let reasons = |n: usize| if n == 0 { why.join(" ") } else { String::new() };
+    let row = |(n, one): (usize, &&Known)| -> Vec<Cell> {
+        vec![Prose::symbol(&one.symbol).into(), Cell::from(&one.name), Cell::from(&one.value), reasons(n).into()]
+    };
+    alike.iter().enumerate().map(row).collect()
+}
+
+fn tone(grade: Grade) -> Tone {
+    match grade {
+        Grade::Well => Tone::Good,
+        Grade::Roughly | Grade::OnTrust => Tone::Caution,
+        Grade::Poorly | Grade::NotAtAll => Tone::Bad,
+    }
+}

@@ -1,0 +1,102 @@
+//! The report of a study as a page.
+//!
+//! The order is the one in which a test engineer asks: the verdict, what is known and how well, the block diagram, what was
+//! recorded, each part, the whole model, replays, doubts, where it all came from, by which methods.
+
+mod analyses;
+mod diagnostics;
+mod diagram;
+mod known;
+mod methods;
+mod parts;
+mod plots;
+mod provenance;
+mod replays;
+mod submodels;
+mod verdict;
+mod whole;
+
+use bench::Study;
+use bench::study::Analyses;
+
+use page::{Block, Blocks, Page, Prose, Tone};
+
+/// The report of a study.
+pub fn study(study: &Study) -> Page {
+    page(study, None)
+}
+
+/// The same report with all analyses of the recordings, each at its place.
+pub fn full_study(study: &Study, analyses: &Analyses) -> Page {
+    page(study, Some(analyses))
+}
+
+fn page(study: &Study, analyses: Option<&Analyses>) -> Page {
+    let section = |(id, title, content): (&str, &str, Blocks)| Block::section(id, title, content.into_vec());
+    let blocks = sections(study, analyses).into_iter().map(section).collect();
+    Page { subtitle: subtitle(study), ..Page::new(format!("{} – bench model", study.bench.name), blocks) }
+}
+
+/// The sections in the order in which an engineer asks; those that only analyses fill are left out without them.
+fn sections(study: &Study, analyses: Option<&Analyses>) -> Vec<(&'static str, &'static str, Blocks)> {
+    let with = |mut own: Blocks, more: &dyn Fn(&Analyses) -> Blocks| {
+        analyses.iter().for_each(|found| own.push(more(found)));
+        own
+    };
+    let only = |id, title, content: &dyn Fn(&Analyses) -> Blocks| analyses.map(|found| (id, title, content(found)));
+    let all = [
+        Some(("verdict", "Verdict", verdict::section(study))),
+        Some(("known", "What is known", known::section(study, analyses))),
+        Some(("diagram", "Block diagram", diagram::section(study))),
+        only("recorded", "What was recorded", &|found| analyses::courses(&found.courses)),
+        only("lines", "Lines", &|found| analyses::lines(&found.lines, &found.over_speed)),
+        Some(("timing", "Timing", with(submodels::timing(study), &|found| analyses::step(found.step.as_ref())))),
+        only("torque-signals", "Torque signals", &|found| analyses::torque(&found.torque_signals)),
+        Some((
+            "speed-control",
+            "Speed control",
+            with(submodels::speed_controller(study), &|found| {
+                analyses::controller(&found.speed_control, found.pi_study.as_ref())
+            }),
+        )),
+        Some((
+            "feed-forward",
+            "Feed-forward",
+            with(submodels::feed_forward(study), &|found| analyses::feed_forward(&found.speed_control)),
+        )),
+        Some((
+            "torque-control",
+            "Torque control",
+            with(submodels::torque_control(study), &|found| analyses::inverter(&found.torque_control)),
+        )),
+        only("friction", "Friction", &|found| analyses::friction(&found.friction, &study.bench)),
+        Some(("shaft", "Shaft", with(submodels::shaft(study), &|found| analyses::shaft(&found.shaft)))),
+        only("engine-torque", "Engine torque", &|found| analyses::engine(&found.engine_torque)),
+        Some(("whole", "Whole model", whole::section(study))),
+        only("next", "What to record next", &|found| analyses::next(&found.next)),
+        Some(("replays", "Replays", replays::section(study))),
+        Some(("findings", "Findings", diagnostics::section(study))),
+        Some(("provenance", "Recordings and bench", provenance::section(study))),
+        Some(("methods", "Methods", methods::section())),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+fn subtitle(study: &Study) -> Prose {
+    let recordings = match study.recordings.len() {
+        1 => "1 recording".to_owned(),
+        n => format!("{n} recordings"),
+    };
+    let text = format!(
+        "{} · {recordings} · dynoid {}",
+        crate::wording::variant(study.bench.variant),
+        study.provenance.version
+    );
+    match study.provenance.seed {
+        Some(seed) => Prose::from(text)
+            .then(" · ")
+            .then(Prose::tag(Tone::Caution, "simulated recordings"))
+            .then(format!(", seed {seed}")),
+        None => text.into(),
+    }
+}

@@ -1,0 +1,108 @@
+//! Recordings replayed on the assembled model.
+
+use bench::Study;
+use bench::study::{Replay, Validation};
+
+use page::{Axis, Block, Blocks, Cell, Figure, Panel, Prose, Style, Table, Tone};
+
+use super::parts::stretch;
+use super::plots::{difference, thinned, trace_layer};
+use crate::wording::{capitalised, experiment, mode, number};
+
+/// The section on replays.
+pub(crate) fn section(study: &Study) -> Blocks {
+    let what = "The whole model is driven with the recorded demand and with the engine torque reconstructed from N_e and \
+                T_shaft; what it answers is compared with what was measured.";
+    if study.replays.is_empty() {
+        return vec![
+            Block::lead(what),
+            Block::paragraph(
+                Prose::strong("No recording was replayed.")
+                    .then(" The model as a whole has not been compared with a measurement."),
+            ),
+        ]
+        .into();
+    }
+    let mut all = Blocks::from(Block::lead(what));
+    all.push(overview(&study.replays));
+    study.replays.iter().for_each(|one| all.push(replay(one)));
+    all
+}
+
+fn overview(replays: &[Replay]) -> Table {
+    let fit = |all: Prose, signal: &Validation| {
+        let between = if all.is_empty() { "" } else { ", " };
+        all.then(between).then(&*signal.quantity).then(format!(" {}", number::fit(signal.fit_percent)))
+    };
+    let row = |replay: &Replay| -> Vec<Cell> {
+        vec![
+            Prose::strong(replay.label.to_string()).into(),
+            Prose::code(&replay.stretch.file).into(),
+            seen(replay.seen_in_estimation).into(),
+            replay.signals.iter().fold(Prose::default(), fit).into(),
+        ]
+    };
+    Table::of_text(&["Recording", "File", "Used in estimation?", "Fit"]).with_rows(replays.iter().map(row))
+}
+
+fn seen(seen_in_estimation: bool) -> Prose {
+    match seen_in_estimation {
+        true => Prose::tag(Tone::Faint, "seen").then(" part of the model comes from this recording"),
+        false => Prose::tag(Tone::Good, "unseen").then(" no part of the model has seen it"),
+    }
+}
+
+fn replay(replay: &Replay) -> Blocks {
+    let described = experiment(&replay.label).map(|words| format!("{words}. ")).unwrap_or_default();
+    let text = Prose::from(capitalised(&described))
+        .then(format!("{}. ", capitalised(mode(replay.mode))))
+        .then(stretch(&replay.stretch))
+        .then(". ")
+        .then(seen(replay.seen_in_estimation))
+        .then(".");
+    vec![
+        Block::heading(Prose::verbatim(replay.label.to_string())),
+        Block::paragraph(text),
+        Block::Figure(signals(replay)),
+    ]
+    .into()
+}
+
+/// All signals below each other on one time axis, each with its fit.
+fn signals(replay: &Replay) -> Figure {
+    let panels = replay.signals.iter().map(signal).chain(worst_residual(replay)).collect();
+    let thinned = replay.signals.iter().map(|signal| thinned(&signal.measured)).find(|text| !text.is_empty());
+    Figure {
+        equal_axes: false,
+        symbols: true,
+        title: "Measured and modelled".to_owned(),
+        caption: format!(
+            "{} {}",
+            if replay.seen_in_estimation {
+                "Part of the model was estimated from this recording."
+            } else {
+                "No part of the model was estimated from this recording."
+            },
+            thinned.unwrap_or_default()
+        )
+        .trim_end()
+        .to_owned(),
+        x: Axis::time(),
+        panels,
+    }
+}
+
+fn signal(signal: &Validation) -> Panel {
+    let measured = trace_layer("measured", Style::Measured, &signal.measured);
+    let modelled = trace_layer("modelled", Style::Modelled, &signal.modelled);
+    Panel::new(Axis::linear(&signal.quantity, &signal.unit), 120, vec![measured, modelled])
+        .noted(format!("fit {}", number::fit(signal.fit_percent)))
+}
+
+/// What is left of the signal the model explains least.
+fn worst_residual(replay: &Replay) -> Option<Panel> {
+    let worst = replay.signals.iter().min_by(|a, b| a.fit_percent.total_cmp(&b.fit_percent))?;
+    let left_over = vec![trace_layer("residual", Style::Residual, &difference(worst))];
+    let panel = Panel::new(Axis::linear(&format!("{} − model", worst.quantity), &worst.unit), 80, left_over);
+    Some(panel.noted("of the signal with the lowest fit".to_owned()))
+}

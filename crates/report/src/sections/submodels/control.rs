@@ -1,0 +1,127 @@
+//! Speed control, feed-forward and torque control.
+
+use bench::study::{Estimate, FeedForward, Part, SpeedController, Study, TorqueControl};
+
+use page::{Block, Blocks};
+
+use crate::sections::parts::{fit_line, lead, not_estimated, parameters};
+use crate::sections::plots::{Extent, comparison, correlations, cross_outside, residual_test};
+use crate::torque;
+use crate::wording::number;
+
+/// PI with delay.
+pub(crate) fn speed_controller(study: &Study) -> Blocks {
+    let what = "The controller that holds the dynamometer’s speed: it turns the speed error N_d − N_d* into a torque \
+                demand T_d*.";
+    let part = match &study.speed_controller {
+        Part::Estimated(part) => part,
+        Part::NotEstimated { needs } => return not_estimated(what, needs),
+    };
+    let equation = "T_d* = e^(−s τ) (K_p + {K_i}/{s}) (N_d − N_d*) + I_0";
+    let title = "Speed control on the held-out stretch";
+    let all: Vec<Blocks> = vec![
+        lead(what, equation),
+        parameters(&part.estimate, &[&part.zero]),
+        discrete(part),
+        fit_line(&part.validation).into(),
+        comparison(title, &part.validation, None).into(),
+        delay_evidence(part),
+    ];
+    all.into_iter().collect()
+}
+
+fn discrete(part: &SpeedController) -> Blocks {
+    let coefficient = |value: f64| number::significant(value, 6);
+    let text = format!(
+        "The controller computes this every {}, on the speed error in rpm: (b_0 + b_1 q⁻¹)/(1 − q⁻¹) with b_0 = {}, \
+         b_1 = {}. This K_p is that of integration by forward Euler. With backward Euler the same sequence has a K_p that \
+         is smaller by K_i times the sample time.",
+        number::duration(part.sample_time_s),
+        coefficient(part.discrete.0),
+        coefficient(part.discrete.1),
+    );
+    Block::paragraph(text).into()
+}
+
+/// Residual tests with and without the delay, on one scale.
+fn delay_evidence(part: &SpeedController) -> Blocks {
+    let (Some(with), Some(without)) = (&part.validation.residuals, &part.without_delay.residuals) else {
+        return residual_test(&part.validation).into();
+    };
+    let extent = Extent::of(&[with, without]);
+    let text = format!(
+        "Leaving the delay out and estimating K_p and K_i anew gives a fit of {}; with the delay it is {}. The residuals \
+         tell more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
+         with it.",
+        number::fit(part.without_delay.fit_percent),
+        number::fit(part.validation.fit_percent),
+        with.input,
+        cross_outside(without),
+        cross_outside(with)
+    );
+    let figures =
+        vec![correlations("With the delay", with, extent), correlations("Without the delay", without, extent)];
+    vec![Block::paragraph(text), Block::Row { figures }].into()
+}
+
+/// Feed-forward, and PI alone beside it.
+pub(crate) fn feed_forward(study: &Study) -> Blocks {
+    let what = "The torque the controller adds from the speed demand N_d* alone, without waiting for an error.";
+    let part: &FeedForward = match &study.feed_forward {
+        Part::Estimated(part) => part,
+        Part::NotEstimated { needs } => return not_estimated(what, needs),
+    };
+    let equation = "FF = k N_d* + m + k_a {dN_d*}/{dt}";
+    let note = format!(
+        "m cannot be told apart from the integrator’s initial state and is not reported. Without feed-forward, PI alone \
+         fits the same stretch with {}.",
+        number::fit(part.pi_alone.fit_percent)
+    );
+    let title = "PI with feed-forward, and PI alone, on the held-out stretch";
+    let all: Vec<Blocks> = vec![
+        lead(what, equation),
+        parameters(&part.estimate, &[]),
+        fit_line(&part.validation).into(),
+        Block::paragraph(note).into(),
+        comparison(title, &part.validation, Some(("PI alone", &part.pi_alone))).into(),
+        residual_test(&part.validation).into(),
+    ];
+    all.into_iter().collect()
+}
+
+/// What a delay below zero means, where one is.
+fn early(estimate: &Estimate) -> Blocks {
+    let said = torque::early_delays(&estimate.parameters);
+    said.iter().map(|text| Block::paragraph(format!("{text}."))).collect()
+}
+
+/// Inverter and machine: delay alone, and delay with lag.
+pub(crate) fn torque_control(study: &Study) -> Blocks {
+    let what =
+        "Inverter and machine with their field-oriented control: how the air-gap torque T_d follows its demand T_d*.";
+    let part: &TorqueControl = match &study.torque_control {
+        Part::Estimated(part) => part,
+        Part::NotEstimated { needs } => return not_estimated(what, needs),
+    };
+    let equation = "T_d = e^(−s τ) {a}/{s + a} T_d*";
+    let bar = format!(
+        "A delay alone is the bar to beat: on the same stretch it fits with {}, delay and lag with {}.",
+        number::fit(part.pure_delay_validation.fit_percent),
+        number::fit(part.delay_and_lag_validation.fit_percent)
+    );
+    let title = "Torque control on the held-out stretch";
+    let all: Vec<Blocks> = vec![
+        lead(what, equation),
+        Block::heading("Delay and lag").into(),
+        parameters(&part.delay_and_lag, &[]),
+        early(&part.delay_and_lag),
+        Block::heading("Delay alone").into(),
+        parameters(&part.pure_delay, &[]),
+        early(&part.pure_delay),
+        fit_line(&part.delay_and_lag_validation).into(),
+        Block::paragraph(bar).into(),
+        comparison(title, &part.delay_and_lag_validation, Some(("delay alone", &part.pure_delay_validation))).into(),
+        residual_test(&part.delay_and_lag_validation).into(),
+    ];
+    all.into_iter().collect()
+}

@@ -1,0 +1,170 @@
+//! The first page: can the model be used, what are its numbers, what is missing, what to look at.
+
+use bench::study::{Need, Parameter, Part, Study};
+use bench::{Diagnostic, Severity};
+
+use page::{Block, Blocks, Card, Cell, Prose, Table, Tone};
+
+use super::diagnostics::{alike, entry};
+use crate::verdict::{Level, Rule, verdict};
+use crate::wording::{self, number};
+
+/// Findings shown on the first page.
+const SHOWN_FINDINGS: usize = 4;
+
+/// The section that comes first.
+pub(crate) fn section(study: &Study) -> Blocks {
+    let verdict = verdict(study);
+    let mut all = Blocks::from(Block::Callout {
+        tone: tone(verdict.level),
+        kicker: "Verdict".to_owned(),
+        title: verdict.level.headline().to_owned(),
+        blocks: because(&verdict.rules),
+    });
+    all.push(key_numbers(study));
+    all.push(missing(study));
+    all.push(findings(study));
+    all.push(rules(&verdict.rules));
+    all
+}
+
+fn tone(level: Level) -> Tone {
+    match level {
+        Level::Good => Tone::Good,
+        Level::Reservations => Tone::Caution,
+        Level::Insufficient => Tone::Bad,
+    }
+}
+
+/// The rules that are not met, the gravest first.
+fn because(rules: &[Rule]) -> Vec<Block> {
+    let mut decisive: Vec<&Rule> = rules.iter().filter(|rule| rule.level != Level::Good).collect();
+    decisive.sort_by_key(|rule| std::cmp::Reverse(rule.level));
+    if decisive.is_empty() {
+        return vec![Block::paragraph(format!("All {} rules of the verdict are met.", rules.len()))];
+    }
+    let item =
+        |rule: &Rule| Prose::strong(format!("{}.", wording::capitalised(&rule.found))).then(" Rule: ").then(rule.asks);
+    vec![
+        Block::paragraph("These rules of the verdict are not met, or not fully:"),
+        Block::List { items: decisive.into_iter().map(item).collect() },
+    ]
+}
+
+fn rules(rules: &[Rule]) -> Blocks {
+    let row = |rule: &Rule| -> Vec<Cell> {
+        let outcome = Prose::tag(tone(rule.level), rule.level.outcome());
+        vec![outcome.into(), rule.asks.into(), Cell::from(&rule.found)]
+    };
+    vec![
+        Block::heading("How the verdict was reached"),
+        Block::paragraph("The verdict is the worst outcome of these rules."),
+        Block::Table(Table::of_text(&["", "Rule", "This study"]).with_rows(rules.iter().map(row))),
+    ]
+    .into()
+}
+
+/// One number on the first page.
+struct KeyNumber<'a> {
+    symbol: &'a str,
+    name: &'a str,
+    parameter: Option<&'a Parameter>,
+    needs: &'a [Need],
+}
+
+fn key_numbers(study: &Study) -> Blocks {
+    vec![
+        Block::heading("Key numbers"),
+        Block::Cards { items: collect_key_numbers(study).iter().map(card).collect() },
+        Block::note("± is half of the 95 % interval, here and everywhere below."),
+    ]
+    .into()
+}
+
+fn collect_key_numbers(study: &Study) -> Vec<KeyNumber<'_>> {
+    let whole = study.whole.estimated();
+    let shaft = |symbol| study.shaft.estimated().and_then(|part| part.estimate.parameter(symbol));
+    let controller = |symbol| study.speed_controller.estimated().and_then(|part| part.estimate.parameter(symbol));
+    let torque = |symbol| study.torque_control.estimated().and_then(|part| part.delay_and_lag.parameter(symbol));
+    let number = |symbol, name, parameter, needs| KeyNumber { symbol, name, parameter, needs };
+    let (of_whole, of_shaft) = (needs(&study.whole), needs(&study.shaft));
+    let (of_controller, of_torque) = (needs(&study.speed_controller), needs(&study.torque_control));
+    vec![
+        number("", "resonance", whole.map(|w| &w.resonance_hz), of_whole),
+        number("", "engine speed where firing meets it", whole.map(|w| &w.firing_meets_resonance_rpm), of_whole),
+        number("K", "shaft stiffness", shaft("K"), of_shaft),
+        number("B", "shaft damping", shaft("B"), of_shaft),
+        number("K_p", "speed control, proportional", controller("K_p"), of_controller),
+        number("K_i", "speed control, integral", controller("K_i"), of_controller),
+        number("τ", "speed control, delay", controller("τ"), of_controller),
+        number("τ + 1/a", "torque control, total delay", torque("τ + 1/a"), of_torque),
+    ]
+}
+
+fn needs<T>(part: &Part<T>) -> &[Need] {
+    match part {
+        Part::Estimated(_) => &[],
+        Part::NotEstimated { needs } => needs,
+    }
+}
+
+fn card(number: &KeyNumber<'_>) -> Card {
+    let label = match number.symbol {
+        "" => number.name.into(),
+        known => Prose::symbol(known).then(" ").then(number.name),
+    };
+    Card { label, value: number.parameter.map(number::quantity).ok_or_else(|| short_needs(number.needs).into()) }
+}
+
+/// The labels of the recordings that are needed, or a pointer to the list below.
+fn short_needs(needs: &[Need]) -> String {
+    let labels: Vec<String> = needs
+        .iter()
+        .filter_map(|need| match need {
+            Need::Recording { any_of } => Some(wording::join(any_of, "or")),
+            _ => None,
+        })
+        .collect();
+    if labels.is_empty() { "see below".to_owned() } else { format!("needs {}", wording::join(&labels, "and")) }
+}
+
+fn missing(study: &Study) -> Blocks {
+    let parts = [
+        ("timing", needs(&study.timing), study.timing.estimated().is_some()),
+        ("speed_controller", needs(&study.speed_controller), study.speed_controller.estimated().is_some()),
+        ("feed_forward", needs(&study.feed_forward), study.feed_forward.estimated().is_some()),
+        ("torque_control", needs(&study.torque_control), study.torque_control.estimated().is_some()),
+        ("shaft", needs(&study.shaft), study.shaft.estimated().is_some()),
+        ("whole", needs(&study.whole), study.whole.estimated().is_some()),
+    ];
+    let rows: Vec<Vec<Cell>> = parts
+        .iter()
+        .filter(|(_, _, there)| !there)
+        .map(|(name, needs, _)| vec![Prose::strong(wording::part(name)).into(), wording::needs(needs).into()])
+        .collect();
+    if rows.is_empty() {
+        return Blocks::default();
+    }
+    vec![
+        Block::heading("What could not be estimated, and what would give it"),
+        Block::Table(Table::of_text(&["Part", "Needs"]).with_rows(rows)),
+    ]
+    .into()
+}
+
+fn findings(study: &Study) -> Blocks {
+    let mut grave: Vec<&Diagnostic> = study.diagnostics.iter().filter(|d| d.severity > Severity::Note).collect();
+    if grave.is_empty() {
+        return Block::note("There is no finding beyond notes.").into();
+    }
+    grave.sort_by_key(|found| std::cmp::Reverse(found.severity));
+    let groups = alike(&grave);
+    let mut all = Blocks::from(Block::heading("Most important findings"));
+    groups.iter().take(SHOWN_FINDINGS).for_each(|same| all.push(entry(same)));
+    let count: usize = groups.iter().take(SHOWN_FINDINGS).map(Vec::len).sum();
+    match study.diagnostics.len().saturating_sub(count) {
+        0 => {}
+        n => all.push(Block::note(Prose::link(format!("All findings ({n} more)"), "#findings"))),
+    }
+    all
+}

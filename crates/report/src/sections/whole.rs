@@ -1,0 +1,289 @@
+//! The assembled model: resonance, Bode curves, sine tests, margins.
+
+use bench::ControlMode;
+use bench::study::{BenchFacts, BodeCurve, Margins, Parameter, Part, SinePoint, Study, WholeModel};
+
+use page::{Abscissa, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
+
+use super::parts::{lead, not_estimated, parameter_table};
+use crate::wording::{mode_short, number};
+
+/// Normal quantile of the error bars.
+const QUANTILE_95: f64 = 1.96;
+
+/// The section on the whole model.
+pub(crate) fn section(study: &Study) -> Blocks {
+    let what = "All parts connected: what the bench does to a demand, and where it resonates.";
+    let whole = match &study.whole {
+        Part::Estimated(whole) => whole,
+        Part::NotEstimated { needs } => return not_estimated(what, needs),
+    };
+    let equation =
+        "{T_shaft}/{T_d} = {H_d H_s}/{1 + H_s (H_d + H_e)}, H_d = 1/(J_d s), H_e = 1/(J_e s), H_s = (K + B s)/s";
+    let parameters =
+        [&whole.resonance_hz, &whole.firing_meets_resonance_rpm, &whole.resonance_gain, &whole.damping_ratio];
+    let mut all = lead(what, equation);
+    all.push(parameter_table(parameters));
+    all.push(notes(study, whole));
+    all.push(influences(whole));
+    all.push(bode_figures(whole));
+    all.push(sine_tests(whole));
+    all
+}
+
+fn notes(study: &Study, whole: &WholeModel) -> Blocks {
+    let gain = format!(
+        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque. J_e is taken from the \
+         bench file: resonance and static gain hang on it, and neither replays nor sine tests can show it wrong, since the \
+         engine’s torque is reconstructed with it.",
+        number::significant(whole.static_gain, 3)
+    );
+    vec![Block::paragraph(format!("{gain} {}", firing(study, whole))), margins(whole.speed_loop_margins.as_ref())]
+        .into()
+}
+
+/// The engine speeds to avoid: firing, and its half and quarter orders from unequal cylinders (2.1).
+fn firing(study: &Study, whole: &WholeModel) -> String {
+    let full = whole.firing_meets_resonance_rpm.value;
+    let speed = |times: f64| number::significant_with_unit(times * full, 3, "rpm");
+    let BenchFacts { cylinders, strokes, .. } = study.bench;
+    if cylinders == 0 {
+        return "Nothing fires at this bench.".to_owned();
+    }
+    let mut text =
+        format!("With {cylinders} cylinders and {strokes} strokes, firing meets the resonance at {}", speed(1.0));
+    if strokes == 4 {
+        text.push_str(&format!(
+            "; unequal cylinders excite it with half the firing frequency at {}, with a quarter of it at {}",
+            speed(2.0),
+            speed(4.0)
+        ));
+    }
+    text + "."
+}
+
+fn margins(margins: Option<&Margins>) -> Block {
+    match margins {
+        Some(margins) => Block::paragraph(format!(
+            "The speed loop crosses unit gain at {}, with a phase margin of {} and a gain margin of {}.",
+            number::significant_with_unit(margins.crossover_hz, 3, "Hz"),
+            number::significant_with_unit(margins.phase_margin_deg, 2, "°").replace(" °", "°"),
+            number::significant_with_unit(margins.gain_margin_db, 3, "dB"),
+        )),
+        None => Block::note("Margins of the speed loop are not known: the speed control was not estimated."),
+    }
+}
+
+/// What each parameter does to what is computed from the model.
+fn influences(whole: &WholeModel) -> Blocks {
+    let rows = whole.influences.iter().flat_map(|influence| {
+        influence.parameters.iter().enumerate().map(move |(place, one)| {
+            let first = place == 0;
+            let share = match one.variance_share {
+                Some(share) => number::share(share),
+                None => "not known".to_owned(),
+            };
+            vec![
+                if first { Prose::symbol(&influence.symbol).into() } else { Cell::from("") },
+                if first { Cell::from(&influence.name) } else { Cell::from("") },
+                Prose::symbol(one.parameter.symbol()).into(),
+                number::significant_with_unit(one.elasticity, 2, "%").into(),
+                share.into(),
+            ]
+        })
+    });
+    let heads =
+        ["", "Result", "Parameter", "1 % of it moves the result by", "Part of the variance, were it known exactly"];
+    let text = "What every parameter does to the results of the model. The last column is the most that a better experiment for \
+                this parameter could gain; parameters that are estimated together share what they take away. The \
+                inertias are taken as the bench file states them: their uncertainty is in no interval here.";
+    vec![Block::paragraph(text), Block::Table(Table::of_text(&heads).with_rows(rows))].into()
+}
+
+/// One figure for each pair of input and output; curves of the same pair share it.
+fn bode_figures(whole: &WholeModel) -> Blocks {
+    let mut pairs: Vec<(&str, &str)> = Vec::new();
+    for curve in &whole.bode {
+        let pair = (curve.input.as_str(), curve.output.as_str());
+        if !pairs.contains(&pair) {
+            pairs.push(pair);
+        }
+    }
+    pairs.iter().map(|(input, output)| bode(whole, input, output)).collect()
+}
+
+fn bode(whole: &WholeModel, input: &str, output: &str) -> Figure {
+    let curves: Vec<&BodeCurve> = whole.bode.iter().filter(|c| c.input == input && c.output == output).collect();
+    let unit = curves.first().map(|curve| curve.unit.as_str()).unwrap_or_default();
+    let resonates = output == "T_shaft" && curves.iter().any(|curve| curve.mode == ControlMode::Tn);
+    let points: &[SinePoint] = if resonates && input == "T_d" { &whole.sine_points } else { &[] };
+    let mut gain: Vec<Layer> = if resonates { resonance_layers(&whole.resonance_hz) } else { Vec::new() };
+    gain.extend(curves.iter().enumerate().map(|(n, curve)| band(curve, style(n))));
+    gain.extend(
+        curves
+            .iter()
+            .enumerate()
+            .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.gain_db)),
+    );
+    if resonates && input == "T_d" {
+        let label = format!("static gain {}", number::significant(whole.static_gain, 3));
+        gain.push(Layer::HorizontalMark { y: decibel(whole.static_gain), label });
+    }
+    if !points.is_empty() {
+        gain.extend(sine_layers(points, decibel));
+    }
+    let phase = curves
+        .iter()
+        .enumerate()
+        .map(|(n, curve)| Layer::curve(&curve_name(curve), style(n), &curve.frequencies_hz, &curve.phase_deg));
+    Figure {
+        equal_axes: false,
+        symbols: true,
+        title: format!("From {input} to {output}"),
+        caption: bode_caption(unit, !points.is_empty()),
+        x: Axis::frequency(),
+        panels: vec![
+            Panel::new(Axis::linear("gain", "dB"), 190, gain),
+            Panel::new(Axis::linear("phase", "°"), 110, phase.collect()),
+        ],
+    }
+}
+
+fn style(number: usize) -> Style {
+    [Style::Modelled, Style::Other, Style::Residual, Style::Measured][number % 4]
+}
+
+fn curve_name(curve: &BodeCurve) -> String {
+    match &curve.variant {
+        Some(variant) => format!("{variant} ({})", mode_short(curve.mode)),
+        None => mode_short(curve.mode).to_owned(),
+    }
+}
+
+fn band(curve: &BodeCurve, style: Style) -> Layer {
+    Layer::Band {
+        name: curve_name(curve),
+        style,
+        x: Abscissa::Values(rounded(&curve.frequencies_hz)),
+        low: rounded(&curve.gain_band_db.0),
+        high: rounded(&curve.gain_band_db.1),
+    }
+}
+
+fn resonance_layers(resonance: &Parameter) -> Vec<Layer> {
+    let (low, high) = resonance.interval;
+    vec![
+        Layer::XRegion { low: Rounded(low), high: Rounded(high), label: String::new() },
+        Layer::VerticalMarks {
+            x: vec![Rounded(resonance.value)],
+            label: format!("resonance {}", number::parameter(resonance)),
+        },
+    ]
+}
+
+/// The sine tests as points, freed of what the engine did; those at an engine order, where that cannot be told apart, as a
+/// series of their own. `scale` turns a gain into what the axis shows.
+fn sine_layers(points: &[SinePoint], scale: impl Fn(f64) -> Rounded) -> Vec<Layer> {
+    let (at_order, clear): (Vec<&SinePoint>, Vec<&SinePoint>) = points.iter().partition(|p| p.at_engine_order);
+    let series = |name: &str, style: Style, points: &[&SinePoint]| {
+        let at = |errors: f64| points.iter().map(|p| scale(shown_gain(p) + errors * p.standard_error)).collect();
+        Layer::Points {
+            name: name.to_owned(),
+            style,
+            x: Abscissa::Values(points.iter().map(|p| Rounded(p.frequency_hz)).collect()),
+            y: at(0.0),
+            low: Some(at(-QUANTILE_95)),
+            high: Some(at(QUANTILE_95)),
+        }
+    };
+    let all = [("sine tests", Style::Other, clear), ("sine tests at an engine order", Style::Measured, at_order)];
+    all.iter().filter(|(.., points)| !points.is_empty()).map(|(name, style, p)| series(name, *style, p)).collect()
+}
+
+/// The gain to set against (7.2): without the part that engine torque caused, where that is known.
+fn shown_gain(point: &SinePoint) -> f64 {
+    point.gain_corrected_for_engine.unwrap_or(point.gain)
+}
+
+fn decibel(gain: f64) -> Rounded {
+    Rounded(20.0 * gain.log10())
+}
+
+fn bode_caption(unit: &str, with_sines: bool) -> String {
+    let mut caption = format!("Gain relative to 1 {unit}; shaded: 95 % band of the model.");
+    if with_sines {
+        caption.push_str(" Points: gains measured by sine tests, the engine’s part removed, with 95 % intervals of the measured gain.");
+    }
+    caption
+}
+
+fn sine_tests(whole: &WholeModel) -> Blocks {
+    if whole.sine_points.is_empty() {
+        return Block::note(
+            "No sine tests were recorded (Sine_T_TN), so the gain is not checked frequency by frequency.",
+        )
+        .into();
+    }
+    vec![Block::heading("Sine tests"), Block::Figure(sine_figure(whole)), Block::Table(sine_table(&whole.sine_points))]
+        .into()
+}
+
+/// Gain as a ratio over the tested frequencies, where a Bode plot is too coarse to show the error bars.
+fn sine_figure(whole: &WholeModel) -> Figure {
+    let points = &whole.sine_points;
+    let highest = points.iter().map(|point| point.frequency_hz).fold(0.0, f64::max);
+    let mut layers = Vec::new();
+    if let Some(curve) = whole.bode.iter().find(|curve| curve.input == "T_d" && curve.output == "T_shaft") {
+        let ratio = |db: &[f64]| db.iter().map(|db| Rounded(10f64.powf(db / 20.0))).collect::<Vec<_>>();
+        let (name, x) = ("model".to_owned(), Abscissa::Values(rounded(&curve.frequencies_hz)));
+        let (low, high) = (ratio(&curve.gain_band_db.0), ratio(&curve.gain_band_db.1));
+        layers.push(Layer::Band { name: name.clone(), style: Style::Modelled, x: x.clone(), low, high });
+        layers.push(Layer::Line { name, style: Style::Modelled, x, y: ratio(&curve.gain_db) });
+    }
+    layers.extend(sine_layers(points, Rounded));
+    Figure {
+        equal_axes: false,
+        symbols: true,
+        title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
+        caption:
+            "Points: measured, the engine’s part removed, with 95 % intervals of the measured gain. Grey: at an engine order, where the \
+                  engine cannot be told from the dynamometer. Shaded: 95 % band of the model."
+                .to_owned(),
+        x: Axis::linear("frequency", "Hz").within(0.0, 1.1 * highest),
+        panels: vec![Panel::new(Axis::linear("gain", ""), 190, layers)],
+    }
+}
+
+fn sine_table(points: &[SinePoint]) -> Table {
+    let row = |point: &SinePoint| -> Vec<Cell> {
+        let error = QUANTILE_95 * point.standard_error;
+        vec![
+            number::significant_with_unit(point.frequency_hz, 3, "Hz").into(),
+            number::plus_minus(point.gain, error, "").into(),
+            number::plus_minus(shown_gain(point), error, "").into(),
+            number::to_place_of(point.model_gain, error).into(),
+            deviation(point).into(),
+            if point.at_engine_order { "at an engine order" } else { "" }.into(),
+            Prose::code(&point.file).into(),
+        ]
+    };
+    let headings = [
+        "Frequency",
+        "Measured gain, ± 95 %",
+        "Without the engine’s part, ± as measured",
+        "Model",
+        "Over model",
+        "",
+        "Recording",
+    ];
+    Table::of_text(&headings).with_rows(points.iter().map(row))
+}
+
+fn deviation(point: &SinePoint) -> String {
+    let percent = 100.0 * (shown_gain(point) / point.model_gain - 1.0);
+    match percent {
+        p if !p.is_finite() => number::NOT_KNOWN.to_owned(),
+        p if p > 0.0 => format!("+{} %", number::significant(p, 2)),
+        p => format!("{} %", number::significant(p, 2)),
+    }
+}
