@@ -13,7 +13,7 @@ fn main() -> std::io::Result<()> {
         ("hostile", fixture::hostile("</script><script>document.title='broken'</script>\"'><b>")),
     ];
     for (name, study) in studies {
-        std::fs::write(folder.join(format!("{name}.html")), report::html(&study))?;
+        std::fs::write(folder.join(format!("{name}.html")), fixture::html(&study))?;
         std::fs::write(folder.join(format!("{name}.json")), report::json(&study))?;
     }
     Ok(())

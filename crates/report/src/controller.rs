@@ -49,7 +49,7 @@ pub fn verdict(test: &TermTest) -> &'static str {
         Verdict::Found => "found",
         Verdict::Negligible => "too small to matter",
         Verdict::NotFound => "none seen",
-        Verdict::Untold => "untold",
+        Verdict::Untold => "not testable",
     }
 }
 
@@ -80,7 +80,7 @@ fn remedy(of: Term) -> &'static str {
 /// What is untold among the tests, each with the experiment that would tell it.
 pub fn untold_terms(tests: &[TermTest]) -> Vec<String> {
     let untold = tests.iter().filter(|test| test.verdict == Verdict::Untold);
-    untold.map(|test| format!("{}: these data cannot tell; {}", term(test.term), remedy(test.term))).collect()
+    untold.map(|test| format!("{}: these data cannot show it; {}", term(test.term), remedy(test.term))).collect()
 }
 
 /// How the residual depends on T_d*, e.g. `outside the 99 % region at 88 % of the lags`.
@@ -119,7 +119,7 @@ pub fn rules(found: &Controller) -> String {
     let gains = &found.discrete.proportional_gains;
     let each = gains.iter().map(|(by, gain)| format!("{} {}", rule(*by), number::parameter(gain)));
     format!(
-        "No recording tells by which rule the controller integrates: all give the same b_0 and b_1, and the same K_i. K_p would \
+        "The recordings cannot show which integration rule the controller uses: all give the same b_0 and b_1, and the same K_i. K_p would \
          be, by {}.",
         each.collect::<Vec<_>>().join("; ")
     )
@@ -208,7 +208,7 @@ pub fn limits(found: &SpeedControl) -> Vec<String> {
     }
     all.extend(highest.filter(|_| !is_reached).map(|highest| {
         format!(
-            "no recording rests at a limit of T_d* (highest {}), so that limit and anti-windup are untold; {RUN_TO_LIMIT}",
+            "no recording rests at a limit of T_d* (highest {}), so limit and anti-windup are not known; {RUN_TO_LIMIT}",
             number::significant_with_unit(highest, 4, "Nm")
         )
     }));
@@ -228,7 +228,7 @@ fn at_limit(found: &LimitReached) -> String {
     let possible: Vec<String> = found.possible().map(|test| law(test.law)).collect();
     let verdict = match (found.laws.is_empty(), possible.as_slice()) {
         (true, _) => format!(
-            "too short on end to tell its anti-windup (at stake are {}, and a reading is known to {}); {RUN_TO_LIMIT}",
+            "too short to show its anti-windup (at stake are {}, and a reading is known to {}); {RUN_TO_LIMIT}",
             number::significant_with_unit(found.at_stake_nm, 2, "Nm"),
             number::significant_with_unit(found.reading_nm, 2, "Nm")
         ),
@@ -236,7 +236,7 @@ fn at_limit(found: &LimitReached) -> String {
             .to_owned(),
         (_, [only]) => format!("anti-windup: {only}"),
         (_, several) => format!(
-            "anti-windup untold between {}: at stake are {}, and a reading is known to {}; {RUN_TO_LIMIT}",
+            "anti-windup undecided between {}: at stake are {}, and a reading is known to {}; {RUN_TO_LIMIT}",
             wording::join(several, "and"),
             number::significant_with_unit(found.at_stake_nm, 2, "Nm"),
             number::significant_with_unit(found.reading_nm, 2, "Nm")
@@ -247,7 +247,7 @@ fn at_limit(found: &LimitReached) -> String {
 
 /// What of the feed-forward no recording tells.
 pub const M_IS_UNTOLD: &str =
-    "m, the constant part of the feed-forward, is no recording's to tell: the integrator's initial state takes it up.";
+    "m, the constant part of the feed-forward, cannot be estimated: the integrator's initial state takes it up.";
 
 /// The feed-forward beside PI alone.
 pub fn improvement(found: &FeedForwardFound) -> String {
@@ -385,7 +385,7 @@ fn map_figure(file: &str, found: &FeedForwardTerms) -> Figure {
     let margin = MARGIN * (high - low);
     let x = Axis::linear("N_d*", "rpm").within(low - margin, high + margin);
     Figure::new(&format!("{file}: static feed-forward over N_d*"), x, panels)
-        .with_caption(format!("Each speed less the lowest, since m is untold.{tested}"))
+        .with_caption(format!("Each speed less the lowest, since m is not known.{tested}"))
 }
 
 /// Every draw of the study, as histograms of K_p and K_i for each noise.

@@ -8,7 +8,7 @@ const HEIGHT: u32 = 180;
 
 /// The page: one HTML file that needs no network.
 pub fn page(effects: &Effects, zeros: &ShaftZeros) -> Page {
-    Page::of_figures("What the simulated bench shows", figures(effects, zeros))
+    Page::of_figures("What the simulated bench shows", figures(effects, zeros).into())
 }
 
 fn figures(effects: &Effects, shaft_zeros: &ShaftZeros) -> [Figure; 7] {

@@ -34,11 +34,11 @@ pub fn masses(masses: &TwoMasses) -> String {
         }
         InertiaSource::BenchFile => format!(
             "J_e = {} as the bench file states it, whose error is in no interval: each per cent of it is as much of the \
-             torque that turns the engine's own mass; a wide-band T_d* in torque control (WhiteNoise_T_TN) tells J_e",
+             torque that turns the engine's own mass; a wide-band T_d* in torque control (WhiteNoise_T_TN) shows J_e",
             number::measure(inertia, "kg m²")
         ),
     };
-    format!("Shaft as {} tells it; {from}.", masses.shaft_from)
+    format!("Shaft from {}; {from}.", masses.shaft_from)
 }
 
 /// How the engine's torque was rebuilt, and how certain it is.
@@ -85,19 +85,19 @@ pub fn cylinders(cylinders: &Cylinders) -> String {
     let turn = &cylinders.once_a_turn;
     let of_turn = format!(
         "{} of it (root mean square) comes back with every turn, as an error of the encoder of {} would; the encoder's part \
-         grows with the square of the speed, so another speed tells",
+         grows with the square of the speed, so a recording at another speed decides",
         number::significant_with_unit(turn.rms_nm, 2, "Nm"),
         number::significant_with_unit(100.0 * turn.encoder_error, 2, "%"),
     );
     match (cylinders.alike_probability < LEVEL, turn.alike_probability) {
         (false, _) => {
-            format!("no difference between cylinders is told (probability {})", by_chance(cylinders.alike_probability))
+            format!("no difference between cylinders is found (probability {})", by_chance(cylinders.alike_probability))
         }
         (true, Some(beyond)) if beyond < LEVEL => format!(
             "the cylinders differ (by chance with probability {}); {of_turn}; which of them is the first to fire is not recorded",
             by_chance(beyond)
         ),
-        (true, _) => format!("whether the cylinders differ is not told from the encoder: {of_turn}"),
+        (true, _) => format!("a difference between cylinders cannot be separated from the encoder: {of_turn}"),
     }
 }
 

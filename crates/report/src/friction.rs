@@ -46,7 +46,7 @@ pub fn remarks(friction: &Friction) -> Vec<String> {
     let told = match &friction.inertia {
         Inertia::Estimated { .. } => None,
         Inertia::Stated { inertia_kg_m2, why } => Some(format!(
-            "{}: these recordings tell friction over inertia alone; torques hold for the {} of the bench file. For J_d, step \
+            "{}: these recordings show friction over inertia alone; torques hold for the {} of the bench file. For J_d, step \
              N_d* (NoShaft_N_NT)",
             undetermined(*why),
             number::measure(*inertia_kg_m2, "kg m²"),
@@ -54,7 +54,7 @@ pub fn remarks(friction: &Friction) -> Vec<String> {
     };
     let uses = |source| friction.run_outs.iter().any(|run_out| run_out.torque == Some(source));
     let calculated = uses(TorqueUsed::Calculated).then(|| {
-        "T_d is T_d,calc as it was recorded, since no T_d* that it follows tells what it does between its samples: means \
+        "T_d is T_d,calc as it was recorded, since no T_d* shows what it does between its samples: means \
          over several of them were compared, and J_d is told less well for it; a recording with T_d*, named in the bench file \
          as dyno_torque_demand, makes its interval narrower"
             .to_owned()
@@ -137,7 +137,7 @@ fn undecided(friction: &Friction) -> Option<String> {
         .collect();
     (!rivals.is_empty()).then(|| {
         format!(
-            "{} would do as well over the speeds seen: record a wider range of speeds to tell",
+            "{} would do as well over the speeds seen: record a wider range of speeds to decide",
             crate::wording::join(&rivals, "or")
         )
     })

@@ -6,20 +6,22 @@
 //! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
 //! text and `null` in JSON.
 
+pub mod brief;
 pub mod controller;
 pub mod design;
 mod effects;
 pub mod engine;
 pub mod friction;
-pub mod inverter;
 mod json;
 pub mod known;
 pub mod look;
 pub mod next;
+pub mod pages;
 pub mod safety;
 mod sections;
 pub mod shaft;
 pub mod torque;
+pub mod torque_control;
 pub mod verdict;
 pub mod wording;
 

@@ -57,7 +57,7 @@ fn reasons(candidate: &Candidate) -> String {
     let narrower: Vec<String> = gains(true).map(narrowed).collect();
     let mut buys = Vec::new();
     if !new.is_empty() {
-        buys.push(format!("it tells {}, which nothing recorded does", listed(&new)));
+        buys.push(format!("it shows {}, which no recording does", listed(&new)));
     }
     if !narrower.is_empty() {
         buys.push(listed(&narrower));

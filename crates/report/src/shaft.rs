@@ -66,9 +66,9 @@ fn shown(term: Term, value: &Parameter) -> Parameter {
 /// Whether a term is there, in a word or two.
 pub fn term_verdict(test: &TermTest) -> &'static str {
     match (&test.value, test.found) {
-        (None, _) => "untold here",
+        (None, _) => "not testable here",
         (Some(_), true) => "found",
-        (Some(_), false) => "not told from zero",
+        (Some(_), false) => "not significant",
     }
 }
 
@@ -77,7 +77,7 @@ pub fn beyond(found: &Beyond) -> String {
     let misfit = number::significant(found.simple_misfit, 2);
     let simple = format!("errors of the simple shaft are {misfit} times what the noise explains");
     match found.best() {
-        None if found.simple_misfit < MISFIT => format!("nothing beyond K and B is told; {simple}"),
+        None if found.simple_misfit < MISFIT => format!("nothing beyond K and B is significant; {simple}"),
         None => format!("{simple}, and none of these terms accounts for it: check the channels and J_d"),
         Some(best) => {
             let left = number::significant(best.misfit.unwrap_or(f64::NAN), 2);
@@ -130,7 +130,7 @@ pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
     if let Some(apart_s) = torque_sample_time_s.filter(|apart_s| *apart_s > COARSE_S) {
         remarks.push(format!(
             "T_d is known by its samples alone, {} apart: what folds in them is in no interval; give WhiteNoise_T_TN or \
-             Step_T_TN along, which tells what T_d does between them",
+             Step_T_TN along, which show what T_d does between them",
             number::duration(apart_s)
         ));
     }
@@ -172,7 +172,7 @@ fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
             found.chi_squared.1,
         ),
         Untold::EngineInertiaTooSmall => "Black box: J_e is too small to be seen beside J_d".to_owned(),
-        Untold::ModesNotTold => "Black box: the antiresonance is not told from the resonance".to_owned(),
+        Untold::ModesNotTold => "Black box: the antiresonance cannot be separated from the resonance".to_owned(),
     };
     found.untold.iter().map(doubt).collect()
 }

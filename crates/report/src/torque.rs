@@ -73,7 +73,7 @@ pub fn shaft_filter(found: &ShaftFilter) -> String {
             format!("leaves {} unexplained, the best {}", rest(second.residual_nm), rest(found.best.residual_nm));
         format!("the next best, {}, {left}", filter(second))
     });
-    let told = if found.is_told() { "" } else { "; the two are not told apart: record longer" };
+    let told = if found.is_told() { "" } else { "; the data cannot decide between the two: record longer" };
     best + &second.map(|second| format!("; {second}{told}")).unwrap_or_default()
 }
 
@@ -168,7 +168,7 @@ pub fn trust(check: &TrustCheck) -> String {
     let verdict = match check.verdict {
         Trust::Trusted => "T_d,calc can be trusted at rest: within 1 % and 1 Nm of the load cell",
         Trust::Off => "T_d,calc is off at rest: by more than 1 % or 1 Nm from the load cell",
-        Trust::Undecided => "it cannot be told whether T_d,calc is within 1 % and 1 Nm of the load cell",
+        Trust::Undecided => "the recordings cannot show whether T_d,calc is within 1 % and 1 Nm of the load cell",
     };
     let gain = match &check.gain {
         Some(gain) => format!("gain {} %", scaled(gain.interval, 100.0)),

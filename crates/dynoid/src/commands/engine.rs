@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
-use bench::engine_torque::{Cycles, EngineRecording, EngineTorque, engine_torque};
+use bench::engine_torque::{EngineRecording, EngineTorque, engine_torque};
 use bench::torque_signals::Told;
-use page::{Align, Table, Tone};
-use report::engine::{CUT, cycles, cylinder_rows, cylinders, figures, masses};
 use report::torque::untold;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
-use super::identify::judge::{picture, written};
+use super::identify::judge::{write_page, written};
 use super::rebuilt::{self, Rebuilt};
 use crate::cli::engine::EngineArguments;
 use crate::error::{CliError, Outcome};
@@ -26,7 +24,8 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
         progress.step();
     });
     drop(progress);
-    picture(&arguments.result, "Engine torque", || figures(&found))?;
+    let page = report::pages::engine(&found);
+    write_page(arguments.result.plot.as_ref(), &page)?;
     if let Some(out) = &arguments.out {
         write(&found, out, terminal)?;
     }
@@ -34,11 +33,7 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
         let recordings: Vec<_> = found.recordings.iter().map(short).collect();
         terminal.json(&json!({"masses": found.masses, "recordings": recordings, "refused": refused}))?;
     } else if !terminal.is_quiet() {
-        match &found.masses {
-            Told::Found(found) => terminal.paragraph(&masses(found)),
-            Told::Untold(why) => terminal.paragraph(&format!("no recording tells the shaft: {}", untold(why))),
-        }
-        found.recordings.iter().for_each(|recording| print(recording, terminal));
+        terminal.page(&page);
         [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
     let tells = found.recordings.iter().any(|recording| recording.engine.found().is_some());
@@ -55,37 +50,6 @@ fn short(recording: &EngineRecording) -> serde_json::Value {
         Told::Untold(why) => json!({"untold": why}),
     };
     json!({"file": recording.file, "label": recording.label, "engine": engine, "cycles": recording.cycles})
-}
-
-fn print(recording: &EngineRecording, terminal: &mut Terminal) {
-    terminal.gap();
-    terminal.heading(&format!("{}, {}", recording.file, recording.label), Tone::Strong);
-    match &recording.engine {
-        Told::Found(engine) => terminal.paragraph(&format!("T_e rebuilt: {}.", report::engine::rebuilt(engine))),
-        Told::Untold(why) => {
-            terminal.line(&format!("T_e: {}", untold(why)));
-            return;
-        }
-    }
-    match &recording.cycles {
-        Told::Found(found) => print_cycles(found, terminal),
-        Told::Untold(why) => terminal.paragraph(&format!("Cycles and cylinders: {}.", untold(why))),
-    }
-}
-
-fn print_cycles(found: &Cycles, terminal: &mut Terminal) {
-    terminal.paragraph(&format!("{}; {}.", cycles(found), cylinders(&found.cylinders)));
-    let columns = [
-        ("fires as", Align::Right),
-        ("T_e less the cycle's mean", Align::Right),
-        ("varies from cycle to cycle by", Align::Right),
-    ];
-    let mut table = Table::new(&columns);
-    for row in cylinder_rows(&found.cylinders) {
-        table.row(row.map(Into::into));
-    }
-    terminal.table(&table);
-    terminal.paragraph(&format!("{CUT}."));
 }
 
 /// Writes the engine torque of the one recording there is.

@@ -1,9 +1,8 @@
 //! The recordings of a bench as labelled experiments, for the commands that look at them one by one.
 
-use bench::study::{Parameter, experiment_of};
+use bench::study::experiment_of;
 use bench::{BenchFile, Experiment, Severity};
-use page::{Align, Table};
-use report::wording::{self, number};
+use report::wording;
 
 use super::identify::data::check_plot;
 use super::study::read_bench;
@@ -34,26 +33,6 @@ pub(super) fn all(
     })?;
     let (bench, experiments) = found.ok_or_else(|| CliError::NothingToLookAt { path: given.bench.clone() })?;
     Ok(Campaign { bench, experiments, refused })
-}
-
-/// A table of parameters: symbol, estimate, interval, and what each is.
-pub(super) fn print_parameters<'a>(parameters: impl IntoIterator<Item = &'a Parameter>, terminal: &mut Terminal) {
-    let columns = [
-        ("symbol", Align::Left),
-        ("estimate", Align::Right),
-        ("95 % interval", Align::Right),
-        ("what it is", Align::Left),
-    ];
-    let mut table = Table::new(&columns);
-    for p in parameters {
-        table.row([
-            p.symbol.clone().into(),
-            number::parameter(p).into(),
-            number::interval(p).into(),
-            p.name.clone().into(),
-        ]);
-    }
-    terminal.table(&table);
 }
 
 /// Reads the recordings that are named, or else those of the bench file, and hands each to `work`; returns, and warns of, those

@@ -1,15 +1,13 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
 use bench::Experiment;
-use bench::friction::{Friction, FrictionOptions, Inertia, estimate};
+use bench::friction::{FrictionOptions, estimate};
 use bench::units::RPM_RAD_S;
-use page::{Align, Table, Tone};
-use report::friction::{StatedInertia, doubts, figures, remarks, terms, torque_used};
-use report::wording::number;
+use report::friction::{StatedInertia, doubts};
 use serde_json::json;
 
-use super::experiments::{self, print_parameters};
-use super::identify::judge::{picture, written};
+use super::experiments;
+use super::identify::judge::{write_page, written};
 use crate::cli::friction::FrictionArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -33,7 +31,8 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
             }
         })?;
     let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(|source| CliError::Friction { source })?;
-    picture(&arguments.result, "Friction of the dynamometer", || figures(&found))?;
+    let page = report::pages::friction(&found, stated);
+    write_page(arguments.result.plot.as_ref(), &page)?;
     let doubts = doubts(&found, stated);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     if arguments.result.json {
@@ -44,48 +43,8 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
             "doubts": doubts, "refused": refused,
         }))?;
     } else if !terminal.is_quiet() {
-        print(&found, terminal);
+        terminal.page(&page);
         written(&arguments.result.plot, terminal);
     }
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
-}
-
-fn print(found: &Friction, terminal: &mut Terminal) {
-    let inertia = match &found.inertia {
-        Inertia::Estimated { inertia, delay } => vec![inertia.as_ref(), delay.as_ref()],
-        Inertia::Stated { .. } => Vec::new(),
-    };
-    let friction = found.friction.parameters.iter().chain(&found.per_inertia.parameters);
-    terminal.heading("Friction of the dynamometer, without shaft", Tone::Strong);
-    print_parameters(inertia.into_iter().chain(friction), terminal);
-    terminal.gap();
-    candidates(found, terminal);
-    for point in [found.curve.first(), found.curve.get(found.curve.len() / 2), found.curve.last()].into_iter().flatten()
-    {
-        let torque = number::plus_minus(point.torque_nm, point.half_width_nm, "Nm");
-        terminal.line(&format!("T_fric at {}: {torque} (95 %)", number::rpm(point.speed_rad_s)));
-    }
-    for run_out in &found.run_outs {
-        let stretch = &run_out.stretch;
-        let lost = match run_out.left_out {
-            0 => String::new(),
-            count => format!(", {count} samples that drop out left out"),
-        };
-        let ends = [stretch.start_s, stretch.end_s].map(|s| number::significant(s, 4));
-        let torque = torque_used(run_out.torque);
-        terminal.line(&format!("used: {}, {} to {} s, {torque}{lost}", stretch.file, ends[0], ends[1]));
-    }
-    remarks(found).iter().for_each(|remark| terminal.note(remark));
-}
-
-fn candidates(found: &Friction, terminal: &mut Terminal) {
-    let columns = [("terms", Align::Left), ("BIC above the best", Align::Right), ("", Align::Left)];
-    let mut table = Table::new(&columns);
-    for candidate in &found.candidates {
-        let above = number::significant(candidate.bic_above_best, 3);
-        let chosen = if candidate.chosen { "chosen" } else { "" };
-        table.row([terms(&candidate.terms).into(), above.into(), chosen.into()]);
-    }
-    terminal.table(&table);
-    terminal.gap();
 }

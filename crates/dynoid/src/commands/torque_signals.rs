@@ -2,15 +2,12 @@
 
 use std::path::Path;
 
-use bench::study::SignalDelay;
 use bench::torque_signals::{Told, TorqueRecording, TorqueSignals, torque_signals};
-use page::{Align, Table, Tone};
-use report::torque::{NO_TRUST, agreement, early_signals, figures, lateness, routes, shaft_filter, trust, untold};
-use report::wording::number;
+use report::torque::untold;
 use serde_json::json;
 
-use super::experiments::{self, Campaign, print_parameters};
-use super::identify::judge::{picture, written};
+use super::experiments::{self, Campaign};
+use super::identify::judge::{write_page, written};
 use super::rebuilt::{self, Rebuilt};
 use crate::cli::torque_signals::TorqueSignalsArguments;
 use crate::error::{CliError, Outcome};
@@ -25,7 +22,8 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
         progress.step();
     });
     drop(progress);
-    picture(&arguments.result, "Torque signals", || figures(&signals))?;
+    let page = report::pages::torque_signals(&signals);
+    write_page(arguments.result.plot.as_ref(), &page)?;
     if let Some(out) = &arguments.out {
         write(&signals, out, terminal)?;
     }
@@ -33,8 +31,7 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
         let recordings: Vec<_> = signals.recordings.iter().map(short).collect();
         terminal.json(&json!({"recordings": recordings, "trust": signals.trust, "refused": refused}))?;
     } else if !terminal.is_quiet() {
-        signals.recordings.iter().for_each(|recording| print(recording, terminal));
-        print_all(&signals, terminal);
+        terminal.page(&page);
         [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
     Ok(Outcome::of(signals.recordings.iter().any(tells) || signals.trust.is_some(), &refused))
@@ -58,62 +55,6 @@ fn short(recording: &TorqueRecording) -> serde_json::Value {
     });
     json!({"file": recording.file, "label": recording.label, "delays": recording.delays, "filter": recording.filter,
         "shaft": shaft})
-}
-
-fn print(recording: &TorqueRecording, terminal: &mut Terminal) {
-    terminal.heading(&format!("{}, {}", recording.file, recording.label), Tone::Strong);
-    match &recording.delays {
-        Told::Found(delays) => print_delays(delays, terminal),
-        Told::Untold(why) => terminal.line(&format!("delays: {}", untold(why))),
-    }
-    match &recording.filter {
-        Some(Told::Found(filter)) => terminal.line(&format!("T_d,shaft,calc: {}", shaft_filter(filter))),
-        Some(Told::Untold(why)) => terminal.line(&format!("T_d,shaft,calc: {}", untold(why))),
-        None => {}
-    }
-    match &recording.shaft {
-        Some(Told::Found(shaft)) => terminal.line(&format!("T_shaft rebuilt: {}", report::torque::rebuilt(shaft))),
-        Some(Told::Untold(why)) => terminal.line(&format!("T_shaft: {}", untold(why))),
-        None => {}
-    }
-    terminal.gap();
-}
-
-fn print_delays(delays: &[SignalDelay], terminal: &mut Terminal) {
-    let columns = [
-        ("signal", Align::Left),
-        ("behind T_d*", Align::Right),
-        ("behind the bend of N_d", Align::Right),
-        ("agree", Align::Left),
-        ("behind T_d* by each route, 95 % intervals", Align::Left),
-    ];
-    let mut table = Table::new(&columns);
-    for delay in delays {
-        let shown = |p: &Option<bench::study::Parameter>| p.as_ref().map_or_else(|| "–".to_owned(), number::parameter);
-        table.row([
-            delay.role.symbol().into(),
-            shown(&delay.against_demand).into(),
-            shown(&delay.against_speed_bend).into(),
-            agreement(delay).into(),
-            routes(delay).join("; ").into(),
-        ]);
-    }
-    terminal.table(&table);
-    lateness(delays).into_iter().for_each(|text| terminal.line(&text));
-    early_signals(delays).iter().for_each(|text| terminal.paragraph(text));
-}
-
-/// What all recordings tell together.
-fn print_all(signals: &TorqueSignals, terminal: &mut Terminal) {
-    if let Some((file, parameters)) = signals.load_cell() {
-        terminal.heading(&format!("Load cell, from {file}"), Tone::Strong);
-        print_parameters(parameters, terminal);
-        terminal.gap();
-    }
-    match &signals.trust {
-        Some(check) => terminal.paragraph(&trust(check)),
-        None => terminal.paragraph(&format!("T_d,calc is not held against the load cell: {NO_TRUST}")),
-    }
 }
 
 /// Writes the shaft torque of the one recording there is.

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use bench::Diagnostic;
 use bench::study::{Need, Parameter, RecordingSummary};
+use report::brief::{key_numbers, not_estimated};
 use report::verdict::{Level, Rule, verdict};
 use report::wording;
 use serde::Serialize;
 
-use super::{key_numbers, missing};
 use crate::commands::study::Written;
 
 /// A study in short, for programs.
@@ -89,7 +89,7 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
             rules: verdict.rules.iter().map(rule).collect(),
         },
         estimates: key_numbers(study).into_iter().map(estimate).collect(),
-        not_estimated: missing(study).into_iter().map(need).collect(),
+        not_estimated: not_estimated(study).into_iter().map(need).collect(),
         findings: study.diagnostics.iter().map(short_finding).collect(),
         recordings: study.recordings.iter().map(short_recording).collect(),
         report: &written.report,

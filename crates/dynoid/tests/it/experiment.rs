@@ -299,7 +299,7 @@ fn exact_next_says_what_to_record() {
     let words = campaign.run(&["experiment", "next", "bench.toml", "--duration", "12"]);
     assert_eq!(words.code, Some(0), "{}", words.stderr);
     let label = best["label"].as_str().unwrap();
-    for expected in [&format!("Record {label}, 12 s at 1200 rpm next"), "not known", "buys nothing", "--speed 1200"] {
+    for expected in [&format!("Record {label}, 12 s at 1200 rpm next"), "not known", "gain nothing", "--speed 1200"] {
         assert!(words.stdout.contains(expected), "{expected} is not in {}", words.stdout);
     }
 }

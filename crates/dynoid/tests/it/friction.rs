@@ -17,7 +17,7 @@ fn stat_friction_and_inertia_are_said_of_the_recordings_without_shaft() {
     let campaign = campaign();
     let ran = campaign.run(&["friction", "bench.toml", "--plot", "friction.html"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
-    for words in ["J_d", "c_0", "Coulomb friction", "δ_T", "used: recordings/NoShaft_N_NT_1200.mf4", "chosen"] {
+    for words in ["J_d", "c_0", "Coulomb friction", "δ_T", "recordings/NoShaft_N_NT_1200.mf4", "chosen"] {
         assert!(ran.stdout.contains(words), "{words}: {}", ran.stdout);
     }
     assert!(!ran.stdout.contains("BS_T_NT"), "{}", ran.stdout);

@@ -21,7 +21,7 @@ fn stat_each_recording_and_all_together_tell_the_shaft_that_was_simulated() {
         "State space (T_d, ω_e)",
         "for motored engines alone",
     ] {
-        assert!(text.contains(words), "{words}: {text}");
+        assert!(text.to_lowercase().contains(&words.to_lowercase()), "{words}: {text}");
     }
     let page = campaign.read("shaft.html");
     assert!(

@@ -20,7 +20,7 @@ fn stat_delays_filter_shaft_torque_load_cell_and_trust_are_said() {
         "ω_n",
         "T_d,calc can be trusted at rest",
     ] {
-        assert!(text.contains(words), "{words}: {text}");
+        assert!(text.to_lowercase().contains(&words.to_lowercase()), "{words}: {text}");
     }
     let page = campaign.read("torque.html");
     assert!(page.contains("shaft torque rebuilt") && page.contains("95 % band"));

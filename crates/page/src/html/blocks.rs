@@ -180,9 +180,10 @@ fn cell(Cell { content, tone }: &Cell, align: Align) -> Markup {
         Content::Quantity(quantity) => (markup!("{}", quantity.text()), true),
         Content::Interval(quantity) => (markup!("{}", quantity.interval()), true),
     };
-    let text = if is_short { markup!("<span class=\"n\">{}</span>", text) } else { text };
-    match tone {
-        Tone::Plain => markup!("<td{}>{}</td>", side(align), text),
-        tone => markup!("<td{}><span class=\"{}\">{}</span></td>", side(align), class(*tone), text),
+    let names = [("n", is_short), ("right", align == Align::Right), (class(*tone), *tone != Tone::Plain)];
+    let names: Vec<&str> = names.into_iter().filter(|(_, holds)| *holds).map(|(name, _)| name).collect();
+    match names.is_empty() {
+        true => markup!("<td>{}</td>", text),
+        false => markup!("<td class=\"{}\">{}</td>", names.join(" "), text),
     }
 }

@@ -5,8 +5,8 @@ use bench::study::{Analyses, Estimate, Parameter, SpeedController, Study, Torque
 
 use super::{Grade, Known, grade, of_part, recording, source};
 use crate::controller;
-use crate::inverter;
 use crate::torque;
+use crate::torque_control;
 use crate::wording::{self, number};
 
 /// PI and delay.
@@ -18,7 +18,7 @@ pub(super) fn speed_controller(study: &Study, analyses: Option<&Analyses>) -> Ve
             let mut why = judged(study, &part.estimate, &part.validation);
             why.push(match *symbol {
                 "τ" => delay_seen(part),
-                "K_p" => "By which rule the controller integrates no recording tells; by another rule K_p would be less, by at \
+                "K_p" => "The recordings cannot show which integration rule the controller uses; with another rule K_p would be less, by at \
                           most K_i times the sample time."
                     .to_owned(),
                 _ => String::new(),
@@ -105,7 +105,7 @@ pub(super) fn torque_control(study: &Study, analyses: Option<&Analyses>) -> Vec<
             why.extend(sampling(study, part, own));
             why.extend(analyses.and_then(|found| {
                 let studied = found.torque_control.as_ref().ok()?;
-                Some(wording::capitalised(&inverter::beyond(studied.recordings.first()?)) + ".")
+                Some(wording::capitalised(&torque_control::beyond(studied.recordings.first()?)) + ".")
             }));
             Some(Known {
                 name: format!("torque control: {}", own.name),
@@ -127,7 +127,7 @@ fn sampling(study: &Study, part: &TorqueControl, own: &Parameter) -> Option<Stri
     let (_, sample_s) = times.iter().find(|(role, _)| *role == Role::AirGapTorque)?;
     (lag_s < *sample_s).then(|| {
         format!(
-            "The lag of {} is short beside the {} between samples of T_d,calc: delay and lag are told apart less well than their sum is told.",
+            "The lag of {} is short beside the {} between samples of T_d,calc: their sum is known better than delay and lag alone.",
             number::duration(lag_s),
             number::duration(*sample_s)
         )

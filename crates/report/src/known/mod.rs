@@ -57,7 +57,7 @@ impl Grade {
             }
             Grade::Poorly => "Less well than that: good for an order of magnitude.",
             Grade::OnTrust => "Stated in the bench file. No recording says whether it is true.",
-            Grade::NotAtAll => "No recording tells it.",
+            Grade::NotAtAll => "No recording shows it.",
         }
     }
 

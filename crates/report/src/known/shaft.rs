@@ -51,12 +51,12 @@ fn agreement(count: usize, apart: &[&(&str, &Parameter)]) -> String {
         apart.iter().map(|(file, other)| format!("{file} ({})", number::parameter(other))).collect();
     match (count, listed.as_slice()) {
         (0, _) => "No second recording checks it.".to_owned(),
-        (1, []) => "The one other recording that tells it agrees: the intervals overlap.".to_owned(),
-        (2, []) => "Both other recordings that tell it agree: the intervals overlap.".to_owned(),
-        (n, []) => format!("All {n} other recordings that tell it agree: the intervals overlap."),
+        (1, []) => "The one other recording that shows it agrees: the intervals overlap.".to_owned(),
+        (2, []) => "Both other recordings that show it agree: the intervals overlap.".to_owned(),
+        (n, []) => format!("All {n} other recordings that show it agree: the intervals overlap."),
         (n, _) => {
             format!(
-                "Of {n} other recordings that tell it, {} not agree: {}.",
+                "Of {n} other recordings that show it, {} not agree: {}.",
                 if listed.len() == 1 { "one does".to_owned() } else { format!("{} do", listed.len()) },
                 wording::join(&listed, "and")
             )
@@ -133,7 +133,7 @@ fn inertia(study: &Study, analyses: Option<&Analyses>, (symbol, name, kg_m2): (&
     let best = checks.iter().min_by(|a, b| relative_width(a.1).total_cmp(&relative_width(b.1)));
     let Some((_, best)) = best else {
         let remedy = match study.bench.variant {
-            BenchVariant::LoadCell => "WhiteNoise_T_TN or Multisine_T_TN would tell it",
+            BenchVariant::LoadCell => "WhiteNoise_T_TN or Multisine_T_TN would show it",
             BenchVariant::TorqueFlange => "behind a dual-mass flywheel no recording with the shaft on can",
         };
         let why = vec![format!("No recording was there to say whether it is true; {remedy}.")];

@@ -52,12 +52,12 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
     match (analyses.map(|found| &found.friction), without_shaft) {
         (Some(Ok(found)), _) => {
             let Some(middle) = found.curve.get(found.curve.len() / 2) else {
-                return known(Grade::NotAtAll, "–".to_owned(), "The speeds seen do not tell it.".to_owned());
+                return known(Grade::NotAtAll, "–".to_owned(), "The recorded speeds do not show it.".to_owned());
             };
             let files: Vec<String> = found.run_outs.iter().map(|run_out| run_out.stretch.file.clone()).collect();
             let mut why = format!("From {}, with the shaft off.", wording::join(&files, "and"));
             if middle.half_width_nm >= middle.torque_nm.abs() {
-                why.push_str(" It is not told from zero, and small whatever it is.");
+                why.push_str(" It does not differ significantly from zero, and is small whatever it is.");
             }
             let torque = number::plus_minus(middle.torque_nm, middle.half_width_nm, "Nm");
             let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / super::WIDTHS.0);
@@ -66,11 +66,11 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
         }
         (Some(Err(why)), _) => known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{why}."))),
         (None, Some(recording)) => {
-            let why = format!("It is no part of the model; `dynoid friction` tells it from {}.", recording.file);
+            let why = format!("It is no part of the model; `dynoid friction` estimates it from {}.", recording.file);
             known(Grade::NotAtAll, "not looked at here".to_owned(), why)
         }
         (None, None) => {
-            let why = "It cannot be told from engine torque with the shaft on, and no recording is without; run NoShaft_N_NT.";
+            let why = "With the shaft on it cannot be separated from engine torque, and no recording is without shaft; run NoShaft_N_NT.";
             known(Grade::NotAtAll, "–".to_owned(), why.to_owned())
         }
     }

@@ -3,8 +3,8 @@
 //! The order is the one in which a test engineer asks: the verdict, what is known and how well, the block diagram, what was
 //! recorded, each part, the whole model, replays, doubts, where it all came from, by which methods.
 
-mod analyses;
-mod diagnostics;
+pub(crate) mod analyses;
+pub(crate) mod diagnostics;
 mod diagram;
 mod known;
 mod methods;
@@ -13,7 +13,7 @@ mod plots;
 mod provenance;
 mod replays;
 mod submodels;
-mod verdict;
+pub(crate) mod verdict;
 mod whole;
 
 use bench::Study;
@@ -67,7 +67,7 @@ fn sections(study: &Study, analyses: Option<&Analyses>) -> Vec<(&'static str, &'
         Some((
             "torque-control",
             "Torque control",
-            with(submodels::torque_control(study), &|found| analyses::inverter(&found.torque_control)),
+            with(submodels::torque_control(study), &|found| analyses::torque_control_in_report(&found.torque_control)),
         )),
         only("friction", "Friction", &|found| analyses::friction(&found.friction, &study.bench)),
         Some(("shaft", "Shaft", with(submodels::shaft(study), &|found| analyses::shaft(&found.shaft)))),

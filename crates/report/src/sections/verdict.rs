@@ -28,7 +28,8 @@ pub(crate) fn section(study: &Study) -> Blocks {
     all
 }
 
-fn tone(level: Level) -> Tone {
+/// What the colour of a level says.
+pub(crate) fn tone(level: Level) -> Tone {
     match level {
         Level::Good => Tone::Good,
         Level::Reservations => Tone::Caution,

@@ -247,7 +247,7 @@ fn sine_figure(whole: &WholeModel) -> Figure {
         title: "Gain from T_d to T_shaft, sine by sine".to_owned(),
         caption:
             "Points: measured, the engine’s part removed, with 95 % intervals of the measured gain. Grey: at an engine order, where the \
-                  engine cannot be told from the dynamometer. Shaded: 95 % band of the model."
+                  engine cannot be separated from the dynamometer. Shaded: 95 % band of the model."
                 .to_owned(),
         x: Axis::linear("frequency", "Hz").within(0.0, 1.1 * highest),
         panels: vec![Panel::new(Axis::linear("gain", ""), 190, layers)],

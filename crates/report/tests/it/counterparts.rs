@@ -35,7 +35,7 @@ fn section(page: &str, id: &str) -> String {
 
 #[test]
 fn exact_every_figure_has_its_counterpart() {
-    let page = report::html(&fixture::complete());
+    let page = fixture::html(&fixture::complete());
     for (figure, id, words) in COUNTERPARTS {
         assert!(
             section(&page, id).contains(words),

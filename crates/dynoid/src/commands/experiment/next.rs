@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use bench::study::{NextError, NextExperiments, NextOptions, next_experiments};
-use page::{Align, Cell, Table, Tone};
-use report::next::{Choice, best, choices, command, instead, recommendation, rows, what};
-use report::wording::{self, number};
+use report::next::{best, command};
 
 use crate::cli::experiment::NextArguments;
 use crate::commands::study::{no_study, read_bench, read_sources, show};
@@ -63,68 +61,11 @@ fn refused(bench: &Path, error: NextError) -> CliError {
 }
 
 fn print(found: &NextExperiments, arguments: &NextArguments, terminal: &mut Terminal) {
-    terminal.heading("What to record next", Tone::Strong);
-    terminal.paragraph(&recommendation(found));
-    terminal.gap();
-    let widths = widths(found);
-    if !widths.is_empty() {
-        terminal.table(&widths);
-        terminal.gap();
-    }
-    let compared = best(found).len();
-    for (place, choice) in choices(found).iter().enumerate() {
-        let mark = if place < compared { format!("{}", place + 1) } else { "–".to_owned() };
-        let style = if choice.candidate.is_worth_while() { Tone::Good } else { Tone::Faint };
-        terminal.item((&mark, style), &in_words(choice));
-    }
-    terminal.gap();
-    for assumption in &found.assumptions {
-        terminal.item(("assumed:", Tone::Caution), &wording::assumption(assumption));
-    }
+    terminal.page(&report::pages::next(found));
     if let Some(first) = best(found).first() {
         let study = input::folder_of(&arguments.bench).join("study").join("study.json");
         let study = study.is_file().then(|| shown(&study).to_string());
         let command = command(first.candidate, &shown(&arguments.bench).to_string(), study.as_deref());
         terminal.line(&format!("its demands: {command}"));
     }
-}
-
-/// How wide the intervals are, now and after the best.
-fn widths(found: &NextExperiments) -> Table {
-    let headings = [
-        ("", Align::Left),
-        ("95 % interval of", Align::Left),
-        ("value", Align::Right),
-        ("now", Align::Right),
-        ("after 1", Align::Right),
-        ("after 2", Align::Right),
-        ("after 3", Align::Right),
-    ];
-    let mut table = Table::new(&headings[..4 + best(found).len()]);
-    for row in rows(found) {
-        let then = row
-            .then
-            .into_iter()
-            .map(|(words, is_better)| Cell::toned(words, if is_better { Tone::Good } else { Tone::Faint }));
-        let cells = [row.symbol.into(), row.name.into(), row.value.into(), row.now.into()];
-        table.row(cells.into_iter().chain(then).collect::<Vec<Cell>>());
-    }
-    table
-}
-
-fn in_words(choice: &Choice<'_>) -> String {
-    let candidate = choice.candidate;
-    let peak = number::measure(candidate.peak_shaft_torque_nm, "Nm");
-    let buys = match candidate.is_worth_while() {
-        true => "",
-        false => "; buys nothing",
-    };
-    let other = match choice.other {
-        Some(other) => {
-            let peak = number::measure(other.peak_shaft_torque_nm, "Nm");
-            format!("; {}, T_shaft up to {peak}", instead(other))
-        }
-        None => String::new(),
-    };
-    format!("{}, T_shaft up to {peak}{buys}{other}", what(candidate))
 }

@@ -41,13 +41,27 @@ fn found_in(found: &Controller) -> Blocks {
         let alone = found.without_delay.parameter(&p.symbol).map_or_else(|| "–".to_owned(), number::parameter);
         vec![p.symbol.clone(), p.name.clone(), alone, number::parameter(p), number::interval(p)]
     });
-    let mut all = plain_table(&["", "Parameter", "PI alone", "PI and delay", "95 % interval"], rows);
+    let further = found
+        .si
+        .iter()
+        .chain(&found.discrete.coefficients.parameters)
+        .map(|p| vec![p.symbol.clone(), p.name.clone(), String::new(), number::parameter(p), number::interval(p)]);
+    let heads = ["", "Parameter", "PI alone", "PI and delay", "95 % interval"];
+    let mut all = plain_table(&heads, rows.chain(further));
     all.push(sentence(&words::delay(found)));
-    all.push(sentence(&words::rules(found)));
+    all.push(sentence(&format!(
+        "Discrete form, every {}: T_d*(k) = T_d*(k − 1) + b_0 e(k) + b_1 e(k − 1), where e is the speed error τ ago. {}",
+        number::duration(found.discrete.sample_time_s),
+        words::rules(found)
+    )));
     match &found.structure {
         Told::Found(tested) => {
             all.push(rounds("PI and delay", &tested.rounds));
             all.push(sentence(&words::structure(tested)));
+            if let Some(with) = &tested.with_terms {
+                let values = with.parameters.iter().map(|p| format!("{} = {}", p.symbol, number::parameter(p)));
+                all.push(sentence(&format!("Together: {}", values.collect::<Vec<_>>().join(", "))));
+            }
         }
         Told::Untold(why) => all.push(untold("Terms beside PI and delay", &words::untold(why))),
     }
@@ -100,6 +114,10 @@ pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
             }
         }
     }
+    if found.feed_forward.is_empty() {
+        all.push(sentence("No recording moves N_d*, so the feed-forward is not known; run Levels_N_NT"));
+    }
+    all.push(sentence(words::M_IS_UNTOLD));
     all.push(figures(words::map_figures(found)));
     all
 }
@@ -107,14 +125,33 @@ pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
 fn bends(terms: &FeedForwardTerms) -> Blocks {
     let mut all = rounds("k and k_a", &terms.rounds);
     all.push(sentence(&words::bends(terms)));
+    if !terms.map.is_empty() {
+        all.push(map(terms));
+    }
     all
 }
 
+/// The feed-forward over the speed.
+fn map(terms: &FeedForwardTerms) -> Blocks {
+    let shown = |value: f64, (low, high): (f64, f64)| match high > low {
+        true => number::plus_minus(value, 0.5 * (high - low), "Nm"),
+        false => "–".to_owned(),
+    };
+    let rows = terms.map.iter().map(|point| {
+        vec![
+            number::rpm(point.speed_rad_s),
+            shown(point.torque_nm, point.interval_nm),
+            shown(point.bend_nm, point.bend_interval_nm),
+        ]
+    });
+    plain_table(&["N_d*", "Feed-forward above the lowest", "Beyond straight"], rows)
+}
+
 /// What noise does to the estimate of a PI that is known.
-fn pi_study(found: &PiStudy) -> Blocks {
+pub(crate) fn pi_study(found: &PiStudy) -> Blocks {
     let mut all = heading("Could noise be why a PI does not explain a recording?");
     all.push(sentence(&format!(
-        "A PI that is known runs on the speeds of {}, {} times with each noise, and is estimated again",
+        "A PI that is known runs on the speeds of {}, with each noise in {} draws, and is estimated again",
         found.file, found.options.draws
     )));
     let heads = ["Estimated", "", "Truth", "Mean", "Bias", "St. dev.", "Claimed", "Coverage", "Table 7.1"];

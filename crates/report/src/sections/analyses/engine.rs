@@ -12,11 +12,11 @@ use crate::torque;
 pub(crate) fn engine(found: &EngineTorque) -> Blocks {
     let mut all = sentence(
         "No bench records what the engine delivers. It is rebuilt from both speeds and T_d, with the shaft and the inertias \
-         that the recordings tell",
+         that follow from the recordings",
     );
     match &found.masses {
         Told::Found(masses) => all.push(sentence(&words::masses(masses))),
-        Told::Untold(why) => all.push(untold("No recording tells the shaft", &torque::untold(why))),
+        Told::Untold(why) => all.push(untold("No recording shows the shaft", &torque::untold(why))),
     }
     found.recordings.iter().for_each(|recording| all.push(one(recording)));
     all

@@ -14,19 +14,24 @@ pub(crate) fn friction(found: &Result<Friction, FrictionError>, bench: &BenchFac
         Ok(found) => found,
         Err(why) => return untold("Friction and inertia of the dynamometer are not known", &why.to_string()),
     };
+    let stated = words::StatedInertia {
+        kg_m2: bench.dynamometer_inertia_kg_m2,
+        uncertainty_percent: bench.dynamometer_inertia_uncertainty_percent,
+    };
+    friction_of(found, stated)
+}
+
+/// Friction and inertia as they were found.
+pub(crate) fn friction_of(found: &Friction, stated: words::StatedInertia) -> Blocks {
     let inertia = match &found.inertia {
         Inertia::Estimated { inertia, delay } => vec![inertia.as_ref(), delay.as_ref()],
         Inertia::Stated { .. } => Vec::new(),
     };
     let mut all = sentence(
-        "What the dynamometer loses by itself, T_fric(ω) = −(J_d dω_d/dt + T_d), told without a shaft, since with one it \
-         cannot be told from engine torque",
+        "What the dynamometer loses by itself, T_fric(ω) = −(J_d dω_d/dt + T_d), from recordings without a shaft. With a shaft it \
+         cannot be separated from engine torque",
     );
     all.push(parameters(inertia.into_iter().chain(&found.friction.parameters).chain(&found.per_inertia.parameters)));
-    let stated = words::StatedInertia {
-        kg_m2: bench.dynamometer_inertia_kg_m2,
-        uncertainty_percent: bench.dynamometer_inertia_uncertainty_percent,
-    };
     let said = words::doubts(found, stated).into_iter().chain(words::remarks(found));
     said.for_each(|remark| all.push(sentence(&remark)));
     let row = |candidate: &bench::friction::Candidate| {
@@ -34,6 +39,22 @@ pub(crate) fn friction(found: &Result<Friction, FrictionError>, bench: &BenchFac
         vec![words::terms(&candidate.terms), number::significant(candidate.bic_above_best, 3), chosen.to_owned()]
     };
     all.push(plain_table(&["Terms", "BIC above the best", ""], found.candidates.iter().map(row)));
+    let curve = [found.curve.first(), found.curve.get(found.curve.len() / 2), found.curve.last()];
+    let point = |point: &bench::friction::CurvePoint| {
+        vec![number::rpm(point.speed_rad_s), number::plus_minus(point.torque_nm, point.half_width_nm, "Nm")]
+    };
+    all.push(plain_table(&["Speed", "T_fric, ± 95 %"], curve.into_iter().flatten().map(point)));
+    all.push(plain_table(&["Recording", "From", "To", "Torque", ""], found.run_outs.iter().map(run_out)));
     all.push(figures(words::figures(found)));
     all
+}
+
+/// The stretch of a recording that was used.
+fn run_out(one: &bench::friction::RunOut) -> Vec<String> {
+    let [start, end] = [one.stretch.start_s, one.stretch.end_s].map(|s| format!("{} s", number::significant(s, 4)));
+    let left_out = match one.left_out {
+        0 => String::new(),
+        count => format!("{count} samples that drop out left out"),
+    };
+    vec![one.stretch.file.clone(), start, end, words::torque_used(one.torque).to_owned(), left_out]
 }

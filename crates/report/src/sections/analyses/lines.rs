@@ -1,7 +1,7 @@
 //! Lines of the spectra.
 
-use bench::look::{Cause, Line, Look, LookedSignal, OverSpeed};
-use page::{Block, Blocks};
+use bench::look::{BANDWIDTH_ORDERS, Cause, Line, Look, LookedPart, LookedSignal, OverSpeed, TURNS};
+use page::{Align, Block, Blocks, Prose, Table};
 
 use super::{figures, heading, plain_table, sentence, untold};
 use crate::look::{cause, figure, over_speed_figures, unit};
@@ -81,4 +81,81 @@ fn row(look: &Look, first: &Line, of: &[(&LookedSignal, &Line)]) -> Vec<String> 
         number::significant_with_unit(first.frequency_hz, 4, "Hz"),
         of.iter().map(amplitude).collect::<Vec<_>>().join(", "),
     ]
+}
+
+/// Every line of every recording, `most` a signal (zero shows all), then the orders over the speed, then the figures.
+pub(crate) fn every_line(looks: &[Look], signals: &[OverSpeed], most: usize) -> Blocks {
+    let over = match looks {
+        [one] => one.file.clone(),
+        _ => "All recordings".to_owned(),
+    };
+    let mut all: Blocks =
+        looks.iter().flat_map(|look| look.parts.iter().map(move |part| lines_of(look, part, most))).collect();
+    all.push(orders(&over, signals));
+    all.push(figures(over_speed_figures(&over, signals)));
+    let spectra = looks.iter().flat_map(|look| look.parts.iter().map(move |part| figure(look, part)));
+    all.push(figures(spectra.collect()));
+    all
+}
+
+/// The lines of a part of a recording, the strongest first.
+fn lines_of(look: &Look, part: &LookedPart, most: usize) -> Blocks {
+    let over = format!("{} to {} s", number::significant(part.start_s, 4), number::significant(part.end_s, 4));
+    let mut all = Blocks::from(Block::heading(
+        Prose::code(&look.file).then(format!(", {over}, {}", number::rpm(part.speed_rad_s))),
+    ));
+    let columns =
+        [("Signal", Align::Left), ("Hz", Align::Right), ("Amplitude", Align::Right), ("What it is", Align::Left)];
+    let mut table = Table::new(&columns);
+    for signal in &part.signals {
+        let (unit, per_si) = unit(signal.role);
+        let shown = if most == 0 { signal.lines.len() } else { most };
+        for (index, line) in signal.lines.iter().take(shown).enumerate() {
+            let name = if index == 0 { signal.role.symbol() } else { "" };
+            let amplitude = number::significant_with_unit(per_si * line.amplitude, 3, unit);
+            let hz = format!("{:.2}", line.frequency_hz);
+            table.row([name.into(), hz.into(), amplitude.into(), cause(&line.cause).into()]);
+        }
+        if signal.lines.len() > shown {
+            let more = format!("{} weaker ones; --lines 0 shows them", signal.lines.len() - shown);
+            table.row(["".into(), "".into(), "".into(), more.into()]);
+        }
+    }
+    all.push(table);
+    all
+}
+
+/// Each order with where it is largest.
+fn orders(over: &str, signals: &[OverSpeed]) -> Blocks {
+    let Some(first) = signals.first() else { return Blocks::default() };
+    let [low, high] = first.speed_rad_s.map(number::rpm);
+    let mut all = heading(&format!("{over}: orders over the speed, {low} to {high}"));
+    let columns = [
+        ("Signal", Align::Left),
+        ("Order", Align::Left),
+        ("Largest", Align::Right),
+        ("Standard error", Align::Right),
+        ("At", Align::Right),
+        ("Hz", Align::Right),
+    ];
+    let mut table = Table::new(&columns);
+    for signal in signals {
+        let (unit, per_si) = unit(signal.role);
+        for (index, curve) in signal.orders.iter().enumerate() {
+            let Some(peak) = curve.peak() else { continue };
+            let name = if index == 0 { signal.role.symbol() } else { "" };
+            let firing = if curve.is_firing { ", firing" } else { "" };
+            table.row([
+                name.into(),
+                format!("{}{firing}", curve.order).into(),
+                number::significant_with_unit(per_si * peak.amplitude, 3, unit).into(),
+                number::significant_with_unit(per_si * peak.standard_error, 2, unit).into(),
+                number::rpm(peak.speed_rad_s).into(),
+                format!("{:.1}", curve.at_hz(peak.speed_rad_s)).into(),
+            ]);
+        }
+    }
+    all.push(table);
+    all.push(sentence(&format!("Least squares in windows of {TURNS} turns: a bandwidth of {BANDWIDTH_ORDERS} orders")));
+    all
 }

@@ -3,22 +3,22 @@
 mod controller;
 mod engine;
 mod friction;
-mod inverter;
 mod lines;
 mod next;
 mod recorded;
 mod shaft;
 mod torque;
+mod torque_control;
 
-pub(crate) use controller::{controller, feed_forward};
+pub(crate) use controller::{controller, feed_forward, pi_study};
 pub(crate) use engine::engine;
-pub(crate) use friction::friction;
-pub(crate) use inverter::inverter;
-pub(crate) use lines::lines;
-pub(crate) use next::next;
+pub(crate) use friction::{friction, friction_of};
+pub(crate) use lines::{every_line, lines};
+pub(crate) use next::{next, next_experiment};
 pub(crate) use recorded::{courses, step};
 pub(crate) use shaft::shaft;
 pub(crate) use torque::torque;
+pub(crate) use torque_control::{torque_control, torque_control_in_report};
 
 use bench::study::Parameter;
 use page::{Block, Blocks, Cell, Figure, Panel, Prose, Table};

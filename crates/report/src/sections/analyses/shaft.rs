@@ -1,6 +1,7 @@
 //! The shaft by recording, band and route, and beyond K and B.
 
-use bench::shaft_study::{ShaftRecording, ShaftStudy};
+use bench::shaft_study::{Band, ShaftRecording, ShaftStudy};
+use bench::study::{Estimate, Shaft};
 use bench::torque_signals::Told;
 use page::Blocks;
 
@@ -9,14 +10,17 @@ use crate::shaft as words;
 use crate::torque;
 use crate::wording::number;
 
-/// Why a recording may stand in the section with two values.
-const WHICH: &str = "From here on K and B of each recording are estimated from its first part, as those at the head of the section are, and the \
-    rest judges them. “Other recordings and routes” above takes whole recordings, to compare them with one another, so that its \
-    values differ a little from those below. The model has the ones at the head";
+/// Why a recording may have two values.
+const WHICH: &str = "The values of each recording come from its first part, and the rest judges them. A comparison of whole recordings \
+    gives values that differ a little";
 
 /// What all recordings with a shaft tell of it.
 pub(crate) fn shaft(found: &ShaftStudy) -> Blocks {
-    let mut all = if found.recordings.len() > 1 { sentence(WHICH) } else { Blocks::default() };
+    let mut all = match found.recordings.len() {
+        0 => sentence("None of these recordings has a shaft: run BS_T_NT or WhiteNoise_T_TN with the shaft on"),
+        1 => Blocks::default(),
+        _ => sentence(WHICH),
+    };
     if let Some(together) = &found.together {
         all.push(heading("All recordings together"));
         all.push(parameters([&together.stiffness.parameter, &together.damping.parameter]));
@@ -36,6 +40,10 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
         all.push(untold("Shaft", &torque::untold(why)));
         return all;
     }
+    if let Told::Found(shaft) = &recording.shaft {
+        all.push(parameters(shaft.estimate.parameters.iter().chain([&shaft.zero])));
+        all.push(bands(recording, shaft));
+    }
     all.push(routes(recording));
     for remark in words::route_remarks(recording) {
         if !said.contains(&remark) {
@@ -49,7 +57,10 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
             all.push(parameters(["K", "B", "J_d", "J_e"].iter().filter_map(|symbol| estimate.parameter(symbol))));
         }
         Some(Told::Untold(why)) => all.push(untold("Inertias", &torque::untold(why))),
-        None => {}
+        None if recording.routes.black_box.is_some() => {}
+        None => all.push(sentence(
+            "This recording does not show J_e: that takes WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell",
+        )),
     }
     match &recording.beyond {
         Told::Found(found) => {
@@ -76,6 +87,23 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
         None => {}
     }
     all
+}
+
+/// K and B by band, with the timing estimated and with time stamps taken as exact.
+fn bands(recording: &ShaftRecording, shaft: &Shaft) -> Blocks {
+    // At zero, where it can go no further, a parameter is without uncertainty and says nothing.
+    let shown = |estimate: &Estimate, symbol| {
+        let known = estimate.parameter(symbol).filter(|p| p.standard_error > 0.0);
+        known.map_or_else(|| "–".to_owned(), number::parameter)
+    };
+    let row = |name: String, own: &Estimate, naive: &Estimate| {
+        vec![name, shown(own, "K"), shown(own, "B"), shown(naive, "K"), shown(naive, "B")]
+    };
+    let of_band =
+        |band: &Band| row(format!("{} … {}", band.band_hz.0, band.band_hz.1), &band.estimate, &band.ignoring_timing);
+    let all = row("all".to_owned(), &shaft.estimate, &shaft.ignoring_timing);
+    let heads = ["Band, Hz", "K", "B", "K, time stamps taken as exact", "B, so"];
+    plain_table(&heads, recording.bands.iter().map(of_band).chain([all]))
 }
 
 fn routes(recording: &ShaftRecording) -> Blocks {

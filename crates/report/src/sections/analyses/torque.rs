@@ -1,4 +1,4 @@
-//! The torque signals held against each other.
+//! The torque signals compared with one another.
 
 use bench::torque_signals::{Told, TorqueRecording, TorqueSignals};
 use page::Blocks;
@@ -10,12 +10,12 @@ use crate::wording::number;
 /// The section on the torque signals.
 pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
     let mut all = sentence(
-        "Which torque can be believed, and when it is true: each against T_d*, against the bend in N_d, against the load cell \
-         at rest; and the shaft torque rebuilt from N_d and T_d with its own standard deviation",
+        "Which torque signals are right, and how late they are. Each is compared with T_d*, with the bend in N_d, and with the \
+         load cell at rest. The shaft torque is rebuilt from N_d and T_d, with its own standard deviation",
     );
     all.push(match &found.trust {
         Some(check) => sentence(&torque::trust(check)),
-        None => untold("T_d,calc is not held against the load cell", torque::NO_TRUST),
+        None => untold("T_d,calc is not compared with the load cell", torque::NO_TRUST),
     });
     all.push(delays(found));
     if let Some((file, cell)) = found.load_cell() {
@@ -51,27 +51,40 @@ fn delays(found: &TorqueSignals) -> Blocks {
     }
     let heads =
         ["Recording", "Signal", "Behind T_d*", "Behind the bend of N_d", "Agree", "By each route, 95 % intervals"];
-    let mut all = heading("Delays in every recording that tells them");
+    let mut all = heading("Delays in every recording that shows them");
     all.push(plain_table(&heads, rows));
     let found = found.recordings.iter().filter_map(|recording| recording.delays.found());
-    found.flat_map(|delays| torque::early_signals(delays)).for_each(|text| all.push(sentence(&text)));
+    found.for_each(|delays| {
+        torque::lateness(delays).into_iter().for_each(|text| all.push(sentence(&text)));
+        torque::early_signals(delays).iter().for_each(|text| all.push(sentence(text)));
+    });
     all
 }
 
-/// What stands in the system's own shaft torque; and where there is none of one's own, why. How certain the rebuilt one is, the
+/// What is in the system's own shaft torque; and where there is none of one's own, why. How certain the rebuilt one is, the
 /// figures say.
 fn by_recording(found: &TorqueSignals) -> Blocks {
     let filters = found.recordings.iter().filter_map(|recording| {
         let filter = match recording.filter.as_ref()? {
-            Told::Found(filter) => torque::filter(&filter.best),
+            Told::Found(filter) => torque::shaft_filter(filter),
             Told::Untold(why) => torque::untold(why),
         };
         Some(vec![recording.file.clone(), filter])
     });
-    let mut all = plain_table(&["Recording", "What stands in T_d,shaft,calc"], filters);
+    let mut all = plain_table(&["Recording", "What T_d,shaft,calc is"], filters);
     for recording in &found.recordings {
-        if let Some(Told::Untold(why)) = &recording.shaft {
-            all.push(untold(&format!("{}: T_shaft is not rebuilt", recording.file), &torque::untold(why)));
+        let name = &recording.file;
+        match &recording.shaft {
+            Some(Told::Found(shaft)) => {
+                all.push(sentence(&format!("{name}: T_shaft rebuilt: {}", torque::rebuilt(shaft))));
+            }
+            Some(Told::Untold(why)) => {
+                all.push(untold(&format!("{name}: T_shaft is not rebuilt"), &torque::untold(why)))
+            }
+            None => {}
+        }
+        if let Told::Untold(why) = &recording.delays {
+            all.push(untold(&format!("{name}: delays"), &torque::untold(why)));
         }
     }
     all

@@ -73,7 +73,7 @@ pub(crate) fn feed_forward(study: &Study) -> Blocks {
     };
     let equation = "FF = k N_d* + m + k_a {dN_d*}/{dt}";
     let note = format!(
-        "m cannot be told apart from the integrator’s initial state and is not reported. Without feed-forward, PI alone \
+        "m cannot be separated from the integrator’s initial state and is not reported. Without feed-forward, PI alone \
          fits the same stretch with {}.",
         number::fit(part.pi_alone.fit_percent)
     );

@@ -227,7 +227,7 @@ fn coefficients(start: &ImpulseResponseStart) -> Vec<Layer> {
     };
     let dots = Layer::Points {
         name: name(),
-        style: Tone::Other,
+        style: Style::Other,
         x: Abscissa::Values(rounded(&lags)),
         y: rounded(&start.coefficients),
         low: bar(-1.0),

@@ -73,7 +73,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Better => "better",
         Verdict::Worse => "worse",
-        Verdict::NotTold => "not told apart",
+        Verdict::NotTold => "no difference seen",
         Verdict::NoModel => "no model",
     }
 }
@@ -165,7 +165,7 @@ pub fn early(recording: &StudiedRecording) -> Vec<String> {
 /// What is told beyond delay and lag.
 pub fn beyond(recording: &StudiedRecording) -> String {
     let Some(test) = &recording.second_order else {
-        return "whether there is a second-order term is not told: no lag was found to begin from".to_owned();
+        return "a second-order term cannot be tested: no lag was found to begin from".to_owned();
     };
     let ruled_out = |p_value: f64| p_value < 1.0 - LEVEL;
     let told = match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {
@@ -200,13 +200,13 @@ pub fn first_visible(visibility: &Visibility) -> String {
         nm(visibility.demand_nm),
         nm(visibility.noise_nm)
     );
-    let loop_ = "A critically damped loop (κ = 0.25) is told from a lag";
+    let loop_ = "A critically damped loop (κ = 0.25) is distinguished from a lag";
     let Some(first) = visibility.first() else {
         return format!("{loop_} by none of these in {}. {assumed}", number::duration(visibility.recording_s));
     };
     let least = visibility.cases.iter().min_by(|a, b| a.least_term.total_cmp(&b.least_term)).unwrap_or(first);
     format!(
-        "{loop_} from {} on, in {}; in {}, κ down to {} is told there, and down to {} at {}. {assumed}",
+        "{loop_} from {} on, in {}; in {}, κ down to {} is visible there, and down to {} at {}. {assumed}",
         hertz(first),
         recording_needed(first.needed_s),
         number::duration(visibility.recording_s),
@@ -365,12 +365,12 @@ fn rates(visibility: &Visibility) -> Figure {
     let panels = vec![
         panel("error of τ", "ms", &|case| 1e3 * case.delay_s),
         panel("error of a", "%", &|case| 100.0 * case.lag_rad_s / visibility.control.1),
-        panel("least κ told", "", &|case| case.least_term),
+        panel("least κ seen", "", &|case| case.least_term),
         needed,
     ];
-    Figure::new("What other rates and demands would tell", Axis::log("rate of T_d,calc", "Hz"), panels).with_caption(
+    Figure::new("What other rates and demands would show", Axis::log("rate of T_d,calc", "Hz"), panels).with_caption(
         format!(
-            "Standard errors of τ and a and least κ told in {}, and the recording in which κ = 0.25 is told. {}.",
+            "Standard errors of τ and a and least κ seen in {}, and the recording in which κ = 0.25 is seen. {}.",
             number::duration(visibility.recording_s),
             first_visible(visibility),
         ),

@@ -1,0 +1,134 @@
+//! One page in every shape.
+
+use page::{
+    Align, Axis, Block, Card, Cell, Figure, Finding, Layer, Page, Panel, Prose, Quantity, Screen, Style, Table, Tone,
+    html, json, markdown, terminal,
+};
+
+fn figure() -> Figure {
+    let x: Vec<f64> = (0..40).map(|n| 0.1 * f64::from(n)).collect();
+    let y: Vec<f64> = x.iter().map(|t| t.sin()).collect();
+    let layers =
+        vec![Layer::dots("measured", Style::Measured, &x, &y), Layer::curve("modelled", Style::Modelled, &x, &y)];
+    Figure::new("Torque T_d", Axis::time(), vec![Panel::new(Axis::linear("T_d", "Nm"), 120, layers)])
+        .with_caption("Measured T_d in bs_1.mf4.")
+}
+
+fn table() -> Table {
+    let columns =
+        [("", Align::Left), ("Parameter", Align::Left), ("Estimate", Align::Right), ("95 % interval", Align::Right)];
+    let row = |symbol: &str, name: &str, quantity: Quantity| -> Vec<Cell> {
+        vec![Prose::symbol(symbol).into(), name.into(), quantity.clone().into(), Cell::interval(quantity)]
+    };
+    let mut table = Table::new(&columns).with_rows([
+        row("K", "stiffness", Quantity::within(2438.0, (2426.0, 2450.0), "Nm/rad")),
+        row("J_d", "inertia", Quantity::exact(0.35, "kg m²")),
+    ]);
+    table.note("as the bench file states it");
+    table
+}
+
+fn page() -> Page {
+    let finding = Finding {
+        tone: Tone::Caution,
+        severity: "warning".to_owned(),
+        text: "T_d is clipped.".into(),
+        remedy: Some("Lower the demand.".into()),
+        places: vec!["bs_1.mf4, at 12.35 s".to_owned()],
+    };
+    let cards = vec![
+        Card {
+            label: Prose::symbol("K").then(" stiffness"),
+            value: Ok(Quantity::within(2438.0, (2426.0, 2450.0), "Nm/rad")),
+        },
+        Card { label: Prose::symbol("B").then(" damping"), value: Err("needs BS_T_NT".into()) },
+    ];
+    let blocks = vec![
+        Block::Callout {
+            tone: Tone::Good,
+            kicker: "Verdict".to_owned(),
+            title: "The model is good".to_owned(),
+            blocks: vec![Block::paragraph("All rules are met.")],
+        },
+        Block::Cards { items: cards },
+        Block::section(
+            "shaft",
+            "Shaft",
+            vec![
+                Block::lead("It carries torque when it is twisted, see WhiteNoise_T_TN."),
+                Block::equation("T_shaft = {K + B s}/{s} Δω"),
+                Block::Table(table()),
+                Block::List { items: vec!["one".into(), Prose::code("bs_1.mf4")] },
+                Block::note("A remark with 5 % in it."),
+                Block::Figure(figure()),
+                Block::Finding(finding),
+                Block::Definitions { items: vec![(Prose::symbol("T_d*"), "the demand".into())] },
+                Block::Fold {
+                    summary: "Details".into(),
+                    blocks: vec![Block::Preformatted { text: "a = 1\n".to_owned() }],
+                },
+            ],
+        ),
+    ];
+    Page::new("Bench <1>", blocks)
+}
+
+#[test]
+fn snap_terminal() {
+    insta::assert_snapshot!(terminal(&page(), Screen { width: 72, colour: false }));
+}
+
+#[test]
+fn snap_markdown() {
+    insta::assert_snapshot!(markdown(&page()));
+}
+
+#[test]
+fn snap_html() {
+    let page = html(&page(), "dynoid 1.0");
+    let main = page.split("<main>").nth(1).and_then(|rest| rest.split("</main>").next()).unwrap_or_default();
+    let drawing =
+        main.split("<div class=\"stage\">").nth(1).and_then(|rest| rest.split("</div>").next()).unwrap_or_default();
+    insta::assert_snapshot!(main.replace(drawing, "…"));
+}
+
+#[test]
+fn exact_json_is_the_model_itself() {
+    let data: serde_json::Value = serde_json::from_str(&json(&page()).unwrap()).unwrap();
+    assert_eq!(data["title"], "Bench <1>");
+    let estimate = &data["blocks"][2]["blocks"][2]["rows"][0]["cells"][2]["content"]["quantity"];
+    assert_eq!((&estimate["value"], &estimate["unit"]), (&2438.0.into(), &"Nm/rad".into()));
+    assert_eq!(estimate["uncertainty"]["interval"], serde_json::json!([2426.0, 2450.0]));
+}
+
+#[test]
+fn exact_a_page_without_scripts_holds_the_whole_figure() {
+    let page = html(&page(), "dynoid 1.0");
+    let drawing = page.split("<div class=\"stage\">").nth(1).and_then(|rest| rest.split("</div>").next()).unwrap();
+    assert!(drawing.contains("<path d=\"M") && drawing.contains("class=\"tick\""), "{drawing}");
+    assert!(drawing.contains("role=\"img\"") && drawing.contains("aria-label=\"Torque T_d\""), "{drawing}");
+    assert!(drawing.contains("<desc>T_d [Nm] over time [s]. measured, modelled</desc>"), "{drawing}");
+}
+
+#[test]
+fn exact_columns_have_headings_a_reader_of_the_screen_finds() {
+    let page = html(&page(), "dynoid 1.0");
+    assert_eq!(page.matches("<th scope=\"col\"").count(), 3);
+    assert!(page.contains("<nav aria-label=\"Contents\">") && page.contains("href=\"#shaft\""));
+    assert!(page.contains("<html lang=\"en\">"));
+}
+
+#[test]
+fn exact_outside_text_is_escaped() {
+    let hostile = "<script>alert(1)</script>";
+    let page = Page::new(hostile, vec![Block::paragraph(hostile), Block::heading(Prose::code(hostile))]);
+    assert!(!html(&page, "dynoid").contains("<script>alert"));
+    let screen = terminal(&Page::new("", vec![Block::paragraph("\u{1b}[31mred")]), Screen { width: 80, colour: false });
+    assert!(!screen.contains('\u{1b}'), "{screen:?}");
+}
+
+#[test]
+fn exact_colour_is_used_where_it_is_welcome() {
+    let shown = |colour| terminal(&page(), Screen { width: 80, colour });
+    assert!(shown(true).contains('\u{1b}') && !shown(false).contains('\u{1b}'));
+}

@@ -1,0 +1,146 @@
+//! A study in short: verdict, key numbers, what is missing and why, doubts.
+
+use bench::study::{Need, Parameter, Part, Study};
+use bench::{Diagnostic, Severity};
+use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
+
+use crate::sections::diagnostics::{alike, entry};
+use crate::sections::verdict::tone;
+use crate::verdict::{Level, Rule, verdict};
+use crate::wording::{self, number};
+
+/// Findings shown before the rest is left to the report.
+const MOST_FINDINGS: usize = 20;
+
+/// The study in short.
+pub fn summary(study: &Study) -> Page {
+    let mut all = judged(study);
+    all.push(estimates(study));
+    all.push(missing(study));
+    all.push(findings(&study.diagnostics));
+    Page::new(study.bench.name.as_str(), all.into_vec())
+}
+
+/// What the study says about itself, without its numbers.
+pub fn judgement(study: &Study) -> Page {
+    let mut all = judged(study);
+    all.push(missing(study));
+    all.push(findings(&study.diagnostics));
+    Page::new(study.bench.name.as_str(), all.into_vec())
+}
+
+fn judged(study: &Study) -> Blocks {
+    let verdict = verdict(study);
+    let row = |Rule { asks, found, level }: &Rule| -> Vec<Cell> {
+        vec![Cell::toned(level.outcome(), tone(*level)), format!("{asks} Here: {found}.").into()]
+    };
+    let unmet = verdict.rules.iter().filter(|rule| rule.level != Level::Good);
+    let table = Table::new(&[("", Align::Left), ("", Align::Left)]).with_rows(unmet.map(row));
+    let met = verdict.rules.iter().filter(|rule| rule.level == Level::Good).count();
+    let count = Block::paragraph(format!("{met} of {} rules are met.", verdict.rules.len()));
+    Block::Callout {
+        tone: tone(verdict.level),
+        kicker: "Verdict".to_owned(),
+        title: format!("Verdict: {}", verdict.level.headline()),
+        blocks: vec![Block::Table(table), count],
+    }
+    .into()
+}
+
+fn estimates(study: &Study) -> Blocks {
+    let mut table = Table::new(&[("", Align::Left), ("", Align::Left), ("", Align::Left), ("", Align::Left)]);
+    let mut last = "";
+    for (part, parameter) in key_numbers(study) {
+        let shown = if part == last { "" } else { part };
+        last = part;
+        table.row([
+            Cell::toned(shown, Tone::Faint),
+            Prose::symbol(&parameter.symbol).into(),
+            number::quantity(parameter).into(),
+            Cell::toned(&parameter.name, Tone::Faint),
+        ]);
+    }
+    match table.is_empty() {
+        true => Blocks::default(),
+        false => vec![Block::heading("Estimates, with 95 % intervals"), Block::Table(table)].into(),
+    }
+}
+
+/// The numbers people ask for first, each with the part it belongs to.
+pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
+    let mut numbers = Vec::new();
+    let mut add = |part: &'static str, parameters: Vec<Option<&'a Parameter>>| {
+        numbers.extend(parameters.into_iter().flatten().map(|parameter| (part, parameter)));
+    };
+    if let Some(part) = study.speed_controller.estimated() {
+        add("speed control", ["K_p", "K_i", "τ"].map(|symbol| part.estimate.parameter(symbol)).into());
+    }
+    if let Some(part) = study.feed_forward.estimated() {
+        add("feed-forward", ["k", "k_a"].map(|symbol| part.estimate.parameter(symbol)).into());
+    }
+    if let Some(part) = study.torque_control.estimated() {
+        add("torque control", part.delay_and_lag.parameters.iter().map(Some).collect());
+    }
+    if let Some(part) = study.shaft.estimated() {
+        let mut parameters: Vec<_> = ["K", "B"].map(|symbol| part.estimate.parameter(symbol)).into();
+        parameters.push(Some(&part.zero));
+        add("shaft", parameters);
+    }
+    if let Some(part) = study.whole.estimated() {
+        let resonance = [&part.resonance_hz, &part.resonance_gain, &part.damping_ratio];
+        add("whole model", resonance.into_iter().chain([&part.firing_meets_resonance_rpm]).map(Some).collect());
+    }
+    numbers
+}
+
+/// Every part that is not estimated, in plain words, with what it needs.
+pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Need])> {
+    fn needs<T>(part: &Part<T>) -> Option<&[Need]> {
+        match part {
+            Part::Estimated(_) => None,
+            Part::NotEstimated { needs } => Some(needs),
+        }
+    }
+    let parts = [
+        ("timing", needs(&study.timing)),
+        ("speed_controller", needs(&study.speed_controller)),
+        ("feed_forward", needs(&study.feed_forward)),
+        ("torque_control", needs(&study.torque_control)),
+        ("shaft", needs(&study.shaft)),
+        ("whole", needs(&study.whole)),
+    ];
+    parts.into_iter().filter_map(|(name, needs)| Some((wording::part(name), needs?))).collect()
+}
+
+fn missing(study: &Study) -> Blocks {
+    let row = |(part, needs): (&str, &[Need])| -> Vec<Cell> {
+        vec![Cell::toned(part, Tone::Caution), format!("needs {}", wording::needs(needs)).into()]
+    };
+    let table =
+        Table::new(&[("", Align::Left), ("", Align::Left)]).with_rows(not_estimated(study).into_iter().map(row));
+    match table.is_empty() {
+        true => Blocks::default(),
+        false => vec![Block::heading("Not estimated"), Block::Table(table)].into(),
+    }
+}
+
+fn findings(diagnostics: &[Diagnostic]) -> Blocks {
+    if diagnostics.is_empty() {
+        return Blocks::default();
+    }
+    let doubts: Vec<&Diagnostic> = diagnostics.iter().filter(|found| found.severity > Severity::Note).collect();
+    let notes = diagnostics.len() - doubts.len();
+    let groups = alike(&doubts);
+    let mut all = Blocks::from(Block::heading("Findings"));
+    groups.iter().take(MOST_FINDINGS).for_each(|same| all.push(entry(same)));
+    let rest: usize = groups.iter().skip(MOST_FINDINGS).map(Vec::len).sum();
+    if rest > 0 {
+        all.push(Block::paragraph(format!("{rest} more are in the report.")));
+    }
+    match notes {
+        0 => {}
+        1 => all.push(Block::paragraph("1 note that asks for nothing is in the report.")),
+        _ => all.push(Block::paragraph(format!("{notes} notes that ask for nothing are in the report."))),
+    }
+    all
+}

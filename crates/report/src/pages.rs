@@ -1,0 +1,65 @@
+//! One analysis as a page of its own: what its command shows, writes and what its section of the report holds.
+
+use bench::engine_torque::EngineTorque;
+use bench::friction::Friction;
+use bench::look::{Look, OverSpeed};
+use bench::shaft_study::ShaftStudy;
+use bench::speed_control::{PiStudy, SpeedControl};
+use bench::study::NextExperiments;
+use bench::torque_control_study::TorqueControlStudy;
+use bench::torque_signals::TorqueSignals;
+use page::{Blocks, Page};
+
+use crate::friction::StatedInertia;
+use crate::sections::analyses;
+
+fn titled(title: &str, blocks: Blocks) -> Page {
+    Page::new(title, blocks.into_vec())
+}
+
+/// The shaft of every recording and of all together.
+pub fn shaft(found: &ShaftStudy) -> Page {
+    titled("Shaft", analyses::shaft(found))
+}
+
+/// Friction and inertia of the dynamometer.
+pub fn friction(found: &Friction, stated: StatedInertia) -> Page {
+    titled("Friction of the dynamometer", analyses::friction_of(found, stated))
+}
+
+/// The torque signals compared with one another.
+pub fn torque_signals(found: &TorqueSignals) -> Page {
+    titled("Torque signals", analyses::torque(found))
+}
+
+/// Models of the torque control compared with a delay of one sample.
+pub fn torque_control(studied: &TorqueControlStudy) -> Page {
+    titled("Torque control", analyses::torque_control(studied))
+}
+
+/// The engine's torque.
+pub fn engine(found: &EngineTorque) -> Page {
+    titled("Engine torque", analyses::engine(found))
+}
+
+/// Speed controller and feed-forward.
+pub fn controller(found: &SpeedControl) -> Page {
+    let mut all = analyses::controller(found, None);
+    all.push(analyses::feed_forward(found));
+    titled("Speed controller", all)
+}
+
+/// What noise does to the estimate of a PI that is known.
+pub fn controller_noise(found: &PiStudy) -> Page {
+    titled("What noise does to the estimate of a PI", analyses::pi_study(found))
+}
+
+/// What each further experiment would gain.
+pub fn next(found: &NextExperiments) -> Page {
+    titled("What to record next", analyses::next_experiment(found))
+}
+
+/// Every line of every recording, `most` a signal; zero shows all.
+pub fn lines(looks: &[Look], signals: &[OverSpeed], most: usize) -> Page {
+    titled("Lines of the recordings", analyses::every_line(looks, signals, most))
+}
