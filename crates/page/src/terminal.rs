@@ -29,7 +29,7 @@ pub fn terminal(page: &Page, screen: Screen) -> String {
     let mut lines = Lines { screen, all: Vec::new() };
     lines.text(&page.subtitle, 0, Tone::Faint);
     lines.blocks(&page.blocks);
-    lines.all.join("\n")
+    lines.all.join("\n").trim_end().to_owned()
 }
 
 impl Tone {
@@ -81,7 +81,10 @@ impl Lines {
                 let rows = items.iter().map(|(term, meaning)| vec![term.clone().into(), meaning.clone().into()]);
                 self.table(&Table::new(&columns).with_rows(rows));
             }
-            Block::Table(table) => self.table(table),
+            Block::Table(table) => {
+                self.table(table);
+                self.gap();
+            }
             Block::Cards { items } => self.cards(items),
             Block::Figure(_) | Block::Row { .. } => {}
             Block::Drawing { caption, .. } => self.text(caption, 0, Tone::Plain),
@@ -100,10 +103,15 @@ impl Lines {
 
     /// A line that stands out, after an empty one.
     fn heading(&mut self, text: &str) {
+        self.gap();
+        self.push_painted(Tone::Strong, &safe(text));
+    }
+
+    /// An empty line, unless there is one, or nothing above.
+    fn gap(&mut self) {
         if self.all.last().is_some_and(|line| !line.is_empty()) {
             self.all.push(String::new());
         }
-        self.push_painted(Tone::Strong, &safe(text));
     }
 
     fn push_painted(&mut self, tone: Tone, text: &str) {
