@@ -1,7 +1,7 @@
 //! The engine's torque by cycle and by cylinder.
 //!
 //! A cylinder's part of the cycle is from one trough of the firing order to the next; a bench without a mark of top dead
-//! centre does not tell which cylinder it is, only the order in which they fire. The mean torque over such a part is the
+//! centre does not show which cylinder it is, only the order in which they fire. The mean torque over such a part is the
 //! change of J_d ω_d + J_e ω_e over its length and the mean of T_d, and so is its uncertainty.
 
 use std::f64::consts::{PI, TAU};

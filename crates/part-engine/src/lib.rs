@@ -1,9 +1,9 @@
 //! T_e, the engine's torque, which no bench records: rebuilt from N_d, N_e and T_d on the two masses and the shaft between
-//! them (6.1), (6.4), by a fixed-interval smoother with its uncertainty, cycle by cycle and, where firings are told apart,
+//! them (6.1), (6.4), by a fixed-interval smoother with its uncertainty, cycle by cycle and, where firings are separated,
 //! cylinder by cylinder.
 //!
 //! What the rebuilt torque holds: gas torque and the inertia torque of pistons and rods, less the engine's friction; and the
-//! bearing friction of the dynamometer at the mean speed, which nothing with the shaft on tells from it.
+//! bearing friction of the dynamometer at the mean speed, which nothing with the shaft on separates from it.
 
 mod cycles;
 mod rebuild;
@@ -23,7 +23,7 @@ pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, O
 pub use self::rebuild::RebuiltEngine;
 pub use self::source::{InertiaSource, TwoMasses};
 
-/// What recordings tell of the engine's torque.
+/// What recordings show about the engine's torque.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EngineTorque {
     /// The masses and the shaft that all recordings are rebuilt with, or why there are none.
@@ -32,7 +32,7 @@ pub struct EngineTorque {
     pub recordings: Vec<EngineRecording>,
 }
 
-/// What one recording tells.
+/// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EngineRecording {
     /// The file.
@@ -41,14 +41,14 @@ pub struct EngineRecording {
     pub label: String,
     /// The engine's torque.
     pub engine: Told<RebuiltEngine>,
-    /// The same by cycle and cylinder; untold where firings are too fast for the rate of N_d.
+    /// The same by cycle and cylinder; not estimated where firings are too fast for the rate of N_d.
     pub cycles: Told<Cycles>,
 }
 
 /// Rebuilds the engine's torque of every recording with a shaft; `step` hears of each before its turn comes.
 ///
-/// The shaft is that of the recording that tells it best, J_e that of a recording with a broadband T_d* in torque control
-/// where one tells it, otherwise the bench file's. Recordings whose T_d,calc has the wrong sign are not used.
+/// The shaft is that of the recording that shows it best, J_e that of a recording with a broadband T_d* in torque control
+/// where one shows it, otherwise the bench file's. Recordings whose T_d,calc has the wrong sign are not used.
 #[must_use]
 pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> EngineTorque {
     let limit = bench.limits.torque_nm;

@@ -31,7 +31,7 @@ const LEAST_NOISE_RAD_S: f64 = 1e-6;
 const HIGHEST_LINE: f64 = 0.95;
 /// The noise levels are estimated from so much of the recording's middle, s.
 const FOR_LEVELS_S: f64 = 4.0;
-/// The error of an encoder, of the speed, whose worth at order 1 is told.
+/// The error of an encoder, of the speed, whose effect at order 1 is stated.
 pub(super) const ENCODER_ERROR: f64 = 1e-4;
 /// States of the mechanics: twist, ω_d, ω_e.
 const TWIST: usize = 0;
@@ -58,7 +58,7 @@ pub struct RebuiltEngine {
     /// Noise levels.
     pub noise: NoiseLevels,
     /// Amplitude at order 1, Nm, of what an error of 10⁻⁴ of the speed, once a turn, of the engine's encoder makes: it cannot
-    /// be told from a motion and is in no standard deviation.
+    /// be separated from a motion and is in no standard deviation.
     pub once_a_turn_nm: f64,
 }
 

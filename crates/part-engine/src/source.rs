@@ -27,7 +27,7 @@ pub enum InertiaSource {
     BenchFile,
 }
 
-/// A recording and what it tells.
+/// A recording and what it shows.
 type Told = (String, Estimate);
 
 /// Two masses with a shaft between them. SI.
@@ -64,10 +64,10 @@ impl Values {
 }
 
 impl TwoMasses {
-    /// The shaft of the recording that tells K best.
+    /// The shaft of the recording that shows K best.
     ///
     /// # Errors
-    /// No recording tells the shaft: why the last one that was tried does not, or that none has a shaft.
+    /// No recording shows the shaft: why the last one that was tried does not, or that none has a shaft.
     pub(super) fn of(
         experiments: &[&Experiment],
         bench: &BenchFile,

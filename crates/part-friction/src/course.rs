@@ -159,7 +159,7 @@ fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Optio
     Ok(Some(modelled().unwrap_or_else(as_recorded)))
 }
 
-/// Refuses speeds that tell nothing.
+/// Refuses speeds that show nothing.
 pub(super) fn check_range(courses: &[Course]) -> Result<(), FrictionError> {
     let (from_rad_s, to_rad_s) = speeds(courses);
     match courses.first() {
@@ -178,7 +178,7 @@ pub(super) enum Directions {
 }
 
 impl Directions {
-    /// These terms, with the offset where it is told apart from them.
+    /// These terms, with the offset where it is separated from them.
     pub(super) fn with(self, terms: &[Term]) -> Vec<Term> {
         let offset = (self == Directions::Both).then_some(Term::Offset);
         offset.into_iter().chain(terms.iter().copied()).collect()

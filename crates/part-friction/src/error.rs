@@ -51,7 +51,7 @@ pub enum FrictionError {
         /// Slower is left out, rad/s.
         slowest_rad_s: f64,
     },
-    /// The speed is too steady to tell terms of friction apart.
+    /// The speed is too steady to separate terms of friction.
     #[error(
         "{file}: the speed stays between {:.0} and {:.0} rpm, which tells neither how friction grows with speed nor J_d; step \
          N_d* between levels far apart (NoShaft_N_NT), or let it run out",

@@ -42,7 +42,7 @@ const DELAY: Label = Label { symbol: "δ_T", name: "how late T_d is against N_d"
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
-    /// T_0, the same whatever the direction: told apart from the others where both directions are seen.
+    /// T_0, the same whatever the direction: separated from the others where both directions are seen.
     Offset,
     /// c_0 sgn ω.
     Coulomb,
@@ -94,7 +94,7 @@ impl Term {
 /// What is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionOptions {
-    /// J_d of the bench file, kg m²: what turns a deceleration into a torque where the recordings do not tell J_d.
+    /// J_d of the bench file, kg m²: what turns a deceleration into a torque where the recordings do not show J_d.
     pub inertia_kg_m2: f64,
     /// Slower than this is left out, where a bearing sticks rather than slides, rad/s; a fiftieth of the highest speed, and at
     /// least one, where `None`.
@@ -125,7 +125,7 @@ pub enum Inertia {
         /// By how much T_d is later than N_d, s.
         delay: Box<Parameter>,
     },
-    /// The bench file: T_d was zero, not recorded, or changed nothing, and the recordings tell friction over inertia alone.
+    /// The bench file: T_d was zero, not recorded, or changed nothing, and the recordings show friction over inertia alone.
     Stated {
         /// J_d, kg m².
         inertia_kg_m2: f64,
@@ -134,7 +134,7 @@ pub enum Inertia {
     },
 }
 
-/// Why the recordings do not tell J_d.
+/// Why the recordings do not show J_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Undetermined {
@@ -206,9 +206,9 @@ pub struct Friction {
     pub inertia: Inertia,
     /// Coefficients of T_fric, Nm and so on.
     pub friction: Estimate,
-    /// Coefficients over J_d: what a run-out tells by itself.
+    /// Coefficients over J_d: what a run-out shows by itself.
     pub per_inertia: Estimate,
-    /// All choices of terms that were held against each other.
+    /// All choices of terms that were compared with each other.
     pub candidates: Vec<Candidate>,
     /// T_fric over the speeds that were seen.
     pub curve: Vec<CurvePoint>,
@@ -233,9 +233,9 @@ impl Friction {
     }
 }
 
-/// Estimates friction, and J_d where torque tells it, from recordings without shaft, all together.
+/// Estimates friction, and J_d where torque shows it, from recordings without shaft, all together.
 ///
-/// Coulomb and viscous friction are always there, an offset where both directions are seen and tell it from zero; a quadratic and a cubic term where they are told from zero with 99 %
+/// Coulomb and viscous friction are always there, an offset where both directions are seen and separate it from zero; a quadratic and a cubic term where they are separated from zero with 99 %
 /// confidence. Samples of N_d that drop out are left out. Without a recorded torque, the longest fall of the speed is used.
 /// Where T_d is known at its own samples alone, or as the load cell sees it, means over several of them are compared.
 ///

@@ -29,7 +29,7 @@ const START_VARIANCE: f64 = 1e6;
 
 /// T_d is none below this part of the torque that acts.
 const TORQUE_FREE: f64 = 0.05;
-/// It tells J_d where what friction cannot do of it is more than this part of the torque that acts.
+/// It shows J_d where what friction cannot do of it is more than this part of the torque that acts.
 const EXCITED: f64 = 0.3;
 
 /// What T_d does.
@@ -320,7 +320,7 @@ impl Fitted {
         Some(Parameter::new(label, 1.0 / rate, self.inertia_error() / rate, self.freedom))
     }
 
-    /// Whether the term of highest order is told from zero.
+    /// Whether the term of highest order is separated from zero.
     pub(super) fn is_last_told(&self, level: f64) -> bool {
         self.terms.last().is_some_and(|last| self.is_told(*last, level))
     }

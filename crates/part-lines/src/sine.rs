@@ -40,12 +40,12 @@ pub struct SineTest<'a> {
 /// Gains T_shaft/T_d at each steady sine of T_d*, with what (7.2) says and what the engine did.
 ///
 /// Amplitudes are by least squares on cos, sin, constant and slope over whole periods, and on cos and sin of the engine
-/// orders that can be told from the sine, which would leak into it; T_shaft = J_d dω_d/dt + T_d (6.1)
+/// orders that can be separated from the sine, which would leak into it; T_shaft = J_d dω_d/dt + T_d (6.1)
 /// with N_d freed of its gate, or the flange's torque where there is one. The standard error comes from the noise of
 /// T_shaft − G T_d at frequencies beside the sine (its median, so that a stray line does no harm).
 ///
 /// (7.2) takes T_e as constant. It is not when the engine's governor answers the changing speed or when the sine meets
-/// an engine order. T_e = J_e dω_e/dt + T_shaft (6.4) tells what acted, and
+/// an engine order. T_e = J_e dω_e/dt + T_shaft (6.4) shows what acted, and
 /// T_shaft/T_d = (H_d H_s + H_e H_s T_e/T_d)/(1 + H_s (H_d + H_e)) what the model makes of it; the measured gain less
 /// the second term can be drawn on the curve of (7.2). What remains between the two tests shaft and inertias, not the
 /// engine.

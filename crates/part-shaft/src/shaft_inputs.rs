@@ -57,7 +57,7 @@ fn friction_slope(bench: &BenchFile) -> (f64, f64) {
     }
 }
 
-/// Whether an experiment tells both inertias: T_d* moves the bench over a wide band, and behind a torque flange stands a
+/// Whether an experiment shows both inertias: T_d* moves the bench over a wide band, and behind a torque flange stands a
 /// dual-mass flywheel, with which there is no one J_e.
 pub fn tells_inertias(experiment: &Experiment, bench: &BenchFile) -> bool {
     bench.variant == BenchVariant::LoadCell

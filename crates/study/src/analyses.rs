@@ -1,4 +1,4 @@
-//! What the analyses of the parts tell of a campaign beside the study: the same that each of them tells on its own.
+//! What the analyses of the parts show about a campaign, in addition to the study: the same as each of them shows on its own.
 
 use numerics::parallel;
 use part_controller::speed_control::{SpeedControl, speed_control};
@@ -20,7 +20,7 @@ use crate::pi_noise::{self, PiStudy, StudyOptions};
 /// Orders of the torque control that are tried here: those of the thesis's low-order models. All of `OrdersTried::default()`
 /// take minutes.
 const ORDERS: OrdersTried = OrdersTried { highest: 2, longest_delay: 2 };
-/// Draws of each noise in the study of a known PI: enough to tell a coverage of 95 % from one of 80 %.
+/// Draws of each noise in the study of a known PI: enough to separate a coverage of 95 % from one of 80 %.
 const DRAWS: usize = 50;
 
 /// The analyses of a campaign's recordings. One that lacks its recordings says so, and costs none of the others.
@@ -36,7 +36,7 @@ pub struct Analyses {
     pub over_speed: Vec<OverSpeed>,
     /// The torque signals against each other.
     pub torque_signals: TorqueSignals,
-    /// What stands beside PI, delay and feed-forward.
+    /// What is added to PI, delay and feed-forward.
     pub speed_control: SpeedControl,
     /// What noise does to the estimate of a PI; `None` without a BS_T_NT.
     pub pi_study: Option<Result<PiStudy, EstimateError>>,
@@ -53,7 +53,7 @@ pub struct Analyses {
 }
 
 impl Analyses {
-    /// How many are told of to `progress`.
+    /// How many of them `progress` hears of.
     pub const COUNT: usize = 8;
 
     /// The highest order and the longest delay of torque controls that were tried.

@@ -80,7 +80,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()? })
 }
 
-/// Inertias of which the bench file alone tells how well they are known.
+/// Inertias of which the bench file alone shows how well they are known.
 fn stated_inertias(mechanics: &Mechanics, facts: &BenchFacts, is_estimated: bool) -> Vec<PartCovariance> {
     let of_dyno = facts.dynamometer_inertia_uncertainty_percent.filter(|_| !is_estimated);
     let stated = [

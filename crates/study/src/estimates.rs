@@ -51,7 +51,7 @@ pub(super) struct Fits<'a> {
     pub(super) shaft: Result<ShaftFit<'a>, Vec<Need>>,
 }
 
-/// A shaft, the experiment it was estimated from, and J_d as that experiment tells it, if it does.
+/// A shaft, the experiment it was estimated from, and J_d as that experiment shows it, if it does.
 pub(super) struct ShaftFit<'a> {
     pub(super) shaft: Shaft,
     experiment: &'a Experiment,
@@ -235,7 +235,7 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
     }
 }
 
-/// Holds the stated inertias against the recording that tells each best: that of the shaft, or the one that tells both.
+/// Compares the stated inertias with the recording that shows each best: that of the shaft, or one that shows both.
 fn doubt_inertias(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
     let bench = findings.bench;
     let both = shaft.inertias.as_ref();
@@ -270,7 +270,7 @@ fn doubt_inertia(
     }
 }
 
-/// Both inertias from the first recording in torque control that tells them.
+/// Both inertias from the first recording in torque control that shows them.
 fn inertias(
     candidates: &[&Experiment],
     bench: &BenchFile,

@@ -67,7 +67,7 @@ pub enum NextError {
     /// The recordings cannot be studied.
     #[error(transparent)]
     Study(#[from] StudyError),
-    /// No shaft is known, so that no bench can stand in for this one.
+    /// No shaft is known, so that no bench can take the place of this one.
     #[error("neither the recordings nor the bench file tell the shaft, so no bench can stand in for this one")]
     UnknownShaft,
     /// Experiments that are too short for every estimator.
@@ -216,7 +216,7 @@ pub(super) fn beside(
     Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
 }
 
-/// What recordings tell.
+/// What recordings show.
 struct Known {
     numbers: Vec<Parameter>,
     model: Option<AssembledModel>,
@@ -280,7 +280,7 @@ fn of_the_method(speed_rpm: f64, duration_s: f64) -> impl Iterator<Item = Experi
     })
 }
 
-/// The excitation that tells the shaft best within the limits that are stated; none where none is.
+/// The excitation that shows the shaft best within the limits that are stated; none where none is.
 fn designed(bench: &BenchFile, stated: &StatedBench, at: OperatingPoint, duration_s: f64) -> Option<ExperimentPlan> {
     let limits = PeakLimits { speed_rad_s: Some(SWING_RAD_S), ..PeakLimits::left_by(&bench.limits, at) };
     limits.shaft_torque_nm?;
@@ -293,7 +293,7 @@ fn designed(bench: &BenchFile, stated: &StatedBench, at: OperatingPoint, duratio
     Some(plan)
 }
 
-/// What is known once the recording of an experiment on the bench stands beside those there are, and the largest |T_shaft| in it, Nm.
+/// What is known once the recording of an experiment on the bench is added to those there are, and the largest |T_shaft| in it, Nm.
 fn try_out(
     bench: &BenchFile,
     experiments: &[Experiment],

@@ -1,7 +1,7 @@
 //! The study of §7.1: a PI controller that is known runs on recorded speeds, noise is added to the speed it sees, and it is
 //! estimated again from its T_d* and the speeds without that noise; many draws instead of one.
 //!
-//! Noise that the controller sees and nobody logs stands in T_d* behind PI, where the estimate that follows the controller forward
+//! Noise that the controller sees and nobody logs is in T_d* behind PI, where the estimate that follows the controller forward
 //! (as the thesis's does) is right, and the inverted controller, which is made for noise of the logged speed, is biased. The study
 //! makes both.
 //!

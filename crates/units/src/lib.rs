@@ -1,7 +1,7 @@
 //! Unit strings as benches write them, and the one place where numbers become SI.
 //!
 //! Spelling is read leniently: letter case, spaces, multiplication signs and brackets do not matter, so `N·m`, `N*m`,
-//! `N.m` and `[Nm]` are one unit. What cannot be told for sure is an error: `Hz` on a speed may mean revolutions or
+//! `N.m` and `[Nm]` are one unit. What cannot be determined for sure is an error: `Hz` on a speed may mean revolutions or
 //! radians a second, and an empty unit may mean anything.
 
 mod quantity;

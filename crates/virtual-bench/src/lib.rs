@@ -185,7 +185,7 @@ pub fn simulate_hidden(
     simulate_told(parameters, plan, seed, numerics, &mut |_, _| {})
 }
 
-/// As [`simulate_hidden`]; tells now and then how many updates of how many are done.
+/// As [`simulate_hidden`]; reports now and then how many updates of how many are done.
 ///
 /// # Errors
 ///

@@ -13,7 +13,7 @@ use super::VirtualBenchError;
 /// Damping ratio of the resonance where no damping is stated: that of steel shafts with rubber couplings.
 const ASSUMED_DAMPING_RATIO: f64 = 0.1;
 
-/// Something about a bench that nobody stated, so that a default stands in for it.
+/// Something about a bench that nobody stated, so that a default takes the place of it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Assumption {

@@ -70,7 +70,7 @@ pub struct BodeCurve {
     pub input: String,
     /// Output, e.g. `T_shaft`.
     pub output: String,
-    /// Remark that tells curves with equal ends apart, e.g. `with feed-forward`.
+    /// Remark that separates curves with equal ends, e.g. `with feed-forward`.
     pub variant: Option<String>,
     /// Control mode.
     pub mode: ControlMode,
@@ -99,10 +99,10 @@ pub struct SinePoint {
     pub band_pass_gain: f64,
     /// Gain of the model at that frequency, for a constant engine torque (7.2).
     pub model_gain: f64,
-    /// Gain of the model with the engine torque that acted, T_e = J_e dω_e/dt + T_shaft; to be held against `gain`.
+    /// Gain of the model with the engine torque that acted, T_e = J_e dω_e/dt + T_shaft; to be compared with `gain`.
     /// `None` where N_e was not recorded.
     pub model_gain_with_engine: Option<f64>,
-    /// Measured gain without the part that the engine torque caused; to be held against `model_gain`, and to be drawn on
+    /// Measured gain without the part that the engine torque caused; to be compared with `model_gain`, and to be drawn on
     /// the curve of (7.2). `None` where N_e was not recorded.
     pub gain_corrected_for_engine: Option<f64>,
     /// Whether the sine meets an engine order, where the fired engine excites the shaft by itself: not to be relied on.

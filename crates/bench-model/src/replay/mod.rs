@@ -25,7 +25,7 @@ use once_a_turn::OnceATurn;
 use reconstruct::{Acted, reconstruct};
 pub use result::Replay;
 
-/// What a replay is told beside the recording and the model.
+/// What a replay takes in addition to the recording and the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplayInputs<'a> {
     /// T_d at 1 kHz, on the clock of T_d,calc; T_d,calc itself, band-limited, where `None`.

@@ -128,7 +128,7 @@ impl<'a> Plant<'a> {
         self.mechanics.stiffness_nm_per_rad * self.x[2] + self.mechanics.damping_nm_s_per_rad * (self.x[1] - self.x[0])
     }
 
-    /// T_d at sample `k`: the lag's state, or what stands in for it, with the ripple.
+    /// T_d at sample `k`: the lag's state, or what takes the place of it, with the ripple.
     pub(super) fn air_gap_torque_nm(&self, inputs: &Inputs<'_>, streams: &Streams, k: usize) -> f64 {
         let smooth = match (inputs.drive, self.substeps.first()) {
             (Drive::AirGapTorque(torque), _) => torque[k],

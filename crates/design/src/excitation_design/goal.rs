@@ -14,7 +14,7 @@ use super::task::{
 };
 use super::{Criterion, DesignError, Robustness};
 
-/// Lowest frequency of an excitation from which gains of an integrator have to be told, Hz.
+/// Lowest frequency of an excitation from which gains of an integrator have to be determined, Hz.
 const SLOW_HZ: f64 = 0.25;
 /// Highest frequency of N_d*, Hz.
 const HIGHEST_SPEED_HZ: f64 = 30.0;

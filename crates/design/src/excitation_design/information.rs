@@ -63,7 +63,7 @@ fn product(a: &[Complex64; OUTPUTS], b: &[Complex64; OUTPUTS]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a.conj() * b).re).sum()
 }
 
-/// What lines tell and what they cost.
+/// What lines show and what they cost.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub(super) frequency_hz: f64,

@@ -1,6 +1,6 @@
 //! Excitation designed for the least variance of chosen parameters under limits on what the bench may bear.
 //!
-//! A linear model says what every line of a demand tells of the parameters (Fisher's information, M) and how far it
+//! A linear model says how much every line of a demand shows about the parameters (Fisher's information, M) and how far it
 //! drives shaft torque, air-gap torque and speed. The best spectrum follows from that by a convex optimisation whose
 //! distance from the best is known; phases are then chosen so that the limited responses, not the demand, have low
 //! peaks; and a simulation scales the demand until the first limit is met. A binary demand is sought by trial among
@@ -29,7 +29,7 @@
 //! | binary | 15 % | 3.3 | 2.0 | 3.3 | 2.2 |
 //!
 //! Benches that differ from the nominal one gain less: the demand is scaled to the peak that it reaches there, and its
-//! phases and its spectrum are those of other resonances. Firing tells of B whatever the demand: without it white
+//! phases and its spectrum are those of other resonances. Firing gives information about B with any demand: without it white
 //! noise leaves a third more variance of B, which a prediction does not know.
 //!
 //! Limits hold for deviations from the operating point, from rest on, the engine at a constant torque. A fired engine
@@ -83,7 +83,7 @@ pub enum DesignError {
         /// Which.
         part: &'static str,
     },
-    /// No excitation within the band tells one of the parameters from the others.
+    /// No excitation within the band separates one of the parameters from the others.
     #[error("nothing that is measured tells {unknown} from the other unknowns")]
     NotDetermined {
         /// The parameter that is least told.
@@ -149,7 +149,7 @@ impl PredictedParameter {
 pub struct DesignedExcitation {
     /// The demand over the whole experiment, operating point included.
     pub waveform: Waveform,
-    /// What it will tell.
+    /// What it will achieve.
     pub parameters: Vec<PredictedParameter>,
     /// Covariance of the parameters of interest, SI.
     pub covariance: Vec<Vec<f64>>,
@@ -209,7 +209,7 @@ pub struct ExcitationDesign {
 ///
 /// # Errors
 /// [`DesignError::Task`] and [`DesignError::MissingPart`] for what cannot be designed; [`DesignError::NotDetermined`]
-/// where what is measured does not tell the parameters apart.
+/// where what is measured does not separate the parameters.
 ///
 /// # Example
 /// ```

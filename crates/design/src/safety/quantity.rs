@@ -1,4 +1,4 @@
-//! What is held against limits.
+//! What is compared with limits.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! The discrete form of PI, and what of it no recording tells.
+//! The discrete form of PI, and the part of it that no recording shows.
 
 use rig::estimation::Label;
 use rig::results::{Estimate, Parameter};

@@ -1,5 +1,5 @@
-//! The dynamometer's speed controller, as recordings tell it: PI without and with delay side by side, its discrete form, what
-//! may stand beside it, the limit of T_d*, and the feed-forward (thesis §6.3.1); and the study of §7.1, what noise does to the
+//! The dynamometer's speed controller, as recordings show it: PI without and with delay side by side, its discrete form, what
+//! may be added to it, the limit of T_d*, and the feed-forward (thesis §6.3.1); and the study of §7.1, what noise does to the
 //! estimate.
 
 mod discrete;
@@ -14,7 +14,7 @@ use crate::speed_controller::{
 };
 pub use discrete::{Discrete, IntegrationRule};
 
-/// What recordings tell of the speed controller.
+/// What recordings show about the speed controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedControl {
     /// PI and delay, one entry a recording with constant N_d*, the longest first.
@@ -25,7 +25,7 @@ pub struct SpeedControl {
     pub limits: Vec<LimitRecording>,
 }
 
-/// What one recording with constant N_d* tells.
+/// What one recording with constant N_d* shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ControllerRecording {
     /// The file.
@@ -39,7 +39,7 @@ pub struct ControllerRecording {
 /// PI without and with delay.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Controller {
-    /// K_p, K_i, τ, I_0 and, where the data tell it, the encoder's gate T_g.
+    /// K_p, K_i, τ, I_0 and, where the data show it, the encoder's gate T_g.
     pub with_delay: Estimate,
     /// K_p, K_i, I_0 of PI alone, from the same stretch.
     pub without_delay: Estimate,
@@ -51,11 +51,11 @@ pub struct Controller {
     pub si: Vec<Parameter>,
     /// The same as the controller computes it.
     pub discrete: Discrete,
-    /// What may stand beside PI and delay.
+    /// What may be added to PI and delay.
     pub structure: Told<Structure>,
 }
 
-/// What one recording with moving N_d* tells.
+/// What one recording with moving N_d* shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FeedForwardRecording {
     /// The file.

@@ -179,7 +179,7 @@ pub fn estimate_feed_forward(
 impl SpeedControllerFit {
     /// Once-a-turn error of N_d in another recording in speed control, as far as the controller does not answer it:
     /// coefficients of cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording
-    /// cannot tell.
+    /// cannot show.
     pub fn once_a_turn_in(&self, experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(f64, f64)> {
         let data = Data::of(experiment, torque_limit_nm).ok()?;
         let fit = refit_stretch(&data, &self.theta, self.reference_lag).ok()?;

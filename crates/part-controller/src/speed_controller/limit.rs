@@ -34,7 +34,7 @@ const WINDOW: usize = 40;
 const SKIPPED: usize = 3;
 /// Fewest readings without a limit by which their scatter is judged.
 const FEWEST_QUIET: usize = 10;
-/// Laws that differ by less than so many standard deviations of a reading are not told apart, however many readings there are.
+/// Laws that differ by less than so many standard deviations of a reading are not separated, however many readings there are.
 const AT_STAKE: f64 = 5.0;
 /// Laws that are tested together.
 const LAWS: f64 = 3.0;
@@ -71,7 +71,7 @@ pub struct LawTest {
     pub adjusted_p_value: f64,
 }
 
-/// What a recording tells of the limit.
+/// What a recording shows about the limit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Limit {
@@ -110,7 +110,7 @@ impl LimitReached {
     }
 }
 
-/// Looks for the limit of T_d* in a recording in speed control, and tells laws of anti-windup apart.
+/// Looks for the limit of T_d* in a recording in speed control, and compares laws of anti-windup.
 ///
 /// # Errors
 /// A missing signal.
@@ -182,7 +182,7 @@ fn doubtful(
     [gains, integral, delay, feed].into_iter().flatten().collect()
 }
 
-/// What the misses of a law are held against.
+/// What the misses of a law are compared with.
 struct Judge {
     /// Scatter of a reading, known from so many of them.
     reading_nm: f64,

@@ -10,7 +10,7 @@
 //! T_d*(k) = K_p e(k) + I(k) + k N_d*(k) + k_a (N_d*(k) − N_d*(k − 1))/T,  I(k + 1) = I(k) + K_i T e(k).
 //!
 //! Integrating by backward or trapezoidal rule gives the same sequence with K_p less by K_i T or K_i T/2: the rule
-//! cannot be told from data, so forward Euler, which is also the exact discretisation of (6.5) under a held input, is
+//! cannot be determined from data, so forward Euler, which is also the exact discretisation of (6.5) under a held input, is
 //! the convention here.
 //!
 //! # Source

@@ -30,7 +30,7 @@ pub const LEVEL: f64 = 0.01;
 /// Share of the variance left of the speed that a term explains at least, to count as found: where data are long and nearly free
 /// of noise, what is estimated differs from zero by what is only almost right in the description of an encoder, too.
 pub const MATTERS: f64 = 0.01;
-/// A term is untold where its 95 % interval would let it move the speed by more than this part of its standard deviation.
+/// A term is not estimated where its 95 % interval would let it move the speed by more than this part of its standard deviation.
 const UNTOLD: f64 = 0.1;
 /// Terms that are added to PI and delay at most.
 const MOST_TERMS: usize = 2;
@@ -46,7 +46,7 @@ const OFFSET: Label = Label { symbol: "N_0", name: "offset in the speed error", 
 const HYSTERESIS: Label = Label { symbol: "h", name: "half the feed-forward's hysteresis, up less down", unit: "Nm" };
 const FRICTION: Label = Label { symbol: "c", name: "friction compensation with the sign of dN_d*/dt", unit: "Nm" };
 
-/// A term that may stand beside PI and delay.
+/// A term that may be added to PI and delay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Term {
@@ -76,7 +76,7 @@ pub enum Verdict {
     Negligible,
     /// The data show none.
     NotFound,
-    /// The data cannot tell.
+    /// The data do not decide.
     Untold,
 }
 
@@ -173,7 +173,7 @@ impl Structure {
     }
 }
 
-/// Tests what may stand beside PI and delay in a recording with constant N_d* (BS_T_NT).
+/// Tests what may be added to PI and delay in a recording with constant N_d* (BS_T_NT).
 ///
 /// Terms that are found enter one after another, the one that explains most first, and the others are tested beside it: a
 /// filter that is left out looks like a derivative, and the reverse.

@@ -1,11 +1,11 @@
-//! A speed at which lines that cannot be told apart lie apart.
+//! A speed at which lines that cannot be separated lie apart.
 
 use super::reference::{Reference, folded_hz};
 
 /// Speeds are tried every so many rpm, this share of the present speed away at most.
 const STEP_RPM: f64 = 50.0;
 const FARTHEST: f64 = 0.4;
-/// Lines this far apart are told apart, Hz.
+/// Lines this far apart are separated, Hz.
 const APART_HZ: f64 = 2.0;
 
 /// The speed nearest to the present one, rpm, at which all of these show apart from each other at a sample rate.

@@ -22,7 +22,7 @@ const ABOUT: isize = 64;
 const LOBE: isize = 3;
 /// The power of a line over the mean of what lies about it: by chance once in 10⁸ times.
 const EXCESS: f64 = 18.0;
-/// Phases that are closer than this to another's cannot be told from it; those farther than the second do not touch.
+/// Phases that are closer than this to another's cannot be separated from it; those farther than the second do not touch.
 const SAME: f64 = 0.9;
 const APART: f64 = 0.02;
 /// The mains stray: what is this like them, two bins away at a steady speed, may be theirs.
@@ -61,7 +61,7 @@ pub(super) struct Found {
     pub(super) frequency_hz: f64,
     pub(super) amplitude: f64,
     pub(super) standard_error: f64,
-    /// What it may come from: one, or several that cannot be told apart.
+    /// What it may come from: one, or several that cannot be separated.
     pub(super) causes: Vec<Reference>,
 }
 
@@ -305,7 +305,7 @@ impl<'a> Seen<'a> {
         Reference { course, ..reference.clone() }
     }
 
-    /// How alike two phases are to a real signal: 1 where one cannot be told from the other.
+    /// How alike two phases are to a real signal: 1 where one cannot be separated from the other.
     fn likeness(&self, a: &[c64], b: &[c64]) -> f64 {
         let (mut power, mut apart, mut together) = (0.0, c64::ZERO, c64::ZERO);
         for ((a, b), window) in a.iter().zip(b).zip(&self.window) {
@@ -385,7 +385,7 @@ impl<'a> Seen<'a> {
     }
 
     /// What a line may come from as well of which only what strays was found: the mains, within their tolerance, and orders whose
-    /// phase cannot be told from its own.
+    /// phase cannot be separated from its own.
     fn strays(&self, line: &Found, found: &[Found], references: &[Reference]) -> Vec<Reference> {
         let is_straying = |r: &Reference| is_of_mains(r) || matches!(r.cause, Cause::RippleSideband { .. });
         if line.causes.is_empty() || !line.causes.iter().all(is_straying) {
@@ -425,7 +425,7 @@ impl<'a> Seen<'a> {
         new
     }
 
-    /// The orders, multiples of the mains and sidebands of a ripple that a frequency is as far as the recording tells: with noise
+    /// The orders, multiples of the mains and sidebands of a ripple that a frequency is as far as the recording shows: with noise
     /// about it, what lies beside it may have hidden them.
     fn at<'r>(&self, frequency_hz: f64, references: &'r [Reference]) -> impl Iterator<Item = &'r Reference> {
         let is_meant =
@@ -464,13 +464,13 @@ fn is_of_mains(reference: &Reference) -> bool {
     matches!(reference.cause, Cause::Mains { .. })
 }
 
-/// Of candidates that cannot be told apart the one first that explains most.
+/// Of candidates that cannot be separated the one first that explains most.
 fn strongest_first(line: &mut [Candidate]) {
     let strongest = line.iter().enumerate().max_by(|a, b| a.1.power.total_cmp(&b.1.power)).map(|(k, _)| k);
     line[..=strongest.unwrap_or(0)].rotate_right(1);
 }
 
-/// Candidates in groups that touch each other; within a group those that cannot be told apart are one.
+/// Candidates in groups that touch each other; within a group those that cannot be separated are one.
 fn grouped(seen: &Seen<'_>, candidates: Vec<Candidate>) -> Vec<Vec<Vec<Candidate>>> {
     let mut groups: Vec<Vec<Vec<Candidate>>> = Vec::new();
     for candidate in candidates {
@@ -490,7 +490,7 @@ fn grouped(seen: &Seen<'_>, candidates: Vec<Candidate>) -> Vec<Vec<Vec<Candidate
 }
 
 /// Mean of noise powers, whose distribution is exponential, by their median and by what a tenth of them exceeds: few lines
-/// among them do not count, but the comb does that steps leave, which is not told from lines.
+/// among them do not count, but the comb does that steps leave, which cannot be separated from lines.
 fn mean_noise(powers: &[f64]) -> f64 {
     (median(powers) / LN_2).max(quantile(powers, 0.9) / LN_10)
 }

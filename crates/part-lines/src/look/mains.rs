@@ -14,7 +14,7 @@ pub fn on_one_mains(mut looks: Vec<Look>) -> Vec<Look> {
     looks
 }
 
-/// The mains, Hz, whose ripple is in signals for the longest; none where no ripple is told.
+/// The mains, Hz, whose ripple is in signals for the longest; none where no ripple is found.
 fn mains_hz(looks: &[Look]) -> Option<f64> {
     let shown_s = |mains_hz: f64| {
         let is_ripple = |line: &&Line| match line.cause {

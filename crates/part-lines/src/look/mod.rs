@@ -3,7 +3,7 @@
 //! A line is looked for behind the phase that its cause would give it: multiples of the crank angle, which are sharp however
 //! the speed moves, and found where they fold to above half a channel's sample rate; and fixed frequencies, of the demand, of
 //! the images that a held demand has, of the mains, and of sidebands of a ripple. Causes whose phases are too alike to
-//! be told apart in a recording stay undecided, with a speed at which they lie apart. What stands out of the rest is a
+//! be separated in a recording stay undecided, with a speed at which they lie apart. What stands out of the rest is a
 //! line without a cause, or broad: a resonance, of the masses if several signals show it, of a sensor if it alone does.
 //!
 //! A line that stays undecided is rightly named where its cause is among those that it is undecided between.
@@ -54,7 +54,7 @@ const SENSORS: [(Role, Role); 1] = [(Role::LoadCellTorque, Role::AirGapTorque)];
 /// from firing to firing; a line without a cause this close to any order is of it.
 const OF_A_FIRING_HZ: f64 = 0.6;
 const OFTEN: f64 = 0.2;
-/// Slower than this, Hz, is drift; a line without a cause is not told from it.
+/// Slower than this, Hz, is drift; a line without a cause cannot be separated from it.
 const DRIFT_HZ: f64 = 3.0;
 /// A speed changes where it ranges over more than this share of its mean.
 const CHANGES: f64 = 0.03;

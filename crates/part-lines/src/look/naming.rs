@@ -22,7 +22,7 @@ const DAMPED: f64 = 0.95;
 const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
 /// Lines of two signals this many bins apart are one.
 const ONE_LINE: f64 = 2.0;
-/// An order is told from another by a signal in which it is this many times as strong.
+/// An order is separated from another by a signal in which it is this many times as strong.
 const CLEARLY: f64 = 4.0;
 
 /// What the signals of a part show together.

@@ -33,7 +33,7 @@ pub(super) struct Course {
     pub(super) order: f64,
     /// Hz.
     pub(super) frequency_hz: f64,
-    /// How well that is known before the data tell it, Hz.
+    /// How well that is known before the data show it, Hz.
     pub(super) tolerance_hz: f64,
 }
 
@@ -84,13 +84,13 @@ pub(super) struct Setting<'a> {
 }
 
 impl Setting<'_> {
-    /// All that a signal with a sample rate is held against.
+    /// All that a signal with a sample rate is compared with.
     pub(super) fn references(&self, rate_hz: f64) -> Vec<Reference> {
         let sines = self.sines_hz.iter().flat_map(|hz| self.of_sine(*hz));
         self.orders(rate_hz).chain(mains()).chain(self.of_orders()).chain(sines).collect()
     }
 
-    /// What a demand that the experimenter sets is held against: nothing of the engine or the drive.
+    /// What a demand that the experimenter sets is compared with: nothing of the engine or the drive.
     pub(super) fn demanded(&self) -> Vec<Reference> {
         let is_demanded = |r: &Reference| matches!(r.cause, Cause::Demanded | Cause::HoldImage { .. });
         self.sines_hz.iter().flat_map(|hz| self.of_sine(*hz)).filter(is_demanded).collect()

@@ -44,7 +44,7 @@ const DRIFT: usize = 3;
 const BESIDE: [f64; 4] = [-3.0, -2.0, 2.0, 3.0];
 /// Windows to either side whose noise counts too.
 const NEIGHBOURS: usize = 3;
-/// Where other lines make a variance this many times larger, they cannot be told apart.
+/// Where other lines make a variance this many times larger, they cannot be separated.
 const INSEPARABLE: f64 = 10.0;
 /// An order that stands this many standard errors above nothing on average is there.
 const CLEAR: f64 = 3.0;
@@ -54,7 +54,7 @@ const CLEAR: f64 = 3.0;
 pub struct OrderTrack {
     /// The multiple of the engine's speed.
     pub order: f64,
-    /// Window by window; those in which it cannot be told from another line are left out.
+    /// Window by window; those in which it cannot be separated from another line are left out.
     pub points: Vec<TrackPoint>,
 }
 
@@ -224,7 +224,7 @@ impl<'a> Window<'a> {
         self.places.iter().map(|u| (PI * u).cos().powi(2)).collect()
     }
 
-    /// The first of some courses, all of which are fitted; none of those that cannot be told apart.
+    /// The first of some courses, all of which are fitted; none of those that cannot be separated.
     fn fitted(&self, courses: &[Course], wanted: usize) -> Vec<Option<Fitted>> {
         let (rows, columns) = (self.samples.len(), 2 * courses.len() + DRIFT);
         if (rows as f64) < SAMPLES_EACH * columns as f64 {

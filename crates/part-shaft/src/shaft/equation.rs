@@ -20,7 +20,7 @@ pub(super) const INERTIA: usize = 5;
 pub(super) const DYNO_TURN: [usize; 2] = [6, 7];
 /// The same of N_e.
 pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
-/// Slope of the dynamometer's friction over speed, Nm s/rad; it stands beside J_d and like it is zero behind a flange.
+/// Slope of the dynamometer's friction over speed, Nm s/rad; it is next to J_d and like it is zero behind a flange.
 pub(super) const FRICTION: usize = 10;
 /// What a [`Term`] is multiplied by.
 pub(super) const TERM: usize = 11;

@@ -43,7 +43,7 @@ const OUTLIER_REACH: usize = 4;
 const OUTLIER_ROUNDS: usize = 3;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
-/// A second mass is told by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
+/// A second mass is determined by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
 const LARGEST_SECOND_MASS_S2: f64 = 1.6e-5;
 /// A speed that varies less than this (standard deviation) excites nothing, rad/s.
 const STILL_RAD_S: f64 = 1e-6;
@@ -114,8 +114,8 @@ pub fn gain_by_exchange(inputs: &ShaftInputs<'_>) -> Result<f64, EstimateError> 
     Ok(misfit(inputs)? / misfit(&exchanged)?)
 }
 
-/// K and B from bands of frequencies, each with gate and skews as the whole band tells them and, second, as if time stamps were
-/// exact and speeds momentary; nothing where a band tells nothing, K or B being at zero.
+/// K and B from bands of frequencies, each with gate and skews as the whole band shows them and, second, as if time stamps were
+/// exact and speeds momentary; nothing where a band shows nothing, K or B being at zero.
 ///
 /// # Errors
 /// Those of [`estimate`].
@@ -190,7 +190,7 @@ pub fn estimate_dual_mass(inputs: &ShaftInputs<'_>) -> Result<(Estimate, f64), E
 /// K, B, J_d and J_e with timing, from the whole of a recording, as if nothing were known of the inertias; J_d stays as
 /// stated where the torque is that of a flange.
 ///
-/// `demand`, T_d* in torque control and N_d* in speed control, tells J_e: what it moves cannot come from the engine, whose
+/// `demand`, T_d* in torque control and N_d* in speed control, shows J_e: what it moves cannot come from the engine, whose
 /// torque is not recorded. It has to be on the clock of N_d to some milliseconds.
 /// The engine's own speed control, which acts upon its next firing, is estimated along.
 ///

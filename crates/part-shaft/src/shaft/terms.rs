@@ -21,15 +21,15 @@ use super::equation::{self, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::highest_hz;
 
-/// Changes with torque are told for so many Nm.
+/// Changes with torque are stated for so many Nm.
 const PER_NM: f64 = 100.0;
-/// Changes with speed are told for so many rad/s (1000 rpm).
+/// Changes with speed are stated for so many rad/s (1000 rpm).
 const PER_RAD_S: f64 = 1000.0 * RPM_RAD_S;
 /// Within so much of zero torque, Nm, a shaft with backlash is loose: several times what noise leaves of the torque.
 const LOOSE_NM: f64 = 5.0;
-/// The least share of a recording within that band, and outside, in which backlash could be told.
+/// The least share of a recording within that band, and outside, in which backlash could be found.
 const LOOSE_SHARE: f64 = 0.005;
-/// A weight that hardly moves (standard deviation) tells nothing.
+/// A weight that hardly moves (standard deviation) shows nothing.
 const STILL: f64 = 1e-3;
 
 /// A term beyond the simple shaft.

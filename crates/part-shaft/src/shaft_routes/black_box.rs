@@ -13,7 +13,7 @@
 //! In torque control the engine's own control of its speed, P ω_e + I ∫ω_e, is part of what T_d sees: with it the system has four
 //! poles, and θ has P and I too. The control is taken to act at once. One that acts at firings is late by half the time between
 //! them, which near the resonance turns P from damping into inertia: B is then too small by up to P times the square of
-//! J_d/J_e, J_e off by some per cent, and V too large where the data are good enough to tell.
+//! J_d/J_e, J_e off by some per cent, and V too large where the data are good enough to show it.
 //!
 //! The model has samples 2 ms apart, whatever T_d was recorded on; what is above half of T_d's own rate is folded there, into the
 //! noise as a rule.
@@ -86,7 +86,7 @@ pub struct BlackBoxOrders {
     pub crank: Vec<f64>,
 }
 
-/// Why the black box does not tell a bench's parameters.
+/// Why the black box does not show a bench's parameters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Untold {
@@ -94,7 +94,7 @@ pub enum Untold {
     NotTwoMasses,
     /// J_e is too small to be seen beside J_d: zero lies in its interval, or K in one that is open.
     EngineInertiaTooSmall,
-    /// The antiresonance is not told from the resonance.
+    /// The antiresonance is not separated from the resonance.
     ModesNotTold,
 }
 
@@ -115,7 +115,7 @@ pub struct BlackBoxRoute {
     pub antiresonance_hz: (f64, f64),
     /// Resonance, as above.
     pub resonance_hz: (f64, f64),
-    /// Reasons not to take the parameters for the bench's; none where they are told.
+    /// Reasons not to take the parameters for the bench's; none where they are determined.
     pub untold: Vec<Untold>,
     /// Sample time of the model, s.
     pub sample_time_s: f64,
@@ -484,7 +484,7 @@ impl ResidualModel for &Whitened<'_> {
 mod tests {
     use super::*;
 
-    /// What cannot be told apart is said in the words of a recording, not in those of matrices.
+    /// What cannot be separated is said in the words of a recording, not in those of matrices.
     #[test]
     fn regress_a_singular_covariance_is_said_with_the_remedy() {
         let singular = |values: usize| Coefficients {

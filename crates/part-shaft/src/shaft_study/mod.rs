@@ -30,7 +30,7 @@ const COARSE_S: f64 = 2e-3;
 /// A simple shaft whose errors are this many times what noise explains is not the whole truth.
 const MISFIT: f64 = 2.0;
 
-/// What recordings tell of the shaft.
+/// What recordings show about the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShaftStudy {
     /// One entry a recording with a shaft.
@@ -39,7 +39,7 @@ pub struct ShaftStudy {
     pub together: Option<Together>,
 }
 
-/// What one recording tells.
+/// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ShaftRecording {
     /// The file.
@@ -48,7 +48,7 @@ pub struct ShaftRecording {
     pub label: String,
     /// The shaft by Δω → T_shaft with gate and skew, from 70 % of the recording, the rest judging it.
     pub shaft: Told<Shaft>,
-    /// The same by band; a band that tells nothing is left out.
+    /// The same by band; a band that shows nothing is left out.
     pub bands: Vec<Band>,
     /// What may be in the shaft beyond K and B.
     pub beyond: Told<Beyond>,
@@ -57,7 +57,7 @@ pub struct ShaftRecording {
     pub dual_mass: Option<Told<DualMass>>,
     /// K and B by other routes, each of which errs in its own way.
     pub routes: Routes,
-    /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot tell them.
+    /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot show them.
     pub inertias: Option<Told<Estimate>>,
 }
 
@@ -88,7 +88,7 @@ pub struct Routes {
 pub struct Band {
     /// From and to, Hz.
     pub band_hz: (f64, f64),
-    /// K and B, with timing and friction as the whole band tells them.
+    /// K and B, with timing and friction as the whole band shows them.
     pub estimate: Estimate,
     /// K and B as if time stamps were exact and speeds momentary.
     pub ignoring_timing: Estimate,
@@ -98,7 +98,7 @@ pub struct Band {
 /// looked at on all processors.
 ///
 /// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
-/// recording that tells it best, gate and noise of the encoder those of a BS_T_NT, where there is one.
+/// recording that shows it best, gate and noise of the encoder those of a BS_T_NT, where there is one.
 #[must_use]
 pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> ShaftStudy {
     let limit = bench.limits.torque_nm;

@@ -2,7 +2,7 @@
 //!
 //! K and B are the bench's and the same in every recording; gate and skews are each recording's own. With K̂_i, B̂_i of
 //! recording i and their covariance P_i, the estimate of all together is (Σ P_i⁻¹)⁻¹ Σ P_i⁻¹ (K̂_i, B̂_i), which is what one
-//! fit to all recordings tends to, and Σ (·)ᵀ P_i⁻¹ (·) over what is left tells whether they are of one shaft: it is χ²
+//! fit to all recordings tends to, and Σ (·)ᵀ P_i⁻¹ (·) over what is left shows whether they are of one shaft: it is χ²
 //! distributed with 2 (n − 1) degrees of freedom.
 //!
 //! # Source
@@ -60,7 +60,7 @@ struct Told<'a> {
     covariance: Matrix,
 }
 
-/// `None` with fewer than two recordings that tell the shaft.
+/// `None` with fewer than two recordings that show the shaft.
 pub(super) fn of(recordings: &[ShaftRecording]) -> Option<Together> {
     let told: Vec<Told<'_>> = recordings.iter().filter_map(|r| pair(&r.file, &r.shaft.found()?.estimate)).collect();
     if told.len() < 2 {

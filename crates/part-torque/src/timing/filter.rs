@@ -16,7 +16,7 @@ const LAGS: usize = 48;
 const MOST: usize = 20_000;
 /// The best must leave less than this part of the spread of T_d,shaft,calc − T_d,calc.
 const EXPLAINED: f64 = 0.3;
-/// It is told from the second best by this difference of log-likelihood.
+/// It is separated from the second best by this difference of log-likelihood.
 const TOLD: f64 = 5.0;
 
 /// What the system does to the speed before, or after, it differentiates it.
@@ -87,7 +87,7 @@ impl ShaftFilter {
         }
     }
 
-    /// Whether the best is told from all others.
+    /// Whether the best is separated from all others.
     #[must_use]
     pub fn is_told(&self) -> bool {
         self.log_likelihood_ahead > TOLD

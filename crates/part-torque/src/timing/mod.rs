@@ -111,7 +111,7 @@ impl Bench<'_> {
         })
     }
 
-    /// The torque control, where its estimate lies at a minimum inside its bounds that the data tell.
+    /// The torque control, where its estimate lies at a minimum inside its bounds that the data show.
     fn settled_torque_control(&self) -> Option<&TorqueControlFit> {
         let settled = |fit: &&TorqueControlFit| {
             let total = fit.result.delay_and_lag.parameters.get(2);

@@ -145,7 +145,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     })
 }
 
-/// Tests on the estimation part of the experiment that `fit` comes from whether more than delay and lag is told.
+/// Tests on the estimation part of the experiment that `fit` comes from whether more than delay and lag is found.
 ///
 /// # Errors
 /// Those of [`estimate`].

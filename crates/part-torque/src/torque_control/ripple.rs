@@ -6,7 +6,7 @@ use ident::distributions::chi_squared_quantile;
 use signal::SignalError;
 use signal::spectrum::fft_real;
 
-/// Below this frequency a line cannot be told from the demand's own content, Hz.
+/// Below this frequency a line cannot be separated from the demand's own content, Hz.
 const LOWEST_HZ: f64 = 20.0;
 /// Lines are searched up to this fraction of the sample rate.
 const HIGHEST: f64 = 0.49;

@@ -1,6 +1,6 @@
 //! What a torque control may be beyond delay and lag: e^{−sτ}/(1 + s/a + κ (s/a)²), with κ = 1/(4ζ²) for a damping ζ.
 //!
-//! κ is zero for a lag, 1/4 for a critically damped loop, 1/2 for one of damping 0.7. Near zero it cannot be told from a
+//! κ is zero for a lag, 1/4 for a critically damped loop, 1/2 for one of damping 0.7. Near zero it cannot be separated from a
 //! delay: to first order a second pole far off is one, (s/a)²/(1 + s/a)² being the sum of what τ and a do. So κ has no standard
 //! error at zero, and tests of it compare whole fits.
 
@@ -98,7 +98,7 @@ impl Response for DelayAndSecondOrder<'_> {
     }
 }
 
-/// Whether a recording tells more than delay and lag.
+/// Whether a recording shows more than delay and lag.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SecondOrderTest {
     /// τ of the fit with κ, s.
@@ -172,7 +172,7 @@ fn with_term(
 /// Standard errors of τ (s) and a (rad/s) beside each other and an offset, for white noise of one Nm on each sample.
 ///
 /// # Errors
-/// Instants that do not tell them apart.
+/// Instants that do not separate them.
 ///
 /// # Source
 /// Ljung 1999, §7.4 (Cramér–Rao bound).
@@ -188,7 +188,7 @@ pub(crate) fn lag_errors(
 /// Standard error of κ beside τ, a and an offset, for white noise of one Nm on each sample.
 ///
 /// # Errors
-/// Instants that do not tell them apart.
+/// Instants that do not separate them.
 pub(crate) fn term_error(held: &HeldDemand, times_s: &[f64], truth: SecondOrder) -> Result<f64, IdentError> {
     let theta = [truth.delay_s, truth.lag_rad_s, truth.term];
     standard_errors(&mut DelayAndSecondOrder(held), times_s, &theta).map(|errors| errors[2])

@@ -1,10 +1,10 @@
-//! What the torque control can be told to be: a delay, a delay and a lag, or a black box; each held against the bar that T_d is
+//! Models of the torque control: a delay, a delay and a lag, or a black box; each compared with the reference that T_d is
 //! T_d* one sample of T_d,calc ago, on recordings that the dynamometer moved and on such that the engine moved (thesis §6.3.2).
 //!
 //! Of each recording the first half gives models of all orders, the next fifth chooses among them, both together give the chosen
 //! ones, and the rest judges: what was searched for among hundreds is judged by what it has not seen. The drive's ripple is taken
 //! out first, so that no model has to explain what T_d* cannot. A black box from T_d* − T_d (6.3) is judged with its loop closed,
-//! by T_d* alone: fed with T_d* − T_d as measured, it is told T_d before it tells it.
+//! by T_d* alone: fed with T_d* − T_d as measured, it knows T_d before it predicts it.
 //!
 //! Black boxes know T_d* at the samples of T_d,calc alone, where a demand may have changed since the last. Delay and lag know when
 //! it changed; what they find below a sample is what black boxes cannot.
@@ -45,7 +45,7 @@ pub enum Excited {
     Engine,
 }
 
-/// What recordings tell of the torque control.
+/// What recordings show about the torque control.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueControlStudy {
     /// One entry a recording that was used: at most one that the dynamometer moved and one that the engine moved.
@@ -55,13 +55,13 @@ pub struct TorqueControlStudy {
     /// What the models make of a part of every recording's held-out part.
     pub shown: Vec<Shown>,
     /// What other rates and demands would show, from the recording that the dynamometer moved, or else the other; none where
-    /// delay and lag are not told.
+    /// delay and lag are not found.
     pub visibility: Option<Visibility>,
-    /// Recordings that were meant but do not tell it, by file.
+    /// Recordings that were meant but do not show it, by file.
     pub untold: Vec<(String, Untold)>,
 }
 
-/// What one recording tells.
+/// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StudiedRecording {
     /// What moved T_d*.
@@ -86,7 +86,7 @@ pub struct StudiedRecording {
     pub delay_and_lag: Vec<Parameter>,
     /// Residual test of delay and lag, on the held-out part.
     pub delay_and_lag_residuals: Option<ResidualTest>,
-    /// Whether more than delay and lag is told; none where no lag was found, or no fit beyond it.
+    /// Whether more than delay and lag is found; none where no lag was found, or no fit beyond it.
     pub second_order: Option<SecondOrderTest>,
     /// Root mean square of what the bar leaves of the held-out part, Nm.
     pub bar_rms_nm: f64,
@@ -123,7 +123,7 @@ pub enum Verdict {
     Better,
     /// Its errors are larger.
     Worse,
-    /// The two are not told apart.
+    /// The two are not separated.
     NotTold,
     /// It does not settle.
     NoModel,

@@ -21,7 +21,7 @@ const COMPUTED_S: f64 = 4.0;
 const UPDATE_S: f64 = 1e-3;
 /// Level of the test of κ = 0, and the probability with which it is to find the loop.
 pub const LEVEL_AND_POWER: (f64, f64) = (0.99, 0.95);
-/// κ between which the least that is told is looked for, and steps of the search: each halves the ratio that is left.
+/// κ between which the least that is found is searched, and steps of the search: each halves the ratio that is left.
 const TERMS: (f64, f64) = (0.01, 2.0);
 const STEPS: usize = 7;
 /// Seed of the demands.
@@ -38,7 +38,7 @@ pub struct Visibility {
     pub noise_nm: f64,
     /// Length of the recording, s.
     pub recording_s: f64,
-    /// κ of the loop to be told from a lag.
+    /// κ of the loop to be separated from a lag.
     pub term: f64,
     /// One entry a rate and hold.
     pub cases: Vec<VisibilityCase>,
@@ -58,16 +58,16 @@ pub struct VisibilityCase {
     pub lag_rad_s: f64,
     /// Standard error of κ beside both, for the loop of second order.
     pub term: f64,
-    /// Shortest recording in which that loop is told from a lag, s.
+    /// Shortest recording in which that loop is separated from a lag, s.
     pub needed_s: f64,
-    /// Standard deviation of the demand with which it is told in the recording looked at, Nm.
+    /// Standard deviation of the demand with which it is found in the recording looked at, Nm.
     pub needed_nm: f64,
-    /// Least κ that is told from a lag in the recording looked at; infinite where 2 is not.
+    /// Least κ that is separated from a lag in the recording looked at; infinite where 2 is not.
     pub least_term: f64,
 }
 
 impl Visibility {
-    /// The lowest rate, and at it the longest hold, at which the loop is told in the recording looked at.
+    /// The lowest rate, and at it the longest hold, at which the loop is found in the recording looked at.
     #[must_use]
     pub fn first(&self) -> Option<&VisibilityCase> {
         self.cases.iter().find(|case| case.needed_s <= self.recording_s)
@@ -117,7 +117,7 @@ fn case(truth: SecondOrder, (rate_hz, hold_s): (f64, f64), (demand_nm, noise_nm)
     }
 }
 
-/// The least κ that is told, to a few per cent.
+/// The least κ that is found, to a few per cent.
 fn least_term(is_told: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = TERMS;
     if !is_told(high) {

@@ -1,4 +1,4 @@
-//! The torque signals of a bench: how late each is, what filter stands in the system's own shaft torque, what the shaft torque
+//! The torque signals of a bench: how late each is, what filter is in the system's own shaft torque, what the shaft torque
 //! really was, how the load cell moves, and whether T_d,calc can be trusted at rest (thesis §3.4, §6.1).
 
 mod shaft;
@@ -21,7 +21,7 @@ pub use trust::{Trust, TrustCheck};
 /// Torques whose signals this is about.
 const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];
 
-/// What recordings tell of the torque signals.
+/// What recordings show about the torque signals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueSignals {
     /// One entry a recording.
@@ -30,7 +30,7 @@ pub struct TorqueSignals {
     pub trust: Option<TrustCheck>,
 }
 
-/// What one recording tells.
+/// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueRecording {
     /// The file.
@@ -46,7 +46,7 @@ pub struct TorqueRecording {
 }
 
 impl TorqueSignals {
-    /// The load cell's own dynamics, τ_cell, ω_n and ζ, by the recording that tells them best: that whose ω_n is sharpest.
+    /// The load cell's own dynamics, τ_cell, ω_n and ζ, by the recording that shows them best: that whose ω_n is sharpest.
     #[must_use]
     pub fn load_cell(&self) -> Option<(&str, &[Parameter])> {
         let all = self.recordings.iter().filter_map(|recording| {
@@ -64,7 +64,7 @@ impl TorqueSignals {
 ///
 /// Delays come from experiments that move T_d* by themselves (WhiteNoise_T_TN, Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT), see
 /// [`timing::estimate`]; the filter from any with N_d, T_d,calc and T_d,shaft,calc; the shaft torque from any with a shaft, N_d and
-/// T_d,calc. The encoder's once-a-turn error is taken out where the speed controller tells it (BS_T_NT).
+/// T_d,calc. The encoder's once-a-turn error is taken out where the speed controller shows it (BS_T_NT).
 ///
 /// A T_d,calc whose sign contradicts what it does to the speed is not used.
 #[must_use]
@@ -89,7 +89,7 @@ pub fn believable(experiment: &Experiment) -> Result<(), Untold> {
     wrong_sign(experiment, role).map_or(Ok(()), |_| Err(Untold::WrongSign { role }))
 }
 
-/// `best` is the torque control of the experiment that tells it best; it serves where a recording does not tell it itself.
+/// `best` is the torque control of the experiment that shows it best; it serves where a recording does not show it itself.
 fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench: &BenchFile) -> TorqueRecording {
     if let Err(why) = believable(experiment) {
         return with_wrong_sign(experiment, &why, bench);

@@ -51,14 +51,14 @@ pub struct RebuiltShaft {
     pub once_a_turn: OnceATurn,
 }
 
-/// What the once-a-turn error of the dynamometer's encoder does to the shaft torque. Once a turn it cannot be told from a motion,
+/// What the once-a-turn error of the dynamometer's encoder does to the shaft torque. Once a turn it cannot be separated from a motion,
 /// unless a speed controller that reads another speed answers the motion alone.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OnceATurn {
     /// Known from the speed controller and taken out of N_d: its amplitude as a torque, Nm.
     TakenOut(f64),
-    /// Not known: an error of 10⁻⁴ of the speed stands in T_shaft at order 1 with this amplitude, Nm, which is not in the
+    /// Not known: an error of 10⁻⁴ of the speed appears in T_shaft at order 1 with this amplitude, Nm, which is not in the
     /// standard deviation.
     Unknown(f64),
 }

@@ -17,7 +17,7 @@ const EDGE_S: f64 = 0.012;
 const AT_REST: (f64, f64) = (5.0, 0.05);
 /// Fewest blocks.
 const FEWEST: usize = 12;
-/// The mean torques tell a gain where they differ by more than this, Nm.
+/// The mean torques show a gain where they differ by more than this, Nm.
 const APART_NM: f64 = 5.0;
 /// A drift is looked for over at least this, s.
 const LASTING_S: f64 = 60.0;
@@ -60,7 +60,7 @@ pub enum Trust {
     Trusted,
     /// Its error is beyond that.
     Off,
-    /// The data cannot tell.
+    /// The data do not decide.
     Undecided,
 }
 

@@ -50,7 +50,7 @@ pub struct Mechanics {
     pub start: Vec<f64>,
 }
 
-/// What the smoother is told, on the clock of N_d: row k is at `start_s` + k steps, where the means of its speeds end and that
+/// What the smoother takes, on the clock of N_d: row k is at `start_s` + k steps, where the means of its speeds end and that
 /// of its torque begins.
 #[derive(Debug, Clone)]
 pub struct Observations {

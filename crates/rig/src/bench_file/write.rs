@@ -25,7 +25,7 @@ pub struct Draft<'a> {
 }
 
 impl BenchFile {
-    /// A commented bench file with the channels proposed by a guess, each with its reasons. What a recording cannot tell
+    /// A commented bench file with the channels proposed by a guess, each with its reasons. What a recording cannot show
     /// (inertias, cylinders) is left as [`PLACEHOLDER`], which is refused until a person has filled it in.
     pub fn to_commented_toml(draft: &Draft<'_>) -> String {
         let variant = variant_key(draft.guess.variant());

@@ -64,7 +64,7 @@ pub enum Reason {
         word: String,
         /// What it means.
         meaning: Meaning,
-        /// Whether it stands in the comment rather than the name.
+        /// Whether it is in the comment rather than the name.
         in_comment: bool,
     },
     /// The unit measures the role's quantity.

@@ -1,7 +1,7 @@
 //! How precise samples and their instants can be.
 
 /// Standard deviation of the white noise on a signal's samples, from the median of its spectrum between 0.6 and 0.95 of
-/// half its rate, where motion of the bench has died away; zero for a signal too short to tell.
+/// half its rate, where motion of the bench has died away; zero for a signal too short.
 pub fn noise_floor(signal: &signal::Signal) -> f64 {
     let segment = (signal.len() / 8).min(4096);
     let welch = signal::spectrum::Welch::half_overlapping(segment);

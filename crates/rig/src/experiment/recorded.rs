@@ -8,7 +8,7 @@ use super::{ExperimentLabel, Test};
 use crate::Role;
 
 /// One labelled recording in SI. Every signal is uniformly sampled on its own clock and free of gaps and NaN; what was
-/// mended to make it so stands in the diagnostics.
+/// mended to make it so is in the diagnostics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Experiment {
     /// The file the recording came from, as the user knows it.

@@ -88,7 +88,7 @@ pub enum Waveform {
         /// The sines.
         sines: Vec<Sine>,
     },
-    /// Values held one after another, again and again from the first; only at the start the mean stands in for it.
+    /// Values held one after another, again and again from the first; only at the start the mean takes the place of it.
     Periodic {
         /// Time from one value to the next, s.
         sample_time_s: f64,

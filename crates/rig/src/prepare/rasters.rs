@@ -11,7 +11,7 @@ use crate::role::Role;
 
 /// Rasters whose time stamps begin and end this far apart, in the same direction, are offset, s.
 const OFFSET_S: f64 = 0.1;
-/// An offset and a difference in length are told apart by this ratio.
+/// An offset and a difference in length are separated by this ratio.
 const OFFSET_OVER_STRETCH: f64 = 10.0;
 /// A drift must exceed its standard error by this factor.
 const SIGNIFICANCE: f64 = 5.0;
@@ -46,7 +46,7 @@ fn ends(time_s: &[f64]) -> Option<(f64, f64)> {
     Some((*time_s.first()?, *time_s.last()?))
 }
 
-/// A clock that runs apart, by the channel of the raster that tells it best.
+/// A clock that runs apart, by the channel of the raster that shows it best.
 fn check_drift(first: &Source<'_>, raster: &[&Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
     let reference = &signals[&first.role];
     let told = raster.iter().filter_map(|source| {

@@ -67,7 +67,7 @@ pub enum Told<T> {
     Untold(Untold),
 }
 
-/// Why a recording does not tell something.
+/// Why a recording does not show a quantity.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Untold {

@@ -40,7 +40,7 @@ pub struct DelayRoute {
     pub name: String,
     /// Delay, s.
     pub delay_s: f64,
-    /// 95 % interval, s; `None` where the recording is too short to tell.
+    /// 95 % interval, s; `None` where the recording is too short.
     pub interval_s: Option<(f64, f64)>,
     /// How far the route may be off by what it is, s: what of the signal's dynamics it takes for delay.
     pub systematic_s: f64,

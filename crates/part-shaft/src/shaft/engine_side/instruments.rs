@@ -15,7 +15,7 @@ const HOLDS: [f64; 3] = [0.0, 1.0, 2.0];
 const COUNT: usize = 1 + 2 * HOLDS.len();
 /// Singular values below it, of the largest, are of instruments that are combinations of others.
 const NEGLIGIBLE: f64 = 1e-9;
-/// J_d behind a flange, which stands in no equation.
+/// J_d behind a flange, which is in no equation.
 const ANY_INERTIA_KG_M2: f64 = 0.5;
 /// The least J_e that instruments are made with, of J_d.
 const SMALLEST: f64 = 1e-3;

@@ -84,7 +84,7 @@ impl CostTest {
 /// The shaft from a periodic demand.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MultisineRoute {
-    /// K, B, J_d where it was not exactly known, δ_e and δ_T; J_e where it is told.
+    /// K, B, J_d where it was not exactly known, δ_e and δ_T; J_e where it is determined.
     pub estimate: Estimate,
     /// The period, s.
     pub period_s: f64,
@@ -98,9 +98,9 @@ pub struct MultisineRoute {
     pub variance_freedom: f64,
     /// The test of the cost.
     pub cost: CostTest,
-    /// The test of the cost of the engine's side, where J_e is told.
+    /// The test of the cost of the engine's side, where J_e is determined.
     pub engine_cost: Option<CostTest>,
-    /// Why J_e is not told, in the user's words.
+    /// Why J_e is not determined, in the user's words.
     pub engine_untold: Option<String>,
 }
 
