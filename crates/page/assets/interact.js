@@ -2,9 +2,10 @@
 
 const SMALLEST_DRAG = 6;
 
-/** Shows a part of the x-axis, in pixels of the drawing; null shows all of it. */
-function zoomTo(plot, domain) {
+/** Shows a part of the x-axis, in pixels of the drawing; null shows all of it. `focus` is the height pointed at. */
+function zoomTo(plot, domain, focus = null) {
   plot.domain = domain;
+  plot.focus = focus;
   plot.box.classList.toggle("zoomed", Boolean(domain));
   show(plot);
 }
@@ -13,6 +14,12 @@ function zoomTo(plot, domain) {
 function pointerX(plot, event) {
   const box = plot.root.getBoundingClientRect();
   return ((event.clientX - box.left) * plot.width) / box.width;
+}
+
+/** Vertical position of a pointer in the figure's own coordinates. */
+function pointerY(plot, event) {
+  const box = plot.root.getBoundingClientRect();
+  return ((event.clientY - box.top) * plot.height) / box.height;
 }
 
 const ends = (plot) => [plot.panels[0].left, plot.width - MARGIN];
@@ -47,7 +54,9 @@ function listenToPointer(plot) {
   plot.root.addEventListener("pointerup", (event) => {
     const x = inside(plot, pointerX(plot, event));
     if (start !== null && Math.abs(x - start) >= SMALLEST_DRAG) {
-      zoomTo(plot, [start, x].map((at) => drawn(plot, at)).sort((a, b) => a - b));
+      const { ay, by } = plot.panels[0].view;
+      const focus = (pointerY(plot, event) - by) / ay;
+      zoomTo(plot, [start, x].map((at) => drawn(plot, at)).sort((a, b) => a - b), focus);
     }
     end();
   });

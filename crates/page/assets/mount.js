@@ -20,7 +20,7 @@ function mount(box) {
   const plot = {
     box, stage, root, readout, panels, height, entries, label, unit,
     equalAxes: "equalAxes" in root.dataset, drawnWidth: width, width,
-    hidden: new Set(), cursor: null, domain: null, cursorLayer: svg(root, "g", { class: "cursor" }),
+    hidden: new Set(), cursor: null, domain: null, focus: null, cursorLayer: svg(root, "g", { class: "cursor" }),
   };
   listenToLegend(plot);
   fit(plot, stage.clientWidth);

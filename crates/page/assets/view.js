@@ -103,10 +103,11 @@ function show(plot) {
     const ax = (right - left) / (domain[1] - domain[0]);
     const view = { ax, bx: left - ax * domain[0], ay: 1, by: 0 };
     if (plot.equalAxes) {
-      // A pixel stays worth the same along both axes: what is zoomed is zoomed about the middle of the height.
+      // A pixel stays worth the same along both axes; the height that was pointed at moves to the middle.
       const zoom = (panel.right - left) / (domain[1] - domain[0]);
+      const middle = (top + bottom) / 2;
       view.ay = zoom;
-      view.by = ((top + bottom) / 2) * (1 - zoom);
+      view.by = middle - zoom * (whole || plot.focus === null ? middle : plot.focus);
     } else if (!whole && !panel.fixed) {
       const [low, high] = heightInView(panel, domain, hidden);
       view.ay = (bottom - top) / (high - low);
