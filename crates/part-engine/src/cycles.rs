@@ -22,7 +22,7 @@ const FEWEST_CYCLES: usize = 10;
 const EDGE_S: f64 = 0.2;
 /// Angles of the mean cycle.
 const ANGLES: usize = 180;
-/// The highest order told, in firing orders.
+/// The highest order that is separated, in firing orders.
 const HIGHEST: f64 = 2.0;
 
 /// The engine's torque over the cycles of a recording.

@@ -8,13 +8,13 @@ use units::RPM_RAD_S;
 pub enum FrictionError {
     /// There is no recording.
     #[error(
-        "no recording without shaft is there; take the shaft off and run NoShaft_N_NT (steps of speed), or let the \
-         dynamometer run out from its highest speed as NoShaft_T_TN with T_d* at zero"
+        "there is no recording without shaft; take the shaft off and run NoShaft_N_NT (steps of speed), or a run-out from the \
+         highest speed with T_d* at zero (NoShaft_T_TN)"
     )]
     NoRecording,
     /// The shaft is on.
     #[error(
-        "{file}: it is {label}, an experiment with the shaft on, where friction cannot be told from engine torque; take the \
+        "{file}: {label} is an experiment with the shaft on, so friction cannot be separated from engine torque; take the \
          shaft off and run NoShaft_N_NT"
     )]
     ShaftOn {
@@ -53,7 +53,7 @@ pub enum FrictionError {
     },
     /// The speed is too steady to separate terms of friction.
     #[error(
-        "{file}: the speed stays between {:.0} and {:.0} rpm, which tells neither how friction grows with speed nor J_d; step \
+        "{file}: the speed stays between {:.0} and {:.0} rpm, which shows neither how friction grows with speed nor J_d; step \
          N_d* between levels far apart (NoShaft_N_NT), or let it run out",
         .from_rad_s / RPM_RAD_S, .to_rad_s / RPM_RAD_S
     )]
@@ -93,7 +93,7 @@ pub enum FrictionError {
     /// Friction that is not known to within any torque that acted.
     #[error(
         "{files}: friction comes out at {torque_nm:.3e} ± {half_width_nm:.2e} Nm at {:.0} rpm, while T_d and the change of speed \
-         come to {largest_nm:.0} Nm at most: these recordings do not tell it. Was the shaft on (then the label is wrong)? If it \
+         come to {largest_nm:.0} Nm at most: these recordings do not show it. Was the shaft on (then the label is wrong)? If it \
          was off, step N_d* between levels far apart (NoShaft_N_NT)",
         .speed_rad_s / RPM_RAD_S
     )]

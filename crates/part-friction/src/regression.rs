@@ -325,7 +325,7 @@ impl Fitted {
         self.terms.last().is_some_and(|last| self.is_told(*last, level))
     }
 
-    /// Whether a term is there and told from zero.
+    /// Whether a term is there and differs from zero.
     pub(super) fn is_told(&self, term: Term, level: f64) -> bool {
         let Some(place) = self.terms.iter().position(|own| *own == term) else { return false };
         let at = self.first_term() + place;

@@ -68,10 +68,10 @@ pub enum NextError {
     #[error(transparent)]
     Study(#[from] StudyError),
     /// No shaft is known, so that no bench can take the place of this one.
-    #[error("neither the recordings nor the bench file tell the shaft, so no bench can stand in for this one")]
+    #[error("neither the recordings nor the bench file give the shaft, so this bench cannot be simulated")]
     UnknownShaft,
     /// Experiments that are too short for every estimator.
-    #[error("experiments of {duration_s} s tell nothing; at least {SHORTEST_S} s are needed")]
+    #[error("experiments of {duration_s} s are too short for every estimate; at least {SHORTEST_S} s are needed")]
     TooShort {
         /// Their length, s.
         duration_s: f64,

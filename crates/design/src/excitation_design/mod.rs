@@ -84,9 +84,9 @@ pub enum DesignError {
         part: &'static str,
     },
     /// No excitation within the band separates one of the parameters from the others.
-    #[error("nothing that is measured tells {unknown} from the other unknowns")]
+    #[error("the measured signals cannot separate {unknown} from the other unknowns")]
     NotDetermined {
-        /// The parameter that is least told.
+        /// The parameter that is least known.
         unknown: Unknown,
     },
     /// The model cannot be simulated.

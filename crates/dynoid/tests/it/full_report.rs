@@ -75,7 +75,7 @@ fn an_analysis_without_its_recording_costs_no_other() {
     for (id, words) in [
         ("known", "run NoShaft_N_NT"),
         ("timing", "run Step_T_TN"),
-        ("friction", "no recording without shaft is there"),
+        ("friction", "there is no recording without shaft"),
         ("shaft", "Black box T_d → ω_d: not taken"),
         ("feed-forward", "Not estimated."),
         ("lines", "WhiteNoise_T_TN_1200.mf4"),

@@ -20,7 +20,7 @@ pub(super) const RIPPLE: f64 = 2.0;
 /// The mains, and what hangs on them, stray by this share.
 const STRAY: f64 = 3e-3;
 
-/// A phase to hold a signal against.
+/// A phase to compare a signal with.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Reference {
     pub(super) cause: Cause,

@@ -40,7 +40,7 @@ const HIGHEST_FIRING: u32 = 6;
 const SAMPLES_EACH: f64 = 1.5;
 /// Coefficients of what drifts.
 const DRIFT: usize = 3;
-/// Bins beside an order that tell the noise: beyond the window's lobe, short of the next half order.
+/// Bins beside an order that show the noise: beyond the window's lobe, short of the next half order.
 const BESIDE: [f64; 4] = [-3.0, -2.0, 2.0, 3.0];
 /// Windows to either side whose noise counts too.
 const NEIGHBOURS: usize = 3;

@@ -48,17 +48,17 @@ const SAMPLE_TIME_S: f64 = 2e-3;
 const HIGHEST_PART: f64 = 0.4;
 /// Below this probability a two-mass model does not explain the coefficients.
 const LEAST_PROBABILITY: f64 = 0.01;
-/// Coefficients that miss those of two masses by so many times their scatter tell nothing of two masses.
+/// Coefficients that miss those of two masses by so many times their scatter do not come from two masses.
 const FAR: f64 = 10.0;
 /// Step of differences, as a part of a parameter.
 const STEP: f64 = 1e-5;
 /// Parts of J_d that J_e is started from.
 const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
-/// Intervals that reach zero within so many standard errors tell nothing.
+/// Intervals that reach zero within so many standard errors mean nothing.
 const TOLD: f64 = 2.0;
 
-/// Why coefficients tell nothing of a shaft.
-const NO_TWO_MASSES: &str = "the coefficients are far from those of two masses and a spring, so that they tell neither K and B nor the \
+/// Why coefficients say nothing about a shaft.
+const NO_TWO_MASSES: &str = "the coefficients are far from those of two masses and a spring, so they show neither K and B nor the \
     inertias; take the shaft from another route, and check the sign and unit of T_d";
 
 const P_ENGINE: Label =
@@ -213,17 +213,17 @@ impl EngineControl {
         }
     }
 
-    /// Why coefficients whose covariance is singular tell nothing, and what to do.
+    /// Why coefficients with a singular covariance mean nothing, and what to do.
     fn untold(self) -> &'static str {
         match self {
             EngineControl::None => {
-                "T_d does not tell the 3 poles and 5 coefficients of the black box apart: some of them can change together and ω_d \
-                 stays the same, as where T_d moves at few frequencies or follows ω_d alone; record Unfired_N_NT for longer and \
+                "T_d cannot separate the 3 poles and 5 coefficients of the black box: some of them can change together without an \
+                 effect on ω_d, because T_d moves at few frequencies or follows ω_d alone; record Unfired_N_NT for longer and \
                  with larger steps of N_d*, or take the shaft from another route (BS_T_NT, WhiteNoise_T_TN)"
             }
             EngineControl::Speed => {
-                "T_d does not tell the 4 poles and 6 coefficients of the black box apart (the engine's own speed control takes one \
-                 pole): some of them can change together and ω_d stays the same, as where T_d moves at few frequencies; record it \
+                "T_d cannot separate the 4 poles and 6 coefficients of the black box (the engine's own speed control takes one \
+                 pole): some of them can change together without an effect on ω_d, because T_d moves at few frequencies; record it \
                  with a wide-band T_d*, or motored in speed control (Unfired_N_NT), or take the shaft from another route"
             }
         }

@@ -145,8 +145,8 @@ fn folded_torque(inputs: &ShaftInputs<'_>, bench: &BenchFile) -> Option<Untold> 
     let apart_s = inputs.torque.iter().map(|torque| torque.signal.sample_time_s).fold(f64::INFINITY, f64::min);
     let is_coarse = bench.variant == BenchVariant::LoadCell && apart_s > COARSE_S;
     let reason = format!(
-        "T_d is known by its samples alone, {} ms apart, and what folds in them cannot be told from the shaft; record T_d* and \
-         give WhiteNoise_T_TN or Step_T_TN along, which tells what T_d does between its samples",
+        "T_d is known by its samples alone, {} ms apart, and its aliases cannot be separated from the shaft; record T_d*, and \
+         add WhiteNoise_T_TN or Step_T_TN, which shows what T_d does between its samples",
         1e3 * apart_s
     );
     is_coarse.then_some(Untold::Failed { reason })

@@ -184,7 +184,7 @@ impl TorqueControlStudy {
 pub enum TorqueControlStudyError {
     /// No recording moves T_d*.
     #[error(
-        "no recording moves T_d* fast enough to tell the torque control; run WhiteNoise_T_TN, for the engine's side BS_T_NT"
+        "no recording moves T_d* fast enough to show the torque control; run WhiteNoise_T_TN, for the engine's side BS_T_NT"
     )]
     NoRecording,
     /// No recording that does can be used.

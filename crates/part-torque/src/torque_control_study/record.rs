@@ -159,7 +159,7 @@ impl Record {
         before.chain(self.demand.iter().copied()).take(self.demand.len()).collect()
     }
 
-    /// T_d* a time ago, as it stood between its samples.
+    /// T_d* a time ago, as it was between its samples.
     pub(super) fn delayed(&self, delay_s: f64) -> Vec<f64> {
         self.times_s.iter().map(|t| self.held.at(t - delay_s)).collect()
     }

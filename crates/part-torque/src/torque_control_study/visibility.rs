@@ -27,7 +27,7 @@ const STEPS: usize = 7;
 /// Seed of the demands.
 const SEED: u64 = 1;
 
-/// What recordings of other rates and demands would tell.
+/// What recordings of other rates and demands would show.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Visibility {
     /// Delay and lag that it is computed at, s and rad/s.
@@ -44,7 +44,7 @@ pub struct Visibility {
     pub cases: Vec<VisibilityCase>,
 }
 
-/// What a recording of one rate and one hold would tell. Errors shrink with the root of the recording's length, and with the
+/// What a recording of one rate and one hold would show. Errors shrink with the root of the recording's length, and with the
 /// demand's standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct VisibilityCase {
@@ -82,7 +82,7 @@ impl Visibility {
     }
 }
 
-/// What other rates and holds would tell of delay and lag `control` (s, rad/s), and of a loop of second order with the same
+/// What other rates and holds would show about delay and lag `control` (s, rad/s), and of a loop of second order with the same
 /// delay and lag and this κ, with a white demand and white noise of these standard deviations, Nm.
 #[must_use]
 pub fn visibility(control: (f64, f64), (demand_nm, noise_nm): (f64, f64), term: f64) -> Visibility {

@@ -80,7 +80,7 @@ pub fn torque_signals(experiments: &[&Experiment], bench: &BenchFile, step: &mut
     TorqueSignals { recordings, trust: trust::check(&believed).ok().flatten() }
 }
 
-/// Whether the sign of T_d,calc is that of what it does to the speed, or not told.
+/// Whether the sign of T_d,calc is that of what it does to the speed, or unknown.
 ///
 /// # Errors
 /// It is the opposite one.

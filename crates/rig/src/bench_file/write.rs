@@ -52,7 +52,7 @@ engine_inertia = "{PLACEHOLDER}"
 
 # What the bench must not exceed. Leave out what you do not know.
 [limits]
-# torque = "400 Nm"       # the inverter's limit; demands that reach it are not used to identify anything
+# torque = "400 Nm"       # limit of the drive; samples at the limit are left out
 # shaft_torque = "500 Nm"
 # speed = "6000 rpm"
 # torque_slew = "5000 Nm/s"        # of the torque demand

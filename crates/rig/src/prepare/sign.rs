@@ -1,4 +1,4 @@
-//! The sign of the dynamometer's torque, told by what it does to the speed.
+//! The sign of the dynamometer's torque, from its effect on the speed.
 //!
 //! J_d dω_d/dt = T_shaft − T_d (6.1). Well below the shaft's resonance the train turns as one inertia, so −dω_d/dt follows
 //! a torque that brakes with a positive sign. A speed controller moreover brakes when the dynamometer is too fast: in
@@ -33,7 +33,7 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
     }
 }
 
-/// The correlation that contradicts the sign of a torque; none where it is right, or not told.
+/// The correlation that contradicts the sign of a torque; none where it is right, or unknown.
 pub fn wrong_sign(experiment: &Experiment, role: Role) -> Option<f64> {
     braking_correlation(experiment, role).filter(|correlation| *correlation < -DECISIVE)
 }

@@ -64,7 +64,7 @@ impl<'a> EngineSide<'a> {
         }
         let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
         if shaft.lines.coherence > COHERENT {
-            return Err("J_e is not told: the engine's cycles repeat with the demand, so that its torque does not average out; \
+            return Err("J_e is not estimated: the engine's cycles repeat with the demand, so its torque does not average out; \
                         record at a speed some 1 % higher"
                 .to_owned());
         }

@@ -105,7 +105,7 @@ pub struct MultisineRoute {
 }
 
 /// Estimates the shaft from a recording under a periodic torque demand, T_d* on the clock of N_d. `timing` gives the gate;
-/// both skews are estimated, from its values on. The engine's firings tell how long its
+/// both skews are estimated, from its values on. The engine's firings show how long its
 /// control holds.
 ///
 /// # Errors
