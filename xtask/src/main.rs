@@ -17,15 +17,14 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage: cargo xtask <task>
 
-  check    what every change must pass: format, layers, wording, licences, clippy, all fast tests, comparisons with other
-           packages, docs, a build of the fuzz targets
-  deep     the slow statistical suites, before every release; writes docs/deep-check.md
-           NAME runs the suites whose name contains it, and prints their results instead
+  check    what every change must pass: format, layers, wording, licences, lints, fast tests, docs, fuzz targets
+  deep     the slow statistical suites, before every release. It writes docs/deep-check.md.
+           NAME runs the suites whose name contains it, and prints their results instead.
   release  archives of the program in target/archives, for this machine or for the TARGETs named (with cargo-zigbuild)
-  layers   check the crates' dependencies against the table in ARCHITECTURE.md, and their modules for circles;
-           --graph counts modules, arrows and circles by crate, --graph CRATE lists the circles of one
-  wording  count the worst patterns of wording against the ceilings in xtask/wording.json; PATTERN or PATH lists the places,
-           --record lowers the ceilings
+  layers   check the crates against the table in ARCHITECTURE.md, and their modules for circles
+           --graph counts modules, arrows and circles by crate; --graph CRATE lists its circles.
+  wording  count the worst patterns of wording against the ceilings in xtask/wording.json
+           PATTERN or PATH lists the places; --record lowers the ceilings.
   bench    time the estimators; with --peers other packages on the same data too (see benchmarks/README.md)
            [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]
            or, with --mdf alone, the reading of MDF files of a gigabyte beside asammdf";

@@ -3,6 +3,7 @@
 //! Each room (a crate, or a folder of documents) has a ceiling for each pattern, recorded in `wording.json`. A room may not
 //! exceed its ceiling. A ceiling above the count fails too, so that the ceilings only fall. A pattern without an entry is at zero.
 
+mod expression;
 mod patterns;
 mod texts;
 

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use regex_lite::Regex;
 
+use super::expression::compiled;
 use super::texts::Text;
 
 /// A sentence has at most so many words.
@@ -82,12 +83,6 @@ static LONG_SENTENCE: LazyLock<Pattern> = LazyLock::new(|| Pattern {
     expression: compiled(r"[.!?;:](?:\s|$)|\n\n"),
     suggestion: "two sentences, of at most 25 words each",
 });
-
-/// Of expressions that are written in this program.
-#[expect(clippy::expect_used)]
-pub(super) fn compiled(expression: &str) -> Regex {
-    Regex::new(expression).expect("a regular expression")
-}
 
 /// Where a pattern is right: the place, the pattern (all of them if empty), and why.
 const ALLOWED: &[(&str, &str, &str)] = &[

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 use regex_lite::Regex;
 
-use super::patterns::compiled;
+use super::expression::compiled;
 
 static CODE: LazyLock<Regex> = LazyLock::new(|| compiled("`[^`]*`"));
 static LINK: LazyLock<Regex> = LazyLock::new(|| compiled(r"!?\[([^\]]*)\]\([^)]*\)"));
