@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! The model of a bench: two masses, a shaft, speed controller and torque control, with the uncertainty of its numbers;
 //! its analysis, and the bench simulated, predicted and replayed with it.
 //!

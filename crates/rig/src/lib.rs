@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! What a dynamometer test bench is: its signals and their roles, what is stated of it, experiments planned and recorded,
 //! and the plain types in which its parts are estimated.
 //!

@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Unit strings as benches write them, and the one place where numbers become SI.
 //!
 //! Spelling is read leniently: letter case, spaces, multiplication signs and brackets do not matter, so `N·m`, `N*m`,

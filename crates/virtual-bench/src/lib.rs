@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! A virtual bench: simulates the experiments of the method on a dynamometer bench whose every parameter is known, and
 //! records them as a real bench would.
 //!

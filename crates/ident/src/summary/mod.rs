@@ -110,7 +110,11 @@ impl<M> Fit<M> {
     }
 
     fn search(&self) -> Facts {
-        let after = if self.iterations > 0 { format!(", {} iterations", self.iterations) } else { String::new() };
+        let after = match self.iterations {
+            0 => String::new(),
+            1 => ", 1 iteration".to_owned(),
+            count => format!(", {count} iterations"),
+        };
         vec![("Search", format!("{}{after}", self.termination))]
     }
 }

@@ -106,7 +106,7 @@ impl Written for PolynomialModel {
                 [vec![head.equation(equation), String::new()], head.polynomials(equation, &mut errors)].concat();
             indented(&lines.join("\n"))
         });
-        std::iter::once(kind).chain(parts).collect::<Vec<_>>().join("\n")
+        format!("{kind}\n{}", parts.collect::<Vec<_>>().join("\n\n"))
     }
 }
 
