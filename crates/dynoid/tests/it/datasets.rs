@@ -77,20 +77,20 @@ fn stat_the_delay_of_a_held_demand_is_found_on_the_fastest_clock() {
     let folder = two_rasters();
     // A demand that changes with every sample may be held or run straight in between: half a sample of delay apart.
     let unsaid = done(&folder, "data delay run.csv -u demand -y torque --json").json();
-    assert!(unsaid["delay"][0]["interval_95"].is_null(), "{unsaid}");
+    assert!(unsaid["delay"][0]["interval_95_s"].is_null(), "{unsaid}");
     assert!(unsaid["delay"][0]["unclaimed"].as_str().unwrap().contains("--between"), "{unsaid}");
     let line = "data delay run.csv -u demand -y torque --between held";
     let found = done(&folder, &format!("{line} --json")).json();
     assert_eq!(found["sample_time_s"], 0.001);
     let delay = &found["delay"][0];
-    let [low, high] = [0, 1].map(|end| delay["interval_95"][end].as_f64().unwrap());
+    let [low, high] = [0, 1].map(|end| delay["interval_95_s"][end].as_f64().unwrap());
     assert!(low <= 0.0012 && 0.0012 <= high && high - low < 3e-4, "{delay}");
     let text = done(&folder, line).stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("clock of the fastest channel, 0.001 s"), "{text}");
     assert!(text.contains("the dead time beside a lag of first order"), "{text}");
     // Brought to a slower clock, the demand is blurred: then nothing is claimed.
     let slow = done(&folder, &format!("{line} --sample-time 0.004 --json")).json();
-    assert!(slow["delay"][0]["interval_95"].is_null(), "{slow}");
+    assert!(slow["delay"][0]["interval_95_s"].is_null(), "{slow}");
     assert!(slow["delay"][0]["unclaimed"].as_str().unwrap().contains("low-pass filter"), "{slow}");
 }
 

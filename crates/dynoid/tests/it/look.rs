@@ -56,14 +56,14 @@ fn poles_that_all_ways_share_are_said_once_with_frequency_and_damping() {
     assert!(text.contains("zeros of u → N_one") && text.contains("zeros of u → two"), "{text}");
     let one = &run(&folder, "model poles oe.json --json").json()[0];
     let poles = one["poles"][0]["roots"].as_array().unwrap();
-    let hertz = poles[0]["natural_frequency_hz_interval"].as_array().unwrap();
+    let hertz = poles[0]["natural_frequency_interval_hz"].as_array().unwrap();
     let (low, high) = (hertz[0].as_f64().unwrap(), hertz[1].as_f64().unwrap());
     // |ln z|/T with z = 0.97 e^{j 2π 0.08}.
     let truth = (0.08 * std::f64::consts::TAU).hypot(0.97_f64.ln()) / 0.01 / std::f64::consts::TAU;
     assert!(low < truth && truth < high && high - low < 0.1, "{truth} in {low} … {high}");
     let damping = poles[0]["damping"].as_f64().unwrap();
     assert!((damping - 0.0605).abs() < 0.005, "{damping}");
-    assert!(poles[0]["time_constant_s_interval"][0].as_f64().unwrap() > 0.0);
+    assert!(poles[0]["time_constant_interval_s"][0].as_f64().unwrap() > 0.0);
     assert!(said(&folder, "model poles oe.json").contains("sample time 0.01 s"));
 }
 
@@ -144,11 +144,11 @@ fn a_delay_before_a_resonance_is_told_from_its_lag() {
     let delay = run(&folder, "data delay T_TN.csv -u u -y two --between held --json").json();
     // Three samples, one of which is that of the hold.
     assert_eq!(delay["arx"]["samples"][0], 3);
-    let ends = &delay["delay"][0]["interval_95"];
+    let ends = &delay["delay"][0]["interval_95_s"];
     assert!(ends[0].as_f64().unwrap() < 0.02 && 0.02 < ends[1].as_f64().unwrap(), "{delay}");
     // The input moves with every sample: nobody said that it is held.
     let unsaid = run(&folder, "data delay T_TN.csv -u u -y two --json").json();
-    assert!(unsaid["delay"][0]["interval_95"].is_null(), "{unsaid}");
+    assert!(unsaid["delay"][0]["interval_95_s"].is_null(), "{unsaid}");
     assert!(unsaid["delay"][0]["unclaimed"].as_str().unwrap().contains("--between held"), "{unsaid}");
     let short = said(&folder, "data delay T_TN.csv -u u -y two --longest 3");
     assert!(short.contains("try --longest 6"), "{short}");

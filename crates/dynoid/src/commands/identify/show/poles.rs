@@ -181,10 +181,10 @@ fn model_json<'a>(model: &Model, roots: impl Iterator<Item = &'a Roots>, level: 
         serde_json::json!({
             "re": r.value.re, "im": r.value.im, "covariance": r.covariance, "near_multiple": r.near_multiple,
             "natural_frequency_hz": mode.mode.natural_frequency_rad_s / TAU,
-            "natural_frequency_hz_interval": pair(mode.natural_frequency_rad_s(level), TAU),
+            "natural_frequency_interval_hz": pair(mode.natural_frequency_rad_s(level), TAU),
             "damping": mode.mode.damping, "damping_interval": pair(mode.damping(level), 1.0),
             "time_constant_s": mode.mode.time_constant_s(),
-            "time_constant_s_interval": pair(mode.time_constant_s(level), 1.0),
+            "time_constant_interval_s": pair(mode.time_constant_s(level), 1.0),
         })
     };
     let all: Vec<String> = channels(model).map(|channel| channel_name(model, channel)).collect();

@@ -125,11 +125,11 @@ impl Modelled {
             let span = (low.is_finite() && high.is_finite()).then_some([low * t, high * t]);
             json!({
                 "input": label.name,
-                "seconds": claimed.map(|m| m.dead_times[input].samples.clamp(m.intervals[input].0, m.intervals[input].1) * t),
-                "interval_95": claimed.map(|m| [m.intervals[input].0 * t, m.intervals[input].1 * t]),
+                "delay_s": claimed.map(|m| m.dead_times[input].samples.clamp(m.intervals[input].0, m.intervals[input].1) * t),
+                "interval_95_s": claimed.map(|m| [m.intervals[input].0 * t, m.intervals[input].1 * t]),
                 "model": claimed.map(structure),
                 "unclaimed": self.unclaimed[input],
-                "all_methods": span,
+                "range_of_methods_s": span,
             })
         };
         data.input_labels().iter().enumerate().map(claim).collect()
