@@ -15,13 +15,15 @@ use super::{GivenRecordings, number};
 Examples:
   dynoid controller bench.toml
   dynoid controller bench.toml BS_T_NT_1200.mf4 --plot controller.html
-  dynoid controller bench.toml --json | jq '.controllers[].found.found.with_delay.parameters[] | {symbol, value, interval}'
+  dynoid controller bench.toml --json > controller.json
   dynoid controller noise-test
 
 The command uses recordings in speed control:
-  N_d* constant (BS_T_NT)                PI without and with delay, the discrete form; tests for a filter, a derivative, a second integrator and an offset
-  N_d* changing (Levels_N_NT, Ramp_N_NT) the feed-forward k N_d* + k_a dN_d*/dt; tests for a bent static map, hysteresis and friction compensation
-  T_d* at its limit                      the limit, and the anti-windup of the integrator
+  N_d* constant (BS_T_NT): PI without and with delay, the discrete form; tests
+    for a filter, a derivative, a second integrator and an offset
+  N_d* changing (Levels_N_NT, Ramp_N_NT): feed-forward k N_d* + k_a dN_d*/dt;
+    tests for a bent static map, hysteresis and friction compensation
+  T_d* at its limit: the limit, and the anti-windup of the integrator
 
 All tests of one recording together have the level 1 % (Holm)."
 )]
@@ -44,8 +46,8 @@ pub(crate) enum ControllerCommand {
 #[command(after_help = "\
 Examples:
   dynoid controller noise-test
-  dynoid controller noise-test bench.toml BS_T_NT_1200.mf4 --draws 1000 --plot noise.html
-  dynoid controller noise-test --low-pass 0.5 --low-pass-snr 20 --json | jq '.cases[].summaries[] | {symbol, bias, coverage}'
+  dynoid controller noise-test bench.toml BS_T_NT_1200.mf4 --draws 1000
+  dynoid controller noise-test --low-pass 0.5 --low-pass-snr 20 --plot noise.html
 
 Could noise explain why a PI does not fit a recording (thesis, §7.1)? A known PI with delay runs on recorded speeds, with noise added to the speed that it sees. It is then estimated from T_d* and the speeds without that noise, many times. Without a recording the test simulates BS_T_NT.
 

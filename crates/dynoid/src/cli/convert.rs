@@ -12,7 +12,7 @@ use crate::formats::FileFormat;
 #[command(after_help = "\
 Examples:
   dynoid convert run.mf4 --out run.parquet
-  dynoid convert run.mf4 --out part.csv --channels 'DynoSpeed,*Torque*' --start 1.5 --end 20
+  dynoid convert run.mf4 --out part.csv --channels '*Torque*' --end 20
   dynoid convert run.dat --out run_100hz.csv --rate 100
   dynoid convert recordings/ --to mat --out converted/
 

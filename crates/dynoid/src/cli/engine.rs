@@ -11,7 +11,7 @@ use super::identify::ResultArguments;
 #[command(after_help = "\
 Examples:
   dynoid engine bench.toml
-  dynoid engine bench.toml BS_T_NT_1200.mf4 WhiteNoise_T_TN_1200.mf4 --plot engine.html
+  dynoid engine bench.toml BS_T_NT_1200.mf4 --plot engine.html
   dynoid engine bench.toml BS_T_NT_1200.mf4 --out engine_torque.parquet
   dynoid engine bench.toml --json | jq '.recordings[].cycles.found.cylinders'
 

@@ -89,22 +89,23 @@ impl PlanArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid experiment design bench.toml BS_T_NT --speed 1500 --duration 60 --set low=35 --set high=55
+  dynoid experiment design bench.toml BS_T_NT --speed 1500 --set high=55
   dynoid experiment design bench.toml Multisine_T_TN --model study/study.json
   dynoid experiment design bench.toml cycle.csv --out cycle
-  dynoid experiment design bench.toml --optimal K,B --speed 1500 --duration 20 --peak-shaft-torque 60
-  dynoid experiment design bench.toml --optimal PI,FF --form binary --set torque=40
+  dynoid experiment design bench.toml --optimal K,B --speed 1500
+  dynoid experiment design bench.toml --optimal PI,FF --form binary
 
 Files written:
-  NAME_SPEED.csv, NAME_SPEED.mf4  the demands for the automation system: speeds every 1 ms, all others every 10 ms
-  NAME_SPEED.html                 demands, their spectrum with resonance and firing frequency, predicted speeds and torques
-  NAME_SPEED_predicted.mf4        the prediction
+  NAME_SPEED.csv and .mf4   the demands: speeds every 1 ms, all others every 10 ms
+  NAME_SPEED.html           figures of demands, their spectrum, and the prediction
+  NAME_SPEED_predicted.mf4  predicted speeds and torques
 
 Your own demands are a recording with these columns:
-  dyno_speed_demand (rpm)         the dynamometer controls speed
-  engine_speed_demand (rpm) with dyno_torque_demand or shaft_torque_demand (Nm)
-                                  the dynamometer controls torque
+  dyno_speed_demand (rpm), if the dynamometer controls speed
+  engine_speed_demand (rpm) with dyno_torque_demand or shaft_torque_demand (Nm),
+    if it controls torque
   engine_torque_demand (Nm) or throttle_demand (%), ignition_efficiency (1)
+
 Speeds are linear between their time stamps; the others are held.
 
 --optimal chooses the spectrum and phases of a multisine, or the edges of a binary demand, for the least variance of the named parameters. Without --model the resonance is known within ±15 %. The demand is scaled until the first limit is met. --speed, --duration, --set settling=… and --set torque=… (mean of T_d*, in speed control of the engine torque) give the operating point. The standard errors are those of the best estimator, compared with white noise of the same peak shaft torque.
@@ -116,11 +117,11 @@ pub(crate) struct DesignArguments {
     /// An experiment of the method, such as BS_T_NT, or a file of demands
     #[arg(value_name = "NAME|FILE", required_unless_present = "optimal", conflicts_with = "optimal")]
     pub(crate) experiment: Option<String>,
-    #[command(flatten)]
-    pub(crate) optimal: OptimalArguments,
     /// Folder to write to; created if it does not exist
     #[arg(long, value_name = "DIR", default_value = "experiments")]
     pub(crate) out: PathBuf,
+    #[command(flatten)]
+    pub(crate) optimal: OptimalArguments,
 }
 
 /// The excitation that gives chosen parameters the least variance.
@@ -167,7 +168,7 @@ pub(crate) enum Excite {
 #[command(after_help = "\
 Examples:
   dynoid experiment check bench.toml Sine_T_TN --set amplitude=20
-  dynoid experiment check bench.toml cycle.csv --model study/study.json --samples 1000
+  dynoid experiment check bench.toml cycle.csv --samples 1000
   dynoid experiment check bench.toml BS_T_NT --quiet && echo safe
 
 The command predicts the experiment on many random benches. With --model they follow the covariance of the study's estimates. Without it, they spread around the bench file (95 % ranges, log-normal): resonance ±20 %, damping ±50 %, engine inertia ±10 %. If [virtual_bench] does not describe the engine's speed control, its bandwidth is between a tenth of the usual value and that value. A slower one damps the resonance less.
@@ -220,9 +221,10 @@ pub(crate) struct NextArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid experiment simulate bench.toml BS_T_NT --out recordings/BS_T_NT_1200.mf4
-  dynoid experiment simulate bench.toml Sine_T_TN --speed 2000 --set amplitude=12 --out sine.parquet --truth truth.mf4
-  dynoid experiment simulate bench.toml experiments/Step_T_TN_1200.csv --model study/study.json --out run.mf4
+  dynoid experiment simulate bench.toml BS_T_NT --out BS_T_NT_1200.mf4
+  dynoid experiment simulate bench.toml Sine_T_TN --speed 2000 --out sine.csv
+  dynoid experiment simulate bench.toml BS_T_NT --out a.mf4 --truth truth.mf4
+  dynoid experiment simulate bench.toml cycle.csv --out cycle.mf4
 
 The virtual bench has a firing engine, torque control and sensors. Its channels have the names of [channels], so that `dynoid study` reads the recording like one of the real bench. It is the default virtual bench with the values of the bench file. The table [virtual_bench] sets every other value, such as [virtual_bench.mechanics] shaft_backlash_rad = 0.002.
 

@@ -11,7 +11,7 @@ Examples:
   dynoid friction bench.toml
   dynoid friction bench.toml NoShaft_N_NT_1200.mf4 --plot friction.html
   dynoid friction bench.toml NoShaft_T_TN.mf4 --slowest 200
-  dynoid friction bench.toml --json | jq '.friction.parameters[] | {symbol, value, interval}'
+  dynoid friction bench.toml --json | jq '.friction.parameters'
 
 The command needs recordings without shaft. Speed steps (NoShaft_N_NT) give friction and inertia; a run-out with T_d* at zero (NoShaft_T_TN) gives friction over inertia. All of them are used together.
 

@@ -10,8 +10,8 @@ use super::number;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid fit greybox two_mass.toml run.mf4 -u T_d -y w_d -y w_e --detrend none --out model.json
-  dynoid fit greybox two_mass.toml a.mf4 b.mf4 -u T_d -y w_d -y w_e --detrend none --starts 20
+  dynoid fit greybox two_mass.toml run.mf4 -u T_d -y w_d -y w_e --detrend none
+  dynoid fit greybox lag.toml a.mf4 b.mf4 -u u -y y --starts 20 --out model.json
 
 The structure is a TOML file. This one has two inertias J_d and J_e on a shaft of stiffness K and damping B. The torque acts on the first inertia, and both speeds are measured. The states are the two speeds and the twist:
 

@@ -11,7 +11,7 @@ Examples:
   dynoid lines bench.toml
   dynoid lines bench.toml BS_T_NT_1200.mf4 --plot lines.html
   dynoid lines bench.toml Ramp_N_NT_1200.mf4 --plot campbell.svg
-  dynoid lines bench.toml --json | jq '.recordings[].parts[].signals[].lines[] | select(.cause.cause == \"unknown\")'
+  dynoid lines bench.toml --json | jq '.recordings[].parts[].signals[].lines'
 
 Each line gets the name of its cause: an order of the crank angle (aliases included), the demand, images of a held demand, the mains, or drive ripple. Broad peaks are resonances. Where two causes fit equally well, the line stays undecided, and a speed is proposed that separates them.
 

@@ -16,8 +16,7 @@ const GROUPS: [(&str, &[&str]); 5] = [
     ("Linear models of any channels", &["data", "fit", "model"]),
 ];
 
-const EXAMPLES: &str = "\
-  dynoid demo                 try everything without recordings of your own
+const EXAMPLES: &str = "  dynoid demo                 try everything without recordings of your own
   dynoid init recordings/     write bench.toml; then fill in what it asks for
   dynoid study bench.toml     write study/report.html";
 

@@ -9,8 +9,8 @@ use super::identify::ResultArguments;
 #[command(after_help = "\
 Examples:
   dynoid shaft bench.toml
-  dynoid shaft bench.toml BS_T_NT_1200.mf4 WhiteNoise_T_TN_1200.mf4 --plot shaft.html
-  dynoid shaft bench.toml --json | jq '.together.stiffness.parameter | {value, interval}'
+  dynoid shaft bench.toml WhiteNoise_T_TN_1200.mf4 --plot shaft.html
+  dynoid shaft bench.toml --json | jq '.together.stiffness'
 
 The command estimates stiffness K and damping B from every recording with a shaft; encoder gate and clock skews are part of the model. It repeats the estimate by frequency band, and with exact time stamps assumed. A joint estimate tests whether all recordings show the same shaft.
 

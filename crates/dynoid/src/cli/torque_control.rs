@@ -9,10 +9,10 @@ use super::identify::ResultArguments;
 #[command(after_help = "\
 Examples:
   dynoid torque-control bench.toml
-  dynoid torque-control bench.toml WhiteNoise_T_TN_1200.mf4 --plot torque_control.html
+  dynoid torque-control bench.toml WhiteNoise_T_TN_1200.mf4 --plot t.html
   dynoid torque-control bench.toml WhiteNoise_T_TN_1200.mf4 BS_T_NT_1200.mf4
   dynoid torque-control bench.toml --highest-order 3 --longest-delay 2
-  dynoid torque-control bench.toml --json | jq '.judgements[] | select(.verdict == \"better\")'
+  dynoid torque-control bench.toml --json | jq '.judgements[].verdict'
 
 The command compares models from T_d* to T_d: a delay, a delay with a lag, ARX(na, nb, nk) and output error OE(nb, nf, nk) of many orders, on T_d* and on T_d* − T_d. The reference is T_d = T_d* one sample of T_d,calc ago.
 

@@ -38,7 +38,7 @@ pub(crate) enum Sampling {
 Examples:
   dynoid model convert model.json --to zpk
   dynoid model convert model.json --to tf --continuous --plot both.html
-  dynoid model convert tf.json --to ss --sample-time 0.001 --method tustin --out ss.json
+  dynoid model convert tf.json --to ss --sample-time 0.001 --out ss.json
 
 With --to tf and --to ss the result is a model file for every command. It keeps the delay. Only a state space on the model's own clock keeps the noise model. With --to zpk the result is a list of numbers. With --plot both forms are drawn over frequency.
 

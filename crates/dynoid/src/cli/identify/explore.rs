@@ -23,7 +23,7 @@ pub(crate) enum SpectrumMethod {
 #[command(after_help = "\
 Examples:
   dynoid data spectrum run.mf4 -y N_dyno --plot spectrum.html
-  dynoid data spectrum run.mf4 -u T_demand -y N_dyno --method lpm --plot response.html")]
+  dynoid data spectrum run.mf4 -u T_demand -y N_dyno --plot response.html")]
 pub(crate) struct SpectrumArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,
@@ -58,7 +58,7 @@ pub(crate) struct DelayArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid data order run.mf4 -u T_demand -y N_dyno --na 1:10 --nb 1:10 --nk 1:5 --split 0.5")]
+  dynoid data order run.mf4 -u T_demand -y N_dyno --na 1:10 --nb 1:10")]
 pub(crate) struct OrderArguments {
     #[command(flatten)]
     pub(crate) data: DataArguments,

@@ -84,7 +84,7 @@ impl FitCommand {
 #[command(after_help = "\
 Examples:
   dynoid fit arx run.mf4 -u T_demand -y N_dyno --na 2 --nb 2 --nk 3
-  dynoid fit arx dryer.csv -u u -y y --sample-time 0.08 --to 24 --na 2 --nb 2 --nk 3 --plot dryer.html
+  dynoid fit arx dryer.csv -u u -y y --sample-time 0.08 --to 24 --nk 3
   dynoid fit arx a.mf4 b.mf4 -u u1 -u u2 -y y --nb 2,1 --nk 1,3 --iv")]
 pub(crate) struct ArxArguments {
     #[command(flatten)]
@@ -106,9 +106,10 @@ pub(crate) struct ArxArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid fit armax run.mf4 -u T_demand -y N_dyno --na 2 --nb 2 --nc 2 --nk 1 --out model.json
+  dynoid fit armax run.mf4 -u T_demand -y N_dyno --na 2 --nb 2 --nc 2 --nk 1
   dynoid fit oe run.mf4 -u u -y y --nb 2 --nf 2 --nk 3 --split 0.5
-  dynoid fit bj furnace.csv -u u -y y --sample-time 9 --nb 3 --nf 2 --nk 3 --nd 2
+  dynoid fit bj run.mf4 -u u -y y --nb 3 --nf 2 --nk 3 --nd 2 --out model.json
+  dynoid fit poly run.mf4 -u u -y y --na 1 --nb 2 --nf 1 --nc 1
 
 An order that the structure does not have is an error.")]
 pub(crate) struct PolynomialArguments {
@@ -147,9 +148,9 @@ pub(crate) struct PolynomialArguments {
 #[command(after_help = "\
 Examples:
   dynoid fit tf run.mf4 -u T_demand -y T_calc --zeros 0 --poles 1 --delay 0:0.01
-  dynoid fit tf run.mf4 -u u -y y --zeros 1 --poles 2 --out model.json --plot fit.html
+  dynoid fit tf run.mf4 -u u -y y --zeros 1 --poles 2 --plot fit.html
   dynoid fit tf run.mf4 -u u -y y --poles 2 --delay 0.004 --method srivc
-  dynoid fit tf run.mf4 -u T_d -y N_d --poles 2 --integrators 1 --offset --detrend none")]
+  dynoid fit tf run.mf4 -u T_d -y N_d --poles 2 --integrators 1 --detrend none")]
 pub(crate) struct TransferFunctionArguments {
     #[command(flatten)]
     pub(crate) fit: FitArguments,

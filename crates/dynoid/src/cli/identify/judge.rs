@@ -40,7 +40,7 @@ pub(crate) enum MeetDetrend {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid model compare arx.json armax.json ss.json --on unseen.mf4 --plot compare.html
+  dynoid model compare arx.json ss.json --on unseen.mf4 --plot compare.html
   dynoid model compare model.json --on unseen.mf4 --horizon 10")]
 pub(crate) struct CompareArguments {
     /// Model files
@@ -76,7 +76,7 @@ pub(crate) struct ResidualsArguments {
 #[command(after_help = "\
 Examples:
   dynoid model simulate model.json --on demand.mf4 --out simulated.csv
-  dynoid model simulate model.json --on run.mf4 --from-rest --plot simulated.html
+  dynoid model simulate model.json --on run.mf4 --from-rest --plot sim.html
 
 `dynoid experiment simulate` simulates a whole bench.")]
 pub(crate) struct RunArguments {
@@ -98,7 +98,7 @@ pub(crate) struct RunArguments {
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  dynoid model predict model.json --on run.mf4 --horizon 10 --out predicted.mf4 --plot predicted.html")]
+  dynoid model predict model.json --on run.mf4 --horizon 10 --out predicted.mf4")]
 pub(crate) struct PredictArguments {
     #[command(flatten)]
     pub(crate) run: RunArguments,
