@@ -4,7 +4,8 @@ use ident::Intersample;
 use recording::{Channel, Raster, Recording};
 
 use super::timed::{Clock, Part, Timed};
-use super::{Adjustment, DatasetError, MOST_SAMPLES};
+use crate::error::DatasetError;
+use crate::options::{Adjustment, MOST_SAMPLES};
 
 /// Instants are given with as few decimals as leave them this close to the clock, in samples.
 const CLOCK_SHARE: f64 = 1e-9;

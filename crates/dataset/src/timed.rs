@@ -7,7 +7,8 @@ use signal::clock::check_clock;
 use signal::resample::{Interpolation, band_of_held, band_of_straight, interpolate_at};
 use signal::{Signal, SignalError, Sos};
 
-use super::{Adjustment, DatasetError, DatasetOptions, Resampling, SAME_SHARE};
+use crate::error::DatasetError;
+use crate::options::{Adjustment, DatasetOptions, Resampling, SAME_SHARE};
 
 /// Time stamps further from the clock than this share of the sample time are interpolated.
 const JITTER_SHARE: f64 = 0.1;

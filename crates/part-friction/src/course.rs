@@ -9,8 +9,9 @@ use rig::results::Stretch;
 use rig::{Experiment, Role};
 use signal::{Signal, runs};
 
+use super::FrictionError;
 use super::regression::Fitted;
-use super::{FrictionError, FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed};
+use crate::options::{FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed};
 
 /// Shortest stretch, s: alone, and where T_d drives.
 const SHORTEST_S: f64 = 1.0;

@@ -9,15 +9,17 @@
 
 mod course;
 mod error;
+mod options;
 mod regression;
 
+use rig::Experiment;
 use rig::estimation::Label;
 use rig::results::{Estimate, Parameter, Stretch};
-use rig::{BenchFile, Experiment};
 use serde::Serialize;
 
 use course::{Course, Directions};
 pub use error::FrictionError;
+pub use options::{CurvePoint, FrictionOptions, RunOut, Term, TorqueUsed};
 use regression::{Drive, Excitation, Fitted, Problem};
 
 /// A term of higher order stays where the interval of its coefficient at this level does not hold zero.
@@ -26,93 +28,8 @@ const TERM_LEVEL: f64 = 0.99;
 const DETERMINED: f64 = 0.1;
 /// Friction drives where it does so beyond so many half widths of its interval, and by this part of the largest torque.
 const DRIVES: (f64, f64) = (2.0, 0.05);
-/// Points of the curve.
-const POINTS: usize = 41;
-/// Longest delay between the clocks, s.
-const LONGEST_DELAY_S: f64 = 0.05;
-/// Rounds of shifting T_d by its delay.
-const ROUNDS: usize = 8;
-/// A round that shifts by less than this has converged, s.
-const SHIFTED_S: f64 = 1e-7;
-
 const INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
 const DELAY: Label = Label { symbol: "δ_T", name: "how late T_d is against N_d", unit: "s" };
-
-/// A term of T_fric(ω).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Term {
-    /// T_0, the same whatever the direction: separated from the others where both directions are seen.
-    Offset,
-    /// c_0 sgn ω.
-    Coulomb,
-    /// c_1 ω.
-    Viscous,
-    /// c_2 ω|ω|, of air.
-    Quadratic,
-    /// c_3 ω³.
-    Cubic,
-}
-
-impl Term {
-    /// Those of one direction, from the lowest order on.
-    pub const ALL: [Term; 4] = [Term::Coulomb, Term::Viscous, Term::Quadratic, Term::Cubic];
-
-    fn at(self, speed: f64) -> f64 {
-        match self {
-            Term::Offset => 1.0,
-            Term::Coulomb => speed.signum(),
-            Term::Viscous => speed,
-            Term::Quadratic => speed * speed.abs(),
-            Term::Cubic => speed.powi(3),
-        }
-    }
-
-    fn torque(self) -> Label {
-        match self {
-            Term::Offset => {
-                Label { symbol: "T_0", name: "offset of T_d, or of friction between directions", unit: "Nm" }
-            }
-            Term::Coulomb => Label { symbol: "c_0", name: "Coulomb friction", unit: "Nm" },
-            Term::Viscous => Label { symbol: "c_1", name: "viscous friction", unit: "Nm s/rad" },
-            Term::Quadratic => Label { symbol: "c_2", name: "quadratic friction", unit: "Nm s²/rad²" },
-            Term::Cubic => Label { symbol: "c_3", name: "cubic friction", unit: "Nm s³/rad³" },
-        }
-    }
-
-    fn deceleration(self) -> Label {
-        match self {
-            Term::Offset => Label { symbol: "T_0/J", name: "offset over inertia", unit: "rad/s²" },
-            Term::Coulomb => Label { symbol: "c_0/J", name: "Coulomb friction over inertia", unit: "rad/s²" },
-            Term::Viscous => Label { symbol: "c_1/J", name: "viscous friction over inertia", unit: "1/s" },
-            Term::Quadratic => Label { symbol: "c_2/J", name: "quadratic friction over inertia", unit: "1/rad" },
-            Term::Cubic => Label { symbol: "c_3/J", name: "cubic friction over inertia", unit: "s/rad²" },
-        }
-    }
-}
-
-/// What is wanted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FrictionOptions {
-    /// J_d of the bench file, kg m²: what turns a deceleration into a torque where the recordings do not show J_d.
-    pub inertia_kg_m2: f64,
-    /// Slower than this is left out, where a bearing sticks rather than slides, rad/s; a fiftieth of the highest speed, and at
-    /// least one, where `None`.
-    pub slowest_rad_s: Option<f64>,
-    /// Limit of the inverter, Nm.
-    pub torque_limit_nm: Option<f64>,
-}
-
-impl FrictionOptions {
-    /// What a bench file states.
-    pub fn of(bench: &BenchFile) -> Self {
-        FrictionOptions {
-            inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
-            slowest_rad_s: None,
-            torque_limit_nm: bench.limits.torque_nm,
-        }
-    }
-}
 
 /// Whence J_d.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -146,18 +63,6 @@ pub enum Undetermined {
     LittleExcitation,
 }
 
-/// What T_d was taken from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum TorqueUsed {
-    /// T_d* through the torque control that the recording shows.
-    Modelled,
-    /// T_d,calc as it was recorded.
-    Calculated,
-    /// T_d,meas, for want of T_d,calc.
-    LoadCell,
-}
-
 /// A choice of terms and what it leaves unexplained.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Candidate {
@@ -169,34 +74,6 @@ pub struct Candidate {
     pub bic_above_best: f64,
     /// Whether it is the one that was chosen.
     pub chosen: bool,
-}
-
-/// T_fric at a speed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CurvePoint {
-    /// ω_d, rad/s.
-    pub speed_rad_s: f64,
-    /// T_fric, Nm.
-    pub torque_nm: f64,
-    /// Half of its 95 % interval, Nm; without the uncertainty of a stated J_d.
-    pub half_width_nm: f64,
-}
-
-/// A speed that was measured beside that of the model, for a figure.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct RunOut {
-    /// Where.
-    pub stretch: Stretch,
-    /// What T_d was taken from; none where none was recorded.
-    pub torque: Option<TorqueUsed>,
-    /// Samples left out: drop-outs.
-    pub left_out: usize,
-    /// Instants, s.
-    pub time_s: Vec<f64>,
-    /// N_d, rad/s.
-    pub measured_rad_s: Vec<f64>,
-    /// That of the model from the first sample on, rad/s.
-    pub modelled_rad_s: Vec<f64>,
 }
 
 /// Friction and inertia of a dynamometer.

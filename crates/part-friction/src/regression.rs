@@ -10,7 +10,7 @@ use rig::estimation::{Label, timing_floor_s};
 use rig::results::{Estimate, Parameter, Stretch};
 
 use super::course::{Course, integral};
-use super::{CurvePoint, LONGEST_DELAY_S, POINTS, ROUNDS, SHIFTED_S, Term};
+use crate::options::{CurvePoint, LONGEST_DELAY_S, POINTS, ROUNDS, SHIFTED_S, Term};
 
 /// With less than this many events nothing is known of their scatter; the interval is then wide as it is.
 const FEWEST_EVENTS: f64 = 3.0;

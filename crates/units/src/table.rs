@@ -6,7 +6,7 @@ use crate::Quantity::{
     self, Angle, AngularAcceleration, AngularSpeed, Current, Damping, Force, Inertia, Length, MassFlow, Power,
     Pressure, Ratio, Speed, Stiffness, Temperature, Time, Torque, TorqueRate, Voltage,
 };
-use crate::{RPM_RAD_S, Unit};
+use crate::unit::{RPM_RAD_S, Unit};
 
 /// One degree in rad.
 const DEGREE_RAD: f64 = PI / 180.0;

@@ -31,7 +31,9 @@ mod control;
 mod drive;
 mod engine;
 mod error;
+mod hidden;
 mod names;
+mod numerics;
 mod run;
 mod sensors;
 mod stated;
@@ -40,99 +42,15 @@ mod truth;
 mod write;
 
 use recording::Recording;
-use rig::bench_parameters::{BenchParameters, require};
+use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
-use serde::Serialize;
 
 pub use error::VirtualBenchError;
+pub use hidden::HiddenTruth;
 pub use names::{CHANNELS, rename};
+pub use numerics::Numerics;
 pub use stated::{Assumption, StatedBench};
 pub use truth::Truth;
-
-/// How finely the bench is simulated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Numerics {
-    /// Steps of the mechanics in one update of the controllers (1 ms).
-    pub steps_per_update: usize,
-    /// Steps from one sample of [`HiddenTruth`] to the next.
-    pub steps_per_hidden_sample: usize,
-}
-
-impl Default for Numerics {
-    /// Steps of 50 µs, hidden truth every 1 ms.
-    fn default() -> Self {
-        Self { steps_per_update: 20, steps_per_hidden_sample: 20 }
-    }
-}
-
-impl Numerics {
-    fn check(self, has_machine: bool) -> Result<(), VirtualBenchError> {
-        let (steps, hidden) = (self.steps_per_update, self.steps_per_hidden_sample);
-        let requirement = "between 1 and 10 000";
-        require("numerics.steps_per_update", steps as f64, (1..=10_000).contains(&steps), requirement)?;
-        let samples = drive::SAMPLES_PER_UPDATE;
-        let fits = !has_machine || steps.is_multiple_of(samples);
-        let whole = "a multiple of 4, as the inverter samples four times a millisecond";
-        require("numerics.steps_per_update", steps as f64, fits, whole)?;
-        require("numerics.steps_per_hidden_sample", hidden as f64, hidden > 0, "at least 1")?;
-        Ok(())
-    }
-}
-
-/// The bench as it really is, without any sensor, at uniform instants from the recording's start on. SI.
-///
-/// J_d dω_d/dt = T_shaft − T_d − T_fric and J_e dω_e/dt = T_e − T_shaft hold between these signals where there are two
-/// masses. Without a shaft the engine does not run: T_e is zero and ω_e stays where it was.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct HiddenTruth {
-    /// Time between samples, s.
-    pub sample_time_s: f64,
-    /// ω_d, rad/s.
-    pub dyno_speed_rad_s: Vec<f64>,
-    /// ω_e, rad/s.
-    pub engine_speed_rad_s: Vec<f64>,
-    /// T_shaft, Nm.
-    pub shaft_torque_nm: Vec<f64>,
-    /// T_e, Nm.
-    pub engine_torque_nm: Vec<f64>,
-    /// T_d with its ripple, Nm.
-    pub air_gap_torque_nm: Vec<f64>,
-    /// T_fric, bearing friction of the dynamometer, Nm.
-    pub friction_torque_nm: Vec<f64>,
-}
-
-impl HiddenTruth {
-    fn new(sample_time_s: f64) -> Self {
-        Self {
-            sample_time_s,
-            dyno_speed_rad_s: Vec::new(),
-            engine_speed_rad_s: Vec::new(),
-            shaft_torque_nm: Vec::new(),
-            engine_torque_nm: Vec::new(),
-            air_gap_torque_nm: Vec::new(),
-            friction_torque_nm: Vec::new(),
-        }
-    }
-
-    /// The truth as a recording: channels named `true_…`, speeds in rpm, torques in Nm, on one raster from zero on.
-    pub fn recording(&self) -> Recording {
-        write::hidden(self)
-    }
-
-    /// Makes room for samples.
-    fn reserve(&mut self, samples: usize) {
-        for signal in [
-            &mut self.dyno_speed_rad_s,
-            &mut self.engine_speed_rad_s,
-            &mut self.shaft_torque_nm,
-            &mut self.engine_torque_nm,
-            &mut self.air_gap_torque_nm,
-            &mut self.friction_torque_nm,
-        ] {
-            signal.reserve_exact(samples);
-        }
-    }
-}
 
 /// A recording together with what really happened.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,7 +13,8 @@ use super::engine::{Air, Combustion, Engine, EngineSpeedControl};
 use super::error::VirtualBenchError;
 use super::sensors::{Readings, Sensors, rounded};
 use super::train::{Torques, Train};
-use super::{HiddenTruth, Numerics};
+use crate::hidden::HiddenTruth;
+use crate::numerics::Numerics;
 
 /// Updates from one word about progress to the next.
 const TOLD_EVERY: usize = 500;

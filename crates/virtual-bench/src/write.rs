@@ -7,8 +7,8 @@ use rig::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
 use rig::facts::BenchVariant;
 use units::RPM_RAD_S;
 
-use super::HiddenTruth;
 use super::run::Registers;
+use crate::hidden::HiddenTruth;
 
 /// The recording of a run, with channel names of a DTB or a TB bench: speeds in rpm, torques in Nm, throttle in %.
 pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, registers: &Registers) -> Recording {
@@ -106,5 +106,12 @@ impl Writer {
             raster: self.rasters.len().saturating_sub(1),
             samples: (0..self.updates).step_by(self.decimation).map(value).collect(),
         });
+    }
+}
+
+impl HiddenTruth {
+    /// The truth as a recording: channels named `true_…`, speeds in rpm, torques in Nm, on one raster from zero on.
+    pub fn recording(&self) -> Recording {
+        hidden(self)
     }
 }

@@ -4,36 +4,21 @@
 //! The engine gives its mean torque: firing pulses are no part of a linear prediction, and neither is what a virtual bench
 //! adds beyond the model. In TN mode the engine's speed control is that of the virtual bench.
 
+mod inputs;
 mod peaks;
 
 use std::cell::RefCell;
 
 use rig::ControlMode;
-use rig::bench_file::Limits;
-use rig::bench_parameters::EngineParameters;
-use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
+use rig::experiment::{TorqueTarget, UPDATE_S};
 
 use crate::intake::demanded_torque_nm;
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
     Drive, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
 };
+pub use inputs::PredictionInputs;
 pub use peaks::{Peak, PeakOf};
-
-/// What a prediction rests on.
-#[derive(Debug, Clone, Copy)]
-pub struct PredictionInputs<'a> {
-    /// The plan.
-    pub plan: &'a ExperimentPlan,
-    /// Its demands, every millisecond.
-    pub demands: &'a Demands,
-    /// The bench; a part that it lacks must not be needed.
-    pub model: &'a BenchModel,
-    /// The engine: motored torque, throttle map, intake, speed control.
-    pub engine: &'a EngineParameters,
-    /// What the bench must not exceed.
-    pub limits: Limits,
-}
 
 /// What the bench will do.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::PredictionInputs;
+use crate::prediction::inputs::PredictionInputs;
 use crate::simulate::Response;
 
 /// Of what a peak is.

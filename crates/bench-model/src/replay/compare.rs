@@ -9,8 +9,8 @@ use signal::resample::{Interpolation, hold, interpolate_at};
 use signal::zero_phase::{Wanted, ZeroPhase};
 use units::RPM_RAD_S;
 
-use super::ReplayInputs;
 use super::reconstruct::Acted;
+use crate::replay::inputs::ReplayInputs;
 use crate::simulate::Response;
 
 /// Compared signals keep off the ends of the simulation by this, s, so that skews can be undone.

@@ -4,7 +4,8 @@ use faer::Mat;
 use rig::estimation::EstimateError;
 use rig::{ControlMode, Role};
 
-use super::{ReplayError, Run, Start, held};
+use super::ReplayError;
+use crate::replay::run::{Run, Start, held};
 use crate::simulate::InitialState;
 
 /// In speed control the start is fitted on this much, s.

@@ -5,9 +5,9 @@ use rig::{Experiment, Role};
 use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
 
-use super::ReplayInputs;
 use super::encoder_error::encoder_error;
 use crate::model::BenchModel;
+use crate::replay::inputs::ReplayInputs;
 
 /// Left out at both ends, where the filters see reflected data, s.
 const EDGE_S: f64 = 0.1;

@@ -1,8 +1,9 @@
 //! The sampled speed controller.
 
 use super::plant::Streams;
-use super::{InitialState, SimulationError};
 use crate::model::{BenchModel, FeedForwardGains, PiController};
+use crate::simulate::error::SimulationError;
+use crate::simulate::inputs::InitialState;
 
 /// Clocks that differ by less than this part count as equal.
 const SAME_CLOCK: f64 = 1e-6;

@@ -7,6 +7,8 @@
 
 mod controller;
 mod encoder;
+mod error;
+mod inputs;
 mod plant;
 mod ripple;
 
@@ -15,59 +17,10 @@ use std::borrow::Cow;
 use crate::model::BenchModel;
 use controller::Pi;
 use encoder::Encoder;
+pub use error::SimulationError;
+pub use inputs::{Drive, InitialState, Inputs};
 use plant::{Plant, Streams};
 pub use ripple::Ripple;
-
-/// What drives the dynamometer.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Drive<'a> {
-    /// Speed control: ω_d*, rad/s, one value an update of the controller.
-    SpeedDemand(&'a [f64]),
-    /// Torque control: T_d*, Nm, each value held until the next.
-    TorqueDemand(&'a [f64]),
-    /// The air-gap torque itself, Nm, straight between the samples; inverter and limit play no part.
-    AirGapTorque(&'a [f64]),
-}
-
-/// Inputs of a simulation.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inputs<'a> {
-    /// Time between samples of every input, s.
-    pub sample_time_s: f64,
-    /// T_e, Nm, straight between the samples.
-    pub engine_torque_nm: &'a [f64],
-    /// What drives the dynamometer.
-    pub drive: Drive<'a>,
-}
-
-/// State of the bench at the first sample.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InitialState {
-    /// ω_d, rad/s.
-    pub dyno_speed_rad_s: f64,
-    /// ω_e, rad/s.
-    pub engine_speed_rad_s: f64,
-    /// Δθ, rad.
-    pub twist_rad: f64,
-    /// T_d, Nm.
-    pub air_gap_torque_nm: f64,
-    /// Output of the controller's integrator, Nm; m of the feed-forward included.
-    pub integrator_nm: f64,
-}
-
-impl InitialState {
-    /// Everything turning at one speed under one torque.
-    pub fn steady(model: &BenchModel, speed_rad_s: f64, torque_nm: f64) -> Self {
-        let feed_forward = model.feed_forward.map_or(0.0, |f| f.speed_nm_s_per_rad * speed_rad_s);
-        InitialState {
-            dyno_speed_rad_s: speed_rad_s,
-            engine_speed_rad_s: speed_rad_s,
-            twist_rad: torque_nm / model.mechanics.stiffness_nm_per_rad,
-            air_gap_torque_nm: torque_nm,
-            integrator_nm: torque_nm - feed_forward,
-        }
-    }
-}
 
 /// What the bench did, one value a sample.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -96,38 +49,6 @@ pub struct EngineSpeedControl<'a> {
     pub proportional_nm_s_per_rad: f64,
     /// K_i, Nm/rad.
     pub integral_nm_per_rad: f64,
-}
-
-/// Why a simulation cannot run.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SimulationError {
-    /// The model lacks a part the drive needs.
-    #[error("the model has no {part}")]
-    MissingPart {
-        /// Which part.
-        part: &'static str,
-    },
-    /// Inputs differ in length, or there is none.
-    #[error("{what}: {found} samples where {expected} are needed")]
-    Length {
-        /// Which input.
-        what: &'static str,
-        /// Samples expected.
-        expected: usize,
-        /// Samples found.
-        found: usize,
-    },
-    /// The inputs do not stand on the controller's clock.
-    #[error("inputs every {inputs_s} s, but the controller runs every {controller_s} s")]
-    Clock {
-        /// Sample time of the inputs, s.
-        inputs_s: f64,
-        /// Sample time of the controller, s.
-        controller_s: f64,
-    },
-    /// The model has no exact discrete form.
-    #[error(transparent)]
-    Discretisation(#[from] lti::LtiError),
 }
 
 /// Simulates the bench.

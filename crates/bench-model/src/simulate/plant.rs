@@ -4,8 +4,9 @@ use faer::Mat;
 use lti::StateSpace;
 
 use super::ripple::{Ripple, between};
-use super::{Drive, InitialState, Inputs, SimulationError};
 use crate::model::{BenchModel, InverterModel, Mechanics};
+use crate::simulate::error::SimulationError;
+use crate::simulate::inputs::{Drive, InitialState, Inputs};
 
 /// ω_d, ω_e, Δθ, T_d, θ_d, θ_e.
 const STATES: usize = 6;

@@ -1,6 +1,6 @@
 //! Ripple that the drive puts onto the air-gap torque.
 
-use super::SimulationError;
+use crate::simulate::error::SimulationError;
 
 /// A known ripple r, w of the air-gap torque T_d = m (1 + r) + w, straight between the samples.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,8 +2,9 @@
 
 use signal::excitation::{Prbs, Random, Timing};
 
+use super::DesignTask;
 use super::trial::{HeldDemand, Trials};
-use super::{DesignError, DesignTask};
+use crate::excitation_design::error::DesignError;
 
 /// Longest clocks tried, in steps of the demand.
 const LONGEST_CLOCK: usize = 8;

@@ -12,7 +12,8 @@ use rig::facts::BenchVariant;
 use super::task::{
     DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, SampleNoise, TIME_SCALE_S, Unknown, beside_rotation,
 };
-use super::{Criterion, DesignError, Robustness};
+use super::{Criterion, Robustness};
+use crate::excitation_design::error::DesignError;
 
 /// Lowest frequency of an excitation from which gains of an integrator have to be determined, Hz.
 const SLOW_HZ: f64 = 0.25;

@@ -5,9 +5,9 @@ use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::{Mat, Side};
 use signal::Complex64;
 
-use super::DesignError;
 use super::signals::{Neighbours, OUTPUTS, disturbances, limited};
 use super::task::{Criterion, DesignTask};
+use crate::excitation_design::error::DesignError;
 
 /// Condition of the scaled information beyond which it counts as singular.
 const SINGULAR: f64 = 1e13;

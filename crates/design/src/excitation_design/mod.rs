@@ -40,8 +40,10 @@
 //! Pintelon & Schoukens, *System Identification: A Frequency Domain Approach*, 2nd ed. 2012, ch. 5.
 
 mod binary;
+mod error;
 mod goal;
 mod information;
+mod peaks;
 mod phases;
 mod signals;
 mod spectrum;
@@ -50,14 +52,14 @@ mod trial;
 mod white;
 
 use bench_model::model::ModelParameter;
-use bench_model::simulate::SimulationError;
 use rig::experiment::{ControlMode, Excitation, ExperimentPlan, Sine, Test, Waveform};
 use serde::{Deserialize, Serialize};
-use signal::SignalError;
 use units::RPM_RAD_S;
 
+pub use error::DesignError;
 pub use goal::{Goal, OperatingPoint, UnknownGoal};
 use information::{Line, lines, not_determined};
+pub use peaks::{LimitedQuantity, Peaks};
 use phases::Responses;
 use spectrum::{bands, optimise, power_of};
 pub use task::{
@@ -67,62 +69,6 @@ use trial::{HeldDemand, Trials};
 
 /// Lines with less than this part of the power of the strongest are left out.
 const WEAKEST: f64 = 1e-6;
-
-/// Why there is no design.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum DesignError {
-    /// The task contradicts itself.
-    #[error("{requirement}")]
-    Task {
-        /// What it would need.
-        requirement: &'static str,
-    },
-    /// The model lacks a part.
-    #[error("the model has no {part}")]
-    MissingPart {
-        /// Which.
-        part: &'static str,
-    },
-    /// No excitation within the band separates one of the parameters from the others.
-    #[error("the measured signals cannot separate {unknown} from the other unknowns")]
-    NotDetermined {
-        /// The parameter that is least known.
-        unknown: Unknown,
-    },
-    /// The model cannot be simulated.
-    #[error(transparent)]
-    Simulation(#[from] SimulationError),
-    /// A transform failed.
-    #[error(transparent)]
-    Signal(#[from] SignalError),
-}
-
-/// What may be limited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LimitedQuantity {
-    /// T_shaft.
-    ShaftTorque,
-    /// T_d.
-    AirGapTorque,
-    /// ω_d.
-    Speed,
-    /// The demand itself.
-    Demand,
-}
-
-/// Largest deviations from the operating point.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Peaks {
-    /// Of T_shaft, Nm.
-    pub shaft_torque_nm: f64,
-    /// Of T_d, Nm; in speed control the larger of T_d and T_d*.
-    pub air_gap_torque_nm: f64,
-    /// Of ω_d, rad/s.
-    pub speed_rad_s: f64,
-    /// Of the demand, Nm or rad/s.
-    pub demand: f64,
-}
 
 /// A parameter of interest as the experiment would leave it, on the nominal model.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

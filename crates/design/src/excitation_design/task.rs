@@ -4,7 +4,7 @@ use bench_model::model::{BenchModel, ModelParameter};
 use serde::{Deserialize, Serialize};
 use units::RPM_RAD_S;
 
-use super::DesignError;
+use crate::excitation_design::error::DesignError;
 
 /// Time that unknown times are counted against, s.
 pub(super) const TIME_SCALE_S: f64 = 1e-3;

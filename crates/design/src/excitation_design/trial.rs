@@ -7,7 +7,8 @@ use signal::spectrum::fft_real;
 
 use super::information::{Judged, Judges, Line, lines};
 use super::task::{DesignTask, ExcitedDemand, Robustness};
-use super::{DesignError, LimitedQuantity, Peaks};
+use crate::excitation_design::error::DesignError;
+use crate::excitation_design::peaks::{LimitedQuantity, Peaks};
 
 /// Step of the simulation at most, s.
 const LONGEST_STEP_S: f64 = 1e-3;

@@ -2,9 +2,9 @@
 
 use signal::excitation::Random;
 
-use super::DesignError;
 use super::task::DesignTask;
 use super::trial::{HeldDemand, Trials};
+use crate::excitation_design::error::DesignError;
 
 /// Realisations averaged over.
 const REALISATIONS: u64 = 6;

@@ -3,6 +3,7 @@
 //!
 //! Firing pulses are no part of the prediction, see [`bench_model::prediction`]: they add to the shaft torque.
 
+mod checked;
 mod quantity;
 mod run;
 mod sines;
@@ -14,6 +15,7 @@ use rig::experiment::Demands;
 use rig::random::Source;
 use serde::Serialize;
 
+pub use checked::Checked;
 pub use quantity::Quantity;
 use run::{Outcome, outcomes};
 pub use sines::{Proposal, SafeSine};
@@ -41,23 +43,6 @@ pub struct SafetyInputs<'a> {
     pub samples: usize,
     /// Seed of the draws; equal seeds give equal results, however many threads work.
     pub seed: u64,
-}
-
-/// One quantity over all benches drawn.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Checked {
-    /// What it is.
-    pub of: Quantity,
-    /// The limit stated, SI.
-    pub limit: Option<f64>,
-    /// Its value on every bench, SI, growing; infinite where a bench is not stable.
-    pub values: Vec<f64>,
-    /// How often the limit is reached; `None` without one.
-    pub reached: Option<Proportion>,
-    /// The value on the worst bench, SI.
-    pub worst: f64,
-    /// Resonance of that bench in torque control, Hz; `None` without a shaft.
-    pub worst_resonance_hz: Option<f64>,
 }
 
 /// What retarded ignition does to the exhaust: a hint, no limit.
@@ -100,21 +85,6 @@ pub enum SafetyError {
     /// No samples.
     #[error("at least one bench must be drawn")]
     NoSamples,
-}
-
-impl Checked {
-    /// The value that a share of the benches stays below, SI (linear between them).
-    pub fn quantile(&self, probability: f64) -> f64 {
-        let place = probability.clamp(0.0, 1.0) * (self.values.len().saturating_sub(1)) as f64;
-        let (below, part) = (place.floor() as usize, place.fract());
-        let at = |index: usize| self.values.get(index).copied().unwrap_or(f64::NAN);
-        if part == 0.0 { at(below) } else { at(below) * (1.0 - part) + at(below + 1) * part }
-    }
-
-    /// Verdict of its limit alone.
-    pub fn safety(&self) -> Safety {
-        self.reached.map_or(Safety::NotChecked, |reached| reached.safety())
-    }
 }
 
 /// Checks an experiment. `told` hears from any thread how many runs of how many are done.

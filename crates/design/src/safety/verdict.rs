@@ -3,7 +3,7 @@
 use serde::Serialize;
 use signal::distributions::f_quantile;
 
-use super::Checked;
+use crate::safety::checked::Checked;
 
 /// The probability of reaching a limit that is allowed.
 pub const ALLOWED: f64 = 0.05;

@@ -11,11 +11,11 @@ use signal::Signal;
 use signal::periodicity::find_sinusoids;
 use signal::spectrum::fft_real;
 
-use super::DRIFT_HZ;
 use super::angle::Angle;
 use super::cause::Cause;
 use super::reference::{Course, Reference, folded_hz};
 use super::tracking::OrderTrack;
+use crate::look::found::DRIFT_HZ;
 
 /// Bins about the line, and those of them that the window blurs it over.
 const ABOUT: isize = 64;

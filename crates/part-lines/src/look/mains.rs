@@ -2,7 +2,7 @@
 
 use super::cause::Cause;
 use super::reference::{MAINS_HZ, RIPPLE};
-use super::{Line, Look};
+use crate::look::found::{Line, Look};
 
 /// Leaves what hangs on the mains that most of the recorded time shows, and takes back what was named by another: a bench
 /// hangs on one, and a short part may show a line where another's would be.

@@ -13,30 +13,34 @@
 //! tracking at extreme slew rates*, SAE 931288, 1993, for the idea.
 
 mod advice;
+mod amplitudes;
 mod angle;
 mod campbell;
 mod cause;
 mod demand;
+mod found;
 mod lines;
 mod mains;
 mod naming;
 mod over_speed;
 mod reference;
 mod resonance;
+mod shown;
 mod tracking;
 
 use std::f64::consts::TAU;
 
 use rig::facts::Engine;
 use rig::{ControlMode, Experiment, Role};
-use serde::Serialize;
 use signal::Signal;
-use signal::spectrum::{fft_frequencies_hz, fft_real};
 
+pub use amplitudes::amplitudes;
 use angle::Angle;
 pub use campbell::ShortSpectrum;
 pub use cause::Cause;
 use demand::Stretch;
+use found::{CHANGES, DRIFT_HZ, OF_THE_MASSES, SENSORS};
+pub use found::{Line, Look, LookedPart, LookedSignal};
 use lines::{Found, Lines};
 pub use mains::on_one_mains;
 use naming::Naming;
@@ -44,86 +48,17 @@ pub use over_speed::{CurvePoint, OrderCurve, OverSpeed, over_speed};
 pub use reference::folded_hz;
 use reference::{Reference, Setting};
 use resonance::BroadPeak;
+use shown::Shown;
 pub use tracking::{BANDWIDTH_ORDERS, OrderTrack, TURNS, TrackPoint};
 
-/// Signals that the masses move.
-const OF_THE_MASSES: [Role; 4] = [Role::DynoSpeed, Role::EngineSpeed, Role::SystemShaftTorque, Role::FlangeTorque];
-/// Sensors with a resonance of their own, and the signal that shows the same without it.
-const SENSORS: [(Role, Role); 1] = [(Role::LoadCellTorque, Role::AirGapTorque)];
 /// A broad peak this close to a multiple of half the firing order, Hz, for more than this share of the time, is of what varies
 /// from firing to firing; a line without a cause this close to any order is of it.
 const OF_A_FIRING_HZ: f64 = 0.6;
 const OFTEN: f64 = 0.2;
-/// Slower than this, Hz, is drift; a line without a cause cannot be separated from it.
-const DRIFT_HZ: f64 = 3.0;
-/// A speed changes where it ranges over more than this share of its mean.
-const CHANGES: f64 = 0.03;
 /// What is slower than this, s, is the trend of a signal whose speed changes.
 const TREND_S: f64 = 0.25;
 /// A stretch has at least so many samples of a signal.
 pub const FEWEST_SAMPLES: usize = 256;
-
-/// What one recording shows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Look {
-    /// The file.
-    pub file: String,
-    /// The experiment's label.
-    pub label: String,
-    /// The order of the firing; none without the shaft.
-    pub firing_order: Option<f64>,
-    /// Its parts: each sine of a sine test, or the whole.
-    pub parts: Vec<LookedPart>,
-}
-
-/// What a part of a recording shows.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LookedPart {
-    /// From, s of the recording's clock.
-    pub start_s: f64,
-    /// To, s.
-    pub end_s: f64,
-    /// Mean speed of the engine, or of the dynamometer where that is not recorded, rad/s.
-    pub speed_rad_s: f64,
-    /// Lowest and highest speed, each a mean over a tracking window, rad/s.
-    pub speed_range_rad_s: [f64; 2],
-    /// Demanded sines, Hz.
-    pub demanded_hz: Vec<f64>,
-    /// Signals.
-    pub signals: Vec<LookedSignal>,
-}
-
-/// A signal's spectrum and its lines.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LookedSignal {
-    /// Which.
-    pub role: Role,
-    /// Time between its samples, s.
-    pub sample_time_s: f64,
-    /// Frequencies of the spectrum, Hz.
-    pub frequency_hz: Vec<f64>,
-    /// Amplitude of a sine there, in SI.
-    pub amplitude: Vec<f64>,
-    /// Lines, the strongest first.
-    pub lines: Vec<Line>,
-    /// Spectra of moments, for a Campbell map.
-    pub short: Vec<ShortSpectrum>,
-    /// Orders over time, where the speed changes.
-    pub tracks: Vec<OrderTrack>,
-}
-
-/// A line, or a broad peak.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Line {
-    /// Where it shows, Hz.
-    pub frequency_hz: f64,
-    /// Amplitude, in SI; of a broad peak, of what a bandwidth of half a hertz holds.
-    pub amplitude: f64,
-    /// Its standard error; none of a broad peak.
-    pub standard_error: Option<f64>,
-    /// Where it comes from.
-    pub cause: Cause,
-}
 
 /// Names the lines of a recording.
 ///
@@ -169,16 +104,6 @@ struct Looker<'a> {
     /// None without the shaft.
     engine: Option<Engine>,
     angle: &'a Angle<'a>,
-}
-
-/// A signal of a part with what was found in it.
-struct Shown {
-    role: Role,
-    signal: Signal,
-    lines: Lines,
-    broad: Vec<BroadPeak>,
-    /// Orders, where the speed changes.
-    tracks: Vec<OrderTrack>,
 }
 
 impl Looker<'_> {
@@ -371,15 +296,4 @@ fn spectrum(role: Role, signal: &Signal) -> LookedSignal {
     let (frequency_hz, amplitude) = amplitudes(&signal.samples, signal.sample_time_s);
     let (lines, short, tracks) = (Vec::new(), Vec::new(), Vec::new());
     LookedSignal { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines, short, tracks }
-}
-
-/// Frequencies, Hz, and the amplitude of a sine at each, of samples without their mean, seen through a Hann window.
-pub fn amplitudes(samples: &[f64], sample_time_s: f64) -> (Vec<f64>, Vec<f64>) {
-    let count = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / count;
-    let window = |k: usize| 1.0 - (TAU * (k as f64 + 0.5) / count).cos();
-    let seen: Vec<f64> = samples.iter().enumerate().map(|(k, x)| window(k) * (x - mean)).collect();
-    let lines = fft_real(&seen).unwrap_or_default();
-    let amplitude = lines.iter().map(|line| 2.0 * line.norm() / count).collect();
-    (fft_frequencies_hz(samples.len(), sample_time_s), amplitude)
 }

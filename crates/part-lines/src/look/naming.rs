@@ -2,11 +2,13 @@
 
 use rig::Role;
 
+use super::advice;
 use super::cause::Cause;
 use super::lines::Found;
 use super::reference::{MAINS_HZ, RIPPLE, Reference, folded_hz};
 use super::resonance::{BroadPeak, is_one};
-use super::{DRIFT_HZ, OF_THE_MASSES, SENSORS, Shown, advice};
+use crate::look::found::{DRIFT_HZ, OF_THE_MASSES, SENSORS};
+use crate::look::shown::Shown;
 
 /// The masses on a shaft of a bench resonate below this, Hz.
 const HIGHEST_STRUCTURAL_HZ: f64 = 60.0;

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
 use super::tracking::TrackPoint;
-use super::{CHANGES, Line, Look, LookedPart, LookedSignal};
+use crate::look::found::{CHANGES, Line, Look, LookedPart, LookedSignal};
 
 /// Classes of speed from the lowest to the highest.
 const CLASSES: usize = 60;

@@ -3,39 +3,12 @@
 use ident::frequency::{Equation, ORDERS};
 use signal::Complex64;
 
+use super::places::{
+    COUNT, DYNO, DYNO_TURN, DYNO_WAVES, ENGINE, ENGINE_TURN, ENGINE_WAVES, FRICTION, GATE, INERTIA, K, SKEW_ENGINE,
+    SKEW_TORQUE, TERM, TERM_WAVE, TORQUE,
+};
 use super::springs::Springs;
-use super::terms::Term;
-
-pub(super) const K: usize = 0;
-pub(super) const B: usize = 1;
-/// Skew of N_e, s: positive when it is dated later than N_d.
-pub(super) const SKEW_ENGINE: usize = 2;
-/// Skew of the torque, s: positive when it is dated later than N_d.
-pub(super) const SKEW_TORQUE: usize = 3;
-/// Gate of both encoders, s.
-pub(super) const GATE: usize = 4;
-/// J_d, kg m²; zero where the torque is the shaft's own, measured by a flange.
-pub(super) const INERTIA: usize = 5;
-/// Once-a-turn error of N_d, ω_d (a cos θ_d + b sin θ_d): a and b.
-pub(super) const DYNO_TURN: [usize; 2] = [6, 7];
-/// The same of N_e.
-pub(super) const ENGINE_TURN: [usize; 2] = [8, 9];
-/// Slope of the dynamometer's friction over speed, Nm s/rad; it is next to J_d and like it is zero behind a flange.
-pub(super) const FRICTION: usize = 10;
-/// What a [`Term`] is multiplied by.
-pub(super) const TERM: usize = 11;
-/// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring behind it.
-pub(super) const DUAL_MASS: [usize; 3] = [11, 12, 13];
-pub(super) const COUNT: usize = 14;
-
-/// Places of the signals: N_d, N_e, torque, and for each speed ω cos θ and ω sin θ, what a once-a-turn error adds to it.
-pub(super) const DYNO: usize = 0;
-pub(super) const ENGINE: usize = 1;
-pub(super) const TORQUE: usize = 2;
-pub(super) const DYNO_WAVES: [usize; 2] = [3, 4];
-pub(super) const ENGINE_WAVES: [usize; 2] = [5, 6];
-/// What a term of the shaft that is not linear multiplies; it is there with such a term alone.
-pub(super) const TERM_WAVE: usize = 7;
+use crate::shaft::term::Term;
 
 /// s T_shaft + (K + B s)(ω_d − ω_e) = 0, with s T_shaft = J_d s² ω_d + c s ω_d + s T_d when it is computed (c the slope of
 /// the friction over speed, without which it would be taken for B: both brake ω_d) and J_d = c = 0 when a flange measures it.

@@ -12,11 +12,14 @@ use rig::results::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
 use signal::Signal;
 
 use super::engine_side::{self, EngineInertia};
-use super::equation::{self, COUNT, Dating, ShaftEquation};
+use super::equation::{Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use super::response::{measured_response, validate};
 use super::spectra::{Spectra, whole_band_hz};
-use super::terms::{Beyond, Term, TermTest};
+use super::terms::{Beyond, TermTest};
+use crate::shaft::places;
+use crate::shaft::places::COUNT;
+use crate::shaft::term::Term;
 
 const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
@@ -99,8 +102,8 @@ pub fn estimate_inertia(inputs: &ShaftInputs<'_>) -> Result<Option<(f64, f64)>, 
         return Ok(None);
     }
     let solution = Solution::of(inputs, &inputs.stretch()?, Unknowns::ShaftAndInertia)?;
-    let variance = solution.fit.covariance[(equation::INERTIA, equation::INERTIA)];
-    Ok(Some((solution.fit.fit.parameters[equation::INERTIA], variance.sqrt())))
+    let variance = solution.fit.covariance[(places::INERTIA, places::INERTIA)];
+    Ok(Some((solution.fit.fit.parameters[places::INERTIA], variance.sqrt())))
 }
 
 /// By how many times the equation leaves less with N_d and N_e exchanged: far beyond one where their channels are mixed up.
@@ -130,12 +133,12 @@ pub fn estimate_by_band(
         let standard_uncertainty = covariance[(parameter, parameter)].sqrt();
         (standard_uncertainty > 0.0).then(|| Prior { parameter, value: theta[parameter], standard_uncertainty })
     };
-    let timing = [equation::SKEW_ENGINE, equation::SKEW_TORQUE, equation::GATE, equation::FRICTION];
+    let timing = [places::SKEW_ENGINE, places::SKEW_TORQUE, places::GATE, places::FRICTION];
     let timing: Vec<Prior> = timing.into_iter().filter_map(known).collect();
     let of_band = |band_hz: (f64, f64)| {
         let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing, from: None };
         let own = Solution::dated(inputs, &stretch, Unknowns::Shaft, timed).ok()?;
-        if [equation::K, equation::B].iter().any(|at| own.fit.fit.at_bound[*at]) {
+        if [places::K, places::B].iter().any(|at| own.fit.fit.at_bound[*at]) {
             return None;
         }
         let exact = Dated { band_hz, ..Dated::as_recorded(inputs) };
@@ -157,7 +160,7 @@ pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
         let Ok(Solution { fit, .. }) = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(term)) else {
             return TermTest::new(term, None);
         };
-        let deviation = fit.covariance[(equation::TERM, equation::TERM)].sqrt();
+        let deviation = fit.covariance[(places::TERM, places::TERM)].sqrt();
         TermTest::new(term, (deviation > 0.0).then_some((&fit, deviation)))
     };
     let simple_misfit = Solution::of(inputs, &stretch, Unknowns::Shaft)?.fit.scale;
@@ -173,16 +176,16 @@ pub fn test_terms(inputs: &ShaftInputs<'_>) -> Result<Beyond, EstimateError> {
 pub fn estimate_dual_mass(inputs: &ShaftInputs<'_>) -> Result<(Estimate, f64), EstimateError> {
     let stretch = inputs.stretch()?;
     let solution = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(Term::DualMass))?;
-    let [mass, stiffness, damping] = equation::DUAL_MASS;
+    let [mass, stiffness, damping] = places::DUAL_MASS;
     let outputs: [ReadOut<'_>; 8] = [
-        (K, &|t| t[equation::K]),
-        (B, &|t| t[equation::B]),
+        (K, &|t| t[places::K]),
+        (B, &|t| t[places::B]),
         (MASS, &|t| t[mass]),
         (SPRING, &|t| t[stiffness]),
         (SPRING_DAMPING, &|t| t[damping]),
-        (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
-        (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
-        (GATE, &|t| t[equation::GATE]),
+        (SKEW_ENGINE, &|t| t[places::SKEW_ENGINE]),
+        (SKEW_TORQUE, &|t| t[places::SKEW_TORQUE]),
+        (GATE, &|t| t[places::GATE]),
     ];
     Ok((solution.outputs(&outputs, &stretch), solution.fit.scale))
 }
@@ -312,33 +315,29 @@ impl Solution {
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
         let mut outputs: Vec<ReadOut<'_>> = vec![
-            (K, &|t| t[equation::K]),
-            (B, &|t| t[equation::B]),
-            (SKEW_ENGINE, &|t| t[equation::SKEW_ENGINE]),
-            (SKEW_TORQUE, &|t| t[equation::SKEW_TORQUE]),
-            (GATE, &|t| t[equation::GATE]),
+            (K, &|t| t[places::K]),
+            (B, &|t| t[places::B]),
+            (SKEW_ENGINE, &|t| t[places::SKEW_ENGINE]),
+            (SKEW_TORQUE, &|t| t[places::SKEW_TORQUE]),
+            (GATE, &|t| t[places::GATE]),
         ];
         let is_estimated = |at: usize| self.fit.covariance[(at, at)] > 0.0;
-        if is_estimated(equation::FRICTION) {
-            outputs.push((FRICTION, &|t| t[equation::FRICTION]));
+        if is_estimated(places::FRICTION) {
+            outputs.push((FRICTION, &|t| t[places::FRICTION]));
         }
-        if is_estimated(equation::INERTIA) {
-            outputs.push((DYNO_INERTIA, &|t| t[equation::INERTIA]));
+        if is_estimated(places::INERTIA) {
+            outputs.push((DYNO_INERTIA, &|t| t[places::INERTIA]));
         }
         self.outputs(&outputs, stretch)
     }
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.
     fn with_engine_inertia(&self, stretch: &Stretch, engine: &EngineInertia) -> Estimate {
-        let mut labels: Vec<(Label, usize)> = vec![(K, equation::K), (B, equation::B)];
-        if self.fit.covariance[(equation::INERTIA, equation::INERTIA)] > 0.0 {
-            labels.push((DYNO_INERTIA, equation::INERTIA));
+        let mut labels: Vec<(Label, usize)> = vec![(K, places::K), (B, places::B)];
+        if self.fit.covariance[(places::INERTIA, places::INERTIA)] > 0.0 {
+            labels.push((DYNO_INERTIA, places::INERTIA));
         }
-        labels.extend([
-            (SKEW_ENGINE, equation::SKEW_ENGINE),
-            (SKEW_TORQUE, equation::SKEW_TORQUE),
-            (GATE, equation::GATE),
-        ]);
+        labels.extend([(SKEW_ENGINE, places::SKEW_ENGINE), (SKEW_TORQUE, places::SKEW_TORQUE), (GATE, places::GATE)]);
         let (theta, known) = (&self.fit.fit.parameters, &self.fit.covariance);
         let entry = |label: Label, at: usize| {
             Parameter::new(label, theta[at], known[(at, at)].max(0.0).sqrt(), self.fit.degrees_of_freedom)
@@ -360,7 +359,7 @@ impl Solution {
     }
 
     fn zero(&self, stretch: &Stretch) -> Result<Parameter, EstimateError> {
-        let mut zero = self.outputs(&[(ZERO, &|t| -t[equation::K] / t[equation::B])], stretch);
+        let mut zero = self.outputs(&[(ZERO, &|t| -t[places::K] / t[places::B])], stretch);
         zero.parameters.pop().ok_or_else(|| EstimateError::Ident {
             file: stretch.file.clone(),
             source: ident::IdentError::TooFewSamples { samples: 0, parameters: 1 },
@@ -399,51 +398,51 @@ fn solve(
     let (gate, gate_uncertainty) = inputs.gate_s;
     let (inertia, inertia_uncertainty) = inputs.inertia_kg_m2.unwrap_or((0.0, 0.0));
     let mut start = [0.0; COUNT];
-    (start[equation::K], start[equation::GATE]) = (starting_stiffness(spectra, inertia), gate);
-    start[equation::INERTIA] = inertia;
+    (start[places::K], start[places::GATE]) = (starting_stiffness(spectra, inertia), gate);
+    start[places::INERTIA] = inertia;
     let positive = Bounds::new(0.0, f64::INFINITY);
     let skew = Bounds::new(-LARGEST_SKEW_S, LARGEST_SKEW_S);
     let mut bounds = [Bounds::NONE; COUNT];
-    bounds[..=equation::B].fill(positive);
-    bounds[equation::SKEW_ENGINE..=equation::SKEW_TORQUE].fill(skew);
-    bounds[equation::GATE] = Bounds::new(0.0, LARGEST_SKEW_S);
-    bounds[equation::INERTIA] = Bounds::new(inertia, inertia);
-    bounds[equation::FRICTION] = Bounds::new(0.0, 0.0);
-    bounds[equation::TERM] = Bounds::new(0.0, 0.0);
-    let mut priors = vec![Prior { parameter: equation::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
+    bounds[..=places::B].fill(positive);
+    bounds[places::SKEW_ENGINE..=places::SKEW_TORQUE].fill(skew);
+    bounds[places::GATE] = Bounds::new(0.0, LARGEST_SKEW_S);
+    bounds[places::INERTIA] = Bounds::new(inertia, inertia);
+    bounds[places::FRICTION] = Bounds::new(0.0, 0.0);
+    bounds[places::TERM] = Bounds::new(0.0, 0.0);
+    let mut priors = vec![Prior { parameter: places::GATE, value: gate, standard_uncertainty: gate_uncertainty }];
     if inertia > 0.0 && unknowns != Unknowns::ShaftWithoutTiming {
-        bounds[equation::FRICTION] = Bounds::NONE;
+        bounds[places::FRICTION] = Bounds::NONE;
         let (value, standard_uncertainty) = inputs.friction_slope_nm_s_per_rad;
-        start[equation::FRICTION] = value;
-        priors.push(Prior { parameter: equation::FRICTION, value, standard_uncertainty });
+        start[places::FRICTION] = value;
+        priors.push(Prior { parameter: places::FRICTION, value, standard_uncertainty });
     }
-    bounds[equation::DUAL_MASS[1]..=equation::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
+    bounds[places::DUAL_MASS[1]..=places::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
     match unknowns.term() {
-        Some(Term::DualMass) => equation::DUAL_MASS.iter().for_each(|i| bounds[*i] = positive),
-        Some(Term::SecondMass) => bounds[equation::TERM] = Bounds::new(-LARGEST_SECOND_MASS_S2, LARGEST_SECOND_MASS_S2),
-        Some(_) => bounds[equation::TERM] = Bounds::NONE,
+        Some(Term::DualMass) => places::DUAL_MASS.iter().for_each(|i| bounds[*i] = positive),
+        Some(Term::SecondMass) => bounds[places::TERM] = Bounds::new(-LARGEST_SECOND_MASS_S2, LARGEST_SECOND_MASS_S2),
+        Some(_) => bounds[places::TERM] = Bounds::NONE,
         None => (),
     }
     match unknowns {
         Unknowns::Shaft | Unknowns::ShaftAnd(_) if inertia_uncertainty > 0.0 => {
-            bounds[equation::INERTIA] = positive;
+            bounds[places::INERTIA] = positive;
             priors.push(Prior {
-                parameter: equation::INERTIA,
+                parameter: places::INERTIA,
                 value: inertia,
                 standard_uncertainty: inertia_uncertainty,
             });
         }
         Unknowns::Shaft | Unknowns::ShaftAnd(_) => (),
         Unknowns::ShaftWithoutTiming => {
-            start[equation::GATE] = 0.0;
-            bounds[equation::SKEW_ENGINE..=equation::GATE].fill(Bounds::new(0.0, 0.0));
+            start[places::GATE] = 0.0;
+            bounds[places::SKEW_ENGINE..=places::GATE].fill(Bounds::new(0.0, 0.0));
             priors.clear();
         }
-        Unknowns::ShaftAndInertia => bounds[equation::INERTIA] = positive,
+        Unknowns::ShaftAndInertia => bounds[places::INERTIA] = positive,
     }
     priors.retain(|prior| known.iter().all(|k| k.parameter != prior.parameter));
     priors.extend(known);
-    let turns = [equation::DYNO_TURN, equation::ENGINE_TURN].into_iter().flatten();
+    let turns = [places::DYNO_TURN, places::ENGINE_TURN].into_iter().flatten();
     priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
     let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };
     let fit = |start: &[f64]| {
@@ -475,10 +474,10 @@ fn best_of(
 fn flywheels(start: [f64; COUNT]) -> [[f64; COUNT]; FLYWHEELS.len()] {
     FLYWHEELS.map(|(mass, ratio)| {
         let mut with = start;
-        let stiffness = start[equation::K] * (1.0 + 1.0 / ratio);
+        let stiffness = start[places::K] * (1.0 + 1.0 / ratio);
         let damping = |stiffness: f64| 2.0 * START_DAMPING * (stiffness * mass).sqrt();
-        (with[equation::K], with[equation::B]) = (stiffness, damping(stiffness));
-        let [at_mass, at_stiffness, at_damping] = equation::DUAL_MASS;
+        (with[places::K], with[places::B]) = (stiffness, damping(stiffness));
+        let [at_mass, at_stiffness, at_damping] = places::DUAL_MASS;
         (with[at_mass], with[at_stiffness], with[at_damping]) = (mass, ratio * stiffness, damping(ratio * stiffness));
         with
     })

@@ -13,9 +13,11 @@ mod engine_side;
 mod equation;
 mod estimate;
 mod inputs;
+mod places;
 mod response;
 mod spectra;
 mod springs;
+mod term;
 mod terms;
 
 pub use estimate::{
@@ -24,4 +26,5 @@ pub use estimate::{
 };
 pub use inputs::ShaftInputs;
 pub use part_torque::air_gap_torque::NoisyTorque;
-pub use terms::{Beyond, Term, TermTest, Weight};
+pub use term::{Term, Weight};
+pub use terms::{Beyond, TermTest};

@@ -8,9 +8,10 @@ use rig::estimation::EstimateError;
 use rig::results::{MeasuredResponse, Stretch, Trace, Validation};
 use signal::Complex64;
 
-use super::equation::{self, Corrections, Dating};
+use super::equation::{Corrections, Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::{LOWEST_HZ, Spectra, TAPERED_PART, even_window, highest_hz, tapered, turn_band_hz};
+use crate::shaft::places;
 
 /// Bands of the measured frequency response per octave.
 const BANDS_PER_OCTAVE: f64 = 6.0;
@@ -35,7 +36,7 @@ pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredRes
         }
         let (measured, frequency) = (cross / power, centre / power);
         let s = Complex64::new(0.0, TAU * frequency);
-        let modelled = theta[equation::K] / s + theta[equation::B];
+        let modelled = theta[places::K] / s + theta[places::B];
         response.frequencies_hz.push(frequency);
         response.measured_gain_db.push(20.0 * measured.norm().log10());
         response.measured_phase_deg.push(measured.arg().to_degrees());
@@ -47,7 +48,7 @@ pub(super) fn measured_response(spectra: &Spectra, theta: &[f64]) -> MeasuredRes
 
 fn difference_and_torque(spectra: &Spectra, theta: &[f64], k: usize) -> (Complex64, Complex64) {
     let Motion { dyno, engine, torque } = motion(spectra, theta, k);
-    (engine[0] - dyno[0], torque[0] + theta[equation::INERTIA] * dyno[1] + theta[equation::FRICTION] * dyno[0])
+    (engine[0] - dyno[0], torque[0] + theta[places::INERTIA] * dyno[1] + theta[places::FRICTION] * dyno[0])
 }
 
 /// The two sides of the shaft at one frequency, by order of their derivative: timing and once-a-turn errors taken out.
@@ -64,13 +65,12 @@ fn motion(spectra: &Spectra, theta: &[f64], k: usize) -> Motion {
         let pairs = waves.into_iter().zip(amplitudes);
         pairs.fold(of(speed, order), |left, (wave, amplitude)| left - theta[amplitude] * of(wave, order))
     };
-    let dyno = |order| factor.speed * without_turn(equation::DYNO, equation::DYNO_WAVES, equation::DYNO_TURN, order);
-    let engine =
-        |order| factor.engine * without_turn(equation::ENGINE, equation::ENGINE_WAVES, equation::ENGINE_TURN, order);
+    let dyno = |order| factor.speed * without_turn(places::DYNO, places::DYNO_WAVES, places::DYNO_TURN, order);
+    let engine = |order| factor.engine * without_turn(places::ENGINE, places::ENGINE_WAVES, places::ENGINE_TURN, order);
     Motion {
         dyno: [0, 1, 2].map(dyno),
         engine: [0, 1, 2].map(engine),
-        torque: [0, 1, 2].map(|order| factor.torque * of(equation::TORQUE, order)),
+        torque: [0, 1, 2].map(|order| factor.torque * of(places::TORQUE, order)),
     }
 }
 
@@ -85,7 +85,7 @@ pub(super) struct EngineSide {
 pub(super) fn engine_side(spectra: &Spectra, theta: &[f64], k: usize) -> EngineSide {
     let Motion { dyno, engine, torque } = motion(spectra, theta, k);
     EngineSide {
-        torque_rate: torque[1] + theta[equation::INERTIA] * dyno[2] + theta[equation::FRICTION] * dyno[1],
+        torque_rate: torque[1] + theta[places::INERTIA] * dyno[2] + theta[places::FRICTION] * dyno[1],
         regressors: [engine[2], engine[1], engine[0]],
     }
 }
@@ -116,10 +116,10 @@ pub(super) fn validate(
     for k in used.filter(|k| !turn.contains(&window.frequency_hz(*k))) {
         let s = Complex64::new(0.0, TAU * window.frequency_hz(k));
         let factor = Corrections::at(s, theta, Dating::default());
-        let braking = theta[equation::INERTIA] * s + theta[equation::FRICTION];
+        let braking = theta[places::INERTIA] * s + theta[places::FRICTION];
         measured[k] = (braking * factor.speed * speed[k] + factor.torque * torques[k]) / dt;
         let difference = factor.engine * engine[k] - factor.speed * speed[k];
-        modelled[k] = (theta[equation::K] / s + theta[equation::B]) * difference / dt;
+        modelled[k] = (theta[places::K] / s + theta[places::B]) * difference / dt;
     }
     let edge = (TAPERED_PART * length as f64).ceil() as usize;
     let back = |spectrum| -> Result<Vec<f64>, EstimateError> {

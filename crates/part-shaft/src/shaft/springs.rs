@@ -14,8 +14,8 @@
 use ident::frequency::ORDERS;
 use signal::Complex64;
 
-use super::equation::{B, DUAL_MASS, K, TERM};
-use super::terms::Term;
+use crate::shaft::places::{B, DUAL_MASS, K, TERM};
+use crate::shaft::term::Term;
 
 /// Coefficients by order of derivative.
 type Orders = [Complex64; ORDERS];

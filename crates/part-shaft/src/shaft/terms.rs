@@ -17,9 +17,11 @@ use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
 use units::RPM_RAD_S;
 
-use super::equation::{self, Dating};
+use super::equation::{Dating};
 use super::inputs::ShaftInputs;
 use super::spectra::highest_hz;
+use super::term::{Term, Weight};
+use crate::shaft::places;
 
 /// Changes with torque are stated for so many Nm.
 const PER_NM: f64 = 100.0;
@@ -31,38 +33,6 @@ const LOOSE_NM: f64 = 5.0;
 const LOOSE_SHARE: f64 = 0.005;
 /// A weight that hardly moves (standard deviation) shows nothing.
 const STILL: f64 = 1e-3;
-
-/// A term beyond the simple shaft.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Term {
-    /// K (1 + iη) in place of K: damping that does not grow with frequency.
-    LossFactor,
-    /// A mass between shaft and engine: ω_e (1 − m s²) in place of ω_e, m = J/K of that mass and the spring behind it, the
-    /// first effect of a dual-mass flywheel.
-    SecondMass,
-    /// That flywheel as it is: a mass, and a spring with damping behind it. It has three parameters and is no
-    /// [`TermTest`]; see [`super::estimate_dual_mass`].
-    DualMass,
-    /// K changes with the weight, as a part of K.
-    OfStiffness(Weight),
-    /// B changes with the weight, in Nm s/rad.
-    OfDamping(Weight),
-}
-
-/// What stiffness or damping may change with.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Weight {
-    /// T_shaft less its mean, per 100 Nm.
-    Torque,
-    /// The square of that less its mean, per (100 Nm)².
-    TorqueSquared,
-    /// N_d less its mean, per 1000 rpm.
-    Speed,
-    /// How near to zero T_shaft is, e^{−(T/5 Nm)²}: −1 where the shaft is loose about zero torque.
-    NearZeroTorque,
-}
 
 impl Term {
     /// All that are tested by one parameter.
@@ -145,12 +115,12 @@ impl TermTest {
                 found: false,
             };
         };
-        let (value, freedom) = (fit.fit.parameters[equation::TERM], fit.degrees_of_freedom);
+        let (value, freedom) = (fit.fit.parameters[places::TERM], fit.degrees_of_freedom);
         TermTest {
             term,
             value: Some(Parameter::new(term.label(), value, error, freedom)),
             p_value: Some(f_tail((value / error).powi(2), 1.0, freedom)),
-            stiffness_nm_per_rad: Some(fit.fit.parameters[equation::K]),
+            stiffness_nm_per_rad: Some(fit.fit.parameters[places::K]),
             misfit: Some(fit.scale),
             found: false,
         }

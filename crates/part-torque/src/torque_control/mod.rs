@@ -5,6 +5,7 @@
 //! The ripple of the drive, which multiplies the torque as well as adding to it, is found in the residual spectrum and
 //! estimated jointly: left out, it biases the lag.
 
+mod bounds;
 mod held;
 mod model;
 mod observed;
@@ -25,9 +26,12 @@ use serde::Serialize;
 use signal::Signal;
 
 pub use bench_model::drive_ripple::{DriveRipple, RippleLine};
+pub(crate) use bounds::DELAY;
+use bounds::{EARLIEST_S, LAG_RAD_S, LONGEST_DELAY_S};
 pub use held::HeldDemand;
 pub use model::{InverterModel, ResidualStatistics};
 pub(super) use observed::Observed;
+use observed::check_finite;
 pub(crate) use observed::usable_samples;
 use rippled::{DelayAndLag, RippledModel};
 pub use search::batches;
@@ -36,12 +40,6 @@ pub(super) use search::robust_covariance;
 pub use second_order::{CRITICALLY_DAMPED, SecondOrderTest};
 pub(crate) use second_order::{SecondOrder, distance_from_lag, lag_errors, term_error};
 
-/// The longest delay looked for, s.
-const LONGEST_DELAY_S: f64 = 0.02;
-/// By how much T_d,calc may be dated before the demand that it follows, s: as far as clocks of rasters are apart.
-const EARLIEST_S: f64 = 0.005;
-/// Range of the lag, rad/s.
-const LAG_RAD_S: (f64, f64) = (20.0, 2e4);
 /// Part of the recording that is estimated from; the rest is held out.
 const ESTIMATION_SHARE: f64 = 0.7;
 /// Shortest usable recording, s.
@@ -63,7 +61,6 @@ const PREFERRED: [ExperimentLabel; 5] = [
     ExperimentLabel::new(Test::Bs, Excitation::Torque, ControlMode::Nt),
 ];
 
-pub(super) const DELAY: Label = Label { symbol: "τ", name: "delay of the torque control", unit: "s" };
 const LAG: Label = Label { symbol: "a", name: "bandwidth of the torque control", unit: "rad/s" };
 const TOTAL: Label = Label { symbol: "τ + 1/a", name: "total delay of the torque control", unit: "s" };
 const GAIN: Label = Label { symbol: "T_d,calc/T_d*", name: "gain of the torque control", unit: "1" };
@@ -187,13 +184,6 @@ pub(super) fn usable_signal(experiment: &Experiment, role: Role) -> Result<&Sign
         return Err(EstimateError::TooShort { file: file(), duration_s, needed_s: SHORTEST_S });
     }
     Ok(signal)
-}
-
-fn check_finite(what: &'static str, values: &[f64]) -> Result<(), IdentError> {
-    match values.iter().position(|v| !v.is_finite()) {
-        Some(index) => Err(IdentError::NotFinite { what, index }),
-        None => Ok(()),
-    }
 }
 
 /// Standard deviation of values about their mean, in their unit.

@@ -74,8 +74,8 @@ impl InverterModel {
     /// # Errors
     /// Samples that are not finite, or too few that are usable.
     pub fn refit_ripple(&self, demand: &Signal, t_calc: &Signal) -> Result<InverterModel, IdentError> {
-        super::check_finite("T_d*", &demand.samples)?;
-        super::check_finite("T_d,calc", &t_calc.samples)?;
+        crate::torque_control::observed::check_finite("T_d*", &demand.samples)?;
+        crate::torque_control::observed::check_finite("T_d,calc", &t_calc.samples)?;
         let usable = usable_samples(demand, t_calc, self.torque_limit_nm);
         let observed = Observed::new(t_calc, &usable, 0..t_calc.len());
         let held = HeldDemand::new(demand, self.torque_limit_nm);

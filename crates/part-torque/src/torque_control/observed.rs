@@ -1,9 +1,10 @@
 //! The samples of a torque signal that an estimate may use.
 
+use ident::IdentError;
 use signal::Signal;
 
-use super::EARLIEST_S;
 use super::held::HeldDemand;
+use crate::torque_control::bounds::EARLIEST_S;
 
 /// Time for which a demand at its limit, or an unknown past, still shows in the torque, s.
 pub(crate) const MEMORY_S: f64 = 0.1;
@@ -109,4 +110,11 @@ fn limited_until(demand: &Signal, limit_nm: Option<f64>) -> Vec<f64> {
 /// The demand at the instants of the samples.
 pub(crate) fn demand_at(demand: &HeldDemand, times_s: &[f64]) -> Vec<f64> {
     times_s.iter().map(|t| demand.at(*t)).collect()
+}
+
+pub(super) fn check_finite(what: &'static str, values: &[f64]) -> Result<(), IdentError> {
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(index) => Err(IdentError::NotFinite { what, index }),
+        None => Ok(()),
+    }
 }

@@ -10,7 +10,7 @@ use super::model::{InverterModel, PureDelay};
 use super::observed::Observed;
 use super::rippled::linear_part;
 use super::search::robust_covariance;
-use super::{DELAY, EARLIEST_S, LONGEST_DELAY_S};
+use crate::torque_control::bounds::{DELAY, EARLIEST_S, LONGEST_DELAY_S};
 
 /// Parts of a sample of the demand in which delays are tried.
 const PARTS: usize = 20;

@@ -15,7 +15,7 @@ use super::model::statistics;
 use super::observed::Observed;
 use super::rippled::{DelayAndLag, Response, RippledModel};
 use super::search::fit_with_lines;
-use super::{EARLIEST_S, LAG_RAD_S, LONGEST_DELAY_S};
+use crate::torque_control::bounds::{EARLIEST_S, LAG_RAD_S, LONGEST_DELAY_S};
 
 /// κ of a critically damped loop, two equal lags.
 pub const CRITICALLY_DAMPED: f64 = 0.25;

@@ -10,8 +10,8 @@ use rig::estimation::Label;
 use rig::results::Parameter;
 use serde::Serialize;
 
-use super::OrdersTried;
 use super::record::{Record, rms};
+use crate::torque_control_study::orders::OrdersTried;
 
 /// How exactly structures are searched that only may be chosen.
 const ROUGHLY: NonlinearOptions = NonlinearOptions { iteration_limit: 20, step_tolerance: 1e-4, cost_tolerance: 1e-6 };

@@ -10,6 +10,8 @@
 //! it changed; what they find below a sample is what black boxes cannot.
 
 mod black_box;
+mod excited;
+mod orders;
 mod paired;
 mod record;
 mod visibility;
@@ -21,6 +23,8 @@ use serde::Serialize;
 
 use crate::torque_control::SecondOrderTest;
 pub use black_box::{ASKED_HZ, BlackBox, ChosenBy, Closed, ELLIPSE_LEVEL, Family, Input, Root, Scanned, Structure};
+pub use excited::Excited;
+pub use orders::OrdersTried;
 pub use paired::PairedTest;
 use record::{Record, rms};
 pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, visibility};
@@ -34,16 +38,6 @@ const EXPERIMENTS: [(Excited, &[&str]); 2] = [
     (Excited::Dynamometer, &["WhiteNoise_T_TN", "Multisine_T_TN", "Binary_T_TN", "Step_T_TN"]),
     (Excited::Engine, &["BS_T_NT"]),
 ];
-
-/// What moved T_d*.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Excited {
-    /// The dynamometer's own demand.
-    Dynamometer,
-    /// The engine, which the speed controller answers.
-    Engine,
-}
 
 /// What recordings show about the torque control.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -193,21 +187,6 @@ pub enum TorqueControlStudyError {
         /// Why the first of them cannot.
         reason: String,
     },
-}
-
-/// Which orders are tried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct OrdersTried {
-    /// Poles and coefficients of B: from one to this many.
-    pub highest: usize,
-    /// Delays: from none to this many samples.
-    pub longest_delay: usize,
-}
-
-impl Default for OrdersTried {
-    fn default() -> Self {
-        OrdersTried { highest: 6, longest_delay: 4 }
-    }
 }
 
 /// Studies the torque control on one recording that the dynamometer moved (WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN,

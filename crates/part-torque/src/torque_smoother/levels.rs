@@ -11,7 +11,8 @@ use ident::smoothing::likeliest;
 use ident::{Bounds, IdentError};
 use serde::Serialize;
 
-use super::{Observations, TorqueSmoother};
+use super::TorqueSmoother;
+use crate::torque_smoother::observations::Observations;
 
 /// Where the logarithms stand; each line's after that of the damping.
 pub(super) const WANDERING: usize = 0;

@@ -5,6 +5,8 @@
 //! means over a sample, with white noise. The levels of the noises are those of greatest likelihood.
 
 mod levels;
+mod needed;
+mod observations;
 mod prepared;
 
 use std::f64::consts::TAU;
@@ -13,23 +15,23 @@ use faer::Mat;
 use ident::IdentError;
 use ident::smoothing::{Belief, NoisySystem, Smoothed};
 use lti::StateSpace;
+use rig::Experiment;
 use rig::estimation::EstimateError;
 use rig::facts::Engine;
-use rig::{Experiment, Role};
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
 
 pub use self::levels::{Levels, NoiseLevels};
 pub use self::prepared::{Prepared, TorqueSource};
+use needed::SHORTEST_S;
+use needed::WITHIN;
+pub use needed::needed;
+pub use observations::Observations;
 
-/// Shortest recording, s.
-const SHORTEST_S: f64 = 2.0;
 /// Multiples of the firing frequency that are modelled at most.
 const LINES: usize = 4;
 /// Deviation of the speed, of its mean, beyond which firing is at no frequency that could be modelled.
 const STEADY: f64 = 0.02;
-/// Instants at which T_d is read within a sample of N_d.
-const WITHIN: usize = 4;
 /// Standard deviations at the start: the torque sought, Nm; its slope, Nm/s.
 const START: (f64, f64) = (300.0, 1e4);
 
@@ -48,26 +50,6 @@ pub struct Mechanics {
     pub at_rest: Vec<f64>,
     /// Standard deviations of x at the start.
     pub start: Vec<f64>,
-}
-
-/// What the smoother takes, on the clock of N_d: row k is at `start_s` + k steps, where the means of its speeds end and that
-/// of its torque begins.
-#[derive(Debug, Clone)]
-pub struct Observations {
-    /// Time of the first row, s.
-    pub start_s: f64,
-    /// Time between rows, s.
-    pub sample_time_s: f64,
-    /// The first value of N_d.
-    pub first_rad_s: f64,
-    /// Speeds less that, a column each; NaN where none was read.
-    pub speeds: Mat<f64>,
-    /// Mean of T_d from each sample to the next, one column.
-    pub torque: Mat<f64>,
-    /// Firing frequency and multiples, Hz.
-    pub lines_hz: Vec<f64>,
-    /// Standard deviation of the noise on each speed, a guess.
-    pub noise_rad_s: Vec<f64>,
 }
 
 /// Equally spaced stamps of N_d at which the smoother has a row.
@@ -137,19 +119,6 @@ pub fn firing_lines(experiment: &Experiment, engine: Engine, speed: &Signal, hig
     }
     let firing_hz = engine.firings_per_turn() * mean / TAU;
     (1..=LINES).map(|k| k as f64 * firing_hz).filter(|hz| *hz > 1.0 && *hz < highest_hz).collect()
-}
-
-/// A signal that is long enough.
-///
-/// # Errors
-/// It is missing or too short.
-pub fn needed(experiment: &Experiment, role: Role) -> Result<&Signal, EstimateError> {
-    let file = || experiment.file.clone();
-    let signal = experiment.signal(role).ok_or_else(|| EstimateError::MissingSignal { file: file(), role })?;
-    if signal.duration_s() < SHORTEST_S {
-        return Err(EstimateError::TooShort { file: file(), duration_s: signal.duration_s(), needed_s: SHORTEST_S });
-    }
-    Ok(signal)
 }
 
 /// Mechanics and what was observed of them. The states: means of the measured ones over the sample, those of the mechanics,

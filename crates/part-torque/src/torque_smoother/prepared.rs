@@ -7,9 +7,9 @@ use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
 
-use super::{WITHIN, needed};
 use crate::air_gap_torque::inverter_of;
 use crate::torque_control::TorqueControlFit;
+use crate::torque_smoother::needed::{WITHIN, needed};
 
 /// Where T_d comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

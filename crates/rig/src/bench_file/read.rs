@@ -7,9 +7,9 @@ use units::{self, Quantity, Unit};
 
 use super::fault::{BenchFileError, FaultKind};
 use super::sections::{Faults, Place, Section};
-use super::{
-    BenchFile, ChannelMapping, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ShaftPrior, virtual_bench,
-};
+use super::virtual_bench;
+use crate::bench_file::stated::{BenchFile, LabelOverride, Limits, PLAUSIBLE_INERTIA_KG_M2, RecordingList, ShaftPrior};
+use crate::channels::ChannelMapping;
 use crate::facts::BenchVariant;
 use crate::role::{Role, parse_unit_of_role};
 
@@ -173,7 +173,7 @@ fn read_inertia(bench: &Section<'_, '_>, key: &str, faults: &mut Faults<'_>) -> 
     if (plausible.0..=plausible.1).contains(&value) {
         return Some(value);
     }
-    let looks_like = super::plausible_inertia_units(value);
+    let looks_like = crate::bench_file::stated::plausible_inertia_units(value);
     let kind = FaultKind::ImplausibleInertia { value_kg_m2: value, plausible, looks_like };
     faults.add(place.offset, bench.path_of(key), kind);
     None

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use super::{BenchFile, ChannelMapping, Limits, ShaftPrior};
+use crate::bench_file::stated::{BenchFile, Limits, ShaftPrior};
+use crate::channels::ChannelMapping;
 use crate::channels::{Ambiguity, Guess};
 use crate::facts::BenchVariant;
 use crate::role::Role;

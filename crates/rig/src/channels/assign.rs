@@ -5,7 +5,7 @@ use recording::Recording;
 use super::candidate::{Candidate, candidates};
 use super::compare::{compare_means, compare_speeds, compare_torques};
 use super::score::{Scores, weight};
-use super::{Ambiguity, Choice, Guess, Meaning, Reason};
+use crate::channels::guess::{Ambiguity, Choice, Guess, Meaning, Reason};
 use crate::role::Role;
 
 pub(super) fn guess(recordings: &[(&str, &Recording)]) -> Guess {

@@ -5,7 +5,7 @@ use units::{self, Quantity, Unit, UnitError};
 
 use super::evidence::Samples;
 use super::words::{self, Found};
-use super::{Meaning, Reason};
+use crate::channels::guess::{Meaning, Reason};
 use crate::role::Role;
 
 /// Above this share of noise-free samples a channel is a demand.

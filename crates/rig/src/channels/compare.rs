@@ -7,7 +7,7 @@ use units::Quantity;
 use super::candidate::Candidate;
 use super::evidence::best_delay;
 use super::score::{THRESHOLD, score};
-use super::{Guess, Meaning, Reason};
+use crate::channels::guess::{Guess, Meaning, Reason};
 use crate::role::Role;
 
 /// Relative difference above which the means of two speeds disagree.

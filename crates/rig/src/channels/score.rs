@@ -6,7 +6,7 @@
 use units::Quantity;
 
 use super::candidate::Candidate;
-use super::{Meaning, Reason};
+use crate::channels::guess::{Meaning, Reason};
 use crate::role::Role;
 
 /// A channel needs this much evidence to be proposed.

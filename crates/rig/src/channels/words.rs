@@ -1,6 +1,6 @@
 //! The words of channel names, English and German, and what they mean.
 
-use super::Meaning;
+use crate::channels::guess::Meaning;
 use Meaning::{
     AirGap, Calculated, Demand, Dynamometer, Engine, Flange, LoadCell, Measured, Other, Shaft, Speed, Throttle, Torque,
 };

@@ -6,8 +6,9 @@ use signal::Signal;
 use signal::clock::{ClockCheck, check_clock, fitted_clock, tick};
 use units::Quantity;
 
-use super::{Log, Source, Stretches};
 use crate::diagnostics::{Finding, Severity};
+use crate::prepare::log::Log;
+use crate::prepare::source::{Source, Stretches};
 
 /// A gap no longer than this is interpolated, s.
 const SHORT_GAP_S: f64 = 0.02;

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use signal::Signal;
 
-use super::{Log, Stretches};
 use crate::align::{cut, window_of};
 use crate::diagnostics::{Finding, Severity};
+use crate::prepare::log::Log;
+use crate::prepare::source::Stretches;
 use crate::role::Role;
 
 /// Each role's signal. Without long gaps that is all of it; with them, what lies in the longest common stretch.

@@ -4,10 +4,11 @@ use recording::Recording;
 use recording::names::closest;
 use units::{self, Unit};
 
-use super::{Log, Source};
 use crate::bench_file::{BenchFile, ChannelMapping};
 use crate::diagnostics::{Finding, Severity};
 use crate::experiment::ExperimentLabel;
+use crate::prepare::log::Log;
+use crate::prepare::source::Source;
 use crate::role::{Role, parse_unit_of_role};
 
 /// Channel names suggested in place of a missing one.

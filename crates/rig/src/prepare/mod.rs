@@ -2,21 +2,22 @@
 
 mod clock;
 mod cut;
+mod log;
 mod map;
 mod physics;
 mod rasters;
 mod samples;
 mod sign;
+mod source;
 
 use std::collections::BTreeMap;
 
 use recording::Recording;
-use signal::Signal;
 
 use crate::bench_file::BenchFile;
-use crate::diagnostics::{Diagnostic, Finding, Place, Severity};
+use crate::diagnostics::Diagnostic;
 use crate::experiment::{Experiment, ExperimentLabel};
-use crate::role::Role;
+use log::Log;
 pub use physics::saturated_stretches;
 pub use sign::wrong_sign;
 
@@ -92,54 +93,4 @@ pub fn prepare(
     let experiment = Experiment { file: file.to_owned(), label, signals };
     physics::check(&experiment, bench_file, &mut log);
     Ok((experiment, log.diagnostics))
-}
-
-/// The diagnostics of one file.
-struct Log {
-    file: String,
-    diagnostics: Vec<Diagnostic>,
-}
-
-impl Log {
-    fn new(file: &str) -> Self {
-        Log { file: file.to_owned(), diagnostics: Vec::new() }
-    }
-
-    /// Notes a finding about the whole file.
-    fn file(&mut self, severity: Severity, time_s: Option<f64>, finding: Finding) {
-        let place = Place { file: Some(self.file.clone()), channel: None, time_s };
-        self.diagnostics.push(Diagnostic { severity, place, finding });
-    }
-
-    /// Notes a finding about a channel.
-    fn channel(&mut self, severity: Severity, channel: &str, time_s: Option<f64>, finding: Finding) {
-        let place = Place { file: Some(self.file.clone()), channel: Some(channel.to_owned()), time_s };
-        self.diagnostics.push(Diagnostic { severity, place, finding });
-    }
-
-    /// Takes over what the reader found.
-    fn reader_findings(&mut self, recording: &Recording) {
-        for finding in &recording.findings {
-            let severity = if finding.is_loss() { Severity::Warning } else { Severity::Note };
-            self.file(severity, None, Finding::ReaderDoubt { reason: finding.to_string() });
-        }
-    }
-}
-
-/// A role's channel as recorded, with the factor that makes it SI with the right sign.
-struct Source<'r> {
-    role: Role,
-    channel: &'r str,
-    raster: usize,
-    time_s: &'r [f64],
-    samples: &'r [f64],
-    unit: units::Unit,
-    factor: f64,
-}
-
-/// Uniformly sampled stretches of one channel in time order, in SI: several where long gaps interrupt it. At least one.
-type Stretches = Vec<Signal>;
-
-fn longest(stretches: &[Signal]) -> Option<&Signal> {
-    stretches.iter().max_by(|a, b| a.duration_s().total_cmp(&b.duration_s()))
 }

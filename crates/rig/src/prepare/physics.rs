@@ -1,10 +1,11 @@
 //! Checks that need several signals: saturation, speeds that should agree, the sign of the torque.
 
-use super::{Log, sign};
+use super::sign;
 use crate::align::{common_window, cut};
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Finding, Severity};
 use crate::experiment::{ControlMode, Experiment};
+use crate::prepare::log::Log;
 use crate::role::Role;
 
 /// Relative difference of mean speeds above which they disagree.

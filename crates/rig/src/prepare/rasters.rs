@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use signal::Signal;
 use signal::drift::{Drift, relative_drift};
 
-use super::{Log, Source};
 use crate::diagnostics::{Finding, Severity};
+use crate::prepare::log::Log;
+use crate::prepare::source::Source;
 use crate::role::Role;
 
 /// Rasters whose time stamps begin and end this far apart, in the same direction, are offset, s.

@@ -4,10 +4,11 @@ use signal::Signal;
 use signal::quality::{QualityOptions, check_quality};
 use units::{self, Quantity, Unit};
 
-use super::{Log, Source, longest};
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Finding, Severity};
 use crate::experiment::{ControlMode, Excitation, ExperimentLabel};
+use crate::prepare::log::Log;
+use crate::prepare::source::{Source, longest};
 use crate::role::Role;
 
 /// Few benches turn faster: a channel labelled rad/s that does may hold rpm.

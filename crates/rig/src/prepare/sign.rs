@@ -9,11 +9,11 @@ use signal::derivative::central_difference;
 use signal::resample::{Interpolation, interpolate_at};
 use signal::spectrum::{Welch, cross_spectrum};
 
-use super::Log;
 use crate::align::{common_window, cut};
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Finding, Severity};
 use crate::experiment::{ControlMode, Experiment};
+use crate::prepare::log::Log;
 use crate::role::Role;
 
 /// Frequencies below every shaft's resonance and above thermal and reference drifts, Hz.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::TimedDemand;
+use crate::drive::timed::TimedDemand;
 
 /// T = a/(s + a) T_d*, exact for a demand that is constant between its changes, whenever these come.
 #[derive(Debug, Clone)]

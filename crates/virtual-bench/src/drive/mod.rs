@@ -5,6 +5,7 @@ mod field_oriented;
 mod knowledge;
 mod lag;
 mod machine;
+mod timed;
 
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
@@ -16,16 +17,10 @@ use field_oriented::FieldOrientedControl;
 pub(super) use knowledge::Knowledge;
 use lag::Lag;
 use machine::{Electrical, Machine};
+pub(crate) use timed::TimedDemand;
 
 /// Samples of the inverter's control in a millisecond.
 pub(super) const SAMPLES_PER_UPDATE: usize = 4;
-
-/// A demand that takes effect at a time and is held until the next one does.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TimedDemand {
-    pub(super) time_s: f64,
-    pub(super) torque_nm: f64,
-}
 
 /// The inverter: demands on their way to it, and what it makes of them.
 #[derive(Debug, Clone)]

@@ -4,31 +4,16 @@ mod control;
 mod cylinder;
 mod pulsation;
 mod slider_crank;
+mod step;
 
 use rig::bench_parameters::EngineParameters;
 
-use super::train::{Jump, Train};
+use super::train::Train;
 pub(super) use bench_model::intake::Air;
 pub(super) use control::EngineSpeedControl;
 use pulsation::Pulsation;
 use slider_crank::CrankEngine;
-
-/// Whether fuel burns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Combustion {
-    Fired,
-    Motored,
-    /// The shaft is off: the engine does not turn.
-    Stopped,
-}
-
-/// The engine's torque over a step. `end_nm` is that of the cylinder firing at its start, continued to its end.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct EngineStep {
-    pub(super) start_nm: f64,
-    pub(super) end_nm: f64,
-    pub(super) firing: Option<Jump>,
-}
+pub(crate) use step::{Combustion, EngineStep};
 
 /// The engine's torque over crank angle, in two fidelities.
 #[derive(Debug, Clone)]

@@ -6,7 +6,7 @@ use numerics::random::Stream;
 use rig::bench_parameters::EngineParameters;
 use rig::random::Source;
 
-use super::{Combustion, EngineStep};
+use crate::engine::step::{Combustion, EngineStep};
 use crate::train::{Jump, Train};
 
 /// The engine's torque, firing by firing.

@@ -5,7 +5,7 @@ use rig::bench_parameters::{EngineParameters, SliderCrank};
 use rig::random::Source;
 
 use super::cylinder::{Angle, Cycle, charge_pa};
-use super::{Combustion, EngineStep};
+use crate::engine::step::{Combustion, EngineStep};
 use crate::train::Train;
 
 /// The engine's cylinders. The crankshaft obeys (J_e + M − M̄) dω/dt = T_gas − ½ (dM/dθ) ω² − T_on, M = Σ m (dx/dθ)²;

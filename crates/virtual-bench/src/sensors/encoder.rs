@@ -4,8 +4,9 @@ use numerics::random::Stream;
 use rig::bench_parameters::SensorParameters;
 use rig::random::Source;
 
+use super::Rotation;
 use super::pulses::Pulses;
-use super::{Rotation, rounded};
+use crate::sensors::rounding::rounded;
 
 /// Speed from an encoder: N = (θ̃(t) − θ̃(t − gate))/gate with θ̃ = θ + ε sin θ, or from the disk's pulses; plus noise,
 /// rounded.

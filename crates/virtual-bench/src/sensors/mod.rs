@@ -3,6 +3,7 @@
 mod encoder;
 mod pulses;
 mod rotation;
+mod rounding;
 mod system_shaft;
 mod torque;
 
@@ -16,6 +17,7 @@ use super::error::VirtualBenchError;
 use super::train::Train;
 use encoder::{Encoder, EncoderStreams};
 use rotation::Rotation;
+pub(crate) use rounding::rounded;
 use system_shaft::SystemShaftTorque;
 use torque::{SensorDynamics, TorqueSensor};
 
@@ -141,9 +143,4 @@ impl Flange {
     fn read_nm(&mut self) -> f64 {
         rounded(self.sensor.reading_nm() + self.noise_nm * self.random.normal(), self.resolution_nm)
     }
-}
-
-/// The nearest multiple of a resolution; the value itself where the resolution is zero.
-pub(super) fn rounded(value: f64, resolution: f64) -> f64 {
-    if resolution > 0.0 { (value / resolution).round() * resolution } else { value }
 }

@@ -6,7 +6,7 @@ use ident::IdentError;
 use signal::Complex64;
 
 use super::equation::{Control, UNKNOWNS, laplace};
-use crate::shaft::equation;
+use crate::shaft::places;
 use crate::shaft::spectra::Spectra;
 
 /// The holds of the instruments, in half firing intervals.
@@ -22,7 +22,7 @@ const SMALLEST: f64 = 1e-3;
 
 /// J_d for the instruments.
 pub(super) fn dyno_inertia(theta: &[f64]) -> f64 {
-    let inertia = theta[equation::INERTIA];
+    let inertia = theta[places::INERTIA];
     if inertia > 0.0 { inertia } else { ANY_INERTIA_KG_M2 }
 }
 
@@ -51,7 +51,7 @@ impl Instruments {
         let mut columns = Mat::zeros(2 * spectra.bins.len(), COUNT);
         for (row, ((bin, u), weight)) in spectra.bins.iter().zip(excitation).zip(&weights).enumerate() {
             let s = laplace(spectra, *bin);
-            let spring = theta[equation::K] + theta[equation::B] * s;
+            let spring = theta[places::K] + theta[places::B] * s;
             let speed = -spring / (s * (dyno * engine * s * s + (dyno + engine) * spring)) * *u * *weight;
             let held = HOLDS.iter().map(|hold| Control::Held.response(s, hold * half_firing_s).0);
             let of_control = held.flat_map(|late| [s * speed * late, speed * late]);

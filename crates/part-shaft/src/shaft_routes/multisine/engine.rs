@@ -9,8 +9,8 @@ use signal::Complex64;
 
 use super::lines::Row;
 use super::shaft::{COUNT, ENGINE_SKEW, INERTIA, Shaft, differences};
-use super::{CostTest, cost_test};
 use crate::shaft::ShaftInputs;
+use crate::shaft_routes::multisine::cost::{CostTest, cost_test};
 
 /// Beyond this coherence the engine's cycles repeat with the demand.
 const COHERENT: f64 = 0.5;

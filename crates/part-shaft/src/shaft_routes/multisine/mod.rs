@@ -24,12 +24,12 @@
 //! likelihood, its expected cost and covariance); Shinbrot, *On the analysis of linear and nonlinear systems*, 1957
 //! (derivatives by the window); thesis (6.1), (6.4), (6.10).
 
+mod cost;
 mod engine;
 mod lines;
 mod shaft;
 
 use ident::IdentError;
-use ident::distributions::normal_quantile;
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::facts::Engine;
 use rig::results::Estimate;
@@ -38,12 +38,11 @@ use signal::Signal;
 
 use super::{ENGINE_INERTIA, Timing, estimate_of};
 use crate::shaft::ShaftInputs;
+pub use cost::CostTest;
+pub(crate) use cost::cost_test;
 use engine::EngineSide;
 use lines::Lines;
 use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};
-
-/// Probability that the cost of a right model lies between the limits.
-const LEVEL: f64 = 0.95;
 
 /// What is found of J_d.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -53,32 +52,6 @@ pub enum DynoInertia {
     Stated,
     /// Estimated along, as if nothing were known of it.
     Estimated,
-}
-
-/// Whether what is left is noise.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct CostTest {
-    /// V at the minimum.
-    pub achieved: f64,
-    /// Its expected value under a right model.
-    pub expected: f64,
-    /// Between these it lies with 95 % probability under a right model. Above: the shaft is not linear, or the model lacks
-    /// something. Below: periods scatter by more than what their mean keeps, as by a once-a-turn error of an encoder whose
-    /// turns do not repeat with the demand; intervals are wider than need be.
-    pub limits: (f64, f64),
-}
-
-impl CostTest {
-    /// Whether the cost is no more than that of noise.
-    #[must_use]
-    pub fn passed(&self) -> bool {
-        self.achieved <= self.limits.1
-    }
-
-    /// What a covariance from the scatter alone is multiplied by where the model lacks something.
-    fn inflation(&self) -> f64 {
-        if self.passed() { 1.0 } else { self.achieved / self.expected }
-    }
 }
 
 /// The shaft from a periodic demand.
@@ -175,13 +148,4 @@ pub fn estimate(
         engine_cost,
         engine_untold,
     })
-}
-
-/// A cost of `freedom` real residuals, each over a variance of ν degrees of freedom.
-pub(super) fn cost_test(achieved: f64, freedom: f64, nu: f64) -> CostTest {
-    let expected = 0.5 * freedom * nu / (nu - 1.0);
-    // Variance of F(2, 2ν), for each complex residual; neighbours that share variances scatter more.
-    let spread = if nu > 2.0 { nu.powi(3) / ((nu - 1.0).powi(2) * (nu - 2.0)) } else { f64::INFINITY };
-    let reach = normal_quantile(0.5 + 0.5 * LEVEL) * (0.5 * freedom * spread).sqrt();
-    CostTest { achieved, expected, limits: (expected - reach, expected + reach) }
 }

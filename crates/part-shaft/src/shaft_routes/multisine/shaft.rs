@@ -7,7 +7,7 @@ use signal::Complex64;
 
 use super::super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE};
 use super::lines::{DYNO, DYNO_WAVES, ENGINE, ENGINE_WAVES, Lines, Orders, Row, SIGNALS, TORQUE};
-use super::{CostTest, cost_test};
+use crate::shaft_routes::multisine::cost::{CostTest, cost_test};
 
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;

@@ -10,74 +10,18 @@
 //! ```
 
 mod error;
+mod parameter;
 mod settings;
+mod template;
 mod templates;
 
 use recording::names::likely_meant;
-use serde::Serialize;
 
-use super::{ControlMode, Excitation, ExperimentLabel, ExperimentPlan, Test};
+use super::Test;
 pub use error::CatalogueError;
+pub use parameter::Parameter;
 pub use settings::Settings;
-
-/// A number that an experiment can be given.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Parameter {
-    /// What it is called on the command line.
-    pub name: &'static str,
-    /// Its unit; empty for counts.
-    pub unit: &'static str,
-    /// What it is unless given.
-    pub default: f64,
-    /// Smallest value.
-    pub lowest: f64,
-    /// Largest value.
-    pub highest: f64,
-    /// What it does.
-    pub meaning: &'static str,
-}
-
-/// An experiment of the method, of which a plan is made by giving it numbers.
-#[derive(Debug, Clone)]
-pub struct Template {
-    /// What is done, first part of the label.
-    pub test: Test,
-    /// What is excited.
-    pub excitation: Excitation,
-    /// Who controls what.
-    pub mode: ControlMode,
-    /// What is demanded.
-    pub demands: &'static str,
-    /// What a recording of it gives.
-    pub gives: &'static str,
-    duration_s: f64,
-    own: &'static [Parameter],
-    build: fn(&Settings) -> Result<ExperimentPlan, CatalogueError>,
-}
-
-impl Template {
-    /// The label of its recordings.
-    pub fn label(&self) -> ExperimentLabel {
-        ExperimentLabel { test: self.test.clone(), excitation: self.excitation, mode: self.mode }
-    }
-
-    /// Its parameters: those of every experiment first.
-    pub fn parameters(&self) -> Vec<Parameter> {
-        let duration = Parameter { default: self.duration_s, ..templates::DURATION };
-        [templates::SPEED, duration, templates::SETTLING].into_iter().chain(self.own.iter().copied()).collect()
-    }
-
-    /// The plan with these numbers.
-    ///
-    /// # Errors
-    /// Numbers that contradict each other, or a plan that cannot be.
-    pub fn plan(&self, settings: &Settings) -> Result<ExperimentPlan, CatalogueError> {
-        let mut plan = (self.build)(settings)?;
-        plan.settling_s = settings.get("settling");
-        plan.check()?;
-        Ok(plan)
-    }
-}
+pub use template::Template;
 
 /// What can be set in a designed experiment, see [`design::excitation_design`].
 pub const OPTIMAL: &[Parameter] = templates::OPTIMAL;

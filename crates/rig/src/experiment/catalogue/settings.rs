@@ -3,7 +3,8 @@
 use recording::names::likely_meant;
 use serde::Serialize;
 
-use super::{CatalogueError, Parameter};
+use super::CatalogueError;
+use crate::experiment::catalogue::parameter::Parameter;
 
 /// A value for every parameter of an experiment, in the parameters' units.
 #[derive(Debug, Clone, PartialEq, Serialize)]

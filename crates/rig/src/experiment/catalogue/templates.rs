@@ -3,31 +3,17 @@
 use signal::excitation::{Multisine, Phases, Timing};
 use units::RPM_RAD_S;
 
-use super::{CatalogueError, Parameter, Settings, Template};
+use super::parameter::DURATION;
+use super::parameter::SETTLING;
+use super::parameter::SPEED;
+use super::parameter::{SPEED_RPM, TIME_S, TORQUE_NM, parameter};
+use super::{CatalogueError, Settings};
+use crate::experiment::catalogue::parameter::Parameter;
+use crate::experiment::catalogue::template::Template;
 use crate::experiment::{ControlMode, DEMAND_HOLD_S, Excitation, ExperimentPlan, Test, UPDATE_S, Waveform};
 
 /// Sines of a multisine that are still optimised; each costs time.
 const MOST_LINES: usize = 5000;
-
-const fn parameter(
-    name: &'static str,
-    unit: &'static str,
-    default: f64,
-    (lowest, highest): (f64, f64),
-    meaning: &'static str,
-) -> Parameter {
-    Parameter { name, unit, default, lowest, highest, meaning }
-}
-
-const TORQUE_NM: (f64, f64) = (-20_000.0, 20_000.0);
-const TIME_S: (f64, f64) = (0.01, 1000.0);
-const SPEED_RPM: (f64, f64) = (-20_000.0, 20_000.0);
-
-pub(super) const SPEED: Parameter =
-    parameter("speed", "rpm", 1200.0, SPEED_RPM, "speed demanded, or the one from which it changes");
-pub(super) const DURATION: Parameter = parameter("duration", "s", 60.0, (0.01, 10_000.0), "length of the recording");
-pub(super) const SETTLING: Parameter =
-    parameter("settling", "s", 2.0, (0.0, 1000.0), "time at the first demands before the recording starts");
 
 const ENGINE_TORQUE: Parameter = parameter("torque", "Nm", 60.0, TORQUE_NM, "torque demanded of the engine");
 const MEAN_TORQUE: Parameter = parameter("mean", "Nm", 60.0, TORQUE_NM, "mean of the dynamometer's torque demand");

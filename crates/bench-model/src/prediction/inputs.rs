@@ -1,0 +1,22 @@
+//! What a prediction starts from.
+
+use rig::bench_file::Limits;
+use rig::bench_parameters::EngineParameters;
+use rig::experiment::{Demands, ExperimentPlan};
+
+use crate::model::BenchModel;
+
+/// What a prediction rests on.
+#[derive(Debug, Clone, Copy)]
+pub struct PredictionInputs<'a> {
+    /// The plan.
+    pub plan: &'a ExperimentPlan,
+    /// Its demands, every millisecond.
+    pub demands: &'a Demands,
+    /// The bench; a part that it lacks must not be needed.
+    pub model: &'a BenchModel,
+    /// The engine: motored torque, throttle map, intake, speed control.
+    pub engine: &'a EngineParameters,
+    /// What the bench must not exceed.
+    pub limits: Limits,
+}

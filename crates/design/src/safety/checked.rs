@@ -1,0 +1,39 @@
+//! What a check of an experiment gives.
+
+use serde::Serialize;
+
+use super::quantity::Quantity;
+use super::verdict::Proportion;
+use super::verdict::Safety;
+
+/// One quantity over all benches drawn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Checked {
+    /// What it is.
+    pub of: Quantity,
+    /// The limit stated, SI.
+    pub limit: Option<f64>,
+    /// Its value on every bench, SI, growing; infinite where a bench is not stable.
+    pub values: Vec<f64>,
+    /// How often the limit is reached; `None` without one.
+    pub reached: Option<Proportion>,
+    /// The value on the worst bench, SI.
+    pub worst: f64,
+    /// Resonance of that bench in torque control, Hz; `None` without a shaft.
+    pub worst_resonance_hz: Option<f64>,
+}
+
+impl Checked {
+    /// The value that a share of the benches stays below, SI (linear between them).
+    pub fn quantile(&self, probability: f64) -> f64 {
+        let place = probability.clamp(0.0, 1.0) * (self.values.len().saturating_sub(1)) as f64;
+        let (below, part) = (place.floor() as usize, place.fract());
+        let at = |index: usize| self.values.get(index).copied().unwrap_or(f64::NAN);
+        if part == 0.0 { at(below) } else { at(below) * (1.0 - part) + at(below + 1) * part }
+    }
+
+    /// Verdict of its limit alone.
+    pub fn safety(&self) -> Safety {
+        self.reached.map_or(Safety::NotChecked, |reached| reached.safety())
+    }
+}

@@ -1,0 +1,134 @@
+//! What is estimated of friction, and how.
+
+use rig::BenchFile;
+use rig::estimation::Label;
+use rig::results::Stretch;
+use serde::Serialize;
+
+/// Points of the curve.
+pub(super) const POINTS: usize = 41;
+
+/// Longest delay between the clocks, s.
+pub(super) const LONGEST_DELAY_S: f64 = 0.05;
+
+/// Rounds of shifting T_d by its delay.
+pub(super) const ROUNDS: usize = 8;
+
+/// A round that shifts by less than this has converged, s.
+pub(super) const SHIFTED_S: f64 = 1e-7;
+
+/// A term of T_fric(ω).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Term {
+    /// T_0, the same whatever the direction: separated from the others where both directions are seen.
+    Offset,
+    /// c_0 sgn ω.
+    Coulomb,
+    /// c_1 ω.
+    Viscous,
+    /// c_2 ω|ω|, of air.
+    Quadratic,
+    /// c_3 ω³.
+    Cubic,
+}
+
+impl Term {
+    /// Those of one direction, from the lowest order on.
+    pub const ALL: [Term; 4] = [Term::Coulomb, Term::Viscous, Term::Quadratic, Term::Cubic];
+
+    pub(super) fn at(self, speed: f64) -> f64 {
+        match self {
+            Term::Offset => 1.0,
+            Term::Coulomb => speed.signum(),
+            Term::Viscous => speed,
+            Term::Quadratic => speed * speed.abs(),
+            Term::Cubic => speed.powi(3),
+        }
+    }
+
+    pub(super) fn torque(self) -> Label {
+        match self {
+            Term::Offset => {
+                Label { symbol: "T_0", name: "offset of T_d, or of friction between directions", unit: "Nm" }
+            }
+            Term::Coulomb => Label { symbol: "c_0", name: "Coulomb friction", unit: "Nm" },
+            Term::Viscous => Label { symbol: "c_1", name: "viscous friction", unit: "Nm s/rad" },
+            Term::Quadratic => Label { symbol: "c_2", name: "quadratic friction", unit: "Nm s²/rad²" },
+            Term::Cubic => Label { symbol: "c_3", name: "cubic friction", unit: "Nm s³/rad³" },
+        }
+    }
+
+    pub(super) fn deceleration(self) -> Label {
+        match self {
+            Term::Offset => Label { symbol: "T_0/J", name: "offset over inertia", unit: "rad/s²" },
+            Term::Coulomb => Label { symbol: "c_0/J", name: "Coulomb friction over inertia", unit: "rad/s²" },
+            Term::Viscous => Label { symbol: "c_1/J", name: "viscous friction over inertia", unit: "1/s" },
+            Term::Quadratic => Label { symbol: "c_2/J", name: "quadratic friction over inertia", unit: "1/rad" },
+            Term::Cubic => Label { symbol: "c_3/J", name: "cubic friction over inertia", unit: "s/rad²" },
+        }
+    }
+}
+
+/// What is wanted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionOptions {
+    /// J_d of the bench file, kg m²: what turns a deceleration into a torque where the recordings do not show J_d.
+    pub inertia_kg_m2: f64,
+    /// Slower than this is left out, where a bearing sticks rather than slides, rad/s; a fiftieth of the highest speed, and at
+    /// least one, where `None`.
+    pub slowest_rad_s: Option<f64>,
+    /// Limit of the inverter, Nm.
+    pub torque_limit_nm: Option<f64>,
+}
+
+impl FrictionOptions {
+    /// What a bench file states.
+    pub fn of(bench: &BenchFile) -> Self {
+        FrictionOptions {
+            inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
+            slowest_rad_s: None,
+            torque_limit_nm: bench.limits.torque_nm,
+        }
+    }
+}
+
+/// What T_d was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TorqueUsed {
+    /// T_d* through the torque control that the recording shows.
+    Modelled,
+    /// T_d,calc as it was recorded.
+    Calculated,
+    /// T_d,meas, for want of T_d,calc.
+    LoadCell,
+}
+
+/// T_fric at a speed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// ω_d, rad/s.
+    pub speed_rad_s: f64,
+    /// T_fric, Nm.
+    pub torque_nm: f64,
+    /// Half of its 95 % interval, Nm; without the uncertainty of a stated J_d.
+    pub half_width_nm: f64,
+}
+
+/// A speed that was measured beside that of the model, for a figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunOut {
+    /// Where.
+    pub stretch: Stretch,
+    /// What T_d was taken from; none where none was recorded.
+    pub torque: Option<TorqueUsed>,
+    /// Samples left out: drop-outs.
+    pub left_out: usize,
+    /// Instants, s.
+    pub time_s: Vec<f64>,
+    /// N_d, rad/s.
+    pub measured_rad_s: Vec<f64>,
+    /// That of the model from the first sample on, rad/s.
+    pub modelled_rad_s: Vec<f64>,
+}

@@ -1,0 +1,83 @@
+//! Lines as they are found in a recording.
+
+use rig::Role;
+use serde::Serialize;
+
+use super::campbell::ShortSpectrum;
+use super::cause::Cause;
+use super::tracking::OrderTrack;
+
+/// Signals that the masses move.
+pub(super) const OF_THE_MASSES: [Role; 4] =
+    [Role::DynoSpeed, Role::EngineSpeed, Role::SystemShaftTorque, Role::FlangeTorque];
+
+/// Sensors with a resonance of their own, and the signal that shows the same without it.
+pub(super) const SENSORS: [(Role, Role); 1] = [(Role::LoadCellTorque, Role::AirGapTorque)];
+
+/// Slower than this, Hz, is drift; a line without a cause cannot be separated from it.
+pub(super) const DRIFT_HZ: f64 = 3.0;
+
+/// A speed changes where it ranges over more than this share of its mean.
+pub(super) const CHANGES: f64 = 0.03;
+
+/// What one recording shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Look {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// The order of the firing; none without the shaft.
+    pub firing_order: Option<f64>,
+    /// Its parts: each sine of a sine test, or the whole.
+    pub parts: Vec<LookedPart>,
+}
+
+/// What a part of a recording shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LookedPart {
+    /// From, s of the recording's clock.
+    pub start_s: f64,
+    /// To, s.
+    pub end_s: f64,
+    /// Mean speed of the engine, or of the dynamometer where that is not recorded, rad/s.
+    pub speed_rad_s: f64,
+    /// Lowest and highest speed, each a mean over a tracking window, rad/s.
+    pub speed_range_rad_s: [f64; 2],
+    /// Demanded sines, Hz.
+    pub demanded_hz: Vec<f64>,
+    /// Signals.
+    pub signals: Vec<LookedSignal>,
+}
+
+/// A signal's spectrum and its lines.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LookedSignal {
+    /// Which.
+    pub role: Role,
+    /// Time between its samples, s.
+    pub sample_time_s: f64,
+    /// Frequencies of the spectrum, Hz.
+    pub frequency_hz: Vec<f64>,
+    /// Amplitude of a sine there, in SI.
+    pub amplitude: Vec<f64>,
+    /// Lines, the strongest first.
+    pub lines: Vec<Line>,
+    /// Spectra of moments, for a Campbell map.
+    pub short: Vec<ShortSpectrum>,
+    /// Orders over time, where the speed changes.
+    pub tracks: Vec<OrderTrack>,
+}
+
+/// A line, or a broad peak.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Line {
+    /// Where it shows, Hz.
+    pub frequency_hz: f64,
+    /// Amplitude, in SI; of a broad peak, of what a bandwidth of half a hertz holds.
+    pub amplitude: f64,
+    /// Its standard error; none of a broad peak.
+    pub standard_error: Option<f64>,
+    /// Where it comes from.
+    pub cause: Cause,
+}

@@ -1,0 +1,64 @@
+//! What one recording shows of the shaft.
+
+use rig::results::{Estimate, Shaft, Told};
+use serde::Serialize;
+
+use crate::shaft::{self, Beyond};
+use crate::shaft_routes::black_box::BlackBoxRoute;
+use crate::shaft_routes::multisine::MultisineRoute;
+use crate::shaft_routes::state_space::StateSpaceRoute;
+
+/// What one recording shows.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShaftRecording {
+    /// The file.
+    pub file: String,
+    /// The experiment's label.
+    pub label: String,
+    /// The shaft by Δω → T_shaft with gate and skew, from 70 % of the recording, the rest judging it.
+    pub shaft: Told<Shaft>,
+    /// The same by band; a band that shows nothing is left out.
+    pub bands: Vec<Band>,
+    /// What may be in the shaft beyond K and B.
+    pub beyond: Told<Beyond>,
+    /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which goes
+    /// with such a flywheel.
+    pub dual_mass: Option<Told<DualMass>>,
+    /// K and B by other routes, each of which errs in its own way.
+    pub routes: Routes,
+    /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot show them.
+    pub inertias: Option<Told<Estimate>>,
+}
+
+/// Two springs with a mass between them, thesis §3.3.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DualMass {
+    /// K and B of the shaft, J_2, K_2 and B_2 of the flywheel, timing.
+    pub estimate: Estimate,
+    /// Mean of |error|²/σ²: one where the model and the noise levels are right.
+    pub misfit: f64,
+}
+
+/// Routes to the shaft beside Δω → T_shaft; `None` where the experiment does not allow one. Behind a torque flange all are.
+#[derive(Debug, Clone, PartialEq, Serialize, Default)]
+pub struct Routes {
+    /// (T_d, ω_e) → ω_d in the time domain, thesis (6.11).
+    pub state_space: Option<Told<StateSpaceRoute>>,
+    /// T_d → ω_d alone, with the engine motored (Unfired_N_NT): a fired one hides K and B behind its torque.
+    pub black_box: Option<Told<BlackBoxRoute>>,
+    /// Means over the periods of a demand that repeats (Multisine_T_TN).
+    pub multisine: Option<Told<MultisineRoute>>,
+    /// How far apart T_d is known, s. What folds where it is known by its own samples alone is in no interval.
+    pub torque_sample_time_s: Option<f64>,
+}
+
+/// The shaft from a band of frequencies.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Band {
+    /// From and to, Hz.
+    pub band_hz: (f64, f64),
+    /// K and B, with timing and friction as the whole band shows them.
+    pub estimate: Estimate,
+    /// K and B as if time stamps were exact and speeds momentary.
+    pub ignoring_timing: Estimate,
+}

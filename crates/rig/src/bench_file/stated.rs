@@ -1,0 +1,160 @@
+//! What a bench file states.
+
+use std::collections::BTreeMap;
+
+use units;
+
+use crate::ExperimentLabel;
+use crate::channels::ChannelMapping;
+use crate::facts::{BenchFacts, BenchVariant, Engine};
+use crate::role::Role;
+
+/// A bench file, checked and in SI.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BenchFile {
+    /// The bench's name.
+    pub name: String,
+    /// Load cell or torque flange.
+    pub variant: BenchVariant,
+    /// Cylinders of the engine; none where nothing fires, as in an electric machine.
+    pub cylinders: u32,
+    /// Strokes of the engine, 2 or 4.
+    pub strokes: u32,
+    /// J_d, kg m².
+    pub dynamometer_inertia_kg_m2: f64,
+    /// Standard uncertainty of J_d, % of it, if stated.
+    pub dynamometer_inertia_uncertainty_percent: Option<f64>,
+    /// Slope of the dynamometer's bearing friction over speed, Nm s/rad, if stated.
+    pub dynamometer_friction_nm_s_per_rad: Option<f64>,
+    /// Standard uncertainty of that slope, % of it, if stated.
+    pub dynamometer_friction_uncertainty_percent: Option<f64>,
+    /// J_e, flywheel included, kg m².
+    pub engine_inertia_kg_m2: f64,
+    /// Standard uncertainty of J_e, % of it, if stated.
+    pub engine_inertia_uncertainty_percent: Option<f64>,
+    /// What the bench must not exceed.
+    pub limits: Limits,
+    /// What is known of the shaft before anything was estimated.
+    pub shaft: ShaftPrior,
+    /// Fields of [`BenchParameters`](crate::bench_parameters::BenchParameters) for simulations of this bench; empty where
+    /// none is stated.
+    pub virtual_bench: toml::Table,
+    /// Channel of each role.
+    pub channels: BTreeMap<Role, ChannelMapping>,
+    /// Which recordings belong to the campaign.
+    pub recordings: RecordingList,
+}
+
+/// Limits of the bench; what is not stated is not checked.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Limits {
+    /// Inverter's torque limit, Nm.
+    pub torque_nm: Option<f64>,
+    /// Shaft torque limit, Nm.
+    pub shaft_torque_nm: Option<f64>,
+    /// Speed limit, rad/s.
+    pub speed_rad_s: Option<f64>,
+    /// Largest change of the torque demand, Nm/s.
+    pub torque_slew_nm_per_s: Option<f64>,
+    /// Largest change of the shaft torque, Nm/s.
+    pub shaft_torque_slew_nm_per_s: Option<f64>,
+    /// Longest time that the firing may stay near the resonance, s.
+    pub time_at_resonance_s: Option<f64>,
+}
+
+/// What is known of the shaft before anything was estimated: for predictions and simulations alone, no study looks at it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ShaftPrior {
+    /// K, Nm/rad.
+    pub stiffness_nm_per_rad: Option<f64>,
+    /// Resonance in torque control, √(K(1/J_d + 1/J_e))/2π, Hz, in place of K.
+    pub resonance_hz: Option<f64>,
+    /// B, Nm s/rad.
+    pub damping_nm_s_per_rad: Option<f64>,
+}
+
+impl ShaftPrior {
+    /// K, Nm/rad: the one stated, or K = (2πf)²/(1/J_d + 1/J_e) of the resonance stated.
+    ///
+    /// # Example
+    /// ```
+    /// use rig::bench_file::ShaftPrior;
+    /// let prior = ShaftPrior { resonance_hz: Some(18.0), ..ShaftPrior::default() };
+    /// assert!((prior.stiffness_nm_per_rad((0.6, 0.28)).unwrap() - 2441.9).abs() < 0.1);
+    /// ```
+    pub fn stiffness_nm_per_rad(&self, (dyno_kg_m2, engine_kg_m2): (f64, f64)) -> Option<f64> {
+        let mobility = 1.0 / dyno_kg_m2 + 1.0 / engine_kg_m2;
+        let of_resonance = |f: f64| (std::f64::consts::TAU * f).powi(2) / mobility;
+        self.stiffness_nm_per_rad.or(self.resonance_hz.map(of_resonance))
+    }
+}
+
+/// The recordings of the campaign, as text: who reads files expands the patterns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RecordingList {
+    /// File names or patterns such as `*.mf4`.
+    pub files: Vec<String>,
+    /// Labels of recordings whose names hold none, or the wrong one.
+    pub labels: Vec<LabelOverride>,
+}
+
+/// The label of one recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LabelOverride {
+    /// The recording's file.
+    pub file: String,
+    /// Its label.
+    pub label: ExperimentLabel,
+}
+
+impl BenchFile {
+    /// The label of a recording: the bench file's own, or else the one in the file's name.
+    pub fn label_of(&self, file: &str) -> Option<ExperimentLabel> {
+        let stated = self.recordings.labels.iter().find(|stated| names_same_file(file, &stated.file));
+        stated.map(|stated| stated.label.clone()).or_else(|| file_name(file).parse().ok())
+    }
+
+    /// The firing of its engine.
+    pub fn engine(&self) -> Engine {
+        Engine { cylinders: self.cylinders, strokes: self.strokes }
+    }
+
+    /// What the file states about the bench, for the study.
+    pub fn facts(&self) -> BenchFacts {
+        BenchFacts {
+            name: self.name.clone(),
+            variant: self.variant,
+            cylinders: self.cylinders,
+            strokes: self.strokes,
+            dynamometer_inertia_kg_m2: self.dynamometer_inertia_kg_m2,
+            dynamometer_inertia_uncertainty_percent: self.dynamometer_inertia_uncertainty_percent,
+            engine_inertia_kg_m2: self.engine_inertia_kg_m2,
+            engine_inertia_uncertainty_percent: self.engine_inertia_uncertainty_percent,
+            torque_limit_nm: self.limits.torque_nm,
+            shaft_torque_limit_nm: self.limits.shaft_torque_nm,
+            speed_limit_rad_s: self.limits.speed_rad_s,
+        }
+    }
+}
+
+/// The last part of a path written with either kind of slash.
+pub(super) fn file_name(file: &str) -> &str {
+    file.rsplit(['/', '\\']).next().unwrap_or(file)
+}
+
+/// Whether two paths mean one file: equal, or one is the other's last part.
+pub(super) fn names_same_file(file: &str, stated: &str) -> bool {
+    let (file, stated) = (file.replace('\\', "/"), stated.replace('\\', "/"));
+    file == stated || file.ends_with(&format!("/{stated}")) || stated.ends_with(&format!("/{file}"))
+}
+
+/// The smallest and the largest inertia of a bench that is believed, kg m².
+pub(super) const PLAUSIBLE_INERTIA_KG_M2: (f64, f64) = (0.001, 100.0);
+
+/// Inertia units in which `value`, written without one or with the wrong one, would be plausible.
+pub(super) fn plausible_inertia_units(value: f64) -> Vec<String> {
+    let (low, high) = PLAUSIBLE_INERTIA_KG_M2;
+    let candidates = ["kg cm²", "g m²"].into_iter().filter_map(|spelling| units::parse_unit(spelling).ok());
+    let fitting = candidates.filter(|unit| (low..=high).contains(&unit.to_si(value)));
+    fitting.map(|unit| unit.spelling.to_owned()).collect()
+}

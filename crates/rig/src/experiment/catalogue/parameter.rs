@@ -1,0 +1,44 @@
+//! Parameters of experiments.
+
+use serde::Serialize;
+
+/// A number that an experiment can be given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Parameter {
+    /// What it is called on the command line.
+    pub name: &'static str,
+    /// Its unit; empty for counts.
+    pub unit: &'static str,
+    /// What it is unless given.
+    pub default: f64,
+    /// Smallest value.
+    pub lowest: f64,
+    /// Largest value.
+    pub highest: f64,
+    /// What it does.
+    pub meaning: &'static str,
+}
+
+pub(super) const SPEED: Parameter =
+    parameter("speed", "rpm", 1200.0, SPEED_RPM, "speed demanded, or the one from which it changes");
+
+pub(super) const DURATION: Parameter = parameter("duration", "s", 60.0, (0.01, 10_000.0), "length of the recording");
+
+pub(super) const SETTLING: Parameter =
+    parameter("settling", "s", 2.0, (0.0, 1000.0), "time at the first demands before the recording starts");
+
+pub(super) const fn parameter(
+    name: &'static str,
+    unit: &'static str,
+    default: f64,
+    (lowest, highest): (f64, f64),
+    meaning: &'static str,
+) -> Parameter {
+    Parameter { name, unit, default, lowest, highest, meaning }
+}
+
+pub(super) const TORQUE_NM: (f64, f64) = (-20_000.0, 20_000.0);
+
+pub(super) const TIME_S: (f64, f64) = (0.01, 1000.0);
+
+pub(super) const SPEED_RPM: (f64, f64) = (-20_000.0, 20_000.0);

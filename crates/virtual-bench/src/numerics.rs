@@ -1,0 +1,36 @@
+//! How finely the bench is simulated.
+
+use rig::bench_parameters::require;
+
+use super::drive::SAMPLES_PER_UPDATE;
+use super::error::VirtualBenchError;
+
+/// How finely the bench is simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Numerics {
+    /// Steps of the mechanics in one update of the controllers (1 ms).
+    pub steps_per_update: usize,
+    /// Steps from one sample of [`HiddenTruth`] to the next.
+    pub steps_per_hidden_sample: usize,
+}
+
+impl Default for Numerics {
+    /// Steps of 50 µs, hidden truth every 1 ms.
+    fn default() -> Self {
+        Self { steps_per_update: 20, steps_per_hidden_sample: 20 }
+    }
+}
+
+impl Numerics {
+    pub(super) fn check(self, has_machine: bool) -> Result<(), VirtualBenchError> {
+        let (steps, hidden) = (self.steps_per_update, self.steps_per_hidden_sample);
+        let requirement = "between 1 and 10 000";
+        require("numerics.steps_per_update", steps as f64, (1..=10_000).contains(&steps), requirement)?;
+        let samples = SAMPLES_PER_UPDATE;
+        let fits = !has_machine || steps.is_multiple_of(samples);
+        let whole = "a multiple of 4, as the inverter samples four times a millisecond";
+        require("numerics.steps_per_update", steps as f64, fits, whole)?;
+        require("numerics.steps_per_hidden_sample", hidden as f64, hidden > 0, "at least 1")?;
+        Ok(())
+    }
+}
