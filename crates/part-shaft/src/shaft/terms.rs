@@ -17,7 +17,7 @@ use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
 use units::RPM_RAD_S;
 
-use super::equation::{Dating};
+use super::equation::Dating;
 use super::inputs::ShaftInputs;
 use super::spectra::highest_hz;
 use super::term::{Term, Weight};

@@ -3,7 +3,7 @@
 use rig::results::{Estimate, Shaft, Told};
 use serde::Serialize;
 
-use crate::shaft::{self, Beyond};
+use crate::shaft::Beyond;
 use crate::shaft_routes::black_box::BlackBoxRoute;
 use crate::shaft_routes::multisine::MultisineRoute;
 use crate::shaft_routes::state_space::StateSpaceRoute;
