@@ -11,6 +11,7 @@ use regex_lite::Regex;
 use super::expression::compiled;
 
 static CODE: LazyLock<Regex> = LazyLock::new(|| compiled("`[^`]*`"));
+static COMMAND: LazyLock<Regex> = LazyLock::new(|| compiled(r"(?m)^\s+(dynoid|cargo) .*$"));
 static LINK: LazyLock<Regex> = LazyLock::new(|| compiled(r"!?\[([^\]]*)\]\([^)]*\)"));
 static PLACEHOLDER: LazyLock<Regex> = LazyLock::new(|| compiled(r"`[^`]*`|\{[^{}]*\}"));
 static QUOTED: LazyLock<Regex> = LazyLock::new(|| compiled(r#""[^"]*"|'[^']*'|`[^`]*`"#));
@@ -75,7 +76,11 @@ fn literals(tokens: TokenStream, docs_are_help: bool, texts: &mut Vec<Text>) {
                 let line = literal.span().start().line;
                 let words = spoken(&literal.to_string());
                 if let Some(words) = words {
-                    texts.push(Text { line, words: without(&TAG, &without(&PLACEHOLDER, &words)), sentences: true });
+                    texts.push(Text {
+                        line,
+                        words: without(&TAG, &without(&PLACEHOLDER, &without_commands(&words))),
+                        sentences: true,
+                    });
                 }
             }
             TokenTree::Group(group) => match doc_comment(&group) {
@@ -144,6 +149,11 @@ fn of_script(content: &str) -> Vec<Text> {
         strings.map(|words| Text { line: number + 1, words, sentences: true }).collect()
     };
     content.lines().enumerate().flat_map(quoted).collect()
+}
+
+/// The lines of examples in help, which are commands, end a sentence.
+fn without_commands(text: &str) -> String {
+    COMMAND.replace_all(text, ". ").into_owned()
 }
 
 /// With one word in place of each match.

@@ -27,4 +27,5 @@ mod support;
 mod terminal;
 mod torque_control;
 mod torque_signals;
+mod tutorials;
 mod unusual;
