@@ -10,7 +10,7 @@ use rig::{Experiment, Role};
 use signal::{Signal, runs};
 
 use super::FrictionError;
-use super::regression::Fitted;
+use crate::fitted::Fitted;
 use crate::options::{FrictionOptions, LONGEST_DELAY_S, RunOut, Term, TorqueUsed};
 
 /// Shortest stretch, s: alone, and where T_d drives.

@@ -9,6 +9,7 @@
 
 mod course;
 mod error;
+mod fitted;
 mod options;
 mod regression;
 
@@ -19,8 +20,10 @@ use serde::Serialize;
 
 use course::{Course, Directions};
 pub use error::FrictionError;
+use fitted::Drive;
+use fitted::Fitted;
 pub use options::{CurvePoint, FrictionOptions, RunOut, Term, TorqueUsed};
-use regression::{Drive, Excitation, Fitted, Problem};
+use regression::{Excitation, Problem};
 
 /// A term of higher order stays where the interval of its coefficient at this level does not hold zero.
 const TERM_LEVEL: f64 = 0.99;

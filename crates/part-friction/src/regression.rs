@@ -2,15 +2,17 @@
 
 use faer::{Mat, mat};
 use ident::covariance::at_least_white;
-use ident::distributions::{interval, student_t_quantile};
+use ident::distributions::student_t_quantile;
 use ident::smoothing::{Belief, NoisySystem, likeliest};
-use ident::{Bounds, IdentError, LinearFit, Minimum, Termination, least_squares};
+use ident::{Bounds, IdentError, Minimum, Termination, least_squares};
 use lti::StateSpace;
 use rig::estimation::{Label, timing_floor_s};
-use rig::results::{Estimate, Parameter, Stretch};
+use rig::results::Parameter;
 
 use super::course::{Course, integral};
-use crate::options::{CurvePoint, LONGEST_DELAY_S, POINTS, ROUNDS, SHIFTED_S, Term};
+use super::fitted::Fitted;
+use super::fitted::{Drive, LEVEL};
+use crate::options::{LONGEST_DELAY_S, ROUNDS, SHIFTED_S, Term};
 
 /// With less than this many events nothing is known of their scatter; the interval is then wide as it is.
 const FEWEST_EVENTS: f64 = 3.0;
@@ -22,8 +24,6 @@ const WALK: (f64, f64, f64) = (-6.0, -30.0, 12.0);
 const NOISE_ROUNDS: usize = 3;
 /// Fewest means that are compared.
 const FEWEST_BLOCKS: f64 = 100.0;
-/// Level of the intervals.
-const LEVEL: f64 = 0.95;
 /// Variance of the speed at the start of a stretch, of which the first sample was taken off, in variances of the noise.
 const START_VARIANCE: f64 = 1e6;
 
@@ -41,15 +41,6 @@ pub(super) enum Excitation {
     Enough,
 }
 
-/// How T_d acts.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Drive {
-    /// 1/J_d and the delay are parameters.
-    Free,
-    /// J_d is known.
-    Known { inertia_kg_m2: f64 },
-}
-
 /// Speeds and torques with what was found of noise and delay.
 pub(super) struct Problem<'a> {
     courses: &'a [Course],
@@ -58,17 +49,6 @@ pub(super) struct Problem<'a> {
     walk: f64,
     /// Means over this are compared, s.
     block_s: f64,
-}
-
-/// An estimate: [1/J_d, shift of T_d over J_d] where T_d drives freely, then c_i/J_d.
-pub(super) struct Fitted {
-    pub(super) terms: Vec<Term>,
-    pub(super) delay_s: f64,
-    pub(super) bic: f64,
-    drive: Drive,
-    linear: LinearFit,
-    covariance: Mat<f64>,
-    freedom: f64,
 }
 
 impl<'a> Problem<'a> {
@@ -287,135 +267,4 @@ fn walk(log_variance: f64) -> Result<(NoisySystem, Belief), IdentError> {
     let system = StateSpace::discrete(mat![[1.0]], Mat::zeros(1, 0), mat![[1.0]], Mat::zeros(1, 0), 1.0)?;
     let noisy = NoisySystem::new(system, mat![[log_variance.exp()]], vec![1.0])?;
     Ok((noisy, Belief { mean: vec![0.0], covariance: mat![[START_VARIANCE]] }))
-}
-
-impl Fitted {
-    /// 1/J_d where it was free.
-    fn per_torque(&self) -> Option<f64> {
-        (self.drive == Drive::Free).then(|| self.linear.parameters.first().copied()).flatten()
-    }
-
-    /// J_d, estimated or known.
-    pub(super) fn inertia_kg_m2(&self) -> f64 {
-        match self.drive {
-            Drive::Known { inertia_kg_m2 } => inertia_kg_m2,
-            Drive::Free => self.per_torque().map_or(f64::NAN, |rate| 1.0 / rate),
-        }
-    }
-
-    fn shift_s(&self) -> f64 {
-        self.linear.parameters[1] / self.linear.parameters[0]
-    }
-
-    /// Relative standard error of 1/J_d.
-    pub(super) fn inertia_error(&self) -> f64 {
-        match self.per_torque() {
-            Some(rate) if rate > 0.0 => self.covariance[(0, 0)].sqrt() / rate,
-            _ => f64::INFINITY,
-        }
-    }
-
-    pub(super) fn inertia(&self, label: Label) -> Option<Parameter> {
-        let rate = self.per_torque()?;
-        Some(Parameter::new(label, 1.0 / rate, self.inertia_error() / rate, self.freedom))
-    }
-
-    /// Whether the term of highest order is separated from zero.
-    pub(super) fn is_last_told(&self, level: f64) -> bool {
-        self.terms.last().is_some_and(|last| self.is_told(*last, level))
-    }
-
-    /// Whether a term is there and differs from zero.
-    pub(super) fn is_told(&self, term: Term, level: f64) -> bool {
-        let Some(place) = self.terms.iter().position(|own| *own == term) else { return false };
-        let at = self.first_term() + place;
-        let (low, high) = interval(self.linear.parameters[at], self.covariance[(at, at)].sqrt(), self.freedom, level);
-        low > 0.0 || high < 0.0
-    }
-
-    /// Σ c_i/J_d …, rad/s².
-    pub(super) fn deceleration(&self, speed: f64) -> f64 {
-        let first = self.first_term();
-        self.terms.iter().enumerate().map(|(i, term)| self.linear.parameters[first + i] * term.at(speed)).sum()
-    }
-
-    fn first_term(&self) -> usize {
-        self.linear.parameters.len() - self.terms.len()
-    }
-
-    pub(super) fn per_inertia(&self, stretches: &[Stretch]) -> Estimate {
-        let first = self.first_term();
-        let rows = (0..self.terms.len()).map(|i| self.unit_row(first + i));
-        self.read(&rows.collect::<Vec<_>>(), |i| self.linear.parameters[first + i], Term::deceleration, stretches)
-    }
-
-    /// Coefficients as torques: times J_d, that of the estimate or the stated one.
-    pub(super) fn friction(&self, stretches: &[Stretch]) -> Estimate {
-        let first = self.first_term();
-        let value = |i: usize| self.inertia_kg_m2() * self.linear.parameters[first + i];
-        let rows: Vec<Vec<f64>> = (0..self.terms.len()).map(|i| self.torque_row(i)).collect();
-        self.read(&rows, value, Term::torque, stretches)
-    }
-
-    fn unit_row(&self, at: usize) -> Vec<f64> {
-        (0..self.linear.parameters.len()).map(|j| f64::from(u8::from(j == at))).collect()
-    }
-
-    /// The gradient of c_i = J_d (c_i/J_d) by the parameters.
-    fn torque_row(&self, i: usize) -> Vec<f64> {
-        let first = self.first_term();
-        let inertia = self.inertia_kg_m2();
-        let mut row: Vec<f64> = self.unit_row(first + i).iter().map(|u| inertia * u).collect();
-        if self.per_torque().is_some() {
-            row[0] = -inertia * inertia * self.linear.parameters[first + i];
-        }
-        row
-    }
-
-    fn joint(&self, a: &[f64], b: &[f64]) -> f64 {
-        let n = a.len();
-        (0..n).map(|i| (0..n).map(|j| a[i] * self.covariance[(i, j)] * b[j]).sum::<f64>()).sum()
-    }
-
-    fn read(
-        &self,
-        rows: &[Vec<f64>],
-        value: impl Fn(usize) -> f64,
-        label: impl Fn(Term) -> Label,
-        stretches: &[Stretch],
-    ) -> Estimate {
-        let covariance: Vec<Vec<f64>> = rows.iter().map(|a| rows.iter().map(|b| self.joint(a, b)).collect()).collect();
-        let parameter = |(i, term): (usize, &Term)| {
-            Parameter::new(label(*term), value(i), covariance[i][i].max(0.0).sqrt(), self.freedom)
-        };
-        Estimate {
-            parameters: self.terms.iter().enumerate().map(parameter).collect(),
-            covariance,
-            stretches: stretches.to_vec(),
-            iterations: 0,
-            condition: self.linear.condition,
-        }
-    }
-
-    /// What those of its terms come to over a range of speeds.
-    pub(super) fn curve(&self, (from, to): (f64, f64), is_part: impl Fn(Term) -> bool) -> Vec<CurvePoint> {
-        let first = self.first_term();
-        let parts: Vec<(usize, Term)> = self.terms.iter().copied().enumerate().filter(|(_, t)| is_part(*t)).collect();
-        let width = student_t_quantile(0.5 + 0.5 * LEVEL, self.freedom);
-        let point = |k: usize| {
-            let speed_rad_s = from + (to - from) * k as f64 / (POINTS - 1) as f64;
-            let mut row = vec![0.0; self.linear.parameters.len()];
-            for (i, term) in &parts {
-                let own = self.torque_row(*i);
-                row.iter_mut().zip(&own).for_each(|(sum, own)| *sum += term.at(speed_rad_s) * own);
-            }
-            let of_term = |(i, term): &(usize, Term)| self.linear.parameters[first + i] * term.at(speed_rad_s);
-            CurvePoint {
-                speed_rad_s,
-                torque_nm: self.inertia_kg_m2() * parts.iter().map(of_term).sum::<f64>(),
-                half_width_nm: width * self.joint(&row, &row).max(0.0).sqrt(),
-            }
-        };
-        (0..POINTS).map(point).collect()
-    }
 }

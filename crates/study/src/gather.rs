@@ -88,3 +88,42 @@ pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, 
         }
     })
 }
+
+/// Why there can be no study at all.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StudyError {
+    /// The bench file names no channels.
+    #[error("the bench file names no channels")]
+    NoChannels,
+    /// No recording was given.
+    #[error("there is no recording to study")]
+    NoRecordings,
+    /// None of the recordings can be used.
+    #[error("none of the {count} recordings can be used")]
+    NothingUsable {
+        /// How many there are.
+        count: usize,
+        /// Why each cannot.
+        diagnostics: Vec<Diagnostic>,
+    },
+}
+
+/// Experiments from sources, at least one.
+pub(crate) fn usable(
+    bench: &BenchFile,
+    sources: Vec<Source>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<Gathered, StudyError> {
+    if bench.channels.is_empty() {
+        return Err(StudyError::NoChannels);
+    }
+    if sources.is_empty() {
+        return Err(StudyError::NoRecordings);
+    }
+    let count = sources.len();
+    let gathered = gather(bench, sources, progress);
+    match gathered.experiments.is_empty() {
+        true => Err(StudyError::NothingUsable { count, diagnostics: gathered.diagnostics }),
+        false => Ok(gathered),
+    }
+}

@@ -19,8 +19,7 @@ use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, Virtua
 
 use crate::estimates::Fits;
 use crate::findings::Findings;
-use crate::gather::experiment_of;
-use crate::run::usable;
+use crate::gather::{experiment_of, usable};
 use crate::whole::model_of;
 use crate::{Progress, Source, StudyError};
 

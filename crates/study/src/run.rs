@@ -1,10 +1,12 @@
 //! The one function that sees the whole chain, from decoded recordings to the study.
 
-use rig::{BenchFile, Diagnostic, Experiment};
+use rig::{BenchFile, Experiment};
 
+use super::gather::{StudyError, usable};
+use super::progress::Progress;
 use crate::analyses::{Analyses, analyses};
 use crate::findings::Findings;
-use crate::gather::{Gathered, Source, gather};
+use crate::gather::{Gathered, Source};
 use crate::{Provenance, Study, estimates};
 
 /// Everything a study is made from.
@@ -18,52 +20,6 @@ pub struct Campaign<'a> {
     pub sources: Vec<Source>,
     /// Seed, when the recordings were simulated.
     pub seed: Option<u64>,
-}
-
-/// What is being worked on, for a progress display.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Progress {
-    /// A recording is understood and checked.
-    Preparing {
-        /// File.
-        file: String,
-    },
-    /// A part of the bench is estimated: `speed controller`, `feed-forward`, `torque control`, `timing`, `shaft`,
-    /// `whole model`.
-    Estimating {
-        /// The part.
-        part: &'static str,
-    },
-    /// A recording is replayed on the model.
-    Replaying {
-        /// File.
-        file: String,
-    },
-    /// An analysis of all recordings is made: `lines`, `torque signals`, `speed controller`, `torque control`, `friction`,
-    /// `shaft`, `engine torque`.
-    Analysing {
-        /// The analysis.
-        what: &'static str,
-    },
-}
-
-/// Why there can be no study at all.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum StudyError {
-    /// The bench file names no channels.
-    #[error("the bench file names no channels")]
-    NoChannels,
-    /// No recording was given.
-    #[error("there is no recording to study")]
-    NoRecordings,
-    /// None of the recordings can be used.
-    #[error("none of the {count} recordings can be used")]
-    NothingUsable {
-        /// How many there are.
-        count: usize,
-        /// Why each cannot.
-        diagnostics: Vec<Diagnostic>,
-    },
 }
 
 /// Studies a campaign: prepares its recordings, estimates every part they allow, assembles the model, replays what it has
@@ -86,26 +42,6 @@ pub fn run_full(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> R
     let (study, experiments) = studied(campaign, progress)?;
     let analyses = analyses(&experiments, bench, progress);
     Ok((study, analyses))
-}
-
-/// Experiments from sources, at least one.
-pub(super) fn usable(
-    bench: &BenchFile,
-    sources: Vec<Source>,
-    progress: &mut dyn FnMut(Progress),
-) -> Result<Gathered, StudyError> {
-    if bench.channels.is_empty() {
-        return Err(StudyError::NoChannels);
-    }
-    if sources.is_empty() {
-        return Err(StudyError::NoRecordings);
-    }
-    let count = sources.len();
-    let gathered = gather(bench, sources, progress);
-    match gathered.experiments.is_empty() {
-        true => Err(StudyError::NothingUsable { count, diagnostics: gathered.diagnostics }),
-        false => Ok(gathered),
-    }
 }
 
 /// The study, and the experiments it is made from.

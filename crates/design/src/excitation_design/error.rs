@@ -3,7 +3,7 @@
 use bench_model::simulate::SimulationError;
 use signal::SignalError;
 
-use super::task::Unknown;
+use crate::excitation_design::unknown::Unknown;
 
 /// Why there is no design.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

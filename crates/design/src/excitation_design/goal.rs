@@ -10,10 +10,11 @@ use rig::experiment::{DEMAND_HOLD_S, UPDATE_S};
 use rig::facts::BenchVariant;
 
 use super::task::{
-    DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, SampleNoise, TIME_SCALE_S, Unknown, beside_rotation,
+    DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, SampleNoise, TIME_SCALE_S, beside_rotation,
 };
 use super::{Criterion, Robustness};
 use crate::excitation_design::error::DesignError;
+use crate::excitation_design::unknown::Unknown;
 
 /// Lowest frequency of an excitation from which gains of an integrator have to be determined, Hz.
 const SLOW_HZ: f64 = 0.25;

@@ -49,6 +49,7 @@ mod signals;
 mod spectrum;
 mod task;
 mod trial;
+mod unknown;
 mod white;
 
 use bench_model::model::ModelParameter;
@@ -62,10 +63,9 @@ use information::{Line, lines, not_determined};
 pub use peaks::{LimitedQuantity, Peaks};
 use phases::Responses;
 use spectrum::{bands, optimise, power_of};
-pub use task::{
-    Criterion, DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, Robustness, SampleNoise, Unknown,
-};
+pub use task::{Criterion, DesignTask, ExcitedDemand, Measurements, Nuisance, PeakLimits, Robustness, SampleNoise};
 use trial::{HeldDemand, Trials};
+pub use unknown::Unknown;
 
 /// Lines with less than this part of the power of the strongest are left out.
 const WEAKEST: f64 = 1e-6;

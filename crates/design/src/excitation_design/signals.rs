@@ -3,7 +3,8 @@
 use bench_model::model::{BenchModel, Mechanics, mean_over};
 use signal::Complex64;
 
-use super::task::{DesignTask, ExcitedDemand, Unknown};
+use super::task::{DesignTask, ExcitedDemand};
+use crate::excitation_design::unknown::Unknown;
 
 /// Signals that may be measured.
 pub(super) const OUTPUTS: usize = 5;

@@ -4,6 +4,7 @@ use bench_model::model::{BenchModel, ModelParameter};
 use serde::{Deserialize, Serialize};
 use units::RPM_RAD_S;
 
+use super::unknown::Unknown;
 use crate::excitation_design::error::DesignError;
 
 /// Time that unknown times are counted against, s.
@@ -21,18 +22,6 @@ pub enum ExcitedDemand {
     Torque,
     /// N_d* in speed control (NT), rad/s.
     Speed,
-}
-
-/// A number the experiment has to determine, or to be right in spite of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Unknown {
-    /// A parameter of the model.
-    Model(ModelParameter),
-    /// δ_e, skew of N_e against N_d, s: N_e enters as e^{−sδ_e} ω_e.
-    EngineSpeedSkew,
-    /// T_g, gate of both encoders, s.
-    EncoderGate,
 }
 
 /// A number that is unknown too, though nobody asks for it.

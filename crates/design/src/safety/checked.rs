@@ -37,3 +37,19 @@ impl Checked {
         self.reached.map_or(Safety::NotChecked, |reached| reached.safety())
     }
 }
+
+/// The worst of all verdicts; benches that are not stable count as a limit reached.
+pub(crate) fn overall(checked: &[Checked], unstable: Proportion) -> Safety {
+    let mut stated: Vec<Safety> =
+        checked.iter().map(Checked::safety).filter(|safety| *safety != Safety::NotChecked).collect();
+    if stated.is_empty() && unstable.count == 0 {
+        return Safety::NotChecked;
+    }
+    stated.push(unstable.safety());
+    let has = |safety: Safety| stated.contains(&safety);
+    match (has(Safety::Unsafe), has(Safety::Risky)) {
+        (true, _) => Safety::Unsafe,
+        (false, true) => Safety::Risky,
+        (false, false) => Safety::Safe,
+    }
+}

@@ -3,7 +3,9 @@
 //!
 //! Firing pulses are no part of the prediction, see [`bench_model::prediction`]: they add to the shaft torque.
 
+mod allowed;
 mod checked;
+mod ladder;
 mod quantity;
 mod run;
 mod sines;
@@ -109,7 +111,7 @@ pub fn check(inputs: &SafetyInputs<'_>, told: &(dyn Fn(u64, u64) + Sync)) -> Res
     let unstable = Proportion::new(outcomes.iter().filter(|outcome| outcome.is_unstable).count(), outcomes.len());
     let sines = sines::propose(&inputs.prediction, &benches, &outcomes, told)?;
     Ok(SafetyCheck {
-        safety: verdict::overall(&checked, unstable),
+        safety: checked::overall(&checked, unstable),
         thermal: thermal(&inputs.prediction),
         checked,
         unstable,

@@ -9,7 +9,7 @@ use rig::experiment::{DEMAND_HOLD_S, ExperimentPlan};
 use rig::facts::Engine;
 use serde::Serialize;
 
-use super::sines::Ladder;
+use crate::safety::ladder::Ladder;
 
 /// Frequencies closer to the resonance than this part of it lie at the resonance.
 const RESONANCE_BAND: f64 = 0.1;

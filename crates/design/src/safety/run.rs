@@ -3,9 +3,10 @@
 use bench_model::prediction::{PredictionError, PredictionInputs, predict};
 use numerics::parallel;
 
+use super::allowed::allowed_nm;
 use super::quantity::{self, Quantity};
-use super::sines::{self, Ladder};
 use super::spread::Drawn;
+use crate::safety::ladder::Ladder;
 
 /// What one bench did.
 pub(super) struct Outcome {
@@ -34,7 +35,7 @@ fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {
         Ok(prediction) => {
             let values = quantity::values(inputs, inputs.model, &prediction);
             let allowed_nm = match ladder {
-                Some(ladder) => sines::allowed_nm(inputs, &ladder, &prediction)?,
+                Some(ladder) => allowed_nm(inputs, &ladder, &prediction)?,
                 None => Vec::new(),
             };
             Ok(Outcome { values, resonance_hz, is_unstable: false, allowed_nm })

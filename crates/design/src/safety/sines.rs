@@ -1,12 +1,11 @@
 //! Amplitudes at which a sine test keeps the limits.
 
-use bench_model::model::BenchModel;
-use bench_model::prediction::{Prediction, PredictionError, PredictionInputs, predict};
-use rig::ControlMode;
-use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S, Waveform};
+use bench_model::prediction::{PredictionError, PredictionInputs};
+use rig::experiment::{Demands, ExperimentPlan};
 use serde::Serialize;
 
-use super::quantity::{demand_samples, largest, reaches, slew};
+use super::ladder::Ladder;
+use super::quantity::reaches;
 use super::run::{self, Outcome};
 use super::spread::Drawn;
 use super::{ALLOWED, Proportion, Quantity};
@@ -41,65 +40,6 @@ pub struct Proposal {
     pub holds: bool,
 }
 
-/// The sines of a sine test of T_d*.
-pub(super) struct Ladder<'a> {
-    pub(super) frequencies_hz: &'a [f64],
-    amplitude_nm: f64,
-    mean_nm: f64,
-    dwell_s: f64,
-    hold: usize,
-}
-
-impl<'a> Ladder<'a> {
-    /// Of a plan that demands them of T_d*, of a fired engine on a shaft; `None` for any other.
-    pub(super) fn of(plan: &'a ExperimentPlan) -> Option<Self> {
-        let Waveform::SineLadder { mean, amplitude, frequencies_hz, dwell_s } = &plan.dyno_torque_nm else {
-            return None;
-        };
-        let is_sine_test = plan.label.mode == ControlMode::Tn
-            && plan.torque_target == TorqueTarget::AirGap
-            && plan.has_shaft
-            && !plan.is_motored
-            && *amplitude != 0.0
-            && !frequencies_hz.is_empty();
-        is_sine_test.then(|| Ladder {
-            frequencies_hz,
-            amplitude_nm: amplitude.abs(),
-            mean_nm: *mean,
-            dwell_s: *dwell_s,
-            hold: demand_samples(UPDATE_S),
-        })
-    }
-
-    /// The sine that runs at an update: the one of the update at which T_d* last changed.
-    pub(super) fn rung(&self, update: usize) -> usize {
-        let time_s = (update / self.hold * self.hold) as f64 * UPDATE_S;
-        ((time_s / self.dwell_s + 1e-9).floor() as usize).min(self.frequencies_hz.len() - 1)
-    }
-
-    /// First update of each sine, and the end.
-    fn bounds(&self, updates: usize) -> Vec<usize> {
-        (0..=self.frequencies_hz.len()).map(|rung| self.first(rung, updates)).collect()
-    }
-
-    fn first(&self, rung: usize, updates: usize) -> usize {
-        if rung == self.frequencies_hz.len() {
-            return updates;
-        }
-        let near = ((rung as f64 * self.dwell_s / UPDATE_S) as usize).saturating_sub(2 * self.hold);
-        (near..updates).find(|update| self.rung(*update) >= rung).unwrap_or(updates)
-    }
-
-    /// The demands with an amplitude of its own for each sine.
-    fn demands(&self, demands: &Demands, amplitudes_nm: &[f64]) -> Demands {
-        let mut changed = demands.clone();
-        for (update, torque) in changed.dyno_torque_nm.iter_mut().enumerate() {
-            *torque = self.mean_nm + (*torque - self.mean_nm) * amplitudes_nm[self.rung(update)] / self.amplitude_nm;
-        }
-        changed
-    }
-}
-
 impl Proposal {
     /// The demands of the test with every sine at its safe amplitude or, where that is lower, the planned one; `None` where
     /// the plan is no such test.
@@ -108,56 +48,6 @@ impl Proposal {
         let amplitudes: Vec<f64> = self.sines.iter().map(|sine| sine.safe_nm.min(sine.planned_nm)).collect();
         Some(ladder.demands(demands, &amplitudes))
     }
-}
-
-/// The largest amplitude of each sine that keeps the limits on one bench. The bench is linear short of the inverter's limit,
-/// so what a sine adds to the rest grows with its amplitude; onset and the decay of the sine before are part of it.
-pub(super) fn allowed_nm(
-    inputs: &PredictionInputs<'_>,
-    ladder: &Ladder<'_>,
-    prediction: &Prediction,
-) -> Result<Vec<f64>, PredictionError> {
-    if prediction.response.limited_share > 0.0 {
-        let linear = BenchModel { torque_limit_nm: None, ..inputs.model.clone() };
-        return match predict(&PredictionInputs { model: &linear, ..*inputs }) {
-            Ok(free) => Ok(allowed_of(inputs, ladder, &free)),
-            Err(PredictionError::Unstable) => Ok(vec![0.0; ladder.frequencies_hz.len()]),
-            Err(error) => Err(error),
-        };
-    }
-    Ok(allowed_of(inputs, ladder, prediction))
-}
-
-fn allowed_of(inputs: &PredictionInputs<'_>, ladder: &Ladder<'_>, prediction: &Prediction) -> Vec<f64> {
-    let (response, limits) = (&prediction.response, &inputs.limits);
-    let hold = demand_samples(prediction.sample_time_s);
-    let peaks = [
-        (&response.shaft_torque_nm, limits.shaft_torque_nm),
-        (&response.torque_demand_nm, limits.torque_nm),
-        (&response.dyno_speed_rad_s, limits.speed_rad_s),
-        (&response.engine_speed_rad_s, limits.speed_rad_s),
-    ];
-    let slews = [
-        (&response.shaft_torque_nm, 1, limits.shaft_torque_slew_nm_per_s),
-        (&response.torque_demand_nm, hold, limits.torque_slew_nm_per_s),
-    ];
-    let bounds = ladder.bounds(response.shaft_torque_nm.len());
-    let allowed = |pair: &[usize]| {
-        let (from, to) = (pair[0], pair[1]);
-        let of_peaks = peaks.iter().filter_map(|(values, limit)| {
-            let (rest, limit) = (values[0], (*limit)?);
-            let change: Vec<f64> = values[from..to].iter().map(|value| value - rest).collect();
-            Some((limit - rest.abs()).max(0.0) / largest(&change))
-        });
-        let of_slews = slews.iter().filter_map(|(values, apart, limit)| {
-            let rate = slew(&values[from.saturating_sub(*apart)..to], *apart, prediction.sample_time_s);
-            Some((*limit)? / rate)
-        });
-        // A limit of nothing over a change of nothing says nothing.
-        let factor = of_peaks.chain(of_slews).filter(|factor| !factor.is_nan()).fold(f64::INFINITY, f64::min);
-        factor * ladder.amplitude_nm
-    };
-    bounds.windows(2).map(allowed).collect()
 }
 
 /// The proposal for a sine test: the largest amplitudes with which so few benches reach a limit at any of the frequencies

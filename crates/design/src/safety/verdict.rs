@@ -3,8 +3,6 @@
 use serde::Serialize;
 use signal::distributions::f_quantile;
 
-use crate::safety::checked::Checked;
-
 /// The probability of reaching a limit that is allowed.
 pub const ALLOWED: f64 = 0.05;
 
@@ -71,21 +69,5 @@ impl Proportion {
             (false, true) => Safety::Risky,
             (false, false) => Safety::Safe,
         }
-    }
-}
-
-/// The worst of all verdicts; benches that are not stable count as a limit reached.
-pub(super) fn overall(checked: &[Checked], unstable: Proportion) -> Safety {
-    let mut stated: Vec<Safety> =
-        checked.iter().map(Checked::safety).filter(|safety| *safety != Safety::NotChecked).collect();
-    if stated.is_empty() && unstable.count == 0 {
-        return Safety::NotChecked;
-    }
-    stated.push(unstable.safety());
-    let has = |safety: Safety| stated.contains(&safety);
-    match (has(Safety::Unsafe), has(Safety::Risky)) {
-        (true, _) => Safety::Unsafe,
-        (false, true) => Safety::Risky,
-        (false, false) => Safety::Safe,
     }
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
-use super::tracking::OrderTrack;
+use crate::look::track::OrderTrack;
 
 /// Signals that the masses move.
 pub(super) const OF_THE_MASSES: [Role; 4] =

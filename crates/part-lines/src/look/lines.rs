@@ -14,8 +14,8 @@ use signal::spectrum::fft_real;
 use super::angle::Angle;
 use super::cause::Cause;
 use super::reference::{Course, Reference, folded_hz};
-use super::tracking::OrderTrack;
 use crate::look::found::DRIFT_HZ;
+use crate::look::track::OrderTrack;
 
 /// Bins about the line, and those of them that the window blurs it over.
 const ABOUT: isize = 64;

@@ -26,6 +26,7 @@ mod over_speed;
 mod reference;
 mod resonance;
 mod shown;
+mod track;
 mod tracking;
 
 use std::f64::consts::TAU;
@@ -49,7 +50,9 @@ pub use reference::folded_hz;
 use reference::{Reference, Setting};
 use resonance::BroadPeak;
 use shown::Shown;
-pub use tracking::{BANDWIDTH_ORDERS, OrderTrack, TURNS, TrackPoint};
+pub use track::OrderTrack;
+pub use track::TrackPoint;
+pub use tracking::{BANDWIDTH_ORDERS, TURNS};
 
 /// A broad peak this close to a multiple of half the firing order, Hz, for more than this share of the time, is of what varies
 /// from firing to firing; a line without a cause this close to any order is of it.

@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
-use super::tracking::TrackPoint;
 use crate::look::found::{CHANGES, Line, Look, LookedPart, LookedSignal};
+use crate::look::track::TrackPoint;
 
 /// Classes of speed from the lowest to the highest.
 const CLASSES: usize = 60;

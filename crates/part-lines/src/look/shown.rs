@@ -5,7 +5,7 @@ use signal::Signal;
 
 use super::lines::Lines;
 use super::resonance::BroadPeak;
-use super::tracking::OrderTrack;
+use crate::look::track::OrderTrack;
 
 /// A signal of a part with what was found in it.
 pub(super) struct Shown {

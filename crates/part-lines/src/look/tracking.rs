@@ -18,12 +18,13 @@ use std::f64::consts::{PI, TAU};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, c64};
 use rig::facts::Engine;
-use serde::Serialize;
 use signal::Signal;
 
 use super::angle::Angle;
 use super::lines::Found;
 use super::reference::Course;
+use super::track::OrderTrack;
+use super::track::TrackPoint;
 
 /// The window, in turns of the crank: five working cycles of four strokes.
 pub const TURNS: f64 = 10.0;
@@ -48,30 +49,6 @@ const NEIGHBOURS: usize = 3;
 const INSEPARABLE: f64 = 10.0;
 /// An order that stands this many standard errors above nothing on average is there.
 const CLEAR: f64 = 3.0;
-
-/// An order over time, and with it over speed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct OrderTrack {
-    /// The multiple of the engine's speed.
-    pub order: f64,
-    /// Window by window; those in which it cannot be separated from another line are left out.
-    pub points: Vec<TrackPoint>,
-}
-
-/// An order in one window.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct TrackPoint {
-    /// The window's middle, s.
-    pub time_s: f64,
-    /// Mean speed in it, rad/s.
-    pub speed_rad_s: f64,
-    /// Amplitude, in SI.
-    pub amplitude: f64,
-    /// Phase φ of A cos(kθ + φ), rad, θ the crank angle since the speed's recording began.
-    pub phase_rad: f64,
-    /// Standard error of the amplitude.
-    pub standard_error: f64,
-}
 
 /// The orders of a signal, each over time, those that do not stand out left out; and the signal without them, each as strong as
 /// it is at the moment. Lines that follow no speed are fitted beside them.

@@ -10,6 +10,7 @@ use rig::estimation::Label;
 use rig::results::Parameter;
 use serde::Serialize;
 
+use super::orders::Input;
 use super::record::{Record, rms};
 use crate::torque_control_study::orders::OrdersTried;
 
@@ -34,16 +35,6 @@ pub enum Family {
     Arx,
     /// y = B/F u + e.
     OutputError,
-}
-
-/// What drives a black box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Input {
-    /// T_d*, as in (6.8).
-    Demand,
-    /// T_d* − T_d, as in (6.3): judged with its loop closed.
-    Error,
 }
 
 /// A family, what drives it, and its orders.

@@ -22,8 +22,9 @@ use rig::{BenchFile, Experiment};
 use serde::Serialize;
 
 use crate::torque_control::SecondOrderTest;
-pub use black_box::{ASKED_HZ, BlackBox, ChosenBy, Closed, ELLIPSE_LEVEL, Family, Input, Root, Scanned, Structure};
+pub use black_box::{ASKED_HZ, BlackBox, ChosenBy, Closed, ELLIPSE_LEVEL, Family, Root, Scanned, Structure};
 pub use excited::Excited;
+pub use orders::Input;
 pub use orders::OrdersTried;
 pub use paired::PairedTest;
 use record::{Record, rms};

@@ -1,5 +1,7 @@
 //! The orders that black boxes are tried with.
 
+use serde::Serialize;
+
 /// Which orders are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct OrdersTried {
@@ -13,4 +15,14 @@ impl Default for OrdersTried {
     fn default() -> Self {
         OrdersTried { highest: 6, longest_delay: 4 }
     }
+}
+
+/// What drives a black box.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Input {
+    /// T_d*, as in (6.8).
+    Demand,
+    /// T_d* − T_d, as in (6.3): judged with its loop closed.
+    Error,
 }

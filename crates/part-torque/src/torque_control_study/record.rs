@@ -7,9 +7,9 @@ use rig::estimation::{EstimateError, need};
 use rig::results::{Stretch, Trace};
 use rig::{Experiment, Role};
 
-use super::black_box::Input;
 use crate::torque_control::{self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, usable_samples};
 use crate::torque_control_study::excited::Excited;
+use crate::torque_control_study::orders::Input;
 
 /// Parts of a recording that models are estimated from, and chosen by; the rest is held out.
 const SHARES: [f64; 2] = [0.5, 0.7];

@@ -12,12 +12,9 @@ use ident::{Bounds, IdentError};
 use serde::Serialize;
 
 use super::TorqueSmoother;
+use super::states::{DAMPING, TORQUE, WANDERING};
 use crate::torque_smoother::observations::Observations;
 
-/// Where the logarithms stand; each line's after that of the damping.
-pub(super) const WANDERING: usize = 0;
-pub(super) const TORQUE: usize = 1;
-pub(super) const DAMPING: usize = 2;
 /// ln of the density of the slope's noise where the search starts, tried one after the other, (Nm/s)²/s.
 const STARTS: [f64; 5] = [9.0, 13.0, 17.0, 21.0, 25.0];
 /// The same of the error of T_d, Nm²/Hz.

@@ -8,6 +8,7 @@ mod levels;
 mod needed;
 mod observations;
 mod prepared;
+mod states;
 
 use std::f64::consts::TAU;
 
@@ -178,18 +179,18 @@ impl TorqueSmoother<'_> {
         for (i, row) in moved.clone().enumerate() {
             moved.clone().enumerate().for_each(|(j, column)| a[(row, column)] = mechanics.a[(i, j)]);
             (wandering..n).for_each(|j| a[(row, j)] = mechanics.by_sought[i] * sought[j]);
-            let of_torque = scale * logarithms[levels::TORQUE].exp();
+            let of_torque = scale * logarithms[states::TORQUE].exp();
             for (j, column) in moved.clone().enumerate() {
                 density[(row, column)] = of_torque * mechanics.by_air_gap[i] * mechanics.by_air_gap[j];
             }
         }
         a[(wandering, wandering + 1)] = 1.0;
-        density[(wandering + 1, wandering + 1)] = scale * logarithms[levels::WANDERING].exp();
+        density[(wandering + 1, wandering + 1)] = scale * logarithms[states::WANDERING].exp();
         for (k, hz) in self.observed.lines_hz.iter().enumerate() {
             let (at, omega) = (wandering + 2 + 2 * k, TAU * hz);
             for i in [at, at + 1] {
-                a[(i, i)] = -logarithms[levels::DAMPING].exp() * omega;
-                density[(i, i)] = scale * logarithms[levels::DAMPING + 1 + k].exp();
+                a[(i, i)] = -logarithms[states::DAMPING].exp() * omega;
+                density[(i, i)] = scale * logarithms[states::DAMPING + 1 + k].exp();
             }
             (a[(at, at + 1)], a[(at + 1, at)]) = (omega, -omega);
         }

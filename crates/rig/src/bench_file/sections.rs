@@ -5,7 +5,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::fault::{BenchFileError, Fault, FaultKind};
-use super::write::PLACEHOLDER;
+use crate::bench_file::stated::PLACEHOLDER;
 
 /// The text and the faults found in it so far.
 pub(super) struct Faults<'t> {

@@ -158,3 +158,6 @@ pub(super) fn plausible_inertia_units(value: f64) -> Vec<String> {
     let fitting = candidates.filter(|unit| (low..=high).contains(&unit.to_si(value)));
     fitting.map(|unit| unit.spelling.to_owned()).collect()
 }
+
+/// What stands where a person must write something. A bench file that still holds it is refused.
+pub const PLACEHOLDER: &str = "FILL IN";

@@ -3,14 +3,12 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use super::stated::PLACEHOLDER;
 use crate::bench_file::stated::{BenchFile, Limits, ShaftPrior};
 use crate::channels::ChannelMapping;
 use crate::channels::{Ambiguity, Guess};
 use crate::facts::BenchVariant;
 use crate::role::Role;
-
-/// What stands where a person must write something. A bench file that still holds it is refused.
-pub const PLACEHOLDER: &str = "FILL IN";
 
 /// What a commented bench file is made of.
 #[derive(Debug, Clone, Copy)]

@@ -39,7 +39,6 @@ use signal::Signal;
 use super::{ENGINE_INERTIA, Timing, estimate_of};
 use crate::shaft::ShaftInputs;
 pub use cost::CostTest;
-
 use engine::EngineSide;
 use lines::Lines;
 use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};

@@ -1,0 +1,57 @@
+//! Amplitudes at which a bench stays within its limits.
+
+use bench_model::model::BenchModel;
+use bench_model::prediction::{Prediction, PredictionError, PredictionInputs, predict};
+
+use super::ladder::Ladder;
+use super::quantity::{demand_samples, largest, slew};
+
+/// The largest amplitude of each sine that keeps the limits on one bench. The bench is linear short of the inverter's limit,
+/// so what a sine adds to the rest grows with its amplitude; onset and the decay of the sine before are part of it.
+pub(crate) fn allowed_nm(
+    inputs: &PredictionInputs<'_>,
+    ladder: &Ladder<'_>,
+    prediction: &Prediction,
+) -> Result<Vec<f64>, PredictionError> {
+    if prediction.response.limited_share > 0.0 {
+        let linear = BenchModel { torque_limit_nm: None, ..inputs.model.clone() };
+        return match predict(&PredictionInputs { model: &linear, ..*inputs }) {
+            Ok(free) => Ok(allowed_of(inputs, ladder, &free)),
+            Err(PredictionError::Unstable) => Ok(vec![0.0; ladder.frequencies_hz.len()]),
+            Err(error) => Err(error),
+        };
+    }
+    Ok(allowed_of(inputs, ladder, prediction))
+}
+
+pub(super) fn allowed_of(inputs: &PredictionInputs<'_>, ladder: &Ladder<'_>, prediction: &Prediction) -> Vec<f64> {
+    let (response, limits) = (&prediction.response, &inputs.limits);
+    let hold = demand_samples(prediction.sample_time_s);
+    let peaks = [
+        (&response.shaft_torque_nm, limits.shaft_torque_nm),
+        (&response.torque_demand_nm, limits.torque_nm),
+        (&response.dyno_speed_rad_s, limits.speed_rad_s),
+        (&response.engine_speed_rad_s, limits.speed_rad_s),
+    ];
+    let slews = [
+        (&response.shaft_torque_nm, 1, limits.shaft_torque_slew_nm_per_s),
+        (&response.torque_demand_nm, hold, limits.torque_slew_nm_per_s),
+    ];
+    let bounds = ladder.bounds(response.shaft_torque_nm.len());
+    let allowed = |pair: &[usize]| {
+        let (from, to) = (pair[0], pair[1]);
+        let of_peaks = peaks.iter().filter_map(|(values, limit)| {
+            let (rest, limit) = (values[0], (*limit)?);
+            let change: Vec<f64> = values[from..to].iter().map(|value| value - rest).collect();
+            Some((limit - rest.abs()).max(0.0) / largest(&change))
+        });
+        let of_slews = slews.iter().filter_map(|(values, apart, limit)| {
+            let rate = slew(&values[from.saturating_sub(*apart)..to], *apart, prediction.sample_time_s);
+            Some((*limit)? / rate)
+        });
+        // A limit of nothing over a change of nothing says nothing.
+        let factor = of_peaks.chain(of_slews).filter(|factor| !factor.is_nan()).fold(f64::INFINITY, f64::min);
+        factor * ladder.amplitude_nm
+    };
+    bounds.windows(2).map(allowed).collect()
+}

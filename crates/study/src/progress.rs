@@ -1,0 +1,28 @@
+//! What is being worked on, for a progress display.
+
+/// What is being worked on, for a progress display.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Progress {
+    /// A recording is understood and checked.
+    Preparing {
+        /// File.
+        file: String,
+    },
+    /// A part of the bench is estimated: `speed controller`, `feed-forward`, `torque control`, `timing`, `shaft`,
+    /// `whole model`.
+    Estimating {
+        /// The part.
+        part: &'static str,
+    },
+    /// A recording is replayed on the model.
+    Replaying {
+        /// File.
+        file: String,
+    },
+    /// An analysis of all recordings is made: `lines`, `torque signals`, `speed controller`, `torque control`, `friction`,
+    /// `shaft`, `engine torque`.
+    Analysing {
+        /// The analysis.
+        what: &'static str,
+    },
+}
