@@ -14,7 +14,7 @@
 use faer::{Mat, MatRef, Side};
 
 use crate::IdentError;
-use crate::uncertainty::root::root;
+use crate::covariance_root::root;
 
 /// Most lags of the autoregression, times the decades of the number of residuals.
 const LAGS_PER_DECADE: f64 = 10.0;

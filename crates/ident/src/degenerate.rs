@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use crate::regression::factor_of;
+use crate::equation::factor_of;
 use crate::{Dataset, Doubt, Fit, Triangle};
 
 /// What is left of an input, relative to its variation, where it counts as a combination of others.

@@ -3,8 +3,9 @@
 use faer::Mat;
 use lti::{Innovations, LtiError, PolynomialModel};
 
-use crate::course::BandLimitedForm;
-use crate::{IdentError, Intersample, Origin, Termination};
+use crate::band_limited::BandLimitedForm;
+use crate::data::check_clock;
+use crate::{Dataset, IdentError, Intersample, Origin, Termination};
 
 /// A model with parameters θ that can be read and replaced. Everything derived from an estimate — intervals, bands, ellipses,
 /// sampled models — goes through it.
@@ -270,14 +271,6 @@ impl LinearModel for Innovations {
     }
 }
 
-/// Sample times are compared with a tolerance, since they are often written in decimal.
-pub(crate) fn check_clock(model_s: f64, data_s: f64) -> Result<(), LtiError> {
-    if (model_s - data_s).abs() <= 1e-9 * data_s {
-        return Ok(());
-    }
-    Err(LtiError::SampleTimesDiffer { first: Some(model_s), second: Some(data_s) })
-}
-
 /// Refuses data whose channels are not those of a model.
 ///
 /// # Errors
@@ -292,4 +285,11 @@ pub(crate) fn check_channels<M: LinearModel + ?Sized>(model: &M, data: &crate::D
         }
     }
     Ok(())
+}
+
+impl<M> Fit<M> {
+    /// The same estimate, made by this method from these data.
+    pub(crate) fn made_by(self, method: &'static str, data: &Dataset) -> Self {
+        Fit { origin: Some(Origin::new(method, data)), ..self }
+    }
 }

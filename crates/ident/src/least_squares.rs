@@ -2,11 +2,8 @@
 
 use faer::{Mat, MatRef};
 
-use crate::regression::{Equation, solve};
+use crate::equation::{Equation, solve};
 use crate::{IdentError, Triangle};
-
-/// Singular values below this fraction of the largest, after columns are scaled to one, count as zero.
-const RANK_TOLERANCE: f64 = 1e-12;
 
 /// The solution of y = Φ θ + ε in the sense of least squares.
 #[derive(Debug, Clone, PartialEq)]
@@ -106,19 +103,4 @@ pub(crate) fn solve_factor(factor: &Mat<f64>, samples: usize) -> Result<LinearFi
         samples,
         condition: solution.condition,
     })
-}
-
-/// Condition number of a scaled triangular factor.
-///
-/// # Errors
-/// Rank below the number of columns.
-pub(crate) fn checked_condition(scaled: &Mat<f64>) -> Result<f64, IdentError> {
-    let values = scaled.singular_values().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let largest = values.first().copied().unwrap_or(0.0);
-    let smallest = values.last().copied().unwrap_or(0.0);
-    let rank = values.iter().filter(|v| **v > RANK_TOLERANCE * largest && **v > 0.0).count();
-    if rank < values.len() {
-        return Err(IdentError::RankDeficient { rank, parameters: values.len(), condition: largest / smallest });
-    }
-    Ok(largest / smallest)
 }

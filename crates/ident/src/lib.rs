@@ -49,18 +49,24 @@
 //! # Ok::<(), ident::IdentError>(())
 //! ```
 
+mod advice;
 mod arx;
+mod band_limited;
 pub mod closed_loop;
 mod colour;
+mod condition;
 mod continuous;
-mod course;
 pub mod covariance;
+mod covariance_root;
 mod criteria;
 mod data;
 mod degenerate;
 pub mod delay;
+mod dense;
 pub mod document;
+mod equation;
 mod error;
+mod excitation;
 mod fit;
 mod focus;
 pub mod frequency;
@@ -71,6 +77,8 @@ mod impulse_response;
 mod instrumental;
 pub mod least_squares;
 pub mod nonlinear;
+mod on_data;
+mod origin;
 pub mod prediction;
 pub mod prediction_error;
 pub mod prelude;
@@ -79,22 +87,26 @@ pub mod recursive;
 mod regression;
 pub mod smoothing;
 mod state_space;
+mod state_space_pem;
 mod subspace;
 mod summary;
+mod termination;
 mod triangle;
 pub mod uncertainty;
 pub mod validate;
 
 // Data.
-pub use data::{Advice, Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, SampleIndex, Split, advise};
-pub use data::{Excitation, ExcitationOptions, Line, Trend, TrendScope, TrendShape};
+pub use advice::{Advice, SampleIndex, advise};
+pub use data::{Channel, Dataset, Experiment, Gap, Intersample, Label, Prefilter, Split};
+pub use data::{Line, Trend, TrendScope, TrendShape};
+pub use excitation::{Excitation, ExcitationOptions};
 pub use frequency_domain::{FrequencyData, Lines, Measured, SpectralData};
 
 // Models and fits.
+pub use band_limited::BandLimitedForm;
 pub use continuous::{
     ContinuousChannel, ContinuousModel, Degrees, ProcessSystem, RationalChannel, TransferFunctionModel,
 };
-pub use course::BandLimitedForm;
 pub use document::{AnyModel, DocumentHeader, EstimateRecord, ModelDocument, Source};
 pub use error::{IdentError, StructureFault};
 pub use fit::{Doubt, Fit, LinearModel, Parametric};
@@ -106,7 +118,6 @@ pub use grey_box::{
 pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
 pub use lti::ChannelPair;
 pub use state_space::StateSpaceModel;
-pub use summary::Origin;
 
 // Estimators, and what they are told.
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
@@ -117,12 +128,14 @@ pub use grey_box::GreyBox;
 pub use impulse_response::{ImpulseResponse, Kernel};
 pub use instrumental::{InstrumentalVariables, Instruments, Iv4};
 pub use least_squares::{LinearFit, least_squares};
-pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, Termination, minimise};
+pub use nonlinear::{Bounds, Minimum, NonlinearOptions, ResidualModel, minimise};
+pub use origin::Origin;
 pub use prediction::InitialState;
 pub use prediction_error::{Ararx, Arma, Armax, BoxJenkins, OutputError, Polynomial};
 pub use process::ProcessFit;
-pub use state_space::StateSpacePem;
+pub use state_space_pem::StateSpacePem;
 pub use subspace::{StateOrder, Subspace, Weighting};
+pub use termination::Termination;
 pub use triangle::Triangle;
 
 // Judgement; more in `validate` and `uncertainty`.

@@ -2,9 +2,8 @@
 
 use faer::{Mat, MatRef};
 
-use crate::error::{LtiError, check_delay, check_sample_time, check_shape};
-use crate::matrix::RowMajor;
-use crate::simulation::{check_state, run};
+use crate::error::{LtiError, check_delay, check_sample_time, check_shape, check_state};
+use crate::matrix::{RowMajor, map_rows};
 use crate::state_space::StateSpace;
 
 /// A continuous system behind input delays, sampled under held inputs; exact at the samples for any delay.
@@ -127,7 +126,7 @@ impl DelayedStateSpace {
         let (mut state, mut next) = (x0.to_vec(), vec![0.0; x0.len()]);
         let (mut seen, mut newer, mut older) = (vec![0.0; inputs], vec![0.0; inputs], vec![0.0; inputs]);
         let mut k = 0;
-        Ok(run(u, self.d.nrows(), |_, output| {
+        Ok(map_rows(u, self.d.nrows(), |_, output| {
             for (j, lag) in self.lags.iter().enumerate() {
                 seen[j] = past(k, lag.back(), j);
                 newer[j] = past(k, lag.whole, j);

@@ -181,3 +181,8 @@ pub(crate) fn check_finite(what: &'static str, mut values: impl Iterator<Item = 
 fn clock(sample_time_s: Option<f64>) -> String {
     sample_time_s.map_or_else(|| "continuous time".to_owned(), |time_s| format!("{time_s} s"))
 }
+
+pub(crate) fn check_state(x0: &[f64], states: usize) -> Result<(), LtiError> {
+    check_shape("initial state", (states, 1), (x0.len(), 1))?;
+    check_finite("initial state", x0.iter().copied())
+}

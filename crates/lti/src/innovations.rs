@@ -4,8 +4,8 @@ use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
 
 use crate::error::{LtiError, check_shape};
+use crate::matrix::check_matrix;
 use crate::matrix::from_rows;
-use crate::simulation::check_matrix;
 use crate::state_space::StateSpace;
 
 /// A discrete system with its disturbance, in innovations form:

@@ -4,7 +4,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef};
 
 use crate::Complex64;
-use crate::error::{LtiError, check_shape};
+use crate::error::{LtiError, check_finite, check_shape};
 
 /// The same matrix in complex numbers.
 pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<Complex64> {
@@ -196,4 +196,25 @@ impl RowMajor {
             *out += row.iter().zip(x).map(|(m, v)| m * v).sum::<f64>();
         }
     }
+}
+
+/// Whether a table of numbers is finite throughout.
+pub(crate) fn check_matrix(what: &'static str, m: MatRef<'_, f64>) -> Result<(), LtiError> {
+    check_finite(what, elements(m))
+}
+
+/// The table of outputs that `step(input, output)` makes of every row of inputs.
+pub(crate) fn map_rows(u: MatRef<'_, f64>, outputs: usize, mut step: impl FnMut(&[f64], &mut [f64])) -> Mat<f64> {
+    let mut y = Mat::zeros(u.nrows(), outputs);
+    let (mut input, mut output) = (vec![0.0; u.ncols()], vec![0.0; outputs]);
+    for k in 0..u.nrows() {
+        for (j, slot) in input.iter_mut().enumerate() {
+            *slot = u[(k, j)];
+        }
+        step(&input, &mut output);
+        for (j, value) in output.iter().enumerate() {
+            y[(k, j)] = *value;
+        }
+    }
+    y
 }

@@ -2,8 +2,8 @@
 
 use faer::{Mat, MatRef};
 
-use crate::error::{LtiError, check_finite, check_shape};
-use crate::matrix::{RowMajor, elements};
+use crate::error::{LtiError, check_shape, check_state};
+use crate::matrix::{RowMajor, map_rows};
 use crate::state_space::StateSpace;
 
 /// A discrete system with its state, stepped one sample at a time without allocation.
@@ -99,35 +99,9 @@ impl StateSpace {
     pub fn simulate(&self, u: MatRef<'_, f64>, x0: &[f64]) -> Result<Mat<f64>, LtiError> {
         let mut simulator = Simulator::new(self, x0)?;
         check_shape("input", (u.nrows(), self.inputs()), u.shape())?;
-        Ok(run(u, self.outputs(), |input, output| {
+        Ok(map_rows(u, self.outputs(), |input, output| {
             simulator.output(input, output);
             simulator.advance(input);
         }))
     }
-}
-
-/// Calls `step(input, output)` for every row.
-pub(crate) fn run(u: MatRef<'_, f64>, outputs: usize, mut step: impl FnMut(&[f64], &mut [f64])) -> Mat<f64> {
-    let mut y = Mat::zeros(u.nrows(), outputs);
-    let (mut input, mut output) = (vec![0.0; u.ncols()], vec![0.0; outputs]);
-    for k in 0..u.nrows() {
-        for (j, slot) in input.iter_mut().enumerate() {
-            *slot = u[(k, j)];
-        }
-        step(&input, &mut output);
-        for (j, value) in output.iter().enumerate() {
-            y[(k, j)] = *value;
-        }
-    }
-    y
-}
-
-pub(crate) fn check_state(x0: &[f64], states: usize) -> Result<(), LtiError> {
-    check_shape("initial state", (states, 1), (x0.len(), 1))?;
-    check_finite("initial state", x0.iter().copied())
-}
-
-/// Whether a table of numbers is finite throughout.
-pub(crate) fn check_matrix(what: &'static str, m: MatRef<'_, f64>) -> Result<(), LtiError> {
-    check_finite(what, elements(m))
 }

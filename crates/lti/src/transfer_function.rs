@@ -7,7 +7,7 @@ use crate::Complex64;
 use crate::error::{LtiError, check_delay, check_finite, check_sample_time};
 use crate::frequency_response::FrequencyResponse;
 use crate::matrix::{balance, norm_2};
-use crate::polynomial::{add, evaluate, multiply, roots, without_leading_zeros};
+use crate::polynomial::{add, evaluate, from_roots, multiply, roots, without_leading_zeros};
 use crate::state_space::{StateSpace, check_same_clock, frequency_point, is_algebraic_loop};
 
 /// One input, one output: `H(s) = num(s)/den(s) · e^{−s·delay}`, or `H(z) = num(z)/den(z) · z^{−delay/T}`.
@@ -256,5 +256,21 @@ impl TransferFunction {
 
     fn check_no_delay(&self) -> Result<(), LtiError> {
         if self.delay_s == 0.0 { Ok(()) } else { Err(LtiError::DelayPresent { delay_s: self.delay_s }) }
+    }
+}
+
+impl StateSpace {
+    /// The transfer function of a system with one input and one output; its denominator is monic and of as many degrees
+    /// as there are states (nothing is cancelled), its delay zero.
+    ///
+    /// # Errors
+    /// [`LtiError::NotSiso`], [`LtiError::NoConvergence`], [`LtiError::NonFinite`].
+    pub fn to_transfer_function(&self) -> Result<TransferFunction, LtiError> {
+        let (zeros, gain) = match self.zeros_and_gain() {
+            Err(LtiError::ZeroSystem) => (Vec::new(), 0.0),
+            other => other?,
+        };
+        let num = from_roots(&zeros).iter().map(|c| c * gain).collect();
+        TransferFunction::new(num, from_roots(&self.poles()?), self.sample_time_s())
     }
 }

@@ -307,3 +307,8 @@ pub(crate) fn days_since_1970(year: i64, month: i64, day: i64) -> i64 {
     let day_of_year = (153 * ((month + 9) % 12) + 2) / 5 + day - 1;
     era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + day_of_year - 719_468
 }
+
+/// Whether the numbers that a field can hold are only integers.
+pub(crate) fn is_integer(field: &Field) -> bool {
+    matches!(field.coding, Coding::Unsigned | Coding::Signed)
+}

@@ -15,6 +15,7 @@ mod error;
 mod field;
 mod model;
 mod pages;
+mod parts;
 mod read;
 mod source;
 mod stream;
@@ -24,7 +25,7 @@ mod v4;
 mod values;
 
 use std::collections::BTreeSet;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 pub use error::MdfError;
 pub use model::{Address, Attachment, Channel, Event, Finding, Group, Kind, Master, Obstacle, Quantity, StartTime};
@@ -32,7 +33,7 @@ pub use source::Source;
 pub use values::{Blobs, Texts, Values};
 
 use pages::Pages;
-use stream::Stream;
+use parts::Parts;
 
 /// An opened file.
 #[derive(Debug)]
@@ -42,40 +43,6 @@ pub struct Mdf<S> {
     parts: Parts,
     /// Channels whose integers were rounded.
     rounded: Mutex<BTreeSet<Address>>,
-}
-
-/// What the blocks of a file say.
-#[derive(Debug, Default)]
-struct Parts {
-    start_time: Option<StartTime>,
-    comment: Option<Arc<str>>,
-    groups: Vec<Group>,
-    attachments: Vec<Attachment>,
-    events: Vec<Event>,
-    findings: Vec<Finding>,
-    data: Vec<Data>,
-    /// Streams of values of varying length.
-    signals: Vec<Stream>,
-    /// The file was not closed by the program that recorded it.
-    is_open: bool,
-}
-
-/// Records of one group or several.
-#[derive(Debug, Default)]
-struct Data {
-    stream: Stream,
-    /// Invalidation bytes that are stored apart from the records.
-    invalid: Option<Stream>,
-    /// Bytes of the identifier before each record.
-    id_bytes: usize,
-    /// Bytes of the identifier after each record.
-    trailing: usize,
-    /// Records of several groups follow each other in any order.
-    is_mixed: bool,
-    /// Indices of the groups.
-    groups: Vec<usize>,
-    /// Records of each group, once they were counted.
-    counts: OnceLock<Result<Vec<u64>, MdfError>>,
 }
 
 impl<S: Source> Mdf<S> {

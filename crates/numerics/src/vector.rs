@@ -2,6 +2,8 @@
 
 /// Independent partial sums of a scalar product: as many as fill the vector registers.
 const LANES: usize = 16;
+/// What rounding makes of a constant, in parts of its size.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// The scalar product `Σ x_i y_i` over the length of the shorter slice.
 ///
@@ -65,4 +67,25 @@ pub fn root_mean_square(x: &[f64]) -> f64 {
 /// Adds `factor · x` to `y`, over the length of the shorter slice.
 pub fn add_scaled(factor: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
+/// The variation about the mean, `Σ (y − ȳ)²`; `None` where the values are one constant but for rounding.
+///
+/// `values` is run through three times.
+///
+/// # Example
+/// ```
+/// assert_eq!(numerics::vector::variation(|| [1.0, 3.0].into_iter()), Some(2.0));
+/// assert_eq!(numerics::vector::variation(|| [0.1; 7].into_iter()), None);
+/// ```
+pub fn variation<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> Option<f64> {
+    let (mut count, mut sum, mut size) = (0_usize, 0.0, 0.0);
+    values().for_each(|v| {
+        (count, sum, size) = (count + 1, sum + v, size + v * v);
+    });
+    let first = sum / count as f64;
+    // The rounding of a long sum is taken off again.
+    let mean = first + values().map(|v| v - first).sum::<f64>() / count as f64;
+    let about: f64 = values().map(|v| (v - mean).powi(2)).sum();
+    (about > ROUNDING * ROUNDING * size).then_some(about)
 }

@@ -68,6 +68,7 @@ mod mat;
 mod mdf;
 mod model;
 pub mod names;
+mod required;
 mod source;
 
 use std::sync::Arc;

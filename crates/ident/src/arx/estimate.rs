@@ -4,10 +4,9 @@ use faer::Mat;
 use lti::{PolynomialEquation, PolynomialModel};
 
 use super::ArxOrders;
-use crate::regression::{
-    Equation, Regression, Solution, noise_covariance, parameter_covariance, robust_covariance, solve,
-};
-use crate::subspace::linear::spectral_radius;
+use crate::dense::spectral_radius;
+use crate::equation::{Equation, Solution, noise_covariance, parameter_covariance, solve};
+use crate::regression::{Regression, robust_covariance};
 use crate::{Doubt, Fit, IdentError, Termination};
 
 /// Condition number above which the parameters can hardly be separated.

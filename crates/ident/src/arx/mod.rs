@@ -12,7 +12,8 @@ pub use orders::ArxOrders;
 pub use scan::{Criterion, OrderScan, OrderTable, ScannedStructure};
 pub(crate) use whitening::{filter, whitening_filter};
 
-use crate::regression::{Equation, Lagged, Regression, outputs_then_inputs};
+use crate::equation::Equation;
+use crate::regression::{Lagged, Regression, outputs_then_inputs};
 use crate::{Dataset, Fit, IdentError};
 
 /// Estimates an ARX model, one equation an output:

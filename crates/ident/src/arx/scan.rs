@@ -5,7 +5,8 @@ use std::ops::RangeInclusive;
 use faer::Mat;
 
 use super::{Arx, ArxOrders, index_of};
-use crate::regression::{Lagged, Regression, factor_of, outputs_then_inputs};
+use crate::equation::factor_of;
+use crate::regression::{Lagged, Regression, outputs_then_inputs};
 use crate::{Criteria, Dataset, IdentError};
 
 /// A diagonal element of the factor below this fraction of its column: the column depends on those before it.

@@ -73,7 +73,7 @@ impl Indirect {
     /// `P` and `Q` in ascending powers of q⁻¹, equally long.
     fn regulator_polynomials(&self, sample_time_s: f64) -> Result<(Vec<f64>, Vec<f64>), IdentError> {
         let r = &self.regulator;
-        crate::fit::check_clock(r.sample_time_s().ok_or(LtiError::NotDiscrete)?, sample_time_s)?;
+        crate::data::check_clock(r.sample_time_s().ok_or(LtiError::NotDiscrete)?, sample_time_s)?;
         if r.delay_s() > 0.0 {
             return Err(LtiError::DelayPresent { delay_s: r.delay_s() }.into());
         }

@@ -7,8 +7,9 @@ use lti::{Complex64, FrequencyResponse, LtiError};
 
 use super::{INPUT, REFERENCE, check_loop};
 use crate::data::check_range;
+use crate::equation::factor_of;
 use crate::least_squares::solve_factor;
-use crate::regression::{Lagged, Regression, factor_of};
+use crate::regression::{Lagged, Regression};
 use crate::{Dataset, IdentError};
 
 /// Fits `A_u u = B_u r + e_u` and `A_y y = B_y r + e_y`, both of the same high order, and takes the plant as the ratio of the

@@ -3,7 +3,7 @@
 use faer::Mat;
 use lti::{LtiError, StateSpace};
 
-use super::model::{ContinuousChannel, Degrees};
+use super::channel::{ContinuousChannel, Degrees};
 use super::sampled::Sampled;
 use crate::Intersample;
 

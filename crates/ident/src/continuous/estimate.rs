@@ -2,11 +2,12 @@
 
 use faer::Mat;
 
-use super::model::{ContinuousChannel, ContinuousModel};
+use super::channel::ContinuousChannel;
+use super::model::ContinuousModel;
 use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, records};
+use crate::band_limited::Ground;
 use crate::colour::{Colour, Sandwich};
-use crate::course::Ground;
 use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, Termination, minimise};
 
 /// Samples that starting models are compared on.

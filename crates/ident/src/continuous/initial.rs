@@ -3,9 +3,10 @@
 use faer::Mat;
 use lti::Simulator;
 
-use super::model::{ContinuousChannel, ContinuousModel};
+use super::channel::ContinuousChannel;
+use super::model::ContinuousModel;
 use super::output_error::Nuisance;
-use crate::course::OnData;
+use crate::on_data::OnData;
 use crate::{Dataset, Experiment, IdentError, Triangle};
 
 /// Samples from which an initial state is found, at most.

@@ -1,5 +1,6 @@
 //! Continuous-time transfer functions from sampled data.
 
+mod channel;
 mod companion;
 pub(crate) mod estimate;
 mod initial;
@@ -15,9 +16,10 @@ use faer::Mat;
 
 pub(crate) use sampled::response_to_powers;
 
-pub use model::{ContinuousChannel, ContinuousModel, Degrees, ProcessSystem, RationalChannel, TransferFunctionModel};
+pub use channel::{ContinuousChannel, Degrees};
+pub use model::{ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 
-use crate::course::Ground;
+use crate::band_limited::Ground;
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use estimate::{OutputFit, Settings, combine, fit_output, judge_at};
 use output_error::Nuisance;

@@ -5,33 +5,9 @@ use lti::{Innovations, LtiError, ProcessModel, StateSpace, TransferFunction, fro
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::channel::{ContinuousChannel, Degrees};
 use super::companion::Companion;
 use crate::{BandLimitedForm, Intersample, LinearModel, Parametric};
-
-/// Degree of the numerator and number of poles of a transfer function.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Degrees {
-    /// Degree of the numerator.
-    pub numerator: usize,
-    /// Number of poles.
-    pub poles: usize,
-}
-
-/// The way from one input to one output of a [`ContinuousModel`], with parameters of its own.
-pub trait ContinuousChannel: Parametric + Sync {
-    /// What the structure has room for.
-    fn degrees(&self) -> Degrees;
-
-    /// Which parameter is the delay in seconds, where there is one.
-    fn delay_parameter(&self) -> Option<usize>;
-
-    /// The continuous transfer function at the parameters; numerator and denominator are polynomials of degree two at
-    /// most in each single parameter.
-    ///
-    /// # Errors
-    /// Parameters at which there is none.
-    fn transfer_function(&self) -> Result<TransferFunction, LtiError>;
-}
 
 /// A continuous transfer function by its coefficients:
 ///

@@ -1,6 +1,6 @@
 //! What one output of one experiment gives to the search.
 
-use crate::course::Ground;
+use crate::band_limited::Ground;
 use crate::{Dataset, IdentError};
 
 /// Inputs and one output of one experiment, from the first sample on at which every delayed input is known.

@@ -5,7 +5,7 @@ use lti::{LtiError, StateSpace};
 use numerics::vector::dot;
 
 use crate::Intersample;
-use crate::course::COEFFICIENTS;
+use crate::band_limited::COEFFICIENTS;
 
 /// A delay this close to a whole number of samples counts as whole, as in [`lti::DelayedStateSpace`].
 const WHOLE: f64 = 1e-9;

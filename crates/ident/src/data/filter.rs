@@ -54,7 +54,7 @@ impl Dataset {
         self.refuse_missing()?;
         match filter.into() {
             Prefilter::Sections(sos) => {
-                crate::fit::check_clock(sos.sample_time_s(), self.sample_time_s)?;
+                crate::data::check_clock(sos.sample_time_s(), self.sample_time_s)?;
                 self.map_columns(|x| Ok(sos.filter(x, &mut sos.state_at_level(x.first().copied().unwrap_or(0.0)))))
             }
             Prefilter::Ratio(ratio) => {
@@ -109,7 +109,7 @@ fn checked_ratio(ratio: &TransferFunction, sample_time_s: f64) -> Result<(Vec<f6
     let Some(clock_s) = ratio.sample_time_s() else {
         return Err(LtiError::NotDiscrete.into());
     };
-    crate::fit::check_clock(clock_s, sample_time_s)?;
+    crate::data::check_clock(clock_s, sample_time_s)?;
     if ratio.delay_s() > 0.0 {
         return Err(LtiError::DelayPresent { delay_s: ratio.delay_s() }.into());
     }

@@ -1,21 +1,17 @@
 //! [`Dataset`]: what estimators are given.
 
-mod advice;
 mod build;
-mod dynamics;
-mod excitation;
 mod filter;
 mod missing;
 mod resample;
 mod select;
 mod trend;
 
-pub use advice::{Advice, SampleIndex, advise};
-pub use excitation::{Excitation, ExcitationOptions};
 pub use filter::Prefilter;
 pub use missing::Gap;
+pub(crate) use missing::check_missing;
 pub use select::Split;
-pub(crate) use select::check_range;
+pub(crate) use select::{check_clock, check_range};
 pub use trend::{Line, Trend, TrendScope, TrendShape};
 
 use faer::{Mat, MatRef};
@@ -274,6 +270,6 @@ fn check_experiment(experiment: &Experiment, inputs: usize, outputs: usize) -> R
     Ok(())
 }
 
-fn check_count(what: &'static str, expected: usize, found: usize) -> Result<(), IdentError> {
+pub(crate) fn check_count(what: &'static str, expected: usize, found: usize) -> Result<(), IdentError> {
     if expected == found { Ok(()) } else { Err(IdentError::Length { what, expected, found }) }
 }

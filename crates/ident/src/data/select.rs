@@ -107,7 +107,7 @@ impl Dataset {
     /// [`IdentError::Length`] where the channels differ in number, [`LtiError::SampleTimesDiffer`], and
     /// [`IdentError::Structure`] where the inputs behave differently between samples.
     pub fn merge(&self, other: &Self) -> Result<Self, IdentError> {
-        crate::fit::check_clock(self.sample_time_s, other.sample_time_s)?;
+        crate::data::check_clock(self.sample_time_s, other.sample_time_s)?;
         if self.intersample != other.intersample {
             return Err(IdentError::Structure {
                 what: "the inputs of the data sets differ in their intersample behaviour",
@@ -159,4 +159,12 @@ pub(super) fn check_indices(what: &'static str, indices: &[usize], count: usize)
 /// Checks `low <= value <= high`; NaN fails.
 pub(crate) fn check_range(name: &'static str, value: f64, low: f64, high: f64) -> Result<(), IdentError> {
     if value >= low && value <= high { Ok(()) } else { Err(SignalError::Parameter { name, value, low, high }.into()) }
+}
+
+/// Sample times are compared with a tolerance, since they are often written in decimal.
+pub(crate) fn check_clock(model_s: f64, data_s: f64) -> Result<(), LtiError> {
+    if (model_s - data_s).abs() <= 1e-9 * data_s {
+        return Ok(());
+    }
+    Err(LtiError::SampleTimesDiffer { first: Some(model_s), second: Some(data_s) })
 }

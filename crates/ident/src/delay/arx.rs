@@ -4,7 +4,8 @@ use faer::Mat;
 
 use super::{past_outputs, signals};
 use crate::data::check_range;
-use crate::regression::{Lagged, Regression, Signals, factor_of};
+use crate::equation::factor_of;
+use crate::regression::{Lagged, Regression, Signals};
 use crate::{Dataset, IdentError};
 
 /// Most combinations of delays that are compared jointly.

@@ -100,7 +100,7 @@ impl ModelDocument {
         }
         self.model.check_size()?;
         if let Some(own_s) = self.model.own_sample_time_s() {
-            crate::fit::check_clock(own_s, self.sample_time_s)?;
+            crate::data::check_clock(own_s, self.sample_time_s)?;
         }
         if !(self.sample_time_s.is_finite() && self.sample_time_s > 0.0) {
             return Err(IdentError::SampleTime { sample_time_s: self.sample_time_s });

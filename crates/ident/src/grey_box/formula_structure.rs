@@ -6,11 +6,9 @@ use std::sync::Arc;
 
 use faer::Mat;
 use lti::{LtiError, StateSpace};
-use serde::{Deserialize, Serialize};
 
 use super::{Formula, GreyBoxModel, GreyNoise, GreyParameter, Structure};
 use crate::{IdentError, Parametric, StructureFault};
-use written::Written;
 
 /// What a [`FormulaStructure`] is made of.
 ///
@@ -55,8 +53,7 @@ pub struct FormulaParts {
 /// assert_eq!(model.derived(), [("time_constant".to_owned(), 1.0)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Written", into = "Written")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FormulaStructure(Arc<Bound>);
 
 /// The parts with every name looked up.

@@ -10,9 +10,10 @@ use faer::Mat;
 use lti::LtiError;
 use signal::excitation::Random;
 
-use crate::course::{REACH, with_courses};
+use crate::band_limited::{REACH, with_courses};
+use crate::data::check_missing;
 use crate::prediction::{InitialState, residuals};
-use crate::state_space::{Information, Known, Search, Searchable, check_missing, gather};
+use crate::state_space::{Information, Known, Search, Searchable, gather};
 use crate::{Dataset, Doubt, Experiment, Fit, IdentError, Intersample, Parametric, Termination};
 
 pub use formula::Formula;

@@ -7,10 +7,10 @@ use lti::{Innovations, LtiError, StateSpace, from_rows, to_rows};
 use serde::{Deserialize, Serialize};
 
 use super::{GreyNoise, Structure};
+use crate::band_limited::{BandLimitedForm, COEFFICIENTS};
 use crate::continuous::response_to_powers;
-use crate::course::{BandLimitedForm, COEFFICIENTS};
-use crate::fit::check_clock;
-use crate::subspace::linear::kalman;
+use crate::data::check_clock;
+use crate::dense::kalman;
 use crate::{IdentError, Intersample, LinearModel, Parametric};
 
 /// A grey-box model: its structure, the value of every parameter (fixed ones too), and the covariance of the

@@ -14,8 +14,9 @@ pub use response::{ImpulseFit, ResponseEstimate};
 use self::posterior::{Evidence, Posterior};
 use self::search::Prior;
 use crate::arx::{ArxOrders, ILL_CONDITIONED, filter, layout, whitening_filter};
+use crate::equation::{Equation, factor_of, noise_covariance};
 use crate::least_squares::solve_factor;
-use crate::regression::{Equation, Regression, Signals, factor_of, noise_covariance, outputs_then_inputs};
+use crate::regression::{Regression, Signals, outputs_then_inputs};
 use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Origin, Termination};
 
 /// Estimates finite impulse responses, from every input to every output:

@@ -1,11 +1,14 @@
 //! Nonlinear least squares: Levenberg–Marquardt with bounds, by QR of the Jacobian.
 
+mod problem;
 mod search;
 
 use faer::{Mat, MatMut};
 use numerics::vector::sum_of_squares;
 
-use crate::{IdentError, Triangle};
+use crate::{IdentError, Termination, Triangle};
+pub use problem::{Bounds, NonlinearOptions};
+pub(crate) use problem::{Lowest, SumOfSquares};
 use search::Search;
 
 /// Residuals ε(θ) and their Jacobian ∂ε/∂θ.
@@ -26,27 +29,6 @@ pub trait ResidualModel {
         residuals: &mut [f64],
         jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError>;
-}
-
-/// A sum of squares ‖ε(θ)‖² that yields the triangular factor of [J ε] without keeping J.
-pub(crate) trait SumOfSquares {
-    /// Number of parameters n.
-    fn parameter_count(&self) -> usize;
-
-    /// Number of residuals.
-    fn residual_count(&self) -> usize;
-
-    /// ‖ε(θ)‖².
-    ///
-    /// # Errors
-    /// θ at which there is no model; the step towards it is then shortened.
-    fn cost(&mut self, parameters: &[f64]) -> Result<f64, IdentError>;
-
-    /// The triangular factor of [J ε] at θ, n + 1 square. It is asked for at the start and at every accepted step.
-    ///
-    /// # Errors
-    /// θ at which there is no model.
-    fn factor(&mut self, parameters: &[f64]) -> Result<Mat<f64>, IdentError>;
 }
 
 /// A residual model with its latest residuals and Jacobian.
@@ -93,71 +75,6 @@ impl<M: ResidualModel> SumOfSquares for Tabulated<'_, M> {
             triangle.push_row(&row);
         }
         Ok(triangle.finish())
-    }
-}
-
-/// Lower and upper bound of one parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    /// Smallest value allowed.
-    pub lower: f64,
-    /// Largest value allowed.
-    pub upper: f64,
-}
-
-impl Bounds {
-    /// No bounds.
-    pub const NONE: Bounds = Bounds { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
-
-    /// From `lower` to `upper`.
-    pub fn new(lower: f64, upper: f64) -> Self {
-        Bounds { lower, upper }
-    }
-
-    fn clamp(&self, value: f64) -> f64 {
-        value.max(self.lower).min(self.upper)
-    }
-}
-
-/// How far and how exactly to iterate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NonlinearOptions {
-    /// Most iterations.
-    pub iteration_limit: usize,
-    /// Converged when a step changes no scaled parameter by more than this fraction.
-    pub step_tolerance: f64,
-    /// Converged when the cost is expected to fall by less than this fraction.
-    pub cost_tolerance: f64,
-}
-
-impl Default for NonlinearOptions {
-    fn default() -> Self {
-        NonlinearOptions { iteration_limit: 100, step_tolerance: 1e-10, cost_tolerance: 1e-14 }
-    }
-}
-
-/// How an iteration ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Termination {
-    /// Solved at once, without a search.
-    Direct,
-    /// The step became negligible.
-    SmallStep,
-    /// The cost can no longer fall noticeably.
-    SmallDecrease,
-    /// No damping makes the cost fall: as good as the arithmetic allows.
-    NoDescent,
-    /// The cost would fall further where there is no model, such as beyond the edge of stability.
-    Edge,
-    /// The iteration limit was reached first.
-    IterationLimit,
-}
-
-impl Termination {
-    /// Whether the iteration reached a minimum.
-    pub fn converged(self) -> bool {
-        !matches!(self, Termination::Edge | Termination::IterationLimit)
     }
 }
 
@@ -230,20 +147,6 @@ pub fn minimise<M: ResidualModel>(
         termination: lowest.termination,
         condition: lowest.condition,
     })
-}
-
-/// Where a search ended; the fields are those of [`Minimum`].
-#[derive(Debug, Clone)]
-pub(crate) struct Lowest {
-    pub(crate) parameters: Vec<f64>,
-    /// Triangular factor of [J ε].
-    pub(crate) factor: Mat<f64>,
-    pub(crate) unscaled_covariance: Mat<f64>,
-    pub(crate) cost: f64,
-    pub(crate) at_bound: Vec<bool>,
-    pub(crate) iterations: usize,
-    pub(crate) termination: Termination,
-    pub(crate) condition: f64,
 }
 
 /// [`minimise`] for anything that yields the factor of [J ε].

@@ -3,9 +3,9 @@
 use faer::Mat;
 use faer::linalg::solvers::SolveLstsq;
 
-use super::{Bounds, Lowest, NonlinearOptions, SumOfSquares, Termination};
-use crate::least_squares::checked_condition;
-use crate::{IdentError, Triangle};
+use super::problem::{Bounds, Lowest, NonlinearOptions, SumOfSquares};
+use crate::condition::checked_condition;
+use crate::{IdentError, Termination, Triangle};
 
 const FIRST_DAMPING: f64 = 1e-3;
 const LARGEST_DAMPING: f64 = 1e20;

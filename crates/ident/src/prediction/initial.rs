@@ -3,9 +3,9 @@
 use faer::{Mat, MatRef};
 use lti::StateSpace;
 
-use super::Stepper;
 use super::form::Form;
 use super::gain::Gain;
+use super::stepper::Stepper;
 use crate::{Experiment, IdentError, Triangle};
 
 /// Sensitivities to the initial state below this fraction of the largest they had are forgotten.

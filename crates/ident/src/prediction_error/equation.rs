@@ -5,11 +5,11 @@ use std::borrow::Cow;
 use faer::Mat;
 use signal::Sos;
 
-use super::Polynomial;
 use super::basin::Basin;
 use super::evaluate::Evaluator;
 use super::excerpt::{excerpt, interpolated};
 use super::joint::{Errors, Stage};
+use super::options::Polynomial;
 use super::orders::Orders;
 use super::reduced::{lowered, raised};
 use super::segment::{Segment, segments};

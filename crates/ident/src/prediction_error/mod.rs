@@ -10,6 +10,7 @@ mod excerpt;
 mod gradient;
 mod joint;
 mod line;
+mod options;
 mod orders;
 mod reduced;
 mod segment;
@@ -23,40 +24,10 @@ use lti::PolynomialModel;
 use numerics::parallel;
 use signal::filter::Sos;
 
+pub use self::options::Polynomial;
 use self::orders::Orders;
 pub use self::orders::PerInput;
 use crate::{Dataset, Fit, Focus, IdentError, NonlinearOptions};
-
-/// Options of the prediction-error method for the general polynomial model, for every output `i`:
-///
-/// `A(q) y_i(t) = Σ_k B_k(q)/F_k(q) u_k(t) + C(q)/D(q) e_i(t)`
-///
-/// with polynomials in `q⁻¹` as in [`lti::PolynomialEquation`]: `A`, `C`, `D`, `F` start with one, and `B_k` with its
-/// `nb` coefficients after a delay of `nk` samples. Every output has an equation of its own with the same orders. The
-/// known members of the family are [`Armax`], [`Ararx`], [`OutputError`], [`BoxJenkins`] and [`Arma`].
-///
-/// Prediction errors are minimised by the Levenberg–Marquardt method with analytic gradients. `C` and `F` are kept in
-/// the unit circle (`F` up to a growth of 1/N a sample, so that integrators can be met). An experiment is cut where an
-/// input is missing, and each part has an initial state; where an output is missing, a model without `A`, `C`, `D`
-/// leaves the sample out, and others cut the experiment there too.
-///
-/// # Source
-/// Ljung, *System Identification*, 2nd ed., 1999, §7.2 (the method), §10.2–10.3 (search and gradient), (9.17) (covariance).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Polynomial {
-    na: usize,
-    nb: PerInput,
-    nc: usize,
-    nd: usize,
-    nf: PerInput,
-    nk: PerInput,
-    from_rest: bool,
-    focus: Focus,
-    prefilter: Option<Sos>,
-    batches: Option<usize>,
-    held: Vec<(String, f64)>,
-    search: NonlinearOptions,
-}
 
 impl Polynomial {
     /// Orders of `A`, `B`, `C`, `D`, `F` and the delays; `nb`, `nf` and `nk` are one number, or one an input.

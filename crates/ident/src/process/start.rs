@@ -2,7 +2,7 @@
 
 use faer::Mat;
 
-use super::Ranges;
+use super::ranges::Ranges;
 use crate::continuous::ProcessSystem;
 use crate::continuous::estimate::{Settings, errors};
 use crate::continuous::record::Record;

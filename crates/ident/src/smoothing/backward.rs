@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use super::Smoothed;
+use super::system::Smoothed;
 use numerics::vector::dot;
 
 use super::forward::{Forward, Innovation};

@@ -4,7 +4,7 @@ use faer::MatRef;
 use numerics::vector::dot;
 
 use super::steady::Memory;
-use super::{Belief, NoisySystem, check_length, check_square};
+use super::system::{Belief, NoisySystem, check_length, check_square};
 use crate::IdentError;
 
 const NO_ROOM: IdentError = IdentError::Structure { what: "noise and start leave a measurement no room" };

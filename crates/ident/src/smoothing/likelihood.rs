@@ -3,7 +3,7 @@
 use faer::{MatMut, MatRef};
 
 use super::forward::Forward;
-use super::{Belief, NoisySystem};
+use super::system::{Belief, NoisySystem};
 use crate::{Bounds, IdentError, NonlinearOptions, ResidualModel, Termination, minimise};
 
 /// Every parameter is held where it starts as by one sample's worth of likelihood over 1000: enough to settle one that the

@@ -3,9 +3,10 @@
 use faer::{Mat, MatRef};
 use lti::{Complex64, polynomial};
 
-use super::predictor::{Linearised, Predictor};
+use super::lineariser::Linearised;
+use super::predictor::Predictor;
 use crate::data::Experiment;
-use crate::subspace::linear::spectral_radius;
+use crate::dense::spectral_radius;
 use crate::{Dataset, Triangle, gram};
 
 /// Smallest diagonal of the Cholesky factor of a Gram matrix with unit diagonal at which the factor is still used.

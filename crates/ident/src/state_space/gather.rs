@@ -4,12 +4,13 @@ use faer::{Mat, MatRef};
 use lti::{Innovations, StateSpace};
 
 use super::coordinates::{directions, entry_scales};
-use super::predictor::{Free, Linearised, Lineariser, Predictor, Scatter};
+use super::lineariser::{Linearised, Lineariser};
+use super::predictor::{Free, Predictor, Scatter};
 use super::{StateSpaceModel, correlated};
 use crate::colour::{Colour, Sandwich};
+use crate::condition::checked_condition;
 use crate::data::Experiment;
-use crate::least_squares::checked_condition;
-use crate::subspace::linear::{solve_truncated, whitening};
+use crate::dense::{solve_truncated, whitening};
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
 
 /// Longer data give the information per sample from stretches: so many of them, of so many samples.

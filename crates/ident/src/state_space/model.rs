@@ -4,7 +4,7 @@ use faer::Mat;
 use lti::{Innovations, LtiError, StateSpace};
 
 use super::predictor::Free;
-use crate::fit::check_clock;
+use crate::data::check_clock;
 use crate::{Intersample, LinearModel, Parametric};
 
 /// A discrete state-space model in innovations form,

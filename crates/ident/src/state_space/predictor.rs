@@ -1,19 +1,10 @@
-//! One-step prediction errors of an innovations form and their derivatives, streamed through a triangular factor.
+//! One-step prediction errors of an innovations form.
 
 use faer::{Mat, MatRef};
 use lti::Innovations;
-use numerics::parallel;
 
-use super::derivatives::Derivatives;
+use crate::Dataset;
 use crate::data::Experiment;
-use crate::{Dataset, IdentError, Triangle};
-
-/// Instants whose derivatives are held before they are folded away, at most ...
-const CHUNK: usize = 512;
-/// ... and so few that the data make about so many chunks.
-const SHORTEST_SPLIT: usize = 100;
-/// Directions of an initial state that the data show less than this part of the best are left alone.
-const STATE_TOLERANCE: f64 = 1e-10;
 
 /// Which matrices are free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -143,7 +134,7 @@ impl Predictor {
 }
 
 /// A pass of the predictor over an experiment, which may be interrupted.
-struct Walk<'a> {
+pub(super) struct Walk<'a> {
     predictor: &'a Predictor,
     inputs: Vec<&'a [f64]>,
     outputs: Vec<&'a [f64]>,
@@ -156,7 +147,7 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn new(predictor: &'a Predictor, experiment: &'a Experiment, x0: &[f64]) -> Self {
+    pub(super) fn new(predictor: &'a Predictor, experiment: &'a Experiment, x0: &[f64]) -> Self {
         Walk {
             predictor,
             inputs: (0..predictor.m).map(|j| experiment.input(j)).collect(),
@@ -170,8 +161,13 @@ impl<'a> Walk<'a> {
         }
     }
 
+    /// Whether the experiment has come to its end.
+    pub(super) fn is_over(&self) -> bool {
+        self.instant == self.samples
+    }
+
     /// Goes on by this many instants, or to the end of the experiment. `visit` as in [`Predictor::walk`].
-    fn advance(&mut self, instants: usize, mut visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
+    pub(super) fn advance(&mut self, instants: usize, mut visit: impl FnMut(&[f64], &[f64], &[f64], bool)) {
         let Walk { predictor, inputs, outputs, x, next, u, e, .. } = self;
         let end = self.samples.min(self.instant + instants);
         for t in self.instant..end {
@@ -193,190 +189,5 @@ impl<'a> Walk<'a> {
             std::mem::swap(x, next);
         }
         self.instant = end;
-    }
-}
-
-/// The problem min ‖L⁻¹(ε − Ψ δ − Ψ₀ δx₀)‖², `Λ = L Lᵀ`, in triangular form with the initial states taken out.
-#[derive(Debug, Clone)]
-pub(crate) struct Linearised {
-    /// R of `[Ψ·basis, ε]`.
-    pub(crate) factor: Mat<f64>,
-    /// Scalar residuals.
-    pub(crate) rows: usize,
-    /// For each experiment the equations of its initial state: `[R₀, R₁, r]`, states × (states + parameters + 1).
-    pub(super) tops: Vec<Mat<f64>>,
-}
-
-impl Linearised {
-    /// For each experiment what its initial state explains of each direction, states × parameters.
-    pub(crate) fn explained(&self) -> Result<Vec<Mat<f64>>, IdentError> {
-        let solve = |top: &Mat<f64>| {
-            let (n, columns) = (top.nrows(), top.ncols() - 1);
-            crate::subspace::linear::solve_truncated(top.subcols(0, n), top.subcols(n, columns - n), STATE_TOLERANCE)
-        };
-        self.tops.iter().map(solve).collect()
-    }
-
-    /// What each initial state changes by when the parameters change by `step`; parts the data do not show stay.
-    pub(crate) fn initial_steps(&self, step: &[f64]) -> Result<Vec<Vec<f64>>, IdentError> {
-        let solve = |top: &Mat<f64>| {
-            let n = top.nrows();
-            let right = Mat::from_fn(n, 1, |i, _| {
-                top[(i, n + step.len())] - step.iter().enumerate().map(|(j, s)| top[(i, n + j)] * s).sum::<f64>()
-            });
-            let solution =
-                crate::subspace::linear::solve_truncated(top.subcols(0, n), right.as_ref(), STATE_TOLERANCE)?;
-            Ok((0..n).map(|i| solution[(i, 0)]).collect())
-        };
-        self.tops.iter().map(solve).collect()
-    }
-}
-
-/// Derivatives of the prediction errors of one model, gathered over data.
-pub(crate) struct Lineariser<'a> {
-    pub(crate) predictor: &'a Predictor,
-    pub(crate) free: Free,
-    /// Directions in the space of the free entries, entries × directions.
-    pub(crate) basis: MatRef<'a, f64>,
-    /// `L⁻¹`, lower triangular, outputs × outputs.
-    pub(crate) whitening: MatRef<'a, f64>,
-    /// How many of the leading states are estimated at the start of each experiment.
-    pub(crate) initial: usize,
-}
-
-impl Lineariser<'_> {
-    /// Linearises around the model and these initial states.
-    pub(crate) fn over(&self, data: &Dataset, x0: &[Vec<f64>]) -> Linearised {
-        let states = self.initial;
-        let columns = self.basis.ncols();
-        let mut whole = Triangle::new(columns + 1);
-        let (mut tops, mut rows) = (Vec::new(), 0);
-        let chunk = (data.samples() / SHORTEST_SPLIT).clamp(16, CHUNK);
-        for (experiment, x0) in data.experiments().iter().zip(x0) {
-            let triangle = self.experiment(experiment, x0, chunk);
-            rows += triangle.rows();
-            let factor = triangle.finish();
-            tops.push(factor.subrows(0, states).to_owned());
-            let mut row = vec![0.0; columns + 1];
-            for i in states..factor.nrows() {
-                row.iter_mut().enumerate().for_each(|(j, v)| *v = factor[(i, states + j)]);
-                whole.push_row(&row);
-            }
-        }
-        Linearised { factor: whole.finish(), rows, tops }
-    }
-
-    /// The factor of `[Ψ₀, Ψ·basis, ε]` of one experiment. While a chunk is folded, the derivatives of the next are formed.
-    fn experiment(&self, experiment: &Experiment, x0: &[f64], instants: usize) -> Triangle {
-        let mut triangle = Triangle::new(self.initial + self.basis.ncols() + 1);
-        let mut rows = Rows::new(self, experiment, x0);
-        if experiment.len() <= 4 * CHUNK {
-            std::iter::from_fn(|| rows.chunk(instants)).for_each(|chunk| self.fold(&chunk, &mut triangle));
-            return triangle;
-        }
-        let mut chunk = rows.chunk(instants);
-        while let Some(formed) = chunk {
-            ((), chunk) = parallel::join(|| self.fold(&formed, &mut triangle), || rows.chunk(instants));
-        }
-        triangle
-    }
-
-    /// Length of a row `[Ψ₀, Ψ, ε]`.
-    fn width(&self) -> usize {
-        self.initial + self.basis.nrows() + 1
-    }
-
-    /// Turns the rows of a chunk into the directions and appends them.
-    fn fold(&self, chunk: &[f64], triangle: &mut Triangle) {
-        let (states, width) = (self.initial, self.width());
-        let rows = chunk.len() / width;
-        let all = MatRef::from_row_major_slice(chunk, rows, width);
-        let turned = all.subcols(states, self.basis.nrows()) * self.basis;
-        triangle.push_columns(rows, |j, start, slot| {
-            let direction = j.checked_sub(states).filter(|d| *d < turned.ncols());
-            match direction.and_then(|d| turned.col(d).try_as_col_major()) {
-                Some(column) => slot.copy_from_slice(&column.as_slice()[start..start + slot.len()]),
-                None => {
-                    let raw = all.col(if j < states { j } else { width - 1 });
-                    slot.iter_mut().enumerate().for_each(|(i, v)| *v = raw[start + i]);
-                }
-            }
-        });
-    }
-
-    /// Shows `visit` the rows `[Ψ₀, Ψ, ε]` of all outputs at every instant, whitened, and whether every output is there;
-    /// where not, they are without meaning.
-    pub(crate) fn rows(&self, experiment: &Experiment, x0: &[f64], visit: impl FnMut(&[f64], bool)) {
-        Rows::new(self, experiment, x0).advance(experiment.len(), visit);
-    }
-
-    /// The whitened errors instant by instant, NaN where an output is missing.
-    pub(crate) fn errors(&self, experiment: &Experiment, x0: &[f64]) -> Vec<f64> {
-        let mut all = Vec::with_capacity(experiment.len() * self.predictor.p);
-        self.predictor.walk(experiment, x0, |_, _, e, complete| {
-            let first = all.len();
-            all.extend(e.iter().map(|v| if complete { *v } else { f64::NAN }));
-            self.whiten(&mut all[first..], 1);
-        });
-        all
-    }
-
-    /// `L⁻¹` from the left, in place: the last row first, since it needs those above it as they were.
-    fn whiten(&self, rows: &mut [f64], width: usize) {
-        for i in (0..self.predictor.p).rev() {
-            let (above, below) = rows.split_at_mut(i * width);
-            let row = &mut below[..width];
-            row.iter_mut().for_each(|v| *v *= self.whitening[(i, i)]);
-            for (l, other) in above.chunks_exact(width).enumerate() {
-                let weight = self.whitening[(i, l)];
-                row.iter_mut().zip(other).for_each(|(v, o)| *v += weight * o);
-            }
-        }
-    }
-}
-
-/// The rows `[Ψ₀, Ψ, ε]` of an experiment, formed piece by piece.
-struct Rows<'a> {
-    of: &'a Lineariser<'a>,
-    walk: Walk<'a>,
-    derivatives: Derivatives<'a>,
-    /// Those of one instant.
-    rows: Vec<f64>,
-}
-
-impl<'a> Rows<'a> {
-    fn new(of: &'a Lineariser<'a>, experiment: &'a Experiment, x0: &[f64]) -> Self {
-        Rows {
-            of,
-            walk: Walk::new(of.predictor, experiment, x0),
-            derivatives: Derivatives::new(of.predictor, of.free, of.initial),
-            rows: vec![0.0; of.predictor.p * of.width()],
-        }
-    }
-
-    /// Goes on by this many instants. `visit` as in [`Lineariser::rows`].
-    fn advance(&mut self, instants: usize, mut visit: impl FnMut(&[f64], bool)) {
-        let Rows { of, walk, derivatives, rows } = self;
-        walk.advance(instants, |x, u, e, complete| {
-            if complete {
-                derivatives.write(x, u, e, rows);
-                of.whiten(rows, of.width());
-            }
-            visit(rows, complete);
-            derivatives.advance(x, u, e);
-        });
-    }
-
-    /// The rows of the next instants with every output, at most `instants` of them; `None` at the end.
-    fn chunk(&mut self, instants: usize) -> Option<Vec<f64>> {
-        let mut chunk = Vec::with_capacity(instants * self.rows.len());
-        while chunk.is_empty() && self.walk.instant < self.walk.samples {
-            self.advance(instants, |rows, complete| {
-                if complete {
-                    chunk.extend_from_slice(rows);
-                }
-            });
-        }
-        (!chunk.is_empty()).then_some(chunk)
     }
 }

@@ -6,8 +6,9 @@ use lti::Innovations;
 use super::StateSpaceModel;
 use super::coordinates::{directions, entry_scales};
 use super::gather::{check_finite, scaled_columns};
-use super::predictor::{Free, Lineariser, Predictor, Scatter};
-use crate::subspace::linear::{solve_truncated, spectral_radius, whitening};
+use super::lineariser::Lineariser;
+use super::predictor::{Free, Predictor, Scatter};
+use crate::dense::{solve_truncated, spectral_radius, whitening};
 use crate::{Dataset, IdentError, Parametric, Termination};
 
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...

@@ -1,33 +1,20 @@
 //! Subspace identification: state-space models from projections, without a search.
 
 mod hankel;
-pub(crate) mod linear;
 mod realise;
+mod weighting;
 
-use faer::Mat;
-use lti::{Innovations, StateSpace};
+use lti::Innovations;
 
 use crate::data::Experiment;
 use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
 use crate::{Dataset, Doubt, Fit, IdentError};
 use hankel::{Hankel, HankelFactor, Horizons};
 use realise::Projection;
+pub use weighting::Weighting;
 
 /// A canonical correlation this close to one is one.
 const CERTAIN: f64 = 1e-9;
-
-/// How past and future are weighted before the states are read off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Weighting {
-    /// The oblique projection as it is.
-    N4sid,
-    /// Future inputs projected out (PO-MOESP).
-    Moesp,
-    /// Future inputs projected out and future outputs made white: canonical variates. Where correlations beyond the order
-    /// are one, as of data without noise, they rank nothing, and the states are those of [`Weighting::N4sid`].
-    #[default]
-    Cva,
-}
 
 /// The number of states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -302,17 +289,4 @@ fn check_excitation(hankel: &Hankel<'_>, factor: &HankelFactor, order: usize) ->
         return Err(IdentError::RankDeficient { rank, parameters: needed, condition });
     }
     Ok(())
-}
-
-/// An innovations form without inputs' influence yet: `B = 0`, `D = 0`.
-fn without_inputs(
-    a: Mat<f64>,
-    c: Mat<f64>,
-    k: Mat<f64>,
-    covariance: Mat<f64>,
-    data: &Dataset,
-) -> Result<Innovations, IdentError> {
-    let (n, m, p) = (a.nrows(), data.inputs(), data.outputs());
-    let system = StateSpace::discrete(a, Mat::zeros(n, m), c, Mat::zeros(p, m), data.sample_time_s())?;
-    Ok(Innovations::new(system, k, covariance)?)
 }

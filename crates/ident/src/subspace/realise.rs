@@ -3,11 +3,11 @@
 use std::ops::Range;
 
 use faer::{Mat, MatRef};
-use lti::Innovations;
+use lti::{Innovations, StateSpace};
 
 use super::hankel::{Hankel, HankelFactor, Horizons};
-use super::linear::{kalman, solve_truncated, spectral_radius};
-use super::{Weighting, without_inputs};
+use super::weighting::Weighting;
+use crate::dense::{kalman, solve_truncated, spectral_radius};
 use crate::{Dataset, IdentError};
 
 /// Singular values below this part of the largest are rounding.
@@ -239,4 +239,17 @@ impl Realised {
         let covariance = Mat::from_fn(p, p, |i, j| self.covariance[(i, j)] / (w[i] * w[j]));
         without_inputs(self.a, c, k, covariance, data)
     }
+}
+
+/// An innovations form without inputs' influence yet: `B = 0`, `D = 0`.
+pub(super) fn without_inputs(
+    a: Mat<f64>,
+    c: Mat<f64>,
+    k: Mat<f64>,
+    covariance: Mat<f64>,
+    data: &Dataset,
+) -> Result<Innovations, IdentError> {
+    let (n, m, p) = (a.nrows(), data.inputs(), data.outputs());
+    let system = StateSpace::discrete(a, Mat::zeros(n, m), c, Mat::zeros(p, m), data.sample_time_s())?;
+    Ok(Innovations::new(system, k, covariance)?)
 }

@@ -2,10 +2,7 @@
 
 mod doubts;
 mod models;
-mod origin;
 mod residuals;
-
-pub use origin::Origin;
 
 use std::fmt;
 

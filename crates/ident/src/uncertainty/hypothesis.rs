@@ -1,6 +1,6 @@
 //! Tests between estimates.
 
-use super::root::inverse_root;
+use crate::covariance_root::inverse_root;
 use crate::distributions::f_tail;
 use crate::{Fit, IdentError, Parametric};
 

@@ -8,7 +8,6 @@ mod features;
 mod hypothesis;
 mod modes;
 mod robust;
-pub(crate) mod root;
 mod roots;
 mod sample;
 
@@ -24,6 +23,7 @@ pub use sample::{Sample, Samples};
 use faer::Mat;
 use lti::LtiError;
 
+use crate::covariance_root;
 use crate::distributions::interval;
 use crate::{Fit, IdentError, Parametric};
 
@@ -97,7 +97,7 @@ impl<M: Parametric> Fit<M> {
         if theta.len() != found {
             return Err(IdentError::Length { what: "the covariance", expected: theta.len(), found });
         }
-        let root = root::root(&self.covariance)?;
+        let root = covariance_root::root(&self.covariance)?;
         let length = function(&self.model)?.len();
         let mut factor = Mat::zeros(length, root.ncols());
         for k in 0..root.ncols() {

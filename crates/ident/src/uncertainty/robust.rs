@@ -2,7 +2,8 @@
 
 use faer::Mat;
 
-use super::{STEP, root};
+use super::STEP;
+use crate::covariance_root;
 use crate::prediction::{InitialState, residuals};
 use crate::{Dataset, Fit, IdentError, LinearModel, Parametric};
 
@@ -21,8 +22,8 @@ impl<M: Parametric + LinearModel> Fit<M> {
     /// Ljung 1999, (9.42); Newey & West, *A simple, positive semi-definite, heteroskedasticity and autocorrelation
     /// consistent covariance matrix*, 1987.
     pub fn robust_covariance(&self, data: &Dataset, lags: usize) -> Result<Mat<f64>, IdentError> {
-        let root = root::root(&self.covariance)?;
-        let whiten = root::inverse_root(&self.noise_covariance, f64::EPSILON)?;
+        let root = covariance_root::root(&self.covariance)?;
+        let whiten = covariance_root::inverse_root(&self.noise_covariance, f64::EPSILON)?;
         let errors = whitened_residuals(&self.model, data, &whiten)?;
         let (rows, directions) = (errors.len(), root.ncols());
         if rows <= directions {
@@ -43,7 +44,7 @@ impl<M: Parametric + LinearModel> Fit<M> {
         let scores = scores(&psi, &errors, whiten.ncols());
         let lengths: Vec<usize> = data.experiments().iter().map(crate::Experiment::len).collect();
         // The directions are those in which the parameters are uncorrelated, so that this product is well conditioned.
-        let half = root::inverse_root(&(psi.transpose() * &psi), f64::EPSILON)?;
+        let half = covariance_root::inverse_root(&(psi.transpose() * &psi), f64::EPSILON)?;
         let bread = &root * &half * half.transpose();
         Ok(&bread * spread(&scores, &lengths, lags) * bread.transpose())
     }

@@ -2,7 +2,8 @@
 
 use signal::excitation::Random;
 
-use super::{Dynamics, root};
+use super::Dynamics;
+use crate::covariance_root;
 use crate::{Fit, IdentError, Parametric};
 
 /// One model drawn.
@@ -34,7 +35,7 @@ impl<M: Parametric + Dynamics> Fit<M> {
         if theta.len() != found {
             return Err(IdentError::Length { what: "the covariance", expected: theta.len(), found });
         }
-        let root = root::root(&self.covariance)?;
+        let root = covariance_root::root(&self.covariance)?;
         let mut samples = Samples { models: Vec::with_capacity(count), refused: 0 };
         for _ in 0..count {
             let normal: Vec<f64> = (0..root.ncols()).map(|_| random.normal()).collect();

@@ -12,6 +12,8 @@ mod whiteness;
 pub use compare::{Comparison, Judgement, compare, compare_with, judge};
 pub use residual_test::{Independence, ResidualReport, ResidualTest, TestData, Whiteness};
 
+use numerics::vector::variation;
+
 use crate::IdentError;
 use crate::distributions::chi_squared_tail;
 
@@ -39,9 +41,6 @@ impl JointTest {
     }
 }
 
-/// What rounding makes of a constant, in parts of its size.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
-
 /// 100(1 − ‖y − ŷ‖/‖y − ȳ‖): 100 is perfect, 0 no better than the mean, negative worse than it. NaN where y does not vary by
 /// more than rounding: of nothing, no part is explained.
 ///
@@ -54,19 +53,6 @@ pub fn fit_percent(measured: &[f64], modelled: &[f64]) -> Result<f64, IdentError
     same_length(measured, modelled)?;
     let error: f64 = measured.iter().zip(modelled).map(|(y, m)| (y - m).powi(2)).sum();
     Ok(variation(|| measured.iter().copied()).map_or(f64::NAN, |whole| 100.0 * (1.0 - (error / whole).sqrt())))
-}
-
-/// `Σ (y − ȳ)²`; none where that is nothing but rounding of a constant.
-pub(crate) fn variation<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> Option<f64> {
-    let (mut count, mut sum, mut size) = (0_usize, 0.0, 0.0);
-    values().for_each(|v| {
-        (count, sum, size) = (count + 1, sum + v, size + v * v);
-    });
-    let first = sum / count as f64;
-    // The rounding of a long sum is taken off again.
-    let mean = first + values().map(|v| v - first).sum::<f64>() / count as f64;
-    let about: f64 = values().map(|v| (v - mean).powi(2)).sum();
-    (about > ROUNDING * ROUNDING * size).then_some(about)
 }
 
 /// Root of the mean squared difference.

@@ -4,9 +4,9 @@ use faer::Mat;
 use numerics::parallel;
 use numerics::vector::norm;
 
-use crate::course::OnData;
+use crate::covariance_root::root;
+use crate::on_data::OnData;
 use crate::prediction::{InitialState, residuals};
-use crate::uncertainty::root::root;
 use crate::{Dataset, Experiment, Fit, IdentError, LinearModel, Parametric};
 
 /// Parts of a standard deviation by which parameters are moved: the next where there is no model at the one before.

@@ -6,7 +6,7 @@ use faer::Mat;
 use numerics::vector::dot;
 
 use super::sensitivity::Stack;
-use crate::uncertainty::root::inverse_root;
+use crate::covariance_root::inverse_root;
 use crate::{IdentError, Triangle};
 
 /// Singular values below this part of the largest are directions that do not show.

@@ -3,10 +3,9 @@
 use faer::{Mat, MatRef, Scale};
 
 use super::StateSpace;
-use crate::error::{LtiError, check_sample_time, check_shape};
+use crate::error::{LtiError, check_sample_time, check_shape, check_state};
 use crate::expm::expm;
-use crate::matrix::{RowMajor, blocks, column_scale, identity};
-use crate::simulation::{check_state, run};
+use crate::matrix::{RowMajor, blocks, column_scale, identity, map_rows};
 
 impl StateSpace {
     /// The discrete system that equals this continuous one at the samples when inputs are held between them.
@@ -182,7 +181,7 @@ impl FirstOrderHold {
         let (a, b0, b1, c, d) = (rows(&self.a), rows(&self.b0), rows(&self.b1), rows(&self.c), rows(&self.d));
         // `carried` is A x + B₀ u of the sample before: the state but for the input that has not been seen yet.
         let (mut state, mut carried, mut first) = (x0.to_vec(), vec![0.0; x0.len()], true);
-        Ok(run(u, self.d.nrows(), |input, output| {
+        Ok(map_rows(u, self.d.nrows(), |input, output| {
             if !first {
                 state.copy_from_slice(&carried);
                 b1.add_product(input, &mut state);

@@ -14,8 +14,8 @@ pub use discretise::FirstOrderHold;
 use crate::Complex64;
 use crate::error::{LtiError, check_sample_time, check_shape};
 use crate::frequency_response::FrequencyResponse;
+use crate::matrix::check_matrix;
 use crate::matrix::{eigenvalues, from_rows, identity, inverse, to_rows};
-use crate::simulation::check_matrix;
 
 /// A linear system in state space, continuous (`ẋ = A x + B u`) or discrete (`x_{k+1} = A x_k + B u_k`), with
 /// `y = C x + D u`.

@@ -1,4 +1,4 @@
-//! Transmission zeros, and with them the way from state space to a transfer function.
+//! Transmission zeros.
 
 use faer::{Mat, Scale};
 
@@ -6,8 +6,6 @@ use super::StateSpace;
 use crate::Complex64;
 use crate::error::LtiError;
 use crate::matrix::{balance, eigenvalues, norm_2};
-use crate::polynomial::from_roots;
-use crate::transfer_function::TransferFunction;
 
 impl StateSpace {
     /// The zeros of a system with one input and one output: where its gain vanishes, and what its states hide.
@@ -32,20 +30,6 @@ impl StateSpace {
     /// output.
     pub fn zeros(&self) -> Result<Vec<Complex64>, LtiError> {
         Ok(self.zeros_and_gain()?.0)
-    }
-
-    /// The transfer function of a system with one input and one output; its denominator is monic and of as many degrees
-    /// as there are states (nothing is cancelled), its delay zero.
-    ///
-    /// # Errors
-    /// [`LtiError::NotSiso`], [`LtiError::NoConvergence`], [`LtiError::NonFinite`].
-    pub fn to_transfer_function(&self) -> Result<TransferFunction, LtiError> {
-        let (zeros, gain) = match self.zeros_and_gain() {
-            Err(LtiError::ZeroSystem) => (Vec::new(), 0.0),
-            other => other?,
-        };
-        let num = from_roots(&zeros).iter().map(|c| c * gain).collect();
-        TransferFunction::new(num, from_roots(&self.poles()?), self.sample_time_s)
     }
 
     /// Zeros and the first Markov parameter that is not zero (`D`, `CB`, `CAB`, …), the numerator's leading

@@ -3,7 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::column::{Block, Cells, Column, Invalid, Task, columns};
-use super::{Progress, Shape};
+use super::shape::{Progress, Shape};
 use crate::stream::{Loader, Packing, Stream, View};
 use crate::{MdfError, Source};
 

@@ -4,7 +4,8 @@ use std::collections::HashMap;
 
 use super::column::{Block, Column, Invalid, Task};
 use super::cursor::Cursor;
-use super::{Progress, varying::Varying};
+use super::shape::Progress;
+use super::varying::Varying;
 use crate::bytes::u32_at;
 use crate::error::damaged;
 use crate::stream::{Stream, View};

@@ -4,6 +4,7 @@ mod column;
 mod cursor;
 mod fixed;
 mod mixed;
+mod shape;
 mod varying;
 
 use std::collections::BTreeMap;
@@ -12,67 +13,14 @@ use std::sync::{Arc, PoisonError};
 
 use crate::conversion::{Conversion, Yields};
 use crate::error::damaged;
-use crate::field::{Field, Rows};
+use crate::field::is_integer;
 use crate::model::{Channel, Place, Storage};
-use crate::stream::{Stream, View};
 use crate::values::{Blobs, Texts, Values};
 use crate::{Address, Mdf, MdfError, Source};
-use column::{Block, Column, Take, Task, columns};
+use column::{Column, Take, Task, columns};
 use mixed::{Framing, Member};
+pub(crate) use shape::{Progress, Shape};
 use varying::Collector;
-
-/// Reports progress: bytes of samples done, and in all.
-pub(crate) struct Progress<'a> {
-    pub tell: &'a (dyn Fn(u64, u64) + Sync),
-    pub before: u64,
-    pub total: u64,
-}
-
-impl Progress<'_> {
-    fn report(&self, done: u64) {
-        (self.tell)(self.before + done, self.total);
-    }
-}
-
-/// The records of a group that has its stream for itself.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Shape<'a> {
-    stream: &'a Stream,
-    invalid: Option<&'a Stream>,
-    id: u64,
-    id_bytes: usize,
-    trailing: usize,
-    data_bytes: usize,
-    invalid_bytes: usize,
-}
-
-impl Shape<'_> {
-    pub(crate) fn stride(&self) -> usize {
-        let invalid = if self.invalid.is_some() { 0 } else { self.invalid_bytes };
-        self.id_bytes + self.data_bytes + invalid + self.trailing
-    }
-
-    /// Fails where a record does not begin with the identifier of the group.
-    fn check_identifiers(&self, block: &Block<'_>) -> Result<(), MdfError> {
-        let id = &self.id.to_le_bytes()[..self.id_bytes.min(8)];
-        let is_right = match block.view {
-            _ if id.is_empty() => true,
-            View::Rows(bytes) => {
-                Rows { bytes, stride: block.stride, shift: 0 }.parts(0, id.len()).all(|part| part == id)
-            }
-            View::Columns { bytes, rows } => {
-                bytes.chunks_exact(rows.max(1)).zip(id).all(|(column, id)| column.iter().all(|b| b == id))
-            }
-        };
-        match is_right {
-            true => Ok(()),
-            false => {
-                let offset = self.stream.fragments.first().map_or(0, |f| f.offset);
-                Err(damaged(offset, "a record begins with an identifier that is not known"))
-            }
-        }
-    }
-}
 
 /// A channel to be read, and the columns that its samples are made of.
 struct Wanted<'a> {
@@ -385,9 +333,4 @@ fn invalid(values: Values) -> Values {
         Values::Text(texts) => Values::Text(none(texts.len()).into_texts()),
         Values::Bytes(blobs) => Values::Bytes(none(blobs.len())),
     }
-}
-
-/// Whether the numbers that a field can hold are only integers.
-pub(crate) fn is_integer(field: &Field) -> bool {
-    matches!(field.coding, crate::field::Coding::Unsigned | crate::field::Coding::Signed)
 }

@@ -10,8 +10,9 @@ use crate::error::damaged;
 use crate::field::days_since_1970;
 use crate::model::{Address, Event, Finding, Group, Master, Quantity, Records, StartTime};
 use crate::pages::Pages;
+use crate::parts::{Data, Parts};
 use crate::stream::{Packing, Stream};
-use crate::{Data, MdfError, Parts, Source};
+use crate::{MdfError, Source};
 use block::{Block, Walk};
 use channel::Defaults;
 

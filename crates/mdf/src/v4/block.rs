@@ -46,7 +46,7 @@ pub(super) struct Walk<'a, S: ?Sized> {
     /// Blocks that only one link may lead to.
     pub(super) seen: HashSet<u64>,
     pub(super) findings: Vec<Finding>,
-    pub(super) conversions: super::conversion::Known,
+    pub(super) conversions: super::converted::Known,
     texts: HashMap<u64, Arc<str>>,
     budget: u64,
     nothing: Arc<str>,

@@ -5,12 +5,10 @@ use std::sync::Arc;
 
 use super::array::Element;
 use super::block::{Block, Walk};
-use super::group::quantity;
 use crate::bytes::{u8_at, u32_at};
 use crate::conversion::{Conversion, Yields};
-use crate::field::{Coding, Field};
+use crate::field::{Coding, Field, is_integer};
 use crate::model::{Channel, Encoding, Kind, Obstacle, Place, Quantity, Records, Storage};
-use crate::read::is_integer;
 use crate::stream::Stream;
 use crate::{MdfError, Source};
 
@@ -164,7 +162,7 @@ impl<S: Source + ?Sized> Walk<'_, S> {
         let (storage, unfit) = storage(block, code, raw, context.records);
         let kind = samples(&storage, &conversion);
         // Text has no unit, whatever its table says.
-        let unit = if kind == Kind::Text { unit } else { super::either(unit, &converted.unit) };
+        let unit = if kind == Kind::Text { unit } else { either(unit, &converted.unit) };
         let invalid_bit = u32_at(data, 16).saturating_add(element.map_or(0, |e| e.invalid_bits));
         let has_bit = flags & 2 != 0 && u64::from(invalid_bit) < context.records.invalid_bytes as u64 * 8;
         drafts.push(Draft {
@@ -291,4 +289,20 @@ pub(crate) fn samples(storage: &Storage, conversion: &Conversion) -> Kind {
             }
         }
     }
+}
+
+/// What a master counts, from the type of its synchronisation.
+pub(super) fn quantity(sync: u8) -> Option<Quantity> {
+    match sync {
+        1 => Some(Quantity::Time),
+        2 => Some(Quantity::Angle),
+        3 => Some(Quantity::Distance),
+        4 => Some(Quantity::Index),
+        _ => None,
+    }
+}
+
+/// The first text that says something.
+fn either(first: Arc<str>, second: &Arc<str>) -> Arc<str> {
+    if first.is_empty() { second.clone() } else { first }
 }

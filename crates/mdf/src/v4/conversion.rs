@@ -1,23 +1,12 @@
 //! Conversions of MDF 4.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::block::{Block, Walk};
+use super::converted::Converted;
 use crate::bytes::{f64_at, u8_at, u16_at, u64_at};
 use crate::conversion::{Conversion, Formula, NumberTable, Outcome, Part, RangeTable, Yields};
 use crate::{MdfError, Obstacle, Source};
-
-/// Conversions by their place in the file, and whether the raw values are integers.
-pub(super) type Known = HashMap<(u64, bool), Option<Converted>>;
-
-/// A conversion as the file describes it.
-#[derive(Debug, Clone)]
-pub(super) struct Converted {
-    pub(super) name: Arc<str>,
-    pub(super) unit: Arc<str>,
-    pub(super) conversion: Result<Arc<Conversion>, Obstacle>,
-}
 
 /// Deeper nesting of conversions is not followed.
 const DEEPEST: usize = 16;

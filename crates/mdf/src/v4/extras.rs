@@ -1,7 +1,7 @@
 //! Attachments and events.
 
 use super::block::Walk;
-use super::group::quantity;
+use super::channel::quantity;
 use crate::bytes::{array, f64_at, u8_at, u64_at};
 use crate::model::{Attachment, Event};
 use crate::{MdfError, Source};

@@ -7,8 +7,9 @@ use super::channel::Context;
 use super::data::Found;
 use crate::bytes::{u8_at, u16_at, u32_at, u64_at};
 use crate::error::damaged;
-use crate::model::{Address, Group, Master, Quantity, Records};
-use crate::{Data, MdfError, Parts, Source};
+use crate::model::{Address, Group, Master, Records};
+use crate::parts::{Data, Parts};
+use crate::{MdfError, Source};
 
 /// What the block of a group says beyond [`Group`].
 #[derive(Debug)]
@@ -160,15 +161,4 @@ fn alone(group: &Group, data: &Data, offset: u64) -> Result<u64, MdfError> {
     let invalid = data.invalid.as_ref().map(|stream| stream.length);
     let of_invalid = |bytes: u64| bytes.checked_div(group.records.invalid_bytes as u64);
     Ok(invalid.and_then(of_invalid).map_or(whole, |marked| whole.min(marked)))
-}
-
-/// What a master counts, from the type of its synchronisation.
-pub(super) fn quantity(sync: u8) -> Option<Quantity> {
-    match sync {
-        1 => Some(Quantity::Time),
-        2 => Some(Quantity::Angle),
-        3 => Some(Quantity::Distance),
-        4 => Some(Quantity::Index),
-        _ => None,
-    }
 }

@@ -4,16 +4,16 @@ mod array;
 mod block;
 mod channel;
 mod conversion;
+mod converted;
 mod data;
 mod extras;
 mod group;
 
-use std::sync::Arc;
-
 use crate::bytes::{array, u8_at, u16_at};
 use crate::model::{Finding, StartTime};
 use crate::pages::Pages;
-use crate::{MdfError, Parts, Source};
+use crate::parts::Parts;
+use crate::{MdfError, Source};
 use block::{Block, Walk};
 pub(crate) use channel::samples;
 
@@ -63,9 +63,4 @@ fn start_time(head: &Block) -> Option<StartTime> {
         is_local: flags & 1 != 0,
         utc_offset_min: (flags & 2 != 0).then_some(minutes(8) + minutes(10)),
     })
-}
-
-/// The first text that says something.
-fn either(first: Arc<str>, second: &Arc<str>) -> Arc<str> {
-    if first.is_empty() { second.clone() } else { first }
 }

@@ -1,9 +1,9 @@
 //! Files and streams of Arrow: the batches that they describe, column by column.
 
-use super::Reader;
 use super::batch::{Batch, Dictionaries, learn};
 use super::messages::{Messages, Place};
 use super::plan::Plan;
+use super::reader::Reader;
 use super::table::{Flaw, Table, start_of};
 use crate::{Catalogue, Finding, Format, Recording, RecordingError, StartTime};
 

@@ -6,7 +6,7 @@ use bytes::Bytes;
 use parquet::errors::Result;
 use parquet::file::reader::{ChunkReader, Length};
 
-use super::Reader;
+use super::reader::Reader;
 use crate::source::{Shared, Stretch};
 
 /// The pages of a file.

@@ -6,9 +6,9 @@ use arrow_schema::{DataType, Field, Metadata, Schema, TimeUnit};
 
 use super::key;
 use super::values::is_numeric;
-use crate::error::require_names;
 use crate::heading::{clock_and_unit, name_and_unit, seconds, time_word};
 use crate::mat::start_time;
+use crate::required::require_names;
 use crate::{Catalogue, ChannelInfo, Finding, Format, RasterInfo, RecordingError, Selection, SkipReason, StartTime};
 
 /// What to read, and as what.

@@ -9,9 +9,9 @@ use parquet::arrow::arrow_reader::{ArrowReaderMetadata, ParquetRecordBatchReader
 use parquet::basic::Compression;
 use parquet::file::metadata::ParquetMetaData;
 
-use super::Reader;
 use super::pages::Pages;
 use super::plan::Plan;
+use super::reader::Reader;
 use super::table::{Flaw, Table, start_of};
 use crate::{Catalogue, Format, Recording, RecordingError, SkipReason, StartTime};
 

@@ -4,7 +4,7 @@ use super::clocks::{self, Candidate, Clocks, Doubt, Likeness, Track};
 use super::number::{Decimals, Number, is_number};
 use super::rows::{Row, Rows};
 use super::stamp::Stamp;
-use super::table::Stamps;
+use super::stamps::Stamps;
 use std::collections::BTreeSet;
 
 use crate::heading::{clock_and_unit, mentions_time, name_and_unit, seconds, time_word, unbracketed};

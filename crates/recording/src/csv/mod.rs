@@ -8,11 +8,12 @@ mod header;
 mod number;
 mod rows;
 mod stamp;
+mod stamps;
 mod table;
 mod text;
 mod write;
 
-use crate::error::require_names;
+use crate::required::require_names;
 use crate::{Catalogue, CsvProblem, Finding, Format, Recording, RecordingError, Selection, Source};
 use header::{Head, Header};
 use rows::{MAX_QUOTED, Rows};

@@ -1,23 +1,24 @@
 //! Level 5: tagged elements, nested, each variable deflated or not.
 
 mod content;
+mod element;
 
 use std::collections::HashSet;
 use std::ops::Range;
 
+use super::listed;
 use super::objects::{self, Objects};
 use super::scope::{element, joined};
 use super::value::{MAX_TEXT, Struct, Value, text_rows};
+use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
-use super::{Variables, listed};
 use crate::source::{self, Shared};
 use crate::{RecordingError, Selection, Source};
 use content::Content;
+use element::{Fault, MAX_EXPANSION, broken, uint4};
 
 /// Bytes before the first element.
 pub(super) const HEADER: usize = 128;
-/// Deflate cannot expand more than this.
-const MAX_EXPANSION: usize = 1032;
 /// The most structs and cells within each other.
 const MAX_DEPTH: usize = 20;
 /// The most cells, fields and lines of text in a file.
@@ -31,9 +32,6 @@ const MAX_PER_BYTE: usize = MAX_EXPANSION / 8;
 
 /// The most numbers in the list of a file, which holds texts.
 const LISTED: usize = 1 << 16;
-
-const MATRIX: u32 = 14;
-const COMPRESSED: u32 = 15;
 
 /// Whether the numbers of a file with this header are stored with the high byte first; `None` for another format.
 pub(super) fn is_big_endian(header: &[u8]) -> Option<bool> {
@@ -164,31 +162,6 @@ fn uint(bytes: [u8; 8], big: bool) -> u64 {
     if big { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) }
 }
 
-/// An unsigned number of 4 bytes.
-fn uint4(bytes: &[u8], big: bool) -> u32 {
-    let bytes = bytes.first_chunk().copied().unwrap_or_default();
-    if big { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
-}
-
-/// Why a variable is not read.
-enum Fault {
-    Damaged(String),
-    /// The name as far as known, and what is not supported about it.
-    Unsupported(String, String),
-}
-
-impl Fault {
-    fn detail(self) -> String {
-        match self {
-            Self::Damaged(detail) | Self::Unsupported(_, detail) => detail,
-        }
-    }
-}
-
-fn broken<T>(detail: impl Into<String>) -> Result<T, Fault> {
-    Err(Fault::Damaged(detail.into()))
-}
-
 /// The next element as the sizes along each dimension, and how many places there are.
 fn dimensions(content: &mut Content<'_>) -> Result<(Vec<usize>, usize), Fault> {
     let (kind, bytes) = content.next()?;
@@ -217,44 +190,6 @@ fn name(content: &[u8]) -> Result<String, Fault> {
 /// Whether this is the type of integers of 64 bits.
 fn is_wide(kind: u32) -> bool {
     matches!(kind, 12 | 13)
-}
-
-/// Bytes of a number of the type that a tag states.
-fn width(kind: u32) -> Result<usize, Fault> {
-    match kind {
-        1 | 2 => Ok(1),
-        3 | 4 => Ok(2),
-        5..=7 => Ok(4),
-        9 | 12 | 13 => Ok(8),
-        other => broken(format!("numbers of type {other}")),
-    }
-}
-
-/// Appends numbers of the type that the tag states.
-fn convert(kind: u32, content: &[u8], big: bool, out: &mut Vec<f64>) {
-    // Numbers of 64 bits above 2^53 are rounded, which is said.
-    match kind {
-        1 => convert_each(content, big, out, |b| f64::from(i8::from_le_bytes(b))),
-        2 => convert_each(content, big, out, |b| f64::from(u8::from_le_bytes(b))),
-        3 => convert_each(content, big, out, |b| f64::from(i16::from_le_bytes(b))),
-        4 => convert_each(content, big, out, |b| f64::from(u16::from_le_bytes(b))),
-        5 => convert_each(content, big, out, |b| f64::from(i32::from_le_bytes(b))),
-        6 => convert_each(content, big, out, |b| f64::from(u32::from_le_bytes(b))),
-        7 => convert_each(content, big, out, |b| f64::from(f32::from_le_bytes(b))),
-        12 => convert_each(content, big, out, |b| i64::from_le_bytes(b) as f64),
-        13 => convert_each(content, big, out, |b| u64::from_le_bytes(b) as f64),
-        _ => convert_each(content, big, out, f64::from_le_bytes),
-    }
-}
-
-fn convert_each<const N: usize>(content: &[u8], big: bool, out: &mut Vec<f64>, number: fn([u8; N]) -> f64) {
-    let (chunks, _) = content.as_chunks::<N>();
-    out.extend(chunks.iter().map(|&(mut chunk)| {
-        if big {
-            chunk.reverse();
-        }
-        number(chunk)
-    }));
 }
 
 /// The characters of a character array.

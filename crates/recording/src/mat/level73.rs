@@ -6,11 +6,12 @@ use hdf5_pure::{
     AttrValue, Chunk, ChunkIndex, DType, Dataset, Datatype, DatatypeByteOrder, File, FormatError, Group, Object,
 };
 
+use super::listed;
 use super::objects::{self, Objects};
 use super::scope::joined;
 use super::value::{MAX_TEXT, Struct, Value, text_rows};
+use super::variables::Variables;
 use super::wanted::{IN_CELL, Need, Wanted};
-use super::{Variables, listed};
 use crate::RecordingError;
 use crate::error::guarded;
 use crate::source::{self, Shared};

@@ -11,15 +11,16 @@ mod listed;
 mod objects;
 mod scope;
 mod value;
+mod variables;
 mod wanted;
 mod write;
 
 use crate::source::{self, Shared};
-use crate::{Catalogue, Format, Recording, RecordingError, Selection, StartTime};
+use crate::{Catalogue, Format, Recording, RecordingError, Selection};
 #[cfg(feature = "parquet")]
 pub(crate) use listed::{start_text, start_time};
 use scope::Plan;
-use value::Value;
+use variables::Variables;
 use wanted::Wanted;
 pub use write::{encode_mat5, write_mat5};
 
@@ -73,15 +74,6 @@ fn read(
     let mut recording = plan.finish(name, selection, format)?;
     (recording.comment, recording.start_time) = (listed.0, listed.1.or(start_time));
     Ok(recording)
-}
-
-/// What is in a file.
-#[derive(Default)]
-struct Variables {
-    /// The variables in the order of the file, with their names.
-    list: Vec<(String, Value)>,
-    /// What time stamps with a date count from.
-    start_time: Option<StartTime>,
 }
 
 fn variables(

@@ -8,12 +8,10 @@
 
 use super::labels::{Factor, clock_unit, is_plain_time};
 use super::scope::{element, joined};
-use super::value::{Reference, Struct, Value};
+use super::value::{Reference, Struct, Value, referred};
 use super::wanted::Wanted;
 use crate::{SkipReason, StartTime};
 
-/// The number that numbers of objects follow.
-const MARK: f64 = 0xDD00_0000_u32 as f64;
 /// Contents before those that properties refer to.
 const FIRST: usize = 2;
 
@@ -24,16 +22,6 @@ pub(super) fn is_read(class: &str) -> bool {
 
 fn is_time(class: &str) -> bool {
     matches!(class, "duration" | "datetime")
-}
-
-/// The number of the one object that an array refers to: the mark, how many dimensions and which, the numbers of the
-/// objects, and that of their class.
-pub(super) fn referred(value: &Value) -> Option<usize> {
-    let Value::Numbers(array) = value else { return None };
-    match array.values.as_slice() {
-        [MARK, 2.0, 1.0, 1.0, object, _] => Some(*object as usize),
-        _ => None,
-    }
 }
 
 /// Puts tables in the place of what refers to them, and says of others why they are not read. Where time stamps have a

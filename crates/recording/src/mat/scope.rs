@@ -9,8 +9,8 @@ use super::labels::{
     Factor, Labels, Member, Members, clock_unit, describes, is_plain_time, sample_time, stated_period, stated_unit,
 };
 use super::value::{Array, Struct, Value, object_reason};
-use crate::error::require_names;
 use crate::heading::time_word;
+use crate::required::require_names;
 use crate::{Channel, Finding, Format, Raster, Recording, RecordingError, Selection, SkipReason};
 
 /// The most channels of a file.

@@ -1,6 +1,5 @@
 //! What a variable holds.
 
-use super::objects;
 use crate::SkipReason;
 use crate::finding::are_rounded;
 
@@ -52,7 +51,7 @@ impl Value {
 
     /// An object that this value of a variable refers to.
     pub(super) fn reference(class: String, value: &Self) -> Self {
-        match objects::referred(value) {
+        match referred(value) {
             Some(number) => Self::Object(Reference { class, number }),
             None => Self::object(&class),
         }
@@ -205,4 +204,16 @@ pub(super) fn text_rows(rows: usize, characters: &[char]) -> Value {
     }
     let row = |r: usize| characters.iter().skip(r).step_by(rows).collect::<String>().trim_end().to_owned();
     Value::Text((0..rows.min(characters.len())).map(row).collect())
+}
+
+/// The number that numbers of objects follow.
+const MARK: f64 = 0xDD00_0000_u32 as f64;
+/// The number of the one object that an array refers to: the mark, how many dimensions and which, the numbers of the
+/// objects, and that of their class.
+pub(super) fn referred(value: &Value) -> Option<usize> {
+    let Value::Numbers(array) = value else { return None };
+    match array.values.as_slice() {
+        [MARK, 2.0, 1.0, 1.0, object, _] => Some(*object as usize),
+        _ => None,
+    }
 }

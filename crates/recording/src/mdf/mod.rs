@@ -1,14 +1,16 @@
 //! MDF: from what the crate `mdf` reads to a recording or a catalogue, and back ([`write`]).
 
+mod failure;
 mod plan;
 mod write;
 
-use ::mdf::{Attachment, Event, Mdf, MdfError, Source};
+use ::mdf::{Attachment, Event, Mdf, Source};
 
-use crate::error::require_names;
-use crate::{Catalogue, Finding, Format, Recording, RecordingError, Selection, SkipReason, StartTime};
+use crate::required::require_names;
+use crate::{Catalogue, Finding, Format, Recording, RecordingError, Selection, StartTime};
+use failure::failure;
+use plan::Assembly;
 pub(crate) use plan::some_text;
-use plan::{Assembly, Group};
 pub use write::{encode_mdf4, write_mdf4};
 
 /// What a file holds beside its channels.
@@ -87,40 +89,4 @@ fn with_findings<S: Source>(file: &Mdf<S>, of_groups: Vec<Finding>) -> Vec<Findi
 fn start_time<S: Source>(file: &Mdf<S>) -> Option<StartTime> {
     let ::mdf::StartTime { nanoseconds, is_local, utc_offset_min } = file.start_time()?;
     Some(StartTime { nanoseconds, is_local, utc_offset_min })
-}
-
-/// A failure of the reader in our terms.
-fn failure(file: &str, error: MdfError) -> RecordingError {
-    let file = file.to_owned();
-    match error {
-        MdfError::Io { offset, detail, .. } => RecordingError::Unreadable { file, offset, detail },
-        MdfError::NotMdf { start } => RecordingError::UnknownFormat { file, start },
-        MdfError::UnsupportedVersion { version } => RecordingError::UnsupportedVersion { file, version },
-        MdfError::Truncated { offset, expected, available } => {
-            RecordingError::Truncated { file, offset, expected, available }
-        }
-        MdfError::Damaged { offset, detail } => RecordingError::Damaged { file, offset: Some(offset), detail },
-        MdfError::Unsupported { feature, .. } => RecordingError::Unsupported { file, feature },
-        MdfError::Unreadable { name, obstacle } => RecordingError::UnusableChannel {
-            file,
-            channel: name,
-            reason: SkipReason::Unsupported { detail: obstacle.to_string() },
-        },
-        other => RecordingError::Damaged { file, offset: None, detail: other.to_string() },
-    }
-}
-
-/// Guards against files whose channels overlap so much that decoding would need memory out of proportion: a sample
-/// takes at least one bit of a record, and records are seldom described more than a few times over.
-fn plausible(file: &str, group: &Group<'_>, channels: usize) -> Result<(), RecordingError> {
-    let (samples, stream_bytes) = (group.at_most, group.stream_bytes);
-    let decoded = (channels as u64).saturating_mul(samples);
-    if decoded <= stream_bytes.saturating_mul(32).saturating_add(4096) {
-        return Ok(());
-    }
-    Err(RecordingError::Damaged {
-        file: file.into(),
-        offset: None,
-        detail: format!("{channels} channels of {samples} samples are described on {stream_bytes} bytes of data"),
-    })
 }

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use ::mdf::{Address, Kind, Mdf, Quantity, Source, Values};
 
-use super::{failure, plausible};
+use super::failure::failure;
 use crate::heading::{seconds, unbracketed};
 use crate::{Channel, ChannelInfo, Finding, Raster, RasterInfo, RecordingError, Selection, SkipReason};
 
@@ -283,4 +283,19 @@ impl Group<'_> {
 pub(crate) fn some_text(text: &str) -> Option<String> {
     let text = text.trim();
     (!text.is_empty()).then(|| text.to_owned())
+}
+
+/// Guards against files whose channels overlap so much that decoding would need memory out of proportion: a sample
+/// takes at least one bit of a record, and records are seldom described more than a few times over.
+fn plausible(file: &str, group: &Group<'_>, channels: usize) -> Result<(), RecordingError> {
+    let (samples, stream_bytes) = (group.at_most, group.stream_bytes);
+    let decoded = (channels as u64).saturating_mul(samples);
+    if decoded <= stream_bytes.saturating_mul(32).saturating_add(4096) {
+        return Ok(());
+    }
+    Err(RecordingError::Damaged {
+        file: file.into(),
+        offset: None,
+        detail: format!("{channels} channels of {samples} samples are described on {stream_bytes} bytes of data"),
+    })
 }

@@ -2,11 +2,61 @@
 
 use std::f64::consts::PI;
 
-use super::{Band, Section, Sos};
+use super::band::Band;
+use super::{Section, Sos};
 use crate::Complex64;
 use crate::error::{SignalError, check_range, check_sample_time};
 
 const MAX_ORDER: usize = 20;
+
+impl Sos {
+    /// Butterworth low-pass of the given order: −3 dB at `cutoff_hz`, gain one at rest.
+    ///
+    /// # Errors
+    /// [`SignalError::Cutoff`] unless `0 < cutoff_hz < 1/(2·sample_time_s)`, [`SignalError::Parameter`] for an order
+    /// outside 1 ..= 20, [`SignalError::SampleTime`].
+    ///
+    /// # Source
+    /// Oppenheim and Schafer, *Discrete-Time Signal Processing* (2010), ch. 7: bilinear transform, pre-warped.
+    pub fn butterworth_lowpass(order: usize, cutoff_hz: f64, sample_time_s: f64) -> Result<Self, SignalError> {
+        design(order, Band::Low(cutoff_hz), sample_time_s)
+    }
+
+    /// Butterworth high-pass of the given order: −3 dB at `cutoff_hz`, gain zero at rest.
+    ///
+    /// # Errors
+    /// As [`Sos::butterworth_lowpass`].
+    pub fn butterworth_highpass(order: usize, cutoff_hz: f64, sample_time_s: f64) -> Result<Self, SignalError> {
+        design(order, Band::High(cutoff_hz), sample_time_s)
+    }
+
+    /// Butterworth band-pass: −3 dB at `low_hz` and `high_hz`; `order` is the prototype's, so the filter has twice
+    /// that many poles.
+    ///
+    /// # Errors
+    /// As [`Sos::butterworth_lowpass`], and [`SignalError::Cutoff`] unless `low_hz < high_hz`.
+    pub fn butterworth_bandpass(
+        order: usize,
+        low_hz: f64,
+        high_hz: f64,
+        sample_time_s: f64,
+    ) -> Result<Self, SignalError> {
+        design(order, Band::Pass(low_hz, high_hz), sample_time_s)
+    }
+
+    /// Butterworth band-stop: −3 dB at `low_hz` and `high_hz`, gain one at rest; `order` is the prototype's.
+    ///
+    /// # Errors
+    /// As [`Sos::butterworth_bandpass`].
+    pub fn butterworth_bandstop(
+        order: usize,
+        low_hz: f64,
+        high_hz: f64,
+        sample_time_s: f64,
+    ) -> Result<Self, SignalError> {
+        design(order, Band::Stop(low_hz, high_hz), sample_time_s)
+    }
+}
 
 /// The band with its edges pre-warped, `tan(π f T)`.
 #[derive(Clone, Copy)]
@@ -17,7 +67,7 @@ enum Warped {
     Stop { centre_squared: f64, width: f64 },
 }
 
-pub(super) fn design(order: usize, band: Band, sample_time_s: f64) -> Result<Sos, SignalError> {
+fn design(order: usize, band: Band, sample_time_s: f64) -> Result<Sos, SignalError> {
     check_sample_time(sample_time_s)?;
     check_range("order", order as f64, 1.0, MAX_ORDER as f64)?;
     let warped = warp(band, sample_time_s)?;

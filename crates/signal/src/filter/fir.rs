@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use serde::{Deserialize, Serialize};
 
-use super::Band;
+use super::band::Band;
 use crate::Complex64;
 use crate::error::{SignalError, check_at_least, check_finite, check_range, check_sample_time};
 use crate::extend::odd_extended;

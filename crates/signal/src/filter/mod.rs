@@ -1,6 +1,7 @@
 //! Recursive filters as second-order sections and filters of finite impulse response, causal and zero-phase; the moving
 //! average.
 
+mod band;
 mod butterworth;
 mod fir;
 
@@ -12,30 +13,6 @@ use std::f64::consts::TAU;
 use crate::Complex64;
 use crate::error::{SignalError, check_at_least, check_finite, check_range, check_sample_time};
 use crate::extend::odd_extended;
-
-/// What is let through, with edges in hertz.
-#[derive(Clone, Copy)]
-enum Band {
-    Low(f64),
-    High(f64),
-    Pass(f64, f64),
-    Stop(f64, f64),
-}
-
-impl Band {
-    /// The edges must ascend strictly between zero and half the sample rate.
-    fn check(self, sample_time_s: f64) -> Result<(), SignalError> {
-        let high_hz = 0.5 / sample_time_s;
-        let edge = |cutoff_hz: f64, low_hz: f64| {
-            let inside = cutoff_hz > low_hz && cutoff_hz < high_hz;
-            if inside { Ok(()) } else { Err(SignalError::Cutoff { cutoff_hz, low_hz, high_hz }) }
-        };
-        match self {
-            Band::Low(cutoff) | Band::High(cutoff) => edge(cutoff, 0.0),
-            Band::Pass(low, high) | Band::Stop(low, high) => edge(low, 0.0).and_then(|()| edge(high, low)),
-        }
-    }
-}
 
 /// One second-order section, `H(z) = (b0 + b1 z⁻¹ + b2 z⁻²) / (1 + a1 z⁻¹ + a2 z⁻²)`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -108,53 +85,6 @@ impl Sos {
             }
         }
         Ok(Self { sections, sample_time_s })
-    }
-
-    /// Butterworth low-pass of the given order: −3 dB at `cutoff_hz`, gain one at rest.
-    ///
-    /// # Errors
-    /// [`SignalError::Cutoff`] unless `0 < cutoff_hz < 1/(2·sample_time_s)`, [`SignalError::Parameter`] for an order
-    /// outside 1 ..= 20, [`SignalError::SampleTime`].
-    ///
-    /// # Source
-    /// Oppenheim and Schafer, *Discrete-Time Signal Processing* (2010), ch. 7: bilinear transform, pre-warped.
-    pub fn butterworth_lowpass(order: usize, cutoff_hz: f64, sample_time_s: f64) -> Result<Self, SignalError> {
-        butterworth::design(order, Band::Low(cutoff_hz), sample_time_s)
-    }
-
-    /// Butterworth high-pass of the given order: −3 dB at `cutoff_hz`, gain zero at rest.
-    ///
-    /// # Errors
-    /// As [`Sos::butterworth_lowpass`].
-    pub fn butterworth_highpass(order: usize, cutoff_hz: f64, sample_time_s: f64) -> Result<Self, SignalError> {
-        butterworth::design(order, Band::High(cutoff_hz), sample_time_s)
-    }
-
-    /// Butterworth band-pass: −3 dB at `low_hz` and `high_hz`; `order` is the prototype's, so the filter has twice
-    /// that many poles.
-    ///
-    /// # Errors
-    /// As [`Sos::butterworth_lowpass`], and [`SignalError::Cutoff`] unless `low_hz < high_hz`.
-    pub fn butterworth_bandpass(
-        order: usize,
-        low_hz: f64,
-        high_hz: f64,
-        sample_time_s: f64,
-    ) -> Result<Self, SignalError> {
-        butterworth::design(order, Band::Pass(low_hz, high_hz), sample_time_s)
-    }
-
-    /// Butterworth band-stop: −3 dB at `low_hz` and `high_hz`, gain one at rest; `order` is the prototype's.
-    ///
-    /// # Errors
-    /// As [`Sos::butterworth_bandpass`].
-    pub fn butterworth_bandstop(
-        order: usize,
-        low_hz: f64,
-        high_hz: f64,
-        sample_time_s: f64,
-    ) -> Result<Self, SignalError> {
-        butterworth::design(order, Band::Stop(low_hz, high_hz), sample_time_s)
     }
 
     /// The sections, in the order they are applied.

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
+use super::model::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
 use super::structure::{dependence, variance};
-use super::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
 use crate::delay::DelayEstimate;
 use crate::distributions::chi_squared_quantile;
 use crate::validate::ResidualTest;

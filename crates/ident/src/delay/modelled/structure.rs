@@ -2,11 +2,11 @@
 
 use faer::Mat;
 
+use super::model::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
 use super::ripple::Ripple;
-use super::{DelayFault, DelayModel, LEAD, ModelledDelay, ROUNDING};
+use crate::band_limited::Ground;
 use crate::continuous::estimate::OutputFit;
 use crate::continuous::{ContinuousTransferFunction, RationalChannel, TransferFunctionModel};
-use crate::course::Ground;
 use crate::delay::DelayEstimate;
 use crate::distributions::student_t_quantile;
 use crate::validate::{Independence, ResidualTest, TestData};

@@ -1,6 +1,7 @@
 //! How a structure of formulas is written down.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{FormulaParts, FormulaStructure};
 use crate::grey_box::{Formula, GreyParameter};
@@ -8,7 +9,7 @@ use crate::{Bounds, IdentError};
 
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Written {
+struct Written {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sample_time_s: Option<f64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -70,6 +71,18 @@ impl From<GreyParameter> for (String, Parameter) {
         let finite = |bound: f64| bound.is_finite().then_some(bound);
         let prior = prior.map(|(mean, sd)| Prior { mean, sd });
         (name, Parameter { value, fixed, min: finite(bounds.lower), max: finite(bounds.upper), prior })
+    }
+}
+
+impl Serialize for FormulaStructure {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Written::from(self.clone()).serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for FormulaStructure {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::try_from(Written::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 

@@ -4,7 +4,7 @@ use std::io::{self, BufReader, Read};
 
 use flate2::read::ZlibDecoder;
 
-use super::{COMPRESSED, Fault, MATRIX, MAX_EXPANSION, broken, convert, uint4, width};
+use super::element::{COMPRESSED, Fault, MATRIX, MAX_EXPANSION, broken, convert, uint4, width};
 use crate::source::{Shared, Stretch};
 
 /// Deflated bytes read at once: of a variable that is skipped, only so many.

@@ -1,12 +1,15 @@
 //! [`advise`]: what to know about data before a model is estimated from them.
 
+mod dynamics;
+
 use std::fmt;
 
 use signal::quality::{QualityOptions, check_quality};
 
-use super::dynamics::{Dynamics, look_for_dynamics};
-use super::{Channel, Dataset, ExcitationOptions, Experiment, Line, Trend, TrendScope, TrendShape};
+use self::dynamics::{Dynamics, look_for_dynamics};
+use crate::data::{Channel, Dataset, Experiment, Line, Trend, TrendScope, TrendShape};
 use crate::degenerate::dependent_inputs;
+use crate::excitation::ExcitationOptions;
 
 /// A mean above this many standard deviations is an offset.
 const OFFSET: f64 = 0.3;

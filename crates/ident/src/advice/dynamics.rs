@@ -2,10 +2,11 @@
 
 use faer::Mat;
 
-use super::Dataset;
+use crate::Dataset;
 use crate::distributions::chi_squared_quantile;
+use crate::equation::factor_of;
 use crate::least_squares::{LinearFit, solve_factor};
-use crate::regression::{Lagged, Regression, factor_of};
+use crate::regression::{Lagged, Regression};
 
 /// Past values of the output and of each input, at most.
 const PAST: usize = 10;

@@ -2,10 +2,9 @@
 
 use faer::Mat;
 
-use super::select::check_range;
-use super::{Dataset, Experiment};
-use crate::IdentError;
+use crate::data::check_range;
 use crate::regression::{Lagged, Regression};
+use crate::{Dataset, Experiment, IdentError};
 
 /// How to look for excitation.
 ///
@@ -94,7 +93,7 @@ impl ExcitationOptions {
         check_range("highest_order", self.highest_order as f64, 1.0, 1e4)?;
         check_range("tolerance", self.tolerance, 0.0, 1.0)?;
         if !self.noise.is_empty() {
-            super::check_count("noise of the inputs", data.inputs(), self.noise.len())?;
+            crate::data::check_count("noise of the inputs", data.inputs(), self.noise.len())?;
         }
         let signals: Vec<_> = data.experiments().iter().map(signals).collect();
         let longest = signals.iter().map(|s| s[0].len()).max().unwrap_or(0);

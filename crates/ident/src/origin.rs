@@ -1,6 +1,6 @@
 //! [`Origin`]: by which method an estimate was made, of data that vary how much.
 
-use crate::{Dataset, Experiment, Fit};
+use crate::{Dataset, Experiment};
 
 /// How an estimate was made.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,13 +18,6 @@ impl Origin {
     pub fn new(method: &'static str, data: &Dataset) -> Self {
         let output_variance = (0..data.outputs()).map(|i| variance(data.experiments(), i)).collect();
         Origin { method, output_variance }
-    }
-}
-
-impl<M> Fit<M> {
-    /// The same estimate, made by this method from these data.
-    pub(crate) fn made_by(self, method: &'static str, data: &Dataset) -> Self {
-        Fit { origin: Some(Origin::new(method, data)), ..self }
     }
 }
 

@@ -3,10 +3,18 @@
 use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef};
 
-use super::{Equation, Regression};
 use crate::IdentError;
-use crate::least_squares::checked_condition;
+use crate::condition::checked_condition;
 use crate::triangle::upper_factor;
+
+/// One equation `target = regressorsᵀ θ + ε` by the indices of its columns. Least squares where the instruments are the
+/// regressors.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Equation {
+    pub(crate) regressors: Vec<usize>,
+    pub(crate) instruments: Vec<usize>,
+    pub(crate) target: usize,
+}
 
 /// θ of one equation, and how it depends on the data.
 #[derive(Debug, Clone)]
@@ -155,40 +163,4 @@ pub(crate) fn parameter_covariance(solutions: &[Solution], noise: &Mat<f64>) -> 
 /// Which equation each parameter belongs to.
 fn owners(solutions: &[Solution]) -> Vec<usize> {
     solutions.iter().enumerate().flat_map(|(e, s)| std::iter::repeat_n(e, s.theta.len())).collect()
-}
-
-/// The covariance of all parameters, equation by equation, whatever the colour of the errors: the sandwich whose middle
-/// is made of the sums of `z(t) ε(t)` over `batches` stretches of equally many rows. Student's t with `batches − 1`
-/// degrees of freedom goes with it.
-///
-/// # Errors
-/// [`IdentError::TooFewSamples`] for fewer than two batches, or batches shorter than there are parameters.
-///
-/// # Source
-/// Ljung 1999, §9.2; Ibragimov & Müller 2010 for the use of batches.
-pub(crate) fn robust_covariance(
-    regression: &Regression<'_>,
-    equations: &[Equation],
-    solutions: &[Solution],
-    batches: usize,
-) -> Result<Mat<f64>, IdentError> {
-    let widest = solutions.iter().map(|s| s.theta.len()).max().unwrap_or(0);
-    if batches < 2 || regression.rows / batches <= widest {
-        let parameters = batches.max(2).saturating_mul(widest);
-        return Err(IdentError::TooFewSamples { samples: regression.rows, parameters });
-    }
-    let pairs: Vec<_> = equations.iter().zip(solutions).map(|(e, s)| (e, s.theta.as_slice())).collect();
-    let scores = regression.batched_scores(&pairs, batches);
-    let count = solutions.iter().map(|s| s.theta.len()).sum();
-    let mut deviations = Mat::<f64>::zeros(count, batches);
-    let (mut top, mut from) = (0, 0);
-    for Solution { gain, .. } in solutions {
-        let part = gain * scores.get(from..from + gain.ncols(), ..);
-        deviations.get_mut(top..top + gain.nrows(), ..).copy_from(part);
-        top += gain.nrows();
-        from += gain.ncols();
-    }
-    // The deviations add up to zero at the estimate: one degree of freedom is spent on that.
-    let share = batches as f64 / (batches as f64 - 1.0);
-    Ok(faer::Scale(share) * (&deviations * deviations.transpose()))
 }

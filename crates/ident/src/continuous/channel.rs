@@ -1,0 +1,30 @@
+//! What a channel of a continuous model has to give.
+
+use lti::{LtiError, TransferFunction};
+
+use crate::Parametric;
+
+/// Degree of the numerator and number of poles of a transfer function.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Degrees {
+    /// Degree of the numerator.
+    pub numerator: usize,
+    /// Number of poles.
+    pub poles: usize,
+}
+
+/// The way from one input to one output of a [`ContinuousModel`](crate::ContinuousModel), with parameters of its own.
+pub trait ContinuousChannel: Parametric + Sync {
+    /// What the structure has room for.
+    fn degrees(&self) -> Degrees;
+
+    /// Which parameter is the delay in seconds, where there is one.
+    fn delay_parameter(&self) -> Option<usize>;
+
+    /// The continuous transfer function at the parameters; numerator and denominator are polynomials of degree two at
+    /// most in each single parameter.
+    ///
+    /// # Errors
+    /// Parameters at which there is none.
+    fn transfer_function(&self) -> Result<TransferFunction, LtiError>;
+}

@@ -1,0 +1,139 @@
+//! State-space models by minimising the prediction error.
+
+use lti::Innovations;
+
+use crate::data::check_missing;
+use crate::state_space::{Information, Search, StateSpaceModel, estimate};
+use crate::subspace::{StateOrder, Subspace};
+use crate::{Dataset, Doubt, Fit, Focus, IdentError, LinearModel};
+
+/// Prediction-error estimation of a state-space model in innovations form.
+///
+/// `x(t+1) = A x(t) + B u(t) + K e(t)`, `y(t) = C x(t) + D u(t) + e(t)`.
+///
+/// Minimises `det Σ ε(t) ε(t)ᵀ` over all of `A`, `B`, `C`, `D`, `K` and the initial state of each experiment by damped
+/// Gauss–Newton steps. At each step only those directions are searched that change the behaviour, not the basis of
+/// the states, so no canonical form limits the models or spoils the conditioning. Starts at a subspace estimate.
+/// Data are taken as they are: remove offsets first.
+///
+/// # Example
+/// ```
+/// // y(t) = 0.8 y(t−1) + u(t−1)
+/// let mut noise = signal::excitation::Random::new(1);
+/// let u: Vec<f64> = (0..200).map(|_| noise.uniform() - 0.5).collect();
+/// let mut y = vec![0.0; 200];
+/// for t in 1..200 {
+///     y[t] = 0.8 * y[t - 1] + u[t - 1];
+/// }
+/// let fit = ident::StateSpacePem::new(1).fit(&ident::Dataset::siso(0.1, &u, &y)?)?;
+/// assert!((fit.model.system().poles()?[0].re - 0.8).abs() < 1e-9);
+/// # Ok::<(), ident::IdentError>(())
+/// ```
+///
+/// # Source
+/// McKelvey, Helmersson & Ribarits, *Data driven local coordinates for multivariable linear systems and their
+/// application to system identification*, Automatica 40(9), 2004; Ljung 1999, (7.89) for the criterion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StateSpacePem {
+    /// Number of states, where no start is given.
+    pub order: StateOrder,
+    /// Which errors are made small: `K` is free for those of the prediction, zero for those of the simulation.
+    pub focus: Focus,
+    /// Whether `D` is estimated; otherwise it is zero.
+    pub feedthrough: bool,
+    /// Whether every experiment starts from rest; otherwise initial states are estimated.
+    pub from_rest: bool,
+    /// Where the search starts; at a subspace estimate where `None`.
+    pub start: Option<StateSpaceModel>,
+    /// Most iterations.
+    pub iteration_limit: usize,
+}
+
+impl StateSpacePem {
+    /// Of `order` states, with a noise model and no feed-through, initial states estimated.
+    #[must_use]
+    pub fn new(order: usize) -> Self {
+        StateSpacePem {
+            order: StateOrder::Fixed(order),
+            focus: Focus::Prediction,
+            feedthrough: false,
+            from_rest: false,
+            start: None,
+            iteration_limit: 100,
+        }
+    }
+
+    /// From this model, whose feed-through and noise model decide what is free; a `D` that is not free stays.
+    #[must_use]
+    pub fn from_model(start: StateSpaceModel) -> Self {
+        let focus = if start.has_noise_model() { Focus::Prediction } else { Focus::Simulation };
+        let feedthrough = start.has_feedthrough();
+        StateSpacePem { focus, feedthrough, ..Self::new(start.system().states()) }.starting_at(start)
+    }
+
+    fn starting_at(self, start: StateSpaceModel) -> Self {
+        StateSpacePem { start: Some(start), ..self }
+    }
+
+    /// With this focus.
+    #[must_use]
+    pub fn with_focus(self, focus: Focus) -> Self {
+        StateSpacePem { focus, ..self }
+    }
+
+    /// Every experiment taken as starting from rest.
+    #[must_use]
+    pub fn from_rest(self) -> Self {
+        StateSpacePem { from_rest: true, ..self }
+    }
+
+    /// With `D` estimated.
+    #[must_use]
+    pub fn with_feedthrough(self) -> Self {
+        StateSpacePem { feedthrough: true, ..self }
+    }
+
+    /// Estimates the model. Instants at which an output is missing are left out with [`Focus::Simulation`].
+    ///
+    /// # Errors
+    /// Those of [`Subspace::fit`] where no start is given; [`IdentError::Missing`] for a missing input, or a missing
+    /// output with [`Focus::Prediction`]; [`IdentError::Length`] for a start with other channels;
+    /// [`IdentError::TooFewSamples`]; [`IdentError::Structure`] for a start whose predictor is unstable.
+    pub fn fit(&self, data: &Dataset) -> Result<Fit<StateSpaceModel>, IdentError> {
+        let missing = check_missing(data, self.focus == Focus::Simulation)?;
+        let start = self.starting_point(data)?;
+        let n = start.system().states();
+        let (estimated, zero) = (if self.from_rest { 0 } else { n }, vec![vec![0.0; n]; data.experiments().len()]);
+        let mut search = Search::new(data, start, zero, estimated)?;
+        let termination = search.run(self.iteration_limit)?;
+        let (iterations, initial_states, model) = search.into_parts();
+        let mut fit = estimate(data, &model, initial_states, estimated, Information::All)?;
+        (fit.termination, fit.iterations) = (termination, iterations);
+        if !termination.converged() {
+            fit.doubts.push(Doubt::NotConverged);
+        }
+        if missing > 0 {
+            fit.doubts.push(Doubt::RowsLeftOut { rows: missing, of: data.samples() });
+        }
+        Ok(fit.made_by(self.focus.method(), data))
+    }
+
+    fn starting_point(&self, data: &Dataset) -> Result<StateSpaceModel, IdentError> {
+        let noise_model = self.focus == Focus::Prediction;
+        if let Some(start) = &self.start {
+            crate::fit::check_channels(start, data)?;
+            let given = LinearModel::innovations(start, data.sample_time_s(), data.intersample())?;
+            let (system, covariance) = (given.system().clone(), given.noise_covariance().to_owned());
+            let innovations = if noise_model { given } else { Innovations::output_error(system, covariance)? };
+            return Ok(StateSpaceModel::new(innovations, self.feedthrough, noise_model));
+        }
+        let subspace = Subspace {
+            order: self.order,
+            feedthrough: self.feedthrough,
+            noise_model,
+            stable: !noise_model,
+            ..Subspace::new(1)
+        };
+        Ok(subspace.fit(data)?.model)
+    }
+}

@@ -1,0 +1,40 @@
+//! What the blocks of a file say, before any sample is read.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::stream::Stream;
+use crate::{Attachment, Event, Finding, Group, MdfError, StartTime};
+
+/// What the blocks of a file say.
+#[derive(Debug, Default)]
+pub(crate) struct Parts {
+    pub(crate) start_time: Option<StartTime>,
+    pub(crate) comment: Option<Arc<str>>,
+    pub(crate) groups: Vec<Group>,
+    pub(crate) attachments: Vec<Attachment>,
+    pub(crate) events: Vec<Event>,
+    pub(crate) findings: Vec<Finding>,
+    pub(crate) data: Vec<Data>,
+    /// Streams of values of varying length.
+    pub(crate) signals: Vec<Stream>,
+    /// The file was not closed by the program that recorded it.
+    pub(crate) is_open: bool,
+}
+
+/// Records of one group or several.
+#[derive(Debug, Default)]
+pub(crate) struct Data {
+    pub(crate) stream: Stream,
+    /// Invalidation bytes that are stored apart from the records.
+    pub(crate) invalid: Option<Stream>,
+    /// Bytes of the identifier before each record.
+    pub(crate) id_bytes: usize,
+    /// Bytes of the identifier after each record.
+    pub(crate) trailing: usize,
+    /// Records of several groups follow each other in any order.
+    pub(crate) is_mixed: bool,
+    /// Indices of the groups.
+    pub(crate) groups: Vec<usize>,
+    /// Records of each group, once they were counted.
+    pub(crate) counts: OnceLock<Result<Vec<u64>, MdfError>>,
+}
