@@ -33,7 +33,7 @@ fn record() -> Result<Dataset, IdentError> {
     let mut binary = |hold: usize| {
         let mut level = 1.0;
         let draw = |t: usize| {
-            if t % hold == 0 {
+            if t.is_multiple_of(hold) {
                 level = if random.uniform() < 0.5 { -1.0 } else { 1.0 };
             }
             level

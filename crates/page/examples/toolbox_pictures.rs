@@ -1,5 +1,8 @@
 //! Draws the pictures of the toolbox crates' READMEs: `cargo run -p page --example toolbox_pictures`.
 
+// An example is a program, and programs write files.
+#![allow(clippy::disallowed_methods)]
+
 use std::error::Error;
 use std::path::Path;
 
