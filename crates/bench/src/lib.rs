@@ -8,9 +8,9 @@ pub use bench_model::{drive_ripple, prediction, replay, simulate, skews};
 pub use design::{excitation_design, safety};
 pub use part_engine as engine_torque;
 pub use part_friction as friction;
-pub use part_lines::{look, segments, sine};
-pub use part_shaft::shaft_study;
-pub use part_torque::{torque_control_study, torque_smoother};
+pub use part_lines::{lines, segments, sine};
+pub use part_shaft::shaft_analysis;
+pub use part_torque::{model_comparison, torque_smoother};
 pub use rig::{
     BenchFile, ControlMode, Diagnostic, Excitation, Experiment, ExperimentLabel, Finding, Place, PrepareError, Role,
     Severity,
@@ -58,8 +58,9 @@ pub mod estimate {
 }
 
 pub mod speed_control {
-    pub use ::study::pi_noise::{
-        Case, Estimator, Noise, PUBLISHED, PiStudy, PublishedRow, StudyOptions, Summary, study, virtual_experiment,
+    pub use ::study::noise_test::{
+        Case, Estimator, Noise, NoiseTest, NoiseTestOptions, PUBLISHED, PublishedRow, Summary, noise_test,
+        virtual_experiment,
     };
     pub use part_controller::speed_control::*;
 }

@@ -146,7 +146,7 @@ pub(crate) enum CliError {
     NoiseTest { source: bench::estimate::EstimateError },
     /// Models of the torque control cannot be compared.
     #[error(transparent)]
-    TorqueControl { source: bench::torque_control_study::TorqueControlStudyError },
+    TorqueControl { source: bench::model_comparison::ModelComparisonError },
     /// No recording can be used.
     #[error("{}: none of the recordings can be used", .path.display())]
     NothingToLookAt { path: PathBuf },

@@ -4,7 +4,7 @@ mod error;
 mod gains;
 mod zeros;
 
-use part_lines::look::amplitudes;
+use part_lines::lines::amplitudes;
 use recording::Recording;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, UPDATE_S, Waveform};
@@ -107,7 +107,7 @@ fn firing(bench: &BenchParameters, seed: u64) -> Result<Vec<Spectrum>, EffectsEr
 fn folding(bench: &BenchParameters, seed: u64) -> Result<Vec<Spectrum>, EffectsError> {
     let mut bench = bench.clone();
     // The drive's own line is where the folded one comes to lie.
-    (bench.inverter.additive_ripple_nm, bench.inverter.multiplicative_ripple) = (0.0, 0.0);
+    (bench.drive.additive_ripple_nm, bench.drive.multiplicative_ripple) = (0.0, 0.0);
     let at = |(decimation, rate): (usize, &str)| {
         let mut bench = bench.clone();
         bench.clocks.torque_decimation = decimation;
@@ -126,7 +126,7 @@ fn side_lines(bench: &BenchParameters, seed: u64) -> Result<Vec<Spectrum>, Effec
         let mut bench = bench.clone();
         bench.clocks.torque_decimation = 1;
         if is_held {
-            (bench.inverter.additive_ripple_nm, bench.inverter.multiplicative_ripple) = (0.0, 0.0);
+            (bench.drive.additive_ripple_nm, bench.drive.multiplicative_ripple) = (0.0, 0.0);
         } else {
             bench.controller.demand_hold_s = UPDATE_S;
         }

@@ -7,9 +7,9 @@
 //! walk does, under the encoder's white noise; the ratio of the two is that of greatest likelihood, and the estimate that of
 //! generalised least squares. Intervals are robust to residuals that are coloured all the same.
 
-mod course;
 mod error;
 mod fitted;
+mod free_run;
 mod options;
 mod regression;
 
@@ -18,10 +18,10 @@ use rig::estimation::Label;
 use rig::results::{Estimate, Parameter, Stretch};
 use serde::Serialize;
 
-use course::{Course, Directions};
 pub use error::FrictionError;
 use fitted::Drive;
 use fitted::Fitted;
+use free_run::{Directions, FreeRun};
 pub use options::{CurvePoint, FrictionOptions, RunOut, Term, TorqueUsed};
 use regression::{Excitation, Problem};
 
@@ -126,17 +126,17 @@ impl Friction {
 /// # Source
 /// Glans & Kärnell 2018, (4.1); Ljung 1999, ch. 7; Ibragimov & Müller 2010 for the intervals.
 pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result<Friction, FrictionError> {
-    let mut courses: Vec<Course> = Vec::new();
+    let mut free_runs: Vec<FreeRun> = Vec::new();
     for experiment in experiments {
-        courses.extend(course::courses(experiment, options)?);
+        free_runs.extend(free_run::free_runs(experiment, options)?);
     }
-    let Some(file) = courses.first().map(|course| course.file.clone()) else {
+    let Some(file) = free_runs.first().map(|free_run| free_run.file.clone()) else {
         return Err(FrictionError::NoRecording);
     };
-    course::check_range(&courses)?;
+    free_run::check_range(&free_runs)?;
     let failed = |source| FrictionError::Ident { file: file.clone(), source };
-    let mut problem = Problem::new(&courses);
-    let directions = course::directions(&courses);
+    let mut problem = Problem::new(&free_runs);
+    let directions = free_run::directions(&free_runs);
     let (drive, inertia) = drive(&mut problem, directions, options.inertia_kg_m2).map_err(failed)?;
     let whole = problem.fit(&directions.with(&Term::ALL), drive);
     let has_offset = whole.is_ok_and(|fit| fit.is_told(Term::Offset, TERM_LEVEL));
@@ -164,12 +164,12 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
         Some(why) => Inertia::Stated { inertia_kg_m2: options.inertia_kg_m2, why },
     };
     let best = fits.iter().map(|fit| fit.bic).fold(f64::INFINITY, f64::min);
-    let stretches: Vec<Stretch> = courses.iter().map(Course::stretch).collect();
-    check_torques(fit, &courses)?;
+    let stretches: Vec<Stretch> = free_runs.iter().map(FreeRun::stretch).collect();
+    check_torques(fit, &free_runs)?;
     let per_inertia = fit.per_inertia(&stretches);
     let friction = fit.friction(&stretches);
     Ok(Friction {
-        curve: fit.curve(course::speeds(&courses), |_| true),
+        curve: fit.curve(free_run::speeds(&free_runs), |_| true),
         candidates: fits
             .iter()
             .enumerate()
@@ -180,7 +180,7 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
                 chosen: i == chosen,
             })
             .collect(),
-        run_outs: courses.iter().map(|course| course.run_out(fit)).collect(),
+        run_outs: free_runs.iter().map(|free_run| free_run.run_out(fit)).collect(),
         inertia: whence,
         friction,
         per_inertia,
@@ -188,20 +188,20 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
 }
 
 /// Refuses friction that no dynamometer by itself has.
-fn check_torques(fit: &Fitted, courses: &[Course]) -> Result<(), FrictionError> {
-    let largest_nm = course::largest_torque_nm(courses, fit.inertia_kg_m2());
-    let mut files: Vec<&str> = courses.iter().map(|course| course.file.as_str()).collect();
+fn check_torques(fit: &Fitted, free_runs: &[FreeRun]) -> Result<(), FrictionError> {
+    let largest_nm = free_run::largest_torque_nm(free_runs, fit.inertia_kg_m2());
+    let mut files: Vec<&str> = free_runs.iter().map(|free_run| free_run.file.as_str()).collect();
     files.dedup();
     let files = files.join(", ");
     // An offset of T_d is no friction.
-    let curve = fit.curve(course::speeds(courses), |term| term != Term::Offset);
+    let curve = fit.curve(free_run::speeds(free_runs), |term| term != Term::Offset);
     let sharpest = curve.iter().min_by(|a, b| a.half_width_nm.total_cmp(&b.half_width_nm));
     if let Some(CurvePoint { speed_rad_s, torque_nm, half_width_nm }) = sharpest.copied()
         && half_width_nm.max(torque_nm.abs() - half_width_nm) > largest_nm
     {
         return Err(FrictionError::BeyondTorques { files, torque_nm, half_width_nm, speed_rad_s, largest_nm });
     }
-    let slowest = courses.iter().flat_map(|c| &c.speed.samples).fold(f64::INFINITY, |least, w| least.min(w.abs()));
+    let slowest = free_runs.iter().flat_map(|c| &c.speed.samples).fold(f64::INFINITY, |least, w| least.min(w.abs()));
     let driving_nm = |point: &CurvePoint| -point.torque_nm * point.speed_rad_s.signum();
     let drives = |point: &&CurvePoint| {
         point.speed_rad_s.abs() >= slowest

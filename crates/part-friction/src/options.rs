@@ -78,7 +78,7 @@ pub struct FrictionOptions {
     /// Slower than this is left out, where a bearing sticks rather than slides, rad/s; a fiftieth of the highest speed, and at
     /// least one, where `None`.
     pub slowest_rad_s: Option<f64>,
-    /// Limit of the inverter, Nm.
+    /// Torque limit, Nm.
     pub torque_limit_nm: Option<f64>,
 }
 

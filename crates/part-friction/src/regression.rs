@@ -9,9 +9,9 @@ use lti::StateSpace;
 use rig::estimation::{Label, timing_floor_s};
 use rig::results::Parameter;
 
-use super::course::{Course, integral};
 use super::fitted::Fitted;
 use super::fitted::{Drive, LEVEL};
+use super::free_run::{FreeRun, integral};
 use crate::options::{LONGEST_DELAY_S, ROUNDS, SHIFTED_S, Term};
 
 /// With less than this many events nothing is known of their scatter; the interval is then wide as it is.
@@ -43,7 +43,7 @@ pub(super) enum Excitation {
 
 /// Speeds and torques with what was found of noise and delay.
 pub(super) struct Problem<'a> {
-    courses: &'a [Course],
+    free_runs: &'a [FreeRun],
     delay_s: f64,
     /// ln of the variance of the random walk over that of the noise.
     walk: f64,
@@ -52,20 +52,20 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(courses: &'a [Course]) -> Self {
-        let whole_s: f64 = courses.iter().map(|course| course.speed.duration_s()).sum();
-        let block_s = courses.iter().map(|course| course.block_s).fold(0.0, f64::max);
-        Problem { courses, delay_s: 0.0, walk: WALK.0, block_s: block_s.min(whole_s / FEWEST_BLOCKS) }
+    pub(super) fn new(free_runs: &'a [FreeRun]) -> Self {
+        let whole_s: f64 = free_runs.iter().map(|free_run| free_run.speed.duration_s()).sum();
+        let block_s = free_runs.iter().map(|free_run| free_run.block_s).fold(0.0, f64::max);
+        Problem { free_runs, delay_s: 0.0, walk: WALK.0, block_s: block_s.min(whole_s / FEWEST_BLOCKS) }
     }
 
     /// What T_d does beyond noise and ripple, to a dynamometer of about this inertia.
     pub(super) fn excitation(&self, inertia_kg_m2: f64) -> Excitation {
-        let Some(courses) = self.courses.iter().map(Course::blocks).collect::<Option<Vec<_>>>() else {
+        let Some(free_runs) = self.free_runs.iter().map(FreeRun::blocks).collect::<Option<Vec<_>>>() else {
             return Excitation::NotRecorded;
         };
-        let blocks: Vec<(f64, f64)> = courses.iter().flat_map(|(blocks, _)| blocks.iter().copied()).collect();
+        let blocks: Vec<(f64, f64)> = free_runs.iter().flat_map(|(blocks, _)| blocks.iter().copied()).collect();
         // The torque that slows it or speeds it up, block by block.
-        let changes = courses
+        let changes = free_runs
             .iter()
             .flat_map(|(blocks, s)| blocks.windows(2).map(move |w| inertia_kg_m2 * (w[1].1 - w[0].1) / s));
         let acting = rms(changes);
@@ -98,13 +98,13 @@ impl<'a> Problem<'a> {
 
     /// Finds the likeliest ratio of random walk and noise, in turn with the estimate.
     pub(super) fn settle_noise(&mut self, terms: &[Term], drive: Drive) -> Result<(), IdentError> {
-        let Some((index, longest)) = self.courses.iter().enumerate().max_by_key(|(_, course)| course.speed.len())
+        let Some((index, longest)) = self.free_runs.iter().enumerate().max_by_key(|(_, free_run)| free_run.speed.len())
         else {
             return Ok(());
         };
         for _ in 0..NOISE_ROUNDS {
             let parameters = self.fit(terms, drive)?.linear.parameters;
-            let columns = self.columns(&self.courses[index], terms, drive);
+            let columns = self.columns(&self.free_runs[index], terms, drive);
             let left = |k: usize| {
                 columns.target[k] - columns.regressors.iter().zip(&parameters).map(|(c, p)| c[k] * p).sum::<f64>()
             };
@@ -126,16 +126,16 @@ impl<'a> Problem<'a> {
     pub(super) fn fit(&self, terms: &[Term], drive: Drive) -> Result<Fitted, IdentError> {
         let mut rows: Vec<Vec<f64>> = Vec::new();
         let (system, start) = walk(self.walk)?;
-        for course in self.courses {
-            let columns = self.columns(course, terms, drive);
+        for free_run in self.free_runs {
+            let columns = self.columns(free_run, terms, drive);
             let whitened = |column: &Vec<f64>| {
-                let outputs = self.means(course, column);
+                let outputs = self.means(free_run, column);
                 system.innovations(&start, Mat::zeros(outputs.nrows(), 0).as_ref(), outputs.as_ref())
             };
             let target = whitened(&columns.target)?;
             let all = columns.regressors.iter().map(whitened).collect::<Result<Vec<_>, _>>()?;
-            let jumps = course.jumps(self.delay_s).map_or_else(
-                || vec![0.0; course.speed.len()],
+            let jumps = free_run.jumps(self.delay_s).map_or_else(
+                || vec![0.0; free_run.speed.len()],
                 // The 95 % half width of an instant that is anywhere between two samples.
                 |(jumps, between_s)| jumps.iter().map(|nm| 0.5 * LEVEL * between_s * nm).collect(),
             );
@@ -180,26 +180,26 @@ impl<'a> Problem<'a> {
         Ok(Fitted { terms: terms.to_vec(), delay_s: self.delay_s, bic, drive, linear, covariance, freedom })
     }
 
-    /// Means of a column over the blocks of a course, without drop-outs: one column, NaN where all of a block dropped out. What
+    /// Means of a column over the blocks of a free_run, without drop-outs: one column, NaN where all of a block dropped out. What
     /// is linear in columns is so in their means.
-    fn means(&self, course: &Course, column: &[f64]) -> Mat<f64> {
-        let length = ((self.block_s / course.speed.sample_time_s).round() as usize).max(1);
+    fn means(&self, free_run: &FreeRun, column: &[f64]) -> Mat<f64> {
+        let length = ((self.block_s / free_run.speed.sample_time_s).round() as usize).max(1);
         let mean = |block: usize, _| {
-            let seen = (block * length..(block + 1) * length).filter(|k| !course.dropped[*k]);
+            let seen = (block * length..(block + 1) * length).filter(|k| !free_run.dropped[*k]);
             let (count, sum) = seen.fold((0.0, 0.0), |(count, sum), k| (count + 1.0, sum + column[k]));
             if count > 0.0 { sum / count } else { f64::NAN }
         };
         Mat::from_fn(column.len() / length, 1, mean)
     }
 
-    /// What the speed is made of along a course, from its first sample on.
-    fn columns(&self, course: &Course, terms: &[Term], drive: Drive) -> Columns {
-        let step = course.speed.sample_time_s;
-        let speed = &course.speed.samples;
+    /// What the speed is made of along a free_run, from its first sample on.
+    fn columns(&self, free_run: &FreeRun, terms: &[Term], drive: Drive) -> Columns {
+        let step = free_run.speed.sample_time_s;
+        let speed = &free_run.speed.samples;
         let first = speed.first().copied().unwrap_or(0.0);
         let mut target: Vec<f64> = speed.iter().map(|w| w - first).collect();
         let mut regressors = Vec::new();
-        if let (Some(torque), Some(done)) = (course.torque_at(self.delay_s), course.torque_integral(self.delay_s)) {
+        if let (Some(torque), Some(done)) = (free_run.torque_at(self.delay_s), free_run.torque_integral(self.delay_s)) {
             match drive {
                 Drive::Known { inertia_kg_m2 } => {
                     target.iter_mut().zip(&done).for_each(|(w, done)| *w += done / inertia_kg_m2);
@@ -224,8 +224,8 @@ impl<'a> Problem<'a> {
         let (p, c) = (&fit.linear.parameters, &fit.covariance);
         let shift = p[1] / p[0];
         let variance = (c[(1, 1)] - 2.0 * shift * c[(0, 1)] + shift * shift * c[(0, 0)]) / (p[0] * p[0]);
-        let step_s = self.courses.first().map_or(0.0, |course| course.speed.sample_time_s);
-        let dated_s = self.courses.iter().map(|course| course.dated_s).fold(0.0, f64::max);
+        let step_s = self.free_runs.first().map_or(0.0, |free_run| free_run.speed.sample_time_s);
+        let dated_s = self.free_runs.iter().map(|free_run| free_run.dated_s).fold(0.0, f64::max);
         let error = variance.max(0.0).sqrt().hypot(dated_s).hypot(timing_floor_s(step_s));
         Parameter::new(label, self.delay_s + shift, error, fit.freedom)
     }

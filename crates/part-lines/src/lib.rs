@@ -1,5 +1,5 @@
-//! Lines in the spectra of recordings: their causes, their course over speed, and gains at sines that are demanded.
+//! Lines in the spectra of recordings: their causes, their law over speed, and gains at sines that are demanded.
 
-pub mod look;
+pub mod lines;
 pub mod segments;
 pub mod sine;

@@ -1,6 +1,6 @@
 //! The shaft: stiffness, damping and what is beyond them, by several routes.
 
 pub mod shaft;
+pub mod shaft_analysis;
 pub mod shaft_inputs;
 pub mod shaft_routes;
-pub mod shaft_study;

@@ -4,7 +4,7 @@ use rig::estimation::{EstimateError, need, noise_floor};
 use rig::{Experiment, Role};
 use signal::Signal;
 
-use crate::torque_control::{InverterModel, TorqueControlFit};
+use crate::torque_control::{AirGapTorqueModel, TorqueControlFit};
 
 /// A torque model whose residual is white is taken for this many times cleaner than the samples it was fitted to: its
 /// errors are those of a handful of parameters.
@@ -17,7 +17,7 @@ pub fn sampled_torque(torque: &Signal) -> NoisyTorque {
     NoisyTorque { noise_nm: noise_floor(torque), signal: torque.clone() }
 }
 
-/// T_d between the samples of T_d,calc: the inverter's response to T_d*, which is known every millisecond, with the
+/// T_d between the samples of T_d,calc: the model's response to T_d*, which is known every millisecond, with the
 /// ripple found in T_d,calc. T_d,calc itself folds everything above half its rate; it is used alone where there is no
 /// model, and its difference from the model is added where that is not white.
 pub fn air_gap_torque(
@@ -25,35 +25,35 @@ pub fn air_gap_torque(
     torque_control: Option<&TorqueControlFit>,
 ) -> Result<Vec<NoisyTorque>, EstimateError> {
     let measured = need(experiment, Role::AirGapTorque)?;
-    let Some((demand, inverter)) = inverter_of(experiment, torque_control) else {
+    let Some((demand, model)) = model_of(experiment, torque_control) else {
         return Ok(vec![sampled_torque(measured)]);
     };
-    let noise = inverter.residual.standard_deviation_nm;
-    let signal = inverter.finer_air_gap_torque(demand, FINER);
+    let noise = model.residual.standard_deviation_nm;
+    let signal = model.finer_air_gap_torque(demand, FINER);
     let mut records = vec![NoisyTorque { signal, noise_nm: noise / MODEL_ADVANTAGE }];
-    if !inverter.residual.white {
+    if !model.residual.white {
         records.push(NoisyTorque { signal: difference(measured, &records[0].signal), noise_nm: noise });
     }
     Ok(records)
 }
 
-/// T_d on the clock of T_d*, from the inverter's model with the ripple of this recording.
+/// T_d on the clock of T_d*, from the model's model with the ripple of this recording.
 pub fn modelled_torque(
     experiment: &Experiment,
     torque_control: Option<&TorqueControlFit>,
-) -> Option<(Signal, InverterModel)> {
-    let (demand, inverter) = inverter_of(experiment, torque_control)?;
-    Some((inverter.air_gap_torque(demand), inverter))
+) -> Option<(Signal, AirGapTorqueModel)> {
+    let (demand, model) = model_of(experiment, torque_control)?;
+    Some((model.air_gap_torque(demand), model))
 }
 
-/// T_d* and the inverter with the ripple of this recording.
-pub(crate) fn inverter_of<'a>(
+/// T_d* and the model with the ripple of this recording.
+pub(crate) fn model_of<'a>(
     experiment: &'a Experiment,
     torque_control: Option<&TorqueControlFit>,
-) -> Option<(&'a Signal, InverterModel)> {
+) -> Option<(&'a Signal, AirGapTorqueModel)> {
     let demand = experiment.signal(Role::DynoTorqueDemand)?;
     let measured = experiment.signal(Role::AirGapTorque)?;
-    Some((demand, torque_control?.inverter.refit_ripple(demand, measured).ok()?))
+    Some((demand, torque_control?.model.refit_ripple(demand, measured).ok()?))
 }
 
 /// A sampled signal less another, held, at its own instants.

@@ -4,7 +4,7 @@ use bench::estimate::speed_controller::{
     AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
 };
 use bench::speed_control::{
-    Case, Controller, Estimator, FeedForwardFound, IntegrationRule, Noise, PUBLISHED, PiStudy, PublishedRow,
+    Case, Controller, Estimator, FeedForwardFound, IntegrationRule, Noise, NoiseTest, PUBLISHED, PublishedRow,
     SpeedControl, Summary,
 };
 use bench::study::ResidualTest;
@@ -261,7 +261,7 @@ pub fn improvement(found: &FeedForwardFound) -> String {
 }
 
 /// The noise of a case, with its band.
-pub fn noise(study: &PiStudy, of: Noise) -> String {
+pub fn noise(study: &NoiseTest, of: Noise) -> String {
     let options = &study.options;
     let hz = |f: f64| number::significant(f, 3);
     match of {
@@ -279,7 +279,7 @@ pub fn noise(study: &PiStudy, of: Noise) -> String {
 }
 
 /// What the published draw of a noise was, where the truth is that of the thesis: K_p or K_i of table 7.1.
-pub fn published(study: &PiStudy, of: Noise, symbol: &str) -> Option<f64> {
+pub fn published(study: &NoiseTest, of: Noise, symbol: &str) -> Option<f64> {
     let same = (study.options.k_p, study.options.k_i) == (PUBLISHED[0].k_p, PUBLISHED[0].k_i);
     let row: &PublishedRow = PUBLISHED.iter().find(|row| same && row.noise == of)?;
     match symbol {
@@ -298,7 +298,7 @@ pub fn estimator(of: Estimator) -> &'static str {
 }
 
 /// How noise and SNR are meant.
-pub const STUDY_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
+pub const NOISE_TEST_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
      sees, and not to the N_d it is estimated from. The thesis (§7.1) gives neither its bands nor its definition of SNR; \
      its table 7.1 is one draw of each, estimated T_d* from N_d. Coverage: the share of the 95 % intervals that hold the truth; in \
      brackets its own 95 % interval, by the number of draws (Clopper–Pearson).";
@@ -389,7 +389,7 @@ fn map_figure(file: &str, found: &FeedForwardTerms) -> Figure {
 }
 
 /// Every draw of the study, as histograms of K_p and K_i for each noise.
-pub fn study_figures(study: &PiStudy) -> Vec<Figure> {
+pub fn noise_test_figures(study: &NoiseTest) -> Vec<Figure> {
     let is_shown = |case: &&Case| case.noise != Noise::None && case.estimator == Estimator::Forward;
     let gains = |case: &'_ Case| -> Vec<Figure> {
         let gains = case.summaries.iter().filter(|summary| summary.symbol != "τ");
@@ -398,7 +398,7 @@ pub fn study_figures(study: &PiStudy) -> Vec<Figure> {
     study.cases.iter().filter(is_shown).flat_map(gains).collect()
 }
 
-fn histogram(study: &PiStudy, case: &Case, summary: &Summary) -> Figure {
+fn histogram(study: &NoiseTest, case: &Case, summary: &Summary) -> Figure {
     let (x, y) = bars(&summary.values);
     let symbol = &summary.symbol;
     let stems = Layer::Stems { name: "draws".to_owned(), style: Style::Modelled, x: Abscissa::Values(x), y };

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use bench::Role;
-use bench::look::{
-    Cause, CurvePoint, Line, Look, LookedPart, LookedSignal, OrderCurve, OverSpeed, ShortSpectrum, folded_hz,
+use bench::lines::{
+    Cause, CurvePoint, Line, OrderCurve, OverSpeed, PartLines, RecordingLines, ShortSpectrum, SignalLines, folded_hz,
 };
 use bench::units::RPM_RAD_S;
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
@@ -105,7 +105,7 @@ fn short_name(cause: &Cause) -> String {
 }
 
 /// A part of a recording: the spectrum of each signal with its lines, and where the firing and its multiples are.
-pub fn figure(look: &Look, part: &LookedPart) -> Figure {
+pub fn figure(look: &RecordingLines, part: &PartLines) -> Figure {
     let panels = part
         .signals
         .iter()
@@ -121,7 +121,7 @@ pub fn figure(look: &Look, part: &LookedPart) -> Figure {
     Figure::new(&title, Axis::linear("frequency", "Hz"), panels).with_caption(caption)
 }
 
-fn panel(signal: &LookedSignal, firing_hz: Option<f64>) -> Panel {
+fn panel(signal: &SignalLines, firing_hz: Option<f64>) -> Panel {
     let (unit, per_si) = unit(signal.role);
     let scaled: Vec<f64> = signal.amplitude.iter().map(|a| a * per_si).collect();
     // What lies under the weakest line is noise.

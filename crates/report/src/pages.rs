@@ -2,11 +2,11 @@
 
 use bench::engine_torque::EngineTorque;
 use bench::friction::Friction;
-use bench::look::{Look, OverSpeed};
-use bench::shaft_study::ShaftStudy;
-use bench::speed_control::{PiStudy, SpeedControl};
+use bench::lines::{OverSpeed, RecordingLines};
+use bench::model_comparison::ModelComparison;
+use bench::shaft_analysis::ShaftAnalysis;
+use bench::speed_control::{NoiseTest, SpeedControl};
 use bench::study::NextExperiments;
-use bench::torque_control_study::TorqueControlStudy;
 use bench::torque_signals::TorqueSignals;
 use page::{Blocks, Page};
 
@@ -18,7 +18,7 @@ fn titled(title: &str, blocks: Blocks) -> Page {
 }
 
 /// The shaft of every recording and of all together.
-pub fn shaft(found: &ShaftStudy) -> Page {
+pub fn shaft(found: &ShaftAnalysis) -> Page {
     titled("Shaft", analyses::shaft(found))
 }
 
@@ -33,7 +33,7 @@ pub fn torque_signals(found: &TorqueSignals) -> Page {
 }
 
 /// Models of the torque control compared with a delay of one sample.
-pub fn torque_control(studied: &TorqueControlStudy) -> Page {
+pub fn torque_control(studied: &ModelComparison) -> Page {
     titled("Torque control", analyses::torque_control(studied))
 }
 
@@ -50,7 +50,7 @@ pub fn controller(found: &SpeedControl) -> Page {
 }
 
 /// What noise does to the estimate of a PI that is known.
-pub fn controller_noise(found: &PiStudy) -> Page {
+pub fn controller_noise(found: &NoiseTest) -> Page {
     titled("What noise does to the estimate of a PI", analyses::pi_study(found))
 }
 
@@ -60,6 +60,6 @@ pub fn next(found: &NextExperiments) -> Page {
 }
 
 /// Every line of every recording, `most` a signal; zero shows all.
-pub fn lines(looks: &[Look], signals: &[OverSpeed], most: usize) -> Page {
+pub fn lines(looks: &[RecordingLines], signals: &[OverSpeed], most: usize) -> Page {
     titled("Lines of the recordings", analyses::every_line(looks, signals, most))
 }

@@ -3,7 +3,7 @@
 use bench::estimate::shaft::{Beyond, Term, TermTest, Weight};
 use bench::estimate::shaft_routes::black_box::{BlackBoxRoute, Untold};
 use bench::estimate::shaft_routes::multisine::{CostTest, MultisineRoute};
-use bench::shaft_study::{Band, DualMass, Routes, ShaftRecording, ShaftStudy, Together};
+use bench::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
 use bench::study::{Estimate, Parameter, Shaft};
 use bench::torque_signals::{Told, Untold as NotTold};
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
@@ -194,7 +194,7 @@ fn multisine_doubts(found: &MultisineRoute) -> Vec<String> {
 }
 
 /// Routes that none of the recordings allows, and what would.
-pub fn routes_not_taken(study: &ShaftStudy) -> Vec<&'static str> {
+pub fn routes_not_taken(study: &ShaftAnalysis) -> Vec<&'static str> {
     let taken = |is: fn(&Routes) -> bool| study.recordings.iter().any(|recording| is(&recording.routes));
     let with_shaft = study.recordings.iter().any(|recording| recording.shaft.found().is_some());
     let absent = [
@@ -244,7 +244,7 @@ pub fn together(of: &Together) -> String {
 }
 
 /// All recordings side by side, then response, values by band and by route, and errors of each.
-pub fn figures(study: &ShaftStudy) -> Vec<Figure> {
+pub fn figures(study: &ShaftAnalysis) -> Vec<Figure> {
     let of_each = study.recordings.iter().flat_map(|recording| {
         let shaft = recording.shaft.found();
         let response = shaft.map(|shaft| response_figure(recording, shaft));

@@ -1,10 +1,10 @@
 //! What the torque control can be told to be, in words and figures.
 
-use bench::study::Trace;
-use bench::torque_control_study::{
-    BlackBox, Closed, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, Root, Scanned, Shown, Structure,
-    StudiedRecording, TorqueControlStudy, Verdict, Visibility, VisibilityCase,
+use bench::model_comparison::{
+    BlackBox, Closed, ComparedRecording, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model,
+    ModelComparison, Root, Scanned, Shown, Structure, Verdict, Visibility, VisibilityCase,
 };
+use bench::study::Trace;
 use page::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
 
 use crate::torque;
@@ -88,7 +88,7 @@ pub fn closed(closed: Closed) -> Option<&'static str> {
 }
 
 /// Whether anything beats the bar on a recording, and what does so by most.
-pub fn against_bar(study: &TorqueControlStudy, recording: &StudiedRecording) -> String {
+pub fn against_bar(study: &ModelComparison, recording: &ComparedRecording) -> String {
     let bar = format!(
         "T_d* one sample of T_d,calc ({}) ago leaves {} where {} moves T_d*",
         number::duration(recording.sample_time_s),
@@ -121,7 +121,7 @@ fn nm(value: f64) -> String {
 }
 
 /// What a feedback from T_d* − T_d without delay means, where such were among those tried.
-pub fn circular(recording: &StudiedRecording) -> Option<String> {
+pub fn circular(recording: &ComparedRecording) -> Option<String> {
     let undelayed = || recording.scanned.iter().filter(|s| s.structure.input == Input::Error && s.structure.nk == 0);
     let unusable = undelayed().filter(|s| s.closed != Closed::Stable).count();
     let flattered = undelayed().filter_map(|s| s.fed_percent).max_by(f64::total_cmp)?;
@@ -140,7 +140,7 @@ pub fn circular(recording: &StudiedRecording) -> Option<String> {
 }
 
 /// What a black box of a recording believes the delay to be, beside what the sampling tells.
-pub fn belief(recording: &StudiedRecording, black_box: &BlackBox) -> Option<String> {
+pub fn belief(recording: &ComparedRecording, black_box: &BlackBox) -> Option<String> {
     let believed = black_box.delay.as_ref()?;
     let mode = black_box.lag_rad_s.map_or_else(
         || "its slowest mode is no lag".to_owned(),
@@ -158,12 +158,12 @@ pub fn belief(recording: &StudiedRecording, black_box: &BlackBox) -> Option<Stri
 }
 
 /// What a delay below zero means, of the delay alone or beside a lag.
-pub fn early(recording: &StudiedRecording) -> Vec<String> {
+pub fn early(recording: &ComparedRecording) -> Vec<String> {
     torque::early_delays(std::iter::once(&recording.pure_delay).chain(&recording.delay_and_lag))
 }
 
 /// What is told beyond delay and lag.
-pub fn beyond(recording: &StudiedRecording) -> String {
+pub fn beyond(recording: &ComparedRecording) -> String {
     let Some(test) = &recording.second_order else {
         return "a second-order term cannot be tested: no lag was found to begin from".to_owned();
     };
@@ -217,8 +217,8 @@ pub fn first_visible(visibility: &Visibility) -> String {
 }
 
 /// What models make of T_d, pole–zero maps, fit against order, and what other rates and demands would tell.
-pub fn figures(study: &TorqueControlStudy) -> Vec<Figure> {
-    let of_recording = |recording: &StudiedRecording| {
+pub fn figures(study: &ModelComparison) -> Vec<Figure> {
+    let of_recording = |recording: &ComparedRecording| {
         let shown = study.shown.iter().filter(|shown| shown.judged_on == recording.excited);
         let traces = shown.map(|shown| trace_figure(recording, shown));
         let maps = [Input::Demand, Input::Error].into_iter().filter_map(|input| map(recording, input));
@@ -228,7 +228,7 @@ pub fn figures(study: &TorqueControlStudy) -> Vec<Figure> {
 }
 
 /// The held-out part as it was, and what models make of it, with their errors below.
-fn trace_figure(recording: &StudiedRecording, shown: &Shown) -> Figure {
+fn trace_figure(recording: &ComparedRecording, shown: &Shown) -> Figure {
     let line = |name: &str, style: Style, trace: &Trace, values: &[f64]| {
         Layer::trace(name, style, (trace.start_s, trace.sample_time_s), values)
     };
@@ -263,7 +263,7 @@ fn trace_figure(recording: &StudiedRecording, shown: &Shown) -> Figure {
     )
 }
 
-fn map(recording: &StudiedRecording, input: Input) -> Option<Figure> {
+fn map(recording: &ComparedRecording, input: Input) -> Option<Figure> {
     let chosen: Vec<&BlackBox> = recording.black_boxes.iter().filter(|b| b.structure.input == input).collect();
     if chosen.is_empty() {
         return None;
@@ -318,7 +318,7 @@ fn path(name: &str, style: Style, points: &[[f64; 2]]) -> Layer {
     Layer::Path { name: name.to_owned(), style, x: rounded(&x), y: rounded(&y) }
 }
 
-fn orders(recording: &StudiedRecording) -> Figure {
+fn orders(recording: &ComparedRecording) -> Figure {
     let mut layers = Vec::new();
     for (n, (kind, input)) in KINDS.into_iter().enumerate() {
         let own: Vec<&Scanned> = recording

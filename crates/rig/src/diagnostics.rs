@@ -186,7 +186,7 @@ pub enum Finding {
         /// Standard error, kg m².
         standard_error_kg_m2: f64,
     },
-    /// Torque or demand is at the inverter's limit; these stretches are left out of the estimates.
+    /// Torque or demand is at the drive's limit; these stretches are left out of the estimates.
     Saturated {
         /// Share of the samples, 0…1.
         share: f64,

@@ -21,7 +21,7 @@ pub struct BenchFacts {
     pub engine_inertia_kg_m2: f64,
     /// Its standard uncertainty, % of it, if stated.
     pub engine_inertia_uncertainty_percent: Option<f64>,
-    /// Inverter torque limit, Nm.
+    /// Drive torque limit, Nm.
     pub torque_limit_nm: Option<f64>,
     /// Shaft torque limit, Nm.
     pub shaft_torque_limit_nm: Option<f64>,

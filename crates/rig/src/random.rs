@@ -40,7 +40,7 @@ pub enum Source {
     /// Benches drawn to check an experiment.
     Safety = 17,
     /// Noise on the controller's speed.
-    PiStudy = 18,
+    NoiseTest = 18,
 }
 
 impl Source {

@@ -14,9 +14,9 @@ pub enum Role {
     EngineSpeed,
     /// N_d*, speed demand to the dynamometer's speed controller.
     DynoSpeedDemand,
-    /// T_d*, air-gap torque demand to the inverter. Positive brakes the dynamometer.
+    /// T_d*, air-gap torque demand to the drive. Positive brakes the dynamometer.
     DynoTorqueDemand,
-    /// T_d,calc, air-gap torque as the inverter computes it. Positive brakes the dynamometer.
+    /// T_d,calc, air-gap torque as the drive computes it. Positive brakes the dynamometer.
     AirGapTorque,
     /// T_d,meas, air-gap torque as the load cell reads it: late, and with dynamics of its own.
     LoadCellTorque,

@@ -4,9 +4,9 @@ use numerics::parallel;
 use part_controller::speed_control::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
 use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
-use part_lines::look::{Look, OverSpeed, look, on_one_mains, over_speed};
-use part_shaft::shaft_study::{ShaftStudy, shaft_study};
-use part_torque::torque_control_study::{self, OrdersTried, TorqueControlStudy, TorqueControlStudyError};
+use part_lines::lines::{OverSpeed, RecordingLines, find_lines, on_one_mains, over_speed};
+use part_shaft::shaft_analysis::{ShaftAnalysis, shaft_analysis};
+use part_torque::model_comparison::{self, ModelComparison, ModelComparisonError, OrdersTried};
 use part_torque::torque_signals::{TorqueSignals, torque_signals};
 use rig::estimation::EstimateError;
 use rig::experiment::Test;
@@ -15,7 +15,7 @@ use rig::{BenchFile, Experiment};
 use super::Progress;
 use super::next::{self, NextError, NextExperiments, NextOptions};
 use super::recorded::{RecordedCourse, StepResponse, courses, step_response};
-use crate::pi_noise::{self, PiStudy, StudyOptions};
+use crate::noise_test::{NoiseTest, NoiseTestOptions, noise_test};
 
 /// Orders of the torque control that are tried here: those of the thesis's low-order models. All of `OrdersTried::default()`
 /// take minutes.
@@ -31,7 +31,7 @@ pub struct Analyses {
     /// The torque signals and N_d at a step of T_d*; `None` without such a step in torque control.
     pub step: Option<StepResponse>,
     /// Lines of the spectra, one entry a recording.
-    pub lines: Vec<Look>,
+    pub lines: Vec<RecordingLines>,
     /// The lines of all recordings over the speed.
     pub over_speed: Vec<OverSpeed>,
     /// The torque signals against each other.
@@ -39,13 +39,13 @@ pub struct Analyses {
     /// What is added to PI, delay and feed-forward.
     pub speed_control: SpeedControl,
     /// What noise does to the estimate of a PI; `None` without a BS_T_NT.
-    pub pi_study: Option<Result<PiStudy, EstimateError>>,
+    pub pi_study: Option<Result<NoiseTest, EstimateError>>,
     /// Models of the torque control held against a delay of one sample.
-    pub torque_control: Result<TorqueControlStudy, TorqueControlStudyError>,
+    pub torque_control: Result<ModelComparison, ModelComparisonError>,
     /// Friction and inertia of the dynamometer.
     pub friction: Result<Friction, FrictionError>,
     /// The shaft by band, by route, and beyond K and B.
-    pub shaft: ShaftStudy,
+    pub shaft: ShaftAnalysis,
     /// The engine's torque.
     pub engine_torque: EngineTorque,
     /// What to record next.
@@ -66,21 +66,21 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
     let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
     analysing("lines");
     let engine = bench.engine();
-    let lines = on_one_mains(parallel::map(experiments, |experiment| look(experiment, engine)));
+    let lines = on_one_mains(parallel::map(experiments, |experiment| find_lines(experiment, engine)));
     analysing("torque signals");
     let torque_signals = torque_signals(&all, bench, &mut |_| ());
     analysing("speed controller");
     let speed_control = speed_control(&all, bench, &mut |_| ());
     let pi_study = held_speed(&all).map(|experiment| {
-        let options = StudyOptions { draws: DRAWS, ..StudyOptions::default() };
-        pi_noise::study(experiment, &options, &|_, _| ())
+        let options = NoiseTestOptions { draws: DRAWS, ..NoiseTestOptions::default() };
+        noise_test(experiment, &options, &|_, _| ())
     });
     analysing("torque control");
-    let torque_control = torque_control_study::study(&all, bench, ORDERS, &mut |_, _| ());
+    let torque_control = model_comparison::compare_models(&all, bench, ORDERS, &mut |_, _| ());
     analysing("friction");
     let friction = friction_of(&all, bench);
     analysing("shaft");
-    let shaft = shaft_study(&all, bench, &|_| ());
+    let shaft = shaft_analysis(&all, bench, &|_| ());
     analysing("engine torque");
     let engine_torque = engine_torque(&all, bench, &|_| ());
     analysing("next experiment");

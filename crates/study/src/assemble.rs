@@ -1,8 +1,8 @@
 //! From the parts of a study to one model and its uncertainty. Gains per rpm become SI here and nowhere else.
 
 use bench_model::model::{
-    AssembledModel, BenchModel, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty,
-    PartCovariance, PiController,
+    AssembledModel, BenchModel, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
+    PiController, TorqueControlModel,
 };
 use rig::facts::{BenchFacts, BenchVariant};
 use rig::results::{Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
@@ -44,7 +44,8 @@ const FEED_FORWARD: Names = &[
     ("k", ModelParameter::SpeedFeedForward, 1.0 / RPM_RAD_S),
     ("k_a", ModelParameter::AccelerationFeedForward, 1.0 / RPM_RAD_S),
 ];
-const INVERTER: Names = &[("τ", ModelParameter::InverterDelay, 1.0), ("a", ModelParameter::InverterBandwidth, 1.0)];
+const TORQUE_CONTROL: Names =
+    &[("τ", ModelParameter::TorqueControlDelay, 1.0), ("a", ModelParameter::TorqueControlBandwidth, 1.0)];
 
 /// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
 /// one of its numbers is left out. The gate is taken as exact, and so is an inertia without a stated uncertainty.
@@ -62,7 +63,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
         mechanics,
         speed_controller: parts.speed_controller.and_then(controller),
         feed_forward: parts.feed_forward.and_then(feed_forward),
-        inverter: torque_control.as_ref().and_then(inverter),
+        torque_control: torque_control.as_ref().and_then(torque_control_model),
         torque_limit_nm: facts.torque_limit_nm,
         encoder_gate_s: parts.encoder_gate_s,
     };
@@ -70,7 +71,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
         Some((shaft, if inertia.is_some() { SHAFT_AND_INERTIA } else { SHAFT })),
         parts.speed_controller.map(|c| (&c.estimate, CONTROLLER)),
         parts.feed_forward.map(|f| (&f.estimate, FEED_FORWARD)),
-        torque_control.as_ref().map(|t| (t, INVERTER)),
+        torque_control.as_ref().map(|t| (t, TORQUE_CONTROL)),
     ]
     .into_iter()
     .flatten()
@@ -129,10 +130,10 @@ fn torque_control_on_one_clock(parts: &StudyParts<'_>) -> Option<Estimate> {
     Some(estimate)
 }
 
-fn inverter(estimate: &Estimate) -> Option<InverterModel> {
-    Some(InverterModel {
-        delay_s: si(estimate, INVERTER, ModelParameter::InverterDelay)?.max(0.0),
-        bandwidth_rad_s: Some(si(estimate, INVERTER, ModelParameter::InverterBandwidth)?),
+fn torque_control_model(estimate: &Estimate) -> Option<TorqueControlModel> {
+    Some(TorqueControlModel {
+        delay_s: si(estimate, TORQUE_CONTROL, ModelParameter::TorqueControlDelay)?.max(0.0),
+        bandwidth_rad_s: Some(si(estimate, TORQUE_CONTROL, ModelParameter::TorqueControlBandwidth)?),
     })
 }
 

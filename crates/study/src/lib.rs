@@ -7,7 +7,7 @@ mod findings;
 mod folded_pulses;
 mod gather;
 mod next;
-pub mod pi_noise;
+pub mod noise_test;
 mod progress;
 mod recorded;
 mod result;

@@ -23,7 +23,7 @@ pub struct Study {
     pub speed_controller: Part<SpeedController>,
     /// Feed-forward of the speed controller.
     pub feed_forward: Part<FeedForward>,
-    /// Inverter and machine, closed loop from T_d* to T_d.
+    /// Torque control, closed loop from T_d* to T_d.
     pub torque_control: Part<TorqueControl>,
     /// Stiffness and damping, with gate and skew.
     pub shaft: Part<Shaft>,

@@ -128,7 +128,7 @@ fn replay_one(
     model: &BenchModel,
     experiment: &Experiment,
 ) -> Result<Replay, ReplayError> {
-    let (torque, inverter) = modelled_torque(experiment, pieces.torque_control).unzip();
+    let (torque, torque_model) = modelled_torque(experiment, pieces.torque_control).unzip();
     let once_a_turn = match experiment.label.mode {
         ControlMode::Nt => {
             pieces.controller.and_then(|c| c.once_a_turn_in(experiment, findings.bench.limits.torque_nm))
@@ -137,7 +137,7 @@ fn replay_one(
     };
     let inputs = ReplayInputs {
         air_gap_torque: torque.as_ref(),
-        ripple: inverter.as_ref().map(|model| &model.ripple),
+        ripple: torque_model.as_ref().map(|model| &model.ripple),
         skews: pieces.skews(),
         encoder_error: once_a_turn.map(|(cosine, sine)| EncoderError { cosine, sine }),
         stretch_s: experiment.signals.values().next().map(|s| (s.start_s, s.start_s + REPLAYED_S)),

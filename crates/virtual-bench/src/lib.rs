@@ -3,7 +3,7 @@
 //! A virtual bench: simulates the experiments of the method on a dynamometer bench whose every parameter is known, and
 //! records them as a real bench would.
 //!
-//! Speed or shaft-torque controller → inverter (delay and lag, or an induction machine under field-oriented control) →
+//! Speed or shaft-torque controller → drive (delay and lag, or an induction machine under field-oriented control) →
 //! masses and shafts (two masses; more with a dual-mass flywheel or a rotor that twists; play, stiffening, loss factor)
 //! ← engine over crank angle (harmonics of the firing order, or cylinders on a crankshaft; intake, throttle, ignition);
 //! encoders, load cell or flange and the automation system's own torques on top. It exists to test estimators against
@@ -11,9 +11,9 @@
 //!
 //! # Numerical scheme
 //!
-//! Controllers and sensors work every millisecond, the inverter's machine every quarter of one, the mechanics in steps
+//! Controllers and sensors work every millisecond, the drive's machine every quarter of one, the mechanics in steps
 //! of 50 µs (see [`Numerics`]). Within a step the mechanics and the torque sensors are exact for torques that run
-//! straight in time; the inverter's delay and lag are exact whatever the delays, the machine for a speed that stays;
+//! straight in time; the drive's delay and lag are exact whatever the delays, the machine for a speed that stays;
 //! the step in which a cylinder fires is split at the firing. What depends on the state in a non-linear way (play,
 //! stiffening, Coulomb friction, the crankshaft) is predicted and corrected once. The error is of second order in the
 //! step size. In T_shaft, from 50 to 25 µs steps on the default bench: 5·10⁻⁴ Nm of the engine's harmonics, 1.5·10⁻³ Nm
@@ -119,7 +119,7 @@ pub fn simulate_told(
 ) -> Result<VirtualRun, VirtualBenchError> {
     parameters.check()?;
     plan.check()?;
-    numerics.check(parameters.inverter.machine.is_some())?;
+    numerics.check(parameters.drive.machine.is_some())?;
     let (registers, hidden) = run::run(parameters, plan, seed, &numerics, told)?;
     Ok(VirtualRun { recording: write::recording(parameters, plan, &registers), hidden })
 }

@@ -28,7 +28,7 @@ impl Numerics {
         require("numerics.steps_per_update", steps as f64, (1..=10_000).contains(&steps), requirement)?;
         let samples = SAMPLES_PER_UPDATE;
         let fits = !has_machine || steps.is_multiple_of(samples);
-        let whole = "a multiple of 4, as the inverter samples four times a millisecond";
+        let whole = "a multiple of 4, as the drive samples four times a millisecond";
         require("numerics.steps_per_update", steps as f64, fits, whole)?;
         require("numerics.steps_per_hidden_sample", hidden as f64, hidden > 0, "at least 1")?;
         Ok(())

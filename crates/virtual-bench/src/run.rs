@@ -8,7 +8,7 @@ use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S};
 use rig::random::Source;
 
 use super::control::{ShaftTorqueController, SpeedController};
-use super::drive::{Inverter, Knowledge, TimedDemand};
+use super::drive::{Drive, Knowledge, TimedDemand};
 use super::engine::{Air, Combustion, Engine, EngineSpeedControl};
 use super::error::VirtualBenchError;
 use super::sensors::{Readings, Sensors, rounded};
@@ -78,7 +78,7 @@ enum EngineControl {
 /// All parts, and where they are.
 struct Bench {
     train: Train,
-    inverter: Inverter,
+    drive: Drive,
     knowledge: Knowledge,
     dyno_control: DynoControl,
     engine: Engine,
@@ -122,7 +122,7 @@ impl Bench {
         let computed_nm = rest.air_gap_nm / knowledge.gain();
         Ok(Self {
             dyno_control: dyno_control(parameters, plan, speed, &rest, computed_nm),
-            inverter: Inverter::new(&parameters.inverter, computed_nm, speed, (UPDATE_S, numerics.steps_per_update)),
+            drive: Drive::new(&parameters.drive, computed_nm, speed, (UPDATE_S, numerics.steps_per_update)),
             knowledge,
             engine: Engine::new(&parameters.engine, combustion, seed, angle, rest.engine_nm),
             engine_control: match (is_fired, plan.label.mode) {
@@ -172,7 +172,7 @@ impl Bench {
         }
     }
 
-    /// Gives the inverter its demand; returns it, Nm.
+    /// Gives the drive its demand; returns it, Nm.
     fn control_dyno(&mut self, demands: &Demands, at: usize, readings: &Readings) -> f64 {
         let time_s = self.time_s();
         let (now, later) = match &mut self.dyno_control {
@@ -186,9 +186,9 @@ impl Bench {
                 (TimedDemand { time_s, torque_nm }, None)
             }
         };
-        self.inverter.demand(now);
+        self.drive.demand(now);
         if let Some(later) = later {
-            self.inverter.demand(later);
+            self.drive.demand(later);
         }
         now.torque_nm
     }
@@ -218,8 +218,8 @@ impl Bench {
 
     fn advance_one_step(&mut self) {
         let (start_s, end_s) = (self.time_s(), (self.step + 1) as f64 * self.step_s);
-        let torque_nm = self.inverter.advance(start_s, end_s, self.train.dyno_speed_rad_s());
-        let end_air_gap_nm = self.knowledge.gain() * self.inverter.with_ripple_nm(torque_nm, end_s);
+        let torque_nm = self.drive.advance(start_s, end_s, self.train.dyno_speed_rad_s());
+        let end_air_gap_nm = self.knowledge.gain() * self.drive.with_ripple_nm(torque_nm, end_s);
         let engine = self.engine.step(&self.train, self.step_s, self.engine_level_nm);
         let start = Torques { air_gap_nm: self.air_gap_torque_nm, engine_nm: engine.start_nm };
         let end = Torques { air_gap_nm: end_air_gap_nm, engine_nm: engine.end_nm };
@@ -249,7 +249,7 @@ fn dyno_control(
     rest: &Rest,
     computed_nm: f64,
 ) -> DynoControl {
-    let (controller, limit_nm) = (&parameters.controller, parameters.inverter.torque_limit_nm);
+    let (controller, limit_nm) = (&parameters.controller, parameters.drive.torque_limit_nm);
     match (plan.label.mode, plan.torque_target) {
         (ControlMode::Nt, _) => {
             DynoControl::Speed(SpeedController::new(controller, limit_nm, UPDATE_S, speed_rad_s, computed_nm))

@@ -47,7 +47,7 @@ pub enum Assumption {
         /// a, rad/s.
         bandwidth_rad_s: f64,
     },
-    /// The inverter's limit.
+    /// The drive's limit.
     TorqueLimit {
         /// Nm.
         torque_nm: f64,
@@ -130,7 +130,7 @@ fn stated_in(file: &BenchFile) -> BenchParameters {
     }
     parameters.engine = engine_of(file, parameters.engine);
     if let Some(limit) = file.limits.torque_nm {
-        parameters.inverter.torque_limit_nm = limit;
+        parameters.drive.torque_limit_nm = limit;
     }
     let gate_s = file.channels.get(&Role::DynoSpeed).and_then(|mapping| mapping.gate_s);
     if let Some(gate_s) = gate_s.filter(|gate_s| *gate_s > 0.0) {
@@ -175,11 +175,11 @@ fn take_over(parameters: &mut BenchParameters, model: &BenchModel) {
         parameters.controller.speed_feed_forward_nm_s_per_rad = feed_forward.speed_nm_s_per_rad;
         parameters.controller.acceleration_feed_forward_nm_s2_per_rad = feed_forward.acceleration_nm_s2_per_rad;
     }
-    if let Some(inverter) = model.inverter {
-        parameters.inverter.delay_s = inverter.delay_s;
-        parameters.inverter.machine = None;
-        if let Some(bandwidth) = inverter.bandwidth_rad_s {
-            parameters.inverter.bandwidth_rad_s = bandwidth;
+    if let Some(control) = model.torque_control {
+        parameters.drive.delay_s = control.delay_s;
+        parameters.drive.machine = None;
+        if let Some(bandwidth) = control.bandwidth_rad_s {
+            parameters.drive.bandwidth_rad_s = bandwidth;
         }
     }
 }
@@ -207,12 +207,12 @@ fn assumptions(file: &BenchFile, model: Option<&BenchModel>, parameters: &BenchP
             },
         ),
         lacks("controller", model.is_some_and(|m| m.feed_forward.is_some())).then_some(Assumption::FeedForward),
-        lacks("inverter", model.is_some_and(|m| m.inverter.is_some())).then_some(Assumption::TorqueControl {
-            delay_s: parameters.inverter.delay_s,
-            bandwidth_rad_s: parameters.inverter.bandwidth_rad_s,
+        lacks("drive", model.is_some_and(|m| m.torque_control.is_some())).then_some(Assumption::TorqueControl {
+            delay_s: parameters.drive.delay_s,
+            bandwidth_rad_s: parameters.drive.bandwidth_rad_s,
         }),
-        (file.limits.torque_nm.is_none() && !stated(&["inverter", "torque_limit_nm"]))
-            .then_some(Assumption::TorqueLimit { torque_nm: parameters.inverter.torque_limit_nm }),
+        (file.limits.torque_nm.is_none() && !stated(&["drive", "torque_limit_nm"]))
+            .then_some(Assumption::TorqueLimit { torque_nm: parameters.drive.torque_limit_nm }),
         (mechanics.flywheel.is_some() && !stated(&["mechanics", "flywheel"])).then_some(Assumption::Flywheel),
         (!stated(&["engine"])).then_some(Assumption::Engine),
     ]

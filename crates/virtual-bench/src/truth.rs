@@ -44,8 +44,8 @@ impl Truth {
     #[must_use]
     pub fn of(bench: &BenchParameters) -> Truth {
         let (mechanics, controller) = (&bench.mechanics, &bench.controller);
-        let lag_s = match bench.inverter.machine {
-            None => 1.0 / bench.inverter.bandwidth_rad_s,
+        let lag_s = match bench.drive.machine {
+            None => 1.0 / bench.drive.bandwidth_rad_s,
             Some(machine) => UPDATE_S / SAMPLES_PER_UPDATE as f64 + 1.0 / machine.current_bandwidth_rad_s,
         };
         Truth {
@@ -56,7 +56,7 @@ impl Truth {
             controller_delay_s: controller.delay_s,
             speed_feed_forward_nm_per_rpm: controller.speed_feed_forward_nm_s_per_rad * RPM_RAD_S,
             acceleration_feed_forward_nm_s_per_rpm: controller.acceleration_feed_forward_nm_s2_per_rad * RPM_RAD_S,
-            torque_control_delay_s: bench.inverter.delay_s + lag_s,
+            torque_control_delay_s: bench.drive.delay_s + lag_s,
             resonance_hz: resonance_hz(mechanics),
         }
     }

@@ -14,8 +14,8 @@ const PARAMETERS: [ModelParameter; 9] = [
     ModelParameter::Proportional,
     ModelParameter::Integral,
     ModelParameter::ControllerDelay,
-    ModelParameter::InverterDelay,
-    ModelParameter::InverterBandwidth,
+    ModelParameter::TorqueControlDelay,
+    ModelParameter::TorqueControlBandwidth,
 ];
 /// Step of the numerical slopes, in parts of the parameter.
 const STEP: f64 = 1e-4;

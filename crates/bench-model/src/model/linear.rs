@@ -6,7 +6,7 @@
 
 use signal::Complex64;
 
-use super::{BenchModel, FeedForwardGains, InverterModel, Mechanics, PiController};
+use super::{BenchModel, FeedForwardGains, Mechanics, PiController, TorqueControlModel};
 
 const ONE: Complex64 = Complex64::new(1.0, 0.0);
 
@@ -68,7 +68,7 @@ impl FeedForwardGains {
     }
 }
 
-impl InverterModel {
+impl TorqueControlModel {
     /// T_d* → T_d, e^{−jωd} a/(jω + a).
     pub fn response(&self, omega_rad_s: f64) -> Complex64 {
         let lag = self.bandwidth_rad_s.map_or(ONE, |a| a / (laplace(omega_rad_s) + a));
@@ -84,15 +84,15 @@ pub fn mean_over(time_s: f64, omega_rad_s: f64) -> Complex64 {
 }
 
 impl BenchModel {
-    /// Speed loop, opened at T_d*: PI, hold, inverter, mechanics with the engine at constant torque, encoder gate. Its
-    /// sign is that of a negative feedback: closed, 1 + L is the denominator. `None` without controller or inverter.
+    /// Speed loop, opened at T_d*: PI, hold, torque control, mechanics with the engine at constant torque, encoder gate. Its
+    /// sign is that of a negative feedback: closed, 1 + L is the denominator. `None` without controller or torque control.
     pub fn open_loop(&self, omega_rad_s: f64) -> Option<Complex64> {
         let pi = self.speed_controller.as_ref()?;
         let gate = mean_over(self.encoder_gate_s, omega_rad_s);
         Some(-self.demand_to_speed(omega_rad_s)? * gate * pi.response(omega_rad_s))
     }
 
-    /// ω_d* → ω_d in speed control: P (FF − PI)/(1 + L), P being T_d* → ω_d. `None` without controller or inverter.
+    /// ω_d* → ω_d in speed control: P (FF − PI)/(1 + L), P being T_d* → ω_d. `None` without controller or torque control.
     pub fn speed_demand_to_speed(&self, omega_rad_s: f64) -> Option<Complex64> {
         let pi = self.speed_controller.as_ref()?;
         let zero = Complex64::new(0.0, 0.0);
@@ -101,19 +101,19 @@ impl BenchModel {
         Some(forward / (self.open_loop(omega_rad_s)? + 1.0))
     }
 
-    /// T_e → ω_d in speed control, rad/s per Nm. `None` without controller or inverter.
+    /// T_e → ω_d in speed control, rad/s per Nm. `None` without controller or torque control.
     pub fn engine_to_speed_controlled(&self, omega_rad_s: f64) -> Option<Complex64> {
         Some(self.mechanics.engine_to_speed(omega_rad_s) / (self.open_loop(omega_rad_s)? + 1.0))
     }
 
-    /// T_d* → T_shaft in torque control, for a demand that is not held. `None` without inverter.
+    /// T_d* → T_shaft in torque control, for a demand that is not held. `None` without torque control.
     pub fn demand_to_shaft(&self, omega_rad_s: f64) -> Option<Complex64> {
-        Some(self.inverter?.response(omega_rad_s) * self.mechanics.torque_to_shaft(omega_rad_s))
+        Some(self.torque_control?.response(omega_rad_s) * self.mechanics.torque_to_shaft(omega_rad_s))
     }
 
     /// T_d* → ω_d with the demand held between updates.
     fn demand_to_speed(&self, omega_rad_s: f64) -> Option<Complex64> {
         let held = self.speed_controller.as_ref()?.hold(omega_rad_s);
-        Some(held * self.inverter?.response(omega_rad_s) * self.mechanics.torque_to_speed(omega_rad_s))
+        Some(held * self.torque_control?.response(omega_rad_s) * self.mechanics.torque_to_speed(omega_rad_s))
     }
 }

@@ -53,17 +53,17 @@ pub struct FeedForwardGains {
     pub acceleration_nm_s2_per_rad: f64,
 }
 
-/// Inverter and machine: T_d = e^{−s d} a/(s + a) T_d*.
+/// Torque control: T_d = e^{−s d} a/(s + a) T_d*.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct InverterModel {
+pub struct TorqueControlModel {
     /// d, s.
     pub delay_s: f64,
     /// a, rad/s; `None` for a delay alone.
     pub bandwidth_rad_s: Option<f64>,
 }
 
-/// The assembled bench. What could not be estimated is `None`; then speed control (no controller, no inverter) or torque
-/// demand (no inverter) cannot be simulated.
+/// The assembled bench. What could not be estimated is `None`; then speed control (no controller, no torque control) or torque
+/// demand (no torque control) cannot be simulated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BenchModel {
     /// Inertias and shaft.
@@ -73,7 +73,7 @@ pub struct BenchModel {
     /// Feed-forward of the speed controller.
     pub feed_forward: Option<FeedForwardGains>,
     /// Torque control.
-    pub inverter: Option<InverterModel>,
+    pub torque_control: Option<TorqueControlModel>,
     /// Limit of |T_d*|, Nm.
     pub torque_limit_nm: Option<f64>,
     /// Time over which an encoder averages the speed, s; the reading at t is the mean over t − gate … t.

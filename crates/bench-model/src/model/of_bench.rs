@@ -3,14 +3,14 @@
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::UPDATE_S;
 
-use super::{BenchModel, FeedForwardGains, InverterModel, Mechanics, PiController};
+use super::{BenchModel, FeedForwardGains, Mechanics, PiController, TorqueControlModel};
 
 impl BenchModel {
     /// The linear model of a virtual bench, as an exact study would assemble it: two masses, PI with feed-forward, delay and lag.
     /// Ripple, play, friction, a flywheel of two masses and the machine's inside are no part of it.
     #[must_use]
     pub fn of(bench: &BenchParameters) -> BenchModel {
-        let bandwidth = bench.inverter.machine.map_or(bench.inverter.bandwidth_rad_s, |m| m.current_bandwidth_rad_s);
+        let bandwidth = bench.drive.machine.map_or(bench.drive.bandwidth_rad_s, |m| m.current_bandwidth_rad_s);
         BenchModel {
             mechanics: Mechanics {
                 dyno_inertia_kg_m2: bench.mechanics.dyno_inertia_kg_m2,
@@ -28,8 +28,8 @@ impl BenchModel {
                 speed_nm_s_per_rad: bench.controller.speed_feed_forward_nm_s_per_rad,
                 acceleration_nm_s2_per_rad: bench.controller.acceleration_feed_forward_nm_s2_per_rad,
             }),
-            inverter: Some(InverterModel { delay_s: bench.inverter.delay_s, bandwidth_rad_s: Some(bandwidth) }),
-            torque_limit_nm: Some(bench.inverter.torque_limit_nm),
+            torque_control: Some(TorqueControlModel { delay_s: bench.drive.delay_s, bandwidth_rad_s: Some(bandwidth) }),
+            torque_limit_nm: Some(bench.drive.torque_limit_nm),
             encoder_gate_s: bench.sensors.gate_s,
         }
     }

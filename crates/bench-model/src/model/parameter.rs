@@ -27,9 +27,9 @@ pub enum ModelParameter {
     /// k_a, Nm s²/rad.
     AccelerationFeedForward,
     /// d, s.
-    InverterDelay,
+    TorqueControlDelay,
     /// a, rad/s.
-    InverterBandwidth,
+    TorqueControlBandwidth,
 }
 
 impl ModelParameter {
@@ -45,8 +45,8 @@ impl ModelParameter {
             ModelParameter::ControllerDelay => "τ of the speed controller",
             ModelParameter::SpeedFeedForward => "k",
             ModelParameter::AccelerationFeedForward => "k_a",
-            ModelParameter::InverterDelay => "τ",
-            ModelParameter::InverterBandwidth => "a",
+            ModelParameter::TorqueControlDelay => "τ",
+            ModelParameter::TorqueControlBandwidth => "a",
         }
     }
 
@@ -60,8 +60,8 @@ impl ModelParameter {
             ModelParameter::DynoInertia
             | ModelParameter::EngineInertia
             | ModelParameter::Stiffness
-            | ModelParameter::InverterBandwidth => value.is_finite() && value > 0.0,
-            ModelParameter::Damping | ModelParameter::ControllerDelay | ModelParameter::InverterDelay => {
+            | ModelParameter::TorqueControlBandwidth => value.is_finite() && value > 0.0,
+            ModelParameter::Damping | ModelParameter::ControllerDelay | ModelParameter::TorqueControlDelay => {
                 value.is_finite() && value >= 0.0
             }
         }
@@ -86,7 +86,7 @@ impl BenchModel {
 
     fn slot(&mut self, parameter: ModelParameter) -> Option<&mut f64> {
         let mechanics = &mut self.mechanics;
-        let (pi, inverter) = (self.speed_controller.as_mut(), self.inverter.as_mut());
+        let (pi, torque_control) = (self.speed_controller.as_mut(), self.torque_control.as_mut());
         let feed_forward = self.feed_forward.as_mut();
         match parameter {
             ModelParameter::DynoInertia => Some(&mut mechanics.dyno_inertia_kg_m2),
@@ -98,8 +98,8 @@ impl BenchModel {
             ModelParameter::ControllerDelay => pi.map(|p| &mut p.delay_s),
             ModelParameter::SpeedFeedForward => feed_forward.map(|f| &mut f.speed_nm_s_per_rad),
             ModelParameter::AccelerationFeedForward => feed_forward.map(|f| &mut f.acceleration_nm_s2_per_rad),
-            ModelParameter::InverterDelay => inverter.map(|i| &mut i.delay_s),
-            ModelParameter::InverterBandwidth => inverter.and_then(|i| i.bandwidth_rad_s.as_mut()),
+            ModelParameter::TorqueControlDelay => torque_control.map(|i| &mut i.delay_s),
+            ModelParameter::TorqueControlBandwidth => torque_control.and_then(|i| i.bandwidth_rad_s.as_mut()),
         }
     }
 }

@@ -15,7 +15,7 @@ use rig::experiment::{TorqueTarget, UPDATE_S};
 use crate::intake::demanded_torque_nm;
 use crate::model::{BenchModel, Mechanics, ModelUncertainty};
 use crate::simulate::{
-    Drive, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
+    DynoInput, EngineSpeedControl, InitialState, Inputs, Response, SimulationError, simulate, simulate_governed,
 };
 pub use inputs::PredictionInputs;
 pub use peaks::{Peak, PeakOf};
@@ -105,13 +105,13 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
     let start = start(model, speed[0], engine_torque[0]);
     let response = match plan.label.mode {
         ControlMode::Nt => {
-            let drive = Drive::SpeedDemand(&speed);
-            simulate(model, &Inputs { sample_time_s, engine_torque_nm: &engine_torque, drive }, &start)?
+            let dyno = DynoInput::SpeedDemand(&speed);
+            simulate(model, &Inputs { sample_time_s, engine_torque_nm: &engine_torque, dyno }, &start)?
         }
         ControlMode::Tn => {
             let torque = on_clock(&demands.dyno_torque_nm);
             let inputs =
-                Inputs { sample_time_s, engine_torque_nm: &engine_torque, drive: Drive::TorqueDemand(&torque) };
+                Inputs { sample_time_s, engine_torque_nm: &engine_torque, dyno: DynoInput::TorqueDemand(&torque) };
             let control = EngineSpeedControl {
                 demand_rad_s: &speed,
                 proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad,

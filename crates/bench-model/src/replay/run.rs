@@ -11,7 +11,7 @@ use super::once_a_turn::OnceATurn;
 use super::reconstruct::Acted;
 use super::reconstruct::needed;
 use crate::model::{BenchModel, ModelParameter};
-use crate::simulate::{Drive, InitialState, Inputs, Response, Ripple, simulate_with_ripple};
+use crate::simulate::{DynoInput, InitialState, Inputs, Response, Ripple, simulate_with_ripple};
 
 /// What is fitted: the bench at the start, the once-a-turn error of N_e, and a constant error of T_e.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,11 +43,11 @@ impl<'a> Run<'a> {
         acted: Acted,
     ) -> Result<Self, EstimateError> {
         let late = 0.5 * model.encoder_gate_s + inputs.skews.torque_s;
-        let delay = model.value(ModelParameter::InverterDelay).map(|d| (d - late).max(0.0));
-        let model = delay.map_or_else(|| model.clone(), |d| model.with(ModelParameter::InverterDelay, d));
+        let delay = model.value(ModelParameter::TorqueControlDelay).map(|d| (d - late).max(0.0));
+        let model = delay.map_or_else(|| model.clone(), |d| model.with(ModelParameter::TorqueControlDelay, d));
         let role = match experiment.label.mode {
             ControlMode::Nt => Some(Role::DynoSpeedDemand),
-            ControlMode::Tn => model.inverter.map(|_| Role::DynoTorqueDemand),
+            ControlMode::Tn => model.torque_control.map(|_| Role::DynoTorqueDemand),
         };
         let demand = role.map(|role| held(experiment, &acted, role)).transpose()?;
         let stamps = (0..acted.len()).map(|i| acted.start_s + i as f64 * acted.step_s + late);
@@ -72,12 +72,12 @@ impl<'a> Run<'a> {
         let apparent = self.engine_turn.slope(start.engine_encoder);
         let torques = self.acted.engine_torque.iter().zip(&apparent);
         let engine_torque: Vec<f64> = torques.map(|(t, slope)| t - inertia * slope + error).collect();
-        let drive = match (&self.demand, self.experiment.label.mode) {
-            (Some(demand), ControlMode::Nt) => Drive::SpeedDemand(demand),
-            (Some(demand), ControlMode::Tn) => Drive::TorqueDemand(demand),
-            (None, _) => Drive::AirGapTorque(&self.acted.air_gap_torque),
+        let dyno = match (&self.demand, self.experiment.label.mode) {
+            (Some(demand), ControlMode::Nt) => DynoInput::SpeedDemand(demand),
+            (Some(demand), ControlMode::Tn) => DynoInput::TorqueDemand(demand),
+            (None, _) => DynoInput::AirGapTorque(&self.acted.air_gap_torque),
         };
-        let inputs = Inputs { sample_time_s: self.acted.step_s, engine_torque_nm: &engine_torque, drive };
+        let inputs = Inputs { sample_time_s: self.acted.step_s, engine_torque_nm: &engine_torque, dyno };
         let ripple = Ripple { relative: &self.ripple.0, added_nm: &self.ripple.1 };
         simulate_with_ripple(&self.model, &inputs, ripple, &start.state)
             .map_err(|source| ReplayError::Simulation { file: self.experiment.file.clone(), source })

@@ -4,12 +4,12 @@ use crate::model::BenchModel;
 
 /// What drives the dynamometer.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Drive<'a> {
+pub enum DynoInput<'a> {
     /// Speed control: ω_d*, rad/s, one value an update of the controller.
     SpeedDemand(&'a [f64]),
     /// Torque control: T_d*, Nm, each value held until the next.
     TorqueDemand(&'a [f64]),
-    /// The air-gap torque itself, Nm, straight between the samples; inverter and limit play no part.
+    /// The air-gap torque itself, Nm, straight between the samples; torque control and limit play no part.
     AirGapTorque(&'a [f64]),
 }
 
@@ -21,7 +21,7 @@ pub struct Inputs<'a> {
     /// T_e, Nm, straight between the samples.
     pub engine_torque_nm: &'a [f64],
     /// What drives the dynamometer.
-    pub drive: Drive<'a>,
+    pub dyno: DynoInput<'a>,
 }
 
 /// State of the bench at the first sample.

@@ -1,6 +1,6 @@
-//! The model in time: speed control (NT) and torque control (TN), with the inverter's limit and anti-windup.
+//! The model in time: speed control (NT) and torque control (TN), with the torque limit and anti-windup.
 //!
-//! Between the instants at which a torque demand changes, the mechanics and the inverter's lag are discretised exactly
+//! Between the instants at which a torque demand changes, the mechanics and the torque control's lag are discretised exactly
 //! (first-order hold on the engine torque), so the step of 1 ms costs no accuracy whatever the delays are. Inputs and
 //! outputs share one uniform grid, that of the controller. Before its first sample the bench is taken to have run at its
 //! initial speed and demand.
@@ -18,7 +18,7 @@ use crate::model::BenchModel;
 use controller::Pi;
 use encoder::Encoder;
 pub use error::SimulationError;
-pub use inputs::{Drive, InitialState, Inputs};
+pub use inputs::{DynoInput, InitialState, Inputs};
 use plant::{Plant, Streams};
 pub use ripple::Ripple;
 
@@ -62,7 +62,7 @@ pub struct EngineSpeedControl<'a> {
 /// # Example
 /// ```
 /// use bench_model::model::{BenchModel, Mechanics};
-/// use bench_model::simulate::{Drive, InitialState, Inputs, simulate};
+/// use bench_model::simulate::{DynoInput, InitialState, Inputs, simulate};
 /// let model = BenchModel {
 ///     mechanics: Mechanics {
 ///         dyno_inertia_kg_m2: 0.6,
@@ -72,7 +72,7 @@ pub struct EngineSpeedControl<'a> {
 ///     },
 ///     speed_controller: None,
 ///     feed_forward: None,
-///     inverter: None,
+///     torque control: None,
 ///     torque_limit_nm: None,
 ///     encoder_gate_s: 1e-3,
 /// };
@@ -81,7 +81,7 @@ pub struct EngineSpeedControl<'a> {
 /// let inputs = Inputs {
 ///     sample_time_s: 1e-3,
 ///     engine_torque_nm: &[10.0; 1001],
-///     drive: Drive::AirGapTorque(&[0.0; 1001]),
+///     dyno: DynoInput::AirGapTorque(&[0.0; 1001]),
 /// };
 /// let response = simulate(&model, &inputs, &start)?;
 /// assert!((response.dyno_speed_rad_s[1000] - 110.0).abs() < 0.02);
@@ -91,7 +91,7 @@ pub fn simulate(model: &BenchModel, inputs: &Inputs<'_>, start: &InitialState) -
     simulate_with_ripple(model, inputs, Ripple::NONE, start)
 }
 
-/// Simulates the bench under a known ripple of its drive: T_d = m (1 + r) + w, where m is what inverter and machine make
+/// Simulates the bench under a known ripple of its dyno: T_d = m (1 + r) + w, where m is what torque control and machine make
 /// of T_d*. The ripple brakes the dynamometer as all of T_d does. An air-gap torque that is given holds its own ripple,
 /// so then `ripple` plays no part.
 ///
@@ -137,9 +137,9 @@ fn run(
     let mut dyno = Encoder::new(model.encoder_gate_s / inputs.sample_time_s, inputs.sample_time_s, samples);
     let mut engine = dyno.clone();
     let mut streams = Streams::new(samples, start, model.torque_limit_nm);
-    let mut pi = match inputs.drive {
-        Drive::SpeedDemand(_) => Some(Pi::new(model, start, inputs.sample_time_s)?),
-        Drive::TorqueDemand(_) | Drive::AirGapTorque(_) => None,
+    let mut pi = match inputs.dyno {
+        DynoInput::SpeedDemand(_) => Some(Pi::new(model, start, inputs.sample_time_s)?),
+        DynoInput::TorqueDemand(_) | DynoInput::AirGapTorque(_) => None,
     };
     let mut limited = 0_usize;
     for k in 0..samples {
@@ -152,9 +152,9 @@ fn run(
             governor.update(k, engine_reading, engine_torque_nm.to_mut());
         }
         let inputs = &Inputs { engine_torque_nm: &engine_torque_nm, ..*inputs };
-        let demand = match (inputs.drive, pi.as_mut()) {
-            (Drive::SpeedDemand(demand), Some(pi)) => pi.update(reading, demand[k], &mut streams),
-            (Drive::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
+        let demand = match (inputs.dyno, pi.as_mut()) {
+            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(reading, demand[k], &mut streams),
+            (DynoInput::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
             _ => None,
         };
         if let Some(demand) = demand {
@@ -219,9 +219,9 @@ fn check_lengths(inputs: &Inputs<'_>) -> Result<(), SimulationError> {
     if expected == 0 {
         return Err(SimulationError::Length { what: "engine torque", expected: 1, found: 0 });
     }
-    match inputs.drive {
-        Drive::SpeedDemand(demand) => same("speed demand", demand.len()),
-        Drive::TorqueDemand(demand) => same("torque demand", demand.len()),
-        Drive::AirGapTorque(torque) => same("air-gap torque", torque.len()),
+    match inputs.dyno {
+        DynoInput::SpeedDemand(demand) => same("speed demand", demand.len()),
+        DynoInput::TorqueDemand(demand) => same("torque demand", demand.len()),
+        DynoInput::AirGapTorque(torque) => same("air-gap torque", torque.len()),
     }
 }

@@ -1,12 +1,12 @@
-//! Inverter and mechanics between two samples.
+//! Torque control and mechanics between two samples.
 
 use faer::Mat;
 use lti::StateSpace;
 
 use super::ripple::{Ripple, between};
-use crate::model::{BenchModel, InverterModel, Mechanics};
+use crate::model::{BenchModel, Mechanics, TorqueControlModel};
 use crate::simulate::error::SimulationError;
-use crate::simulate::inputs::{Drive, InitialState, Inputs};
+use crate::simulate::inputs::{DynoInput, InitialState, Inputs};
 
 /// ω_d, ω_e, Δθ, T_d, θ_d, θ_e.
 const STATES: usize = 6;
@@ -99,15 +99,15 @@ impl<'a> Plant<'a> {
         ripple: Ripple<'a>,
         start: &InitialState,
     ) -> Result<Self, SimulationError> {
-        let ripple = if matches!(inputs.drive, Drive::AirGapTorque(_)) { Ripple::NONE } else { ripple };
+        let ripple = if matches!(inputs.dyno, DynoInput::AirGapTorque(_)) { Ripple::NONE } else { ripple };
         let step = inputs.sample_time_s;
-        let inverter = match inputs.drive {
-            Drive::AirGapTorque(_) => None,
-            _ => Some(model.inverter.ok_or(SimulationError::MissingPart { part: "inverter" })?),
+        let torque_control = match inputs.dyno {
+            DynoInput::AirGapTorque(_) => None,
+            _ => Some(model.torque_control.ok_or(SimulationError::MissingPart { part: "torque control" })?),
         };
-        let bandwidth = inverter.and_then(|i| i.bandwidth_rad_s);
+        let bandwidth = torque_control.and_then(|i| i.bandwidth_rad_s);
         let system = continuous(&model.mechanics, bandwidth)?;
-        let (delayed, immediate) = stream_delays(model, inverter, step);
+        let (delayed, immediate) = stream_delays(model, torque_control, step);
         let substeps = boundaries(delayed, immediate)
             .windows(2)
             .map(|w| Substep::new(&system, step, (w[0], w[1]), (delayed, immediate)))
@@ -131,8 +131,8 @@ impl<'a> Plant<'a> {
 
     /// T_d at sample `k`: the lag's state, or what takes the place of it, with the ripple.
     pub(super) fn air_gap_torque_nm(&self, inputs: &Inputs<'_>, streams: &Streams, k: usize) -> f64 {
-        let smooth = match (inputs.drive, self.substeps.first()) {
-            (Drive::AirGapTorque(torque), _) => torque[k],
+        let smooth = match (inputs.dyno, self.substeps.first()) {
+            (DynoInput::AirGapTorque(torque), _) => torque[k],
             (_, Some(first)) if !self.has_lag => streams.demand(k, first.delayed_back, first.immediate_back),
             _ => self.x[TORQUE],
         };
@@ -142,8 +142,8 @@ impl<'a> Plant<'a> {
     /// Moves on from sample `k` to the next; beyond the last sample inputs stay.
     pub(super) fn advance(&mut self, inputs: &Inputs<'_>, streams: &Streams, k: usize) {
         for substep in &self.substeps {
-            let braking = |x: f64| match inputs.drive {
-                Drive::AirGapTorque(torque) => between(torque, k, x),
+            let braking = |x: f64| match inputs.dyno {
+                DynoInput::AirGapTorque(torque) => between(torque, k, x),
                 _ => streams.demand(k, substep.delayed_back, substep.immediate_back),
             };
             let (from, to) = (substep.from, substep.to);
@@ -192,8 +192,8 @@ impl Substep {
 }
 
 /// Delays from the controller's streams to the lag, in samples: τ + d and d.
-fn stream_delays(model: &BenchModel, inverter: Option<InverterModel>, step_s: f64) -> (f64, f64) {
-    let immediate = inverter.map_or(0.0, |i| i.delay_s.max(0.0));
+fn stream_delays(model: &BenchModel, torque_control: Option<TorqueControlModel>, step_s: f64) -> (f64, f64) {
+    let immediate = torque_control.map_or(0.0, |i| i.delay_s.max(0.0));
     let delayed = immediate + model.speed_controller.map_or(0.0, |pi| pi.delay_s.max(0.0));
     (delayed / step_s, immediate / step_s)
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use bench::analysis::{SignalSkews, SineTest, WholeInputs, margins, sine_points, steady_sines, whole_model};
 use bench::model::{Engine, ModelParameter, ModelUncertainty, PartCovariance};
-use bench::simulate::{Drive, InitialState, Inputs, simulate};
+use bench::simulate::{DynoInput, InitialState, Inputs, simulate};
 use bench::study::Influence;
 use bench::{Experiment, Role};
 use signal::Signal;
@@ -37,7 +37,7 @@ fn sine_test(highest: usize, governor: f64) -> Experiment {
         .map(|i| 60.0 + governor * (TAU * (1.0 + (i / 3000) as f64) * i as f64 * 1e-3 + 0.7).sin())
         .collect();
     let start = InitialState::steady(&model, 125.0, 60.0);
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, drive: Drive::TorqueDemand(&demand) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, dyno: DynoInput::TorqueDemand(&demand) };
     let response = simulate(&model, &inputs, &start).unwrap();
     let signal = |samples: Vec<f64>| Signal::new(0.0, 1e-3, samples).unwrap();
     let signals = BTreeMap::from([
@@ -171,7 +171,7 @@ fn exact_what_each_parameter_does_to_the_resonance() {
 fn exact_what_the_model_lacks_is_left_out() {
     let mut model = bench_a();
     model.speed_controller = None;
-    model.inverter = None;
+    model.torque_control = None;
     let uncertainty = ModelUncertainty::default();
     let inputs = WholeInputs { model: &model, uncertainty: &uncertainty, engine: ENGINE, sine_points: &[] };
     let whole = whole_model(&inputs);

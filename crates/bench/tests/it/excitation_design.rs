@@ -9,8 +9,8 @@ use bench::excitation_design::{
     Criterion, DesignError, DesignTask, ExcitationDesign, ExcitedDemand, LimitedQuantity, Measurements, Nuisance,
     PeakLimits, Robustness, SampleNoise, Unknown, design,
 };
-use bench::model::{BenchModel, InverterModel, Mechanics, ModelParameter};
-use bench::simulate::{Drive, InitialState, Inputs, Response, simulate};
+use bench::model::{BenchModel, Mechanics, ModelParameter, TorqueControlModel};
+use bench::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, ExperimentPlan, Waveform};
 use signal::excitation::Random;
@@ -49,7 +49,7 @@ fn values(waveform: &Waveform, steps: usize, hold_s: f64) -> Vec<f64> {
 fn simulated(model: &BenchModel, values: &[f64], hold: usize) -> Response {
     let all: Vec<f64> = values.iter().flat_map(|v| std::iter::repeat_n(*v, hold)).collect();
     let engine = vec![0.0; all.len()];
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, drive: Drive::TorqueDemand(&all) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, dyno: DynoInput::TorqueDemand(&all) };
     simulate(model, &inputs, &InitialState::steady(model, 0.0, 0.0)).unwrap()
 }
 
@@ -60,11 +60,11 @@ fn peak(x: &[f64]) -> f64 {
 /// T_d of a lag a/(s + a) tells most of a by a sine at ω = a: |∂G/∂a|² = ω²/(ω² + a²)² is largest there.
 fn lag_task() -> DesignTask {
     let corner = TAU * 20.0;
-    let inverter = Some(InverterModel { delay_s: 0.0, bandwidth_rad_s: Some(corner) });
+    let torque_control = Some(TorqueControlModel { delay_s: 0.0, bandwidth_rad_s: Some(corner) });
     let noise = SampleNoise { standard_deviation: 0.1, sample_time_s: 1e-3 };
     let nothing = Measurements { dyno_speed: None, engine_speed: None, torque_demand: None, ..Measurements::default() };
     DesignTask {
-        of_interest: vec![ModelParameter::InverterBandwidth],
+        of_interest: vec![ModelParameter::TorqueControlBandwidth],
         nuisances: vec![],
         measurements: Measurements { air_gap_torque: Some(noise), ..nothing },
         limits: PeakLimits { demand: Some(10.0), ..PeakLimits::default() },
@@ -72,7 +72,7 @@ fn lag_task() -> DesignTask {
         excluded_hz: vec![],
         resolution_hz: 0.25,
         hold_s: 2e-3,
-        ..DesignTask::shaft(BenchModel { inverter, ..model() }, MEAN_NM, 100.0, limits())
+        ..DesignTask::shaft(BenchModel { torque_control, ..model() }, MEAN_NM, 100.0, limits())
     }
 }
 
@@ -207,7 +207,7 @@ fn regress_impossible_tasks_are_refused() {
     is_task(DesignTask { excluded_hz: vec![(0.0, 1e3)], ..task() });
     let twice = vec![ModelParameter::Stiffness, ModelParameter::Stiffness];
     is_task(DesignTask { of_interest: twice, ..task() });
-    let bare = BenchModel { inverter: None, ..model() };
+    let bare = BenchModel { torque_control: None, ..model() };
     assert!(matches!(refused(DesignTask { models: vec![bare], ..task() }), DesignError::MissingPart { .. }));
     // J_e does not show where T_e may be anything.
     let inertia = refused(DesignTask { of_interest: vec![ModelParameter::EngineInertia], ..task() });
@@ -236,14 +236,14 @@ fn drawn(index: usize, off: f64) -> BenchParameters {
     mechanics.shaft_stiffness_nm_per_rad *= within(off).powi(2);
     mechanics.shaft_damping_nm_s_per_rad *= within(2.0 * off);
     mechanics.engine_inertia_kg_m2 *= within(off / 3.0);
-    bench.inverter.delay_s *= within(off);
-    bench.inverter.bandwidth_rad_s *= within(off / 2.0);
+    bench.drive.delay_s *= within(off);
+    bench.drive.bandwidth_rad_s *= within(off / 2.0);
     bench.clocks.engine_speed_skew_s = 3e-4 * (within(1.0) - 1.0);
     bench
 }
 
 fn model_of(bench: &BenchParameters) -> BenchModel {
-    let (mechanics, inverter) = (&bench.mechanics, &bench.inverter);
+    let (mechanics, drive) = (&bench.mechanics, &bench.drive);
     BenchModel {
         mechanics: Mechanics {
             dyno_inertia_kg_m2: mechanics.dyno_inertia_kg_m2,
@@ -251,7 +251,10 @@ fn model_of(bench: &BenchParameters) -> BenchModel {
             stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
             damping_nm_s_per_rad: mechanics.shaft_damping_nm_s_per_rad,
         },
-        inverter: Some(InverterModel { delay_s: inverter.delay_s, bandwidth_rad_s: Some(inverter.bandwidth_rad_s) }),
+        torque_control: Some(TorqueControlModel {
+            delay_s: drive.delay_s,
+            bandwidth_rad_s: Some(drive.bandwidth_rad_s),
+        }),
         torque_limit_nm: None,
         ..model()
     }
@@ -267,7 +270,7 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
     let file = "WhiteNoise_T_TN_1500.mf4";
     let recording = bench::virtual_bench::simulate(bench, &plan, seed).unwrap();
     let (experiment, _) = bench::prepare(file, &recording, &default_bench(), plan.label).unwrap();
-    let torque = torque_control::estimate(&experiment, None).unwrap().inverter;
+    let torque = torque_control::estimate(&experiment, None).unwrap().model;
     let signal = torque.finer_air_gap_torque(experiment.signal(Role::DynoTorqueDemand).unwrap(), 8);
     let inputs = ShaftInputs {
         file,

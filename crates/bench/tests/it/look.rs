@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use bench::experiment::{ExperimentPlan, Waveform};
-use bench::look::{Cause, Look, OverSpeed, TURNS, look, over_speed};
+use bench::lines::{Cause, OverSpeed, RecordingLines, TURNS, find_lines, over_speed};
 use bench::model::Engine;
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, HiddenTruth, Numerics, simulate, simulate_hidden};
@@ -99,7 +99,7 @@ impl Tally {
 }
 
 /// Whether no two of these are undecided between each other in a signal.
-fn is_decided(look: &Look, role: Role, between: &[Cause]) -> bool {
+fn is_decided(look: &RecordingLines, role: Role, between: &[Cause]) -> bool {
     let signals = look.parts.iter().flat_map(|part| &part.signals).filter(|signal| signal.role == role);
     signals.flat_map(|signal| &signal.lines).all(|line| match &line.cause {
         Cause::Undecided { between: still, .. } => {
@@ -152,9 +152,9 @@ fn exact_what_a_demanded_sine_leaves_is_named() {
     let seen = |parameters: &BenchParameters| {
         let recording = simulate(parameters, &plan, 1).unwrap();
         let (experiment, _) = prepare("run.mf4", &recording, &default_bench(), plan.label.clone()).unwrap();
-        look(&experiment, Engine { cylinders: 4, strokes: 4 })
+        find_lines(&experiment, Engine { cylinders: 4, strokes: 4 })
     };
-    let at = |look: &Look, role: Role, hz: f64| {
+    let at = |look: &RecordingLines, role: Role, hz: f64| {
         let signal = look.parts[0].signals.iter().find(|s| s.role == role).unwrap();
         signal.lines.iter().find(|l| (l.frequency_hz - hz).abs() < 0.1).map(|l| l.cause.clone())
     };
@@ -187,7 +187,7 @@ fn exact_what_folds_onto_the_ripple_is_undecided_and_parted_at_another_speed() {
         plan.engine_torque_nm = Waveform::Constant { value: 45.0 };
         let recording = simulate(&BenchParameters::default(), &plan, 1).unwrap();
         let (experiment, _) = prepare("run.mf4", &recording, &default_bench(), plan.label.clone()).unwrap();
-        let look = look(&experiment, Engine { cylinders: 4, strokes: 4 });
+        let look = find_lines(&experiment, Engine { cylinders: 4, strokes: 4 });
         let signal = look.parts[0].signals.iter().find(|s| s.role == Role::AirGapTorque).unwrap().clone();
         signal.lines.into_iter().filter(|l| (l.frequency_hz - 100.0).abs() < 0.2).map(|l| l.cause).collect::<Vec<_>>()
     };
@@ -230,7 +230,7 @@ fn stat_orders_of_a_run_up_are_those_of_the_shaft_as_it_is() {
     // Recorded at 250 Hz, order 4 folds above 1875 rpm.
     for order in [2.0, 4.0] {
         let track = torque.tracks.iter().find(|track| track.order == order).unwrap();
-        let fits = |point: &&bench::look::TrackPoint| {
+        let fits = |point: &&bench::lines::TrackPoint| {
             let truth = true_amplitude(&hidden, &angle, order, point.time_s);
             // The flange's own filter takes 2 % at 200 Hz.
             (point.amplitude - truth).abs() < 3.0 * point.standard_error + 0.03 * truth

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use bench::model::{
-    BenchModel, Engine, FeedForwardGains, InverterModel, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
-    PiController,
+    BenchModel, Engine, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance, PiController,
+    TorqueControlModel,
 };
-use bench::simulate::{Drive, InitialState, Inputs, Ripple, SimulationError, simulate, simulate_with_ripple};
+use bench::simulate::{DynoInput, InitialState, Inputs, Ripple, SimulationError, simulate, simulate_with_ripple};
 use proptest::prelude::*;
 
 const RPM: f64 = TAU / 60.0;
@@ -29,7 +29,7 @@ pub(crate) fn bench_a() -> BenchModel {
             speed_nm_s_per_rad: 0.012 / RPM,
             acceleration_nm_s2_per_rad: -0.085 / RPM,
         }),
-        inverter: Some(InverterModel { delay_s: 1.25e-3, bandwidth_rad_s: Some(565.5) }),
+        torque_control: Some(TorqueControlModel { delay_s: 1.25e-3, bandwidth_rad_s: Some(565.5) }),
         torque_limit_nm: Some(400.0),
         encoder_gate_s: 1e-3,
     }
@@ -66,7 +66,7 @@ fn exact_free_oscillation_decays_as_the_poles_say() {
     let mechanics = model.mechanics;
     let start = InitialState { twist_rad: 0.01, ..InitialState::steady(&model, 100.0, 0.0) };
     let zeros = vec![0.0; 400];
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &zeros, drive: Drive::AirGapTorque(&zeros) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &zeros, dyno: DynoInput::AirGapTorque(&zeros) };
     let response = simulate(&model, &inputs, &start).unwrap();
     let found = mechanics.resonance();
     let omega = TAU * found.natural_frequency_hz;
@@ -87,7 +87,7 @@ fn exact_momentum_is_the_integral_of_the_torques() {
     let engine: Vec<f64> = grid(1001).map(|t| 50.0 + 20.0 * t).collect();
     let brake = vec![30.0; 1001];
     let start = InitialState::steady(&model, 100.0, 30.0);
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, drive: Drive::AirGapTorque(&brake) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, dyno: DynoInput::AirGapTorque(&brake) };
     let response = simulate(&model, &inputs, &start).unwrap();
     let momentum = |k: usize| 0.6 * response.dyno_speed_rad_s[k] + 0.28 * response.engine_speed_rad_s[k];
     assert!((momentum(1000) - momentum(0) - 30.0).abs() < 1e-9);
@@ -100,7 +100,7 @@ fn exact_energy_stays_without_damping() {
     model.encoder_gate_s = 0.0;
     let zeros = vec![0.0; 5000];
     let start = InitialState { twist_rad: 0.02, ..InitialState::steady(&model, 0.0, 0.0) };
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &zeros, drive: Drive::AirGapTorque(&zeros) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &zeros, dyno: DynoInput::AirGapTorque(&zeros) };
     let response = simulate(&model, &inputs, &start).unwrap();
     let energy = |k: usize| {
         let (d, e) = (response.dyno_speed_rad_s[k], response.engine_speed_rad_s[k]);
@@ -114,8 +114,8 @@ fn exact_steady_bench_stays_steady_in_speed_control() {
     let model = bench_a();
     let (speed, torque) = (vec![125.0; 3000], vec![60.0; 3000]);
     let start = InitialState::steady(&model, 125.0, 60.0);
-    let drive = Drive::SpeedDemand(&speed);
-    let response = simulate(&model, &Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, drive }, &start).unwrap();
+    let dyno = DynoInput::SpeedDemand(&speed);
+    let response = simulate(&model, &Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, dyno }, &start).unwrap();
     assert!(response.dyno_speed_rad_s.iter().all(|n| (n - 125.0).abs() < 1e-8));
     assert!(response.torque_demand_nm.iter().all(|t| (t - 60.0).abs() < 1e-6));
 }
@@ -128,8 +128,8 @@ fn exact_speed_control_answers_a_sine_of_the_engine_as_the_closed_loop_says() {
     let torque: Vec<f64> = grid(8000).map(|t| 60.0 + (TAU * f * t).cos()).collect();
     let speed = vec![125.0; torque.len()];
     let start = InitialState::steady(&model, 125.0, 60.0);
-    let drive = Drive::SpeedDemand(&speed);
-    let response = simulate(&model, &Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, drive }, &start).unwrap();
+    let dyno = DynoInput::SpeedDemand(&speed);
+    let response = simulate(&model, &Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, dyno }, &start).unwrap();
     let (mut re, mut im) = (0.0, 0.0);
     for (t, n) in grid(8000).zip(&response.dyno_speed_rad_s).skip(7000) {
         re += (n - 125.0) * (TAU * f * t).cos() * 2e-3;
@@ -147,8 +147,8 @@ fn exact_limit_is_kept_and_does_not_wind_up() {
     let torque: Vec<f64> = grid(6000).map(|t| if t > 0.5 && t < 2.5 { 120.0 } else { 60.0 }).collect();
     let speed = vec![125.0; torque.len()];
     let start = InitialState::steady(&model, 125.0, 60.0);
-    let drive = Drive::SpeedDemand(&speed);
-    let response = simulate(&model, &Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, drive }, &start).unwrap();
+    let dyno = DynoInput::SpeedDemand(&speed);
+    let response = simulate(&model, &Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, dyno }, &start).unwrap();
     assert!(response.torque_demand_nm.iter().all(|t| t.abs() <= 80.0));
     assert!(response.limited_share > 0.3);
     assert!((response.torque_demand_nm[0] - 60.0).abs() < 1e-9);
@@ -158,8 +158,8 @@ fn exact_limit_is_kept_and_does_not_wind_up() {
 fn exact_missing_parts_are_named() {
     let mut model = bench_a();
     model.speed_controller = None;
-    let drive = Drive::SpeedDemand(&[1.0]);
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &[0.0], drive };
+    let dyno = DynoInput::SpeedDemand(&[1.0]);
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &[0.0], dyno };
     let start = InitialState::steady(&model, 1.0, 0.0);
     let error = simulate(&model, &inputs, &start).unwrap_err();
     assert_eq!(error, SimulationError::MissingPart { part: "speed controller" });
@@ -234,13 +234,13 @@ proptest! {
     fn prop_step_does_not_change_the_answer(delay in 0.0..5e-3_f64, tau in 0.0..3e-3_f64) {
         // The demand of torque control is a step; its answer at whole milliseconds is the same on half the grid.
         let mut model = bench_a();
-        model.inverter = Some(InverterModel { delay_s: delay, bandwidth_rad_s: Some(565.5) });
+        model.torque_control = Some(TorqueControlModel { delay_s: delay, bandwidth_rad_s: Some(565.5) });
         model.speed_controller.as_mut().unwrap().delay_s = tau;
         model.encoder_gate_s = 1e-3;
         let run = |step: f64, count: usize| {
             let demand: Vec<f64> = (0..count).map(|i| if i as f64 * step < 0.0205 - 1e-9 { 10.0 } else { 40.0 }).collect();
             let engine = vec![10.0; count];
-            let inputs = Inputs { sample_time_s: step, engine_torque_nm: &engine, drive: Drive::TorqueDemand(&demand) };
+            let inputs = Inputs { sample_time_s: step, engine_torque_nm: &engine, dyno: DynoInput::TorqueDemand(&demand) };
             simulate(&model, &inputs, &InitialState::steady(&model, 100.0, 10.0)).unwrap()
         };
         let (coarse, fine) = (run(0.5e-3, 200), run(0.25e-3, 400));
@@ -257,12 +257,12 @@ fn exact_ripple_brakes_the_dynamometer_as_all_of_its_torque_does() {
     let (demand, engine) = (vec![60.0; 4000], vec![60.0; 4000]);
     let wave: Vec<f64> = grid(4000).map(|t| (TAU * 18.0 * t).sin()).collect();
     let (relative, added_nm): (Vec<f64>, Vec<f64>) = wave.iter().map(|w| (0.01 * w, 0.4 * w)).unzip();
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, drive: Drive::TorqueDemand(&demand) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &engine, dyno: DynoInput::TorqueDemand(&demand) };
     let start = InitialState::steady(&model, 125.0, 60.0);
     let ripple = Ripple { relative: &relative, added_nm: &added_nm };
     let rippled = simulate_with_ripple(&model, &inputs, ripple, &start).unwrap();
     let given: Vec<f64> = wave.iter().map(|w| 60.0 + w).collect();
-    let inputs_given = Inputs { drive: Drive::AirGapTorque(&given), ..inputs };
+    let inputs_given = Inputs { dyno: DynoInput::AirGapTorque(&given), ..inputs };
     let expected = simulate(&model, &inputs_given, &start).unwrap();
     for k in 0..given.len() {
         assert!((rippled.air_gap_torque_nm[k] - given[k]).abs() < 1e-9);

@@ -10,7 +10,7 @@ use bench::excitation_design::{
 };
 use bench::experiment::{Demands, ExperimentPlan, Test, UPDATE_S};
 use bench::model::ModelParameter;
-use bench::simulate::{Drive, InitialState, Inputs, Response, simulate};
+use bench::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
 use bench::units::RPM_RAD_S;
 use bench::virtual_bench::{BenchParameters, SensorParameters};
 use bench::{Experiment, Role};
@@ -46,11 +46,11 @@ fn designed(goals: &[Goal], excited: ExcitedDemand) -> (ExcitationDesign, Experi
 /// The model at the operating point under the demands, the engine's torque as given.
 fn responded(plan: &ExperimentPlan, excited: ExcitedDemand, engine_nm: &[f64]) -> (Demands, Response) {
     let demands = Demands::of(plan, 1, 0.01);
-    let drive = match excited {
-        ExcitedDemand::Torque => Drive::TorqueDemand(&demands.dyno_torque_nm),
-        ExcitedDemand::Speed => Drive::SpeedDemand(&demands.speed_rad_s),
+    let dyno = match excited {
+        ExcitedDemand::Torque => DynoInput::TorqueDemand(&demands.dyno_torque_nm),
+        ExcitedDemand::Speed => DynoInput::SpeedDemand(&demands.speed_rad_s),
     };
-    let inputs = Inputs { sample_time_s: UPDATE_S, engine_torque_nm: engine_nm, drive };
+    let inputs = Inputs { sample_time_s: UPDATE_S, engine_torque_nm: engine_nm, dyno };
     let start = InitialState::steady(&bench_a(), AT.speed_rad_s, AT.torque_nm);
     let response = simulate(&bench_a(), &inputs, &start).unwrap();
     (demands, response)
@@ -193,7 +193,8 @@ fn stat_the_torque_control_scatters_as_predicted() {
         let estimate = torque_control::estimate(&experiment, None).unwrap().result.delay_and_lag;
         ["τ", "a"].map(|symbol| estimate.parameter(symbol).unwrap().value).to_vec()
     });
-    for (index, parameter) in [ModelParameter::InverterDelay, ModelParameter::InverterBandwidth].into_iter().enumerate()
+    for (index, parameter) in
+        [ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth].into_iter().enumerate()
     {
         // Seven tenths of the record are estimated from.
         let ratio = 0.7 * judged(&found, parameter, &column(&rows, index));

@@ -91,7 +91,7 @@ fn regress_what_cannot_be_predicted_is_refused_in_words() {
     assert_eq!(error, PredictionError::ShaftTorqueControl);
     let mut unstable = smooth();
     unstable.controller.proportional_nm_s_per_rad *= 200.0;
-    unstable.inverter.torque_limit_nm = 1e12;
+    unstable.drive.torque_limit_nm = 1e12;
     let plan = ExperimentPlan::ramp_n_nt(1200.0, 6.0);
     let error = with_inputs(&unstable, &plan, Limits::default(), |inputs| predict(inputs).unwrap_err());
     assert_eq!(error, PredictionError::Unstable);

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use bench::analysis::SignalSkews;
 use bench::estimate::EstimateError;
 use bench::replay::{EncoderError, ReplayError, ReplayInputs, replay};
-use bench::simulate::{Drive, InitialState, Inputs, Response, simulate};
+use bench::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
 use bench::{Experiment, Role};
 use signal::Signal;
 
@@ -38,8 +38,8 @@ fn speed_control() -> Experiment {
     let torque = engine_torque(8000);
     let demand: Vec<f64> = (0..8000).map(|i| 125.0 + 5.0 * (TAU * 0.4 * i as f64 * 1e-3).sin()).collect();
     let start = InitialState::steady(&model, 125.0, 60.0);
-    let drive = Drive::SpeedDemand(&demand);
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, drive };
+    let dyno = DynoInput::SpeedDemand(&demand);
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, dyno };
     let response = simulate(&model, &inputs, &start).unwrap();
     let demands = vec![(Role::DynoSpeedDemand, demand), (Role::DynoTorqueDemand, response.torque_demand_nm.clone())];
     recording("Levels_N_NT", demands, response)
@@ -50,7 +50,7 @@ fn torque_control() -> Experiment {
     let torque = engine_torque(8000);
     let demand: Vec<f64> = (0..8000).map(|i| 60.0 + 10.0 * (TAU * 2.3 * (i / 10) as f64 * 1e-2).sin()).collect();
     let start = InitialState::steady(&model, 125.0, 60.0);
-    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, drive: Drive::TorqueDemand(&demand) };
+    let inputs = Inputs { sample_time_s: 1e-3, engine_torque_nm: &torque, dyno: DynoInput::TorqueDemand(&demand) };
     let response = simulate(&model, &inputs, &start).unwrap();
     recording("WhiteNoise_T_TN", vec![(Role::DynoTorqueDemand, demand)], response)
 }

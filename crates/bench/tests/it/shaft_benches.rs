@@ -36,9 +36,9 @@ impl Drawn {
             2.0 * damping_ratio * mechanics.shaft_stiffness_nm_per_rad / resonance_rad_s;
         parameters.clocks.engine_speed_skew_s = within(-2e-3, 2e-3);
         parameters.clocks.torque_skew_s = within(-2e-3, 2e-3);
-        parameters.inverter.delay_s = within(0.5e-3, 2e-3);
-        parameters.inverter.bandwidth_rad_s = TAU * within(60.0, 150.0);
-        parameters.inverter.additive_ripple_nm = within(0.0, 1.0);
+        parameters.drive.delay_s = within(0.5e-3, 2e-3);
+        parameters.drive.bandwidth_rad_s = TAU * within(60.0, 150.0);
+        parameters.drive.additive_ripple_nm = within(0.0, 1.0);
         parameters.engine.cylinder_factors = (0..4).map(|_| within(0.93, 1.07)).collect();
         parameters.engine.cycle_variation = within(0.005, 0.03);
         parameters.sensors.dyno_eccentricity = within(0.0, 5e-4);
@@ -95,9 +95,9 @@ impl Drawn {
 
 /// What the shaft is estimated from, J_d being known exactly.
 pub(crate) fn inputs(experiment: &Experiment, inertia_kg_m2: f64) -> ShaftInputs<'_> {
-    let inverter = torque_control::estimate(experiment, Some(400.0)).unwrap().inverter;
+    let torque_model = torque_control::estimate(experiment, Some(400.0)).unwrap().model;
     let signal = |role| experiment.signal(role).unwrap();
-    let torque = inverter.finer_air_gap_torque(signal(Role::DynoTorqueDemand), 8);
+    let torque = torque_model.finer_air_gap_torque(signal(Role::DynoTorqueDemand), 8);
     ShaftInputs {
         file: &experiment.file,
         dyno_speed: signal(Role::DynoSpeed),

@@ -9,7 +9,7 @@ use bench::estimate::shaft_routes::Timing;
 use bench::estimate::shaft_routes::black_box::{self, BlackBoxRoute, Untold};
 use bench::estimate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
 use bench::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
-use bench::estimate::torque_control::{self, InverterModel};
+use bench::estimate::torque_control::{self, AirGapTorqueModel};
 use bench::experiment::Test;
 use bench::model::Engine;
 use bench::study::Estimate;
@@ -52,9 +52,9 @@ impl Drawn {
             2.0 * within(0.05, 0.15) * mechanics.shaft_stiffness_nm_per_rad / resonance_rad_s;
         parameters.clocks.engine_speed_skew_s = within(-2e-3, 2e-3);
         parameters.clocks.torque_skew_s = within(-2e-3, 2e-3);
-        parameters.inverter.delay_s = within(0.5e-3, 2e-3);
-        parameters.inverter.bandwidth_rad_s = TAU * within(60.0, 150.0);
-        parameters.inverter.additive_ripple_nm = within(0.0, 1.0);
+        parameters.drive.delay_s = within(0.5e-3, 2e-3);
+        parameters.drive.bandwidth_rad_s = TAU * within(60.0, 150.0);
+        parameters.drive.additive_ripple_nm = within(0.0, 1.0);
         parameters.engine.cylinder_factors = (0..4).map(|_| within(0.93, 1.07)).collect();
         parameters.engine.cycle_variation = within(0.005, 0.03);
         parameters.sensors.dyno_eccentricity = within(0.0, 5e-4);
@@ -69,7 +69,7 @@ impl Drawn {
         (sensors.dyno_eccentricity, sensors.engine_eccentricity) = (0.0, 0.0);
         (sensors.speed_noise_rad_s, sensors.speed_resolution_rad_s) = (0.0, 0.0);
         (sensors.calc_noise_nm, sensors.demand_resolution_nm) = (0.0, 0.0);
-        (parameters.inverter.additive_ripple_nm, parameters.inverter.multiplicative_ripple) = (0.0, 0.0);
+        (parameters.drive.additive_ripple_nm, parameters.drive.multiplicative_ripple) = (0.0, 0.0);
         parameters.engine.cycle_variation = 0.0;
         Drawn { parameters, speed_rpm: 1213.0 }
     }
@@ -92,20 +92,20 @@ impl Drawn {
         bench::prepare("drawn.mf4", &recording, &file, plan.label.clone()).unwrap().0
     }
 
-    fn inverter(&self, seed: u64) -> InverterModel {
+    fn torque_model(&self, seed: u64) -> AirGapTorqueModel {
         let white = self.experiment(&ExperimentPlan::white_noise_t_tn(self.speed_rpm, 20.0), seed);
-        torque_control::estimate(&white, Some(400.0)).unwrap().inverter
+        torque_control::estimate(&white, Some(400.0)).unwrap().model
     }
 
     fn recorded(&self, plan: &ExperimentPlan, seed: u64) -> Recorded {
         let experiment = self.experiment(plan, seed);
         let inertia_kg_m2 = self.parameters.mechanics.dyno_inertia_kg_m2;
         let noise = self.parameters.sensors.speed_noise_rad_s;
-        let inverter = match plan.label.mode {
-            ControlMode::Nt => self.inverter(seed + 1000),
-            ControlMode::Tn => torque_control::estimate(&experiment, Some(400.0)).unwrap().inverter,
+        let torque_model = match plan.label.mode {
+            ControlMode::Nt => self.torque_model(seed + 1000),
+            ControlMode::Tn => torque_control::estimate(&experiment, Some(400.0)).unwrap().model,
         };
-        Recorded::new(experiment, &inverter, inertia_kg_m2, noise)
+        Recorded::new(experiment, &torque_model, inertia_kg_m2, noise)
     }
 
     /// White torque demands.
@@ -128,11 +128,16 @@ impl Drawn {
 }
 
 impl Recorded {
-    fn new(experiment: Experiment, inverter: &InverterModel, inertia_kg_m2: f64, encoder_noise_rad_s: f64) -> Self {
+    fn new(
+        experiment: Experiment,
+        torque_model: &AirGapTorqueModel,
+        inertia_kg_m2: f64,
+        encoder_noise_rad_s: f64,
+    ) -> Self {
         let signal = |role| experiment.signal(role).unwrap();
         let demand = signal(Role::DynoTorqueDemand);
-        let inverter = inverter.refit_ripple(demand, signal(Role::AirGapTorque)).unwrap();
-        let torque = NoisyTorque { signal: inverter.finer_air_gap_torque(demand, 8), noise_nm: 0.005 };
+        let torque_model = torque_model.refit_ripple(demand, signal(Role::AirGapTorque)).unwrap();
+        let torque = NoisyTorque { signal: torque_model.finer_air_gap_torque(demand, 8), noise_nm: 0.005 };
         Recorded { experiment, torque, inertia_kg_m2, encoder_noise_rad_s }
     }
 
@@ -335,8 +340,8 @@ fn ref_bench_a_by_state_space_and_black_box() {
         return;
     }
     let white = bench_a(&all, "WhiteNoise");
-    let inverter = torque_control::estimate(&white, Some(400.0)).unwrap().inverter;
-    let recorded = |experiment| Recorded::new(experiment, &inverter, 0.6, 0.03 * RPM_RAD_S);
+    let torque_model = torque_control::estimate(&white, Some(400.0)).unwrap().model;
+    let recorded = |experiment| Recorded::new(experiment, &torque_model, 0.6, 0.03 * RPM_RAD_S);
     for name in ["BS_T_NT_1200", "WhiteNoise"] {
         let recorded = recorded(bench_a(&all, name));
         let found = recorded.state_space(&recorded.timing());

@@ -8,7 +8,9 @@ use bench::estimate::speed_controller::{
     AntiWindup, FeedForwardTerms, Limit, LimitReached, Structure, Term, Verdict, estimate, estimate_feed_forward,
     feed_forward_terms, limit, structure,
 };
-use bench::speed_control::{Estimator, IntegrationRule, Noise, StudyOptions, speed_control, study, virtual_experiment};
+use bench::speed_control::{
+    Estimator, IntegrationRule, Noise, NoiseTestOptions, noise_test, speed_control, virtual_experiment,
+};
 use bench::virtual_bench::{BenchParameters, ExperimentPlan};
 use bench::{BenchFile, Experiment, prepare};
 
@@ -241,20 +243,20 @@ fn stat_what_is_not_there_is_found_no_more_often_than_the_level_says() {
     assert_eq!((beside.1, bent.1), (0, 0));
 }
 
-fn options(draws: usize) -> StudyOptions {
-    StudyOptions { draws, ..StudyOptions::default() }
+fn options(draws: usize) -> NoiseTestOptions {
+    NoiseTestOptions { draws, ..NoiseTestOptions::default() }
 }
 
 #[test]
 fn exact_the_study_returns_the_controller_without_noise() {
     let speeds = virtual_experiment(2).unwrap().within((0.0, 20.0));
-    let found = study(&speeds, &options(2), &|_, _| ()).unwrap();
+    let found = noise_test(&speeds, &options(2), &|_, _| ()).unwrap();
     for case in found.cases.iter().filter(|case| case.noise == Noise::None) {
         for summary in &case.summaries {
             assert!((summary.mean / summary.truth - 1.0).abs() < 1e-6, "{:?} {summary:?}", case.estimator);
         }
     }
-    let again = study(&speeds, &options(2), &|_, _| ()).unwrap();
+    let again = noise_test(&speeds, &options(2), &|_, _| ()).unwrap();
     assert_eq!(found, again);
 }
 
@@ -264,7 +266,7 @@ fn exact_the_study_returns_the_controller_without_noise() {
 fn stat_the_study_covers_the_truth_from_t_d_demand() {
     let draws = 40;
     let speeds = virtual_experiment(2).unwrap().within((0.0, 20.0));
-    let found = study(&speeds, &options(draws), &|_, _| ()).unwrap();
+    let found = noise_test(&speeds, &options(draws), &|_, _| ()).unwrap();
     for case in found.cases.iter().filter(|case| case.noise != Noise::None) {
         for s in &case.summaries {
             println!(

@@ -68,8 +68,8 @@ fn stat_firing_lines_follow_the_speed() {
 fn stat_firing_at_4500_rpm_folds_from_150_to_100_hz() {
     let mut parameters = BenchParameters::default();
     // Without the drive's own 100 Hz, which is at the same place.
-    parameters.inverter.additive_ripple_nm = 0.0;
-    parameters.inverter.multiplicative_ripple = 0.0;
+    parameters.drive.additive_ripple_nm = 0.0;
+    parameters.drive.multiplicative_ripple = 0.0;
     let mut plan = ExperimentPlan::bs_t_nt(4500.0, 20.0);
     plan.engine_torque_nm = Waveform::Constant { value: 45.0 };
     let recording = simulate(&parameters, &plan, 11).unwrap();
@@ -87,8 +87,8 @@ fn stat_firing_at_4500_rpm_folds_from_150_to_100_hz() {
 fn side_lines(hold_s: f64, multiplicative_ripple: f64, additive_ripple_nm: f64) -> [[f64; 2]; 2] {
     let mut parameters = clean();
     parameters.controller.demand_hold_s = hold_s;
-    parameters.inverter.multiplicative_ripple = multiplicative_ripple;
-    parameters.inverter.additive_ripple_nm = additive_ripple_nm;
+    parameters.drive.multiplicative_ripple = multiplicative_ripple;
+    parameters.drive.additive_ripple_nm = additive_ripple_nm;
     parameters.clocks.torque_decimation = 1;
     let mut plan = ExperimentPlan::sine_t_tn(1200.0, 10.0);
     plan.dyno_torque_nm = Waveform::SineLadder { mean: 60.0, amplitude: 8.0, frequencies_hz: vec![8.0], dwell_s: 10.0 };
@@ -102,11 +102,11 @@ fn exact_lines_at_100_hz_plus_and_minus_f_have_two_causes_that_t_d_star_tells_ap
     // A demand held for 10 ms has its images in T_d* itself, of size |sinc|.
     let [demand, torque] = side_lines(0.01, 0.0, 0.0);
     let image = |hz: f64| 8.0 * (std::f64::consts::PI * hz / 100.0).sin().abs() / (std::f64::consts::PI * hz / 100.0);
-    let inverter = |hz: f64| 1.0 / 1f64.hypot(hz / 90.0);
+    let lag = |hz: f64| 1.0 / 1f64.hypot(hz / 90.0);
     for (i, hz) in [92.0, 108.0].into_iter().enumerate() {
         println!("held demand, {hz} Hz: T_d* {} Nm, T_d {} Nm", demand[i], torque[i]);
         assert!((demand[i] / image(hz) - 1.0).abs() < 0.02, "{hz} Hz: {}, {}", demand[i], image(hz));
-        assert!((torque[i] / image(hz) / inverter(hz) - 1.0).abs() < 0.02, "{hz} Hz: {}", torque[i]);
+        assert!((torque[i] / image(hz) / lag(hz) - 1.0).abs() < 0.02, "{hz} Hz: {}", torque[i]);
     }
     // A multiplicative ripple puts r_m A/2 in T_d and nothing in T_d*.
     let [demand, torque] = side_lines(0.001, 0.03, 0.0);

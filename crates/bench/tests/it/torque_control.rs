@@ -16,7 +16,7 @@ fn assert_exact(truth: Truth) {
     close(value(&fit, 0), truth.delay_s);
     close(value(&fit, 1), truth.lag_rad_s);
     close(value(&fit, 2), truth.delay_s + 1.0 / truth.lag_rad_s);
-    assert_eq!(fit.inverter.ripple.lines.len(), usize::from(truth.ripple_hz.is_some()));
+    assert_eq!(fit.model.ripple.lines.len(), usize::from(truth.ripple_hz.is_some()));
     assert!(fit.result.delay_and_lag_validation.fit_percent > 99.999);
     assert!(fit.result.pure_delay_validation.fit_percent < 95.0);
     let pure = fit.result.pure_delay.parameters[0].value;
@@ -66,7 +66,7 @@ fn exact_air_gap_torque_between_the_samples_and_in_another_recording() {
     let torque = calculated(truth, &demand, &mut noise);
     let times: Vec<f64> = (0..demand.len()).map(|i| demand.time_s(i)).collect();
     let smooth = lagged(&demand, truth.delay_s, truth.lag_rad_s, &times);
-    let moved = fit.inverter.refit_ripple(&demand, &torque).unwrap();
+    let moved = fit.model.refit_ripple(&demand, &torque).unwrap();
     let modelled = moved.air_gap_torque(&demand);
     for (i, t) in times.iter().enumerate() {
         assert!((modelled.samples[i] - rippled(smooth[i], truth.ripple_hz, *t)).abs() < 1e-4);
@@ -83,8 +83,8 @@ fn stat_intervals_cover_the_truth_and_residuals_are_white() {
         for (k, p) in fit.result.delay_and_lag.parameters.iter().enumerate() {
             covered[k] += usize::from(p.interval.0 <= targets[k] && targets[k] <= p.interval.1);
         }
-        white += usize::from(fit.inverter.residual.white);
-        assert!((fit.inverter.residual.standard_deviation_nm - 0.2).abs() < 0.03);
+        white += usize::from(fit.model.residual.white);
+        assert!((fit.model.residual.standard_deviation_nm - 0.2).abs() < 0.03);
     }
     // Binomial(100, 0.95) is at least 87 with probability 0.9985, Binomial(100, 0.99) at least 95 with 0.9994.
     assert!(covered.iter().all(|c| *c >= 87), "{covered:?}");
@@ -94,8 +94,7 @@ fn stat_intervals_cover_the_truth_and_residuals_are_white() {
 #[test]
 fn stat_no_ripple_is_found_in_noise() {
     let truth = Truth { noise_nm: 0.3, ripple_hz: None, duration_s: 8.0, ..TRUTH };
-    let found =
-        |seed| usize::from(!estimate(&white_noise(truth, seed), None).unwrap().inverter.ripple.lines.is_empty());
+    let found = |seed| usize::from(!estimate(&white_noise(truth, seed), None).unwrap().model.ripple.lines.is_empty());
     assert!((0..40).map(found).sum::<usize>() <= 2);
 }
 

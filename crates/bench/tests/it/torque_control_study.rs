@@ -2,9 +2,9 @@
 
 use bench::estimate::torque_control;
 use bench::experiment::ExperimentPlan;
-use bench::torque_control_study::{
-    Excited, Family, Input, Judgement, Model, OrdersTried, TorqueControlStudy, TorqueControlStudyError, Verdict, study,
-    visibility,
+use bench::model_comparison::{
+    Excited, Family, Input, Judgement, Model, ModelComparison, ModelComparisonError, OrdersTried, Verdict,
+    compare_models, visibility,
 };
 use bench::virtual_bench::{BenchParameters, InductionMachine, Numerics, simulate_hidden};
 use bench::{Experiment, Role, prepare};
@@ -16,8 +16,8 @@ use crate::torque_bench::{Noise, TRUTH, Truth, experiment, white_demand, white_n
 
 const FEW: OrdersTried = OrdersTried { highest: 2, longest_delay: 1 };
 
-fn of(experiments: &[&Experiment], orders: OrdersTried) -> TorqueControlStudy {
-    study(experiments, &default_bench(), orders, &mut |_, _| {}).unwrap()
+fn of(experiments: &[&Experiment], orders: OrdersTried) -> ModelComparison {
+    compare_models(experiments, &default_bench(), orders, &mut |_, _| {}).unwrap()
 }
 
 fn recorded(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Experiment {
@@ -35,7 +35,7 @@ fn made(seed: u64, duration_s: f64, torque: impl Fn(&[f64], &mut Noise) -> Vec<f
     experiment("WhiteNoise_T_TN", [(Role::DynoTorqueDemand, demand), (Role::AirGapTorque, torque)])
 }
 
-fn found<'a>(study: &'a TorqueControlStudy, model: &Model, on: Excited) -> &'a Judgement {
+fn found<'a>(study: &'a ModelComparison, model: &Model, on: Excited) -> &'a Judgement {
     study.judged_on(on).find(|j| j.model == *model && j.estimated_on == on).unwrap()
 }
 
@@ -52,7 +52,7 @@ fn exact_an_arx_truth_is_found_among_the_orders_and_below_the_bar() {
     let told = of(&[&arx], FEW);
     let recording = &told.recordings[0];
     assert_eq!(recording.ripple_hz, []);
-    let is_truth = |b: &&bench::torque_control_study::BlackBox| {
+    let is_truth = |b: &&bench::model_comparison::BlackBox| {
         let s = b.structure;
         (s.family, s.input, s.poles, s.nb, s.nk) == (Family::Arx, Input::Demand, 1, 2, 1)
     };
@@ -142,8 +142,8 @@ fn regress_ripple_leads_no_lag_away_where_the_engine_moves_the_demand() {
     let fit = torque_control::estimate(&experiment, Some(400.0)).unwrap();
     let lag = fit.result.delay_and_lag.parameter("a").unwrap();
     assert!((lag.interval.0..=lag.interval.1).contains(&565.4867) && lag.standard_error < 20.0, "{lag:?}");
-    assert_eq!(fit.inverter.ripple.lines.len(), 1, "{:?}", fit.inverter.ripple.lines);
-    assert!((fit.inverter.ripple.lines[0].frequency_hz - 100.0).abs() < 1e-3);
+    assert_eq!(fit.model.ripple.lines.len(), 1, "{:?}", fit.model.ripple.lines);
+    assert!((fit.model.ripple.lines[0].frequency_hz - 100.0).abs() < 1e-3);
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn stat_intervals_of_delay_and_lag_cover_on_either_excitation() {
     assert!(shares.iter().all(|s| *s >= 19), "{shares:?}");
 }
 
-/// T_d of an inverter with a machine and its current control, without ripple, sampled at a rate with white noise.
+/// T_d of an torque_control with a machine and its current control, without ripple, sampled at a rate with white noise.
 fn sampled(hidden: &[f64], demand: &Signal, (rate_hz, noise_nm): (f64, f64), seed: u64) -> Experiment {
     let every = (4000.0 / rate_hz) as usize;
     let mut noise = Noise::new(seed);
@@ -188,8 +188,8 @@ fn sampled(hidden: &[f64], demand: &Signal, (rate_hz, noise_nm): (f64, f64), see
 fn stat_current_control_is_told_from_a_lag_where_that_was_predicted() {
     const DURATION_S: f64 = 8.0;
     let mut parameters = BenchParameters::default();
-    parameters.inverter.machine = Some(InductionMachine::default());
-    (parameters.inverter.additive_ripple_nm, parameters.inverter.multiplicative_ripple) = (0.0, 0.0);
+    parameters.drive.machine = Some(InductionMachine::default());
+    (parameters.drive.additive_ripple_nm, parameters.drive.multiplicative_ripple) = (0.0, 0.0);
     let plan = ExperimentPlan::white_noise_t_tn(1200.0, DURATION_S);
     let numerics = Numerics { steps_per_update: 20, steps_per_hidden_sample: 5 };
     let run = simulate_hidden(&parameters, &plan, 3, numerics).unwrap();
@@ -244,13 +244,13 @@ fn exact_visibility_scales_with_demand_and_grows_with_the_rate() {
 
 #[test]
 fn regress_recordings_that_tell_nothing_are_named() {
-    let refused = |experiments: &[&Experiment]| study(experiments, &default_bench(), FEW, &mut |_, _| {});
-    assert!(matches!(refused(&[]), Err(TorqueControlStudyError::NoRecording)));
+    let refused = |experiments: &[&Experiment]| compare_models(experiments, &default_bench(), FEW, &mut |_, _| {});
+    assert!(matches!(refused(&[]), Err(ModelComparisonError::NoRecording)));
     let mut without = white_noise(TRUTH, 1);
     without.signals.remove(&Role::AirGapTorque);
     let told = refused(&[&without]);
     assert!(
-        matches!(&told, Err(TorqueControlStudyError::NoneUsable { reason }) if reason.contains("T_d,calc")),
+        matches!(&told, Err(ModelComparisonError::NoneUsable { reason }) if reason.contains("T_d,calc")),
         "{told:?}"
     );
     let both = of(&[&without, &white_noise(TRUTH, 1)], OrdersTried { highest: 1, longest_delay: 0 });

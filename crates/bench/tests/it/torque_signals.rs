@@ -253,7 +253,7 @@ fn stat_the_bend_of_the_speed_is_found_between_engine_orders() {
 fn stat_an_inverter_that_misjudges_its_machine_is_not_trusted() {
     let trust = |error: f64| {
         let mut parameters = BenchParameters::default();
-        parameters.inverter.knowledge.cold_error = error;
+        parameters.drive.knowledge.cold_error = error;
         let plans = [ExperimentPlan::step_t_tn(1200.0, 24.0), ExperimentPlan::bs_t_nt(1200.0, 20.0)];
         let experiments: Vec<Experiment> = plans.iter().map(|plan| recorded(&parameters, plan, 5).0).collect();
         torque_signals(&experiments.iter().collect::<Vec<_>>(), &default_bench(), &mut |_| {}).trust.unwrap()

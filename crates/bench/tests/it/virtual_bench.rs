@@ -13,8 +13,8 @@ use recording::Recording;
 pub(crate) fn clean() -> BenchParameters {
     let mut parameters = BenchParameters::default();
     parameters.sensors = parameters.sensors.without_errors();
-    parameters.inverter.additive_ripple_nm = 0.0;
-    parameters.inverter.multiplicative_ripple = 0.0;
+    parameters.drive.additive_ripple_nm = 0.0;
+    parameters.drive.multiplicative_ripple = 0.0;
     parameters
 }
 
@@ -224,7 +224,7 @@ fn exact_load_cell_is_late_and_rings() {
     let rises = |x: &[f64]| x.iter().position(|t| *t > 60.5).expect("a step");
     assert!((8..=10).contains(&(rises(cell) - rises(calc))), "{} {}", rises(cell), rises(calc));
     let highest = cell.iter().copied().fold(0.0, f64::max);
-    // The overshoot of ζ = 0.25 on an ideal step is 44 %, or 11 Nm here; less after the inverter's lag.
+    // The overshoot of ζ = 0.25 on an ideal step is 44 %, or 11 Nm here; less after the drive's lag.
     assert!((92.0..96.0).contains(&highest), "{highest}");
     assert!((mean(&cell[2500..]) - 85.0).abs() < 1e-3);
 }

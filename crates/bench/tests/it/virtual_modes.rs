@@ -35,7 +35,7 @@ fn exact_shaft_torque_control_reaches_its_demand() {
 #[test]
 fn exact_shaft_torque_control_keeps_the_limit() {
     let mut parameters = smooth();
-    parameters.inverter.torque_limit_nm = 70.0;
+    parameters.drive.torque_limit_nm = 70.0;
     let mut plan = ExperimentPlan::step_t_tn(1200.0, 8.0);
     plan.torque_target = TorqueTarget::Shaft;
     plan.dyno_torque_nm = Waveform::Square { first: 60.0, second: 85.0, dwell_s: 4.0 };
@@ -131,9 +131,9 @@ fn exact_flange_reads_the_shaft_and_nothing_without_one() {
 #[test]
 fn exact_inverter_errs_with_temperature_and_adapts_to_the_load_cell() {
     let mut parameters = smooth();
-    parameters.inverter.knowledge.cold_error = 0.03;
-    parameters.inverter.knowledge.error_per_k = 0.002;
-    parameters.inverter.knowledge.thermal_time_s = 20.0;
+    parameters.drive.knowledge.cold_error = 0.03;
+    parameters.drive.knowledge.error_per_k = 0.002;
+    parameters.drive.knowledge.thermal_time_s = 20.0;
     let mut plan = ExperimentPlan::step_t_tn(1200.0, 40.0);
     plan.settling_s = 0.0;
     plan.dyno_torque_nm = Waveform::Constant { value: 60.0 };
@@ -149,7 +149,7 @@ fn exact_inverter_errs_with_temperature_and_adapts_to_the_load_cell() {
             |torque_nm: f64| 1.03 + 0.002 * 0.005 * torque_nm * torque_nm * (1.0 - (-0.004 * k as f64 / 20.0).exp());
         assert!((warm(61.8) - 1e-9..warm(64.5) + 1e-9).contains(found), "{k}: {found}");
     }
-    parameters.inverter.knowledge.adaptation_time_s = 2.0;
+    parameters.drive.knowledge.adaptation_time_s = 2.0;
     let adapts = ratio(&parameters);
     assert!((adapts[0] - 1.03).abs() < 1e-9 && (adapts[9999] - 1.0).abs() < 0.003, "{} {}", adapts[0], adapts[9999]);
     // A flange says nothing of the air-gap torque.
@@ -217,10 +217,10 @@ fn exact_plans_survive_toml() {
     assert!((bench::virtual_bench::Truth::of(&bench).stiffness_nm_per_rad - 2437.7).abs() < 1e-9);
 }
 
-/// The default bench's inverter with an induction machine in place of the lag.
+/// The default bench's torque_control with an induction machine in place of the lag.
 fn with_machine() -> BenchParameters {
     let mut parameters = smooth();
-    parameters.inverter.machine = Some(InductionMachine::default());
+    parameters.drive.machine = Some(InductionMachine::default());
     parameters
 }
 
@@ -242,7 +242,7 @@ fn exact_machine_follows_its_demand_with_the_bandwidth_of_its_currents() {
 #[test]
 fn exact_machine_runs_out_of_voltage_above_its_base_speed() {
     let mut parameters = with_machine();
-    parameters.inverter.torque_limit_nm = 1000.0;
+    parameters.drive.torque_limit_nm = 1000.0;
     let most_nm = |speed_rpm: f64| {
         let mut plan = ExperimentPlan::step_t_tn(speed_rpm, 0.2);
         plan.is_motored = true;
@@ -262,7 +262,7 @@ fn exact_machine_runs_out_of_voltage_above_its_base_speed() {
 #[test]
 fn exact_machine_converges_with_the_square_of_the_step() {
     let mut parameters = clean();
-    parameters.inverter.machine = Some(InductionMachine::default());
+    parameters.drive.machine = Some(InductionMachine::default());
     let mut plan = ExperimentPlan::white_noise_t_tn(1200.0, 1.0);
     plan.settling_s = 0.0;
     let hidden = |n| run(&parameters, &plan, Numerics { steps_per_update: n, steps_per_hidden_sample: n }).hidden;

@@ -79,7 +79,7 @@ impl Goal {
             Goal::EngineInertia => &[ModelParameter::EngineInertia],
             Goal::SpeedController => &[ModelParameter::Proportional, ModelParameter::Integral],
             Goal::FeedForward => &[ModelParameter::SpeedFeedForward, ModelParameter::AccelerationFeedForward],
-            Goal::TorqueControl => &[ModelParameter::InverterDelay, ModelParameter::InverterBandwidth],
+            Goal::TorqueControl => &[ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth],
         }
     }
 
@@ -124,7 +124,7 @@ pub struct OperatingPoint {
 
 impl PeakLimits {
     /// What the limits of a bench leave for an excitation at an operating point: of T_shaft half, since firing pulses take
-    /// the rest, of T_d nearly all, since the inverter cuts at its limit.
+    /// the rest, of T_d nearly all, since the torque control cuts at its limit.
     pub fn left_by(limits: &Limits, at: OperatingPoint) -> Self {
         let left = |limit: f64| limit - at.torque_nm.abs();
         PeakLimits {
@@ -241,7 +241,7 @@ fn used(goals: &[Goal], excited: ExcitedDemand, all: Measurements) -> Measuremen
 fn nuisances(model: &BenchModel, excited: ExcitedDemand, measured: &Measurements) -> Vec<Nuisance> {
     let nothing = |unknown| Nuisance { unknown, standard_uncertainty: None };
     let of_model = |p| nothing(Unknown::Model(p));
-    let mut all = vec![of_model(ModelParameter::InverterDelay), of_model(ModelParameter::InverterBandwidth)];
+    let mut all = vec![of_model(ModelParameter::TorqueControlDelay), of_model(ModelParameter::TorqueControlBandwidth)];
     if measured.dyno_speed.is_some() {
         all.extend([of_model(ModelParameter::Stiffness), of_model(ModelParameter::Damping)]);
         all.push(nothing(Unknown::EngineSpeedSkew));

@@ -160,7 +160,7 @@ pub struct ExcitationDesign {
 /// # Example
 /// ```
 /// use design::excitation_design::{DesignTask, PeakLimits, design};
-/// use bench_model::model::{BenchModel, InverterModel, Mechanics};
+/// use bench_model::model::{BenchModel, TorqueControlModel, Mechanics};
 /// use units::RPM_RAD_S;
 ///
 /// let model = BenchModel {
@@ -172,7 +172,7 @@ pub struct ExcitationDesign {
 ///     },
 ///     speed_controller: None,
 ///     feed_forward: None,
-///     inverter: Some(InverterModel { delay_s: 1.25e-3, bandwidth_rad_s: Some(565.0) }),
+///     torque control: Some(TorqueControlModel { delay_s: 1.25e-3, bandwidth_rad_s: Some(565.0) }),
 ///     torque_limit_nm: Some(400.0),
 ///     encoder_gate_s: 1e-3,
 /// };

@@ -76,11 +76,11 @@ impl Motion {
 
 /// By a unit of the demand, whose values are held.
 pub(super) fn by_demand(model: &BenchModel, excited: ExcitedDemand, hold_s: f64, omega: f64) -> Option<Motion> {
-    let inverter = model.inverter.as_ref()?.response(omega);
+    let torque_control = model.torque_control.as_ref()?.response(omega);
     match excited {
         ExcitedDemand::Torque => {
             let demand = mean_over(hold_s, omega);
-            Some(Motion::of_torque(&model.mechanics, omega, demand, inverter * demand))
+            Some(Motion::of_torque(&model.mechanics, omega, demand, torque_control * demand))
         }
         ExcitedDemand::Speed => {
             let pi = model.speed_controller.as_ref()?;
@@ -88,7 +88,7 @@ pub(super) fn by_demand(model: &BenchModel, excited: ExcitedDemand, hold_s: f64,
             let controller = (feed_forward - pi.response(omega)) / (model.open_loop(omega)? + 1.0);
             // The demand is held over several updates, the controller's output over one.
             let demand = controller * (mean_over(hold_s, omega) / pi.hold(omega));
-            Some(Motion::of_torque(&model.mechanics, omega, demand, inverter * pi.hold(omega) * demand))
+            Some(Motion::of_torque(&model.mechanics, omega, demand, torque_control * pi.hold(omega) * demand))
         }
     }
 }
@@ -109,7 +109,7 @@ fn by_engine(model: &BenchModel, excited: ExcitedDemand, omega: f64) -> Option<M
 fn by_reading(model: &BenchModel, omega: f64, reading: Complex64) -> Option<Motion> {
     let pi = model.speed_controller.as_ref()?;
     let demand = pi.response(omega) * reading / (model.open_loop(omega)? + 1.0);
-    let air_gap = model.inverter.as_ref()?.response(omega) * pi.hold(omega) * demand;
+    let air_gap = model.torque_control.as_ref()?.response(omega) * pi.hold(omega) * demand;
     Some(Motion::of_torque(&model.mechanics, omega, demand, air_gap))
 }
 
@@ -180,7 +180,7 @@ impl Neighbours {
 mod tests {
     use super::*;
     use crate::excitation_design::PeakLimits;
-    use bench_model::model::{InverterModel, ModelParameter};
+    use bench_model::model::{ModelParameter, TorqueControlModel};
 
     /// ∂/∂K and ∂/∂B of T_d → T_shaft = (K + Bs)/J_d/D, D = s² + (K + Bs)μ, are s²/J_d/D² and s³/J_d/D².
     #[test]
@@ -195,7 +195,7 @@ mod tests {
             mechanics,
             speed_controller: None,
             feed_forward: None,
-            inverter: Some(InverterModel { delay_s: 1e-3, bandwidth_rad_s: Some(500.0) }),
+            torque_control: Some(TorqueControlModel { delay_s: 1e-3, bandwidth_rad_s: Some(500.0) }),
             torque_limit_nm: None,
             encoder_gate_s: 1e-3,
         };
@@ -203,8 +203,8 @@ mod tests {
         let unknowns = [Unknown::Model(ModelParameter::Stiffness), Unknown::Model(ModelParameter::Damping)];
         let neighbours = Neighbours::new(&model, &unknowns);
         for omega in [10.0, 113.0, 400.0] {
-            let found = neighbours.derivatives(&task, omega).ok_or("an inverter")?;
-            let torque = by_demand(&model, task.excited, task.hold_s, omega).ok_or("an inverter")?.air_gap;
+            let found = neighbours.derivatives(&task, omega).ok_or("a torque control")?;
+            let torque = by_demand(&model, task.excited, task.hold_s, omega).ok_or("a torque control")?.air_gap;
             let s = Complex64::new(0.0, omega);
             let (k, b) = (mechanics.stiffness_nm_per_rad, mechanics.damping_nm_s_per_rad);
             let denominator = s * s + (s * b + k) * mechanics.mobility();

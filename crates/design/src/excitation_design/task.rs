@@ -53,7 +53,7 @@ pub struct Measurements {
     pub engine_speed: Option<SampleNoise>,
     /// T_d* as the controller computes it, in speed control; in torque control it is the excitation, known exactly.
     pub torque_demand: Option<SampleNoise>,
-    /// T_d as the inverter computes it.
+    /// T_d as the torque control computes it.
     pub air_gap_torque: Option<SampleNoise>,
     /// T_shaft of a flange.
     pub shaft_torque: Option<SampleNoise>,
@@ -161,14 +161,14 @@ pub(super) fn beside_rotation(speed_rad_s: f64) -> Vec<(f64, f64)> {
 impl DesignTask {
     /// K and B, by the determinant of their covariance, from torque control for 20 s: 1 to 45 Hz, T_d* held 10 ms, period
     /// 4 s. The skew of N_e, the delay of the
-    /// inverter (with it that of T_d) and the gate (to a tenth) are unknown as they are to the shaft's estimator; it uses
+    /// torque control (with it that of T_d) and the gate (to a tenth) are unknown as they are to the shaft's estimator; it uses
     /// 1 to 110 Hz but 3 Hz on both sides of the rotational frequency.
     pub fn shaft(model: BenchModel, mean_torque_nm: f64, speed_rad_s: f64, limits: PeakLimits) -> Self {
         let unknown = |unknown, standard_uncertainty| Nuisance { unknown, standard_uncertainty };
         DesignTask {
             nuisances: vec![
                 unknown(Unknown::EngineSpeedSkew, None),
-                unknown(Unknown::Model(ModelParameter::InverterDelay), None),
+                unknown(Unknown::Model(ModelParameter::TorqueControlDelay), None),
                 unknown(Unknown::EncoderGate, Some(0.1 * model.encoder_gate_s.max(TIME_SCALE_S))),
             ],
             models: vec![model],
@@ -282,8 +282,8 @@ impl DesignTask {
 
     fn check_models(&self) -> Result<(), DesignError> {
         for model in &self.models {
-            if model.inverter.is_none() {
-                return Err(DesignError::MissingPart { part: "inverter" });
+            if model.torque_control.is_none() {
+                return Err(DesignError::MissingPart { part: "torque control" });
             }
             if self.excited == ExcitedDemand::Speed && model.speed_controller.is_none() {
                 return Err(DesignError::MissingPart { part: "speed controller" });
@@ -326,7 +326,7 @@ impl Unknown {
         match self {
             Unknown::EngineSpeedSkew
             | Unknown::EncoderGate
-            | Unknown::Model(ModelParameter::InverterDelay | ModelParameter::ControllerDelay) => TIME_SCALE_S,
+            | Unknown::Model(ModelParameter::TorqueControlDelay | ModelParameter::ControllerDelay) => TIME_SCALE_S,
             Unknown::Model(parameter) => match model.value(parameter).map(f64::abs) {
                 Some(value) if value > 0.0 => value,
                 _ => 1.0,

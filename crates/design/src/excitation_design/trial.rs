@@ -1,7 +1,7 @@
 //! A demand tried on the models: its peaks over time, its power over frequency.
 
 use bench_model::model::BenchModel;
-use bench_model::simulate::{Drive, InitialState, Inputs, Response, simulate};
+use bench_model::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
 use signal::Complex64;
 use signal::spectrum::fft_real;
 
@@ -165,14 +165,14 @@ impl HeldDemand {
         let mut all: Vec<f64> = std::iter::repeat_n(&one, repeats).flatten().copied().collect();
         // An experiment starts at its mean, where the bench has settled.
         all.iter_mut().take(samples_per_step).for_each(|first| *first = 0.0);
-        // Deviations are linear in the demand as long as the inverter is not at its limit, which is not for the design.
+        // Deviations are linear in the demand as long as the torque control is not at its limit, which is not for the design.
         let unlimited = BenchModel { torque_limit_nm: None, ..model.clone() };
-        let drive = match task.excited {
-            ExcitedDemand::Torque => Drive::TorqueDemand(&all),
-            ExcitedDemand::Speed => Drive::SpeedDemand(&all),
+        let dyno = match task.excited {
+            ExcitedDemand::Torque => DynoInput::TorqueDemand(&all),
+            ExcitedDemand::Speed => DynoInput::SpeedDemand(&all),
         };
         let engine = vec![0.0; all.len()];
-        let inputs = Inputs { sample_time_s: step_s, engine_torque_nm: &engine, drive };
+        let inputs = Inputs { sample_time_s: step_s, engine_torque_nm: &engine, dyno };
         let response = simulate(&unlimited, &inputs, &InitialState::steady(model, 0.0, 0.0))?;
         Ok(Deviations { response, samples_per_step })
     }

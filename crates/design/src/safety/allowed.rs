@@ -6,7 +6,7 @@ use bench_model::prediction::{Prediction, PredictionError, PredictionInputs, pre
 use super::ladder::Ladder;
 use super::quantity::{demand_samples, largest, slew};
 
-/// The largest amplitude of each sine that keeps the limits on one bench. The bench is linear short of the inverter's limit,
+/// The largest amplitude of each sine that keeps the limits on one bench. The bench is linear short of the torque limit,
 /// so what a sine adds to the rest grows with its amplitude; onset and the decay of the sine before are part of it.
 pub(crate) fn allowed_nm(
     inputs: &PredictionInputs<'_>,

@@ -22,7 +22,7 @@ pub enum Quantity {
     ShaftTorque,
     /// Largest |dT_shaft/dt|, Nm/s, from one sample to the next.
     ShaftTorqueSlew,
-    /// Largest |T_d*|, Nm, held by the inverter's limit.
+    /// Largest |T_d*|, Nm, held by the torque limit.
     TorqueDemand,
     /// Largest change of T_d* within 10 ms over that time, Nm/s: how often it is updated does not matter.
     TorqueSlew,
@@ -32,7 +32,7 @@ pub enum Quantity {
     TimeAtResonance,
     /// Lowest |N_d| or |N_e|, rad/s; no limit.
     LowestSpeed,
-    /// Share of the time at which T_d* rests at the inverter's limit, 0 … 1; no limit.
+    /// Share of the time at which T_d* rests at the torque limit, 0 … 1; no limit.
     LimitedShare,
 }
 

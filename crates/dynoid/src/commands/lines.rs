@@ -1,7 +1,8 @@
 //! `dynoid lines`: what recordings show before any model.
 
-use bench::look::{
-    BANDWIDTH_ORDERS, FEWEST_SAMPLES, Look, LookedPart, LookedSignal, OverSpeed, look, on_one_mains, over_speed,
+use bench::lines::{
+    BANDWIDTH_ORDERS, FEWEST_SAMPLES, OverSpeed, PartLines, RecordingLines, SignalLines, find_lines, on_one_mains,
+    over_speed,
 };
 use bench::units::si_spelling;
 use serde_json::json;
@@ -16,7 +17,7 @@ pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result
     let mut looks = Vec::new();
     let refused =
         experiments::each((&arguments.given, &arguments.result), "looking at", terminal, |bench, experiment| {
-            looks.push(look(&experiment, bench.engine()));
+            looks.push(find_lines(&experiment, bench.engine()));
         })?;
     let looks = on_one_mains(looks);
     looks.iter().filter_map(nothing_seen).for_each(|reason| terminal.warning(&reason));
@@ -37,7 +38,7 @@ pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result
 }
 
 /// Why a recording shows nothing at all.
-fn nothing_seen(look: &Look) -> Option<String> {
+fn nothing_seen(look: &RecordingLines) -> Option<String> {
     if look.parts.is_empty() {
         let remedy = "name the channel of N_e or N_d in the bench file";
         return Some(format!("{}: no speed is recorded, and lines are told by what follows it; {remedy}", look.file));
@@ -48,12 +49,12 @@ fn nothing_seen(look: &Look) -> Option<String> {
 }
 
 /// The lines without the spectra they stand in.
-fn short(look: &Look) -> serde_json::Value {
-    let signal = |signal: &LookedSignal| {
+fn short(look: &RecordingLines) -> serde_json::Value {
+    let signal = |signal: &SignalLines| {
         json!({"role": signal.role, "unit": si_spelling(signal.role.quantity()),
             "sample_time_s": signal.sample_time_s, "lines": signal.lines, "tracks": signal.tracks})
     };
-    let part = |part: &LookedPart| {
+    let part = |part: &PartLines| {
         json!({"start_s": part.start_s, "end_s": part.end_s, "speed_rad_s": part.speed_rad_s,
             "speed_range_rad_s": part.speed_range_rad_s, "demanded_hz": part.demanded_hz, "signals": part.signals.iter().map(signal).collect::<Vec<_>>()})
     };

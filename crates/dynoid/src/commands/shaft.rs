@@ -1,6 +1,6 @@
 //! `dynoid shaft`: the shaft of every recording and of all together.
 
-use bench::shaft_study::shaft_study;
+use bench::shaft_analysis::shaft_analysis;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -12,7 +12,7 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
-    let study = shaft_study(&experiments.iter().collect::<Vec<_>>(), &bench, &|file| {
+    let study = shaft_analysis(&experiments.iter().collect::<Vec<_>>(), &bench, &|file| {
         progress.say(&format!("looking at the shaft in {file}"));
         progress.step();
     });

@@ -1,6 +1,6 @@
 //! `dynoid torque-control`: what the torque control can be told to be.
 
-use bench::torque_control_study::{OrdersTried, TorqueControlStudy, study};
+use bench::model_comparison::{ModelComparison, OrdersTried, compare_models};
 use bench::{BenchFile, Experiment};
 use serde_json::json;
 
@@ -36,7 +36,7 @@ fn studied(
     bench: &BenchFile,
     orders: OrdersTried,
     terminal: &Terminal,
-) -> Result<TorqueControlStudy, CliError> {
+) -> Result<ModelComparison, CliError> {
     let progress = terminal.progress(STEPS);
     let mut done = 0;
     let mut told = |file: &str, share: f64| {
@@ -46,5 +46,5 @@ fn studied(
         done = done.max(now);
     };
     let all: Vec<&Experiment> = experiments.iter().collect();
-    study(&all, bench, orders, &mut told).map_err(|source| CliError::TorqueControl { source })
+    compare_models(&all, bench, orders, &mut told).map_err(|source| CliError::TorqueControl { source })
 }

@@ -11,7 +11,7 @@ fn run(campaign: &Campaign, more: &[&str]) -> crate::support::Ran {
 #[test]
 fn stat_models_are_held_against_the_bar_on_both_excitations() {
     let campaign = Campaign::whole();
-    let ran = run(&campaign, &["--plot", "inverter.html"]);
+    let ran = run(&campaign, &["--plot", "model.html"]);
     assert_eq!(ran.code, Some(0), "{}", ran.stderr);
     let text = ran.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
     for words in [
@@ -27,7 +27,7 @@ fn stat_models_are_held_against_the_bar_on_both_excitations() {
     ] {
         assert!(text.to_lowercase().contains(&words.to_lowercase()), "{words}: {text}");
     }
-    let page = campaign.read("inverter.html");
+    let page = campaign.read("model.html");
     for words in [
         "poles and zeros",
         "Crosses are poles, rings zeros",

@@ -127,13 +127,14 @@ pub fn limit(
     if longest < RESTS && runs.len() < COMES_BACK {
         return Ok(Limit::NotReached { highest_nm });
     }
-    let course = Course::new(experiment, controller, feed_forward, highest_nm)?;
-    let episodes = course.usable(&merged(&runs));
+    let signals = ControllerSignals::new(experiment, controller, feed_forward, highest_nm)?;
+    let episodes = signals.usable(&merged(&runs));
     let typical = episodes.get(episodes.len() / 2).map_or(1, Range::len);
-    let quiet = course.quiet(&limited, typical);
-    let of_law = |law| course.misses(&episodes, law);
+    let quiet = signals.quiet(&limited, typical);
+    let of_law = |law| signals.misses(&episodes, law);
     let doubts = doubtful(controller, feed_forward).into_iter().map(|(fit, feed)| {
-        let moved = Course::new(experiment, &fit, feed.as_ref(), highest_nm)?.misses(&episodes, AntiWindup::None);
+        let moved =
+            ControllerSignals::new(experiment, &fit, feed.as_ref(), highest_nm)?.misses(&episodes, AntiWindup::None);
         Ok(moved.iter().zip(of_law(AntiWindup::None)).map(|(moved, miss)| moved - miss).collect())
     });
     let doubts: Vec<Vec<f64>> = doubts.collect::<Result<_, EstimateError>>()?;
@@ -147,7 +148,7 @@ pub fn limit(
         limit_nm: highest_nm,
         share: limited.iter().filter(|is| **is).count() as f64 / limited.len().max(1) as f64,
         episodes: episodes.len(),
-        longest_s: longest as f64 * course.sample_time_s,
+        longest_s: longest as f64 * signals.sample_time_s,
         at_stake_nm,
         reading_nm,
         laws,
@@ -236,7 +237,7 @@ fn merged(runs: &[Range<usize>]) -> Vec<Range<usize>> {
 }
 
 /// What the controller computed from, sample by sample of T_d*.
-struct Course {
+struct ControllerSignals {
     sample_time_s: f64,
     limit_nm: f64,
     /// K_i T, Nm s/rad.
@@ -251,7 +252,7 @@ struct Course {
     integrator_nm: Vec<f64>,
 }
 
-impl Course {
+impl ControllerSignals {
     fn new(
         experiment: &Experiment,
         controller: &SpeedControllerFit,
@@ -277,7 +278,7 @@ impl Course {
         };
         let error: Vec<f64> = (0..n).map(error).collect();
         let proportional_nm: Vec<f64> = error.iter().map(|e| e / theta[inverse::P]).collect();
-        Ok(Course {
+        Ok(ControllerSignals {
             sample_time_s: t,
             limit_nm,
             gain: theta[inverse::Q] / theta[inverse::P],

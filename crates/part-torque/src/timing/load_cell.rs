@@ -7,7 +7,7 @@ use rig::estimation::{Label, timing_floor_s};
 use rig::results::{Estimate, Parameter, Stretch};
 use signal::Signal;
 
-use crate::torque_control::{InverterModel, Observed, robust_covariance, standard_deviation, usable_samples};
+use crate::torque_control::{AirGapTorqueModel, Observed, robust_covariance, standard_deviation, usable_samples};
 
 /// Relative step of the numerical derivatives by ω_n and ζ: error and rounding are both near 1e-10.
 const STEP: f64 = 1e-5;
@@ -96,11 +96,16 @@ impl CellModel<'_> {
     }
 
     /// How the cell's delay, ω_n and ζ at a minimum move with a of the torque control before it: −(JᵀJ)⁻¹Jᵀ ∂r/∂a.
-    fn moves_with_lag(&self, fit: &Minimum, demand: &Signal, inverter: &InverterModel) -> Result<[f64; 3], IdentError> {
-        let step = STEP * inverter.lag_rad_s;
+    fn moves_with_lag(
+        &self,
+        fit: &Minimum,
+        demand: &Signal,
+        torque_control: &AirGapTorqueModel,
+    ) -> Result<[f64; 3], IdentError> {
+        let step = STEP * torque_control.lag_rad_s;
         let moved = |by: f64| {
-            let lag_rad_s = inverter.lag_rad_s + by;
-            let torque = InverterModel { lag_rad_s, ..inverter.clone() }.finer_air_gap_torque(demand, FINER);
+            let lag_rad_s = torque_control.lag_rad_s + by;
+            let torque = AirGapTorqueModel { lag_rad_s, ..torque_control.clone() }.finer_air_gap_torque(demand, FINER);
             CellModel { torque: &torque, observed: self.observed }.modelled(&fit.parameters)
         };
         let (above, below) = (moved(step)?, moved(-step)?);
@@ -183,13 +188,13 @@ impl ResidualModel for CellModel<'_> {
 pub(super) fn fit(
     demand: &Signal,
     cell: &Signal,
-    inverter: &InverterModel,
+    torque_control: &AirGapTorqueModel,
     known: [[f64; 2]; 2],
     stretch: &Stretch,
 ) -> Result<LoadCell, IdentError> {
     let demand = &demand.slice(demand.start_s, demand.start_s + MOST_S);
-    let torque = inverter.finer_air_gap_torque(demand, FINER);
-    let usable = usable_samples(demand, cell, inverter.torque_limit_nm);
+    let torque = torque_control.finer_air_gap_torque(demand, FINER);
+    let usable = usable_samples(demand, cell, torque_control.torque_limit_nm);
     let observed = Observed::new(cell, &usable, 0..cell.len());
     let bounds = [
         Bounds::new(0.0, LONGEST_S),
@@ -209,15 +214,16 @@ pub(super) fn fit(
     let fit = fit.ok_or(IdentError::TooFewSamples { samples: observed.len(), parameters: bounds.len() })?;
     let (p, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
     let [own, natural, damping] = [fit.parameters[0], fit.parameters[1], fit.parameters[2]];
-    let by_lag = model.moves_with_lag(&fit, demand, inverter)?;
+    let by_lag = model.moves_with_lag(&fit, demand, torque_control)?;
     let gradient = [1.0, -2.0 * damping / (natural * natural), 2.0 / natural];
-    let total_by_lag: f64 = -inverter.lag_rad_s.powi(-2) + gradient.iter().zip(by_lag).map(|(g, m)| g * m).sum::<f64>();
+    let total_by_lag: f64 =
+        -torque_control.lag_rad_s.powi(-2) + gradient.iter().zip(by_lag).map(|(g, m)| g * m).sum::<f64>();
     let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
     // What τ is off by, the cell's own delay makes good.
     let variance: f64 = pairs.map(|(i, j)| gradient[i] * p[(i, j)] * gradient[j]).sum::<f64>()
         + total_by_lag * total_by_lag * known[1][1];
     let dated = timing_floor_s(demand.sample_time_s);
-    let total = inverter.delay_s + own + 1.0 / inverter.lag_rad_s + 2.0 * damping / natural;
+    let total = torque_control.delay_s + own + 1.0 / torque_control.lag_rad_s + 2.0 * damping / natural;
     let moves = [0, 1, 2].map(|i| [if i == 0 { -1.0 } else { 0.0 }, by_lag[i]]);
     let of_known = |i: usize, j: usize| -> f64 {
         (0..2).map(|k| (0..2).map(|l| moves[i][k] * known[k][l] * moves[j][l]).sum::<f64>()).sum()

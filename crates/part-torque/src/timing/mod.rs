@@ -131,7 +131,7 @@ impl Bench<'_> {
         let entry = |i: usize, j: usize| covariance.get(i)?.get(j).copied();
         let known = [[entry(0, 0)?, entry(0, 1)?], [entry(1, 0)?, entry(1, 1)?]];
         let stretch = stretch_of(self.experiment, cell, 0..cell.len());
-        let found = load_cell::fit(self.demand, cell, &fit.inverter, known, &stretch).ok()?;
+        let found = load_cell::fit(self.demand, cell, &fit.model, known, &stretch).ok()?;
         found.usable.then_some(found)
     }
 
@@ -173,7 +173,7 @@ impl Bench<'_> {
         if self.experiment.label.mode != ControlMode::Tn {
             return None;
         }
-        let torque = self.torque_control?.inverter.air_gap_torque(self.demand);
+        let torque = self.torque_control?.model.air_gap_torque(self.demand);
         let bend = self.acceleration_torque()?.map(|v| -v);
         let (torque, bend) = on_one_raster(&torque, &bend).ok()?;
         let later = phase_slope(&torque, &bend, INERTIA_HZ, Curvature::Hyperbolic).ok().flatten()?;
@@ -204,7 +204,7 @@ impl Bench<'_> {
 
     /// How much later the flange is than T_d + J_d dω_d/dt.
     fn flange_against_bend(&self, role: Role) -> Option<Measured> {
-        let torque = self.torque_control?.inverter.air_gap_torque(self.demand);
+        let torque = self.torque_control?.model.air_gap_torque(self.demand);
         let (mut shaft, torque) = on_one_raster(&self.acceleration_torque()?, &torque).ok()?;
         shaft.samples.iter_mut().zip(&torque.samples).for_each(|(s, t)| *s += t);
         let (shaft, flange) = on_one_raster(&shaft, self.experiment.signal(role)?).ok()?;

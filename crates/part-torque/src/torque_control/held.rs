@@ -2,7 +2,7 @@
 
 use signal::{Complex64, Signal};
 
-/// A demand held from each of its samples to the next, limited to what the inverter can give. Before the first sample
+/// A demand held from each of its samples to the next, limited to what the drive can give. Before the first sample
 /// the first value holds, after the last the last.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeldDemand {

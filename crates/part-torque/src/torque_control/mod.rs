@@ -1,4 +1,4 @@
-//! Torque control: inverter and machine, closed loop from T_d* to T_d (thesis §6.3.4; (6.3), (6.8) and the delay with
+//! Torque control: the closed loop from T_d* to T_d (thesis §6.3.4; (6.3), (6.8) and the delay with
 //! lag, the best found there).
 //!
 //! T_d,calc is compared with the exact response of the model to the held demand, at the stamps of T_d,calc itself.
@@ -29,7 +29,7 @@ pub use bench_model::drive_ripple::{DriveRipple, RippleLine};
 pub(crate) use bounds::DELAY;
 use bounds::{EARLIEST_S, LAG_RAD_S, LONGEST_DELAY_S};
 pub use held::HeldDemand;
-pub use model::{InverterModel, ResidualStatistics};
+pub use model::{AirGapTorqueModel, ResidualStatistics};
 pub(super) use observed::Observed;
 use observed::check_finite;
 pub(crate) use observed::usable_samples;
@@ -71,7 +71,7 @@ pub struct TorqueControlFit {
     /// Parameters and validation.
     pub result: TorqueControl,
     /// The model at the estimate, with the ripple of the estimation part of the recording.
-    pub inverter: InverterModel,
+    pub model: AirGapTorqueModel,
     /// Gain when it is left free; the estimate has it at one.
     pub gain: Parameter,
     /// Doubts.
@@ -83,7 +83,7 @@ impl TorqueControlFit {
     pub fn has_lag(&self) -> bool {
         let lag = self.result.delay_and_lag.parameter(LAG.symbol);
         let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
-        is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.inverter.lag_rad_s)
+        is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.model.lag_rad_s)
     }
 }
 
@@ -96,7 +96,7 @@ pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
 ///
 /// Needs T_d* and T_d,calc in Nm, each on its own clock. Samples within 0.1 s of |T_d*| ≥ `torque_limit_nm` are left
 /// out. The first 70 % of the recording are estimated from, the rest validates. Offset and ripple lines are estimated
-/// jointly (see [`InverterModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
+/// jointly (see [`AirGapTorqueModel`]); the gain is one, and a gain that differs from one by more than its 99 % interval is
 /// reported in the diagnostics. Covariances are robust to coloured residuals.
 ///
 /// τ is as recorded: it holds by how much the clocks of the two signals are apart, and is negative where T_d,calc is dated
@@ -136,7 +136,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     pure_delay.add_systematic(&["τ"], floor);
     Ok(TorqueControlFit {
         result: TorqueControl { pure_delay, delay_and_lag, pure_delay_validation, delay_and_lag_validation },
-        inverter: lagged.model,
+        model: lagged.model,
         gain: lagged.gain,
         diagnostics,
     })
@@ -155,10 +155,10 @@ pub fn second_order(
     let usable = usable_samples(demand, torque, torque_limit_nm);
     let split = (ESTIMATION_SHARE * torque.len() as f64) as usize;
     let seen = Observed::new(torque, &usable, 0..split);
-    let smooth = seen.times_s.iter().zip(&seen.values).map(|(t, y)| fit.inverter.without_ripple(*y, *t)).collect();
+    let smooth = seen.times_s.iter().zip(&seen.values).map(|(t, y)| fit.model.without_ripple(*y, *t)).collect();
     let observed = Observed { values: smooth, ..seen };
     let held = HeldDemand::new(demand, torque_limit_nm);
-    second_order::test(&held, &observed, (fit.inverter.delay_s, fit.inverter.lag_rad_s))
+    second_order::test(&held, &observed, (fit.model.delay_s, fit.model.lag_rad_s))
         .map_err(|source| EstimateError::Ident { file: experiment.file.clone(), source })
 }
 
@@ -221,7 +221,7 @@ fn warning(experiment: &Experiment, finding: Finding) -> Diagnostic {
 
 /// The fit of delay and lag.
 struct Lagged {
-    model: InverterModel,
+    model: AirGapTorqueModel,
     /// Of τ and a.
     covariance: Mat<f64>,
     freedom: f64,
@@ -236,7 +236,7 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     let (covariance, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
     let (offset_nm, lines) = model.linear_of(&fit.parameters);
     let gain = free_gain(&mut model, &fit, &bounds, observed.sample_time_s)?;
-    let inverter = InverterModel {
+    let model = AirGapTorqueModel {
         delay_s: fit.parameters[0],
         lag_rad_s: fit.parameters[1],
         ripple: DriveRipple { offset_nm, lines, reference_s: observed.reference_s },
@@ -245,7 +245,7 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     };
     let covariance =
         Mat::from_fn(2, 2, |i, j| if fit.at_bound[i] && i == j { f64::INFINITY } else { covariance[(i, j)] });
-    Ok(Lagged { model: inverter, covariance, freedom, gain, fit })
+    Ok(Lagged { model, covariance, freedom, gain, fit })
 }
 
 fn free_gain(

@@ -1,4 +1,4 @@
-//! The inverter and the machine as a model that other estimates use.
+//! The air-gap torque as a model that other estimates use.
 
 use bench_model::drive_ripple::DriveRipple;
 use faer::Mat;
@@ -32,11 +32,11 @@ pub struct ResidualStatistics {
 
 /// T_d = o + m (1 + Σ_l (p_l cos φ_l + q_l sin φ_l)) + Σ_l (v_l cos φ_l + w_l sin φ_l), m = e^{−sτ} a/(s + a) T_d*.
 ///
-/// T_d* is held between its samples and limited to the inverter's limit; φ_l = 2πf_l(t − t_ref). The model is exact at
+/// T_d* is held between its samples and limited to the torque limit; φ_l = 2πf_l(t − t_ref). The model is exact at
 /// every instant, not only at those of T_d,calc. The ripple holds for one recording only, since its phase is arbitrary:
-/// see [`InverterModel::refit_ripple`]. Lines beyond half the sample rate of T_d,calc appear at their alias.
+/// see [`AirGapTorqueModel::refit_ripple`]. Lines beyond half the sample rate of T_d,calc appear at their alias.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct InverterModel {
+pub struct AirGapTorqueModel {
     /// τ, s.
     pub delay_s: f64,
     /// a, rad/s.
@@ -50,7 +50,7 @@ pub struct InverterModel {
     pub residual: ResidualStatistics,
 }
 
-impl InverterModel {
+impl AirGapTorqueModel {
     /// The model's T_d at the instants of the demand, ripple included, from the present and the past of the demand. The
     /// demand's first value is taken to have stood before.
     ///
@@ -59,7 +59,7 @@ impl InverterModel {
         self.finer_air_gap_torque(demand, 1)
     }
 
-    /// [`InverterModel::air_gap_torque`] at `finer` times as many instants. Behind a demand that jumps, T_d holds
+    /// [`AirGapTorqueModel::air_gap_torque`] at `finer` times as many instants. Behind a demand that jumps, T_d holds
     /// frequencies beyond half the demand's rate, which fold back where it is taken at the demand's instants alone.
     pub fn finer_air_gap_torque(&self, demand: &Signal, finer: usize) -> Signal {
         let sample_time_s = demand.sample_time_s / finer as f64;
@@ -73,7 +73,7 @@ impl InverterModel {
     ///
     /// # Errors
     /// Samples that are not finite, or too few that are usable.
-    pub fn refit_ripple(&self, demand: &Signal, t_calc: &Signal) -> Result<InverterModel, IdentError> {
+    pub fn refit_ripple(&self, demand: &Signal, t_calc: &Signal) -> Result<AirGapTorqueModel, IdentError> {
         crate::torque_control::observed::check_finite("T_d*", &demand.samples)?;
         crate::torque_control::observed::check_finite("T_d,calc", &t_calc.samples)?;
         let usable = usable_samples(demand, t_calc, self.torque_limit_nm);
@@ -87,12 +87,12 @@ impl InverterModel {
         let (offset_nm, ripple) = model.linear_of(&fit.parameters);
         let residual = statistics(&fit.residuals, &observed)?;
         let ripple = DriveRipple { offset_nm, lines: ripple, reference_s: observed.reference_s };
-        Ok(InverterModel { ripple, residual, ..self.clone() })
+        Ok(AirGapTorqueModel { ripple, residual, ..self.clone() })
     }
 
     /// The frequencies near the known ones at which the residuals without ripple have most power.
     fn find_lines_again(&self, held: &HeldDemand, observed: &Observed) -> Result<Vec<f64>, IdentError> {
-        let smooth = InverterModel { ripple: DriveRipple::default(), ..self.clone() };
+        let smooth = AirGapTorqueModel { ripple: DriveRipple::default(), ..self.clone() };
         let modelled = smooth.torque_at(held, &observed.times_s);
         let mut errors: Vec<f64> = observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
         let mean = errors.iter().sum::<f64>() / errors.len().max(1) as f64;
@@ -161,7 +161,7 @@ pub(super) fn statistics(residuals: &[f64], observed: &Observed) -> Result<Resid
 #[derive(Debug, Clone)]
 pub(super) struct PureDelay {
     pub(super) delay_s: f64,
-    pub(super) dressing: InverterModel,
+    pub(super) dressing: AirGapTorqueModel,
 }
 
 impl PureDelay {

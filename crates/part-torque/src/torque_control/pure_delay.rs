@@ -6,7 +6,7 @@ use ident::{IdentError, Minimum, Termination};
 use rig::results::{Estimate, Parameter, Stretch};
 
 use super::held::HeldDemand;
-use super::model::{InverterModel, PureDelay};
+use super::model::{AirGapTorqueModel, PureDelay};
 use super::observed::Observed;
 use super::rippled::linear_part;
 use super::search::robust_covariance;
@@ -28,7 +28,7 @@ const SAME: f64 = 1e-9;
 pub(super) fn fit(
     held: &HeldDemand,
     observed: &Observed,
-    lagged: &InverterModel,
+    lagged: &AirGapTorqueModel,
     stretch: &Stretch,
 ) -> Result<(Estimate, PureDelay), IdentError> {
     let (delay_s, step_s) = best_step(held, observed, lagged);
@@ -36,7 +36,7 @@ pub(super) fn fit(
     let frequencies: Vec<f64> = lagged.ripple.lines.iter().map(|l| l.frequency_hz).collect();
     let (offset_nm, lines) = linear_part(&modelled, observed, &frequencies)?;
     let ripple = DriveRipple { offset_nm, lines, reference_s: lagged.ripple.reference_s };
-    let dressing = InverterModel { ripple, ..lagged.clone() };
+    let dressing = AirGapTorqueModel { ripple, ..lagged.clone() };
     let model = PureDelay { delay_s, dressing };
     let (noise, freedom) = noise_variance(held, observed, &model)?;
     let variance = step_s * step_s / 12.0 + noise;
@@ -56,7 +56,7 @@ fn delayed(held: &HeldDemand, observed: &Observed, delay_s: f64) -> Vec<f64> {
 
 /// Middle and width of the range of delays with the smallest cost. Offset and ripple are the lagged model's: they hardly
 /// depend on the response.
-fn best_step(held: &HeldDemand, observed: &Observed, lagged: &InverterModel) -> (f64, f64) {
+fn best_step(held: &HeldDemand, observed: &Observed, lagged: &AirGapTorqueModel) -> (f64, f64) {
     let cell_s = held.sample_time_s() / PARTS as f64;
     let count = ((LONGEST_DELAY_S + EARLIEST_S) / cell_s).ceil() as usize;
     let cost = |j: usize| -> f64 {

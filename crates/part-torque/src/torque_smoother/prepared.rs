@@ -7,7 +7,7 @@ use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
 
-use crate::air_gap_torque::inverter_of;
+use crate::air_gap_torque::model_of;
 use crate::torque_control::TorqueControlFit;
 use crate::torque_smoother::needed::{WITHIN, needed};
 
@@ -46,8 +46,8 @@ impl Prepared {
         let known = Encoder::known_or_assumed(encoder, measured, stated_gate_s);
         let once = encoder.map(|_| EncoderError { cosine: known.once_a_turn.0, sine: known.once_a_turn.1 });
         let error = encoder_error(measured, once);
-        let modelled = inverter_of(experiment, torque_control)
-            .map(|(demand, inverter)| inverter.finer_air_gap_torque(demand, 2 * WITHIN));
+        let modelled =
+            model_of(experiment, torque_control).map(|(demand, model)| model.finer_air_gap_torque(demand, 2 * WITHIN));
         let source = if modelled.is_some() { TorqueSource::Modelled } else { TorqueSource::Calculated };
         Ok(Prepared {
             speed: measured.with_samples(measured.samples.iter().zip(&error).map(|(n, e)| n - e).collect()),

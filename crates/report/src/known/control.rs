@@ -92,7 +92,7 @@ pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Kn
 
 /// The total delay of the torque control, and delay and lag one by one.
 pub(super) fn torque_control(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
-    of_part(&study.torque_control, ("τ, a", "torque control of the inverter"), |part| {
+    of_part(&study.torque_control, ("τ, a", "torque control"), |part| {
         let known = |symbol: &&str| {
             let own = part.delay_and_lag.parameter(symbol)?;
             let validation = &part.delay_and_lag_validation;

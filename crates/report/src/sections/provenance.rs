@@ -78,7 +78,7 @@ fn facts(bench: &BenchFacts) -> Table {
             inertia(bench.dynamometer_inertia_kg_m2, bench.dynamometer_inertia_uncertainty_percent),
         ),
         ("J_e", "Inertia of the engine", inertia(bench.engine_inertia_kg_m2, bench.engine_inertia_uncertainty_percent)),
-        ("", "Torque limit of the inverter", optional(bench.torque_limit_nm, "Nm")),
+        ("", "Torque limit", optional(bench.torque_limit_nm, "Nm")),
         ("", "Shaft torque limit", optional(bench.shaft_torque_limit_nm, "Nm")),
         ("", "Speed limit", bench.speed_limit_rad_s.map(number::rpm).unwrap_or_else(|| "not stated".to_owned())),
     ];

@@ -36,7 +36,7 @@ pub fn assumption(assumption: &Assumption) -> String {
             number(1e3 * delay_s, "ms"),
             number(bandwidth_rad_s / TAU, "Hz")
         ),
-        Assumption::TorqueLimit { torque_nm } => format!("the inverter's limit: {}", number(torque_nm, "Nm")),
+        Assumption::TorqueLimit { torque_nm } => format!("the torque limit: {}", number(torque_nm, "Nm")),
         Assumption::Flywheel => "the dual-mass flywheel: that of a passenger car".to_owned(),
         Assumption::Engine => {
             "the engine: firing pulses, motored torque and speed control of a two-litre engine".to_owned()
@@ -63,8 +63,8 @@ pub fn model_parameter(of: ModelParameter) -> (&'static str, &'static str, f64) 
         ModelParameter::Proportional | ModelParameter::SpeedFeedForward => ("Nm/rpm", 1.0 / RPM_RAD_S),
         ModelParameter::Integral => ("Nm/(rpm s)", 1.0 / RPM_RAD_S),
         ModelParameter::AccelerationFeedForward => ("Nm/(rpm/s)", 1.0 / RPM_RAD_S),
-        ModelParameter::ControllerDelay | ModelParameter::InverterDelay => ("ms", 1e-3),
-        ModelParameter::InverterBandwidth => ("rad/s", 1.0),
+        ModelParameter::ControllerDelay | ModelParameter::TorqueControlDelay => ("ms", 1e-3),
+        ModelParameter::TorqueControlBandwidth => ("rad/s", 1.0),
     };
     (of.symbol(), unit, si)
 }

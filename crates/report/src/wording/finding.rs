@@ -85,7 +85,7 @@ pub fn finding(finding: &Finding) -> String {
         }
         Finding::Saturated { share: of, limit_nm } => {
             let limit = measure(*limit_nm, "Nm");
-            format!("The torque is at the inverter’s limit of {limit} in {} of the samples.", share(*of))
+            format!("The torque is at its limit of {limit} in {} of the samples.", share(*of))
         }
         Finding::EarlySignal { role: early, advance_s } => {
             let advance = duration(*advance_s);
@@ -172,7 +172,7 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::ExcludedLines { .. } => "Nothing to do; the figure of the residual spectrum shows where they are.",
         Finding::ResidualsCorrelated { .. } => {
-            "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
+            "Do not trust the intervals of this part: the model lacks something. RecordingLines at its residual plots."
         }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
         Finding::CoarseResolution { .. } => {

@@ -57,7 +57,7 @@ pub fn role_name(role: Role) -> &'static str {
         Role::EngineSpeed => "engine speed",
         Role::DynoSpeedDemand => "dynamometer speed demand",
         Role::DynoTorqueDemand => "dynamometer torque demand",
-        Role::AirGapTorque => "air-gap torque from the inverter",
+        Role::AirGapTorque => "computed air-gap torque",
         Role::LoadCellTorque => "air-gap torque from the load cell",
         Role::SystemShaftTorque => "shaft torque as the bench system computes it",
         Role::FlangeTorque => "shaft torque from the torque flange",

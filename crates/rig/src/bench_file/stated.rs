@@ -48,7 +48,7 @@ pub struct BenchFile {
 /// Limits of the bench; what is not stated is not checked.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Limits {
-    /// Inverter's torque limit, Nm.
+    /// Drive's torque limit, Nm.
     pub torque_nm: Option<f64>,
     /// Shaft torque limit, Nm.
     pub shaft_torque_nm: Option<f64>,

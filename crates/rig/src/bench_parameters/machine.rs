@@ -65,21 +65,21 @@ impl Default for InductionMachine {
 impl InductionMachine {
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let pairs = self.pole_pairs;
-        require("inverter.machine.pole_pairs", f64::from(pairs), (1..=20).contains(&pairs), "between 1 and 20")?;
-        require_positive("inverter.machine.stator_resistance_ohm", self.stator_resistance_ohm)?;
-        require_positive("inverter.machine.rotor_resistance_ohm", self.rotor_resistance_ohm)?;
-        require_positive("inverter.machine.stator_leakage_h", self.stator_leakage_h)?;
-        require_positive("inverter.machine.rotor_leakage_h", self.rotor_leakage_h)?;
-        require_positive("inverter.machine.magnetising_h", self.magnetising_h)?;
-        require_positive("inverter.machine.rated_flux_vs", self.rated_flux_vs)?;
-        require_positive("inverter.machine.voltage_limit_v", self.voltage_limit_v)?;
-        require_positive("inverter.machine.current_limit_a", self.current_limit_a)?;
+        require("drive.machine.pole_pairs", f64::from(pairs), (1..=20).contains(&pairs), "between 1 and 20")?;
+        require_positive("drive.machine.stator_resistance_ohm", self.stator_resistance_ohm)?;
+        require_positive("drive.machine.rotor_resistance_ohm", self.rotor_resistance_ohm)?;
+        require_positive("drive.machine.stator_leakage_h", self.stator_leakage_h)?;
+        require_positive("drive.machine.rotor_leakage_h", self.rotor_leakage_h)?;
+        require_positive("drive.machine.magnetising_h", self.magnetising_h)?;
+        require_positive("drive.machine.rated_flux_vs", self.rated_flux_vs)?;
+        require_positive("drive.machine.voltage_limit_v", self.voltage_limit_v)?;
+        require_positive("drive.machine.current_limit_a", self.current_limit_a)?;
         let magnetising_a = self.rated_flux_vs / self.magnetising_h;
         let leaves_torque = magnetising_a < 0.9 * self.current_limit_a;
-        require("inverter.machine.current_limit_a", magnetising_a, leaves_torque, "above the magnetising current")?;
+        require("drive.machine.current_limit_a", magnetising_a, leaves_torque, "above the magnetising current")?;
         let bandwidth = self.current_bandwidth_rad_s;
         let requirement = "between 10 and 2000 rad/s, which 4 kHz allow";
         let is_possible = (10.0..=2000.0).contains(&bandwidth);
-        require("inverter.machine.current_bandwidth_rad_s", bandwidth, is_possible, requirement)
+        require("drive.machine.current_bandwidth_rad_s", bandwidth, is_possible, requirement)
     }
 }

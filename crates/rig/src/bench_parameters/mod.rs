@@ -2,9 +2,9 @@
 
 mod clocks;
 mod controller;
+mod drive;
 mod engine;
 mod error;
-mod inverter;
 mod loss;
 mod machine;
 mod mechanics;
@@ -16,10 +16,10 @@ use serde::{Deserialize, Serialize};
 use crate::facts::BenchVariant;
 pub use clocks::ClockParameters;
 pub use controller::ControllerParameters;
+pub use drive::{DriveParameters, MachineKnowledge};
 pub use engine::{EngineParameters, Harmonic, ThrottleMap};
 pub use error::{ParameterError, require};
 pub(crate) use error::{require_not_negative, require_positive};
-pub use inverter::{InverterParameters, MachineKnowledge};
 pub use loss::{LossFactor, RelaxingSpring, RelaxingSprings};
 pub use machine::InductionMachine;
 pub use mechanics::{DualMassFlywheel, DynoTwist, MechanicsParameters};
@@ -37,8 +37,8 @@ pub struct BenchParameters {
     pub mechanics: MechanicsParameters,
     /// The dynamometer's speed controller.
     pub controller: ControllerParameters,
-    /// Inverter and machine: from T_d* to the real air-gap torque.
-    pub inverter: InverterParameters,
+    /// The drive, drive and machine: from T_d* to the real air-gap torque.
+    pub drive: DriveParameters,
     /// The engine and its control.
     pub engine: EngineParameters,
     /// Encoders, load cell, computed torques.
@@ -53,7 +53,7 @@ impl Default for BenchParameters {
             variant: BenchVariant::LoadCell,
             mechanics: MechanicsParameters::default(),
             controller: ControllerParameters::default(),
-            inverter: InverterParameters::default(),
+            drive: DriveParameters::default(),
             engine: EngineParameters::default(),
             sensors: SensorParameters::default(),
             clocks: ClockParameters::default(),
@@ -78,7 +78,7 @@ impl BenchParameters {
             Some(LossFactor { loss_factor: 0.1, reference_hz: 18.0, lowest_hz: 1.0, highest_hz: 100.0 });
         all.mechanics.dyno_twist =
             Some(DynoTwist { coupling_inertia_kg_m2: 0.05, stiffness_nm_per_rad: 1e5, damping_nm_s_per_rad: 10.0 });
-        all.inverter.machine = Some(InductionMachine::default());
+        all.drive.machine = Some(InductionMachine::default());
         all.engine.slider_crank = Some(SliderCrank::default());
         all.sensors.pulses = Some(PulseParameters::default());
         all
@@ -92,7 +92,7 @@ impl BenchParameters {
     pub fn check(&self) -> Result<(), ParameterError> {
         self.mechanics.check()?;
         self.controller.check()?;
-        self.inverter.check()?;
+        self.drive.check()?;
         self.engine.check()?;
         self.sensors.check()?;
         self.clocks.check()

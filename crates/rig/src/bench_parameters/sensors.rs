@@ -24,7 +24,7 @@ pub struct SensorParameters {
     pub speed_noise_rad_s: f64,
     /// Measured speeds are rounded to multiples of this, rad/s; zero: not rounded.
     pub speed_resolution_rad_s: f64,
-    /// The recorded T_d* is rounded to multiples of this, Nm; zero: not rounded. The inverter gets it unrounded.
+    /// The recorded T_d* is rounded to multiples of this, Nm; zero: not rounded. The drive gets it unrounded.
     pub demand_resolution_nm: f64,
     /// Standard deviation of the white noise of T_d,calc, Nm.
     pub calc_noise_nm: f64,

@@ -143,7 +143,7 @@ pub enum Meaning {
     Shaft,
     /// A demand.
     Demand,
-    /// In the air gap, or as the inverter computes it.
+    /// In the air gap, or as the drive computes it.
     AirGap,
     /// Computed, not measured.
     Calculated,

@@ -14,7 +14,7 @@ use crate::facts::Engine;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TorqueTarget {
-    /// T_d, the air-gap torque: the demand goes straight to the inverter.
+    /// T_d, the air-gap torque: the demand goes straight to the drive.
     #[default]
     AirGap,
     /// T_shaft, the shaft torque: a controller demands T_d* (thesis §3.2, third mode).

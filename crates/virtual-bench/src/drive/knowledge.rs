@@ -1,4 +1,4 @@
-//! How the torque that the inverter computes differs from the machine's.
+//! How the torque that the drive computes differs from the machine's.
 
 use rig::bench_parameters::{BenchParameters, MachineKnowledge};
 use rig::facts::BenchVariant;
@@ -18,9 +18,9 @@ pub(crate) struct Knowledge {
 }
 
 impl Knowledge {
-    /// A cold machine that the inverter has not yet adapted to.
+    /// A cold machine that the drive has not yet adapted to.
     pub(crate) fn new(parameters: &BenchParameters, update_s: f64) -> Self {
-        let mut knowledge = parameters.inverter.knowledge;
+        let mut knowledge = parameters.drive.knowledge;
         if parameters.variant == BenchVariant::TorqueFlange {
             knowledge.adaptation_time_s = 0.0;
         }

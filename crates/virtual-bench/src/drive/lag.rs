@@ -1,4 +1,4 @@
-//! The inverter's closed torque loop as a lag.
+//! The drive's closed torque loop as a lag.
 
 use std::collections::VecDeque;
 

@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 use lti::Complex64;
-use rig::bench_parameters::InverterParameters;
+use rig::bench_parameters::DriveParameters;
 
 use field_oriented::FieldOrientedControl;
 pub(super) use knowledge::Knowledge;
@@ -19,13 +19,13 @@ use lag::Lag;
 use machine::{Electrical, Machine};
 pub(crate) use timed::TimedDemand;
 
-/// Samples of the inverter's control in a millisecond.
+/// Samples of the drive's control in a millisecond.
 pub(super) const SAMPLES_PER_UPDATE: usize = 4;
 
-/// The inverter: demands on their way to it, and what it makes of them.
+/// The drive: demands on their way to it, and what it makes of them.
 #[derive(Debug, Clone)]
-pub(super) struct Inverter {
-    parameters: InverterParameters,
+pub(super) struct Drive {
+    parameters: DriveParameters,
     /// Demands on their way, the oldest first, at the times when they take effect.
     on_the_way: VecDeque<TimedDemand>,
     fidelity: Fidelity,
@@ -50,10 +50,10 @@ struct MachineDrive {
     step_in_sample: usize,
 }
 
-impl Inverter {
-    /// The inverter at rest at a torque and a speed, stepped so many times a millisecond.
+impl Drive {
+    /// The drive at rest at a torque and a speed, stepped so many times a millisecond.
     pub(super) fn new(
-        parameters: &InverterParameters,
+        parameters: &DriveParameters,
         torque_nm: f64,
         speed_rad_s: f64,
         (update_s, steps_per_update): (f64, usize),

@@ -109,7 +109,7 @@ impl Sensors {
         }
     }
 
-    /// What the bench reads now, with the air-gap torque as the inverter computes it.
+    /// What the bench reads now, with the air-gap torque as the drive computes it.
     pub(super) fn read(&mut self, computed_nm: f64) -> Readings {
         let dyno_speed_rad_s = self.dyno_encoder.read_rad_s(&self.dyno_rotation);
         let calc_torque_nm = computed_nm + self.calc_noise_nm * self.calc_random.normal();

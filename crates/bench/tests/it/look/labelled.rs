@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use bench::experiment::{ExperimentPlan, Test, Waveform};
-use bench::look::{Cause, Line, Look, LookedPart, LookedSignal, look};
+use bench::lines::{Cause, Line, PartLines, RecordingLines, SignalLines, find_lines};
 use bench::model::Engine;
 use bench::study::BenchVariant;
 use bench::units::RPM_RAD_S;
@@ -47,7 +47,7 @@ pub(crate) struct Drawn {
 /// A recording, what is said of it, and the same without one of its causes each.
 pub(crate) struct Labelled {
     drawn: Drawn,
-    pub(crate) look: Look,
+    pub(crate) look: RecordingLines,
     whole: Experiment,
     /// Every channel at 1 kHz, where less folds.
     unfolded: Experiment,
@@ -127,9 +127,9 @@ impl Drawn {
         mechanics.engine_inertia_kg_m2 *= within(0.6, 1.6);
         mechanics.shaft_stiffness_nm_per_rad *= within(0.5, 2.0);
         mechanics.shaft_damping_nm_s_per_rad *= within(0.5, 2.0);
-        parameters.inverter.ripple_hz = [100.0, 120.0][within(0.0, 2.0) as usize] * within(0.998, 1.002);
-        parameters.inverter.additive_ripple_nm = within(0.0, 2.0);
-        parameters.inverter.multiplicative_ripple = within(0.0, 0.06);
+        parameters.drive.ripple_hz = [100.0, 120.0][within(0.0, 2.0) as usize] * within(0.998, 1.002);
+        parameters.drive.additive_ripple_nm = within(0.0, 2.0);
+        parameters.drive.multiplicative_ripple = within(0.0, 0.06);
         let sensors = &mut parameters.sensors;
         sensors.gate_s = [1e-3, 1e-3, 2e-3, 4e-3][within(0.0, 4.0) as usize];
         sensors.dyno_eccentricity = within(0.0, 5e-4);
@@ -256,8 +256,8 @@ impl Drawn {
         prepare("run.mf4", &recording, &self.bench_file(), self.plan.label.clone()).unwrap().0
     }
 
-    pub(crate) fn look(&self) -> Look {
-        look(&self.recorded(), self.engine())
+    pub(crate) fn look(&self) -> RecordingLines {
+        find_lines(&self.recorded(), self.engine())
     }
 
     fn without(&self, source: usize) -> Option<Experiment> {
@@ -274,8 +274,8 @@ impl Drawn {
                 }
             }
             RIPPLE => {
-                let inverter = &mut other.parameters.inverter;
-                (inverter.additive_ripple_nm, inverter.multiplicative_ripple) = (0.0, 0.0);
+                let drive = &mut other.parameters.drive;
+                (drive.additive_ripple_nm, drive.multiplicative_ripple) = (0.0, 0.0);
             }
             // Noise that is held differs with how long it is held.
             HOLD if self.sines_hz().is_empty() => return None,
@@ -318,7 +318,7 @@ impl Drawn {
         let firing = self.engine().firings_per_turn();
         let step = 2.0 / f64::from(self.engine().strokes);
         let orders: Vec<f64> = (1..=(HIGHEST_FIRING * firing / step) as i32).map(|k| step * f64::from(k)).collect();
-        let ripple_hz = self.parameters.inverter.ripple_hz;
+        let ripple_hz = self.parameters.drive.ripple_hz;
         let held_hz = 1.0 / self.parameters.controller.demand_hold_s;
         let of = |cause: Cause, order: f64, frequency_hz: f64, needed: &[usize]| {
             let needs = std::array::from_fn(|source| needed.contains(&source));
@@ -366,7 +366,7 @@ impl Labelled {
     pub(crate) fn new(drawn: Drawn) -> Self {
         let whole = drawn.recorded();
         Labelled {
-            look: look(&whole, drawn.engine()),
+            look: find_lines(&whole, drawn.engine()),
             unfolded: drawn.unfolded(),
             without: std::array::from_fn(|source| drawn.without(source)),
             angle: drawn.angle(),
@@ -375,7 +375,7 @@ impl Labelled {
         }
     }
 
-    pub(crate) fn lines(&self) -> impl Iterator<Item = (&LookedPart, &LookedSignal, &Line)> {
+    pub(crate) fn lines(&self) -> impl Iterator<Item = (&PartLines, &SignalLines, &Line)> {
         self.look.parts.iter().flat_map(|part| {
             part.signals.iter().flat_map(move |signal| signal.lines.iter().map(move |line| (part, signal, line)))
         })
@@ -388,12 +388,12 @@ impl Labelled {
         self.angle[below] + (place - below as f64) * (self.angle[below + 1] - self.angle[below])
     }
 
-    fn turns_hz(&self, part: &LookedPart) -> f64 {
+    fn turns_hz(&self, part: &PartLines) -> f64 {
         (self.angle_at(part.end_s) - self.angle_at(part.start_s)) / (TAU * (part.end_s - part.start_s))
     }
 
     /// How far the speed is spread in a part, Hz.
-    fn spread_hz(&self, part: &LookedPart) -> f64 {
+    fn spread_hz(&self, part: &PartLines) -> f64 {
         let offset_s = self.drawn.parameters.clocks.start_offset_s;
         let at = |time_s: f64| (((time_s - offset_s) / 1e-3).max(0.0) as usize).min(self.angle.len() - 1);
         let speeds: Vec<f64> =
@@ -408,13 +408,13 @@ impl Labelled {
         (0..signal.len()).map(|k| c64::cis(-phase(signal.time_s(k)))).collect()
     }
 
-    fn part_of(experiment: &Experiment, part: &LookedPart, role: Role) -> Signal {
+    fn part_of(experiment: &Experiment, part: &PartLines, role: Role) -> Signal {
         experiment.signal(role).unwrap().slice(part.start_s, part.end_s)
     }
 
     /// How much of a component is missed without each source, and how strong it is where less folds; none where it makes
     /// little of a line.
-    fn score(&self, part: &LookedPart, role: Role, of: &Component, amplitude: f64) -> Option<(f64, f64)> {
+    fn score(&self, part: &PartLines, role: Role, of: &Component, amplitude: f64) -> Option<(f64, f64)> {
         let power = |x: &[c64]| x.iter().map(|x| x.norm_sqr()).sum::<f64>();
         let signal = Self::part_of(&self.whole, part, role);
         let behind = self.behind(&signal, of);
@@ -447,7 +447,7 @@ impl Labelled {
     }
 
     /// The causes that made a line, the strongest first; none where nothing that is known did.
-    fn causes(&self, part: &LookedPart, signal: &LookedSignal, line: &Line) -> Vec<Component> {
+    fn causes(&self, part: &PartLines, signal: &SignalLines, line: &Line) -> Vec<Component> {
         let rate_hz = 1.0 / signal.sample_time_s;
         let (turns_hz, spread_hz) = (self.turns_hz(part), self.spread_hz(part));
         let bin_hz = 1.0 / (part.end_s - part.start_s);
@@ -481,7 +481,7 @@ impl Labelled {
     }
 
     /// Whether a name says what a component is.
-    fn names(&self, cause: &Cause, component: &Component, part: &LookedPart) -> bool {
+    fn names(&self, cause: &Cause, component: &Component, part: &PartLines) -> bool {
         let turns_hz = self.turns_hz(part);
         let bin_hz = 1.0 / (part.end_s - part.start_s);
         match (cause, &component.cause) {
@@ -508,7 +508,7 @@ impl Labelled {
     }
 
     /// Whether all that a line may come from lies within its resolution.
-    fn coincide(&self, between: &[Cause], part: &LookedPart, signal: &LookedSignal, line: &Line) -> bool {
+    fn coincide(&self, between: &[Cause], part: &PartLines, signal: &SignalLines, line: &Line) -> bool {
         let rate_hz = 1.0 / signal.sample_time_s;
         let (turns_hz, spread_hz) = (self.turns_hz(part), self.spread_hz(part));
         let reach = |order: f64| MODULATED_HZ.min(BINS / (part.end_s - part.start_s)) + order * spread_hz;
@@ -534,7 +534,7 @@ impl Labelled {
             })
     }
 
-    pub(crate) fn judge(&self, part: &LookedPart, signal: &LookedSignal, line: &Line) -> Judged {
+    pub(crate) fn judge(&self, part: &PartLines, signal: &SignalLines, line: &Line) -> Judged {
         let named = kind(&line.cause);
         let near = |hz: f64, share: f64| (line.frequency_hz / hz - 1.0).abs() < share;
         let is_structural = self.drawn.structural_hz().iter().any(|hz| near(*hz, STRUCTURAL));

@@ -2,7 +2,7 @@
 //! made them. The engine has four unequal cylinders, which give half orders beside multiples of order 2; the drive has a
 //! ripple at 100 Hz, part of it in proportion to its torque; torque demands are held for 10 ms.
 
-use bench::look::{Cause, Line, Look, look};
+use bench::lines::{Cause, Line, RecordingLines, find_lines};
 use bench::model::Engine;
 use bench::{BenchFile, Role, prepare};
 
@@ -33,11 +33,11 @@ fn is_named(line: &Line, expected: &[&str]) -> bool {
     is_among && (expected.len() > 1) == (named.len() > 1)
 }
 
-fn looked(bench: &str, file: &BenchFile, is_meant: impl Fn(&str) -> bool) -> Vec<Look> {
+fn looked(bench: &str, file: &BenchFile, is_meant: impl Fn(&str) -> bool) -> Vec<RecordingLines> {
     let meant = recordings(bench).into_iter().filter(|(name, _)| is_meant(name));
     let looks = meant.map(|(name, recording)| {
         let (experiment, _) = prepare(&name, &recording, file, file.label_of(&name).unwrap()).unwrap();
-        look(&experiment, Engine { cylinders: 4, strokes: 4 })
+        find_lines(&experiment, Engine { cylinders: 4, strokes: 4 })
     });
     looks.collect()
 }

@@ -1,7 +1,7 @@
 //! `dynoid controller noise-test`: what noise does to the estimate of a PI that is known.
 
 use bench::experiment::Test;
-use bench::speed_control::{StudyOptions, study, virtual_experiment};
+use bench::speed_control::{NoiseTestOptions, noise_test, virtual_experiment};
 use bench::{ControlMode, Experiment, Role};
 
 use crate::cli::GivenRecordings;
@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
         }
     };
     let progress = terminal.long("estimating draw after draw");
-    let found = study(&experiment, &options, &|done, all| progress.told(done, all));
+    let found = noise_test(&experiment, &options, &|done, all| progress.told(done, all));
     drop(progress);
     let found = found.map_err(|source| CliError::NoiseTest { source })?;
     let page = report::pages::controller_noise(&found);
@@ -36,14 +36,14 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
     Ok(Outcome::Done)
 }
 
-fn options(arguments: &NoiseTestArguments) -> Result<StudyOptions, CliError> {
+fn options(arguments: &NoiseTestArguments) -> Result<NoiseTestOptions, CliError> {
     let [low, high] = arguments.band_pass[..] else {
         return Err(CliError::Usage { what: "--band-pass: give two corners, such as 100,200".to_owned() });
     };
     if low >= high {
         return Err(CliError::Usage { what: format!("--band-pass {low},{high}: the first corner is the lower one") });
     }
-    Ok(StudyOptions {
+    Ok(NoiseTestOptions {
         k_p: arguments.k_p,
         k_i: arguments.k_i,
         delay_s: arguments.delay,

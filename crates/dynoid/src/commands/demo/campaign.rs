@@ -87,7 +87,7 @@ pub(super) fn bench_file(parameters: &BenchParameters, recordings: &str) -> Benc
         dynamometer_friction_uncertainty_percent: None,
         engine_inertia_kg_m2: parameters.mechanics.engine_inertia_kg_m2,
         engine_inertia_uncertainty_percent: None,
-        limits: Limits { torque_nm: Some(parameters.inverter.torque_limit_nm), ..Limits::default() },
+        limits: Limits { torque_nm: Some(parameters.drive.torque_limit_nm), ..Limits::default() },
         shaft: ShaftPrior::default(),
         virtual_bench: toml::Table::new(),
         channels: CHANNELS

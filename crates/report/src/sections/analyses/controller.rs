@@ -2,7 +2,7 @@
 
 use bench::estimate::EstimateError;
 use bench::estimate::speed_controller::{FeedForwardTerms, Round, TermTest};
-use bench::speed_control::{Case, Controller, ControllerRecording, Estimator, PiStudy, SpeedControl, Summary};
+use bench::speed_control::{Case, Controller, ControllerRecording, Estimator, NoiseTest, SpeedControl, Summary};
 use bench::torque_signals::Told;
 use bench::units::RPM_RAD_S;
 use page::Blocks;
@@ -12,7 +12,7 @@ use crate::controller as words;
 use crate::wording::number;
 
 /// PI and delay in every recording with constant N_d*, what stands beside them, the limit of T_d*, and what noise does.
-pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<PiStudy, EstimateError>>) -> Blocks {
+pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
     let mut all: Blocks = found.controllers.iter().map(one).collect();
     all.push(figures(words::correlation_figures(found)));
     if !found.controllers.is_empty() {
@@ -148,7 +148,7 @@ fn map(terms: &FeedForwardTerms) -> Blocks {
 }
 
 /// What noise does to the estimate of a PI that is known.
-pub(crate) fn pi_study(found: &PiStudy) -> Blocks {
+pub(crate) fn pi_study(found: &NoiseTest) -> Blocks {
     let mut all = heading("Could noise be why a PI does not explain a recording?");
     all.push(sentence(&format!(
         "A PI that is known runs on the speeds of {}, with each noise in {} draws, and is estimated again",
@@ -160,13 +160,13 @@ pub(crate) fn pi_study(found: &PiStudy) -> Blocks {
         all.push(sentence(&format!("{noise}:")));
         all.push(plain_table(&heads, cases.iter().flat_map(|case| case_rows(found, case))));
     }
-    all.push(sentence(words::STUDY_DEFINITIONS));
+    all.push(sentence(words::NOISE_TEST_DEFINITIONS));
     all.push(sentence(words::ESTIMATORS));
-    all.push(figures(words::study_figures(found)));
+    all.push(figures(words::noise_test_figures(found)));
     all
 }
 
-fn case_rows(found: &PiStudy, case: &Case) -> Vec<Vec<String>> {
+fn case_rows(found: &NoiseTest, case: &Case) -> Vec<Vec<String>> {
     let digits = |value: f64| number::significant(value, 5);
     let spread = |value: f64| number::significant_with_unit(value, 2, "");
     let row = |summary: &Summary| {

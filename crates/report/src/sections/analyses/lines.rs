@@ -1,6 +1,6 @@
 //! Lines of the spectra.
 
-use bench::look::{BANDWIDTH_ORDERS, Cause, Line, Look, LookedPart, LookedSignal, OverSpeed, TURNS};
+use bench::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, RecordingLines, SignalLines, TURNS};
 use page::{Align, Block, Blocks, Prose, Table};
 
 use super::{figures, heading, plain_table, sentence, untold};
@@ -13,7 +13,7 @@ const STRONGEST: usize = 8;
 const DRAWN_PARTS: usize = 1;
 
 /// The section on lines.
-pub(crate) fn lines(looks: &[Look], signals: &[OverSpeed]) -> Blocks {
+pub(crate) fn lines(looks: &[RecordingLines], signals: &[OverSpeed]) -> Blocks {
     let mut all = sentence(
         "What every signal holds at which frequency, before any model, each line named by what it follows: the crank angle \
          (orders), the demand, the mains. What is not plainly of the engine or demanded stands in the table",
@@ -24,7 +24,7 @@ pub(crate) fn lines(looks: &[Look], signals: &[OverSpeed]) -> Blocks {
     all
 }
 
-fn of_recording(look: &Look) -> Blocks {
+fn of_recording(look: &RecordingLines) -> Blocks {
     if look.parts.iter().all(|part| part.signals.is_empty()) {
         return untold(&format!("{} has no spectrum", look.file), "no speed is recorded, or every signal is too short");
     }
@@ -40,7 +40,7 @@ fn of_recording(look: &Look) -> Blocks {
 }
 
 /// Lines that fold, that come of the demand's hold or the drive, and those whose cause is not told.
-fn to_mind(looks: &[Look]) -> Blocks {
+fn to_mind(looks: &[RecordingLines]) -> Blocks {
     let rows: Vec<Vec<String>> = looks.iter().flat_map(rows_of).collect();
     if rows.is_empty() {
         return sentence("Every strong line is an engine order below half the sample rate, or demanded");
@@ -51,10 +51,10 @@ fn to_mind(looks: &[Look]) -> Blocks {
 }
 
 /// Of each kind to mind the strongest line of a recording, and the signals that have one.
-fn rows_of(look: &Look) -> Vec<Vec<String>> {
+fn rows_of(look: &RecordingLines) -> Vec<Vec<String>> {
     let signals = look.parts.iter().flat_map(|part| &part.signals);
     let lines = signals.flat_map(|signal| signal.lines.iter().take(STRONGEST).map(move |line| (signal, line)));
-    let mut kinds: Vec<(&Line, Vec<(&LookedSignal, &Line)>)> = Vec::new();
+    let mut kinds: Vec<(&Line, Vec<(&SignalLines, &Line)>)> = Vec::new();
     for (signal, line) in lines.filter(|(_, line)| is_to_mind(&line.cause)) {
         let kind = std::mem::discriminant(&line.cause);
         match kinds.iter_mut().find(|(first, _)| std::mem::discriminant(&first.cause) == kind) {
@@ -70,8 +70,8 @@ fn is_to_mind(cause: &Cause) -> bool {
     !matches!(cause, Cause::Order { .. } | Cause::Demanded | Cause::OrderSideband { .. } | Cause::StructuralResonance)
 }
 
-fn row(look: &Look, first: &Line, of: &[(&LookedSignal, &Line)]) -> Vec<String> {
-    let amplitude = |(signal, line): &(&LookedSignal, &Line)| {
+fn row(look: &RecordingLines, first: &Line, of: &[(&SignalLines, &Line)]) -> Vec<String> {
+    let amplitude = |(signal, line): &(&SignalLines, &Line)| {
         let (unit, per_si) = unit(signal.role);
         format!("{} {}", signal.role.symbol(), number::significant_with_unit(per_si * line.amplitude, 2, unit))
     };
@@ -84,7 +84,7 @@ fn row(look: &Look, first: &Line, of: &[(&LookedSignal, &Line)]) -> Vec<String> 
 }
 
 /// Every line of every recording, `most` a signal (zero shows all), then the orders over the speed, then the figures.
-pub(crate) fn every_line(looks: &[Look], signals: &[OverSpeed], most: usize) -> Blocks {
+pub(crate) fn every_line(looks: &[RecordingLines], signals: &[OverSpeed], most: usize) -> Blocks {
     let over = match looks {
         [one] => one.file.clone(),
         _ => "All recordings".to_owned(),
@@ -99,7 +99,7 @@ pub(crate) fn every_line(looks: &[Look], signals: &[OverSpeed], most: usize) -> 
 }
 
 /// The lines of a part of a recording, the strongest first.
-fn lines_of(look: &Look, part: &LookedPart, most: usize) -> Blocks {
+fn lines_of(look: &RecordingLines, part: &PartLines, most: usize) -> Blocks {
     let over = format!("{} to {} s", number::significant(part.start_s, 4), number::significant(part.end_s, 4));
     let mut all = Blocks::from(Block::heading(
         Prose::code(&look.file).then(format!(", {over}, {}", number::rpm(part.speed_rad_s))),

@@ -1,6 +1,6 @@
 //! The shaft by recording, band and route, and beyond K and B.
 
-use bench::shaft_study::{Band, ShaftRecording, ShaftStudy};
+use bench::shaft_analysis::{Band, ShaftAnalysis, ShaftRecording};
 use bench::study::{Estimate, Shaft};
 use bench::torque_signals::Told;
 use page::Blocks;
@@ -15,7 +15,7 @@ const WHICH: &str = "The values of each recording come from its first part, and 
     gives values that differ a little";
 
 /// What all recordings with a shaft tell of it.
-pub(crate) fn shaft(found: &ShaftStudy) -> Blocks {
+pub(crate) fn shaft(found: &ShaftAnalysis) -> Blocks {
     let mut all = match found.recordings.len() {
         0 => sentence("None of these recordings has a shaft: run BS_T_NT or WhiteNoise_T_TN with the shaft on"),
         1 => Blocks::default(),

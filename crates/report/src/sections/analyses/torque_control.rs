@@ -1,10 +1,10 @@
 //! Models of the torque control against the bar of one sample's delay.
 
-use bench::study::{Analyses, Parameter, ResidualTest};
-use bench::torque_control_study::{
-    BlackBox, ChosenBy, Judgement, Model, StudiedRecording, TorqueControlStudy, TorqueControlStudyError, Visibility,
+use bench::model_comparison::{
+    BlackBox, ChosenBy, ComparedRecording, Judgement, Model, ModelComparison, ModelComparisonError, Visibility,
     VisibilityCase,
 };
+use bench::study::{Analyses, Parameter, ResidualTest};
 use page::Blocks;
 
 use super::{figures, heading, of_recording, plain_table, sentence, untold};
@@ -13,7 +13,7 @@ use crate::torque_control as words;
 use crate::wording::number;
 
 /// Models of the torque control, with the orders that a report tries.
-pub(crate) fn torque_control_in_report(found: &Result<TorqueControlStudy, TorqueControlStudyError>) -> Blocks {
+pub(crate) fn torque_control_in_report(found: &Result<ModelComparison, ModelComparisonError>) -> Blocks {
     let studied = match found {
         Ok(studied) => studied,
         Err(why) => return untold("Models of the torque control beyond delay and lag", &why.to_string()),
@@ -28,7 +28,7 @@ pub(crate) fn torque_control_in_report(found: &Result<TorqueControlStudy, Torque
 }
 
 /// Every model compared with a delay of one sample.
-pub(crate) fn torque_control(studied: &TorqueControlStudy) -> Blocks {
+pub(crate) fn torque_control(studied: &ModelComparison) -> Blocks {
     let mut all = heading("Delay, lag or black box?");
     all.push(sentence(
         "Every model is compared with the simplest: T_d is T_d* one sample of T_d,calc ago. That is the bar to beat",
@@ -40,7 +40,7 @@ pub(crate) fn torque_control(studied: &TorqueControlStudy) -> Blocks {
     all
 }
 
-fn one(studied: &TorqueControlStudy, recording: &StudiedRecording) -> Blocks {
+fn one(studied: &ModelComparison, recording: &ComparedRecording) -> Blocks {
     let mut all = of_recording(&recording.file, &recording.label);
     all.push(sentence(&stretches(recording)));
     all.push(estimates(recording));
@@ -61,7 +61,7 @@ fn one(studied: &TorqueControlStudy, recording: &StudiedRecording) -> Blocks {
 }
 
 /// What moved T_d*, which part judges the other, and what ripple was taken out.
-fn stretches(recording: &StudiedRecording) -> String {
+fn stretches(recording: &ComparedRecording) -> String {
     let ends = [recording.estimation.end_s, recording.held_out.end_s].map(|s| number::significant(s, 4));
     let ripple = match recording.ripple_hz.as_slice() {
         [] => "no ripple was found".to_owned(),
@@ -75,7 +75,7 @@ fn stretches(recording: &StudiedRecording) -> String {
 }
 
 /// Delay alone, then delay and lag, each with how many residuals depend on T_d*.
-fn estimates(recording: &StudiedRecording) -> Blocks {
+fn estimates(recording: &ComparedRecording) -> Blocks {
     let outside = |test: &Option<ResidualTest>| {
         test.as_ref().map_or_else(|| "–".to_owned(), |test| number::share(test.share_outside()))
     };
@@ -111,7 +111,7 @@ fn visibility(of: &Visibility) -> Blocks {
     all
 }
 
-fn chosen_by(studied: &TorqueControlStudy, judged: &Judgement) -> String {
+fn chosen_by(studied: &ModelComparison, judged: &Judgement) -> String {
     let Model::BlackBox { structure } = judged.model else { return String::new() };
     let of = |black_box: &&BlackBox| black_box.structure == structure;
     let found = studied.recording(judged.estimated_on).and_then(|r| r.black_boxes.iter().find(of));
@@ -122,7 +122,7 @@ fn chosen_by(studied: &TorqueControlStudy, judged: &Judgement) -> String {
     found.map_or_else(String::new, |b| b.chosen_by.iter().map(word).collect::<Vec<_>>().join(", "))
 }
 
-fn judgements(studied: &TorqueControlStudy, recording: &StudiedRecording) -> Blocks {
+fn judgements(studied: &ModelComparison, recording: &ComparedRecording) -> Blocks {
     let or_dash = |value: Option<String>| value.unwrap_or_else(|| "–".to_owned());
     let nm = |value: f64| number::significant_with_unit(value, 3, "Nm");
     let bar = vec![

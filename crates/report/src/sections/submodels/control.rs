@@ -95,10 +95,9 @@ fn early(estimate: &Estimate) -> Blocks {
     said.iter().map(|text| Block::paragraph(format!("{text}."))).collect()
 }
 
-/// Inverter and machine: delay alone, and delay with lag.
+/// Torque control: delay alone, and delay with lag.
 pub(crate) fn torque_control(study: &Study) -> Blocks {
-    let what =
-        "Inverter and machine with their field-oriented control: how the air-gap torque T_d follows its demand T_d*.";
+    let what = "How the air-gap torque T_d follows its demand T_d*.";
     let part: &TorqueControl = match &study.torque_control {
         Part::Estimated(part) => part,
         Part::NotEstimated { needs } => return not_estimated(what, needs),

@@ -3,9 +3,9 @@
 use rig::Role;
 use signal::Signal;
 
-use super::lines::Lines;
+use super::search::Lines;
 use super::resonance::BroadPeak;
-use crate::look::track::OrderTrack;
+use crate::lines::track::OrderTrack;
 
 /// A signal of a part with what was found in it.
 pub(super) struct Shown {

@@ -24,12 +24,12 @@ const STRAY: f64 = 3e-3;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Reference {
     pub(super) cause: Cause,
-    pub(super) course: Course,
+    pub(super) law: PhaseLaw,
 }
 
 /// How a phase runs: so many times the crank angle, and at a frequency beside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Course {
+pub(super) struct PhaseLaw {
     pub(super) order: f64,
     /// Hz.
     pub(super) frequency_hz: f64,
@@ -37,7 +37,7 @@ pub(super) struct Course {
     pub(super) tolerance_hz: f64,
 }
 
-impl Course {
+impl PhaseLaw {
     /// The phase at an instant, rad.
     pub(super) fn phase(&self, angle: &Angle<'_>, time_s: f64) -> f64 {
         self.order * angle.at(time_s) + TAU * self.frequency_hz * time_s
@@ -51,11 +51,11 @@ impl Course {
 
 impl Reference {
     fn order(cause: Cause, order: f64) -> Self {
-        Reference { cause, course: Course { order, frequency_hz: 0.0, tolerance_hz: 0.0 } }
+        Reference { cause, law: PhaseLaw { order, frequency_hz: 0.0, tolerance_hz: 0.0 } }
     }
 
     pub(super) fn fixed(cause: Cause, frequency_hz: f64) -> Self {
-        Reference { cause, course: Course { order: 0.0, frequency_hz, tolerance_hz: 0.0 } }
+        Reference { cause, law: PhaseLaw { order: 0.0, frequency_hz, tolerance_hz: 0.0 } }
     }
 }
 
@@ -126,13 +126,13 @@ impl Setting<'_> {
             let of_hz = order * self.turns_hz;
             for mains_hz in MAINS_HZ {
                 let ripple_hz = RIPPLE * mains_hz;
-                let course = Course { order, frequency_hz: ripple_hz, tolerance_hz: STRAY * ripple_hz };
-                all.extend(both_sides(Cause::RippleSideband { of_hz, ripple_hz }, course));
+                let law = PhaseLaw { order, frequency_hz: ripple_hz, tolerance_hz: STRAY * ripple_hz };
+                all.extend(both_sides(Cause::RippleSideband { of_hz, ripple_hz }, law));
             }
             if let Some(held_hz) = self.held_hz.filter(|_| self.demand_answers) {
                 for frequency_hz in [held_hz, 2.0 * held_hz] {
-                    let course = Course { order, frequency_hz, tolerance_hz: 0.0 };
-                    all.extend(both_sides(Cause::HoldImage { of_hz, held_hz }, course));
+                    let law = PhaseLaw { order, frequency_hz, tolerance_hz: 0.0 };
+                    all.extend(both_sides(Cause::HoldImage { of_hz, held_hz }, law));
                 }
             }
         }
@@ -152,22 +152,22 @@ impl Setting<'_> {
         for ripple_hz in MAINS_HZ.map(|mains_hz| RIPPLE * mains_hz) {
             all.extend(sides(ripple_hz).map(|frequency_hz| Reference {
                 cause: Cause::RippleSideband { of_hz: demanded_hz, ripple_hz },
-                course: Course { order: 0.0, frequency_hz, tolerance_hz: STRAY * ripple_hz },
+                law: PhaseLaw { order: 0.0, frequency_hz, tolerance_hz: STRAY * ripple_hz },
             }));
         }
         for (order, _) in self.multiples(STRONG_FIRING).filter(|(_, is_firing)| *is_firing) {
             all.extend([-demanded_hz, demanded_hz].map(|frequency_hz| Reference {
                 cause: Cause::OrderSideband { order, demanded_hz },
-                course: Course { order, frequency_hz, tolerance_hz: 0.0 },
+                law: PhaseLaw { order, frequency_hz, tolerance_hz: 0.0 },
             }));
         }
         all
     }
 }
 
-/// A course and the one on the other side of its frequency.
-fn both_sides(cause: Cause, course: Course) -> [Reference; 2] {
-    [course.order, -course.order].map(|order| Reference { cause: cause.clone(), course: Course { order, ..course } })
+/// A law and the one on the other side of its frequency.
+fn both_sides(cause: Cause, law: PhaseLaw) -> [Reference; 2] {
+    [law.order, -law.order].map(|order| Reference { cause: cause.clone(), law: PhaseLaw { order, ..law } })
 }
 
 /// The mains and their multiples.
@@ -175,8 +175,8 @@ fn mains() -> impl Iterator<Item = Reference> {
     MAINS_HZ.into_iter().flat_map(|mains_hz| {
         (1..=MAINS_MULTIPLES).map(move |multiple| {
             let frequency_hz = f64::from(multiple) * mains_hz;
-            let course = Course { order: 0.0, frequency_hz, tolerance_hz: STRAY * frequency_hz };
-            Reference { cause: Cause::Mains { multiple, mains_hz }, course }
+            let law = PhaseLaw { order: 0.0, frequency_hz, tolerance_hz: STRAY * frequency_hz };
+            Reference { cause: Cause::Mains { multiple, mains_hz }, law }
         })
     })
 }

@@ -35,7 +35,7 @@ const MISFIT: f64 = 2.0;
 
 /// What recordings show about the shaft.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ShaftStudy {
+pub struct ShaftAnalysis {
     /// One entry a recording with a shaft.
     pub recordings: Vec<ShaftRecording>,
     /// K and B of all recordings together, from two on.
@@ -48,7 +48,7 @@ pub struct ShaftStudy {
 /// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
 /// recording that shows it best, gate and noise of the encoder those of a BS_T_NT, where there is one.
 #[must_use]
-pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> ShaftStudy {
+pub fn shaft_analysis(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> ShaftAnalysis {
     let limit = bench.limits.torque_nm;
     let controller =
         experiments.iter().filter(|e| e.is_test(&Test::Bs)).find_map(|e| speed_controller::estimate(e, limit).ok());
@@ -61,7 +61,7 @@ pub fn shaft_study(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn F
     };
     let recordings = parallel::map(&with_shaft, look);
     let together = together::of(&recordings);
-    ShaftStudy { recordings, together }
+    ShaftAnalysis { recordings, together }
 }
 
 fn of_recording(

@@ -76,7 +76,7 @@ pub enum Estimator {
 
 /// What is studied.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StudyOptions {
+pub struct NoiseTestOptions {
     /// K_p, Nm/rpm.
     pub k_p: f64,
     /// K_i, Nm/(rpm s).
@@ -97,9 +97,9 @@ pub struct StudyOptions {
     pub seed: u64,
 }
 
-impl Default for StudyOptions {
+impl Default for NoiseTestOptions {
     fn default() -> Self {
-        StudyOptions {
+        NoiseTestOptions {
             k_p: 0.9385,
             k_i: 1.8650,
             delay_s: 1e-3,
@@ -115,13 +115,13 @@ impl Default for StudyOptions {
 
 /// The result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PiStudy {
+pub struct NoiseTest {
     /// The recording whose speeds were used.
     pub file: String,
     /// Standard deviation of its speed error, rad/s.
     pub error_rad_s: f64,
     /// What was studied.
-    pub options: StudyOptions,
+    pub options: NoiseTestOptions,
     /// Without noise, with low-pass noise, with band-pass noise, each by both estimators.
     pub cases: Vec<Case>,
 }
@@ -186,11 +186,11 @@ pub fn virtual_experiment(seed: u64) -> Result<Experiment, VirtualBenchError> {
 ///
 /// # Errors
 /// A missing signal, noise whose band does not fit the sample rate, or an estimate that fails without noise.
-pub fn study(
+pub fn noise_test(
     experiment: &Experiment,
-    options: &StudyOptions,
+    options: &NoiseTestOptions,
     told: &(dyn Fn(u64, u64) + Sync),
-) -> Result<PiStudy, EstimateError> {
+) -> Result<NoiseTest, EstimateError> {
     let known = Known::new(experiment, options)?;
     let plan: Vec<(Noise, u64)> = std::iter::once((Noise::None, 0))
         .chain((0..options.draws as u64).flat_map(|draw| [(Noise::LowPass, draw), (Noise::BandPass, draw)]))
@@ -212,7 +212,7 @@ pub fn study(
     }
     let noises = [Noise::None, Noise::LowPass, Noise::BandPass];
     let both = |noise| [(noise, Estimator::Forward), (noise, Estimator::Inverse)];
-    Ok(PiStudy {
+    Ok(NoiseTest {
         file: experiment.file.clone(),
         error_rad_s: known.error_rad_s,
         options: options.clone(),
@@ -223,7 +223,7 @@ pub fn study(
 /// The speeds, and what the controller makes of them.
 struct Known<'a> {
     experiment: &'a Experiment,
-    options: &'a StudyOptions,
+    options: &'a NoiseTestOptions,
     /// N_d − N_d* at the controller's updates, τ late, rad/s.
     error: Vec<f64>,
     error_rad_s: f64,
@@ -233,7 +233,7 @@ struct Known<'a> {
 }
 
 impl<'a> Known<'a> {
-    fn new(experiment: &'a Experiment, options: &'a StudyOptions) -> Result<Self, EstimateError> {
+    fn new(experiment: &'a Experiment, options: &'a NoiseTestOptions) -> Result<Self, EstimateError> {
         let of = |source| EstimateError::Signal { file: experiment.file.clone(), source };
         let reference = need(experiment, Role::DynoSpeedDemand)?;
         let speed = need(experiment, Role::DynoSpeed)?;
@@ -267,7 +267,7 @@ impl<'a> Known<'a> {
 
     /// T_d* of one draw, and the controller that is estimated from it, forward and inverse.
     fn draw(&self, noise: Noise, draw: u64) -> [Result<Estimate, EstimateError>; 2] {
-        let mut random = Source::PiStudy.stream(self.options.seed.wrapping_add(draw << 20));
+        let mut random = Source::NoiseTest.stream(self.options.seed.wrapping_add(draw << 20));
         let initial_nm = random.between(INITIAL_NM.0, INITIAL_NM.1);
         let added = self.noise(noise, &mut random);
         let t = self.clock.sample_time_s;
@@ -302,7 +302,7 @@ impl<'a> Known<'a> {
     }
 }
 
-fn summaries(found: &[&Estimate], options: &StudyOptions) -> Vec<Summary> {
+fn summaries(found: &[&Estimate], options: &NoiseTestOptions) -> Vec<Summary> {
     let truths = [("K_p", options.k_p), ("K_i", options.k_i), ("τ", options.delay_s)];
     truths.iter().filter_map(|(symbol, truth)| summary(found, symbol, *truth)).collect()
 }

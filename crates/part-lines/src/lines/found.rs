@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
-use crate::look::track::OrderTrack;
+use crate::lines::track::OrderTrack;
 
 /// Signals that the masses move.
 pub(super) const OF_THE_MASSES: [Role; 4] =
@@ -22,7 +22,7 @@ pub(super) const CHANGES: f64 = 0.03;
 
 /// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Look {
+pub struct RecordingLines {
     /// The file.
     pub file: String,
     /// The experiment's label.
@@ -30,12 +30,12 @@ pub struct Look {
     /// The order of the firing; none without the shaft.
     pub firing_order: Option<f64>,
     /// Its parts: each sine of a sine test, or the whole.
-    pub parts: Vec<LookedPart>,
+    pub parts: Vec<PartLines>,
 }
 
 /// What a part of a recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LookedPart {
+pub struct PartLines {
     /// From, s of the recording's clock.
     pub start_s: f64,
     /// To, s.
@@ -47,12 +47,12 @@ pub struct LookedPart {
     /// Demanded sines, Hz.
     pub demanded_hz: Vec<f64>,
     /// Signals.
-    pub signals: Vec<LookedSignal>,
+    pub signals: Vec<SignalLines>,
 }
 
 /// A signal's spectrum and its lines.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LookedSignal {
+pub struct SignalLines {
     /// Which.
     pub role: Role,
     /// Time between its samples, s.

@@ -47,7 +47,7 @@ const BLOCK_S: f64 = 0.05;
 const SHOWN: usize = 600;
 
 /// N_d on its clock, drop-outs marked and bridged, and T_d over the same time.
-pub(super) struct Course {
+pub(super) struct FreeRun {
     pub(super) file: String,
     /// Without drop-outs, rad/s.
     pub(super) speed: Signal,
@@ -70,7 +70,7 @@ struct Torque {
 }
 
 /// The stretches of a recording in which the dynamometer turns fast enough.
-pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Result<Vec<Course>, FrictionError> {
+pub(super) fn free_runs(experiment: &Experiment, options: FrictionOptions) -> Result<Vec<FreeRun>, FrictionError> {
     let file = || experiment.file.clone();
     if !experiment.label.is_without_shaft() {
         return Err(FrictionError::ShaftOn { file: file(), label: experiment.label.to_string() });
@@ -104,7 +104,7 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
             slowest_rad_s: slowest,
         });
     }
-    let course = |run: Range<usize>| Course {
+    let free_run = |run: Range<usize>| FreeRun {
         file: file(),
         speed: Signal {
             start_s: speed.time_s(run.start),
@@ -117,7 +117,7 @@ pub(super) fn courses(experiment: &Experiment, options: FrictionOptions) -> Resu
         block_s: known.as_ref().map_or(0.0, |known| known.block_s),
         dated_s: known.as_ref().map_or(0.0, |known| known.dated_s),
     };
-    Ok(runs.into_iter().map(course).collect())
+    Ok(runs.into_iter().map(free_run).collect())
 }
 
 /// T_d as finely as it can be known: T_d* through the torque control that this recording itself shows, where T_d,calc agrees with
@@ -137,11 +137,11 @@ fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Optio
         let mut later = experiment.clone();
         later.signals.get_mut(&Role::AirGapTorque)?.start_s += AHEAD_S;
         let fit = torque_control::estimate(&later, torque_limit_nm).ok()?;
-        let (inverter, delay) = (fit.inverter, fit.result.delay_and_lag.parameters.get(2)?);
+        let (model, delay) = (fit.model, fit.result.delay_and_lag.parameters.get(2)?);
         let spread = torque_control::standard_deviation(&recorded.samples);
-        let agrees = inverter.residual.standard_deviation_nm < DISAGREES * spread;
+        let agrees = model.residual.standard_deviation_nm < DISAGREES * spread;
         agrees.then(|| {
-            let torque = inverter.finer_air_gap_torque(demand, FINER);
+            let torque = model.finer_air_gap_torque(demand, FINER);
             Torque {
                 signal: Signal { start_s: torque.start_s - AHEAD_S, ..torque },
                 source: TorqueUsed::Modelled,
@@ -161,9 +161,9 @@ fn torque(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Optio
 }
 
 /// Refuses speeds that show nothing.
-pub(super) fn check_range(courses: &[Course]) -> Result<(), FrictionError> {
-    let (from_rad_s, to_rad_s) = speeds(courses);
-    match courses.first() {
+pub(super) fn check_range(free_runs: &[FreeRun]) -> Result<(), FrictionError> {
+    let (from_rad_s, to_rad_s) = speeds(free_runs);
+    match free_runs.first() {
         Some(first) if to_rad_s - from_rad_s < STEADY * to_rad_s.abs().max(from_rad_s.abs()) => {
             Err(FrictionError::SteadySpeed { file: first.file.clone(), from_rad_s, to_rad_s })
         }
@@ -187,23 +187,23 @@ impl Directions {
 }
 
 /// Whether both directions were seen.
-pub(super) fn directions(courses: &[Course]) -> Directions {
-    let (low, high) = speeds(courses);
+pub(super) fn directions(free_runs: &[FreeRun]) -> Directions {
+    let (low, high) = speeds(free_runs);
     if low < 0.0 && high > 0.0 { Directions::Both } else { Directions::One }
 }
 
 /// Lowest and highest speed.
-pub(super) fn speeds(courses: &[Course]) -> (f64, f64) {
-    let all = courses.iter().flat_map(|course| &course.speed.samples);
+pub(super) fn speeds(free_runs: &[FreeRun]) -> (f64, f64) {
+    let all = free_runs.iter().flat_map(|free_run| &free_run.speed.samples);
     all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), w| (low.min(*w), high.max(*w)))
 }
 
-impl Course {
+impl FreeRun {
     pub(super) fn stretch(&self) -> Stretch {
         Stretch { file: self.file.clone(), start_s: self.speed.start_s, end_s: self.speed.end_s() }
     }
 
-    /// The course beside that of the model.
+    /// The free_run beside that of the model.
     pub(super) fn run_out(&self, fit: &Fitted) -> RunOut {
         let step = self.speed.len().div_ceil(SHOWN).max(1);
         let mut modelled = vec![0.0; self.speed.len()];
@@ -282,18 +282,18 @@ impl Course {
 }
 
 /// The largest torque that can have slowed a dynamometer of this inertia: what T_d and the change of its speed come to, Nm.
-pub(super) fn largest_torque_nm(courses: &[Course], inertia_kg_m2: f64) -> f64 {
-    let of_course = |course: &Course| {
-        let length = ((BLOCK_S / course.speed.sample_time_s) as usize).max(1);
-        let block_s = length as f64 * course.speed.sample_time_s;
+pub(super) fn largest_torque_nm(free_runs: &[FreeRun], inertia_kg_m2: f64) -> f64 {
+    let of_course = |free_run: &FreeRun| {
+        let length = ((BLOCK_S / free_run.speed.sample_time_s) as usize).max(1);
+        let block_s = length as f64 * free_run.speed.sample_time_s;
         let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
-        let speeds: Vec<f64> = course.speed.samples.chunks_exact(length).map(mean).collect();
-        let torques = course.torque_at(0.0).unwrap_or_default();
+        let speeds: Vec<f64> = free_run.speed.samples.chunks_exact(length).map(mean).collect();
+        let torques = free_run.torque_at(0.0).unwrap_or_default();
         let braked = torques.chunks_exact(length).map(|part| mean(part).abs()).fold(0.0, f64::max);
         let change = |pair: &[f64]| inertia_kg_m2 * (pair[1] - pair[0]).abs() / block_s;
         braked + speeds.windows(2).map(change).fold(0.0, f64::max)
     };
-    courses.iter().map(of_course).fold(0.0, f64::max)
+    free_runs.iter().map(of_course).fold(0.0, f64::max)
 }
 
 /// The integral by the rule of trapezia, zero at the first sample.

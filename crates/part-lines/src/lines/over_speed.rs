@@ -9,8 +9,8 @@ use serde::Serialize;
 
 use super::campbell::ShortSpectrum;
 use super::cause::Cause;
-use crate::look::found::{CHANGES, Line, Look, LookedPart, LookedSignal};
-use crate::look::track::TrackPoint;
+use crate::lines::found::{CHANGES, Line, PartLines, RecordingLines, SignalLines};
+use crate::lines::track::TrackPoint;
 
 /// Classes of speed from the lowest to the highest.
 const CLASSES: usize = 60;
@@ -70,8 +70,8 @@ pub struct CurvePoint {
 
 /// Each signal over the speed; none where all recordings have one speed.
 #[must_use]
-pub fn over_speed(looks: &[Look]) -> Vec<OverSpeed> {
-    let parts: Vec<&LookedPart> = looks.iter().flat_map(|look| &look.parts).collect();
+pub fn over_speed(looks: &[RecordingLines]) -> Vec<OverSpeed> {
+    let parts: Vec<&PartLines> = looks.iter().flat_map(|look| &look.parts).collect();
     let ends = parts.iter().flat_map(|part| part.speed_range_rad_s);
     let [low, high] = ends.fold([f64::INFINITY, 0.0], |[low, high], w| [w.min(low), w.max(high)]);
     if high - low < CHANGES * 0.5 * (high + low) || low <= 0.0 {
@@ -93,8 +93,8 @@ pub fn over_speed(looks: &[Look]) -> Vec<OverSpeed> {
 struct Shown<'a> {
     /// None without the shaft.
     firing_order: Option<f64>,
-    part: &'a LookedPart,
-    signal: &'a LookedSignal,
+    part: &'a PartLines,
+    signal: &'a SignalLines,
 }
 
 impl<'a> Shown<'a> {

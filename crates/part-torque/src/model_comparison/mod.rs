@@ -42,9 +42,9 @@ const EXPERIMENTS: [(Excited, &[&str]); 2] = [
 
 /// What recordings show about the torque control.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TorqueControlStudy {
+pub struct ModelComparison {
     /// One entry a recording that was used: at most one that the dynamometer moved and one that the engine moved.
-    pub recordings: Vec<StudiedRecording>,
+    pub recordings: Vec<ComparedRecording>,
     /// Every model on the held-out part of every recording.
     pub judgements: Vec<Judgement>,
     /// What the models make of a part of every recording's held-out part.
@@ -58,7 +58,7 @@ pub struct TorqueControlStudy {
 
 /// What one recording shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct StudiedRecording {
+pub struct ComparedRecording {
     /// What moved T_d*.
     pub excited: Excited,
     /// The file.
@@ -161,10 +161,10 @@ pub struct Shown {
     pub models: Vec<(Model, Excited, Trace)>,
 }
 
-impl TorqueControlStudy {
+impl ModelComparison {
     /// The recording that was moved so.
     #[must_use]
-    pub fn recording(&self, excited: Excited) -> Option<&StudiedRecording> {
+    pub fn recording(&self, excited: Excited) -> Option<&ComparedRecording> {
         self.recordings.iter().find(|recording| recording.excited == excited)
     }
 
@@ -176,7 +176,7 @@ impl TorqueControlStudy {
 
 /// Why there is nothing to study.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum TorqueControlStudyError {
+pub enum ModelComparisonError {
     /// No recording moves T_d*.
     #[error(
         "no recording moves T_d* fast enough to show the torque control; run WhiteNoise_T_TN, for the engine's side BS_T_NT"
@@ -200,12 +200,12 @@ pub enum TorqueControlStudyError {
 ///
 /// # Source
 /// Glans & Kärnell 2018, §6.3.2; Ljung 1999, §16.5–16.6 (cross-validation).
-pub fn study(
+pub fn compare_models(
     experiments: &[&Experiment],
     bench: &BenchFile,
     orders: OrdersTried,
     step: &mut dyn FnMut(&str, f64),
-) -> Result<TorqueControlStudy, TorqueControlStudyError> {
+) -> Result<ModelComparison, ModelComparisonError> {
     let limit = bench.limits.torque_nm;
     let (mut records, mut untold, mut reason) = (Vec::new(), Vec::new(), None);
     for (excited, labels) in EXPERIMENTS {
@@ -225,15 +225,15 @@ pub fn study(
     }
     if records.is_empty() {
         return Err(match reason {
-            Some(reason) => TorqueControlStudyError::NoneUsable { reason },
-            None => TorqueControlStudyError::NoRecording,
+            Some(reason) => ModelComparisonError::NoneUsable { reason },
+            None => ModelComparisonError::NoRecording,
         });
     }
     let parts = records.len() as f64;
     let studied = |(n, record): (usize, &Record)| {
         studied(record, orders, &mut |done| step(&record.file, (n as f64 + done) / parts))
     };
-    let recordings: Vec<StudiedRecording> = records.iter().enumerate().map(studied).collect();
+    let recordings: Vec<ComparedRecording> = records.iter().enumerate().map(studied).collect();
     let (mut judgements, mut shown) = (Vec::new(), Vec::new());
     for record in &records {
         let responses = responses(record, &records, &recordings);
@@ -242,24 +242,24 @@ pub fn study(
         judgements.extend(judged);
     }
     let visibility = records.iter().find_map(Visibility::of);
-    Ok(TorqueControlStudy { recordings, judgements, shown, visibility, untold })
+    Ok(ModelComparison { recordings, judgements, shown, visibility, untold })
 }
 
-fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> StudiedRecording {
+fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> ComparedRecording {
     let scanned = scan(record, orders, told);
     let result = &record.control.result;
     let bar = record.one_sample_late();
     let fit = |range: std::ops::Range<usize>| {
         100.0 * (1.0 - rms(&record.errors(&bar, range.clone())) / record.spread_nm(range))
     };
-    StudiedRecording {
+    ComparedRecording {
         excited: record.excited,
         file: record.file.clone(),
         label: record.label.clone(),
         sample_time_s: record.sample_time_s,
         estimation: record.stretch(record.estimation()),
         held_out: record.stretch(record.held_out()),
-        ripple_hz: record.control.inverter.ripple.lines.iter().map(|line| line.frequency_hz).collect(),
+        ripple_hz: record.control.model.ripple.lines.iter().map(|line| line.frequency_hz).collect(),
         pure_delay: result.pure_delay.parameters[0].clone(),
         pure_delay_residuals: result.pure_delay_validation.residuals.clone(),
         delay_and_lag: result.delay_and_lag.parameters.clone(),
@@ -312,15 +312,15 @@ fn choose(scanned: &[Scanned]) -> Vec<(Structure, Vec<ChosenBy>)> {
 type Response = ((Model, Excited), Option<Vec<f64>>);
 
 /// What all models of all recordings make of one.
-fn responses(record: &Record, records: &[Record], recordings: &[StudiedRecording]) -> Vec<Response> {
-    let of_source = |(source, studied): (&Record, &StudiedRecording)| {
-        let inverter = &source.control.inverter;
+fn responses(record: &Record, records: &[Record], recordings: &[ComparedRecording]) -> Vec<Response> {
+    let of_source = |(source, studied): (&Record, &ComparedRecording)| {
+        let model = &source.control.model;
         let black_box = |one: &BlackBox| {
             let response = one.follows.as_ref().map(|way| way.response(&record.demand));
             (Model::BlackBox { structure: one.structure }, response)
         };
         let delayed = (Model::PureDelay, Some(record.delayed(studied.pure_delay.value)));
-        let lagged = (Model::DelayAndLag, Some(record.lagged(inverter.delay_s, inverter.lag_rad_s)));
+        let lagged = (Model::DelayAndLag, Some(record.lagged(model.delay_s, model.lag_rad_s)));
         let all = [delayed, lagged].into_iter().chain(studied.black_boxes.iter().map(black_box));
         all.map(|(model, response)| ((model, source.excited), response)).collect::<Vec<_>>()
     };

@@ -21,8 +21,8 @@ use rig::facts::Engine;
 use signal::Signal;
 
 use super::angle::Angle;
-use super::lines::Found;
-use super::reference::Course;
+use super::reference::PhaseLaw;
+use super::search::Found;
 use super::track::OrderTrack;
 use super::track::TrackPoint;
 
@@ -59,37 +59,37 @@ pub(super) fn order_tracks(
     lines: &[Found],
 ) -> (Vec<OrderTrack>, Signal) {
     let windows: Vec<Window<'_>> = windows(signal, angle).collect();
-    let alone = possible_orders(engine).map(|order| Course { order, frequency_hz: 0.0, tolerance_hz: 0.0 });
-    let mut orders: Vec<(f64, Course)> = alone.filter_map(|course| Some((size(&windows, course)?, course))).collect();
+    let alone = possible_orders(engine).map(|order| PhaseLaw { order, frequency_hz: 0.0, tolerance_hz: 0.0 });
+    let mut orders: Vec<(f64, PhaseLaw)> = alone.filter_map(|law| Some((size(&windows, law)?, law))).collect();
     orders.sort_by(|a, b| b.0.total_cmp(&a.0));
     orders.truncate(MOST_ORDERS);
-    let staying = lines.iter().filter_map(|line| line.causes.first()).map(|r| r.course).filter(|c| c.order == 0.0);
+    let staying = lines.iter().filter_map(|line| line.causes.first()).map(|r| r.law).filter(|c| c.order == 0.0);
     let count = orders.len();
-    let courses: Vec<Course> = orders.into_iter().map(|(_, course)| course).chain(staying.take(MOST_STAYING)).collect();
-    let fitted: Vec<Vec<Option<Fitted>>> = windows.iter().map(|window| window.fitted(&courses, count)).collect();
-    let track = |at: usize| (at, OrderTrack { order: courses[at].order, points: points(&fitted, at) });
+    let laws: Vec<PhaseLaw> = orders.into_iter().map(|(_, law)| law).chain(staying.take(MOST_STAYING)).collect();
+    let fitted: Vec<Vec<Option<Fitted>>> = windows.iter().map(|window| window.fitted(&laws, count)).collect();
+    let track = |at: usize| (at, OrderTrack { order: laws[at].order, points: points(&fitted, at) });
     let there: Vec<(usize, OrderTrack)> = (0..count).map(track).filter(|(_, track)| is_there(track)).collect();
-    let followed: Vec<(usize, Course)> = there.iter().map(|(at, _)| (*at, courses[*at])).collect();
+    let followed: Vec<(usize, PhaseLaw)> = there.iter().map(|(at, _)| (*at, laws[*at])).collect();
     let rest = without(signal, &windows, &fitted, &followed);
     let mut tracks: Vec<OrderTrack> = there.into_iter().map(|(_, track)| track).collect();
     tracks.sort_by(|a, b| a.order.total_cmp(&b.order));
     (tracks, rest)
 }
 
-/// A signal less what its windows hold of some courses; nothing where no window reaches.
+/// A signal less what its windows hold of some laws; nothing where no window reaches.
 fn without(
     signal: &Signal,
     windows: &[Window<'_>],
     fitted: &[Vec<Option<Fitted>>],
-    courses: &[(usize, Course)],
+    laws: &[(usize, PhaseLaw)],
 ) -> Signal {
     let (mut held, mut weights) = (vec![0.0; signal.len()], vec![0.0; signal.len()]);
     for (window, fitted) in windows.iter().zip(fitted) {
-        let points: Vec<(Course, TrackPoint)> =
-            courses.iter().filter_map(|(at, course)| Some((*course, fitted[*at].as_ref()?.point))).collect();
+        let points: Vec<(PhaseLaw, TrackPoint)> =
+            laws.iter().filter_map(|(at, law)| Some((*law, fitted[*at].as_ref()?.point))).collect();
         for (k, (time_s, weight)) in window.times_s.iter().zip(window.weights()).enumerate() {
-            let wave = |(course, p): &(Course, TrackPoint)| {
-                p.amplitude * (course.phase(window.angle, *time_s) + p.phase_rad).cos()
+            let wave = |(law, p): &(PhaseLaw, TrackPoint)| {
+                p.amplitude * (law.phase(window.angle, *time_s) + p.phase_rad).cos()
             };
             held[window.first + k] += weight * points.iter().map(wave).sum::<f64>();
             weights[window.first + k] += weight;
@@ -107,9 +107,9 @@ fn possible_orders(engine: Engine) -> impl Iterator<Item = f64> {
 }
 
 /// Mean amplitude of an order that is fitted alone; none of one that does not stand out.
-fn size(windows: &[Window<'_>], course: Course) -> Option<f64> {
-    let fitted: Vec<Vec<Option<Fitted>>> = windows.iter().map(|window| window.fitted(&[course], 1)).collect();
-    let track = OrderTrack { order: course.order, points: points(&fitted, 0) };
+fn size(windows: &[Window<'_>], law: PhaseLaw) -> Option<f64> {
+    let fitted: Vec<Vec<Option<Fitted>>> = windows.iter().map(|window| window.fitted(&[law], 1)).collect();
+    let track = OrderTrack { order: law.order, points: points(&fitted, 0) };
     is_there(&track).then(|| track.points.iter().map(|p| p.amplitude).sum::<f64>() / track.points.len() as f64)
 }
 
@@ -201,16 +201,16 @@ impl<'a> Window<'a> {
         self.places.iter().map(|u| (PI * u).cos().powi(2)).collect()
     }
 
-    /// The first of some courses, all of which are fitted; none of those that cannot be separated.
-    fn fitted(&self, courses: &[Course], wanted: usize) -> Vec<Option<Fitted>> {
-        let (rows, columns) = (self.samples.len(), 2 * courses.len() + DRIFT);
+    /// The first of some laws, all of which are fitted; none of those that cannot be separated.
+    fn fitted(&self, laws: &[PhaseLaw], wanted: usize) -> Vec<Option<Fitted>> {
+        let (rows, columns) = (self.samples.len(), 2 * laws.len() + DRIFT);
         if (rows as f64) < SAMPLES_EACH * columns as f64 {
             return (0..wanted).map(|_| None).collect();
         }
         let weights = self.weights();
         let phases: Vec<Vec<f64>> =
-            courses.iter().map(|c| self.times_s.iter().map(|t| c.phase(self.angle, *t)).collect()).collect();
-        let regressor = |k: usize, j: usize| match j.checked_sub(2 * courses.len()) {
+            laws.iter().map(|c| self.times_s.iter().map(|t| c.phase(self.angle, *t)).collect()).collect();
+        let regressor = |k: usize, j: usize| match j.checked_sub(2 * laws.len()) {
             Some(power) => (2.0 * self.places[k]).powi(power as i32),
             None if j.is_multiple_of(2) => phases[j / 2][k].cos(),
             None => phases[j / 2][k].sin(),
@@ -255,8 +255,8 @@ impl<'a> Window<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::look::Cause;
-    use crate::look::reference::Reference;
+    use crate::lines::Cause;
+    use crate::lines::reference::Reference;
     use signal::excitation::Random;
 
     /// Orders with their amplitudes, and a line that follows no speed.
@@ -270,8 +270,8 @@ mod tests {
     }
 
     fn staying() -> Vec<Found> {
-        let course = Course { order: 0.0, frequency_hz: FIXED_HZ, tolerance_hz: 0.0 };
-        let causes = vec![Reference { cause: Cause::Unknown, course }];
+        let law = PhaseLaw { order: 0.0, frequency_hz: FIXED_HZ, tolerance_hz: 0.0 };
+        let causes = vec![Reference { cause: Cause::Unknown, law }];
         vec![Found { frequency_hz: FIXED_HZ, amplitude: 2.0, standard_error: 0.0, causes }]
     }
 

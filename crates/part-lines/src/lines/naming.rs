@@ -4,11 +4,11 @@ use rig::Role;
 
 use super::advice;
 use super::cause::Cause;
-use super::lines::Found;
 use super::reference::{MAINS_HZ, RIPPLE, Reference, folded_hz};
 use super::resonance::{BroadPeak, is_one};
-use crate::look::found::{DRIFT_HZ, OF_THE_MASSES, SENSORS};
-use crate::look::shown::Shown;
+use super::search::Found;
+use crate::lines::found::{DRIFT_HZ, OF_THE_MASSES, SENSORS};
+use crate::lines::shown::Shown;
 
 /// The masses on a shaft of a bench resonate below this, Hz.
 const HIGHEST_STRUCTURAL_HZ: f64 = 60.0;
@@ -145,7 +145,7 @@ impl<'a> Naming<'a> {
 
     /// What a line of a torque may come from, beside what the demand holds of it.
     fn with_asked(&self, causes: Vec<Reference>, (asked, held): &(Reference, f64), amplitude: f64) -> Vec<Reference> {
-        let let_through = held * self.bandwidth_hz.map_or(1.0, |hz| gain(asked.course.frequency_hz / hz));
+        let let_through = held * self.bandwidth_hz.map_or(1.0, |hz| gain(asked.law.frequency_hz / hz));
         let is_alone = match self.bandwidth_hz {
             Some(_) => (amplitude - let_through).abs() < ADDED * let_through,
             None => amplitude < let_through,
@@ -165,7 +165,7 @@ impl<'a> Naming<'a> {
             let [image] = &line.causes[..] else { return None };
             let held = demand.lines.found.iter().find(|held| is_image(image) && held.causes.contains(image))?;
             let left = line.amplitude / held.amplitude;
-            (left < DAMPED).then(|| image.course.frequency_hz.abs() / (left.powi(-2) - 1.0).sqrt())
+            (left < DAMPED).then(|| image.law.frequency_hz.abs() / (left.powi(-2) - 1.0).sqrt())
         };
         let mut told: Vec<f64> = torque.lines.found.iter().filter_map(told).collect();
         told.sort_by(f64::total_cmp);
@@ -177,7 +177,7 @@ impl<'a> Naming<'a> {
         let faster = self.all.iter().find(|shown| shown.role == Role::DynoSpeed && shown.role != role)?;
         let is_told = |r: &Reference| {
             matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. })
-                && r.course.at_hz(self.turns_hz) < faster.signal.nyquist_hz()
+                && r.law.at_hz(self.turns_hz) < faster.signal.nyquist_hz()
         };
         if causes.len() < 2 || !causes.iter().all(is_told) {
             return None;
@@ -189,9 +189,8 @@ impl<'a> Naming<'a> {
             _ => 0,
         };
         let strength = |r: &&Reference| {
-            let hz = r.course.at_hz(self.turns_hz);
-            let of_it =
-                faster.lines.found.iter().filter(|line| line.causes.iter().any(|c| c.course.order == r.course.order));
+            let hz = r.law.at_hz(self.turns_hz);
+            let of_it = faster.lines.found.iter().filter(|line| line.causes.iter().any(|c| c.law.order == r.law.order));
             of_it.map(|line| line.amplitude * hz.powi(power)).fold(0.0, f64::max)
         };
         let mut ranked: Vec<&Reference> = causes.iter().collect();

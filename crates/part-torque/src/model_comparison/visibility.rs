@@ -75,7 +75,7 @@ impl Visibility {
 
     /// None without a lag: there is nothing to compute at.
     pub(super) fn of(record: &Record) -> Option<Self> {
-        let model = &record.control.inverter;
+        let model = &record.control.model;
         let noise_nm = model.residual.standard_deviation_nm;
         let told = || visibility((model.delay_s, model.lag_rad_s), (rms(&record.demand), noise_nm), CRITICALLY_DAMPED);
         record.control.has_lag().then(told)

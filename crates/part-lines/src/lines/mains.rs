@@ -2,12 +2,12 @@
 
 use super::cause::Cause;
 use super::reference::{MAINS_HZ, RIPPLE};
-use crate::look::found::{Line, Look};
+use crate::lines::found::{Line, RecordingLines};
 
 /// Leaves what hangs on the mains that most of the recorded time shows, and takes back what was named by another: a bench
 /// hangs on one, and a short part may show a line where another's would be.
 #[must_use]
-pub fn on_one_mains(mut looks: Vec<Look>) -> Vec<Look> {
+pub fn on_one_mains(mut looks: Vec<RecordingLines>) -> Vec<RecordingLines> {
     let Some(mains_hz) = mains_hz(&looks) else { return looks };
     let signals = looks.iter_mut().flat_map(|look| &mut look.parts).flat_map(|part| &mut part.signals);
     signals.flat_map(|signal| &mut signal.lines).for_each(|line| line.cause = on(&line.cause, mains_hz));
@@ -15,7 +15,7 @@ pub fn on_one_mains(mut looks: Vec<Look>) -> Vec<Look> {
 }
 
 /// The mains, Hz, whose ripple is in signals for the longest; none where no ripple is found.
-fn mains_hz(looks: &[Look]) -> Option<f64> {
+fn mains_hz(looks: &[RecordingLines]) -> Option<f64> {
     let shown_s = |mains_hz: f64| {
         let is_ripple = |line: &&Line| match line.cause {
             Cause::Mains { multiple, mains_hz: hz } => hz == mains_hz && f64::from(multiple) == RIPPLE,

@@ -13,9 +13,9 @@ use signal::spectrum::fft_real;
 
 use super::angle::Angle;
 use super::cause::Cause;
-use super::reference::{Course, Reference, folded_hz};
-use crate::look::found::DRIFT_HZ;
-use crate::look::track::OrderTrack;
+use super::reference::{PhaseLaw, Reference, folded_hz};
+use crate::lines::found::DRIFT_HZ;
+use crate::lines::track::OrderTrack;
 
 /// Bins about the line, and those of them that the window blurs it over.
 const ABOUT: isize = 64;
@@ -198,7 +198,7 @@ impl<'a> Seen<'a> {
 
     /// e^{jφ} at each sample, φ the phase that a reference gives it.
     fn turning(&self, reference: &Reference) -> Vec<c64> {
-        let Course { order, frequency_hz, .. } = reference.course;
+        let PhaseLaw { order, frequency_hz, .. } = reference.law;
         let of_order = (order != 0.0).then(|| self.of_order(order.abs()));
         let step = c64::cis(TAU * frequency_hz * self.signal.sample_time_s);
         let mut turned = c64::ONE;
@@ -244,17 +244,17 @@ impl<'a> Seen<'a> {
 
     /// Whether a line is that of a reference.
     fn is_of(&self, line: &Found, reference: &Reference) -> bool {
-        let hz = |course: &Course| course.at_hz(self.turns_hz);
-        let apart_hz = reference.course.tolerance_hz + self.bin_hz();
+        let hz = |law: &PhaseLaw| law.at_hz(self.turns_hz);
+        let apart_hz = reference.law.tolerance_hz + self.bin_hz();
         let is_it = |found: &Reference| {
-            found.cause == reference.cause && (hz(&found.course) - hz(&reference.course)).abs() < apart_hz
+            found.cause == reference.cause && (hz(&found.law) - hz(&reference.law)).abs() < apart_hz
         };
         line.causes.iter().any(is_it)
     }
 
     /// Whether the spectrum rises anywhere near where a reference shows.
     fn rises(&self, reference: &Reference, shown_hz: f64) -> bool {
-        let reach_hz = reference.course.tolerance_hz + self.spread_hz(reference) + BESIDE * self.bin_hz();
+        let reach_hz = reference.law.tolerance_hz + self.spread_hz(reference) + BESIDE * self.bin_hz();
         let bins = |hz: f64| ((hz.max(0.0) / self.bin_hz()).round() as usize).min(self.powers.len());
         let about = &self.powers[bins(shown_hz - reach_hz)..bins(shown_hz + reach_hz)];
         let wide = &self.powers[bins(shown_hz - WIDE * reach_hz)..bins(shown_hz + WIDE * reach_hz)];
@@ -264,7 +264,7 @@ impl<'a> Seen<'a> {
 
     /// The reference where a line follows it; its frequency refined as far as it is not known.
     fn candidate(&self, reference: &Reference) -> Option<Candidate> {
-        let frequency_hz = reference.course.at_hz(self.turns_hz);
+        let frequency_hz = reference.law.at_hz(self.turns_hz);
         let lowest_hz = f64::from(LOBE as i32 + 1) * self.bin_hz();
         let shown_hz = folded_hz(frequency_hz, self.rate_hz());
         let is_drift = frequency_hz > 0.5 * self.rate_hz() && shown_hz < DRIFT_HZ;
@@ -288,7 +288,7 @@ impl<'a> Seen<'a> {
 
     /// The reference at the strongest line within its tolerance.
     fn refined(&self, reference: &Reference) -> Reference {
-        let Course { frequency_hz, tolerance_hz, .. } = reference.course;
+        let PhaseLaw { frequency_hz, tolerance_hz, .. } = reference.law;
         let bins = ((tolerance_hz / self.bin_hz()).ceil() as isize).min(ABOUT - 1);
         if bins == 0 {
             return reference.clone();
@@ -301,8 +301,8 @@ impl<'a> Seen<'a> {
         let curvature = below - 2.0 * here + above;
         let part = if curvature < 0.0 { (0.5 * (below - above) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
         let off_hz = ((top as f64 + part) * self.bin_hz()).clamp(-tolerance_hz, tolerance_hz);
-        let course = Course { frequency_hz: frequency_hz + off_hz, ..reference.course };
-        Reference { course, ..reference.clone() }
+        let law = PhaseLaw { frequency_hz: frequency_hz + off_hz, ..reference.law };
+        Reference { law, ..reference.clone() }
     }
 
     /// How alike two phases are to a real signal: 1 where one cannot be separated from the other.
@@ -340,7 +340,7 @@ impl<'a> Seen<'a> {
         };
         let lines: Vec<(f64, f64)> = (0..group.len()).map(line).collect();
         let largest = lines.iter().map(|l| l.0).fold(0.0, f64::max);
-        let shown_hz = |i: usize| folded_hz(group[i][0].reference.course.at_hz(self.turns_hz), self.rate_hz());
+        let shown_hz = |i: usize| folded_hz(group[i][0].reference.law.at_hz(self.turns_hz), self.rate_hz());
         let stands = |i: &usize| {
             let (amplitude, standard_error) = lines[*i];
             let is_near = |f: &&Found| (f.frequency_hz - shown_hz(*i)).abs() < self.skirt_hz(f);
@@ -379,7 +379,7 @@ impl<'a> Seen<'a> {
     fn is_unresolved(&self, a: &[Reference], b: &[Reference]) -> bool {
         let pairs = a.iter().flat_map(|a| b.iter().map(move |b| (a, b)));
         let mut pairs = pairs.filter(|(a, b)| is_of_mains(a) || is_of_mains(b));
-        let shown_hz = |r: &Reference| folded_hz(r.course.at_hz(self.turns_hz), self.rate_hz());
+        let shown_hz = |r: &Reference| folded_hz(r.law.at_hz(self.turns_hz), self.rate_hz());
         let is_near = |a, b| (shown_hz(a) - shown_hz(b)).abs() < SAME_BINS * self.bin_hz();
         pairs.any(|(a, b)| is_near(a, b) && self.likeness(&self.turning(a), &self.turning(b)) > RESOLVED)
     }
@@ -395,8 +395,8 @@ impl<'a> Seen<'a> {
         let own = self.turning(&line.causes[0]);
         let is_alike = |r: &Reference| self.likeness(&self.turning(r), &own) > SAME;
         let is_order = |r: &Reference| matches!(r.cause, Cause::Order { .. });
-        let apart_hz = |r: &Reference| folded_hz(r.course.frequency_hz, self.rate_hz()) - line.frequency_hz;
-        let is_mains = |r: &Reference| is_of_mains(r) && apart_hz(r).abs() < r.course.tolerance_hz;
+        let apart_hz = |r: &Reference| folded_hz(r.law.frequency_hz, self.rate_hz()) - line.frequency_hz;
+        let is_mains = |r: &Reference| is_of_mains(r) && apart_hz(r).abs() < r.law.tolerance_hz;
         let is_meant = |r: &&Reference| is_mains(r) || (is_order(r) && is_alike(r));
         self.at(line.frequency_hz, references).filter(is_meant).filter(|r| !is_known(r)).cloned().collect()
     }
@@ -431,14 +431,14 @@ impl<'a> Seen<'a> {
         let is_meant =
             |cause: &Cause| matches!(cause, Cause::Mains { .. } | Cause::RippleSideband { .. } | Cause::Order { .. });
         let (turns_hz, rate_hz, bins_hz) = (self.turns_hz, self.rate_hz(), SAME_BINS * self.bin_hz());
-        let apart_hz = move |r: &Reference| (folded_hz(r.course.at_hz(turns_hz), rate_hz) - frequency_hz).abs();
-        let is_it = move |r: &&Reference| apart_hz(r) < r.course.tolerance_hz + bins_hz;
+        let apart_hz = move |r: &Reference| (folded_hz(r.law.at_hz(turns_hz), rate_hz) - frequency_hz).abs();
+        let is_it = move |r: &&Reference| apart_hz(r) < r.law.tolerance_hz + bins_hz;
         references.iter().filter(move |r| is_meant(&r.cause)).filter(is_it)
     }
 
     /// The order in whose neighbourhood a frequency is.
     fn modulated(&self, frequency_hz: f64, references: &[Reference]) -> Option<Reference> {
-        let distance = |r: &Reference| (folded_hz(r.course.at_hz(self.turns_hz), self.rate_hz()) - frequency_hz).abs();
+        let distance = |r: &Reference| (folded_hz(r.law.at_hz(self.turns_hz), self.rate_hz()) - frequency_hz).abs();
         let orders = references.iter().filter(|r| matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. }));
         let reach = |r: &Reference| match r.cause {
             Cause::Order { .. } => MODULATED_HZ + self.spread_hz(r),
@@ -456,7 +456,7 @@ impl<'a> Seen<'a> {
 
     /// What follows the speed is spread as the speed is.
     fn spread_hz(&self, reference: &Reference) -> f64 {
-        reference.course.order.abs() * self.spread_hz
+        reference.law.order.abs() * self.spread_hz
     }
 }
 

@@ -7,9 +7,9 @@ use rig::estimation::{EstimateError, need};
 use rig::results::{Stretch, Trace};
 use rig::{Experiment, Role};
 
+use crate::model_comparison::excited::Excited;
+use crate::model_comparison::orders::Input;
 use crate::torque_control::{self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, usable_samples};
-use crate::torque_control_study::excited::Excited;
-use crate::torque_control_study::orders::Input;
 
 /// Parts of a recording that models are estimated from, and chosen by; the rest is held out.
 const SHARES: [f64; 2] = [0.5, 0.7];
@@ -46,7 +46,7 @@ impl Record {
         let held = HeldDemand::new(demand, limit_nm);
         let times_s: Vec<f64> = (0..torque.len()).map(|i| torque.time_s(i)).collect();
         let late = ROUNDING * demand.sample_time_s;
-        let smooth = |(t, y): (&f64, &f64)| control.inverter.without_ripple(*y, *t);
+        let smooth = |(t, y): (&f64, &f64)| control.model.without_ripple(*y, *t);
         let tested = || torque_control::second_order(experiment, &control, limit_nm).ok();
         let second_order = if control.has_lag() { tested() } else { None };
         let mut record = Record {

@@ -3,7 +3,7 @@
 use signal::Signal;
 use signal::spectrum::{PowerSpectrum, Welch, peaks, power_spectrum};
 
-use super::lines::Lines;
+use super::search::Lines;
 
 /// Length of the averaged parts, s, and the fewest of them.
 const PART_S: f64 = 2.0;

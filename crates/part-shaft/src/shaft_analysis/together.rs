@@ -14,7 +14,7 @@ use rig::estimation::Label;
 use rig::results::{Estimate, Parameter};
 use serde::Serialize;
 
-use crate::shaft_study::recording::ShaftRecording;
+use crate::shaft_analysis::recording::ShaftRecording;
 
 const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
 const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };

@@ -4,7 +4,7 @@ use serde::Serialize;
 use signal::Signal;
 
 use super::angle::Angle;
-use crate::look::amplitudes::amplitudes;
+use crate::lines::amplitudes::amplitudes;
 
 /// Length of the short spectra, s: 2 Hz between their lines.
 const SHORT_S: f64 = 0.5;

@@ -1,4 +1,4 @@
-//! Inverter and machine.
+//! The drive: inverter and machine.
 
 use std::f64::consts::TAU;
 
@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::bench_parameters::{InductionMachine, ParameterError, require, require_not_negative, require_positive};
 
-/// Inverter and machine: T = e^{−s d} a/(s + a) T_d* with T_d* within ± the limit, or, in place of the lag, an
+/// The drive, inverter and machine: T = e^{−s d} a/(s + a) T_d* with T_d* within ± the limit, or, in place of the lag, an
 /// induction machine under field-oriented control; the real air-gap torque is T_d = g (T (1 + r_m sin(2π f t)) + r_a
-/// sin(2π f t)), with g one where the inverter knows its machine.
+/// sin(2π f t)), with g one where the drive knows its machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct InverterParameters {
+pub struct DriveParameters {
     /// d, delay, s.
     pub delay_s: f64,
     /// a, bandwidth of the closed torque loop, rad/s; without a part where the machine is simulated.
@@ -26,13 +26,13 @@ pub struct InverterParameters {
     pub additive_ripple_nm: f64,
     /// r_m, multiplicative ripple, 1.
     pub multiplicative_ripple: f64,
-    /// How well the inverter knows its machine.
+    /// How well the drive knows its machine.
     pub knowledge: MachineKnowledge,
 }
 
-/// What the inverter computes from currents and what the machine does differ where resistances have warmed:
+/// What the drive computes from currents and what the machine does differ where resistances have warmed:
 /// T_d = g T_d,calc, g = (1 + e_0 + c ϑ)/(1 + â). The rotor's temperature rise ϑ follows the torque,
-/// dϑ/dt = (h T_d² − ϑ)/τ_ϑ; the inverter adapts â to the load cell,
+/// dϑ/dt = (h T_d² − ϑ)/τ_ϑ; the drive adapts â to the load cell,
 /// dâ/dt = (T_d,meas − T_d,calc) T_d,calc/(T_d,calc² + 25 Nm²)/τ_a (thesis §3.4.2). A bench without load cell cannot.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -61,7 +61,7 @@ impl Default for MachineKnowledge {
     }
 }
 
-impl Default for InverterParameters {
+impl Default for DriveParameters {
     fn default() -> Self {
         Self {
             delay_s: 0.00125,
@@ -76,15 +76,15 @@ impl Default for InverterParameters {
     }
 }
 
-impl InverterParameters {
+impl DriveParameters {
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let delay = self.delay_s;
-        require("inverter.delay_s", delay, (0.0..=1.0).contains(&delay), "between 0 and 1 s")?;
-        require_positive("inverter.bandwidth_rad_s", self.bandwidth_rad_s)?;
-        require_positive("inverter.torque_limit_nm", self.torque_limit_nm)?;
-        require_not_negative("inverter.ripple_hz", self.ripple_hz)?;
-        require_not_negative("inverter.additive_ripple_nm", self.additive_ripple_nm)?;
-        require_not_negative("inverter.multiplicative_ripple", self.multiplicative_ripple)?;
+        require("drive.delay_s", delay, (0.0..=1.0).contains(&delay), "between 0 and 1 s")?;
+        require_positive("drive.bandwidth_rad_s", self.bandwidth_rad_s)?;
+        require_positive("drive.torque_limit_nm", self.torque_limit_nm)?;
+        require_not_negative("drive.ripple_hz", self.ripple_hz)?;
+        require_not_negative("drive.additive_ripple_nm", self.additive_ripple_nm)?;
+        require_not_negative("drive.multiplicative_ripple", self.multiplicative_ripple)?;
         self.machine.map_or(Ok(()), |machine| machine.check())?;
         self.knowledge.check()
     }
@@ -93,10 +93,10 @@ impl InverterParameters {
 impl MachineKnowledge {
     fn check(&self) -> Result<(), ParameterError> {
         let cold = self.cold_error;
-        require("inverter.knowledge.cold_error", cold, cold.abs() <= 0.5, "at most 50 %")?;
-        require("inverter.knowledge.error_per_k", self.error_per_k, true, "finite")?;
-        require_not_negative("inverter.knowledge.heating_k_per_nm2", self.heating_k_per_nm2)?;
-        require_positive("inverter.knowledge.thermal_time_s", self.thermal_time_s)?;
-        require_not_negative("inverter.knowledge.adaptation_time_s", self.adaptation_time_s)
+        require("drive.knowledge.cold_error", cold, cold.abs() <= 0.5, "at most 50 %")?;
+        require("drive.knowledge.error_per_k", self.error_per_k, true, "finite")?;
+        require_not_negative("drive.knowledge.heating_k_per_nm2", self.heating_k_per_nm2)?;
+        require_positive("drive.knowledge.thermal_time_s", self.thermal_time_s)?;
+        require_not_negative("drive.knowledge.adaptation_time_s", self.adaptation_time_s)
     }
 }

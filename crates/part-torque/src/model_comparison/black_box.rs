@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::orders::Input;
 use super::record::{Record, rms};
-use crate::torque_control_study::orders::OrdersTried;
+use crate::model_comparison::orders::OrdersTried;
 
 /// How exactly structures are searched that only may be chosen.
 const ROUGHLY: NonlinearOptions = NonlinearOptions { iteration_limit: 20, step_tolerance: 1e-4, cost_tolerance: 1e-6 };

@@ -19,12 +19,12 @@ mod campbell;
 mod cause;
 mod demand;
 mod found;
-mod lines;
 mod mains;
 mod naming;
 mod over_speed;
 mod reference;
 mod resonance;
+mod search;
 mod shown;
 mod track;
 mod tracking;
@@ -41,14 +41,14 @@ pub use campbell::ShortSpectrum;
 pub use cause::Cause;
 use demand::Stretch;
 use found::{CHANGES, DRIFT_HZ, OF_THE_MASSES, SENSORS};
-pub use found::{Line, Look, LookedPart, LookedSignal};
-use lines::{Found, Lines};
+pub use found::{Line, PartLines, RecordingLines, SignalLines};
 pub use mains::on_one_mains;
 use naming::Naming;
 pub use over_speed::{CurvePoint, OrderCurve, OverSpeed, over_speed};
 pub use reference::folded_hz;
 use reference::{Reference, Setting};
 use resonance::BroadPeak;
+use search::{Found, Lines};
 use shown::Shown;
 pub use track::OrderTrack;
 pub use track::TrackPoint;
@@ -67,7 +67,7 @@ pub const FEWEST_SAMPLES: usize = 256;
 ///
 /// # Example
 /// ```
-/// use part_lines::look::{Cause, look};
+/// use part_lines::lines::{Cause, find_lines};
 /// use bench_model::model::Engine;
 /// use virtual_bench::{BenchParameters, ExperimentPlan, simulate};
 /// # use bench::{BenchFile, Role};
@@ -76,14 +76,14 @@ pub const FEWEST_SAMPLES: usize = 256;
 /// # let file: BenchFile = text.parse()?;
 /// let recording = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1230.0, 10.0), 1)?;
 /// let (experiment, _) = rig::prepare("BS_T_NT_1230.mf4", &recording, &file, "BS_T_NT".parse()?)?;
-/// let found = look(&experiment, Engine { cylinders: 4, strokes: 4 });
+/// let found = find_lines(&experiment, Engine { cylinders: 4, strokes: 4 });
 /// let speed = found.parts[0].signals.iter().find(|s| s.role == Role::EngineSpeed).ok_or("not recorded")?;
 /// assert!((speed.lines[0].frequency_hz - 41.0).abs() < 0.1);
 /// assert_eq!(speed.lines[0].cause, Cause::Order { order: 2.0, is_firing: true });
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
-pub fn look(experiment: &Experiment, engine: Engine) -> Look {
+pub fn find_lines(experiment: &Experiment, engine: Engine) -> RecordingLines {
     // Without the shaft nothing of the engine is in what the dynamometer shows.
     let engine = (!experiment.label.is_without_shaft()).then_some(engine);
     let turning = if engine.is_some() { Role::EngineSpeed } else { Role::DynoSpeed };
@@ -93,7 +93,7 @@ pub fn look(experiment: &Experiment, engine: Engine) -> Look {
     let parts = looker
         .iter()
         .flat_map(|looker| demand::stretches(experiment).iter().map(|s| looker.part(s)).collect::<Vec<_>>());
-    Look {
+    RecordingLines {
         file: experiment.file.clone(),
         label: experiment.label.to_string(),
         firing_order: engine.map(|engine| engine.firings_per_turn()),
@@ -110,7 +110,7 @@ struct Looker<'a> {
 }
 
 impl Looker<'_> {
-    fn part(&self, stretch: &Stretch) -> LookedPart {
+    fn part(&self, stretch: &Stretch) -> PartLines {
         let turns_hz = self.angle.mean_hz(stretch.start_s, stretch.end_s);
         let demand = self.experiment.signal(demand::demand_role(self.experiment));
         let held_hz = demand.and_then(|demand| demand::held_hz(&demand.slice(stretch.start_s, stretch.end_s)));
@@ -126,13 +126,13 @@ impl Looker<'_> {
         let range_hz = tracking::range_hz(self.angle, stretch.start_s, stretch.end_s);
         let is_of_firing = |hz: f64| self.is_of_firing(hz, stretch);
         let naming = Naming::new(&shown, demand::demand_role(self.experiment), turns_hz, is_of_firing);
-        let signals = shown.iter().map(|one| LookedSignal {
+        let signals = shown.iter().map(|one| SignalLines {
             lines: self.named(one, &naming, stretch),
             short: campbell::short_spectra(&one.signal, self.angle),
             tracks: one.tracks.clone(),
             ..spectrum(one.role, &one.signal)
         });
-        LookedPart {
+        PartLines {
             start_s: stretch.start_s,
             end_s: stretch.end_s,
             speed_rad_s: TAU * turns_hz,
@@ -226,8 +226,8 @@ impl Looker<'_> {
     /// Whether a line may be of an order that is too weak to be followed: where the speed changes, one shows at each speed at
     /// which it rests, and with it whatever phase it meets there.
     fn may_be_an_order(&self, found: &Found, one: &Shown, stretch: &Stretch) -> bool {
-        let course = found.causes.first().map(|r| r.course);
-        let at_hz = |turns_hz: f64| course.map_or(found.frequency_hz, |course| course.at_hz(turns_hz));
+        let law = found.causes.first().map(|r| r.law);
+        let at_hz = |turns_hz: f64| law.map_or(found.frequency_hz, |law| law.at_hz(turns_hz));
         let (order, rate_hz) = (self.cycle_order(), 1.0 / one.signal.sample_time_s);
         let meets =
             |unfolded: fn(f64, f64) -> f64| self.meets(order, |turns_hz| unfolded(at_hz(turns_hz), rate_hz), stretch);
@@ -295,8 +295,8 @@ fn moving_mean(samples: &[f64], half: usize) -> Vec<f64> {
 }
 
 /// The spectrum of a signal, its mean taken out, seen through a Hann window; without lines yet.
-fn spectrum(role: Role, signal: &Signal) -> LookedSignal {
+fn spectrum(role: Role, signal: &Signal) -> SignalLines {
     let (frequency_hz, amplitude) = amplitudes(&signal.samples, signal.sample_time_s);
     let (lines, short, tracks) = (Vec::new(), Vec::new(), Vec::new());
-    LookedSignal { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines, short, tracks }
+    SignalLines { role, sample_time_s: signal.sample_time_s, frequency_hz, amplitude, lines, short, tracks }
 }
