@@ -5,7 +5,7 @@ use bench::model::AssembledModel;
 use serde::{Deserialize, Serialize};
 
 /// Version of the JSON document's shape. It grows by one when a field changes its meaning or disappears.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
 
 /// What a file of another kind calls itself.
 const FORMAT: &str = "dynoid-study";
@@ -17,7 +17,7 @@ struct Document<'a> {
     study: &'a Study,
 }
 
-/// The study as compact JSON: `{"format": "dynoid-study", "format_version": 1, "study": {…}}`.
+/// The study as compact JSON: `{"format": "dynoid-study", "format_version": 2, "study": {…}}`.
 ///
 /// Numbers keep their full precision; one that is NaN or infinite is `null`. Should serialisation ever fail, the
 /// document holds an `error` text in place of `study`, so that a reader of the file sees why.

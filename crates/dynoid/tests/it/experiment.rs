@@ -177,9 +177,9 @@ fn stat_a_study_of_a_simulated_campaign_finds_its_bench_and_its_model_serves() {
     assert_eq!((&json["spread"]["from"], &json["verdict"]), (&"study".into(), &"not_checked".into()));
     let shaft = &json["limits"][0];
     assert!(shaft["quantile_95"].as_f64() > shaft["quantile_5"].as_f64(), "{json}");
-    campaign.write("old.json", text.replace("\"format_version\":1", "\"format_version\":9").as_bytes());
+    campaign.write("old.json", text.replace("\"format_version\":2", "\"format_version\":9").as_bytes());
     let old = [&design[..6], &["--model", "old.json"]].concat();
-    campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 1 is read", "dynoid study"]);
+    campaign.run(&old).assert_refused(3, &["old.json", "version 9, where 2 is read", "dynoid study"]);
 }
 
 #[test]

@@ -192,7 +192,7 @@ fn regress_what_holds_no_model_is_refused_in_words() {
     let words = |text: &str| report::model(text).unwrap_err().to_string();
     let json = report::json(&fixture::complete());
     assert!(
-        words(&json.replace("\"format_version\":1", "\"format_version\":7")).contains("version 7, where 1 is read")
+        words(&json.replace("\"format_version\":2", "\"format_version\":7")).contains("version 7, where 2 is read")
     );
     assert!(words(&json.replace("dynoid-study", "dynoid model")).contains("calls itself “dynoid model”"));
     assert!(words("{}").contains("no study.json"));
