@@ -3,8 +3,8 @@
 use rig::Role;
 use signal::Signal;
 
-use super::search::Lines;
 use super::resonance::BroadPeak;
+use super::search::Lines;
 use crate::lines::track::OrderTrack;
 
 /// A signal of a part with what was found in it.
