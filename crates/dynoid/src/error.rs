@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bench::bench_file::BenchFileError;
+use rig::bench_file::BenchFileError;
 
 /// The command line is wrong.
 const USAGE: u8 = 2;
@@ -122,7 +122,7 @@ pub(crate) enum CliError {
     Encode { source: recording::RecordingError },
     /// Channels that make no data set.
     #[error(transparent)]
-    Dataset(#[from] bench::dataset::DatasetError),
+    Dataset(#[from] dataset::DatasetError),
     /// A channel from which nothing can be computed.
     #[error("{data}: \"{channel}\": {fault}")]
     UnusableChannel { data: String, channel: String, fault: String },
@@ -131,7 +131,7 @@ pub(crate) enum CliError {
     NoOutputNamed { file: String, channels: String },
     /// Friction that cannot be estimated.
     #[error(transparent)]
-    Friction { source: bench::friction::FrictionError },
+    Friction { source: part_friction::FrictionError },
     /// No recording from which PI and delay can be estimated.
     #[error(
         "{}: no recording has speed control with constant N_d*, which the PI controller and its delay need; run BS_T_NT, or name one",
@@ -143,10 +143,10 @@ pub(crate) enum CliError {
     NoSpeedControl { path: PathBuf },
     /// The noise test of the controller is impossible.
     #[error("{source}")]
-    NoiseTest { source: bench::estimate::EstimateError },
+    NoiseTest { source: rig::estimation::EstimateError },
     /// Models of the torque control cannot be compared.
     #[error(transparent)]
-    TorqueControl { source: bench::model_comparison::ModelComparisonError },
+    TorqueControl { source: part_torque::model_comparison::ModelComparisonError },
     /// No recording can be used.
     #[error("{}: none of the recordings can be used", .path.display())]
     NothingToLookAt { path: PathBuf },
@@ -186,7 +186,7 @@ pub(crate) enum CliError {
     StructureFile { path: PathBuf, reason: String },
     /// A file of demands that makes no experiment.
     #[error("{}: {source}", .path.display())]
-    Demands { path: PathBuf, source: bench::experiment::free_form::FreeFormError },
+    Demands { path: PathBuf, source: rig::experiment::free_form::FreeFormError },
     /// A file without a bench model.
     #[error("{}: {source}", .path.display())]
     StudyModel { path: PathBuf, source: report::StudyModelError },
@@ -195,7 +195,7 @@ pub(crate) enum CliError {
     NotCheckable { path: PathBuf, reason: String },
     /// A bench that cannot be simulated.
     #[error("{}: {source}", .path.display())]
-    VirtualBench { path: PathBuf, source: bench::virtual_bench::VirtualBenchError },
+    VirtualBench { path: PathBuf, source: virtual_bench::VirtualBenchError },
     /// A fault of the program.
     #[error("a fault in dynoid itself: {what}; please report it with this message")]
     Internal { what: String },

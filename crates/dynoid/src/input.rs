@@ -8,11 +8,11 @@ use std::io::{ErrorKind, Read as _};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
-use bench::study::Source;
 use recording::{
     Catalogue, CsvProblem, Extras, Recording, RecordingError, Selection, catalogue_from, decode_from, extras_from,
 };
 use sha2::{Digest, Sha256};
+use study::Source;
 
 use crate::error::CliError;
 

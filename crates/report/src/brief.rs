@@ -1,8 +1,9 @@
 //! A study in short: verdict, key numbers, what is missing and why, doubts.
 
-use bench::study::{Need, Parameter, Part, Study};
-use bench::{Diagnostic, Severity};
 use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
+use rig::results::{Need, Parameter, Part};
+use study::Study;
+use rig::{Diagnostic, Severity};
 
 use crate::sections::diagnostics::{alike, entry};
 use crate::sections::verdict::tone;

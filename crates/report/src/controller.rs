@@ -1,16 +1,11 @@
 //! The speed controller, in words and figures.
 
-use bench::estimate::speed_controller::{
-    AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
-};
-use bench::speed_control::{
-    Case, Controller, Estimator, FeedForwardFound, IntegrationRule, Noise, NoiseTest, PUBLISHED, PublishedRow,
-    SpeedControl, Summary,
-};
-use bench::study::ResidualTest;
-use bench::torque_signals::{Told, Untold};
-use bench::units::RPM_RAD_S;
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use part_controller::speed_controller::{AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict};
+use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
+use part_controller::speed_control::{Controller, FeedForwardFound, IntegrationRule, SpeedControl};
+use rig::results::{ResidualTest, Told, Untold};
+use units::RPM_RAD_S;
 
 use crate::wording::{self, number};
 
@@ -97,7 +92,7 @@ pub fn dependence(test: &ResidualTest) -> String {
 
 /// What the delay changes, in a sentence or two.
 pub fn delay(found: &Controller) -> String {
-    let of = |validation: &bench::study::Validation| {
+    let of = |validation: &rig::results::Validation| {
         let residuals =
             validation.residuals.as_ref().map_or_else(String::new, |test| format!(", {}", dependence(test)));
         format!("fit {} on the held-out stretch{residuals}", number::fit(validation.fit_percent))

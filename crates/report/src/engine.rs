@@ -1,12 +1,9 @@
 //! The engine's torque, in words and figures.
 
-use bench::engine_torque::{
-    Cycle, Cycles, Cylinder, Cylinders, EngineRecording, EngineTorque, InertiaSource, Order, Profile, RebuiltEngine,
-    TwoMasses,
-};
-use bench::torque_signals::Told;
-use bench::torque_smoother::TorqueSource;
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use part_engine::{Cycle, Cycles, Cylinder, Cylinders, EngineRecording, EngineTorque, InertiaSource, Order, Profile, RebuiltEngine, TwoMasses};
+use rig::results::Told;
+use part_torque::torque_smoother::TorqueSource;
 
 use crate::torque::untold;
 use crate::wording::number;

@@ -1,9 +1,9 @@
 //! Friction and inertia of the dynamometer, in words and figures.
 
-use bench::friction::{Friction, Inertia, Term, TorqueUsed, Undetermined};
-use bench::study::Parameter;
-use bench::units::RPM_RAD_S;
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use part_friction::{Friction, Inertia, Term, TorqueUsed, Undetermined};
+use rig::results::Parameter;
+use units::RPM_RAD_S;
 
 use crate::wording::number;
 
@@ -69,7 +69,7 @@ pub fn doubts(friction: &Friction, stated: StatedInertia) -> Vec<String> {
         Inertia::Stated { .. } => None,
     };
     let of_cell = || {
-        let is_of_cell = |run_out: &&bench::friction::RunOut| run_out.torque == Some(TorqueUsed::LoadCell);
+        let is_of_cell = |run_out: &&part_friction::RunOut| run_out.torque == Some(TorqueUsed::LoadCell);
         let mut files: Vec<&str> =
             friction.run_outs.iter().filter(is_of_cell).map(|run_out| run_out.stretch.file.as_str()).collect();
         files.dedup();
@@ -161,7 +161,7 @@ fn measured(time_s: &[f64], values: &[f64]) -> Layer {
 /// T_fric over speed, and each stretch with the speed of the model.
 pub fn figures(friction: &Friction) -> Vec<Figure> {
     let rpm: Vec<f64> = friction.curve.iter().map(|p| p.speed_rad_s / RPM_RAD_S).collect();
-    let of = |f: fn(&bench::friction::CurvePoint) -> f64| friction.curve.iter().map(f).collect::<Vec<f64>>();
+    let of = |f: fn(&part_friction::CurvePoint) -> f64| friction.curve.iter().map(f).collect::<Vec<f64>>();
     let band = Layer::Band {
         name: "95 % interval".to_owned(),
         style: Style::Modelled,

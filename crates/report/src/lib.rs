@@ -1,4 +1,4 @@
-//! Turns a [`bench::Study`] into what people and programs read: one self-contained HTML file, one JSON document, and
+//! Turns a [`study::Study`] into what people and programs read: one self-contained HTML file, one JSON document, and
 //! the plain words both the report and the command line use.
 //!
 //! This crate may know the bench's data types and nothing of how they were estimated: it computes no estimate, reads

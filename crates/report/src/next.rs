@@ -1,6 +1,6 @@
 //! What a further experiment would buy, in words.
 
-use bench::study::{Candidate, Gain, NextExperiments};
+use study::{Candidate, Gain, NextExperiments};
 
 use crate::wording::{self, number};
 

@@ -1,14 +1,15 @@
 //! One analysis as a page of its own: what its command shows, writes and what its section of the report holds.
 
-use bench::engine_torque::EngineTorque;
-use bench::friction::Friction;
-use bench::lines::{OverSpeed, RecordingLines};
-use bench::model_comparison::ModelComparison;
-use bench::shaft_analysis::ShaftAnalysis;
-use bench::speed_control::{NoiseTest, SpeedControl};
-use bench::study::NextExperiments;
-use bench::torque_signals::TorqueSignals;
 use page::{Blocks, Page};
+use part_engine::EngineTorque;
+use part_friction::Friction;
+use part_lines::lines::{OverSpeed, RecordingLines};
+use part_torque::model_comparison::ModelComparison;
+use part_shaft::shaft_analysis::ShaftAnalysis;
+use study::noise_test::NoiseTest;
+use part_controller::speed_control::SpeedControl;
+use study::NextExperiments;
+use part_torque::torque_signals::TorqueSignals;
 
 use crate::friction::StatedInertia;
 use crate::sections::analyses;

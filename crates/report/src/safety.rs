@@ -1,7 +1,7 @@
 //! Figures of a safety check: how peaks spread over the benches drawn, and how large sines may be.
 
-use bench::safety::{Checked, Proposal, Quantity, SafetyCheck};
 use page::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use design::safety::{Checked, Proposal, Quantity, SafetyCheck};
 
 use crate::wording;
 
@@ -36,7 +36,7 @@ fn distribution(checked: &Checked) -> Figure {
 }
 
 fn amplitudes(proposal: &Proposal) -> Figure {
-    let of = |number: fn(&bench::safety::SafeSine) -> f64| proposal.sines.iter().map(number).collect::<Vec<f64>>();
+    let of = |number: fn(&design::safety::SafeSine) -> f64| proposal.sines.iter().map(number).collect::<Vec<f64>>();
     let frequency_hz = of(|sine| sine.frequency_hz);
     let layers = vec![
         Layer::curve("safe", Style::Modelled, &frequency_hz, &of(|sine| sine.safe_nm)),

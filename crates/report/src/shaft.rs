@@ -1,12 +1,11 @@
 //! The shaft, in words and figures.
 
-use bench::estimate::shaft::{Beyond, Term, TermTest, Weight};
-use bench::estimate::shaft_routes::black_box::{BlackBoxRoute, Untold};
-use bench::estimate::shaft_routes::multisine::{CostTest, MultisineRoute};
-use bench::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
-use bench::study::{Estimate, Parameter, Shaft};
-use bench::torque_signals::{Told, Untold as NotTold};
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use part_shaft::shaft::{Beyond, Term, TermTest, Weight};
+use part_shaft::shaft_routes::black_box::{BlackBoxRoute, Untold};
+use part_shaft::shaft_routes::multisine::{CostTest, MultisineRoute};
+use part_shaft::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
+use rig::results::{Estimate, Parameter, Shaft, Told, Untold as NotTold};
 
 use crate::wording::number;
 

@@ -1,11 +1,11 @@
 //! Torque signals, in words and figures.
 
-use bench::Role;
-use bench::estimate::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
-use bench::study::{Parameter, SignalDelay, Trace};
-use bench::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck, Untold};
-use bench::torque_smoother::TorqueSource;
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
+use rig::Role;
+use part_torque::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
+use rig::results::{Parameter, SignalDelay, Trace, Untold};
+use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck};
+use part_torque::torque_smoother::TorqueSource;
 
 use crate::wording::{self, number};
 
@@ -114,7 +114,7 @@ pub fn agreement(delay: &SignalDelay) -> &'static str {
 
 /// Each route to a delay with its 95 % interval, wider by what the route may be off by.
 pub fn routes(delay: &SignalDelay) -> Vec<String> {
-    let route = |r: &bench::study::DelayRoute| match r.interval_s {
+    let route = |r: &rig::results::DelayRoute| match r.interval_s {
         Some((low, high)) => {
             let ends = [low - r.systematic_s, high + r.systematic_s].map(|s| number::significant(1e3 * s, 4));
             format!("{} {} … {} ms", r.name, ends[0], ends[1])

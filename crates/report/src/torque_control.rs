@@ -1,11 +1,8 @@
 //! What the torque control can be told to be, in words and figures.
 
-use bench::model_comparison::{
-    BlackBox, Closed, ComparedRecording, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model,
-    ModelComparison, Root, Scanned, Shown, Structure, Verdict, Visibility, VisibilityCase,
-};
-use bench::study::Trace;
 use page::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
+use part_torque::model_comparison::{BlackBox, Closed, ComparedRecording, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, ModelComparison, Root, Scanned, Shown, Structure, Verdict, Visibility, VisibilityCase};
+use rig::results::Trace;
 
 use crate::torque;
 use crate::wording::number;

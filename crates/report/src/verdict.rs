@@ -3,8 +3,9 @@
 //! Nothing is estimated here: every rule compares numbers the study holds with a threshold that stands in the rule's
 //! own words. The headline is the worst outcome of all rules.
 
-use bench::study::{Parameter, Part, Study, Validation};
-use bench::{Diagnostic, Finding, Severity};
+use rig::results::{Parameter, Part, Validation};
+use study::Study;
+use rig::{Diagnostic, Finding, Severity};
 
 use crate::wording::{self, number};
 

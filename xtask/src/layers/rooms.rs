@@ -24,11 +24,11 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("design", &["rig", "bench-model", "numerics", "signal", "units"]),
     ("study", STUDY),
     ("effects", &["study", "virtual-bench", "part-lines", "rig", "recording", "signal", "ident", "units"]),
-    ("bench", BENCH),
     ("page", &[]),
-    ("report", &["bench", "page"]),
-    ("dynoid", &["numerics", "signal", "lti", "ident", "recording", "bench", "page", "report"]),
+    ("report", REPORT),
+    ("dynoid", DYNOID),
     ("testdata", &[]),
+    ("bench-testkit", &["rig", "bench-model", "virtual-bench", "recording", "signal", "testdata"]),
     ("testkit", &["numerics", "signal", "lti", "ident"]),
     ("xtask", &[]),
 ];
@@ -51,10 +51,9 @@ const STUDY: &[&str] = &[
     "design",
 ];
 
-/// The rooms that `bench` gathers under one name.
-const BENCH: &[&str] = &[
+/// What reports may use: what they show.
+const REPORT: &[&str] = &[
     "units",
-    "dataset",
     "rig",
     "bench-model",
     "virtual-bench",
@@ -67,6 +66,32 @@ const BENCH: &[&str] = &[
     "design",
     "study",
     "effects",
+    "page",
+];
+
+/// The program may use all.
+const DYNOID: &[&str] = &[
+    "numerics",
+    "signal",
+    "lti",
+    "ident",
+    "recording",
+    "dataset",
+    "units",
+    "rig",
+    "bench-model",
+    "virtual-bench",
+    "part-controller",
+    "part-torque",
+    "part-shaft",
+    "part-engine",
+    "part-friction",
+    "part-lines",
+    "design",
+    "study",
+    "effects",
+    "page",
+    "report",
 ];
 
 /// Crates that write files, print, or serve, and who alone may use them.

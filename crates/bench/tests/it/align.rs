@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
-use bench::align::{common_window, cut, split_window};
-use bench::{Experiment, Role};
 use signal::Signal;
+use rig::align::{common_window, cut, split_window};
+use rig::{Experiment, Role};
 
 fn experiment() -> Experiment {
     let signal = |start_s, sample_time_s, count: u32| {

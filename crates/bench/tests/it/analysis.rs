@@ -3,12 +3,15 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bench::analysis::{SignalSkews, SineTest, WholeInputs, margins, sine_points, steady_sines, whole_model};
-use bench::model::{Engine, ModelParameter, ModelUncertainty, PartCovariance};
-use bench::simulate::{DynoInput, InitialState, Inputs, simulate};
-use bench::study::Influence;
-use bench::{Experiment, Role};
 use signal::Signal;
+use bench_model::skews::SignalSkews;
+use part_lines::sine::{SineTest, sine_points};
+use bench_model::analysis::{WholeInputs, margins, whole_model, Influence};
+use part_lines::segments::steady_sines;
+use rig::facts::Engine;
+use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
+use bench_model::simulate::{DynoInput, InitialState, Inputs, simulate};
+use rig::{Experiment, Role};
 
 use crate::model::bench_a;
 

@@ -1,10 +1,11 @@
-use bench::bench_file::{BenchFileError, Draft, FaultKind, PLACEHOLDER};
-use bench::channels::guess_roles;
-use bench::study::BenchVariant;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, StatedBench};
-use bench::{BenchFile, Role};
 use proptest::prelude::*;
+use rig::bench_file::{BenchFileError, Draft, FaultKind, PLACEHOLDER};
+use rig::channels::guess_roles;
+use rig::facts::BenchVariant;
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::StatedBench;
+use rig::{BenchFile, Role};
 
 use crate::support::{BENCH_A, named, recording};
 
@@ -342,7 +343,7 @@ fn exact_shaft_limits_and_virtual_bench() {
     let mechanics = &stated.parameters.mechanics;
     assert_eq!((mechanics.shaft_backlash_rad, stated.parameters.sensors.moving_average), (0.002, 8));
     assert_eq!((mechanics.dyno_inertia_kg_m2, mechanics.engine_inertia_kg_m2), (0.6, 0.2));
-    let resonance = bench::model::BenchModel::of(&stated.parameters).mechanics.resonance();
+    let resonance = bench_model::model::BenchModel::of(&stated.parameters).mechanics.resonance();
     assert!((resonance.natural_frequency_hz - 18.0).abs() < 1e-9);
     assert_eq!(parse(&file.to_toml()).unwrap(), file);
 }
@@ -370,9 +371,9 @@ fn regress_faults_of_the_new_tables_have_line_and_remedy() {
 fn exact_a_bench_of_which_nothing_is_stated_says_what_is_assumed() {
     let stated = StatedBench::of(&parse(GOOD).unwrap(), None).unwrap();
     assert!(!stated.knows_shaft());
-    let model = bench::model::BenchModel::of(&BenchParameters::default());
+    let model = bench_model::model::BenchModel::of(&BenchParameters::default());
     let known = StatedBench::of(&parse(GOOD).unwrap(), Some(&model)).unwrap();
     assert!(known.knows_shaft());
-    assert_eq!(known.assumptions, [bench::virtual_bench::Assumption::Engine]);
+    assert_eq!(known.assumptions, [virtual_bench::Assumption::Engine]);
     assert_eq!(known.parameters.mechanics.shaft_stiffness_nm_per_rad, 2437.7);
 }

@@ -1,6 +1,6 @@
-use bench::Role;
-use bench::channels::{Guess, Reason, guess_roles};
-use bench::study::BenchVariant;
+use rig::Role;
+use rig::channels::{Guess, Reason, guess_roles};
+use rig::facts::BenchVariant;
 
 use crate::support::{BENCH_A, bench, named, recording};
 

@@ -1,8 +1,8 @@
 //! Named channels of recordings become data on one clock.
 
-use bench::dataset::{Adjustment, CommonClock, DatasetError, DatasetOptions, Resampling, dataset};
 use ident::Intersample;
 use recording::{Recording, Selection};
+use dataset::{Adjustment, CommonClock, DatasetError, DatasetOptions, Resampling, dataset};
 
 fn options(inputs: &[&str], outputs: &[&str]) -> DatasetOptions {
     let names = |list: &[&str]| list.iter().map(ToString::to_string).collect();

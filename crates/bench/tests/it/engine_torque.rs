@@ -1,10 +1,11 @@
 //! The engine's torque of virtual benches, against what it was.
 
-use bench::engine_torque::{Cycle, EngineRecording, EngineTorque, InertiaSource, engine_torque};
-use bench::experiment::ExperimentPlan;
-use bench::torque_signals::{Told, Untold};
-use bench::virtual_bench::{BenchParameters, HiddenTruth, Numerics, simulate_hidden};
-use bench::{BenchFile, Experiment, prepare};
+use part_engine::{Cycle, EngineRecording, EngineTorque, InertiaSource, engine_torque};
+use rig::experiment::ExperimentPlan;
+use rig::results::{Told, Untold};
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::{HiddenTruth, Numerics, simulate_hidden};
+use rig::{BenchFile, Experiment, prepare};
 
 use crate::study::{bench_file, default_bench, in_parallel};
 use crate::support::BENCH_A;
@@ -172,9 +173,9 @@ fn stat_an_encoder_error_is_not_taken_for_cylinders() {
     // Four cylinders see the pattern's cosine alone, whatever its sine is.
     assert!(turn.encoder_error < 4e-4 && turn.encoder_error > 0.0, "{turn:?}");
     // The interval holds the difference that is the encoder's alone.
-    let holds = |c: &bench::engine_torque::Cylinder| c.apart_nm.abs() < 1.96 * c.whole_error_nm();
+    let holds = |c: &part_engine::Cylinder| c.apart_nm.abs() < 1.96 * c.whole_error_nm();
     assert!(cylinders.cylinders.iter().all(holds), "{cylinders:?}");
-    let by_noise = |c: &bench::engine_torque::Cylinder| c.apart_nm.abs() > 1.96 * c.standard_error_nm;
+    let by_noise = |c: &part_engine::Cylinder| c.apart_nm.abs() > 1.96 * c.standard_error_nm;
     assert!(cylinders.cylinders.iter().any(by_noise), "{cylinders:?}");
 }
 

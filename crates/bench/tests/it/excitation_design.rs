@@ -2,18 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use bench::Role;
-use bench::estimate::shaft::{NoisyTorque, ShaftInputs, estimate_parameters};
-use bench::estimate::torque_control;
-use bench::excitation_design::{
-    Criterion, DesignError, DesignTask, ExcitationDesign, ExcitedDemand, LimitedQuantity, Measurements, Nuisance,
-    PeakLimits, Robustness, SampleNoise, Unknown, design,
-};
-use bench::model::{BenchModel, Mechanics, ModelParameter, TorqueControlModel};
-use bench::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, Waveform};
 use signal::excitation::Random;
+use rig::Role;
+use part_torque::air_gap_torque::NoisyTorque;
+use part_shaft::shaft::{ShaftInputs, estimate_parameters};
+use part_torque::torque_control;
+use design::excitation_design::{Criterion, DesignError, DesignTask, ExcitationDesign, ExcitedDemand, LimitedQuantity, Measurements, Nuisance, PeakLimits, Robustness, SampleNoise, Unknown, design};
+use bench_model::model::{BenchModel, Mechanics, ModelParameter, TorqueControlModel};
+use bench_model::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::{ExperimentPlan, Waveform};
 
 use crate::model::bench_a as model;
 use crate::study::{default_bench, in_parallel};
@@ -268,8 +267,8 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
     let mut plan = ExperimentPlan::white_noise_t_tn(1500.0, LENGTH_S);
     plan.dyno_torque_nm = Waveform::Sampled { sample_time_s: 0.01, values };
     let file = "WhiteNoise_T_TN_1500.mf4";
-    let recording = bench::virtual_bench::simulate(bench, &plan, seed).unwrap();
-    let (experiment, _) = bench::prepare(file, &recording, &default_bench(), plan.label).unwrap();
+    let recording = virtual_bench::simulate(bench, &plan, seed).unwrap();
+    let (experiment, _) = rig::prepare(file, &recording, &default_bench(), plan.label).unwrap();
     let torque = torque_control::estimate(&experiment, None).unwrap().model;
     let signal = torque.finer_air_gap_torque(experiment.signal(Role::DynoTorqueDemand).unwrap(), 8);
     let inputs = ShaftInputs {
@@ -282,7 +281,7 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         encoder_noise_rad_s: bench.sensors.speed_noise_rad_s,
         gate_s: (1e-3, 1e-4),
     };
-    let (found, truth) = (estimate_parameters(&inputs).unwrap(), bench::virtual_bench::Truth::of(&bench));
+    let (found, truth) = (estimate_parameters(&inputs).unwrap(), virtual_bench::Truth::of(&bench));
     let error = |symbol, truth: f64| found.parameter(symbol).unwrap().value / truth - 1.0;
     [error("K", truth.stiffness_nm_per_rad), error("B", truth.damping_nm_s_per_rad)]
 }

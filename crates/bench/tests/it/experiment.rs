@@ -1,11 +1,11 @@
 //! Plans from the catalogue, and from demands of one's own.
 
-use bench::ExperimentLabel;
-use bench::experiment::catalogue::{self, CatalogueError, Settings};
-use bench::experiment::free_form::{self, FreeFormError};
-use bench::experiment::{DEMAND_HOLD_S, DemandKind, Demands, ExperimentPlan, Waveform};
-use bench::units::RPM_RAD_S;
 use recording::{Channel, Format, Raster, Recording};
+use rig::ExperimentLabel;
+use rig::experiment::catalogue::{self, CatalogueError, Settings};
+use rig::experiment::free_form::{self, FreeFormError};
+use rig::experiment::{DEMAND_HOLD_S, DemandKind, Demands, ExperimentPlan, Waveform};
+use units::RPM_RAD_S;
 
 fn settings(name: &str, given: &[(&str, &str)]) -> Result<Settings, CatalogueError> {
     Settings::parse(&catalogue::find(name)?.parameters(), given)

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use bench::experiment::{ExperimentPlan, Waveform};
-use bench::friction::{Friction, FrictionError, FrictionOptions, Inertia, Term, TorqueUsed, Undetermined, estimate};
-use bench::study::Parameter;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, simulate};
-use bench::{ControlMode, Experiment, Role, prepare};
 use signal::Signal;
 use signal::excitation::Random;
+use rig::experiment::{ExperimentPlan, Waveform};
+use part_friction::{Friction, FrictionError, FrictionOptions, Inertia, Term, TorqueUsed, Undetermined, estimate};
+use rig::results::Parameter;
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::simulate;
+use rig::{ControlMode, Experiment, Role, prepare};
 
 use crate::study::{default_bench, in_parallel};
 

@@ -6,12 +6,13 @@ mod recorded;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bench::experiment::{ExperimentPlan, Waveform};
-use bench::lines::{Cause, OverSpeed, RecordingLines, TURNS, find_lines, over_speed};
-use bench::model::Engine;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, HiddenTruth, Numerics, simulate, simulate_hidden};
-use bench::{Role, prepare};
+use rig::experiment::{ExperimentPlan, Waveform};
+use part_lines::lines::{Cause, OverSpeed, RecordingLines, TURNS, find_lines, over_speed};
+use rig::facts::Engine;
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::{HiddenTruth, Numerics, simulate, simulate_hidden};
+use rig::{Role, prepare};
 
 use faer::c64;
 
@@ -230,7 +231,7 @@ fn stat_orders_of_a_run_up_are_those_of_the_shaft_as_it_is() {
     // Recorded at 250 Hz, order 4 folds above 1875 rpm.
     for order in [2.0, 4.0] {
         let track = torque.tracks.iter().find(|track| track.order == order).unwrap();
-        let fits = |point: &&bench::lines::TrackPoint| {
+        let fits = |point: &&part_lines::lines::TrackPoint| {
             let truth = true_amplitude(&hidden, &angle, order, point.time_s);
             // The flange's own filter takes 2 % at 200 Hz.
             (point.amplitude - truth).abs() < 3.0 * point.standard_error + 0.03 * truth

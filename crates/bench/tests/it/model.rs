@@ -2,12 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use bench::model::{
-    BenchModel, Engine, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance, PiController,
-    TorqueControlModel,
-};
-use bench::simulate::{DynoInput, InitialState, Inputs, Ripple, SimulationError, simulate, simulate_with_ripple};
 use proptest::prelude::*;
+use bench_model::model::{BenchModel, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance, PiController, TorqueControlModel};
+use rig::facts::Engine;
+use bench_model::simulate::{DynoInput, InitialState, Inputs, Ripple, SimulationError, simulate, simulate_with_ripple};
 
 const RPM: f64 = TAU / 60.0;
 

@@ -1,9 +1,11 @@
 //! What a further recording would buy, and whether it then does.
 
-use bench::BenchFile;
-use bench::bench_file::ShaftPrior;
-use bench::study::{Gain, NextError, NextExperiments, NextOptions, Source, next_experiments};
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+use rig::BenchFile;
+use rig::bench_file::ShaftPrior;
+use study::{Gain, NextError, NextExperiments, NextOptions, Source, next_experiments};
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
 
 use crate::study::{bench_file, default_bench, source};
 use crate::support::BENCH_A;

@@ -3,19 +3,19 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bench::estimate::shaft::{NoisyTorque, ShaftInputs, estimate_inertia, estimate_parameters};
-use bench::estimate::{speed_controller, torque_control};
-use bench::excitation_design::{
-    DesignTask, ExcitationDesign, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design,
-};
-use bench::experiment::{Demands, ExperimentPlan, Test, UPDATE_S};
-use bench::model::ModelParameter;
-use bench::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, SensorParameters};
-use bench::{Experiment, Role};
 use signal::Signal;
 use signal::excitation::Random;
+use part_torque::air_gap_torque::NoisyTorque;
+use part_shaft::shaft::{ShaftInputs, estimate_inertia, estimate_parameters};
+use part_controller::speed_controller;
+use part_torque::torque_control;
+use design::excitation_design::{DesignTask, ExcitationDesign, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
+use rig::experiment::{Demands, ExperimentPlan, Test, UPDATE_S};
+use bench_model::model::ModelParameter;
+use bench_model::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
+use units::RPM_RAD_S;
+use rig::bench_parameters::{BenchParameters, SensorParameters};
+use rig::{Experiment, Role};
 
 use crate::model::bench_a;
 use crate::study::{default_bench, in_parallel};
@@ -205,9 +205,9 @@ fn stat_the_torque_control_scatters_as_predicted() {
 /// N_d is recorded with noise that the controller does not read.
 fn noisy(plan: &ExperimentPlan, seed: u64) -> Experiment {
     let bench = BenchParameters { sensors: SensorParameters::default().without_errors(), ..BenchParameters::default() };
-    let recording = bench::virtual_bench::simulate(&bench, plan, seed).unwrap();
+    let recording = virtual_bench::simulate(&bench, plan, seed).unwrap();
     let file = format!("{}_1500.mf4", plan.label);
-    let (mut experiment, _) = bench::prepare(&file, &recording, &default_bench(), plan.label.clone()).unwrap();
+    let (mut experiment, _) = rig::prepare(&file, &recording, &default_bench(), plan.label.clone()).unwrap();
     let deviation = Measurements::of_bench(&Default::default(), AT).dyno_speed.unwrap().standard_deviation;
     let mut random = Random::new(seed + 500);
     let speed = experiment.signals.get_mut(&Role::DynoSpeed).unwrap();

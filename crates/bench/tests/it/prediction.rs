@@ -1,11 +1,12 @@
 //! What a bench will do, against a virtual bench without anything that the model does not have.
 
-use bench::bench_file::Limits;
-use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Waveform};
-use bench::model::{ModelParameter, ModelUncertainty, PartCovariance};
-use bench::prediction::{PeakOf, PredictionError, PredictionInputs, peak_errors, predict};
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, Numerics, TorqueTarget};
+use rig::bench_file::Limits;
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Waveform, TorqueTarget};
+use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
+use bench_model::prediction::{PeakOf, PredictionError, PredictionInputs, peak_errors, predict};
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::Numerics;
 
 use crate::virtual_bench::{run, smooth};
 
@@ -20,7 +21,7 @@ fn with_inputs<T>(
     act: impl FnOnce(&PredictionInputs<'_>) -> T,
 ) -> T {
     let demands = Demands::of(plan, 7, DEMAND_HOLD_S);
-    let model = bench::model::BenchModel::of(&parameters);
+    let model = bench_model::model::BenchModel::of(&parameters);
     act(&PredictionInputs { plan, demands: &demands, model: &model, engine: &parameters.engine, limits })
 }
 

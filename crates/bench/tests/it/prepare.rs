@@ -1,7 +1,7 @@
-use bench::prepare::saturated_stretches;
-use bench::units::RPM_RAD_S;
-use bench::{BenchFile, Diagnostic, Experiment, Finding, PrepareError, Role, Severity, prepare};
 use recording::Recording;
+use rig::prepare::saturated_stretches;
+use units::RPM_RAD_S;
+use rig::{BenchFile, Diagnostic, Experiment, Finding, PrepareError, Role, Severity, prepare};
 
 use crate::support::{BENCH_A, bench_file, named, noise, recording};
 

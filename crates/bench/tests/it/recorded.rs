@@ -1,8 +1,8 @@
 //! The recordings of two simulated benches, where they are present beside the project.
 
-use bench::channels::guess_roles;
-use bench::{BenchFile, Finding, Role, Severity, prepare};
 use recording::Recording;
+use rig::channels::guess_roles;
+use rig::{BenchFile, Finding, Role, Severity, prepare};
 
 use crate::support::{BENCH_A, recordings};
 

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bench::analysis::SignalSkews;
-use bench::estimate::EstimateError;
-use bench::replay::{EncoderError, ReplayError, ReplayInputs, replay};
-use bench::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
-use bench::{Experiment, Role};
 use signal::Signal;
+use bench_model::skews::SignalSkews;
+use rig::estimation::EstimateError;
+use bench_model::replay::{EncoderError, ReplayError, ReplayInputs, replay};
+use bench_model::simulate::{DynoInput, InitialState, Inputs, Response, simulate};
+use rig::{Experiment, Role};
 
 use crate::model::bench_a;
 

@@ -1,13 +1,13 @@
 //! Whether experiments are safe on benches that are not known exactly.
 
-use bench::bench_file::Limits;
-use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Waveform};
-use bench::model::{ModelParameter, ModelUncertainty, PartCovariance};
-use bench::prediction::PredictionInputs;
-use bench::safety::{BenchSpread, Checked, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check};
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, EngineParameters, MechanicsParameters, TorqueTarget};
 use signal::distributions::{chi_squared_tail, normal_quantile};
+use rig::bench_file::Limits;
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, Waveform, TorqueTarget};
+use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
+use bench_model::prediction::PredictionInputs;
+use design::safety::{BenchSpread, Checked, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check};
+use units::RPM_RAD_S;
+use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
 
 /// A bench with a sharp resonance near 18 Hz, and an engine whose speed control does not damp it.
 fn sharp() -> BenchParameters {
@@ -36,7 +36,7 @@ impl Case<'_> {
 
     fn check_demands(&self, demands: &Demands, seed: u64) -> SafetyCheck {
         let parameters = sharp();
-        let model = bench::model::BenchModel::of(&parameters);
+        let model = bench_model::model::BenchModel::of(&parameters);
         let prediction = PredictionInputs {
             plan: self.plan,
             demands,
@@ -67,7 +67,7 @@ fn sine(amplitude: f64) -> ExperimentPlan {
 
 #[test]
 fn exact_a_sine_test_trips_near_the_resonance_alone() {
-    let model = bench::model::BenchModel::of(&sharp());
+    let model = bench_model::model::BenchModel::of(&sharp());
     let resonance_hz = model.mechanics.resonance().frequency_hz;
     assert!((17.0..19.0).contains(&resonance_hz), "{resonance_hz}");
     // The amplitude at 18 Hz by the frequency response, for what 60 Nm of mean leave of 140 Nm.
@@ -161,7 +161,7 @@ fn stat_probability_is_that_of_the_one_uncertain_parameter() {
     let checked = Case { plan: &plan, limits, spread: BenchSpread::Prior(prior), samples: 2000 }.check();
     let found = of(&checked, Quantity::TimeAtResonance).reached.unwrap();
     // B is kept, so the peak lies a little below the natural frequency, by a factor that hardly changes.
-    let nominal = bench::model::BenchModel::of(&sharp()).mechanics.resonance().frequency_hz;
+    let nominal = bench_model::model::BenchModel::of(&sharp()).mechanics.resonance().frequency_hz;
     let sigma = 1.2_f64.ln() / normal_quantile(0.975);
     let below = |f: f64| normal_cdf((f / nominal).ln() / sigma);
     let truth = below(18.0 / 0.9) - below(18.0 / 1.1);
@@ -178,7 +178,7 @@ fn normal_cdf(z: f64) -> f64 {
 #[test]
 fn prop_an_engine_of_slow_speed_control_damps_less() {
     let plan = sine(20.0);
-    let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench::model::BenchModel::of(&sharp()));
+    let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench_model::model::BenchModel::of(&sharp()));
     let engine = BenchParameters::default().engine;
     let limits = shaft_limit(140.0);
     let prediction = PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, limits };
@@ -197,7 +197,7 @@ fn prop_an_engine_of_slow_speed_control_damps_less() {
 #[test]
 fn prop_a_study_narrows_what_the_prior_leaves_open() {
     let plan = sine(8.0);
-    let stiffness = bench::model::BenchModel::of(&sharp()).mechanics.stiffness_nm_per_rad;
+    let stiffness = bench_model::model::BenchModel::of(&sharp()).mechanics.stiffness_nm_per_rad;
     let part = PartCovariance {
         parameters: vec![ModelParameter::Stiffness, ModelParameter::Damping],
         covariance: vec![vec![(0.005 * stiffness).powi(2), 0.0], vec![0.0, 1e-4]],
@@ -233,7 +233,7 @@ fn regress_control_of_the_shaft_torque_is_refused() {
     let mut plan = ExperimentPlan::step_t_tn(1200.0, 1.0);
     plan.torque_target = TorqueTarget::Shaft;
     let (parameters, demands) = (sharp(), Demands::of(&plan, 1, DEMAND_HOLD_S));
-    let (model, limits) = (bench::model::BenchModel::of(&parameters), Limits::default());
+    let (model, limits) = (bench_model::model::BenchModel::of(&parameters), Limits::default());
     let prediction =
         PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &parameters.engine, limits };
     let inputs = SafetyInputs {

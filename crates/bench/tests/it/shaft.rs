@@ -1,12 +1,15 @@
 //! The shaft's estimator on the virtual bench: with computed and with measured shaft torque, and what it says of J_d.
 
-use bench::estimate::EstimateError;
-use bench::estimate::shaft::{NoisyTorque, ShaftInputs, estimate, estimate_inertia};
-use bench::study::Estimate;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, Numerics, VirtualRun, simulate_hidden};
 use signal::Signal;
 use signal::excitation::Random;
+use rig::estimation::EstimateError;
+use part_torque::air_gap_torque::NoisyTorque;
+use part_shaft::shaft::{ShaftInputs, estimate, estimate_inertia};
+use rig::results::Estimate;
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::{Numerics, VirtualRun, simulate_hidden};
 
 const INERTIA: f64 = 0.6;
 const STIFFNESS: f64 = 2437.7;

@@ -2,13 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use bench::estimate::shaft::{NoisyTorque, ShaftInputs, estimate_with_inertias};
-use bench::estimate::torque_control;
-use bench::study::{Estimate, Part, Source};
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, Harmonic, Waveform, simulate};
-use bench::{BenchFile, Experiment, Role};
 use signal::excitation::Random;
+use part_torque::air_gap_torque::NoisyTorque;
+use part_shaft::shaft::{ShaftInputs, estimate_with_inertias};
+use part_torque::torque_control;
+use rig::results::{Estimate, Part};
+use study::Source;
+use units::RPM_RAD_S;
+use rig::bench_parameters::{BenchParameters, Harmonic};
+use rig::experiment::{ExperimentPlan, Waveform};
+use virtual_bench::simulate;
+use rig::{BenchFile, Experiment, Role};
 
 use crate::study::{bench_file, in_parallel, source, studied};
 use crate::support::BENCH_A;
@@ -89,7 +93,7 @@ impl Drawn {
         let mut plan = ExperimentPlan::white_noise_t_tn(self.speed_rpm, duration_s);
         plan.dyno_torque_nm = Waveform::WhiteNoise { mean, standard_deviation };
         let recording = simulate(&self.parameters, &plan, seed).unwrap();
-        bench::prepare("WhiteNoise_T_TN.mf4", &recording, &self.file, plan.label).unwrap().0
+        rig::prepare("WhiteNoise_T_TN.mf4", &recording, &self.file, plan.label).unwrap().0
     }
 }
 

@@ -3,20 +3,22 @@
 
 use std::f64::consts::TAU;
 
-use bench::estimate::EstimateError;
-use bench::estimate::shaft::{NoisyTorque, ShaftInputs, estimate_parameters};
-use bench::estimate::shaft_routes::Timing;
-use bench::estimate::shaft_routes::black_box::{self, BlackBoxRoute, Untold};
-use bench::estimate::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
-use bench::estimate::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
-use bench::estimate::torque_control::{self, AirGapTorqueModel};
-use bench::experiment::Test;
-use bench::model::Engine;
-use bench::study::Estimate;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, Waveform, simulate};
-use bench::{ControlMode, Experiment, Role};
 use signal::excitation::{Multisine, Phases, Random, Timing as Length};
+use rig::estimation::EstimateError;
+use part_torque::air_gap_torque::NoisyTorque;
+use part_shaft::shaft::{ShaftInputs, estimate_parameters};
+use part_shaft::shaft_routes::Timing;
+use part_shaft::shaft_routes::black_box::{self, BlackBoxRoute, Untold};
+use part_shaft::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
+use part_shaft::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
+use part_torque::torque_control::{self, AirGapTorqueModel};
+use rig::experiment::{Test, ExperimentPlan, Waveform};
+use rig::facts::Engine;
+use rig::results::Estimate;
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::simulate;
+use rig::{ControlMode, Experiment, Role};
 
 use crate::study::{bench_file, in_parallel};
 use crate::support::{BENCH_A, recordings};
@@ -89,7 +91,7 @@ impl Drawn {
         let recording = simulate(&self.parameters, plan, seed).unwrap();
         let inertia = self.parameters.mechanics.dyno_inertia_kg_m2.to_string();
         let file = bench_file(&inertia, "0.28", "400 Nm", BENCH_A);
-        bench::prepare("drawn.mf4", &recording, &file, plan.label.clone()).unwrap().0
+        rig::prepare("drawn.mf4", &recording, &file, plan.label.clone()).unwrap().0
     }
 
     fn torque_model(&self, seed: u64) -> AirGapTorqueModel {
@@ -330,7 +332,7 @@ fn stat_multisine_of_16_benches() {
 fn bench_a(all: &[(String, recording::Recording)], name: &str) -> Experiment {
     let file = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
     let (name, recording) = all.iter().find(|(file, _)| file.starts_with(name)).unwrap();
-    bench::prepare(name, recording, &file, file.label_of(name).unwrap()).unwrap().0
+    rig::prepare(name, recording, &file, file.label_of(name).unwrap()).unwrap().0
 }
 
 #[test]

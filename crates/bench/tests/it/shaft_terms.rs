@@ -1,9 +1,7 @@
 //! What may be in a shaft beyond K and B: found where it is, and nowhere else; and friction that is not taken for damping.
 
-use bench::estimate::shaft::{
-    Beyond, Term, TermTest, Weight, estimate_by_band, estimate_dual_mass, estimate_parameters, test_terms,
-};
-use bench::virtual_bench::{DualMassFlywheel, LossFactor, MechanicsParameters};
+use part_shaft::shaft::{Beyond, Term, TermTest, Weight, estimate_by_band, estimate_dual_mass, estimate_parameters, test_terms};
+use rig::bench_parameters::{DualMassFlywheel, LossFactor, MechanicsParameters};
 
 use crate::shaft_benches::{Drawn, inputs};
 use crate::study::in_parallel;
@@ -114,7 +112,7 @@ fn stat_friction_does_not_go_into_the_damping() {
         ("c_1", |m| m.viscous_friction_nm_s_per_rad),
     ];
     for (symbol, truth) in parameters {
-        let held = |(mechanics, estimate): &&(MechanicsParameters, bench::study::Estimate)| {
+        let held = |(mechanics, estimate): &&(MechanicsParameters, rig::results::Estimate)| {
             let (low, high) = estimate.parameter(symbol).unwrap().interval;
             (low..=high).contains(&truth(mechanics))
         };

@@ -4,15 +4,12 @@
 mod benches;
 mod hidden;
 
-use bench::estimate::speed_controller::{
-    AntiWindup, FeedForwardTerms, Limit, LimitReached, Structure, Term, Verdict, estimate, estimate_feed_forward,
-    feed_forward_terms, limit, structure,
-};
-use bench::speed_control::{
-    Estimator, IntegrationRule, Noise, NoiseTestOptions, noise_test, speed_control, virtual_experiment,
-};
-use bench::virtual_bench::{BenchParameters, ExperimentPlan};
-use bench::{BenchFile, Experiment, prepare};
+use part_controller::speed_controller::{AntiWindup, FeedForwardTerms, Limit, LimitReached, Structure, Term, Verdict, estimate, estimate_feed_forward, feed_forward_terms, limit, structure};
+use study::noise_test::{Estimator, Noise, NoiseTestOptions, noise_test, virtual_experiment};
+use part_controller::speed_control::{IntegrationRule, speed_control};
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use rig::{BenchFile, Experiment, prepare};
 
 use crate::support::{bench_file, recordings};
 use benches::recorded;
@@ -42,7 +39,7 @@ fn levels() -> ExperimentPlan {
     ExperimentPlan::levels_n_nt(1200.0, 30.0)
 }
 
-fn estimate_of(rounds: &[bench::estimate::speed_controller::Round], term: Term) -> (f64, f64, (f64, f64)) {
+fn estimate_of(rounds: &[part_controller::speed_controller::Round], term: Term) -> (f64, f64, (f64, f64)) {
     let tests = rounds.iter().rev().flat_map(|round| &round.tests);
     let found = tests.filter(|test| test.term == term).find_map(|test| test.estimate.as_ref()).unwrap();
     (found.value, found.standard_error, found.interval)
@@ -67,7 +64,7 @@ fn exact_the_discrete_form_follows_from_the_gains_by_any_rule_of_integration() {
     assert!((gain(IntegrationRule::Forward) - b_0.value).abs() < 1e-12);
     assert!((gain(IntegrationRule::Backward) + b_1.value).abs() < 1e-12);
     assert!((gain(IntegrationRule::Trapezoidal) - 0.5 * (b_0.value - b_1.value)).abs() < 1e-12);
-    let residuals = |v: &bench::study::Validation| v.residuals.as_ref().unwrap().share_outside();
+    let residuals = |v: &rig::results::Validation| v.residuals.as_ref().unwrap().share_outside();
     assert!(residuals(&controller.validation_without_delay) > 0.05 && residuals(&controller.validation) < 0.05);
     assert!(controller.without_delay.parameter("τ").is_none());
 }
@@ -157,9 +154,9 @@ fn regress_one_slope_does_not_tell_friction_compensation_and_says_so() {
 fn limit_in(law: Option<AntiWindup>, rise_rpm: f64) -> Limit {
     let parameters = BenchParameters::default();
     let mut plan = ExperimentPlan::no_shaft_n_nt(1200.0, 24.0);
-    plan.speed_rad_s = bench::virtual_bench::Waveform::Square {
-        first: 1200.0 * bench::units::RPM_RAD_S,
-        second: (1200.0 + rise_rpm) * bench::units::RPM_RAD_S,
+    plan.speed_rad_s = rig::experiment::Waveform::Square {
+        first: 1200.0 * units::RPM_RAD_S,
+        second: (1200.0 + rise_rpm) * units::RPM_RAD_S,
         dwell_s: 3.0,
     };
     let steps = recorded(&parameters, &plan, 5);
@@ -223,7 +220,7 @@ fn stat_what_is_not_there_is_found_no_more_often_than_the_level_says() {
         let beside = structure(&bs, &fit, Some(LIMIT_NM)).unwrap();
         let bent =
             feed_forward_terms(&record(&ExperimentPlan::levels_n_nt(1200.0, 20.0)), &fit, Some(LIMIT_NM)).unwrap();
-        let verdicts = |rounds: &[bench::estimate::speed_controller::Round]| -> Vec<(Term, f64, Verdict)> {
+        let verdicts = |rounds: &[part_controller::speed_controller::Round]| -> Vec<(Term, f64, Verdict)> {
             rounds[0].tests.iter().map(|t| (t.term, t.adjusted_p_value, t.verdict)).collect()
         };
         (verdicts(&beside.rounds), verdicts(&bent.rounds))
@@ -311,7 +308,7 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
             let p = controller.with_delay.parameter(symbol).unwrap();
             assert!((p.value - truth).abs() < tolerance, "{}: {p:?}", one.file);
         }
-        let outside = |v: &bench::study::Validation| v.residuals.as_ref().unwrap().share_outside();
+        let outside = |v: &rig::results::Validation| v.residuals.as_ref().unwrap().share_outside();
         assert!(outside(&controller.validation_without_delay) > 0.05 && outside(&controller.validation) < 0.05);
         assert_eq!(controller.structure.found().unwrap().found(), [], "{}: {:#?}", one.file, controller.structure);
     }
@@ -322,7 +319,7 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
         assert_eq!(terms.found(), [], "{:#?}", terms.rounds);
         for point in &terms.map {
             // truth.json: ff_speed 0.012 Nm/rpm.
-            let truth = 0.012 * (point.speed_rad_s - terms.map[0].speed_rad_s) / bench::units::RPM_RAD_S;
+            let truth = 0.012 * (point.speed_rad_s - terms.map[0].speed_rad_s) / units::RPM_RAD_S;
             assert!((point.torque_nm - truth).abs() < 0.02 * truth + 1e-9, "{point:?}: {truth}");
         }
     }

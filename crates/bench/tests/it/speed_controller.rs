@@ -4,13 +4,13 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bench::estimate::EstimateError;
-use bench::estimate::speed_controller::{estimate, estimate_feed_forward};
-use bench::study::Estimate;
-use bench::units::RPM_RAD_S;
-use bench::{Experiment, Role};
 use signal::Signal;
 use signal::excitation::Random;
+use rig::estimation::EstimateError;
+use part_controller::speed_controller::{estimate, estimate_feed_forward};
+use rig::results::Estimate;
+use units::RPM_RAD_S;
+use rig::{Experiment, Role};
 
 const T: f64 = 1e-3;
 const K_P: f64 = 0.94 / RPM_RAD_S;
@@ -168,7 +168,7 @@ fn exact_feed_forward_is_found_beside_the_controller() {
 #[test]
 fn stat_residuals_betray_a_missing_delay_and_nothing_else() {
     let found = estimate(&record(Case { noise_rad_s: 3e-3, ..Case::default() }), None).unwrap();
-    let outside = |validation: &bench::study::Validation| {
+    let outside = |validation: &rig::results::Validation| {
         let test = validation.residuals.clone().unwrap();
         test.cross_correlation.iter().filter(|c| c.abs() > test.cross_correlation_bound).count()
     };

@@ -4,11 +4,14 @@ use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use bench::model::ModelParameter;
-use bench::study::{Campaign, Estimate, Need, Parameter, Part, Source, Study, StudyError, run};
-use bench::virtual_bench::{BenchParameters, ClockParameters, ExperimentPlan, simulate};
-use bench::{BenchFile, Finding, Role, Severity};
 use recording::{Recording, RecordingError};
+use bench_model::model::ModelParameter;
+use study::{Campaign, Source, Study, StudyError, run};
+use rig::results::{Estimate, Need, Parameter, Part};
+use rig::bench_parameters::{BenchParameters, ClockParameters};
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
+use rig::{BenchFile, Finding, Role, Severity};
 
 use crate::support::BENCH_A;
 
@@ -219,7 +222,7 @@ fn assert_finite(study: &Study) {
 
 #[test]
 fn stat_the_truth_is_found() {
-    let (study, truth) = (whole(), bench::virtual_bench::Truth::of(&BenchParameters::default()));
+    let (study, truth) = (whole(), virtual_bench::Truth::of(&BenchParameters::default()));
     let shaft = &study.shaft.estimated().unwrap().estimate;
     near(parameter(shaft, "K"), truth.stiffness_nm_per_rad, 0.01 * truth.stiffness_nm_per_rad);
     near(parameter(shaft, "B"), truth.damping_nm_s_per_rad, 0.05 * truth.damping_nm_s_per_rad);
@@ -280,7 +283,7 @@ fn stat_skewed_clocks_are_found_and_ignoring_them_is_wrong() {
     let shaft = study.shaft.estimated().unwrap();
     near(parameter(&shaft.estimate, "δ_e"), 0.7e-3, 1e-4);
     near(parameter(&shaft.estimate, "δ_T"), -0.4e-3, 1e-4);
-    let truth = bench::virtual_bench::Truth::of(&parameters);
+    let truth = virtual_bench::Truth::of(&parameters);
     near(parameter(&shaft.estimate, "K"), truth.stiffness_nm_per_rad, 0.01 * truth.stiffness_nm_per_rad);
     near(parameter(&shaft.estimate, "B"), truth.damping_nm_s_per_rad, 0.05 * truth.damping_nm_s_per_rad);
     let naive = parameter(&shaft.ignoring_timing, "B");
@@ -382,7 +385,7 @@ fn shaft_of_seed(seed: u64) -> Estimate {
 #[ignore = "slow: Monte Carlo"]
 fn stat_intervals_of_the_shaft_contain_the_truth() {
     let estimates = in_parallel(RUNS as usize, |i| shaft_of_seed(i as u64));
-    let truth = bench::virtual_bench::Truth::of(&BenchParameters::default());
+    let truth = virtual_bench::Truth::of(&BenchParameters::default());
     let (k, b) = (truth.stiffness_nm_per_rad, truth.damping_nm_s_per_rad);
     let mut report = Vec::new();
     for (symbol, truth, bias_bound) in [("K", k, 0.005 * k), ("B", b, 0.02 * b), ("δ_e", 0.0, 1e-4), ("δ_T", 0.0, 1e-4)]

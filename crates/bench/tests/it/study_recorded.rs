@@ -1,8 +1,10 @@
 //! The study of two simulated benches, recorded by a simulator that shares no code with the project, where their
 //! recordings are present beside it.
 
-use bench::study::{Estimate, Parameter, Replay, Source, Study};
 use recording::Recording;
+use rig::results::{Estimate, Parameter};
+use bench_model::replay::Replay;
+use study::{Source, Study};
 
 use crate::study::{bench_file, studied};
 use crate::support::recordings;

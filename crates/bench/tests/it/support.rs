@@ -108,7 +108,7 @@ pub(crate) const BENCH_A: [&str; 7] = [
 ];
 
 /// A bench file for [`BENCH_A`], with other lines in its channel table replaced.
-pub(crate) fn bench_file(limits: &str, replaced: &[(&str, &str)]) -> bench::BenchFile {
+pub(crate) fn bench_file(limits: &str, replaced: &[(&str, &str)]) -> rig::BenchFile {
     let keys = [
         "dyno_speed",
         "engine_speed",

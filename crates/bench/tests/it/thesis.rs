@@ -4,10 +4,11 @@
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
-use bench::virtual_bench::{
-    BenchParameters, Effects, ExperimentPlan, Numerics, ShaftZeros, ShownTrace, Spectrum, Waveform, simulate,
-};
 use faer::c64;
+use rig::bench_parameters::BenchParameters;
+use effects::{Effects, ShaftZeros, ShownTrace, Spectrum};
+use rig::experiment::{ExperimentPlan, Waveform};
+use virtual_bench::{Numerics, simulate};
 
 use crate::study::default_bench;
 use crate::virtual_bench::{amplitude, clean, mean, run, samples};

@@ -1,9 +1,9 @@
-use bench::estimate::EstimateError;
-use bench::estimate::timing::estimate;
-use bench::estimate::torque_control;
-use bench::study::SignalDelay;
-use bench::{Experiment, Role};
 use signal::Signal;
+use rig::estimation::EstimateError;
+use part_torque::timing::estimate;
+use part_torque::torque_control;
+use rig::results::SignalDelay;
+use rig::{Experiment, Role};
 
 use crate::torque_bench::{Noise, TRUTH, Truth, lagged, rippled, white_noise};
 

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use bench::{Experiment, Role};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use signal::Signal;
+use rig::{Experiment, Role};
 
 pub(crate) struct Noise(ChaCha8Rng);
 

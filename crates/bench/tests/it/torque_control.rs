@@ -1,8 +1,8 @@
-use bench::estimate::EstimateError;
-use bench::estimate::torque_control::{TorqueControlFit, choose, estimate};
-use bench::experiment::Test;
-use bench::{Experiment, Finding, Role};
 use signal::Signal;
+use rig::estimation::EstimateError;
+use part_torque::torque_control::{TorqueControlFit, choose, estimate};
+use rig::experiment::Test;
+use rig::{Experiment, Finding, Role};
 
 use crate::torque_bench::{Noise, TRUTH, Truth, calculated, experiment, lagged, rippled, white_demand, white_noise};
 

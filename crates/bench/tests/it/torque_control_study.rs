@@ -1,14 +1,12 @@
 //! What the torque control of virtual benches, of made data and of recorded ones can be told to be.
 
-use bench::estimate::torque_control;
-use bench::experiment::ExperimentPlan;
-use bench::model_comparison::{
-    Excited, Family, Input, Judgement, Model, ModelComparison, ModelComparisonError, OrdersTried, Verdict,
-    compare_models, visibility,
-};
-use bench::virtual_bench::{BenchParameters, InductionMachine, Numerics, simulate_hidden};
-use bench::{Experiment, Role, prepare};
 use signal::Signal;
+use part_torque::torque_control;
+use rig::experiment::ExperimentPlan;
+use part_torque::model_comparison::{Excited, Family, Input, Judgement, Model, ModelComparison, ModelComparisonError, OrdersTried, Verdict, compare_models, visibility};
+use rig::bench_parameters::{BenchParameters, InductionMachine};
+use virtual_bench::{Numerics, simulate_hidden};
+use rig::{Experiment, Role, prepare};
 
 use crate::study::{default_bench, in_parallel};
 use crate::support::recordings;
@@ -52,7 +50,7 @@ fn exact_an_arx_truth_is_found_among_the_orders_and_below_the_bar() {
     let told = of(&[&arx], FEW);
     let recording = &told.recordings[0];
     assert_eq!(recording.ripple_hz, []);
-    let is_truth = |b: &&bench::model_comparison::BlackBox| {
+    let is_truth = |b: &&part_torque::model_comparison::BlackBox| {
         let s = b.structure;
         (s.family, s.input, s.poles, s.nb, s.nk) == (Family::Arx, Input::Demand, 1, 2, 1)
     };

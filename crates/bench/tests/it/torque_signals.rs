@@ -1,13 +1,15 @@
 //! The torque signals of virtual benches, against what they were made of.
 
-use bench::estimate::timing::{self, Filter, shaft_filter};
-use bench::estimate::torque_control;
-use bench::experiment::ExperimentPlan;
-use bench::study::BenchVariant;
-use bench::torque_signals::{OnceATurn, RebuiltShaft, Told, TorqueSignals, Trust, Untold, torque_signals};
-use bench::virtual_bench::{BenchParameters, HiddenTruth, Numerics, simulate, simulate_hidden};
-use bench::{Experiment, Role, prepare};
 use signal::excitation::Random;
+use part_torque::timing::{self, Filter, shaft_filter};
+use part_torque::torque_control;
+use rig::experiment::ExperimentPlan;
+use rig::facts::BenchVariant;
+use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueSignals, Trust, torque_signals};
+use rig::results::{Told, Untold};
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::{HiddenTruth, Numerics, simulate, simulate_hidden};
+use rig::{Experiment, Role, prepare};
 
 use crate::study::{default_bench, in_parallel};
 
@@ -344,6 +346,6 @@ fn regress_a_torque_of_the_wrong_sign_tells_no_delay_and_no_shaft_torque() {
     let delays = recording.delays.found().unwrap();
     assert!(delays.iter().all(|delay| delay.role != Role::AirGapTorque), "{delays:?}");
     assert!(signals.trust.is_none());
-    let engine = bench::engine_torque::engine_torque(&[&experiment], &default_bench(), &|_| ());
+    let engine = part_engine::engine_torque(&[&experiment], &default_bench(), &|_| ());
     assert_eq!(engine.masses, Told::Untold(wrong));
 }

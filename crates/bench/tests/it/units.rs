@@ -1,8 +1,7 @@
 use std::f64::consts::TAU;
 
-use bench::role::Quantity;
-use bench::units::{RPM_RAD_S, UnitError, parse_unit, parse_unit_of, parse_value, si_spelling, spellings};
 use proptest::prelude::*;
+use units::{Quantity, RPM_RAD_S, UnitError, parse_unit, parse_unit_of, parse_value, si_spelling, spellings};
 
 #[test]
 fn exact_factors_of_every_spelling() {
@@ -61,7 +60,7 @@ fn exact_units_of_what_plays_no_role() {
         assert_eq!(parse_unit(text).unwrap().quantity, quantity, "{text}");
         assert!((si(text, value) - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{text}: {}", si(text, value));
     }
-    assert!(!bench::units::may_be_same("K", "°C") && bench::units::may_be_same("degC", "℃"));
+    assert!(!units::may_be_same("K", "°C") && units::may_be_same("degC", "℃"));
 }
 
 #[test]

@@ -2,12 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{
-    BenchParameters, ExperimentPlan, HiddenTruth, Numerics, VirtualBenchError, VirtualRun, Waveform, simulate,
-    simulate_hidden,
-};
 use recording::Recording;
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::{ExperimentPlan, Waveform};
+use virtual_bench::{HiddenTruth, Numerics, VirtualBenchError, VirtualRun, simulate, simulate_hidden};
 
 /// The default bench with ideal sensors and no ripple.
 pub(crate) fn clean() -> BenchParameters {

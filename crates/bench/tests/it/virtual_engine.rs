@@ -2,8 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, Numerics, SliderCrank, Waveform};
+use units::RPM_RAD_S;
+use rig::bench_parameters::{BenchParameters, SliderCrank};
+use rig::experiment::{ExperimentPlan, Waveform};
+use virtual_bench::Numerics;
 
 use crate::virtual_bench::{amplitude, clean, mean, run};
 

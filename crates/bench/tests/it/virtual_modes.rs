@@ -2,12 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use bench::study::BenchVariant;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{
-    BenchParameters, ExperimentPlan, InductionMachine, Numerics, PulseParameters, Sine, TorqueTarget, Waveform,
-    simulate, simulate_hidden,
-};
+use rig::facts::BenchVariant;
+use units::RPM_RAD_S;
+use rig::bench_parameters::{BenchParameters, InductionMachine, PulseParameters};
+use rig::experiment::{ExperimentPlan, Sine, TorqueTarget, Waveform};
+use virtual_bench::{Numerics, simulate, simulate_hidden};
 
 use crate::virtual_bench::{amplitude, clean, mean, run, samples, smooth};
 
@@ -214,7 +213,7 @@ fn exact_plans_survive_toml() {
     let text = toml::to_string(&bench).expect("serialises");
     assert_eq!(toml::from_str::<BenchParameters>(&text).expect("parses"), bench);
     assert!(simulate_hidden(&bench, &plan, 1, Numerics::default()).is_ok());
-    assert!((bench::virtual_bench::Truth::of(&bench).stiffness_nm_per_rad - 2437.7).abs() < 1e-9);
+    assert!((virtual_bench::Truth::of(&bench).stiffness_nm_per_rad - 2437.7).abs() < 1e-9);
 }
 
 /// The default bench's torque_control with an induction machine in place of the lag.

@@ -2,12 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{
-    BenchParameters, DualMassFlywheel, DynoTwist, ExperimentPlan, HiddenTruth, LossFactor, Numerics, VirtualBenchError,
-    Waveform, simulate,
-};
 use faer::c64;
+use units::RPM_RAD_S;
+use rig::bench_parameters::{BenchParameters, DualMassFlywheel, DynoTwist, LossFactor};
+use rig::experiment::{ExperimentPlan, Waveform};
+use virtual_bench::{HiddenTruth, Numerics, VirtualBenchError, simulate};
 
 use crate::virtual_bench::{clean, run, smooth};
 
@@ -82,7 +81,7 @@ fn exact_twist_of_the_dynamometer_makes_one_mass_more() {
 
 #[test]
 fn exact_resonance_of_the_truth_is_where_the_gain_is_largest() {
-    let two_masses = bench::virtual_bench::Truth::of(&BenchParameters::default()).resonance_hz;
+    let two_masses = virtual_bench::Truth::of(&BenchParameters::default()).resonance_hz;
     // ω² = 2Kμ/(1 + √(1 + 2B²μ/K)), μ = 1/J_d + 1/J_e.
     let mobility = 1.0 / 0.6 + 1.0 / 0.28;
     let squared = 2.0 * 2437.7 * mobility / (1.0 + (1.0 + 2.0 * 5.8 * 5.8 * mobility / 2437.7_f64).sqrt());
@@ -92,7 +91,7 @@ fn exact_resonance_of_the_truth_is_where_the_gain_is_largest() {
     parameters.mechanics.flywheel = Some(DualMassFlywheel::default());
     let inertias = [0.5, 0.1, 0.08, 0.2];
     let gain = |hz| chain_gain(&inertias, &[(4e4, 3.0), (2437.7, 5.8), (650.0, 2.5)], 1, hz).norm();
-    let found = bench::virtual_bench::Truth::of(&parameters).resonance_hz;
+    let found = virtual_bench::Truth::of(&parameters).resonance_hz;
     println!("four masses resonate at {found} Hz");
     assert!((10..2000).map(|k| 0.1 * f64::from(k)).all(|hz| gain(hz) <= gain(found) * (1.0 + 1e-9)));
 }

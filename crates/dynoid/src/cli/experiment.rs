@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use bench::excitation_design::Goal;
 use clap::{Args, Subcommand, ValueEnum};
+use design::excitation_design::Goal;
 
 use super::identify::ResultArguments;
 use super::number;

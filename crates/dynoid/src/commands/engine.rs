@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use bench::engine_torque::{EngineRecording, EngineTorque, engine_torque};
-use bench::torque_signals::Told;
 use report::torque::untold;
 use serde_json::json;
+use part_engine::{EngineRecording, EngineTorque, engine_torque};
+use rig::results::Told;
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{write_page, written};

@@ -1,10 +1,10 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
-use bench::Experiment;
-use bench::friction::{FrictionOptions, estimate};
-use bench::units::RPM_RAD_S;
 use report::friction::{StatedInertia, doubts};
 use serde_json::json;
+use rig::Experiment;
+use part_friction::{FrictionOptions, estimate};
+use units::RPM_RAD_S;
 
 use super::experiments;
 use super::identify::judge::{write_page, written};

@@ -3,13 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use bench::bench_file::{Draft, PLACEHOLDER};
-use bench::channels::{Choice, Guess, guess_roles};
-use bench::{BenchFile, ExperimentLabel, Role};
 use page::{Align, Cell, Table, Tone};
 use recording::Recording;
 use report::wording;
 use serde::Serialize;
+use rig::bench_file::{Draft, PLACEHOLDER};
+use rig::channels::{Choice, Guess, guess_roles};
+use rig::{BenchFile, ExperimentLabel, Role};
 
 use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};

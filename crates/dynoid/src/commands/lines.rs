@@ -1,11 +1,8 @@
 //! `dynoid lines`: what recordings show before any model.
 
-use bench::lines::{
-    BANDWIDTH_ORDERS, FEWEST_SAMPLES, OverSpeed, PartLines, RecordingLines, SignalLines, find_lines, on_one_mains,
-    over_speed,
-};
-use bench::units::si_spelling;
 use serde_json::json;
+use part_lines::lines::{BANDWIDTH_ORDERS, FEWEST_SAMPLES, OverSpeed, PartLines, RecordingLines, SignalLines, find_lines, on_one_mains, over_speed};
+use units::si_spelling;
 
 use super::experiments;
 use super::identify::judge::{write_page, written};

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use bench::study::{Analyses, Campaign, Progress as StudyProgress, Source, StudyError};
-use bench::{BenchFile, Study};
 use report::wording;
+use study::{Analyses, Campaign, Progress as StudyProgress, Source, StudyError, Study};
+use rig::BenchFile;
 
 use crate::cli::bench::StudyArguments;
 use crate::error::{CliError, Outcome};
@@ -89,13 +89,13 @@ fn studied(campaign: Campaign<'_>, extent: Extent, progress: &Progress) -> Resul
     let mut step = |step| show(progress, &step);
     match extent {
         Extent::Model => {
-            let study = bench::study::run(campaign, &mut step)?;
+            let study = study::run(campaign, &mut step)?;
             progress.say("writing the report");
             let page = report::study(&study);
             Ok((study, page::html(&page, crate::PROGRAM)))
         }
         Extent::Full => {
-            let (study, analyses) = bench::study::run_full(campaign, &mut step)?;
+            let (study, analyses) = study::run_full(campaign, &mut step)?;
             progress.say("writing the report");
             let page = report::full_study(&study, &analyses);
             Ok((study, page::html(&page, crate::PROGRAM)))

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use bench::torque_signals::{Told, TorqueRecording, TorqueSignals, torque_signals};
 use report::torque::untold;
 use serde_json::json;
+use rig::results::Told;
+use part_torque::torque_signals::{TorqueRecording, TorqueSignals, torque_signals};
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{write_page, written};

@@ -4,9 +4,9 @@ mod short;
 
 use std::path::Path;
 
-use bench::study::Study;
 use page::{Align, Table, Tone};
 use report::verdict::{Level, verdict};
+use study::Study;
 
 use crate::commands::study::Written;
 use crate::error::Outcome;

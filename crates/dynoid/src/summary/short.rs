@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use bench::Diagnostic;
-use bench::study::{Need, Parameter, RecordingSummary};
 use report::brief::{key_numbers, not_estimated};
 use report::verdict::{Level, Rule, verdict};
 use report::wording;
 use serde::Serialize;
+use rig::Diagnostic;
+use rig::results::{Need, Parameter};
+use study::RecordingSummary;
 
 use crate::commands::study::Written;
 

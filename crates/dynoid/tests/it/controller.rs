@@ -1,6 +1,8 @@
 //! `dynoid controller`: the speed controller of simulated recordings, and the study of a known one.
 
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
 
 use crate::support::{Campaign, dynoid};
 

@@ -1,6 +1,8 @@
 //! `dynoid friction`: friction and inertia of a simulated dynamometer.
 
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
 
 use crate::support::Campaign;
 

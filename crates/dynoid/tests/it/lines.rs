@@ -1,6 +1,8 @@
 //! `dynoid lines`: the lines of simulated recordings, named.
 
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
 
 use crate::support::{BENCH, Campaign};
 

@@ -1,6 +1,6 @@
 //! `dynoid shaft`: the shaft of simulated recordings.
 
-use bench::virtual_bench::ExperimentPlan;
+use rig::experiment::ExperimentPlan;
 
 use crate::support::{Campaign, simulated};
 

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
 use recording::{Recording, encode_mdf4};
 use tempfile::TempDir;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
 
 /// What a run of the program left behind.
 pub(crate) struct Ran {

@@ -61,9 +61,9 @@ fn regress_what_cannot_be_done_is_refused() {
     for name in ["WhiteNoise_T_TN_1200.mf4", "BS_T_NT_1200.mf4"] {
         std::fs::remove_file(campaign.path(&format!("recordings/{name}"))).unwrap();
     }
-    let steady = bench::virtual_bench::simulate(
-        &bench::virtual_bench::BenchParameters::default(),
-        &bench::virtual_bench::ExperimentPlan::ramp_n_nt(1200.0, 6.0),
+    let steady = virtual_bench::simulate(
+        &rig::bench_parameters::BenchParameters::default(),
+        &rig::experiment::ExperimentPlan::ramp_n_nt(1200.0, 6.0),
         1,
     );
     let campaign = campaign.with("Ramp_N_NT_1200.mf4", &steady.unwrap());

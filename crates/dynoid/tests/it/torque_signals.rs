@@ -1,6 +1,8 @@
 //! `dynoid torque-signals`: the torque signals of simulated recordings.
 
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
 
 use crate::support::Campaign;
 

@@ -1,7 +1,8 @@
 //! Speed control, feed-forward, torque control.
 
-use bench::Role;
-use bench::study::{Analyses, Estimate, Parameter, SpeedController, Study, TorqueControl, Validation};
+use rig::Role;
+use study::{Analyses, Study};
+use rig::results::{Estimate, Parameter, SpeedController, TorqueControl, Validation};
 
 use super::{Grade, Known, grade, of_part, recording, source};
 use crate::controller;
@@ -40,7 +41,7 @@ fn judged(study: &Study, estimate: &Estimate, validation: &Validation) -> Vec<St
         number::fit(validation.fit_percent)
     ));
     if let Some(test) = &validation.residuals
-        && test.share_outside() > bench::study::ResidualTest::MANY_OUTSIDE
+        && test.share_outside() > rig::results::ResidualTest::MANY_OUTSIDE
     {
         why.push(format!("What it leaves still depends on {}: something is missing in the model.", test.input));
     }
@@ -49,7 +50,7 @@ fn judged(study: &Study, estimate: &Estimate, validation: &Validation) -> Vec<St
 
 fn with_residuals(grade: Grade, validation: &Validation) -> Grade {
     let is_doubted =
-        |test: &bench::study::ResidualTest| test.share_outside() > bench::study::ResidualTest::MANY_OUTSIDE;
+        |test: &rig::results::ResidualTest| test.share_outside() > rig::results::ResidualTest::MANY_OUTSIDE;
     if validation.residuals.as_ref().is_some_and(is_doubted) { grade.contradicted() } else { grade }
 }
 

@@ -6,7 +6,8 @@ mod shaft;
 mod signals;
 mod whole;
 
-use bench::study::{Analyses, Estimate, Need, Parameter, Part, RecordingSummary, Stretch, Study};
+use study::{Analyses, RecordingSummary, Study};
+use rig::results::{Estimate, Need, Parameter, Part, Stretch};
 
 use crate::wording::{self, number};
 

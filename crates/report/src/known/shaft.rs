@@ -1,7 +1,9 @@
 //! Stiffness, damping, inertias and skews.
 
-use bench::friction::Inertia;
-use bench::study::{Analyses, BenchVariant, Parameter, Shaft, Study};
+use part_friction::Inertia;
+use study::{Analyses, Study};
+use rig::facts::BenchVariant;
+use rig::results::{Parameter, Shaft};
 
 use super::{Grade, Known, grade, of_part, overlap, relative_width, source};
 use crate::wording::{self, number};

@@ -1,8 +1,8 @@
 //! Delays of signals, friction, and the engine's torque.
 
-use bench::ExperimentLabel;
-use bench::study::{Analyses, SignalDelay, Study};
-use bench::torque_signals::Told;
+use rig::ExperimentLabel;
+use study::{Analyses, Study};
+use rig::results::{SignalDelay, Told};
 
 use super::{Grade, Known, grade, of_part};
 use crate::engine;

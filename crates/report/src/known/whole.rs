@@ -1,6 +1,9 @@
 //! Resonance and replays.
 
-use bench::study::{BenchFacts, Influence, Parameter, Part, Study, WholeModel};
+use rig::facts::BenchFacts;
+use bench_model::analysis::{Influence, WholeModel};
+use rig::results::{Parameter, Part};
+use study::Study;
 
 use super::{Grade, Known, WIDTHS, grade};
 use crate::wording::{self, number};
@@ -50,7 +53,7 @@ fn uncertain_by(influence: &Influence) -> Option<String> {
 
 /// How far measured gains are from the model on average, and in words.
 fn sine_tests(whole: &WholeModel) -> (Option<f64>, String) {
-    let off = |p: &bench::study::SinePoint| (p.gain_corrected_for_engine.unwrap_or(p.gain) / p.model_gain - 1.0).abs();
+    let off = |p: &bench_model::analysis::SinePoint| (p.gain_corrected_for_engine.unwrap_or(p.gain) / p.model_gain - 1.0).abs();
     let clear: Vec<f64> =
         whole.sine_points.iter().filter(|p| !p.at_engine_order).map(off).filter(|o| o.is_finite()).collect();
     if clear.is_empty() {

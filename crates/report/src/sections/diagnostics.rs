@@ -1,6 +1,7 @@
 //! All findings, grouped by severity, with what to do about each.
 
-use bench::{Diagnostic, Severity, Study};
+use rig::{Diagnostic, Severity};
+use study::Study;
 
 use page::{Block, Blocks, Tone};
 

@@ -1,7 +1,6 @@
 //! What is known well, what is not, and why.
 
-use bench::Study;
-use bench::study::Analyses;
+use study::{Study, Analyses};
 
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
 

@@ -16,8 +16,7 @@ mod submodels;
 pub(crate) mod verdict;
 mod whole;
 
-use bench::Study;
-use bench::study::Analyses;
+use study::{Study, Analyses};
 
 use page::{Block, Blocks, Page, Prose, Tone};
 

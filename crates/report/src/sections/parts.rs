@@ -1,7 +1,7 @@
 //! Pieces several sections share: parameter tables, what is missing, where data came from.
 
-use bench::study::{Estimate, Need, Parameter, Stretch, Validation};
 use page::{Align, Block, Blocks, Cell, Prose, Table};
+use rig::results::{Estimate, Need, Parameter, Stretch, Validation};
 
 use crate::wording::{self, number};
 

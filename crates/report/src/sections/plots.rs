@@ -1,6 +1,6 @@
 //! The figures of the report, built from the study's curves.
 
-use bench::study::{ResidualTest, Trace, Validation};
+use rig::results::{ResidualTest, Trace, Validation};
 
 use super::parts::seconds;
 use crate::wording::number;

@@ -1,7 +1,7 @@
 //! Where the study came from: recordings, bench facts, the bench file.
 
-use bench::Study;
-use bench::study::{BenchFacts, RecordingSummary};
+use study::{Study, RecordingSummary};
+use rig::facts::BenchFacts;
 
 use page::{Block, Blocks, Cell, Prose, Table};
 

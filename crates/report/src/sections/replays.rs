@@ -1,7 +1,8 @@
 //! Recordings replayed on the assembled model.
 
-use bench::Study;
-use bench::study::{Replay, Validation};
+use study::Study;
+use bench_model::replay::Replay;
+use rig::results::Validation;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Panel, Prose, Style, Table, Tone};
 

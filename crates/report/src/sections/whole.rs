@@ -1,7 +1,10 @@
 //! The assembled model: resonance, Bode curves, sine tests, margins.
 
-use bench::ControlMode;
-use bench::study::{BenchFacts, BodeCurve, Margins, Parameter, Part, SinePoint, Study, WholeModel};
+use rig::ControlMode;
+use rig::facts::BenchFacts;
+use bench_model::analysis::{BodeCurve, Margins, SinePoint, WholeModel};
+use rig::results::{Parameter, Part};
+use study::Study;
 
 use page::{Abscissa, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
 

@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use bench::excitation_design::LimitedQuantity;
-use bench::model::ModelParameter;
-use bench::prediction::PeakOf;
-use bench::safety::{Quantity, Safety};
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::Assumption;
+use design::excitation_design::LimitedQuantity;
+use bench_model::model::ModelParameter;
+use bench_model::prediction::PeakOf;
+use design::safety::{Quantity, Safety};
+use units::RPM_RAD_S;
+use virtual_bench::Assumption;
 
 use super::number::significant_with_unit;
 

@@ -1,7 +1,7 @@
 //! The experiments in plain words.
 
-use bench::ExperimentLabel;
-use bench::experiment::Test;
+use rig::ExperimentLabel;
+use rig::experiment::Test;
 
 /// What an experiment does, from its label (`BS_T_NT` → `engine torque switched between two ignition angles, …`);
 /// `None` for a test that is not one of the method's.

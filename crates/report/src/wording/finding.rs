@@ -1,6 +1,6 @@
 //! Each finding in plain words: what was found, and what to do about it.
 
-use bench::{Diagnostic, Finding};
+use rig::{Diagnostic, Finding};
 
 use super::number::{NOT_KNOWN, duration, measure, plus_minus, share, significant, time};
 use super::{join, part, place, role, severity};

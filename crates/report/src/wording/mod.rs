@@ -14,8 +14,8 @@ pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding, remark};
 pub use need::{need, needs};
 
-use bench::study::BenchVariant;
-use bench::{ControlMode, Place, Role, Severity};
+use rig::facts::BenchVariant;
+use rig::{ControlMode, Place, Role, Severity};
 
 /// The severity as one word: `error`, `warning`, `note`.
 pub fn severity(severity: Severity) -> &'static str {

@@ -1,6 +1,6 @@
 //! What a part of the study needs before it can be estimated.
 
-use bench::study::Need;
+use rig::results::Need;
 
 use super::{experiment, join, part, role};
 

@@ -1,8 +1,8 @@
 //! Numbers of a study as engineers write them.
 
-use bench::safety::Proportion;
-use bench::study::Parameter;
 use page::{Quantity, Uncertainty, Unit};
+use design::safety::Proportion;
+use rig::results::Parameter;
 
 pub use page::number::*;
 

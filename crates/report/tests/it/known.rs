@@ -1,7 +1,8 @@
 //! What is known, and how well.
 
-use bench::study::{Analyses, Estimate, Parameter, Part, Shaft, Study};
 use report::known::{Grade, Known, known};
+use study::{Analyses, Study};
+use rig::results::{Estimate, Parameter, Part, Shaft};
 
 use crate::fixture;
 

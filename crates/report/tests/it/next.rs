@@ -1,7 +1,7 @@
 //! What to record next, in words.
 
-use bench::study::{Candidate, Gain, NextExperiments};
 use report::next::{best, choices, recommendation};
+use study::{Candidate, Gain, NextExperiments};
 
 fn gain(symbol: &str, now: Option<f64>, then: f64) -> Gain {
     let (symbol, name) = (symbol.to_owned(), symbol.to_owned());

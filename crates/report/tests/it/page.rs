@@ -2,8 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use bench::model::ModelUncertainty;
-use bench::study::{Part, Study};
+use bench_model::model::ModelUncertainty;
+use rig::results::Part;
+use study::Study;
 
 use crate::fixture;
 

@@ -1,8 +1,8 @@
 //! Invariants of numbers and text.
 
-use bench::study::Parameter;
 use proptest::prelude::*;
 use report::wording::number;
+use rig::results::Parameter;
 
 use crate::fixture;
 

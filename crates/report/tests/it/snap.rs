@@ -1,9 +1,9 @@
 //! Wording and structure, word for word.
 
-use bench::safety::Proportion;
-use bench::study::{Need, Parameter};
-use bench::{Diagnostic, Finding, Place, Role, Severity};
 use report::wording::{self, number};
+use design::safety::Proportion;
+use rig::results::{Need, Parameter};
+use rig::{Diagnostic, Finding, Place, Role, Severity};
 
 use crate::fixture;
 
@@ -111,7 +111,7 @@ fn snap_numbers() {
 #[test]
 fn snap_every_role_and_mode_has_words() {
     let mut lines: Vec<String> = Role::ALL.iter().map(|role| wording::role(*role)).collect();
-    lines.extend([bench::ControlMode::Nt, bench::ControlMode::Tn].map(|mode| wording::mode(mode).to_owned()));
+    lines.extend([rig::ControlMode::Nt, rig::ControlMode::Tn].map(|mode| wording::mode(mode).to_owned()));
     insta::assert_snapshot!(lines.join("\n"));
 }
 

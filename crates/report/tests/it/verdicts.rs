@@ -1,12 +1,12 @@
 //! The verdict's rules.
 
-use bench::study::Part;
-use bench::{Diagnostic, Finding, Place, Severity};
 use report::verdict::{Level, verdict};
+use rig::results::Part;
+use rig::{Diagnostic, Finding, Place, Severity};
 
 use crate::fixture;
 
-fn without_errors() -> bench::Study {
+fn without_errors() -> study::Study {
     let mut study = fixture::complete();
     study.diagnostics.retain(|found| found.severity != Severity::Error);
     study

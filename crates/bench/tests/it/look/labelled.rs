@@ -2,16 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use bench::experiment::{ExperimentPlan, Test, Waveform};
-use bench::lines::{Cause, Line, PartLines, RecordingLines, SignalLines, find_lines};
-use bench::model::Engine;
-use bench::study::BenchVariant;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, Numerics, PulseParameters, simulate, simulate_hidden};
-use bench::{BenchFile, ControlMode, Experiment, Role, prepare};
 use faer::c64;
 use signal::Signal;
 use signal::excitation::Random;
+use rig::experiment::{ExperimentPlan, Test, Waveform};
+use part_lines::lines::{Cause, Line, PartLines, RecordingLines, SignalLines, find_lines};
+use rig::facts::{Engine, BenchVariant};
+use units::RPM_RAD_S;
+use rig::bench_parameters::{BenchParameters, PulseParameters};
+use virtual_bench::{Numerics, simulate, simulate_hidden};
+use rig::{BenchFile, ControlMode, Experiment, Role, prepare};
 
 /// What a component needs to be there.
 const SOURCES: usize = 4;
@@ -243,7 +243,7 @@ impl Drawn {
         );
         let of_any =
             [Role::DynoSpeed, Role::EngineSpeed, Role::DynoSpeedDemand, Role::DynoTorqueDemand, Role::AirGapTorque];
-        for (role, name) in bench::virtual_bench::CHANNELS {
+        for (role, name) in virtual_bench::CHANNELS {
             if of_any.contains(&role) || roles.contains(&role) {
                 text += &format!("{} = \"{name}\"\n", role.key());
             }

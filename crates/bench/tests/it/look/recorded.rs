@@ -2,9 +2,9 @@
 //! made them. The engine has four unequal cylinders, which give half orders beside multiples of order 2; the drive has a
 //! ripple at 100 Hz, part of it in proportion to its torque; torque demands are held for 10 ms.
 
-use bench::lines::{Cause, Line, RecordingLines, find_lines};
-use bench::model::Engine;
-use bench::{BenchFile, Role, prepare};
+use part_lines::lines::{Cause, Line, RecordingLines, find_lines};
+use rig::facts::Engine;
+use rig::{BenchFile, Role, prepare};
 
 use crate::study::bench_file;
 use crate::support::{BENCH_A, recordings};

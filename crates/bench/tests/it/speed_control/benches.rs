@@ -2,10 +2,12 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::{BenchParameters, ExperimentPlan, simulate};
-use bench::{Experiment, prepare};
 use signal::excitation::Random;
+use units::RPM_RAD_S;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::simulate;
+use rig::{Experiment, prepare};
 
 use super::hidden::Hidden;
 use crate::support::bench_file;

@@ -2,10 +2,10 @@
 //! recording, or from the speeds at which it would have demanded the recorded T_d*; then the speed is logged with noise of its
 //! own.
 
-use bench::estimate::speed_controller::AntiWindup;
-use bench::units::RPM_RAD_S;
-use bench::{Experiment, Role};
 use signal::excitation::Random;
+use part_controller::speed_controller::AntiWindup;
+use units::RPM_RAD_S;
+use rig::{Experiment, Role};
 
 const T: f64 = 1e-3;
 

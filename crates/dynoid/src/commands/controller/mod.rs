@@ -2,10 +2,9 @@
 
 mod noise_test;
 
-use bench::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
-use bench::study::Validation;
-use bench::torque_signals::Told;
 use serde_json::{Value, json};
+use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
+use rig::results::{Validation, Told};
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{write_page, written};
@@ -83,6 +82,6 @@ fn without_traces(validation: &Validation) -> Value {
     json!({
         "stretch": validation.stretch, "quantity": validation.quantity, "unit": validation.unit,
         "fit_percent": validation.fit_percent, "rms_error": validation.rms_error, "residuals": validation.residuals,
-        "share_outside": validation.residuals.as_ref().map(bench::study::ResidualTest::share_outside),
+        "share_outside": validation.residuals.as_ref().map(rig::results::ResidualTest::share_outside),
     })
 }

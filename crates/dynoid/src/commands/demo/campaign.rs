@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use bench::bench_file::{ChannelMapping, Limits, RecordingList, ShaftPrior};
-use bench::experiment::ExperimentPlan;
-use bench::study::BenchVariant;
-use bench::virtual_bench::{BenchParameters, CHANNELS, simulate};
-use bench::{BenchFile, Role};
 use recording::encode_mdf4;
+use rig::bench_file::{ChannelMapping, Limits, RecordingList, ShaftPrior};
+use rig::experiment::ExperimentPlan;
+use rig::facts::BenchVariant;
+use rig::bench_parameters::BenchParameters;
+use virtual_bench::{CHANNELS, simulate};
+use rig::{BenchFile, Role};
 
 use crate::error::CliError;
 use crate::terminal::Progress;

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use bench::Study;
-use bench::study::Parameter;
-use bench::virtual_bench::BenchParameters;
 use page::{Align, Cell, Table, Tone};
 use report::wording::number;
 use serde::Serialize;
+use study::Study;
+use rig::results::Parameter;
+use rig::bench_parameters::BenchParameters;
 
 use crate::commands::study::Written;
 use crate::summary;
@@ -28,7 +28,7 @@ pub(super) struct Row<'a> {
 
 /// The quantities whose truth is known, in the order of the report.
 pub(super) fn rows<'a>(study: &'a Study, parameters: &BenchParameters) -> Vec<Row<'a>> {
-    let truth = bench::virtual_bench::Truth::of(parameters);
+    let truth = virtual_bench::Truth::of(parameters);
     let controller = |symbol| study.speed_controller.estimated().and_then(|part| part.estimate.parameter(symbol));
     let feed_forward = |symbol| study.feed_forward.estimated().and_then(|part| part.estimate.parameter(symbol));
     let shaft = |symbol| study.shaft.estimated().and_then(|part| part.estimate.parameter(symbol));

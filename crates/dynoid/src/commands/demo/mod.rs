@@ -5,8 +5,9 @@ mod comparison;
 
 use std::path::{Path, PathBuf};
 
-use bench::BenchFile;
-use bench::virtual_bench::{BenchParameters, Effects, ShaftZeros};
+use rig::BenchFile;
+use rig::bench_parameters::BenchParameters;
+use effects::{Effects, ShaftZeros};
 
 use crate::cli::bench::DemoArguments;
 use crate::commands::study::{self, Extent, Written};

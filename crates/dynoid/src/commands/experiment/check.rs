@@ -1,15 +1,13 @@
 //! `dynoid experiment check`: whether an experiment is safe.
 
-use bench::ControlMode;
-use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use bench::prediction::PredictionInputs;
-use bench::safety::{
-    ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck, SafetyInputs, check,
-};
-use bench::virtual_bench::Assumption;
 use page::{Align, Cell, Table, Tone};
 use report::wording::{self, number};
 use serde_json::json;
+use rig::ControlMode;
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
+use bench_model::prediction::PredictionInputs;
+use design::safety::{ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck, SafetyInputs, check};
+use virtual_bench::Assumption;
 
 use super::design::say_assumed;
 use super::planned::{self, Planned};

@@ -2,16 +2,16 @@
 
 use std::path::PathBuf;
 
-use bench::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use bench::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
-use bench::role::Role;
-use bench::units::RPM_RAD_S;
-use bench::virtual_bench::CHANNELS;
 use page::{Align, Cell, Table, Tone};
 use recording::{Channel, Format, Raster, Recording};
 use report::design::Designed;
 use report::wording::{self, number};
 use serde_json::json;
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
+use bench_model::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
+use rig::role::Role;
+use units::RPM_RAD_S;
+use virtual_bench::CHANNELS;
 
 use super::optimal::{self, Optimal};
 use super::planned::{self, Planned};
@@ -274,7 +274,7 @@ fn facts(
     predicted: &Result<Predicted, String>,
     doubts: &[String],
 ) -> serde_json::Value {
-    let demand = |demand: bench::experiment::NamedDemand<'_>| {
+    let demand = |demand: rig::experiment::NamedDemand<'_>| {
         let si = demand.kind.si_per_unit();
         let range = demand.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
         json!({"name": demand.kind.name(), "unit": demand.kind.unit(), "lowest": range.0 / si, "highest": range.1 / si})

@@ -1,7 +1,7 @@
 //! `dynoid experiment list`: the experiments of the method.
 
-use bench::experiment::catalogue::{self, Parameter, Template};
-use bench::experiment::{DemandKind, free_form};
+use rig::experiment::catalogue::{self, Parameter, Template};
+use rig::experiment::{DemandKind, free_form};
 
 use crate::cli::experiment::ListArguments;
 use crate::error::{CliError, Outcome};

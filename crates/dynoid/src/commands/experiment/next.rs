@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use bench::study::{NextError, NextExperiments, NextOptions, next_experiments};
 use report::next::{best, command};
+use study::{NextError, NextExperiments, NextOptions, next_experiments};
 
 use crate::cli::experiment::NextArguments;
 use crate::commands::study::{no_study, read_bench, read_sources, show};

@@ -1,14 +1,11 @@
 //! `dynoid experiment design --optimal`: the excitation from which chosen parameters are learnt best.
 
-use bench::excitation_design::{
-    DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, Goal, LimitedQuantity, Measurements,
-    OperatingPoint, PeakLimits, PredictedParameter, SpectralLine, design,
-};
-use bench::experiment::{Test, catalogue};
-use bench::units::RPM_RAD_S;
 use page::{Align, Cell, Table, Tone};
 use report::wording::{self, number};
 use serde_json::json;
+use design::excitation_design::{DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, Goal, LimitedQuantity, Measurements, OperatingPoint, PeakLimits, PredictedParameter, SpectralLine, design};
+use rig::experiment::{Test, catalogue};
+use units::RPM_RAD_S;
 
 use super::planned::{self, Planned};
 use super::stated::Bench;

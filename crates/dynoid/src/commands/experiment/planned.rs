@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use bench::experiment::catalogue::{self, CatalogueError, Parameter, Settings};
-use bench::experiment::{ExperimentPlan, free_form};
-use bench::{BenchFile, ControlMode};
 use recording::Selection;
+use rig::experiment::catalogue::{self, CatalogueError, Parameter, Settings};
+use rig::experiment::{ExperimentPlan, free_form};
+use rig::{BenchFile, ControlMode};
 
 use crate::cli::experiment::PlanArguments;
 use crate::error::CliError;

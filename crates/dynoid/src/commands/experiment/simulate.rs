@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use bench::ExperimentLabel;
-use bench::virtual_bench::{Numerics, VirtualRun, rename, simulate_told};
 use recording::Recording;
 use serde_json::json;
+use rig::ExperimentLabel;
+use virtual_bench::{Numerics, VirtualRun, rename, simulate_told};
 
 use super::design::say_assumed;
 use super::planned::{self, Planned};

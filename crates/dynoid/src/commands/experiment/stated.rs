@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use bench::BenchFile;
-use bench::experiment::ExperimentPlan;
-use bench::model::{AssembledModel, BenchModel};
-use bench::virtual_bench::StatedBench;
+use rig::BenchFile;
+use rig::experiment::ExperimentPlan;
+use bench_model::model::{AssembledModel, BenchModel};
+use virtual_bench::StatedBench;
 
 use crate::commands::study::read_bench;
 use crate::error::CliError;
@@ -73,7 +73,7 @@ impl Bench {
     }
 
     fn any_model(&self) -> BenchModel {
-        let model = bench::model::BenchModel::of(&self.stated.parameters);
+        let model = bench_model::model::BenchModel::of(&self.stated.parameters);
         let assembled = self.assembled.as_ref().map(|assembled| &assembled.model);
         BenchModel {
             speed_controller: assembled.and_then(|model| model.speed_controller).or(model.speed_controller),

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use bench::dataset::{CommonClock, DatasetError};
-use bench::units::may_be_same;
 use faer::Mat;
 use ident::uncertainty::Dynamics;
 use ident::{DocumentHeader, Experiment, IdentError, Intersample, ModelDocument};
+use dataset::{CommonClock, DatasetError};
+use units::may_be_same;
 
 use super::data::{Files, Gaps, Loaded, Purpose, take_about};
 use super::operating_point;

@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use bench::Finding;
-use bench::units::parse_unit;
 use recording::{Channel, Recording};
 use report::wording;
 use serde::Serialize;
 use signal::SignalView;
 use signal::clock::{check_clock, fitted_clock};
 use signal::drift::{Drift, relative_drift};
+use rig::Finding;
+use units::parse_unit;
 
 /// Channels that two clocks are compared by, at most: each takes a fraction of a second.
 const MOST_PAIRS: usize = 3;

@@ -1,11 +1,12 @@
 //! The speed controller and its feed-forward beyond what the model takes of them.
 
-use bench::estimate::EstimateError;
-use bench::estimate::speed_controller::{FeedForwardTerms, Round, TermTest};
-use bench::speed_control::{Case, Controller, ControllerRecording, Estimator, NoiseTest, SpeedControl, Summary};
-use bench::torque_signals::Told;
-use bench::units::RPM_RAD_S;
 use page::Blocks;
+use rig::estimation::EstimateError;
+use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
+use study::noise_test::{Case, Estimator, NoiseTest, Summary};
+use part_controller::speed_control::{Controller, ControllerRecording, SpeedControl};
+use rig::results::Told;
+use units::RPM_RAD_S;
 
 use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
 use crate::controller as words;

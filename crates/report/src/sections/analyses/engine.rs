@@ -1,8 +1,8 @@
 //! The engine's torque.
 
-use bench::engine_torque::{EngineRecording, EngineTorque};
-use bench::torque_signals::Told;
 use page::Blocks;
+use part_engine::{EngineRecording, EngineTorque};
+use rig::results::Told;
 
 use super::{figures, of_recording, plain_table, sentence, untold};
 use crate::engine as words;

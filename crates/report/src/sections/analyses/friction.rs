@@ -1,8 +1,8 @@
 //! Friction and inertia of the dynamometer.
 
-use bench::friction::{Friction, FrictionError, Inertia};
-use bench::study::BenchFacts;
 use page::Blocks;
+use part_friction::{Friction, FrictionError, Inertia};
+use rig::facts::BenchFacts;
 
 use super::{figures, parameters, plain_table, sentence, untold};
 use crate::friction as words;
@@ -34,13 +34,13 @@ pub(crate) fn friction_of(found: &Friction, stated: words::StatedInertia) -> Blo
     all.push(parameters(inertia.into_iter().chain(&found.friction.parameters).chain(&found.per_inertia.parameters)));
     let said = words::doubts(found, stated).into_iter().chain(words::remarks(found));
     said.for_each(|remark| all.push(sentence(&remark)));
-    let row = |candidate: &bench::friction::Candidate| {
+    let row = |candidate: &part_friction::Candidate| {
         let chosen = if candidate.chosen { "chosen" } else { "" };
         vec![words::terms(&candidate.terms), number::significant(candidate.bic_above_best, 3), chosen.to_owned()]
     };
     all.push(plain_table(&["Terms", "BIC above the best", ""], found.candidates.iter().map(row)));
     let curve = [found.curve.first(), found.curve.get(found.curve.len() / 2), found.curve.last()];
-    let point = |point: &bench::friction::CurvePoint| {
+    let point = |point: &part_friction::CurvePoint| {
         vec![number::rpm(point.speed_rad_s), number::plus_minus(point.torque_nm, point.half_width_nm, "Nm")]
     };
     all.push(plain_table(&["Speed", "T_fric, ± 95 %"], curve.into_iter().flatten().map(point)));
@@ -50,7 +50,7 @@ pub(crate) fn friction_of(found: &Friction, stated: words::StatedInertia) -> Blo
 }
 
 /// The stretch of a recording that was used.
-fn run_out(one: &bench::friction::RunOut) -> Vec<String> {
+fn run_out(one: &part_friction::RunOut) -> Vec<String> {
     let [start, end] = [one.stretch.start_s, one.stretch.end_s].map(|s| format!("{} s", number::significant(s, 4)));
     let left_out = match one.left_out {
         0 => String::new(),

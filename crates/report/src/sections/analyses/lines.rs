@@ -1,7 +1,7 @@
 //! Lines of the spectra.
 
-use bench::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, RecordingLines, SignalLines, TURNS};
 use page::{Align, Block, Blocks, Prose, Table};
+use part_lines::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, RecordingLines, SignalLines, TURNS};
 
 use super::{figures, heading, plain_table, sentence, untold};
 use crate::look::{cause, figure, over_speed_figures, unit};

@@ -20,8 +20,8 @@ pub(crate) use shaft::shaft;
 pub(crate) use torque::torque;
 pub(crate) use torque_control::{torque_control, torque_control_in_report};
 
-use bench::study::Parameter;
 use page::{Block, Blocks, Cell, Figure, Panel, Prose, Table};
+use rig::results::Parameter;
 
 use super::parts::parameter_table;
 use crate::wording::capitalised;

@@ -1,7 +1,7 @@
 //! What to record next.
 
-use bench::study::{Candidate, NextError, NextExperiments};
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
+use study::{Candidate, NextError, NextExperiments};
 
 use super::{sentence, untold};
 use crate::next::{self as words, Choice};

@@ -1,9 +1,10 @@
 //! Recordings as they are.
 
-use bench::Role;
-use bench::study::{RecordedCourse, StepResponse, Trace};
 use page::Blocks;
 use page::{Axis, Figure, Layer, Panel, Style};
+use rig::Role;
+use study::{RecordedCourse, StepResponse};
+use rig::results::Trace;
 
 use super::{figures, sentence};
 use crate::look::unit;

@@ -1,9 +1,8 @@
 //! The shaft by recording, band and route, and beyond K and B.
 
-use bench::shaft_analysis::{Band, ShaftAnalysis, ShaftRecording};
-use bench::study::{Estimate, Shaft};
-use bench::torque_signals::Told;
 use page::Blocks;
+use part_shaft::shaft_analysis::{Band, ShaftAnalysis, ShaftRecording};
+use rig::results::{Estimate, Shaft, Told};
 
 use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
 use crate::shaft as words;
@@ -64,7 +63,7 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
     }
     match &recording.beyond {
         Told::Found(found) => {
-            let row = |test: &bench::estimate::shaft::TermTest| {
+            let row = |test: &part_shaft::shaft::TermTest| {
                 vec![
                     words::term(test.term).to_owned(),
                     words::term_value(test),

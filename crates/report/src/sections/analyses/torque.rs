@@ -1,7 +1,8 @@
 //! The torque signals compared with one another.
 
-use bench::torque_signals::{Told, TorqueRecording, TorqueSignals};
 use page::Blocks;
+use rig::results::Told;
+use part_torque::torque_signals::{TorqueRecording, TorqueSignals};
 
 use super::{figures, heading, parameters, plain_table, sentence, untold};
 use crate::torque;
@@ -29,11 +30,11 @@ pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
 }
 
 fn delays(found: &TorqueSignals) -> Blocks {
-    let shown = |p: &Option<bench::study::Parameter>| p.as_ref().map_or_else(|| "–".to_owned(), number::parameter);
+    let shown = |p: &Option<rig::results::Parameter>| p.as_ref().map_or_else(|| "–".to_owned(), number::parameter);
     let of_recording = |recording: &TorqueRecording| {
         let delays = recording.delays.found().into_iter().flatten();
         let row = |delay| -> Vec<String> {
-            let delay: &bench::study::SignalDelay = delay;
+            let delay: &rig::results::SignalDelay = delay;
             vec![
                 recording.file.clone(),
                 delay.role.symbol().to_owned(),

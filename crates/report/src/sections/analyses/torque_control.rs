@@ -1,11 +1,9 @@
 //! Models of the torque control against the bar of one sample's delay.
 
-use bench::model_comparison::{
-    BlackBox, ChosenBy, ComparedRecording, Judgement, Model, ModelComparison, ModelComparisonError, Visibility,
-    VisibilityCase,
-};
-use bench::study::{Analyses, Parameter, ResidualTest};
 use page::Blocks;
+use part_torque::model_comparison::{BlackBox, ChosenBy, ComparedRecording, Judgement, Model, ModelComparison, ModelComparisonError, Visibility, VisibilityCase};
+use study::Analyses;
+use rig::results::{Parameter, ResidualTest};
 
 use super::{figures, heading, of_recording, plain_table, sentence, untold};
 use crate::torque;

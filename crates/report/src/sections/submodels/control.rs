@@ -1,6 +1,7 @@
 //! Speed control, feed-forward and torque control.
 
-use bench::study::{Estimate, FeedForward, Part, SpeedController, Study, TorqueControl};
+use rig::results::{Estimate, FeedForward, Part, SpeedController, TorqueControl};
+use study::Study;
 
 use page::{Block, Blocks};
 

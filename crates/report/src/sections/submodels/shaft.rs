@@ -1,6 +1,8 @@
 //! The shaft: stiffness and damping, and why to believe them.
 
-use bench::study::{BenchVariant, Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft, Study};
+use rig::facts::BenchVariant;
+use rig::results::{Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft};
+use study::Study;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
 

@@ -1,7 +1,8 @@
 //! Delays of the torque signals.
 
-use bench::Role;
-use bench::study::{DelayRoute, Parameter, Part, SignalDelay, Study};
+use rig::Role;
+use rig::results::{DelayRoute, Parameter, Part, SignalDelay};
+use study::Study;
 
 use page::{Block, Blocks, Cell, Prose, Table};
 
