@@ -2,8 +2,8 @@
 
 use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
 use rig::results::{Need, Parameter, Part};
-use study::Study;
 use rig::{Diagnostic, Severity};
+use study::Study;
 
 use crate::sections::diagnostics::{alike, entry};
 use crate::sections::verdict::tone;

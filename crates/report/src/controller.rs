@@ -1,10 +1,12 @@
 //! The speed controller, in words and figures.
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
-use part_controller::speed_controller::{AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict};
-use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
 use part_controller::speed_control::{Controller, FeedForwardFound, IntegrationRule, SpeedControl};
+use part_controller::speed_controller::{
+    AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
+};
 use rig::results::{ResidualTest, Told, Untold};
+use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
 use units::RPM_RAD_S;
 
 use crate::wording::{self, number};

@@ -1,11 +1,11 @@
 //! Figures of an experiment that is to be run: its demands, their spectrum, what the bench will do.
 
+use bench_model::prediction::Prediction;
+use design::excitation_design::SpectralLine;
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 use rig::bench_file::Limits;
-use design::excitation_design::SpectralLine;
 use rig::experiment::{DemandKind, Demands, ExcitationSpectrum, ExperimentPlan, NamedDemand, UPDATE_S};
 use rig::facts::Engine;
-use bench_model::prediction::Prediction;
 use units::RPM_RAD_S;
 
 use crate::wording::number;

@@ -1,9 +1,12 @@
 //! The engine's torque, in words and figures.
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
-use part_engine::{Cycle, Cycles, Cylinder, Cylinders, EngineRecording, EngineTorque, InertiaSource, Order, Profile, RebuiltEngine, TwoMasses};
-use rig::results::Told;
+use part_engine::{
+    Cycle, Cycles, Cylinder, Cylinders, EngineRecording, EngineTorque, InertiaSource, Order, Profile, RebuiltEngine,
+    TwoMasses,
+};
 use part_torque::torque_smoother::TorqueSource;
+use rig::results::Told;
 
 use crate::torque::untold;
 use crate::wording::number;

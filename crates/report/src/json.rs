@@ -1,8 +1,8 @@
 //! The study as one JSON document.
 
+use bench_model::model::AssembledModel;
 use serde::{Deserialize, Serialize};
 use study::Study;
-use bench_model::model::AssembledModel;
 
 /// Version of the JSON document's shape. It grows by one when a field changes its meaning or disappears.
 pub const FORMAT_VERSION: u32 = 2;

@@ -3,8 +3,10 @@
 use std::f64::consts::TAU;
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use part_lines::lines::{
+    Cause, CurvePoint, Line, OrderCurve, OverSpeed, PartLines, RecordingLines, ShortSpectrum, SignalLines, folded_hz,
+};
 use rig::Role;
-use part_lines::lines::{Cause, CurvePoint, Line, OrderCurve, OverSpeed, PartLines, RecordingLines, ShortSpectrum, SignalLines, folded_hz};
 use units::RPM_RAD_S;
 
 use crate::wording::{self, number};

@@ -1,15 +1,15 @@
 //! One analysis as a page of its own: what its command shows, writes and what its section of the report holds.
 
 use page::{Blocks, Page};
+use part_controller::speed_control::SpeedControl;
 use part_engine::EngineTorque;
 use part_friction::Friction;
 use part_lines::lines::{OverSpeed, RecordingLines};
-use part_torque::model_comparison::ModelComparison;
 use part_shaft::shaft_analysis::ShaftAnalysis;
-use study::noise_test::NoiseTest;
-use part_controller::speed_control::SpeedControl;
-use study::NextExperiments;
+use part_torque::model_comparison::ModelComparison;
 use part_torque::torque_signals::TorqueSignals;
+use study::NextExperiments;
+use study::noise_test::NoiseTest;
 
 use crate::friction::StatedInertia;
 use crate::sections::analyses;

@@ -1,7 +1,7 @@
 //! Figures of a safety check: how peaks spread over the benches drawn, and how large sines may be.
 
-use page::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 use design::safety::{Checked, Proposal, Quantity, SafetyCheck};
+use page::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
 
 use crate::wording;
 

@@ -2,9 +2,9 @@
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use part_shaft::shaft::{Beyond, Term, TermTest, Weight};
+use part_shaft::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
 use part_shaft::shaft_routes::black_box::{BlackBoxRoute, Untold};
 use part_shaft::shaft_routes::multisine::{CostTest, MultisineRoute};
-use part_shaft::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
 use rig::results::{Estimate, Parameter, Shaft, Told, Untold as NotTold};
 
 use crate::wording::number;

@@ -1,11 +1,11 @@
 //! Torque signals, in words and figures.
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
-use rig::Role;
 use part_torque::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
-use rig::results::{Parameter, SignalDelay, Trace, Untold};
 use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck};
 use part_torque::torque_smoother::TorqueSource;
+use rig::Role;
+use rig::results::{Parameter, SignalDelay, Trace, Untold};
 
 use crate::wording::{self, number};
 

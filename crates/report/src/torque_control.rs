@@ -1,7 +1,10 @@
 //! What the torque control can be told to be, in words and figures.
 
 use page::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
-use part_torque::model_comparison::{BlackBox, Closed, ComparedRecording, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model, ModelComparison, Root, Scanned, Shown, Structure, Verdict, Visibility, VisibilityCase};
+use part_torque::model_comparison::{
+    BlackBox, Closed, ComparedRecording, ELLIPSE_LEVEL, Excited, Family, Input, Judgement, LEVEL, Model,
+    ModelComparison, Root, Scanned, Shown, Structure, Verdict, Visibility, VisibilityCase,
+};
 use rig::results::Trace;
 
 use crate::torque;

@@ -4,8 +4,8 @@
 //! own words. The headline is the worst outcome of all rules.
 
 use rig::results::{Parameter, Part, Validation};
-use study::Study;
 use rig::{Diagnostic, Finding, Severity};
+use study::Study;
 
 use crate::wording::{self, number};
 

@@ -1,8 +1,8 @@
 //! The recordings of a bench as labelled experiments, for the commands that look at them one by one.
 
 use report::wording;
-use study::experiment_of;
 use rig::{BenchFile, Experiment, Severity};
+use study::experiment_of;
 
 use super::identify::data::check_plot;
 use super::study::read_bench;

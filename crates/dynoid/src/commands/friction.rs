@@ -1,9 +1,9 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
-use report::friction::{StatedInertia, doubts};
-use serde_json::json;
-use rig::Experiment;
 use part_friction::{FrictionOptions, estimate};
+use report::friction::{StatedInertia, doubts};
+use rig::Experiment;
+use serde_json::json;
 use units::RPM_RAD_S;
 
 use super::experiments;

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use page::{Align, Cell, Table, Tone};
 use recording::Recording;
 use report::wording;
-use serde::Serialize;
 use rig::bench_file::{Draft, PLACEHOLDER};
 use rig::channels::{Choice, Guess, guess_roles};
 use rig::{BenchFile, ExperimentLabel, Role};
+use serde::Serialize;
 
 use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};

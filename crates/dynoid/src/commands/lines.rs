@@ -1,7 +1,10 @@
 //! `dynoid lines`: what recordings show before any model.
 
+use part_lines::lines::{
+    BANDWIDTH_ORDERS, FEWEST_SAMPLES, OverSpeed, PartLines, RecordingLines, SignalLines, find_lines, on_one_mains,
+    over_speed,
+};
 use serde_json::json;
-use part_lines::lines::{BANDWIDTH_ORDERS, FEWEST_SAMPLES, OverSpeed, PartLines, RecordingLines, SignalLines, find_lines, on_one_mains, over_speed};
 use units::si_spelling;
 
 use super::experiments;

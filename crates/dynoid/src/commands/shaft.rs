@@ -1,7 +1,7 @@
 //! `dynoid shaft`: the shaft of every recording and of all together.
 
-use serde_json::json;
 use part_shaft::shaft_analysis::shaft_analysis;
+use serde_json::json;
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{write_page, written};

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use report::wording;
-use study::{Analyses, Campaign, Progress as StudyProgress, Source, StudyError, Study};
 use rig::BenchFile;
+use study::{Analyses, Campaign, Progress as StudyProgress, Source, Study, StudyError};
 
 use crate::cli::bench::StudyArguments;
 use crate::error::{CliError, Outcome};

@@ -1,8 +1,8 @@
 //! `dynoid torque-control`: what the torque control can be told to be.
 
-use serde_json::json;
 use part_torque::model_comparison::{ModelComparison, OrdersTried, compare_models};
 use rig::{BenchFile, Experiment};
+use serde_json::json;
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{write_page, written};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use report::torque::untold;
-use serde_json::json;
-use rig::results::Told;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals, torque_signals};
+use report::torque::untold;
+use rig::results::Told;
+use serde_json::json;
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{write_page, written};

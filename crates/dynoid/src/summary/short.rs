@@ -5,9 +5,9 @@ use std::path::Path;
 use report::brief::{key_numbers, not_estimated};
 use report::verdict::{Level, Rule, verdict};
 use report::wording;
-use serde::Serialize;
 use rig::Diagnostic;
 use rig::results::{Need, Parameter};
+use serde::Serialize;
 use study::RecordingSummary;
 
 use crate::commands::study::Written;

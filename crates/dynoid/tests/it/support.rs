@@ -5,9 +5,9 @@ use std::process::{Command, Stdio};
 use std::sync::OnceLock;
 
 use recording::{Recording, encode_mdf4};
-use tempfile::TempDir;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
+use tempfile::TempDir;
 use virtual_bench::simulate;
 
 /// What a run of the program left behind.

@@ -1,8 +1,8 @@
 //! Speed control, feed-forward, torque control.
 
 use rig::Role;
-use study::{Analyses, Study};
 use rig::results::{Estimate, Parameter, SpeedController, TorqueControl, Validation};
+use study::{Analyses, Study};
 
 use super::{Grade, Known, grade, of_part, recording, source};
 use crate::controller;

@@ -6,8 +6,8 @@ mod shaft;
 mod signals;
 mod whole;
 
-use study::{Analyses, RecordingSummary, Study};
 use rig::results::{Estimate, Need, Parameter, Part, Stretch};
+use study::{Analyses, RecordingSummary, Study};
 
 use crate::wording::{self, number};
 

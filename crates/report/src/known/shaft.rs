@@ -1,9 +1,9 @@
 //! Stiffness, damping, inertias and skews.
 
 use part_friction::Inertia;
-use study::{Analyses, Study};
 use rig::facts::BenchVariant;
 use rig::results::{Parameter, Shaft};
+use study::{Analyses, Study};
 
 use super::{Grade, Known, grade, of_part, overlap, relative_width, source};
 use crate::wording::{self, number};

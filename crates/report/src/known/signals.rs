@@ -1,8 +1,8 @@
 //! Delays of signals, friction, and the engine's torque.
 
 use rig::ExperimentLabel;
-use study::{Analyses, Study};
 use rig::results::{SignalDelay, Told};
+use study::{Analyses, Study};
 
 use super::{Grade, Known, grade, of_part};
 use crate::engine;

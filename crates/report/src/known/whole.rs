@@ -1,7 +1,7 @@
 //! Resonance and replays.
 
-use rig::facts::BenchFacts;
 use bench_model::analysis::{Influence, WholeModel};
+use rig::facts::BenchFacts;
 use rig::results::{Parameter, Part};
 use study::Study;
 
@@ -53,7 +53,9 @@ fn uncertain_by(influence: &Influence) -> Option<String> {
 
 /// How far measured gains are from the model on average, and in words.
 fn sine_tests(whole: &WholeModel) -> (Option<f64>, String) {
-    let off = |p: &bench_model::analysis::SinePoint| (p.gain_corrected_for_engine.unwrap_or(p.gain) / p.model_gain - 1.0).abs();
+    let off = |p: &bench_model::analysis::SinePoint| {
+        (p.gain_corrected_for_engine.unwrap_or(p.gain) / p.model_gain - 1.0).abs()
+    };
     let clear: Vec<f64> =
         whole.sine_points.iter().filter(|p| !p.at_engine_order).map(off).filter(|o| o.is_finite()).collect();
     if clear.is_empty() {

@@ -1,7 +1,7 @@
 //! The block diagram of the bench with the estimated numbers in its blocks, as inline SVG.
 
-use study::Study;
 use rig::results::{Estimate, Need, Part};
+use study::Study;
 
 use crate::wording::{join, number};
 use page::markup;

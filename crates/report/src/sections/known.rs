@@ -1,6 +1,6 @@
 //! What is known well, what is not, and why.
 
-use study::{Study, Analyses};
+use study::{Analyses, Study};
 
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
 

@@ -16,7 +16,7 @@ mod submodels;
 pub(crate) mod verdict;
 mod whole;
 
-use study::{Study, Analyses};
+use study::{Analyses, Study};
 
 use page::{Block, Blocks, Page, Prose, Tone};
 

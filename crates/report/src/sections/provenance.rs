@@ -1,7 +1,7 @@
 //! Where the study came from: recordings, bench facts, the bench file.
 
-use study::{Study, RecordingSummary};
 use rig::facts::BenchFacts;
+use study::{RecordingSummary, Study};
 
 use page::{Block, Blocks, Cell, Prose, Table};
 

@@ -1,8 +1,8 @@
 //! Recordings replayed on the assembled model.
 
-use study::Study;
 use bench_model::replay::Replay;
 use rig::results::Validation;
+use study::Study;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Panel, Prose, Style, Table, Tone};
 

@@ -1,8 +1,8 @@
 //! The first page: can the model be used, what are its numbers, what is missing, what to look at.
 
 use rig::results::{Need, Parameter, Part};
-use study::Study;
 use rig::{Diagnostic, Severity};
+use study::Study;
 
 use page::{Block, Blocks, Card, Cell, Prose, Table, Tone};
 

@@ -1,8 +1,8 @@
 //! The assembled model: resonance, Bode curves, sine tests, margins.
 
+use bench_model::analysis::{BodeCurve, Margins, SinePoint, WholeModel};
 use rig::ControlMode;
 use rig::facts::BenchFacts;
-use bench_model::analysis::{BodeCurve, Margins, SinePoint, WholeModel};
 use rig::results::{Parameter, Part};
 use study::Study;
 

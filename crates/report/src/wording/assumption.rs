@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use design::excitation_design::LimitedQuantity;
 use bench_model::model::ModelParameter;
 use bench_model::prediction::PeakOf;
+use design::excitation_design::LimitedQuantity;
 use design::safety::{Quantity, Safety};
 use units::RPM_RAD_S;
 use virtual_bench::Assumption;

@@ -1,7 +1,7 @@
 //! Numbers of a study as engineers write them.
 
-use page::{Quantity, Uncertainty, Unit};
 use design::safety::Proportion;
+use page::{Quantity, Uncertainty, Unit};
 use rig::results::Parameter;
 
 pub use page::number::*;

@@ -1,8 +1,8 @@
 //! What is known, and how well.
 
 use report::known::{Grade, Known, known};
-use study::{Analyses, Study};
 use rig::results::{Estimate, Parameter, Part, Shaft};
+use study::{Analyses, Study};
 
 use crate::fixture;
 

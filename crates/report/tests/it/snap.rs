@@ -1,7 +1,7 @@
 //! Wording and structure, word for word.
 
-use report::wording::{self, number};
 use design::safety::Proportion;
+use report::wording::{self, number};
 use rig::results::{Need, Parameter};
 use rig::{Diagnostic, Finding, Place, Role, Severity};
 

@@ -2,9 +2,9 @@
 
 mod noise_test;
 
-use serde_json::{Value, json};
 use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
-use rig::results::{Validation, Told};
+use rig::results::{Told, Validation};
+use serde_json::{Value, json};
 
 use super::experiments::{self, Campaign};
 use super::identify::judge::{write_page, written};

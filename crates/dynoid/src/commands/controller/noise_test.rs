@@ -1,8 +1,8 @@
 //! `dynoid controller noise-test`: what noise does to the estimate of a PI that is known.
 
 use rig::experiment::Test;
-use study::noise_test::{NoiseTestOptions, noise_test, virtual_experiment};
 use rig::{ControlMode, Experiment, Role};
+use study::noise_test::{NoiseTestOptions, noise_test, virtual_experiment};
 
 use crate::cli::GivenRecordings;
 use crate::cli::controller::NoiseTestArguments;

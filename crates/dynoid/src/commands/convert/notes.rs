@@ -1,7 +1,7 @@
 //! What was done to recordings, in words.
 
-use recording::Extras;
 use dataset::{Adjustment, DatasetError, Resampling};
+use recording::Extras;
 
 use crate::commands::identify::words::significant;
 

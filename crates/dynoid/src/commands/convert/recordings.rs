@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
+use dataset::on_one_clock;
 use ident::Intersample;
 use page::Figure;
 use recording::{Recording, Selection};
 use serde::Serialize;
-use dataset::on_one_clock;
 
 use super::choice::choices;
 use super::figures::figures;

@@ -5,11 +5,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use recording::encode_mdf4;
 use rig::bench_file::{ChannelMapping, Limits, RecordingList, ShaftPrior};
+use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
-use rig::bench_parameters::BenchParameters;
-use virtual_bench::{CHANNELS, simulate};
 use rig::{BenchFile, Role};
+use virtual_bench::{CHANNELS, simulate};
 
 use crate::error::CliError;
 use crate::terminal::Progress;

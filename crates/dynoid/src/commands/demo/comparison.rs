@@ -4,10 +4,10 @@ use std::path::Path;
 
 use page::{Align, Cell, Table, Tone};
 use report::wording::number;
+use rig::bench_parameters::BenchParameters;
+use rig::results::Parameter;
 use serde::Serialize;
 use study::Study;
-use rig::results::Parameter;
-use rig::bench_parameters::BenchParameters;
 
 use crate::commands::study::Written;
 use crate::summary;

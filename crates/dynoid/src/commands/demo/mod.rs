@@ -5,9 +5,9 @@ mod comparison;
 
 use std::path::{Path, PathBuf};
 
+use effects::{Effects, ShaftZeros};
 use rig::BenchFile;
 use rig::bench_parameters::BenchParameters;
-use effects::{Effects, ShaftZeros};
 
 use crate::cli::bench::DemoArguments;
 use crate::commands::study::{self, Extent, Written};

@@ -1,12 +1,14 @@
 //! `dynoid experiment check`: whether an experiment is safe.
 
+use bench_model::prediction::PredictionInputs;
+use design::safety::{
+    ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck, SafetyInputs, check,
+};
 use page::{Align, Cell, Table, Tone};
 use report::wording::{self, number};
-use serde_json::json;
 use rig::ControlMode;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use bench_model::prediction::PredictionInputs;
-use design::safety::{ASSUMED_ENGINE, BenchSpread, Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck, SafetyInputs, check};
+use serde_json::json;
 use virtual_bench::Assumption;
 
 use super::design::say_assumed;

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
+use bench_model::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
 use page::{Align, Cell, Table, Tone};
 use recording::{Channel, Format, Raster, Recording};
 use report::design::Designed;
 use report::wording::{self, number};
-use serde_json::json;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
-use bench_model::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
 use rig::role::Role;
+use serde_json::json;
 use units::RPM_RAD_S;
 use virtual_bench::CHANNELS;
 

@@ -1,10 +1,13 @@
 //! `dynoid experiment design --optimal`: the excitation from which chosen parameters are learnt best.
 
+use design::excitation_design::{
+    DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, Goal, LimitedQuantity, Measurements,
+    OperatingPoint, PeakLimits, PredictedParameter, SpectralLine, design,
+};
 use page::{Align, Cell, Table, Tone};
 use report::wording::{self, number};
-use serde_json::json;
-use design::excitation_design::{DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, Goal, LimitedQuantity, Measurements, OperatingPoint, PeakLimits, PredictedParameter, SpectralLine, design};
 use rig::experiment::{Test, catalogue};
+use serde_json::json;
 use units::RPM_RAD_S;
 
 use super::planned::{self, Planned};

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use recording::Recording;
-use serde_json::json;
 use rig::ExperimentLabel;
+use serde_json::json;
 use virtual_bench::{Numerics, VirtualRun, rename, simulate_told};
 
 use super::design::say_assumed;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use bench_model::model::{AssembledModel, BenchModel};
 use rig::BenchFile;
 use rig::experiment::ExperimentPlan;
-use bench_model::model::{AssembledModel, BenchModel};
 use virtual_bench::StatedBench;
 
 use crate::commands::study::read_bench;

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
+use dataset::{CommonClock, DatasetError};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
 use ident::{DocumentHeader, Experiment, IdentError, Intersample, ModelDocument};
-use dataset::{CommonClock, DatasetError};
 use units::may_be_same;
 
 use super::data::{Files, Gaps, Loaded, Purpose, take_about};

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
+use dataset::instant_s;
 use faer::Mat;
 use ident::prediction::Response;
 use ident::{IdentError, Label, ModelDocument};
 use recording::{Channel, Format, Raster, Recording};
-use dataset::instant_s;
 
 use super::data::Loaded;
 use crate::error::CliError;

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use recording::{Channel, Recording};
 use report::wording;
+use rig::Finding;
 use serde::Serialize;
 use signal::SignalView;
 use signal::clock::{check_clock, fitted_clock};
 use signal::drift::{Drift, relative_drift};
-use rig::Finding;
 use units::parse_unit;
 
 /// Channels that two clocks are compared by, at most: each takes a fraction of a second.

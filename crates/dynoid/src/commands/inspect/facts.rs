@@ -4,10 +4,10 @@ use std::borrow::Cow;
 use std::ops::Range;
 
 use recording::{Catalogue, Channel, ChannelInfo, Event, Extras, Quantity, Raster, Recording};
+use rig::ExperimentLabel;
 use serde::Serialize;
 use signal::clock::{ClockCheck, check_clock};
 use signal::quality::{Quality, QualityOptions, check_quality};
-use rig::ExperimentLabel;
 
 use super::apart::{self, Apart};
 use super::start_time;

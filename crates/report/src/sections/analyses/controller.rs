@@ -1,11 +1,11 @@
 //! The speed controller and its feed-forward beyond what the model takes of them.
 
 use page::Blocks;
-use rig::estimation::EstimateError;
-use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
-use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use part_controller::speed_control::{Controller, ControllerRecording, SpeedControl};
+use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
+use rig::estimation::EstimateError;
 use rig::results::Told;
+use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
 
 use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};

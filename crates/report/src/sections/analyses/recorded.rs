@@ -3,8 +3,8 @@
 use page::Blocks;
 use page::{Axis, Figure, Layer, Panel, Style};
 use rig::Role;
-use study::{RecordedCourse, StepResponse};
 use rig::results::Trace;
+use study::{RecordedCourse, StepResponse};
 
 use super::{figures, sentence};
 use crate::look::unit;

@@ -1,8 +1,8 @@
 //! The torque signals compared with one another.
 
 use page::Blocks;
-use rig::results::Told;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals};
+use rig::results::Told;
 
 use super::{figures, heading, parameters, plain_table, sentence, untold};
 use crate::torque;

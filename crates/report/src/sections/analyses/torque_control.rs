@@ -1,9 +1,12 @@
 //! Models of the torque control against the bar of one sample's delay.
 
 use page::Blocks;
-use part_torque::model_comparison::{BlackBox, ChosenBy, ComparedRecording, Judgement, Model, ModelComparison, ModelComparisonError, Visibility, VisibilityCase};
-use study::Analyses;
+use part_torque::model_comparison::{
+    BlackBox, ChosenBy, ComparedRecording, Judgement, Model, ModelComparison, ModelComparisonError, Visibility,
+    VisibilityCase,
+};
 use rig::results::{Parameter, ResidualTest};
+use study::Analyses;
 
 use super::{figures, heading, of_recording, plain_table, sentence, untold};
 use crate::torque;

@@ -9,9 +9,9 @@ mod words;
 
 use std::collections::BTreeSet;
 
+use dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
 use ident::{Advice, Dataset, IdentError, Intersample, Line, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
-use dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
 
 pub(super) use faults::{check_movement, check_variation};
 pub(super) use files::Files;

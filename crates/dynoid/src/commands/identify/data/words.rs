@@ -1,7 +1,7 @@
 //! What is said about data.
 
-use ident::{Advice, Dataset, Label};
 use dataset::{Adjustment, Resampling};
+use ident::{Advice, Dataset, Label};
 
 use super::Purpose;
 use crate::cli::identify::Detrend;

@@ -2,9 +2,9 @@
 
 use std::ops::RangeInclusive;
 
+use dataset::CommonClock;
 use ident::{Criterion, OrderScan, OrderTable, ScannedStructure};
 use page::{Align, Axis, Figure, Layer, Panel, Style, Table, Tone as Text};
-use dataset::CommonClock;
 
 use super::super::data::{Gaps, check_movement, check_plot, load_between_gaps};
 use super::super::figures::figure;

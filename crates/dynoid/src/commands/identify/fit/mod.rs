@@ -6,9 +6,9 @@ mod orders;
 mod show;
 mod verdict;
 
+use dataset::CommonClock;
 use ident::validate::TestData;
 use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
-use dataset::CommonClock;
 
 use super::data::{
     Files, Gaps, Loaded, Note, Purpose, check_plot, check_targets, check_variation, load_on, named, say, take_about,

@@ -3,9 +3,9 @@
 mod modelled;
 mod others;
 
+use dataset::{Adjustment, CommonClock, Resampling};
 use ident::Dataset;
 use ident::delay::ModelledDelay;
-use dataset::{Adjustment, CommonClock, Resampling};
 
 use super::super::data::{Gaps, Loaded, check_movement, check_plot, read, say, take};
 use super::super::judge::{picture, written};

@@ -2,12 +2,12 @@
 
 mod coherence;
 
+use dataset::CommonClock;
 use ident::Dataset;
 use ident::distributions::interval as student_interval;
 use page::{Abscissa, Align, Axis, Figure, Layer, Panel, Style, Table, Tone as Text, rounded};
 use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
 use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
-use dataset::CommonClock;
 
 use crate::commands::identify::data::{Gaps, Loaded, check_movement, check_plot, load_on};
 use crate::commands::identify::figures::figure;

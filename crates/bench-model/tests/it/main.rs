@@ -1,0 +1,9 @@
+//! Integration tests of the model of a bench.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
+
+mod analysis;
+mod model;
+mod prediction;
+mod replay;

@@ -1,0 +1,99 @@
+//! What a bench will do, against a virtual bench without anything that the model does not have.
+
+use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
+use bench_model::prediction::{PeakOf, PredictionError, PredictionInputs, peak_errors, predict};
+use rig::bench_file::Limits;
+use rig::bench_parameters::BenchParameters;
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Waveform};
+use units::RPM_RAD_S;
+use virtual_bench::Numerics;
+
+use bench_testkit::runs::{run, smooth};
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+fn with_inputs<T>(
+    parameters: &BenchParameters,
+    plan: &ExperimentPlan,
+    limits: Limits,
+    act: impl FnOnce(&PredictionInputs<'_>) -> T,
+) -> T {
+    let demands = Demands::of(plan, 7, DEMAND_HOLD_S);
+    let model = bench_model::model::BenchModel::of(&parameters);
+    act(&PredictionInputs { plan, demands: &demands, model: &model, engine: &parameters.engine, limits })
+}
+
+/// Largest errors of N_d in rpm and of T_shaft in Nm.
+fn errors(plan: &ExperimentPlan) -> (f64, f64) {
+    // An engine that fires every millisecond takes its torque up as the linear model does.
+    let mut parameters = smooth();
+    (parameters.engine.cylinder_factors, parameters.engine.strokes) = (vec![1.0; 50], 2);
+    let truth = run(&parameters, plan, Numerics::default()).hidden;
+    let prediction = with_inputs(&parameters, plan, Limits::default(), |inputs| predict(inputs).unwrap());
+    // What is predicted is what the encoder reads: the mean over the last millisecond.
+    let true_speed = &truth.dyno_speed_rad_s;
+    let read: Vec<f64> = true_speed.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
+    let speed = largest_difference(&prediction.response.dyno_speed_rad_s[1..], &read) / RPM_RAD_S;
+    (speed, largest_difference(&prediction.response.shaft_torque_nm, &truth.shaft_torque_nm))
+}
+
+#[test]
+fn exact_predictions_are_what_the_virtual_bench_does() {
+    let (speed, shaft) = errors(&ExperimentPlan::ramp_n_nt(1200.0, 8.0));
+    assert!(speed < 0.5 && shaft < 0.5, "ramp: {speed} rpm, {shaft} Nm");
+    let (speed, shaft) = errors(&ExperimentPlan::white_noise_t_tn(1200.0, 8.0));
+    assert!(speed < 1.0 && shaft < 2.0, "noise: {speed} rpm, {shaft} Nm");
+    let (speed, shaft) = errors(&ExperimentPlan::step_t_tn(1200.0, 8.0));
+    assert!(speed < 1.0 && shaft < 2.0, "step: {speed} rpm, {shaft} Nm");
+    let (speed, _) = errors(&ExperimentPlan::no_shaft_n_nt(1200.0, 8.0));
+    assert!(speed < 0.5, "no shaft: {speed} rpm");
+}
+
+#[test]
+fn exact_peaks_stand_against_their_limits() {
+    let plan = ExperimentPlan::step_t_tn(1200.0, 8.0);
+    let limits = Limits { torque_nm: Some(84.0), shaft_torque_nm: Some(500.0), ..Limits::default() };
+    let peaks = with_inputs(&smooth(), &plan, limits, |inputs| predict(inputs).unwrap().peaks);
+    let beyond: Vec<PeakOf> = peaks.iter().filter(|peak| peak.is_beyond_limit()).map(|peak| peak.of).collect();
+    assert_eq!(beyond, [PeakOf::TorqueDemand]);
+    assert_eq!(peaks.len(), 4);
+}
+
+#[test]
+fn exact_errors_of_peaks_follow_the_model() {
+    // The speed's peak at rest hangs on nothing; the shaft's peak after a step on its stiffness.
+    let plan = ExperimentPlan {
+        engine_torque_nm: Waveform::Square { first: 30.0, second: 90.0, dwell_s: 1.0 },
+        ..ExperimentPlan::bs_t_nt(1200.0, 3.0)
+    };
+    let of_stiffness = |error: f64| {
+        let part = PartCovariance {
+            parameters: vec![ModelParameter::Stiffness],
+            covariance: vec![vec![error * error]],
+            degrees_of_freedom: 100.0,
+        };
+        ModelUncertainty::new(&[part]).unwrap()
+    };
+    let shaft = |uncertainty: &ModelUncertainty| {
+        with_inputs(&smooth(), &plan, Limits::default(), |inputs| peak_errors(inputs, uncertainty))[3]
+    };
+    assert_eq!(shaft(&ModelUncertainty::default()), 0.0);
+    let (one, two) = (shaft(&of_stiffness(20.0)), shaft(&of_stiffness(40.0)));
+    assert!(one > 0.0 && (two / one - 2.0).abs() < 1e-6, "{one}, {two}");
+}
+
+#[test]
+fn regress_what_cannot_be_predicted_is_refused_in_words() {
+    let mut plan = ExperimentPlan::step_t_tn(1200.0, 2.0);
+    plan.torque_target = TorqueTarget::Shaft;
+    let error = with_inputs(&smooth(), &plan, Limits::default(), |inputs| predict(inputs).unwrap_err());
+    assert_eq!(error, PredictionError::ShaftTorqueControl);
+    let mut unstable = smooth();
+    unstable.controller.proportional_nm_s_per_rad *= 200.0;
+    unstable.drive.torque_limit_nm = 1e12;
+    let plan = ExperimentPlan::ramp_n_nt(1200.0, 6.0);
+    let error = with_inputs(&unstable, &plan, Limits::default(), |inputs| predict(inputs).unwrap_err());
+    assert_eq!(error, PredictionError::Unstable);
+}

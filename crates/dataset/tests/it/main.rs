@@ -1,0 +1,6 @@
+//! Integration tests of datasets.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
+
+mod dataset;

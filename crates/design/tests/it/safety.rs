@@ -1,0 +1,248 @@
+//! Whether experiments are safe on benches that are not known exactly.
+
+use bench_model::model::{ModelParameter, ModelUncertainty, PartCovariance};
+use bench_model::prediction::PredictionInputs;
+use design::safety::{BenchSpread, Checked, Prior, Proportion, Quantity, Safety, SafetyCheck, SafetyInputs, check};
+use rig::bench_file::Limits;
+use rig::bench_parameters::{BenchParameters, EngineParameters, MechanicsParameters};
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, Waveform};
+use signal::distributions::{chi_squared_tail, normal_quantile};
+use units::RPM_RAD_S;
+
+/// A bench with a sharp resonance near 18 Hz, and an engine whose speed control does not damp it.
+fn sharp() -> BenchParameters {
+    let mechanics = MechanicsParameters { shaft_damping_nm_s_per_rad: 2.0, ..BenchParameters::default().mechanics };
+    let engine = EngineParameters {
+        speed_control_proportional_nm_s_per_rad: 0.1,
+        speed_control_integral_nm_per_rad: 0.02,
+        ..BenchParameters::default().engine
+    };
+    BenchParameters { mechanics, engine, ..BenchParameters::default() }
+}
+
+const EXACT: Prior = Prior { resonance: 0.0, damping: 0.0, engine_inertia: 0.0 };
+
+struct Case<'a> {
+    plan: &'a ExperimentPlan,
+    limits: Limits,
+    spread: BenchSpread<'a>,
+    samples: usize,
+}
+
+impl Case<'_> {
+    fn check(&self) -> SafetyCheck {
+        self.check_demands(&Demands::of(self.plan, 1, DEMAND_HOLD_S), 5)
+    }
+
+    fn check_demands(&self, demands: &Demands, seed: u64) -> SafetyCheck {
+        let parameters = sharp();
+        let model = bench_model::model::BenchModel::of(&parameters);
+        let prediction = PredictionInputs {
+            plan: self.plan,
+            demands,
+            model: &model,
+            engine: &parameters.engine,
+            limits: self.limits,
+        };
+        let inputs =
+            SafetyInputs { prediction, spread: self.spread, slowest_engine_control: 1.0, samples: self.samples, seed };
+        check(&inputs, &|_, _| ()).unwrap()
+    }
+}
+
+fn of(check: &SafetyCheck, quantity: Quantity) -> &Checked {
+    check.checked.iter().find(|checked| checked.of == quantity).unwrap()
+}
+
+fn shaft_limit(limit_nm: f64) -> Limits {
+    Limits { shaft_torque_nm: Some(limit_nm), ..Limits::default() }
+}
+
+fn sine(amplitude: f64) -> ExperimentPlan {
+    let mut plan = ExperimentPlan::sine_t_tn(1200.0, 20.0);
+    let frequencies_hz = (1..=20).map(f64::from).collect();
+    plan.dyno_torque_nm = Waveform::SineLadder { mean: 60.0, amplitude, frequencies_hz, dwell_s: 1.0 };
+    plan
+}
+
+#[test]
+fn exact_a_sine_test_trips_near_the_resonance_alone() {
+    let model = bench_model::model::BenchModel::of(&sharp());
+    let resonance_hz = model.mechanics.resonance().frequency_hz;
+    assert!((17.0..19.0).contains(&resonance_hz), "{resonance_hz}");
+    // The amplitude at 18 Hz by the frequency response, for what 60 Nm of mean leave of 140 Nm.
+    let omega = std::f64::consts::TAU * 18.0;
+    let held = (0.5 * omega * DEMAND_HOLD_S).sin() / (0.5 * omega * DEMAND_HOLD_S);
+    let steady_nm = (140.0 - 60.0) / (model.demand_to_shaft(omega).unwrap().norm() * held);
+    let plan = sine(1.3 * steady_nm);
+    let case = Case { plan: &plan, limits: shaft_limit(140.0), spread: BenchSpread::Prior(EXACT), samples: 1 };
+    let checked = case.check();
+    assert_eq!(checked.safety, Safety::Unsafe);
+    let sines = checked.sines.unwrap();
+    assert!(sines.holds);
+    let trips: Vec<f64> =
+        sines.sines.iter().filter(|sine| sine.reached.count > 0).map(|sine| sine.frequency_hz).collect();
+    assert!(trips.contains(&18.0) && trips.iter().all(|f| (16.0..=20.0).contains(f)), "{trips:?}");
+    let safe_nm = sines.sines.iter().find(|sine| sine.frequency_hz == 18.0).unwrap().safe_nm;
+    assert!((safe_nm / steady_nm - 1.0).abs() < 0.1, "{safe_nm} against {steady_nm}");
+}
+
+#[test]
+fn prop_proposed_amplitudes_pass_the_check() {
+    let plan = sine(30.0);
+    let limits = Limits { speed_rad_s: Some(2000.0 * RPM_RAD_S), ..shaft_limit(140.0) };
+    let case = Case { plan: &plan, limits, spread: BenchSpread::Prior(Prior::default()), samples: 80 };
+    let checked = case.check();
+    assert_eq!(checked.safety, Safety::Unsafe);
+    let sines = checked.sines.unwrap();
+    assert!(sines.holds, "{sines:?}");
+    let safe_nm = |f: f64| sines.sines.iter().find(|sine| sine.frequency_hz == f).unwrap().safe_nm;
+    assert!(safe_nm(18.0) < 30.0 && safe_nm(18.0) < 0.5 * safe_nm(5.0), "{sines:?}");
+    let demands = sines.demands(&plan, &Demands::of(&plan, 1, DEMAND_HOLD_S)).unwrap();
+    let again = case.check_demands(&demands, 5);
+    assert_ne!(again.safety, Safety::Unsafe, "{:?}", of(&again, Quantity::ShaftTorque).reached);
+    // Larger by half they do not.
+    let larger: Vec<f64> = demands.dyno_torque_nm.iter().map(|torque| 60.0 + 1.5 * (torque - 60.0)).collect();
+    let larger = Demands { dyno_torque_nm: larger, ..demands };
+    assert_eq!(case.check_demands(&larger, 5).safety, Safety::Unsafe);
+}
+
+#[test]
+fn prop_a_gentle_experiment_is_safe_and_the_seed_decides() {
+    let mut plan = ExperimentPlan::white_noise_t_tn(1200.0, 5.0);
+    plan.dyno_torque_nm = Waveform::WhiteNoise { mean: 60.0, standard_deviation: 2.0 };
+    let limits = Limits {
+        torque_nm: Some(200.0),
+        torque_slew_nm_per_s: Some(5000.0),
+        shaft_torque_slew_nm_per_s: Some(20_000.0),
+        speed_rad_s: Some(3000.0 * RPM_RAD_S),
+        ..shaft_limit(150.0)
+    };
+    let case = Case { plan: &plan, limits, spread: BenchSpread::Prior(Prior::default()), samples: 80 };
+    let demands = Demands::of(&plan, 1, DEMAND_HOLD_S);
+    let one = case.check_demands(&demands, 5);
+    assert_eq!(one.safety, Safety::Safe, "{one:?}");
+    assert_eq!(one.sines, None);
+    assert_eq!(one, case.check_demands(&demands, 5));
+    assert_ne!(one, case.check_demands(&demands, 6));
+    // A demand changes by the difference of two draws every 10 ms, on every bench by the same.
+    let steps = demands.dyno_torque_nm.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+    let slew = of(&one, Quantity::TorqueSlew);
+    assert!((slew.quantile(0.5) - 100.0 * steps).abs() < 1e-6 && (slew.worst - 100.0 * steps).abs() < 1e-6);
+}
+
+#[test]
+fn prop_what_is_not_stated_is_not_checked() {
+    let plan = ExperimentPlan::step_t_tn(1200.0, 4.0);
+    let prior = BenchSpread::Prior(Prior::default());
+    let checked = Case { plan: &plan, limits: Limits::default(), spread: prior, samples: 5 }.check();
+    assert_eq!(checked.safety, Safety::NotChecked);
+    assert!(checked.checked.iter().all(|checked| checked.reached.is_none()));
+    let few = Case { plan: &plan, limits: shaft_limit(500.0), spread: prior, samples: 5 }.check();
+    assert_eq!((few.safety, of(&few, Quantity::TorqueDemand).safety()), (Safety::Risky, Safety::NotChecked));
+    let ignition = Waveform::Square { first: 1.0, second: 0.6, dwell_s: 2.0 };
+    let late = ExperimentPlan { ignition_efficiency: ignition, ..ExperimentPlan::bs_t_nt(1200.0, 4.0) };
+    let late = Case { plan: &late, limits: shaft_limit(500.0), spread: prior, samples: 2 }.check();
+    let hint = late.thermal.unwrap();
+    assert!((hint.below_80_percent_s - 2.0).abs() < 1e-9 && (hint.mean_loss - 0.2).abs() < 1e-9, "{hint:?}");
+    assert_eq!(few.thermal, None);
+}
+
+#[test]
+fn stat_probability_is_that_of_the_one_uncertain_parameter() {
+    // A dwell of firing near the resonance: at 1200 rpm four cylinders fire at 40 Hz; a sine of 18 Hz is near the resonance
+    // where |18 − f| ≤ 0.1 f, so for f from 18/1.1 to 18/0.9.
+    let plan = ExperimentPlan {
+        dyno_torque_nm: Waveform::SineLadder { mean: 60.0, amplitude: 1.0, frequencies_hz: vec![18.0], dwell_s: 0.5 },
+        ..ExperimentPlan::sine_t_tn(1200.0, 0.5)
+    };
+    let limits = Limits { time_at_resonance_s: Some(0.4), ..Limits::default() };
+    let prior = Prior { damping: 0.0, engine_inertia: 0.0, ..Prior::default() };
+    let checked = Case { plan: &plan, limits, spread: BenchSpread::Prior(prior), samples: 2000 }.check();
+    let found = of(&checked, Quantity::TimeAtResonance).reached.unwrap();
+    // B is kept, so the peak lies a little below the natural frequency, by a factor that hardly changes.
+    let nominal = bench_model::model::BenchModel::of(&sharp()).mechanics.resonance().frequency_hz;
+    let sigma = 1.2_f64.ln() / normal_quantile(0.975);
+    let below = |f: f64| normal_cdf((f / nominal).ln() / sigma);
+    let truth = below(18.0 / 0.9) - below(18.0 / 1.1);
+    assert!((found.lower..=found.upper).contains(&truth), "{truth} against {found:?}");
+    assert!(found.upper - found.lower < 0.05);
+}
+
+/// Φ, by the distribution of its square.
+fn normal_cdf(z: f64) -> f64 {
+    let beyond = 0.5 * chi_squared_tail(z * z, 1.0);
+    if z > 0.0 { 1.0 - beyond } else { beyond }
+}
+
+#[test]
+fn prop_an_engine_of_slow_speed_control_damps_less() {
+    let plan = sine(20.0);
+    let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench_model::model::BenchModel::of(&sharp()));
+    let engine = BenchParameters::default().engine;
+    let limits = shaft_limit(140.0);
+    let prediction = PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, limits };
+    let peak = |slowest_engine_control: f64| {
+        let spread = BenchSpread::Prior(EXACT);
+        let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples: 20, seed: 3 };
+        let checked = check(&inputs, &|_, _| ()).unwrap();
+        let shaft = of(&checked, Quantity::ShaftTorque);
+        (shaft.quantile(0.0), shaft.worst)
+    };
+    let (stated, slower) = (peak(1.0), peak(0.1));
+    assert!((stated.1 - stated.0).abs() < 1e-9, "{stated:?}");
+    assert!(slower.0 > stated.0 - 1e-9 && slower.1 > 1.1 * stated.1, "{slower:?} against {stated:?}");
+}
+
+#[test]
+fn prop_a_study_narrows_what_the_prior_leaves_open() {
+    let plan = sine(8.0);
+    let stiffness = bench_model::model::BenchModel::of(&sharp()).mechanics.stiffness_nm_per_rad;
+    let part = PartCovariance {
+        parameters: vec![ModelParameter::Stiffness, ModelParameter::Damping],
+        covariance: vec![vec![(0.005 * stiffness).powi(2), 0.0], vec![0.0, 1e-4]],
+        degrees_of_freedom: 1000.0,
+    };
+    let estimated = ModelUncertainty::new(&[part]).unwrap();
+    let spread = |spread: BenchSpread<'_>| {
+        let checked = Case { plan: &plan, limits: shaft_limit(140.0), spread, samples: 40 }.check();
+        let shaft = of(&checked, Quantity::ShaftTorque);
+        shaft.quantile(0.95) - shaft.quantile(0.05)
+    };
+    let (narrow, wide) = (spread(BenchSpread::Estimated(&estimated)), spread(BenchSpread::Prior(Prior::default())));
+    assert!(narrow > 0.0 && narrow < 0.2 * wide, "{narrow} against {wide}");
+}
+
+#[test]
+fn ref_exact_binomial_intervals() {
+    // Without a success, and with nothing else, the ends are roots of 2.5 %; 10 of 100 as tabulated (0.0490, 0.1762).
+    let none = Proportion::new(0, 200);
+    assert!((none.upper - (1.0 - 0.025_f64.powf(1.0 / 200.0))).abs() < 1e-12 && none.lower == 0.0);
+    assert!((Proportion::new(0, 72).upper < 0.05) && (Proportion::new(0, 71).upper > 0.05));
+    let all = Proportion::new(5, 5);
+    assert!((all.lower - 0.025_f64.powf(0.2)).abs() < 1e-12 && all.upper == 1.0);
+    let ten = Proportion::new(10, 100);
+    assert!((ten.lower - 0.0490).abs() < 5e-5 && (ten.upper - 0.1762).abs() < 5e-5, "{ten:?}");
+    let half = Proportion::new(1, 2);
+    // 1 of 2: lower is 1 − √0.975, upper its mirror.
+    assert!((half.lower - (1.0 - 0.975_f64.sqrt())).abs() < 1e-7 && (half.upper - 0.975_f64.sqrt()).abs() < 1e-7);
+}
+
+#[test]
+fn regress_control_of_the_shaft_torque_is_refused() {
+    let mut plan = ExperimentPlan::step_t_tn(1200.0, 1.0);
+    plan.torque_target = TorqueTarget::Shaft;
+    let (parameters, demands) = (sharp(), Demands::of(&plan, 1, DEMAND_HOLD_S));
+    let (model, limits) = (bench_model::model::BenchModel::of(&parameters), Limits::default());
+    let prediction =
+        PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &parameters.engine, limits };
+    let inputs = SafetyInputs {
+        prediction,
+        spread: BenchSpread::Prior(Prior::default()),
+        slowest_engine_control: 1.0,
+        samples: 3,
+        seed: 1,
+    };
+    assert!(check(&inputs, &|_, _| ()).is_err());
+    assert!(check(&SafetyInputs { samples: 0, ..inputs }, &|_, _| ()).is_err());
+}

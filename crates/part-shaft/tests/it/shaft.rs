@@ -1,0 +1,118 @@
+//! The shaft's estimator on the virtual bench: with computed and with measured shaft torque, and what it says of J_d.
+
+use part_shaft::shaft::{ShaftInputs, estimate, estimate_inertia};
+use part_torque::air_gap_torque::NoisyTorque;
+use rig::bench_parameters::BenchParameters;
+use rig::estimation::EstimateError;
+use rig::experiment::ExperimentPlan;
+use rig::results::Estimate;
+use signal::Signal;
+use signal::excitation::Random;
+use units::RPM_RAD_S;
+use virtual_bench::{Numerics, VirtualRun, simulate_hidden};
+
+const INERTIA: f64 = 0.6;
+const STIFFNESS: f64 = 2437.7;
+const DAMPING: f64 = 5.8;
+const ENCODER_NOISE: f64 = 0.03 * RPM_RAD_S;
+
+fn run() -> VirtualRun {
+    let plan = ExperimentPlan::bs_t_nt(1200.0, 20.0);
+    simulate_hidden(&BenchParameters::default(), &plan, 11, Numerics::default()).unwrap()
+}
+
+fn speed(run: &VirtualRun, name: &str) -> Signal {
+    let channel = run.recording.channel(name).unwrap();
+    let time = run.recording.time_s(channel).unwrap();
+    let rad_s = channel.samples.iter().map(|n| n * RPM_RAD_S).collect();
+    Signal::new(time[0], time[1] - time[0], rad_s).unwrap()
+}
+
+/// A hidden torque as a sensor at 1 kHz would give it, `late_s` late, with noise.
+fn torque(run: &VirtualRun, values: &[f64], late_s: f64, noise_nm: f64) -> NoisyTorque {
+    let mut random = Random::new(5);
+    let samples = values.iter().map(|t| t + noise_nm * random.normal()).collect();
+    NoisyTorque { signal: Signal::new(late_s, run.hidden.sample_time_s, samples).unwrap(), noise_nm }
+}
+
+fn inputs<'a>(speeds: &'a [Signal; 2], torque: NoisyTorque, inertia_kg_m2: Option<(f64, f64)>) -> ShaftInputs<'a> {
+    ShaftInputs {
+        file: "BS_T_NT_1200.mf4",
+        dyno_speed: &speeds[0],
+        engine_speed: &speeds[1],
+        torque: vec![torque],
+        inertia_kg_m2,
+        friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(INERTIA),
+        encoder_noise_rad_s: ENCODER_NOISE,
+        gate_s: (1e-3, 1e-4),
+    }
+}
+
+fn is_near(estimate: &Estimate, symbol: &str, truth: f64, tolerance: f64) {
+    let parameter = estimate.parameter(symbol).unwrap();
+    assert!((parameter.value - truth).abs() <= tolerance, "{symbol}: {parameter:?}, truth {truth}");
+    assert!(parameter.interval.0 < truth && truth < parameter.interval.1, "{parameter:?}, truth {truth}");
+}
+
+#[test]
+fn stat_computed_shaft_torque_gives_stiffness_damping_and_skew() {
+    let run = run();
+    let speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
+    let late = torque(&run, &run.hidden.air_gap_torque_nm, 0.6e-3, 0.05);
+    let found = estimate(&inputs(&speeds, late, Some((INERTIA, 0.0)))).unwrap();
+    is_near(&found.estimate, "K", STIFFNESS, 0.01 * STIFFNESS);
+    is_near(&found.estimate, "B", DAMPING, 0.05 * DAMPING);
+    is_near(&found.estimate, "δ_e", 0.0, 1e-4);
+    is_near(&found.estimate, "δ_T", 0.6e-3, 1e-4);
+    assert!(found.validation.fit_percent > 90.0, "{}", found.validation.fit_percent);
+}
+
+#[test]
+fn stat_a_torque_flange_needs_no_inertia() {
+    let run = run();
+    let speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
+    let flange = torque(&run, &run.hidden.shaft_torque_nm, 0.0, 0.1);
+    let inputs = inputs(&speeds, flange, None);
+    let found = estimate(&inputs).unwrap();
+    is_near(&found.estimate, "K", STIFFNESS, 0.01 * STIFFNESS);
+    is_near(&found.estimate, "B", DAMPING, 0.05 * DAMPING);
+    assert_eq!(estimate_inertia(&inputs), Ok(None));
+}
+
+#[test]
+fn stat_the_inertia_in_the_data_is_seen_whatever_was_stated() {
+    let run = run();
+    let speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
+    for stated in [0.3, 0.6, 6.0] {
+        let record = torque(&run, &run.hidden.air_gap_torque_nm, 0.0, 0.05);
+        let (found, error) = estimate_inertia(&inputs(&speeds, record, Some((stated, 0.0)))).unwrap().unwrap();
+        assert!((found - INERTIA).abs() < 0.05 * INERTIA, "{stated}: {found} ± {error}");
+    }
+}
+
+#[test]
+fn stat_an_uncertain_inertia_widens_the_stiffness() {
+    let run = run();
+    let speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
+    let error = |percent: f64| {
+        let record = torque(&run, &run.hidden.air_gap_torque_nm, 0.0, 0.05);
+        let found = estimate(&inputs(&speeds, record, Some((INERTIA, percent / 100.0 * INERTIA)))).unwrap();
+        found.estimate.parameter("K").unwrap().standard_error
+    };
+    assert!(error(5.0) > error(0.0));
+}
+
+#[test]
+fn regress_records_that_do_not_overlap_are_refused() {
+    let run = run();
+    let mut speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
+    speeds[1].start_s += 100.0;
+    let record = torque(&run, &run.hidden.air_gap_torque_nm, 0.0, 0.05);
+    let refused = estimate(&inputs(&speeds, record.clone(), Some((INERTIA, 0.0))));
+    assert!(matches!(refused, Err(EstimateError::TooShort { .. })), "{refused:?}");
+    speeds[1].start_s -= 100.0;
+    speeds[1].samples.fill(125.0);
+    speeds[0].samples.fill(125.0);
+    let still = estimate(&inputs(&speeds, record, Some((INERTIA, 0.0))));
+    assert!(still.is_err(), "{:?}", still.map(|s| s.estimate));
+}

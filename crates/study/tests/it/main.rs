@@ -1,0 +1,10 @@
+//! Integration tests of the study.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::disallowed_methods)] // recordings outside the project are read from a folder
+
+mod next_experiment;
+mod shaft_benches;
+mod shaft_terms;
+mod study;
+mod study_recorded;
