@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use bench_model::model::{BenchModel, FeedForwardGains, InverterModel, Mechanics, PiController};
+use bench_model::model::{BenchModel, FeedForwardGains, Mechanics, PiController, TorqueControlModel};
 
 /// One revolution a minute, rad/s.
 pub const RPM: f64 = TAU / 60.0;

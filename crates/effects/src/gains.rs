@@ -75,7 +75,7 @@ struct Sampled<'a> {
 
 impl<'a> Sampled<'a> {
     fn of(recording: &'a Recording, name: &str, shift_s: f64) -> Self {
-        let (samples, sample_time_s) = crate::sampled(recording, name);
+        let (samples, sample_time_s) = crate::sampled::sampled(recording, name);
         Sampled { samples, sample_time_s, shift_s }
     }
 

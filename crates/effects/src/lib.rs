@@ -2,6 +2,7 @@
 
 mod error;
 mod gains;
+mod sampled;
 mod zeros;
 
 use part_lines::lines::amplitudes;
@@ -14,6 +15,7 @@ use virtual_bench::{Numerics, simulate, simulate_hidden};
 
 pub use error::EffectsError;
 pub use gains::Gains;
+use sampled::sampled;
 pub use zeros::{NaiveZeros, ShaftZeros};
 
 /// Length of the runs whose spectra are taken, s.
@@ -175,14 +177,4 @@ fn spectrum(name: String, recording: &Recording, channel: &str) -> Spectrum {
     frequency_hz.truncate(shown);
     amplitude.truncate(shown);
     Spectrum { name, frequency_hz, amplitude }
-}
-
-/// A channel and the time between its samples; nothing of one that was not recorded.
-fn sampled<'a>(recording: &'a Recording, name: &str) -> (&'a [f64], f64) {
-    let Some(channel) = recording.channel(name) else { return (&[], UPDATE_S) };
-    let sample_time_s = match recording.time_s(channel) {
-        Some(&[first, second, ..]) => second - first,
-        _ => UPDATE_S,
-    };
-    (&channel.samples, sample_time_s)
 }

@@ -10,7 +10,8 @@ use signal::filter::Sos;
 use study::{Campaign, Source, run};
 use units::RPM_RAD_S;
 
-use crate::{BenchParameters, EffectsError, sampled, simulate};
+use crate::sampled::sampled;
+use crate::{BenchParameters, EffectsError, simulate};
 
 /// How late the engine's speed is stamped, s.
 const SKEWS_S: [f64; 3] = [-0.5e-3, 0.0, 0.5e-3];

@@ -3,6 +3,7 @@
 //! Mechanics (6.1, 6.4, 2.7): J_d dω_d/dt = T_shaft − T_d, J_e dω_e/dt = T_e − T_shaft,
 //! T_shaft = K Δθ + B (ω_e − ω_d) with dΔθ/dt = ω_e − ω_d. T_d is positive when it brakes.
 
+mod assembled;
 mod linear;
 mod of_bench;
 mod parameter;
@@ -11,6 +12,7 @@ mod uncertainty;
 
 use serde::{Deserialize, Serialize};
 
+pub use assembled::AssembledModel;
 pub use linear::mean_over;
 pub use parameter::ModelParameter;
 pub use resonance::Resonance;
@@ -78,15 +80,6 @@ pub struct BenchModel {
     pub torque_limit_nm: Option<f64>,
     /// Time over which an encoder averages the speed, s; the reading at t is the mean over t − gate … t.
     pub encoder_gate_s: f64,
-}
-
-/// A model with its uncertainty, as a study keeps it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct AssembledModel {
-    /// The model.
-    pub model: BenchModel,
-    /// Of its parameters.
-    pub uncertainty: ModelUncertainty,
 }
 
 impl BenchModel {

@@ -4,7 +4,8 @@ use bench_model::model::BenchModel;
 use bench_model::prediction::{Prediction, PredictionError, PredictionInputs, predict};
 
 use super::ladder::Ladder;
-use super::quantity::{demand_samples, largest, slew};
+use super::quantity::{largest, slew};
+use crate::safety::ladder::demand_samples;
 
 /// The largest amplitude of each sine that keeps the limits on one bench. The bench is linear short of the torque limit,
 /// so what a sine adds to the rest grows with its amplitude; onset and the decay of the sine before are part of it.

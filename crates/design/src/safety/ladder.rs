@@ -3,8 +3,6 @@
 use rig::ControlMode;
 use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S, Waveform};
 
-use super::quantity::demand_samples;
-
 /// The sines of a sine test of T_d*.
 pub(crate) struct Ladder<'a> {
     pub(crate) frequencies_hz: &'a [f64],
@@ -62,4 +60,9 @@ impl<'a> Ladder<'a> {
         }
         changed
     }
+}
+
+/// Samples within which changes of T_d* count together: those between two demands of the automation system.
+pub(crate) fn demand_samples(step_s: f64) -> usize {
+    ((DEMAND_HOLD_S / step_s).round() as usize).max(1)
 }

@@ -1,5 +1,6 @@
 //! What is compared with limits.
 
+use super::ladder::demand_samples;
 use std::f64::consts::TAU;
 
 use bench_model::model::BenchModel;
@@ -120,11 +121,6 @@ pub(super) fn unbounded() -> [f64; Quantity::COUNT] {
     values[Quantity::LimitedShare as usize] = 1.0;
     values[Quantity::TimeAtResonance as usize] = 0.0;
     values
-}
-
-/// Samples within which changes of T_d* count together: those between two demands of the automation system.
-pub(super) fn demand_samples(step_s: f64) -> usize {
-    ((DEMAND_HOLD_S / step_s).round() as usize).max(1)
 }
 
 pub(super) fn largest(values: &[f64]) -> f64 {

@@ -70,7 +70,7 @@ pub const FEWEST_SAMPLES: usize = 256;
 /// use part_lines::lines::{Cause, find_lines};
 /// use bench_model::model::Engine;
 /// use virtual_bench::{BenchParameters, ExperimentPlan, simulate};
-/// # use bench::{BenchFile, Role};
+/// # use rig::{BenchFile, Role};
 /// # let mut text = "[bench]\nname = \"x\"\nvariant = \"load-cell\"\ncylinders = 4\ndynamometer_inertia = 0.6\nengine_inertia = 0.28\n[channels]\n".to_owned();
 /// # for (role, name) in virtual_bench::CHANNELS { if !matches!(role, Role::FlangeTorque | Role::Throttle) { text += &format!("{} = \"{name}\"\n", role.key()); } }
 /// # let file: BenchFile = text.parse()?;

@@ -1,0 +1,12 @@
+//! A model with its uncertainty.
+
+use serde::{Deserialize, Serialize};
+
+/// A model with its uncertainty, as a study keeps it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AssembledModel {
+    /// The model.
+    pub model: BenchModel,
+    /// Of its parameters.
+    pub uncertainty: ModelUncertainty,
+}
