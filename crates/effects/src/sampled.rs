@@ -1,12 +1,7 @@
 //! Samples of a recorded signal.
 
-use part_lines::lines::amplitudes;
 use recording::Recording;
-use rig::bench_parameters::BenchParameters;
-use rig::experiment::{ExperimentPlan, UPDATE_S, Waveform};
-use rig::facts::BenchVariant;
-use serde::Serialize;
-use virtual_bench::{Numerics, simulate, simulate_hidden};
+use rig::experiment::UPDATE_S;
 
 /// A channel and the time between its samples; nothing of one that was not recorded.
 pub(super) fn sampled<'a>(recording: &'a Recording, name: &str) -> (&'a [f64], f64) {

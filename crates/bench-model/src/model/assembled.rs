@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::{BenchModel, ModelUncertainty};
+
 /// A model with its uncertainty, as a study keeps it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AssembledModel {

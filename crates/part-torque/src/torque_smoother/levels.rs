@@ -4,6 +4,7 @@
 //! the lines' damping ratio, of each line's density, and of every further speed's noise over that of the first, in parts of
 //! the guesses. All covariances have a scale in common.
 
+use super::states::Levels;
 use std::f64::consts::TAU;
 
 use faer::Mat;
@@ -39,14 +40,6 @@ pub struct NoiseLevels {
     pub converged: bool,
     /// Covariance of each speed's innovations at lag one over their variance: near zero where the model is right.
     pub innovations_correlation: Vec<f64>,
-}
-
-/// The levels as the smoother takes them.
-#[derive(Debug, Clone)]
-pub struct Levels {
-    pub(super) logarithms: Vec<f64>,
-    pub(super) scale: f64,
-    converged: bool,
 }
 
 impl TorqueSmoother<'_> {

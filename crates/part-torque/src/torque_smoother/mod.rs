@@ -22,8 +22,9 @@ use rig::facts::Engine;
 use signal::Signal;
 use signal::resample::{Interpolation, interpolate_at};
 
-pub use self::levels::{Levels, NoiseLevels};
+pub use self::levels::NoiseLevels;
 pub use self::prepared::{Prepared, TorqueSource};
+pub use self::states::Levels;
 use needed::SHORTEST_S;
 use needed::WITHIN;
 pub use needed::needed;
