@@ -1,7 +1,7 @@
 //! Sines of rising frequency, as an experiment plans them.
 
 use rig::ControlMode;
-use rig::experiment::{Demands, ExperimentPlan, TorqueTarget, UPDATE_S, Waveform};
+use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan, TorqueTarget, UPDATE_S, Waveform};
 
 /// The sines of a sine test of T_d*.
 pub(crate) struct Ladder<'a> {

@@ -1,16 +1,15 @@
 //! What is compared with limits.
 
-use super::ladder::demand_samples;
 use std::f64::consts::TAU;
 
 use bench_model::model::BenchModel;
 use bench_model::prediction::{Prediction, PredictionInputs};
 use rig::bench_file::Limits;
-use rig::experiment::{DEMAND_HOLD_S, ExperimentPlan};
+use rig::experiment::ExperimentPlan;
 use rig::facts::Engine;
 use serde::Serialize;
 
-use crate::safety::ladder::Ladder;
+use super::ladder::{Ladder, demand_samples};
 
 /// Frequencies closer to the resonance than this part of it lie at the resonance.
 const RESONANCE_BAND: f64 = 0.1;

@@ -4,7 +4,6 @@
 //! the lines' damping ratio, of each line's density, and of every further speed's noise over that of the first, in parts of
 //! the guesses. All covariances have a scale in common.
 
-use super::states::Levels;
 use std::f64::consts::TAU;
 
 use faer::Mat;
@@ -13,7 +12,7 @@ use ident::{Bounds, IdentError};
 use serde::Serialize;
 
 use super::TorqueSmoother;
-use super::states::{DAMPING, TORQUE, WANDERING};
+use super::states::{DAMPING, Levels, TORQUE, WANDERING};
 use crate::torque_smoother::observations::Observations;
 
 /// ln of the density of the slope's noise where the search starts, tried one after the other, (Nm/s)²/s.
