@@ -2,10 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use bench_model::model::{
-    BenchModel, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance, PiController,
-    TorqueControlModel,
-};
+use bench_model::model::{BenchModel, Mechanics, ModelParameter, ModelUncertainty, PartCovariance, TorqueControlModel};
 use bench_model::simulate::{DynoInput, InitialState, Inputs, Ripple, SimulationError, simulate, simulate_with_ripple};
 use bench_testkit::models::bench_a;
 use proptest::prelude::*;
