@@ -21,7 +21,7 @@ fn with_inputs<T>(
     act: impl FnOnce(&PredictionInputs<'_>) -> T,
 ) -> T {
     let demands = Demands::of(plan, 7, DEMAND_HOLD_S);
-    let model = bench_model::model::BenchModel::of(&parameters);
+    let model = bench_model::model::BenchModel::of(parameters);
     act(&PredictionInputs { plan, demands: &demands, model: &model, engine: &parameters.engine, limits })
 }
 

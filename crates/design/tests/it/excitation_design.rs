@@ -284,7 +284,7 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         encoder_noise_rad_s: bench.sensors.speed_noise_rad_s,
         gate_s: (1e-3, 1e-4),
     };
-    let (found, truth) = (estimate_parameters(&inputs).unwrap(), virtual_bench::Truth::of(&bench));
+    let (found, truth) = (estimate_parameters(&inputs).unwrap(), virtual_bench::Truth::of(bench));
     let error = |symbol, truth: f64| found.parameter(symbol).unwrap().value / truth - 1.0;
     [error("K", truth.stiffness_nm_per_rad), error("B", truth.damping_nm_s_per_rad)]
 }
