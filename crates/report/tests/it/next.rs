@@ -28,7 +28,7 @@ fn regress_an_experiment_with_two_demands_is_one_entry() {
     assert_eq!(best(&found).len(), 2);
     assert_eq!(
         recommendation(&found),
-        "Record Multisine_T_TN (designed for this shaft), 60 s at 1200 rpm next: it tells J_e, which nothing recorded does; K \
+        "Record Multisine_T_TN (designed for this shaft), 60 s at 1200 rpm next: it shows J_e, which no recording does; K \
          gets known within ± 1 % in place of ± 10 %. With the demand of the method, the same experiment buys: K gets known \
          within ± 5 % in place of ± 10 %."
     );
