@@ -32,7 +32,7 @@ fn no_recordings() {
     campaign.write("bench.toml", BENCH.replace("files = [\"recordings/*.mf4\"]", "").as_bytes());
     campaign.run(&STUDY).assert_refused(3, &["bench.toml", "lists no recordings", "files ="]);
     campaign.write("bench.toml", BENCH.replace("recordings/*.mf4", "recordings").as_bytes());
-    campaign.run(&STUDY).assert_refused(3, &["recordings", "no recordings in this folder"]);
+    campaign.run(&STUDY).assert_refused(3, &["recordings", "this folder has no recordings"]);
     campaign.write("bench.toml", BENCH.replace("recordings/*.mf4", "rec***/x").as_bytes());
     campaign.run(&STUDY).assert_refused(3, &["rec***/x", "not a valid pattern"]);
     assert!(!campaign.path("study").exists(), "no folder for results that are not there");

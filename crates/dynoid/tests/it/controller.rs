@@ -93,7 +93,7 @@ fn regress_what_cannot_be_done_is_refused_with_the_remedy() {
         .run(&["controller", "bench.toml", "recordings/Levels_N_NT_1200.mf4"])
         .assert_refused(3, &["constant N_d*", "BS_T_NT"]);
     let white_noise = ["controller", "noise-test", "bench.toml", "recordings/WhiteNoise_T_TN_1200.mf4"];
-    campaign.run(&white_noise).assert_refused(3, &["in speed control"]);
+    campaign.run(&white_noise).assert_refused(3, &["speed control (NT)"]);
     let folder = std::env::temp_dir();
     dynoid(&folder, &["controller", "noise-test", "--band-pass", "50,20"]).assert_refused(2, &["--band-pass", "lower"]);
     dynoid(&folder, &["controller", "noise-test", "--band-pass", "20"])

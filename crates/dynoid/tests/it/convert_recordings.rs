@@ -256,7 +256,7 @@ fn what_cannot_be_converted_is_refused() {
     refused("a.mf4 --out b.csv --sample-time 100", 3, &["100 s"]);
     refused("a.mf4 --out nowhere/b.csv", 4, &["nowhere"]);
     refused("missing.mf4 --out b.csv", 3, &["missing.mf4"]);
-    refused("a.mf4 --to ss --out b.json", 2, &["models"]);
+    refused("a.mf4 --to ss --out b.json", 2, &["invalid value 'ss'"]);
     refused("model.json --to csv --out made", 2, &["model.json", "model file"]);
     refused("model.json --rate 10", 2, &["--rate"]);
     let names = |folder: &TempDir| std::fs::read_dir(folder.path()).unwrap().count();
