@@ -61,7 +61,7 @@ fn the_folder_of_the_recordings_itself_can_hold_the_bench_file() {
 #[test]
 fn nothing_readable() {
     let campaign = Campaign::empty();
-    campaign.run(&["init", "recordings", "--out", "b.toml"]).assert_refused(3, &["no recordings in this folder"]);
+    campaign.run(&["init", "recordings", "--out", "b.toml"]).assert_refused(3, &["this folder has no recordings"]);
     campaign.write("recordings/BS_T_NT.mf4", b"not a measurement");
     campaign.run(&["init", "recordings", "--out", "b.toml"]).assert_refused(3, &["BS_T_NT.mf4", "none of the 1"]);
     assert!(!campaign.path("b.toml").exists());

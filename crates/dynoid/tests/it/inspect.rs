@@ -112,5 +112,5 @@ fn the_readable_files_are_shown_although_one_is_not() {
 fn nothing_to_inspect() {
     let campaign = Campaign::empty();
     campaign.run(&["inspect", "nowhere.mf4"]).assert_refused(3, &["nowhere.mf4", "no such file"]);
-    campaign.run(&["inspect", "recordings"]).assert_refused(3, &["recordings", "no recordings in this folder"]);
+    campaign.run(&["inspect", "recordings"]).assert_refused(3, &["recordings", "this folder has no recordings"]);
 }
