@@ -61,7 +61,7 @@ fn stat_a_motored_engine_tells_both_inertias_by_the_black_box() {
     // T_d by its own samples alone folds: no shaft from it.
     let ran = campaign.run(&["shaft", "bench.toml", recordings[1]]);
     let text = [ran.stdout, ran.stderr].concat().split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(text.contains("what folds in them cannot be told") && !text.contains("2437"), "{text}");
+    assert!(text.contains("its aliases cannot be separated from the shaft") && !text.contains("2437"), "{text}");
 }
 
 #[test]
