@@ -10,7 +10,7 @@ use super::error::VirtualBenchError;
 pub struct Numerics {
     /// Steps of the mechanics in one update of the controllers (1 ms).
     pub steps_per_update: usize,
-    /// Steps from one sample of [`HiddenTruth`] to the next.
+    /// Steps from one sample of `HiddenTruth` to the next.
     pub steps_per_hidden_sample: usize,
 }
 

@@ -9,7 +9,7 @@
 //! M(Φ) = T Σ_k p_k Re(G_θ(jω_k)ᴴ Λ(jω_k)⁻¹ G_θ(jω_k)), with T the length, p_k the power of line k, G_θ the derivatives
 //! of the measured signals (T_d*, T_d, T_shaft, N_d, N_e as far as they are measured) by the parameters, and Λ the
 //! two-sided spectral density of noise and disturbances on them. Where nothing is known of T_e, what it could have done
-//! does not count: only what agrees with T_d and both speeds whatever T_e is, as in [`part_shaft::shaft`]. That
+//! does not count: only what agrees with T_d and both speeds whatever T_e is, as in `part_shaft::shaft`. That
 //! estimator looks through a window and reaches 1.25 times the variances predicted here for K and B, 2.6 times for J_d
 //! (measured, without an engine that fires).
 //!

@@ -10,7 +10,7 @@ pub(super) const LEAD: usize = 2;
 pub(super) const ROUNDING: f64 = 1e-18;
 
 /// Estimates the dead times `τ_k` of `y(t) = Σ_k G_k(s) e^{−sτ_k} u_k(t) + r(t) + v(t)` by minimising the error of the
-/// simulated output: what is fed in is known between the samples ([`Intersample`]), so that held inputs give the
+/// simulated output: what is fed in is known between the samples (`Intersample`), so that held inputs give the
 /// fraction of a sample too, and the output may be slower than the inputs, or have gaps.
 ///
 /// `G_k` is the simplest of 0, 1, 2, 3, 4 poles (with up to two zeros) that no richer one improves upon and whose errors do not
@@ -18,7 +18,7 @@ pub(super) const ROUNDING: f64 = 1e-18;
 /// and in proportion to the output: where it keeps time with a held input, it biases the dead time. The covariance is
 /// that of errors with the autocorrelation of the residuals.
 ///
-/// A dead time is claimed by [`DelayModels::claimed`] alone; the other models are there to be looked at.
+/// A dead time is claimed by `DelayModels::claimed` alone; the other models are there to be looked at.
 ///
 /// # Example
 /// ```
