@@ -1,11 +1,13 @@
 //! The way back: what later measurements say of earlier states.
 
+use std::convert::Infallible;
+
 use faer::{Mat, MatRef};
 
 use super::system::Smoothed;
 use numerics::vector::dot;
 
-use super::forward::{Forward, Innovation};
+use super::forward::{Forward, Innovation, add_columns};
 use super::steady::Memory;
 use crate::triangle::upper_factor;
 
@@ -53,7 +55,7 @@ pub(super) fn smooth(forward: &Forward, outputs: MatRef<'_, f64>) -> Smoothed {
             later.gradient_through_measurement(c, gain, innovation);
         }
         let number = forward.settled[sample];
-        if memory.recall(&number, &information).is_none() {
+        let make = || -> Result<Known, Infallible> {
             let before = later.root.clone();
             if sample + 1 < samples {
                 later.root_through_transition(&forward.transition);
@@ -62,15 +64,16 @@ pub(super) fn smooth(forward: &Forward, outputs: MatRef<'_, f64>) -> Smoothed {
                 later.root_through_measurement(c, gain, innovation.variance);
             }
             let root = std::mem::replace(&mut later.root, before);
-            memory.remember(number, information.clone(), Known::new(root, p, n));
-        }
-        if let Some(known) = memory.recall(&number, &information) {
-            covariances[sample * n * n..(sample + 1) * n * n].copy_from_slice(&known.posterior);
-            later.root.copy_from_slice(&known.root);
-            information.copy_from_slice(&known.information);
-        }
+            Ok(Known::new(root, p, n))
+        };
+        let Ok(known) = memory.step(&number, &information, make);
+        covariances[sample * n * n..(sample + 1) * n * n].copy_from_slice(&known.posterior);
+        later.root.copy_from_slice(&known.root);
+        information.copy_from_slice(&known.information);
+        // P is symmetric: its rows are its columns.
+        add_columns(p, &later.gradient, &mut later.column);
         for i in 0..n {
-            states[(sample, i)] = forward.predicted[sample * n + i] + dot(&p[i * n..(i + 1) * n], &later.gradient);
+            states[(sample, i)] = forward.predicted[sample * n + i] + later.column[i];
         }
     }
     Smoothed { states, log_likelihood: forward.log_likelihood(), covariances }
@@ -79,10 +82,7 @@ pub(super) fn smooth(forward: &Forward, outputs: MatRef<'_, f64>) -> Smoothed {
 impl Later {
     /// r ← Aᵀ r.
     fn gradient_through_transition(&mut self, a: &[f64]) {
-        let n = self.gradient.len();
-        for j in 0..n {
-            self.column[j] = (0..n).map(|i| a[i * n + j] * self.gradient[i]).sum();
-        }
+        add_columns(a, &self.gradient, &mut self.column);
         self.gradient.copy_from_slice(&self.column);
     }
 

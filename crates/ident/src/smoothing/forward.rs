@@ -79,6 +79,7 @@ impl Forward {
             covariances: Vec::new(),
             settled: Vec::new(),
         };
+        let by_columns = by_rows(system.system.a().transpose());
         let mut memory: Memory<Vec<usize>, Sample> = Memory::new();
         let mut measured = Vec::with_capacity(outputs.ncols());
         let mut filter = Filter {
@@ -95,11 +96,10 @@ impl Forward {
             }
             measured.clear();
             measured.extend((0..outputs.ncols()).filter(|i| !outputs[(sample, *i)].is_nan()));
-            if memory.recall(&measured, &filter.p).is_none() {
-                let made = filter.covariances(&forward.output, &forward.transition, &measured, sample)?;
-                memory.remember(measured.clone(), filter.p.clone(), made);
-            }
-            let Some(made) = memory.recall(&measured, &filter.p) else { continue };
+            let p = std::mem::take(&mut filter.p);
+            let made = memory.step(&measured, &p, || {
+                filter.covariances(&p, (&forward.output, &forward.transition), &measured, sample)
+            })?;
             for (i, output) in measured.iter().enumerate() {
                 let expected = filter.expected(&forward.output, *output, inputs, sample);
                 let value = outputs[(sample, *output)] - expected;
@@ -116,7 +116,8 @@ impl Forward {
             if keep {
                 forward.settled.push(made.number);
             }
-            filter.advance(&forward.transition, inputs, sample);
+            filter.advance(&by_columns, inputs, sample);
+            filter.p = p;
             filter.p.copy_from_slice(&made.next);
         }
         Ok(forward)
@@ -137,16 +138,22 @@ impl Filter<'_> {
     }
 
     /// What the sample with this number makes of the covariance, with these outputs measured.
-    fn covariances(&mut self, c: &[f64], a: &[f64], measured: &[usize], number: usize) -> Result<Sample, IdentError> {
+    fn covariances(
+        &mut self,
+        before: &[f64],
+        (c, a): (&[f64], &[f64]),
+        measured: &[usize],
+        number: usize,
+    ) -> Result<Sample, IdentError> {
         let n = self.x.len();
-        let before = self.p.clone();
+        self.p = before.to_vec();
         let mut made = Sample { number, variances: Vec::new(), gains: Vec::new(), next: Vec::new() };
         for output in measured {
             made.variances.push(self.update(&c[output * n..(output + 1) * n], *output)?);
             made.gains.extend_from_slice(&self.column);
         }
         self.predict(a);
-        made.next = std::mem::replace(&mut self.p, before);
+        made.next = std::mem::take(&mut self.p);
         Ok(made)
     }
 
@@ -182,13 +189,12 @@ impl Filter<'_> {
         }
     }
 
-    /// One sample on: A x + B u.
-    fn advance(&mut self, a: &[f64], inputs: MatRef<'_, f64>, sample: usize) {
-        let n = self.x.len();
+    /// One sample on: A x + B u, A by columns.
+    fn advance(&mut self, by_columns: &[f64], inputs: MatRef<'_, f64>, sample: usize) {
         let b = self.system.system.b();
-        for i in 0..n {
-            let driven: f64 = (0..inputs.ncols()).map(|j| b[(i, j)] * inputs[(sample, j)]).sum();
-            self.column[i] = dot(&a[i * n..(i + 1) * n], &self.x) + driven;
+        add_columns(by_columns, &self.x, &mut self.column);
+        for (i, next) in self.column.iter_mut().enumerate() {
+            *next += (0..inputs.ncols()).map(|j| b[(i, j)] * inputs[(sample, j)]).sum::<f64>();
         }
         self.x.copy_from_slice(&self.column);
     }
@@ -230,6 +236,14 @@ fn check(
     match (0..inputs.nrows()).find(|k| !is_finite(k)) {
         Some(index) => Err(IdentError::NotFinite { what: "the input", index }),
         None => Ok(()),
+    }
+}
+
+/// The product of a square matrix, by columns, and a vector.
+pub(super) fn add_columns(by_columns: &[f64], x: &[f64], product: &mut [f64]) {
+    product.fill(0.0);
+    for (column, x) in by_columns.chunks_exact(product.len().max(1)).zip(x) {
+        product.iter_mut().zip(column).for_each(|(sum, a)| *sum += a * x);
     }
 }
 

@@ -128,15 +128,22 @@ impl AirGapTorqueModel {
 /// resolution.
 fn strongest_near(errors: &[f64], observed: &Observed, about_hz: f64, span_s: f64) -> f64 {
     let steps = (4.0 * DRIFT_HZ * span_s).ceil() as i64;
-    let power = |f: f64| -> f64 {
-        let wave = |t: &f64| Complex64::cis(std::f64::consts::TAU * f * (t - observed.reference_s));
-        errors.iter().zip(&observed.times_s).map(|(e, t)| wave(t) * *e).sum::<Complex64>().norm_sqr()
-    };
+    let frequency = |k: i64| about_hz + 0.25 * k as f64 / span_s;
+    let mut sums = vec![Complex64::ZERO; (2 * steps + 1) as usize];
+    for (error, time_s) in errors.iter().zip(&observed.times_s) {
+        // From one frequency to the next every sample turns by an angle of its own.
+        let since = std::f64::consts::TAU * (time_s - observed.reference_s);
+        let turn = Complex64::cis(0.25 * since / span_s);
+        let mut wave = Complex64::cis(frequency(-steps) * since) * *error;
+        for sum in &mut sums {
+            *sum += wave;
+            wave *= turn;
+        }
+    }
     (-steps..=steps)
-        .map(|k| about_hz + 0.25 * k as f64 / span_s)
-        .map(|f| (f, power(f)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map_or(about_hz, |(f, _)| f)
+        .zip(&sums)
+        .max_by(|a, b| a.1.norm_sqr().total_cmp(&b.1.norm_sqr()))
+        .map_or(about_hz, |(k, _)| frequency(k))
 }
 
 /// Statistics of residuals; whiteness is tested on the longest stretch without a missing sample.

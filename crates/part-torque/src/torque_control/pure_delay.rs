@@ -59,10 +59,14 @@ fn delayed(held: &HeldDemand, observed: &Observed, delay_s: f64) -> Vec<f64> {
 fn best_step(held: &HeldDemand, observed: &Observed, lagged: &AirGapTorqueModel) -> (f64, f64) {
     let cell_s = held.sample_time_s() / PARTS as f64;
     let count = ((LONGEST_DELAY_S + EARLIEST_S) / cell_s).ceil() as usize;
+    let ripple: Vec<(f64, f64)> = observed.times_s.iter().map(|t| lagged.ripple.at(*t)).collect();
     let cost = |j: usize| -> f64 {
         let delay_s = (j as f64 + 0.5) * cell_s - EARLIEST_S;
-        let error = |(t, y): (&f64, &f64)| (y - lagged.with_ripple(held.at(t - delay_s), *t)).powi(2);
-        observed.times_s.iter().zip(&observed.values).map(error).sum()
+        let error = |((t, y), (relative, added_nm)): ((&f64, &f64), &(f64, f64))| {
+            let torque_nm = held.at(t - delay_s);
+            (y - (torque_nm + (added_nm + torque_nm * relative))).powi(2)
+        };
+        observed.times_s.iter().zip(&observed.values).zip(&ripple).map(error).sum()
     };
     let costs: Vec<f64> = (0..count).map(cost).collect();
     let best = (0..count).min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(0);

@@ -168,12 +168,15 @@ pub(crate) fn linear_part(
     observed: &Observed,
     frequencies_hz: &[f64],
 ) -> Result<(f64, Vec<RippleLine>), IdentError> {
-    let regressors = Mat::from_fn(observed.len(), 1 + 4 * frequencies_hz.len(), |i, j| {
-        let Some(column) = j.checked_sub(1) else { return 1.0 };
-        let phase = TAU * frequencies_hz[column / 4] * (observed.times_s[i] - observed.reference_s);
-        let wave = if column % 2 == 0 { phase.cos() } else { phase.sin() };
-        if column % 4 < 2 { wave } else { m[i] * wave }
-    });
+    let mut regressors = Mat::full(observed.len(), 1 + 4 * frequencies_hz.len(), 1.0);
+    for (l, frequency_hz) in frequencies_hz.iter().enumerate() {
+        for (i, time_s) in observed.times_s.iter().enumerate() {
+            let (sin, cos) = (TAU * frequency_hz * (time_s - observed.reference_s)).sin_cos();
+            for (k, value) in [cos, sin, m[i] * cos, m[i] * sin].into_iter().enumerate() {
+                regressors[(i, 1 + 4 * l + k)] = value;
+            }
+        }
+    }
     let target: Vec<f64> = observed.values.iter().zip(m).map(|(y, m)| y - m).collect();
     let fit = least_squares(regressors.as_ref(), &target)?;
     let line = |(frequency_hz, p): (&f64, &[f64])| RippleLine {
