@@ -10,13 +10,11 @@ mod rebuild;
 mod source;
 
 use numerics::parallel;
-use part_controller::speed_controller;
+use part_shaft::Parts;
 use part_shaft::shaft_inputs::stated_gate;
-use part_torque::torque_control;
-use part_torque::torque_signals::believable;
-use rig::experiment::Test;
-use rig::results::Told;
-use rig::{BenchFile, Experiment};
+use rig::Experiment;
+use rig::prepare::believable;
+use rig::results::{Told, Untold};
 use serde::Serialize;
 
 pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
@@ -47,30 +45,22 @@ pub struct EngineRecording {
 
 /// Rebuilds the engine's torque of every recording with a shaft; `step` hears of each before its turn comes.
 ///
-/// The shaft is that of the recording that shows it best, J_e that of a recording with a broadband T_d* in torque control
-/// where one shows it, otherwise the bench file's. Recordings whose T_d,calc has the wrong sign are not used.
+/// Shaft and J_e are those of the recordings that are chosen for them, J_e otherwise the bench file's. Recordings whose T_d,calc
+/// has the wrong sign are not used.
 #[must_use]
-pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> EngineTorque {
-    let limit = bench.limits.torque_nm;
-    let all: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
-    let experiments: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
-    let controller =
-        experiments.iter().filter(|e| e.is_test(&Test::Bs)).find_map(|e| speed_controller::estimate(e, limit).ok());
-    let control = torque_control::choose(&experiments).and_then(|e| torque_control::estimate(e, limit).ok());
-    let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
-    let masses = match all.iter().find_map(|experiment| believable(experiment).err()) {
-        Some(why) if with_shaft.is_empty() => Err(why),
-        _ => TwoMasses::of(&with_shaft, bench, controller.as_ref(), control.as_ref()),
-    };
-    let known = rebuild::Known {
-        engine: bench.engine(),
-        stated_gate_s: stated_gate(bench),
-        controller: controller.as_ref(),
-        torque_control: control.as_ref(),
-    };
+pub fn engine_torque(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> EngineTorque {
+    let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+    let unbelievable = || all.iter().map(|experiment| believable(experiment)).collect::<Result<Vec<()>, _>>().err();
+    let masses = TwoMasses::of(parts).map_err(|why| unbelievable().map_or(why, |error| Untold::from(&error)));
     let masses = match masses {
         Ok(masses) => masses,
         Err(why) => return EngineTorque { masses: Told::Untold(why), recordings: Vec::new() },
+    };
+    let known = rebuild::Known {
+        engine: parts.bench.engine(),
+        stated_gate_s: stated_gate(parts.bench),
+        controller: parts.controllers.best(),
+        torque_control: parts.torque_controls.best(),
     };
     let look = |experiment: &&Experiment| {
         step(&experiment.file);
@@ -82,7 +72,8 @@ pub fn engine_torque(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn
 
 fn of_recording(experiment: &Experiment, masses: &TwoMasses, known: &rebuild::Known<'_>) -> EngineRecording {
     let rebuilt = believable(experiment)
-        .and_then(|()| rebuild::rebuild(experiment, masses, known).map_err(|error| (&error).into()));
+        .and_then(|()| rebuild::rebuild(experiment, masses, known))
+        .map_err(|error| Untold::from(&error));
     let (engine, cycles) = match rebuilt {
         Ok((engine, motion)) => {
             let cycles = cycles::of(&engine, &motion, known.engine).map_or_else(Told::Untold, Told::Found);

@@ -1,13 +1,12 @@
 //! The two masses and the shaft between them, with what is uncertain of them.
 
 use faer::Mat;
-use part_controller::speed_controller::SpeedControllerFit;
-use part_shaft::shaft;
-use part_shaft::shaft_inputs::{both_inertias, shaft_inputs, tells_inertias};
-use part_torque::torque_control::TorqueControlFit;
+use part_shaft::Parts;
+use rig::BenchFile;
+use rig::estimation::Chosen;
+use rig::experiment::Sought;
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, Untold};
-use rig::{BenchFile, Experiment};
+use rig::results::{Estimate, Need, Untold};
 use serde::Serialize;
 
 /// A J_e that is less certain than this is no better than the bench file's.
@@ -64,40 +63,16 @@ impl Values {
 }
 
 impl TwoMasses {
-    /// The shaft of the recording that shows K best.
+    /// The shaft and J_e of the recordings that are chosen for them; the bench file's J_e where none is certain enough.
     ///
     /// # Errors
-    /// No recording shows the shaft: why the last one that was tried does not, or that none has a shaft.
-    pub(super) fn of(
-        experiments: &[&Experiment],
-        bench: &BenchFile,
-        controller: Option<&SpeedControllerFit>,
-        torque_control: Option<&TorqueControlFit>,
-    ) -> Result<Self, Untold> {
-        let reason = "every recording is without shaft; give one with it, such as BS_T_NT".to_owned();
-        let mut failed = Untold::Failed { reason };
-        let (mut best, mut both): (Option<Told>, Option<Told>) = (None, None);
-        for experiment in experiments {
-            let inputs = shaft_inputs(experiment, bench, controller, torque_control);
-            let estimate = match inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate_parameters) {
-                Ok(estimate) => estimate,
-                Err(error) => {
-                    failed = (&error).into();
-                    continue;
-                }
-            };
-            if let (Ok(inputs), true) = (&inputs, tells_inertias(experiment, bench))
-                && let Ok(found) = both_inertias(experiment, inputs, bench)
-                && uncertainty(&found, "J_e") < both.as_ref().map_or(TOLD, |(_, other)| uncertainty(other, "J_e"))
-            {
-                both = Some((experiment.file.clone(), found));
-            }
-            if best.as_ref().is_none_or(|(_, other)| uncertainty(&estimate, "K") < uncertainty(other, "K")) {
-                best = Some((experiment.file.clone(), estimate));
-            }
-        }
-        let (file, estimate) = best.ok_or(failed)?;
-        Ok(Self::assembled((file, &estimate), both, bench))
+    /// No shaft: why the last recording that was tried does not give it, or that there is none to give it.
+    pub(super) fn of(parts: &Parts<'_>) -> Result<Self, Untold> {
+        let shaft = parts.chosen_shaft().map_err(|needs| missing(needs))?;
+        let certain = |both: &Chosen<'_, Estimate>| uncertainty(&both.fit, "J_e") < TOLD;
+        let both = parts.chosen_inertias().ok().filter(certain);
+        let both = both.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
+        Ok(Self::assembled((shaft.experiment.file.clone(), &shaft.fit.estimate), both, parts.bench))
     }
 
     fn assembled((file, shaft): (String, &Estimate), both: Option<Told>, bench: &BenchFile) -> Self {
@@ -145,6 +120,18 @@ impl TwoMasses {
         };
         let moves = |values: &[f64; PARAMETERS]| values != &self.values;
         (0..PARAMETERS).map(direction).filter(moves).collect()
+    }
+}
+
+/// Why there is no shaft, by the recording that was tried last.
+fn missing(needs: &[Need]) -> Untold {
+    match needs.last() {
+        Some(Need::Channel { role, .. }) => Untold::Missing { role: *role },
+        Some(Need::UsableData { reason, .. }) => Untold::Failed { reason: reason.clone() },
+        _ => {
+            let reason = format!("no recording gives the shaft; give one of {}", Sought::Shaft.missing().join(", "));
+            Untold::Failed { reason }
+        }
     }
 }
 

@@ -4,36 +4,43 @@ use part_controller::speed_controller::{Encoder, SpeedControllerFit};
 use part_torque::air_gap_torque::{air_gap_torque, sampled_torque};
 use part_torque::torque_control::TorqueControlFit;
 use rig::estimation::{EstimateError, need};
-use rig::experiment::Test;
 use rig::facts::BenchVariant;
+use rig::prepare::believable;
 use rig::results::Estimate;
-use rig::{BenchFile, ControlMode, Experiment, Role};
+use rig::{BenchFile, Experiment, Role};
 
-use crate::shaft::{self, ShaftInputs};
+use crate::shaft::{self, NoisyTorque, ShaftInputs};
 
 /// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
 const FRICTION_DOUBT_PERCENT: f64 = 20.0;
-/// Tests the shaft can be estimated from, best first.
-pub const SHAFT_TESTS: [Test; 7] =
-    [Test::Multisine, Test::Binary, Test::Bs, Test::WhiteNoise, Test::Levels, Test::Ramp, Test::Step];
-/// Tests in which T_d* moves the bench over a wide band.
-const EXCITED_TESTS: [Test; 3] = [Test::Multisine, Test::Binary, Test::WhiteNoise];
 
-/// What the shaft's estimator needs of one recording, with the torque between its samples.
+/// The torque that moves the shaft, between its samples.
+pub fn shaft_torque(
+    experiment: &Experiment,
+    bench: &BenchFile,
+    torque_control: Option<&TorqueControlFit>,
+) -> Result<Vec<NoisyTorque>, EstimateError> {
+    match bench.variant {
+        BenchVariant::TorqueFlange => Ok(vec![sampled_torque(need(experiment, Role::FlangeTorque)?)]),
+        BenchVariant::LoadCell => {
+            believable(experiment)?;
+            air_gap_torque(experiment, torque_control)
+        }
+    }
+}
+
+/// What the shaft's estimator needs of one recording, beside this torque.
 pub fn shaft_inputs<'a>(
     experiment: &'a Experiment,
     bench: &BenchFile,
     controller: Option<&SpeedControllerFit>,
-    torque_control: Option<&TorqueControlFit>,
+    torque: Vec<NoisyTorque>,
 ) -> Result<ShaftInputs<'a>, EstimateError> {
     let dyno_speed = need(experiment, Role::DynoSpeed)?;
     let encoder = Encoder::known_or_assumed(controller.map(|c| c.encoder), dyno_speed, stated_gate(bench));
     let inertia = bench.dynamometer_inertia_kg_m2;
     let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
-    let (torque, inertia_kg_m2) = match bench.variant {
-        BenchVariant::TorqueFlange => (vec![sampled_torque(need(experiment, Role::FlangeTorque)?)], None),
-        BenchVariant::LoadCell => (air_gap_torque(experiment, torque_control)?, Some((inertia, uncertainty))),
-    };
+    let inertia_kg_m2 = (bench.variant == BenchVariant::LoadCell).then_some((inertia, uncertainty));
     Ok(ShaftInputs {
         file: &experiment.file,
         dyno_speed,
@@ -55,14 +62,6 @@ fn friction_slope(bench: &BenchFile) -> (f64, f64) {
         }
         None => ShaftInputs::usual_friction(bench.dynamometer_inertia_kg_m2),
     }
-}
-
-/// Whether an experiment shows both inertias: T_d* moves the bench over a wide band, and behind a torque flange stands a
-/// dual-mass flywheel, with which there is no one J_e.
-pub fn tells_inertias(experiment: &Experiment, bench: &BenchFile) -> bool {
-    bench.variant == BenchVariant::LoadCell
-        && experiment.label.mode == ControlMode::Tn
-        && EXCITED_TESTS.contains(&experiment.label.test)
 }
 
 /// Both inertias as if nothing were known of them.

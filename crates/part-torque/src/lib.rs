@@ -2,7 +2,10 @@
 
 pub mod air_gap_torque;
 pub mod model_comparison;
+mod recordings;
 pub mod timing;
 pub mod torque_control;
 pub mod torque_signals;
 pub mod torque_smoother;
+
+pub use recordings::TorqueControls;

@@ -5,11 +5,12 @@ use part_controller::speed_control::{SpeedControl, speed_control};
 use part_engine::{EngineTorque, engine_torque};
 use part_friction::{self as friction, Friction, FrictionError, FrictionOptions};
 use part_lines::lines::{OverSpeed, RecordingLines, find_lines, on_one_mains, over_speed};
+use part_shaft::Parts;
 use part_shaft::shaft_analysis::{ShaftAnalysis, shaft_analysis};
 use part_torque::model_comparison::{self, ModelComparison, ModelComparisonError, OrdersTried};
 use part_torque::torque_signals::{TorqueSignals, torque_signals};
 use rig::estimation::EstimateError;
-use rig::experiment::Test;
+use rig::experiment::Sought;
 use rig::{BenchFile, Experiment};
 
 use super::Progress;
@@ -61,33 +62,34 @@ impl Analyses {
 }
 
 /// Makes all analyses that the recordings allow.
-pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: &mut dyn FnMut(Progress)) -> Analyses {
-    let all: Vec<&Experiment> = experiments.iter().collect();
+pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, progress: &mut dyn FnMut(Progress)) -> Analyses {
+    let (all, bench) = (&parts.experiments, parts.bench);
+    let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
     let mut analysing = |what: &'static str| progress(Progress::Analysing { what });
     analysing("lines");
     let engine = bench.engine();
     let lines = on_one_mains(parallel::map(experiments, |experiment| find_lines(experiment, engine)));
     analysing("torque signals");
-    let torque_signals = torque_signals(&all, bench, &mut |_| ());
+    let torque_signals = torque_signals((controllers, torque_controls), bench, &|_| ());
     analysing("speed controller");
-    let speed_control = speed_control(&all, bench, &mut |_| ());
-    let pi_study = held_speed(&all).map(|experiment| {
+    let speed_control = speed_control(controllers, &|_| ());
+    let pi_study = held_speed(parts).map(|experiment| {
         let options = NoiseTestOptions { draws: DRAWS, ..NoiseTestOptions::default() };
         noise_test(experiment, &options, &|_, _| ())
     });
     analysing("torque control");
-    let torque_control = model_comparison::compare_models(&all, bench, ORDERS, &mut |_, _| ());
+    let torque_control = model_comparison::compare_models(torque_controls, ORDERS, &mut |_, _| ());
     analysing("friction");
-    let friction = friction_of(&all, bench);
+    let friction = friction_of(all, bench);
     analysing("shaft");
-    let shaft = shaft_analysis(&all, bench, &|_| ());
+    let shaft = shaft_analysis(parts, &|_| ());
     analysing("engine torque");
-    let engine_torque = engine_torque(&all, bench, &|_| ());
+    let engine_torque = engine_torque(parts, &|_| ());
     analysing("next experiment");
-    let next = next::beside(bench, experiments, NextOptions::default(), &mut |_| (), &|_, _| ());
+    let next = next::beside(parts, NextOptions::default(), &|_, _| ());
     Analyses {
-        courses: courses(&all),
-        step: step_response(&all),
+        courses: courses(all),
+        step: step_response(all),
         over_speed: over_speed(&lines),
         lines,
         torque_signals,
@@ -101,10 +103,10 @@ pub(super) fn analyses(experiments: &[Experiment], bench: &BenchFile, progress: 
     }
 }
 
-/// The longest recording with constant N_d*.
-fn held_speed<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
-    let length = |e: &&Experiment| e.signals.values().map(signal::Signal::len).max();
-    experiments.iter().copied().filter(|e| e.is_test(&Test::Bs)).max_by_key(length)
+/// The recording with constant N_d* that the controller is from, or else the first that may give it.
+fn held_speed<'a>(parts: &Parts<'a>) -> Option<&'a Experiment> {
+    let candidates = || Sought::SpeedController.candidates(&parts.experiments).first().copied();
+    parts.controllers.chosen().ok().map(|chosen| chosen.experiment).or_else(candidates)
 }
 
 fn friction_of(experiments: &[&Experiment], bench: &BenchFile) -> Result<Friction, FrictionError> {

@@ -1,18 +1,22 @@
 //! Which recording serves which estimate, and what is missing where none does.
 
+use std::sync::Arc;
+
 use bench_model::analysis::WholeModel;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
-use part_controller::speed_controller::{self, SpeedControllerFit};
-use part_shaft::shaft;
-use part_shaft::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
+use numerics::parallel::{join, map};
+use part_controller::speed_controller::SpeedControllerFit;
+use part_shaft::{Parts, shaft};
 use part_torque::timing;
-use part_torque::torque_control::{self, TorqueControlFit};
-use rig::experiment::Test;
-use rig::results::{Estimate, FeedForward, Need, Part, Shaft, SpeedController, Timing, TorqueControl};
-use rig::{BenchFile, Experiment, Finding, Role, Severity};
+use part_torque::torque_control::TorqueControlFit;
+use rig::estimation::first;
+use rig::experiment::{Choice, Sought};
+use rig::results::{FeedForward, Need, Part, Shaft, SpeedController, Timing, TorqueControl};
+use rig::{Experiment, Finding, Role, Severity};
 
-use crate::findings::{Findings, needs_part};
+use crate::Progress;
+use crate::findings::Findings;
 use crate::folded_pulses::Folded;
 use crate::whole::{self, Pieces, Whole};
 
@@ -23,8 +27,10 @@ const EXCHANGED: f64 = 3.0;
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
+
 /// Everything that was estimated.
 pub(super) struct Estimates {
+    pub(super) choices: Vec<Choice>,
     pub(super) timing: Part<Timing>,
     pub(super) speed_controller: Part<SpeedController>,
     pub(super) feed_forward: Part<FeedForward>,
@@ -43,50 +49,67 @@ fn part<T>(outcome: Result<T, Vec<Need>>) -> Part<T> {
     }
 }
 
-/// The parts that the recordings allow, as they are fitted.
-pub(super) struct Fits<'a> {
-    pub(super) controller: Result<SpeedControllerFit, Vec<Need>>,
+/// The parts that the recordings allow.
+pub(super) struct Fits<'p> {
+    pub(super) controller: Result<&'p SpeedControllerFit, Vec<Need>>,
     pub(super) feed_forward: Result<FeedForward, Vec<Need>>,
-    pub(super) torque_control: Result<TorqueControlFit, Vec<Need>>,
-    pub(super) shaft: Result<ShaftFit<'a>, Vec<Need>>,
+    pub(super) torque_control: Result<&'p TorqueControlFit, Vec<Need>>,
+    pub(super) shaft: Result<Shaft, Vec<Need>>,
+    /// From which recording each is, and why.
+    pub(super) choices: Vec<Choice>,
 }
 
-/// A shaft, the experiment it was estimated from, and J_d as that experiment shows it, if it does.
-pub(super) struct ShaftFit<'a> {
-    pub(super) shaft: Shaft,
-    experiment: &'a Experiment,
-    inertia: Option<(f64, f64)>,
-}
-
-impl<'a> Fits<'a> {
-    pub(super) fn of(findings: &mut Findings<'a>) -> Self {
-        let controller = controller(findings);
-        let feed_forward = feed_forward(findings, controller.as_ref().ok());
-        if let Ok(feed_forward) = &feed_forward {
-            findings.doubt_residuals("feed_forward", &feed_forward.validation);
+impl<'p> Fits<'p> {
+    pub(super) fn of(parts: &'p Parts<'_>) -> Self {
+        let (controllers, torque_controls) = (&parts.controllers, &parts.torque_controls);
+        let (controller, torque_control) = join(|| controllers.chosen(), || torque_controls.chosen());
+        let (feed_forward, (shaft, inertias)) = join(
+            || controllers.chosen_feed_forward(),
+            || join(|| parts.chosen_shaft(), || parts.chosen_inertias().ok()),
+        );
+        let choices = [
+            controller.ok().map(|chosen| &chosen.choice),
+            feed_forward.as_ref().ok().map(|chosen| &chosen.choice),
+            torque_control.ok().map(|chosen| &chosen.choice),
+            shaft.ok().map(|chosen| &chosen.choice),
+            inertias.as_ref().map(|chosen| &chosen.choice),
+        ];
+        let choices = choices.into_iter().flatten().cloned().collect();
+        let inertias = inertias.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
+        Fits {
+            choices,
+            controller: controller.map(|chosen| chosen.fit.as_ref()).map_err(Clone::clone),
+            feed_forward: feed_forward.map(|chosen| chosen.fit.as_ref().clone()),
+            torque_control: torque_control.map(|chosen| chosen.fit.as_ref()).map_err(Clone::clone),
+            shaft: shaft.map(|chosen| Shaft { inertias, ..chosen.fit.as_ref().clone() }).map_err(Clone::clone),
         }
-        let torque_control = torque_control(findings);
-        let shaft = shaft(findings, controller.as_ref().ok(), torque_control.as_ref().ok());
-        Fits { controller, feed_forward, torque_control, shaft }
     }
 
     /// What a model is made of; none without a shaft.
     pub(super) fn pieces(&self) -> Option<Pieces<'_>> {
         Some(Pieces {
-            shaft: &self.shaft.as_ref().ok()?.shaft,
-            controller: self.controller.as_ref().ok(),
+            shaft: self.shaft.as_ref().ok()?,
+            controller: self.controller.as_ref().ok().copied(),
             feed_forward: self.feed_forward.as_ref().ok(),
-            torque_control: self.torque_control.as_ref().ok(),
+            torque_control: self.torque_control.as_ref().ok().copied(),
         })
     }
 }
 
 /// Estimates every part the recordings allow, checks one recording by another, and replays the model.
-pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
-    let mut fits = Fits::of(findings);
-    let timing = timing(findings, fits.torque_control.as_ref().ok());
-    if let Ok(fit) = &mut fits.shaft {
-        cross_check(findings, fit, fits.controller.as_ref().ok(), fits.torque_control.as_ref().ok());
+pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
+    for part in ["speed controller", "feed-forward", "torque control", "shaft"] {
+        (findings.progress)(Progress::Estimating { part });
+    }
+    let mut fits = Fits::of(parts);
+    for choice in &fits.choices {
+        findings.note_use(choice);
+    }
+    doubt_controllers(findings, &fits);
+    doubt_exchange(findings, parts);
+    let timing = timing(findings, parts);
+    if let (Ok(shaft), Ok(chosen)) = (&mut fits.shaft, parts.chosen_shaft()) {
+        cross_check(findings, parts, (shaft, chosen.experiment));
     }
     let Whole { model, analysis } = fits.pieces().map_or_else(Whole::missing, |p| whole::assemble(findings, &p));
     let replays = match (&model, fits.pieces()) {
@@ -94,103 +117,74 @@ pub(super) fn all(findings: &mut Findings<'_>) -> Estimates {
         _ => Vec::new(),
     };
     Estimates {
+        choices: fits.choices,
         timing: part(timing),
-        speed_controller: part(fits.controller.map(|c| c.result)),
+        speed_controller: part(fits.controller.map(|c| c.result.clone())),
         feed_forward: part(fits.feed_forward),
-        torque_control: part(fits.torque_control.map(|t| t.result)),
-        shaft: part(fits.shaft.map(|fit| fit.shaft)),
+        torque_control: part(fits.torque_control.map(|t| t.result.clone())),
+        shaft: part(fits.shaft),
         whole: part(analysis),
         model,
         replays,
     }
 }
 
-fn controller(findings: &mut Findings<'_>) -> Result<SpeedControllerFit, Vec<Need>> {
-    let limit = findings.bench.limits.torque_nm;
-    let recordings = findings.of_test(&Test::Bs);
-    let fit =
-        findings.first("speed controller", &recordings, &["BS_T_NT"], |e| speed_controller::estimate(e, limit))?;
-    findings.doubt_residuals("speed_controller", &fit.result.validation);
-    if let Some(step) = fit.coarse_demand_nm {
-        let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
-        findings.doubt(&fit.result.validation.stretch.file, Severity::Warning, finding);
+/// The doubts about speed controller, feed-forward and torque control.
+fn doubt_controllers(findings: &mut Findings<'_>, fits: &Fits<'_>) {
+    if let Ok(fit) = fits.controller {
+        findings.doubt_residuals("speed_controller", &fit.result.validation);
+        if let Some(step) = fit.coarse_demand_nm {
+            let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
+            findings.doubt(&fit.result.validation.stretch.file, Severity::Warning, finding);
+        }
     }
-    Ok(fit)
+    if let Ok(feed_forward) = &fits.feed_forward {
+        findings.doubt_residuals("feed_forward", &feed_forward.validation);
+    }
+    if let Ok(fit) = fits.torque_control {
+        findings.diagnostics.extend(fit.diagnostics.iter().cloned());
+    }
 }
 
-fn feed_forward(
-    findings: &mut Findings<'_>,
-    controller: Option<&SpeedControllerFit>,
-) -> Result<FeedForward, Vec<Need>> {
-    let Some(controller) = controller else { return Err(needs_part("speed controller")) };
-    let limit = findings.bench.limits.torque_nm;
-    let recordings = findings.of_tests(&[Test::Levels, Test::Ramp]);
-    let labels = ["Levels_N_NT", "Ramp_N_NT"];
-    findings.first("feed-forward", &recordings, &labels, |candidate| {
-        let judge = recordings.iter().find(|other| other.file != candidate.file).copied();
-        speed_controller::estimate_feed_forward(candidate, judge, controller, limit)
-    })
+/// Doubts the channels of the speeds where the first recording that the shaft was sought in explains more with them exchanged.
+fn doubt_exchange(findings: &mut Findings<'_>, parts: &Parts<'_>) {
+    let chosen = parts.chosen_shaft().ok().map(|chosen| chosen.experiment.file.as_str());
+    for experiment in Sought::Shaft.candidates(&parts.experiments) {
+        let ratio = parts.shaft_inputs(experiment).and_then(|inputs| shaft::gain_by_exchange(&inputs)).ok();
+        if let Some(misfit_ratio) = ratio.filter(|ratio| *ratio > EXCHANGED) {
+            findings.doubt(&experiment.file, Severity::Error, Finding::SpeedsExchanged { misfit_ratio });
+            return;
+        }
+        if chosen == Some(experiment.file.as_str()) {
+            return;
+        }
+    }
 }
 
-fn torque_control(findings: &mut Findings<'_>) -> Result<TorqueControlFit, Vec<Need>> {
-    let limit = findings.bench.limits.torque_nm;
-    let candidates = findings.of_tests(&[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step, Test::Bs]);
-    let fit = findings.first("torque control", &candidates, &["WhiteNoise_T_TN", "Step_T_TN", "BS_T_NT"], |e| {
-        torque_control::estimate(e, limit)
-    })?;
-    findings.diagnostics.extend(fit.diagnostics.iter().cloned());
-    Ok(fit)
-}
-
-fn timing(findings: &mut Findings<'_>, torque_control: Option<&TorqueControlFit>) -> Result<Timing, Vec<Need>> {
+fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<Need>> {
+    (findings.progress)(Progress::Estimating { part: "timing" });
     let inertia = findings.bench.dynamometer_inertia_kg_m2;
-    let candidates = findings.of_tests(&[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step]);
-    findings.first("timing", &candidates, &["WhiteNoise_T_TN", "Step_T_TN"], |e| {
-        timing::estimate(&[e], torque_control, inertia)
-    })
-}
-
-fn shaft<'a>(
-    findings: &mut Findings<'a>,
-    controller: Option<&SpeedControllerFit>,
-    torque_control: Option<&TorqueControlFit>,
-) -> Result<ShaftFit<'a>, Vec<Need>> {
-    let candidates = findings.of_tests(&SHAFT_TESTS);
-    let bench = findings.bench;
-    let labels = ["BS_T_NT", "WhiteNoise_T_TN"];
-    let mut exchanged = None;
-    let fit = findings.first("shaft", &candidates, &labels, |experiment| {
-        let inputs = shaft_inputs(experiment, bench, controller, torque_control)?;
-        let misfit_ratio = shaft::gain_by_exchange(&inputs).ok().filter(|ratio| *ratio > EXCHANGED);
-        exchanged = exchanged.take().or(misfit_ratio.map(|ratio| (experiment, ratio)));
-        let (shaft, inertia) = (shaft::estimate(&inputs)?, shaft::estimate_inertia(&inputs)?);
-        Ok(ShaftFit { shaft, experiment, inertia })
-    });
-    if let Some((experiment, misfit_ratio)) = exchanged {
-        findings.doubt(&experiment.file, Severity::Error, Finding::SpeedsExchanged { misfit_ratio });
-    }
-    let mut fit = fit?;
-    fit.shaft.inertias = inertias(&candidates, bench, controller, torque_control);
-    Ok(fit)
+    let torque_control = parts.torque_controls.best();
+    let found =
+        first(Sought::Timing, &parts.experiments, |e| timing::estimate(&[e], torque_control, inertia).map(Arc::new))?;
+    findings.note_use(&found.choice);
+    Ok(found.fit.as_ref().clone())
 }
 
 /// What other recordings say of the shaft, and the doubts about it.
-fn cross_check(
-    findings: &mut Findings<'_>,
-    fit: &mut ShaftFit<'_>,
-    controller: Option<&SpeedControllerFit>,
-    torque_control: Option<&TorqueControlFit>,
-) {
-    doubt_pulses(findings, fit.experiment);
-    let others = findings.of_tests(&SHAFT_TESTS).into_iter().filter(|e| e.file != fit.experiment.file);
-    for other in others {
-        let inputs = shaft_inputs(other, findings.bench, controller, torque_control);
-        if let Ok(estimate) = inputs.and_then(|inputs| shaft::estimate_parameters(&inputs)) {
-            fit.shaft.cross_checks.push((other.file.clone(), estimate));
+fn cross_check(findings: &mut Findings<'_>, parts: &Parts<'_>, (shaft, experiment): (&mut Shaft, &Experiment)) {
+    doubt_pulses(findings, experiment);
+    let mut others = Sought::Shaft.candidates(&parts.experiments);
+    others.retain(|other| other.file != experiment.file);
+    let estimates = map(&others, |other| parts.shaft_of_whole(other).ok());
+    for (other, estimate) in others.into_iter().zip(estimates) {
+        if let Some(estimate) = estimate {
+            shaft.cross_checks.push((other.file.clone(), estimate.as_ref().clone()));
             doubt_pulses(findings, other);
         }
     }
-    doubt_shaft(findings, fit.experiment, &fit.shaft, fit.inertia);
+    let inertia = parts.shaft_inputs(experiment).and_then(|inputs| shaft::estimate_inertia(&inputs));
+    doubt_shaft(findings, experiment, shaft, inertia.ok().flatten());
 }
 
 /// Says where pulses fold onto what K is estimated from, which no residual shows: what folds goes with what it folds onto.
@@ -268,17 +262,4 @@ fn doubt_inertia(
         let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;
         findings.doubt(file, if contradicts { Severity::Error } else { Severity::Warning }, finding);
     }
-}
-
-/// Both inertias from the first recording in torque control that shows them.
-fn inertias(
-    candidates: &[&Experiment],
-    bench: &BenchFile,
-    controller: Option<&SpeedControllerFit>,
-    torque_control: Option<&TorqueControlFit>,
-) -> Option<(String, Estimate)> {
-    candidates.iter().filter(|e| tells_inertias(e, bench)).find_map(|experiment| {
-        let inputs = shaft_inputs(experiment, bench, controller, torque_control).ok()?;
-        Some((experiment.file.clone(), both_inertias(experiment, &inputs, bench).ok()?))
-    })
 }

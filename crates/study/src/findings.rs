@@ -1,7 +1,6 @@
 //! A study's data, the doubts about them, and what was used for what, as they grow.
 
-use rig::estimation::EstimateError;
-use rig::experiment::Test;
+use rig::experiment::{Choice, Sought, Test};
 use rig::results::{Need, ResidualTest, Validation};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
 
@@ -37,8 +36,16 @@ impl<'a> Findings<'a> {
         self.uses.iter().any(|(f, _)| f == file)
     }
 
-    pub(super) fn note_use(&mut self, file: &str, part: &'static str) {
-        self.uses.push((file.to_owned(), part));
+    pub(super) fn note_use(&mut self, choice: &Choice) {
+        let part = match choice.sought {
+            Sought::SpeedController => "speed controller",
+            Sought::FeedForward => "feed-forward",
+            Sought::TorqueControl => "torque control",
+            Sought::Timing => "timing",
+            Sought::Shaft => "shaft",
+            Sought::Inertias => return,
+        };
+        self.uses.push((choice.file.clone(), part));
     }
 
     pub(super) fn doubt(&mut self, file: &str, severity: Severity, finding: Finding) {
@@ -58,48 +65,8 @@ impl<'a> Findings<'a> {
     /// Experiments of a test, the longest first.
     pub(super) fn of_test(&self, test: &Test) -> Vec<&'a Experiment> {
         let mut found: Vec<&Experiment> = self.experiments.iter().filter(|e| e.is_test(test)).collect();
-        found.sort_by(|a, b| duration_s(b).total_cmp(&duration_s(a)));
+        found.sort_by(|a, b| b.duration_s().total_cmp(&a.duration_s()));
         found
-    }
-
-    pub(super) fn of_tests(&self, tests: &[Test]) -> Vec<&'a Experiment> {
-        tests.iter().flat_map(|test| self.of_test(test)).collect()
-    }
-
-    /// The first success among candidates; otherwise what would have been needed.
-    pub(super) fn first<T>(
-        &mut self,
-        part: &'static str,
-        candidates: &[&'a Experiment],
-        labels: &[&str],
-        mut estimate: impl FnMut(&'a Experiment) -> Result<T, EstimateError>,
-    ) -> Result<T, Vec<Need>> {
-        (self.progress)(Progress::Estimating { part });
-        let mut needs = Vec::new();
-        for candidate in candidates {
-            match estimate(candidate) {
-                Ok(value) => {
-                    self.note_use(&candidate.file, part);
-                    return Ok(value);
-                }
-                Err(error) => needs.push(need_of(&error, &candidate.file)),
-            }
-        }
-        if needs.is_empty() {
-            needs.push(Need::Recording { any_of: labels.iter().map(|l| (*l).to_owned()).collect() });
-        }
-        Err(needs)
-    }
-}
-
-fn duration_s(experiment: &Experiment) -> f64 {
-    experiment.signals.values().map(signal::Signal::duration_s).fold(0.0, f64::max)
-}
-
-fn need_of(error: &EstimateError, file: &str) -> Need {
-    match error {
-        EstimateError::MissingSignal { role, .. } => Need::Channel { file: file.to_owned(), role: *role },
-        other => Need::UsableData { file: file.to_owned(), reason: other.to_string() },
     }
 }
 

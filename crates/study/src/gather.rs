@@ -1,5 +1,6 @@
 //! From decoded files to labelled experiments.
 
+use numerics::parallel::map;
 use recording::{Recording, RecordingError};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, Severity, prepare};
 
@@ -26,9 +27,11 @@ pub(super) struct Gathered {
 /// Prepares every source that can be used; says of the others why not.
 pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn FnMut(Progress)) -> Gathered {
     let mut gathered = Gathered { experiments: Vec::new(), recordings: Vec::new(), diagnostics: Vec::new() };
-    for source in sources {
+    let mut fresh = Vec::new();
+    for source in &sources {
         progress(Progress::Preparing { file: source.file.clone() });
-        let mut summary = RecordingSummary {
+        fresh.push((source, first_of_its_kind(source, &gathered.recordings)));
+        gathered.recordings.push(RecordingSummary {
             file: source.file.clone(),
             sha256: source.sha256.clone(),
             label: None,
@@ -36,8 +39,11 @@ pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn
             mean_speed_rad_s: None,
             sample_times_s: Vec::new(),
             used_for: Vec::new(),
-        };
-        match first_of_its_kind(&source, &gathered.recordings).and_then(|()| experiment_of(bench, &source)) {
+        });
+    }
+    let prepared = map(&fresh, |(source, is_fresh)| is_fresh.clone().and_then(|()| experiment_of(bench, source)));
+    for (summary, outcome) in gathered.recordings.iter_mut().zip(prepared) {
+        match outcome {
             Ok((experiment, diagnostics)) => {
                 summary.label = Some(experiment.label.to_string());
                 summary.mean_speed_rad_s = experiment.signal(Role::DynoSpeed).and_then(signal::Signal::mean);
@@ -47,7 +53,6 @@ pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn
             }
             Err(diagnostics) => gathered.diagnostics.extend(diagnostics),
         }
-        gathered.recordings.push(summary);
     }
     gathered
 }

@@ -10,6 +10,7 @@ use bench_model::model::{AssembledModel, BenchModel};
 use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits, design};
 use numerics::parallel;
 use part_controller::speed_controller::Encoder;
+use part_shaft::Parts;
 use rig::experiment::catalogue::{self, Settings};
 use rig::experiment::{ExperimentPlan, Test, UPDATE_S};
 use rig::results::{Estimate, Parameter};
@@ -18,7 +19,6 @@ use units::RPM_RAD_S;
 use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_told};
 
 use crate::estimates::Fits;
-use crate::findings::Findings;
 use crate::gather::{experiment_of, usable};
 use crate::whole::model_of;
 use crate::{Progress, Source, StudyError};
@@ -172,26 +172,26 @@ pub fn next_experiments(
         Err(StudyError::NoRecordings) => Vec::new(),
         Err(error) => return Err(error.into()),
     };
-    beside(bench, &experiments, options, progress, told)
+    let all: Vec<&Experiment> = experiments.iter().collect();
+    beside(&Parts::of(&all, bench), options, told)
 }
 
-/// The same, beside experiments that were prepared.
+/// The same, beside recordings that were prepared.
 pub(super) fn beside(
-    bench: &BenchFile,
-    experiments: &[Experiment],
+    parts: &Parts<'_>,
     options: NextOptions,
-    progress: &mut dyn FnMut(Progress),
     told: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<NextExperiments, NextError> {
     if options.duration_s.is_nan() || options.duration_s < SHORTEST_S {
         return Err(NextError::TooShort { duration_s: options.duration_s });
     }
-    let known = Known::of(bench, experiments, progress);
+    let bench = parts.bench;
+    let known = Known::of(parts);
     let mut stated = StatedBench::of(bench, known.model.as_ref().map(|assembled| &assembled.model))?;
     if !stated.knows_shaft() {
         return Err(NextError::UnknownShaft);
     }
-    adopt_sensors(&mut stated, experiments, known.encoder);
+    adopt_sensors(&mut stated, &parts.experiments, known.encoder);
     let at = OperatingPoint { speed_rad_s: options.speed_rpm * RPM_RAD_S, torque_nm: DESIGNED_AT_NM };
     let plans: Vec<(ExperimentPlan, bool)> = designed(bench, &stated, at, options.duration_s)
         .into_iter()
@@ -199,7 +199,7 @@ pub(super) fn beside(
         .chain(of_the_method(options.speed_rpm, options.duration_s).map(|plan| (plan, false)))
         .collect();
     let tried = |(plan, is_designed): &(ExperimentPlan, bool)| {
-        let (then, peak_shaft_torque_nm) = try_out(bench, experiments, &stated, plan, options.seed)?;
+        let (then, peak_shaft_torque_nm) = try_out(parts, &stated, plan, options.seed)?;
         Ok(Candidate {
             label: plan.label.to_string(),
             is_designed: *is_designed,
@@ -223,10 +223,9 @@ struct Known {
 }
 
 impl Known {
-    fn of(bench: &BenchFile, experiments: &[Experiment], progress: &mut dyn FnMut(Progress)) -> Self {
-        let mut findings = Findings::new(bench, experiments, Vec::new(), progress);
-        let fits = Fits::of(&mut findings);
-        let model = fits.pieces().and_then(|pieces| model_of(&bench.facts(), &pieces));
+    fn of(parts: &Parts<'_>) -> Self {
+        let fits = Fits::of(parts);
+        let model = fits.pieces().and_then(|pieces| model_of(&parts.bench.facts(), &pieces));
         let of_model = model.iter().flat_map(|assembled| results_of(&assembled.model, &assembled.uncertainty));
         let numbers = of_model.chain(of_parts(&fits)).filter(|p| p.standard_error > 0.0).collect();
         Known { numbers, model, encoder: fits.controller.ok().map(|c| c.encoder) }
@@ -235,7 +234,7 @@ impl Known {
 
 /// The parameters of the parts that people ask for.
 fn of_parts(fits: &Fits<'_>) -> Vec<Parameter> {
-    let shaft = fits.shaft.as_ref().ok().map(|fit| &fit.shaft);
+    let shaft = fits.shaft.as_ref().ok();
     let inertias = shaft.and_then(|shaft| shaft.inertias.as_ref()).map(|(_, estimate)| estimate);
     let parts: [(Option<&Estimate>, &[&str]); 5] = [
         (shaft.map(|shaft| &shaft.estimate), &["K", "B"]),
@@ -251,7 +250,7 @@ fn of_parts(fits: &Fits<'_>) -> Vec<Parameter> {
 }
 
 /// The recordings' rasters and the noise of their speeds, in place of those of the default virtual bench.
-fn adopt_sensors(stated: &mut StatedBench, experiments: &[Experiment], encoder: Option<Encoder>) {
+fn adopt_sensors(stated: &mut StatedBench, experiments: &[&Experiment], encoder: Option<Encoder>) {
     let parameters = &mut stated.parameters;
     let updates = |role: Role| {
         let sampled = experiments.iter().find_map(|e| e.signal(role))?;
@@ -294,22 +293,23 @@ fn designed(bench: &BenchFile, stated: &StatedBench, at: OperatingPoint, duratio
 
 /// What is known once the recording of an experiment on the bench is added to those there are, and the largest |T_shaft| in it, Nm.
 fn try_out(
-    bench: &BenchFile,
-    experiments: &[Experiment],
+    parts: &Parts<'_>,
     stated: &StatedBench,
     plan: &ExperimentPlan,
     seed: u64,
 ) -> Result<(Vec<Parameter>, f64), VirtualBenchError> {
     let VirtualRun { mut recording, hidden } =
         simulate_told(&stated.parameters, plan, seed, Numerics::default(), &mut |_, _| {})?;
-    rename(&mut recording, &bench.channels);
+    rename(&mut recording, &parts.bench.channels);
     // No file of the recordings is called so.
     let file = format!("{0}_next/{0}.mf4", plan.label);
     let source = Source { file, sha256: String::new(), recording: Ok(recording) };
-    let mut all = experiments.to_vec();
-    all.extend(experiment_of(bench, &source).ok().map(|(experiment, _)| experiment));
     let peak_nm = hidden.shaft_torque_nm.iter().fold(0.0_f64, |peak, torque| peak.max(torque.abs()));
-    Ok((Known::of(bench, &all, &mut |_| {}).numbers, peak_nm))
+    let then = match experiment_of(parts.bench, &source) {
+        Ok((experiment, _)) => Known::of(&parts.with(&experiment)),
+        Err(_) => Known::of(parts),
+    };
+    Ok((then.numbers, peak_nm))
 }
 
 /// What becomes of a number.

@@ -3,6 +3,7 @@
 use bench_model::analysis::WholeModel;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
+use rig::experiment::Choice;
 use rig::facts::BenchFacts;
 use rig::results::{FeedForward, Part, Shaft, SpeedController, Timing, TorqueControl};
 use rig::{Diagnostic, Role};
@@ -17,6 +18,8 @@ pub struct Study {
     pub bench: BenchFacts,
     /// The recordings that were looked at, used or not.
     pub recordings: Vec<RecordingSummary>,
+    /// Which recording each part is from, and why.
+    pub choices: Vec<Choice>,
     /// Delay of each torque signal.
     pub timing: Part<Timing>,
     /// PI with delay.

@@ -1,5 +1,6 @@
 //! The one function that sees the whole chain, from decoded recordings to the study.
 
+use part_shaft::Parts;
 use rig::{BenchFile, Experiment};
 
 use super::gather::{StudyError, usable};
@@ -29,32 +30,43 @@ pub struct Campaign<'a> {
 ///
 /// # Errors
 /// No channels, no recording, or none that can be used.
-pub fn run(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Study, StudyError> {
-    studied(campaign, progress).map(|(study, _)| study)
+pub fn run(mut campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<Study, StudyError> {
+    let gathered = usable(campaign.bench, std::mem::take(&mut campaign.sources), progress)?;
+    let all: Vec<&Experiment> = gathered.experiments.iter().collect();
+    Ok(studied(&campaign, &gathered, &Parts::of(&all, campaign.bench), progress))
 }
 
 /// The same study, and beside it all analyses that the recordings allow.
 ///
 /// # Errors
 /// Those of [`run`]: what an analysis lacks is part of the result.
-pub fn run_full(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<(Study, Analyses), StudyError> {
-    let bench = campaign.bench;
-    let (study, experiments) = studied(campaign, progress)?;
-    let analyses = analyses(&experiments, bench, progress);
-    Ok((study, analyses))
+pub fn run_full(
+    mut campaign: Campaign<'_>,
+    progress: &mut dyn FnMut(Progress),
+) -> Result<(Study, Analyses), StudyError> {
+    let gathered = usable(campaign.bench, std::mem::take(&mut campaign.sources), progress)?;
+    let all: Vec<&Experiment> = gathered.experiments.iter().collect();
+    let parts = Parts::of(&all, campaign.bench);
+    let study = studied(&campaign, &gathered, &parts, progress);
+    Ok((study, analyses(&gathered.experiments, &parts, progress)))
 }
 
-/// The study, and the experiments it is made from.
-fn studied(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result<(Study, Vec<Experiment>), StudyError> {
-    let Gathered { experiments, mut recordings, diagnostics } = usable(campaign.bench, campaign.sources, progress)?;
-    let mut findings = Findings::new(campaign.bench, &experiments, diagnostics, progress);
-    let estimates = estimates::all(&mut findings);
+/// The study of these experiments.
+fn studied(
+    campaign: &Campaign<'_>,
+    gathered: &Gathered,
+    parts: &Parts<'_>,
+    progress: &mut dyn FnMut(Progress),
+) -> Study {
+    let mut recordings = gathered.recordings.clone();
+    let mut findings = Findings::new(campaign.bench, &gathered.experiments, gathered.diagnostics.clone(), progress);
+    let estimates = estimates::all(&mut findings, parts);
     for recording in &mut recordings {
         recording.used_for = findings.uses_of(&recording.file);
     }
     let mut diagnostics = findings.diagnostics;
     diagnostics.sort_by_key(|d| std::cmp::Reverse(d.severity));
-    let study = Study {
+    Study {
         provenance: Provenance {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             bench_file: campaign.bench_file.1.to_owned(),
@@ -63,6 +75,7 @@ fn studied(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result
         },
         bench: campaign.bench.facts(),
         recordings,
+        choices: estimates.choices,
         timing: estimates.timing,
         speed_controller: estimates.speed_controller,
         feed_forward: estimates.feed_forward,
@@ -72,6 +85,5 @@ fn studied(campaign: Campaign<'_>, progress: &mut dyn FnMut(Progress)) -> Result
         model: estimates.model,
         replays: estimates.replays,
         diagnostics,
-    };
-    Ok((study, experiments))
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use part_shaft::Parts;
 use part_engine::{EngineRecording, EngineTorque, engine_torque};
 use report::torque::untold;
 use rig::results::Told;
@@ -19,7 +20,7 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
     progress.say("estimating the shaft");
-    let found = engine_torque(&experiments.iter().collect::<Vec<_>>(), &bench, &|file| {
+    let found = engine_torque(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), &|file| {
         progress.say(&format!("rebuilding the engine torque of {file}"));
         progress.step();
     });

@@ -1,5 +1,6 @@
 //! `dynoid shaft`: the shaft of every recording and of all together.
 
+use part_shaft::Parts;
 use part_shaft::shaft_analysis::shaft_analysis;
 use serde_json::json;
 
@@ -12,7 +13,7 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
-    let study = shaft_analysis(&experiments.iter().collect::<Vec<_>>(), &bench, &|file| {
+    let study = shaft_analysis(&Parts::of(&experiments.iter().collect::<Vec<_>>(), &bench), &|file| {
         progress.say(&format!("looking at the shaft in {file}"));
         progress.step();
     });

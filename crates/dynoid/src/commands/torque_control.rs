@@ -1,5 +1,6 @@
 //! `dynoid torque-control`: what the torque control can be told to be.
 
+use part_torque::TorqueControls;
 use part_torque::model_comparison::{ModelComparison, OrdersTried, compare_models};
 use rig::{BenchFile, Experiment};
 use serde_json::json;
@@ -46,5 +47,5 @@ fn studied(
         done = done.max(now);
     };
     let all: Vec<&Experiment> = experiments.iter().collect();
-    compare_models(&all, bench, orders, &mut told).map_err(|source| CliError::TorqueControl { source })
+    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, &mut told).map_err(|source| CliError::TorqueControl { source })
 }

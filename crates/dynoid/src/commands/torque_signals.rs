@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use part_controller::SpeedControllers;
+use part_torque::TorqueControls;
+use rig::Experiment;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals, torque_signals};
 use report::torque::untold;
 use rig::results::Told;
@@ -18,7 +21,10 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
     rebuilt::check(arguments.out.as_deref(), &arguments.given)?;
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
-    let signals = torque_signals(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {
+    let all: Vec<&Experiment> = experiments.iter().collect();
+    let limit = bench.limits.torque_nm;
+    let parts = (&SpeedControllers::of(&all, limit), &TorqueControls::of(&all, limit));
+    let signals = torque_signals(parts, &bench, &|file| {
         progress.say(&format!("looking at the torques of {file}"));
         progress.step();
     });

@@ -4,13 +4,15 @@
 
 mod discrete;
 
-use rig::experiment::Test;
-use rig::results::{Estimate, FeedForward, Parameter, Told, Untold, Validation};
-use rig::{BenchFile, ControlMode, Excitation, Experiment};
+use numerics::parallel;
+use rig::experiment::Sought;
+use rig::results::{Estimate, FeedForward, Parameter, Told, Validation};
+use rig::{ControlMode, Excitation, Experiment};
 use serde::Serialize;
 
+use crate::SpeedControllers;
 use crate::speed_controller::{
-    self, FeedForwardTerms, Limit, SpeedControllerFit, Structure, feed_forward_terms, limit, structure,
+    FeedForwardTerms, Limit, SpeedControllerFit, Structure, feed_forward_terms, limit, structure,
 };
 pub use discrete::{Discrete, IntegrationRule};
 
@@ -89,53 +91,51 @@ pub struct LimitRecording {
 /// PI and delay come from recordings with constant N_d* (BS_T_NT); the controller of the longest of them serves the others:
 /// the feed-forward from those in which N_d* moves (Levels_N_NT, Ramp_N_NT), judged on the next of these, and the limit.
 #[must_use]
-pub fn speed_control(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> SpeedControl {
-    let torque_limit_nm = bench.limits.torque_nm;
-    let held: Vec<&Experiment> = longest_first(experiments, |e| e.is_test(&Test::Bs));
-    let moved: Vec<&Experiment> = longest_first(experiments, |e| e.label.excitation == Excitation::Speed);
-    let mut best: Option<SpeedControllerFit> = None;
-    let mut controllers = Vec::new();
-    for experiment in &held {
+pub fn speed_control(controllers: &SpeedControllers<'_>, step: &(dyn Fn(&str) + Sync)) -> SpeedControl {
+    let (experiments, torque_limit_nm) = (&controllers.experiments, controllers.torque_limit_nm);
+    let held = in_order(Sought::SpeedController, experiments, |_| false);
+    let moved = in_order(Sought::FeedForward, experiments, |e| e.label.excitation == Excitation::Speed);
+    let of_held = |experiment: &&Experiment| {
         step(&experiment.file);
-        let fit = speed_controller::estimate(experiment, torque_limit_nm);
-        controllers.push(ControllerRecording {
-            file: experiment.file.clone(),
-            label: experiment.label.to_string(),
-            found: match &fit {
-                Ok(fit) => Told::Found(Box::new(controller(experiment, fit, torque_limit_nm))),
-                Err(error) => Told::Untold(Untold::from(error)),
-            },
-        });
-        best = best.or(fit.ok());
-    }
-    let Some(best) = best else { return SpeedControl { controllers, feed_forward: Vec::new(), limits: Vec::new() } };
-    let mut feed_forward = Vec::new();
-    for experiment in &moved {
+        let found = controllers.fit(experiment).map(|fit| Box::new(controller(experiment, &fit, torque_limit_nm)));
+        ControllerRecording { file: experiment.file.clone(), label: experiment.label.to_string(), found: found.into() }
+    };
+    let found = parallel::map(&held, of_held);
+    let Some(best) = controllers.best() else {
+        return SpeedControl { controllers: found, feed_forward: Vec::new(), limits: Vec::new() };
+    };
+    let of_moved = |experiment: &&Experiment| {
         step(&experiment.file);
-        let judge = moved.iter().find(|other| other.file != experiment.file).copied();
-        let straight = speed_controller::estimate_feed_forward(experiment, judge, &best, torque_limit_nm);
-        let found = straight.map(|straight| {
-            let terms = feed_forward_terms(experiment, &best, torque_limit_nm).into();
-            Box::new(FeedForwardFound { straight, terms })
+        let found = controllers.feed_forward(experiment, best).map(|straight| {
+            let terms = feed_forward_terms(experiment, best, torque_limit_nm).into();
+            Box::new(FeedForwardFound { straight: straight.as_ref().clone(), terms })
         });
         let (file, label) = (experiment.file.clone(), experiment.label.to_string());
-        feed_forward.push(FeedForwardRecording { file, label, found: found.into() });
-    }
+        FeedForwardRecording { file, label, found: found.into() }
+    };
+    let feed_forward = parallel::map(&moved, of_moved);
     let straight = feed_forward.iter().find_map(|one| one.found.found()).map(|found| &found.straight);
-    let limits = held.iter().chain(&moved).map(|experiment| LimitRecording {
+    let all: Vec<&Experiment> = held.iter().chain(&moved).copied().collect();
+    let limits = parallel::map(&all, |experiment| LimitRecording {
         file: experiment.file.clone(),
-        found: limit(experiment, &best, straight).into(),
+        found: limit(experiment, best, straight).into(),
     });
-    SpeedControl { limits: limits.collect(), controllers, feed_forward }
+    SpeedControl { limits, controllers: found, feed_forward }
 }
 
-/// Those in speed control that fulfil a condition, the longest first.
-fn longest_first<'a>(experiments: &[&'a Experiment], wanted: impl Fn(&Experiment) -> bool) -> Vec<&'a Experiment> {
-    let in_control = |e: &&&'a Experiment| e.label.mode == ControlMode::Nt && wanted(e);
-    let mut found: Vec<&Experiment> = experiments.iter().filter(in_control).copied().collect();
-    let duration = |e: &Experiment| e.signals.values().map(signal::Signal::duration_s).fold(0.0, f64::max);
-    found.sort_by(|a, b| duration(b).total_cmp(&duration(a)));
-    found
+/// Those in speed control: first the candidates for what is sought in their order, then others that are wanted, the longest
+/// first.
+fn in_order<'a>(
+    sought: Sought,
+    experiments: &[&'a Experiment],
+    wanted: impl Fn(&Experiment) -> bool,
+) -> Vec<&'a Experiment> {
+    let in_control: Vec<&Experiment> =
+        experiments.iter().copied().filter(|e| e.label.mode == ControlMode::Nt).collect();
+    let mut others: Vec<&Experiment> =
+        in_control.iter().copied().filter(|e| wanted(e) && !sought.is_given_by(e)).collect();
+    others.sort_by(|a, b| b.duration_s().total_cmp(&a.duration_s()));
+    sought.candidates(&in_control).into_iter().chain(others).collect()
 }
 
 fn controller(experiment: &Experiment, fit: &SpeedControllerFit, torque_limit_nm: Option<f64>) -> Controller {

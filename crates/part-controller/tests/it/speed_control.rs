@@ -4,6 +4,7 @@
 mod benches;
 mod hidden;
 
+use part_controller::SpeedControllers;
 use part_controller::speed_control::{IntegrationRule, speed_control};
 use part_controller::speed_controller::{
     AntiWindup, FeedForwardTerms, Limit, LimitReached, Structure, Term, Verdict, estimate, estimate_feed_forward,
@@ -52,7 +53,7 @@ fn estimate_of(rounds: &[part_controller::speed_controller::Round], term: Term) 
 fn exact_the_discrete_form_follows_from_the_gains_by_any_rule_of_integration() {
     let bs =
         Hidden::default().rewrite(&recorded(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 20.0), 3));
-    let found = speed_control(&[&bs], &bench_file("", &[]), &mut |_| ());
+    let found = speed_control(&SpeedControllers::of(&[&bs], bench_file("", &[]).limits.torque_nm), &|_| ());
     let controller = found.controllers[0].found.found().unwrap();
     let discrete = &controller.discrete;
     let [b_0, b_1] = &discrete.coefficients.parameters[..] else { panic!("{discrete:?}") };
@@ -302,7 +303,7 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
     if all.is_empty() {
         return;
     }
-    let found = speed_control(&all.iter().collect::<Vec<_>>(), &file, &mut |_| ());
+    let found = speed_control(&SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm), &|_| ());
     assert_eq!(found.controllers.len(), 3);
     for one in &found.controllers {
         let controller = one.found.found().unwrap();
@@ -344,7 +345,7 @@ fn ref_bench_b_has_pi_delay_and_straight_feed_forward() {
     if all.is_empty() {
         return;
     }
-    let found = speed_control(&all.iter().collect::<Vec<_>>(), &file, &mut |_| ());
+    let found = speed_control(&SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm), &|_| ());
     let controller = found.controllers[0].found.found().unwrap();
     assert_eq!(controller.structure.found().unwrap().found(), [], "{:#?}", controller.structure);
     let agree = found.feed_forward.iter().filter_map(|one| one.found.found()).map(|one| {

@@ -1,5 +1,6 @@
 //! The engine's torque of virtual benches, against what it was.
 
+use part_shaft::Parts;
 use part_engine::{Cycle, EngineRecording, EngineTorque, InertiaSource, engine_torque};
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
@@ -17,7 +18,7 @@ fn recorded(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> (
 }
 
 fn of(experiment: &Experiment, bench: &BenchFile) -> EngineTorque {
-    engine_torque(&[experiment], bench, &|_| ())
+    engine_torque(&Parts::of(&[experiment], bench), &|_| ())
 }
 
 fn centred(mut parameters: BenchParameters) -> BenchParameters {
@@ -189,7 +190,7 @@ fn stat_the_engine_inertia_is_estimated_where_it_can_be_and_else_the_bench_files
     assert_eq!(masses.inertia_from, InertiaSource::BenchFile);
     assert_eq!(masses.values[6], 0.35);
     let (noise, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(1500.0, 30.0), 2);
-    let both = engine_torque(&[&steps, &noise], &wrong, &|_| ());
+    let both = engine_torque(&Parts::of(&[&steps, &noise], &wrong), &|_| ());
     let masses = both.masses.found().unwrap();
     assert_eq!(masses.inertia_from, InertiaSource::Estimated(noise.file.clone()));
     assert!((masses.values[6] - 0.28).abs() < 0.01, "{masses:?}");
@@ -204,6 +205,6 @@ fn exact_what_cannot_be_told_is_said() {
         panic!("{:?}", found.recordings[0].cycles)
     };
     assert!(reason.contains("run slower or record faster"), "{reason}");
-    let none = engine_torque(&[], &default_bench(), &|_| ());
+    let none = engine_torque(&Parts::of(&[], &default_bench()), &|_| ());
     assert!(matches!(none.masses, Told::Untold(Untold::Failed { .. })) && none.recordings.is_empty());
 }

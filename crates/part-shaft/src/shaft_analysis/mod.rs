@@ -5,18 +5,16 @@ mod recording;
 mod together;
 
 use numerics::parallel;
-use part_controller::speed_controller;
-use part_torque::torque_control;
 use rig::estimation::{EstimateError, need};
-use rig::experiment::Test;
+use rig::experiment::{Sought, Test};
 use rig::facts::BenchVariant;
 use rig::results::{Estimate, Shaft, Told, Untold};
 use rig::{BenchFile, Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
 
+use crate::Parts;
 use crate::shaft::{self, Beyond, ShaftInputs, Term, TermTest};
-use crate::shaft_inputs::{SHAFT_TESTS, both_inertias, shaft_inputs, tells_inertias};
 use crate::shaft_routes::Timing;
 use crate::shaft_routes::black_box;
 use crate::shaft_routes::multisine::{self, DynoInertia};
@@ -46,33 +44,27 @@ pub struct ShaftAnalysis {
 /// looked at on all processors.
 ///
 /// Needs N_d, N_e and T_d,calc, on a bench with torque flange T_shaft in its place. The torque control is that of the
-/// recording that shows it best, gate and noise of the encoder those of a BS_T_NT, where there is one.
+/// recording that is chosen for it, gate and noise of the encoder those of the chosen speed controller, where there is one.
 #[must_use]
-pub fn shaft_analysis(experiments: &[&Experiment], bench: &BenchFile, step: &(dyn Fn(&str) + Sync)) -> ShaftAnalysis {
-    let limit = bench.limits.torque_nm;
-    let controller =
-        experiments.iter().filter(|e| e.is_test(&Test::Bs)).find_map(|e| speed_controller::estimate(e, limit).ok());
-    let control = torque_control::choose(experiments).and_then(|e| torque_control::estimate(e, limit).ok());
-    let with_shaft: Vec<&Experiment> = experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
+pub fn shaft_analysis(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> ShaftAnalysis {
+    let with_shaft: Vec<&Experiment> =
+        parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let look = |experiment: &&Experiment| {
         step(&experiment.file);
-        let inputs = shaft_inputs(experiment, bench, controller.as_ref(), control.as_ref());
-        of_recording(experiment, inputs, bench)
+        of_recording(experiment, parts)
     };
     let recordings = parallel::map(&with_shaft, look);
     let together = together::of(&recordings);
     ShaftAnalysis { recordings, together }
 }
 
-fn of_recording(
-    experiment: &Experiment,
-    inputs: Result<ShaftInputs<'_>, EstimateError>,
-    bench: &BenchFile,
-) -> ShaftRecording {
+fn of_recording(experiment: &Experiment, parts: &Parts<'_>) -> ShaftRecording {
+    let bench = parts.bench;
+    let inputs = parts.shaft_inputs(experiment);
     let folded = inputs.as_ref().ok().and_then(|inputs| folded_torque(inputs, bench));
     let shaft = match &folded {
-        Some(why) if !SHAFT_TESTS.contains(&experiment.label.test) => Told::Untold(why.clone()),
-        _ => told(inputs.as_ref().map_err(Clone::clone).and_then(shaft::estimate)),
+        Some(why) if !Sought::Shaft.is_given_by(experiment) => Told::Untold(why.clone()),
+        _ => told(parts.shaft(experiment).map(|shaft| shaft.as_ref().clone())),
     };
     let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
     let (mut dual_mass, mut routes) = (None, Routes::default());
@@ -81,7 +73,8 @@ fn of_recording(
         bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
         beyond = folded.map_or_else(|| told(shaft::test_terms(inputs)), Told::Untold);
         dual_mass = needs_dual_mass(bench, &beyond).then(|| told(with_dual_mass(inputs)));
-        inertias = tells_inertias(experiment, bench).then(|| told(both_inertias(experiment, inputs, bench)));
+        let both = || told(parts.inertias(experiment).map(|both| both.as_ref().clone()));
+        inertias = parts.gives_inertias(experiment).then(both);
     }
     let (file, label) = (experiment.file.clone(), experiment.label.to_string());
     ShaftRecording { file, label, shaft, bands, beyond, dual_mass, routes, inertias }

@@ -17,10 +17,12 @@ mod record;
 mod visibility;
 
 use numerics::parallel;
+use rig::experiment::Sought;
 use rig::results::{Parameter, ResidualTest, Stretch, Trace, Untold};
-use rig::{BenchFile, Experiment};
+use rig::{ControlMode, Excitation, Experiment};
 use serde::Serialize;
 
+use crate::TorqueControls;
 use crate::torque_control::SecondOrderTest;
 pub use black_box::{ASKED_HZ, BlackBox, ChosenBy, Closed, ELLIPSE_LEVEL, Family, Root, Scanned, Structure};
 pub use excited::Excited;
@@ -34,11 +36,9 @@ pub use visibility::{LEVEL_AND_POWER, RECORDING_S, Visibility, VisibilityCase, v
 pub const LEVEL: f64 = 0.99;
 /// Structures tried between two reports of progress.
 const BATCH: usize = 16;
-/// Experiments by which the dynamometer, and by which the engine moves T_d*, best first.
-const EXPERIMENTS: [(Excited, &[&str]); 2] = [
-    (Excited::Dynamometer, &["WhiteNoise_T_TN", "Multisine_T_TN", "Binary_T_TN", "Step_T_TN"]),
-    (Excited::Engine, &["BS_T_NT"]),
-];
+/// What moves T_d*, and the mode in which it does.
+const MOVED: [(Excited, ControlMode); 2] =
+    [(Excited::Dynamometer, ControlMode::Tn), (Excited::Engine, ControlMode::Nt)];
 
 /// What recordings show about the torque control.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -201,17 +201,17 @@ pub enum ModelComparisonError {
 /// # Source
 /// Glans & Kärnell 2018, §6.3.2; Ljung 1999, §16.5–16.6 (cross-validation).
 pub fn compare_models(
-    experiments: &[&Experiment],
-    bench: &BenchFile,
+    controls: &TorqueControls<'_>,
     orders: OrdersTried,
     step: &mut dyn FnMut(&str, f64),
 ) -> Result<ModelComparison, ModelComparisonError> {
-    let limit = bench.limits.torque_nm;
+    let limit = controls.torque_limit_nm;
     let (mut records, mut untold, mut reason) = (Vec::new(), Vec::new(), None);
-    for (excited, labels) in EXPERIMENTS {
-        let meant = labels.iter().flat_map(|l| experiments.iter().filter(move |e| e.label.to_string() == **l));
-        for experiment in meant {
-            match Record::new(experiment, excited, limit) {
+    let candidates = Sought::TorqueControl.candidates(&controls.experiments);
+    for (excited, mode) in MOVED {
+        let meant = |e: &&&Experiment| e.label.excitation == Excitation::Torque && e.label.mode == mode;
+        for experiment in candidates.iter().filter(meant) {
+            match Record::new(experiment, excited, controls, limit) {
                 Ok(record) => {
                     records.push(record);
                     break;

@@ -1,12 +1,14 @@
 //! A recording as the models of the torque control meet it.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use ident::{Dataset, IdentError};
 use rig::estimation::{EstimateError, need};
 use rig::results::{Stretch, Trace};
 use rig::{Experiment, Role};
 
+use crate::TorqueControls;
 use crate::model_comparison::excited::Excited;
 use crate::model_comparison::orders::Input;
 use crate::torque_control::{self, HeldDemand, SecondOrder, SecondOrderTest, TorqueControlFit, usable_samples};
@@ -25,7 +27,7 @@ pub(super) struct Record {
     pub(super) file: String,
     pub(super) label: String,
     pub(super) sample_time_s: f64,
-    pub(super) control: TorqueControlFit,
+    pub(super) control: Arc<TorqueControlFit>,
     /// None without a lag, or where no fit is found.
     pub(super) second_order: Option<SecondOrderTest>,
     pub(super) held: HeldDemand,
@@ -39,8 +41,13 @@ pub(super) struct Record {
 
 impl Record {
     /// Fits delay and lag with the ripple, and takes the ripple out.
-    pub(super) fn new(experiment: &Experiment, excited: Excited, limit_nm: Option<f64>) -> Result<Self, EstimateError> {
-        let control = torque_control::estimate(experiment, limit_nm)?;
+    pub(super) fn new(
+        experiment: &Experiment,
+        excited: Excited,
+        controls: &TorqueControls<'_>,
+        limit_nm: Option<f64>,
+    ) -> Result<Self, EstimateError> {
+        let control = controls.fit(experiment)?;
         let demand = need(experiment, Role::DynoTorqueDemand)?;
         let torque = need(experiment, Role::AirGapTorque)?;
         let held = HeldDemand::new(demand, limit_nm);

@@ -19,9 +19,9 @@ mod validation;
 use faer::Mat;
 use ident::{Bounds, IdentError, Minimum};
 use rig::estimation::{EstimateError, Label, timing_floor_s};
-use rig::experiment::Test;
+use rig::experiment::Sought;
 use rig::results::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
-use rig::{ControlMode, Diagnostic, Excitation, Experiment, ExperimentLabel, Finding, Place, Role, Severity};
+use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
 use serde::Serialize;
 use signal::Signal;
 
@@ -52,14 +52,6 @@ const MOST_SATURATED: f64 = 0.5;
 const EARLY: f64 = 4.0;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
-/// Experiments that excite the torque control, best first.
-const PREFERRED: [ExperimentLabel; 5] = [
-    ExperimentLabel::new(Test::WhiteNoise, Excitation::Torque, ControlMode::Tn),
-    ExperimentLabel::new(Test::Multisine, Excitation::Torque, ControlMode::Tn),
-    ExperimentLabel::new(Test::Binary, Excitation::Torque, ControlMode::Tn),
-    ExperimentLabel::new(Test::Step, Excitation::Torque, ControlMode::Tn),
-    ExperimentLabel::new(Test::Bs, Excitation::Torque, ControlMode::Nt),
-];
 
 const LAG: Label = Label { symbol: "a", name: "bandwidth of the torque control", unit: "rad/s" };
 const TOTAL: Label = Label { symbol: "τ + 1/a", name: "total delay of the torque control", unit: "s" };
@@ -89,7 +81,7 @@ impl TorqueControlFit {
 
 /// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
 pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {
-    PREFERRED.iter().find_map(|label| experiments.iter().find(|e| e.label == *label).copied())
+    Sought::TorqueControl.candidates(experiments).into_iter().find(|e| e.label.excitation == Excitation::Torque)
 }
 
 /// Estimates T_d = e^{−sτ} a/(s + a) T_d* from one experiment, with T_d* held between its samples.

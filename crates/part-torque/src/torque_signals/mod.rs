@@ -4,14 +4,17 @@
 mod shaft;
 mod trust;
 
-use part_controller::speed_controller::{self, SpeedControllerFit};
-use rig::experiment::{Excitation, Test};
-use rig::prepare::wrong_sign;
+use numerics::parallel;
+use part_controller::SpeedControllers;
+use part_controller::speed_controller::SpeedControllerFit;
+use rig::experiment::{Excitation, Sought};
+use rig::prepare::believable;
 use rig::results::{Parameter, SignalDelay};
 use rig::results::{Told, Untold};
 use rig::{BenchFile, Experiment, Role};
 use serde::Serialize;
 
+use crate::TorqueControls;
 use crate::timing::{self, ShaftFilter};
 use crate::torque_control::{self, TorqueControlFit};
 use shaft::Known;
@@ -68,44 +71,42 @@ impl TorqueSignals {
 ///
 /// A T_d,calc whose sign contradicts what it does to the speed is not used.
 #[must_use]
-pub fn torque_signals(experiments: &[&Experiment], bench: &BenchFile, step: &mut dyn FnMut(&str)) -> TorqueSignals {
-    let believed: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
-    let control = torque_control::choose(&believed)
-        .and_then(|experiment| torque_control::estimate(experiment, bench.limits.torque_nm).ok());
-    let mut recordings = Vec::new();
-    for experiment in experiments {
+pub fn torque_signals(
+    (controllers, torque_controls): (&SpeedControllers<'_>, &TorqueControls<'_>),
+    bench: &BenchFile,
+    step: &(dyn Fn(&str) + Sync),
+) -> TorqueSignals {
+    let look = |experiment: &&Experiment| {
         step(&experiment.file);
-        recordings.push(of_recording(experiment, control.as_ref(), bench));
-    }
+        of_recording(experiment, (controllers, torque_controls), bench)
+    };
+    let experiments = &torque_controls.experiments;
+    let recordings = parallel::map(experiments, look);
+    let believed: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();
     TorqueSignals { recordings, trust: trust::check(&believed).ok().flatten() }
 }
 
-/// Whether the sign of T_d,calc is that of what it does to the speed, or unknown.
-///
-/// # Errors
-/// It is the opposite one.
-pub fn believable(experiment: &Experiment) -> Result<(), Untold> {
-    let role = Role::AirGapTorque;
-    wrong_sign(experiment, role).map_or(Ok(()), |_| Err(Untold::WrongSign { role }))
-}
-
-/// `best` is the torque control of the experiment that shows it best; it serves where a recording does not show it itself.
-fn of_recording(experiment: &Experiment, best: Option<&TorqueControlFit>, bench: &BenchFile) -> TorqueRecording {
-    if let Err(why) = believable(experiment) {
-        return with_wrong_sign(experiment, &why, bench);
+/// The chosen torque control serves where a recording does not give it itself.
+fn of_recording(
+    experiment: &Experiment,
+    (controllers, torque_controls): (&SpeedControllers<'_>, &TorqueControls<'_>),
+    bench: &BenchFile,
+) -> TorqueRecording {
+    if let Err(error) = believable(experiment) {
+        return with_wrong_sign(experiment, &Untold::from(&error), bench);
     }
-    let limit = bench.limits.torque_nm;
     let is_known = torque_control::choose(&[experiment]).is_some();
-    let control = if is_known { torque_control::estimate(experiment, limit).ok() } else { None };
-    let controller =
-        if experiment.is_test(&Test::Bs) { speed_controller::estimate(experiment, limit).ok() } else { None };
+    let control = if is_known { torque_controls.fit(experiment).ok() } else { None };
+    let control = control.as_deref();
+    let gives_controller = Sought::SpeedController.is_given_by(experiment);
+    let controller = if gives_controller { controllers.fit(experiment).ok() } else { None };
     TorqueRecording {
         file: experiment.file.clone(),
         label: experiment.label.to_string(),
-        delays: if is_known { delays(experiment, control.as_ref(), bench) } else { Told::Untold(Untold::NotExcited) },
+        delays: if is_known { delays(experiment, control, bench) } else { Told::Untold(Untold::NotExcited) },
         filter: filter(experiment),
         shaft: (!experiment.label.is_without_shaft())
-            .then(|| rebuilt(experiment, control.as_ref().or(best), controller.as_ref(), bench)),
+            .then(|| rebuilt(experiment, control.or(torque_controls.best()), controller.as_deref(), bench)),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What the torque control of virtual benches, of made data and of recorded ones can be told to be.
 
+use part_torque::TorqueControls;
 use part_torque::model_comparison::{
     Excited, Family, Input, Judgement, Model, ModelComparison, ModelComparisonError, OrdersTried, Verdict,
     compare_models, visibility,
@@ -18,7 +19,7 @@ use bench_testkit::torque_bench::{Noise, TRUTH, Truth, experiment, white_demand,
 const FEW: OrdersTried = OrdersTried { highest: 2, longest_delay: 1 };
 
 fn of(experiments: &[&Experiment], orders: OrdersTried) -> ModelComparison {
-    compare_models(experiments, &default_bench(), orders, &mut |_, _| {}).unwrap()
+    compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), orders, &mut |_, _| {}).unwrap()
 }
 
 fn recorded(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Experiment {
@@ -245,7 +246,7 @@ fn exact_visibility_scales_with_demand_and_grows_with_the_rate() {
 
 #[test]
 fn regress_recordings_that_tell_nothing_are_named() {
-    let refused = |experiments: &[&Experiment]| compare_models(experiments, &default_bench(), FEW, &mut |_, _| {});
+    let refused = |experiments: &[&Experiment]| compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), FEW, &mut |_, _| {});
     assert!(matches!(refused(&[]), Err(ModelComparisonError::NoRecording)));
     let mut without = white_noise(TRUTH, 1);
     without.signals.remove(&Role::AirGapTorque);

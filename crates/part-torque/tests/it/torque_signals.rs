@@ -1,5 +1,7 @@
 //! The torque signals of virtual benches, against what they were made of.
 
+use part_controller::SpeedControllers;
+use part_torque::TorqueControls;
 use part_torque::timing::{self, Filter, shaft_filter};
 use part_torque::torque_control;
 use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueSignals, Trust, torque_signals};
@@ -20,7 +22,14 @@ fn recorded(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> (
 }
 
 fn of(experiment: &Experiment) -> TorqueSignals {
-    torque_signals(&[experiment], &default_bench(), &mut |_| {})
+    of_all(&[experiment])
+}
+
+fn of_all(experiments: &[&Experiment]) -> TorqueSignals {
+    let bench = default_bench();
+    let limit = bench.limits.torque_nm;
+    let parts = (&SpeedControllers::of(experiments, limit), &TorqueControls::of(experiments, limit));
+    torque_signals(parts, &bench, &|_| ())
 }
 
 /// Root mean square error of smoother and filter, and how often the smoother's 95 % band holds the truth, without the ends.
@@ -258,7 +267,7 @@ fn stat_an_inverter_that_misjudges_its_machine_is_not_trusted() {
         parameters.drive.knowledge.cold_error = error;
         let plans = [ExperimentPlan::step_t_tn(1200.0, 24.0), ExperimentPlan::bs_t_nt(1200.0, 20.0)];
         let experiments: Vec<Experiment> = plans.iter().map(|plan| recorded(&parameters, plan, 5).0).collect();
-        torque_signals(&experiments.iter().collect::<Vec<_>>(), &default_bench(), &mut |_| {}).trust.unwrap()
+        of_all(&experiments.iter().collect::<Vec<_>>()).trust.unwrap()
     };
     let right = trust(0.0);
     assert_eq!(right.verdict, Trust::Trusted, "{:?} {:?}", right.offset, right.gain);
@@ -346,6 +355,6 @@ fn regress_a_torque_of_the_wrong_sign_tells_no_delay_and_no_shaft_torque() {
     let delays = recording.delays.found().unwrap();
     assert!(delays.iter().all(|delay| delay.role != Role::AirGapTorque), "{delays:?}");
     assert!(signals.trust.is_none());
-    let engine = part_engine::engine_torque(&[&experiment], &default_bench(), &|_| ());
+    let engine = part_engine::engine_torque(&part_shaft::Parts::of(&[&experiment], &default_bench()), &|_| ());
     assert_eq!(engine.masses, Told::Untold(wrong));
 }

@@ -1,11 +1,12 @@
 //! Where the study came from: recordings, bench facts, the bench file.
 
+use rig::experiment::Choice;
 use rig::facts::BenchFacts;
 use study::{RecordingSummary, Study};
 
 use page::{Block, Blocks, Cell, Prose, Table};
 
-use crate::wording::{number, part, variant};
+use crate::wording::{self, number, part, variant};
 
 /// The section on provenance.
 pub(crate) fn section(study: &Study) -> Blocks {
@@ -16,6 +17,11 @@ pub(crate) fn section(study: &Study) -> Blocks {
     vec![
         Block::heading("Recordings"),
         Block::Table(Table::of_text(&headings).with_rows(study.recordings.iter().map(recording))),
+        Block::heading("Which recording gives which part"),
+        Block::Table(
+            Table::of_text(&["Part", "From", "Because"])
+                .with_rows(study.choices.iter().map(|choice| chosen(choice).to_vec())),
+        ),
         Block::heading("Bench"),
         Block::Table(facts(&study.bench)),
         Block::paragraph(format!("Made with dynoid {}.{seed}", provenance.version)),
@@ -38,6 +44,11 @@ fn recording(recording: &RecordingSummary) -> Vec<Cell> {
         if used.is_empty() { "not used".to_owned() } else { used.join(", ") }.into(),
         Prose::code(format!("{short}…")).into(),
     ]
+}
+
+/// A part, the recording it is from, and why.
+fn chosen(choice: &Choice) -> [Cell; 3] {
+    [wording::sought(choice.sought).into(), Prose::code(&choice.file).into(), wording::choice(choice).into()]
 }
 
 /// Sample times, each with the roles that share it.

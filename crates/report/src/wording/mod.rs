@@ -4,12 +4,14 @@
 //! `K_p`); the HTML report typesets them.
 
 mod assumption;
+mod choice;
 mod experiment;
 mod finding;
 mod need;
 pub mod number;
 
 pub use assumption::{assumption, limited, model_parameter, peak, quantity, safety};
+pub use choice::{choice, sought};
 pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding, remark};
 pub use need::{need, needs};

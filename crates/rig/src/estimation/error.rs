@@ -43,6 +43,14 @@ pub enum EstimateError {
         /// Share of the samples, 0…1.
         share: f64,
     },
+    /// A torque brakes with a negative sign, against what it does to the speed.
+    #[error("{file}: {} brakes with a negative sign, against what it does to the speed", .role.symbol())]
+    WrongSign {
+        /// File.
+        file: String,
+        /// Role.
+        role: Role,
+    },
     /// Numbers do not allow an estimate.
     #[error("{file}: {source}")]
     Ident {

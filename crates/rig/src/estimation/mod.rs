@@ -1,12 +1,14 @@
 //! What all estimators share: which data they may use, what can go wrong, and numbers made into [`crate::results`].
 
 mod error;
+mod once;
 mod outcome;
 mod parameter;
 mod precision;
 mod stretch;
 
 pub use error::EstimateError;
+pub use once::{Chosen, OncePerRecording, first};
 pub use parameter::{Label, ReadOut, transformed};
 pub use precision::{noise_floor, timing_floor_s};
 pub use stretch::{longest_unsaturated, need};

@@ -7,6 +7,7 @@ impl From<&EstimateError> for Untold {
     fn from(error: &EstimateError) -> Self {
         match error {
             EstimateError::MissingSignal { role, .. } => Untold::Missing { role: *role },
+            EstimateError::WrongSign { role, .. } => Untold::WrongSign { role: *role },
             EstimateError::WeakExcitation { .. } => Untold::NotExcited,
             error => Untold::Failed { reason: error.to_string() },
         }

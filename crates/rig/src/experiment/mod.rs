@@ -6,6 +6,7 @@
 //! bench. An [`Experiment`] is a labelled recording of one, in SI.
 
 pub mod catalogue;
+mod choice;
 mod demands;
 mod error;
 pub mod free_form;
@@ -16,6 +17,7 @@ mod spectrum;
 mod test;
 mod waveform;
 
+pub use choice::{Choice, PassedOver, Sought};
 pub use demands::{DemandKind, Demands, NamedDemand};
 pub use error::PlanError;
 pub use label::{ControlMode, Excitation, ExperimentLabel, LabelError};

@@ -25,6 +25,11 @@ impl Experiment {
         self.signals.get(&role)
     }
 
+    /// Length of its longest signal, s.
+    pub fn duration_s(&self) -> f64 {
+        self.signals.values().map(Signal::duration_s).fold(0.0, f64::max)
+    }
+
     /// Whether the label's test is `test`.
     pub fn is_test(&self, test: &Test) -> bool {
         self.label.test == *test

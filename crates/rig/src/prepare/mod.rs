@@ -19,7 +19,7 @@ use crate::diagnostics::Diagnostic;
 use crate::experiment::{Experiment, ExperimentLabel};
 use log::Log;
 pub use physics::saturated_stretches;
-pub use sign::wrong_sign;
+pub use sign::{believable, wrong_sign};
 
 /// A recording of which nothing can be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -12,6 +12,7 @@ use signal::spectrum::{Welch, cross_spectrum};
 use crate::align::{common_window, cut};
 use crate::bench_file::BenchFile;
 use crate::diagnostics::{Finding, Severity};
+use crate::estimation::EstimateError;
 use crate::experiment::{ControlMode, Experiment};
 use crate::prepare::log::Log;
 use crate::role::Role;
@@ -36,6 +37,18 @@ pub(super) fn check(experiment: &Experiment, bench_file: &BenchFile, log: &mut L
 /// The correlation that contradicts the sign of a torque; none where it is right, or unknown.
 pub fn wrong_sign(experiment: &Experiment, role: Role) -> Option<f64> {
     braking_correlation(experiment, role).filter(|correlation| *correlation < -DECISIVE)
+}
+
+/// Whether the sign of T_d,calc is that of what it does to the speed, or not told.
+///
+/// # Errors
+/// It is the opposite one.
+pub fn believable(experiment: &Experiment) -> Result<(), EstimateError> {
+    let role = Role::AirGapTorque;
+    match wrong_sign(experiment, role) {
+        Some(_) => Err(EstimateError::WrongSign { file: experiment.file.clone(), role }),
+        None => Ok(()),
+    }
 }
 
 /// Correlation of a torque with what it does as a brake, positive if it brakes with a positive sign. Of the indicators that

@@ -2,6 +2,8 @@
 
 mod noise_test;
 
+use part_controller::SpeedControllers;
+use rig::Experiment;
 use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
 use rig::results::{Told, Validation};
 use serde_json::{Value, json};
@@ -27,7 +29,8 @@ pub(crate) fn run(arguments: &ControllerArguments, terminal: &mut Terminal) -> R
 fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let Campaign { bench, experiments, refused } = experiments::all((given, result), terminal)?;
     let progress = terminal.progress(experiments.len() as u64);
-    let found = speed_control(&experiments.iter().collect::<Vec<_>>(), &bench, &mut |file| {
+    let all: Vec<&Experiment> = experiments.iter().collect();
+    let found = speed_control(&SpeedControllers::of(&all, bench.limits.torque_nm), &|file| {
         progress.say(&format!("looking at the speed controller in {file}"));
         progress.step();
     });

@@ -1,0 +1,98 @@
+//! Estimates that are made once for each recording.
+
+use std::sync::{Arc, OnceLock};
+
+use super::EstimateError;
+use crate::experiment::{Choice, Experiment, PassedOver, Sought};
+use crate::results::Need;
+
+type Cell<T> = Arc<OnceLock<Result<Arc<T>, EstimateError>>>;
+
+/// An estimate from each of several recordings, made when it is first asked for.
+#[derive(Debug)]
+pub struct OncePerRecording<'a, T> {
+    cells: Vec<(&'a Experiment, Cell<T>)>,
+}
+
+impl<'a, T> OncePerRecording<'a, T> {
+    /// For these recordings.
+    pub fn new(experiments: &[&'a Experiment]) -> Self {
+        OncePerRecording { cells: experiments.iter().map(|experiment| (*experiment, Cell::default())).collect() }
+    }
+
+    /// With a further recording; what was estimated is kept.
+    #[must_use]
+    pub fn with<'b>(&self, further: &'b Experiment) -> OncePerRecording<'b, T>
+    where
+        'a: 'b,
+    {
+        let kept = self.cells.iter().map(|(experiment, cell)| (*experiment, Arc::clone(cell)));
+        OncePerRecording { cells: kept.chain([(further, Cell::default())]).collect() }
+    }
+
+    /// The estimate from a recording, made by `estimate` unless it was made before.
+    ///
+    /// # Errors
+    /// Those of `estimate`.
+    pub fn get(
+        &self,
+        experiment: &Experiment,
+        estimate: impl FnOnce() -> Result<T, EstimateError>,
+    ) -> Result<Arc<T>, EstimateError> {
+        match self.cells.iter().find(|(known, _)| std::ptr::eq(*known, experiment)) {
+            Some((_, cell)) => cell.get_or_init(|| estimate().map(Arc::new)).clone(),
+            None => estimate().map(Arc::new),
+        }
+    }
+}
+
+/// An estimate from the recording that was chosen for it.
+#[derive(Debug)]
+pub struct Chosen<'a, T> {
+    /// The recording.
+    pub experiment: &'a Experiment,
+    /// The estimate.
+    pub fit: Arc<T>,
+    /// Why this recording.
+    pub choice: Choice,
+}
+
+impl<T> Clone for Chosen<'_, T> {
+    fn clone(&self) -> Self {
+        Chosen { experiment: self.experiment, fit: Arc::clone(&self.fit), choice: self.choice.clone() }
+    }
+}
+
+/// The first success among the recordings that may give what is sought.
+///
+/// # Errors
+/// What would be needed: a recording, or something of those that there are.
+pub fn first<'a, T>(
+    sought: Sought,
+    experiments: &[&'a Experiment],
+    mut estimate: impl FnMut(&'a Experiment) -> Result<Arc<T>, EstimateError>,
+) -> Result<Chosen<'a, T>, Vec<Need>> {
+    let (mut needs, mut passed_over) = (Vec::new(), Vec::new());
+    for experiment in sought.candidates(experiments) {
+        match estimate(experiment) {
+            Ok(fit) => {
+                return Ok(Chosen { experiment, fit, choice: sought.choice(experiment, experiments, passed_over) });
+            }
+            Err(error) => {
+                passed_over.push(PassedOver { file: experiment.file.clone(), reason: error.to_string() });
+                needs.push(need_of(&error, &experiment.file));
+            }
+        }
+    }
+    if needs.is_empty() {
+        needs.push(Need::Recording { any_of: sought.missing().iter().map(|label| (*label).to_owned()).collect() });
+    }
+    Err(needs)
+}
+
+fn need_of(error: &EstimateError, file: &str) -> Need {
+    match error {
+        EstimateError::MissingSignal { role, .. } => Need::Channel { file: file.to_owned(), role: *role },
+        other => Need::UsableData { file: file.to_owned(), reason: other.to_string() },
+    }
+}
