@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::speed_controller::{SpeedControllerFit, estimate, estimate_feed_forward};
-use rig::estimation::{Chosen, EstimateError, OncePerRecording, first};
+use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::{Experiment, Sought};
 use rig::results::{FeedForward, Need};
 
@@ -69,7 +69,7 @@ impl<'a> SpeedControllers<'a> {
     /// # Errors
     /// What would be needed.
     pub fn chosen(&self) -> Result<&Chosen<'a, SpeedControllerFit>, &Vec<Need>> {
-        self.chosen.get_or_init(|| first(Sought::SpeedController, &self.experiments, |e| self.fit(e))).as_ref()
+        once(&self.chosen, || first(Sought::SpeedController, &self.experiments, |e| self.fit(e))).as_ref()
     }
 
     /// The chosen controller, if there is one.

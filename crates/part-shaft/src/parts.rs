@@ -7,7 +7,7 @@ use crate::shaft::{self, NoisyTorque, ShaftInputs};
 use crate::shaft_inputs::{both_inertias, shaft_inputs, shaft_torque};
 use part_controller::SpeedControllers;
 use part_torque::TorqueControls;
-use rig::estimation::{Chosen, EstimateError, OncePerRecording, first};
+use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::Sought;
 use rig::facts::BenchVariant;
 use rig::results::{Estimate, Need, Shaft};
@@ -124,7 +124,7 @@ impl<'a> Parts<'a> {
     /// # Errors
     /// What would be needed.
     pub fn chosen_shaft(&self) -> Result<&Chosen<'a, Shaft>, &Vec<Need>> {
-        self.chosen.get_or_init(|| first(Sought::Shaft, &self.experiments, |e| self.shaft(e))).as_ref()
+        once(&self.chosen, || first(Sought::Shaft, &self.experiments, |e| self.shaft(e))).as_ref()
     }
 
     /// Whether a recording gives both inertias: behind a torque flange stands a dual-mass flywheel, with which there is no one

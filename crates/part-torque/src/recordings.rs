@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use crate::torque_control::{TorqueControlFit, estimate};
-use rig::estimation::{Chosen, EstimateError, OncePerRecording, first};
+use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::{Experiment, Sought};
 use rig::prepare::believable;
 use rig::results::Need;
@@ -56,7 +56,7 @@ impl<'a> TorqueControls<'a> {
     /// # Errors
     /// What would be needed.
     pub fn chosen(&self) -> Result<&Chosen<'a, TorqueControlFit>, &Vec<Need>> {
-        self.chosen.get_or_init(|| first(Sought::TorqueControl, &self.experiments, |e| self.fit(e))).as_ref()
+        once(&self.chosen, || first(Sought::TorqueControl, &self.experiments, |e| self.fit(e))).as_ref()
     }
 
     /// The chosen torque control, if there is one.

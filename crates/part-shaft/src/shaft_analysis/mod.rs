@@ -47,6 +47,8 @@ pub struct ShaftAnalysis {
 /// recording that is chosen for it, gate and noise of the encoder those of the chosen speed controller, where there is one.
 #[must_use]
 pub fn shaft_analysis(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> ShaftAnalysis {
+    // Chosen before the recordings are shared out.
+    let _ = (parts.controllers.chosen(), parts.torque_controls.chosen());
     let with_shaft: Vec<&Experiment> =
         parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let look = |experiment: &&Experiment| {

@@ -80,6 +80,8 @@ pub fn torque_signals(
         step(&experiment.file);
         of_recording(experiment, (controllers, torque_controls), bench)
     };
+    // Chosen before the recordings are shared out.
+    let _ = torque_controls.chosen();
     let experiments = &torque_controls.experiments;
     let recordings = parallel::map(experiments, look);
     let believed: Vec<&Experiment> = experiments.iter().copied().filter(|e| believable(e).is_ok()).collect();

@@ -8,7 +8,7 @@ mod precision;
 mod stretch;
 
 pub use error::EstimateError;
-pub use once::{Chosen, OncePerRecording, first};
+pub use once::{Chosen, OncePerRecording, first, once};
 pub use parameter::{Label, ReadOut, transformed};
 pub use precision::{noise_floor, timing_floor_s};
 pub use stretch::{longest_unsaturated, need};

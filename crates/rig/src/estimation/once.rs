@@ -40,8 +40,20 @@ impl<'a, T> OncePerRecording<'a, T> {
         estimate: impl FnOnce() -> Result<T, EstimateError>,
     ) -> Result<Arc<T>, EstimateError> {
         match self.cells.iter().find(|(known, _)| std::ptr::eq(*known, experiment)) {
-            Some((_, cell)) => cell.get_or_init(|| estimate().map(Arc::new)).clone(),
+            Some((_, cell)) => once(cell, || estimate().map(Arc::new)).clone(),
             None => estimate().map(Arc::new),
+        }
+    }
+}
+
+/// What a cell holds, made by `make` unless it was made before. Nothing waits while it is made: what is made on many threads may
+/// in turn be part of it, and threads that ask at the same time make the same.
+pub fn once<T>(cell: &OnceLock<T>, make: impl FnOnce() -> T) -> &T {
+    match cell.get() {
+        Some(made) => made,
+        None => {
+            let made = make();
+            cell.get_or_init(|| made)
         }
     }
 }
