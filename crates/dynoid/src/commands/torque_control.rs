@@ -47,5 +47,6 @@ fn studied(
         done = done.max(now);
     };
     let all: Vec<&Experiment> = experiments.iter().collect();
-    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, &mut told).map_err(|source| CliError::TorqueControl { source })
+    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, &mut told)
+        .map_err(|source| CliError::TorqueControl { source })
 }

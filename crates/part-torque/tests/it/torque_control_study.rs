@@ -246,7 +246,9 @@ fn exact_visibility_scales_with_demand_and_grows_with_the_rate() {
 
 #[test]
 fn regress_recordings_that_tell_nothing_are_named() {
-    let refused = |experiments: &[&Experiment]| compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), FEW, &mut |_, _| {});
+    let refused = |experiments: &[&Experiment]| {
+        compare_models(&TorqueControls::of(experiments, default_bench().limits.torque_nm), FEW, &mut |_, _| {})
+    };
     assert!(matches!(refused(&[]), Err(ModelComparisonError::NoRecording)));
     let mut without = white_noise(TRUTH, 1);
     without.signals.remove(&Role::AirGapTorque);
