@@ -4,7 +4,7 @@ use ident::distributions::interval;
 use recording::Recording;
 use rig::BenchFile;
 use rig::experiment::{ExperimentPlan, UPDATE_S};
-use rig::results::{Estimate, Parameter};
+use rig::results::{Estimate, Quantity};
 use serde::Serialize;
 use signal::filter::Sos;
 use study::{Campaign, Source, run};
@@ -103,8 +103,7 @@ fn studied(bench: &BenchFile, recordings: [(&str, Recording); 2], seed: u64) -> 
 }
 
 fn zero(shaft: &Estimate) -> Option<(f64, f64, f64)> {
-    let place = |symbol: &str| shaft.parameters.iter().position(|p: &Parameter| p.symbol == symbol);
-    let (k, b) = (place("K")?, place("B")?);
+    let (k, b) = (shaft.place(Quantity::Stiffness)?, shaft.place(Quantity::Damping)?);
     let (stiffness, damping) = (shaft.parameters[k].value, shaft.parameters[b].value);
     let value = -stiffness / damping;
     let slopes = [(k, -1.0 / damping), (b, stiffness / (damping * damping))];

@@ -6,13 +6,19 @@ use rig::BenchFile;
 use rig::estimation::Chosen;
 use rig::experiment::Sought;
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, Need, Untold};
+use rig::results::{Estimate, Need, Quantity, Untold};
 use serde::Serialize;
 
 /// A J_e that is less certain than this is no better than the bench file's.
 const TOLD: f64 = 0.05;
 /// K, B, c_1, δ_e and δ_T as the shaft's estimate names them.
-const OF_SHAFT: [&str; 5] = ["K", "B", "c_1", "δ_e", "δ_T"];
+const OF_SHAFT: [Quantity; 5] = [
+    Quantity::Stiffness,
+    Quantity::Damping,
+    Quantity::FrictionSlope,
+    Quantity::EngineSpeedSkew,
+    Quantity::AirGapTorqueSkew,
+];
 /// J_d and J_e come after them.
 pub(super) const PARAMETERS: usize = OF_SHAFT.len() + 2;
 
@@ -69,7 +75,7 @@ impl TwoMasses {
     /// No shaft: why the last recording that was tried does not give it, or that there is none to give it.
     pub(super) fn of(parts: &Parts<'_>) -> Result<Self, Untold> {
         let shaft = parts.chosen_shaft().map_err(|needs| missing(needs))?;
-        let certain = |both: &Chosen<'_, Estimate>| uncertainty(&both.fit, "J_e") < TOLD;
+        let certain = |both: &Chosen<'_, Estimate>| uncertainty(&both.fit, Quantity::EngineInertia) < TOLD;
         let both = parts.chosen_inertias().ok().filter(certain);
         let both = both.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
         Ok(Self::assembled((shaft.experiment.file.clone(), &shaft.fit.estimate), both, parts.bench))
@@ -78,7 +84,7 @@ impl TwoMasses {
     fn assembled((file, shaft): (String, &Estimate), both: Option<Told>, bench: &BenchFile) -> Self {
         let mut values = [0.0; PARAMETERS];
         let mut covariance = vec![vec![0.0; PARAMETERS]; PARAMETERS];
-        let places = OF_SHAFT.map(|symbol| shaft.parameters.iter().position(|p| p.symbol == symbol));
+        let places = OF_SHAFT.map(|quantity| shaft.place(quantity));
         for (i, at) in places.iter().enumerate() {
             let Some(at) = *at else { continue };
             values[i] = shaft.parameters[at].value;
@@ -96,7 +102,7 @@ impl TwoMasses {
             None => InertiaSource::BenchFile,
             Some((file, found)) => {
                 let engine_inertia =
-                    found.parameter("J_e").map_or((values[engine], 0.0), |p| (p.value, p.standard_error));
+                    found.parameter(Quantity::EngineInertia).map_or((values[engine], 0.0), |p| (p.value, p.standard_error));
                 (values[engine], covariance[engine][engine]) = (engine_inertia.0, engine_inertia.1.powi(2));
                 InertiaSource::Estimated(file)
             }
@@ -135,6 +141,6 @@ fn missing(needs: &[Need]) -> Untold {
     }
 }
 
-fn uncertainty(estimate: &Estimate, symbol: &str) -> f64 {
-    estimate.parameter(symbol).map_or(f64::INFINITY, |p| p.standard_error / p.value.abs())
+fn uncertainty(estimate: &Estimate, quantity: Quantity) -> f64 {
+    estimate.parameter(quantity).map_or(f64::INFINITY, |p| p.standard_error / p.value.abs())
 }

@@ -3,8 +3,7 @@
 use faer::Mat;
 use ident::LinearFit;
 use ident::distributions::{interval, student_t_quantile};
-use rig::estimation::Label;
-use rig::results::{Estimate, Parameter, Stretch};
+use rig::results::{Estimate, Parameter, Quantity, Stretch};
 
 use crate::options::{CurvePoint, POINTS, Term};
 
@@ -45,9 +44,9 @@ impl Fitted {
         }
     }
 
-    pub(crate) fn inertia(&self, label: Label) -> Option<Parameter> {
+    pub(crate) fn inertia(&self) -> Option<Parameter> {
         let rate = self.per_torque()?;
-        Some(Parameter::new(label, 1.0 / rate, self.inertia_error() / rate, self.freedom))
+        Some(Parameter::new(Quantity::DynoInertia, 1.0 / rate, self.inertia_error() / rate, self.freedom))
     }
 
     /// Whether the term of highest order is separated from zero.
@@ -111,12 +110,12 @@ impl Fitted {
         &self,
         rows: &[Vec<f64>],
         value: impl Fn(usize) -> f64,
-        label: impl Fn(Term) -> Label,
+        quantity: impl Fn(Term) -> Quantity,
         stretches: &[Stretch],
     ) -> Estimate {
         let covariance: Vec<Vec<f64>> = rows.iter().map(|a| rows.iter().map(|b| self.joint(a, b)).collect()).collect();
         let parameter = |(i, term): (usize, &Term)| {
-            Parameter::new(label(*term), value(i), covariance[i][i].max(0.0).sqrt(), self.freedom)
+            Parameter::new(quantity(*term), value(i), covariance[i][i].max(0.0).sqrt(), self.freedom)
         };
         Estimate {
             parameters: self.terms.iter().enumerate().map(parameter).collect(),

@@ -14,7 +14,6 @@ mod options;
 mod regression;
 
 use rig::Experiment;
-use rig::estimation::Label;
 use rig::results::{Estimate, Parameter, Stretch};
 use serde::Serialize;
 
@@ -31,8 +30,6 @@ const TERM_LEVEL: f64 = 0.99;
 const DETERMINED: f64 = 0.1;
 /// Friction drives where it does so beyond so many half widths of its interval, and by this part of the largest torque.
 const DRIVES: (f64, f64) = (2.0, 0.05);
-const INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
-const DELAY: Label = Label { symbol: "δ_T", name: "how late T_d is against N_d", unit: "s" };
 
 /// Whence J_d.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -158,8 +155,8 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
     let fit = &fits[chosen];
     let whence = match inertia {
         None => Inertia::Estimated {
-            inertia: Box::new(fit.inertia(INERTIA).ok_or(FrictionError::NoRecording)?),
-            delay: Box::new(problem.delay(fit, DELAY)),
+            inertia: Box::new(fit.inertia().ok_or(FrictionError::NoRecording)?),
+            delay: Box::new(problem.delay(fit)),
         },
         Some(why) => Inertia::Stated { inertia_kg_m2: options.inertia_kg_m2, why },
     };

@@ -1,8 +1,7 @@
 //! What is estimated of friction, and how.
 
 use rig::BenchFile;
-use rig::estimation::Label;
-use rig::results::Stretch;
+use rig::results::{Quantity, Stretch};
 use serde::Serialize;
 
 /// Points of the curve.
@@ -47,25 +46,25 @@ impl Term {
         }
     }
 
-    pub(super) fn torque(self) -> Label {
+    /// What its coefficient is as a torque.
+    pub(super) fn torque(self) -> Quantity {
         match self {
-            Term::Offset => {
-                Label { symbol: "T_0", name: "offset of T_d, or of friction between directions", unit: "Nm" }
-            }
-            Term::Coulomb => Label { symbol: "c_0", name: "Coulomb friction", unit: "Nm" },
-            Term::Viscous => Label { symbol: "c_1", name: "viscous friction", unit: "Nm s/rad" },
-            Term::Quadratic => Label { symbol: "c_2", name: "quadratic friction", unit: "Nm s²/rad²" },
-            Term::Cubic => Label { symbol: "c_3", name: "cubic friction", unit: "Nm s³/rad³" },
+            Term::Offset => Quantity::FrictionOffset,
+            Term::Coulomb => Quantity::CoulombFriction,
+            Term::Viscous => Quantity::ViscousFriction,
+            Term::Quadratic => Quantity::QuadraticFriction,
+            Term::Cubic => Quantity::CubicFriction,
         }
     }
 
-    pub(super) fn deceleration(self) -> Label {
+    /// What its coefficient is over J_d.
+    pub(super) fn deceleration(self) -> Quantity {
         match self {
-            Term::Offset => Label { symbol: "T_0/J", name: "offset over inertia", unit: "rad/s²" },
-            Term::Coulomb => Label { symbol: "c_0/J", name: "Coulomb friction over inertia", unit: "rad/s²" },
-            Term::Viscous => Label { symbol: "c_1/J", name: "viscous friction over inertia", unit: "1/s" },
-            Term::Quadratic => Label { symbol: "c_2/J", name: "quadratic friction over inertia", unit: "1/rad" },
-            Term::Cubic => Label { symbol: "c_3/J", name: "cubic friction over inertia", unit: "s/rad²" },
+            Term::Offset => Quantity::FrictionOffsetOverInertia,
+            Term::Coulomb => Quantity::CoulombFrictionOverInertia,
+            Term::Viscous => Quantity::ViscousFrictionOverInertia,
+            Term::Quadratic => Quantity::QuadraticFrictionOverInertia,
+            Term::Cubic => Quantity::CubicFrictionOverInertia,
         }
     }
 }

@@ -6,8 +6,8 @@ use ident::distributions::student_t_quantile;
 use ident::smoothing::{Belief, NoisySystem, likeliest};
 use ident::{Bounds, IdentError, Minimum, Termination, least_squares};
 use lti::StateSpace;
-use rig::estimation::{Label, timing_floor_s};
-use rig::results::Parameter;
+use rig::estimation::timing_floor_s;
+use rig::results::{Parameter, Quantity};
 
 use super::fitted::Fitted;
 use super::fitted::{Drive, LEVEL};
@@ -220,14 +220,14 @@ impl<'a> Problem<'a> {
     }
 
     /// The delay at an estimate.
-    pub(super) fn delay(&self, fit: &Fitted, label: Label) -> Parameter {
+    pub(super) fn delay(&self, fit: &Fitted) -> Parameter {
         let (p, c) = (&fit.linear.parameters, &fit.covariance);
         let shift = p[1] / p[0];
         let variance = (c[(1, 1)] - 2.0 * shift * c[(0, 1)] + shift * shift * c[(0, 0)]) / (p[0] * p[0]);
         let step_s = self.free_runs.first().map_or(0.0, |free_run| free_run.speed.sample_time_s);
         let dated_s = self.free_runs.iter().map(|free_run| free_run.dated_s).fold(0.0, f64::max);
         let error = variance.max(0.0).sqrt().hypot(dated_s).hypot(timing_floor_s(step_s));
-        Parameter::new(label, self.delay_s + shift, error, fit.freedom)
+        Parameter::new(Quantity::TorqueLateness, self.delay_s + shift, error, fit.freedom)
     }
 }
 

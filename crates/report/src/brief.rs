@@ -1,7 +1,7 @@
 //! A study in short: verdict, key numbers, what is missing and why, doubts.
 
 use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
-use rig::results::{Need, Parameter, Part};
+use rig::results::{Need, Parameter, Part, Quantity};
 use rig::{Diagnostic, Severity};
 use study::Study;
 
@@ -56,9 +56,9 @@ fn estimates(study: &Study) -> Blocks {
         last = part;
         table.row([
             Cell::toned(shown, Tone::Faint),
-            Prose::symbol(&parameter.symbol).into(),
+            Prose::symbol(parameter.quantity.symbol()).into(),
             number::quantity(parameter).into(),
-            Cell::toned(&parameter.name, Tone::Faint),
+            Cell::toned(parameter.quantity.name(), Tone::Faint),
         ]);
     }
     match table.is_empty() {
@@ -74,22 +74,26 @@ pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
         numbers.extend(parameters.into_iter().flatten().map(|parameter| (part, parameter)));
     };
     if let Some(part) = study.speed_controller.estimated() {
-        add("speed control", ["K_p", "K_i", "τ"].map(|symbol| part.estimate.parameter(symbol)).into());
+        add("speed control", [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::ControllerDelay]
+            .map(|quantity| part.estimate.parameter(quantity))
+            .into());
     }
     if let Some(part) = study.feed_forward.estimated() {
-        add("feed-forward", ["k", "k_a"].map(|symbol| part.estimate.parameter(symbol)).into());
+        add("feed-forward", [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]
+            .map(|quantity| part.estimate.parameter(quantity))
+            .into());
     }
     if let Some(part) = study.torque_control.estimated() {
         add("torque control", part.delay_and_lag.parameters.iter().map(Some).collect());
     }
     if let Some(part) = study.shaft.estimated() {
-        let mut parameters: Vec<_> = ["K", "B"].map(|symbol| part.estimate.parameter(symbol)).into();
+        let mut parameters: Vec<_> = [Quantity::Stiffness, Quantity::Damping].map(|quantity| part.estimate.parameter(quantity)).into();
         parameters.push(Some(&part.zero));
         add("shaft", parameters);
     }
     if let Some(part) = study.whole.estimated() {
         let resonance = [&part.resonance_hz, &part.resonance_gain, &part.damping_ratio];
-        add("whole model", resonance.into_iter().chain([&part.firing_meets_resonance_rpm]).map(Some).collect());
+        add("whole model", resonance.into_iter().chain([&part.firing_meets_resonance]).map(Some).collect());
     }
     numbers
 }

@@ -5,7 +5,7 @@ use part_controller::speed_control::{Controller, FeedForwardFound, IntegrationRu
 use part_controller::speed_controller::{
     AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
 };
-use rig::results::{ResidualTest, Told, Untold};
+use rig::results::{Quantity, ResidualTest, Told, Untold, WrittenParameter};
 use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
 use units::RPM_RAD_S;
 
@@ -15,6 +15,8 @@ use crate::wording::{self, number};
 const HEIGHT: u32 = 220;
 /// Room beside the first and last point, as a part of the axis.
 const MARGIN: f64 = 0.03;
+/// Truths that differ by less than this part of themselves are the same.
+const SAME: f64 = 1e-9;
 
 /// Why a recording does not tell something of the speed controller, with what would.
 pub fn untold(why: &Untold) -> String {
@@ -104,6 +106,12 @@ pub fn delay(found: &Controller) -> String {
         of(&found.validation_without_delay),
         of(&found.validation)
     )
+}
+
+/// K_p and K_i in SI.
+pub fn gains_in_si(found: &Controller) -> impl Iterator<Item = WrittenParameter> {
+    let gains = [Quantity::ProportionalGain, Quantity::IntegralGain].into_iter();
+    gains.filter_map(|gain| Some(found.with_delay.parameter(gain)?.written_in_si()))
 }
 
 /// The rules of integration that no data tell apart.
@@ -276,12 +284,12 @@ pub fn noise(study: &NoiseTest, of: Noise) -> String {
 }
 
 /// What the published draw of a noise was, where the truth is that of the thesis: K_p or K_i of table 7.1.
-pub fn published(study: &NoiseTest, of: Noise, symbol: &str) -> Option<f64> {
+pub fn published(study: &NoiseTest, of: Noise, quantity: Quantity) -> Option<f64> {
     let same = (study.options.k_p, study.options.k_i) == (PUBLISHED[0].k_p, PUBLISHED[0].k_i);
     let row: &PublishedRow = PUBLISHED.iter().find(|row| same && row.noise == of)?;
-    match symbol {
-        "K_p" => Some(row.k_p),
-        "K_i" => Some(row.k_i),
+    match quantity {
+        Quantity::ProportionalGain => Some(row.k_p),
+        Quantity::IntegralGain => Some(row.k_i),
         _ => None,
     }
 }
@@ -389,29 +397,31 @@ fn map_figure(file: &str, found: &FeedForwardTerms) -> Figure {
 pub fn noise_test_figures(study: &NoiseTest) -> Vec<Figure> {
     let is_shown = |case: &&Case| case.noise != Noise::None && case.estimator == Estimator::Forward;
     let gains = |case: &'_ Case| -> Vec<Figure> {
-        let gains = case.summaries.iter().filter(|summary| summary.symbol != "τ");
+        let gains = case.summaries.iter().filter(|summary| summary.quantity != Quantity::ControllerDelay);
         gains.map(|summary| histogram(study, case, summary)).collect()
     };
     study.cases.iter().filter(is_shown).flat_map(gains).collect()
 }
 
 fn histogram(study: &NoiseTest, case: &Case, summary: &Summary) -> Figure {
+    let once = published(study, case.noise, summary.quantity);
+    let summary = summary.written();
     let (x, y) = bars(&summary.values);
-    let symbol = &summary.symbol;
+    let symbol = summary.symbol;
     let stems = Layer::Stems { name: "draws".to_owned(), style: Style::Modelled, x: Abscissa::Values(x), y };
     let mark = |value: f64, label: &str| Layer::VerticalMarks { x: rounded(&[value]), label: label.to_owned() };
-    let once = published(study, case.noise, symbol).filter(|value| *value != summary.truth);
+    let once = once.filter(|value| (value / summary.truth - 1.0).abs() > SAME);
     let marks = [mark(summary.truth, "truth")].into_iter().chain(once.map(|value| mark(value, "table 7.1")));
     let panel = Panel::new(Axis::linear("draws", ""), HEIGHT, std::iter::once(stems).chain(marks).collect());
     let title = format!("{symbol} over all draws: {}", noise(study, case.noise));
     let caption = format!(
         "Estimated {}: mean {}, standard deviation {}, {} of the 95 % intervals hold the truth.",
         estimator(case.estimator),
-        number::significant_with_unit(summary.mean, 5, &summary.unit),
-        number::significant_with_unit(summary.standard_deviation, 2, &summary.unit),
+        number::significant_with_unit(summary.mean, 5, summary.unit),
+        number::significant_with_unit(summary.standard_deviation, 2, summary.unit),
         number::proportion(&summary.coverage)
     );
-    Figure::new(&title, Axis::linear(symbol, &summary.unit), vec![panel]).with_caption(caption)
+    Figure::new(&title, Axis::linear(symbol, summary.unit), vec![panel]).with_caption(caption)
 }
 
 /// How many values lie in each of equal steps, as many as the root of their number.

@@ -2,7 +2,7 @@
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use part_friction::{Friction, Inertia, Term, TorqueUsed, Undetermined};
-use rig::results::Parameter;
+use rig::results::{Parameter, Quantity};
 use units::RPM_RAD_S;
 
 use crate::wording::number;
@@ -107,7 +107,7 @@ fn against_stated(inertia: &Parameter, stated: StatedInertia) -> Option<String> 
 
 /// Coulomb friction below zero: what holds over the speeds seen drives at others.
 fn below_zero(friction: &Friction) -> Option<String> {
-    let coulomb = friction.friction.parameter("c_0").filter(|c| c.interval.1 < 0.0)?;
+    let coulomb = friction.friction.parameter(Quantity::CoulombFriction).filter(|c| c.interval.1 < 0.0)?;
     Some(format!(
         "c_0 is below zero ({}), which no friction is: T_fric holds over the speeds seen, not below them; record slower speeds",
         number::interval(coulomb)

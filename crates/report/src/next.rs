@@ -1,5 +1,6 @@
 //! What a further experiment would buy, in words.
 
+use rig::results::Quantity;
 use study::{Candidate, Gain, NextExperiments};
 
 use crate::wording::{self, number};
@@ -53,7 +54,7 @@ pub fn instead(other: &Candidate) -> String {
 fn reasons(candidate: &Candidate) -> String {
     let gains =
         |known: bool| candidate.gains.iter().filter(move |gain| gain.is_worth_while() && gain.now.is_some() == known);
-    let new: Vec<String> = gains(false).map(|gain| gain.symbol.clone()).collect();
+    let new: Vec<String> = gains(false).map(|gain| gain.quantity.symbol().to_owned()).collect();
     let narrower: Vec<String> = gains(true).map(narrowed).collect();
     let mut buys = Vec::new();
     if !new.is_empty() {
@@ -71,7 +72,7 @@ fn nothing_to_gain(found: &NextExperiments) -> String {
     let wide: Vec<String> = gains
         .iter()
         .filter(|gain| !gain.is_enough_now)
-        .map(|gain| format!("{} ({})", gain.symbol, relative(gain.now, gain.value)))
+        .map(|gain| format!("{} ({})", gain.quantity.symbol(), relative(gain.now, gain.value)))
         .collect();
     match wide.is_empty() {
         true => format!("Nothing: every number below is known within {}.", number::share(found.enough)),
@@ -85,7 +86,7 @@ fn nothing_to_gain(found: &NextExperiments) -> String {
 
 fn narrowed(gain: &Gain) -> String {
     let (now, then) = (relative(gain.now, gain.value), relative(Some(gain.then), gain.value));
-    format!("{} gets known within {then} in place of {now}", gain.symbol)
+    format!("{} gets known within {then} in place of {now}", gain.quantity.symbol())
 }
 
 /// Half an interval as a part of the value, `± 3.5 %`.
@@ -113,10 +114,8 @@ pub fn command(candidate: &Candidate, bench: &str, study: Option<&str>) -> Strin
 
 /// A number, and how well it is known.
 pub struct Row {
-    /// Symbol.
-    pub symbol: String,
-    /// What it is.
-    pub name: String,
+    /// Which.
+    pub quantity: Quantity,
     /// Its value.
     pub value: String,
     /// Half its 95 % interval now, as a part of the value.
@@ -131,19 +130,19 @@ pub fn rows(found: &NextExperiments) -> Vec<Row> {
     let mut all: Vec<&Gain> = Vec::new();
     let shown = || best.iter().map(|choice| choice.candidate);
     for gain in shown().chain(found.candidates.first()).flat_map(|candidate| &candidate.gains) {
-        if !all.iter().any(|known| known.symbol == gain.symbol) {
+        if !all.iter().any(|known| known.quantity == gain.quantity) {
             all.push(gain);
         }
     }
     let row = |gain: &&Gain| {
-        let after = |candidate: &Candidate| match candidate.gains.iter().find(|other| other.symbol == gain.symbol) {
+        let after = |candidate: &Candidate| match candidate.gains.iter().find(|other| other.quantity == gain.quantity) {
             Some(other) => (relative(Some(other.then), gain.value), other.is_worth_while()),
             None => (relative(None, gain.value), false),
         };
+        let notation = gain.quantity.notation();
         Row {
-            symbol: gain.symbol.clone(),
-            name: gain.name.clone(),
-            value: number::measure(gain.value, &gain.unit),
+            quantity: gain.quantity,
+            value: number::measure(notation.per_si * gain.value, notation.unit),
             now: relative(gain.now, gain.value),
             then: shown().map(after).collect(),
         }

@@ -5,7 +5,7 @@ use part_shaft::shaft::{Beyond, Term, TermTest, Weight};
 use part_shaft::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
 use part_shaft::shaft_routes::black_box::{BlackBoxRoute, Untold};
 use part_shaft::shaft_routes::multisine::{CostTest, MultisineRoute};
-use rig::results::{Estimate, Parameter, Shaft, Told, Untold as NotTold};
+use rig::results::{Estimate, Notation, Parameter, Quantity, Shaft, Told, Untold as NotTold, WrittenParameter};
 
 use crate::wording::number;
 
@@ -39,26 +39,27 @@ pub fn term(term: Term) -> &'static str {
 
 /// A term's value: parts of K in per cent, everything else in its unit.
 pub fn term_value(test: &TermTest) -> String {
-    test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::parameter(&shown(test.term, value)))
+    test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::parameter(shown(test.term, value)))
 }
 
 /// A term's 95 % interval.
 pub fn term_interval(test: &TermTest) -> String {
-    test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::interval(&shown(test.term, value)))
+    test.value.as_ref().map_or_else(|| "–".to_owned(), |value| number::interval(shown(test.term, value)))
 }
 
-fn shown(term: Term, value: &Parameter) -> Parameter {
+fn shown(term: Term, value: &Parameter) -> WrittenParameter {
+    let written = value.written();
     let (scale, unit) = match term {
         Term::OfStiffness(_) => (100.0, "%"),
         Term::SecondMass => (1e6, "ms²"),
-        _ => return value.clone(),
+        _ => return written,
     };
-    Parameter {
-        unit: unit.to_owned(),
-        value: scale * value.value,
-        standard_error: scale * value.standard_error,
-        interval: (scale * value.interval.0, scale * value.interval.1),
-        ..value.clone()
+    WrittenParameter {
+        notation: Notation { unit, ..written.notation },
+        value: scale * written.value,
+        standard_error: scale * written.standard_error,
+        interval: (scale * written.interval.0, scale * written.interval.1),
+        ..written
     }
 }
 
@@ -147,12 +148,14 @@ pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
 /// Routes whose interval of K or B lies wholly outside that of the first.
 fn apart(routes: &[Route<'_>]) -> Vec<String> {
     let Some((Route { name: first, told: Ok(own) }, others)) = routes.split_first() else { return Vec::new() };
-    let disjoint = |other: &Estimate, symbol: &str| {
-        let intervals = own.parameter(symbol).zip(other.parameter(symbol)).map(|(a, b)| (a.interval, b.interval));
+    let disjoint = |other: &Estimate, quantity| {
+        let intervals = own.parameter(quantity).zip(other.parameter(quantity)).map(|(a, b)| (a.interval, b.interval));
         intervals.is_some_and(|(a, b)| a.1 < b.0 || b.1 < a.0)
     };
     let remark = |other: &Route<'_>| {
-        let symbols: Vec<&str> = ["K", "B"].into_iter().filter(|s| other.told.is_ok_and(|e| disjoint(e, s))).collect();
+        let both = [Quantity::Stiffness, Quantity::Damping].into_iter();
+        let apart = both.filter(|quantity| other.told.is_ok_and(|estimate| disjoint(estimate, *quantity)));
+        let symbols: Vec<&str> = apart.map(Quantity::symbol).collect();
         let (name, which) = (other.name, symbols.join(" and "));
         let text =
             format!("{name}: {which} apart from that of {first}; one of them errs by more than its interval says");
@@ -273,11 +276,12 @@ fn response_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
 }
 
 fn band_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
-    let panels = [("K", "Nm/rad"), ("B", "Nm s/rad")].map(|(symbol, unit)| {
-        let whole = shaft.estimate.parameter(symbol).map_or(f64::NAN, |p| p.value);
+    let panels = [Quantity::Stiffness, Quantity::Damping].map(|quantity| {
+        let Notation { symbol, unit, .. } = quantity.notation();
+        let whole = shaft.estimate.parameter(quantity).map_or(f64::NAN, |p| p.value);
         let layers = vec![
-            by_band("as if time stamps were exact", Style::Other, recording, symbol, |band| &band.ignoring_timing),
-            by_band("with gate and skews", Style::Modelled, recording, symbol, |band| &band.estimate),
+            by_band("as if time stamps were exact", Style::Other, recording, quantity, |band| &band.ignoring_timing),
+            by_band("with gate and skews", Style::Modelled, recording, quantity, |band| &band.estimate),
             Layer::HorizontalMark { y: rounded(&[whole])[0], label: format!("{symbol} of the whole band") },
         ];
         Panel::new(Axis::linear(symbol, unit), HEIGHT, layers)
@@ -296,11 +300,12 @@ fn route_figure(recording: &ShaftRecording) -> Option<Figure> {
         return None;
     }
     let x: Vec<f64> = (1..=found.len()).map(|i| i as f64).collect();
-    let panels = [("K", "Nm/rad"), ("B", "Nm s/rad")].map(|(symbol, unit)| {
+    let panels = [Quantity::Stiffness, Quantity::Damping].map(|quantity| {
+        let Notation { symbol, unit, .. } = quantity.notation();
         let values: Vec<_> = found
             .iter()
             .map(|(_, estimate)| {
-                estimate.parameter(symbol).map_or((f64::NAN, (f64::NAN, f64::NAN)), |p| (p.value, p.interval))
+                estimate.parameter(quantity).map_or((f64::NAN, (f64::NAN, f64::NAN)), |p| (p.value, p.interval))
             })
             .collect();
         Panel::new(Axis::linear(symbol, unit), HEIGHT, vec![points("with 95 % interval", Style::Modelled, &x, &values)])
@@ -318,12 +323,12 @@ fn by_band(
     name: &str,
     style: Style,
     recording: &ShaftRecording,
-    symbol: &str,
+    quantity: Quantity,
     of: impl Fn(&Band) -> &Estimate,
 ) -> Layer {
     let middle = |band: &Band| (band.band_hz.0 * band.band_hz.1).sqrt();
     let found: Vec<(f64, &Parameter)> =
-        recording.bands.iter().filter_map(|band| Some((middle(band), of(band).parameter(symbol)?))).collect();
+        recording.bands.iter().filter_map(|band| Some((middle(band), of(band).parameter(quantity)?))).collect();
     let x: Vec<f64> = found.iter().map(|(x, _)| *x).collect();
     points(name, style, &x, &found.iter().map(|(_, p)| (p.value, p.interval)).collect::<Vec<_>>())
 }
@@ -367,7 +372,8 @@ fn numbered(what: &str, count: usize) -> Axis {
 }
 
 fn together_figure(of: &Together) -> Figure {
-    let panels = [(&of.stiffness, "K", "Nm/rad"), (&of.damping, "B", "Nm s/rad")].map(|(common, symbol, unit)| {
+    let panels = [&of.stiffness, &of.damping].map(|common| {
+        let Notation { symbol, unit, .. } = common.parameter.quantity.notation();
         let (low, high) = common.parameter.interval;
         let each: Vec<(f64, (f64, f64))> =
             common.by_recording.iter().map(|(_, v, s)| (*v, (v - BAND * s, v + BAND * s))).collect();

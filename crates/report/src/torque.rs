@@ -91,8 +91,8 @@ pub fn early(what: &str, delay: &Parameter) -> Option<String> {
 
 /// Those of some parameters that are delays below zero, in words.
 pub fn early_delays<'a>(parameters: impl IntoIterator<Item = &'a Parameter>) -> Vec<String> {
-    let delays = parameters.into_iter().filter(|p| p.unit == "s");
-    delays.filter_map(|p| early(&format!("{} ({})", p.symbol, p.name), p)).collect()
+    let delays = parameters.into_iter().filter(|p| p.quantity.notation().unit == "s");
+    delays.filter_map(|p| early(&format!("{} ({})", p.quantity.symbol(), p.quantity.name()), p)).collect()
 }
 
 /// The torque signals that are early against T_d*, in words.

@@ -3,7 +3,7 @@
 //! Nothing is estimated here: every rule compares numbers the study holds with a threshold that stands in the rule's
 //! own words. The headline is the worst outcome of all rules.
 
-use rig::results::{Parameter, Part, Validation};
+use rig::results::{Parameter, Part, Quantity, Validation};
 use rig::{Diagnostic, Finding, Severity};
 use study::Study;
 
@@ -99,7 +99,7 @@ fn parts(study: &Study) -> Rule {
 }
 
 fn uncertainty(study: &Study) -> Rule {
-    let shaft = study.shaft.estimated().and_then(|shaft| shaft.estimate.parameter("K"));
+    let shaft = study.shaft.estimated().and_then(|shaft| shaft.estimate.parameter(Quantity::Stiffness));
     let resonance = study.whole.estimated().map(|whole| &whole.resonance_hz);
     let relative = [("K", shaft), ("resonance", resonance)]
         .into_iter()
@@ -213,7 +213,7 @@ fn doubted_part(finding: &Finding) -> Option<String> {
         Finding::ResidualsCorrelated { submodel, .. } | Finding::NotConverged { submodel } => {
             Some(wording::part(submodel).to_owned())
         }
-        Finding::RoutesDisagree { quantity, .. } => Some(quantity.clone()),
+        Finding::RoutesDisagree { quantity, .. } => Some(wording::twice_estimated(*quantity).to_owned()),
         _ => None,
     }
 }

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::Role;
+use crate::results::{Quantity, write_symbol};
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -178,7 +179,8 @@ pub enum Finding {
     /// The inertia in the bench file does not fit the measured torque and acceleration.
     ImplausibleInertia {
         /// Which: J_d or J_e.
-        symbol: String,
+        #[serde(rename = "symbol", serialize_with = "write_symbol")]
+        inertia: Quantity,
         /// Value in the bench file, kg m².
         given_kg_m2: f64,
         /// What the data say, kg m².
@@ -244,10 +246,11 @@ pub enum Finding {
     /// Two routes to one number disagree by more than their uncertainty allows.
     RoutesDisagree {
         /// What was estimated twice.
-        quantity: String,
-        /// First value and standard error.
+        #[serde(serialize_with = "write_symbol")]
+        quantity: Quantity,
+        /// First value and standard error, SI.
         first: (f64, f64),
-        /// Second value and standard error.
+        /// Second value and standard error, SI.
         second: (f64, f64),
     },
 }

@@ -1,12 +1,11 @@
-//! From the parts of a study to one model and its uncertainty. Gains per rpm become SI here and nowhere else.
+//! From the parts of a study to one model and its uncertainty.
 
 use bench_model::model::{
     AssembledModel, BenchModel, FeedForwardGains, Mechanics, ModelParameter, ModelUncertainty, PartCovariance,
     PiController, TorqueControlModel,
 };
 use rig::facts::{BenchFacts, BenchVariant};
-use rig::results::{Estimate, FeedForward, Shaft, SpeedController, TorqueControl};
-use units::RPM_RAD_S;
+use rig::results::{Estimate, FeedForward, Quantity, Shaft, SpeedController, TorqueControl};
 
 /// Parts of a study that make up a model. Only the shaft is indispensable.
 #[derive(Debug, Clone, Copy)]
@@ -25,38 +24,26 @@ pub struct StudyParts<'a> {
     pub encoder_gate_s: f64,
 }
 
-/// The symbols a part's parameters have in its [`Estimate`], what they are in the model, and SI per unit of the estimate.
-type Names = &'static [(&'static str, ModelParameter, f64)];
-
-const SHAFT: Names = &[("K", ModelParameter::Stiffness, 1.0), ("B", ModelParameter::Damping, 1.0)];
+const SHAFT: &[ModelParameter] = &[ModelParameter::Stiffness, ModelParameter::Damping];
 /// Where J_d is known with an uncertainty and the shaft torque is computed with it.
-const SHAFT_AND_INERTIA: Names = &[
-    ("K", ModelParameter::Stiffness, 1.0),
-    ("B", ModelParameter::Damping, 1.0),
-    ("J_d", ModelParameter::DynoInertia, 1.0),
-];
-const CONTROLLER: Names = &[
-    ("K_p", ModelParameter::Proportional, 1.0 / RPM_RAD_S),
-    ("K_i", ModelParameter::Integral, 1.0 / RPM_RAD_S),
-    ("τ", ModelParameter::ControllerDelay, 1.0),
-];
-const FEED_FORWARD: Names = &[
-    ("k", ModelParameter::SpeedFeedForward, 1.0 / RPM_RAD_S),
-    ("k_a", ModelParameter::AccelerationFeedForward, 1.0 / RPM_RAD_S),
-];
-const TORQUE_CONTROL: Names =
-    &[("τ", ModelParameter::TorqueControlDelay, 1.0), ("a", ModelParameter::TorqueControlBandwidth, 1.0)];
+const SHAFT_AND_INERTIA: &[ModelParameter] =
+    &[ModelParameter::Stiffness, ModelParameter::Damping, ModelParameter::DynoInertia];
+const CONTROLLER: &[ModelParameter] =
+    &[ModelParameter::Proportional, ModelParameter::Integral, ModelParameter::ControllerDelay];
+const FEED_FORWARD: &[ModelParameter] = &[ModelParameter::SpeedFeedForward, ModelParameter::AccelerationFeedForward];
+const TORQUE_CONTROL: &[ModelParameter] =
+    &[ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth];
 
 /// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
 /// one of its numbers is left out. The gate is taken as exact, and so is an inertia without a stated uncertainty.
 pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     let (shaft, facts) = (&parts.shaft.estimate, parts.facts);
-    let inertia = shaft.parameter("J_d");
+    let inertia = shaft.parameter(Quantity::DynoInertia);
     let mechanics = Mechanics {
         dyno_inertia_kg_m2: inertia.map_or(facts.dynamometer_inertia_kg_m2, |p| p.value),
         engine_inertia_kg_m2: facts.engine_inertia_kg_m2,
-        stiffness_nm_per_rad: shaft.parameter("K")?.value,
-        damping_nm_s_per_rad: shaft.parameter("B")?.value,
+        stiffness_nm_per_rad: value(shaft, ModelParameter::Stiffness)?,
+        damping_nm_s_per_rad: value(shaft, ModelParameter::Damping)?,
     };
     let torque_control = torque_control_on_one_clock(parts);
     let model = BenchModel {
@@ -75,7 +62,7 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     ]
     .into_iter()
     .flatten()
-    .filter_map(|(estimate, names)| block(estimate, names))
+    .filter_map(|(estimate, parameters)| block(estimate, parameters))
     .chain(stated_inertias(&mechanics, facts, inertia.is_some()))
     .collect();
     Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()? })
@@ -96,13 +83,12 @@ fn stated_inertias(mechanics: &Mechanics, facts: &BenchFacts, is_estimated: bool
     stated.into_iter().filter(|(.., percent)| percent.is_some_and(|percent| percent > 0.0)).map(part).collect()
 }
 
-fn si(estimate: &Estimate, names: Names, which: ModelParameter) -> Option<f64> {
-    let (symbol, _, scale) = names.iter().find(|(_, parameter, _)| *parameter == which)?;
-    Some(estimate.parameter(symbol)?.value * scale)
+fn value(estimate: &Estimate, which: ModelParameter) -> Option<f64> {
+    Some(estimate.parameter(which.quantity())?.value)
 }
 
 fn controller(part: &SpeedController) -> Option<PiController> {
-    let value = |which| si(&part.estimate, CONTROLLER, which);
+    let value = |which| value(&part.estimate, which);
     Some(PiController {
         proportional_nm_s_per_rad: value(ModelParameter::Proportional)?,
         integral_nm_per_rad: value(ModelParameter::Integral)?,
@@ -113,8 +99,8 @@ fn controller(part: &SpeedController) -> Option<PiController> {
 
 fn feed_forward(part: &FeedForward) -> Option<FeedForwardGains> {
     Some(FeedForwardGains {
-        speed_nm_s_per_rad: si(&part.estimate, FEED_FORWARD, ModelParameter::SpeedFeedForward)?,
-        acceleration_nm_s2_per_rad: si(&part.estimate, FEED_FORWARD, ModelParameter::AccelerationFeedForward)?,
+        speed_nm_s_per_rad: value(&part.estimate, ModelParameter::SpeedFeedForward)?,
+        acceleration_nm_s2_per_rad: value(&part.estimate, ModelParameter::AccelerationFeedForward)?,
     })
 }
 
@@ -122,8 +108,8 @@ fn feed_forward(part: &FeedForward) -> Option<FeedForwardGains> {
 /// shaft's estimate finds where T_d,calc is its torque.
 fn torque_control_on_one_clock(parts: &StudyParts<'_>) -> Option<Estimate> {
     let mut estimate = parts.torque_control?.delay_and_lag.clone();
-    let delay = estimate.parameters.iter().position(|p| p.symbol == "τ")?;
-    if let (BenchVariant::LoadCell, Some(skew)) = (parts.facts.variant, parts.shaft.estimate.parameter("δ_T")) {
+    let delay = estimate.place(Quantity::TorqueControlDelay)?;
+    if let (BenchVariant::LoadCell, Some(skew)) = (parts.facts.variant, parts.shaft.estimate.parameter(Quantity::AirGapTorqueSkew)) {
         estimate.parameters[delay].value -= skew.value;
         *estimate.covariance.get_mut(delay)?.get_mut(delay)? += skew.standard_error.powi(2);
     }
@@ -132,23 +118,21 @@ fn torque_control_on_one_clock(parts: &StudyParts<'_>) -> Option<Estimate> {
 
 fn torque_control_model(estimate: &Estimate) -> Option<TorqueControlModel> {
     Some(TorqueControlModel {
-        delay_s: si(estimate, TORQUE_CONTROL, ModelParameter::TorqueControlDelay)?.max(0.0),
-        bandwidth_rad_s: Some(si(estimate, TORQUE_CONTROL, ModelParameter::TorqueControlBandwidth)?),
+        delay_s: value(estimate, ModelParameter::TorqueControlDelay)?.max(0.0),
+        bandwidth_rad_s: Some(value(estimate, ModelParameter::TorqueControlBandwidth)?),
     })
 }
 
-/// The rows and columns of an estimate's covariance that belong to the model, in SI.
-fn block(estimate: &Estimate, names: Names) -> Option<PartCovariance> {
-    let place = |symbol: &str| estimate.parameters.iter().position(|p| p.symbol == symbol);
-    let places = names.iter().map(|(symbol, ..)| place(symbol)).collect::<Option<Vec<usize>>>()?;
-    let entry = |i: usize, j: usize| {
-        let value = estimate.covariance.get(places[i])?.get(places[j])?;
-        Some(value * names[i].2 * names[j].2)
+/// The rows and columns of an estimate's covariance that belong to the model.
+fn block(estimate: &Estimate, parameters: &[ModelParameter]) -> Option<PartCovariance> {
+    let places = parameters.iter().map(|p| estimate.place(p.quantity())).collect::<Option<Vec<usize>>>()?;
+    let row = |i: &usize| {
+        let row = estimate.covariance.get(*i)?;
+        places.iter().map(|j| row.get(*j).copied()).collect::<Option<Vec<f64>>>()
     };
-    let row = |i: usize| (0..names.len()).map(|j| entry(i, j)).collect::<Option<Vec<f64>>>();
     Some(PartCovariance {
-        parameters: names.iter().map(|(_, parameter, _)| *parameter).collect(),
-        covariance: (0..names.len()).map(row).collect::<Option<Vec<_>>>()?,
+        parameters: parameters.to_vec(),
+        covariance: places.iter().map(row).collect::<Option<Vec<_>>>()?,
         degrees_of_freedom: estimate.parameters.get(*places.first()?)?.degrees_of_freedom,
     })
 }

@@ -12,7 +12,7 @@ use part_torque::timing;
 use part_torque::torque_control::TorqueControlFit;
 use rig::estimation::first;
 use rig::experiment::{Choice, Sought};
-use rig::results::{FeedForward, Need, Part, Shaft, SpeedController, Timing, TorqueControl};
+use rig::results::{FeedForward, Need, Part, Quantity, Shaft, SpeedController, Timing, TorqueControl};
 use rig::{Experiment, Finding, Role, Severity};
 
 use crate::Progress;
@@ -206,11 +206,11 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
         findings.doubt(&experiment.file, Severity::Note, finding);
     }
     doubt_inertias(findings, experiment, shaft, inertia);
-    let checks: Vec<_> = ["K", "B"]
-        .iter()
-        .flat_map(|symbol| {
-            let own = shaft.estimate.parameter(symbol);
-            let others = shaft.cross_checks.iter().map(move |(file, e)| (file.clone(), e.parameter(symbol)));
+    let checks: Vec<_> = [Quantity::Stiffness, Quantity::Damping]
+        .into_iter()
+        .flat_map(|quantity| {
+            let own = shaft.estimate.parameter(quantity);
+            let others = shaft.cross_checks.iter().map(move |(file, e)| (file.clone(), e.parameter(quantity)));
             others.filter_map(move |(file, other)| Some((file, own?, other?)))
         })
         .filter(|(_, own, other)| {
@@ -221,7 +221,7 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
         .collect();
     for (file, own, other) in checks {
         let finding = Finding::RoutesDisagree {
-            quantity: own.symbol,
+            quantity: own.quantity,
             first: (own.value, own.standard_error),
             second: (other.value, other.standard_error),
         };
@@ -233,32 +233,31 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
 fn doubt_inertias(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
     let bench = findings.bench;
     let both = shaft.inertias.as_ref();
-    let found = |symbol: &str| {
-        both.and_then(|(file, e)| e.parameter(symbol).map(|p| (file.as_str(), (p.value, p.standard_error))))
+    let found = |quantity| {
+        both.and_then(|(file, e)| e.parameter(quantity).map(|p| (file.as_str(), (p.value, p.standard_error))))
     };
     let alone = inertia.map(|estimated| (experiment.file.as_str(), estimated));
     let better = |a: &(&str, (f64, f64)), b: &(&str, (f64, f64))| a.1.1.total_cmp(&b.1.1);
-    if let Some((file, estimated)) = alone.into_iter().chain(found("J_d")).min_by(better) {
+    if let Some((file, estimated)) = alone.into_iter().chain(found(Quantity::DynoInertia)).min_by(better) {
         let stated = (bench.dynamometer_inertia_kg_m2, bench.dynamometer_inertia_uncertainty_percent);
-        doubt_inertia(findings, file, ("J_d", stated), estimated);
+        doubt_inertia(findings, file, (Quantity::DynoInertia, stated), estimated);
     }
-    if let Some((file, estimated)) = found("J_e") {
+    if let Some((file, estimated)) = found(Quantity::EngineInertia) {
         let stated = (bench.engine_inertia_kg_m2, bench.engine_inertia_uncertainty_percent);
-        doubt_inertia(findings, file, ("J_e", stated), estimated);
+        doubt_inertia(findings, file, (Quantity::EngineInertia, stated), estimated);
     }
 }
 
 fn doubt_inertia(
     findings: &mut Findings<'_>,
     file: &str,
-    (symbol, (given_kg_m2, uncertainty_percent)): (&str, (f64, Option<f64>)),
+    (inertia, (given_kg_m2, uncertainty_percent)): (Quantity, (f64, Option<f64>)),
     (estimated_kg_m2, standard_error_kg_m2): (f64, f64),
 ) {
     let difference = (estimated_kg_m2 - given_kg_m2).abs();
     let spread = standard_error_kg_m2.hypot(uncertainty_percent.unwrap_or(0.0) / 100.0 * given_kg_m2);
     if difference > INERTIA_DOUBT.0 * spread && difference > INERTIA_DOUBT.1 * given_kg_m2 {
-        let symbol = symbol.to_owned();
-        let finding = Finding::ImplausibleInertia { symbol, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
+        let finding = Finding::ImplausibleInertia { inertia, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
         let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;
         findings.doubt(file, if contradicts { Severity::Error } else { Severity::Warning }, finding);
     }

@@ -13,7 +13,7 @@ use part_controller::speed_controller::Encoder;
 use part_shaft::Parts;
 use rig::experiment::catalogue::{self, Settings};
 use rig::experiment::{ExperimentPlan, Test, UPDATE_S};
-use rig::results::{Estimate, Parameter};
+use rig::results::{Estimate, Notation, Parameter, Quantity};
 use rig::{BenchFile, Experiment, Role};
 use units::RPM_RAD_S;
 use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_told};
@@ -110,15 +110,12 @@ pub struct Candidate {
     pub gains: Vec<Gain>,
 }
 
-/// What an experiment does to one number.
+/// What an experiment does to one number, SI; written in the unit people read.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(into = "WrittenGain")]
 pub struct Gain {
-    /// Symbol.
-    pub symbol: String,
-    /// What it is.
-    pub name: String,
-    /// Unit.
-    pub unit: String,
+    /// The number.
+    pub quantity: Quantity,
     /// Its value now, or where it is not known now, after the experiment.
     pub value: f64,
     /// Half the width of the 95 % interval now; none: not known now.
@@ -127,6 +124,26 @@ pub struct Gain {
     pub then: f64,
     /// Whether the interval is narrow enough already.
     pub is_enough_now: bool,
+}
+
+/// A gain as JSON has it.
+#[derive(serde::Serialize)]
+struct WrittenGain {
+    #[serde(flatten)]
+    notation: Notation,
+    value: f64,
+    now: Option<f64>,
+    then: f64,
+    is_enough_now: bool,
+}
+
+impl From<Gain> for WrittenGain {
+    fn from(gain: Gain) -> Self {
+        let notation = gain.quantity.notation();
+        let written = |value: f64| notation.per_si * value;
+        let Gain { value, now, then, is_enough_now, .. } = gain;
+        WrittenGain { notation, value: written(value), now: now.map(written), then: written(then), is_enough_now }
+    }
 }
 
 impl Gain {
@@ -236,15 +253,15 @@ impl Known {
 fn of_parts(fits: &Fits<'_>) -> Vec<Parameter> {
     let shaft = fits.shaft.as_ref().ok();
     let inertias = shaft.and_then(|shaft| shaft.inertias.as_ref()).map(|(_, estimate)| estimate);
-    let parts: [(Option<&Estimate>, &[&str]); 5] = [
-        (shaft.map(|shaft| &shaft.estimate), &["K", "B"]),
-        (inertias, &["J_d", "J_e"]),
-        (fits.controller.as_ref().ok().map(|c| &c.result.estimate), &["K_p", "K_i"]),
-        (fits.feed_forward.as_ref().ok().map(|f| &f.estimate), &["k", "k_a"]),
-        (fits.torque_control.as_ref().ok().map(|t| &t.result.delay_and_lag), &["τ + 1/a"]),
+    let parts: [(Option<&Estimate>, &[Quantity]); 5] = [
+        (shaft.map(|shaft| &shaft.estimate), &[Quantity::Stiffness, Quantity::Damping]),
+        (inertias, &[Quantity::DynoInertia, Quantity::EngineInertia]),
+        (fits.controller.as_ref().ok().map(|c| &c.result.estimate), &[Quantity::ProportionalGain, Quantity::IntegralGain]),
+        (fits.feed_forward.as_ref().ok().map(|f| &f.estimate), &[Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]),
+        (fits.torque_control.as_ref().ok().map(|t| &t.result.delay_and_lag), &[Quantity::TorqueControlTotalDelay]),
     ];
-    let of = |(estimate, symbols): (Option<&Estimate>, &[&str])| {
-        symbols.iter().filter_map(|symbol| estimate?.parameter(symbol).cloned()).collect::<Vec<Parameter>>()
+    let of = |(estimate, quantities): (Option<&Estimate>, &[Quantity])| {
+        quantities.iter().filter_map(|quantity| estimate?.parameter(*quantity).cloned()).collect::<Vec<Parameter>>()
     };
     parts.into_iter().flat_map(of).collect()
 }
@@ -315,11 +332,9 @@ fn try_out(
 /// What becomes of a number.
 fn gain(then: &Parameter, now: &[Parameter], enough: f64) -> Gain {
     let half_width = |p: &Parameter| 0.5 * (p.interval.1 - p.interval.0);
-    let now = now.iter().find(|known| known.symbol == then.symbol);
+    let now = now.iter().find(|known| known.quantity == then.quantity);
     Gain {
-        symbol: then.symbol.clone(),
-        name: then.name.clone(),
-        unit: then.unit.clone(),
+        quantity: then.quantity,
         value: now.unwrap_or(then).value,
         now: now.map(half_width),
         then: half_width(then),

@@ -19,7 +19,7 @@ use rig::bench_parameters::BenchParameters;
 use rig::estimation::{EstimateError, need};
 use rig::experiment::{ExperimentPlan, UPDATE_S};
 use rig::random::Source;
-use rig::results::Estimate;
+use rig::results::{Estimate, Notation, Quantity};
 use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
@@ -141,13 +141,12 @@ pub struct Case {
     pub summaries: Vec<Summary>,
 }
 
-/// One parameter over all draws.
+/// One parameter over all draws, SI; written in the unit people read.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(into = "WrittenSummary")]
 pub struct Summary {
-    /// Its symbol.
-    pub symbol: String,
-    /// Its unit.
-    pub unit: String,
+    /// Which.
+    pub quantity: Quantity,
     /// Truth.
     pub truth: f64,
     /// Each draw.
@@ -162,6 +161,54 @@ pub struct Summary {
     pub claimed: f64,
     /// How many of the 95 % intervals hold the truth.
     pub coverage: Proportion,
+}
+
+/// A summary as people read it, and as JSON has it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct WrittenSummary {
+    /// Symbol of the parameter.
+    pub symbol: &'static str,
+    /// The unit of all that follows.
+    pub unit: &'static str,
+    /// Truth.
+    pub truth: f64,
+    /// Each draw.
+    pub values: Vec<f64>,
+    /// Mean of the draws.
+    pub mean: f64,
+    /// Mean less truth.
+    pub bias: f64,
+    /// Standard deviation of the draws; zero for one.
+    pub standard_deviation: f64,
+    /// Mean of the standard errors that the estimates claim.
+    pub claimed: f64,
+    /// How many of the 95 % intervals hold the truth.
+    pub coverage: Proportion,
+}
+
+impl Summary {
+    /// In the unit people read.
+    #[must_use]
+    pub fn written(&self) -> WrittenSummary {
+        let Notation { symbol, unit, per_si, .. } = self.quantity.notation();
+        WrittenSummary {
+            symbol,
+            unit,
+            truth: per_si * self.truth,
+            values: self.values.iter().map(|value| per_si * value).collect(),
+            mean: per_si * self.mean,
+            bias: per_si * self.bias,
+            standard_deviation: per_si * self.standard_deviation,
+            claimed: per_si * self.claimed,
+            coverage: self.coverage,
+        }
+    }
+}
+
+impl From<Summary> for WrittenSummary {
+    fn from(summary: Summary) -> Self {
+        summary.written()
+    }
 }
 
 /// What is studied where no recording is given: N_d and N_d* of BS_T_NT on the default virtual bench.
@@ -303,21 +350,26 @@ impl<'a> Known<'a> {
 }
 
 fn summaries(found: &[&Estimate], options: &NoiseTestOptions) -> Vec<Summary> {
-    let truths = [("K_p", options.k_p), ("K_i", options.k_i), ("τ", options.delay_s)];
-    truths.iter().filter_map(|(symbol, truth)| summary(found, symbol, *truth)).collect()
+    let truths = [
+        (Quantity::ProportionalGain, options.k_p / RPM_RAD_S),
+        (Quantity::IntegralGain, options.k_i / RPM_RAD_S),
+        (Quantity::ControllerDelay, options.delay_s),
+    ];
+    truths.into_iter().filter_map(|(quantity, truth)| summary(found, quantity, truth)).collect()
 }
 
-fn summary(found: &[&Estimate], symbol: &str, truth: f64) -> Option<Summary> {
-    let parameters: Vec<_> = found.iter().filter_map(|estimate| estimate.parameter(symbol)).collect();
-    let unit = parameters.first()?.unit.clone();
+fn summary(found: &[&Estimate], quantity: Quantity, truth: f64) -> Option<Summary> {
+    let parameters: Vec<_> = found.iter().filter_map(|estimate| estimate.parameter(quantity)).collect();
+    if parameters.is_empty() {
+        return None;
+    }
     let values: Vec<f64> = parameters.iter().map(|p| p.value).collect();
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
     let covered = parameters.iter().filter(|p| p.interval.0 <= truth && truth <= p.interval.1).count();
     let standard_deviation = if values.len() > 1 { standard_deviation(&values) } else { 0.0 };
     Some(Summary {
-        symbol: symbol.to_owned(),
-        unit,
+        quantity,
         truth,
         mean,
         bias: mean - truth,

@@ -10,7 +10,7 @@ use part_torque::air_gap_torque::modelled_torque;
 use part_torque::torque_control::TorqueControlFit;
 use rig::experiment::Test;
 use rig::facts::BenchFacts;
-use rig::results::{FeedForward, Need, Shaft};
+use rig::results::{FeedForward, Need, Quantity, Shaft};
 use rig::{ControlMode, Experiment, Finding, Severity};
 
 use crate::Progress;
@@ -35,12 +35,12 @@ pub(super) struct Pieces<'a> {
 
 impl Pieces<'_> {
     fn skews(&self) -> SignalSkews {
-        let value = |symbol: &str| self.shaft.estimate.parameter(symbol).map_or(0.0, |p| p.value);
-        SignalSkews { engine_speed_s: value("δ_e"), torque_s: value("δ_T") - self.gate_s() / 2.0 }
+        let value = |quantity| self.shaft.estimate.parameter(quantity).map_or(0.0, |p| p.value);
+        SignalSkews { engine_speed_s: value(Quantity::EngineSpeedSkew), torque_s: value(Quantity::AirGapTorqueSkew) - self.gate_s() / 2.0 }
     }
 
     fn gate_s(&self) -> f64 {
-        self.shaft.estimate.parameter("T_g").map_or(0.0, |p| p.value)
+        self.shaft.estimate.parameter(Quantity::EncoderGates).map_or(0.0, |p| p.value)
     }
 }
 

@@ -3,7 +3,6 @@
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::UPDATE_S;
 use serde::Serialize;
-use units::RPM_RAD_S;
 
 use super::drive::SAMPLES_PER_UPDATE;
 use super::train::resonance_hz;
@@ -15,16 +14,16 @@ pub struct Truth {
     pub stiffness_nm_per_rad: f64,
     /// B, Nm s/rad.
     pub damping_nm_s_per_rad: f64,
-    /// K_p, Nm/rpm.
-    pub proportional_nm_per_rpm: f64,
-    /// K_i, Nm/(rpm s).
-    pub integral_nm_per_rpm_s: f64,
+    /// K_p, Nm s/rad.
+    pub proportional_nm_s_per_rad: f64,
+    /// K_i, Nm/rad.
+    pub integral_nm_per_rad: f64,
     /// τ of the speed controller, s.
     pub controller_delay_s: f64,
-    /// k, Nm/rpm.
-    pub speed_feed_forward_nm_per_rpm: f64,
-    /// k_a, Nm/(rpm/s).
-    pub acceleration_feed_forward_nm_s_per_rpm: f64,
+    /// k, Nm s/rad.
+    pub speed_feed_forward_nm_s_per_rad: f64,
+    /// k_a, Nm s²/rad.
+    pub acceleration_feed_forward_nm_s2_per_rad: f64,
     /// Delay and lag of the torque control together, d + 1/a, s; with a machine, d, a sample of its control, and 1 over
     /// the bandwidth of its currents.
     pub torque_control_delay_s: f64,
@@ -38,7 +37,7 @@ impl Truth {
     /// # Example
     /// ```
     /// let truth = virtual_bench::Truth::of(&Default::default());
-    /// assert!((truth.proportional_nm_per_rpm - 0.9385).abs() < 1e-12);
+    /// assert!((truth.proportional_nm_s_per_rad - 0.9385 / units::RPM_RAD_S).abs() < 1e-12);
     /// assert!((truth.resonance_hz - 17.68).abs() < 0.01);
     /// ```
     #[must_use]
@@ -51,11 +50,11 @@ impl Truth {
         Truth {
             stiffness_nm_per_rad: mechanics.shaft_stiffness_nm_per_rad,
             damping_nm_s_per_rad: mechanics.shaft_damping_nm_s_per_rad,
-            proportional_nm_per_rpm: controller.proportional_nm_s_per_rad * RPM_RAD_S,
-            integral_nm_per_rpm_s: controller.integral_nm_per_rad * RPM_RAD_S,
+            proportional_nm_s_per_rad: controller.proportional_nm_s_per_rad,
+            integral_nm_per_rad: controller.integral_nm_per_rad,
             controller_delay_s: controller.delay_s,
-            speed_feed_forward_nm_per_rpm: controller.speed_feed_forward_nm_s_per_rad * RPM_RAD_S,
-            acceleration_feed_forward_nm_s_per_rpm: controller.acceleration_feed_forward_nm_s2_per_rad * RPM_RAD_S,
+            speed_feed_forward_nm_s_per_rad: controller.speed_feed_forward_nm_s_per_rad,
+            acceleration_feed_forward_nm_s2_per_rad: controller.acceleration_feed_forward_nm_s2_per_rad,
             torque_control_delay_s: bench.drive.delay_s + lag_s,
             resonance_hz: resonance_hz(mechanics),
         }

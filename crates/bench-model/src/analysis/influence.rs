@@ -1,6 +1,6 @@
 //! What each parameter does to what is computed from the model.
 
-use rig::estimation::Label;
+use rig::results::Quantity;
 
 use crate::analysis::{Influence, ParameterInfluence};
 use crate::model::{BenchModel, ModelParameter, ModelUncertainty};
@@ -24,7 +24,7 @@ const UNMOVED: f64 = 1e-3;
 
 /// What each parameter does to a result; parameters that do nothing to it are left out.
 pub(super) fn influence(
-    (label, model, uncertainty): (Label, &BenchModel, &ModelUncertainty),
+    (quantity, model, uncertainty): (Quantity, &BenchModel, &ModelUncertainty),
     result: impl Fn(&BenchModel) -> f64,
 ) -> Influence {
     let value = result(model);
@@ -37,9 +37,5 @@ pub(super) fn influence(
         let share = known.map(|(_, share)| *share);
         (elasticity.abs() > UNMOVED).then_some(ParameterInfluence { parameter, elasticity, variance_share: share })
     };
-    Influence {
-        symbol: label.symbol.to_owned(),
-        name: label.name.to_owned(),
-        parameters: PARAMETERS.into_iter().filter_map(of).collect(),
-    }
+    Influence { quantity, parameters: PARAMETERS.into_iter().filter_map(of).collect() }
 }

@@ -5,9 +5,9 @@ mod influence;
 mod margins;
 mod result;
 
-use rig::estimation::Label;
 use rig::facts::Engine;
-use rig::results::Parameter;
+use rig::results::{Parameter, Quantity};
+use units::RPM_RAD_S;
 
 use crate::model::{BenchModel, ModelUncertainty};
 pub use margins::margins;
@@ -31,18 +31,20 @@ pub struct WholeInputs<'a> {
 ///
 /// Curves that need a part the model lacks are left out; so are the margins.
 pub fn whole_model(inputs: &WholeInputs<'_>) -> WholeModel {
-    let number = |label, function: &dyn Fn(&BenchModel) -> f64| -> Parameter {
-        inputs.uncertainty.propagate(inputs.model, function).parameter(label)
+    let number = |quantity, function: &dyn Fn(&BenchModel) -> f64| -> Parameter {
+        inputs.uncertainty.propagate(inputs.model, function).parameter(quantity)
     };
     let engine = inputs.engine;
     let influences = results(inputs.model)
-        .map(|(label, function)| influence::influence((label, inputs.model, inputs.uncertainty), function));
+        .map(|(quantity, function)| influence::influence((quantity, inputs.model, inputs.uncertainty), function));
     WholeModel {
-        resonance_hz: number(RESONANCE, &resonance_hz),
-        resonance_gain: number(GAIN, &resonance_gain),
+        resonance_hz: number(Quantity::ResonanceFrequency, &resonance_hz),
+        resonance_gain: number(Quantity::ResonanceGain, &resonance_gain),
         static_gain: inputs.model.mechanics.static_gain(),
-        firing_meets_resonance_rpm: number(FIRING, &|m| engine.firing_speed_rpm(m.mechanics.resonance().frequency_hz)),
-        damping_ratio: number(DAMPING, &damping_ratio),
+        firing_meets_resonance: number(Quantity::FiringResonanceSpeed, &|m| {
+            engine.firing_speed_rpm(m.mechanics.resonance().frequency_hz) * RPM_RAD_S
+        }),
+        damping_ratio: number(Quantity::ResonanceDampingRatio, &damping_ratio),
         bode: bode::curves(inputs.model, inputs.uncertainty),
         sine_points: inputs.sine_points.to_vec(),
         speed_loop_margins: margins(inputs.model),
@@ -53,15 +55,20 @@ pub fn whole_model(inputs: &WholeInputs<'_>) -> WholeModel {
 /// What is computed from a model, each with its interval: resonance, gain and damping there, and of the speed loop, if there
 /// is one, crossover and phase margin.
 pub fn results_of(model: &BenchModel, uncertainty: &ModelUncertainty) -> Vec<Parameter> {
-    results(model).map(|(label, function)| uncertainty.propagate(model, function).parameter(label)).collect()
+    results(model).map(|(quantity, function)| uncertainty.propagate(model, function).parameter(quantity)).collect()
 }
 
 /// A number that a model gives.
-type ModelResult = (Label, fn(&BenchModel) -> f64);
+type ModelResult = (Quantity, fn(&BenchModel) -> f64);
 
 fn results(model: &BenchModel) -> impl Iterator<Item = ModelResult> + use<> {
-    let shaft: [ModelResult; 3] = [(RESONANCE, resonance_hz), (GAIN, resonance_gain), (DAMPING, damping_ratio)];
-    let speed_loop: [ModelResult; 2] = [(CROSSOVER, crossover_hz), (PHASE_MARGIN, phase_margin_deg)];
+    let shaft: [ModelResult; 3] = [
+        (Quantity::ResonanceFrequency, resonance_hz),
+        (Quantity::ResonanceGain, resonance_gain),
+        (Quantity::ResonanceDampingRatio, damping_ratio),
+    ];
+    let speed_loop: [ModelResult; 2] =
+        [(Quantity::Crossover, crossover_hz), (Quantity::PhaseMargin, phase_margin_rad)];
     let has_loop = margins(model).is_some();
     shaft.into_iter().chain(speed_loop.into_iter().filter(move |_| has_loop))
 }
@@ -82,13 +89,6 @@ fn crossover_hz(model: &BenchModel) -> f64 {
     margins(model).map_or(f64::NAN, |m| m.crossover_hz)
 }
 
-fn phase_margin_deg(model: &BenchModel) -> f64 {
-    margins(model).map_or(f64::NAN, |m| m.phase_margin_deg)
+fn phase_margin_rad(model: &BenchModel) -> f64 {
+    margins(model).map_or(f64::NAN, |m| m.phase_margin_deg.to_radians())
 }
-
-const RESONANCE: Label = Label { symbol: "f_r", name: "resonance of T_d → T_shaft", unit: "Hz" };
-const GAIN: Label = Label { symbol: "g_r", name: "gain at the resonance", unit: "Nm/Nm" };
-const FIRING: Label = Label { symbol: "N_r", name: "speed at which firing meets the resonance", unit: "rpm" };
-const DAMPING: Label = Label { symbol: "ζ", name: "damping ratio of the resonance", unit: "1" };
-const CROSSOVER: Label = Label { symbol: "f_c", name: "crossover of the speed loop", unit: "Hz" };
-const PHASE_MARGIN: Label = Label { symbol: "φ_m", name: "phase margin of the speed loop", unit: "°" };

@@ -1,7 +1,7 @@
 //! What an analysis of the assembled model finds.
 
 use rig::ControlMode;
-use rig::results::Parameter;
+use rig::results::{Parameter, Quantity, write_notation};
 use serde::Serialize;
 
 use crate::model::ModelParameter;
@@ -15,8 +15,9 @@ pub struct WholeModel {
     pub resonance_gain: Parameter,
     /// Static gain J_e/(J_d + J_e) of T_d → T_shaft.
     pub static_gain: f64,
-    /// Engine speed at which firing meets the resonance, rpm.
-    pub firing_meets_resonance_rpm: Parameter,
+    /// Engine speed at which firing meets the resonance.
+    #[serde(rename = "firing_meets_resonance_rpm")]
+    pub firing_meets_resonance: Parameter,
     /// Damping ratio of the resonant pole pair.
     pub damping_ratio: Parameter,
     /// Bode curves with confidence bands.
@@ -32,10 +33,9 @@ pub struct WholeModel {
 /// What each parameter does to a result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Influence {
-    /// Symbol of the result.
-    pub symbol: String,
-    /// What it is.
-    pub name: String,
+    /// The result.
+    #[serde(flatten, serialize_with = "write_notation")]
+    pub quantity: Quantity,
     /// The parameters that move it.
     pub parameters: Vec<ParameterInfluence>,
 }

@@ -1,10 +1,11 @@
 //! The numbers of a bench model, each by its name, so that uncertainty can be passed through any function of them.
 
+use rig::results::Quantity;
 use serde::{Deserialize, Serialize};
 
 use super::BenchModel;
 
-/// One number of a [`BenchModel`], in SI.
+/// One number of a [`BenchModel`], in SI: those of the [`Quantity`]s that make up the model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelParameter {
@@ -33,20 +34,30 @@ pub enum ModelParameter {
 }
 
 impl ModelParameter {
-    /// The symbol it has in reports.
+    /// The quantity it is, in estimates.
+    #[must_use]
+    pub fn quantity(self) -> Quantity {
+        match self {
+            ModelParameter::DynoInertia => Quantity::DynoInertia,
+            ModelParameter::EngineInertia => Quantity::EngineInertia,
+            ModelParameter::Stiffness => Quantity::Stiffness,
+            ModelParameter::Damping => Quantity::Damping,
+            ModelParameter::Proportional => Quantity::ProportionalGain,
+            ModelParameter::Integral => Quantity::IntegralGain,
+            ModelParameter::ControllerDelay => Quantity::ControllerDelay,
+            ModelParameter::SpeedFeedForward => Quantity::SpeedFeedForward,
+            ModelParameter::AccelerationFeedForward => Quantity::AccelerationFeedForward,
+            ModelParameter::TorqueControlDelay => Quantity::TorqueControlDelay,
+            ModelParameter::TorqueControlBandwidth => Quantity::TorqueControlBandwidth,
+        }
+    }
+
+    /// Its symbol; it separates the two delays, which have the same one in their own parts.
+    #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
-            ModelParameter::DynoInertia => "J_d",
-            ModelParameter::EngineInertia => "J_e",
-            ModelParameter::Stiffness => "K",
-            ModelParameter::Damping => "B",
-            ModelParameter::Proportional => "K_p",
-            ModelParameter::Integral => "K_i",
             ModelParameter::ControllerDelay => "τ of the speed controller",
-            ModelParameter::SpeedFeedForward => "k",
-            ModelParameter::AccelerationFeedForward => "k_a",
-            ModelParameter::TorqueControlDelay => "τ",
-            ModelParameter::TorqueControlBandwidth => "a",
+            other => other.quantity().symbol(),
         }
     }
 

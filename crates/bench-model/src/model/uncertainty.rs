@@ -2,8 +2,7 @@
 
 use faer::Mat;
 use numerics::random::Stream;
-use rig::estimation::Label;
-use rig::results::Parameter;
+use rig::results::{Parameter, Quantity};
 use serde::{Deserialize, Deserializer, Serialize};
 use signal::distributions::chi_squared_quantile;
 
@@ -199,9 +198,9 @@ fn infinite_if_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D
 }
 
 impl Derived {
-    /// As a parameter of a study.
-    pub fn parameter(self, label: Label) -> Parameter {
-        Parameter::new(label, self.value, self.standard_error, self.degrees_of_freedom)
+    /// As a parameter of a study; the function gives the quantity in SI.
+    pub fn parameter(self, quantity: Quantity) -> Parameter {
+        Parameter::new(quantity, self.value, self.standard_error, self.degrees_of_freedom)
     }
 }
 

@@ -10,6 +10,7 @@ use bench_model::skews::SignalSkews;
 use part_lines::segments::steady_sines;
 use part_lines::sine::{SineTest, sine_points};
 use rig::facts::Engine;
+use rig::results::Quantity;
 use rig::{Experiment, Role};
 use signal::Signal;
 
@@ -146,26 +147,26 @@ fn exact_what_each_parameter_does_to_the_resonance() {
         whole_model(&inputs).influences
     };
     let alone = found(vec![vec![100.0, 0.0], vec![0.0, 1e-6]]);
-    let of = |all: &[Influence], symbol: &str, parameter: ModelParameter| {
-        let influence = all.iter().find(|i| i.symbol == symbol).unwrap();
+    let of = |all: &[Influence], quantity: Quantity, parameter: ModelParameter| {
+        let influence = all.iter().find(|i| i.quantity == quantity).unwrap();
         *influence.parameters.iter().find(|p| p.parameter == parameter).unwrap()
     };
     let (stiffness, engine) =
-        (of(&alone, "f_r", ModelParameter::Stiffness), of(&alone, "f_r", ModelParameter::EngineInertia));
+        (of(&alone, Quantity::ResonanceFrequency, ModelParameter::Stiffness), of(&alone, Quantity::ResonanceFrequency, ModelParameter::EngineInertia));
     assert!((stiffness.elasticity - 0.5).abs() < 1e-3, "{stiffness:?}");
     assert!((stiffness.variance_share.unwrap() - 1.0).abs() < 1e-3, "{stiffness:?}");
     assert!((engine.elasticity + 0.5 * 0.6 / 0.88).abs() < 1e-3, "{engine:?}");
     assert_eq!(engine.variance_share, None);
     // The damping ratio is B/2 √((1/J_d + 1/J_e)/K).
-    let damping = of(&alone, "ζ", ModelParameter::Damping);
+    let damping = of(&alone, Quantity::ResonanceDampingRatio, ModelParameter::Damping);
     assert!((damping.elasticity - 1.0).abs() < 1e-3, "{damping:?}");
     let total: f64 =
-        alone.iter().find(|i| i.symbol == "ζ").unwrap().parameters.iter().filter_map(|p| p.variance_share).sum();
+        alone.iter().find(|i| i.quantity == Quantity::ResonanceDampingRatio).unwrap().parameters.iter().filter_map(|p| p.variance_share).sum();
     assert!((total - 1.0).abs() < 1e-9, "{total}");
     // Where two are known together, knowing either leaves nothing.
     let together = found(vec![vec![100.0, 0.01 * (1.0 - 1e-9)], vec![0.01 * (1.0 - 1e-9), 1e-6]]);
     for parameter in [ModelParameter::Stiffness, ModelParameter::Damping] {
-        let share = of(&together, "ζ", parameter).variance_share.unwrap();
+        let share = of(&together, Quantity::ResonanceDampingRatio, parameter).variance_share.unwrap();
         assert!((share - 1.0).abs() < 1e-6, "{parameter:?}: {share}");
     }
 }

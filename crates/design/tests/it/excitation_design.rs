@@ -14,6 +14,7 @@ use part_torque::torque_control;
 use rig::Role;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::{ExperimentPlan, Waveform};
+use rig::results::Quantity;
 use signal::excitation::Random;
 use units::RPM_RAD_S;
 
@@ -285,8 +286,8 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         gate_s: (1e-3, 1e-4),
     };
     let (found, truth) = (estimate_parameters(&inputs).unwrap(), virtual_bench::Truth::of(bench));
-    let error = |symbol, truth: f64| found.parameter(symbol).unwrap().value / truth - 1.0;
-    [error("K", truth.stiffness_nm_per_rad), error("B", truth.damping_nm_s_per_rad)]
+    let error = |quantity, truth: f64| found.parameter(quantity).unwrap().value / truth - 1.0;
+    [error(Quantity::Stiffness, truth.stiffness_nm_per_rad), error(Quantity::Damping, truth.damping_nm_s_per_rad)]
 }
 
 /// The designer knows the nominal bench, and how far its resonance may be off.
@@ -350,11 +351,11 @@ fn stat_designed_demands_leave_less_variance_than_white_noise() {
         for (d, (name, designed)) in [("multisine", &found.multisine), ("binary", &found.binary)].iter().enumerate() {
             for (p, predicted) in designed.parameters.iter().enumerate() {
                 let [found, low, high] = gain(&errors, d, p);
-                let symbol = predicted.parameter.symbol();
+                let quantity = predicted.parameter.symbol();
                 let predicted = predicted.gain_over_white_noise();
-                println!("{name} {symbol}: {found:.2} ({low:.2} … {high:.2}), predicted {predicted:.2}");
-                assert!(d == 1 || high > least, "{name} {symbol}: {high}");
-                assert!(low > 1.0, "{name} {symbol}: {low}");
+                println!("{name} {quantity}: {found:.2} ({low:.2} … {high:.2}), predicted {predicted:.2}");
+                assert!(d == 1 || high > least, "{name} {quantity}: {high}");
+                assert!(low > 1.0, "{name} {quantity}: {low}");
             }
         }
     }

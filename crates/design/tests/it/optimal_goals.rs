@@ -14,6 +14,7 @@ use part_torque::air_gap_torque::NoisyTorque;
 use part_torque::torque_control;
 use rig::bench_parameters::{BenchParameters, SensorParameters};
 use rig::experiment::{Demands, ExperimentPlan, Test, UPDATE_S};
+use rig::results::Quantity;
 use rig::{Experiment, Role};
 use signal::Signal;
 use signal::excitation::Random;
@@ -117,7 +118,7 @@ fn stat_stiffness_and_damping_scatter_as_predicted() {
     let (found, plan) = designed(&[Goal::Stiffness, Goal::Damping], ExcitedDemand::Torque);
     let rows = all(&plan, |inputs| {
         let estimate = estimate_parameters(inputs).unwrap();
-        ["K", "B"].map(|symbol| estimate.parameter(symbol).unwrap().value).to_vec()
+        [Quantity::Stiffness, Quantity::Damping].map(|quantity| estimate.parameter(quantity).unwrap().value).to_vec()
     });
     for (index, parameter) in [ModelParameter::Stiffness, ModelParameter::Damping].into_iter().enumerate() {
         let ratio = judged(&found, parameter, &column(&rows, index));
@@ -193,7 +194,7 @@ fn stat_the_torque_control_scatters_as_predicted() {
         let file = "Multisine_T_TN.mf4".to_owned();
         let experiment = Experiment { file, label: plan.label.clone(), signals };
         let estimate = torque_control::estimate(&experiment, None).unwrap().result.delay_and_lag;
-        ["τ", "a"].map(|symbol| estimate.parameter(symbol).unwrap().value).to_vec()
+        [Quantity::TorqueControlDelay, Quantity::TorqueControlBandwidth].map(|quantity| estimate.parameter(quantity).unwrap().value).to_vec()
     });
     for (index, parameter) in
         [ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth].into_iter().enumerate()
@@ -227,7 +228,7 @@ fn stat_controller_and_feed_forward_scatter_as_predicted() {
     let rows = in_parallel(RUNS, |seed| {
         let experiment = noisy(&plan, 10 + seed as u64);
         let found = speed_controller::estimate_feed_forward(&experiment, None, &controller, None).unwrap();
-        ["K_p", "K_i", "k", "k_a"].map(|s| found.estimate.parameter(s).unwrap().value / RPM_RAD_S).to_vec()
+        [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward].map(|s| found.estimate.parameter(s).unwrap().value).to_vec()
     });
     let parameters = [
         ModelParameter::Proportional,

@@ -1,22 +1,14 @@
 //! The discrete form of PI, and the part of it that no recording shows.
 
-use rig::estimation::Label;
-use rig::results::{Estimate, Parameter};
+use rig::results::{Estimate, Parameter, Quantity};
 use serde::Serialize;
-use units::RPM_RAD_S;
-
-const B_0: Label = Label { symbol: "b_0", name: "on the speed error of this update", unit: "Nm/rpm" };
-const B_1: Label = Label { symbol: "b_1", name: "on that of the update before", unit: "Nm/rpm" };
-const SI_K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm s/rad" };
-const SI_K_I: Label = Label { symbol: "K_i", name: "integral gain", unit: "Nm/rad" };
-const K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm/rpm" };
 
 /// PI as the controller computes it: T_d*(k) = T_d*(k − 1) + b_0 e(k) + b_1 e(k − 1), e the speed error delayed by τ.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Discrete {
     /// Sample time T of the controller, s.
     pub sample_time_s: f64,
-    /// b_0 = K_p and b_1 = K_i T − K_p, Nm/rpm, with the covariance that follows from that of K_p and K_i.
+    /// b_0 = K_p and b_1 = K_i T − K_p, Nm s/rad, with the covariance that follows from that of K_p and K_i.
     pub coefficients: Estimate,
     /// K_p by each rule of integration, all of which give these coefficients; K_i = (b_0 + b_1)/T is the same in all.
     pub proportional_gains: Vec<(IntegrationRule, Parameter)>,
@@ -52,11 +44,14 @@ impl IntegrationRule {
 impl Discrete {
     /// Of K_p and K_i, the first two parameters of an estimate.
     pub(super) fn of(estimate: &Estimate, sample_time_s: f64) -> Self {
-        let by_rule = |rule: IntegrationRule| (rule, combined(estimate, K_P, [1.0, -rule.share() * sample_time_s]));
+        let by_rule = |rule: IntegrationRule| (rule, combined(estimate, Quantity::ProportionalGain, [1.0, -rule.share() * sample_time_s]));
         let rows = [[1.0, 0.0], [-1.0, sample_time_s]];
         let covariance = rows.iter().map(|a| rows.iter().map(|b| joint(estimate, *a, *b)).collect()).collect();
         let coefficients = Estimate {
-            parameters: vec![combined(estimate, B_0, rows[0]), combined(estimate, B_1, rows[1])],
+            parameters: vec![
+                combined(estimate, Quantity::PresentErrorGain, rows[0]),
+                combined(estimate, Quantity::PreviousErrorGain, rows[1]),
+            ],
             covariance,
             ..estimate.clone()
         };
@@ -65,17 +60,11 @@ impl Discrete {
     }
 }
 
-/// K_p and K_i per rad/s.
-pub(super) fn in_si(estimate: &Estimate) -> Vec<Parameter> {
-    let per_rad_s = 1.0 / RPM_RAD_S;
-    vec![combined(estimate, SI_K_P, [per_rad_s, 0.0]), combined(estimate, SI_K_I, [0.0, per_rad_s])]
-}
-
 /// A sum of K_p and K_i with these factors.
-fn combined(estimate: &Estimate, label: Label, factors: [f64; 2]) -> Parameter {
+fn combined(estimate: &Estimate, quantity: Quantity, factors: [f64; 2]) -> Parameter {
     let value: f64 = estimate.parameters.iter().zip(factors).map(|(p, factor)| factor * p.value).sum();
     let freedom = estimate.parameters.first().map_or(f64::NAN, |p| p.degrees_of_freedom);
-    Parameter::new(label, value, joint(estimate, factors, factors).max(0.0).sqrt(), freedom)
+    Parameter::new(quantity, value, joint(estimate, factors, factors).max(0.0).sqrt(), freedom)
 }
 
 /// Covariance of two such sums.

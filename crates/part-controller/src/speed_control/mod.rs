@@ -6,7 +6,7 @@ mod discrete;
 
 use numerics::parallel;
 use rig::experiment::Sought;
-use rig::results::{Estimate, FeedForward, Parameter, Told, Validation};
+use rig::results::{Estimate, FeedForward, Told, Validation};
 use rig::{ControlMode, Excitation, Experiment};
 use serde::Serialize;
 
@@ -49,8 +49,6 @@ pub struct Controller {
     pub validation: Validation,
     /// The latter on the same stretch.
     pub validation_without_delay: Validation,
-    /// K_p in Nm s/rad and K_i in Nm/rad.
-    pub si: Vec<Parameter>,
     /// The same as the controller computes it.
     pub discrete: Discrete,
     /// What may be added to PI and delay.
@@ -145,7 +143,6 @@ fn controller(experiment: &Experiment, fit: &SpeedControllerFit, torque_limit_nm
         without_delay: fit.without_delay.clone(),
         validation: result.validation.clone(),
         validation_without_delay: result.without_delay.clone(),
-        si: discrete::in_si(&result.estimate),
         discrete: Discrete::of(&result.estimate, result.sample_time_s),
         structure: structure(experiment, fit, torque_limit_nm).into(),
     }

@@ -4,12 +4,11 @@ use ident::covariance::at_least_white;
 use ident::validate::{self, fit_percent, rms_error};
 use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
 use rig::align::split_window;
-use rig::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
-use rig::results::{Estimate, FeedForward, Parameter, ResidualTest, SpeedController, Trace, Validation};
+use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
+use rig::results::{Estimate, FeedForward, Parameter, Quantity, ResidualTest, SpeedController, Trace, Validation};
 use rig::{Experiment, Role};
 use signal::Signal;
 use signal::spline::UniformSpline;
-use units::RPM_RAD_S;
 
 use super::data::{Data, ident_error, signal_error, starting_point};
 use super::encoder::Encoder;
@@ -28,16 +27,6 @@ const LARGEST_ECCENTRICITY: f64 = 2e-3;
 const LAGS: usize = 25;
 /// Level of the residual tests' regions.
 const TEST_LEVEL: f64 = 0.99;
-
-pub(super) const K_P: Label = Label { symbol: "K_p", name: "proportional gain", unit: "Nm/rpm" };
-pub(super) const K_I: Label = Label { symbol: "K_i", name: "integral gain", unit: "Nm/(rpm s)" };
-pub(super) const TAU: Label = Label { symbol: "τ", name: "delay of the controller", unit: "s" };
-const ZERO: Label = Label { symbol: "−K_i/K_p", name: "zero of (K_p s + K_i)/s", unit: "rad/s" };
-const I_0: Label = Label { symbol: "I_0", name: "initial state of the integrator", unit: "Nm" };
-const T_G: Label = Label { symbol: "T_g", name: "gate of the speed encoder", unit: "s" };
-pub(super) const K_SPEED: Label = Label { symbol: "k", name: "feed-forward of speed", unit: "Nm/rpm" };
-pub(super) const K_ACCELERATION: Label =
-    Label { symbol: "k_a", name: "feed-forward of acceleration", unit: "Nm/(rpm/s)" };
 
 /// The estimated speed controller, for people and for the estimators that follow.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,7 +65,7 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
             zero: zero_of(&estimate),
             estimate,
             sample_time_s: data.demand.sample_time_s,
-            discrete: (discrete.0 * RPM_RAD_S, discrete.1 * RPM_RAD_S),
+            discrete,
             validation: validate(&unseen, &fit.parameters, lag)?,
             without_delay: validate(&unseen, &without.parameters, lag)?,
         },
@@ -96,7 +85,7 @@ fn zero_of(estimate: &Estimate) -> Parameter {
     let rows = estimate.covariance.iter().zip(gradient);
     let variance: f64 = rows.map(|(row, a)| row.iter().zip(gradient).map(|(c, b)| a * c * b).sum::<f64>()).sum();
     let freedom = estimate.parameters.first().map_or(f64::NAN, |p| p.degrees_of_freedom);
-    Parameter::new(ZERO, -k_i / k_p, variance.max(0.0).sqrt(), freedom)
+    Parameter::new(Quantity::ControllerZero, -k_i / k_p, variance.max(0.0).sqrt(), freedom)
 }
 
 /// Estimates PI and delay from all of a recording whose T_d* is that of PI and delay alone; nothing is held out.
@@ -139,7 +128,7 @@ fn described(
     if coarse_demand_nm.is_some() {
         // A gate of nought to one sample, all alike; half of it is in the delay.
         encoder.gate_standard_error_s = data.demand.sample_time_s / 12f64.sqrt();
-        estimate.add_systematic(&[TAU.symbol], encoder.gate_standard_error_s);
+        estimate.add_systematic(&[Quantity::ControllerDelay], encoder.gate_standard_error_s);
     }
     Ok((estimate, encoder))
 }
@@ -271,17 +260,17 @@ fn describe(data: &Data, fit: &Minimum, noise_rad_s: f64) -> Result<(Estimate, E
     let first_demand = data.demand.samples[0];
     let gate = |g: &[f64]| g[inverse::GATE_SQUARED].max(0.0).sqrt() * t;
     let outputs: [ReadOut<'_>; 5] = [
-        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
-        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
-        (TAU, &|g| g[inverse::LEAD] * t + gate(g) / 2.0),
-        (I_0, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
-        (T_G, &gate),
+        (Quantity::ProportionalGain, &|g| 1.0 / g[inverse::P]),
+        (Quantity::IntegralGain, &|g| g[inverse::Q] / (g[inverse::P] * t)),
+        (Quantity::ControllerDelay, &|g| g[inverse::LEAD] * t + gate(g) / 2.0),
+        (Quantity::IntegratorState, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
+        (Quantity::DynoEncoderGate, &gate),
     ];
     // Without a gate of its own the logged speed is the one the controller sees: nothing to report.
     let reported = if fit.at_bound[inverse::GATE_SQUARED] { &outputs[..4] } else { &outputs[..] };
     let mut estimate = transformed(reported, fit, &covariance, dof, &data.stretch);
-    estimate.add_systematic(&[TAU.symbol], timing_floor_s(t));
-    let gate_standard_error_s = estimate.parameter(T_G.symbol).map_or(0.0, |p| p.standard_error);
+    estimate.add_systematic(&[Quantity::ControllerDelay], timing_floor_s(t));
+    let gate_standard_error_s = estimate.parameter(Quantity::DynoEncoderGate).map_or(0.0, |p| p.standard_error);
     let encoder = Encoder {
         gate_s: gate(&fit.parameters),
         gate_standard_error_s,
@@ -295,9 +284,9 @@ fn describe_without_delay(data: &Data, fit: &Minimum) -> Result<Estimate, Estima
     let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
     let (t, first_demand) = (data.demand.sample_time_s, data.demand.samples[0]);
     let outputs: [ReadOut<'_>; 3] = [
-        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
-        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
-        (I_0, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
+        (Quantity::ProportionalGain, &|g| 1.0 / g[inverse::P]),
+        (Quantity::IntegralGain, &|g| g[inverse::Q] / (g[inverse::P] * t)),
+        (Quantity::IntegratorState, &|g| first_demand - g[inverse::FIRST_ERROR] / g[inverse::P]),
     ];
     Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
 }
@@ -306,10 +295,10 @@ fn describe_feed_forward(data: &Data, fit: &Minimum) -> Result<Estimate, Estimat
     let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
     let t = data.demand.sample_time_s;
     let outputs: [ReadOut<'_>; 4] = [
-        (K_SPEED, &|g| RPM_RAD_S * g[inverse::K]),
-        (K_ACCELERATION, &|g| RPM_RAD_S * t * g[inverse::K_A]),
-        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
-        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
+        (Quantity::SpeedFeedForward, &|g| g[inverse::K]),
+        (Quantity::AccelerationFeedForward, &|g| t * g[inverse::K_A]),
+        (Quantity::ProportionalGain, &|g| 1.0 / g[inverse::P]),
+        (Quantity::IntegralGain, &|g| g[inverse::Q] / (g[inverse::P] * t)),
     ];
     Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
 }

@@ -12,12 +12,11 @@ use ident::covariance::at_least_white;
 use ident::{Bounds, IdentError, NonlinearOptions, ResidualModel, minimise};
 use rig::Experiment;
 use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
-use rig::results::Estimate;
+use rig::results::{Estimate, Quantity};
 use signal::spline::UniformSpline;
-use units::RPM_RAD_S;
 
 use super::data::{Data, ident_error, signal_error, starting_point};
-use super::fit::{BATCHES, K_I, K_P, TAU};
+use super::fit::BATCHES;
 use super::inverse::{self, recursion};
 
 /// Parameters, by position: K_p in Nm s/rad, K_i T in Nm s/rad, what the prefilter's start leaves, τ in samples.
@@ -51,9 +50,9 @@ pub fn estimate_forward(experiment: &Experiment) -> Result<Estimate, EstimateErr
     let (covariance, freedom) = at_least_white(&fit, BATCHES).map_err(|e| ident_error(&data, e))?;
     let t = data.demand.sample_time_s;
     let outputs: [ReadOut<'_>; 3] =
-        [(K_P, &|g| RPM_RAD_S * g[GAIN]), (K_I, &|g| RPM_RAD_S * g[INTEGRAL] / t), (TAU, &|g| t * g[DELAY])];
+        [(Quantity::ProportionalGain, &|g| g[GAIN]), (Quantity::IntegralGain, &|g| g[INTEGRAL] / t), (Quantity::ControllerDelay, &|g| t * g[DELAY])];
     let mut estimate = transformed(&outputs, &fit, &covariance, freedom, &data.stretch);
-    estimate.add_systematic(&[TAU.symbol], timing_floor_s(t));
+    estimate.add_systematic(&[Quantity::ControllerDelay], timing_floor_s(t));
     Ok(estimate)
 }
 

@@ -13,14 +13,13 @@ use faer::Mat;
 use faer::prelude::Solve;
 use ident::distributions::f_tail;
 use rig::estimation::{EstimateError, need};
-use rig::results::FeedForward;
+use rig::results::{FeedForward, Quantity};
 use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::spline::UniformSpline;
-use units::RPM_RAD_S;
 
 use super::data::signal_error;
-use super::fit::{K_ACCELERATION, K_I, K_P, K_SPEED, SpeedControllerFit, TAU};
+use super::fit::SpeedControllerFit;
 use super::inverse;
 use super::terms::LEVEL;
 
@@ -161,22 +160,22 @@ fn doubtful(
     feed_forward: Option<&FeedForward>,
 ) -> Vec<(SpeedControllerFit, Option<FeedForward>)> {
     let estimate = &controller.result.estimate;
-    let moved = |symbol: &str, move_by: &dyn Fn(&mut [f64], f64, f64)| {
-        let parameter = estimate.parameter(symbol)?;
+    let moved = |quantity: Quantity, move_by: &dyn Fn(&mut [f64], f64, f64)| {
+        let parameter = estimate.parameter(quantity)?;
         let mut fit = controller.clone();
         move_by(&mut fit.theta, parameter.value, parameter.standard_error);
         Some((fit, feed_forward.cloned()))
     };
     let t = controller.result.sample_time_s;
-    let gains = moved(K_P.symbol, &|theta, value, error| {
+    let gains = moved(Quantity::ProportionalGain, &|theta, value, error| {
         theta[inverse::P] *= value / (value + error);
         theta[inverse::Q] *= value / (value + error);
     });
-    let integral = moved(K_I.symbol, &|theta, value, error| theta[inverse::Q] *= (value + error) / value);
-    let delay = moved(TAU.symbol, &|theta, _, error| theta[inverse::LEAD] += error / t);
+    let integral = moved(Quantity::IntegralGain, &|theta, value, error| theta[inverse::Q] *= (value + error) / value);
+    let delay = moved(Quantity::ControllerDelay, &|theta, _, error| theta[inverse::LEAD] += error / t);
     let feed = feed_forward.map(|feed_forward| {
         let mut feed = feed_forward.clone();
-        let k = feed.estimate.parameters.iter_mut().find(|p| p.symbol == K_SPEED.symbol);
+        let k = feed.estimate.parameters.iter_mut().find(|p| p.quantity == Quantity::SpeedFeedForward);
         k.into_iter().for_each(|k| k.value += k.standard_error);
         (controller.clone(), Some(feed))
     });
@@ -266,9 +265,9 @@ impl ControllerSignals {
         let spline = UniformSpline::new(speed.samples.clone()).map_err(|e| signal_error(file, e))?;
         let (theta, lag, t) = (&controller.theta, controller.reference_lag, demand.sample_time_s);
         let coefficient =
-            |symbol: &str| feed_forward.and_then(|f| f.estimate.parameter(symbol)).map_or(0.0, |p| p.value);
-        let k = coefficient(K_SPEED.symbol) / RPM_RAD_S;
-        let k_a = coefficient(K_ACCELERATION.symbol) / (RPM_RAD_S * t);
+            |quantity| feed_forward.and_then(|f| f.estimate.parameter(quantity)).map_or(0.0, |p| p.value);
+        let k = coefficient(Quantity::SpeedFeedForward);
+        let k_a = coefficient(Quantity::AccelerationFeedForward) / t;
         let n = demand.len().min(reference.len());
         let set = |i: usize| reference.samples[i];
         let feed: Vec<f64> = (0..n).map(|i| k * set(i) + k_a * (set(i) - set(i.saturating_sub(1)))).collect();

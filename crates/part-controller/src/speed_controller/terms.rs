@@ -15,14 +15,13 @@ use ident::Minimum;
 use ident::covariance::at_least_white;
 use ident::distributions::{f_tail, interval, student_t_quantile};
 use rig::Experiment;
-use rig::estimation::{EstimateError, Label, ReadOut, timing_floor_s, transformed};
-use rig::results::{Estimate, Parameter, Stretch};
+use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
+use rig::results::{Estimate, Parameter, Quantity, Stretch};
 use serde::Serialize;
 use signal::Signal;
-use units::RPM_RAD_S;
 
 use super::data::{Data, ident_error};
-use super::fit::{BATCHES, K_I, K_P, SpeedControllerFit, TAU, check_moves, run};
+use super::fit::{BATCHES, SpeedControllerFit, check_moves, run};
 use super::inverse::{self, COUNT};
 
 /// Probability of finding any term where there is none.
@@ -38,13 +37,6 @@ const MOST_TERMS: usize = 2;
 const KNOTS: usize = 7;
 /// Level of intervals.
 const INTERVAL_LEVEL: f64 = 0.95;
-
-const T_F: Label = Label { symbol: "T_f", name: "time constant of a filter on N_d", unit: "s" };
-const K_D: Label = Label { symbol: "K_d", name: "derivative gain", unit: "Nm/(rpm/s)" };
-const K_II: Label = Label { symbol: "K_ii", name: "gain of a second integrator", unit: "Nm/(rpm s²)" };
-const OFFSET: Label = Label { symbol: "N_0", name: "offset in the speed error", unit: "rpm" };
-const HYSTERESIS: Label = Label { symbol: "h", name: "half the feed-forward's hysteresis, up less down", unit: "Nm" };
-const FRICTION: Label = Label { symbol: "c", name: "friction compensation with the sign of dN_d*/dt", unit: "Nm" };
 
 /// A term that may be added to PI and delay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -330,9 +322,9 @@ fn test(term: Term, base: &Minimum, fit: Option<&(Data, Minimum)>) -> TermTest {
     if tested.iter().any(|j| fit.at_bound[*j]) || !(is_told || p_value < LEVEL) {
         return untold;
     }
-    let estimate = label(term).map(|label| {
+    let estimate = quantity(term).map(|quantity| {
         let (t, index) = (data.demand.sample_time_s, tested[0]);
-        let outputs: [ReadOut<'_>; 1] = [(label, &|g| read_out(term, g, index, t))];
+        let outputs: [ReadOut<'_>; 1] = [(quantity, &|g| read_out(term, g, index, t))];
         transformed(&outputs, fit, &covariance, freedom, &data.stretch).parameters.swap_remove(0)
     });
     TermTest {
@@ -394,27 +386,26 @@ fn corrected(mut tests: Vec<TermTest>, left_rad_s: f64) -> Vec<TermTest> {
     tests
 }
 
-fn label(term: Term) -> Option<Label> {
+fn quantity(term: Term) -> Option<Quantity> {
     match term {
-        Term::Filter => Some(T_F),
-        Term::Derivative => Some(K_D),
-        Term::SecondIntegrator => Some(K_II),
-        Term::SpeedOffset => Some(OFFSET),
+        Term::Filter => Some(Quantity::FilterTime),
+        Term::Derivative => Some(Quantity::DerivativeGain),
+        Term::SecondIntegrator => Some(Quantity::SecondIntegralGain),
+        Term::SpeedOffset => Some(Quantity::SpeedErrorOffset),
         Term::StaticMap => None,
-        Term::Hysteresis => Some(HYSTERESIS),
-        Term::Friction => Some(FRICTION),
+        Term::Hysteresis => Some(Quantity::FeedForwardHysteresis),
+        Term::Friction => Some(Quantity::FrictionCompensation),
     }
 }
 
-/// A term in the unit of its label, its parameter at `index`; T is the controller's sample time.
+/// A term in SI, its parameter at `index`; T is the controller's sample time.
 fn read_out(term: Term, g: &[f64], index: usize, t: f64) -> f64 {
-    let k_p = RPM_RAD_S / g[inverse::P];
+    let k_p = 1.0 / g[inverse::P];
     match term {
         Term::Filter => g[index] * t,
         Term::Derivative => g[index] * k_p * t,
         Term::SecondIntegrator => g[index] * k_p / (t * t),
-        Term::SpeedOffset => g[index] / RPM_RAD_S,
-        Term::StaticMap | Term::Hysteresis | Term::Friction => g[index],
+        Term::SpeedOffset | Term::StaticMap | Term::Hysteresis | Term::Friction => g[index],
     }
 }
 
@@ -422,20 +413,20 @@ fn with_terms(data: &Data, fit: &Minimum, found: &[Term]) -> Result<Estimate, Es
     let (covariance, freedom) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
     let t = data.demand.sample_time_s;
     let gains: [ReadOut<'_>; 3] = [
-        (K_P, &|g| RPM_RAD_S / g[inverse::P]),
-        (K_I, &|g| RPM_RAD_S * g[inverse::Q] / (g[inverse::P] * t)),
-        (TAU, &|g| (g[inverse::LEAD] + g[inverse::GATE_SQUARED].max(0.0).sqrt() / 2.0) * t),
+        (Quantity::ProportionalGain, &|g| 1.0 / g[inverse::P]),
+        (Quantity::IntegralGain, &|g| g[inverse::Q] / (g[inverse::P] * t)),
+        (Quantity::ControllerDelay, &|g| (g[inverse::LEAD] + g[inverse::GATE_SQUARED].max(0.0).sqrt() / 2.0) * t),
     ];
     let read = |term: &Term| {
         let (term, index) = (*term, *positions(*term).first()?);
         let read = move |g: &[f64]| read_out(term, g, index, t);
-        Some((label(term)?, Box::new(read) as Box<dyn Fn(&[f64]) -> f64>))
+        Some((quantity(term)?, Box::new(read) as Box<dyn Fn(&[f64]) -> f64>))
     };
     let read: Vec<_> = found.iter().filter_map(read).collect();
-    let terms = read.iter().map(|(label, read)| (*label, read.as_ref()));
+    let terms = read.iter().map(|(quantity, read)| (*quantity, read.as_ref()));
     let outputs: Vec<ReadOut<'_>> = gains.into_iter().chain(terms).collect();
     let mut estimate = transformed(&outputs, fit, &covariance, freedom, &data.stretch);
-    estimate.add_systematic(&[TAU.symbol], timing_floor_s(t));
+    estimate.add_systematic(&[Quantity::ControllerDelay], timing_floor_s(t));
     Ok(estimate)
 }
 

@@ -12,6 +12,7 @@ use part_controller::speed_controller::{
 };
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
+use rig::results::Quantity;
 use rig::{BenchFile, Experiment, prepare};
 use study::noise_test::{Estimator, Noise, NoiseTestOptions, noise_test, virtual_experiment};
 
@@ -45,7 +46,7 @@ fn levels() -> ExperimentPlan {
 
 fn estimate_of(rounds: &[part_controller::speed_controller::Round], term: Term) -> (f64, f64, (f64, f64)) {
     let tests = rounds.iter().rev().flat_map(|round| &round.tests);
-    let found = tests.filter(|test| test.term == term).find_map(|test| test.estimate.as_ref()).unwrap();
+    let found = tests.filter(|test| test.term == term).find_map(|test| test.estimate.as_ref()).unwrap().written();
     (found.value, found.standard_error, found.interval)
 }
 
@@ -57,20 +58,21 @@ fn exact_the_discrete_form_follows_from_the_gains_by_any_rule_of_integration() {
     let controller = found.controllers[0].found.found().unwrap();
     let discrete = &controller.discrete;
     let [b_0, b_1] = &discrete.coefficients.parameters[..] else { panic!("{discrete:?}") };
+    let (b_0, b_1) = (b_0.written(), b_1.written());
     // T_d*(k) − T_d*(k − 1) = K_p (e(k) − e(k − 1)) + K_i T e(k − 1).
     assert!((b_0.value - 0.9385).abs() < 1e-4 && (b_1.value - (1.865e-3 - 0.9385)).abs() < 1e-4, "{b_0:?} {b_1:?}");
     // b_0 + b_1 = K_i T is known much better than either: they are estimated together.
     let c = &discrete.coefficients.covariance;
     let of_sum = (c[0][0] + 2.0 * c[0][1] + c[1][1]).sqrt();
-    let k_i = controller.with_delay.parameter("K_i").unwrap();
+    let k_i = controller.with_delay.parameter(Quantity::IntegralGain).unwrap();
     assert!((of_sum / (1e-3 * k_i.standard_error) - 1.0).abs() < 1e-6, "{of_sum}");
-    let gain = |rule| discrete.proportional_gains.iter().find(|(r, _)| *r == rule).unwrap().1.value;
+    let gain = |rule| discrete.proportional_gains.iter().find(|(r, _)| *r == rule).unwrap().1.written().value;
     assert!((gain(IntegrationRule::Forward) - b_0.value).abs() < 1e-12);
     assert!((gain(IntegrationRule::Backward) + b_1.value).abs() < 1e-12);
     assert!((gain(IntegrationRule::Trapezoidal) - 0.5 * (b_0.value - b_1.value)).abs() < 1e-12);
     let residuals = |v: &rig::results::Validation| v.residuals.as_ref().unwrap().share_outside();
     assert!(residuals(&controller.validation_without_delay) > 0.05 && residuals(&controller.validation) < 0.05);
-    assert!(controller.without_delay.parameter("τ").is_none());
+    assert!(controller.without_delay.parameter(Quantity::ControllerDelay).is_none());
 }
 
 #[test]
@@ -105,7 +107,7 @@ fn stat_terms_beside_pi_and_delay_are_found_under_noise() {
         assert!((value - truth).abs() < 4.0 * error + 0.02 * truth, "{term:?}: {value} ± {error}");
         assert!(found.left_rad_s.1 < found.left_rad_s.0);
         let with = found.with_terms.unwrap();
-        let k_p = with.parameter("K_p").unwrap();
+        let k_p = with.parameter(Quantity::ProportionalGain).unwrap().written();
         assert!((k_p.value / 0.9385 - 1.0).abs() < 2e-3, "{k_p:?}");
     }
 }
@@ -272,7 +274,7 @@ fn stat_the_study_covers_the_truth_from_t_d_demand() {
         for s in &case.summaries {
             println!(
                 "{:?} {:?} {}: bias {:.2e}, st. dev. {:.2e}, claimed {:.2e}, coverage {:.2}",
-                case.noise, case.estimator, s.symbol, s.bias, s.standard_deviation, s.claimed, s.coverage.estimate
+                case.noise, case.estimator, s.quantity, s.bias, s.standard_deviation, s.claimed, s.coverage.estimate
             );
             if case.estimator == Estimator::Forward {
                 assert!(s.bias.abs() < 4.0 * s.standard_deviation / (draws as f64).sqrt(), "{s:?}");
@@ -308,8 +310,8 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
     for one in &found.controllers {
         let controller = one.found.found().unwrap();
         // truth.json: Kp 0.9385, Ki 1.865, delay 1 ms.
-        for (symbol, truth, tolerance) in [("K_p", 0.9385, 1e-3), ("K_i", 1.865, 1e-3), ("τ", 1e-3, 3e-4)] {
-            let p = controller.with_delay.parameter(symbol).unwrap();
+        for (quantity, truth, tolerance) in [(Quantity::ProportionalGain, 0.9385, 1e-3), (Quantity::IntegralGain, 1.865, 1e-3), (Quantity::ControllerDelay, 1e-3, 3e-4)] {
+            let p = controller.with_delay.parameter(quantity).unwrap().written();
             assert!((p.value - truth).abs() < tolerance, "{}: {p:?}", one.file);
         }
         let outside = |v: &rig::results::Validation| v.residuals.as_ref().unwrap().share_outside();
@@ -350,7 +352,7 @@ fn ref_bench_b_has_pi_delay_and_straight_feed_forward() {
     assert_eq!(controller.structure.found().unwrap().found(), [], "{:#?}", controller.structure);
     let agree = found.feed_forward.iter().filter_map(|one| one.found.found()).map(|one| {
         assert_eq!(one.terms.found().unwrap().found(), []);
-        one.straight.estimate.parameter("k").unwrap().interval
+        one.straight.estimate.parameter(Quantity::SpeedFeedForward).unwrap().interval
     });
     let intervals: Vec<(f64, f64)> = agree.collect();
     let [first, second] = intervals[..] else { panic!("{intervals:?}") };

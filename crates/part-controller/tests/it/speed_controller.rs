@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use part_controller::speed_controller::{estimate, estimate_feed_forward};
 use rig::estimation::EstimateError;
-use rig::results::Estimate;
+use rig::results::{Estimate, Quantity};
 use rig::{Experiment, Role};
 use signal::Signal;
 use signal::excitation::Random;
@@ -116,18 +116,19 @@ fn record(case: Case) -> Experiment {
     Experiment { file: format!("{label}.mf4"), label: label.parse().unwrap(), signals }
 }
 
-fn value(estimate: &Estimate, symbol: &str) -> f64 {
-    estimate.parameter(symbol).unwrap().value
+/// In the unit people read.
+fn value(estimate: &Estimate, quantity: Quantity) -> f64 {
+    estimate.parameter(quantity).unwrap().written().value
 }
 
 #[test]
 fn exact_noise_free_controller_is_found() {
     let found = estimate(&record(Case::default()), None).unwrap();
     let estimate = &found.result.estimate;
-    assert!((value(estimate, "K_p") / 0.94 - 1.0).abs() < 1e-5, "{estimate:?}");
-    assert!((value(estimate, "K_i") / 1.9 - 1.0).abs() < 1e-4);
-    assert!((value(estimate, "τ") - T).abs() < 2e-6);
-    assert!((value(estimate, "T_g") - T).abs() < 2e-6);
+    assert!((value(estimate, Quantity::ProportionalGain) / 0.94 - 1.0).abs() < 1e-5, "{estimate:?}");
+    assert!((value(estimate, Quantity::IntegralGain) / 1.9 - 1.0).abs() < 1e-4);
+    assert!((value(estimate, Quantity::ControllerDelay) - T).abs() < 2e-6);
+    assert!((value(estimate, Quantity::DynoEncoderGate) - T).abs() < 2e-6);
     assert!(found.result.validation.fit_percent > 99.9);
     assert!(found.result.without_delay.fit_percent < found.result.validation.fit_percent);
 }
@@ -136,23 +137,23 @@ fn exact_noise_free_controller_is_found() {
 fn exact_delays_between_samples_are_found() {
     for delay_s in [0.4e-3, 1.6e-3, 2.0e-3, 3.3e-3] {
         let found = estimate(&record(Case { delay_s, ..Case::default() }), None).unwrap();
-        assert!((value(&found.result.estimate, "τ") - delay_s).abs() < 3e-6, "{delay_s}");
+        assert!((value(&found.result.estimate, Quantity::ControllerDelay) - delay_s).abs() < 3e-6, "{delay_s}");
     }
 }
 
 #[test]
 fn exact_controller_that_reads_the_logged_speed_shows_no_gate() {
     let found = estimate(&record(Case { gate_s: 0.0, ..Case::default() }), None).unwrap();
-    let gate = found.result.estimate.parameter("T_g").map_or(0.0, |p| p.value);
+    let gate = found.result.estimate.parameter(Quantity::DynoEncoderGate).map_or(0.0, |p| p.value);
     assert!(gate < 0.1 * T, "{gate}");
-    assert!((value(&found.result.estimate, "K_p") / 0.94 - 1.0).abs() < 1e-4);
+    assert!((value(&found.result.estimate, Quantity::ProportionalGain) / 0.94 - 1.0).abs() < 1e-4);
 }
 
 #[test]
 fn exact_once_a_turn_error_is_told_from_the_gains() {
     let found = estimate(&record(Case { eccentricity: 3e-4, ..Case::default() }), None).unwrap();
     assert!((found.encoder.eccentricity() / 3e-4 - 1.0).abs() < 0.01, "{:?}", found.encoder);
-    assert!((value(&found.result.estimate, "K_p") / 0.94 - 1.0).abs() < 1e-4);
+    assert!((value(&found.result.estimate, Quantity::ProportionalGain) / 0.94 - 1.0).abs() < 1e-4);
 }
 
 #[test]
@@ -160,8 +161,8 @@ fn exact_feed_forward_is_found_beside_the_controller() {
     let controller = estimate(&record(Case::default()), None).unwrap();
     let ramp = record(Case { ramps: true, seconds: 16.0, ..Case::default() });
     let found = estimate_feed_forward(&ramp, None, &controller, None).unwrap();
-    assert!((value(&found.estimate, "k") / 0.012 - 1.0).abs() < 1e-2, "{:?}", found.estimate);
-    assert!((value(&found.estimate, "k_a") / -0.085 - 1.0).abs() < 1e-2);
+    assert!((value(&found.estimate, Quantity::SpeedFeedForward) / 0.012 - 1.0).abs() < 1e-2, "{:?}", found.estimate);
+    assert!((value(&found.estimate, Quantity::AccelerationFeedForward) / -0.085 - 1.0).abs() < 1e-2);
     assert!(found.validation.fit_percent > found.pi_alone.fit_percent + 5.0);
 }
 
@@ -181,9 +182,9 @@ fn regress_a_rounded_demand_moves_no_delay_out_of_its_interval() {
     for demand_step_nm in [0.01, 0.05, 0.1, 0.5] {
         let case = Case { noise_rad_s: 3e-3, demand_step_nm, seconds: 20.0, ..Case::default() };
         let found = estimate(&record(case), None).unwrap();
-        let delay = found.result.estimate.parameter("τ").unwrap();
+        let delay = found.result.estimate.parameter(Quantity::ControllerDelay).unwrap();
         assert!(delay.interval.0 < T && T < delay.interval.1, "{demand_step_nm} Nm: {delay:?}");
-        assert!((value(&found.result.estimate, "K_p") / 0.94 - 1.0).abs() < 2e-3);
+        assert!((value(&found.result.estimate, Quantity::ProportionalGain) / 0.94 - 1.0).abs() < 2e-3);
         assert_eq!(found.coarse_demand_nm.is_some(), demand_step_nm > 0.03, "{demand_step_nm} Nm");
     }
 }
@@ -195,8 +196,8 @@ fn stat_intervals_of_the_gains_cover_the_truth() {
     for seed in 0..runs {
         let case = Case { seconds: 6.0, noise_rad_s: 3e-3, eccentricity: 2e-4, seed, ..Case::default() };
         let found = estimate(&record(case), None).unwrap();
-        for (count, (symbol, truth)) in covered.iter_mut().zip([("K_p", 0.94), ("K_i", 1.9)]) {
-            let (low, high) = found.result.estimate.parameter(symbol).unwrap().interval;
+        for (count, (quantity, truth)) in covered.iter_mut().zip([(Quantity::ProportionalGain, 0.94), (Quantity::IntegralGain, 1.9)]) {
+            let (low, high) = found.result.estimate.parameter(quantity).unwrap().written().interval;
             *count += usize::from(low < truth && truth < high);
         }
     }

@@ -309,7 +309,7 @@ fn ref_run_out_of_a_flywheel_dynamometer() {
     let friction = estimate(&[&experiment], options).unwrap();
     let published = |w: f64| 1.74e-7 * w.powi(3) - 2.903e-5 * w * w + 3.222e-3 * w + 3.097e-2;
     println!("terms {:?}, left out {}", friction.terms(), friction.run_outs[0].left_out);
-    friction.per_inertia.parameters.iter().for_each(|p| println!("{} {} ± {}", p.symbol, p.value, p.standard_error));
+    friction.per_inertia.parameters.iter().for_each(|p| println!("{} {} ± {}", p.quantity, p.value, p.standard_error));
     for point in &friction.curve {
         let ours = point.torque_nm / 0.8489;
         let theirs = published(point.speed_rad_s);

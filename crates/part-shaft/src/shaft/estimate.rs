@@ -7,8 +7,8 @@ use ident::frequency::{ErrorsInVariables, FrequencyFit, Prior};
 use part_torque::torque_control::standard_deviation;
 use rig::Role;
 use rig::align::split_window;
-use rig::estimation::{EstimateError, Label, ReadOut, transformed};
-use rig::results::{Estimate, Parameter, ResidualSpectrum, Shaft, Stretch};
+use rig::estimation::{EstimateError, ReadOut, transformed};
+use rig::results::{Estimate, Parameter, Quantity, ResidualSpectrum, Shaft, Stretch};
 use signal::Signal;
 
 use super::engine_side::{self, EngineInertia};
@@ -21,19 +21,6 @@ use crate::shaft::places;
 use crate::shaft::places::COUNT;
 use crate::shaft::term::Term;
 
-const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
-const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
-const SKEW_ENGINE: Label = Label { symbol: "δ_e", name: "skew of N_e against N_d (positive: later)", unit: "s" };
-const SKEW_TORQUE: Label = Label { symbol: "δ_T", name: "skew of T_d,calc against N_d (positive: later)", unit: "s" };
-const GATE: Label = Label { symbol: "T_g", name: "gate of the speed encoders", unit: "s" };
-const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
-const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
-const MASS: Label = Label { symbol: "J_2", name: "inertia between shaft and engine", unit: "kg m²" };
-const SPRING: Label = Label { symbol: "K_2", name: "stiffness of the flywheel's spring", unit: "Nm/rad" };
-const SPRING_DAMPING: Label = Label { symbol: "B_2", name: "damping of the flywheel's spring", unit: "Nm s/rad" };
-const FRICTION: Label =
-    Label { symbol: "c_1", name: "slope of the dynamometer's friction over speed", unit: "Nm s/rad" };
-const ZERO: Label = Label { symbol: "−K/B", name: "zero of (K + Bs)/s", unit: "rad/s" };
 
 /// Share of the recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;
@@ -178,14 +165,14 @@ pub fn estimate_dual_mass(inputs: &ShaftInputs<'_>) -> Result<(Estimate, f64), E
     let solution = Solution::of(inputs, &stretch, Unknowns::ShaftAnd(Term::DualMass))?;
     let [mass, stiffness, damping] = places::DUAL_MASS;
     let outputs: [ReadOut<'_>; 8] = [
-        (K, &|t| t[places::K]),
-        (B, &|t| t[places::B]),
-        (MASS, &|t| t[mass]),
-        (SPRING, &|t| t[stiffness]),
-        (SPRING_DAMPING, &|t| t[damping]),
-        (SKEW_ENGINE, &|t| t[places::SKEW_ENGINE]),
-        (SKEW_TORQUE, &|t| t[places::SKEW_TORQUE]),
-        (GATE, &|t| t[places::GATE]),
+        (Quantity::Stiffness, &|t| t[places::K]),
+        (Quantity::Damping, &|t| t[places::B]),
+        (Quantity::FlywheelInertia, &|t| t[mass]),
+        (Quantity::FlywheelStiffness, &|t| t[stiffness]),
+        (Quantity::FlywheelDamping, &|t| t[damping]),
+        (Quantity::EngineSpeedSkew, &|t| t[places::SKEW_ENGINE]),
+        (Quantity::AirGapTorqueSkew, &|t| t[places::SKEW_TORQUE]),
+        (Quantity::EncoderGates, &|t| t[places::GATE]),
     ];
     Ok((solution.outputs(&outputs, &stretch), solution.fit.scale))
 }
@@ -315,40 +302,40 @@ impl Solution {
 
     fn estimate(&self, stretch: &Stretch) -> Estimate {
         let mut outputs: Vec<ReadOut<'_>> = vec![
-            (K, &|t| t[places::K]),
-            (B, &|t| t[places::B]),
-            (SKEW_ENGINE, &|t| t[places::SKEW_ENGINE]),
-            (SKEW_TORQUE, &|t| t[places::SKEW_TORQUE]),
-            (GATE, &|t| t[places::GATE]),
+            (Quantity::Stiffness, &|t| t[places::K]),
+            (Quantity::Damping, &|t| t[places::B]),
+            (Quantity::EngineSpeedSkew, &|t| t[places::SKEW_ENGINE]),
+            (Quantity::AirGapTorqueSkew, &|t| t[places::SKEW_TORQUE]),
+            (Quantity::EncoderGates, &|t| t[places::GATE]),
         ];
         let is_estimated = |at: usize| self.fit.covariance[(at, at)] > 0.0;
         if is_estimated(places::FRICTION) {
-            outputs.push((FRICTION, &|t| t[places::FRICTION]));
+            outputs.push((Quantity::FrictionSlope, &|t| t[places::FRICTION]));
         }
         if is_estimated(places::INERTIA) {
-            outputs.push((DYNO_INERTIA, &|t| t[places::INERTIA]));
+            outputs.push((Quantity::DynoInertia, &|t| t[places::INERTIA]));
         }
         self.outputs(&outputs, stretch)
     }
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.
     fn with_engine_inertia(&self, stretch: &Stretch, engine: &EngineInertia) -> Estimate {
-        let mut labels: Vec<(Label, usize)> = vec![(K, places::K), (B, places::B)];
+        let mut quantities: Vec<(Quantity, usize)> = vec![(Quantity::Stiffness, places::K), (Quantity::Damping, places::B)];
         if self.fit.covariance[(places::INERTIA, places::INERTIA)] > 0.0 {
-            labels.push((DYNO_INERTIA, places::INERTIA));
+            quantities.push((Quantity::DynoInertia, places::INERTIA));
         }
-        labels.extend([(SKEW_ENGINE, places::SKEW_ENGINE), (SKEW_TORQUE, places::SKEW_TORQUE), (GATE, places::GATE)]);
+        quantities.extend([(Quantity::EngineSpeedSkew, places::SKEW_ENGINE), (Quantity::AirGapTorqueSkew, places::SKEW_TORQUE), (Quantity::EncoderGates, places::GATE)]);
         let (theta, known) = (&self.fit.fit.parameters, &self.fit.covariance);
-        let entry = |label: Label, at: usize| {
-            Parameter::new(label, theta[at], known[(at, at)].max(0.0).sqrt(), self.fit.degrees_of_freedom)
+        let entry = |quantity: Quantity, at: usize| {
+            Parameter::new(quantity, theta[at], known[(at, at)].max(0.0).sqrt(), self.fit.degrees_of_freedom)
         };
-        let mut parameters: Vec<Parameter> = labels.iter().map(|(label, at)| entry(*label, *at)).collect();
+        let mut parameters: Vec<Parameter> = quantities.iter().map(|(quantity, at)| entry(*quantity, *at)).collect();
         let error = engine.variance.sqrt();
-        parameters.push(Parameter::new(ENGINE_INERTIA, engine.inertia_kg_m2, error, engine.degrees_of_freedom));
+        parameters.push(Parameter::new(Quantity::EngineInertia, engine.inertia_kg_m2, error, engine.degrees_of_freedom));
         let with_engine = |at: usize| engine.with_shaft[at];
-        let row = |i: usize| labels.iter().map(|(_, j)| known[(i, *j)]).chain([with_engine(i)]).collect();
-        let mut covariance: Vec<Vec<f64>> = labels.iter().map(|(_, i)| row(*i)).collect();
-        covariance.push(labels.iter().map(|(_, at)| with_engine(*at)).chain([engine.variance]).collect());
+        let row = |i: usize| quantities.iter().map(|(_, j)| known[(i, *j)]).chain([with_engine(i)]).collect();
+        let mut covariance: Vec<Vec<f64>> = quantities.iter().map(|(_, i)| row(*i)).collect();
+        covariance.push(quantities.iter().map(|(_, at)| with_engine(*at)).chain([engine.variance]).collect());
         Estimate {
             parameters,
             covariance,
@@ -359,7 +346,7 @@ impl Solution {
     }
 
     fn zero(&self, stretch: &Stretch) -> Result<Parameter, EstimateError> {
-        let mut zero = self.outputs(&[(ZERO, &|t| -t[places::K] / t[places::B])], stretch);
+        let mut zero = self.outputs(&[(Quantity::ShaftZero, &|t| -t[places::K] / t[places::B])], stretch);
         zero.parameters.pop().ok_or_else(|| EstimateError::Ident {
             file: stretch.file.clone(),
             source: ident::IdentError::TooFewSamples { samples: 0, parameters: 1 },

@@ -10,8 +10,7 @@
 
 use ident::distributions::f_tail;
 use ident::frequency::FrequencyFit;
-use rig::estimation::Label;
-use rig::results::Parameter;
+use rig::results::{Parameter, Quantity};
 use serde::Serialize;
 use signal::Signal;
 use signal::zero_phase::{Wanted, ZeroPhase};
@@ -55,23 +54,20 @@ impl Term {
         Some(inputs.dyno_speed.with_samples(weights.iter().zip(&motion.difference).map(|(w, d)| w * d).collect()))
     }
 
-    fn label(self) -> Label {
-        let (symbol, name, unit) = match self {
-            Term::LossFactor => ("η", "loss factor of the spring", "1"),
-            Term::SecondMass => ("J₂/K₂", "a mass between shaft and engine, over the spring behind it", "s²"),
-            Term::DualMass => ("J₂", "inertia between shaft and engine", "kg m²"),
-            Term::OfStiffness(Weight::Torque) => ("ΔK/K", "stiffness with torque, per 100 Nm", "1"),
-            Term::OfStiffness(Weight::TorqueSquared) => {
-                ("ΔK/K", "stiffness with the square of torque, per (100 Nm)²", "1")
-            }
-            Term::OfStiffness(Weight::NearZeroTorque) => ("ΔK/K", "stiffness about zero torque", "1"),
-            Term::OfStiffness(Weight::Speed) => ("ΔK/K", "stiffness with speed, per 1000 rpm", "1"),
-            Term::OfDamping(Weight::Torque) => ("ΔB", "damping with torque, per 100 Nm", "Nm s/rad"),
-            Term::OfDamping(Weight::TorqueSquared) => ("ΔB", "damping with torque squared, per (100 Nm)²", "Nm s/rad"),
-            Term::OfDamping(Weight::NearZeroTorque) => ("ΔB", "damping about zero torque", "Nm s/rad"),
-            Term::OfDamping(Weight::Speed) => ("ΔB", "damping with speed, per 1000 rpm", "Nm s/rad"),
-        };
-        Label { symbol, name, unit }
+    fn quantity(self) -> Quantity {
+        match self {
+            Term::LossFactor => Quantity::LossFactor,
+            Term::SecondMass => Quantity::SecondMassOverSpring,
+            Term::DualMass => Quantity::SecondMass,
+            Term::OfStiffness(Weight::Torque) => Quantity::StiffnessWithTorque,
+            Term::OfStiffness(Weight::TorqueSquared) => Quantity::StiffnessWithTorqueSquared,
+            Term::OfStiffness(Weight::NearZeroTorque) => Quantity::StiffnessNearZeroTorque,
+            Term::OfStiffness(Weight::Speed) => Quantity::StiffnessWithSpeed,
+            Term::OfDamping(Weight::Torque) => Quantity::DampingWithTorque,
+            Term::OfDamping(Weight::TorqueSquared) => Quantity::DampingWithTorqueSquared,
+            Term::OfDamping(Weight::NearZeroTorque) => Quantity::DampingNearZeroTorque,
+            Term::OfDamping(Weight::Speed) => Quantity::DampingWithSpeed,
+        }
     }
 }
 
@@ -118,7 +114,7 @@ impl TermTest {
         let (value, freedom) = (fit.fit.parameters[places::TERM], fit.degrees_of_freedom);
         TermTest {
             term,
-            value: Some(Parameter::new(term.label(), value, error, freedom)),
+            value: Some(Parameter::new(term.quantity(), value, error, freedom)),
             p_value: Some(f_tail((value / error).powi(2), 1.0, freedom)),
             stiffness_nm_per_rad: Some(fit.fit.parameters[places::K]),
             misfit: Some(fit.scale),

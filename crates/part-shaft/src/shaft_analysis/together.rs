@@ -10,14 +10,11 @@
 //! of least squares*, Phys. Rev. 40, 1932 (recordings that disagree).
 
 use ident::distributions::chi_squared_tail;
-use rig::estimation::Label;
-use rig::results::{Estimate, Parameter};
+use rig::results::{Estimate, Parameter, Quantity};
 use serde::Serialize;
 
 use crate::shaft_analysis::recording::ShaftRecording;
 
-const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
-const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
 /// Below this probability recordings are not of one shaft.
 const APART: f64 = 0.01;
 /// Degrees of freedom of a weighted mean whose errors are known: as good as normal.
@@ -89,19 +86,18 @@ pub(super) fn of(recordings: &[ShaftRecording]) -> Option<Together> {
     let p_value = chi_squared_tail(chi_squared, degrees_of_freedom as f64);
     let apart = p_value < APART;
     let wider = if apart { (chi_squared / degrees_of_freedom as f64).sqrt() } else { 1.0 };
-    let value = |label: Label, i: usize| CommonValue {
-        parameter: Parameter::new(label, common[i], wider * covariance[i][i].sqrt(), MANY),
+    let value = |quantity: Quantity, i: usize| CommonValue {
+        parameter: Parameter::new(quantity, common[i], wider * covariance[i][i].sqrt(), MANY),
         by_recording: told
             .iter()
             .map(|one| (one.file.to_owned(), one.values[i], one.covariance[i][i].sqrt()))
             .collect(),
     };
-    Some(Together { stiffness: value(K, 0), damping: value(B, 1), chi_squared, degrees_of_freedom, p_value, apart })
+    Some(Together { stiffness: value(Quantity::Stiffness, 0), damping: value(Quantity::Damping, 1), chi_squared, degrees_of_freedom, p_value, apart })
 }
 
 fn pair<'a>(file: &'a str, estimate: &Estimate) -> Option<Told<'a>> {
-    let place = |symbol: &str| estimate.parameters.iter().position(|p| p.symbol == symbol);
-    let at = [place("K")?, place("B")?];
+    let at = [estimate.place(Quantity::Stiffness)?, estimate.place(Quantity::Damping)?];
     Some(Told {
         file,
         values: at.map(|i| estimate.parameters[i].value),

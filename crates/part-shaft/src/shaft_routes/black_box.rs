@@ -27,15 +27,15 @@ use faer::{Mat, MatMut, mat};
 use ident::distributions::chi_squared_tail;
 use ident::{Bounds, Dataset, Fit, IdentError, Minimum, NonlinearOptions, Polynomial, ResidualModel, minimise};
 use lti::{LtiError, PolynomialModel, StateSpace};
-use rig::estimation::{EstimateError, Label, timing_floor_s};
+use rig::estimation::{EstimateError, timing_floor_s};
 use rig::experiment::ControlMode;
 use rig::facts::Engine;
-use rig::results::Estimate;
+use rig::results::{Estimate, Quantity};
 use serde::Serialize;
 use signal::Complex64;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
-use super::{B, DYNO_INERTIA, ENGINE_INERTIA, K, Timing, estimate_of};
+use super::{Timing, estimate_of};
 use crate::shaft::ShaftInputs;
 
 /// Orders go up to so many firing orders.
@@ -61,9 +61,6 @@ const TOLD: f64 = 2.0;
 const NO_TWO_MASSES: &str = "the coefficients are far from those of two masses and a spring, so they show neither K and B nor the \
     inertias; take the shaft from another route, and check the sign and unit of T_d";
 
-const P_ENGINE: Label =
-    Label { symbol: "P", name: "proportional gain of the engine's speed control", unit: "Nm s/rad" };
-const I_ENGINE: Label = Label { symbol: "I", name: "integral gain of the engine's speed control", unit: "Nm/rad" };
 
 /// What controls the engine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -156,7 +153,7 @@ pub fn estimate(
     let found = found.ok_or(IdentError::Structure { what: NO_TWO_MASSES }).map_err(of)?;
     let freedom = measured.values.len() as f64 - control.unknowns() as f64;
     let probability = chi_squared_tail(found.cost, freedom);
-    let labels = [DYNO_INERTIA, ENGINE_INERTIA, K, B, P_ENGINE, I_ENGINE];
+    let quantities = [Quantity::DynoInertia, Quantity::EngineInertia, Quantity::Stiffness, Quantity::Damping, Quantity::EngineProportionalGain, Quantity::EngineIntegralGain];
     if found.cost > FAR * FAR * freedom {
         return Err(of(IdentError::Structure { what: NO_TWO_MASSES }));
     }
@@ -166,7 +163,7 @@ pub fn estimate(
     let covariance = &(faer::Scale(widening) * &found.unscaled_covariance);
     let count = control.unknowns();
     let rows = (0..count).map(|i| (0..count).map(|j| covariance[(i, j)]).collect()).collect();
-    let values: Vec<_> = labels.into_iter().zip(found.parameters.iter().copied()).take(count).collect();
+    let values: Vec<_> = quantities.into_iter().zip(found.parameters.iter().copied()).take(count).collect();
     let hertz = |f: fn(&[f64]) -> f64| {
         let variance = ident::covariance::delta_variance(&found.parameters, covariance, f);
         (f(&found.parameters), variance.max(0.0).sqrt())

@@ -11,18 +11,9 @@ pub mod black_box;
 pub mod multisine;
 pub mod state_space;
 
-use rig::estimation::Label;
-use rig::results::{Estimate, Parameter, Stretch};
+use rig::results::{Estimate, Parameter, Quantity, Stretch};
 use serde::Serialize;
 
-pub(super) const K: Label = Label { symbol: "K", name: "stiffness", unit: "Nm/rad" };
-pub(super) const B: Label = Label { symbol: "B", name: "damping", unit: "Nm s/rad" };
-pub(super) const DYNO_INERTIA: Label = Label { symbol: "J_d", name: "inertia of the dynamometer", unit: "kg m²" };
-pub(super) const ENGINE_INERTIA: Label = Label { symbol: "J_e", name: "inertia of the engine", unit: "kg m²" };
-pub(super) const SKEW_ENGINE: Label =
-    Label { symbol: "δ_e", name: "skew of N_e against N_d (positive: later)", unit: "s" };
-pub(super) const SKEW_TORQUE: Label =
-    Label { symbol: "δ_T", name: "skew of T_d against N_d (positive: later)", unit: "s" };
 
 /// When the signals were taken, each with its standard uncertainty, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -45,22 +36,22 @@ impl Timing {
     /// The timing that an estimate of the shaft found; none where it has no δ_e, δ_T or T_g.
     #[must_use]
     pub fn of(shaft: &Estimate) -> Option<Self> {
-        let found = |symbol: &str| shaft.parameter(symbol).map(|p| (p.value, p.standard_error));
-        Some(Timing { engine_skew_s: found("δ_e")?, torque_skew_s: found("δ_T")?, gate_s: found("T_g")? })
+        let found = |quantity| shaft.parameter(quantity).map(|p| (p.value, p.standard_error));
+        Some(Timing { engine_skew_s: found(Quantity::EngineSpeedSkew)?, torque_skew_s: found(Quantity::AirGapTorqueSkew)?, gate_s: found(Quantity::EncoderGates)? })
     }
 }
 
 /// Parameters with their covariance, as the study keeps them.
 pub(super) fn estimate_of(
-    found: &[(Label, f64)],
+    found: &[(Quantity, f64)],
     covariance: Vec<Vec<f64>>,
     degrees_of_freedom: f64,
     stretch: Stretch,
     (iterations, condition): (usize, f64),
 ) -> Estimate {
-    let parameter = |(i, (label, value)): (usize, &(Label, f64))| {
+    let parameter = |(i, (quantity, value)): (usize, &(Quantity, f64))| {
         let error = covariance[i][i].max(0.0).sqrt();
-        Parameter::new(*label, *value, error, degrees_of_freedom)
+        Parameter::new(*quantity, *value, error, degrees_of_freedom)
     };
     Estimate {
         parameters: found.iter().enumerate().map(parameter).collect(),

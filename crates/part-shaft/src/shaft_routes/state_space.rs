@@ -26,13 +26,13 @@ use ident::{
 };
 use lti::{LtiError, StateSpace};
 use rig::estimation::{EstimateError, timing_floor_s};
-use rig::results::{Estimate, Stretch, Trace, Validation};
+use rig::results::{Estimate, Quantity, Stretch, Trace, Validation};
 use serde::Serialize;
 use signal::{Complex64, Sos};
 use units::RPM_RAD_S;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
-use super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE, Timing, estimate_of};
+use super::{Timing, estimate_of};
 use crate::shaft::ShaftInputs;
 
 /// Share of the recording that is estimated from; the rest judges.
@@ -142,8 +142,8 @@ pub fn estimate(inputs: &ShaftInputs<'_>, timing: &Timing, skews: Skews) -> Resu
     let known = Stretch { end_s: record.time_s(record.estimation().end), ..stretch };
     let mut estimate = read_out(&found, &structure, clocks, known);
     let fastest_s = inputs.signals().map(|signal| signal.sample_time_s).fold(f64::INFINITY, f64::min);
-    for skew in [SKEW_ENGINE, SKEW_TORQUE] {
-        estimate.add_systematic(&[skew.symbol], timing_floor_s(fastest_s));
+    for skew in [Quantity::EngineSpeedSkew, Quantity::TorqueSkew] {
+        estimate.add_systematic(&[skew], timing_floor_s(fastest_s));
     }
     Ok(StateSpaceRoute {
         estimate,
@@ -399,18 +399,18 @@ impl Record {
 /// What people read, skews counted from the time stamps.
 fn read_out(fit: &Fit<GreyBoxModel<Shaft>>, structure: &Shaft, clocks: Clocks, stretch: Stretch) -> Estimate {
     let theta = fit.parameters();
-    let mut chosen = vec![(K, theta[STIFFNESS], STIFFNESS), (B, theta[DAMPING], DAMPING)];
+    let mut chosen = vec![(Quantity::Stiffness, theta[STIFFNESS], STIFFNESS), (Quantity::Damping, theta[DAMPING], DAMPING)];
     if structure.inertia.1 > 0.0 {
-        chosen.push((DYNO_INERTIA, theta[INERTIA], INERTIA));
+        chosen.push((Quantity::DynoInertia, theta[INERTIA], INERTIA));
     }
-    for (k, (label, dated)) in [(SKEW_ENGINE, clocks.engine_s), (SKEW_TORQUE, clocks.torque_s)].into_iter().enumerate()
+    for (k, (quantity, dated)) in [(Quantity::EngineSpeedSkew, clocks.engine_s), (Quantity::TorqueSkew, clocks.torque_s)].into_iter().enumerate()
     {
         if structure.skews[k].1 > 0.0 {
-            chosen.push((label, dated + theta[SKEWS[k]], SKEWS[k]));
+            chosen.push((quantity, dated + theta[SKEWS[k]], SKEWS[k]));
         }
     }
     let covariance = chosen.iter().map(|(_, _, i)| chosen.iter().map(|(_, _, j)| fit.covariance[(*i, *j)]).collect());
-    let found: Vec<_> = chosen.iter().map(|(label, value, _)| (*label, *value)).collect();
+    let found: Vec<_> = chosen.iter().map(|(quantity, value, _)| (*quantity, *value)).collect();
     let search = (fit.iterations, fit.condition);
     estimate_of(&found, covariance.collect(), fit.degrees_of_freedom, stretch, search)
 }

@@ -5,7 +5,7 @@ use part_torque::air_gap_torque::NoisyTorque;
 use rig::bench_parameters::BenchParameters;
 use rig::estimation::EstimateError;
 use rig::experiment::ExperimentPlan;
-use rig::results::Estimate;
+use rig::results::{Estimate, Quantity};
 use signal::Signal;
 use signal::excitation::Random;
 use units::RPM_RAD_S;
@@ -48,9 +48,9 @@ fn inputs<'a>(speeds: &'a [Signal; 2], torque: NoisyTorque, inertia_kg_m2: Optio
     }
 }
 
-fn is_near(estimate: &Estimate, symbol: &str, truth: f64, tolerance: f64) {
-    let parameter = estimate.parameter(symbol).unwrap();
-    assert!((parameter.value - truth).abs() <= tolerance, "{symbol}: {parameter:?}, truth {truth}");
+fn is_near(estimate: &Estimate, quantity: Quantity, truth: f64, tolerance: f64) {
+    let parameter = estimate.parameter(quantity).unwrap();
+    assert!((parameter.value - truth).abs() <= tolerance, "{quantity}: {parameter:?}, truth {truth}");
     assert!(parameter.interval.0 < truth && truth < parameter.interval.1, "{parameter:?}, truth {truth}");
 }
 
@@ -60,10 +60,10 @@ fn stat_computed_shaft_torque_gives_stiffness_damping_and_skew() {
     let speeds = [speed(&run, "DynoSpeed"), speed(&run, "EngineSpeed")];
     let late = torque(&run, &run.hidden.air_gap_torque_nm, 0.6e-3, 0.05);
     let found = estimate(&inputs(&speeds, late, Some((INERTIA, 0.0)))).unwrap();
-    is_near(&found.estimate, "K", STIFFNESS, 0.01 * STIFFNESS);
-    is_near(&found.estimate, "B", DAMPING, 0.05 * DAMPING);
-    is_near(&found.estimate, "δ_e", 0.0, 1e-4);
-    is_near(&found.estimate, "δ_T", 0.6e-3, 1e-4);
+    is_near(&found.estimate, Quantity::Stiffness, STIFFNESS, 0.01 * STIFFNESS);
+    is_near(&found.estimate, Quantity::Damping, DAMPING, 0.05 * DAMPING);
+    is_near(&found.estimate, Quantity::EngineSpeedSkew, 0.0, 1e-4);
+    is_near(&found.estimate, Quantity::AirGapTorqueSkew, 0.6e-3, 1e-4);
     assert!(found.validation.fit_percent > 90.0, "{}", found.validation.fit_percent);
 }
 
@@ -74,8 +74,8 @@ fn stat_a_torque_flange_needs_no_inertia() {
     let flange = torque(&run, &run.hidden.shaft_torque_nm, 0.0, 0.1);
     let inputs = inputs(&speeds, flange, None);
     let found = estimate(&inputs).unwrap();
-    is_near(&found.estimate, "K", STIFFNESS, 0.01 * STIFFNESS);
-    is_near(&found.estimate, "B", DAMPING, 0.05 * DAMPING);
+    is_near(&found.estimate, Quantity::Stiffness, STIFFNESS, 0.01 * STIFFNESS);
+    is_near(&found.estimate, Quantity::Damping, DAMPING, 0.05 * DAMPING);
     assert_eq!(estimate_inertia(&inputs), Ok(None));
 }
 
@@ -97,7 +97,7 @@ fn stat_an_uncertain_inertia_widens_the_stiffness() {
     let error = |percent: f64| {
         let record = torque(&run, &run.hidden.air_gap_torque_nm, 0.0, 0.05);
         let found = estimate(&inputs(&speeds, record, Some((INERTIA, percent / 100.0 * INERTIA)))).unwrap();
-        found.estimate.parameter("K").unwrap().standard_error
+        found.estimate.parameter(Quantity::Stiffness).unwrap().standard_error
     };
     assert!(error(5.0) > error(0.0));
 }

@@ -14,7 +14,7 @@ use rig::bench_parameters::BenchParameters;
 use rig::estimation::EstimateError;
 use rig::experiment::{ExperimentPlan, Test, Waveform};
 use rig::facts::Engine;
-use rig::results::Estimate;
+use rig::results::{Estimate, Quantity};
 use rig::{ControlMode, Experiment, Role};
 use signal::excitation::{Multisine, Phases, Random, Timing as Length};
 use units::RPM_RAD_S;
@@ -76,14 +76,14 @@ impl Drawn {
         Drawn { parameters, speed_rpm: 1213.0 }
     }
 
-    fn truth(&self, symbol: &str) -> f64 {
+    fn truth(&self, quantity: Quantity) -> f64 {
         let mechanics = &self.parameters.mechanics;
-        match symbol {
-            "K" => mechanics.shaft_stiffness_nm_per_rad,
-            "B" => mechanics.shaft_damping_nm_s_per_rad,
-            "J_d" => mechanics.dyno_inertia_kg_m2,
-            "J_e" => mechanics.engine_inertia_kg_m2,
-            _ => panic!("{symbol} has no truth"),
+        match quantity {
+            Quantity::Stiffness => mechanics.shaft_stiffness_nm_per_rad,
+            Quantity::Damping => mechanics.shaft_damping_nm_s_per_rad,
+            Quantity::DynoInertia => mechanics.dyno_inertia_kg_m2,
+            Quantity::EngineInertia => mechanics.engine_inertia_kg_m2,
+            _ => panic!("{quantity} has no truth"),
         }
     }
 
@@ -176,22 +176,22 @@ impl Recorded {
 }
 
 /// A parameter is within a part of the truth.
-fn is_near(estimate: &Estimate, symbol: &str, truth: f64, part: f64) {
-    let found = estimate.parameter(symbol).unwrap();
-    println!("{symbol} = {} ± {}, truth {truth}", found.value, found.standard_error);
+fn is_near(estimate: &Estimate, quantity: Quantity, truth: f64, part: f64) {
+    let found = estimate.parameter(quantity).unwrap();
+    println!("{quantity} = {} ± {}, truth {truth}", found.value, found.standard_error);
     assert!((found.value - truth).abs() <= part * truth, "{found:?}, truth {truth}");
 }
 
 /// Part of the benches in whose interval the truth lies, and the largest error as a part of the truth.
-fn judged(rows: &[(Drawn, Estimate)], symbol: &str) -> (f64, f64) {
+fn judged(rows: &[(Drawn, Estimate)], quantity: Quantity) -> (f64, f64) {
     let mut largest: f64 = 0.0;
     let mut held = 0;
-    let told: Vec<_> = rows.iter().filter_map(|(bench, e)| Some((bench.truth(symbol), e.parameter(symbol)?))).collect();
+    let told: Vec<_> = rows.iter().filter_map(|(bench, e)| Some((bench.truth(quantity), e.parameter(quantity)?))).collect();
     for (truth, found) in &told {
         largest = largest.max((found.value / truth - 1.0).abs());
         held += usize::from(found.interval.0 <= *truth && *truth <= found.interval.1);
     }
-    println!("{symbol}: {held} of {} in the interval, largest error {largest:.1e}", told.len());
+    println!("{quantity}: {held} of {} in the interval, largest error {largest:.1e}", told.len());
     (held as f64 / told.len() as f64, largest)
 }
 
@@ -199,8 +199,8 @@ fn judged(rows: &[(Drawn, Estimate)], symbol: &str) -> (f64, f64) {
 fn exact_state_space_finds_the_shaft_of_a_perfect_bench() {
     let bench = Drawn::exact();
     let found = bench.white(16.0, 3).state_space(&Timing::synchronous(1e-3));
-    is_near(&found.estimate, "K", bench.truth("K"), 1e-3);
-    is_near(&found.estimate, "B", bench.truth("B"), 5e-3);
+    is_near(&found.estimate, Quantity::Stiffness, bench.truth(Quantity::Stiffness), 1e-3);
+    is_near(&found.estimate, Quantity::Damping, bench.truth(Quantity::Damping), 5e-3);
     assert!(found.validation.fit_percent > 99.0, "{}", found.validation.fit_percent);
 }
 
@@ -209,8 +209,8 @@ fn exact_multisine_finds_shaft_and_inertia_of_a_perfect_bench() {
     let bench = Drawn::exact();
     let found = bench.periodic(2.0, 24.0, 3).multisine(&Timing::synchronous(1e-3), DynoInertia::Estimated).unwrap();
     assert_eq!(found.period_s, 2.0);
-    for (symbol, part) in [("K", 1e-3), ("B", 3e-3), ("J_d", 1e-3)] {
-        is_near(&found.estimate, symbol, bench.truth(symbol), part);
+    for (quantity, part) in [(Quantity::Stiffness, 1e-3), (Quantity::Damping, 3e-3), (Quantity::DynoInertia, 1e-3)] {
+        is_near(&found.estimate, quantity, bench.truth(quantity), part);
     }
 }
 
@@ -219,8 +219,8 @@ fn stat_black_box_of_a_motored_engine_tells_both_inertias() {
     let bench = Drawn { parameters: BenchParameters::default(), speed_rpm: 1200.0 };
     let recorded = bench.recorded(&ExperimentPlan::unfired_n_nt(1200.0, 20.0), 4);
     let found = recorded.black_box(&Timing::synchronous(1e-3));
-    for symbol in ["J_d", "J_e", "K", "B"] {
-        is_near(&found.estimate, symbol, bench.truth(symbol), 0.01);
+    for quantity in [Quantity::DynoInertia, Quantity::EngineInertia, Quantity::Stiffness, Quantity::Damping] {
+        is_near(&found.estimate, quantity, bench.truth(quantity), 0.01);
     }
     println!("{:?} {}", found.chi_squared, found.probability);
     assert_eq!(found.chi_squared.1, 4.0);
@@ -231,7 +231,7 @@ fn stat_black_box_of_a_motored_engine_tells_both_inertias() {
 fn stat_the_engine_s_speed_control_is_no_two_mass_bench() {
     let bench = Drawn { parameters: BenchParameters::default(), speed_rpm: 1200.0 };
     let found = bench.white(20.0, 4).black_box(&Timing::synchronous(1e-3));
-    is_near(&found.estimate, "K", bench.truth("K"), 0.06);
+    is_near(&found.estimate, Quantity::Stiffness, bench.truth(Quantity::Stiffness), 0.06);
     // The control acts a firing late, which the model does not know and the coefficients show.
     assert!(found.untold.contains(&Untold::NotTwoMasses), "{found:?}");
 }
@@ -291,10 +291,10 @@ fn prop_parameters_go_with_the_unit_of_torque() {
 fn goes_with_the_unit(inputs: &ShaftInputs<'_>, route: impl Fn(&ShaftInputs<'_>) -> Estimate) {
     const PART: f64 = 7.0;
     let (own, other) = (route(inputs), route(&in_other_unit(inputs, PART)));
-    for symbol in ["K", "B", "J_d", "J_e"] {
-        let Some((a, b)) = own.parameter(symbol).zip(other.parameter(symbol)) else { continue };
-        assert!((b.value * PART / a.value - 1.0).abs() < 1e-4, "{symbol}: {a:?}, {b:?}");
-        assert!((b.standard_error * PART / a.standard_error - 1.0).abs() < 0.05, "{symbol}: {a:?}, {b:?}");
+    for quantity in [Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia] {
+        let Some((a, b)) = own.parameter(quantity).zip(other.parameter(quantity)) else { continue };
+        assert!((b.value * PART / a.value - 1.0).abs() < 1e-4, "{quantity}: {a:?}, {b:?}");
+        assert!((b.standard_error * PART / a.standard_error - 1.0).abs() < 0.05, "{quantity}: {a:?}, {b:?}");
     }
 }
 
@@ -307,9 +307,9 @@ fn stat_state_space_of_16_benches() {
         let estimate = recorded.state_space(&recorded.timing()).estimate;
         (bench, estimate)
     });
-    for (symbol, largest) in [("K", 0.03), ("B", 0.3)] {
-        let (coverage, error) = judged(&rows, symbol);
-        assert!(coverage >= 0.8 && error < largest, "{symbol}: {coverage}, {error}");
+    for (quantity, largest) in [(Quantity::Stiffness, 0.03), (Quantity::Damping, 0.3)] {
+        let (coverage, error) = judged(&rows, quantity);
+        assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
     }
 }
 
@@ -322,9 +322,9 @@ fn stat_multisine_of_16_benches() {
         let estimate = recorded.multisine(&recorded.timing(), DynoInertia::Estimated).unwrap().estimate;
         (bench, estimate)
     });
-    for (symbol, largest) in [("K", 0.02), ("B", 0.1), ("J_d", 0.02), ("J_e", 0.1)] {
-        let (coverage, error) = judged(&rows, symbol);
-        assert!(coverage >= 0.8 && error < largest, "{symbol}: {coverage}, {error}");
+    for (quantity, largest) in [(Quantity::Stiffness, 0.02), (Quantity::Damping, 0.1), (Quantity::DynoInertia, 0.02), (Quantity::EngineInertia, 0.1)] {
+        let (coverage, error) = judged(&rows, quantity);
+        assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
     }
 }
 
@@ -348,14 +348,14 @@ fn ref_bench_a_by_state_space_and_black_box() {
         let recorded = recorded(bench_a(&all, name));
         let found = recorded.state_space(&recorded.timing());
         println!("{name}: fit {} %, bias {:?}", found.validation.fit_percent, found.bias_taken_off);
-        is_near(&found.estimate, "K", 2437.7, 0.01);
+        is_near(&found.estimate, Quantity::Stiffness, 2437.7, 0.01);
         // Its simulator's steps are worth K · 25 µs of damping.
-        is_near(&found.estimate, "B", 5.8 + 2437.7 * 25e-6, 0.03);
+        is_near(&found.estimate, Quantity::Damping, 5.8 + 2437.7 * 25e-6, 0.03);
     }
     let motored = recorded(bench_a(&all, "Unfired"));
     let found = motored.black_box(&motored.timing());
     println!("{:?} {} {:?}", found.chi_squared, found.probability, found.untold);
-    for (symbol, truth) in [("J_d", 0.6), ("J_e", 0.28), ("K", 2437.7), ("B", 5.86)] {
-        is_near(&found.estimate, symbol, truth, 0.05);
+    for (quantity, truth) in [(Quantity::DynoInertia, 0.6), (Quantity::EngineInertia, 0.28), (Quantity::Stiffness, 2437.7), (Quantity::Damping, 5.86)] {
+        is_near(&found.estimate, quantity, truth, 0.05);
     }
 }

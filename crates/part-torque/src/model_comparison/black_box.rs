@@ -2,12 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use ident::distributions::interval;
 use ident::uncertainty::{Ellipse, UncertainRoot};
 use ident::{Arx, Criteria, Fit, IdentError, NonlinearOptions, OutputError};
 use lti::polynomial::{add, multiply};
 use lti::{Complex64, LtiError, PolynomialModel};
-use rig::estimation::Label;
-use rig::results::Parameter;
+use rig::results::{Parameter, Quantity};
 use serde::Serialize;
 
 use super::orders::Input;
@@ -23,9 +23,8 @@ const NO_LOOP: f64 = 1e-6;
 
 /// Where a black box is asked for delay and gain, Hz: within what a demand held 10 ms excites, above slow drifts.
 pub const ASKED_HZ: f64 = 10.0;
-const DELAY: Label = Label { symbol: "delay at 10 Hz", name: "delay as the black box has it", unit: "s" };
-const GAIN: Label = Label { symbol: "gain at 10 Hz", name: "gain as the black box has it", unit: "1" };
-const COEFFICIENT: Label = Label { symbol: "", name: "coefficient", unit: "1" };
+/// Level of the intervals of coefficients.
+const INTERVAL_LEVEL: f64 = 0.95;
 
 /// What a black box takes for noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -81,6 +80,19 @@ pub struct Scanned {
     pub bic: f64,
 }
 
+/// A coefficient of a black box's polynomials.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Coefficient {
+    /// As the polynomials name it.
+    pub symbol: String,
+    /// Estimate.
+    pub value: f64,
+    /// Standard error.
+    pub standard_error: f64,
+    /// 95 % interval.
+    pub interval: (f64, f64),
+}
+
 /// Why a structure was chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -110,7 +122,7 @@ pub struct BlackBox {
     /// Why it was chosen.
     pub chosen_by: Vec<ChosenBy>,
     /// Coefficients.
-    pub coefficients: Vec<Parameter>,
+    pub coefficients: Vec<Coefficient>,
     /// Poles in z, of the model as it is estimated, its loop open.
     pub poles: Vec<Root>,
     /// Zeros in z.
@@ -250,17 +262,19 @@ impl Structure {
     pub(super) fn estimate(&self, record: &Record, chosen_by: Vec<ChosenBy>) -> Option<BlackBox> {
         let fit = self.fit(record, record.estimation(), NonlinearOptions::default()).ok()?;
         let (closed, follows) = self.follows(&fit.model);
-        let labels = fit.model.coefficient_names();
-        let errors = fit.standard_errors();
-        let coefficient = |(k, value): (usize, &f64)| Parameter {
-            symbol: labels[k].clone(),
-            ..Parameter::new(COEFFICIENT, *value, errors[k], fit.degrees_of_freedom)
-        };
+        let freedom = fit.degrees_of_freedom;
+        let named = fit.model.coefficient_names().into_iter().zip(fit.parameters()).zip(fit.standard_errors());
+        let coefficients = named.map(|((symbol, value), standard_error)| Coefficient {
+            symbol,
+            value,
+            standard_error,
+            interval: interval(value, standard_error, freedom, INTERVAL_LEVEL),
+        });
         let asked = follows.is_some().then(|| self.asked(&fit, record.sample_time_s)).flatten();
         Some(BlackBox {
             structure: *self,
             chosen_by,
-            coefficients: fit.parameters().iter().enumerate().map(coefficient).collect(),
+            coefficients: coefficients.collect(),
             poles: roots(fit.poles(0, 0)),
             zeros: roots(fit.zeros(0, 0)),
             closed,
@@ -277,9 +291,10 @@ impl Structure {
         };
         let derived = fit.derive(gain_and_delay).ok()?;
         let errors = derived.standard_errors();
-        let parameter =
-            |label: Label, k: usize| Parameter::new(label, derived.values[k], errors[k], derived.degrees_of_freedom);
-        Some([parameter(GAIN, 0), parameter(DELAY, 1)])
+        let parameter = |quantity: Quantity, k: usize| {
+            Parameter::new(quantity, derived.values[k], errors[k], derived.degrees_of_freedom)
+        };
+        Some([parameter(Quantity::BlackBoxGain, 0), parameter(Quantity::BlackBoxDelay, 1)])
     }
 }
 

@@ -3,8 +3,8 @@
 use faer::{Mat, MatMut, mat};
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
 use lti::StateSpace;
-use rig::estimation::{Label, timing_floor_s};
-use rig::results::{Estimate, Parameter, Stretch};
+use rig::estimation::timing_floor_s;
+use rig::results::{Estimate, Parameter, Quantity, Stretch};
 use signal::Signal;
 
 use crate::torque_control::{AirGapTorqueModel, Observed, robust_covariance, standard_deviation, usable_samples};
@@ -26,11 +26,6 @@ const FINER: usize = 16;
 const MOST_S: f64 = 120.0;
 const NATURAL_RAD_S: (f64, f64) = (30.0, 3000.0);
 const DAMPING: (f64, f64) = (0.01, 0.95);
-
-const CELL_DELAY: Label = Label { symbol: "τ_cell", name: "delay of the load cell", unit: "s" };
-const NATURAL: Label = Label { symbol: "ω_n", name: "natural frequency of the load cell", unit: "rad/s" };
-const RATIO: Label = Label { symbol: "ζ", name: "damping ratio of the load cell", unit: "1" };
-const TOTAL: Label = Label { symbol: "τ_total", name: "total delay against T_d*", unit: "s" };
 
 /// What was found about the load cell.
 pub(super) struct LoadCell {
@@ -229,9 +224,9 @@ pub(super) fn fit(
         (0..2).map(|k| (0..2).map(|l| moves[i][k] * known[k][l] * moves[j][l]).sum::<f64>()).sum()
     };
     let covariance: Vec<Vec<f64>> = (0..3).map(|i| (0..3).map(|j| p[(i, j)] + of_known(i, j)).collect()).collect();
-    let values = [(CELL_DELAY, own), (NATURAL, natural), (RATIO, damping)];
+    let values = [(Quantity::LoadCellDelay, own), (Quantity::LoadCellFrequency, natural), (Quantity::LoadCellDampingRatio, damping)];
     let parameter =
-        |(i, (label, value)): (usize, &(Label, f64))| Parameter::new(*label, *value, covariance[i][i].sqrt(), freedom);
+        |(i, (quantity, value)): (usize, &(Quantity, f64))| Parameter::new(*quantity, *value, covariance[i][i].sqrt(), freedom);
     Ok(LoadCell {
         dynamics: Estimate {
             parameters: values.iter().enumerate().map(parameter).collect(),
@@ -240,7 +235,7 @@ pub(super) fn fit(
             iterations: fit.iterations,
             condition: fit.condition,
         },
-        total: Parameter::new(TOTAL, total, variance.sqrt().hypot(dated), freedom),
+        total: Parameter::new(Quantity::LoadCellTotalDelay, total, variance.sqrt().hypot(dated), freedom),
         usable: fit.termination.converged() && fit.parameters[3] > 0.0 && !fit.at_bound[..3].contains(&true),
     })
 }

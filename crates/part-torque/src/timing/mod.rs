@@ -5,8 +5,8 @@ mod load_cell;
 mod routes;
 
 use ident::distributions::interval;
-use rig::estimation::{EstimateError, Label, timing_floor_s};
-use rig::results::{DelayRoute, Parameter, SignalDelay, Timing};
+use rig::estimation::{EstimateError, timing_floor_s};
+use rig::results::{DelayRoute, Parameter, Quantity, SignalDelay, Timing};
 use rig::{ControlMode, Experiment, Finding, Role};
 use signal::derivative::central_difference;
 use signal::{Signal, SignalError};
@@ -33,8 +33,6 @@ const LEVEL: f64 = 0.95;
 /// Below this mean coherence the phase against the bend says nothing.
 const COHERENT: f64 = 0.8;
 
-const AGAINST_DEMAND: Label = Label { symbol: "τ_total", name: "delay against T_d*", unit: "s" };
-const AGAINST_BEND: Label = Label { symbol: "τ_bend", name: "delay against the bend in N_d", unit: "s" };
 
 /// Estimates the delay of T_d,calc, T_d,meas, T_d,shaft,calc and the torque flange, as far as recorded.
 ///
@@ -102,7 +100,7 @@ impl Bench<'_> {
         let free = free.into_iter().filter_map(|(name, measured, off)| Some(route(name, measured?, off)));
         Ok(SignalDelay {
             role,
-            against_demand: parametric.or_else(|| slope.map(|m| parameter(AGAINST_DEMAND, m.off_by(OFF_S.0)))),
+            against_demand: parametric.or_else(|| slope.map(|m| parameter(Quantity::DelayAgainstDemand, m.off_by(OFF_S.0)))),
             against_speed_bend: self.against_bend(role, cell.as_ref(), average.as_ref()),
             routes: of_model.into_iter().chain(free).collect(),
             moving_average_length: average.as_ref().and_then(ShaftFilter::moving_average_length),
@@ -158,7 +156,7 @@ impl Bench<'_> {
         };
         let dated_s = timing_floor_s(self.demand.sample_time_s);
         let dated = |m: Measured| Measured { standard_error_s: m.standard_error_s.hypot(dated_s), ..m };
-        measured.map(|m| parameter(AGAINST_BEND, dated(m)))
+        measured.map(|m| parameter(Quantity::DelayAgainstSpeedBend, dated(m)))
     }
 
     /// J_d dω_d/dt on the raster of N_d.
@@ -231,6 +229,6 @@ fn route(name: &str, m: Measured, systematic_s: f64) -> DelayRoute {
     }
 }
 
-fn parameter(label: Label, m: Measured) -> Parameter {
-    Parameter::new(label, m.delay_s, m.standard_error_s, m.degrees_of_freedom)
+fn parameter(quantity: Quantity, m: Measured) -> Parameter {
+    Parameter::new(quantity, m.delay_s, m.standard_error_s, m.degrees_of_freedom)
 }

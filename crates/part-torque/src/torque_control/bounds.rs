@@ -1,7 +1,5 @@
 //! Where delays and lags are looked for.
 
-use rig::estimation::Label;
-
 /// The longest delay looked for, s.
 pub(super) const LONGEST_DELAY_S: f64 = 0.02;
 
@@ -10,5 +8,3 @@ pub(super) const EARLIEST_S: f64 = 0.005;
 
 /// Range of the lag, rad/s.
 pub(super) const LAG_RAD_S: (f64, f64) = (20.0, 2e4);
-
-pub(crate) const DELAY: Label = Label { symbol: "τ", name: "delay of the torque control", unit: "s" };

@@ -18,15 +18,14 @@ mod validation;
 
 use faer::Mat;
 use ident::{Bounds, IdentError, Minimum};
-use rig::estimation::{EstimateError, Label, timing_floor_s};
+use rig::estimation::{EstimateError, timing_floor_s};
 use rig::experiment::Sought;
-use rig::results::{Estimate, Parameter, ResidualTest, Stretch, TorqueControl};
+use rig::results::{Estimate, Parameter, Quantity, ResidualTest, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
 use serde::Serialize;
 use signal::Signal;
 
 pub use bench_model::drive_ripple::{DriveRipple, RippleLine};
-pub(crate) use bounds::DELAY;
 use bounds::{EARLIEST_S, LAG_RAD_S, LONGEST_DELAY_S};
 pub use held::HeldDemand;
 pub use model::{AirGapTorqueModel, ResidualStatistics};
@@ -53,9 +52,6 @@ const EARLY: f64 = 4.0;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
 
-const LAG: Label = Label { symbol: "a", name: "bandwidth of the torque control", unit: "rad/s" };
-const TOTAL: Label = Label { symbol: "τ + 1/a", name: "total delay of the torque control", unit: "s" };
-const GAIN: Label = Label { symbol: "T_d,calc/T_d*", name: "gain of the torque control", unit: "1" };
 
 /// The estimate of the torque control and the model made of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -73,7 +69,7 @@ pub struct TorqueControlFit {
 impl TorqueControlFit {
     /// Whether a lag was found: one that is known to no better than half of itself, or rests on a bound, is as good as none.
     pub fn has_lag(&self) -> bool {
-        let lag = self.result.delay_and_lag.parameter(LAG.symbol);
+        let lag = self.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
         let is_known = lag.is_some_and(|a| a.standard_error < 0.5 * a.value);
         is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.model.lag_rad_s)
     }
@@ -124,8 +120,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     diagnostics.extend(doubts(experiment, &lagged, &delay_and_lag_validation, demand.sample_time_s));
     // Both delays are read off the same two clocks.
     let floor = timing_floor_s(demand.sample_time_s);
-    delay_and_lag.add_systematic(&["τ", "τ + 1/a"], floor);
-    pure_delay.add_systematic(&["τ"], floor);
+    delay_and_lag.add_systematic(&[Quantity::TorqueControlDelay, Quantity::TorqueControlTotalDelay], floor);
+    pure_delay.add_systematic(&[Quantity::TorqueControlDelay], floor);
     Ok(TorqueControlFit {
         result: TorqueControl { pure_delay, delay_and_lag, pure_delay_validation, delay_and_lag_validation },
         model: lagged.model,
@@ -249,7 +245,7 @@ fn free_gain(
     let free = search::free_the_gain(model, fit, bounds)?;
     let (covariance, freedom) = robust_covariance(&free, sample_time_s)?;
     let at = model.response_count();
-    Ok(Parameter::new(GAIN, free.parameters[at], covariance[(at, at)].sqrt(), freedom))
+    Ok(Parameter::new(Quantity::TorqueControlGain, free.parameters[at], covariance[(at, at)].sqrt(), freedom))
 }
 
 /// A grid of delays (in halves of the demand's sample) and lags, lag by lag: a mode is computed once for all delays.
@@ -270,9 +266,13 @@ impl Lagged {
             terms.filter(|t| t.0 != 0.0).map(|(weight, c)| weight * c).sum()
         };
         let covariance: Vec<Vec<f64>> = (0..3).map(|i| (0..3).map(|j| joint(i, j)).collect()).collect();
-        let values = [(DELAY, delay), (LAG, lag), (TOTAL, delay + 1.0 / lag)];
-        let parameter = |(i, (label, value)): (usize, &(Label, f64))| {
-            Parameter::new(*label, *value, covariance[i][i].sqrt(), self.freedom)
+        let values = [
+            (Quantity::TorqueControlDelay, delay),
+            (Quantity::TorqueControlBandwidth, lag),
+            (Quantity::TorqueControlTotalDelay, delay + 1.0 / lag),
+        ];
+        let parameter = |(i, (quantity, value)): (usize, &(Quantity, f64))| {
+            Parameter::new(*quantity, *value, covariance[i][i].sqrt(), self.freedom)
         };
         Estimate {
             parameters: values.iter().enumerate().map(parameter).collect(),
@@ -303,7 +303,7 @@ fn doubts(
     let (low, high) =
         ident::distributions::interval(gain.value, gain.standard_error, gain.degrees_of_freedom, GAIN_LEVEL);
     if !(low..=high).contains(&1.0) {
-        let quantity = "gain from T_d* to T_d,calc".to_owned();
+        let quantity = Quantity::TorqueControlGain;
         let (first, second) = ((gain.value, gain.standard_error), (1.0, 0.0));
         found.push(warning(experiment, Finding::RoutesDisagree { quantity, first, second }));
     }

@@ -3,14 +3,14 @@
 use bench_model::drive_ripple::DriveRipple;
 use faer::Mat;
 use ident::{IdentError, Minimum, Termination};
-use rig::results::{Estimate, Parameter, Stretch};
+use rig::results::{Estimate, Parameter, Quantity, Stretch};
 
 use super::held::HeldDemand;
 use super::model::{AirGapTorqueModel, PureDelay};
 use super::observed::Observed;
 use super::rippled::linear_part;
 use super::search::robust_covariance;
-use crate::torque_control::bounds::{DELAY, EARLIEST_S, LONGEST_DELAY_S};
+use crate::torque_control::bounds::{EARLIEST_S, LONGEST_DELAY_S};
 
 /// Parts of a sample of the demand in which delays are tried.
 const PARTS: usize = 20;
@@ -41,7 +41,7 @@ pub(super) fn fit(
     let (noise, freedom) = noise_variance(held, observed, &model)?;
     let variance = step_s * step_s / 12.0 + noise;
     let estimate = Estimate {
-        parameters: vec![Parameter::new(DELAY, delay_s, variance.sqrt(), freedom)],
+        parameters: vec![Parameter::new(Quantity::TorqueControlDelay, delay_s, variance.sqrt(), freedom)],
         covariance: vec![vec![variance]],
         stretches: vec![stretch.clone()],
         iterations: 0,

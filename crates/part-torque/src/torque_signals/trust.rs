@@ -2,8 +2,7 @@
 
 use faer::Mat;
 use ident::{IdentError, least_squares};
-use rig::estimation::Label;
-use rig::results::Parameter;
+use rig::results::{Parameter, Quantity};
 use rig::{Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
@@ -23,12 +22,6 @@ const APART_NM: f64 = 5.0;
 const LASTING_S: f64 = 60.0;
 /// An error of gain, 1, and of offset, Nm, up to which T_d,calc can be trusted.
 const TOLERATED: (f64, f64) = (0.01, 1.0);
-
-const OFFSET: Label =
-    Label { symbol: "o", name: "T_d,calc above T_d,meas, in the middle of the torques seen", unit: "Nm" };
-const GAIN: Label = Label { symbol: "g", name: "error of the gain of T_d,calc", unit: "1" };
-const LATENESS: Label = Label { symbol: "τ", name: "how late slow changes come out in T_d,meas", unit: "s" };
-const DRIFT: Label = Label { symbol: "d", name: "drift of T_d,calc against T_d,meas", unit: "Nm/s" };
 
 /// T_d,calc − T_d,meas = o + g (T_d,meas − T̄) + d (t − t̄) + τ ΔT on means over stretches near rest, ΔT being by how much T_d,calc
 /// rises from end to end over the length: what a load cell that is late by τ has not seen yet.
@@ -104,16 +97,16 @@ pub(super) fn check(experiments: &[&Experiment]) -> Result<Option<TrustCheck>, I
     let target: Vec<f64> = blocks.iter().map(|b| b.apart_nm).collect();
     let fit = least_squares(phi.as_ref(), &target)?;
     let covariance = fit.covariance();
-    let parameter = |label, at: usize| {
-        Parameter::new(label, fit.parameters[at], covariance[(at, at)].sqrt(), fit.degrees_of_freedom())
+    let parameter = |quantity, at: usize| {
+        Parameter::new(quantity, fit.parameters[at], covariance[(at, at)].sqrt(), fit.degrees_of_freedom())
     };
-    let offset = parameter(OFFSET, 0);
-    let gain = has_gain.then(|| parameter(GAIN, 2));
-    let drift = has_drift.then(|| parameter(DRIFT, 2 + usize::from(has_gain)));
+    let offset = parameter(Quantity::TorqueOffset, 0);
+    let gain = has_gain.then(|| parameter(Quantity::TorqueGainError, 2));
+    let drift = has_drift.then(|| parameter(Quantity::TorqueDrift, 2 + usize::from(has_gain)));
     Ok(Some(TrustCheck {
         verdict: verdict(&offset, gain.as_ref()),
         offset,
-        lateness: parameter(LATENESS, 1),
+        lateness: parameter(Quantity::LoadCellLateness, 1),
         gain,
         drift,
         middle_nm,

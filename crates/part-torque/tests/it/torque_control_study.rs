@@ -8,6 +8,7 @@ use part_torque::model_comparison::{
 use part_torque::torque_control;
 use rig::bench_parameters::{BenchParameters, InductionMachine};
 use rig::experiment::ExperimentPlan;
+use rig::results::Quantity;
 use rig::{Experiment, Role, prepare};
 use signal::Signal;
 use virtual_bench::{Numerics, simulate_hidden};
@@ -142,7 +143,7 @@ fn six_cylinders() -> BenchParameters {
 fn regress_ripple_leads_no_lag_away_where_the_engine_moves_the_demand() {
     let experiment = recorded(&six_cylinders(), &ExperimentPlan::bs_t_nt(1200.0, 60.0), 1);
     let fit = torque_control::estimate(&experiment, Some(400.0)).unwrap();
-    let lag = fit.result.delay_and_lag.parameter("a").unwrap();
+    let lag = fit.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth).unwrap();
     assert!((lag.interval.0..=lag.interval.1).contains(&565.4867) && lag.standard_error < 20.0, "{lag:?}");
     assert_eq!(fit.model.ripple.lines.len(), 1, "{:?}", fit.model.ripple.lines);
     assert!((fit.model.ripple.lines[0].frequency_hz - 100.0).abs() < 1e-3);

@@ -1,7 +1,7 @@
 //! Speed control, feed-forward, torque control.
 
 use rig::Role;
-use rig::results::{Estimate, Parameter, SpeedController, TorqueControl, Validation};
+use rig::results::{Estimate, Parameter, Quantity, SpeedController, TorqueControl, Validation};
 use study::{Analyses, Study};
 
 use super::{Grade, Known, grade, of_part, recording, source};
@@ -14,12 +14,12 @@ use crate::wording::{self, number};
 pub(super) fn speed_controller(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
     of_part(&study.speed_controller, ("K_p, K_i, τ", "speed controller"), |part| {
         let beside = analyses.and_then(beside_pi);
-        let known = |symbol: &&str| {
-            let own = part.estimate.parameter(symbol)?;
+        let known = |quantity: &Quantity| {
+            let own = part.estimate.parameter(*quantity)?;
             let mut why = judged(study, &part.estimate, &part.validation);
-            why.push(match *symbol {
-                "τ" => delay_seen(part),
-                "K_p" => "The recordings cannot show which integration rule the controller uses; with another rule K_p would be less, by at \
+            why.push(match quantity {
+                Quantity::ControllerDelay => delay_seen(part),
+                Quantity::ProportionalGain => "The recordings cannot show which integration rule the controller uses; with another rule K_p would be less, by at \
                           most K_i times the sample time."
                     .to_owned(),
                 _ => String::new(),
@@ -28,7 +28,7 @@ pub(super) fn speed_controller(study: &Study, analyses: Option<&Analyses>) -> Ve
             why.retain(|text| !text.is_empty());
             Some(Known::of(own, with_residuals(grade(study, own), &part.validation), why))
         };
-        ["K_p", "K_i", "τ"].iter().filter_map(known).collect()
+        [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::ControllerDelay].iter().filter_map(known).collect()
     })
 }
 
@@ -78,8 +78,8 @@ pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Kn
             let all = found.speed_control.feed_forward.iter();
             all.filter_map(|one| one.found.found()?.terms.found()).next().map(controller::bends)
         });
-        let known = |symbol: &&str| {
-            let own = part.estimate.parameter(symbol)?;
+        let known = |quantity: &Quantity| {
+            let own = part.estimate.parameter(*quantity)?;
             let mut why = judged(study, &part.estimate, &part.validation);
             why.push(format!("PI alone follows the same stretch with {}.", number::fit(part.pi_alone.fit_percent)));
             why.extend(bends.clone());
@@ -87,42 +87,45 @@ pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Kn
         };
         let why = vec![controller::M_IS_UNTOLD.to_owned()];
         let m = Known::new("m", "constant part of the feed-forward", Grade::NotAtAll, "–".to_owned(), why);
-        ["k", "k_a"].iter().filter_map(known).chain([m]).collect()
+        [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward].iter().filter_map(known).chain([m]).collect()
     })
 }
 
 /// The total delay of the torque control, and delay and lag one by one.
 pub(super) fn torque_control(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
     of_part(&study.torque_control, ("τ, a", "torque control"), |part| {
-        let known = |symbol: &&str| {
-            let own = part.delay_and_lag.parameter(symbol)?;
+        let known = |quantity: &Quantity| {
+            let own = part.delay_and_lag.parameter(*quantity)?;
             let validation = &part.delay_and_lag_validation;
             let mut why = judged(study, &part.delay_and_lag, validation);
             why.push(format!(
                 "A delay alone follows the same stretch with {}.",
                 number::fit(part.pure_delay_validation.fit_percent)
             ));
-            why.extend(torque::early(&own.symbol, own).map(|text| text + "."));
+            why.extend(torque::early(own.quantity.symbol(), own).map(|text| text + "."));
             why.extend(sampling(study, part, own));
             why.extend(analyses.and_then(|found| {
                 let studied = found.torque_control.as_ref().ok()?;
                 Some(wording::capitalised(&torque_control::beyond(studied.recordings.first()?)) + ".")
             }));
             Some(Known {
-                name: format!("torque control: {}", own.name),
+                name: format!("torque control: {}", own.quantity.name()),
                 ..Known::of(own, with_residuals(grade(study, own), validation), why)
             })
         };
-        ["τ + 1/a", "τ", "a"].iter().filter_map(known).collect()
+        [Quantity::TorqueControlTotalDelay, Quantity::TorqueControlDelay, Quantity::TorqueControlBandwidth]
+            .iter()
+            .filter_map(known)
+            .collect()
     })
 }
 
 /// How the lag compares with the time between samples of T_d,calc.
 fn sampling(study: &Study, part: &TorqueControl, own: &Parameter) -> Option<String> {
-    if own.symbol == "τ + 1/a" {
+    if own.quantity == Quantity::TorqueControlTotalDelay {
         return None;
     }
-    let lag_s = 1.0 / part.delay_and_lag.parameter("a")?.value;
+    let lag_s = 1.0 / part.delay_and_lag.parameter(Quantity::TorqueControlBandwidth)?.value;
     let file = &part.delay_and_lag.stretches.first()?.file;
     let times = &recording(study, file)?.sample_times_s;
     let (_, sample_s) = times.iter().find(|(role, _)| *role == Role::AirGapTorque)?;

@@ -104,7 +104,7 @@ impl Known {
     }
 
     fn of(parameter: &Parameter, grade: Grade, why: Vec<String>) -> Self {
-        Known::new(&parameter.symbol, &parameter.name, grade, number::parameter(parameter), why)
+        Known::new(parameter.quantity.symbol(), parameter.quantity.name(), grade, number::parameter(parameter), why)
     }
 
     /// Something that was not estimated, for want of what it needs.
@@ -141,7 +141,7 @@ fn relative_width(parameter: &Parameter) -> f64 {
 /// The grade by the interval; times are graded by the fastest sample time.
 fn grade(study: &Study, parameter: &Parameter) -> Grade {
     let (low, high) = parameter.interval;
-    match parameter.unit.as_str() {
+    match parameter.quantity.notation().unit {
         "s" => Grade::of_width((high - low) / 2.0 / fastest_sample_s(study), TIME_WIDTHS),
         _ => Grade::of_width(relative_width(parameter), WIDTHS),
     }

@@ -2,7 +2,7 @@
 
 use part_friction::Inertia;
 use rig::facts::BenchVariant;
-use rig::results::{Parameter, Shaft};
+use rig::results::{Parameter, Quantity, Shaft};
 use study::{Analyses, Study};
 
 use super::{Grade, Known, grade, of_part, overlap, relative_width, source};
@@ -18,7 +18,10 @@ const MOVED: f64 = 0.1;
 /// K and B.
 pub(super) fn shaft(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
     of_part(&study.shaft, ("K, B", "stiffness and damping of the shaft"), |part| {
-        ["K", "B"].iter().filter_map(|symbol| one(study, analyses, part, part.estimate.parameter(symbol)?)).collect()
+        [Quantity::Stiffness, Quantity::Damping]
+            .iter()
+            .filter_map(|quantity| one(study, analyses, part, part.estimate.parameter(*quantity)?))
+            .collect()
     })
 }
 
@@ -26,7 +29,7 @@ fn one(study: &Study, analyses: Option<&Analyses>, part: &Shaft, own: &Parameter
     let mut grade = grade(study, own);
     let mut why = vec![source(study, &part.estimate)];
     let others: Vec<(&str, &Parameter)> =
-        part.cross_checks.iter().filter_map(|(file, e)| Some((file.as_str(), e.parameter(&own.symbol)?))).collect();
+        part.cross_checks.iter().filter_map(|(file, e)| Some((file.as_str(), e.parameter(own.quantity)?))).collect();
     let apart: Vec<&(&str, &Parameter)> = others.iter().filter(|(_, other)| !overlap(own, other)).collect();
     why.push(agreement(others.len(), &apart));
     if !apart.is_empty() {
@@ -50,7 +53,7 @@ fn one(study: &Study, analyses: Option<&Analyses>, part: &Shaft, own: &Parameter
 
 fn agreement(count: usize, apart: &[&(&str, &Parameter)]) -> String {
     let listed: Vec<String> =
-        apart.iter().map(|(file, other)| format!("{file} ({})", number::parameter(other))).collect();
+        apart.iter().map(|(file, other)| format!("{file} ({})", number::parameter(*other))).collect();
     match (count, listed.as_slice()) {
         (0, _) => "No second recording checks it.".to_owned(),
         (1, []) => "The one other recording that shows it agrees: the intervals overlap.".to_owned(),
@@ -68,12 +71,13 @@ fn agreement(count: usize, apart: &[&(&str, &Parameter)]) -> String {
 
 /// What the signals' timing has to do with it.
 fn timing(part: &Shaft, own: &Parameter) -> Option<String> {
-    let plain = part.ignoring_timing.parameter(&own.symbol)?;
+    let plain = part.ignoring_timing.parameter(own.quantity)?;
     let moved = plain.value / own.value - 1.0;
+    let plain = plain.written();
     (moved.abs() > MOVED).then(|| {
         format!(
             "It hangs on the timing of the signals, which is estimated with it: with time stamps taken at their word it would be {}.",
-            number::significant_with_unit(plain.value, 3, &plain.unit)
+            number::significant_with_unit(plain.value, 3, plain.notation.unit)
         )
     })
 }
@@ -85,7 +89,7 @@ fn on_inertia(study: &Study, part: &Shaft) -> Option<String> {
     }
     let stated_kg_m2 = study.bench.dynamometer_inertia_kg_m2;
     let stated = number::measure(stated_kg_m2, "kg m²");
-    let checked = match part.inertias.as_ref().and_then(|(file, e)| Some((file, e.parameter("J_d")?))) {
+    let checked = match part.inertias.as_ref().and_then(|(file, e)| Some((file, e.parameter(Quantity::DynoInertia)?))) {
         Some((file, found)) if holds(found, stated_kg_m2) => {
             format!("which {file} confirms within 1 % or its interval ({})", number::parameter(found))
         }
@@ -103,7 +107,7 @@ fn holds(found: &Parameter, value: f64) -> bool {
 /// What all recordings say together.
 fn together(found: &Analyses, own: &Parameter) -> Option<String> {
     let all = found.shaft.together.as_ref()?;
-    let common = if own.symbol == "K" { &all.stiffness } else { &all.damping };
+    let common = if own.quantity == Quantity::Stiffness { &all.stiffness } else { &all.damping };
     let verdict = if all.apart {
         "which in K and B together differ by more than their own intervals allow"
     } else {
@@ -112,7 +116,7 @@ fn together(found: &Analyses, own: &Parameter) -> Option<String> {
     Some(format!(
         "All {} recordings together, {verdict}, give {} = {}.",
         common.by_recording.len(),
-        own.symbol,
+        own.quantity.symbol(),
         number::parameter(&common.parameter)
     ))
 }
@@ -120,18 +124,19 @@ fn together(found: &Analyses, own: &Parameter) -> Option<String> {
 /// J_d and J_e.
 pub(super) fn inertias(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
     let stated = [
-        ("J_d", "inertia of the dynamometer", study.bench.dynamometer_inertia_kg_m2),
-        ("J_e", "inertia of the engine", study.bench.engine_inertia_kg_m2),
+        (Quantity::DynoInertia, study.bench.dynamometer_inertia_kg_m2),
+        (Quantity::EngineInertia, study.bench.engine_inertia_kg_m2),
     ];
-    stated.map(|(symbol, name, kg_m2)| inertia(study, analyses, (symbol, name, kg_m2))).into()
+    stated.map(|(quantity, kg_m2)| inertia(study, analyses, quantity, kg_m2)).into()
 }
 
-fn inertia(study: &Study, analyses: Option<&Analyses>, (symbol, name, kg_m2): (&str, &str, f64)) -> Known {
+fn inertia(study: &Study, analyses: Option<&Analyses>, quantity: Quantity, kg_m2: f64) -> Known {
+    let (symbol, name) = (quantity.symbol(), quantity.name());
     let stated = number::measure(kg_m2, "kg m²");
     let seen = study.shaft.estimated().and_then(|part| part.inertias.as_ref());
-    let from_shaft = seen.and_then(|(file, e)| Some((file.clone(), e.parameter(symbol)?)));
+    let from_shaft = seen.and_then(|(file, e)| Some((file.clone(), e.parameter(quantity)?)));
     let checks: Vec<(String, &Parameter)> =
-        from_shaft.into_iter().chain((symbol == "J_d").then(|| without_shaft(analyses?)).flatten()).collect();
+        from_shaft.into_iter().chain((quantity == Quantity::DynoInertia).then(|| without_shaft(analyses?)).flatten()).collect();
     let best = checks.iter().min_by(|a, b| relative_width(a.1).total_cmp(&relative_width(b.1)));
     let Some((_, best)) = best else {
         let remedy = match study.bench.variant {
@@ -143,11 +148,11 @@ fn inertia(study: &Study, analyses: Option<&Analyses>, (symbol, name, kg_m2): (&
     };
     let agree = checks.iter().all(|(_, found)| holds(found, kg_m2));
     let by_width = grade(study, best);
-    let words = checks.iter().map(|(file, found)| format!("{file} gives {}", number::parameter(found)));
+    let words = checks.iter().map(|(file, found)| format!("{file} gives {}", number::parameter(*found)));
     let words: Vec<String> = words.collect();
     let verdict = if agree { "which agrees, within 1 % or its interval, with" } else { "which does not hold" };
     let why = vec![format!("{}, {verdict} the {stated} of the bench file.", wording::join(&words, "and"))];
-    Known::new(symbol, name, if agree { by_width } else { by_width.contradicted() }, number::parameter(best), why)
+    Known::new(symbol, name, if agree { by_width } else { by_width.contradicted() }, number::parameter(*best), why)
 }
 
 /// J_d from recordings without shaft.
@@ -162,13 +167,13 @@ fn without_shaft(analyses: &Analyses) -> Option<(String, &Parameter)> {
 /// How far apart the clocks of the shaft's signals are.
 pub(super) fn skews(study: &Study) -> Vec<Known> {
     let Some(part) = study.shaft.estimated() else { return Vec::new() };
-    let known = |symbol: &&str| {
-        let own = part.estimate.parameter(symbol)?;
+    let known = |quantity: &Quantity| {
+        let own = part.estimate.parameter(*quantity)?;
         let why = vec![
             "Estimated with K and B from how the signals answer one another; no second route checks it.".to_owned(),
             source(study, &part.estimate),
         ];
         Some(Known::of(own, grade(study, own), why))
     };
-    ["δ_e", "δ_T"].iter().filter_map(known).collect()
+    [Quantity::EngineSpeedSkew, Quantity::AirGapTorqueSkew].iter().filter_map(known).collect()
 }

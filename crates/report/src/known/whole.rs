@@ -20,7 +20,7 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
     let sines = sine_tests(whole);
     let known = |own: &Parameter, is_gain: bool| {
         let mut why: Vec<String> =
-            whole.influences.iter().find(|i| i.symbol == own.symbol).and_then(uncertain_by).into_iter().collect();
+            whole.influences.iter().find(|i| i.quantity == own.quantity).and_then(uncertain_by).into_iter().collect();
         why.push(sines.1.clone());
         why.push(of_inertias(&study.bench));
         let contradicted = is_gain && sines.0.is_some_and(|off| off > WIDTHS.1);

@@ -1,6 +1,6 @@
 //! The block diagram of the bench with the estimated numbers in its blocks, as inline SVG.
 
-use rig::results::{Estimate, Need, Part};
+use rig::results::{Estimate, Need, Part, Quantity};
 use study::Study;
 
 use crate::wording::{join, number};
@@ -69,11 +69,12 @@ fn speed_control(study: &Study) -> (Vec<Markup>, bool) {
         Part::Estimated(part) => part,
         Part::NotEstimated { needs } => return (absent(needs), false),
     };
-    let [k_p, k_i] = ["K_p", "K_i"].map(|symbol| digits(&part.estimate, symbol));
-    let law = markup!("{} ({} + {}/s) (N − N*)", delay(&part.estimate, "τ"), k_p, k_i);
+    let [k_p, k_i] = [Quantity::ProportionalGain, Quantity::IntegralGain].map(|quantity| digits(&part.estimate, quantity));
+    let law = markup!("{} ({} + {}/s) (N − N*)", delay(&part.estimate, Quantity::ControllerDelay), k_p, k_i);
     let feed_forward = match &study.feed_forward {
         Part::Estimated(part) => {
-            let [k, k_a] = ["k", "k_a"].map(|symbol| signed(&digits(&part.estimate, symbol)));
+            let [k, k_a] = [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]
+                .map(|quantity| signed(&digits(&part.estimate, quantity)));
             markup!("{} N* {} dN*/dt", k, k_a)
         }
         Part::NotEstimated { needs } => markup!("<tspan class=\"absent\">feed-forward {}</tspan>", short(needs)),
@@ -84,9 +85,9 @@ fn speed_control(study: &Study) -> (Vec<Markup>, bool) {
 fn torque_control(study: &Study) -> (Vec<Markup>, bool) {
     match &study.torque_control {
         Part::Estimated(part) => {
-            let a = digits(&part.delay_and_lag, "a");
-            let lag = markup!("{} · {}/(s + {})", delay(&part.delay_and_lag, "τ"), a, a);
-            let total = part.delay_and_lag.parameter("τ + 1/a").map(number::parameter);
+            let a = digits(&part.delay_and_lag, Quantity::TorqueControlBandwidth);
+            let lag = markup!("{} · {}/(s + {})", delay(&part.delay_and_lag, Quantity::TorqueControlDelay), a, a);
+            let total = part.delay_and_lag.parameter(Quantity::TorqueControlTotalDelay).map(number::parameter);
             (vec![lag, total.map(|total| markup!("total delay {}", total)).unwrap_or_default()], true)
         }
         Part::NotEstimated { needs } => (absent(needs), false),
@@ -96,7 +97,7 @@ fn torque_control(study: &Study) -> (Vec<Markup>, bool) {
 fn shaft(study: &Study) -> (Vec<Markup>, bool) {
     match &study.shaft {
         Part::Estimated(part) => {
-            let [k, b] = ["K", "B"].map(|symbol| digits(&part.estimate, symbol));
+            let [k, b] = [Quantity::Stiffness, Quantity::Damping].map(|quantity| digits(&part.estimate, quantity));
             let zero = number::significant(part.zero.value, 3);
             (vec![markup!("({} + {} s)/s", k, b), markup!("zero at {} rad/s", zero)], true)
         }
@@ -109,15 +110,15 @@ fn inertia(name: &str, kg_m2: f64) -> Vec<Markup> {
 }
 
 /// The factor e^(−τ s) with its number.
-fn delay(estimate: &Estimate, symbol: &str) -> Markup {
-    let seconds = estimate.parameter(symbol).map(|p| number::significant(p.value, 3));
+fn delay(estimate: &Estimate, quantity: Quantity) -> Markup {
+    let seconds = estimate.parameter(quantity).map(|p| number::significant(p.value, 3));
     let seconds = seconds.unwrap_or_else(|| "?".to_owned());
     markup!("e<tspan class=\"power\" dy=\"-6\">−{} s</tspan><tspan dy=\"6\">\u{200b}</tspan>", seconds)
 }
 
 /// A parameter's value, short enough for a block and without unit.
-fn digits(estimate: &Estimate, symbol: &str) -> String {
-    let value = estimate.parameter(symbol).map(|parameter| number::significant(parameter.value, 4));
+fn digits(estimate: &Estimate, quantity: Quantity) -> String {
+    let value = estimate.parameter(quantity).map(|parameter| number::significant(parameter.written().value, 4));
     value.unwrap_or_else(|| "?".to_owned())
 }
 

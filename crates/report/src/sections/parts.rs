@@ -19,8 +19,8 @@ pub(crate) fn parameter_table<'a>(parameters: impl IntoIterator<Item = &'a Param
     let row = |parameter: &Parameter| -> Vec<Cell> {
         let quantity = number::quantity(parameter);
         vec![
-            Prose::symbol(&parameter.symbol).into(),
-            Cell::from(&parameter.name),
+            Prose::symbol(parameter.quantity.symbol()).into(),
+            Cell::from(parameter.quantity.name()),
             quantity.clone().into(),
             Cell::interval(quantity),
         ]

@@ -1,6 +1,6 @@
 //! The first page: can the model be used, what are its numbers, what is missing, what to look at.
 
-use rig::results::{Need, Parameter, Part};
+use rig::results::{Need, Parameter, Part, Quantity};
 use rig::{Diagnostic, Severity};
 use study::Study;
 
@@ -85,21 +85,21 @@ fn key_numbers(study: &Study) -> Blocks {
 
 fn collect_key_numbers(study: &Study) -> Vec<KeyNumber<'_>> {
     let whole = study.whole.estimated();
-    let shaft = |symbol| study.shaft.estimated().and_then(|part| part.estimate.parameter(symbol));
-    let controller = |symbol| study.speed_controller.estimated().and_then(|part| part.estimate.parameter(symbol));
-    let torque = |symbol| study.torque_control.estimated().and_then(|part| part.delay_and_lag.parameter(symbol));
+    let shaft = |quantity| study.shaft.estimated().and_then(|part| part.estimate.parameter(quantity));
+    let controller = |quantity| study.speed_controller.estimated().and_then(|part| part.estimate.parameter(quantity));
+    let torque = |quantity| study.torque_control.estimated().and_then(|part| part.delay_and_lag.parameter(quantity));
     let number = |symbol, name, parameter, needs| KeyNumber { symbol, name, parameter, needs };
     let (of_whole, of_shaft) = (needs(&study.whole), needs(&study.shaft));
     let (of_controller, of_torque) = (needs(&study.speed_controller), needs(&study.torque_control));
     vec![
         number("", "resonance", whole.map(|w| &w.resonance_hz), of_whole),
-        number("", "engine speed where firing meets it", whole.map(|w| &w.firing_meets_resonance_rpm), of_whole),
-        number("K", "shaft stiffness", shaft("K"), of_shaft),
-        number("B", "shaft damping", shaft("B"), of_shaft),
-        number("K_p", "speed control, proportional", controller("K_p"), of_controller),
-        number("K_i", "speed control, integral", controller("K_i"), of_controller),
-        number("τ", "speed control, delay", controller("τ"), of_controller),
-        number("τ + 1/a", "torque control, total delay", torque("τ + 1/a"), of_torque),
+        number("", "engine speed where firing meets it", whole.map(|w| &w.firing_meets_resonance), of_whole),
+        number("K", "shaft stiffness", shaft(Quantity::Stiffness), of_shaft),
+        number("B", "shaft damping", shaft(Quantity::Damping), of_shaft),
+        number("K_p", "speed control, proportional", controller(Quantity::ProportionalGain), of_controller),
+        number("K_i", "speed control, integral", controller(Quantity::IntegralGain), of_controller),
+        number("τ", "speed control, delay", controller(Quantity::ControllerDelay), of_controller),
+        number("τ + 1/a", "torque control, total delay", torque(Quantity::TorqueControlTotalDelay), of_torque),
     ]
 }
 

@@ -24,7 +24,7 @@ pub(crate) fn section(study: &Study) -> Blocks {
     let equation =
         "{T_shaft}/{T_d} = {H_d H_s}/{1 + H_s (H_d + H_e)}, H_d = 1/(J_d s), H_e = 1/(J_e s), H_s = (K + B s)/s";
     let parameters =
-        [&whole.resonance_hz, &whole.firing_meets_resonance_rpm, &whole.resonance_gain, &whole.damping_ratio];
+        [&whole.resonance_hz, &whole.firing_meets_resonance, &whole.resonance_gain, &whole.damping_ratio];
     let mut all = lead(what, equation);
     all.push(parameter_table(parameters));
     all.push(notes(study, whole));
@@ -47,7 +47,7 @@ fn notes(study: &Study, whole: &WholeModel) -> Blocks {
 
 /// The engine speeds to avoid: firing, and its half and quarter orders from unequal cylinders (2.1).
 fn firing(study: &Study, whole: &WholeModel) -> String {
-    let full = whole.firing_meets_resonance_rpm.value;
+    let full = whole.firing_meets_resonance.written().value;
     let speed = |times: f64| number::significant_with_unit(times * full, 3, "rpm");
     let BenchFacts { cylinders, strokes, .. } = study.bench;
     if cylinders == 0 {
@@ -87,8 +87,8 @@ fn influences(whole: &WholeModel) -> Blocks {
                 None => "not known".to_owned(),
             };
             vec![
-                if first { Prose::symbol(&influence.symbol).into() } else { Cell::from("") },
-                if first { Cell::from(&influence.name) } else { Cell::from("") },
+                if first { Prose::symbol(influence.quantity.symbol()).into() } else { Cell::from("") },
+                if first { Cell::from(influence.quantity.name()) } else { Cell::from("") },
                 Prose::symbol(one.parameter.symbol()).into(),
                 number::significant_with_unit(one.elasticity, 2, "%").into(),
                 share.into(),

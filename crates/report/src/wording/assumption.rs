@@ -6,6 +6,7 @@ use bench_model::model::ModelParameter;
 use bench_model::prediction::PeakOf;
 use design::excitation_design::LimitedQuantity;
 use design::safety::{Quantity, Safety};
+use rig::results::Notation;
 use units::RPM_RAD_S;
 use virtual_bench::Assumption;
 
@@ -56,17 +57,11 @@ pub fn peak(of: PeakOf) -> (&'static str, &'static str, f64) {
 
 /// A parameter of the model, by its symbol, with the unit it is reported in and SI per unit.
 pub fn model_parameter(of: ModelParameter) -> (&'static str, &'static str, f64) {
-    let (unit, si) = match of {
-        ModelParameter::DynoInertia | ModelParameter::EngineInertia => ("kg m²", 1.0),
-        ModelParameter::Stiffness => ("Nm/rad", 1.0),
-        ModelParameter::Damping => ("Nm s/rad", 1.0),
-        ModelParameter::Proportional | ModelParameter::SpeedFeedForward => ("Nm/rpm", 1.0 / RPM_RAD_S),
-        ModelParameter::Integral => ("Nm/(rpm s)", 1.0 / RPM_RAD_S),
-        ModelParameter::AccelerationFeedForward => ("Nm/(rpm/s)", 1.0 / RPM_RAD_S),
-        ModelParameter::ControllerDelay | ModelParameter::TorqueControlDelay => ("ms", 1e-3),
-        ModelParameter::TorqueControlBandwidth => ("rad/s", 1.0),
-    };
-    (of.symbol(), unit, si)
+    let Notation { unit, per_si, .. } = of.quantity().notation();
+    match unit {
+        "s" => (of.symbol(), "ms", 1e-3),
+        _ => (of.symbol(), unit, 1.0 / per_si),
+    }
 }
 
 /// What a designed excitation drives to its limit, by its symbol.

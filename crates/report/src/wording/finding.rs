@@ -1,5 +1,6 @@
 //! Each finding in plain words: what was found, and what to do about it.
 
+use rig::results::Quantity;
 use rig::{Diagnostic, Finding};
 
 use super::number::{NOT_KNOWN, duration, measure, plus_minus, share, significant, time};
@@ -80,8 +81,8 @@ pub fn finding(finding: &Finding) -> String {
             let found = significant(*correlation, 2);
             format!("T_d appears to brake with a negative sign (its correlation with the motion it causes is {found}).")
         }
-        Finding::ImplausibleInertia { symbol, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
-            inertia(symbol, *given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
+        Finding::ImplausibleInertia { inertia: which, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 } => {
+            inertia(which.symbol(), *given_kg_m2, *estimated_kg_m2, *standard_error_kg_m2)
         }
         Finding::Saturated { share: of, limit_nm } => {
             let limit = measure(*limit_nm, "Nm");
@@ -113,7 +114,7 @@ pub fn finding(finding: &Finding) -> String {
                 role(*speed)
             )
         }
-        Finding::RoutesDisagree { quantity, first, second } => routes(quantity, *first, *second),
+        Finding::RoutesDisagree { quantity, first, second } => routes(*quantity, *first, *second),
     }
 }
 
@@ -229,8 +230,18 @@ fn residuals(submodel: &str, share_outside: f64) -> String {
     )
 }
 
-fn routes(quantity: &str, first: (f64, f64), second: (f64, f64)) -> String {
-    let [first, second] = [first, second].map(|(value, error)| plus_minus(value, 2.0 * error, ""));
+/// What two routes were taken to.
+pub fn twice_estimated(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::TorqueControlGain => "gain from T_d* to T_d,calc",
+        other => other.symbol(),
+    }
+}
+
+fn routes(quantity: Quantity, first: (f64, f64), second: (f64, f64)) -> String {
+    let per_si = quantity.notation().per_si;
+    let quantity = twice_estimated(quantity);
+    let [first, second] = [first, second].map(|(value, error)| plus_minus(per_si * value, per_si * 2.0 * error, ""));
     format!("Two ways of finding {quantity} disagree: {first} and {second} (± two standard errors).")
 }
 

@@ -13,7 +13,7 @@ pub mod number;
 pub use assumption::{assumption, limited, model_parameter, peak, quantity, safety};
 pub use choice::{choice, sought};
 pub use experiment::experiment;
-pub use finding::{advice, diagnostic, finding, remark};
+pub use finding::{advice, diagnostic, finding, remark, twice_estimated};
 pub use need::{need, needs};
 
 use rig::facts::BenchVariant;

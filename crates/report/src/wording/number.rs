@@ -2,26 +2,27 @@
 
 use design::safety::Proportion;
 use page::{Quantity, Uncertainty, Unit};
-use rig::results::Parameter;
+use rig::results::WrittenParameter;
 
 pub use page::number::*;
 
 /// An estimated number with its interval and unit.
-pub fn quantity(parameter: &Parameter) -> Quantity {
+pub fn quantity(parameter: impl Into<WrittenParameter>) -> Quantity {
+    let parameter = parameter.into();
     let (low, high) = parameter.interval;
     let is_exact = parameter.value.is_finite() && parameter.standard_error == 0.0 && low == high;
     let uncertainty = if is_exact { Uncertainty::Exact } else { Uncertainty::Interval(low, high) };
-    Quantity { value: parameter.value, uncertainty, unit: Unit::new(parameter.unit.as_str()) }
+    Quantity { value: parameter.value, uncertainty, unit: Unit::new(parameter.notation.unit) }
 }
 
 /// The estimate with half of its 95 % interval, e.g. `2438 ± 12 Nm/rad`; with both arms where the interval is lopsided,
 /// e.g. `2438 +52 −28 Nm/rad`.
-pub fn parameter(parameter: &Parameter) -> String {
+pub fn parameter(parameter: impl Into<WrittenParameter>) -> String {
     quantity(parameter).text()
 }
 
 /// The bounds of the 95 % interval with their unit, e.g. `2426 … 2450 Nm/rad`.
-pub fn interval(parameter: &Parameter) -> String {
+pub fn interval(parameter: impl Into<WrittenParameter>) -> String {
     quantity(parameter).interval()
 }
 

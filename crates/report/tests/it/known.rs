@@ -1,7 +1,7 @@
 //! What is known, and how well.
 
 use report::known::{Grade, Known, known};
-use rig::results::{Estimate, Parameter, Part, Shaft};
+use rig::results::{Estimate, Parameter, Part, Quantity, Shaft};
 use study::{Analyses, Study};
 
 use crate::fixture;
@@ -29,7 +29,7 @@ fn shaft(study: &mut Study) -> Option<&mut Shaft> {
 
 /// The parameter with another interval, as a part of its value to either side.
 fn set_width(estimate: &mut Estimate, symbol: &str, width: f64) {
-    let own = estimate.parameters.iter_mut().filter(|p| p.symbol == symbol);
+    let own = estimate.parameters.iter_mut().filter(|p| p.quantity.symbol() == symbol);
     own.for_each(|p| p.interval = (p.value * (1.0 - width), p.value * (1.0 + width)));
 }
 
@@ -55,7 +55,7 @@ fn exact_a_recording_that_disagrees_is_named_and_counts() {
     part.cross_checks.push(("alike.mf4".into(), other.clone()));
     assert_eq!(grade(&study, "K"), Some(Grade::Well));
     let value = |p: &mut Parameter| (p.value, p.interval) = (1.5 * p.value, (1.5 * p.interval.0, 1.5 * p.interval.1));
-    other.parameters.iter_mut().filter(|p| p.symbol == "K").for_each(value);
+    other.parameters.iter_mut().filter(|p| p.quantity == Quantity::Stiffness).for_each(value);
     shaft(&mut study).unwrap().cross_checks.push(("apart.mf4".into(), other));
     assert_eq!(grade(&study, "K"), Some(Grade::Roughly));
     let why = why(&study, "K");
@@ -71,8 +71,7 @@ fn exact_inertias_that_nobody_checked_are_taken_on_trust() {
     assert!(why(&study, "K").contains("which no recording checks"));
     let mut seen = shaft(&mut study).unwrap().estimate.clone();
     let engine = Parameter {
-        symbol: "J_e".into(),
-        unit: "kg m²".into(),
+        quantity: Quantity::EngineInertia,
         value: study.bench.engine_inertia_kg_m2,
         interval: (0.99 * study.bench.engine_inertia_kg_m2, 1.01 * study.bench.engine_inertia_kg_m2),
         ..seen.parameters[0].clone()

@@ -1,11 +1,11 @@
 //! What to record next, in words.
 
 use report::next::{best, choices, recommendation};
+use rig::results::Quantity;
 use study::{Candidate, Gain, NextExperiments};
 
-fn gain(symbol: &str, now: Option<f64>, then: f64) -> Gain {
-    let (symbol, name) = (symbol.to_owned(), symbol.to_owned());
-    Gain { symbol, name, unit: "Nm/rad".to_owned(), value: 100.0, now, then, is_enough_now: false }
+fn gain(quantity: Quantity, now: Option<f64>, then: f64) -> Gain {
+    Gain { quantity, value: 100.0, now, then, is_enough_now: false }
 }
 
 fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
@@ -17,9 +17,9 @@ fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
 #[test]
 fn regress_an_experiment_with_two_demands_is_one_entry() {
     let candidates = vec![
-        candidate("Multisine_T_TN", true, vec![gain("J_e", None, 1.0), gain("K", Some(10.0), 1.0)]),
-        candidate("Multisine_T_TN", false, vec![gain("K", Some(10.0), 5.0)]),
-        candidate("BS_T_NT", false, vec![gain("K", Some(10.0), 6.0)]),
+        candidate("Multisine_T_TN", true, vec![gain(Quantity::EngineInertia, None, 1.0), gain(Quantity::Stiffness, Some(10.0), 1.0)]),
+        candidate("Multisine_T_TN", false, vec![gain(Quantity::Stiffness, Some(10.0), 5.0)]),
+        candidate("BS_T_NT", false, vec![gain(Quantity::Stiffness, Some(10.0), 6.0)]),
         candidate("Step_T_TN", false, Vec::new()),
     ];
     let mut found = NextExperiments { now: Vec::new(), candidates, enough: 0.01, assumptions: Vec::new() };

@@ -1,8 +1,9 @@
 //! Invariants of numbers and text.
 
 use proptest::prelude::*;
+use proptest::sample::select;
 use report::wording::number;
-use rig::results::Parameter;
+use rig::results::{Notation, Quantity, WrittenParameter};
 
 use crate::fixture;
 
@@ -22,19 +23,17 @@ proptest! {
     }
 
     #[test]
-    fn prop_any_number_can_be_written(value in any::<f64>(), low in any::<f64>(), high in any::<f64>(), unit in "s|Nm|") {
-        let parameter = Parameter {
-            symbol: "K".into(),
-            name: "stiffness".into(),
-            unit,
+    fn prop_any_number_can_be_written(value in any::<f64>(), low in any::<f64>(), high in any::<f64>(), unit in select(vec!["s", "Nm", ""])) {
+        let parameter = WrittenParameter {
+            notation: Notation { unit, ..Quantity::Stiffness.notation() },
             value,
             standard_error: low,
             degrees_of_freedom: high,
             interval: (low, high),
         };
         for text in [
-            number::parameter(&parameter),
-            number::interval(&parameter),
+            number::parameter(parameter),
+            number::interval(parameter),
             number::plus_minus(value, high, ""),
             number::measure(value, "s"),
             number::duration(value),

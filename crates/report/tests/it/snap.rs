@@ -2,7 +2,7 @@
 
 use design::safety::Proportion;
 use report::wording::{self, number};
-use rig::results::{Need, Parameter};
+use rig::results::{Need, Notation, Quantity, WrittenParameter};
 use rig::{Diagnostic, Finding, Place, Role, Severity};
 
 use crate::fixture;
@@ -32,7 +32,7 @@ fn findings() -> Vec<Finding> {
         Finding::TooShort { duration_s: 0.4, needed_s: 12.0 },
         Finding::WrongTorqueSign { correlation: -0.934 },
         Finding::ImplausibleInertia {
-            symbol: "J_d".into(),
+            inertia: Quantity::DynoInertia,
             given_kg_m2: 0.3,
             estimated_kg_m2: 0.412,
             standard_error_kg_m2: 0.006,
@@ -43,7 +43,7 @@ fn findings() -> Vec<Finding> {
         Finding::PulsesFoldToRest { role: Role::EngineSpeed, rate_hz: 500.0, firing_hz: 100.003, multiple: 5 },
         Finding::ResidualsCorrelated { submodel: "speed_controller".into(), share_outside: 0.21 },
         Finding::NotConverged { submodel: "shaft".into() },
-        Finding::RoutesDisagree { quantity: "K".into(), first: (2438.0, 6.0), second: (2391.0, 5.2) },
+        Finding::RoutesDisagree { quantity: Quantity::Stiffness, first: (2438.0, 6.0), second: (2391.0, 5.2) },
     ]
 }
 
@@ -71,17 +71,15 @@ fn snap_needs() {
     insta::assert_snapshot!(lines.join("\n"));
 }
 
-fn parameter(unit: &str, value: f64, below: f64, above: f64) -> String {
-    let parameter = Parameter {
-        symbol: "K".into(),
-        name: "stiffness".into(),
-        unit: unit.into(),
+fn parameter(unit: &'static str, value: f64, below: f64, above: f64) -> String {
+    let parameter = WrittenParameter {
+        notation: Notation { unit, ..Quantity::Stiffness.notation() },
         value,
         standard_error: below / 1.96,
         degrees_of_freedom: 100.0,
         interval: (value - below, value + above),
     };
-    format!("{} | {}", number::parameter(&parameter), number::interval(&parameter))
+    format!("{} | {}", number::parameter(parameter), number::interval(parameter))
 }
 
 #[test]

@@ -9,6 +9,6 @@ mod stretch;
 
 pub use error::EstimateError;
 pub use once::{Chosen, OncePerRecording, first, once};
-pub use parameter::{Label, ReadOut, transformed};
+pub use parameter::{ReadOut, transformed};
 pub use precision::{noise_floor, timing_floor_s};
 pub use stretch::{longest_unsaturated, need};

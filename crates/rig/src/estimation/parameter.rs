@@ -4,32 +4,19 @@ use faer::Mat;
 use ident::Minimum;
 use ident::distributions::interval;
 
-use crate::results::{Estimate, Parameter, Stretch};
+use crate::results::{Estimate, Parameter, Quantity, Stretch};
 
 /// Level of every parameter's interval.
 const INTERVAL_LEVEL: f64 = 0.95;
 
-/// What a parameter is called and measured in.
-#[derive(Debug, Clone, Copy)]
-pub struct Label {
-    /// Symbol, e.g. `K_p`.
-    pub symbol: &'static str,
-    /// Name, e.g. `proportional gain`.
-    pub name: &'static str,
-    /// Unit, as written in reports.
-    pub unit: &'static str,
-}
-
-/// A quantity people read, as a function of a fit's internal parameters.
-pub type ReadOut<'a> = (Label, &'a dyn Fn(&[f64]) -> f64);
+/// A quantity as a function of a fit's internal parameters, in SI.
+pub type ReadOut<'a> = (Quantity, &'a dyn Fn(&[f64]) -> f64);
 
 impl Parameter {
     /// A parameter with its 95 % Student-t interval.
-    pub fn new(label: Label, value: f64, standard_error: f64, degrees_of_freedom: f64) -> Self {
+    pub fn new(quantity: Quantity, value: f64, standard_error: f64, degrees_of_freedom: f64) -> Self {
         Parameter {
-            symbol: label.symbol.to_owned(),
-            name: label.name.to_owned(),
-            unit: label.unit.to_owned(),
+            quantity,
             value,
             standard_error,
             degrees_of_freedom,
@@ -39,10 +26,9 @@ impl Parameter {
 }
 
 impl Estimate {
-    /// Adds a systematic uncertainty that moves the named parameters together and nothing else.
-    pub fn add_systematic(&mut self, symbols: &[&str], standard_uncertainty: f64) {
-        let moved: Vec<usize> =
-            (0..self.parameters.len()).filter(|i| symbols.contains(&self.parameters[*i].symbol.as_str())).collect();
+    /// Adds a systematic uncertainty that moves these quantities together and nothing else.
+    pub fn add_systematic(&mut self, quantities: &[Quantity], standard_uncertainty: f64) {
+        let moved: Vec<usize> = quantities.iter().filter_map(|quantity| self.place(*quantity)).collect();
         for i in &moved {
             for j in &moved {
                 self.covariance[*i][*j] += standard_uncertainty * standard_uncertainty;
@@ -57,7 +43,7 @@ impl Estimate {
     }
 }
 
-/// The quantities people read, as functions of a fit's internal parameters, with their covariance by the delta method.
+/// Quantities as functions of a fit's internal parameters, with their covariance by the delta method.
 pub fn transformed(
     outputs: &[ReadOut<'_>],
     fit: &Minimum,
@@ -72,8 +58,8 @@ pub fn transformed(
         (0..n).map(|i| (0..n).map(|j| a[i] * covariance[(i, j)] * b[j]).sum::<f64>()).sum::<f64>()
     };
     let matrix: Vec<Vec<f64>> = gradients.iter().map(|a| gradients.iter().map(|b| joint(a, b)).collect()).collect();
-    let parameter = |(i, (label, g)): (usize, &ReadOut<'_>)| {
-        Parameter::new(*label, g(&fit.parameters), matrix[i][i].max(0.0).sqrt(), degrees_of_freedom)
+    let parameter = |(i, (quantity, g)): (usize, &ReadOut<'_>)| {
+        Parameter::new(*quantity, g(&fit.parameters), matrix[i][i].max(0.0).sqrt(), degrees_of_freedom)
     };
     Estimate {
         parameters: outputs.iter().enumerate().map(parameter).collect(),

@@ -2,15 +2,17 @@
 
 use serde::Serialize;
 
-/// One estimated number.
+use super::notation::Notation;
+use super::quantity::Quantity;
+
+/// One estimated number, in SI.
+///
+/// It serialises with symbol, name and the unit people read, see [`Quantity::notation`].
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(into = "WrittenParameter")]
 pub struct Parameter {
-    /// Symbol of the thesis, e.g. `K_p`.
-    pub symbol: String,
-    /// What it is, e.g. `proportional gain`.
-    pub name: String,
-    /// Unit, as written in reports.
-    pub unit: String,
+    /// What it is.
+    pub quantity: Quantity,
     /// Estimate.
     pub value: f64,
     /// Standard error.
@@ -32,12 +34,15 @@ pub struct Stretch {
     pub end_s: f64,
 }
 
-/// Parameters and their joint uncertainty.
+/// Parameters and their joint uncertainty, in SI.
+///
+/// It serialises in the units people read, covariance included.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(into = "WrittenEstimate")]
 pub struct Estimate {
     /// Parameters.
     pub parameters: Vec<Parameter>,
-    /// Covariance, in the parameters' order and units.
+    /// Covariance, in the parameters' order, SI.
     pub covariance: Vec<Vec<f64>>,
     /// Data it was estimated from.
     pub stretches: Vec<Stretch>,
@@ -48,8 +53,96 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// The parameter with this symbol.
-    pub fn parameter(&self, symbol: &str) -> Option<&Parameter> {
-        self.parameters.iter().find(|p| p.symbol == symbol)
+    /// The parameter that is this quantity.
+    #[must_use]
+    pub fn parameter(&self, quantity: Quantity) -> Option<&Parameter> {
+        self.parameters.get(self.place(quantity)?)
+    }
+
+    /// Where this quantity is among the parameters, and in the covariance.
+    #[must_use]
+    pub fn place(&self, quantity: Quantity) -> Option<usize> {
+        self.parameters.iter().position(|parameter| parameter.quantity == quantity)
+    }
+}
+
+/// A parameter as people read it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WrittenParameter {
+    /// Symbol, name and unit.
+    #[serde(flatten)]
+    pub notation: Notation,
+    /// Estimate, in the unit people read.
+    pub value: f64,
+    /// Standard error.
+    pub standard_error: f64,
+    /// Degrees of freedom of the Student-t interval.
+    pub degrees_of_freedom: f64,
+    /// 95 % interval.
+    pub interval: (f64, f64),
+}
+
+impl Parameter {
+    /// In the unit people read.
+    #[must_use]
+    pub fn written(&self) -> WrittenParameter {
+        self.scaled(self.quantity.notation())
+    }
+
+    /// In SI, for people who want that.
+    #[must_use]
+    pub fn written_in_si(&self) -> WrittenParameter {
+        let notation = self.quantity.notation();
+        self.scaled(Notation { unit: notation.si_unit, per_si: 1.0, ..notation })
+    }
+
+    fn scaled(&self, notation: Notation) -> WrittenParameter {
+        let scale = notation.per_si;
+        WrittenParameter {
+            notation,
+            value: scale * self.value,
+            standard_error: scale * self.standard_error,
+            degrees_of_freedom: self.degrees_of_freedom,
+            interval: (scale * self.interval.0, scale * self.interval.1),
+        }
+    }
+}
+
+impl From<&Parameter> for WrittenParameter {
+    fn from(parameter: &Parameter) -> Self {
+        parameter.written()
+    }
+}
+
+impl From<Parameter> for WrittenParameter {
+    fn from(parameter: Parameter) -> Self {
+        parameter.written()
+    }
+}
+
+/// An estimate as JSON has it: each parameter in the unit people read, and the covariance in the same units.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct WrittenEstimate {
+    parameters: Vec<WrittenParameter>,
+    covariance: Vec<Vec<f64>>,
+    stretches: Vec<Stretch>,
+    iterations: usize,
+    condition: f64,
+}
+
+impl From<Estimate> for WrittenEstimate {
+    fn from(estimate: Estimate) -> Self {
+        let parameters: Vec<WrittenParameter> = estimate.parameters.iter().map(Parameter::written).collect();
+        let scaled = |(row, own): (Vec<f64>, &WrittenParameter)| {
+            let entries = row.into_iter().zip(&parameters);
+            entries.map(|(entry, other)| entry * own.notation.per_si * other.notation.per_si).collect()
+        };
+        WrittenEstimate {
+            covariance: estimate.covariance.into_iter().zip(&parameters).map(scaled).collect(),
+            parameters,
+            stretches: estimate.stretches,
+            iterations: estimate.iterations,
+            condition: estimate.condition,
+        }
     }
 }

@@ -1,14 +1,18 @@
 //! The plain types that estimates, their judgement and their outcomes are given in. They hold numbers and structure only.
 
 mod estimate;
+mod notation;
 mod outcome;
 mod parts;
+mod quantity;
 mod validation;
 
-pub use estimate::{Estimate, Parameter, Stretch};
+pub use estimate::{Estimate, Parameter, Stretch, WrittenParameter};
+pub use notation::{Notation, write_notation, write_symbol};
 pub use outcome::{Need, Part, Told, Untold};
 pub use parts::{
     DelayRoute, FeedForward, MeasuredResponse, ResidualSpectrum, Shaft, SignalDelay, SpeedController, Timing,
     TorqueControl,
 };
+pub use quantity::Quantity;
 pub use validation::{ResidualTest, Trace, Validation};

@@ -1,8 +1,9 @@
 //! The results of the bench's parts.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::estimate::{Estimate, Parameter, Stretch};
+use super::quantity::Quantity;
 use super::validation::Validation;
 use crate::role::Role;
 
@@ -64,14 +65,16 @@ impl SignalDelay {
 /// PI with delay: T_d* = e^{−sτ}(K_p + K_i/s)(N_d − N_d*) + x_0.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SpeedController {
-    /// K_p in Nm/rpm, K_i in Nm/(rpm s), τ in s, I_0 (initial integrator state) in Nm, T_g (encoder gate) in s.
+    /// K_p, K_i, τ, I_0 (initial integrator state) and, where the data show it, T_g (encoder gate).
     /// K_p is that of integration by forward Euler; backward Euler has the same sequence with K_p less by K_i T.
     pub estimate: Estimate,
     /// The zero −K_i/K_p of (K_p s + K_i)/s, rad/s.
     pub zero: Parameter,
     /// Sample time of the controller, s.
     pub sample_time_s: f64,
-    /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error in rpm.
+    /// Coefficients b_0, b_1 of the discrete form (b_0 + b_1 q⁻¹)/(1 − q⁻¹) on the speed error, Nm s/rad; written on that
+    /// in rpm.
+    #[serde(serialize_with = "write_discrete")]
     pub discrete: (f64, f64),
     /// On held-out data, with the delay.
     pub validation: Validation,
@@ -79,10 +82,16 @@ pub struct SpeedController {
     pub without_delay: Validation,
 }
 
+/// b_0 and b_1 in the unit people read.
+fn write_discrete<S: Serializer>(discrete: &(f64, f64), serializer: S) -> Result<S::Ok, S::Error> {
+    let per_si = Quantity::PresentErrorGain.notation().per_si;
+    (discrete.0 * per_si, discrete.1 * per_si).serialize(serializer)
+}
+
 /// Feed-forward k N_d* + m + k_a dN_d*/dt; m is not separable from the integrator's initial state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FeedForward {
-    /// k in Nm/rpm, k_a in Nm/(rpm/s).
+    /// k and k_a.
     pub estimate: Estimate,
     /// Held-out data: PI and feed-forward.
     pub validation: Validation,

@@ -9,3 +9,4 @@ mod channels;
 mod experiment;
 mod prepare;
 mod recorded;
+mod results;

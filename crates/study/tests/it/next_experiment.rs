@@ -4,6 +4,7 @@ use rig::BenchFile;
 use rig::bench_file::ShaftPrior;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
+use rig::results::Quantity;
 use study::{Gain, NextError, NextExperiments, NextOptions, Source, next_experiments};
 use virtual_bench::simulate;
 
@@ -30,9 +31,9 @@ fn binary() -> Source {
     recorded("BS_T_NT_1200.mf4", &ExperimentPlan::bs_t_nt(1200.0, DURATION_S), 3)
 }
 
-fn gain<'a>(found: &'a NextExperiments, label: &str, symbol: &str) -> &'a Gain {
+fn gain<'a>(found: &'a NextExperiments, label: &str, quantity: Quantity) -> &'a Gain {
     let candidate = found.candidates.iter().find(|c| c.label == label && !c.is_designed).unwrap();
-    candidate.gains.iter().find(|gain| gain.symbol == symbol).unwrap()
+    candidate.gains.iter().find(|gain| gain.quantity == quantity).unwrap()
 }
 
 /// What is promised of an experiment is what a study states once it is recorded.
@@ -43,13 +44,13 @@ fn stat_what_is_promised_is_kept() {
     let promised = asked(&bench, vec![binary()]).unwrap();
     let white = ExperimentPlan::white_noise_t_tn(1200.0, DURATION_S);
     let then = asked(&bench, vec![binary(), recorded("WhiteNoise_T_TN_1200.mf4", &white, 5)]).unwrap();
-    for symbol in ["f_r", "g_r", "ζ", "K", "B", "J_d", "J_e", "K_p", "K_i"] {
-        let kept = then.now.iter().find(|p| p.symbol == symbol).unwrap();
+    for quantity in [Quantity::ResonanceFrequency, Quantity::ResonanceGain, Quantity::ResonanceDampingRatio, Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia, Quantity::ProportionalGain, Quantity::IntegralGain] {
+        let kept = then.now.iter().find(|p| p.quantity == quantity).unwrap();
         let kept = 0.5 * (kept.interval.1 - kept.interval.0);
-        let ratio = gain(&promised, "WhiteNoise_T_TN", symbol).then / kept;
+        let ratio = gain(&promised, "WhiteNoise_T_TN", quantity).then / kept;
         // The interval that is stated of J_e scatters by an eighth from one recording to the next.
-        let bound = if symbol == "J_e" { 1.7 } else { 1.2 };
-        assert!((1.0 / bound..bound).contains(&ratio), "{symbol}: {ratio}");
+        let bound = if quantity == Quantity::EngineInertia { 1.7 } else { 1.2 };
+        assert!((1.0 / bound..bound).contains(&ratio), "{quantity}: {ratio}");
     }
 }
 
@@ -59,13 +60,13 @@ fn stat_what_is_promised_is_kept() {
 #[ignore = "slow"]
 fn stat_what_is_missing_is_recommended() {
     let found = asked(&default_bench(), vec![binary()]).unwrap();
-    assert!(!found.now.iter().any(|p| ["J_e", "k"].contains(&p.symbol.as_str())));
+    assert!(!found.now.iter().any(|p| [Quantity::EngineInertia, Quantity::SpeedFeedForward].contains(&p.quantity)));
     assert!(gain(&found, "WhiteNoise_T_TN", "J_e").now.is_none());
     assert!(gain(&found, "Levels_N_NT", "k").is_worth_while());
     let best = &found.candidates[0];
     assert!(best.gains.iter().filter(|gain| gain.now.is_none()).count() >= 2, "{best:?}");
     let steps = found.candidates.iter().find(|c| c.label == "Step_T_TN").unwrap();
-    assert!(!steps.gains.iter().any(|gain| gain.symbol == "J_e" || gain.symbol == "k"));
+    assert!(!steps.gains.iter().any(|gain| gain.quantity == Quantity::EngineInertia || gain.quantity == Quantity::SpeedFeedForward));
     assert!(found.candidates.windows(2).all(|pair| pair[0].worth() >= pair[1].worth()));
 }
 
@@ -78,10 +79,10 @@ fn stat_a_designed_experiment_tells_the_shaft_best() {
     bench.shaft = ShaftPrior { resonance_hz: Some(18.0), ..ShaftPrior::default() };
     let found = asked(&bench, Vec::new()).unwrap();
     let designed = found.candidates.iter().find(|c| c.is_designed).unwrap();
-    let of = |symbol: &str| designed.gains.iter().find(|gain| gain.symbol == symbol).unwrap().then;
+    let of = |quantity: Quantity| designed.gains.iter().find(|gain| gain.quantity == quantity).unwrap().then;
     assert!(designed.peak_shaft_torque_nm < 300.0, "{}", designed.peak_shaft_torque_nm);
-    for symbol in ["K", "B"] {
-        assert!(of(symbol) < gain(&found, "WhiteNoise_T_TN", symbol).then, "{symbol}");
+    for quantity in [Quantity::Stiffness, Quantity::Damping] {
+        assert!(of(quantity) < gain(&found, "WhiteNoise_T_TN", quantity).then, "{quantity}");
     }
 }
 

@@ -7,7 +7,7 @@ use part_torque::air_gap_torque::NoisyTorque;
 use part_torque::torque_control;
 use rig::bench_parameters::{BenchParameters, Harmonic};
 use rig::experiment::{ExperimentPlan, Waveform};
-use rig::results::{Estimate, Part};
+use rig::results::{Estimate, Part, Quantity};
 use rig::{BenchFile, Experiment, Role};
 use signal::excitation::Random;
 use study::Source;
@@ -53,15 +53,15 @@ impl Drawn {
     }
 
     /// The truth of a parameter of the shaft's estimate.
-    fn truth(&self, symbol: &str) -> f64 {
+    fn truth(&self, quantity: Quantity) -> f64 {
         let mechanics = &self.parameters.mechanics;
-        match symbol {
-            "K" => mechanics.shaft_stiffness_nm_per_rad,
-            "B" => mechanics.shaft_damping_nm_s_per_rad,
-            "J_d" => mechanics.dyno_inertia_kg_m2,
-            "J_e" => mechanics.engine_inertia_kg_m2,
-            "δ_e" => self.parameters.clocks.engine_speed_skew_s,
-            _ => panic!("{symbol} has no truth"),
+        match quantity {
+            Quantity::Stiffness => mechanics.shaft_stiffness_nm_per_rad,
+            Quantity::Damping => mechanics.shaft_damping_nm_s_per_rad,
+            Quantity::DynoInertia => mechanics.dyno_inertia_kg_m2,
+            Quantity::EngineInertia => mechanics.engine_inertia_kg_m2,
+            Quantity::EngineSpeedSkew => self.parameters.clocks.engine_speed_skew_s,
+            _ => panic!("{quantity} has no truth"),
         }
     }
 
@@ -122,15 +122,15 @@ struct Judged {
 }
 
 impl Judged {
-    fn of(symbol: &str, rows: &[(Drawn, Estimate)], relative: bool) -> Self {
+    fn of(quantity: Quantity, rows: &[(Drawn, Estimate)], relative: bool) -> Self {
         let mut judged = Judged { errors: Vec::new(), held: 0 };
         for (bench, estimate) in rows {
-            let (found, truth) = (estimate.parameter(symbol).unwrap(), bench.truth(symbol));
+            let (found, truth) = (estimate.parameter(quantity).unwrap(), bench.truth(quantity));
             judged.errors.push((found.value - truth).abs() / if relative { truth } else { 1.0 });
             judged.held += usize::from(found.interval.0 <= truth && truth <= found.interval.1);
         }
         let largest = judged.errors.iter().copied().fold(0.0, f64::max);
-        println!("{symbol}: largest error {largest:.2e}, {} of {} in the interval", judged.held, rows.len());
+        println!("{quantity}: largest error {largest:.2e}, {} of {} in the interval", judged.held, rows.len());
         judged
     }
 
@@ -151,10 +151,10 @@ fn stat_the_shaft_of_200_benches_whose_clocks_are_apart() {
         let estimate = bench.study(i as u64);
         (bench, estimate)
     });
-    for (symbol, tolerance, relative) in [("K", 0.02, true), ("B", 0.1, true), ("δ_e", 1e-4, false)] {
-        let judged = Judged::of(symbol, &rows, relative);
-        assert!(judged.within(tolerance) >= 0.95, "{symbol}: {:?}", judged.errors);
-        assert!((0.9..=0.98).contains(&judged.coverage()), "{symbol}: {}", judged.coverage());
+    for (quantity, tolerance, relative) in [(Quantity::Stiffness, 0.02, true), (Quantity::Damping, 0.1, true), (Quantity::EngineSpeedSkew, 1e-4, false)] {
+        let judged = Judged::of(quantity, &rows, relative);
+        assert!(judged.within(tolerance) >= 0.95, "{quantity}: {:?}", judged.errors);
+        assert!((0.9..=0.98).contains(&judged.coverage()), "{quantity}: {}", judged.coverage());
     }
 }
 
@@ -163,9 +163,9 @@ fn stat_the_four_parameters_of_the_default_bench_with_a_strong_engine() {
     let file = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
     let bench = with_strong_engine(Drawn { parameters: BenchParameters::default(), file, speed_rpm: 1500.0 });
     let estimate = bench.inertias(28.0, 7);
-    for symbol in ["K", "B", "J_d", "J_e"] {
-        let (found, truth) = (estimate.parameter(symbol).unwrap(), bench.truth(symbol));
-        println!("{symbol}: {} ± {}, truth {truth}", found.value, found.standard_error);
+    for quantity in [Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia] {
+        let (found, truth) = (estimate.parameter(quantity).unwrap(), bench.truth(quantity));
+        println!("{quantity}: {} ± {}, truth {truth}", found.value, found.standard_error);
         assert!((found.value - truth).abs() < 0.05 * truth, "{found:?}, truth {truth}");
         assert!(found.standard_error < 0.02 * truth, "{found:?}");
     }
@@ -186,17 +186,17 @@ fn stat_all_four_parameters_with_a_strong_engine() {
         let estimate = bench.inertias(28.0, i as u64);
         (bench, estimate)
     });
-    for symbol in ["K", "B", "J_d"] {
-        let judged = Judged::of(symbol, &rows, true);
-        assert!(judged.within(0.05) == 1.0, "{symbol}: {:?}", judged.errors);
-        assert!(judged.coverage() >= 0.85, "{symbol}: {}", judged.coverage());
+    for quantity in [Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia] {
+        let judged = Judged::of(quantity, &rows, true);
+        assert!(judged.within(0.05) == 1.0, "{quantity}: {:?}", judged.errors);
+        assert!(judged.coverage() >= 0.85, "{quantity}: {}", judged.coverage());
     }
     let told = rows.iter().filter(|(_, estimate)| {
-        let inertia = estimate.parameter("J_e").unwrap();
+        let inertia = estimate.parameter(Quantity::EngineInertia).unwrap();
         inertia.standard_error < 0.05 * inertia.value
     });
     assert!(told.count() >= 38);
-    let judged = Judged::of("J_e", &rows, true);
+    let judged = Judged::of(Quantity::EngineInertia, &rows, true);
     assert!(judged.within(0.05) >= 0.95, "{:?}", judged.errors);
     assert!(judged.coverage() >= 0.85, "{}", judged.coverage());
 }

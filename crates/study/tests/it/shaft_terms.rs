@@ -4,6 +4,7 @@ use part_shaft::shaft::{
     Beyond, Term, TermTest, Weight, estimate_by_band, estimate_dual_mass, estimate_parameters, test_terms,
 };
 use rig::bench_parameters::{DualMassFlywheel, LossFactor, MechanicsParameters};
+use rig::results::Quantity;
 
 use crate::shaft_benches::{Drawn, inputs};
 use bench_testkit::benches::in_parallel;
@@ -77,16 +78,16 @@ fn stat_a_dual_mass_flywheel_is_estimated() {
     let mut held = 0;
     for (mechanics, (estimate, misfit)) in &rows {
         let truths = [
-            ("K", mechanics.shaft_stiffness_nm_per_rad),
-            ("B", mechanics.shaft_damping_nm_s_per_rad),
-            ("J_2", flywheel.secondary_inertia_kg_m2),
-            ("K_2", flywheel.stiffness_nm_per_rad),
-            ("B_2", flywheel.damping_nm_s_per_rad),
+            (Quantity::Stiffness, mechanics.shaft_stiffness_nm_per_rad),
+            (Quantity::Damping, mechanics.shaft_damping_nm_s_per_rad),
+            (Quantity::FlywheelInertia, flywheel.secondary_inertia_kg_m2),
+            (Quantity::FlywheelStiffness, flywheel.stiffness_nm_per_rad),
+            (Quantity::FlywheelDamping, flywheel.damping_nm_s_per_rad),
         ];
         println!("misfit {misfit}");
-        for (symbol, truth) in truths {
-            let p = estimate.parameter(symbol).unwrap();
-            println!("{symbol}: {} ± {}, truth {truth}", p.value, p.standard_error);
+        for (quantity, truth) in truths {
+            let p = estimate.parameter(quantity).unwrap();
+            println!("{quantity}: {} ± {}, truth {truth}", p.value, p.standard_error);
             held += usize::from((p.interval.0..=p.interval.1).contains(&truth));
         }
         assert!((0.7..1.6).contains(misfit), "{misfit}");
@@ -109,18 +110,18 @@ fn stat_friction_does_not_go_into_the_damping() {
     });
     type Truth = fn(&MechanicsParameters) -> f64;
     let parameters: [(&str, Truth); 3] = [
-        ("K", |m| m.shaft_stiffness_nm_per_rad),
-        ("B", |m| m.shaft_damping_nm_s_per_rad),
-        ("c_1", |m| m.viscous_friction_nm_s_per_rad),
+        (Quantity::Stiffness, |m| m.shaft_stiffness_nm_per_rad),
+        (Quantity::Damping, |m| m.shaft_damping_nm_s_per_rad),
+        (Quantity::FrictionSlope, |m| m.viscous_friction_nm_s_per_rad),
     ];
-    for (symbol, truth) in parameters {
+    for (quantity, truth) in parameters {
         let held = |(mechanics, estimate): &&(MechanicsParameters, rig::results::Estimate)| {
-            let (low, high) = estimate.parameter(symbol).unwrap().interval;
+            let (low, high) = estimate.parameter(quantity).unwrap().interval;
             (low..=high).contains(&truth(mechanics))
         };
         let held = rows.iter().filter(held).count();
-        println!("{symbol}: {held} of 40 in the interval");
-        assert!(held >= 34, "{symbol}: {held}");
+        println!("{quantity}: {held} of 40 in the interval");
+        assert!(held >= 34, "{quantity}: {held}");
     }
 }
 
@@ -134,7 +135,7 @@ fn stat_every_band_tells_the_same_shaft_once_timing_is_part_of_it() {
     let bands_hz = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (1.0, 110.0)];
     for (band_hz, found) in bands_hz.iter().zip(estimate_by_band(&inputs, &bands_hz).unwrap()) {
         let (estimate, ignoring_timing) = found.unwrap();
-        let (own, naive) = (estimate.parameter("B").unwrap(), ignoring_timing.parameter("B").unwrap());
+        let (own, naive) = (estimate.parameter(Quantity::Damping).unwrap(), ignoring_timing.parameter(Quantity::Damping).unwrap());
         println!("{band_hz:?}: B {} ± {}, naive {} for {truth}", own.value, own.standard_error, naive.value);
         assert!((own.value - truth).abs() < 4.0 * own.standard_error, "{band_hz:?} {own:?}");
         assert!((naive.value - truth).abs() > (own.value - truth).abs(), "{band_hz:?} {naive:?}");

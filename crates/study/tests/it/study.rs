@@ -7,7 +7,7 @@ use bench_model::model::ModelParameter;
 use recording::{Recording, RecordingError};
 use rig::bench_parameters::{BenchParameters, ClockParameters};
 use rig::experiment::ExperimentPlan;
-use rig::results::{Estimate, Need, Parameter, Part};
+use rig::results::{Estimate, Need, Parameter, Part, Quantity};
 use rig::{BenchFile, Finding, Role, Severity};
 use study::{Campaign, Source, Study, StudyError, run};
 use virtual_bench::simulate;
@@ -67,14 +67,14 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
         let bench = bench_file("0.6", stated, "400 Nm", BENCH_A);
         let study = studied(&bench, sources(|file| file.starts_with("BS") || file.starts_with("White")));
         let found = study.diagnostics.into_iter().filter_map(|d| match d.finding {
-            Finding::ImplausibleInertia { symbol, estimated_kg_m2, .. } => Some((symbol, estimated_kg_m2)),
+            Finding::ImplausibleInertia { inertia, estimated_kg_m2, .. } => Some((inertia, estimated_kg_m2)),
             _ => None,
         });
         found.collect::<Vec<_>>()
     };
     assert_eq!(told("0.28"), []);
     let wrong = told("0.35");
-    assert!(wrong.len() == 1 && wrong[0].0 == "J_e" && (wrong[0].1 - 0.28).abs() < 0.014, "{wrong:?}");
+    assert!(wrong.len() == 1 && wrong[0].0 == Quantity::EngineInertia && (wrong[0].1 - 0.28).abs() < 0.014, "{wrong:?}");
 }
 
 #[test]
@@ -124,14 +124,14 @@ fn stat_exchanged_speeds_are_noticed() {
     assert_eq!(flange(["EngineSpeed", "DynoSpeed"]), exchanged);
 }
 
-fn parameter<'a>(estimate: &'a Estimate, symbol: &str) -> &'a Parameter {
-    estimate.parameter(symbol).unwrap_or_else(|| panic!("{symbol} is missing"))
+fn parameter<'a>(estimate: &'a Estimate, quantity: Quantity) -> &'a Parameter {
+    estimate.parameter(quantity).unwrap_or_else(|| panic!("{quantity} is missing"))
 }
 
 /// Within the tolerance of the truth, and the truth in the interval or within half its width beside it (T_d* is recorded
 /// as it was computed: the interval of the controller can be a point, up to rounding).
 fn near(found: &Parameter, truth: f64, tolerance: f64) {
-    println!("{} = {} ± {}, truth {truth}", found.symbol, found.value, found.standard_error);
+    println!("{} = {} ± {}, truth {truth}", found.quantity, found.value, found.standard_error);
     let error = (found.value - truth).abs();
     assert!(error < tolerance, "{found:?}, truth {truth}");
     assert!(error < found.interval.1 - found.interval.0 + 1e-9 * truth.abs(), "{found:?}, truth {truth}");
@@ -183,20 +183,20 @@ fn assert_finite(study: &Study) {
 fn stat_the_truth_is_found() {
     let (study, truth) = (whole(), virtual_bench::Truth::of(&BenchParameters::default()));
     let shaft = &study.shaft.estimated().unwrap().estimate;
-    near(parameter(shaft, "K"), truth.stiffness_nm_per_rad, 0.01 * truth.stiffness_nm_per_rad);
-    near(parameter(shaft, "B"), truth.damping_nm_s_per_rad, 0.05 * truth.damping_nm_s_per_rad);
-    near(parameter(shaft, "δ_e"), 0.0, 1e-4);
-    near(parameter(shaft, "δ_T"), 0.0, 1e-4);
+    near(parameter(shaft, Quantity::Stiffness), truth.stiffness_nm_per_rad, 0.01 * truth.stiffness_nm_per_rad);
+    near(parameter(shaft, Quantity::Damping), truth.damping_nm_s_per_rad, 0.05 * truth.damping_nm_s_per_rad);
+    near(parameter(shaft, Quantity::EngineSpeedSkew), 0.0, 1e-4);
+    near(parameter(shaft, Quantity::AirGapTorqueSkew), 0.0, 1e-4);
     let controller = &study.speed_controller.estimated().unwrap().estimate;
-    near(parameter(controller, "K_p"), truth.proportional_nm_per_rpm, 1e-3);
-    near(parameter(controller, "K_i"), truth.integral_nm_per_rpm_s, 1e-2);
-    near(parameter(controller, "τ"), truth.controller_delay_s, 5e-5);
+    near(parameter(controller, Quantity::ProportionalGain), truth.proportional_nm_s_per_rad, 1e-3 / RPM_RAD_S);
+    near(parameter(controller, Quantity::IntegralGain), truth.integral_nm_per_rad, 1e-2 / RPM_RAD_S);
+    near(parameter(controller, Quantity::ControllerDelay), truth.controller_delay_s, 5e-5);
     let feed_forward = &study.feed_forward.estimated().unwrap().estimate;
-    let (k, k_a) = (truth.speed_feed_forward_nm_per_rpm, truth.acceleration_feed_forward_nm_s_per_rpm);
-    near(parameter(feed_forward, "k"), k, 0.02 * k.abs());
-    near(parameter(feed_forward, "k_a"), k_a, 0.02 * k_a.abs());
+    let (k, k_a) = (truth.speed_feed_forward_nm_s_per_rad, truth.acceleration_feed_forward_nm_s2_per_rad);
+    near(parameter(feed_forward, Quantity::SpeedFeedForward), k, 0.02 * k.abs());
+    near(parameter(feed_forward, Quantity::AccelerationFeedForward), k_a, 0.02 * k_a.abs());
     let control = &study.torque_control.estimated().unwrap().delay_and_lag;
-    near(parameter(control, "τ + 1/a"), truth.torque_control_delay_s, 3e-4);
+    near(parameter(control, Quantity::TorqueControlTotalDelay), truth.torque_control_delay_s, 3e-4);
     near(&study.whole.estimated().unwrap().resonance_hz, truth.resonance_hz, 0.01 * truth.resonance_hz);
 }
 
@@ -240,12 +240,12 @@ fn stat_skewed_clocks_are_found_and_ignoring_them_is_wrong() {
     let record = |i: usize| source(plans[i].0, Ok(simulate(&parameters, &plans[i].1, 31 + i as u64).unwrap()));
     let study = studied(&default_bench(), vec![record(1), record(2)]);
     let shaft = study.shaft.estimated().unwrap();
-    near(parameter(&shaft.estimate, "δ_e"), 0.7e-3, 1e-4);
-    near(parameter(&shaft.estimate, "δ_T"), -0.4e-3, 1e-4);
+    near(parameter(&shaft.estimate, Quantity::EngineSpeedSkew), 0.7e-3, 1e-4);
+    near(parameter(&shaft.estimate, Quantity::AirGapTorqueSkew), -0.4e-3, 1e-4);
     let truth = virtual_bench::Truth::of(&parameters);
-    near(parameter(&shaft.estimate, "K"), truth.stiffness_nm_per_rad, 0.01 * truth.stiffness_nm_per_rad);
-    near(parameter(&shaft.estimate, "B"), truth.damping_nm_s_per_rad, 0.05 * truth.damping_nm_s_per_rad);
-    let naive = parameter(&shaft.ignoring_timing, "B");
+    near(parameter(&shaft.estimate, Quantity::Stiffness), truth.stiffness_nm_per_rad, 0.01 * truth.stiffness_nm_per_rad);
+    near(parameter(&shaft.estimate, Quantity::Damping), truth.damping_nm_s_per_rad, 0.05 * truth.damping_nm_s_per_rad);
+    let naive = parameter(&shaft.ignoring_timing, Quantity::Damping);
     let (low, high) = naive.interval;
     assert!(!(low..=high).contains(&truth.damping_nm_s_per_rad), "{naive:?}");
 }
@@ -347,23 +347,23 @@ fn stat_intervals_of_the_shaft_contain_the_truth() {
     let truth = virtual_bench::Truth::of(&BenchParameters::default());
     let (k, b) = (truth.stiffness_nm_per_rad, truth.damping_nm_s_per_rad);
     let mut report = Vec::new();
-    for (symbol, truth, bias_bound) in [("K", k, 0.005 * k), ("B", b, 0.02 * b), ("δ_e", 0.0, 1e-4), ("δ_T", 0.0, 1e-4)]
+    for (quantity, truth, bias_bound) in [(Quantity::Stiffness, k, 0.005 * k), (Quantity::Damping, b, 0.02 * b), (Quantity::EngineSpeedSkew, 0.0, 1e-4), (Quantity::AirGapTorqueSkew, 0.0, 1e-4)]
     {
-        let found: Vec<&Parameter> = estimates.iter().map(|e| parameter(e, symbol)).collect();
+        let found: Vec<&Parameter> = estimates.iter().map(|e| parameter(e, quantity)).collect();
         let n = found.len() as f64;
         let covered = found.iter().filter(|p| p.interval.0 <= truth && truth <= p.interval.1).count() as f64 / n;
         let bias = found.iter().map(|p| p.value - truth).sum::<f64>() / n;
         let stated = found.iter().map(|p| p.standard_error).sum::<f64>() / n;
         let scatter = (found.iter().map(|p| (p.value - truth - bias).powi(2)).sum::<f64>() / n).sqrt();
-        report.push((symbol, covered, bias, bias_bound, scatter, stated));
+        report.push((quantity, covered, bias, bias_bound, scatter, stated));
     }
     println!("symbol, share covered, bias, its bound, scatter, stated standard error: {report:#?}");
-    for (symbol, covered, bias, bias_bound, ..) in &report {
+    for (quantity, covered, bias, bias_bound, ..) in &report {
         // Ten seconds tell the torque control too, and what that is uncertain by is not in K: it scatters by a fifth more than
         // its standard error says.
-        let least = if *symbol == "K" { 0.82 } else { 0.88 };
-        assert!(*covered >= least, "{symbol}: {report:#?}");
-        assert!(bias.abs() < *bias_bound, "{symbol}: {report:#?}");
+        let least = if *quantity == Quantity::Stiffness { 0.82 } else { 0.88 };
+        assert!(*covered >= least, "{quantity}: {report:#?}");
+        assert!(bias.abs() < *bias_bound, "{quantity}: {report:#?}");
     }
 }
 
@@ -377,7 +377,7 @@ fn exact_uncertain_inertias_widen_the_resonance() {
         let study = studied(&bench, sources(|file| file.starts_with("White")));
         let Part::Estimated(whole) = study.whole else { panic!("{:?}", study.whole) };
         let shares =
-            whole.influences.iter().find(|i| i.symbol == whole.resonance_hz.symbol).unwrap().parameters.clone();
+            whole.influences.iter().find(|i| i.quantity == whole.resonance_hz.quantity).unwrap().parameters.clone();
         (whole.resonance_hz.clone(), shares)
     };
     let (exact, _) = resonance("");

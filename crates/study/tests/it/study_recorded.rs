@@ -3,7 +3,7 @@
 
 use bench_model::replay::Replay;
 use recording::Recording;
-use rig::results::{Estimate, Parameter};
+use rig::results::{Estimate, Quantity, WrittenParameter};
 use study::{Source, Study};
 
 use crate::study::studied;
@@ -16,23 +16,24 @@ fn sources(bench: &str) -> Vec<Source> {
     recordings(bench).into_iter().map(source).collect()
 }
 
-fn parameter<'a>(estimate: &'a Estimate, symbol: &str) -> &'a Parameter {
-    let found = estimate.parameter(symbol).unwrap_or_else(|| panic!("{symbol} is missing"));
-    println!("{symbol} = {} ± {} {:?}", found.value, found.standard_error, found.interval);
+/// In the unit people read.
+fn parameter(estimate: &Estimate, quantity: Quantity) -> WrittenParameter {
+    let found = estimate.parameter(quantity).unwrap_or_else(|| panic!("{quantity} is missing")).written();
+    println!("{quantity} = {} ± {} {:?}", found.value, found.standard_error, found.interval);
     found
 }
 
 /// A parameter within `tolerance` of the truth.
-fn near(estimate: &Estimate, symbol: &str, truth: f64, tolerance: f64) {
-    let found = parameter(estimate, symbol);
+fn near(estimate: &Estimate, quantity: Quantity, truth: f64, tolerance: f64) {
+    let found = parameter(estimate, quantity);
     assert!((found.value - truth).abs() < tolerance, "{found:?}");
 }
 
 /// A parameter within `tolerance` of the truth, which lies in its interval.
-fn covered(estimate: &Estimate, symbol: &str, truth: f64, tolerance: f64) {
-    near(estimate, symbol, truth, tolerance);
-    let (low, high) = parameter(estimate, symbol).interval;
-    assert!(low <= truth && truth <= high, "{symbol}: {truth} is not in {low} … {high}");
+fn covered(estimate: &Estimate, quantity: Quantity, truth: f64, tolerance: f64) {
+    near(estimate, quantity, truth, tolerance);
+    let (low, high) = parameter(estimate, quantity).interval;
+    assert!(low <= truth && truth <= high, "{quantity}: {truth} is not in {low} … {high}");
 }
 
 fn fit_percent(replay: &Replay, quantity: &str) -> f64 {
@@ -58,19 +59,19 @@ fn ref_bench_a_is_found_as_it_was_simulated() {
     let shaft = &study.shaft.estimated().unwrap().estimate;
     // That simulator integrates in steps of h = 50 µs, semi-implicitly: the torque of a step rests on the twist before it, which
     // is worth half a step of skew and B + K h/2 of damping, more than the intervals of 28 s are wide.
-    near(shaft, "K", 2437.7, 2e-3 * 2437.7);
-    covered(shaft, "B", 5.8 + 2437.7 * 25e-6, 0.01 * 5.8);
-    near(shaft, "δ_e", 0.0, 50e-6);
-    covered(shaft, "δ_T", 0.0, 1e-4);
+    near(shaft, Quantity::Stiffness, 2437.7, 2e-3 * 2437.7);
+    covered(shaft, Quantity::Damping, 5.8 + 2437.7 * 25e-6, 0.01 * 5.8);
+    near(shaft, Quantity::EngineSpeedSkew, 0.0, 50e-6);
+    covered(shaft, Quantity::AirGapTorqueSkew, 0.0, 1e-4);
     let controller = &study.speed_controller.estimated().unwrap().estimate;
-    near(controller, "K_p", 0.9385, 1e-3);
-    near(controller, "K_i", 1.865, 1e-2);
-    near(controller, "τ", 1e-3, 5e-5);
+    near(controller, Quantity::ProportionalGain, 0.9385, 1e-3);
+    near(controller, Quantity::IntegralGain, 1.865, 1e-2);
+    near(controller, Quantity::ControllerDelay, 1e-3, 5e-5);
     let feed_forward = &study.feed_forward.estimated().unwrap().estimate;
-    near(feed_forward, "k", 0.012, 0.02 * 0.012);
-    near(feed_forward, "k_a", -0.085, 0.02 * 0.085);
+    near(feed_forward, Quantity::SpeedFeedForward, 0.012, 0.02 * 0.012);
+    near(feed_forward, Quantity::AccelerationFeedForward, -0.085, 0.02 * 0.085);
     let torque_control = &study.torque_control.estimated().unwrap().delay_and_lag;
-    near(torque_control, "τ + 1/a", 3.018e-3, 3e-4);
+    near(torque_control, Quantity::TorqueControlTotalDelay, 3.018e-3, 3e-4);
 }
 
 #[test]
@@ -95,12 +96,12 @@ fn ref_bench_b_agrees_with_itself() {
     let names = ["nBremse", "nMotor", "nBremse_Soll", "MdBremse_Soll", "MdLuftspalt", "MdKraftdose", "MdWelle"];
     let study = studied(&bench_file("0.41", "0.19", "260 Nm", names), sources);
     print_replays(&study);
-    near(&study.speed_controller.estimated().unwrap().estimate, "K_p", 1.22, 0.0122);
+    near(&study.speed_controller.estimated().unwrap().estimate, Quantity::ProportionalGain, 1.22, 0.0122);
     let shaft = study.shaft.estimated().unwrap();
-    let own = parameter(&shaft.estimate, "K");
+    let own = parameter(&shaft.estimate, Quantity::Stiffness);
     for (file, other) in &shaft.cross_checks {
         println!("{file}");
-        let other = parameter(other, "K");
+        let other = parameter(other, Quantity::Stiffness);
         let spread = own.standard_error.hypot(other.standard_error);
         assert!((own.value - other.value).abs() < 4.0 * spread, "{file}: {other:?} against {own:?}");
     }

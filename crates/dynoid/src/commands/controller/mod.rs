@@ -63,7 +63,7 @@ fn short_controller(one: &ControllerRecording) -> Value {
             "with_delay": c.with_delay, "without_delay": c.without_delay,
             "validation": without_traces(&c.validation),
             "validation_without_delay": without_traces(&c.validation_without_delay),
-            "si": c.si, "discrete": c.discrete, "structure": c.structure,
+            "si": report::controller::gains_in_si(c).collect::<Vec<_>>(), "discrete": c.discrete, "structure": c.structure,
         }}),
         Told::Untold(why) => json!({"untold": why}),
     };

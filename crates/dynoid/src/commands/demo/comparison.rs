@@ -5,7 +5,7 @@ use std::path::Path;
 use page::{Align, Cell, Table, Tone};
 use report::wording::number;
 use rig::bench_parameters::BenchParameters;
-use rig::results::Parameter;
+use rig::results::{Notation, Parameter, Quantity, WrittenParameter};
 use serde::Serialize;
 use study::Study;
 
@@ -17,43 +17,39 @@ const ROUNDING: f64 = 1e-9;
 
 /// One quantity, estimated or not, beside its true value.
 #[derive(Debug, Serialize)]
-pub(super) struct Row<'a> {
+pub(super) struct Row {
     quantity: &'static str,
     symbol: &'static str,
     unit: &'static str,
     truth: f64,
-    estimate: Option<&'a Parameter>,
+    estimate: Option<WrittenParameter>,
     contains_truth: Option<bool>,
 }
 
 /// The quantities whose truth is known, in the order of the report.
-pub(super) fn rows<'a>(study: &'a Study, parameters: &BenchParameters) -> Vec<Row<'a>> {
+pub(super) fn rows(study: &Study, parameters: &BenchParameters) -> Vec<Row> {
     let truth = virtual_bench::Truth::of(parameters);
-    let controller = |symbol| study.speed_controller.estimated().and_then(|part| part.estimate.parameter(symbol));
-    let feed_forward = |symbol| study.feed_forward.estimated().and_then(|part| part.estimate.parameter(symbol));
-    let shaft = |symbol| study.shaft.estimated().and_then(|part| part.estimate.parameter(symbol));
-    let torque_delay = study.torque_control.estimated().and_then(|part| part.delay_and_lag.parameter("τ + 1/a"));
+    let controller = |quantity| study.speed_controller.estimated().and_then(|part| part.estimate.parameter(quantity));
+    let feed_forward = |quantity| study.feed_forward.estimated().and_then(|part| part.estimate.parameter(quantity));
+    let shaft = |quantity| study.shaft.estimated().and_then(|part| part.estimate.parameter(quantity));
+    let torque = |quantity| study.torque_control.estimated().and_then(|part| part.delay_and_lag.parameter(quantity));
     let resonance = study.whole.estimated().map(|part| &part.resonance_hz);
-    let row = |quantity, symbol, unit, truth: f64, estimate: Option<&'a Parameter>| {
+    let row = |quantity, of: Quantity, truth: f64, estimate: Option<&Parameter>| {
+        let Notation { symbol, unit, per_si, .. } = of.notation();
         let contains_truth = estimate.map(|estimate| contains(estimate.interval, truth));
-        Row { quantity, symbol, unit, truth, estimate, contains_truth }
+        let estimate = estimate.map(Parameter::written);
+        Row { quantity, symbol, unit, truth: per_si * truth, estimate, contains_truth }
     };
     vec![
-        row("shaft stiffness", "K", "Nm/rad", truth.stiffness_nm_per_rad, shaft("K")),
-        row("shaft damping", "B", "Nm s/rad", truth.damping_nm_s_per_rad, shaft("B")),
-        row("proportional gain", "K_p", "Nm/rpm", truth.proportional_nm_per_rpm, controller("K_p")),
-        row("integral gain", "K_i", "Nm/(rpm s)", truth.integral_nm_per_rpm_s, controller("K_i")),
-        row("controller delay", "τ", "s", truth.controller_delay_s, controller("τ")),
-        row("feed-forward of speed", "k", "Nm/rpm", truth.speed_feed_forward_nm_per_rpm, feed_forward("k")),
-        row(
-            "feed-forward of acceleration",
-            "k_a",
-            "Nm/(rpm/s)",
-            truth.acceleration_feed_forward_nm_s_per_rpm,
-            feed_forward("k_a"),
-        ),
-        row("torque control, total delay", "τ + 1/a", "s", truth.torque_control_delay_s, torque_delay),
-        row("resonance of T_d → T_shaft", "f_r", "Hz", truth.resonance_hz, resonance),
+        row("shaft stiffness", Quantity::Stiffness, truth.stiffness_nm_per_rad, shaft(Quantity::Stiffness)),
+        row("shaft damping", Quantity::Damping, truth.damping_nm_s_per_rad, shaft(Quantity::Damping)),
+        row("proportional gain", Quantity::ProportionalGain, truth.proportional_nm_s_per_rad, controller(Quantity::ProportionalGain)),
+        row("integral gain", Quantity::IntegralGain, truth.integral_nm_per_rad, controller(Quantity::IntegralGain)),
+        row("controller delay", Quantity::ControllerDelay, truth.controller_delay_s, controller(Quantity::ControllerDelay)),
+        row("feed-forward of speed", Quantity::SpeedFeedForward, truth.speed_feed_forward_nm_s_per_rad, feed_forward(Quantity::SpeedFeedForward)),
+        row("feed-forward of acceleration", Quantity::AccelerationFeedForward, truth.acceleration_feed_forward_nm_s2_per_rad, feed_forward(Quantity::AccelerationFeedForward)),
+        row("torque control, total delay", Quantity::TorqueControlTotalDelay, truth.torque_control_delay_s, torque(Quantity::TorqueControlTotalDelay)),
+        row("resonance of T_d → T_shaft", Quantity::ResonanceFrequency, truth.resonance_hz, resonance),
     ]
 }
 
@@ -64,7 +60,7 @@ fn contains((low, high): (f64, f64), value: f64) -> bool {
 }
 
 /// The rows as a table.
-pub(super) fn table(rows: &[Row<'_>]) -> Table {
+pub(super) fn table(rows: &[Row]) -> Table {
     let headings = ["", "", "estimated", "95 % interval", "true value", "inside"];
     let mut table = Table::new(&headings.map(|heading| (heading, Align::Left)));
     for row in rows {
@@ -89,7 +85,7 @@ pub(super) fn table(rows: &[Row<'_>]) -> Table {
 }
 
 /// What to make of the table.
-pub(super) fn remark(rows: &[Row<'_>]) -> String {
+pub(super) fn remark(rows: &[Row]) -> String {
     let judged = rows.iter().filter(|row| row.contains_truth.is_some()).count();
     let inside = rows.iter().filter(|row| row.contains_truth == Some(true)).count();
     format!(
@@ -103,12 +99,12 @@ pub(super) fn remark(rows: &[Row<'_>]) -> String {
 pub(super) struct Document<'a> {
     seed: u64,
     bench_file: &'a Path,
-    comparison: &'a [Row<'a>],
+    comparison: &'a [Row],
     study: summary::Short<'a>,
 }
 
 impl<'a> Document<'a> {
-    pub(super) fn new(seed: u64, written: &'a Written, bench_file: &'a Path, rows: &'a [Row<'a>]) -> Self {
+    pub(super) fn new(seed: u64, written: &'a Written, bench_file: &'a Path, rows: &'a [Row]) -> Self {
         Document { seed, bench_file, comparison: rows, study: summary::short(written) }
     }
 }

@@ -98,7 +98,7 @@ fn stranger(folder: &Path, expected: impl Fn(&str) -> bool) -> Option<PathBuf> {
     strangers.next().map(|entry| entry.path())
 }
 
-fn print(written: &Written, bench: &Path, rows: &[comparison::Row<'_>], terminal: &mut Terminal) {
+fn print(written: &Written, bench: &Path, rows: &[comparison::Row], terminal: &mut Terminal) {
     terminal.line("A bench was simulated, recorded and studied. The estimates beside the truth:");
     terminal.gap();
     terminal.table(&comparison::table(rows));

@@ -32,11 +32,11 @@ mod shaft;
 use ident::IdentError;
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::facts::Engine;
-use rig::results::Estimate;
+use rig::results::{Estimate, Quantity};
 use serde::Serialize;
 use signal::Signal;
 
-use super::{ENGINE_INERTIA, Timing, estimate_of};
+use super::{Timing, estimate_of};
 use crate::shaft::ShaftInputs;
 pub use cost::CostTest;
 use engine::EngineSide;
@@ -122,7 +122,7 @@ pub fn estimate(
             let with: Vec<f64> = chosen.iter().map(|(_, i)| engine.with_shaft[*i]).collect();
             rows.iter_mut().zip(&with).for_each(|(row, c)| row.push(*c));
             rows.push(with.into_iter().chain([engine.variance]).collect());
-            found.push((ENGINE_INERTIA, engine.inertia_kg_m2));
+            found.push((Quantity::EngineInertia, engine.inertia_kg_m2));
             (Some(engine.cost), None)
         }
         Err(reason) => (None, Some(reason)),

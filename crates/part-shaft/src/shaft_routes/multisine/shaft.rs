@@ -2,10 +2,9 @@
 
 use faer::{Mat, MatMut};
 use ident::{Bounds, IdentError, Minimum, NonlinearOptions, ResidualModel, minimise};
-use rig::estimation::Label;
+use rig::results::Quantity;
 use signal::Complex64;
 
-use super::super::{B, DYNO_INERTIA, K, SKEW_ENGINE, SKEW_TORQUE};
 use super::lines::{DYNO, DYNO_WAVES, ENGINE, ENGINE_WAVES, Lines, Orders, Row, SIGNALS, TORQUE};
 use crate::shaft_routes::multisine::cost::{CostTest, cost_test};
 
@@ -140,12 +139,12 @@ impl Shaft<'_> {
     }
 
     /// What people read.
-    pub(super) fn read(&self) -> Vec<(Label, usize)> {
-        let mut chosen = vec![(K, STIFFNESS), (B, DAMPING)];
+    pub(super) fn read(&self) -> Vec<(Quantity, usize)> {
+        let mut chosen = vec![(Quantity::Stiffness, STIFFNESS), (Quantity::Damping, DAMPING)];
         if self.prior.is_none_or(|(_, uncertainty)| uncertainty > 0.0) {
-            chosen.push((DYNO_INERTIA, INERTIA));
+            chosen.push((Quantity::DynoInertia, INERTIA));
         }
-        chosen.extend([(SKEW_ENGINE, ENGINE_SKEW), (SKEW_TORQUE, TORQUE_SKEW)]);
+        chosen.extend([(Quantity::EngineSpeedSkew, ENGINE_SKEW), (Quantity::TorqueSkew, TORQUE_SKEW)]);
         chosen
     }
 }

@@ -4,7 +4,7 @@ use page::Blocks;
 use part_controller::speed_control::{Controller, ControllerRecording, SpeedControl};
 use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
 use rig::estimation::EstimateError;
-use rig::results::Told;
+use rig::results::{Notation, Parameter, Told, WrittenParameter};
 use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
 
@@ -39,14 +39,11 @@ fn one(recording: &ControllerRecording) -> Blocks {
 
 fn found_in(found: &Controller) -> Blocks {
     let rows = found.with_delay.parameters.iter().map(|p| {
-        let alone = found.without_delay.parameter(&p.symbol).map_or_else(|| "–".to_owned(), number::parameter);
-        vec![p.symbol.clone(), p.name.clone(), alone, number::parameter(p), number::interval(p)]
+        let alone = found.without_delay.parameter(p.quantity).map_or_else(|| "–".to_owned(), number::parameter);
+        parameter_row(p.written(), alone)
     });
-    let further = found
-        .si
-        .iter()
-        .chain(&found.discrete.coefficients.parameters)
-        .map(|p| vec![p.symbol.clone(), p.name.clone(), String::new(), number::parameter(p), number::interval(p)]);
+    let discrete = found.discrete.coefficients.parameters.iter().map(Parameter::written);
+    let further = words::gains_in_si(found).chain(discrete).map(|p| parameter_row(p, String::new()));
     let heads = ["", "Parameter", "PI alone", "PI and delay", "95 % interval"];
     let mut all = plain_table(&heads, rows.chain(further));
     all.push(sentence(&words::delay(found)));
@@ -60,13 +57,18 @@ fn found_in(found: &Controller) -> Blocks {
             all.push(rounds("PI and delay", &tested.rounds));
             all.push(sentence(&words::structure(tested)));
             if let Some(with) = &tested.with_terms {
-                let values = with.parameters.iter().map(|p| format!("{} = {}", p.symbol, number::parameter(p)));
+                let values = with.parameters.iter().map(|p| format!("{} = {}", p.quantity.symbol(), number::parameter(p)));
                 all.push(sentence(&format!("Together: {}", values.collect::<Vec<_>>().join(", "))));
             }
         }
         Told::Untold(why) => all.push(untold("Terms beside PI and delay", &words::untold(why))),
     }
     all
+}
+
+fn parameter_row(p: WrittenParameter, alone: String) -> Vec<String> {
+    let Notation { symbol, name, .. } = p.notation;
+    vec![symbol.to_owned(), name.to_owned(), alone, number::parameter(p), number::interval(p)]
 }
 
 fn rounds(base: &str, all: &[Round]) -> Blocks {
@@ -87,7 +89,7 @@ fn test_row(test: &TermTest) -> Vec<String> {
     let or_dash = |is_told: bool, text: String| if is_told { text } else { "–".to_owned() };
     vec![
         words::term(test.term).to_owned(),
-        estimate.map_or_else(String::new, |p| p.symbol.clone()),
+        estimate.map_or_else(String::new, |p| p.quantity.symbol().to_owned()),
         estimate.map_or_else(|| "–".to_owned(), number::parameter),
         or_dash(
             estimate.is_some() || is_tested,
@@ -173,7 +175,8 @@ fn case_rows(found: &NoiseTest, case: &Case) -> Vec<Vec<String>> {
     let row = |summary: &Summary| {
         let of_many = |text: String| if summary.values.len() < 2 { "–".to_owned() } else { text };
         let once =
-            words::published(found, case.noise, &summary.symbol).filter(|_| case.estimator == Estimator::Forward);
+            words::published(found, case.noise, summary.quantity).filter(|_| case.estimator == Estimator::Forward);
+        let summary = summary.written();
         vec![
             words::estimator(case.estimator).to_owned(),
             format!("{}, {}", summary.symbol, summary.unit),

@@ -2,7 +2,7 @@
 
 use page::Blocks;
 use part_shaft::shaft_analysis::{Band, ShaftAnalysis, ShaftRecording};
-use rig::results::{Estimate, Shaft, Told};
+use rig::results::{Estimate, Quantity, Shaft, Told};
 
 use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
 use crate::shaft as words;
@@ -53,7 +53,7 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
     match &recording.inertias {
         Some(Told::Found(estimate)) => {
             all.push(sentence("As if nothing were known of the inertias:"));
-            all.push(parameters(["K", "B", "J_d", "J_e"].iter().filter_map(|symbol| estimate.parameter(symbol))));
+            all.push(parameters(MASSES_AND_SHAFT.iter().filter_map(|quantity| estimate.parameter(*quantity))));
         }
         Some(Told::Untold(why)) => all.push(untold("Inertias", &torque::untold(why))),
         None if recording.routes.black_box.is_some() => {}
@@ -88,15 +88,20 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
     all
 }
 
+/// What two masses and a shaft are made of.
+const MASSES_AND_SHAFT: [Quantity; 4] =
+    [Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia];
+
 /// K and B by band, with the timing estimated and with time stamps taken as exact.
 fn bands(recording: &ShaftRecording, shaft: &Shaft) -> Blocks {
     // At zero, where it can go no further, a parameter is without uncertainty and says nothing.
-    let shown = |estimate: &Estimate, symbol| {
-        let known = estimate.parameter(symbol).filter(|p| p.standard_error > 0.0);
+    let shown = |estimate: &Estimate, quantity| {
+        let known = estimate.parameter(quantity).filter(|p| p.standard_error > 0.0);
         known.map_or_else(|| "–".to_owned(), number::parameter)
     };
     let row = |name: String, own: &Estimate, naive: &Estimate| {
-        vec![name, shown(own, "K"), shown(own, "B"), shown(naive, "K"), shown(naive, "B")]
+        let [k, b] = [Quantity::Stiffness, Quantity::Damping];
+        vec![name, shown(own, k), shown(own, b), shown(naive, k), shown(naive, b)]
     };
     let of_band =
         |band: &Band| row(format!("{} … {}", band.band_hz.0, band.band_hz.1), &band.estimate, &band.ignoring_timing);
@@ -108,8 +113,8 @@ fn bands(recording: &ShaftRecording, shaft: &Shaft) -> Blocks {
 fn routes(recording: &ShaftRecording) -> Blocks {
     let rows = words::routes(recording).into_iter().map(|route| match route.told {
         Ok(estimate) => {
-            let shown = |symbol| estimate.parameter(symbol).map_or_else(|| "–".to_owned(), number::parameter);
-            let [k, b, dyno, engine] = ["K", "B", "J_d", "J_e"].map(shown);
+            let shown = |quantity| estimate.parameter(quantity).map_or_else(|| "–".to_owned(), number::parameter);
+            let [k, b, dyno, engine] = MASSES_AND_SHAFT.map(shown);
             vec![route.name.to_owned(), k, b, dyno, engine]
         }
         Err(why) => {

@@ -81,7 +81,7 @@ fn estimates(recording: &ComparedRecording) -> Blocks {
         test.as_ref().map_or_else(|| "–".to_owned(), |test| number::share(test.share_outside()))
     };
     let row = |name: &str, p: &Parameter, outside: String| {
-        vec![name.to_owned(), p.symbol.clone(), number::parameter(p), number::interval(p), outside]
+        vec![name.to_owned(), p.quantity.symbol().to_owned(), number::parameter(p), number::interval(p), outside]
     };
     let first = row("delay", &recording.pure_delay, outside(&recording.pure_delay_residuals));
     let both = recording.delay_and_lag.iter().enumerate().map(|(n, p)| match n {

@@ -1,6 +1,6 @@
 //! Speed control, feed-forward and torque control.
 
-use rig::results::{Estimate, FeedForward, Part, SpeedController, TorqueControl};
+use rig::results::{Estimate, FeedForward, Part, Quantity, SpeedController, TorqueControl};
 use study::Study;
 
 use page::{Block, Blocks};
@@ -32,7 +32,8 @@ pub(crate) fn speed_controller(study: &Study) -> Blocks {
 }
 
 fn discrete(part: &SpeedController) -> Blocks {
-    let coefficient = |value: f64| number::significant(value, 6);
+    let per_si = Quantity::PresentErrorGain.notation().per_si;
+    let coefficient = |value: f64| number::significant(per_si * value, 6);
     let text = format!(
         "The controller computes this every {}, on the speed error in rpm: (b_0 + b_1 q⁻¹)/(1 − q⁻¹) with b_0 = {}, \
          b_1 = {}. This K_p is that of integration by forward Euler. With backward Euler the same sequence has a K_p that \

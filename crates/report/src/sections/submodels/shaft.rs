@@ -1,7 +1,7 @@
 //! The shaft: stiffness and damping, and why to believe them.
 
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, MeasuredResponse, Part, ResidualSpectrum, Shaft};
+use rig::results::{Estimate, MeasuredResponse, Part, Quantity, ResidualSpectrum, Shaft};
 use study::Study;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
@@ -98,13 +98,13 @@ fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
 /// The fit that takes the signals' timing as given, beside the one that estimates it.
 fn ignoring_timing(part: &Shaft) -> Blocks {
     let rows = part.ignoring_timing.parameters.iter().map(|plain| {
-        let honest = part.estimate.parameter(&plain.symbol).or_else(|| {
-            let is_zero = plain.symbol == part.zero.symbol;
+        let honest = part.estimate.parameter(plain.quantity).or_else(|| {
+            let is_zero = plain.quantity == part.zero.quantity;
             is_zero.then_some(&part.zero)
         });
         vec![
-            Cell::from(Prose::symbol(&plain.symbol)),
-            Cell::from(&plain.name),
+            Cell::from(Prose::symbol(plain.quantity.symbol())),
+            Cell::from(plain.quantity.name()),
             honest.map_or_else(|| "".into(), |p| number::quantity(p).into()),
             number::quantity(plain).into(),
         ]
@@ -124,11 +124,11 @@ fn cross_checks(part: &Shaft) -> Blocks {
     if part.cross_checks.is_empty() {
         return Block::note("There was no other recording or route to check this estimate.").into();
     }
-    let value = |estimate: &Estimate, symbol: &str| match estimate.parameter(symbol) {
+    let value = |estimate: &Estimate, quantity| match estimate.parameter(quantity) {
         Some(parameter) => number::quantity(parameter).into(),
         None => Cell::from("–"),
     };
-    let row = |name: Cell, estimate: &Estimate| vec![name, value(estimate, "K"), value(estimate, "B")];
+    let row = |name: Cell, estimate: &Estimate| vec![name, value(estimate, Quantity::Stiffness), value(estimate, Quantity::Damping)];
     let this = row(Prose::strong("this estimate").into(), &part.estimate);
     let others = part.cross_checks.iter().map(|(name, estimate)| row(name.into(), estimate));
     let table = Table::of_text(&["Route", "K", "B"]).with_rows(std::iter::once(this).chain(others));
@@ -150,14 +150,17 @@ fn inertias(study: &Study, part: &Shaft) -> Blocks {
         };
         return Block::note(why).into();
     };
-    let stated = [("J_d", study.bench.dynamometer_inertia_kg_m2), ("J_e", study.bench.engine_inertia_kg_m2)];
-    let rows = stated.into_iter().filter_map(|(name, kg_m2)| {
-        let found = estimate.parameter(name)?;
+    let stated = [
+        (Quantity::DynoInertia, study.bench.dynamometer_inertia_kg_m2),
+        (Quantity::EngineInertia, study.bench.engine_inertia_kg_m2),
+    ];
+    let rows = stated.into_iter().filter_map(|(quantity, kg_m2)| {
+        let found = estimate.parameter(quantity)?;
         let silent = found.standard_error > SILENT * found.value.abs();
         let seen = if silent { Cell::from("too uncertain to say") } else { number::quantity(found).into() };
         Some(vec![
-            Cell::from(Prose::symbol(name)),
-            Cell::from(&found.name),
+            Cell::from(Prose::symbol(quantity.symbol())),
+            Cell::from(quantity.name()),
             number::measure(kg_m2, "kg m²").into(),
             seen,
         ])
