@@ -101,8 +101,9 @@ impl TwoMasses {
         let inertia_from = match both {
             None => InertiaSource::BenchFile,
             Some((file, found)) => {
-                let engine_inertia =
-                    found.parameter(Quantity::EngineInertia).map_or((values[engine], 0.0), |p| (p.value, p.standard_error));
+                let engine_inertia = found
+                    .parameter(Quantity::EngineInertia)
+                    .map_or((values[engine], 0.0), |p| (p.value, p.standard_error));
                 (values[engine], covariance[engine][engine]) = (engine_inertia.0, engine_inertia.1.powi(2));
                 InertiaSource::Estimated(file)
             }

@@ -74,20 +74,27 @@ pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
         numbers.extend(parameters.into_iter().flatten().map(|parameter| (part, parameter)));
     };
     if let Some(part) = study.speed_controller.estimated() {
-        add("speed control", [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::ControllerDelay]
-            .map(|quantity| part.estimate.parameter(quantity))
-            .into());
+        add(
+            "speed control",
+            [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::ControllerDelay]
+                .map(|quantity| part.estimate.parameter(quantity))
+                .into(),
+        );
     }
     if let Some(part) = study.feed_forward.estimated() {
-        add("feed-forward", [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]
-            .map(|quantity| part.estimate.parameter(quantity))
-            .into());
+        add(
+            "feed-forward",
+            [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]
+                .map(|quantity| part.estimate.parameter(quantity))
+                .into(),
+        );
     }
     if let Some(part) = study.torque_control.estimated() {
         add("torque control", part.delay_and_lag.parameters.iter().map(Some).collect());
     }
     if let Some(part) = study.shaft.estimated() {
-        let mut parameters: Vec<_> = [Quantity::Stiffness, Quantity::Damping].map(|quantity| part.estimate.parameter(quantity)).into();
+        let mut parameters: Vec<_> =
+            [Quantity::Stiffness, Quantity::Damping].map(|quantity| part.estimate.parameter(quantity)).into();
         parameters.push(Some(&part.zero));
         add("shaft", parameters);
     }

@@ -31,8 +31,7 @@ const SHAFT_AND_INERTIA: &[ModelParameter] =
 const CONTROLLER: &[ModelParameter] =
     &[ModelParameter::Proportional, ModelParameter::Integral, ModelParameter::ControllerDelay];
 const FEED_FORWARD: &[ModelParameter] = &[ModelParameter::SpeedFeedForward, ModelParameter::AccelerationFeedForward];
-const TORQUE_CONTROL: &[ModelParameter] =
-    &[ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth];
+const TORQUE_CONTROL: &[ModelParameter] = &[ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth];
 
 /// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
 /// one of its numbers is left out. The gate is taken as exact, and so is an inertia without a stated uncertainty.
@@ -109,7 +108,9 @@ fn feed_forward(part: &FeedForward) -> Option<FeedForwardGains> {
 fn torque_control_on_one_clock(parts: &StudyParts<'_>) -> Option<Estimate> {
     let mut estimate = parts.torque_control?.delay_and_lag.clone();
     let delay = estimate.place(Quantity::TorqueControlDelay)?;
-    if let (BenchVariant::LoadCell, Some(skew)) = (parts.facts.variant, parts.shaft.estimate.parameter(Quantity::AirGapTorqueSkew)) {
+    if let (BenchVariant::LoadCell, Some(skew)) =
+        (parts.facts.variant, parts.shaft.estimate.parameter(Quantity::AirGapTorqueSkew))
+    {
         estimate.parameters[delay].value -= skew.value;
         *estimate.covariance.get_mut(delay)?.get_mut(delay)? += skew.standard_error.powi(2);
     }

@@ -256,8 +256,14 @@ fn of_parts(fits: &Fits<'_>) -> Vec<Parameter> {
     let parts: [(Option<&Estimate>, &[Quantity]); 5] = [
         (shaft.map(|shaft| &shaft.estimate), &[Quantity::Stiffness, Quantity::Damping]),
         (inertias, &[Quantity::DynoInertia, Quantity::EngineInertia]),
-        (fits.controller.as_ref().ok().map(|c| &c.result.estimate), &[Quantity::ProportionalGain, Quantity::IntegralGain]),
-        (fits.feed_forward.as_ref().ok().map(|f| &f.estimate), &[Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]),
+        (
+            fits.controller.as_ref().ok().map(|c| &c.result.estimate),
+            &[Quantity::ProportionalGain, Quantity::IntegralGain],
+        ),
+        (
+            fits.feed_forward.as_ref().ok().map(|f| &f.estimate),
+            &[Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward],
+        ),
         (fits.torque_control.as_ref().ok().map(|t| &t.result.delay_and_lag), &[Quantity::TorqueControlTotalDelay]),
     ];
     let of = |(estimate, quantities): (Option<&Estimate>, &[Quantity])| {

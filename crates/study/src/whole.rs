@@ -36,7 +36,10 @@ pub(super) struct Pieces<'a> {
 impl Pieces<'_> {
     fn skews(&self) -> SignalSkews {
         let value = |quantity| self.shaft.estimate.parameter(quantity).map_or(0.0, |p| p.value);
-        SignalSkews { engine_speed_s: value(Quantity::EngineSpeedSkew), torque_s: value(Quantity::AirGapTorqueSkew) - self.gate_s() / 2.0 }
+        SignalSkews {
+            engine_speed_s: value(Quantity::EngineSpeedSkew),
+            torque_s: value(Quantity::AirGapTorqueSkew) - self.gate_s() / 2.0,
+        }
     }
 
     fn gate_s(&self) -> f64 {

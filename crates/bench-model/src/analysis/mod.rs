@@ -67,8 +67,7 @@ fn results(model: &BenchModel) -> impl Iterator<Item = ModelResult> + use<> {
         (Quantity::ResonanceGain, resonance_gain),
         (Quantity::ResonanceDampingRatio, damping_ratio),
     ];
-    let speed_loop: [ModelResult; 2] =
-        [(Quantity::Crossover, crossover_hz), (Quantity::PhaseMargin, phase_margin_rad)];
+    let speed_loop: [ModelResult; 2] = [(Quantity::Crossover, crossover_hz), (Quantity::PhaseMargin, phase_margin_rad)];
     let has_loop = margins(model).is_some();
     shaft.into_iter().chain(speed_loop.into_iter().filter(move |_| has_loop))
 }

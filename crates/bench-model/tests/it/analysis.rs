@@ -151,8 +151,10 @@ fn exact_what_each_parameter_does_to_the_resonance() {
         let influence = all.iter().find(|i| i.quantity == quantity).unwrap();
         *influence.parameters.iter().find(|p| p.parameter == parameter).unwrap()
     };
-    let (stiffness, engine) =
-        (of(&alone, Quantity::ResonanceFrequency, ModelParameter::Stiffness), of(&alone, Quantity::ResonanceFrequency, ModelParameter::EngineInertia));
+    let (stiffness, engine) = (
+        of(&alone, Quantity::ResonanceFrequency, ModelParameter::Stiffness),
+        of(&alone, Quantity::ResonanceFrequency, ModelParameter::EngineInertia),
+    );
     assert!((stiffness.elasticity - 0.5).abs() < 1e-3, "{stiffness:?}");
     assert!((stiffness.variance_share.unwrap() - 1.0).abs() < 1e-3, "{stiffness:?}");
     assert!((engine.elasticity + 0.5 * 0.6 / 0.88).abs() < 1e-3, "{engine:?}");
@@ -160,8 +162,14 @@ fn exact_what_each_parameter_does_to_the_resonance() {
     // The damping ratio is B/2 √((1/J_d + 1/J_e)/K).
     let damping = of(&alone, Quantity::ResonanceDampingRatio, ModelParameter::Damping);
     assert!((damping.elasticity - 1.0).abs() < 1e-3, "{damping:?}");
-    let total: f64 =
-        alone.iter().find(|i| i.quantity == Quantity::ResonanceDampingRatio).unwrap().parameters.iter().filter_map(|p| p.variance_share).sum();
+    let total: f64 = alone
+        .iter()
+        .find(|i| i.quantity == Quantity::ResonanceDampingRatio)
+        .unwrap()
+        .parameters
+        .iter()
+        .filter_map(|p| p.variance_share)
+        .sum();
     assert!((total - 1.0).abs() < 1e-9, "{total}");
     // Where two are known together, knowing either leaves nothing.
     let together = found(vec![vec![100.0, 0.01 * (1.0 - 1e-9)], vec![0.01 * (1.0 - 1e-9), 1e-6]]);

@@ -194,7 +194,9 @@ fn stat_the_torque_control_scatters_as_predicted() {
         let file = "Multisine_T_TN.mf4".to_owned();
         let experiment = Experiment { file, label: plan.label.clone(), signals };
         let estimate = torque_control::estimate(&experiment, None).unwrap().result.delay_and_lag;
-        [Quantity::TorqueControlDelay, Quantity::TorqueControlBandwidth].map(|quantity| estimate.parameter(quantity).unwrap().value).to_vec()
+        [Quantity::TorqueControlDelay, Quantity::TorqueControlBandwidth]
+            .map(|quantity| estimate.parameter(quantity).unwrap().value)
+            .to_vec()
     });
     for (index, parameter) in
         [ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth].into_iter().enumerate()
@@ -228,7 +230,14 @@ fn stat_controller_and_feed_forward_scatter_as_predicted() {
     let rows = in_parallel(RUNS, |seed| {
         let experiment = noisy(&plan, 10 + seed as u64);
         let found = speed_controller::estimate_feed_forward(&experiment, None, &controller, None).unwrap();
-        [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward].map(|s| found.estimate.parameter(s).unwrap().value).to_vec()
+        [
+            Quantity::ProportionalGain,
+            Quantity::IntegralGain,
+            Quantity::SpeedFeedForward,
+            Quantity::AccelerationFeedForward,
+        ]
+        .map(|s| found.estimate.parameter(s).unwrap().value)
+        .to_vec()
     });
     let parameters = [
         ModelParameter::Proportional,

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use part_shaft::Parts;
 use part_engine::{EngineRecording, EngineTorque, engine_torque};
+use part_shaft::Parts;
 use report::torque::untold;
 use rig::results::Told;
 use serde_json::json;

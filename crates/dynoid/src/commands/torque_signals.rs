@@ -4,9 +4,9 @@ use std::path::Path;
 
 use part_controller::SpeedControllers;
 use part_torque::TorqueControls;
-use rig::Experiment;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals, torque_signals};
 use report::torque::untold;
+use rig::Experiment;
 use rig::results::Told;
 use serde_json::json;
 

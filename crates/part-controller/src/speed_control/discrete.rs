@@ -44,7 +44,9 @@ impl IntegrationRule {
 impl Discrete {
     /// Of K_p and K_i, the first two parameters of an estimate.
     pub(super) fn of(estimate: &Estimate, sample_time_s: f64) -> Self {
-        let by_rule = |rule: IntegrationRule| (rule, combined(estimate, Quantity::ProportionalGain, [1.0, -rule.share() * sample_time_s]));
+        let by_rule = |rule: IntegrationRule| {
+            (rule, combined(estimate, Quantity::ProportionalGain, [1.0, -rule.share() * sample_time_s]))
+        };
         let rows = [[1.0, 0.0], [-1.0, sample_time_s]];
         let covariance = rows.iter().map(|a| rows.iter().map(|b| joint(estimate, *a, *b)).collect()).collect();
         let coefficients = Estimate {

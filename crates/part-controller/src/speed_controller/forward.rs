@@ -49,8 +49,11 @@ pub fn estimate_forward(experiment: &Experiment) -> Result<Estimate, EstimateErr
     }
     let (covariance, freedom) = at_least_white(&fit, BATCHES).map_err(|e| ident_error(&data, e))?;
     let t = data.demand.sample_time_s;
-    let outputs: [ReadOut<'_>; 3] =
-        [(Quantity::ProportionalGain, &|g| g[GAIN]), (Quantity::IntegralGain, &|g| g[INTEGRAL] / t), (Quantity::ControllerDelay, &|g| t * g[DELAY])];
+    let outputs: [ReadOut<'_>; 3] = [
+        (Quantity::ProportionalGain, &|g| g[GAIN]),
+        (Quantity::IntegralGain, &|g| g[INTEGRAL] / t),
+        (Quantity::ControllerDelay, &|g| t * g[DELAY]),
+    ];
     let mut estimate = transformed(&outputs, &fit, &covariance, freedom, &data.stretch);
     estimate.add_systematic(&[Quantity::ControllerDelay], timing_floor_s(t));
     Ok(estimate)

@@ -264,8 +264,7 @@ impl ControllerSignals {
         let file = experiment.file.as_str();
         let spline = UniformSpline::new(speed.samples.clone()).map_err(|e| signal_error(file, e))?;
         let (theta, lag, t) = (&controller.theta, controller.reference_lag, demand.sample_time_s);
-        let coefficient =
-            |quantity| feed_forward.and_then(|f| f.estimate.parameter(quantity)).map_or(0.0, |p| p.value);
+        let coefficient = |quantity| feed_forward.and_then(|f| f.estimate.parameter(quantity)).map_or(0.0, |p| p.value);
         let k = coefficient(Quantity::SpeedFeedForward);
         let k_a = coefficient(Quantity::AccelerationFeedForward) / t;
         let n = demand.len().min(reference.len());

@@ -310,7 +310,11 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
     for one in &found.controllers {
         let controller = one.found.found().unwrap();
         // truth.json: Kp 0.9385, Ki 1.865, delay 1 ms.
-        for (quantity, truth, tolerance) in [(Quantity::ProportionalGain, 0.9385, 1e-3), (Quantity::IntegralGain, 1.865, 1e-3), (Quantity::ControllerDelay, 1e-3, 3e-4)] {
+        for (quantity, truth, tolerance) in [
+            (Quantity::ProportionalGain, 0.9385, 1e-3),
+            (Quantity::IntegralGain, 1.865, 1e-3),
+            (Quantity::ControllerDelay, 1e-3, 3e-4),
+        ] {
             let p = controller.with_delay.parameter(quantity).unwrap().written();
             assert!((p.value - truth).abs() < tolerance, "{}: {p:?}", one.file);
         }

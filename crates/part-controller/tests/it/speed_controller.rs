@@ -196,7 +196,9 @@ fn stat_intervals_of_the_gains_cover_the_truth() {
     for seed in 0..runs {
         let case = Case { seconds: 6.0, noise_rad_s: 3e-3, eccentricity: 2e-4, seed, ..Case::default() };
         let found = estimate(&record(case), None).unwrap();
-        for (count, (quantity, truth)) in covered.iter_mut().zip([(Quantity::ProportionalGain, 0.94), (Quantity::IntegralGain, 1.9)]) {
+        for (count, (quantity, truth)) in
+            covered.iter_mut().zip([(Quantity::ProportionalGain, 0.94), (Quantity::IntegralGain, 1.9)])
+        {
             let (low, high) = found.result.estimate.parameter(quantity).unwrap().written().interval;
             *count += usize::from(low < truth && truth < high);
         }

@@ -21,7 +21,6 @@ use crate::shaft::places;
 use crate::shaft::places::COUNT;
 use crate::shaft::term::Term;
 
-
 /// Share of the recording that is estimated from; the rest judges.
 const ESTIMATION_SHARE: f64 = 0.7;
 /// A bin whose |error|²/σ² exceeds this many times the mean is taken for a line the model does not know: under the model
@@ -320,18 +319,28 @@ impl Solution {
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.
     fn with_engine_inertia(&self, stretch: &Stretch, engine: &EngineInertia) -> Estimate {
-        let mut quantities: Vec<(Quantity, usize)> = vec![(Quantity::Stiffness, places::K), (Quantity::Damping, places::B)];
+        let mut quantities: Vec<(Quantity, usize)> =
+            vec![(Quantity::Stiffness, places::K), (Quantity::Damping, places::B)];
         if self.fit.covariance[(places::INERTIA, places::INERTIA)] > 0.0 {
             quantities.push((Quantity::DynoInertia, places::INERTIA));
         }
-        quantities.extend([(Quantity::EngineSpeedSkew, places::SKEW_ENGINE), (Quantity::AirGapTorqueSkew, places::SKEW_TORQUE), (Quantity::EncoderGates, places::GATE)]);
+        quantities.extend([
+            (Quantity::EngineSpeedSkew, places::SKEW_ENGINE),
+            (Quantity::AirGapTorqueSkew, places::SKEW_TORQUE),
+            (Quantity::EncoderGates, places::GATE),
+        ]);
         let (theta, known) = (&self.fit.fit.parameters, &self.fit.covariance);
         let entry = |quantity: Quantity, at: usize| {
             Parameter::new(quantity, theta[at], known[(at, at)].max(0.0).sqrt(), self.fit.degrees_of_freedom)
         };
         let mut parameters: Vec<Parameter> = quantities.iter().map(|(quantity, at)| entry(*quantity, *at)).collect();
         let error = engine.variance.sqrt();
-        parameters.push(Parameter::new(Quantity::EngineInertia, engine.inertia_kg_m2, error, engine.degrees_of_freedom));
+        parameters.push(Parameter::new(
+            Quantity::EngineInertia,
+            engine.inertia_kg_m2,
+            error,
+            engine.degrees_of_freedom,
+        ));
         let with_engine = |at: usize| engine.with_shaft[at];
         let row = |i: usize| quantities.iter().map(|(_, j)| known[(i, *j)]).chain([with_engine(i)]).collect();
         let mut covariance: Vec<Vec<f64>> = quantities.iter().map(|(_, i)| row(*i)).collect();

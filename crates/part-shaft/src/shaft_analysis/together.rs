@@ -93,7 +93,14 @@ pub(super) fn of(recordings: &[ShaftRecording]) -> Option<Together> {
             .map(|one| (one.file.to_owned(), one.values[i], one.covariance[i][i].sqrt()))
             .collect(),
     };
-    Some(Together { stiffness: value(Quantity::Stiffness, 0), damping: value(Quantity::Damping, 1), chi_squared, degrees_of_freedom, p_value, apart })
+    Some(Together {
+        stiffness: value(Quantity::Stiffness, 0),
+        damping: value(Quantity::Damping, 1),
+        chi_squared,
+        degrees_of_freedom,
+        p_value,
+        apart,
+    })
 }
 
 fn pair<'a>(file: &'a str, estimate: &Estimate) -> Option<Told<'a>> {

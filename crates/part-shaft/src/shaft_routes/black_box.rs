@@ -61,7 +61,6 @@ const TOLD: f64 = 2.0;
 const NO_TWO_MASSES: &str = "the coefficients are far from those of two masses and a spring, so they show neither K and B nor the \
     inertias; take the shaft from another route, and check the sign and unit of T_d";
 
-
 /// What controls the engine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -153,7 +152,14 @@ pub fn estimate(
     let found = found.ok_or(IdentError::Structure { what: NO_TWO_MASSES }).map_err(of)?;
     let freedom = measured.values.len() as f64 - control.unknowns() as f64;
     let probability = chi_squared_tail(found.cost, freedom);
-    let quantities = [Quantity::DynoInertia, Quantity::EngineInertia, Quantity::Stiffness, Quantity::Damping, Quantity::EngineProportionalGain, Quantity::EngineIntegralGain];
+    let quantities = [
+        Quantity::DynoInertia,
+        Quantity::EngineInertia,
+        Quantity::Stiffness,
+        Quantity::Damping,
+        Quantity::EngineProportionalGain,
+        Quantity::EngineIntegralGain,
+    ];
     if found.cost > FAR * FAR * freedom {
         return Err(of(IdentError::Structure { what: NO_TWO_MASSES }));
     }

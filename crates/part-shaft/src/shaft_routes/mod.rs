@@ -14,7 +14,6 @@ pub mod state_space;
 use rig::results::{Estimate, Parameter, Quantity, Stretch};
 use serde::Serialize;
 
-
 /// When the signals were taken, each with its standard uncertainty, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Timing {
@@ -37,7 +36,11 @@ impl Timing {
     #[must_use]
     pub fn of(shaft: &Estimate) -> Option<Self> {
         let found = |quantity| shaft.parameter(quantity).map(|p| (p.value, p.standard_error));
-        Some(Timing { engine_skew_s: found(Quantity::EngineSpeedSkew)?, torque_skew_s: found(Quantity::AirGapTorqueSkew)?, gate_s: found(Quantity::EncoderGates)? })
+        Some(Timing {
+            engine_skew_s: found(Quantity::EngineSpeedSkew)?,
+            torque_skew_s: found(Quantity::AirGapTorqueSkew)?,
+            gate_s: found(Quantity::EncoderGates)?,
+        })
     }
 }
 

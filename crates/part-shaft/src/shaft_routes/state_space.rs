@@ -399,11 +399,13 @@ impl Record {
 /// What people read, skews counted from the time stamps.
 fn read_out(fit: &Fit<GreyBoxModel<Shaft>>, structure: &Shaft, clocks: Clocks, stretch: Stretch) -> Estimate {
     let theta = fit.parameters();
-    let mut chosen = vec![(Quantity::Stiffness, theta[STIFFNESS], STIFFNESS), (Quantity::Damping, theta[DAMPING], DAMPING)];
+    let mut chosen =
+        vec![(Quantity::Stiffness, theta[STIFFNESS], STIFFNESS), (Quantity::Damping, theta[DAMPING], DAMPING)];
     if structure.inertia.1 > 0.0 {
         chosen.push((Quantity::DynoInertia, theta[INERTIA], INERTIA));
     }
-    for (k, (quantity, dated)) in [(Quantity::EngineSpeedSkew, clocks.engine_s), (Quantity::TorqueSkew, clocks.torque_s)].into_iter().enumerate()
+    for (k, (quantity, dated)) in
+        [(Quantity::EngineSpeedSkew, clocks.engine_s), (Quantity::TorqueSkew, clocks.torque_s)].into_iter().enumerate()
     {
         if structure.skews[k].1 > 0.0 {
             chosen.push((quantity, dated + theta[SKEWS[k]], SKEWS[k]));

@@ -186,7 +186,8 @@ fn is_near(estimate: &Estimate, quantity: Quantity, truth: f64, part: f64) {
 fn judged(rows: &[(Drawn, Estimate)], quantity: Quantity) -> (f64, f64) {
     let mut largest: f64 = 0.0;
     let mut held = 0;
-    let told: Vec<_> = rows.iter().filter_map(|(bench, e)| Some((bench.truth(quantity), e.parameter(quantity)?))).collect();
+    let told: Vec<_> =
+        rows.iter().filter_map(|(bench, e)| Some((bench.truth(quantity), e.parameter(quantity)?))).collect();
     for (truth, found) in &told {
         largest = largest.max((found.value / truth - 1.0).abs());
         held += usize::from(found.interval.0 <= *truth && *truth <= found.interval.1);
@@ -322,7 +323,12 @@ fn stat_multisine_of_16_benches() {
         let estimate = recorded.multisine(&recorded.timing(), DynoInertia::Estimated).unwrap().estimate;
         (bench, estimate)
     });
-    for (quantity, largest) in [(Quantity::Stiffness, 0.02), (Quantity::Damping, 0.1), (Quantity::DynoInertia, 0.02), (Quantity::EngineInertia, 0.1)] {
+    for (quantity, largest) in [
+        (Quantity::Stiffness, 0.02),
+        (Quantity::Damping, 0.1),
+        (Quantity::DynoInertia, 0.02),
+        (Quantity::EngineInertia, 0.1),
+    ] {
         let (coverage, error) = judged(&rows, quantity);
         assert!(coverage >= 0.8 && error < largest, "{quantity}: {coverage}, {error}");
     }
@@ -355,7 +361,12 @@ fn ref_bench_a_by_state_space_and_black_box() {
     let motored = recorded(bench_a(&all, "Unfired"));
     let found = motored.black_box(&motored.timing());
     println!("{:?} {} {:?}", found.chi_squared, found.probability, found.untold);
-    for (quantity, truth) in [(Quantity::DynoInertia, 0.6), (Quantity::EngineInertia, 0.28), (Quantity::Stiffness, 2437.7), (Quantity::Damping, 5.86)] {
+    for (quantity, truth) in [
+        (Quantity::DynoInertia, 0.6),
+        (Quantity::EngineInertia, 0.28),
+        (Quantity::Stiffness, 2437.7),
+        (Quantity::Damping, 5.86),
+    ] {
         is_near(&found.estimate, quantity, truth, 0.05);
     }
 }

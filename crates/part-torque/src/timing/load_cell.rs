@@ -224,9 +224,14 @@ pub(super) fn fit(
         (0..2).map(|k| (0..2).map(|l| moves[i][k] * known[k][l] * moves[j][l]).sum::<f64>()).sum()
     };
     let covariance: Vec<Vec<f64>> = (0..3).map(|i| (0..3).map(|j| p[(i, j)] + of_known(i, j)).collect()).collect();
-    let values = [(Quantity::LoadCellDelay, own), (Quantity::LoadCellFrequency, natural), (Quantity::LoadCellDampingRatio, damping)];
-    let parameter =
-        |(i, (quantity, value)): (usize, &(Quantity, f64))| Parameter::new(*quantity, *value, covariance[i][i].sqrt(), freedom);
+    let values = [
+        (Quantity::LoadCellDelay, own),
+        (Quantity::LoadCellFrequency, natural),
+        (Quantity::LoadCellDampingRatio, damping),
+    ];
+    let parameter = |(i, (quantity, value)): (usize, &(Quantity, f64))| {
+        Parameter::new(*quantity, *value, covariance[i][i].sqrt(), freedom)
+    };
     Ok(LoadCell {
         dynamics: Estimate {
             parameters: values.iter().enumerate().map(parameter).collect(),

@@ -33,7 +33,6 @@ const LEVEL: f64 = 0.95;
 /// Below this mean coherence the phase against the bend says nothing.
 const COHERENT: f64 = 0.8;
 
-
 /// Estimates the delay of T_d,calc, T_d,meas, T_d,shaft,calc and the torque flange, as far as recorded.
 ///
 /// The experiment is WhiteNoise_T_TN, else Step_T_TN, else BS_T_NT. Routes against T_d*, held between its samples:
@@ -100,7 +99,8 @@ impl Bench<'_> {
         let free = free.into_iter().filter_map(|(name, measured, off)| Some(route(name, measured?, off)));
         Ok(SignalDelay {
             role,
-            against_demand: parametric.or_else(|| slope.map(|m| parameter(Quantity::DelayAgainstDemand, m.off_by(OFF_S.0)))),
+            against_demand: parametric
+                .or_else(|| slope.map(|m| parameter(Quantity::DelayAgainstDemand, m.off_by(OFF_S.0)))),
             against_speed_bend: self.against_bend(role, cell.as_ref(), average.as_ref()),
             routes: of_model.into_iter().chain(free).collect(),
             moving_average_length: average.as_ref().and_then(ShaftFilter::moving_average_length),

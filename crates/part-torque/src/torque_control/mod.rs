@@ -52,7 +52,6 @@ const EARLY: f64 = 4.0;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
 
-
 /// The estimate of the torque control and the model made of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TorqueControlFit {

@@ -28,7 +28,10 @@ pub(super) fn speed_controller(study: &Study, analyses: Option<&Analyses>) -> Ve
             why.retain(|text| !text.is_empty());
             Some(Known::of(own, with_residuals(grade(study, own), &part.validation), why))
         };
-        [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::ControllerDelay].iter().filter_map(known).collect()
+        [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::ControllerDelay]
+            .iter()
+            .filter_map(known)
+            .collect()
     })
 }
 

@@ -135,8 +135,10 @@ fn inertia(study: &Study, analyses: Option<&Analyses>, quantity: Quantity, kg_m2
     let stated = number::measure(kg_m2, "kg m²");
     let seen = study.shaft.estimated().and_then(|part| part.inertias.as_ref());
     let from_shaft = seen.and_then(|(file, e)| Some((file.clone(), e.parameter(quantity)?)));
-    let checks: Vec<(String, &Parameter)> =
-        from_shaft.into_iter().chain((quantity == Quantity::DynoInertia).then(|| without_shaft(analyses?)).flatten()).collect();
+    let checks: Vec<(String, &Parameter)> = from_shaft
+        .into_iter()
+        .chain((quantity == Quantity::DynoInertia).then(|| without_shaft(analyses?)).flatten())
+        .collect();
     let best = checks.iter().min_by(|a, b| relative_width(a.1).total_cmp(&relative_width(b.1)));
     let Some((_, best)) = best else {
         let remedy = match study.bench.variant {

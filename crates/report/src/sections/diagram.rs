@@ -69,7 +69,8 @@ fn speed_control(study: &Study) -> (Vec<Markup>, bool) {
         Part::Estimated(part) => part,
         Part::NotEstimated { needs } => return (absent(needs), false),
     };
-    let [k_p, k_i] = [Quantity::ProportionalGain, Quantity::IntegralGain].map(|quantity| digits(&part.estimate, quantity));
+    let [k_p, k_i] =
+        [Quantity::ProportionalGain, Quantity::IntegralGain].map(|quantity| digits(&part.estimate, quantity));
     let law = markup!("{} ({} + {}/s) (N − N*)", delay(&part.estimate, Quantity::ControllerDelay), k_p, k_i);
     let feed_forward = match &study.feed_forward {
         Part::Estimated(part) => {

@@ -23,8 +23,7 @@ pub(crate) fn section(study: &Study) -> Blocks {
     };
     let equation =
         "{T_shaft}/{T_d} = {H_d H_s}/{1 + H_s (H_d + H_e)}, H_d = 1/(J_d s), H_e = 1/(J_e s), H_s = (K + B s)/s";
-    let parameters =
-        [&whole.resonance_hz, &whole.firing_meets_resonance, &whole.resonance_gain, &whole.damping_ratio];
+    let parameters = [&whole.resonance_hz, &whole.firing_meets_resonance, &whole.resonance_gain, &whole.damping_ratio];
     let mut all = lead(what, equation);
     all.push(parameter_table(parameters));
     all.push(notes(study, whole));

@@ -17,7 +17,11 @@ fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
 #[test]
 fn regress_an_experiment_with_two_demands_is_one_entry() {
     let candidates = vec![
-        candidate("Multisine_T_TN", true, vec![gain(Quantity::EngineInertia, None, 1.0), gain(Quantity::Stiffness, Some(10.0), 1.0)]),
+        candidate(
+            "Multisine_T_TN",
+            true,
+            vec![gain(Quantity::EngineInertia, None, 1.0), gain(Quantity::Stiffness, Some(10.0), 1.0)],
+        ),
         candidate("Multisine_T_TN", false, vec![gain(Quantity::Stiffness, Some(10.0), 5.0)]),
         candidate("BS_T_NT", false, vec![gain(Quantity::Stiffness, Some(10.0), 6.0)]),
         candidate("Step_T_TN", false, Vec::new()),

@@ -54,9 +54,7 @@ impl Quantity {
             Q::IntegratorState => si("I_0", "initial state of the integrator", "Nm"),
             Q::DynoEncoderGate => si("T_g", "gate of the speed encoder", "s"),
             Q::SpeedFeedForward => per_rpm("k", "feed-forward of speed", "Nm/rpm", "Nm s/rad"),
-            Q::AccelerationFeedForward => {
-                per_rpm("k_a", "feed-forward of acceleration", "Nm/(rpm/s)", "Nm s²/rad")
-            }
+            Q::AccelerationFeedForward => per_rpm("k_a", "feed-forward of acceleration", "Nm/(rpm/s)", "Nm s²/rad"),
             Q::FilterTime => si("T_f", "time constant of a filter on N_d", "s"),
             Q::DerivativeGain => per_rpm("K_d", "derivative gain", "Nm/(rpm/s)", "Nm s²/rad"),
             Q::SecondIntegralGain => per_rpm("K_ii", "gain of a second integrator", "Nm/(rpm s²)", "Nm/(rad s)"),
@@ -98,9 +96,7 @@ impl Quantity {
             Q::FlywheelStiffness => si("K_2", "stiffness of the flywheel's spring", "Nm/rad"),
             Q::FlywheelDamping => si("B_2", "damping of the flywheel's spring", "Nm s/rad"),
             Q::LossFactor => si("η", "loss factor of the spring", "1"),
-            Q::SecondMassOverSpring => {
-                si("J₂/K₂", "a mass between shaft and engine, over the spring behind it", "s²")
-            }
+            Q::SecondMassOverSpring => si("J₂/K₂", "a mass between shaft and engine, over the spring behind it", "s²"),
             Q::SecondMass => si("J₂", "inertia between shaft and engine", "kg m²"),
             Q::StiffnessWithTorque => si("ΔK/K", "stiffness with torque, per 100 Nm", "1"),
             Q::StiffnessWithTorqueSquared => si("ΔK/K", "stiffness with the square of torque, per (100 Nm)²", "1"),

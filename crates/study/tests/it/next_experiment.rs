@@ -44,7 +44,17 @@ fn stat_what_is_promised_is_kept() {
     let promised = asked(&bench, vec![binary()]).unwrap();
     let white = ExperimentPlan::white_noise_t_tn(1200.0, DURATION_S);
     let then = asked(&bench, vec![binary(), recorded("WhiteNoise_T_TN_1200.mf4", &white, 5)]).unwrap();
-    for quantity in [Quantity::ResonanceFrequency, Quantity::ResonanceGain, Quantity::ResonanceDampingRatio, Quantity::Stiffness, Quantity::Damping, Quantity::DynoInertia, Quantity::EngineInertia, Quantity::ProportionalGain, Quantity::IntegralGain] {
+    for quantity in [
+        Quantity::ResonanceFrequency,
+        Quantity::ResonanceGain,
+        Quantity::ResonanceDampingRatio,
+        Quantity::Stiffness,
+        Quantity::Damping,
+        Quantity::DynoInertia,
+        Quantity::EngineInertia,
+        Quantity::ProportionalGain,
+        Quantity::IntegralGain,
+    ] {
         let kept = then.now.iter().find(|p| p.quantity == quantity).unwrap();
         let kept = 0.5 * (kept.interval.1 - kept.interval.0);
         let ratio = gain(&promised, "WhiteNoise_T_TN", quantity).then / kept;
@@ -61,12 +71,17 @@ fn stat_what_is_promised_is_kept() {
 fn stat_what_is_missing_is_recommended() {
     let found = asked(&default_bench(), vec![binary()]).unwrap();
     assert!(!found.now.iter().any(|p| [Quantity::EngineInertia, Quantity::SpeedFeedForward].contains(&p.quantity)));
-    assert!(gain(&found, "WhiteNoise_T_TN", "J_e").now.is_none());
-    assert!(gain(&found, "Levels_N_NT", "k").is_worth_while());
+    assert!(gain(&found, "WhiteNoise_T_TN", Quantity::EngineInertia).now.is_none());
+    assert!(gain(&found, "Levels_N_NT", Quantity::SpeedFeedForward).is_worth_while());
     let best = &found.candidates[0];
     assert!(best.gains.iter().filter(|gain| gain.now.is_none()).count() >= 2, "{best:?}");
     let steps = found.candidates.iter().find(|c| c.label == "Step_T_TN").unwrap();
-    assert!(!steps.gains.iter().any(|gain| gain.quantity == Quantity::EngineInertia || gain.quantity == Quantity::SpeedFeedForward));
+    assert!(
+        !steps
+            .gains
+            .iter()
+            .any(|gain| gain.quantity == Quantity::EngineInertia || gain.quantity == Quantity::SpeedFeedForward)
+    );
     assert!(found.candidates.windows(2).all(|pair| pair[0].worth() >= pair[1].worth()));
 }
 

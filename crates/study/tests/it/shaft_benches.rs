@@ -151,7 +151,9 @@ fn stat_the_shaft_of_200_benches_whose_clocks_are_apart() {
         let estimate = bench.study(i as u64);
         (bench, estimate)
     });
-    for (quantity, tolerance, relative) in [(Quantity::Stiffness, 0.02, true), (Quantity::Damping, 0.1, true), (Quantity::EngineSpeedSkew, 1e-4, false)] {
+    for (quantity, tolerance, relative) in
+        [(Quantity::Stiffness, 0.02, true), (Quantity::Damping, 0.1, true), (Quantity::EngineSpeedSkew, 1e-4, false)]
+    {
         let judged = Judged::of(quantity, &rows, relative);
         assert!(judged.within(tolerance) >= 0.95, "{quantity}: {:?}", judged.errors);
         assert!((0.9..=0.98).contains(&judged.coverage()), "{quantity}: {}", judged.coverage());

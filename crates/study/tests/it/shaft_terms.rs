@@ -109,7 +109,7 @@ fn stat_friction_does_not_go_into_the_damping() {
         (mechanics, estimate)
     });
     type Truth = fn(&MechanicsParameters) -> f64;
-    let parameters: [(&str, Truth); 3] = [
+    let parameters: [(Quantity, Truth); 3] = [
         (Quantity::Stiffness, |m| m.shaft_stiffness_nm_per_rad),
         (Quantity::Damping, |m| m.shaft_damping_nm_s_per_rad),
         (Quantity::FrictionSlope, |m| m.viscous_friction_nm_s_per_rad),
@@ -135,7 +135,8 @@ fn stat_every_band_tells_the_same_shaft_once_timing_is_part_of_it() {
     let bands_hz = [(1.0, 20.0), (5.0, 40.0), (15.0, 60.0), (1.0, 110.0)];
     for (band_hz, found) in bands_hz.iter().zip(estimate_by_band(&inputs, &bands_hz).unwrap()) {
         let (estimate, ignoring_timing) = found.unwrap();
-        let (own, naive) = (estimate.parameter(Quantity::Damping).unwrap(), ignoring_timing.parameter(Quantity::Damping).unwrap());
+        let (own, naive) =
+            (estimate.parameter(Quantity::Damping).unwrap(), ignoring_timing.parameter(Quantity::Damping).unwrap());
         println!("{band_hz:?}: B {} ± {}, naive {} for {truth}", own.value, own.standard_error, naive.value);
         assert!((own.value - truth).abs() < 4.0 * own.standard_error, "{band_hz:?} {own:?}");
         assert!((naive.value - truth).abs() > (own.value - truth).abs(), "{band_hz:?} {naive:?}");

@@ -74,7 +74,10 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
     };
     assert_eq!(told("0.28"), []);
     let wrong = told("0.35");
-    assert!(wrong.len() == 1 && wrong[0].0 == Quantity::EngineInertia && (wrong[0].1 - 0.28).abs() < 0.014, "{wrong:?}");
+    assert!(
+        wrong.len() == 1 && wrong[0].0 == Quantity::EngineInertia && (wrong[0].1 - 0.28).abs() < 0.014,
+        "{wrong:?}"
+    );
 }
 
 #[test]
@@ -188,8 +191,8 @@ fn stat_the_truth_is_found() {
     near(parameter(shaft, Quantity::EngineSpeedSkew), 0.0, 1e-4);
     near(parameter(shaft, Quantity::AirGapTorqueSkew), 0.0, 1e-4);
     let controller = &study.speed_controller.estimated().unwrap().estimate;
-    near(parameter(controller, Quantity::ProportionalGain), truth.proportional_nm_s_per_rad, 1e-3 / RPM_RAD_S);
-    near(parameter(controller, Quantity::IntegralGain), truth.integral_nm_per_rad, 1e-2 / RPM_RAD_S);
+    near(parameter(controller, Quantity::ProportionalGain), truth.proportional_nm_s_per_rad, 1e-3 / units::RPM_RAD_S);
+    near(parameter(controller, Quantity::IntegralGain), truth.integral_nm_per_rad, 1e-2 / units::RPM_RAD_S);
     near(parameter(controller, Quantity::ControllerDelay), truth.controller_delay_s, 5e-5);
     let feed_forward = &study.feed_forward.estimated().unwrap().estimate;
     let (k, k_a) = (truth.speed_feed_forward_nm_s_per_rad, truth.acceleration_feed_forward_nm_s2_per_rad);
@@ -243,7 +246,11 @@ fn stat_skewed_clocks_are_found_and_ignoring_them_is_wrong() {
     near(parameter(&shaft.estimate, Quantity::EngineSpeedSkew), 0.7e-3, 1e-4);
     near(parameter(&shaft.estimate, Quantity::AirGapTorqueSkew), -0.4e-3, 1e-4);
     let truth = virtual_bench::Truth::of(&parameters);
-    near(parameter(&shaft.estimate, Quantity::Stiffness), truth.stiffness_nm_per_rad, 0.01 * truth.stiffness_nm_per_rad);
+    near(
+        parameter(&shaft.estimate, Quantity::Stiffness),
+        truth.stiffness_nm_per_rad,
+        0.01 * truth.stiffness_nm_per_rad,
+    );
     near(parameter(&shaft.estimate, Quantity::Damping), truth.damping_nm_s_per_rad, 0.05 * truth.damping_nm_s_per_rad);
     let naive = parameter(&shaft.ignoring_timing, Quantity::Damping);
     let (low, high) = naive.interval;
@@ -347,8 +354,12 @@ fn stat_intervals_of_the_shaft_contain_the_truth() {
     let truth = virtual_bench::Truth::of(&BenchParameters::default());
     let (k, b) = (truth.stiffness_nm_per_rad, truth.damping_nm_s_per_rad);
     let mut report = Vec::new();
-    for (quantity, truth, bias_bound) in [(Quantity::Stiffness, k, 0.005 * k), (Quantity::Damping, b, 0.02 * b), (Quantity::EngineSpeedSkew, 0.0, 1e-4), (Quantity::AirGapTorqueSkew, 0.0, 1e-4)]
-    {
+    for (quantity, truth, bias_bound) in [
+        (Quantity::Stiffness, k, 0.005 * k),
+        (Quantity::Damping, b, 0.02 * b),
+        (Quantity::EngineSpeedSkew, 0.0, 1e-4),
+        (Quantity::AirGapTorqueSkew, 0.0, 1e-4),
+    ] {
         let found: Vec<&Parameter> = estimates.iter().map(|e| parameter(e, quantity)).collect();
         let n = found.len() as f64;
         let covered = found.iter().filter(|p| p.interval.0 <= truth && truth <= p.interval.1).count() as f64 / n;

@@ -3,8 +3,8 @@
 mod noise_test;
 
 use part_controller::SpeedControllers;
-use rig::Experiment;
 use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
+use rig::Experiment;
 use rig::results::{Told, Validation};
 use serde_json::{Value, json};
 

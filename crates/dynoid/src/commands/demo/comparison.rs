@@ -43,12 +43,37 @@ pub(super) fn rows(study: &Study, parameters: &BenchParameters) -> Vec<Row> {
     vec![
         row("shaft stiffness", Quantity::Stiffness, truth.stiffness_nm_per_rad, shaft(Quantity::Stiffness)),
         row("shaft damping", Quantity::Damping, truth.damping_nm_s_per_rad, shaft(Quantity::Damping)),
-        row("proportional gain", Quantity::ProportionalGain, truth.proportional_nm_s_per_rad, controller(Quantity::ProportionalGain)),
+        row(
+            "proportional gain",
+            Quantity::ProportionalGain,
+            truth.proportional_nm_s_per_rad,
+            controller(Quantity::ProportionalGain),
+        ),
         row("integral gain", Quantity::IntegralGain, truth.integral_nm_per_rad, controller(Quantity::IntegralGain)),
-        row("controller delay", Quantity::ControllerDelay, truth.controller_delay_s, controller(Quantity::ControllerDelay)),
-        row("feed-forward of speed", Quantity::SpeedFeedForward, truth.speed_feed_forward_nm_s_per_rad, feed_forward(Quantity::SpeedFeedForward)),
-        row("feed-forward of acceleration", Quantity::AccelerationFeedForward, truth.acceleration_feed_forward_nm_s2_per_rad, feed_forward(Quantity::AccelerationFeedForward)),
-        row("torque control, total delay", Quantity::TorqueControlTotalDelay, truth.torque_control_delay_s, torque(Quantity::TorqueControlTotalDelay)),
+        row(
+            "controller delay",
+            Quantity::ControllerDelay,
+            truth.controller_delay_s,
+            controller(Quantity::ControllerDelay),
+        ),
+        row(
+            "feed-forward of speed",
+            Quantity::SpeedFeedForward,
+            truth.speed_feed_forward_nm_s_per_rad,
+            feed_forward(Quantity::SpeedFeedForward),
+        ),
+        row(
+            "feed-forward of acceleration",
+            Quantity::AccelerationFeedForward,
+            truth.acceleration_feed_forward_nm_s2_per_rad,
+            feed_forward(Quantity::AccelerationFeedForward),
+        ),
+        row(
+            "torque control, total delay",
+            Quantity::TorqueControlTotalDelay,
+            truth.torque_control_delay_s,
+            torque(Quantity::TorqueControlTotalDelay),
+        ),
         row("resonance of T_d → T_shaft", Quantity::ResonanceFrequency, truth.resonance_hz, resonance),
     ]
 }

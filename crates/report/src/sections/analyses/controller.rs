@@ -57,7 +57,8 @@ fn found_in(found: &Controller) -> Blocks {
             all.push(rounds("PI and delay", &tested.rounds));
             all.push(sentence(&words::structure(tested)));
             if let Some(with) = &tested.with_terms {
-                let values = with.parameters.iter().map(|p| format!("{} = {}", p.quantity.symbol(), number::parameter(p)));
+                let values =
+                    with.parameters.iter().map(|p| format!("{} = {}", p.quantity.symbol(), number::parameter(p)));
                 all.push(sentence(&format!("Together: {}", values.collect::<Vec<_>>().join(", "))));
             }
         }

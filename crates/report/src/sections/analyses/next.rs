@@ -47,8 +47,12 @@ fn widths(found: &NextExperiments) -> Blocks {
     let then =
         |(words, is_better): &(String, bool)| Cell::toned(words, if *is_better { Tone::Good } else { Tone::Faint });
     let row = |row: words::Row| -> Vec<Cell> {
-        let own =
-            [Prose::symbol(row.quantity.symbol()).into(), Cell::from(row.quantity.name()), Cell::from(&row.value), Cell::from(&row.now)];
+        let own = [
+            Prose::symbol(row.quantity.symbol()).into(),
+            Cell::from(row.quantity.name()),
+            Cell::from(&row.value),
+            Cell::from(&row.now),
+        ];
         own.into_iter().chain(row.then.iter().map(then)).collect()
     };
     let table = Table::of_text(&headings).with_rows(words::rows(found).into_iter().map(row));

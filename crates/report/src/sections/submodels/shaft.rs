@@ -128,7 +128,9 @@ fn cross_checks(part: &Shaft) -> Blocks {
         Some(parameter) => number::quantity(parameter).into(),
         None => Cell::from("–"),
     };
-    let row = |name: Cell, estimate: &Estimate| vec![name, value(estimate, Quantity::Stiffness), value(estimate, Quantity::Damping)];
+    let row = |name: Cell, estimate: &Estimate| {
+        vec![name, value(estimate, Quantity::Stiffness), value(estimate, Quantity::Damping)]
+    };
     let this = row(Prose::strong("this estimate").into(), &part.estimate);
     let others = part.cross_checks.iter().map(|(name, estimate)| row(name.into(), estimate));
     let table = Table::of_text(&["Route", "K", "B"]).with_rows(std::iter::once(this).chain(others));
