@@ -122,7 +122,7 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: identify::DataCommand,
     },
-    /// Fit a model: arx, armax, oe, bj, poly, tf, process, ss, greybox
+    /// Fit models: arx, armax, oe, bj, poly, tf, process, ss, greybox
     #[command(after_help = identify::FIT_EXAMPLES)]
     Fit {
         #[command(subcommand)]
