@@ -2,9 +2,10 @@
 
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
-use crate::model::{Block, Card, Finding, Page, Tone, Weight};
+use crate::model::{Block, Card, Finding, Page, Weight};
 use crate::prose::Prose;
 use crate::table::{Align, Cell, Row, Table};
+use crate::tone::Tone;
 
 /// How wide lines are, and whether colour is welcome.
 #[derive(Debug, Clone, Copy)]

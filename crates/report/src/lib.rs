@@ -14,7 +14,7 @@ pub mod engine;
 pub mod friction;
 mod json;
 pub mod known;
-pub mod look;
+pub mod lines;
 pub mod next;
 pub mod pages;
 pub mod safety;
