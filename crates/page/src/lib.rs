@@ -7,6 +7,7 @@
 //! models or files: it gets text and numbers, and returns text and bytes. It reads no font of the machine, so that pictures
 //! look alike everywhere.
 
+pub mod decimal;
 mod figure;
 mod html;
 mod markdown;
@@ -30,7 +31,7 @@ pub use prose::{Inline, Prose, Symbol};
 pub use quantity::{Digits, Quantity, Uncertainty, Unit};
 pub use svg::svg;
 pub use table::{Align, Cell, Column, Content, Row, Table};
-pub use terminal::{Screen, item, safe, table_lines, terminal, wrap};
+pub use terminal::{Screen, safe, table_lines, terminal, wrap};
 pub use tone::Tone;
 
 /// The page as JSON: its data, as they are.

@@ -159,7 +159,7 @@ impl Lines {
 }
 
 /// A text broken into lines, indented, after a mark such as `warning:`.
-pub fn item((mark, tone): (&str, Tone), text: &str, screen: Screen) -> Vec<String> {
+fn item((mark, tone): (&str, Tone), text: &str, screen: Screen) -> Vec<String> {
     let mut lines = wrap(&safe(&format!("{mark} {text}")), screen.width.saturating_sub(INDENT)).into_iter();
     let first = lines.next().unwrap_or_default();
     let rest = first.strip_prefix(mark).unwrap_or(&first);
