@@ -1,7 +1,7 @@
 //! The engine's torque of virtual benches, against what it was.
 
-use part_shaft::Parts;
 use part_engine::{Cycle, EngineRecording, EngineTorque, InertiaSource, engine_torque};
+use part_shaft::Parts;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use rig::results::{Told, Untold};
