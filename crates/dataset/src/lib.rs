@@ -4,6 +4,7 @@
 //! it onto the common clock is said in [`Adjustment`]s.
 
 mod error;
+pub mod inspection;
 mod one_clock;
 mod options;
 mod timed;

@@ -263,7 +263,7 @@ fn write_words(path: &Path, error: &io::Error) -> String {
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "no permission to write here",
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "the disk is full; free some space, or",
         io::ErrorKind::NotADirectory => "part of this path is a file, not a folder",
-        io::ErrorKind::NotFound if crate::input::folder_of(path).is_dir() => "this folder takes no new file",
+        io::ErrorKind::NotFound if crate::paths::folder_of(path).is_dir() => "this folder takes no new file",
         io::ErrorKind::NotFound => "the folder does not exist; create it, or",
         _ => &format!("writing failed: {error}"),
     };

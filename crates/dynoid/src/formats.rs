@@ -7,8 +7,8 @@ use clap::ValueEnum;
 use recording::{Recording, RecordingError};
 
 use crate::error::CliError;
-use crate::input::ending;
 use crate::output::replace_with;
+use crate::paths::ending;
 
 /// A format of files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

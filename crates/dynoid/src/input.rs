@@ -1,7 +1,6 @@
 //! Finding and reading files.
 
 use std::collections::BTreeSet;
-use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{ErrorKind, Read as _};
@@ -15,6 +14,7 @@ use sha2::{Digest, Sha256};
 use study::Source;
 
 use crate::error::CliError;
+use crate::paths;
 
 /// Endings of files that are taken for recordings in a folder.
 const ENDINGS: [&str; 11] = ["mf4", "mdf", "dat", "csv", "tsv", "mat", "h5", "hdf5", "parquet", "arrow", "feather"];
@@ -187,7 +187,7 @@ pub(crate) fn listed(bench: &Path, patterns: &[String]) -> Result<Vec<InputFile>
     if patterns.is_empty() {
         return Err(CliError::NoRecordingsListed { path: bench.to_owned() });
     }
-    let folder = folder_of(bench);
+    let folder = paths::folder_of(bench);
     let mut seen = BTreeSet::new();
     let mut files = Vec::new();
     for pattern in patterns {
@@ -198,7 +198,7 @@ pub(crate) fn listed(bench: &Path, patterns: &[String]) -> Result<Vec<InputFile>
         }
         for path in found {
             if seen.insert(path.canonicalize().unwrap_or_else(|_| path.clone())) {
-                let name = with_slashes(path.strip_prefix(&folder).unwrap_or(&path));
+                let name = paths::with_slashes(path.strip_prefix(&folder).unwrap_or(&path));
                 files.push(InputFile { path, name });
             }
         }
@@ -252,7 +252,7 @@ pub(crate) fn named(arguments: &[PathBuf]) -> Result<Vec<InputFile>, CliError> {
             Ok(_) => vec![argument.clone()],
             Err(source) => return Err(CliError::read(argument, source)),
         };
-        files.extend(found.into_iter().map(|path| InputFile { name: with_slashes(&path), path }));
+        files.extend(found.into_iter().map(|path| InputFile { name: paths::with_slashes(&path), path }));
     }
     Ok(files)
 }
@@ -263,7 +263,7 @@ pub(crate) fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
-        if ending(&path).is_some_and(|e| ENDINGS.contains(&e.to_lowercase().as_str())) && path.is_file() {
+        if paths::ending(&path).is_some_and(|e| ENDINGS.contains(&e.to_lowercase().as_str())) && path.is_file() {
             files.push(path);
         }
     }
@@ -273,33 +273,4 @@ pub(crate) fn recordings_in(folder: &Path) -> Result<Vec<PathBuf>, CliError> {
     }
     files.sort();
     Ok(files)
-}
-
-/// A file's ending, as it is spelled.
-pub(crate) fn ending(path: &Path) -> Option<&str> {
-    path.extension().and_then(OsStr::to_str)
-}
-
-/// The absolute folder a file is in.
-pub(crate) fn folder_of(file: &Path) -> PathBuf {
-    let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
-    absolute.parent().map(Path::to_owned).unwrap_or_default()
-}
-
-/// A path written with `/`, as bench files write them everywhere.
-pub(crate) fn with_slashes(path: &Path) -> String {
-    let text = path.to_string_lossy();
-    if std::path::MAIN_SEPARATOR == '/' { text.into_owned() } else { text.replace(std::path::MAIN_SEPARATOR, "/") }
-}
-
-/// A path as seen from a folder, with `..` where needed; the absolute path where there is no way (another drive). Both
-/// must exist.
-pub(crate) fn relative_to(path: &Path, folder: &Path) -> PathBuf {
-    let (Ok(path), Ok(folder)) = (path.canonicalize(), folder.canonicalize()) else { return path.to_owned() };
-    let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
-    if common == 0 {
-        return path;
-    }
-    let up = folder.components().skip(common).map(|_| Component::ParentDir);
-    up.chain(path.components().skip(common)).collect()
 }

@@ -12,6 +12,7 @@ mod error;
 mod formats;
 mod input;
 mod output;
+mod paths;
 mod summary;
 mod terminal;
 
@@ -23,9 +24,6 @@ use crate::cli::{Cli, Command};
 use crate::commands::{experiment, identify};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
-
-/// What made a page: its name and version.
-const PROGRAM: &str = concat!("dynoid ", env!("CARGO_PKG_VERSION"));
 
 fn main() -> ExitCode {
     let outcome = std::panic::catch_unwind(|| run(Cli::read()));
@@ -72,9 +70,9 @@ fn dispatch(command: &Command, terminal: &mut Terminal) -> Result<Outcome, CliEr
         },
         Command::Fit { command } => identify::fit::run(command, terminal),
         Command::Model { command } => match command {
-            ModelCommand::Bode(arguments) => identify::show::bode(arguments, terminal),
-            ModelCommand::Step(arguments) => identify::show::step(arguments, terminal),
-            ModelCommand::Poles(arguments) => identify::show::poles(arguments, terminal),
+            ModelCommand::Bode(arguments) => identify::model::bode(arguments, terminal),
+            ModelCommand::Step(arguments) => identify::model::step(arguments, terminal),
+            ModelCommand::Poles(arguments) => identify::model::poles(arguments, terminal),
             ModelCommand::Compare(arguments) => identify::judge::compare(arguments, terminal),
             ModelCommand::Residuals(arguments) => identify::judge::residuals(arguments, terminal),
             ModelCommand::Predict(arguments) => identify::judge::predict(arguments, terminal),

@@ -57,7 +57,7 @@ pub(crate) fn check_file(path: &Path) -> Result<(), CliError> {
     match std::fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(CliError::InTheWay { path: path.to_owned(), what: "a folder" }),
         Ok(there) if !there.is_file() => File::options().write(true).open(path).map(|_| ()).map_err(failed),
-        _ => stage(&crate::input::folder_of(path), &[]).map(|_| ()).map_err(failed),
+        _ => stage(&crate::paths::folder_of(path), &[]).map(|_| ()).map_err(failed),
     }
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn replace_with(
         }
         _ => {}
     }
-    let folder = crate::input::folder_of(path);
+    let folder = crate::paths::folder_of(path);
     let file = staged(&folder).map_err(failed)?;
     fill(file.as_file())?;
     file.as_file().sync_all().map_err(failed)?;
@@ -104,7 +104,7 @@ pub(crate) fn create_file(path: &Path, content: &[u8]) -> Result<(), CliError> {
         io::ErrorKind::AlreadyExists => CliError::BenchFileExists { path: path.to_owned() },
         _ => CliError::write(path, source),
     };
-    let folder = crate::input::folder_of(path);
+    let folder = crate::paths::folder_of(path);
     stage(&folder, content).map_err(failed)?.persist_noclobber(path).map_err(|error| failed(error.error))?;
     sync_folder(&folder);
     Ok(())

@@ -71,11 +71,6 @@ impl Terminal {
         self.put(&text);
     }
 
-    /// A text broken into lines, indented, after a mark such as `warning:`.
-    pub(crate) fn item(&mut self, mark: (&str, Tone), text: &str) {
-        page::item(mark, text, self.screen()).iter().for_each(|line| self.put(line));
-    }
-
     /// A paragraph, broken into lines.
     pub(crate) fn paragraph(&mut self, text: &str) {
         for line in wrap(&safe(text), self.width) {
@@ -90,7 +85,10 @@ impl Terminal {
 
     /// A page, but for its figures.
     pub(crate) fn page(&mut self, page: &Page) {
-        self.put(&page::terminal(page, self.screen()));
+        let text = page::terminal(page, self.screen());
+        if !text.is_empty() {
+            self.put(&text);
+        }
     }
 
     fn screen(&self) -> Screen {

@@ -7,6 +7,7 @@
 //! models or files: it gets text and numbers, and returns text and bytes. It reads no font of the machine, so that pictures
 //! look alike everywhere.
 
+pub mod decimal;
 mod figure;
 mod html;
 mod markdown;
@@ -19,17 +20,19 @@ mod quantity;
 mod svg;
 mod table;
 mod terminal;
+mod tone;
 
 pub use figure::{Abscissa, Axis, Figure, Layer, Marker, Panel, Rounded, Scale, Style, drawn_of, rounded};
 pub use html::html;
 pub use markdown::markdown;
-pub use model::{Block, Blocks, Card, Finding, Page, Tone, Weight};
+pub use model::{Block, Blocks, Card, Finding, Page, Weight};
 pub use png::{PngError, png};
 pub use prose::{Inline, Prose, Symbol};
 pub use quantity::{Digits, Quantity, Uncertainty, Unit};
 pub use svg::svg;
 pub use table::{Align, Cell, Column, Content, Row, Table};
-pub use terminal::{Screen, item, safe, table_lines, terminal, wrap};
+pub use terminal::{Screen, safe, table_lines, terminal, wrap};
+pub use tone::Tone;
 
 /// The page as JSON: its data, as they are.
 ///

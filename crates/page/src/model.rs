@@ -6,6 +6,7 @@ use crate::figure::Figure;
 use crate::prose::Prose;
 use crate::quantity::Quantity;
 use crate::table::Table;
+use crate::tone::Tone;
 
 /// A page: a title, and blocks below it.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -120,25 +121,6 @@ pub enum Weight {
     Note,
 }
 
-/// What a piece of text says by its colour, beside its words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Tone {
-    /// Nothing.
-    #[default]
-    Plain,
-    /// To be seen first.
-    Strong,
-    /// To be read last.
-    Faint,
-    /// In order.
-    Good,
-    /// To be checked.
-    Caution,
-    /// Wrong, or to be avoided.
-    Bad,
-}
-
 /// A number to be read at a glance.
 #[derive(Debug, Clone, Serialize)]
 pub struct Card {
@@ -161,6 +143,13 @@ pub struct Finding {
     pub remedy: Option<Prose>,
     /// Where it was found.
     pub places: Vec<String>,
+}
+
+impl Finding {
+    /// A finding that says all by its text.
+    pub fn new(tone: Tone, severity: impl Into<String>, text: impl Into<Prose>) -> Self {
+        Finding { tone, severity: severity.into(), text: text.into(), remedy: None, places: Vec::new() }
+    }
 }
 
 impl Page {

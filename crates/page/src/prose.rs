@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::model::Tone;
 use crate::quantity::Quantity;
+use crate::tone::Tone;
 
 /// A piece of text in a line.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::model::Tone;
 use crate::prose::Prose;
 use crate::quantity::Quantity;
+use crate::tone::Tone;
 
 /// A column's side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

@@ -2,9 +2,10 @@
 
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 
-use crate::model::{Block, Card, Finding, Page, Tone, Weight};
+use crate::model::{Block, Card, Finding, Page, Weight};
 use crate::prose::Prose;
 use crate::table::{Align, Cell, Row, Table};
+use crate::tone::Tone;
 
 /// How wide lines are, and whether colour is welcome.
 #[derive(Debug, Clone, Copy)]
@@ -158,7 +159,7 @@ impl Lines {
 }
 
 /// A text broken into lines, indented, after a mark such as `warning:`.
-pub fn item((mark, tone): (&str, Tone), text: &str, screen: Screen) -> Vec<String> {
+fn item((mark, tone): (&str, Tone), text: &str, screen: Screen) -> Vec<String> {
     let mut lines = wrap(&safe(&format!("{mark} {text}")), screen.width.saturating_sub(INDENT)).into_iter();
     let first = lines.next().unwrap_or_default();
     let rest = first.strip_prefix(mark).unwrap_or(&first);

@@ -1,14 +1,19 @@
-//! Figures of an experiment that is to be run: its demands, their spectrum, what the bench will do.
+//! An experiment that is to be run: what it teaches, its demands, their spectrum, what the bench will do.
 
 use bench_model::prediction::Prediction;
-use design::excitation_design::SpectralLine;
-use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use design::excitation_design::{DesignedExcitation, ExcitedDemand, LimitedQuantity, SpectralLine};
+use page::{
+    Abscissa, Align, Axis, Block, Blocks, Cell, Figure, Layer, Page, Panel, Rounded, Style, Table, Tone, decimal,
+    rounded,
+};
 use rig::bench_file::Limits;
 use rig::experiment::{DemandKind, Demands, ExcitationSpectrum, ExperimentPlan, NamedDemand, UPDATE_S};
 use rig::facts::Engine;
 use units::RPM_RAD_S;
+use virtual_bench::Assumption;
 
-use crate::wording::number;
+use crate::assumptions::assumptions;
+use crate::wording::{self, number};
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 170;
@@ -30,12 +35,125 @@ pub struct Designed<'a> {
     pub prediction: Option<&'a Prediction>,
     /// What it must not exceed.
     pub limits: Limits,
-    /// Lines of a designed multisine; empty for all other experiments.
+    /// Standard errors of its peaks; empty without a study.
+    pub errors: &'a [f64],
+    /// What the prediction takes for granted.
+    pub assumptions: &'a [Assumption],
+    /// What it was designed for, where it was.
+    pub optimal: Option<Optimal<'a>>,
+}
+
+/// An excitation from which chosen parameters are learnt best.
+#[derive(Debug, Clone, Copy)]
+pub struct Optimal<'a> {
+    /// The excitation.
+    pub excitation: &'a DesignedExcitation,
+    /// The demand that is excited.
+    pub excited: ExcitedDemand,
+    /// Lines of a multisine; empty for a binary demand.
     pub lines: &'a [SpectralLine],
 }
 
+/// The experiment: what it teaches, how far the bench will go, its demands.
+pub fn page(designed: &Designed<'_>) -> Page {
+    let plan = designed.plan;
+    let mut all = Blocks::from(Block::heading(format!("{}, {} s", plan.label, plan.duration_s)));
+    if let Some(optimal) = &designed.optimal {
+        all.push(learns(optimal.excitation));
+        let binding = wording::limited(optimal.excitation.binding);
+        let peak = binding_peak(optimal);
+        all.push(Block::paragraph(format!("scaled until its first peak is met: {binding} {peak}")));
+    }
+    if let Some(prediction) = designed.prediction {
+        all.push(peaks(prediction, designed.errors));
+        let resonance = designed.resonance_hz.map(|hz| format!("resonance: {}", number::measure(hz, "Hz")));
+        all.push(resonance.map(Block::paragraph).into_iter().collect::<Blocks>());
+        all.push(assumptions(designed.assumptions).collect::<Blocks>());
+    }
+    all.push(figures(designed).into_iter().collect::<Blocks>());
+    Page::new(format!("{}, designed", plan.label), all.into_vec())
+}
+
+/// The limits that the prediction reaches, in words.
+pub fn reached(prediction: &Prediction) -> impl Iterator<Item = String> + '_ {
+    prediction.peaks.iter().filter(|peak| peak.is_beyond_limit()).map(|peak| {
+        let (symbol, unit, si) = wording::peak(peak.of);
+        let number = |value: f64| number::significant(value / si, 4);
+        let limit = number(peak.limit.unwrap_or(f64::NAN));
+        format!("{symbol} reaches {} {unit}, where the limit is {limit} {unit}", number(peak.value))
+    })
+}
+
+fn peaks(prediction: &Prediction, errors: &[f64]) -> Table {
+    let headings =
+        [("peak of", Align::Left), ("predicted", Align::Right), ("at", Align::Right), ("limit", Align::Left)];
+    let mut table = Table::new(&headings);
+    for (index, peak) in prediction.peaks.iter().enumerate() {
+        let (symbol, unit, si) = wording::peak(peak.of);
+        let value = match errors.get(index).filter(|error| error.is_finite()) {
+            Some(error) => {
+                format!("{} ± {} {unit}", number::significant(peak.value / si, 4), number::significant(error / si, 2))
+            }
+            None => format!("{} {unit}", number::significant(peak.value / si, 4)),
+        };
+        let limit = match peak.limit {
+            None => Cell::toned("none stated", Tone::Faint),
+            Some(limit) => {
+                let words = format!("{} {unit}", number::significant(limit / si, 4));
+                let style = if peak.is_beyond_limit() { Tone::Bad } else { Tone::Good };
+                Cell::toned(if peak.is_beyond_limit() { format!("{words}: REACHED") } else { words }, style)
+            }
+        };
+        table.row([symbol.into(), value.into(), format!("{} s", decimal::fixed(peak.time_s, 3)).into(), limit]);
+    }
+    table
+}
+
+/// What is learnt, beside what white noise of the same peaks would teach.
+fn learns(excitation: &DesignedExcitation) -> Table {
+    let mut table = Table::new(&[
+        ("learns", Align::Left),
+        ("value", Align::Right),
+        ("standard error", Align::Right),
+        ("after white noise", Align::Right),
+        ("variance", Align::Left),
+    ]);
+    for one in &excitation.parameters {
+        let (symbol, unit, si) = wording::model_parameter(one.parameter);
+        let with_unit = |value: f64, digits| format!("{} {unit}", number::significant(value / si, digits));
+        let gain = one.gain_over_white_noise();
+        let words = match gain >= 1.0 {
+            true => format!("{} times less", number::significant(gain, 2)),
+            false => format!("{} times more", number::significant(1.0 / gain, 2)),
+        };
+        table.row([
+            symbol.into(),
+            with_unit(one.value, 4).into(),
+            with_unit(one.standard_error, 2).into(),
+            with_unit(one.white_noise_standard_error, 2).into(),
+            Cell::toned(words, if gain >= 1.0 { Tone::Good } else { Tone::Caution }),
+        ]);
+    }
+    table
+}
+
+fn binding_peak(optimal: &Optimal<'_>) -> String {
+    let peaks = &optimal.excitation.peaks;
+    let demand = match optimal.excited {
+        ExcitedDemand::Torque => (peaks.demand, "Nm"),
+        ExcitedDemand::Speed => (peaks.demand / RPM_RAD_S, "rpm"),
+    };
+    let (value, unit) = match optimal.excitation.binding {
+        LimitedQuantity::ShaftTorque => (peaks.shaft_torque_nm, "Nm"),
+        LimitedQuantity::AirGapTorque => (peaks.air_gap_torque_nm, "Nm"),
+        LimitedQuantity::Speed => (peaks.speed_rad_s / RPM_RAD_S, "rpm"),
+        LimitedQuantity::Demand => demand,
+    };
+    format!("±{} {unit}", number::significant(value, 4))
+}
+
 /// The figures, from demands to predictions.
-pub fn figures(designed: &Designed<'_>) -> Vec<Figure> {
+fn figures(designed: &Designed<'_>) -> Vec<Figure> {
     let mut figures = vec![demands(designed)];
     figures.extend(designed.spectrum.map(|spectrum| excitation(designed, spectrum)));
     figures.extend(lines(designed));
@@ -101,8 +219,9 @@ fn excitation(designed: &Designed<'_>, spectrum: &ExcitationSpectrum) -> Figure 
 /// The lines of a designed multisine, and what their phases make of the peaks.
 fn lines(designed: &Designed<'_>) -> Option<Figure> {
     let excited = designed.spectrum?.of;
-    let frequencies_hz: Vec<f64> = designed.lines.iter().map(|line| line.frequency_hz).collect();
-    let amplitudes: Vec<f64> = designed.lines.iter().map(|line| line.amplitude / excited.si_per_unit()).collect();
+    let lines = designed.optimal?.lines;
+    let frequencies_hz: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
+    let amplitudes: Vec<f64> = lines.iter().map(|line| line.amplitude / excited.si_per_unit()).collect();
     if amplitudes.is_empty() {
         return None;
     }

@@ -6,17 +6,22 @@
 //! file, a reader's own words) is escaped on its way into the page; a number that is not finite becomes "not known" in
 //! text and `null` in JSON.
 
+mod assumptions;
 pub mod brief;
+pub mod catalogue;
 pub mod controller;
 pub mod design;
 mod effects;
 pub mod engine;
 pub mod friction;
+pub mod inspection;
 mod json;
 pub mod known;
-pub mod look;
+pub mod lines;
 pub mod next;
 pub mod pages;
+pub mod proposal;
+pub mod recording;
 pub mod safety;
 mod sections;
 pub mod shaft;

@@ -1,16 +1,171 @@
-//! Figures of a safety check: how peaks spread over the benches drawn, and how large sines may be.
+//! A safety check: the verdict, how peaks spread over the benches drawn, and how large sines may be.
 
-use design::safety::{Checked, Proposal, Quantity, SafetyCheck};
-use page::{Axis, Figure, Layer, Panel, Rounded, Style, rounded};
+use design::safety::{Checked, Prior, Proposal, Quantity, SafeSine, Safety, SafetyCheck};
+use page::{
+    Align, Axis, Block, Blocks, Cell, Figure, Finding, Layer, Page, Panel, Rounded, Style, Table, Tone, decimal,
+    rounded,
+};
+use rig::ControlMode;
+use rig::experiment::ExperimentPlan;
+use virtual_bench::Assumption;
 
-use crate::wording;
+use crate::assumptions::assumptions;
+use crate::wording::{self, number};
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
 
+/// An experiment that was checked.
+#[derive(Clone, Copy)]
+pub struct CheckedPlan<'a> {
+    /// The experiment.
+    pub plan: &'a ExperimentPlan,
+    /// What came of it.
+    pub check: &'a SafetyCheck,
+    /// Whether the benches were drawn from the covariance of a study.
+    pub has_study: bool,
+    /// What the check takes for granted.
+    pub assumptions: &'a [Assumption],
+}
+
+/// The verdict with what it rests on.
+pub fn page(checked: &CheckedPlan<'_>) -> Page {
+    let CheckedPlan { plan, check, .. } = *checked;
+    let verdict = wording::safety(check.safety).to_uppercase();
+    let mut all = Blocks::from(Block::Callout {
+        tone: tone(check.safety),
+        kicker: "Safety check".to_owned(),
+        title: format!("{}, {} s: {verdict}", plan.label, plan.duration_s),
+        blocks: vec![Block::Table(limits(check))],
+    });
+    let drawn = check.unstable.of;
+    all.push(Block::paragraph(format!("{drawn} benches drawn: {}.", spread_words(checked.has_study))));
+    if plan.label.mode == ControlMode::Tn && checked.assumptions.contains(&Assumption::Engine) {
+        let drawn = "The engine's speed control is drawn between a tenth of the assumed bandwidth and all of it.";
+        all.push(Block::paragraph(drawn));
+    }
+    all.push(findings(check));
+    all.push(assumptions(checked.assumptions).collect::<Blocks>());
+    all.push(check.sines.iter().map(propose).collect::<Blocks>());
+    all.push(figures(check).into_iter().collect::<Blocks>());
+    Page::new(format!("{}, checked", plan.label), all.into_vec())
+}
+
+fn findings(check: &SafetyCheck) -> Blocks {
+    let finding = |tone, what: &str, words: String| Block::Finding(Finding::new(tone, what, words));
+    let mut all = Blocks::default();
+    if check.safety == Safety::NotChecked {
+        let words = "the bench file states no limit that bears on this; add [limits]";
+        all.push(finding(Tone::Caution, "not checked", words.to_owned()));
+    }
+    if check.unstable.count > 0 {
+        let words = format!("{} of the benches drawn", number::proportion(&check.unstable));
+        all.push(finding(Tone::Bad, "not stable", words));
+    }
+    if let Some(hint) = check.thermal {
+        let words = format!(
+            "ignition efficiency below 0.8 for {}; {} of the torque is lost to the exhaust on average",
+            number::measure(hint.below_80_percent_s, "s"),
+            number::share(hint.mean_loss)
+        );
+        all.push(finding(Tone::Caution, "heat", words));
+    }
+    all
+}
+
+fn spread_words(has_study: bool) -> String {
+    let percent = |share: f64| format!("±{} %", decimal::fixed(100.0 * share, 0));
+    match has_study {
+        true => "by the covariance of the study's estimates; what it did not estimate is taken as exact".to_owned(),
+        false => {
+            let Prior { resonance, damping, engine_inertia } = Prior::default();
+            format!(
+                "resonance {}, damping {}, inertia of the engine {} (95 % ranges)",
+                percent(resonance),
+                percent(damping),
+                percent(engine_inertia)
+            )
+        }
+    }
+}
+
+fn limits(checked: &SafetyCheck) -> Table {
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("median", Align::Right),
+        ("1 in 20 beyond", Align::Right),
+        ("limit", Align::Right),
+        ("reached (95 % interval)", Align::Left),
+        ("", Align::Left),
+    ]);
+    for one in &checked.checked {
+        let (name, unit, si) = wording::quantity(one.of);
+        let limit = match (one.limit, one.of.has_limit()) {
+            (Some(limit), _) => Cell::from(value(limit / si, unit)),
+            (None, true) => Cell::toned("none stated", Tone::Faint),
+            (None, false) => Cell::from(""),
+        };
+        let verdict = if one.of.has_limit() { wording::safety(one.safety()) } else { "" };
+        table.row([
+            name.into(),
+            value(one.quantile(0.5) / si, unit).into(),
+            value(beyond(one) / si, unit).into(),
+            limit,
+            one.reached.as_ref().map_or_else(String::new, number::proportion).into(),
+            Cell::toned(verdict, tone(one.safety())),
+        ]);
+    }
+    table
+}
+
+/// What one bench in twenty goes beyond.
+fn beyond(checked: &Checked) -> f64 {
+    checked.quantile(if checked.of == Quantity::LowestSpeed { 0.05 } else { 0.95 })
+}
+
+fn value(value: f64, unit: &str) -> String {
+    if value.is_infinite() { "without bound".to_owned() } else { format!("{} {unit}", number::significant(value, 4)) }
+}
+
+fn tone(safety: Safety) -> Tone {
+    match safety {
+        Safety::Safe => Tone::Good,
+        Safety::Risky => Tone::Caution,
+        Safety::Unsafe => Tone::Bad,
+        Safety::NotChecked => Tone::Faint,
+    }
+}
+
+/// The sines that are too large, and what they may be.
+fn propose(proposal: &Proposal) -> Blocks {
+    let too_large: Vec<&SafeSine> = proposal.sines.iter().filter(|sine| sine.safe_nm < sine.planned_nm).collect();
+    if too_large.is_empty() {
+        return Blocks::default();
+    }
+    let mut table = Table::new(&[
+        ("sine", Align::Right),
+        ("planned", Align::Right),
+        ("safe amplitude", Align::Right),
+        ("as planned, reaches a limit (95 % interval)", Align::Left),
+    ]);
+    for sine in &too_large {
+        table.row([
+            value(sine.frequency_hz, "Hz").into(),
+            value(sine.planned_nm, "Nm").into(),
+            value(sine.safe_nm, "Nm").into(),
+            number::proportion(&sine.reached).into(),
+        ]);
+    }
+    let sentence = match proposal.holds {
+        true => "With these amplitudes, and all others as planned, the test keeps the limits on the benches drawn.",
+        false => "Even with these amplitudes a limit is not kept; the mean or the speed of the test is at fault.",
+    };
+    [Block::Table(table), Block::paragraph(sentence)].into_iter().collect()
+}
+
 /// The figures: the distribution of the largest shaft torque (of the torque demand without a shaft), and the amplitudes of a
 /// sine test.
-pub fn figures(check: &SafetyCheck) -> Vec<Figure> {
+fn figures(check: &SafetyCheck) -> Vec<Figure> {
     let peak = check
         .checked
         .iter()

@@ -14,21 +14,12 @@ use serde_json::Value;
 
 use self::cycles::{Arrows, Cycle, Kind};
 
-/// Crates in which modules below the same module still go in circles. A crate that has become free of them has to leave
-/// this list.
-const SIBLINGS_IN_CIRCLES: &[&str] = &["dynoid", "page"];
-
-/// Crates in which a module's own items and modules below it still use one another. A crate that has become free of that
-/// has to leave this list.
-const PARENTS_IN_CIRCLES: &[&str] = &["dynoid", "page", "report"];
-
 /// Checks the dependencies of all crates, and the modules in each of them.
 pub(crate) fn check() -> Result<(), String> {
     let metadata = metadata()?;
     let mut faults = rooms::faults(&metadata)?;
     for room in Room::all(&metadata)? {
-        faults.extend(room.faults(Kind::Siblings, SIBLINGS_IN_CIRCLES));
-        faults.extend(room.faults(Kind::ParentAndChildren, PARENTS_IN_CIRCLES));
+        faults.extend(room.cycles.iter().map(|cycle| format!("`{}`: {cycle}", room.name)));
     }
     if faults.is_empty() { Ok(()) } else { Err(faults.join("\n")) }
 }
@@ -83,22 +74,6 @@ impl Room {
 
     fn cycles(&self, kind: Kind) -> impl Iterator<Item = &Cycle> {
         self.cycles.iter().filter(move |cycle| cycle.kind == kind)
-    }
-
-    /// Circles in a crate that is not on the list, or their absence from one that is.
-    fn faults(&self, kind: Kind, listed: &[&str]) -> Vec<String> {
-        let name = self.name.as_str();
-        match (self.cycles(kind).next().is_none(), listed.contains(&name)) {
-            (true, true) => {
-                let list = match kind {
-                    Kind::Siblings => "SIBLINGS_IN_CIRCLES",
-                    Kind::ParentAndChildren => "PARENTS_IN_CIRCLES",
-                };
-                vec![format!("`{name}` has no such circles any more: take it off {list} in xtask/src/layers/mod.rs")]
-            }
-            (false, false) => self.cycles(kind).map(|cycle| format!("`{name}`: {cycle}")).collect(),
-            _ => Vec::new(),
-        }
     }
 }
 

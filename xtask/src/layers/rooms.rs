@@ -25,6 +25,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("study", STUDY),
     ("effects", &["study", "virtual-bench", "part-lines", "rig", "recording", "signal", "ident", "units"]),
     ("page", &[]),
+    ("toolbox-report", &["signal", "lti", "ident", "dataset", "page"]),
     ("report", REPORT),
     ("dynoid", DYNOID),
     ("testdata", &[]),
@@ -53,6 +54,8 @@ const STUDY: &[&str] = &[
 
 /// What reports may use: what they show.
 const REPORT: &[&str] = &[
+    "recording",
+    "dataset",
     "units",
     "rig",
     "bench-model",
@@ -91,6 +94,7 @@ const DYNOID: &[&str] = &[
     "study",
     "effects",
     "page",
+    "toolbox-report",
     "report",
 ];
 

@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
+use super::given::GivenRecordings;
 use super::identify::ResultArguments;
-use super::{GivenRecordings, number};
+use super::number;
 
 #[derive(Debug, Args)]
 #[command(

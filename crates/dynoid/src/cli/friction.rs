@@ -2,8 +2,9 @@
 
 use clap::Args;
 
+use super::given::GivenRecordings;
 use super::identify::ResultArguments;
-use super::{GivenRecordings, number};
+use super::number;
 
 #[derive(Debug, Args)]
 #[command(after_help = "\

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::GivenRecordings;
+use super::given::GivenRecordings;
 use super::identify::ResultArguments;
 
 #[derive(Debug, Args)]

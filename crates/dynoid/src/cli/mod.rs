@@ -6,7 +6,7 @@ pub(crate) mod convert;
 pub(crate) mod engine;
 pub(crate) mod experiment;
 pub(crate) mod friction;
-pub(crate) mod greybox;
+mod given;
 pub(crate) mod identify;
 pub(crate) mod inspect;
 pub(crate) mod lines;
@@ -17,9 +17,9 @@ mod suggest;
 pub(crate) mod torque_control;
 pub(crate) mod torque_signals;
 
-use std::path::PathBuf;
-
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+
+pub(crate) use given::GivenRecordings;
 
 /// Turn recordings of a dynamometer test bench into a validated simulation model
 #[derive(Debug, Parser)]
@@ -72,17 +72,6 @@ pub(crate) enum ColorWhen {
     Never,
 }
 
-/// A bench file, and recordings of that bench.
-#[derive(Debug, Args)]
-pub(crate) struct GivenRecordings {
-    /// The bench file: channels, cylinders, and where the recordings are
-    #[arg(value_name = "BENCH.toml")]
-    pub(crate) bench: PathBuf,
-    /// Recordings, or folders of recordings [default: those of the bench file]
-    #[arg(value_name = "RECORDING")]
-    pub(crate) recordings: Vec<PathBuf>,
-}
-
 /// The commands. [`overview`] has their order and headings in the help.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
@@ -122,7 +111,7 @@ pub(crate) enum Command {
         #[command(subcommand)]
         command: identify::DataCommand,
     },
-    /// Fit a model: arx, armax, oe, bj, poly, tf, process, ss, greybox
+    /// Fit models: arx, armax, oe, bj, poly, tf, process, ss, greybox
     #[command(after_help = identify::FIT_EXAMPLES)]
     Fit {
         #[command(subcommand)]

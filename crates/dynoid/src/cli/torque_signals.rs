@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::GivenRecordings;
+use super::given::GivenRecordings;
 use super::identify::ResultArguments;
 
 #[derive(Debug, Args)]

@@ -9,8 +9,8 @@ use rig::results::Told;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
-use super::identify::judge::{write_page, written};
 use super::rebuilt::{self, Rebuilt};
+use super::result::show_with;
 use crate::cli::engine::EngineArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -25,18 +25,15 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
         progress.step();
     });
     drop(progress);
-    let page = report::pages::engine(&found);
-    write_page(arguments.result.plot.as_ref(), &page)?;
     if let Some(out) = &arguments.out {
         write(&found, out, terminal)?;
     }
-    if arguments.result.json {
+    let page = || report::pages::engine(&found);
+    let json = || {
         let recordings: Vec<_> = found.recordings.iter().map(short).collect();
-        terminal.json(&json!({"masses": found.masses, "recordings": recordings, "refused": refused}))?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
-    }
+        json!({"masses": found.masses, "recordings": recordings, "refused": refused})
+    };
+    show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
     let tells = found.recordings.iter().any(|recording| recording.engine.found().is_some());
     Ok(Outcome::of(tells, &refused))
 }

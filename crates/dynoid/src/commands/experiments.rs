@@ -4,7 +4,7 @@ use report::wording;
 use rig::{BenchFile, Experiment, Severity};
 use study::experiment_of;
 
-use super::identify::data::check_plot;
+use super::result::check_plot;
 use super::study::read_bench;
 use crate::cli::GivenRecordings;
 use crate::cli::identify::ResultArguments;

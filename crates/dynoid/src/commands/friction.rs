@@ -7,7 +7,7 @@ use serde_json::json;
 use units::RPM_RAD_S;
 
 use super::experiments;
-use super::identify::judge::{write_page, written};
+use super::result::show;
 use crate::cli::friction::FrictionArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -31,20 +31,17 @@ pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Res
             }
         })?;
     let found = estimate(&used.iter().collect::<Vec<_>>(), options).map_err(|source| CliError::Friction { source })?;
-    let page = report::pages::friction(&found, stated);
-    write_page(arguments.result.plot.as_ref(), &page)?;
     let doubts = doubts(&found, stated);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
-    if arguments.result.json {
-        terminal.json(&json!({
+    let page = || report::pages::friction(&found, stated);
+    let json = || {
+        json!({
             "inertia": found.inertia, "friction": found.friction, "per_inertia": found.per_inertia,
             "candidates": found.candidates, "curve": found.curve,
             "used": found.run_outs.iter().map(|r| json!({"stretch": r.stretch, "torque": r.torque, "left_out": r.left_out})).collect::<Vec<_>>(),
             "doubts": doubts, "refused": refused,
-        }))?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        written(&arguments.result.plot, terminal);
-    }
+        })
+    };
+    show(&arguments.result, page, json, terminal)?;
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
 }

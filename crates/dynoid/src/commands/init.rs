@@ -3,9 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use page::{Align, Cell, Table, Tone};
 use recording::Recording;
-use report::wording;
+use report::proposal::{reasons, unit};
 use rig::bench_file::{Draft, PLACEHOLDER};
 use rig::channels::{Choice, Guess, guess_roles};
 use rig::{BenchFile, ExperimentLabel, Role};
@@ -15,11 +14,9 @@ use crate::cli::bench::InitArguments;
 use crate::error::{CliError, Outcome};
 use crate::input::{self, InputFile};
 use crate::output;
+use crate::paths;
 use crate::summary::shown;
 use crate::terminal::Terminal;
-
-/// A guess below this is worth a second look.
-const DOUBTFUL: f64 = 0.8;
 
 pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let out = &arguments.out;
@@ -33,7 +30,7 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     let recordings = decode_all(&files, terminal)?;
     let pairs: Vec<(&str, &Recording)> = recordings.iter().map(|(file, r)| (file.name.as_str(), r)).collect();
     let guess = guess_roles(&pairs);
-    let folder = input::folder_of(out);
+    let folder = paths::folder_of(out);
     let unlabelled = unlabelled(&recordings, &folder);
     let draft = Draft {
         name: &bench_name(&files),
@@ -50,7 +47,7 @@ pub(crate) fn run(arguments: &InitArguments, terminal: &mut Terminal) -> Result<
     if arguments.json {
         terminal.json(&proposal(&guess, out, &gaps, &unlabelled))?;
     } else if !terminal.is_quiet() {
-        print(&guess, out, &gaps, terminal);
+        terminal.page(&report::proposal::page(&guess, &shown(out), &gaps));
     }
     Ok(if recordings.len() < files.len() { Outcome::SomeUnreadable } else { Outcome::Done })
 }
@@ -81,7 +78,7 @@ fn unlabelled(recordings: &[(InputFile, Recording)], folder: &Path) -> Vec<Strin
         name.parse::<ExperimentLabel>().is_err()
     };
     let files = recordings.iter().map(|(file, _)| file).filter(|file| has_no_label(file));
-    files.map(|file| input::with_slashes(&input::relative_to(&file.path, folder))).collect()
+    files.map(|file| paths::with_slashes(&paths::relative_to(&file.path, folder))).collect()
 }
 
 /// The bench is called like the folder its recordings are in.
@@ -100,13 +97,13 @@ fn bench_name(files: &[InputFile]) -> String {
 fn patterns(arguments: &[PathBuf], folder: &Path) -> Result<Vec<String>, CliError> {
     let mut patterns = Vec::new();
     for argument in arguments {
-        let path = input::with_slashes(&input::relative_to(argument, folder));
+        let path = paths::with_slashes(&paths::relative_to(argument, folder));
         if !argument.is_dir() {
             patterns.push(path);
             continue;
         }
         let files = input::recordings_in(argument)?;
-        let endings: BTreeSet<&str> = files.iter().filter_map(|file| input::ending(file)).collect();
+        let endings: BTreeSet<&str> = files.iter().filter_map(|file| paths::ending(file)).collect();
         let prefix = if path.is_empty() { String::new() } else { format!("{}/", glob::Pattern::escape(&path)) };
         patterns.extend(endings.iter().map(|ending| format!("{prefix}*.{ending}")));
     }
@@ -122,76 +119,6 @@ fn gaps_in(text: &str) -> Vec<(usize, String)> {
             .then(|| (index + 1, key.trim().to_owned()))
     };
     text.lines().enumerate().filter_map(gap).collect()
-}
-
-fn print(guess: &Guess, out: &Path, gaps: &[(usize, String)], terminal: &mut Terminal) {
-    terminal.heading("Channels", Tone::Strong);
-    terminal.table(&channels(guess));
-    for ambiguity in &guess.ambiguous {
-        let others = wording::join(&ambiguity.channels[1..], "and");
-        let text = format!("{}: {others} would fit about as well.", wording::role(ambiguity.role));
-        terminal.item(("please check:", Tone::Caution), &text);
-    }
-    if !guess.missing.is_empty() {
-        let roles: Vec<String> = guess.missing.iter().map(|role| wording::role(*role)).collect();
-        terminal.item(("no channel found:", Tone::Faint), &format!("{}.", wording::join(&roles, "and")));
-    }
-    terminal.gap();
-    terminal.heading(&format!("Written: {}", shown(out)), Tone::Strong);
-    if !gaps.is_empty() {
-        terminal.line(&format!("  To be filled in, where it says \"{PLACEHOLDER}\":"));
-    }
-    for (index, (_, key)) in gaps.iter().enumerate() {
-        let is_first = gaps.iter().position(|(_, other)| other == key) == Some(index);
-        let lines: Vec<String> =
-            gaps.iter().filter(|(_, other)| other == key).map(|(line, _)| line.to_string()).collect();
-        let word = if lines.len() == 1 { "line" } else { "lines" };
-        if is_first {
-            terminal.item((key, Tone::Strong), &format!("({word} {}): {}", wording::join(&lines, "and"), hint(key)));
-        }
-    }
-    terminal.gap();
-    terminal.line(&format!("Next: look the file over, then `dynoid study {}`", shown(out)));
-}
-
-fn hint(key: &str) -> &'static str {
-    match key {
-        "cylinders" => "a number, e.g. 4",
-        "dynamometer_inertia" => "of all that turns on the dynamometer's side of the shaft, e.g. \"0.6 kg m²\"",
-        "engine_inertia" => "flywheel included, e.g. \"0.2 kg m²\"",
-        "label" => "which experiment the recording above it is, e.g. \"BS_T_NT\"",
-        _ => "the channel's name in the recordings",
-    }
-}
-
-fn channels(guess: &Guess) -> Table {
-    use Align::{Left, Right};
-    let mut table = Table::new(&[("role", Left), ("", Left), ("channel", Left), ("unit", Left), ("sure", Right)]);
-    for (role, choice) in &guess.choices {
-        let style = if choice.confidence < DOUBTFUL { Tone::Caution } else { Tone::Good };
-        table.row([
-            role.symbol().into(),
-            Cell::toned(wording::role_name(*role), Tone::Faint),
-            (&choice.channel).into(),
-            unit(choice).into(),
-            Cell::toned(format!("{} %", percent(choice.confidence)), style),
-        ]);
-        table.note(&reasons(choice).join("; "));
-    }
-    table
-}
-
-fn unit(choice: &Choice) -> &str {
-    choice.unit.map_or(&choice.recorded_unit, |unit| unit.spelling)
-}
-
-/// Whole per cent, never 100: it is a guess.
-fn percent(confidence: f64) -> u32 {
-    (100.0 * confidence).round().clamp(0.0, 99.0) as u32
-}
-
-fn reasons(choice: &Choice) -> Vec<String> {
-    choice.reasons.iter().map(ToString::to_string).collect()
 }
 
 #[derive(Serialize)]

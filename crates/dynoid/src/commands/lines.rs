@@ -8,7 +8,7 @@ use serde_json::json;
 use units::si_spelling;
 
 use super::experiments;
-use super::identify::judge::{write_page, written};
+use super::result::show;
 use crate::cli::lines::LinesArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -22,18 +22,15 @@ pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result
     let looks = on_one_mains(looks);
     looks.iter().filter_map(nothing_seen).for_each(|reason| terminal.warning(&reason));
     let signals = over_speed(&looks);
-    let page = report::pages::lines(&looks, &signals, arguments.lines);
-    write_page(arguments.result.plot.as_ref(), &page)?;
-    if arguments.result.json {
-        terminal.json(&json!({
+    let page = || report::pages::lines(&looks, &signals, arguments.lines);
+    let json = || {
+        json!({
             "recordings": looks.iter().map(short).collect::<Vec<_>>(),
             "over_speed": signals.iter().map(orders).collect::<Vec<_>>(),
             "refused": refused,
-        }))?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        written(&arguments.result.plot, terminal);
-    }
+        })
+    };
+    show(&arguments.result, page, json, terminal)?;
     Ok(Outcome::of(looks.iter().any(|look| nothing_seen(look).is_none()), &refused))
 }
 

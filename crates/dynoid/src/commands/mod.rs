@@ -12,6 +12,7 @@ pub(crate) mod init;
 pub(crate) mod inspect;
 pub(crate) mod lines;
 mod rebuilt;
+mod result;
 pub(crate) mod shaft;
 pub(crate) mod study;
 pub(crate) mod torque_control;

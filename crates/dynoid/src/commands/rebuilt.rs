@@ -4,7 +4,7 @@ use std::path::Path;
 
 use recording::{Channel, Format, Raster, Recording};
 
-use super::identify::data::check_targets;
+use super::result::check_targets;
 use crate::cli::GivenRecordings;
 use crate::error::CliError;
 use crate::formats::FileFormat;

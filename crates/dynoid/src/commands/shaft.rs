@@ -5,7 +5,7 @@ use part_shaft::shaft_analysis::shaft_analysis;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
-use super::identify::judge::{write_page, written};
+use super::result::show;
 use crate::cli::shaft::ShaftArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -18,13 +18,8 @@ pub(crate) fn run(arguments: &ShaftArguments, terminal: &mut Terminal) -> Result
         progress.step();
     });
     drop(progress);
-    let page = report::pages::shaft(&study);
-    write_page(arguments.result.plot.as_ref(), &page)?;
-    if arguments.result.json {
-        terminal.json(&json!({"recordings": study.recordings, "together": study.together, "refused": refused}))?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        written(&arguments.result.plot, terminal);
-    }
+    let page = || report::pages::shaft(&study);
+    let json = || json!({"recordings": study.recordings, "together": study.together, "refused": refused});
+    show(&arguments.result, page, json, terminal)?;
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
 }

@@ -10,7 +10,8 @@ use crate::cli::bench::StudyArguments;
 use crate::error::{CliError, Outcome};
 use crate::input;
 use crate::output::OutputFolder;
-use crate::summary;
+use crate::paths;
+use crate::summary::{self, Written};
 use crate::terminal::{Progress, Terminal};
 
 /// Parts that are estimated, and replays there usually are: steps of the progress display.
@@ -26,15 +27,8 @@ pub(crate) enum Extent {
     Full,
 }
 
-/// A study and the files it was written to.
-pub(crate) struct Written {
-    pub(crate) study: Study,
-    pub(crate) report: PathBuf,
-    pub(crate) data: PathBuf,
-}
-
 pub(crate) fn run(arguments: &StudyArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
-    let out = arguments.out.clone().unwrap_or_else(|| input::folder_of(&arguments.bench).join("study"));
+    let out = arguments.out.clone().unwrap_or_else(|| paths::folder_of(&arguments.bench).join("study"));
     let extent = if arguments.full { Extent::Full } else { Extent::Model };
     let written = study(&arguments.bench, &out, (None, extent), terminal)?;
     if arguments.json {
@@ -92,13 +86,13 @@ fn studied(campaign: Campaign<'_>, extent: Extent, progress: &Progress) -> Resul
             let study = study::run(campaign, &mut step)?;
             progress.say("writing the report");
             let page = report::study(&study);
-            Ok((study, page::html(&page, crate::PROGRAM)))
+            Ok((study, page::html(&page, super::result::PROGRAM)))
         }
         Extent::Full => {
             let (study, analyses) = study::run_full(campaign, &mut step)?;
             progress.say("writing the report");
             let page = report::full_study(&study, &analyses);
-            Ok((study, page::html(&page, crate::PROGRAM)))
+            Ok((study, page::html(&page, super::result::PROGRAM)))
         }
     }
 }

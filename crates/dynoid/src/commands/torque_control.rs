@@ -6,7 +6,7 @@ use rig::{BenchFile, Experiment};
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
-use super::identify::judge::{write_page, written};
+use super::result::show;
 use crate::cli::torque_control::TorqueControlArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -18,17 +18,14 @@ pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -
     let Campaign { bench, experiments, refused } = experiments::all((&arguments.given, &arguments.result), terminal)?;
     let orders = OrdersTried { highest: arguments.highest_order, longest_delay: arguments.longest_delay };
     let studied = studied(&experiments, &bench, orders, terminal)?;
-    let page = report::pages::torque_control(&studied);
-    write_page(arguments.result.plot.as_ref(), &page)?;
-    if arguments.result.json {
-        terminal.json(&json!({
+    let page = || report::pages::torque_control(&studied);
+    let json = || {
+        json!({
             "recordings": studied.recordings, "judgements": studied.judgements, "visibility": studied.visibility,
             "untold": studied.untold, "refused": refused,
-        }))?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        written(&arguments.result.plot, terminal);
-    }
+        })
+    };
+    show(&arguments.result, page, json, terminal)?;
     Ok(if refused.is_empty() { Outcome::Done } else { Outcome::SomeUnreadable })
 }
 

@@ -11,8 +11,8 @@ use rig::results::Told;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
-use super::identify::judge::{write_page, written};
 use super::rebuilt::{self, Rebuilt};
+use super::result::show_with;
 use crate::cli::torque_signals::TorqueSignalsArguments;
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
@@ -29,18 +29,15 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
         progress.step();
     });
     drop(progress);
-    let page = report::pages::torque_signals(&signals);
-    write_page(arguments.result.plot.as_ref(), &page)?;
     if let Some(out) = &arguments.out {
         write(&signals, out, terminal)?;
     }
-    if arguments.result.json {
+    let page = || report::pages::torque_signals(&signals);
+    let json = || {
         let recordings: Vec<_> = signals.recordings.iter().map(short).collect();
-        terminal.json(&json!({"recordings": recordings, "trust": signals.trust, "refused": refused}))?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
-    }
+        json!({"recordings": recordings, "trust": signals.trust, "refused": refused})
+    };
+    show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
     Ok(Outcome::of(signals.recordings.iter().any(tells) || signals.trust.is_some(), &refused))
 }
 

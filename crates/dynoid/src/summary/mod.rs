@@ -1,6 +1,7 @@
 //! A study on the terminal, and where its report is.
 
 mod short;
+mod written;
 
 use std::path::Path;
 
@@ -8,11 +9,11 @@ use page::{Align, Table, Tone};
 use report::verdict::{Level, verdict};
 use study::Study;
 
-use crate::commands::study::Written;
 use crate::error::Outcome;
 use crate::terminal::Terminal;
 
 pub(crate) use short::{Short, short};
+pub(crate) use written::Written;
 
 /// How the command ends.
 pub(crate) fn outcome(study: &Study) -> Outcome {

@@ -10,7 +10,7 @@ use rig::results::{Need, Parameter};
 use serde::Serialize;
 use study::RecordingSummary;
 
-use crate::commands::study::Written;
+use super::written::Written;
 
 /// A study in short, for programs.
 #[derive(Serialize)]

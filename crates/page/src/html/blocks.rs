@@ -4,9 +4,10 @@ use super::figure;
 use super::text::{class, formula, prose};
 use crate::markup;
 use crate::markup::Markup;
-use crate::model::{Block, Card, Finding, Tone, Weight};
+use crate::model::{Block, Card, Finding, Weight};
 use crate::prose::Prose;
 use crate::table::{Align, Cell, Column, Content, Row, Table};
+use crate::tone::Tone;
 
 /// Characters of a cell that stays on one line.
 const UNBROKEN: usize = 22;

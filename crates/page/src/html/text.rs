@@ -2,8 +2,8 @@
 
 use crate::markup;
 use crate::markup::Markup;
-use crate::model::Tone;
 use crate::prose::{Inline, Prose, Symbol};
+use crate::tone::Tone;
 
 /// Text in a line.
 pub(super) fn prose(text: &Prose) -> Markup {

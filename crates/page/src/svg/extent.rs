@@ -1,6 +1,6 @@
 //! What part of the numbers a figure shows.
 
-use super::is_log;
+use super::shared::is_log;
 use crate::figure::{Abscissa, Figure, Layer, Panel, Rounded};
 
 /// The x values of a layer that has one for each of `count` samples.

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::extent::values;
-use super::{Frame, INK, REGION, WIDE, line, text};
+use super::shared::{Frame, INK, REGION, WIDE, line, text};
 use crate::figure::{Layer, Marker, Rounded, Scale, Style};
 use crate::markup::escape;
 

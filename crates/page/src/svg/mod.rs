@@ -3,14 +3,15 @@
 mod extent;
 mod layers;
 mod scale;
+mod shared;
 
 use std::fmt::Write as _;
 
-use crate::figure::{Axis, Figure, Layer, Panel, Scale};
+use crate::figure::{Axis, Figure, Layer, Panel};
 use crate::markup::escape;
-use crate::prose::{Inline, Prose};
 use extent::{equal_ranges, x_extent, y_extent};
 use scale::Mapping;
+use shared::{Frame, INK, LINE, SOFT, WIDE, line, text};
 
 /// The font of every text.
 pub(crate) const FONT: &str = "DejaVu Sans";
@@ -27,14 +28,6 @@ const BELOW: f64 = 52.0;
 /// Below the panels of a drawing in a page.
 const FOOT: f64 = 44.0;
 const LINE_HEIGHT: f64 = 17.0;
-/// DejaVu Sans is about 0.6 em wide.
-const WIDE: f64 = 7.3;
-
-const INK: &str = "#1d232a";
-const SOFT: &str = "#56616d";
-const LINE: &str = "#dce1e6";
-const REGION: &str = "#0b5fa5";
-
 /// How wide a drawing is, where its axes begin, and how much higher panels are than they say.
 #[derive(Debug, Clone, Copy)]
 struct Canvas {
@@ -95,16 +88,6 @@ pub(crate) fn key(layer: &Layer) -> String {
         "<svg class=\"key\" width=\"18\" height=\"14\" viewBox=\"0 0 18 14\" aria-hidden=\"true\">{}</svg>",
         body.trim_end()
     )
-}
-
-/// Where a panel is drawn.
-pub(crate) struct Frame {
-    pub(crate) x: Mapping,
-    pub(crate) y: Mapping,
-    pub(crate) left: f64,
-    pub(crate) right: f64,
-    pub(crate) top: f64,
-    pub(crate) bottom: f64,
 }
 
 /// Draws one figure from `top` down; returns where it ends.
@@ -274,56 +257,6 @@ fn label(out: &mut String, figure: &Figure, at: (f64, f64), anchor: &str, attrib
         at.1,
         escape(content)
     );
-}
-
-/// Text with indices: `T_d` is set with its d below.
-pub(crate) fn text(out: &mut String, (x, y): (f64, f64), anchor: &str, attributes: &str, content: &str) {
-    let _ = write!(out, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" {attributes}>");
-    let mut below = false;
-    for (piece, is_index) in symbol_pieces(content) {
-        let shift = match (below, is_index) {
-            (false, true) => " dy=\"3\"",
-            (true, false) => " dy=\"-3\"",
-            _ => "",
-        };
-        let size = if is_index { " font-size=\"9\"" } else { "" };
-        let _ = write!(out, "<tspan{shift}{size}>{}</tspan>", escape(&piece));
-        below = is_index;
-    }
-    out.push_str("</text>\n");
-}
-
-/// Splits text into pieces, each with whether it is an index.
-fn symbol_pieces(text: &str) -> Vec<(String, bool)> {
-    let mut pieces: Vec<(String, bool)> = Vec::new();
-    for inline in Prose::from(text).0 {
-        let more = match &inline {
-            Inline::Symbol(symbol) => {
-                symbol.pieces().into_iter().map(|(piece, below)| (piece.to_owned(), below)).collect()
-            }
-            other => vec![(Prose(vec![other.clone()]).plain(), false)],
-        };
-        for (piece, below) in more {
-            match pieces.last_mut() {
-                Some((last, false)) if !below => last.push_str(&piece),
-                _ => pieces.push((piece, below)),
-            }
-        }
-    }
-    pieces
-}
-
-pub(crate) fn line(out: &mut String, from: (f64, f64), to: (f64, f64), colour: &str, attributes: &str) {
-    let _ = writeln!(
-        out,
-        "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"{colour}\" {attributes}/>",
-        from.0, from.1, to.0, to.1
-    );
-}
-
-/// Whether values of an axis have to be positive.
-pub(crate) fn is_log(axis: &Axis) -> bool {
-    matches!(axis.scale, Scale::Log)
 }
 
 impl Layer {

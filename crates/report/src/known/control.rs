@@ -4,7 +4,7 @@ use rig::Role;
 use rig::results::{Estimate, Parameter, Quantity, SpeedController, TorqueControl, Validation};
 use study::{Analyses, Study};
 
-use super::{Grade, Known, grade, of_part, recording, source};
+use super::grade::{Grade, Known, grade, of_part, recording, source};
 use crate::controller;
 use crate::torque;
 use crate::torque_control;

@@ -2,117 +2,14 @@
 //! against it in the study. Nothing is estimated here; the thresholds stand in [`Grade::meaning`].
 
 mod control;
+mod grade;
 mod shaft;
 mod signals;
 mod whole;
 
-use rig::results::{Estimate, Need, Parameter, Part, Stretch};
-use study::{Analyses, RecordingSummary, Study};
+use study::{Analyses, Study};
 
-use crate::wording::{self, number};
-
-/// Widest interval, to either side and as a part of the value, of what is known well, and of what is known roughly.
-const WIDTHS: (f64, f64) = (0.05, 0.20);
-/// The same of a time, as a part of the fastest sample time of the recordings.
-const TIME_WIDTHS: (f64, f64) = (0.1, 0.5);
-
-/// How well something is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Grade {
-    /// Well.
-    Well,
-    /// Roughly.
-    Roughly,
-    /// Poorly.
-    Poorly,
-    /// Stated in the bench file; no recording says whether it is true.
-    OnTrust,
-    /// Not at all.
-    NotAtAll,
-}
-
-impl Grade {
-    /// All of them, the best first.
-    pub const ALL: [Grade; 5] = [Grade::Well, Grade::Roughly, Grade::Poorly, Grade::OnTrust, Grade::NotAtAll];
-
-    /// The grade as a headline.
-    pub fn headline(self) -> &'static str {
-        match self {
-            Grade::Well => "Known well",
-            Grade::Roughly => "Known roughly",
-            Grade::Poorly => "Known poorly",
-            Grade::OnTrust => "Taken on trust",
-            Grade::NotAtAll => "Not known",
-        }
-    }
-
-    /// What the grade means.
-    pub fn meaning(self) -> &'static str {
-        match self {
-            Grade::Well => {
-                "The recordings pin it down to within 5 % to either side (a time to a tenth of the fastest sample, friction to 1 Nm, \
-                 a replay to a fit of 90 %), and nothing else in them contradicts it."
-            }
-            Grade::Roughly => {
-                "Within 20 % (a time within half of the fastest sample, a replay to 70 %); or within 5 %, but something else contradicts it."
-            }
-            Grade::Poorly => "Less well than that: good for an order of magnitude.",
-            Grade::OnTrust => "Stated in the bench file. No recording says whether it is true.",
-            Grade::NotAtAll => "No recording shows it.",
-        }
-    }
-
-    /// What is left of it when something else contradicts it.
-    fn contradicted(self) -> Grade {
-        match self {
-            Grade::Well => Grade::Roughly,
-            Grade::Roughly => Grade::Poorly,
-            other => other,
-        }
-    }
-
-    /// By an interval, and the widths that are well and roughly.
-    fn of_width(width: f64, (well, roughly): (f64, f64)) -> Grade {
-        match width {
-            w if w <= well => Grade::Well,
-            w if w <= roughly => Grade::Roughly,
-            _ => Grade::Poorly,
-        }
-    }
-}
-
-/// One quantity, how well it is known, and why.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Known {
-    /// The part of the model it belongs to, counted in the order of the report.
-    pub part: usize,
-    /// Its symbol, empty where it has none.
-    pub symbol: String,
-    /// What it is.
-    pub name: String,
-    /// How well it is known.
-    pub grade: Grade,
-    /// Its value with its uncertainty, or what stands in its place.
-    pub value: String,
-    /// Why, a sentence each.
-    pub why: Vec<String>,
-}
-
-impl Known {
-    fn new(symbol: &str, name: &str, grade: Grade, value: String, why: Vec<String>) -> Self {
-        Known { part: 0, symbol: symbol.to_owned(), name: name.to_owned(), grade, value, why }
-    }
-
-    fn of(parameter: &Parameter, grade: Grade, why: Vec<String>) -> Self {
-        Known::new(parameter.quantity.symbol(), parameter.quantity.name(), grade, number::parameter(parameter), why)
-    }
-
-    /// Something that was not estimated, for want of what it needs.
-    fn missing(symbol: &str, name: &str, needs: &[Need]) -> Self {
-        let why = vec![format!("It needs {}.", wording::needs(needs).trim_end_matches('.'))];
-        Known::new(symbol, name, Grade::NotAtAll, "–".to_owned(), why)
-    }
-}
+pub use grade::{Grade, Known};
 
 /// Every quantity that matters, in the order of the report.
 pub fn known(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
@@ -130,56 +27,4 @@ pub fn known(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
     ];
     let numbered = parts.into_iter().enumerate();
     numbered.flat_map(|(part, of_part)| of_part.into_iter().map(move |one| Known { part, ..one })).collect()
-}
-
-/// Half of the interval over the value.
-fn relative_width(parameter: &Parameter) -> f64 {
-    let (low, high) = parameter.interval;
-    ((high - low) / 2.0 / parameter.value).abs()
-}
-
-/// The grade by the interval; times are graded by the fastest sample time.
-fn grade(study: &Study, parameter: &Parameter) -> Grade {
-    let (low, high) = parameter.interval;
-    match parameter.quantity.notation().unit {
-        "s" => Grade::of_width((high - low) / 2.0 / fastest_sample_s(study), TIME_WIDTHS),
-        _ => Grade::of_width(relative_width(parameter), WIDTHS),
-    }
-}
-
-fn fastest_sample_s(study: &Study) -> f64 {
-    let times = study.recordings.iter().flat_map(|recording| &recording.sample_times_s).map(|(_, time)| *time);
-    times.fold(f64::INFINITY, f64::min)
-}
-
-/// The parameters of a part that was estimated, or that the part was not.
-fn of_part<T>(part: &Part<T>, (symbol, name): (&str, &str), known: impl FnOnce(&T) -> Vec<Known>) -> Vec<Known> {
-    match part {
-        Part::Estimated(part) => known(part),
-        Part::NotEstimated { needs } => vec![Known::missing(symbol, name, needs)],
-    }
-}
-
-/// From which recording an estimate is, for how long, and what was done in it.
-fn source(study: &Study, estimate: &Estimate) -> String {
-    let from: Vec<String> = estimate.stretches.iter().map(|stretch| stretch_words(study, stretch)).collect();
-    match from.as_slice() {
-        [] => "From data that were not stated.".to_owned(),
-        _ => format!("From {}.", wording::join(&from, "and")),
-    }
-}
-
-fn stretch_words(study: &Study, stretch: &Stretch) -> String {
-    let label = recording(study, &stretch.file).and_then(|recording| recording.label.as_deref());
-    let done = label.and_then(wording::experiment).map(|words| format!(" ({words})")).unwrap_or_default();
-    format!("{} of {}{done}", number::duration(stretch.end_s - stretch.start_s), stretch.file)
-}
-
-fn recording<'a>(study: &'a Study, file: &str) -> Option<&'a RecordingSummary> {
-    study.recordings.iter().find(|recording| recording.file == file)
-}
-
-/// Whether two intervals have anything in common.
-fn overlap(a: &Parameter, b: &Parameter) -> bool {
-    a.interval.0 <= b.interval.1 && b.interval.0 <= a.interval.1
 }

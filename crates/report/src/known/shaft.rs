@@ -5,7 +5,7 @@ use rig::facts::BenchVariant;
 use rig::results::{Parameter, Quantity, Shaft};
 use study::{Analyses, Study};
 
-use super::{Grade, Known, grade, of_part, overlap, relative_width, source};
+use super::grade::{Grade, Known, grade, of_part, overlap, relative_width, source};
 use crate::wording::{self, number};
 
 /// One frequency in a hundred lies above the bound if the shaft is right; a share beyond this speaks against it.

@@ -4,7 +4,7 @@ use rig::ExperimentLabel;
 use rig::results::{SignalDelay, Told};
 use study::{Analyses, Study};
 
-use super::{Grade, Known, grade, of_part};
+use super::grade::{Grade, Known, WIDTHS, grade, of_part, stretch_words};
 use crate::engine;
 use crate::torque;
 use crate::wording::{self, number};
@@ -22,7 +22,7 @@ pub(super) fn delays(study: &Study) -> Vec<Known> {
 fn one(study: &Study, delay: &SignalDelay) -> Option<Known> {
     let own = delay.against_demand.as_ref()?;
     let mut by_width = grade(study, own);
-    let mut why = vec![format!("Measured against T_d* in {}.", super::stretch_words(study, &delay.stretch))];
+    let mut why = vec![format!("Measured against T_d* in {}.", stretch_words(study, &delay.stretch))];
     why.push(match delay.routes_agree() {
         Some(true) => format!("{} routes were taken to it, and they agree.", delay.routes.len()),
         Some(false) => {
@@ -60,9 +60,9 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
                 why.push_str(" It does not differ significantly from zero, and is small whatever it is.");
             }
             let torque = number::plus_minus(middle.torque_nm, middle.half_width_nm, "Nm");
-            let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / super::WIDTHS.0);
+            let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / WIDTHS.0);
             let value = format!("{torque} at {}", number::rpm(middle.speed_rad_s));
-            known(Grade::of_width(width, super::WIDTHS), value, why)
+            known(Grade::of_width(width, WIDTHS), value, why)
         }
         (Some(Err(why)), _) => known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{why}."))),
         (None, Some(recording)) => {
@@ -98,7 +98,7 @@ pub(super) fn engine_torque(study: &Study, analyses: Option<&Analyses>) -> Known
                 found.recordings.iter().filter(|r| r.engine.found().is_some()).count()
             );
             let why = format!("No bench records it. Best in {}: {}.", one.file, engine::rebuilt(engine));
-            known(Grade::of_width(width, super::WIDTHS), value, why)
+            known(Grade::of_width(width, WIDTHS), value, why)
         }
         (None, Told::Untold(why)) => {
             known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{}.", torque::untold(why))))

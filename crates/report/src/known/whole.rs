@@ -5,7 +5,7 @@ use rig::facts::BenchFacts;
 use rig::results::{Parameter, Part};
 use study::Study;
 
-use super::{Grade, Known, WIDTHS, grade};
+use super::grade::{Grade, Known, WIDTHS, grade};
 use crate::wording::{self, number};
 
 /// Fits of replays that are good, and that are fair, %.

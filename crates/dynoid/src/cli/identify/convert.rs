@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::ResultArguments;
+use super::data::ResultArguments;
 use crate::cli::number;
 
 /// The form of a model.

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 
-use super::{DataArguments, ResultArguments};
+use super::data::{DataArguments, ResultArguments};
 use crate::cli::number;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -1,31 +1,10 @@
 //! Arguments of `dynoid fit`.
 
-use std::path::PathBuf;
-
 use clap::{Args, Subcommand, ValueEnum};
 
-use super::{DataArguments, ResultArguments};
-use crate::cli::greybox::GreyBoxArguments;
+use super::data::FitArguments;
+use super::greybox::GreyBoxArguments;
 use crate::cli::number;
-
-/// Where a model is written, and which data judge it.
-#[derive(Debug, Clone, Args)]
-pub(crate) struct FitArguments {
-    #[command(flatten)]
-    pub(crate) data: DataArguments,
-    /// The model file to write
-    #[arg(long, short, value_name = "MODEL.json")]
-    pub(crate) out: Option<PathBuf>,
-    /// Estimate from this first share of each recording, and judge on the rest
-    #[arg(long, value_name = "SHARE", conflicts_with = "validate", value_parser = number::share)]
-    pub(crate) split: Option<f64>,
-    /// Judge on another recording, at the operating point of the estimation data. `dynoid model compare --detrend mean`
-    /// judges the dynamics alone
-    #[arg(long, value_name = "RECORDING")]
-    pub(crate) validate: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(crate) result: ResultArguments,
-}
 
 /// How a transfer function is estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::{ResultArguments, Window};
+use super::data::{ResultArguments, Window};
 use crate::cli::number;
 
 /// Recordings that a model is used on; channels and clock are those of the model.

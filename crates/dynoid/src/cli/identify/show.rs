@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::ResultArguments;
+use super::data::ResultArguments;
 use crate::cli::number;
 
 #[derive(Debug, Args)]

@@ -9,7 +9,7 @@ use rig::results::{Told, Validation};
 use serde_json::{Value, json};
 
 use super::experiments::{self, Campaign};
-use super::identify::judge::{write_page, written};
+use super::result::show;
 use crate::cli::GivenRecordings;
 use crate::cli::controller::{ControllerArguments, ControllerCommand};
 use crate::cli::identify::ResultArguments;
@@ -38,14 +38,9 @@ fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Te
     if found.controllers.is_empty() {
         return Err(CliError::NoHeldSpeed { path: given.bench.clone() });
     }
-    let page = report::pages::controller(&found);
-    write_page(result.plot.as_ref(), &page)?;
-    if result.json {
-        terminal.json(&short(&found, &refused))?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        written(&result.plot, terminal);
-    }
+    let page = || report::pages::controller(&found);
+    let json = || short(&found, &refused);
+    show(result, page, json, terminal)?;
     let tells = found.controllers.iter().any(|one| one.found.found().is_some());
     Ok(Outcome::of(tells, &refused))
 }

@@ -7,8 +7,7 @@ use study::noise_test::{NoiseTestOptions, noise_test, virtual_experiment};
 use crate::cli::GivenRecordings;
 use crate::cli::controller::NoiseTestArguments;
 use crate::commands::experiments;
-use crate::commands::identify::data::check_plot;
-use crate::commands::identify::judge::{write_page, written};
+use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::terminal::Terminal;
 
@@ -25,14 +24,7 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
     let found = noise_test(&experiment, &options, &|done, all| progress.told(done, all));
     drop(progress);
     let found = found.map_err(|source| CliError::NoiseTest { source })?;
-    let page = report::pages::controller_noise(&found);
-    write_page(arguments.result.plot.as_ref(), &page)?;
-    if arguments.result.json {
-        terminal.json(&found)?;
-    } else if !terminal.is_quiet() {
-        terminal.page(&page);
-        written(&arguments.result.plot, terminal);
-    }
+    show(&arguments.result, || report::pages::controller_noise(&found), || &found, terminal)?;
     Ok(Outcome::Done)
 }
 

@@ -1,8 +1,6 @@
 //! `dynoid convert`: recordings in another format.
 
 mod choice;
-pub(in crate::commands) mod figures;
-mod notes;
 mod recordings;
 mod targets;
 

@@ -4,22 +4,22 @@ use std::ops::Range;
 
 use dataset::on_one_clock;
 use ident::Intersample;
-use page::Figure;
+use page::{Figure, Page};
 use recording::{Recording, Selection};
+use report::recording::{figures, not_carried_over};
 use serde::Serialize;
 
 use super::choice::choices;
-use super::figures::figures;
-use super::notes;
 use super::targets::{Target, plan};
 use crate::cli::convert::ConvertArguments;
 use crate::cli::identify::Between;
-use crate::commands::identify::data::check_plot;
-use crate::commands::identify::judge::{picture, written};
-use crate::commands::identify::words::counted;
+use crate::commands::result::{check_plot, show};
 use crate::error::{CliError, Outcome};
 use crate::input::{self, Read};
+use crate::paths;
 use crate::terminal::Terminal;
+use toolbox_report::one_clock;
+use toolbox_report::words::counted;
 
 /// Most notes that are shown of one file; all are in the JSON.
 const MOST_NOTES: usize = 12;
@@ -84,12 +84,7 @@ pub(crate) fn run(arguments: &ConvertArguments, terminal: &mut Terminal) -> Resu
             Err(error) => return Err(error),
         }
     }
-    picture(&arguments.result, "Converted", || drawn)?;
-    if arguments.result.json {
-        terminal.json(&rows)?;
-    } else if !terminal.is_quiet() {
-        written(&arguments.result.plot, terminal);
-    }
+    show(&arguments.result, || Page::of_figures("Converted", drawn), || rows, terminal)?;
     Ok(if unreadable > 0 { Outcome::SomeUnreadable } else { Outcome::Done })
 }
 
@@ -143,7 +138,7 @@ fn one(
         input::read_recording(&target.input, selection, arguments.sample_time, &|done, all| progress.told(done, all))?;
     let mut notes: Vec<String> = without.into_iter().collect();
     notes.extend(recording.findings.iter().map(ToString::to_string));
-    notes.extend(notes::extras(&input::extras(&target.input)?));
+    notes.extend(not_carried_over(&input::extras(&target.input)?));
     if arguments.start.is_some() || arguments.end.is_some() {
         let window = (arguments.start.unwrap_or(f64::NEG_INFINITY), arguments.end.unwrap_or(f64::INFINITY));
         notes.extend(cut(&mut recording, window));
@@ -162,8 +157,8 @@ fn one(
     if let Some(sample_time_s) = sample_time_s {
         let between = between(arguments.between);
         let brought = on_one_clock(&target.input.name, recording, sample_time_s, between)?;
-        notes.extend(notes::adjustments(&brought.adjustments));
-        notes.extend(notes::left_out(&brought.left_out));
+        notes.extend(one_clock::adjustments(&brought.adjustments));
+        notes.extend(one_clock::left_out(&brought.left_out));
         recording = brought.recording;
     }
     notes.extend(target.format.fit(&mut recording));
@@ -172,7 +167,7 @@ fn one(
     }
     let sha256 = arguments.result.json.then(|| input::sha256(&target.input)).transpose()?;
     target.format.write(&recording, &target.out)?;
-    let drawn = arguments.result.plot.as_ref().map(|_| figures(&input::with_slashes(&target.out), &recording));
+    let drawn = arguments.result.plot.as_ref().map(|_| figures(&paths::with_slashes(&target.out), &recording));
     Ok((facts(target, sha256, &recording, notes), drawn.unwrap_or_default()))
 }
 
@@ -238,7 +233,7 @@ fn facts(target: &Target, sha256: Option<String>, recording: &Recording, notes: 
     Written {
         file: target.input.name.clone(),
         sha256,
-        out: input::with_slashes(&target.out),
+        out: paths::with_slashes(&target.out),
         rasters: recording.rasters.iter().map(raster).collect(),
         channels: recording.channels.iter().map(channel).collect(),
         notes,

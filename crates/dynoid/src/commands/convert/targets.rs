@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use crate::cli::convert::ConvertArguments;
 use crate::error::CliError;
 use crate::formats::FileFormat;
-use crate::input::{InputFile, ending};
+use crate::input::InputFile;
 use crate::output::{OutputFolder, check_file};
+use crate::paths::ending;
 
 /// A recording and the file it becomes.
 pub(super) struct Target {

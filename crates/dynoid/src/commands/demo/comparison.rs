@@ -9,8 +9,7 @@ use rig::results::{Notation, Parameter, Quantity, WrittenParameter};
 use serde::Serialize;
 use study::Study;
 
-use crate::commands::study::Written;
-use crate::summary;
+use crate::summary::{self, Written};
 
 /// Relative difference of numbers that are the same but for rounding.
 const ROUNDING: f64 = 1e-9;

@@ -10,10 +10,10 @@ use rig::BenchFile;
 use rig::bench_parameters::BenchParameters;
 
 use crate::cli::bench::DemoArguments;
-use crate::commands::study::{self, Extent, Written};
+use crate::commands::study::{self, Extent};
 use crate::error::{CliError, Outcome};
 use crate::output::{self, OutputFolder};
-use crate::summary::{self, shown};
+use crate::summary::{self, Written, shown};
 use crate::terminal::Terminal;
 use page::{Page, Tone};
 
@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
     let files: Vec<(&str, &[u8])> =
         names.iter().map(String::as_str).zip(recordings.iter().map(Vec::as_slice)).collect();
     OutputFolder::check(&folder)?.write(&files)?;
-    let effects = page::html(&effects(&parameters, arguments.seed)?, crate::PROGRAM);
+    let effects = page::html(&effects(&parameters, arguments.seed)?, crate::commands::result::PROGRAM);
     output::replace_file(&out.join(EFFECTS), effects.as_bytes())?;
     let bench = out.join(BENCH_FILE);
     output::replace_file(&bench, bench_file(&parameters).as_bytes())?;

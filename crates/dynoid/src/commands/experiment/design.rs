@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use bench_model::prediction::{Peak, Prediction, PredictionInputs, peak_errors, predict};
-use page::{Align, Cell, Table, Tone};
 use recording::{Channel, Format, Raster, Recording};
-use report::design::Designed;
-use report::wording::{self, number};
+use report::design::{Designed, reached};
+use report::wording;
 use rig::experiment::{DEMAND_HOLD_S, Demands, ExperimentPlan};
 use rig::role::Role;
 use serde_json::json;
@@ -17,9 +16,7 @@ use super::optimal::{self, Optimal};
 use super::planned::{self, Planned};
 use super::stated::Bench;
 use crate::cli::experiment::DesignArguments;
-use crate::cli::identify::ResultArguments;
-use crate::commands::identify::data::check_plot;
-use crate::commands::identify::judge::picture;
+use crate::commands::result::{check_plot, write_page};
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
 use crate::output::OutputFolder;
@@ -48,23 +45,36 @@ pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Resul
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
     let predicted = predicted(&bench, &plan, &demands, terminal);
-    targets.write(&bench, &plan, &demands, predicted.as_ref().ok(), optimal.as_ref())?;
+    targets.write(&bench, &plan, &demands, predicted.as_ref().ok())?;
     if let Ok(predicted) = &predicted {
-        reached(predicted).for_each(|warning| terminal.warning(&warning));
+        reached(&predicted.prediction).for_each(|warning| terminal.warning(&warning));
     }
     if let Err(reason) = &predicted {
         terminal.warning(&format!("nothing is predicted: {reason}"));
     }
+    let known = predicted.as_ref().ok();
+    let spectrum = demands.spectrum(&plan).ok().flatten();
+    let page = report::design::page(&Designed {
+        plan: &plan,
+        demands: &demands,
+        spectrum: spectrum.as_ref(),
+        engine: bench.file.engine(),
+        resonance_hz: known.and_then(|known| known.resonance_hz),
+        prediction: known.map(|known| &known.prediction),
+        limits: bench.file.limits,
+        errors: known.map_or(&[], |known| &known.errors),
+        assumptions: &bench.stated.assumed_for(&plan),
+        optimal: optimal.as_ref().map(Optimal::shown),
+    });
+    write_page(&targets.plot, &page)?;
     if arguments.on.result.json {
         let mut facts = facts(&bench, &plan, &demands, &targets, &predicted, &doubts);
         facts["optimal"] = json!(optimal.as_ref().map(Optimal::facts));
         terminal.json(&facts)?;
     } else if !terminal.is_quiet() {
-        terminal.heading(&format!("{}, {} s", plan.label, plan.duration_s), Tone::Strong);
-        if let Some(optimal) = &optimal {
-            optimal.print(terminal);
-        }
-        print(&bench, &plan, &targets, predicted.as_ref().ok(), terminal);
+        terminal.page(&page);
+        let written = targets.all(predicted.is_ok()).into_iter();
+        written.for_each(|path| terminal.line(&format!("written: {}", shown(path))));
     }
     Ok(Outcome::Done)
 }
@@ -73,7 +83,7 @@ pub(crate) fn run(arguments: &DesignArguments, terminal: &mut Terminal) -> Resul
 struct Targets {
     csv: PathBuf,
     mf4: PathBuf,
-    plot: ResultArguments,
+    plot: PathBuf,
     predicted: PathBuf,
 }
 
@@ -82,13 +92,8 @@ impl Targets {
         let folder = &arguments.out;
         OutputFolder::check(folder)?;
         let file = |ending: &str| folder.join(format!("{stem}{ending}"));
-        let plot = Some(arguments.on.result.plot.clone().unwrap_or_else(|| file(".html")));
-        let targets = Targets {
-            csv: file(".csv"),
-            mf4: file(".mf4"),
-            plot: ResultArguments { plot, json: arguments.on.result.json },
-            predicted: file("_predicted.mf4"),
-        };
+        let plot = arguments.on.result.plot.clone().unwrap_or_else(|| file(".html"));
+        let targets = Targets { csv: file(".csv"), mf4: file(".mf4"), plot, predicted: file("_predicted.mf4") };
         let read = arguments.experiment.as_deref().and_then(planned::file);
         for target in [&targets.csv, &targets.mf4, &targets.predicted] {
             if let (Some(Ok(read)), Ok(target)) = (read.as_ref().map(|file| file.canonicalize()), target.canonicalize())
@@ -98,9 +103,7 @@ impl Targets {
                 return Err(CliError::Usage { what });
             }
         }
-        if let Some(plot) = &arguments.on.result.plot {
-            check_plot(&ResultArguments { plot: Some(plot.clone()), json: false }, &[])?;
-        }
+        check_plot(&arguments.on.result, &[])?;
         Ok(targets)
     }
 
@@ -110,7 +113,6 @@ impl Targets {
         plan: &ExperimentPlan,
         demands: &Demands,
         predicted: Option<&Predicted>,
-        optimal: Option<&Optimal>,
     ) -> Result<(), CliError> {
         if let Some(folder) = self.csv.parent() {
             std::fs::create_dir_all(folder).map_err(|source| CliError::write(folder, source))?;
@@ -124,23 +126,12 @@ impl Targets {
         if let Some(predicted) = predicted {
             FileFormat::Mf4.write(&responses(bench, plan, &predicted.prediction), &self.predicted)?;
         }
-        let spectrum = demands.spectrum(plan).ok().flatten();
-        let designed = Designed {
-            plan,
-            demands,
-            spectrum: spectrum.as_ref(),
-            engine: bench.file.engine(),
-            resonance_hz: predicted.and_then(|predicted| predicted.resonance_hz),
-            prediction: predicted.map(|predicted| &predicted.prediction),
-            limits: bench.file.limits,
-            lines: optimal.map_or(&[], |optimal| &optimal.lines),
-        };
-        picture(&self.plot, &format!("{}, designed", plan.label), || report::design::figures(&designed))
+        Ok(())
     }
 
     fn all(&self, has_prediction: bool) -> Vec<&PathBuf> {
         let predicted = has_prediction.then_some(&self.predicted);
-        [Some(&self.csv), Some(&self.mf4), self.plot.plot.as_ref(), predicted].into_iter().flatten().collect()
+        [Some(&self.csv), Some(&self.mf4), Some(&self.plot), predicted].into_iter().flatten().collect()
     }
 }
 
@@ -202,68 +193,6 @@ fn responses(bench: &Bench, plan: &ExperimentPlan, prediction: &Prediction) -> R
         channels,
         findings: Vec::new(),
     }
-}
-
-fn print(
-    bench: &Bench,
-    plan: &ExperimentPlan,
-    targets: &Targets,
-    predicted: Option<&Predicted>,
-    terminal: &mut Terminal,
-) {
-    if let Some(predicted) = predicted {
-        terminal.table(&peaks(predicted));
-        if let Some(resonance_hz) = predicted.resonance_hz {
-            terminal.line(&format!("  resonance: {}", number::measure(resonance_hz, "Hz")));
-        }
-        say_assumed(bench, plan, terminal);
-        terminal.gap();
-    }
-    for path in targets.all(predicted.is_some()) {
-        terminal.line(&format!("written: {}", shown(path)));
-    }
-}
-
-/// What the prediction or simulation takes for granted.
-pub(in crate::commands) fn say_assumed(bench: &Bench, plan: &ExperimentPlan, terminal: &mut Terminal) {
-    for assumption in &bench.stated.assumed_for(plan) {
-        terminal.item(("assumed:", Tone::Caution), &wording::assumption(assumption));
-    }
-}
-
-/// The limits that the prediction reaches, in words.
-fn reached(predicted: &Predicted) -> impl Iterator<Item = String> {
-    predicted.prediction.peaks.iter().filter(|peak| peak.is_beyond_limit()).map(|peak| {
-        let (symbol, unit, si) = wording::peak(peak.of);
-        let number = |value: f64| number::significant(value / si, 4);
-        let limit = number(peak.limit.unwrap_or(f64::NAN));
-        format!("{symbol} reaches {} {unit}, where the limit is {limit} {unit}", number(peak.value))
-    })
-}
-
-fn peaks(predicted: &Predicted) -> Table {
-    let headings =
-        [("peak of", Align::Left), ("predicted", Align::Right), ("at", Align::Right), ("limit", Align::Left)];
-    let mut table = Table::new(&headings);
-    for (index, peak) in predicted.prediction.peaks.iter().enumerate() {
-        let (symbol, unit, si) = wording::peak(peak.of);
-        let value = match predicted.errors.get(index).filter(|error| error.is_finite()) {
-            Some(error) => {
-                format!("{} ± {} {unit}", number::significant(peak.value / si, 4), number::significant(error / si, 2))
-            }
-            None => format!("{} {unit}", number::significant(peak.value / si, 4)),
-        };
-        let limit = match peak.limit {
-            None => Cell::toned("none stated", Tone::Faint),
-            Some(limit) => {
-                let words = format!("{} {unit}", number::significant(limit / si, 4));
-                let style = if peak.is_beyond_limit() { Tone::Bad } else { Tone::Good };
-                Cell::toned(if peak.is_beyond_limit() { format!("{words}: REACHED") } else { words }, style)
-            }
-        };
-        table.row([symbol.into(), value.into(), format!("{:.3} s", peak.time_s).into(), limit]);
-    }
-    table
 }
 
 fn facts(

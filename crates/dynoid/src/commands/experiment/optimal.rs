@@ -1,11 +1,11 @@
 //! `dynoid experiment design --optimal`: the excitation from which chosen parameters are learnt best.
 
 use design::excitation_design::{
-    DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, Goal, LimitedQuantity, Measurements,
-    OperatingPoint, PeakLimits, PredictedParameter, SpectralLine, design,
+    DesignTask, DesignedExcitation, ExcitationDesign, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits,
+    PredictedParameter, SpectralLine, design,
 };
-use page::{Align, Cell, Table, Tone};
-use report::wording::{self, number};
+use report::design::Optimal as Shown;
+use report::wording;
 use rig::experiment::{Test, catalogue};
 use serde_json::json;
 use units::RPM_RAD_S;
@@ -18,12 +18,13 @@ use crate::terminal::Terminal;
 
 /// How far the resonance of a bench may be off of which there is no study.
 const UNCERTAIN_RESONANCE: f64 = 0.15;
+
 /// A designed excitation.
 pub(super) struct Optimal {
-    pub(super) goals: Vec<Goal>,
-    pub(super) excitation: DesignedExcitation,
+    goals: Vec<Goal>,
+    excitation: DesignedExcitation,
     /// Empty for a binary demand.
-    pub(super) lines: Vec<SpectralLine>,
+    lines: Vec<SpectralLine>,
     excited: ExcitedDemand,
 }
 
@@ -96,49 +97,9 @@ impl Optimal {
         self.goals.iter().map(|goal| format!("_{goal}")).collect()
     }
 
-    pub(super) fn print(&self, terminal: &mut Terminal) {
-        let mut table = Table::new(&[
-            ("learns", Align::Left),
-            ("value", Align::Right),
-            ("standard error", Align::Right),
-            ("after white noise", Align::Right),
-            ("variance", Align::Left),
-        ]);
-        for one in &self.excitation.parameters {
-            let (symbol, unit, si) = wording::model_parameter(one.parameter);
-            let with_unit = |value: f64, digits| format!("{} {unit}", number::significant(value / si, digits));
-            let gain = one.gain_over_white_noise();
-            let words = match gain >= 1.0 {
-                true => format!("{} times less", number::significant(gain, 2)),
-                false => format!("{} times more", number::significant(1.0 / gain, 2)),
-            };
-            table.row([
-                symbol.into(),
-                with_unit(one.value, 4).into(),
-                with_unit(one.standard_error, 2).into(),
-                with_unit(one.white_noise_standard_error, 2).into(),
-                Cell::toned(words, if gain >= 1.0 { Tone::Good } else { Tone::Caution }),
-            ]);
-        }
-        terminal.table(&table);
-        let binding = wording::limited(self.excitation.binding);
-        terminal.line(&format!("  scaled until its first peak is met: {binding} {}", self.binding_peak()));
-        terminal.gap();
-    }
-
-    fn binding_peak(&self) -> String {
-        let peaks = &self.excitation.peaks;
-        let demand = match self.excited {
-            ExcitedDemand::Torque => (peaks.demand, "Nm"),
-            ExcitedDemand::Speed => (peaks.demand / RPM_RAD_S, "rpm"),
-        };
-        let (value, unit) = match self.excitation.binding {
-            LimitedQuantity::ShaftTorque => (peaks.shaft_torque_nm, "Nm"),
-            LimitedQuantity::AirGapTorque => (peaks.air_gap_torque_nm, "Nm"),
-            LimitedQuantity::Speed => (peaks.speed_rad_s / RPM_RAD_S, "rpm"),
-            LimitedQuantity::Demand => demand,
-        };
-        format!("±{} {unit}", number::significant(value, 4))
+    /// What a report shows of it.
+    pub(super) fn shown(&self) -> Shown<'_> {
+        Shown { excitation: &self.excitation, excited: self.excited, lines: &self.lines }
     }
 
     pub(super) fn facts(&self) -> serde_json::Value {

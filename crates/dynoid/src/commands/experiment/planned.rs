@@ -10,6 +10,7 @@ use rig::{BenchFile, ControlMode};
 use crate::cli::experiment::PlanArguments;
 use crate::error::CliError;
 use crate::input::{self, InputFile};
+use crate::paths;
 use crate::terminal::Terminal;
 
 /// A plan, and the speed that its files are named by.
@@ -32,7 +33,7 @@ pub(in crate::commands) fn plan(
             let plan = template.plan(&settings).map_err(|error| usage(experiment, error))?;
             Ok(Planned { plan, speed_rpm: Some(settings.get("speed")) })
         }
-        Err(unknown) if !path.exists() && input::ending(path).is_none() => Err(usage(experiment, unknown)),
+        Err(unknown) if !path.exists() && paths::ending(path).is_none() => Err(usage(experiment, unknown)),
         Err(_) => Ok(Planned { plan: from_file(path, arguments, terminal)?, speed_rpm: None }),
     }
 }
@@ -54,7 +55,7 @@ pub(in crate::commands) fn file(experiment: &str) -> Option<PathBuf> {
 }
 
 fn from_file(path: &Path, arguments: &PlanArguments, terminal: &mut Terminal) -> Result<ExperimentPlan, CliError> {
-    let name = input::with_slashes(path);
+    let name = paths::with_slashes(path);
     let settings = settings(&name, free_form::PARAMETERS, arguments)?;
     let file = InputFile { path: path.to_owned(), name: name.clone() };
     let progress = terminal.long(&format!("reading {name}"));

@@ -8,16 +8,13 @@ use rig::ExperimentLabel;
 use serde_json::json;
 use virtual_bench::{Numerics, VirtualRun, rename, simulate_told};
 
-use super::design::say_assumed;
 use super::planned::{self, Planned};
 use super::stated::Bench;
 use crate::cli::experiment::{OnBenchArguments, SimulateArguments};
-use crate::commands::convert::figures::figures;
-use crate::commands::identify::data::{check_plot, check_targets};
-use crate::commands::identify::judge::{picture, written};
+use crate::commands::result::{check_plot, check_targets, show_with};
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
-use crate::input;
+use crate::paths;
 use crate::terminal::Terminal;
 
 pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -36,7 +33,6 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     let VirtualRun { mut recording, hidden } =
         simulated.map_err(|source| CliError::VirtualBench { path: path.clone(), source })?;
     rename(&mut recording, &bench.file.channels);
-    picture(result, &format!("{}, simulated", plan.label), || figures(&plan.label.to_string(), &recording))?;
     if let Some(out) = &arguments.out {
         write(&mut recording, out, terminal)?;
         unlabelled(out, &plan.label).into_iter().for_each(|note| terminal.note(&note));
@@ -44,22 +40,22 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     if let Some(truth) = &arguments.truth {
         write(&mut hidden.recording(), truth, terminal)?;
     }
-    if result.json {
-        terminal.json(&json!({
+    let assumptions = bench.stated.assumed_for(&plan);
+    let json = || {
+        json!({
             "label": plan.label.to_string(),
             "duration_s": plan.duration_s,
             "seed": seed,
             "channels": channels(&recording),
-            "assumptions": bench.stated.assumed_for(&plan),
+            "assumptions": assumptions,
             "doubts": doubts,
             "out": arguments.out,
             "truth": arguments.truth,
             "computing_time_s": since.elapsed().as_secs_f64(),
-        }))?;
-    } else if !terminal.is_quiet() {
-        say_assumed(&bench, &plan, terminal);
-        [&arguments.out, &arguments.truth, &result.plot].into_iter().for_each(|path| written(path, terminal));
-    }
+        })
+    };
+    let page = || report::recording::simulated(&plan.label, &recording, &assumptions);
+    show_with(result, &[&arguments.out, &arguments.truth], page, json, terminal)?;
     Ok(Outcome::Done)
 }
 
@@ -76,7 +72,7 @@ fn check(arguments: &SimulateArguments) -> Result<(), CliError> {
     for out in [&arguments.out, &arguments.truth].into_iter().flatten() {
         FileFormat::of_output(out)?;
     }
-    let same = |a: &PathBuf, b: &PathBuf| input::folder_of(a) == input::folder_of(b) && a.file_name() == b.file_name();
+    let same = |a: &PathBuf, b: &PathBuf| paths::folder_of(a) == paths::folder_of(b) && a.file_name() == b.file_name();
     if let (Some(out), Some(truth)) = (&arguments.out, &arguments.truth)
         && same(out, truth)
     {

@@ -1,17 +1,14 @@
-//! `dynoid fit greybox`: structures of formulas, and what follows from their parameters.
+//! `dynoid fit greybox`: structures of formulas.
 
 use std::path::Path;
 
-use ident::uncertainty::{Derived, Dynamics};
-use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, GreyNoise, IdentError, InitialState, Structure};
+use ident::uncertainty::Dynamics;
+use ident::{AnyModel, Dataset, Fit, FormulaStructure, GreyBox, GreyNoise, InitialState, Structure};
 
-use super::words::significant;
-use crate::cli::greybox::GreyBoxArguments;
-use crate::cli::identify::{Detrend, FitCommand};
+use crate::cli::identify::{Detrend, FitCommand, GreyBoxArguments};
 use crate::error::CliError;
-use crate::input::{read_text, with_slashes};
-use crate::terminal::Terminal;
-use page::{Align, Table};
+use crate::input::read_text;
+use crate::paths::with_slashes;
 
 /// The structure that a command names; none where it is no grey box.
 pub(super) fn structure_of(command: &FitCommand) -> Result<Option<FormulaStructure>, CliError> {
@@ -102,74 +99,4 @@ fn integrates(model: &AnyModel) -> bool {
     let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let place = if system.sample_time_s().is_some() { 1.0 } else { 0.0 };
     poles.iter().any(|p| (p - place).norm() <= 1e-9 * largest)
-}
-
-/// Which parameters are not estimated.
-pub(super) fn fixed(model: &AnyModel) -> Vec<usize> {
-    let AnyModel::GreyBox(model) = model else { return Vec::new() };
-    let parameters = model.structure().parameters();
-    (0..parameters.len()).filter(|index| parameters[*index].fixed).collect()
-}
-
-/// Quantities that the structure says follow from the parameters: their names and values; none where it says nothing.
-fn derived(fit: &Fit<AnyModel>) -> Result<Option<(Vec<String>, Derived)>, String> {
-    let of = |model: &AnyModel| match model {
-        AnyModel::GreyBox(model) => model.derived(),
-        _ => Vec::new(),
-    };
-    let names: Vec<String> = of(&fit.model).into_iter().map(|(name, _)| name).collect();
-    if names.is_empty() {
-        return Ok(None);
-    }
-    match fit.derive(|model| Ok(of(model).into_iter().map(|(_, value)| value).collect())) {
-        Ok(found) => Ok(Some((names, found))),
-        Err(IdentError::NotFinite { index, .. }) if index < names.len() => {
-            Err(format!("{} has no finite value at these parameters", names[index]))
-        }
-        Err(other) => Err(other.to_string()),
-    }
-}
-
-/// The derived quantities as a table, where there are any.
-pub(super) fn print_derived(fit: &Fit<AnyModel>, level: f64, terminal: &mut Terminal) {
-    let (names, derived) = match derived(fit) {
-        Ok(None) => return,
-        Ok(Some(found)) => found,
-        Err(reason) => return terminal.line(&format!("no derived quantities: {reason}")),
-    };
-    let columns = [
-        ("derived", Align::Left),
-        ("value", Align::Right),
-        ("± (standard error)", Align::Right),
-        ("95 % interval", Align::Left),
-    ];
-    let mut table = Table::new(&columns);
-    let (errors, intervals) = (derived.standard_errors(), derived.intervals(level));
-    for (i, name) in names.into_iter().enumerate() {
-        table.row([
-            name.into(),
-            significant(derived.values[i]).into(),
-            significant(errors[i]).into(),
-            format!("{} … {}", significant(intervals[i].0), significant(intervals[i].1)).into(),
-        ]);
-    }
-    terminal.table(&table);
-    terminal.gap();
-}
-
-/// The derived quantities in numbers; null where they cannot be computed.
-pub(super) fn derived_json(fit: &Fit<AnyModel>, level: f64) -> serde_json::Value {
-    let (names, derived) = match derived(fit) {
-        Ok(None) => return serde_json::json!([]),
-        Ok(Some(found)) => found,
-        Err(_) => return serde_json::Value::Null,
-    };
-    let (errors, intervals) = (derived.standard_errors(), derived.intervals(level));
-    let quantity = |(i, name): (usize, &String)| {
-        let (low, high) = intervals[i];
-        serde_json::json!({
-            "name": name, "value": derived.values[i], "standard_error": errors[i], "interval_95": [low, high],
-        })
-    };
-    names.iter().enumerate().map(quantity).collect()
 }

@@ -1,33 +1,24 @@
 //! `dynoid model compare`, `residuals`, `simulate`, `predict`: models on recordings.
 
-use std::path::PathBuf;
-
 use ident::InitialState;
 use ident::uncertainty::Dynamics;
-use ident::validate::{Judgement, ResidualTest, judge};
-use ident::{Dataset, IdentError, ModelDocument};
+use ident::validate::{ResidualTest, judge};
+use ident::{Dataset, ModelDocument};
+use toolbox_report::compare::{self, Met};
+use toolbox_report::operating_point::hint;
+use toolbox_report::residuals::{self, REGION};
+use toolbox_report::response::Responded;
+use toolbox_report::words::growing_pole;
 
-use super::data::{Files, Loaded, Note, check_plot, check_targets, draw, say};
-use super::fit::which_data;
-use super::{figures, model_file, operating_point, recorded, words};
-use crate::cli::identify::{
-    CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, ResultArguments, RunArguments,
-};
+use super::data::{Files, Loaded, Note, say};
+use super::operating_point::taken_off;
+use super::sources::which_data;
+use super::{model_file, recorded};
+use crate::cli::identify::{CompareArguments, MeetArguments, PredictArguments, ResidualsArguments, RunArguments};
+use crate::commands::result::{check_plot, check_targets, show, show_with};
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
-use crate::output::replace_file;
 use crate::terminal::Terminal;
-use page::{Align, Page, Table};
-
-/// Confidence of the regions of the residual tests.
-pub(super) const REGION: f64 = 0.99;
-
-/// A model and the recordings it met.
-struct Met {
-    model: String,
-    data: Dataset,
-    judged: Result<Judgement, IdentError>,
-}
 
 /// `dynoid model compare`
 pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
@@ -36,21 +27,7 @@ pub(crate) fn compare(arguments: &CompareArguments, terminal: &mut Terminal) -> 
         return Err(CliError::Usage { what: "--horizon 0 predicts nothing; give one sample or more".into() });
     }
     let all = meetings(arguments, terminal)?;
-    picture(&arguments.result, "Models compared", || {
-        figures::comparison(&all.iter().filter_map(shown).collect::<Vec<_>>())
-    })?;
-    if arguments.result.json {
-        let row = |met: &Met| match &met.judged {
-            Ok(j) => serde_json::json!({"model": met.model, "outputs": met.data.output_labels(),
-                "recordings": met.data.experiments().iter().map(|e| e.name.as_str()).collect::<Vec<_>>(),
-                "fit_percent": j.fit_percent, "rms_error": j.rms_error, "loss": j.loss}),
-            Err(reason) => serde_json::json!({"model": met.model, "error": reason.to_string()}),
-        };
-        terminal.json(&all.iter().map(row).collect::<Vec<_>>())?;
-    } else if !terminal.is_quiet() {
-        terminal.table(&comparison(&all));
-        written(&arguments.result.plot, terminal);
-    }
+    show(&arguments.result, || compare::page(&all), || compare::json(&all), terminal)?;
     for met in &all {
         if let Err(reason) = &met.judged {
             terminal.warning(&format!("{}: no comparison: {reason}", met.model));
@@ -86,12 +63,12 @@ fn meetings(arguments: &CompareArguments, terminal: &mut Terminal) -> Result<Vec
         if arguments.horizon.is_none()
             && let Some(mode) = document.model.system().and_then(|system| system.growing_mode()).ok().flatten()
         {
-            let pole = words::growing_pole(&mode);
+            let pole = growing_pole(&mode);
             let text =
                 format!("{name} is not stable ({pole}): its simulation runs away; --horizon compares predictions");
             say(&[Note::Warning(text)], &mut said, terminal);
         } else if let Ok(judged) = &judged
-            && let Some(hint) = operating_point::hint(document, &data, &judged.response, arguments.meet.detrend)
+            && let Some(hint) = hint(document, &data, &judged.response, taken_off(arguments.meet.detrend))
         {
             say(&[Note::Warning(format!("{name}: {hint}"))], &mut said, terminal);
         }
@@ -115,37 +92,6 @@ fn recordings(document: &ModelDocument, arguments: &MeetArguments, terminal: &Te
     Files::read(&arguments.on, &names, Some(model_file::row_time_s(document, arguments)), terminal)
 }
 
-fn shown(met: &Met) -> Option<figures::Shown<'_>> {
-    let response = &met.judged.as_ref().ok()?.response;
-    Some(figures::Shown { name: &met.model, data: &met.data, response })
-}
-
-fn comparison(all: &[Met]) -> Table {
-    let columns = [
-        ("model", Align::Left),
-        ("recording", Align::Left),
-        ("output", Align::Left),
-        ("fit", Align::Right),
-        ("rms error", Align::Right),
-    ];
-    let mut table = Table::new(&columns);
-    for met in all {
-        let Ok(judgement) = &met.judged else { continue };
-        for (number, experiment) in met.data.experiments().iter().enumerate() {
-            for (output, label) in met.data.output_labels().iter().enumerate() {
-                table.row([
-                    met.model.as_str().into(),
-                    experiment.name.as_str().into(),
-                    label.name.as_str().into(),
-                    words::percent(judgement.fit_percent[number][output]).into(),
-                    format!("{} {}", words::significant(judgement.rms_error[number][output]), label.unit).into(),
-                ]);
-            }
-        }
-    }
-    table
-}
-
 /// `dynoid model residuals`
 pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     check_plot(&arguments.result, &[&arguments.meet.on, std::slice::from_ref(&arguments.model)])?;
@@ -163,7 +109,7 @@ pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal)
     }
     let failed = |source| CliError::identify("the residual test", source);
     let predicted = judge(&document.model, &data, Some(1), &InitialState::Estimated).map_err(failed)?;
-    let hint = operating_point::hint(&document, &data, &predicted.response, arguments.meet.detrend);
+    let hint = hint(&document, &data, &predicted.response, taken_off(arguments.meet.detrend));
     hint.iter().for_each(|hint| terminal.warning(hint));
     let test = ResidualTest { lags: arguments.lags, level: REGION, ..ResidualTest::default() };
     let report = match &document.estimate {
@@ -171,16 +117,7 @@ pub(crate) fn residuals(arguments: &ResidualsArguments, terminal: &mut Terminal)
         None => test.run_known(&document.model, &data),
     };
     let report = report.map_err(failed)?;
-    picture(&arguments.result, "Residuals", || figures::residuals(&report, &data, REGION))?;
-    if arguments.result.json {
-        let mut tests = words::tests_json(&report, REGION);
-        tests["inputs"] = serde_json::json!(data.input_labels());
-        tests["outputs"] = serde_json::json!(data.output_labels());
-        terminal.json(&tests)?;
-    } else if !terminal.is_quiet() {
-        words::print_tests(&report, (data.input_labels(), data.output_labels()), REGION, terminal);
-        written(&arguments.result.plot, terminal);
-    }
+    show(&arguments.result, || residuals::page(&report, &data), || residuals::json(&report, &data), terminal)?;
     Ok(Outcome::Done)
 }
 
@@ -223,56 +160,14 @@ fn run(
     let failed = |source| CliError::identify("the response", source);
     let judged = judge(&document.model, &loaded.data, horizon, &initial).map_err(failed)?;
     let response = &judged.response;
-    let hint = operating_point::hint(&document, &loaded.data, response, arguments.meet.detrend);
+    let hint = hint(&document, &loaded.data, response, taken_off(arguments.meet.detrend));
     hint.iter().for_each(|hint| terminal.warning(hint));
-    picture(&arguments.result, &format!("{}, {what}", model_file::name(&arguments.model)), || {
-        figures::comparison(&[figures::Shown { name: what, data: &loaded.data, response }])
-    })?;
     if let Some(path) = &arguments.out {
         let recording = recorded::recording_of(&document, &loaded, response, what).map_err(failed)?;
         FileFormat::of_output(path)?.write(&recording, path)?;
     }
-    let fit = |number: usize, output: usize| judged.fit_percent[number][output];
-    let rows = (0..response.outputs.len()).flat_map(|n| (0..document.outputs.len()).map(move |o| (n, o)));
-    if arguments.result.json {
-        let row = |(n, o): (usize, usize)| {
-            let (experiment, output) = (&loaded.data.experiments()[n], &document.outputs[o].name);
-            let values = response.outputs[n].col_as_slice(o);
-            serde_json::json!({"recording": experiment.name, "output": output, "unit": document.outputs[o].unit,
-                "start_s": experiment.start_s, "sample_time_s": loaded.data.sample_time_s(),
-                "fit_percent": fit(n, o), "values": values})
-        };
-        terminal.json(&rows.map(row).collect::<Vec<_>>())?;
-    } else if !terminal.is_quiet() {
-        for (n, o) in rows {
-            let (recording, output) = (&loaded.data.experiments()[n].name, &document.outputs[o].name);
-            terminal.line(&format!("{recording}: {output} {what}, fit {}", words::percent(fit(n, o))));
-        }
-        [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
-    }
+    let model = model_file::name(&arguments.model);
+    let found = Responded { model: &model, what, outputs: &document.outputs, data: &loaded.data, judged: &judged };
+    show_with(&arguments.result, &[&arguments.out], || found.page(), || found.json(), terminal)?;
     Ok(Outcome::Done)
-}
-
-/// Draws figures where a plot is asked for.
-pub(in crate::commands) fn picture(
-    arguments: &ResultArguments,
-    title: &str,
-    figures: impl FnOnce() -> Vec<page::Figure>,
-) -> Result<(), CliError> {
-    match &arguments.plot {
-        Some(path) => write_page(Some(path), &Page::of_figures(title, figures())),
-        None => Ok(()),
-    }
-}
-
-/// Writes a page where a plot is asked for.
-pub(in crate::commands) fn write_page(plot: Option<&PathBuf>, page: &Page) -> Result<(), CliError> {
-    plot.map_or(Ok(()), |path| replace_file(path, &draw(path, page)?))
-}
-
-/// Says where something was written.
-pub(in crate::commands) fn written(path: &Option<PathBuf>, terminal: &mut Terminal) {
-    if let Some(path) = path {
-        terminal.line(&format!("written: {}", path.display()));
-    }
 }

@@ -6,9 +6,10 @@ use dataset::{CommonClock, DatasetError};
 use faer::Mat;
 use ident::uncertainty::Dynamics;
 use ident::{DocumentHeader, Experiment, IdentError, Intersample, ModelDocument};
+use toolbox_report::data::Purpose;
 use units::may_be_same;
 
-use super::data::{Files, Gaps, Loaded, Purpose, take_about};
+use super::data::{Files, Gaps, Loaded, take_about};
 use super::operating_point;
 use crate::cli::identify::{Between, DataArguments, Detrend, MeetArguments, MeetDetrend};
 use crate::error::CliError;
@@ -32,7 +33,7 @@ pub(super) fn read(path: &Path) -> Result<ModelDocument, CliError> {
 
 /// Refuses to write a model under another ending than .json, but for what is no file.
 pub(super) fn check_ending(path: &Path) -> Result<(), CliError> {
-    let is_json = crate::input::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
+    let is_json = crate::paths::ending(path).is_some_and(|ending| ending.eq_ignore_ascii_case("json"));
     let is_device = || std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir());
     if is_json || is_device() {
         return Ok(());

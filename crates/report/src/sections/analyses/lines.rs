@@ -4,7 +4,7 @@ use page::{Align, Block, Blocks, Prose, Table};
 use part_lines::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, RecordingLines, SignalLines, TURNS};
 
 use super::{figures, heading, plain_table, sentence, untold};
-use crate::look::{cause, figure, over_speed_figures, unit};
+use crate::lines::{cause, figure, over_speed_figures, unit};
 use crate::wording::number;
 
 /// Lines of a signal that are looked at for those to mind, the strongest first.

@@ -7,7 +7,7 @@ use rig::results::Trace;
 use study::{RecordedCourse, StepResponse};
 
 use super::{figures, sentence};
-use crate::look::unit;
+use crate::lines::unit;
 use crate::wording::{capitalised, experiment, number};
 
 /// Speeds and torques as they share panels; a style each.

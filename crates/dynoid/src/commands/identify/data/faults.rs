@@ -1,8 +1,9 @@
 //! Data from which nothing can be computed.
 
 use ident::{Channel, Dataset};
+use page::decimal::scientific;
 
-use super::Loaded;
+use super::loaded::{Loaded, named};
 use crate::error::CliError;
 
 /// Beyond these sizes, products of a few values leave the range of numbers.
@@ -37,7 +38,8 @@ pub(super) fn check_sizes(data: &Dataset, files: &str) -> Result<(), CliError> {
                 data: files.to_owned(),
                 channel,
                 fault: format!(
-                    "its largest value is {size:.1e}, which cannot be computed with; bring it to another unit"
+                    "its largest value is {}, which cannot be computed with; bring it to another unit",
+                    scientific(size, 1)
                 ),
             });
         }
@@ -75,7 +77,7 @@ fn refuse_still(loaded: &Loaded, is_still: impl Fn(Channel, [f64; 3]) -> bool) -
     match channels(data).find(still) {
         None => Ok(()),
         Some(channel) => Err(CliError::UnusableChannel {
-            data: super::named(data, &loaded.sources),
+            data: named(data, &loaded.sources),
             channel: name(data, channel),
             fault: "it does not vary, so nothing can be learnt from it; choose another channel, or another time with --from and --to".into(),
         }),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use ident::{Dataset, Experiment, Source};
 use recording::{Recording, RecordingError, Selection};
 
+use super::loaded::named;
 use crate::error::CliError;
 use crate::input::{self, InputFile};
 use crate::terminal::Terminal;
@@ -76,7 +77,7 @@ impl Files {
 
     /// The recordings and the channels of data, as a message about them begins.
     pub(super) fn named(&self, data: &Dataset) -> String {
-        super::named(data, &self.sources(data))
+        named(data, &self.sources(data))
     }
 
     /// A warning for each recording whose content was given before under another name.

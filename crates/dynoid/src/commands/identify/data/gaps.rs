@@ -2,7 +2,8 @@
 
 use ident::{Channel, Dataset, IdentError};
 
-use super::{Loaded, Note};
+use super::loaded::{Loaded, named};
+use super::note::Note;
 use crate::error::CliError;
 
 /// Stretches between gaps that are shorter than this, in samples, are left out: their initial states would cost what they
@@ -38,7 +39,7 @@ impl Loaded {
             whole = Some(merged.map_err(|source| CliError::identify("cutting at gaps", source))?);
         }
         let data = whole.ok_or_else(|| CliError::OnlyGaps {
-            data: super::named(&self.data, &self.sources),
+            data: named(&self.data, &self.sources),
             channels: missing_channels(&self.data, gaps).join(", "),
             shortest: SHORTEST,
         })?;

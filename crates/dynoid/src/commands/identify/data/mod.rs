@@ -3,22 +3,19 @@
 mod faults;
 mod files;
 mod gaps;
+mod loaded;
 mod note;
-mod targets;
-mod words;
-
-use std::collections::BTreeSet;
 
 use dataset::{Adjustment, CommonClock, DatasetOptions, dataset};
-use ident::{Advice, Dataset, IdentError, Intersample, Line, Source, Trend, TrendScope, TrendShape, advise};
+use ident::{Advice, Dataset, IdentError, Intersample, Source, Trend, TrendScope, TrendShape, advise};
 use recording::Recording;
+use toolbox_report::data::{self as words, Purpose};
 
 pub(super) use faults::{check_movement, check_variation};
 pub(super) use files::Files;
 pub(super) use gaps::Gaps;
+pub(super) use loaded::{Loaded, named};
 pub(super) use note::{Note, say};
-pub(super) use targets::draw;
-pub(in crate::commands) use targets::{check_plot, check_targets};
 
 use crate::cli::identify::{Between, DataArguments, Detrend, Window};
 use crate::error::CliError;
@@ -26,44 +23,6 @@ use crate::terminal::Terminal;
 
 /// Most names listed in a message.
 const MOST_NAMES: usize = 20;
-
-/// Data as an estimator gets them.
-pub(super) struct Loaded {
-    /// The data, trend taken off.
-    pub(super) data: Dataset,
-    /// What the inputs do between the samples of their recordings.
-    pub(super) between: Intersample,
-    /// What was taken off, per recording.
-    pub(super) trend: Option<Trend>,
-    /// The recordings they come from.
-    pub(super) sources: Vec<Source>,
-    /// Which of them each experiment is of, or is a part of.
-    pub(super) recording: Vec<usize>,
-    /// What was done to the channels on the way.
-    pub(super) adjustments: Vec<Adjustment>,
-    /// The same in words, and what should be known of the channels.
-    pub(super) notes: Vec<Note>,
-}
-
-impl Loaded {
-    /// The same without the recordings that no experiment is left of: nothing is known of them, and nothing rests on them.
-    pub(super) fn without_unused(mut self) -> Result<Self, CliError> {
-        let used: BTreeSet<usize> = self.recording.iter().copied().collect();
-        if used.len() == self.sources.len() {
-            return Ok(self);
-        }
-        let place = |of: &usize| used.range(..of).count();
-        self.recording = self.recording.iter().map(place).collect();
-        if let Some(trend) = self.trend.take() {
-            let lines = |of: &dyn Fn(usize) -> Vec<Line>| used.iter().copied().map(of).collect();
-            let (inputs, outputs) = (lines(&|n| trend.inputs(n).to_vec()), lines(&|n| trend.outputs(n).to_vec()));
-            let left = Trend::per_experiment(inputs, outputs);
-            self.trend = Some(left.map_err(|source| CliError::identify("the trend", source))?);
-        }
-        self.sources = used.into_iter().map(|n| self.sources[n].clone()).collect();
-        Ok(self)
-    }
-}
 
 /// Reads the recordings, takes the channels out of them and their trend off, and says what was done on the way; on a clock
 /// of its own unless one is asked for.
@@ -107,17 +66,8 @@ pub(super) fn load_between_gaps(
 
 /// The channels of recordings that were read, trend taken off.
 pub(super) fn take(files: &Files, usual: CommonClock, arguments: &DataArguments) -> Result<Loaded, CliError> {
-    let purpose = Purpose::Estimate(arguments.detrend);
-    take_about(files, usual, arguments, purpose, |data, _| trend(data, arguments.detrend))
-}
-
-/// What data are for, which bears on what should be known of them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Purpose {
-    /// A model is to be estimated from them, after a trend was taken off.
-    Estimate(Detrend),
-    /// A model that is there is held against them.
-    Judgement,
+    let shape = shape(arguments.detrend);
+    take_about(files, usual, arguments, Purpose::Estimate(shape), |data, _| trend(data, shape))
 }
 
 /// As [`take`], with the trend that is found in the data and where they come from.
@@ -192,21 +142,15 @@ fn intersample(between: Between) -> Intersample {
     }
 }
 
-/// The trend of data themselves.
-pub(super) fn trend(data: &Dataset, detrend: Detrend) -> Result<Option<Trend>, IdentError> {
-    let shape = match detrend {
-        Detrend::Mean => TrendShape::Mean,
-        Detrend::Line => TrendShape::Line,
-        Detrend::None => return Ok(None),
-    };
-    Trend::estimate(data, shape, TrendScope::PerExperiment).map(Some)
+fn shape(detrend: Detrend) -> Option<TrendShape> {
+    match detrend {
+        Detrend::Mean => Some(TrendShape::Mean),
+        Detrend::Line => Some(TrendShape::Line),
+        Detrend::None => None,
+    }
 }
 
-/// Recordings and channels, as a message about them begins.
-pub(super) fn named(data: &Dataset, sources: &[Source]) -> String {
-    let files: Vec<&str> = sources.iter().map(|s| s.file.as_str()).collect();
-    let names = |labels: &[ident::Label]| labels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ");
-    let (inputs, outputs) = (names(data.input_labels()), names(data.output_labels()));
-    let arrow = if inputs.is_empty() { "" } else { " → " };
-    format!("{} ({inputs}{arrow}{outputs})", files.join(", "))
+/// The trend of data themselves.
+pub(super) fn trend(data: &Dataset, shape: Option<TrendShape>) -> Result<Option<Trend>, IdentError> {
+    shape.map(|shape| Trend::estimate(data, shape, TrendScope::PerExperiment)).transpose()
 }

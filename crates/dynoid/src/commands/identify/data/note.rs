@@ -1,7 +1,5 @@
 //! What should be known of data.
 
-use serde::{Serialize, Serializer};
-
 use crate::terminal::Terminal;
 
 /// Something that should be known of data.
@@ -14,7 +12,7 @@ pub(in crate::commands::identify) enum Note {
 }
 
 impl Note {
-    pub(super) fn text(&self) -> &str {
+    fn text(&self) -> &str {
         match self {
             Note::Done(text) | Note::Warning(text) => text,
         }
@@ -36,10 +34,9 @@ impl Note {
     }
 }
 
-/// Its text.
-impl Serialize for Note {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.text())
+impl AsRef<str> for Note {
+    fn as_ref(&self) -> &str {
+        self.text()
     }
 }
 

@@ -12,9 +12,9 @@ use crate::cli::identify::{
     ArxArguments, FitCommand, Initial, PolynomialArguments, ProcessArguments, StateSpaceArguments, SubspaceWeighting,
     TransferFunctionArguments, TransferFunctionBy,
 };
-use crate::commands::identify::words::digits;
 use crate::error::CliError;
 use crate::terminal::Progress;
+use page::decimal::digits;
 
 /// Most states that `auto` may choose.
 const MOST_STATES: usize = 10;

@@ -3,40 +3,25 @@
 mod estimate;
 mod method;
 mod orders;
-mod show;
-mod verdict;
 
 use dataset::CommonClock;
-use ident::validate::TestData;
 use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
 
-use super::data::{
-    Files, Gaps, Loaded, Note, Purpose, check_plot, check_targets, check_variation, load_on, named, say, take_about,
-};
-use super::judge::write_page;
+use toolbox_report::data::Purpose;
+use toolbox_report::fit::{Estimated, Verdict};
+use toolbox_report::operating_point::{TakenOff, hint};
+
+use super::data::{Files, Gaps, Loaded, Note, check_variation, load_on, named, say, take_about};
+use super::sources::which_data;
 use super::{greybox, model_file, operating_point};
-use crate::cli::identify::{FitArguments, FitCommand, MeetDetrend, Window};
+use crate::cli::identify::{FitArguments, FitCommand, Window};
+use crate::commands::result::{check_plot, check_targets, show_with};
 use crate::error::{CliError, Outcome};
 use crate::output::replace_file;
 use crate::terminal::Terminal;
-use verdict::Verdict;
-
-/// Confidence of the intervals shown.
-const INTERVAL: f64 = 0.95;
 
 /// Steps of the display of progress: the start of a search, the search, the judgement.
 const STEPS: u64 = 3;
-
-/// What an estimate was made of and came to.
-struct Finished {
-    document: ModelDocument,
-    fit: Fit<AnyModel>,
-    verdict: Verdict,
-    /// Experiments that the estimate rests on.
-    experiments: usize,
-    /// What was said of the data on the way.
-    notes: Vec<Note>,
-}
 
 pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let common = command.common();
@@ -61,40 +46,23 @@ pub(crate) fn run(command: &FitCommand, terminal: &mut Terminal) -> Result<Outco
     }
     fit.doubts.extend(verdict.doubts(&estimation.data));
     let document = document(&fit, method::fitted(wanted, &fit.model), &estimation);
-    let (experiments, notes) = (estimation.data.experiments().len(), estimation.notes.clone());
-    let finished = Finished { document, fit, verdict, experiments, notes };
-    finished.write(common, &unseen.as_ref().unwrap_or(&estimation).data)?;
-    if common.result.json {
-        terminal.json(&finished.json())?;
-    } else if !terminal.is_quiet() {
-        finished.print(common, terminal);
+    let estimated = Estimated { document, fit, verdict, experiments: estimation.data.experiments().len() };
+    if let Some(path) = &common.out {
+        let text = serde_json::to_string_pretty(&estimated.document).map_err(CliError::internal)?;
+        replace_file(path, text.as_bytes())?;
     }
-    finished.verdict.failures().iter().for_each(|text| terminal.warning(text));
-    let hint = unseen.as_ref().and_then(|unseen| finished.hint(&unseen.data));
+    let shown = &unseen.as_ref().unwrap_or(&estimation).data;
+    let (page, json) = (|| estimated.page(shown), || estimated.json(&estimation.notes));
+    show_with(&common.result, &[&common.out], page, json, terminal)?;
+    estimated.verdict.failures().iter().for_each(|text| terminal.warning(text));
+    let hint = unseen.as_ref().and_then(|unseen| hint_of(&estimated, &unseen.data));
     hint.iter().for_each(|text| terminal.warning(text));
     Ok(Outcome::Done)
 }
 
-impl Finished {
-    /// Writes the model, and draws what it makes of data, where that is asked for.
-    fn write(&self, arguments: &FitArguments, shown: &Dataset) -> Result<(), CliError> {
-        if let Some(path) = &arguments.out {
-            let text = serde_json::to_string_pretty(&self.document).map_err(CliError::internal)?;
-            replace_file(path, text.as_bytes())?;
-        }
-        if let Some(path) = &arguments.result.plot {
-            let title = format!("{} → {}", show::channels(&self.document), show::method(&self.document));
-            let figures = self.verdict.figures(shown, self.has_noise_model());
-            write_page(Some(path), &page::Page::of_figures(title, figures))?;
-        }
-        Ok(())
-    }
-
-    /// Whether unseen data rest elsewhere than those of the estimate.
-    fn hint(&self, unseen: &Dataset) -> Option<String> {
-        let judged = self.verdict.judged.last()?.simulated.as_ref().ok()?;
-        operating_point::hint(&self.document, unseen, &judged.response, MeetDetrend::Model)
-    }
+/// Whether unseen data rest elsewhere than those of the estimate.
+fn hint_of(estimated: &Estimated, unseen: &Dataset) -> Option<String> {
+    hint(&estimated.document, unseen, estimated.verdict.simulated()?, TakenOff::OfModel)
 }
 
 /// Checks where results go before any work is done.
@@ -174,12 +142,6 @@ fn parts(
         unseen.notes.push(Note::Warning(text));
     }
     Ok((whole, Some(unseen)))
-}
-
-/// What data are to an estimate: its own where a part of them is.
-pub(super) fn which_data(sources: &[Source], of_the_estimate: &[Source]) -> TestData {
-    let shared = |source: &Source| of_the_estimate.iter().any(|own| own.overlaps(source));
-    if sources.iter().any(shared) { TestData::Own } else { TestData::Unseen }
 }
 
 /// Why there is no estimate, with the data and with what can be changed.

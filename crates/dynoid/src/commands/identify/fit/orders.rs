@@ -5,8 +5,8 @@ use ident::{Dataset, ProcessFit};
 use crate::cli::identify::{
     ArxArguments, FitCommand, PolynomialArguments, ProcessArguments, StateSpaceArguments, TransferFunctionArguments,
 };
-use crate::commands::identify::words::significant;
 use crate::error::CliError;
+use page::decimal::significant;
 
 fn usage(what: impl Into<String>) -> CliError {
     CliError::Usage { what: what.into() }

@@ -1,0 +1,55 @@
+//! `dynoid data delay`: dead times beside dynamics, and what other methods say.
+
+use dataset::CommonClock;
+use ident::Dataset;
+use toolbox_report::delay::{Delays, Known, spacing};
+
+use super::super::data::{Gaps, check_movement, read, say, take};
+use crate::cli::identify::DelayArguments;
+use crate::commands::result::{check_plot, show};
+use crate::error::{CliError, Outcome};
+use crate::terminal::Terminal;
+
+/// Steps of the display of progress: the comparison, and the models.
+const STEPS: u64 = 2;
+
+/// `dynoid data delay`
+pub(crate) fn delay(arguments: &DelayArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    check_plot(&arguments.result, &[&arguments.data.recordings])?;
+    if arguments.data.inputs.is_empty() {
+        return Err(CliError::Usage { what: "a delay is one from an input: name it with --input".into() });
+    }
+    let files = read(&arguments.data, terminal)?;
+    let loaded = take(&files, CommonClock::Fastest, &arguments.data)?;
+    check_movement(&loaded)?;
+    // Between samples of a slow output nothing is missing that could be there.
+    let spacing = spacing(&loaded.data);
+    let gaps = if spacing == Some(1) { Gaps::OfAll } else { Gaps::OfInputs };
+    let loaded = loaded.cut_at(gaps)?;
+    say(&loaded.notes, &mut Vec::new(), terminal);
+    check_longest(&loaded.data, arguments.longest)?;
+    let known = Known {
+        adjustments: &loaded.adjustments,
+        spacing,
+        clock_is_given: arguments.data.sample_time_s.is_some(),
+        between_is_given: arguments.data.between.is_some(),
+    };
+    let progress = terminal.progress(STEPS);
+    let found = Delays::of(loaded.data, &known, arguments.longest, |what| {
+        progress.say(what);
+        progress.step();
+    });
+    drop(progress);
+    let found = found.map_err(|source| CliError::identify("the delay", source))?;
+    show(&arguments.result, || found.page(), || found.json(), terminal)?;
+    Ok(Outcome::Done)
+}
+
+fn check_longest(data: &Dataset, longest: usize) -> Result<(), CliError> {
+    let samples = data.experiments().iter().map(|e| e.len()).max().unwrap_or(0);
+    if longest == 0 || longest >= samples / 2 {
+        let what = format!("--longest {longest}: give at least 1, and less than half of the {samples} samples on end");
+        return Err(CliError::Usage { what });
+    }
+    Ok(())
+}

@@ -1,0 +1,72 @@
+//! `dynoid inspect`: what recordings hold.
+
+use dataset::inspection::{File, Listing};
+use report::inspection;
+use rig::ExperimentLabel;
+use serde::Serialize;
+
+use crate::cli::inspect::InspectArguments;
+use crate::error::{CliError, Outcome};
+use crate::input::{self, InputFile, Read};
+use crate::terminal::Terminal;
+
+/// What is shown of a file.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Shown {
+    File(File),
+    Listing(Listing),
+}
+
+pub(crate) fn run(arguments: &InspectArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
+    let files = input::named(&arguments.files)?;
+    let mut all = Vec::new();
+    let mut unreadable = 0;
+    for (index, file) in files.iter().enumerate() {
+        match look(file, arguments, terminal) {
+            Ok(shown) if arguments.json => all.push(shown),
+            Ok(shown) => {
+                if index > unreadable {
+                    terminal.gap();
+                }
+                terminal.page(&match shown {
+                    Shown::File(facts) => inspection::file(&facts),
+                    Shown::Listing(listing) => inspection::listing(&listing),
+                });
+            }
+            Err(error @ CliError::Recording { .. }) => {
+                unreadable += 1;
+                terminal.error(&error.to_string());
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if arguments.json {
+        terminal.json(&all)?;
+    }
+    Ok(if unreadable > 0 { Outcome::SomeUnreadable } else { Outcome::Done })
+}
+
+fn look(file: &InputFile, arguments: &InspectArguments, terminal: &Terminal) -> Result<Shown, CliError> {
+    if arguments.list {
+        let catalogue = input::catalogue(file)?;
+        return Ok(Shown::Listing(Listing::of(&file.name, label(&file.name), &catalogue, &input::extras(file)?)));
+    }
+    let progress = terminal.long(&format!("reading {}", file.name));
+    let told = |done: u64, all: u64| progress.told(done, all);
+    let read = input::read_recording(file, &input::selection(&arguments.channels), None, &told);
+    let Read { recording, .. } = read.map_err(|error| match error {
+        // There is no option for it here.
+        CliError::Recording { source, .. } => CliError::Recording { source, untimed: false },
+        other => other,
+    })?;
+    let sha256 = arguments.json.then(|| input::sha256(file)).transpose()?;
+    let facts = File::of(&file.name, label(&file.name), &recording, &input::extras(file)?);
+    Ok(Shown::File(File { sha256, ..facts }))
+}
+
+/// The experiment's label in a file's name.
+fn label(name: &str) -> Option<String> {
+    let file_name = name.rsplit(['/', '\\']).next().unwrap_or(name);
+    file_name.parse().ok().map(|label: ExperimentLabel| label.to_string())
+}

@@ -1,0 +1,99 @@
+//! Where results go: one page on the terminal and in the file of a plot, or JSON.
+
+use std::path::{Path, PathBuf};
+
+use page::Page;
+use serde::Serialize;
+
+use crate::cli::identify::ResultArguments;
+use crate::error::CliError;
+use crate::output::{check_file, replace_file};
+use crate::paths;
+use crate::terminal::Terminal;
+
+/// What made a page: its name and version.
+pub(super) const PROGRAM: &str = concat!("dynoid ", env!("CARGO_PKG_VERSION"));
+
+/// Writes the page where a plot is asked for, and prints the JSON or else the page.
+pub(super) fn show<J: Serialize>(
+    result: &ResultArguments,
+    page: impl FnOnce() -> Page,
+    json: impl FnOnce() -> J,
+    terminal: &mut Terminal,
+) -> Result<(), CliError> {
+    show_with(result, &[], page, json, terminal)
+}
+
+/// As [`show`], naming the other files that were written.
+pub(super) fn show_with<J: Serialize>(
+    result: &ResultArguments,
+    written: &[&Option<PathBuf>],
+    page: impl FnOnce() -> Page,
+    json: impl FnOnce() -> J,
+    terminal: &mut Terminal,
+) -> Result<(), CliError> {
+    let is_printed = !result.json && !terminal.is_quiet();
+    let page = (is_printed || result.plot.is_some()).then(page);
+    if let (Some(path), Some(page)) = (&result.plot, &page) {
+        write_page(path, page)?;
+    }
+    if result.json {
+        return terminal.json(&json());
+    }
+    if let Some(page) = page.filter(|_| is_printed) {
+        terminal.page(&page);
+        for path in written.iter().copied().chain([&result.plot]).flatten() {
+            terminal.line(&format!("written: {}", path.display()));
+        }
+    }
+    Ok(())
+}
+
+/// Writes a page, or its figures, as the file's ending asks for.
+pub(super) fn write_page(path: &Path, page: &Page) -> Result<(), CliError> {
+    replace_file(path, &draw(path, page)?)
+}
+
+/// Checks before any work that results can be written to these places, and refuses to write over a file that is read.
+pub(super) fn check_targets(targets: &[&Option<PathBuf>], read: &[&[PathBuf]]) -> Result<(), CliError> {
+    let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    for target in targets.iter().filter_map(|target| target.as_ref()) {
+        if read.iter().flat_map(|list| list.iter()).any(|file| same(file, target)) {
+            let what = format!("{}: this file is read; give the result another name", target.display());
+            return Err(CliError::Usage { what });
+        }
+        check_file(target)?;
+    }
+    Ok(())
+}
+
+/// Checks before any work that a plot is of a kind that can be drawn, and that it can be written.
+pub(super) fn check_plot(arguments: &ResultArguments, read: &[&[PathBuf]]) -> Result<(), CliError> {
+    check_targets(&[&arguments.plot], read)?;
+    arguments.plot.as_ref().map_or(Ok(()), |path| kind(path).map(|_| ()))
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Kind {
+    Page,
+    Svg,
+    Png,
+}
+
+fn kind(path: &Path) -> Result<Kind, CliError> {
+    match paths::ending(path).map(str::to_lowercase).as_deref() {
+        Some("html" | "htm") => Ok(Kind::Page),
+        Some("svg") => Ok(Kind::Svg),
+        Some("png") => Ok(Kind::Png),
+        _ => Err(CliError::PlotEnding { path: path.to_owned() }),
+    }
+}
+
+/// A page, or the figures of one, as a file's ending asks for.
+fn draw(path: &Path, page: &Page) -> Result<Vec<u8>, CliError> {
+    match kind(path)? {
+        Kind::Page => Ok(page::html(page, PROGRAM).into_bytes()),
+        Kind::Svg => Ok(page::svg(page.figures()).into_bytes()),
+        Kind::Png => page::png(page.figures()).map_err(CliError::internal),
+    }
+}

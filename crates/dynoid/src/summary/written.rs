@@ -1,0 +1,12 @@
+//! A study and its files.
+
+use std::path::PathBuf;
+
+use study::Study;
+
+/// A study and the files it was written to.
+pub(crate) struct Written {
+    pub(crate) study: Study,
+    pub(crate) report: PathBuf,
+    pub(crate) data: PathBuf,
+}

@@ -1,0 +1,126 @@
+//! Dead times beside dynamics, what other methods say, and what to make of it where they disagree.
+
+mod level;
+mod modelled;
+mod others;
+
+use dataset::Adjustment;
+use ident::delay::ModelledDelay;
+use ident::{Dataset, Experiment, IdentError};
+use page::decimal::significant;
+use page::{Align, Block, Page, Table, Tone};
+use serde_json::{Value, json};
+
+use crate::blocks::{finding, line};
+use level::LEVEL;
+use modelled::Modelled;
+use others::Others;
+
+/// A time stamp is trusted to this part of the clock either way.
+const DATED: f64 = 1.0 / 20.0;
+
+/// What is known of data before their delays are looked for.
+#[derive(Debug, Clone, Copy)]
+pub struct Known<'a> {
+    /// What was done to bring the channels onto their clock.
+    pub adjustments: &'a [Adjustment],
+    /// The samples from one known output to the next, as the whole recordings have them; see [`spacing`].
+    pub spacing: Option<usize>,
+    /// Whether that clock was asked for.
+    pub clock_is_given: bool,
+    /// Whether it was said what the inputs do between their samples.
+    pub between_is_given: bool,
+}
+
+/// The delays of data by all methods.
+pub struct Delays {
+    data: Dataset,
+    clock_is_given: bool,
+    others: Others,
+    modelled: Modelled,
+}
+
+impl Delays {
+    /// Delays of up to `longest` samples; `told` hears what is done next.
+    ///
+    /// # Errors
+    /// Where the data are too short.
+    pub fn of(
+        data: Dataset,
+        known: &Known<'_>,
+        longest: usize,
+        told: impl Fn(&'static str),
+    ) -> Result<Self, IdentError> {
+        told("comparing delays");
+        let others = Others::of(&data, known.spacing, longest)?;
+        told("fitting models with a delay");
+        let dating = dating(known.adjustments, data.sample_time_s());
+        let options = ModelledDelay { longest, dating, level: LEVEL };
+        let modelled = Modelled::of(&options, (&data, known.adjustments), &others, known.between_is_given);
+        Ok(Delays { data, clock_is_given: known.clock_is_given, others, modelled })
+    }
+
+    /// What each method says, what is claimed, and what to doubt.
+    pub fn page(&self) -> Page {
+        let data = &self.data;
+        let columns =
+            [("method", Align::Left), ("samples", Align::Right), ("seconds", Align::Right), ("", Align::Left)];
+        let mut table = Table::new(&columns);
+        self.modelled.rows(data, &mut table);
+        self.others.rows(data, &mut table);
+        let mut all = vec![line(self.clock()), Block::Table(table)];
+        all.extend(self.modelled.claims(data));
+        all.extend(self.modelled.notes().iter().map(|note| finding(Tone::Plain, "note", note)));
+        all.extend(self.doubts().iter().map(|doubt| finding(Tone::Caution, "doubt", doubt)));
+        let figures = self.others.figures(data, |input| self.modelled.interval(input));
+        all.extend(figures.into_iter().map(Block::Figure));
+        Page::new("Delay", all)
+    }
+
+    /// The same in numbers.
+    pub fn json(&self) -> Value {
+        let mut result = self.others.json();
+        result["sample_time_s"] = self.data.sample_time_s().into();
+        result["clock"] = self.clock().into();
+        result["delay"] = self.modelled.claims_json(&self.data);
+        result["models"] = self.modelled.json(&self.data);
+        result["notes"] = json!(self.modelled.notes());
+        result["doubts"] = json!(self.doubts());
+        result
+    }
+
+    fn doubts(&self) -> Vec<String> {
+        self.others.doubts(&self.data, |input| self.modelled.is_claimed(input))
+    }
+
+    /// Which clock was taken, and why.
+    fn clock(&self) -> String {
+        let every = significant(self.data.sample_time_s());
+        match self.clock_is_given {
+            true => format!("on the clock of {every} s that --sample-time gives"),
+            false => format!("on the clock of the fastest channel, {every} s, so that nothing is filtered"),
+        }
+    }
+}
+
+/// The samples from one known output to the next, gaps left aside; `None` where they are not always as many.
+pub fn spacing(data: &Dataset) -> Option<usize> {
+    let known = |e: &Experiment| {
+        let y = e.output(0).iter().enumerate();
+        y.filter(|(_, v)| !v.is_nan()).map(|(i, _)| i).collect::<Vec<usize>>()
+    };
+    let all: Vec<Vec<usize>> = data.experiments().iter().map(known).collect();
+    let steps = || all.iter().flat_map(|known| known.windows(2).map(|w| w[1] - w[0]));
+    let least = steps().min()?;
+    steps().all(|step| step % least == 0).then_some(least)
+}
+
+/// Standard uncertainty of instants, in samples: that of a stamp, uniform, and how far stamps lie off the clock.
+fn dating(adjustments: &[Adjustment], sample_time_s: f64) -> f64 {
+    let jitter_s = adjustments.iter().filter_map(|adjustment| match adjustment {
+        Adjustment::Jitter { largest_s, .. } => Some(*largest_s),
+        _ => None,
+    });
+    let jitter = jitter_s.fold(0.0, f64::max) / sample_time_s;
+    ((DATED * DATED + jitter * jitter) / 3.0).sqrt()
+}

@@ -1,0 +1,130 @@
+//! How good a model is on the data it was fitted to, and on others.
+
+use ident::prediction::{InitialState, Response};
+use ident::validate::{Judgement, ResidualReport, ResidualTest, TestData, fit_percent, judge};
+use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError};
+
+use crate::figures::{Shown, comparison};
+use crate::residuals::{self, REGION};
+
+/// Lags of the residual tests.
+const LAGS: usize = 25;
+/// Below this fit, in percent, a model explains next to nothing.
+const LITTLE: f64 = 5.0;
+
+/// How good a model is.
+pub struct Verdict {
+    /// What the estimate cost, by several criteria.
+    pub(super) criteria: Criteria,
+    /// On the data of the estimate first, and then on others where there are any.
+    pub(super) judged: Vec<Judged>,
+    /// On the last of these.
+    pub(super) residuals: Result<ResidualReport, IdentError>,
+}
+
+/// A judgement on one part of the data.
+pub(super) struct Judged {
+    pub(super) name: &'static str,
+    /// Names of its experiments.
+    pub(super) experiments: Vec<String>,
+    pub(super) predicted: Result<Judgement, IdentError>,
+    pub(super) simulated: Result<Judgement, IdentError>,
+}
+
+impl Verdict {
+    /// On the data of the estimate, and on others with what they are to it.
+    pub fn new(fit: &Fit<AnyModel>, data: &Dataset, unseen: Option<(&Dataset, TestData)>) -> Self {
+        let judged = |name, data: &Dataset| Judged {
+            name,
+            experiments: data.experiments().iter().map(|e| e.name.clone()).collect(),
+            predicted: judge(&fit.model, data, Some(1), &InitialState::Estimated),
+            simulated: judge(&fit.model, data, None, &InitialState::Estimated),
+        };
+        let estimation = judged("estimation", data);
+        let unseen_judged = unseen.map(|(unseen, _)| judged("unseen", unseen));
+        let (tested, which) = unseen.unwrap_or((data, TestData::Own));
+        let test = ResidualTest { lags: LAGS, level: REGION, ..ResidualTest::default() };
+        Verdict {
+            criteria: Criteria::of(fit.loss, fit.free_parameters, fit.samples, data.outputs()),
+            residuals: match is_singular(fit) {
+                true => Err(IdentError::Structure { what: "the errors of the outputs follow from each other" }),
+                false => test.run(fit, tested, which),
+            },
+            judged: std::iter::once(estimation).chain(unseen_judged).collect(),
+        }
+    }
+
+    /// Outputs of the estimation data of which the model explains next to nothing.
+    pub fn doubts(&self, data: &Dataset) -> Vec<Doubt> {
+        let Some(own) = self.judged.first() else { return Vec::new() };
+        let mut doubts = Vec::new();
+        for output in 0..data.outputs() {
+            let is_little = |judged: &Result<Judgement, IdentError>| {
+                judged.as_ref().is_ok_and(|j| whole_fit(data, &j.response, output).is_some_and(|fit| fit < LITTLE))
+            };
+            // What is not even predicted is not simulated either; without inputs there is nothing to simulate.
+            let predicted = is_little(&own.predicted);
+            if predicted || (data.inputs() > 0 && is_little(&own.simulated)) {
+                doubts.push(Doubt::ExplainsLittle { output, simulated: !predicted });
+            }
+        }
+        doubts
+    }
+
+    /// Why there are no residual tests, if there are none.
+    pub(super) fn no_residuals(&self) -> Option<String> {
+        match self.residuals.as_ref().err()? {
+            IdentError::TooFewSamples { samples, parameters } => {
+                Some(format!("{samples} samples are too few for correlations up to {parameters} lags"))
+            }
+            other => Some(other.to_string()),
+        }
+    }
+
+    /// What could not be judged, and why.
+    pub fn failures(&self) -> Vec<String> {
+        let mut all = Vec::new();
+        for judged in &self.judged {
+            let both = [("simulated", &judged.simulated), ("predicted", &judged.predicted)];
+            for (how, reason) in both.into_iter().filter_map(|(how, j)| Some((how, j.as_ref().err()?))) {
+                all.push(format!("the model could not be {how} on the {} data: {reason}", judged.name));
+            }
+        }
+        all
+    }
+
+    /// The response to the last of the data, simulated.
+    pub fn simulated(&self) -> Option<&Response> {
+        self.judged.last()?.simulated.as_ref().ok().map(|judged| &judged.response)
+    }
+
+    /// The simulation, beside it the prediction where a noise model makes it another, and the residual tests.
+    pub(super) fn figures(&self, data: &Dataset, has_noise_model: bool) -> Vec<page::Figure> {
+        let mut all = Vec::new();
+        if let Some(judged) = self.judged.last() {
+            let predicted = has_noise_model.then_some(("predicted one step", &judged.predicted));
+            let pair = std::iter::once(("simulated", &judged.simulated)).chain(predicted);
+            let there = pair.filter_map(|(name, judged)| Some((name, &judged.as_ref().ok()?.response)));
+            let shown = there.map(|(name, response)| Shown { name, data, response });
+            all.extend(comparison(&shown.collect::<Vec<_>>()));
+        }
+        if let Ok(report) = &self.residuals {
+            all.extend(residuals::figures(report, data));
+        }
+        all
+    }
+}
+
+/// Whether the outputs of an estimate depend on each other, so that their joint errors show nothing.
+pub(super) fn is_singular(fit: &Fit<AnyModel>) -> bool {
+    fit.doubts.iter().any(|doubt| matches!(doubt, Doubt::DependentOutputs { .. }))
+}
+
+/// The fit of an output over all experiments; none where nothing was measured.
+fn whole_fit(data: &Dataset, response: &Response, output: usize) -> Option<f64> {
+    let pairs = data.experiments().iter().zip(&response.outputs).flat_map(|(e, modelled)| {
+        e.output(output).iter().zip(modelled.col_as_slice(output)).filter(|(y, _)| !y.is_nan())
+    });
+    let (measured, modelled): (Vec<f64>, Vec<f64>) = pairs.map(|(y, m)| (*y, *m)).unzip();
+    fit_percent(&measured, &modelled).ok()
+}

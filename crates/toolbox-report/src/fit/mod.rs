@@ -1,0 +1,246 @@
+//! An estimate: the model with its uncertainty, how good it is, and what to doubt.
+
+mod derived;
+mod judged;
+mod table;
+
+use ident::uncertainty::Dynamics;
+use ident::validate::{Judgement, ResidualReport};
+use ident::{AnyModel, Dataset, Doubt, Fit, IdentError, Label, LinearModel, ModelDocument, Parametric};
+use page::decimal::{percent, significant};
+use page::{Align, Block, Blocks, Page, Table, Tone};
+use serde_json::{Value, json};
+
+use crate::blocks::{finding, heading, line, name};
+use crate::models::poles;
+use crate::residuals::{self, REGION};
+use crate::words;
+use judged::{Judged, is_singular};
+use table::{INTERVAL, estimate, estimates};
+
+pub use judged::Verdict;
+
+/// What an estimate was made of and came to.
+pub struct Estimated {
+    /// The model as a file holds it.
+    pub document: ModelDocument,
+    /// The estimate.
+    pub fit: Fit<AnyModel>,
+    /// How good it is.
+    pub verdict: Verdict,
+    /// Experiments that the estimate rests on.
+    pub experiments: usize,
+}
+
+/// How much a reason to doubt matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Weight {
+    /// The model is of no use as it is.
+    Grave,
+    /// The model can be used with care.
+    Doubt,
+    /// It is as it has to be, and should be known.
+    Note,
+}
+
+impl Weight {
+    fn of(doubt: &Doubt) -> Self {
+        match doubt {
+            Doubt::Unstable | Doubt::NotConverged | Doubt::ExplainsLittle { .. } | Doubt::DependentOutputs { .. } => {
+                Weight::Grave
+            }
+            Doubt::RowsLeftOut { .. } | Doubt::CovarianceIsLowerBound => Weight::Note,
+            _ => Weight::Doubt,
+        }
+    }
+
+    fn finding(self, text: &str) -> Block {
+        let (tone, severity) = match self {
+            Weight::Grave => (Tone::Bad, "doubt"),
+            Weight::Doubt => (Tone::Caution, "doubt"),
+            Weight::Note => (Tone::Faint, "note"),
+        };
+        finding(tone, severity, text)
+    }
+}
+
+fn channels(document: &ModelDocument) -> String {
+    let names = |labels: &[Label]| labels.iter().map(|l| l.name.as_str()).collect::<Vec<_>>().join(", ");
+    let inputs = if document.inputs.is_empty() { "e".to_owned() } else { names(&document.inputs) };
+    format!("{inputs} → {}", names(&document.outputs))
+}
+
+fn method(document: &ModelDocument) -> &str {
+    document.estimate.as_ref().map_or("", |e| e.method.as_str())
+}
+
+impl Estimated {
+    /// The estimate in words and tables, and what it makes of data.
+    pub fn page(&self, shown: &Dataset) -> Page {
+        let title = format!("{}, {}", channels(&self.document), method(&self.document));
+        let mut all = self.text();
+        let figures = self.verdict.figures(shown, self.has_noise_model());
+        all.push(figures.into_iter().map(Block::Figure).collect::<Blocks>());
+        Page::new(title, all.into_vec())
+    }
+
+    /// The estimate in numbers, with what was done to the data on the way.
+    pub fn json(&self, adjustments: &[impl AsRef<str>]) -> Value {
+        let intervals: Vec<[f64; 2]> = self.fit.intervals(INTERVAL).into_iter().map(|(a, b)| [a, b]).collect();
+        json!({
+            "model": self.document,
+            "adjustments": adjustments.iter().map(AsRef::as_ref).collect::<Vec<&str>>(),
+            "standard_errors": self.fit.standard_errors(),
+            "intervals_95": intervals,
+            "derived": derived::json(&self.fit),
+            "criteria": self.verdict.criteria,
+            "judged": self.verdict.judged.iter().map(judged_json).collect::<Vec<_>>(),
+            "residuals": self.verdict.residuals.as_ref().ok().map(residuals::numbers),
+            "residuals_error": self.verdict.no_residuals(),
+            "doubts": self.doubts().into_iter().map(|(_, doubt)| doubt).collect::<Vec<_>>(),
+        })
+    }
+
+    fn text(&self) -> Blocks {
+        let document = &self.document;
+        let mut all = Blocks::default();
+        all.push(heading(format!("{}: {}", method(document), channels(document))));
+        all.push(line(format!(
+            "{} of {} s, {}",
+            words::counted(self.fit.samples, "sample"),
+            significant(document.sample_time_s),
+            words::counted(self.experiments, "experiment"),
+        )));
+        let (grave, others): (Vec<_>, Vec<_>) =
+            self.doubts().into_iter().partition(|(weight, _)| *weight == Weight::Grave);
+        let findings = |doubts: Vec<(Weight, String)>| -> Blocks {
+            doubts.into_iter().map(|(weight, doubt)| weight.finding(&doubt)).collect()
+        };
+        all.push(findings(grave));
+        all.push(self.model());
+        all.push(derived::blocks(&self.fit).into_iter().collect::<Blocks>());
+        all.push(self.fits());
+        all.push(self.tests());
+        all.push(findings(others));
+        all
+    }
+
+    /// The poles and zeros of a state-space model, whose entries depend on the choice of the states; the parameters of others.
+    fn model(&self) -> Blocks {
+        if is_singular(&self.fit) {
+            return Blocks::default();
+        }
+        match &self.fit.model {
+            AnyModel::StateSpace(_) => match poles::roots_of_model(&self.document, INTERVAL) {
+                Ok(roots) => roots,
+                Err(reason) => {
+                    line(format!("no poles and zeros: {reason}; the entries of the matrices are in --json")).into()
+                }
+            },
+            _ => self.parameters().into(),
+        }
+    }
+
+    fn tests(&self) -> Blocks {
+        let c = &self.verdict.criteria;
+        let numbers = [("loss", self.fit.loss), ("FPE", c.fpe), ("AIC", c.aic), ("BIC", c.bic)];
+        // What is not finite is not defined, as with a loss of zero or as many parameters as samples.
+        let number = |v: f64| if v.is_finite() { significant(v) } else { "–".to_owned() };
+        let numbers: Vec<String> = numbers.iter().map(|(n, v)| format!("{n} {}", number(*v))).collect();
+        let mut all = Blocks::default();
+        if !is_singular(&self.fit) {
+            all.push(line(numbers.join(", ")));
+        }
+        if let Ok(report) = &self.verdict.residuals {
+            all.push(residuals::findings(report, (&self.document.inputs, &self.document.outputs)));
+        }
+        if let Some(reason) = self.verdict.no_residuals() {
+            all.push(line(format!("no residual test: {reason}")));
+        }
+        let (ended, iterations) = (words::termination(self.fit.termination), self.fit.iterations);
+        all.push(line(format!("{ended} ({iterations} iterations)")));
+        all
+    }
+
+    /// Every reason to doubt, in words, those first with which the model is of no use as it is.
+    fn doubts(&self) -> Vec<(Weight, String)> {
+        let names = self.fit.model.parameter_names();
+        let is_coloured = |report: &ResidualReport| report.whiteness.iter().any(|w| !w.joint.passes(REGION));
+        let coloured = self.verdict.residuals.as_ref().is_ok_and(is_coloured);
+        let first = (coloured && self.has_noise_model()).then(|| {
+            "the residuals are not white, and the intervals rest on white ones: true errors may be several times larger; give the noise a higher order, or take armax, bj or ss".to_owned()
+        });
+        let growing = self.fit.model.system().and_then(|system| system.growing_mode()).ok().flatten();
+        let pole = |doubt: &Doubt| match (&growing, doubt) {
+            (Some(mode), Doubt::Unstable) => format!(" ({})", words::growing_pole(mode)),
+            _ => String::new(),
+        };
+        let word = |doubt| {
+            (Weight::of(doubt), format!("{}{}", words::doubt(doubt, &names, &self.document.outputs), pole(doubt)))
+        };
+        let mut all: Vec<(Weight, String)> = self.fit.doubts.iter().map(word).collect();
+        all.extend(first.map(|text| (Weight::Doubt, text)));
+        all.sort_by_key(|(weight, _)| *weight);
+        all
+    }
+
+    /// Whether the noise is modelled too; where not, the intervals allow for coloured residuals.
+    fn has_noise_model(&self) -> bool {
+        let document = &self.document;
+        let innovations = self.fit.model.innovations(document.sample_time_s, document.intersample);
+        innovations.is_ok_and(|of| of.k().norm_max() > 0.0)
+    }
+
+    fn parameters(&self) -> Table {
+        let mut table = estimates("parameter");
+        let values = self.fit.parameters();
+        let (errors, intervals) = (self.fit.standard_errors(), self.fit.intervals(INTERVAL));
+        let fixed = derived::fixed(&self.fit.model);
+        for (i, name) in self.fit.model.parameter_names().iter().enumerate() {
+            let is_fixed = fixed.contains(&i) || errors[i] == 0.0;
+            table.row(estimate(name, values[i], (!is_fixed).then_some((errors[i], intervals[i]))));
+        }
+        table
+    }
+
+    fn fits(&self) -> Table {
+        let columns = [
+            ("fit on", Align::Left),
+            ("output", Align::Left),
+            ("simulated", Align::Right),
+            ("predicted", Align::Right),
+        ];
+        let mut table = Table::new(&columns);
+        for judged in &self.verdict.judged {
+            for (experiment, recording) in judged.experiments.iter().enumerate() {
+                let on = match judged.experiments.len() {
+                    1 => judged.name.to_owned(),
+                    _ => format!("{}, {recording}", judged.name),
+                };
+                for (output, label) in self.document.outputs.iter().enumerate() {
+                    let fit = |j: &Result<Judgement, IdentError>| {
+                        percent(j.as_ref().map_or(f64::NAN, |j| j.fit_percent[experiment][output]))
+                    };
+                    // Without inputs there is nothing to simulate from.
+                    let simulated =
+                        if self.document.inputs.is_empty() { "–".to_owned() } else { fit(&judged.simulated) };
+                    table.row([name(&on), name(&label.name), simulated.into(), fit(&judged.predicted).into()]);
+                }
+            }
+        }
+        table
+    }
+}
+
+fn judged_json(judged: &Judged) -> Value {
+    let fit = |j: &Result<Judgement, IdentError>| j.as_ref().ok().map(|j| j.fit_percent.clone());
+    let error = |j: &Result<Judgement, IdentError>| j.as_ref().err().map(ToString::to_string);
+    json!({
+        "data": judged.name,
+        "experiments": judged.experiments,
+        "fit_percent_simulated": fit(&judged.simulated),
+        "fit_percent_predicted": fit(&judged.predicted),
+        "error_simulated": error(&judged.simulated),
+        "error_predicted": error(&judged.predicted),
+    })
+}

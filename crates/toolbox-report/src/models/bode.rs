@@ -1,0 +1,117 @@
+//! Frequency responses.
+
+use std::f64::consts::{PI, TAU};
+
+use ident::uncertainty::{Dynamics, Feature, Features};
+use ident::{AnyModel, IdentError};
+use lti::{LtiError, Margins, StateSpace, common_frequency_grid};
+use page::Axis;
+use page::decimal::{digits, with_range};
+
+use super::curves::{Curve, Curves, Fact, Quantity, unstable};
+use super::model::{Model, channel_name, channels};
+use crate::words::ratio_unit;
+
+/// Frequencies of a Bode plot.
+const FREQUENCIES: usize = 400;
+
+/// Frequency responses, models of one channel in one figure.
+///
+/// # Errors
+/// Where a model has no frequency response, or no uncertainty of it.
+pub fn bode(models: Vec<Model>, level: f64) -> Result<Curves, IdentError> {
+    let systems = models.iter().map(|model| model.document.model.system());
+    let systems: Vec<StateSpace> = systems.collect::<Result<_, LtiError>>()?;
+    let all = common_frequency_grid(&systems, FREQUENCIES)?;
+    let mut curves = Vec::new();
+    for (number, model) in models.iter().enumerate() {
+        // All on one grid, so that curves can be compared point by point, each up to where it ends.
+        let nyquist = model.sample_time_s().map_or(f64::INFINITY, |t| PI / t);
+        let omega: Vec<f64> = all.iter().copied().filter(|omega| *omega <= nyquist).collect();
+        for channel in channels(model) {
+            curves.push(curve(model, number, channel, &omega, level)?);
+        }
+    }
+    Ok(Curves { models, curves, x: Axis::frequency(), level })
+}
+
+fn curve(
+    model: &Model,
+    number: usize,
+    (output, input): (usize, usize),
+    omega: &[f64],
+    level: f64,
+) -> Result<Curve, IdentError> {
+    let response = model.document.model.frequency_response(output, input, omega)?;
+    let band = model.fit.as_ref().map(|fit| fit.frequency_band(output, input, omega)).transpose()?;
+    let magnitude = band.as_ref().map(|b| b.magnitude(level).iter().map(|(l, h)| (decibel(*l), decibel(*h))).collect());
+    let phase = band.as_ref().map(|b| b.phase_deg(level));
+    Ok(Curve {
+        model: number,
+        channel: channel_name(model, (output, input)),
+        x: response.freq_hz(),
+        quantities: vec![
+            Quantity { axis: Axis::linear("magnitude", "dB"), values: response.magnitude_db(), band: magnitude },
+            Quantity { axis: Axis::angle("phase"), values: response.phase_deg(), band: phase },
+        ],
+        summary: summary(model, (output, input), omega, level)?,
+    })
+}
+
+fn decibel(gain: f64) -> f64 {
+    20.0 * gain.log10()
+}
+
+fn summary(model: &Model, (output, input): (usize, usize), omega: &[f64], level: f64) -> Result<Vec<Fact>, IdentError> {
+    let features = model.features(output, input);
+    let in_hertz = |name: &str, f: &Feature| {
+        Fact::number(name, f.value / TAU, "Hz", f.interval(level).map(|(low, high)| (low / TAU, high / TAU)))
+    };
+    let growing = model.growing_mode()?;
+    let mut facts = match &growing {
+        Some(mode) => vec![unstable(mode, "nothing rests, so that there is no gain at rest and no bandwidth")],
+        None => vec![gain_at_rest(model, &features, (output, input), level)?],
+    };
+    for resonance in features.resonances(omega)? {
+        let gain = &resonance.gain;
+        let interval = gain.interval(level).map(|(low, high)| (decibel(low), decibel(high)));
+        let height = with_range(decibel(gain.value), "dB", interval);
+        facts.push(in_hertz("resonance", &resonance.omega_rad_s).noted(height));
+    }
+    if growing.is_some() {
+        return Ok(facts);
+    }
+    if let Some(bandwidth) = features.bandwidth_rad_s(omega)? {
+        facts.push(in_hertz("bandwidth (−3 dB)", &bandwidth));
+    }
+    if !model.is_noise && model.document.outputs[output].unit == model.document.inputs[input].unit {
+        facts.extend(margins(&features.margins(omega)?));
+    }
+    Ok(facts)
+}
+
+fn gain_at_rest(
+    model: &Model,
+    features: &Features<'_, AnyModel>,
+    (output, input): (usize, usize),
+    level: f64,
+) -> Result<Fact, IdentError> {
+    let unit = ratio_unit(&model.document.outputs[output].unit, &model.document.inputs[input].unit);
+    Ok(match features.dc_gain()? {
+        Some(gain) => Fact::number("gain at rest", gain.value, &unit, gain.interval(level))
+            .noted(format!("{} dB", digits(decibel(gain.value.abs()), 4))),
+        None => Fact::remark("gain at rest", "infinite: the model integrates"),
+    })
+}
+
+/// How far the loop that the model alone would close is from its stability limit: where output and input are of one kind,
+/// so that they can be subtracted.
+fn margins(margins: &Margins) -> Vec<Fact> {
+    let remark = |omega: f64| format!("at {} Hz, closed with a unit feedback", digits(omega / TAU, 4));
+    let smallest = margins.gain.iter().filter(|m| m.gain_db.is_finite());
+    let gain = smallest.min_by(|a, b| a.gain_db.abs().total_cmp(&b.gain_db.abs()));
+    let phase = margins.phase.iter().min_by(|a, b| a.phase_deg.abs().total_cmp(&b.phase_deg.abs()));
+    let gain = gain.map(|m| Fact::number("gain margin", m.gain_db, "dB", None).noted(remark(m.omega_rad_s)));
+    let phase = phase.map(|m| Fact::number("phase margin", m.phase_deg, "°", None).noted(remark(m.omega_rad_s)));
+    gain.into_iter().chain(phase).collect()
+}

@@ -1,0 +1,15 @@
+//! What models are like: frequency responses, step responses, poles and zeros.
+
+mod bode;
+mod curves;
+mod model;
+mod plane;
+pub(crate) mod poles;
+mod roots;
+mod step;
+
+pub use bode::bode;
+pub use curves::{Curves, Detail};
+pub use model::Model;
+pub use poles::{Poles, poles};
+pub use step::step;

@@ -1,0 +1,67 @@
+//! Whether recordings rest where a model does.
+
+use ident::prediction::Response;
+use ident::{Dataset, Experiment, IdentError, ModelDocument, Trend, TrendScope, TrendShape};
+
+/// Share of the squared errors that a straight line has to explain before it is said that levels differ.
+const MOSTLY: f64 = 0.5;
+/// Size of that line beside the variation of the output, below which it does not matter.
+const MATTERS: f64 = 0.2;
+
+/// What was taken off recordings that a model meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TakenOff {
+    /// What was taken off the model's own data.
+    OfModel,
+    /// The level or the trend of the recordings.
+    Own,
+    /// Nothing.
+    Nothing,
+}
+
+/// Says where what a model misses is for the most part a level or a drift, which another operating point makes.
+pub fn hint(document: &ModelDocument, data: &Dataset, response: &Response, taken_off: TakenOff) -> Option<String> {
+    let remedy = match (taken_off, &document.trend) {
+        (TakenOff::Own, Some(_)) | (TakenOff::Nothing, None) => return None,
+        (TakenOff::Own, None) => {
+            "nothing was taken off the model's own data; with --detrend model nothing is taken off here either"
+        }
+        (TakenOff::Nothing, Some(_)) => {
+            "the model holds about the operating point of its data; --detrend model takes that off, --detrend mean the level of each recording"
+        }
+        (TakenOff::OfModel, Some(_)) => {
+            "the recording rests elsewhere than the data of the model did; --detrend mean judges the dynamics alone"
+        }
+        (TakenOff::OfModel, None) => {
+            "nothing was taken off the data of the model, nor is anything here; --detrend mean judges the dynamics alone"
+        }
+    };
+    let names: Vec<String> = beside(data, response).ok()?.into_iter().map(|name| format!("\"{name}\"")).collect();
+    let names = names.join(", ");
+    (!names.is_empty()).then(|| format!("most of what the model misses of {names} is a level or a drift: {remedy}"))
+}
+
+/// Outputs whose errors are mostly a straight line in one of the recordings, and one that matters.
+fn beside(data: &Dataset, response: &Response) -> Result<Vec<String>, IdentError> {
+    let mut responses = response.outputs.iter();
+    let errors = data.map_experiments(|e| {
+        let outputs = responses.next().map_or_else(|| e.outputs.clone(), |modelled| &e.outputs - modelled);
+        Ok(Experiment { outputs, ..e.clone() })
+    })?;
+    let without = |data: &Dataset, shape| Trend::estimate(data, shape, TrendScope::PerExperiment)?.remove(data);
+    let (left, varied) = (without(&errors, TrendShape::Line)?, without(data, TrendShape::Mean)?);
+    let is_beside = |(output, n): (usize, usize)| {
+        let [errors, left, varied] = [&errors, &left, &varied].map(|d| squares(d.experiments()[n].output(output)));
+        let line = errors - left;
+        line > MOSTLY * errors && line > MATTERS * MATTERS * varied
+    };
+    let experiments = data.experiments().len();
+    let outputs = data.output_labels().iter().enumerate();
+    let found = outputs.filter(|(output, _)| (0..experiments).any(|n| is_beside((*output, n))));
+    Ok(found.map(|(_, label)| label.name.clone()).collect())
+}
+
+/// The sum of squares of what is known.
+fn squares(values: &[f64]) -> f64 {
+    values.iter().filter(|v| !v.is_nan()).map(|v| v * v).sum()
+}

@@ -1,0 +1,56 @@
+//! What a model makes of recordings: simulated, or predicted some samples ahead.
+
+use ident::validate::Judgement;
+use ident::{Dataset, Label};
+use page::decimal::percent;
+use page::{Block, Page};
+use serde_json::{Value, json};
+
+use crate::blocks::line;
+use crate::figures::{Shown, comparison};
+
+/// The response of a model to recordings.
+#[derive(Clone, Copy)]
+pub struct Responded<'a> {
+    /// What the model is called.
+    pub model: &'a str,
+    /// How it was made to respond: simulated, predicted.
+    pub what: &'a str,
+    /// The outputs of the model.
+    pub outputs: &'a [Label],
+    /// The recordings.
+    pub data: &'a Dataset,
+    /// The response, and how well it fits.
+    pub judged: &'a Judgement,
+}
+
+impl Responded<'_> {
+    /// How well each output is met, and the responses drawn.
+    pub fn page(&self) -> Page {
+        let sentence = |(n, o): (usize, usize)| {
+            let (recording, output) = (&self.data.experiments()[n].name, &self.outputs[o].name);
+            line(format!("{recording}: {output} {}, fit {}", self.what, percent(self.judged.fit_percent[n][o])))
+        };
+        let shown = Shown { name: self.what, data: self.data, response: &self.judged.response };
+        let figures = comparison(&[shown]).into_iter().map(Block::Figure);
+        Page::new(format!("{}, {}", self.model, self.what), self.pairs().map(sentence).chain(figures).collect())
+    }
+
+    /// The responses in numbers.
+    pub fn json(&self) -> Value {
+        let row = |(n, o): (usize, usize)| {
+            let (experiment, output) = (&self.data.experiments()[n], &self.outputs[o]);
+            json!({"recording": experiment.name, "output": output.name, "unit": output.unit,
+                "start_s": experiment.start_s, "sample_time_s": self.data.sample_time_s(),
+                "fit_percent": self.judged.fit_percent[n][o],
+                "values": self.judged.response.outputs[n].col_as_slice(o)})
+        };
+        self.pairs().map(row).collect()
+    }
+
+    /// Recording and output.
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> {
+        let outputs = self.outputs.len();
+        (0..self.judged.response.outputs.len()).flat_map(move |n| (0..outputs).map(move |o| (n, o)))
+    }
+}

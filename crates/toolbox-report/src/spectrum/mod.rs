@@ -1,0 +1,311 @@
+//! Power spectra and frequency responses.
+
+mod coherence;
+mod confidence;
+
+use ident::Dataset;
+use ident::distributions::interval as student_interval;
+use page::decimal::{digits, fixed, range};
+use page::{Abscissa, Align, Axis, Blocks, Figure, Layer, Page, Panel, Style, Table, rounded};
+use serde_json::{Value, json};
+use signal::SignalError;
+use signal::frf::{BlackmanTukey, Etfe, FrequencyResponse, LocalModel};
+use signal::spectrum::{SpectralPeak, Welch, cross_spectrum, peaks, power_spectrum, top_range};
+
+use crate::blocks::{heading, line, name};
+use crate::figures::figure;
+use crate::words::ratio_unit;
+use coherence::Coherence;
+use confidence::{FALSE_ALARM, LEVEL};
+
+/// Decibels by which a peak stands out of what is around it, at least.
+const PROMINENCE_DB: f64 = 6.0;
+/// Frequencies to either side over which the quotient of Fourier transforms is smoothed.
+const ETFE_HALF_WIDTH: usize = 3;
+/// Peaks listed.
+const LISTED: usize = 10;
+
+/// A curve over frequency with its band.
+pub struct Spectrum {
+    channel: String,
+    unit: String,
+    freq_hz: Vec<f64>,
+    magnitude: Vec<f64>,
+    /// The factor from the logarithm to decibels: 10 of powers, 20 of gains.
+    decibels: f64,
+    phase_deg: Option<Vec<f64>>,
+    band: Vec<(f64, f64)>,
+    /// Intervals so wide that chance hardly leaves the truth outside of any.
+    all_hold: Vec<(f64, f64)>,
+    /// Values to either side that hold a part of the same peak.
+    lobe: usize,
+    /// That of the channels of a response, where there is but one input.
+    coherence: Option<Coherence>,
+}
+
+impl Spectrum {
+    fn peaks(&self) -> Vec<SpectralPeak> {
+        let excess = 10f64.powf(PROMINENCE_DB / self.decibels);
+        peaks(&self.freq_hz, &self.magnitude, &self.all_hold, self.lobe, excess)
+    }
+
+    /// Half the width within which peaks cannot be separated.
+    fn resolution_hz(&self) -> f64 {
+        let spacing = self.freq_hz.get(1).zip(self.freq_hz.first()).map_or(0.0, |(b, a)| b - a);
+        0.5 * self.lobe as f64 * spacing
+    }
+
+    /// Where the top of a peak may lie: what the intervals allow, and what frequencies cannot be separated.
+    fn top_hz(&self, peak: &SpectralPeak) -> (f64, f64) {
+        let top = top_range(&self.all_hold, peak.index);
+        let resolution_hz = self.resolution_hz();
+        ((self.freq_hz[*top.start()] - resolution_hz).max(0.0), self.freq_hz[*top.end()] + resolution_hz)
+    }
+
+    fn excess_db(&self, peak: &SpectralPeak) -> f64 {
+        self.decibels * peak.excess.log10()
+    }
+}
+
+/// How a frequency response is estimated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SpectrumMethod {
+    /// Averaged periodograms.
+    Welch,
+    /// Windowed correlations.
+    BlackmanTukey,
+    /// The local polynomial method.
+    Lpm,
+    /// The local rational method.
+    Lrm,
+    /// The quotient of the Fourier transforms.
+    Etfe,
+}
+
+/// The method, and the length of its window where one is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SpectrumOptions {
+    /// The method; without inputs it is Welch's.
+    pub method: SpectrumMethod,
+    /// Samples of a segment or of the lag window; an eighth of the record, 1024 at most, where none is given.
+    pub window: Option<usize>,
+}
+
+/// Of each recording the power spectra of the outputs, or, where there are inputs, the responses of each output to them.
+///
+/// # Errors
+/// Where the data are too short for the method.
+pub fn spectra(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>, SignalError> {
+    match data.inputs() {
+        0 => powers(data, options),
+        _ => responses(data, options),
+    }
+}
+
+/// The peaks that stand out most, by rising frequency, and the spectra drawn.
+pub fn page(spectra: &[Spectrum]) -> Page {
+    let mut all: Blocks = spectra.iter().map(text).collect();
+    all.push(spectra.iter().map(drawn).collect::<Blocks>());
+    Page::new("Spectra", all.into_vec())
+}
+
+/// The spectra in numbers.
+pub fn json(spectra: &[Spectrum]) -> Value {
+    spectra.iter().map(numbers).collect()
+}
+
+fn numbers(s: &Spectrum) -> Value {
+    let band: Vec<[f64; 2]> = s.band.iter().map(|(a, b)| [*a, *b]).collect();
+    let peak = |p: &SpectralPeak| {
+        json!({"frequency_hz": s.freq_hz[p.index], "frequency_interval_95_hz": <[f64; 2]>::from(s.top_hz(p)),
+            "resolution_hz": s.resolution_hz(),
+            "magnitude": s.magnitude[p.index], "interval_95": band[p.index], "excess_db": s.excess_db(p)})
+    };
+    let peaks: Vec<_> = s.peaks().iter().map(peak).collect();
+    json!({"channel": s.channel, "unit": s.unit, "frequency_hz": s.freq_hz,
+        "magnitude": s.magnitude, "phase_deg": s.phase_deg, "interval_95": band, "peaks": peaks,
+        "coherence": s.coherence.as_ref().map(Coherence::json)})
+}
+
+fn text(s: &Spectrum) -> Blocks {
+    let mut all = Blocks::from(heading(&s.channel));
+    all.push(s.coherence.iter().map(|coherence| line(coherence.sentence())).collect::<Blocks>());
+    let mut found = s.peaks();
+    if found.is_empty() {
+        let above = format!("nothing stands {PROMINENCE_DB} dB, and more than chance, above what is around it");
+        all.push(line(format!("no peaks: {above}")));
+        return all;
+    }
+    let count = found.len();
+    found.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+    found.truncate(LISTED);
+    found.sort_by_key(|peak| peak.index);
+    all.push(table(s, &found));
+    if count > LISTED {
+        all.push(line(format!("the {LISTED} of {count} peaks that stand out most; all with --json")));
+    }
+    all
+}
+
+fn table(s: &Spectrum, peaks: &[SpectralPeak]) -> Table {
+    let mut table = Table::new(&[
+        ("peak at", Align::Right),
+        ("its top lies within (95 %)", Align::Left),
+        ("magnitude", Align::Right),
+        ("above its surroundings", Align::Right),
+        ("95 % interval of the magnitude", Align::Left),
+    ]);
+    for peak in peaks {
+        table.row([
+            format!("{} Hz", digits(s.freq_hz[peak.index], 5)).into(),
+            format!("{} Hz", range(Some(s.top_hz(peak)))).into(),
+            name(&format!("{} {}", digits(s.magnitude[peak.index], 4), s.unit)),
+            format!("{} dB", fixed(s.excess_db(peak), 1)).into(),
+            range(Some(s.band[peak.index])).into(),
+        ]);
+    }
+    table
+}
+
+fn window(options: &SpectrumOptions, samples: usize) -> usize {
+    options.window.unwrap_or((samples / 8).clamp(16, 1024).min(samples))
+}
+
+/// Power spectral densities of the outputs.
+fn powers(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>, SignalError> {
+    let mut all = Vec::new();
+    for experiment in data.experiments() {
+        for (output, label) in data.output_labels().iter().enumerate() {
+            let welch = Welch::half_overlapping(window(options, experiment.len()));
+            let power = power_spectrum(experiment.output(output), data.sample_time_s(), welch)?;
+            let confidence = 1.0 - 2.0 * FALSE_ALARM / power.freq_hz.len() as f64;
+            all.push(Spectrum {
+                channel: format!("{}, {}", label.name, experiment.name),
+                unit: squared_per_hertz(&label.unit),
+                band: power.interval(LEVEL)?.into_iter().map(|[low, high]| (low, high)).collect(),
+                all_hold: power.interval(confidence)?.into_iter().map(|[low, high]| (low, high)).collect(),
+                freq_hz: power.freq_hz,
+                magnitude: power.density,
+                decibels: 10.0,
+                phase_deg: None,
+                // Half the main lobe of a Hann window.
+                lobe: 2,
+                coherence: None,
+            });
+        }
+    }
+    Ok(all)
+}
+
+fn squared_per_hertz(unit: &str) -> String {
+    match unit {
+        "" => "1/Hz".to_owned(),
+        unit if unit.chars().all(char::is_alphabetic) => format!("{unit}²/Hz"),
+        unit => format!("({unit})²/Hz"),
+    }
+}
+
+/// Frequency responses from every input to every output, of each recording.
+fn responses(data: &Dataset, options: &SpectrumOptions) -> Result<Vec<Spectrum>, SignalError> {
+    let mut all = Vec::new();
+    for experiment in data.experiments() {
+        let inputs: Vec<&[f64]> = (0..data.inputs()).map(|k| experiment.input(k)).collect();
+        for (output, label) in data.output_labels().iter().enumerate() {
+            let y = experiment.output(output);
+            let welch = Welch::half_overlapping(window(options, y.len()));
+            let response = response(&inputs, y, data.sample_time_s(), options)?;
+            for (input, input_label) in data.input_labels().iter().enumerate() {
+                let name = format!("{} → {}, {}", input_label.name, label.name, experiment.name);
+                let unit = ratio_unit(&label.unit, &input_label.unit);
+                let coherence = match inputs[..] {
+                    [u] => Coherence::of(u, y, data.sample_time_s(), welch)?,
+                    _ => None,
+                };
+                let lobe = lobe(options);
+                all.push(Spectrum { lobe, coherence, ..one_response(&response, input, name, unit) });
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn response(
+    inputs: &[&[f64]],
+    y: &[f64],
+    sample_time_s: f64,
+    options: &SpectrumOptions,
+) -> Result<FrequencyResponse, SignalError> {
+    let samples = window(options, y.len());
+    match options.method {
+        SpectrumMethod::Lpm => {
+            Ok(LocalModel::polynomial(2, inputs.len()).estimate(inputs, &[y], sample_time_s)?.response)
+        }
+        SpectrumMethod::Lrm => {
+            Ok(LocalModel::rational(2, inputs.len()).estimate(inputs, &[y], sample_time_s)?.response)
+        }
+        SpectrumMethod::BlackmanTukey => Ok(BlackmanTukey::new(samples).estimate(inputs, y, sample_time_s)?.response),
+        SpectrumMethod::Etfe => {
+            Etfe { half_width: ETFE_HALF_WIDTH, period: None }.estimate(inputs[0], y, sample_time_s)
+        }
+        SpectrumMethod::Welch => {
+            let cross = cross_spectrum(inputs[0], y, sample_time_s, Welch::half_overlapping(samples))?;
+            let (response, variance) = (cross.response_h1(), cross.response_h1_variance());
+            // Two go into the response.
+            let degrees_of_freedom = vec![cross.degrees_of_freedom - 2.0; response.len()];
+            let freq_hz = cross.freq_hz;
+            Ok(FrequencyResponse { freq_hz, outputs: 1, inputs: 1, response, variance, degrees_of_freedom })
+        }
+    }
+}
+
+/// Frequencies to either side from which a method takes what it says of one.
+fn lobe(options: &SpectrumOptions) -> usize {
+    match options.method {
+        SpectrumMethod::Welch | SpectrumMethod::BlackmanTukey => 2,
+        SpectrumMethod::Lpm => LocalModel::polynomial(2, 1).half_width,
+        SpectrumMethod::Lrm => LocalModel::rational(2, 1).half_width,
+        SpectrumMethod::Etfe => ETFE_HALF_WIDTH,
+    }
+}
+
+fn one_response(whole: &FrequencyResponse, input: usize, channel: String, unit: String) -> Spectrum {
+    let (gains, variance) = (whole.response_of(0, input), whole.variance_of(0, input));
+    // The part of the variance along the gain is half of it.
+    let interval = |level: f64| {
+        let ends = gains.iter().zip(&variance).zip(&whole.degrees_of_freedom).map(|((g, v), freedom)| {
+            let (low, high) = student_interval(g.norm(), (0.5 * v).sqrt(), *freedom, level);
+            (low.max(0.0), high)
+        });
+        ends.collect::<Vec<_>>()
+    };
+    Spectrum {
+        channel,
+        unit,
+        freq_hz: whole.freq_hz.clone(),
+        magnitude: gains.iter().map(|g| g.norm()).collect(),
+        decibels: 20.0,
+        // Not unwrapped: through noise that goes astray by many turns.
+        phase_deg: Some(gains.iter().map(|g| g.arg().to_degrees()).collect()),
+        band: interval(LEVEL),
+        all_hold: interval(1.0 - 2.0 * FALSE_ALARM / gains.len().max(1) as f64),
+        lobe: 1,
+        coherence: None,
+    }
+}
+
+fn drawn(spectrum: &Spectrum) -> Figure {
+    let style = Style::Modelled;
+    let first = spectrum.freq_hz.iter().position(|f| *f > 0.0).unwrap_or(0);
+    let x = &spectrum.freq_hz[first..];
+    let (low, high): (Vec<f64>, Vec<f64>) = spectrum.band[first..].iter().copied().unzip();
+    let name = "estimate".to_owned();
+    let band = Layer::Band { name, style, x: Abscissa::Values(rounded(x)), low: rounded(&low), high: rounded(&high) };
+    let curve = Layer::curve("estimate", style, x, &spectrum.magnitude[first..]);
+    let mut panels = vec![Panel::new(Axis::log("magnitude", &spectrum.unit), 200, vec![band, curve])];
+    if let Some(phase) = &spectrum.phase_deg {
+        let dots = Layer::dots("estimate", style, x, &phase[first..]);
+        panels.push(Panel::new(Axis::angle("phase").within(-190.0, 190.0), 130, vec![dots]));
+    }
+    panels.extend(spectrum.coherence.as_ref().map(Coherence::panel));
+    figure(&spectrum.channel, Axis::frequency(), panels)
+}

@@ -1,0 +1,141 @@
+//! What estimates have to say, in words.
+
+use ident::{Doubt, Label, Termination};
+use lti::{Complex64, Mode};
+use page::decimal::{digits, fixed, scientific, significant};
+
+/// A reason to doubt, with what can be done.
+pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> String {
+    match doubt {
+        Doubt::NotConverged => {
+            "the search stopped before it had converged; the numbers are provisional: try a lower order, or other data"
+                .into()
+        }
+        Doubt::IllConditioned { condition } => format!(
+            "the data barely tell the parameters apart (condition number {}); lower the order or excite the system better",
+            scientific(*condition, 1)
+        ),
+        Doubt::RowsLeftOut { rows, of } => format!(
+            "{rows} of {of} rows were left out: samples are missing there (those of a slower output count so), or what the model needs of the past, or of the time around a record with band-limited inputs, was not recorded"
+        ),
+        Doubt::AtBound { parameter } => format!(
+            "{} rests on its bound, so its interval means nothing; widen the bound or leave the parameter out",
+            parameters.get(*parameter).map_or("a parameter", String::as_str)
+        ),
+        Doubt::Unstable => {
+            "the model is not stable: simulating it runs away, and it has no gain at rest and no final value; where the system itself is stable, change the order or the channels, or fit the simulated output (oe, tf, ss --simulation)".into()
+        }
+        Doubt::LargerThanNoise { ratio } => format!(
+            "what the model leaves is {} times what the measured noise explains, and the intervals rest on that noise: true errors are larger; try another structure",
+            fixed(*ratio, 3)
+        ),
+        Doubt::CovarianceIsLowerBound => {
+            "the intervals are the narrowest that any method could reach; the true ones are wider".into()
+        }
+        Doubt::ExplainsLittle { output, simulated } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            let how = if *simulated { "simulated" } else { "even one step ahead" };
+            format!(
+                "the model explains next to nothing of {name}, {how} (a fit below 5 % on its own data); check the channels, the delay, the orders and the detrending before using it"
+            )
+        }
+        Doubt::DependentInputs { input } => format!(
+            "input {} is a linear combination of the inputs before it, so the data cannot tell their effects apart; leave it out",
+            input + 1
+        ),
+        Doubt::DependentOutputs { output } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "the errors of {name} follow from those of the outputs before it: its values add nothing, and no criterion is defined; leave it out"
+            )
+        }
+        Doubt::NothingLeft { output } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            format!(
+                "the model leaves nothing of {name}, or nothing that can be squared, so intervals and criteria mean nothing; check the channel, and the scale of its values"
+            )
+        }
+        Doubt::RootAtEdge { output, polynomial, input, magnitude, angle, cancelled_by } => {
+            let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
+            root_at_edge(name, (*polynomial, *input), (*magnitude, *angle), *cancelled_by)
+        }
+        other => format!("{other:?}"),
+    }
+}
+
+/// The pole with which a model runs away, and how fast.
+pub fn growing_pole(mode: &Mode) -> String {
+    let pole = match mode.pole.im {
+        0.0 => digits(mode.pole.re, 4),
+        im => format!("{} ± {}i", digits(mode.pole.re, 4), digits(im.abs(), 4)),
+    };
+    format!("pole at {pole}, which grows e-fold in {} s", digits(-mode.time_constant_s(), 3))
+}
+
+/// Of a root at which a search had to stop.
+fn root_at_edge(
+    output: &str,
+    (polynomial, input): (char, Option<usize>),
+    (magnitude, angle): (f64, f64),
+    cancelled_by: Option<char>,
+) -> String {
+    let whose = input.map_or(String::new(), |input| format!(" of input {}", input + 1));
+    let order = |letter: char| format!("n{}", letter.to_ascii_lowercase());
+    let (reason, remedy) = match cancelled_by {
+        Some(other) => (
+            format!(", and one of {other} nearly cancels it: both are longer than the data ask for"),
+            format!("lower {} and {}", order(polynomial), order(other)),
+        ),
+        None if polynomial == 'C' => (
+            ": the noise has next to nothing at that frequency, as after a difference or a trend taken off".to_owned(),
+            "lower nc, or leave the data as they are".to_owned(),
+        ),
+        None => {
+            (": the response hardly decays".to_owned(), format!("lower {}, or record for longer", order(polynomial)))
+        }
+    };
+    let side = if magnitude > 1.0 { "just outside" } else { "just inside" };
+    format!(
+        "the search for {output} stopped with a root of {polynomial}{whose} {side} the unit circle (magnitude {}, {} rad a sample){reason}; the model can be used, but its intervals hold only roughly; {remedy}",
+        fixed(magnitude, 4),
+        fixed(angle, 3)
+    )
+}
+
+/// How a search ended.
+pub(crate) fn termination(termination: Termination) -> &'static str {
+    match termination {
+        Termination::Direct => "solved at once",
+        Termination::SmallStep => "converged: the steps became negligible",
+        Termination::SmallDecrease => "converged: the errors no longer fall",
+        Termination::NoDescent => "as good as the arithmetic allows",
+        Termination::Edge => {
+            "stopped where there is no model any more, as at the edge of stability: the errors would fall further beyond it"
+        }
+        Termination::IterationLimit => "stopped at the limit of iterations",
+    }
+}
+
+/// So many of something, in the plural where it is not one.
+pub fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// The unit of an output over an input.
+pub(crate) fn ratio_unit(output: &str, input: &str) -> String {
+    let factor = |unit: &str| if unit.contains(['/', ' ', '*', '·']) { format!("({unit})") } else { unit.to_owned() };
+    match (output, input) {
+        (output, input) if output == input => String::new(),
+        (output, "") => output.to_owned(),
+        ("", input) => format!("1/{}", factor(input)),
+        (output, input) => format!("{output}/{}", factor(input)),
+    }
+}
+
+/// A root, with its conjugate where it has one.
+pub fn pair(root: Complex64) -> String {
+    match root.im.abs() {
+        0.0 => significant(root.re),
+        im => format!("{} ± {}i", significant(root.re), significant(im)),
+    }
+}
