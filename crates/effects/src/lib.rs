@@ -77,8 +77,8 @@ impl Effects {
     /// # Example
     ///
     /// ```
-    /// let effects = virtual_bench::Effects::of(&Default::default(), 1)?;
-    /// let firing = &effects.firing[0];
+    /// let found = effects::Effects::of(&Default::default(), 1)?;
+    /// let firing = &found.firing[0];
     /// let largest = firing.amplitude.iter().copied().fold(0.0, f64::max);
     /// let strongest = firing.amplitude.iter().position(|a| *a == largest).unwrap_or(0);
     /// assert!((firing.frequency_hz[strongest] - 40.0).abs() < 0.2);

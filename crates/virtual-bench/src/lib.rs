@@ -75,7 +75,9 @@ pub struct VirtualRun {
 /// # Example
 ///
 /// ```
-/// use virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+/// use rig::bench_parameters::BenchParameters;
+/// use rig::experiment::ExperimentPlan;
+/// use virtual_bench::simulate;
 ///
 /// let recording = simulate(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 2.0), 1)?;
 /// let speed = &recording.channels[0];

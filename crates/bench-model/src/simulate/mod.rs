@@ -72,7 +72,7 @@ pub struct EngineSpeedControl<'a> {
 ///     },
 ///     speed_controller: None,
 ///     feed_forward: None,
-///     torque control: None,
+///     torque_control: None,
 ///     torque_limit_nm: None,
 ///     encoder_gate_s: 1e-3,
 /// };

@@ -173,7 +173,8 @@ impl DesignTask {
     /// # Example
     /// ```
     /// use design::excitation_design::{DesignTask, ExcitedDemand, Goal, Measurements, OperatingPoint, PeakLimits};
-    /// use virtual_bench::BenchParameters;
+    /// use bench_model::model::BenchModel;
+    /// use rig::bench_parameters::BenchParameters;
     /// let bench = BenchParameters::default();
     /// let at = OperatingPoint { speed_rad_s: 150.0, torque_nm: 60.0 };
     /// let measured = Measurements::of_bench(&bench, at);

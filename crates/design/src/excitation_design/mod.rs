@@ -172,7 +172,7 @@ pub struct ExcitationDesign {
 ///     },
 ///     speed_controller: None,
 ///     feed_forward: None,
-///     torque control: Some(TorqueControlModel { delay_s: 1.25e-3, bandwidth_rad_s: Some(565.0) }),
+///     torque_control: Some(TorqueControlModel { delay_s: 1.25e-3, bandwidth_rad_s: Some(565.0) }),
 ///     torque_limit_nm: Some(400.0),
 ///     encoder_gate_s: 1e-3,
 /// };

@@ -241,7 +241,7 @@ fn text_without_time_gets_it_from_the_distance_of_its_rows() {
 #[test]
 fn what_cannot_be_converted_is_refused() {
     let folder = folder_with("a.mf4", &awkward());
-    std::fs::write(folder.path().join("model.json"), "{}").unwrap();
+    std::fs::write(folder.path().join("model.json"), r#"{"format": "dynoid model"}"#).unwrap();
     let refused = |arguments: &str, code: i32, words: &[&str]| convert(&folder, arguments).assert_refused(code, words);
     refused("a.mf4", 2, &["--out"]);
     refused("a.mf4 --out a.mf4", 2, &["a.mf4", "is read"]);
@@ -257,7 +257,7 @@ fn what_cannot_be_converted_is_refused() {
     refused("a.mf4 --out nowhere/b.csv", 4, &["nowhere"]);
     refused("missing.mf4 --out b.csv", 3, &["missing.mf4"]);
     refused("a.mf4 --to ss --out b.json", 2, &["invalid value 'ss'"]);
-    refused("model.json --to csv --out made", 2, &["model.json", "model file"]);
+    refused("model.json --to csv --out made", 3, &["model.json", "this is a model file", "`dynoid model"]);
     refused("model.json --rate 10", 2, &["--rate"]);
     let names = |folder: &TempDir| std::fs::read_dir(folder.path()).unwrap().count();
     assert_eq!(names(&folder), 2, "nothing is left behind");

@@ -68,8 +68,10 @@ pub const FEWEST_SAMPLES: usize = 256;
 /// # Example
 /// ```
 /// use part_lines::lines::{Cause, find_lines};
-/// use bench_model::model::Engine;
-/// use virtual_bench::{BenchParameters, ExperimentPlan, simulate};
+/// use rig::facts::Engine;
+/// use rig::bench_parameters::BenchParameters;
+/// use rig::experiment::ExperimentPlan;
+/// use virtual_bench::simulate;
 /// # use rig::{BenchFile, Role};
 /// # let mut text = "[bench]\nname = \"x\"\nvariant = \"load-cell\"\ncylinders = 4\ndynamometer_inertia = 0.6\nengine_inertia = 0.28\n[channels]\n".to_owned();
 /// # for (role, name) in virtual_bench::CHANNELS { if !matches!(role, Role::FlangeTorque | Role::Throttle) { text += &format!("{} = \"{name}\"\n", role.key()); } }

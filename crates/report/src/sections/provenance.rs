@@ -14,21 +14,25 @@ pub(crate) fn section(study: &Study) -> Blocks {
     let seed =
         provenance.seed.map(|seed| format!(" The recordings were simulated with seed {seed}.")).unwrap_or_default();
     let headings = ["Recording", "File", "Length", "Mean speed", "Sample times", "Used for", "SHA-256"];
-    vec![
+    let mut blocks = vec![
         Block::heading("Recordings"),
         Block::Table(Table::of_text(&headings).with_rows(study.recordings.iter().map(recording))),
-        Block::heading("Which recording gives which part"),
-        Block::Table(
-            Table::of_text(&["Part", "From", "Because"])
-                .with_rows(study.choices.iter().map(|choice| chosen(choice).to_vec())),
-        ),
+    ];
+    if !study.choices.is_empty() {
+        let rows = study.choices.iter().map(|choice| chosen(choice).to_vec());
+        blocks.extend([
+            Block::heading("Which recording gives which part"),
+            Block::Table(Table::of_text(&["Part", "From", "Because"]).with_rows(rows)),
+        ]);
+    }
+    blocks.extend([
         Block::heading("Bench"),
         Block::Table(facts(&study.bench)),
         Block::paragraph(format!("Made with dynoid {}.{seed}", provenance.version)),
         Block::heading(Prose::from("Bench file ").then(Prose::code(&provenance.bench_file_name))),
         Block::Preformatted { text: provenance.bench_file.clone() },
-    ]
-    .into()
+    ]);
+    blocks.into()
 }
 
 fn recording(recording: &RecordingSummary) -> Vec<Cell> {
