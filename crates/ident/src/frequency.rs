@@ -166,13 +166,45 @@ fn window_derivative(order: usize, position: f64, duration_s: f64) -> f64 {
     }
 }
 
-/// One signal of the equation: its transform, and the noise on its samples.
+/// One signal of the equation: its transform, what the record holds beside it, and the noise on its samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoisySpectrum {
-    /// Transform.
+    /// Transform of the record.
     pub modulated: Modulated,
+    /// Errors of known shape in the record, such as those of an encoder that repeat with its angle.
+    pub errors: Vec<ShapedError>,
     /// Variance of white noise on the samples times their sample time: its spectral density.
     pub noise_density: f64,
+}
+
+/// An error of known shape and unknown size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapedError {
+    /// Position of the parameter that is its size.
+    pub parameter: usize,
+    /// Transform of its shape.
+    pub shape: Modulated,
+}
+
+impl NoisySpectrum {
+    /// L_0, L_1, L_2 at one bin, without the errors of known shape.
+    pub fn at(&self, theta: &[f64], bin: usize) -> [Complex64; ORDERS] {
+        std::array::from_fn(|n| {
+            let error = |e: &ShapedError| theta[e.parameter] * e.shape.orders[n][bin];
+            self.modulated.orders[n][bin] - self.errors.iter().map(error).sum::<Complex64>()
+        })
+    }
+}
+
+/// The derivative of one signal's polynomial by one parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Slope {
+    /// Position of the parameter.
+    pub parameter: usize,
+    /// Position of the signal.
+    pub signal: usize,
+    /// Derivatives of the coefficients of s⁰, s¹, s².
+    pub by_order: [Complex64; ORDERS],
 }
 
 /// A linear differential equation Σ_i P_i(s, θ) x_i = 0.
@@ -182,14 +214,14 @@ pub trait Equation {
     /// Parameters.
     const PARAMETERS: usize;
 
-    /// Writes the coefficient of s^n of P_i at s into `polynomials[i][n]`, and its derivative by θ_j into
-    /// `derivatives[j][i][n]`. Coefficients may themselves depend on s (delays, gates).
+    /// Writes the coefficient of s^n of P_i at s = jω into `polynomials[i][n]`, and adds the derivatives that are not zero to
+    /// `slopes`, which is empty, where these are wanted. Coefficients may themselves depend on s (delays, gates).
     fn coefficients(
         &self,
         s: Complex64,
         theta: &[f64],
         polynomials: &mut [[Complex64; ORDERS]],
-        derivatives: &mut [Vec<[Complex64; ORDERS]>],
+        slopes: Option<&mut Vec<Slope>>,
     );
 }
 
@@ -213,10 +245,36 @@ pub struct ErrorsInVariables<'a, E> {
     window: Window,
     bins: &'a [usize],
     priors: &'a [Prior],
+    at_bin: AtBin,
+}
+
+/// The equation at one bin, and its derivatives by all parameters; reused from bin to bin.
+#[derive(Debug)]
+struct AtBin {
+    /// The signals.
+    records: Vec<[Complex64; ORDERS]>,
     polynomials: Vec<[Complex64; ORDERS]>,
-    derivatives: Vec<Vec<[Complex64; ORDERS]>>,
-    /// The polynomials at the s of the last bin.
+    /// The polynomials at s.
     values: Vec<Complex64>,
+    slopes: Vec<Slope>,
+    /// Of the equation's error.
+    error_slopes: Vec<Complex64>,
+    /// Of its variance.
+    variance_slopes: Vec<f64>,
+}
+
+impl AtBin {
+    fn new(signals: usize, parameters: usize) -> Self {
+        let zeros = vec![[Complex64::ZERO; ORDERS]; signals];
+        AtBin {
+            records: zeros.clone(),
+            polynomials: zeros,
+            values: vec![Complex64::ZERO; signals],
+            slopes: Vec::new(),
+            error_slopes: vec![Complex64::ZERO; parameters],
+            variance_slopes: vec![0.0; parameters],
+        }
+    }
 }
 
 /// The estimate, with a covariance that counts overlapping bins once.
@@ -243,10 +301,8 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
         bins: &'a [usize],
         priors: &'a [Prior],
     ) -> Self {
-        let polynomials = vec![[Complex64::default(); ORDERS]; E::SIGNALS];
-        let derivatives = vec![polynomials.clone(); E::PARAMETERS];
-        let values = vec![Complex64::ZERO; E::SIGNALS];
-        ErrorsInVariables { equation, signals, window, bins, priors, polynomials, derivatives, values }
+        let at_bin = AtBin::new(E::SIGNALS, E::PARAMETERS);
+        ErrorsInVariables { equation, signals, window, bins, priors, at_bin }
     }
 
     /// Minimises from `start` within `bounds`.
@@ -303,36 +359,50 @@ fn neighbour_products(fit: &Minimum, bins: &[usize]) -> faer::Mat<f64> {
 }
 
 impl<E: Equation> ErrorsInVariables<'_, E> {
-    /// e and σ² at one bin, with the polynomials of the last call to `coefficients`; keeps the polynomials' values.
-    fn error_and_variance(&mut self, bin: usize, s: Complex64) -> (Complex64, f64) {
+    /// e and σ² at one bin; with `sloped`, also their derivatives, which are kept.
+    fn error_and_variance(&mut self, bin: usize, theta: &[f64], sloped: bool) -> (Complex64, f64) {
+        let s = Complex64::new(0.0, TAU * self.window.frequency_hz(bin));
+        let AtBin { records, polynomials, values, slopes, .. } = &mut self.at_bin;
+        slopes.clear();
+        self.equation.coefficients(s, theta, polynomials, sloped.then_some(slopes));
         let (mut error, mut variance) = (Complex64::default(), 0.0);
-        for ((polynomial, value), signal) in self.polynomials.iter().zip(&mut self.values).zip(self.signals) {
-            error += apply(polynomial, &signal.modulated, bin);
-            *value = horner(polynomial, s);
-            variance += value.norm_sqr() * signal.noise_density;
+        for (i, signal) in self.signals.iter().enumerate() {
+            records[i] = signal.at(theta, bin);
+            values[i] = horner(&polynomials[i], s);
+            error += apply(&polynomials[i], &records[i]);
+            variance += values[i].norm_sqr() * signal.noise_density;
         }
-        (error, variance * self.window.energy_s())
+        let energy_s = self.window.energy_s();
+        if sloped {
+            self.gather_slopes(bin, s, energy_s);
+        }
+        (error, variance * energy_s)
     }
 
-    /// Derivatives of e and σ² by θ_j at one bin. Most parameters are in the polynomials of few signals, and some signals have
-    /// no noise.
-    fn derivative(&self, bin: usize, s: Complex64, j: usize) -> (Complex64, f64) {
-        let (mut error, mut variance) = (Complex64::default(), 0.0);
-        for ((derivative, value), signal) in self.derivatives[j].iter().zip(&self.values).zip(self.signals) {
-            if derivative.iter().all(|c| *c == Complex64::ZERO) {
-                continue;
-            }
-            error += apply(derivative, &signal.modulated, bin);
-            if signal.noise_density > 0.0 {
-                variance += 2.0 * (value.conj() * horner(derivative, s)).re * signal.noise_density;
+    /// The derivatives of e and σ² by every parameter at one bin.
+    fn gather_slopes(&mut self, bin: usize, s: Complex64, energy_s: f64) {
+        let AtBin { records, polynomials, values, slopes, error_slopes, variance_slopes } = &mut self.at_bin;
+        error_slopes.fill(Complex64::ZERO);
+        variance_slopes.fill(0.0);
+        for Slope { parameter, signal, by_order } in slopes.iter() {
+            error_slopes[*parameter] += apply(by_order, &records[*signal]);
+            let density = self.signals.get(*signal).map_or(0.0, |signal| signal.noise_density);
+            if density > 0.0 {
+                let of_power = 2.0 * (values[*signal].conj() * horner(by_order, s)).re;
+                variance_slopes[*parameter] += of_power * density * energy_s;
             }
         }
-        (error, variance * self.window.energy_s())
+        for (polynomial, signal) in polynomials.iter().zip(self.signals) {
+            for error in &signal.errors {
+                let shape = std::array::from_fn(|n| error.shape.orders[n][bin]);
+                error_slopes[error.parameter] -= apply(polynomial, &shape);
+            }
+        }
     }
 }
 
-fn apply(polynomial: &[Complex64; ORDERS], signal: &Modulated, bin: usize) -> Complex64 {
-    (0..ORDERS).map(|n| polynomial[n] * signal.orders[n][bin]).sum()
+fn apply(polynomial: &[Complex64; ORDERS], signal: &[Complex64; ORDERS]) -> Complex64 {
+    polynomial.iter().zip(signal).map(|(p, x)| p * x).sum()
 }
 
 fn horner(polynomial: &[Complex64; ORDERS], s: Complex64) -> Complex64 {
@@ -355,15 +425,13 @@ impl<E: Equation> ResidualModel for ErrorsInVariables<'_, E> {
         mut jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError> {
         for (k, bin) in self.bins.iter().enumerate() {
-            let s = Complex64::new(0.0, TAU * self.window.frequency_hz(*bin));
-            self.equation.coefficients(s, theta, &mut self.polynomials, &mut self.derivatives);
-            let (error, variance) = self.error_and_variance(*bin, s);
+            let (error, variance) = self.error_and_variance(*bin, theta, jacobian.is_some());
             let deviation = variance.sqrt();
             let residual = error / deviation;
             (residuals[2 * k], residuals[2 * k + 1]) = (residual.re, residual.im);
             if let Some(jacobian) = jacobian.as_mut() {
-                for j in 0..E::PARAMETERS {
-                    let (by_error, by_variance) = self.derivative(*bin, s, j);
+                let slopes = self.at_bin.error_slopes.iter().zip(&self.at_bin.variance_slopes);
+                for (j, (by_error, by_variance)) in slopes.enumerate() {
                     let slope = by_error / deviation - residual * (by_variance / (2.0 * variance));
                     (jacobian[(2 * k, j)], jacobian[(2 * k + 1, j)]) = (slope.re, slope.im);
                 }

@@ -1,7 +1,9 @@
 //! Errors in variables by modulating functions, on dy/dt + a y = b u(t − δ) with y and u on clocks of their own.
 
 use faer::Mat;
-use ident::frequency::{Equation, ErrorsInVariables, FrequencyFit, Modulated, NoisySpectrum, ORDERS, Prior, Window};
+use ident::frequency::{
+    Equation, ErrorsInVariables, FrequencyFit, Modulated, NoisySpectrum, ORDERS, Prior, Slope, Window,
+};
 use ident::{Bounds, IdentError, ResidualModel};
 use signal::{Complex64, Signal};
 
@@ -25,18 +27,16 @@ impl Equation for Lag {
         s: Complex64,
         theta: &[f64],
         polynomials: &mut [[Complex64; ORDERS]],
-        derivatives: &mut [Vec<[Complex64; ORDERS]>],
+        slopes: Option<&mut Vec<Slope>>,
     ) {
         let (zero, one) = (Complex64::default(), Complex64::from(1.0));
         let late = (-s * (theta[2] - self.dated_s)).exp();
         polynomials[0] = [theta[0].into(), one, zero];
         polynomials[1] = [-theta[1] * late, zero, zero];
-        for row in derivatives.iter_mut() {
-            row.fill([zero; ORDERS]);
+        let by = |parameter, signal, first| Slope { parameter, signal, by_order: [first, zero, zero] };
+        if let Some(slopes) = slopes {
+            slopes.extend([by(0, 0, one), by(1, 1, -late), by(2, 1, theta[1] * s * late)]);
         }
-        derivatives[0][0] = [one, zero, zero];
-        derivatives[1][1] = [-late, zero, zero];
-        derivatives[2][1] = [theta[1] * s * late, zero, zero];
     }
 }
 
@@ -62,7 +62,11 @@ fn spectra(signals: &[Signal; 2], sd: f64, dated_s: f64) -> Vec<NoisySpectrum> {
     let of = |signal: &Signal, later_s: f64| {
         let dated = Signal { start_s: signal.start_s + later_s, ..signal.clone() };
         let noise_density = sd * sd * signal.sample_time_s;
-        NoisySpectrum { modulated: Modulated::new(&dated, WINDOW, LAST_BIN).unwrap(), noise_density }
+        NoisySpectrum {
+            modulated: Modulated::new(&dated, WINDOW, LAST_BIN).unwrap(),
+            errors: Vec::new(),
+            noise_density,
+        }
     };
     vec![of(&signals[0], 0.0), of(&signals[1], dated_s)]
 }

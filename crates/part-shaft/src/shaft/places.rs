@@ -21,11 +21,9 @@ pub(super) const TERM: usize = 11;
 /// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring behind it.
 pub(super) const DUAL_MASS: [usize; 3] = [11, 12, 13];
 pub(super) const COUNT: usize = 14;
-/// Places of the signals: N_d, N_e, torque, and for each speed ω cos θ and ω sin θ, what a once-a-turn error adds to it.
+/// Places of the signals: N_d, N_e, torque.
 pub(super) const DYNO: usize = 0;
 pub(super) const ENGINE: usize = 1;
 pub(super) const TORQUE: usize = 2;
-pub(super) const DYNO_WAVES: [usize; 2] = [3, 4];
-pub(super) const ENGINE_WAVES: [usize; 2] = [5, 6];
 /// What a term of the shaft that is not linear multiplies; it is there with such a term alone.
-pub(super) const TERM_WAVE: usize = 7;
+pub(super) const TERM_WAVE: usize = 3;

@@ -60,17 +60,12 @@ struct Motion {
 
 fn motion(spectra: &Spectra, theta: &[f64], k: usize) -> Motion {
     let factor = Corrections::at(Complex64::new(0.0, TAU * spectra.window.frequency_hz(k)), theta, spectra.dating);
-    let of = |signal: usize, order: usize| spectra.signals[signal].modulated.orders[order][k];
-    let without_turn = |speed: usize, waves: [usize; 2], amplitudes: [usize; 2], order: usize| {
-        let pairs = waves.into_iter().zip(amplitudes);
-        pairs.fold(of(speed, order), |left, (wave, amplitude)| left - theta[amplitude] * of(wave, order))
-    };
-    let dyno = |order| factor.speed * without_turn(places::DYNO, places::DYNO_WAVES, places::DYNO_TURN, order);
-    let engine = |order| factor.engine * without_turn(places::ENGINE, places::ENGINE_WAVES, places::ENGINE_TURN, order);
+    let [dyno, engine, torque] =
+        [places::DYNO, places::ENGINE, places::TORQUE].map(|signal| spectra.signals[signal].at(theta, k));
     Motion {
-        dyno: [0, 1, 2].map(dyno),
-        engine: [0, 1, 2].map(engine),
-        torque: [0, 1, 2].map(|order| factor.torque * of(places::TORQUE, order)),
+        dyno: dyno.map(|x| factor.speed * x),
+        engine: engine.map(|x| factor.engine * x),
+        torque: torque.map(|x| factor.torque * x),
     }
 }
 

@@ -4,12 +4,13 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use ident::IdentError;
-use ident::frequency::{Equation, Modulated, NoisySpectrum, Samples, Window, samples_in};
+use ident::frequency::{Equation, Modulated, NoisySpectrum, Samples, ShapedError, Window, samples_in};
 use rig::estimation::EstimateError;
 use signal::{Complex64, Signal};
 
 use super::equation::{Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
+use super::places::{DYNO_TURN, ENGINE_TURN};
 
 /// Lowest frequency used, Hz: below it the recording holds too few periods.
 pub(super) const LOWEST_HZ: f64 = 1.0;
@@ -59,18 +60,18 @@ impl Spectra {
         let density = |noise: f64, signal: &Signal| noise * noise * signal.sample_time_s;
         let encoder = inputs.encoder_noise_rad_s;
         let torque_density = inputs.torque.iter().map(|t| density(t.noise_nm, &t.signal)).sum();
-        let speeds = [(inputs.dyno_speed, 0.0), (inputs.engine_speed, dating.engine_s)];
+        let speeds = [(inputs.dyno_speed, 0.0, DYNO_TURN), (inputs.engine_speed, dating.engine_s, ENGINE_TURN)];
         let mut signals = Vec::with_capacity(ShaftEquation::SIGNALS);
-        for (speed, earlier_s) in speeds {
-            let modulated = transform(speed, earlier_s)?;
-            signals.push(NoisySpectrum { modulated, noise_density: density(encoder, speed) });
+        for (speed, earlier_s, turn) in speeds {
+            let error =
+                |(parameter, wave): (usize, Signal)| Ok(ShapedError { parameter, shape: transform(&wave, earlier_s)? });
+            signals.push(NoisySpectrum {
+                modulated: transform(speed, earlier_s)?,
+                errors: turn.into_iter().zip(once_a_turn(speed)).map(error).collect::<Result<_, EstimateError>>()?,
+                noise_density: density(encoder, speed),
+            });
         }
-        signals.push(NoisySpectrum { modulated: torque, noise_density: torque_density });
-        for (speed, earlier_s) in speeds {
-            for wave in once_a_turn(speed) {
-                signals.push(NoisySpectrum { modulated: transform(&wave, earlier_s)?, noise_density: 0.0 });
-            }
-        }
+        signals.push(NoisySpectrum { modulated: torque, errors: Vec::new(), noise_density: torque_density });
         Ok(Spectra { window, signals, bins: bins.collect(), dating })
     }
 
@@ -78,7 +79,7 @@ impl Spectra {
     pub(super) fn with_wave(mut self, wave: &Signal) -> Result<Self, ident::IdentError> {
         let last = self.bins.last().copied().unwrap_or(0);
         let modulated = Modulated::new(wave, self.window, last)?;
-        self.signals.push(NoisySpectrum { modulated, noise_density: 0.0 });
+        self.signals.push(NoisySpectrum { modulated, errors: Vec::new(), noise_density: 0.0 });
         Ok(self)
     }
 }

@@ -21,11 +21,6 @@ use crate::shaft::term::Term;
 type Orders = [Complex64; ORDERS];
 /// The most parameters that springs have.
 const SLOPES: usize = 5;
-/// Steps of the differences by s and by a parameter, relatively.
-const STEP: f64 = 1e-3;
-const PARAMETER_STEP: f64 = 1e-5;
-/// Where a parameter is zero, it is moved as if it were this: K, B, J_2, K_2, B_2.
-const LEAST: [f64; SLOPES] = [1.0, 1e-2, 1e-4, 1.0, 1e-2];
 
 /// H_d and H_e.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -41,10 +36,10 @@ pub(super) struct Springs {
 }
 
 impl Springs {
-    /// At one frequency.
-    pub(super) fn of(term: Option<Term>, s: Complex64, theta: &[f64]) -> Self {
+    /// At one frequency; those of a dual-mass flywheel have slopes only where these are wanted.
+    pub(super) fn of(term: Option<Term>, s: Complex64, theta: &[f64], sloped: bool) -> Self {
         match term {
-            Some(Term::DualMass) => Self::dual_mass(s, theta),
+            Some(Term::DualMass) => Self::dual_mass(s, theta, sloped),
             Some(Term::LossFactor) => {
                 let turned = Complex64::new(1.0, theta[TERM]);
                 let mut springs = Self::one(theta, turned, Complex64::from(1.0));
@@ -73,38 +68,89 @@ impl Springs {
         Springs { sides: both([turned * theta[K], theta[B].into(), zero]), slopes }
     }
 
-    fn dual_mass(s: Complex64, theta: &[f64]) -> Self {
-        let places = [K, B, DUAL_MASS[0], DUAL_MASS[1], DUAL_MASS[2]];
-        let values = places.map(|place| theta[place]);
-        let slope = |i: usize| {
-            let step = PARAMETER_STEP * values[i].abs().max(LEAST[i]);
-            let moved = |by: f64| {
-                let mut values = values;
-                values[i] += by;
-                expanded(s, values)
+    /// With W = Z + Q, Q = J_2 s² + Z_2: H_d = Z Q/W, H_e = Z Z_2/W.
+    fn dual_mass(s: Complex64, theta: &[f64], sloped: bool) -> Self {
+        let [mass, k_2, b_2] = DUAL_MASS.map(|place| theta[place]);
+        let (one, p) = (Taylor::constant(1.0), Taylor([s, 1.0.into(), Complex64::ZERO]));
+        let square = p * p;
+        let (shaft, behind) = (one * theta[K] + p * theta[B], one * k_2 + p * b_2);
+        let far = square * mass + behind;
+        let part = (shaft + far).inverse();
+        let (of_shaft, of_behind, of_far) = (shaft * part, behind * part, far * part);
+        let sides = |dyno: Taylor, engine: Taylor| Sides { dyno: dyno.about(s), engine: engine.about(s) };
+        let mut springs = Springs { sides: sides(of_shaft * far, of_shaft * behind), slopes: [None; SLOPES] };
+        if sloped {
+            // By Z, Q and Z_2, the other two held.
+            let by_shaft = (of_far * of_far, of_behind * of_far);
+            let (by_far, by_behind) = ((of_shaft * of_shaft, -(of_shaft * of_behind)), of_shaft);
+            let by_spring = (by_far.0, by_far.1 + by_behind);
+            let of = |place: usize, (dyno, engine): (Taylor, Taylor), factor: Taylor| {
+                Some((place, sides(dyno * factor, engine * factor)))
             };
-            let (up, down) = (moved(step), moved(-step));
-            let of = |up: Orders, down: Orders| std::array::from_fn(|n| (up[n] - down[n]) / (2.0 * step));
-            Some((places[i], Sides { dyno: of(up.dyno, down.dyno), engine: of(up.engine, down.engine) }))
-        };
-        Springs { sides: expanded(s, values), slopes: std::array::from_fn(slope) }
+            springs.slopes = [
+                of(K, by_shaft, one),
+                of(B, by_shaft, p),
+                of(DUAL_MASS[0], by_far, square),
+                of(DUAL_MASS[1], by_spring, one),
+                of(DUAL_MASS[2], by_spring, p),
+            ];
+        }
+        springs
     }
 }
 
-/// H_d and H_e of two springs as polynomials of second order about s.
-fn expanded(s: Complex64, values: [f64; SLOPES]) -> Sides {
-    let h = STEP * s.norm();
-    let [below, here, above] = [s - h, s, s + h].map(|s| two_springs(s, values));
-    let about = |below: Complex64, here: Complex64, above: Complex64| {
-        let first = (above - below) / (2.0 * h);
-        let second = (above - 2.0 * here + below) / (h * h);
-        [here - s * first + 0.5 * s * s * second, first - s * second, 0.5 * second]
-    };
-    Sides { dyno: about(below.0, here.0, above.0), engine: about(below.1, here.1, above.1) }
+/// A function of p about s: value, slope, and half the curvature, the coefficients of its Taylor series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Taylor([Complex64; ORDERS]);
+
+impl Taylor {
+    fn constant(value: f64) -> Self {
+        Taylor([value.into(), Complex64::ZERO, Complex64::ZERO])
+    }
+
+    fn inverse(self) -> Self {
+        let Taylor([a, b, c]) = self;
+        let first = 1.0 / a;
+        let second = -b * first * first;
+        Taylor([first, second, -(b * second + c * first) * first])
+    }
+
+    /// The series as a polynomial in p.
+    fn about(self, s: Complex64) -> Orders {
+        let Taylor([a, b, c]) = self;
+        [a - s * (b - s * c), b - 2.0 * s * c, c]
+    }
 }
 
-fn two_springs(s: Complex64, [k, b, mass, k_2, b_2]: [f64; SLOPES]) -> (Complex64, Complex64) {
-    let (shaft, behind) = (k + b * s, k_2 + b_2 * s);
-    let whole = mass * s * s + shaft + behind;
-    (shaft * (mass * s * s + behind) / whole, shaft * behind / whole)
+impl std::ops::Add for Taylor {
+    type Output = Taylor;
+
+    fn add(self, other: Taylor) -> Taylor {
+        Taylor(std::array::from_fn(|n| self.0[n] + other.0[n]))
+    }
+}
+
+impl std::ops::Neg for Taylor {
+    type Output = Taylor;
+
+    fn neg(self) -> Taylor {
+        Taylor(self.0.map(|c| -c))
+    }
+}
+
+impl std::ops::Mul for Taylor {
+    type Output = Taylor;
+
+    fn mul(self, other: Taylor) -> Taylor {
+        let (Taylor([a, b, c]), Taylor([d, e, f])) = (self, other);
+        Taylor([a * d, a * e + b * d, a * f + b * e + c * d])
+    }
+}
+
+impl std::ops::Mul<f64> for Taylor {
+    type Output = Taylor;
+
+    fn mul(self, factor: f64) -> Taylor {
+        Taylor(self.0.map(|c| factor * c))
+    }
 }
