@@ -258,7 +258,7 @@ fn what_cannot_be_converted_is_refused() {
     refused("missing.mf4 --out b.csv", 3, &["missing.mf4"]);
     refused("a.mf4 --to ss --out b.json", 2, &["invalid value 'ss'"]);
     refused("model.json --to csv --out made", 3, &["model.json", "this is a model file", "`dynoid model"]);
-    refused("model.json --rate 10", 2, &["--rate"]);
+    refused("model.json --rate 10", 2, &["--out"]);
     let names = |folder: &TempDir| std::fs::read_dir(folder.path()).unwrap().count();
     assert_eq!(names(&folder), 2, "nothing is left behind");
 }
