@@ -191,7 +191,7 @@ mod tests {
                         let rounding = 1e-13 * at[signal][n].norm() / steps[j];
                         let apart = (difference - slope).norm();
                         assert!(
-                            apart < 1e-6 * slope.norm() + rounding,
+                            apart <= 1e-6 * slope.norm() + rounding,
                             "{term:?}: {j}, {signal}, {n}: {slope}, {difference}"
                         );
                     }
