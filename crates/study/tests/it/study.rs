@@ -127,7 +127,7 @@ fn stat_exchanged_speeds_are_noticed() {
     assert_eq!(flange(["EngineSpeed", "DynoSpeed"]), exchanged);
 }
 
-fn parameter<'a>(estimate: &'a Estimate, quantity: Quantity) -> &'a Parameter {
+fn parameter(estimate: &Estimate, quantity: Quantity) -> &Parameter {
     estimate.parameter(quantity).unwrap_or_else(|| panic!("{quantity} is missing"))
 }
 
