@@ -105,7 +105,7 @@ pub fn speed_control(controllers: &SpeedControllers<'_>, step: &(dyn Fn(&str) + 
     let of_moved = |experiment: &&Experiment| {
         step(&experiment.file);
         let found = controllers.feed_forward(experiment, best).map(|straight| {
-            let terms = feed_forward_terms(experiment, best, torque_limit_nm).into();
+            let terms = feed_forward_terms(experiment, (best, straight.lags), torque_limit_nm).into();
             Box::new(FeedForwardFound { straight: straight.as_ref().clone(), terms })
         });
         let (file, label) = (experiment.file.clone(), experiment.label.to_string());

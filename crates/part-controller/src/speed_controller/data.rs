@@ -1,7 +1,7 @@
 //! The signals of a speed controller, stretch by stretch.
 
 use rig::estimation::{EstimateError, longest_unsaturated, need, noise_floor};
-use rig::results::Stretch;
+use rig::results::{DemandLags, Stretch};
 use rig::{Experiment, Role};
 use signal::Signal;
 use signal::spline::UniformSpline;
@@ -35,11 +35,11 @@ impl Data {
         let speed = need(experiment, Role::DynoSpeed)?;
         let (from, to) = longest_unsaturated(experiment, torque_limit_nm, SHORTEST_S)?;
         let phase = phase_of(speed);
-        Ok(Data::cut(experiment, (demand, reference, speed), &phase, (from, to)))
+        Ok(Data::cut(&experiment.file, (demand, reference, speed), &phase, (from, to)))
     }
 
     fn cut(
-        experiment: &Experiment,
+        file: &str,
         (demand, reference, speed): (&Signal, &Signal, &Signal),
         phase_rad: &[f64],
         (from, to): (f64, f64),
@@ -52,13 +52,24 @@ impl Data {
             phase_rad: phase_rad[first..first + cut.len()].to_vec(),
             speed: cut,
             further: Vec::new(),
-            stretch: Stretch { file: experiment.file.clone(), start_s: from, end_s: to },
+            stretch: Stretch { file: file.to_owned(), start_s: from, end_s: to },
         }
     }
 
     /// The part of this stretch from `from` to `to`.
-    pub(super) fn part(&self, experiment: &Experiment, window: (f64, f64)) -> Self {
-        Data::cut(experiment, (&self.demand, &self.reference, &self.speed), &self.phase_rad, window)
+    pub(super) fn part(&self, window: (f64, f64)) -> Self {
+        Data::cut(&self.stretch.file, (&self.demand, &self.reference, &self.speed), &self.phase_rad, window)
+    }
+
+    /// The middle of this stretch, of at most so many samples of T_d*.
+    pub(super) fn middle(&self, samples: usize) -> Self {
+        let (from, to) = self.window();
+        let half_s = 0.5 * samples as f64 * self.demand.sample_time_s;
+        if to - from <= 2.0 * half_s {
+            return self.clone();
+        }
+        let centre = 0.5 * (from + to);
+        self.part((centre - half_s, centre + half_s))
     }
 
     /// The same stretch with all its signals below [`CUTOFF_PART`] of the sample rate, in phase. The model is linear, so it
@@ -92,9 +103,9 @@ impl Data {
         (self.stretch.start_s, self.stretch.end_s)
     }
 
-    pub(super) fn model(&self, reference_lag: usize, free: &dyn Fn(usize) -> bool) -> InverseController {
+    pub(super) fn model(&self, lags: DemandLags, free: &dyn Fn(usize) -> bool) -> InverseController {
         let clocked = (&self.demand, &self.reference, self.further.as_slice());
-        InverseController::new(clocked, (&self.speed, &self.phase_rad), reference_lag, free)
+        InverseController::new(clocked, (&self.speed, &self.phase_rad), lags, free)
     }
 }
 

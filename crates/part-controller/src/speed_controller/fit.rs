@@ -1,21 +1,23 @@
 //! Fitting the inverted controller, and judging it the way it is used: T_d* from measured speed.
 
+use faer::Mat;
 use ident::covariance::at_least_white;
 use ident::validate::{self, fit_percent, rms_error};
 use ident::{Bounds, Dataset, Minimum, NonlinearOptions, minimise};
 use rig::align::split_window;
 use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
-use rig::results::{Estimate, FeedForward, Parameter, Quantity, ResidualTest, SpeedController, Trace, Validation};
+use rig::results::{DemandLags, Estimate, Parameter, Quantity, ResidualTest, SpeedController, Trace, Validation};
 use rig::{Experiment, Role};
 use signal::Signal;
 use signal::spline::UniformSpline;
 
 use super::data::{Data, ident_error, signal_error, starting_point};
+use super::demand_lags::lagged;
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT};
 
 /// Share of a recording that is estimated from; the rest judges.
-const ESTIMATION_SHARE: f64 = 0.7;
+pub(super) const ESTIMATION_SHARE: f64 = 0.7;
 /// Stretches the robust covariance is built from.
 pub(super) const BATCHES: usize = 30;
 /// A gate found shorter than this many samples means that the controller reads the very samples that are logged; what was
@@ -41,8 +43,10 @@ pub struct SpeedControllerFit {
     pub(super) theta: Vec<f64>,
     /// Whether the gate was found in the data.
     pub(super) is_gated: bool,
-    /// Samples by which N_d* enters the speed error late.
-    pub(super) reference_lag: usize,
+    /// Covariance of those that were estimated.
+    pub(super) covariance: Mat<f64>,
+    /// Samples by which N_d* is late, as if the delay acted on the speed error; a constant N_d* shows nothing of it.
+    pub(super) lags: DemandLags,
     /// Step of the recorded T_d*, Nm, where its rounding hides the encoder's gate.
     pub coarse_demand_nm: Option<f64>,
 }
@@ -54,10 +58,11 @@ pub struct SpeedControllerFit {
 pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<SpeedControllerFit, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?;
     let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
-    let (known, unseen) = (data.part(experiment, estimation), data.part(experiment, validation));
-    let Found { fit, lag, smooth, start, coarse_demand_nm } = found_in(&known)?;
-    let (estimate, encoder) = described(&known, &fit, lag, coarse_demand_nm)?;
-    let without = fit_without_delay(&smooth, start, lag)?;
+    let (known, unseen) = (data.part(estimation), data.part(validation));
+    let Found { fit, lags, smooth, start, coarse_demand_nm } = found_in(&known)?;
+    let (estimate, encoder) = described(&known, &fit, lags, coarse_demand_nm)?;
+    let (covariance, _) = at_least_white(&fit, BATCHES).map_err(|e| ident_error(&known, e))?;
+    let without = fit_without_delay(&smooth, start, lags)?;
     let k_p = 1.0 / fit.parameters[inverse::P];
     let discrete = (k_p, k_p * (fit.parameters[inverse::Q] - 1.0));
     Ok(SpeedControllerFit {
@@ -66,14 +71,15 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
             estimate,
             sample_time_s: data.demand.sample_time_s,
             discrete,
-            validation: validate(&unseen, &fit.parameters, lag)?,
-            without_delay: validate(&unseen, &without.parameters, lag)?,
+            validation: validate(&unseen, &fit.parameters, lags)?,
+            without_delay: validate(&unseen, &without.parameters, lags)?,
         },
         without_delay: describe_without_delay(&known, &without)?,
         encoder,
         is_gated: !fit.at_bound[inverse::GATE_SQUARED],
         theta: fit.parameters,
-        reference_lag: lag,
+        covariance,
+        lags,
         coarse_demand_nm,
     })
 }
@@ -94,14 +100,14 @@ fn zero_of(estimate: &Estimate) -> Parameter {
 /// Those of [`estimate`].
 pub fn estimate_alone(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result<Estimate, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?;
-    let Found { fit, lag, coarse_demand_nm, .. } = found_in(&data)?;
-    Ok(described(&data, &fit, lag, coarse_demand_nm)?.0)
+    let Found { fit, lags, coarse_demand_nm, .. } = found_in(&data)?;
+    Ok(described(&data, &fit, lags, coarse_demand_nm)?.0)
 }
 
 /// PI and delay as the search left them.
 struct Found {
     fit: Minimum,
-    lag: usize,
+    lags: DemandLags,
     /// The data it was found in, and where the search began.
     smooth: Data,
     start: Vec<f64>,
@@ -113,17 +119,17 @@ fn found_in(data: &Data) -> Result<Found, EstimateError> {
     let free = |j: usize| j < inverse::K && (j != inverse::GATE_SQUARED || coarse_demand_nm.is_none());
     let smooth = data.smoothed()?;
     let start = starting_point(&smooth)?;
-    let (fit, lag) = fit_with_lag(&smooth, start.clone(), free)?;
-    Ok(Found { fit, lag, smooth, start, coarse_demand_nm })
+    let (fit, lags) = fit_with_lag(&smooth, start.clone(), free)?;
+    Ok(Found { fit, lags, smooth, start, coarse_demand_nm })
 }
 
 fn described(
     data: &Data,
     fit: &Minimum,
-    lag: usize,
+    lags: DemandLags,
     coarse_demand_nm: Option<f64>,
 ) -> Result<(Estimate, Encoder), EstimateError> {
-    let noise = refit_stretch(data, &fit.parameters, lag)?.noise_variance().sqrt();
+    let noise = refit_stretch(data, &fit.parameters, lags)?.noise_variance().sqrt();
     let (mut estimate, mut encoder) = describe(data, fit, noise)?;
     if coarse_demand_nm.is_some() {
         // A gate of nought to one sample, all alike; half of it is in the delay.
@@ -133,61 +139,21 @@ fn described(
     Ok((estimate, encoder))
 }
 
-/// Estimates the feed-forward from a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), together with the PI.
-///
-/// `judge` is another such recording, on which the estimate is judged; without one the last part of the first serves.
-///
-/// # Errors
-/// A missing signal, a constant N_d*, too short a stretch below the torque limit, or data that do not determine the
-/// parameters.
-pub fn estimate_feed_forward(
-    experiment: &Experiment,
-    judge: Option<&Experiment>,
-    controller: &SpeedControllerFit,
-    torque_limit_nm: Option<f64>,
-) -> Result<FeedForward, EstimateError> {
-    let data = Data::of(experiment, torque_limit_nm)?;
-    let (known, unseen) = match judge.map(|other| Data::of(other, torque_limit_nm)) {
-        Some(Ok(other)) => (data, other),
-        Some(Err(_)) | None => {
-            let (estimation, validation) = split_window(data.window(), ESTIMATION_SHARE);
-            (data.part(experiment, estimation), data.part(experiment, validation))
-        }
-    };
-    check_moves(experiment, &known.reference)?;
-    let fit = fit_feed_forward(&known.smoothed()?, controller)?;
-    let alone = |j: usize| if matches!(j, inverse::K | inverse::K_A) { 0.0 } else { controller.theta[j] };
-    let pi_alone: Vec<f64> = (0..COUNT).map(alone).collect();
-    Ok(FeedForward {
-        estimate: describe_feed_forward(&known, &fit)?,
-        validation: validate(&unseen, &fit.parameters, controller.reference_lag)?,
-        pi_alone: validate(&unseen, &pi_alone, controller.reference_lag)?,
-    })
-}
-
 impl SpeedControllerFit {
+    /// The delay, in whole samples of the controller.
+    pub(super) fn delay_samples(&self) -> i32 {
+        self.lags.speed_error
+    }
+
     /// Once-a-turn error of N_d in another recording in speed control, as far as the controller does not answer it:
     /// coefficients of cos φ and sin φ, φ = T Σ ω_d from the recording's first sample on. `None` where the recording
     /// cannot show.
     pub fn once_a_turn_in(&self, experiment: &Experiment, torque_limit_nm: Option<f64>) -> Option<(f64, f64)> {
         let data = Data::of(experiment, torque_limit_nm).ok()?;
-        let fit = refit_stretch(&data, &self.theta, self.reference_lag).ok()?;
+        let fit = refit_stretch(&data, &self.theta, self.lags).ok()?;
         let found = (fit.parameters[inverse::COSINE], fit.parameters[inverse::SINE]);
         (found.0.hypot(found.1) < LARGEST_ECCENTRICITY).then_some(found)
     }
-}
-
-pub(super) fn check_moves(experiment: &Experiment, reference: &Signal) -> Result<(), EstimateError> {
-    let mean = reference.mean().unwrap_or(0.0);
-    let spread = (reference.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / reference.len() as f64).sqrt();
-    if spread > 1.0 {
-        return Ok(());
-    }
-    Err(EstimateError::WeakExcitation {
-        file: experiment.file.clone(),
-        role: Role::DynoSpeedDemand,
-        standard_deviation: spread,
-    })
 }
 
 /// Fits with the lag of N_d* in the speed error made consistent with the delay found, and without a gate where there is
@@ -196,9 +162,10 @@ fn fit_with_lag(
     data: &Data,
     mut start: Vec<f64>,
     free: impl Fn(usize) -> bool,
-) -> Result<(Minimum, usize), EstimateError> {
+) -> Result<(Minimum, DemandLags), EstimateError> {
+    let of = |speed_error| DemandLags { speed_error, feed_forward: 0 };
     let mut lag = 1;
-    let mut fit = run(data, lag, &start, &free)?;
+    let mut fit = run(data, of(lag), &start, &free)?;
     let gate = fit.parameters[inverse::GATE_SQUARED].sqrt();
     let is_gated = gate >= SHORTEST_GATE;
     if !is_gated {
@@ -206,32 +173,25 @@ fn fit_with_lag(
     }
     let free = |j: usize| free(j) && (is_gated || j != inverse::GATE_SQUARED);
     let found = fit.parameters[inverse::LEAD] + if is_gated { gate / 2.0 } else { 0.0 };
-    let right_lag = found.round().max(0.0) as usize;
+    let right_lag = found.round().max(0.0) as i32;
     if right_lag != lag || !is_gated {
         lag = right_lag;
-        fit = run(data, lag, &start, free)?;
+        fit = run(data, of(lag), &start, free)?;
     }
-    Ok((fit, lag))
+    Ok((fit, of(lag)))
 }
 
-fn fit_without_delay(data: &Data, mut start: Vec<f64>, lag: usize) -> Result<Minimum, EstimateError> {
+fn fit_without_delay(data: &Data, mut start: Vec<f64>, lags: DemandLags) -> Result<Minimum, EstimateError> {
     (start[inverse::LEAD], start[inverse::GATE_SQUARED]) = (0.0, 0.0);
     let free = |j: usize| matches!(j, inverse::P | inverse::Q | inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE);
-    run(data, lag, &start, free)
-}
-
-fn fit_feed_forward(data: &Data, controller: &SpeedControllerFit) -> Result<Minimum, EstimateError> {
-    let mut start = controller.theta.clone();
-    start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
-    (start[inverse::COSINE], start[inverse::SINE]) = (0.0, 0.0);
-    run(data, controller.reference_lag, &start, |j| j <= inverse::K_A && j != inverse::GATE_SQUARED)
+    run(data, lags, &start, free)
 }
 
 /// Minimises the residual over the free parameters, from `start`; one number for each further term of the feed-forward may be
 /// missing there, which then starts at zero.
 pub(super) fn run(
     data: &Data,
-    lag: usize,
+    lags: DemandLags,
     start: &[f64],
     free: impl Fn(usize) -> bool,
 ) -> Result<Minimum, EstimateError> {
@@ -249,7 +209,7 @@ pub(super) fn run(
     start.resize(COUNT + data.further.len(), 0.0);
     let bounds: Vec<Bounds> =
         start.iter().enumerate().map(|(j, v)| if free(j) { unbounded(j) } else { Bounds::new(*v, *v) }).collect();
-    let mut model = data.model(lag, &free);
+    let mut model = data.model(lags, &free);
     minimise(&mut model, &start, &bounds, NonlinearOptions::default()).map_err(|source| ident_error(data, source))
 }
 
@@ -291,22 +251,10 @@ fn describe_without_delay(data: &Data, fit: &Minimum) -> Result<Estimate, Estima
     Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
 }
 
-fn describe_feed_forward(data: &Data, fit: &Minimum) -> Result<Estimate, EstimateError> {
-    let (covariance, dof) = at_least_white(fit, BATCHES).map_err(|e| ident_error(data, e))?;
-    let t = data.demand.sample_time_s;
-    let outputs: [ReadOut<'_>; 4] = [
-        (Quantity::SpeedFeedForward, &|g| g[inverse::K]),
-        (Quantity::AccelerationFeedForward, &|g| t * g[inverse::K_A]),
-        (Quantity::ProportionalGain, &|g| 1.0 / g[inverse::P]),
-        (Quantity::IntegralGain, &|g| g[inverse::Q] / (g[inverse::P] * t)),
-    ];
-    Ok(transformed(&outputs, fit, &covariance, dof, &data.stretch))
-}
-
 /// T_d* computed from measured speed, against T_d* recorded; residual tests on the inverted form, whose residual is the
 /// encoder's noise if the model is right.
-fn validate(data: &Data, theta: &[f64], lag: usize) -> Result<Validation, EstimateError> {
-    let modelled = forward(data, theta, lag)?;
+pub(super) fn validate(data: &Data, theta: &[f64], lags: DemandLags) -> Result<Validation, EstimateError> {
+    let modelled = forward(data, theta, lags)?;
     let measured = &data.demand.samples;
     let of = |e| ident_error(data, e);
     Ok(Validation {
@@ -317,7 +265,7 @@ fn validate(data: &Data, theta: &[f64], lag: usize) -> Result<Validation, Estima
         rms_error: rms_error(measured, &modelled).map_err(of)?,
         measured: trace(&data.demand, measured.clone()),
         modelled: trace(&data.demand, modelled),
-        residuals: Some(residual_test(data, theta, lag)?),
+        residuals: Some(residual_test(data, theta, lags)?),
     })
 }
 
@@ -326,7 +274,7 @@ fn trace(clock: &Signal, values: Vec<f64>) -> Trace {
 }
 
 /// Simulates T_d* from the measured speed, the integrator's initial state fitted.
-fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateError> {
+fn forward(data: &Data, theta: &[f64], lags: DemandLags) -> Result<Vec<f64>, EstimateError> {
     let turn = |(w, angle): (&f64, &f64)| {
         w * (1.0 - theta[inverse::COSINE] * angle.cos() - theta[inverse::SINE] * angle.sin())
     };
@@ -339,9 +287,9 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
     for k in 0..data.demand.len() {
         let instant = data.demand.time_s(k) - theta[inverse::LEAD] * data.demand.sample_time_s;
         let at = ((instant - data.speed.start_s) / data.speed.sample_time_s).clamp(0.0, data.speed.len() as f64 - 1.0);
-        let error = spline.value(at) - reference[k.saturating_sub(lag)];
-        let feed =
-            theta[inverse::K] * reference[k] + theta[inverse::K_A] * (reference[k] - reference[k.saturating_sub(1)]);
+        let error = spline.value(at) - lagged(reference, k, lags.speed_error);
+        let [now, before] = [0, 1].map(|more| lagged(reference, k, lags.feed_forward + more));
+        let feed = theta[inverse::K] * now + theta[inverse::K_A] * (now - before);
         output.push(k_p * error + integral + feed);
         integral += step * error;
     }
@@ -350,9 +298,9 @@ fn forward(data: &Data, theta: &[f64], lag: usize) -> Result<Vec<f64>, EstimateE
     Ok(output)
 }
 
-fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest, EstimateError> {
-    let fit = refit_stretch(data, theta, lag)?;
-    let positions = data.model(lag, &|_| false).kept();
+fn residual_test(data: &Data, theta: &[f64], lags: DemandLags) -> Result<ResidualTest, EstimateError> {
+    let fit = refit_stretch(data, theta, lags)?;
+    let positions = data.model(lags, &|_| false).kept();
     let input = demand_at_speed(data, positions);
     let test = validate::ResidualTest { lags: LAGS, level: TEST_LEVEL, ..Default::default() };
     let seen = Dataset::siso(data.speed.sample_time_s, &input, &fit.residuals).map_err(|e| ident_error(data, e))?;
@@ -370,10 +318,10 @@ fn residual_test(data: &Data, theta: &[f64], lag: usize) -> Result<ResidualTest,
 }
 
 /// Fits what belongs to a stretch itself, its initial state and the angle's zero, and leaves the controller as it is.
-fn refit_stretch(data: &Data, theta: &[f64], lag: usize) -> Result<Minimum, EstimateError> {
+fn refit_stretch(data: &Data, theta: &[f64], lags: DemandLags) -> Result<Minimum, EstimateError> {
     let mut start = theta.to_vec();
     start[inverse::FIRST_ERROR] = data.speed.samples[0] - data.reference.samples[0];
-    run(data, lag, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))
+    run(data, lags, &start, |j| matches!(j, inverse::FIRST_ERROR | inverse::COSINE | inverse::SINE))
 }
 
 /// T_d* held at the instants of N_d.

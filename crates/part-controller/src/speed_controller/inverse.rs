@@ -4,8 +4,11 @@ use std::ops::Range;
 
 use faer::MatMut;
 use ident::{IdentError, ResidualModel};
+use rig::results::DemandLags;
 use signal::Signal;
 use signal::spline::UniformSpline;
+
+use super::demand_lags::{lagged, shifted};
 
 /// Samples at both ends that the spline's ends and the delay spoil.
 const EDGE: usize = 20;
@@ -37,7 +40,7 @@ pub(super) const COUNT: usize = 13;
 pub(super) struct InverseController {
     /// T_d*, Nm, on the controller's clock.
     demand: Vec<f64>,
-    /// N_d*, rad/s, on the controller's clock.
+    /// N_d* as it enters the speed error, rad/s, on the controller's clock.
     reference: Vec<f64>,
     /// What feeds forward, with its parameter: N_d*, its change from sample to sample, further terms.
     feeds: Vec<(usize, Vec<f64>)>,
@@ -49,8 +52,6 @@ pub(super) struct InverseController {
     positions: Vec<f64>,
     /// Samples of N_d that are predicted.
     kept: Range<usize>,
-    /// Samples by which N_d* enters the speed error late.
-    reference_lag: usize,
     /// Parameters with a column in the Jacobian; that of the others stays zero.
     free: Vec<bool>,
     /// The speed error seen by the controller, reused at every evaluation.
@@ -64,7 +65,7 @@ impl InverseController {
     pub(super) fn new(
         (demand, reference, further): (&Signal, &Signal, &[Signal]),
         (speed, phase_rad): (&Signal, &[f64]),
-        reference_lag: usize,
+        lags: DemandLags,
         free: &dyn Fn(usize) -> bool,
     ) -> Self {
         let n = demand.len().min(reference.len());
@@ -75,18 +76,19 @@ impl InverseController {
         let count = positions.iter().filter(|p| inside(p)).count();
         let turn =
             [f64::cos, f64::sin].map(|f| speed.samples.iter().zip(phase_rad).map(|(w, angle)| w * f(*angle)).collect());
-        let reference = reference.samples[..n].to_vec();
-        let change = std::iter::once(0.0).chain(reference.windows(2).map(|pair| pair[1] - pair[0])).collect();
-        let further = further.iter().enumerate().map(|(i, signal)| (COUNT + i, signal.samples[..n].to_vec()));
+        let reference = &reference.samples[..n];
+        let fed = shifted(reference, lags.feed_forward);
+        let change = (0..n).map(|k| fed[k] - lagged(reference, k, lags.feed_forward + 1)).collect();
+        let late = |signal: &Signal| shifted(&signal.samples[..n], lags.feed_forward);
+        let further = further.iter().enumerate().map(|(i, signal)| (COUNT + i, late(signal)));
         InverseController {
             demand: demand.samples[..n].to_vec(),
-            feeds: [(K, reference.clone()), (K_A, change)].into_iter().chain(further.clone()).collect(),
-            reference,
+            feeds: [(K, fed), (K_A, change)].into_iter().chain(further.clone()).collect(),
+            reference: shifted(reference, lags.speed_error),
             speed: speed.samples.clone(),
             turn,
             positions,
             kept: first..first + count,
-            reference_lag,
             free: (0..COUNT + further.len()).map(free).collect(),
             error: vec![0.0; n],
         }
@@ -95,6 +97,16 @@ impl InverseController {
     /// Samples of N_d that are predicted.
     pub(super) fn kept(&self) -> Range<usize> {
         self.kept.clone()
+    }
+
+    /// Instant of a sample of N_d, in samples of the controller.
+    pub(super) fn position(&self, i: usize) -> f64 {
+        self.positions[i]
+    }
+
+    /// N_d cos φ and N_d sin φ at the samples that are predicted.
+    pub(super) fn once_a_turn(&self) -> [Vec<f64>; 2] {
+        [0, 1].map(|k| self.turn[k][self.kept()].to_vec())
     }
 
     /// e(k) = [p Δv(k) + (1 − q) e(k − 1) + r (2 e(k − 1) − e(k − 2)) − w Σ_{j ≤ k−2} e(j)]/(1 + r), v = T_d* less the
@@ -139,8 +151,7 @@ impl InverseController {
 
     /// The speed that the controller's own filter has let through, on the controller's clock.
     fn filtered_speed(&self) -> Vec<f64> {
-        let lagged = |k: usize| self.reference[k.saturating_sub(self.reference_lag)];
-        self.error.iter().enumerate().map(|(k, e)| e + lagged(k)).collect()
+        self.error.iter().zip(&self.reference).map(|(error, demand)| error + demand).collect()
     }
 
     fn write_jacobian(
@@ -239,7 +250,7 @@ fn steps(series: &[f64]) -> Vec<f64> {
     std::iter::once(0.0).chain(series.windows(2).map(|pair| pair[1] - pair[0])).collect()
 }
 
-fn spline_of(values: Vec<f64>) -> Result<UniformSpline, IdentError> {
+pub(super) fn spline_of(values: Vec<f64>) -> Result<UniformSpline, IdentError> {
     let samples = values.len();
     UniformSpline::new(values).map_err(|_| IdentError::TooFewSamples { samples, parameters: COUNT })
 }

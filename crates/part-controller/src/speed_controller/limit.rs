@@ -19,6 +19,7 @@ use serde::Serialize;
 use signal::spline::UniformSpline;
 
 use super::data::signal_error;
+use super::demand_lags::{lagged, shifted};
 use super::fit::SpeedControllerFit;
 use super::inverse;
 use super::terms::LEVEL;
@@ -263,16 +264,21 @@ impl ControllerSignals {
         let speed = need(experiment, Role::DynoSpeed)?;
         let file = experiment.file.as_str();
         let spline = UniformSpline::new(speed.samples.clone()).map_err(|e| signal_error(file, e))?;
-        let (theta, lag, t) = (&controller.theta, controller.reference_lag, demand.sample_time_s);
+        let (theta, t) = (&controller.theta, demand.sample_time_s);
+        let lags = feed_forward.map_or(controller.lags, |f| f.lags);
         let coefficient = |quantity| feed_forward.and_then(|f| f.estimate.parameter(quantity)).map_or(0.0, |p| p.value);
         let k = coefficient(Quantity::SpeedFeedForward);
         let k_a = coefficient(Quantity::AccelerationFeedForward) / t;
         let n = demand.len().min(reference.len());
-        let set = |i: usize| reference.samples[i];
-        let feed: Vec<f64> = (0..n).map(|i| k * set(i) + k_a * (set(i) - set(i.saturating_sub(1)))).collect();
+        let set = |i: usize, lag: i32| lagged(&reference.samples[..n], i, lag);
+        let fed = |i: usize| {
+            let now = set(i, lags.feed_forward);
+            k * now + k_a * (now - set(i, lags.feed_forward + 1))
+        };
+        let feed: Vec<f64> = (0..n).map(fed).collect();
         let error = |i: usize| {
             let at = (demand.time_s(i) - theta[inverse::LEAD] * t - speed.start_s) / speed.sample_time_s;
-            spline.value(at.clamp(0.0, speed.len() as f64 - 1.0)) - set(i.saturating_sub(lag))
+            spline.value(at.clamp(0.0, speed.len() as f64 - 1.0)) - set(i, lags.speed_error)
         };
         let error: Vec<f64> = (0..n).map(error).collect();
         let proportional_nm: Vec<f64> = error.iter().map(|e| e / theta[inverse::P]).collect();
@@ -281,7 +287,7 @@ impl ControllerSignals {
             limit_nm,
             gain: theta[inverse::Q] / theta[inverse::P],
             integrator_nm: (0..n).map(|i| demand.samples[i] - proportional_nm[i] - feed[i]).collect(),
-            feed_nm: (0..n).map(|i| feed[i.saturating_sub(lag)]).collect(),
+            feed_nm: shifted(&feed, lags.speed_error - lags.feed_forward),
             error,
             proportional_nm,
         })

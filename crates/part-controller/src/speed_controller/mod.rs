@@ -5,9 +5,11 @@
 //! speed error it must have seen, and the measured speed is compared with that (an output-error fit whose residual is
 //! the encoder's noise).
 //!
-//! Controller, at its own sample time T, with e(k) = N_d(kT − τ) − N_d*(k − l) and l = τ/T rounded:
+//! Controller, at its own sample time T, with e(k) = N_d(kT − τ) − N_d*(k − l):
 //!
-//! T_d*(k) = K_p e(k) + I(k) + k N_d*(k) + k_a (N_d*(k) − N_d*(k − 1))/T,  I(k + 1) = I(k) + K_i T e(k).
+//! T_d*(k) = K_p e(k) + I(k) + k N_d*(k − f) + k_a (N_d*(k − f) − N_d*(k − f − 1))/T,  I(k + 1) = I(k) + K_i T e(k).
+//!
+//! Lags l and f show where the delay acts: on the measured speed, the speed error or the whole output.
 //!
 //! Integrating by backward or trapezoidal rule gives the same sequence with K_p less by K_i T or K_i T/2: the rule
 //! cannot be determined from data, so forward Euler, which is also the exact discretisation of (6.5) under a held input, is
@@ -17,7 +19,9 @@
 //! Thesis (6.2), (6.5)–(6.7); Ljung 1999, §4.3 (output error), §9.4.
 
 mod data;
+mod demand_lags;
 mod encoder;
+mod feed_forward;
 mod fit;
 mod forward;
 mod inverse;
@@ -25,8 +29,9 @@ mod limit;
 mod terms;
 
 pub use encoder::Encoder;
+pub use feed_forward::estimate_feed_forward;
 pub use fit::estimate_alone;
-pub use fit::{SpeedControllerFit, estimate, estimate_feed_forward};
+pub use fit::{SpeedControllerFit, estimate};
 pub use forward::estimate_forward;
 pub use limit::{AntiWindup, LawTest, Limit, LimitReached, limit};
 pub use terms::{

@@ -16,12 +16,13 @@ use ident::covariance::at_least_white;
 use ident::distributions::{f_tail, interval, student_t_quantile};
 use rig::Experiment;
 use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
-use rig::results::{Estimate, Parameter, Quantity, Stretch};
+use rig::results::{DemandLags, Estimate, Parameter, Quantity, Stretch};
 use serde::Serialize;
 use signal::Signal;
 
 use super::data::{Data, ident_error};
-use super::fit::{BATCHES, SpeedControllerFit, check_moves, run};
+use super::feed_forward::check_moves;
+use super::fit::{BATCHES, SpeedControllerFit, run};
 use super::inverse::{self, COUNT};
 
 /// Probability of finding any term where there is none.
@@ -184,7 +185,7 @@ pub fn structure(
     let fit = |terms: &[Term], start: &[f64]| {
         let is_own = |j: usize| j < inverse::K && (j != inverse::GATE_SQUARED || has_gate);
         let free = |j: usize| is_own(j) || terms.iter().any(|term| positions(*term).contains(&j));
-        Ok((data.clone(), run(&data, controller.reference_lag, start, free)?))
+        Ok((data.clone(), run(&data, controller.lags, start, free)?))
     };
     let all = [Term::Filter, Term::Derivative, Term::SecondIntegrator, Term::SpeedOffset];
     let Searched { rounds, data, base, last } = search(&all, &fit, &start)?;
@@ -198,13 +199,13 @@ pub fn structure(
     })
 }
 
-/// Tests the feed-forward in a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT).
+/// Tests the feed-forward in a recording in which N_d* moves (Levels_N_NT, Ramp_N_NT), with the lags of its straight form.
 ///
 /// # Errors
 /// Those of [`super::estimate_feed_forward`].
 pub fn feed_forward_terms(
     experiment: &Experiment,
-    controller: &SpeedControllerFit,
+    (controller, lags): (&SpeedControllerFit, DemandLags),
     torque_limit_nm: Option<f64>,
 ) -> Result<FeedForwardTerms, EstimateError> {
     let data = Data::of(experiment, torque_limit_nm)?;
@@ -222,7 +223,7 @@ pub fn feed_forward_terms(
     };
     let fit = |terms: &[Term], start: &[f64]| {
         let smooth = Data { further: terms.iter().flat_map(further).collect(), ..data.clone() }.smoothed()?;
-        let fit = run(&smooth, controller.reference_lag, start, free)?;
+        let fit = run(&smooth, lags, start, free)?;
         Ok((smooth, fit))
     };
     let Searched { rounds, base, .. } = search(&[Term::StaticMap, Term::Hysteresis, Term::Friction], &fit, &start)?;

@@ -37,7 +37,9 @@ fn bent(hidden: &Hidden, plan: &ExperimentPlan) -> FeedForwardTerms {
     let bs = Hidden { bend_nm: 0.0, hysteresis_nm: 0.0, friction_nm: 0.0, ..hidden.clone() };
     let bs = bs.rewrite(&recorded(&parameters, &ExperimentPlan::bs_t_nt(1200.0, 20.0), 3));
     let fit = estimate(&bs, Some(LIMIT_NM)).unwrap();
-    feed_forward_terms(&hidden.rewrite(&recorded(&parameters, plan, 4)), &fit, Some(LIMIT_NM)).unwrap()
+    let moved = hidden.rewrite(&recorded(&parameters, plan, 4));
+    let lags = estimate_feed_forward(&moved, None, &fit, Some(LIMIT_NM)).unwrap().lags;
+    feed_forward_terms(&moved, (&fit, lags), Some(LIMIT_NM)).unwrap()
 }
 
 fn levels() -> ExperimentPlan {
@@ -224,8 +226,9 @@ fn stat_what_is_not_there_is_found_no_more_often_than_the_level_says() {
         let bs = record(&ExperimentPlan::bs_t_nt(speed_rpm, 12.0));
         let fit = estimate(&bs, Some(LIMIT_NM)).unwrap();
         let beside = structure(&bs, &fit, Some(LIMIT_NM)).unwrap();
-        let bent =
-            feed_forward_terms(&record(&ExperimentPlan::levels_n_nt(1200.0, 20.0)), &fit, Some(LIMIT_NM)).unwrap();
+        let moved = record(&ExperimentPlan::levels_n_nt(1200.0, 20.0));
+        let lags = estimate_feed_forward(&moved, None, &fit, Some(LIMIT_NM)).unwrap().lags;
+        let bent = feed_forward_terms(&moved, (&fit, lags), Some(LIMIT_NM)).unwrap();
         let verdicts = |rounds: &[part_controller::speed_controller::Round]| -> Vec<(Term, f64, Verdict)> {
             rounds[0].tests.iter().map(|t| (t.term, t.adjusted_p_value, t.verdict)).collect()
         };

@@ -1,6 +1,7 @@
 //! Why a part of the bench cannot be estimated.
 
 use crate::Role;
+use crate::results::Quantity;
 
 /// Why a part of the bench cannot be estimated from a recording.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -50,6 +51,21 @@ pub enum EstimateError {
         file: String,
         /// Role.
         role: Role,
+    },
+    /// A number that is known from another recording comes out quite different.
+    #[error(
+        "{file}: {} comes out as {:.4e} ± {:.1e} (SI), and another recording gives {:.4e} ± {:.1e}; the two contradict each other",
+        .quantity.notation().symbol, .here.0, .here.1, .known.0, .known.1
+    )]
+    Contradiction {
+        /// File.
+        file: String,
+        /// What is contradicted.
+        quantity: Quantity,
+        /// Its value and standard error here, SI.
+        here: (f64, f64),
+        /// The same from the other recording.
+        known: (f64, f64),
     },
     /// Numbers do not allow an estimate.
     #[error("{file}: {source}")]

@@ -11,8 +11,8 @@ pub use estimate::{Estimate, Parameter, Stretch, WrittenParameter};
 pub use notation::{Notation, write_notation, write_symbol};
 pub use outcome::{Need, Part, Told, Untold};
 pub use parts::{
-    DelayRoute, FeedForward, MeasuredResponse, ResidualSpectrum, Shaft, SignalDelay, SpeedController, Timing,
-    TorqueControl,
+    DelayPlace, DelayRoute, DemandLags, FeedForward, MeasuredResponse, ResidualSpectrum, Shaft, SignalDelay,
+    SpeedController, Timing, TorqueControl,
 };
 pub use quantity::Quantity;
 pub use validation::{ResidualTest, Trace, Validation};

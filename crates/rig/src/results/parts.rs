@@ -91,12 +91,39 @@ fn write_discrete<S: Serializer>(discrete: &(f64, f64), serializer: S) -> Result
 /// Feed-forward k N_d* + m + k_a dN_d*/dt; m is not separable from the integrator's initial state.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FeedForward {
-    /// k and k_a.
+    /// k and k_a. Their intervals also hold what they are where the delay acts at another of the places that the recording
+    /// allows; their standard errors are those of the first place.
     pub estimate: Estimate,
+    /// By how much N_d* is late in the controller.
+    pub lags: DemandLags,
+    /// Where the controller's delay may act, the likeliest first; empty where N_d* is late in a way that no place explains.
+    pub delay_places: Vec<DelayPlace>,
     /// Held-out data: PI and feed-forward.
     pub validation: Validation,
     /// Same data: PI alone.
     pub pi_alone: Validation,
+}
+
+/// Samples of the controller by which N_d* is late where it is used; −1 where it is recorded one sample after the controller has
+/// it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct DemandLags {
+    /// In the speed error.
+    pub speed_error: i32,
+    /// In the feed-forward.
+    pub feed_forward: i32,
+}
+
+/// Where the delay of a speed controller acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DelayPlace {
+    /// On the measured speed alone.
+    MeasuredSpeed,
+    /// On the speed error: PI is late, and the feed-forward acts at once (thesis 6.2).
+    SpeedError,
+    /// On the whole output: PI and feed-forward.
+    WholeOutput,
 }
 
 /// Closed-loop torque control, T_d* → T_d.
