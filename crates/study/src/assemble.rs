@@ -47,8 +47,8 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     let torque_control = torque_control_on_one_clock(parts);
     let model = BenchModel {
         mechanics,
-        speed_controller: parts.speed_controller.and_then(controller),
-        feed_forward: parts.feed_forward.and_then(feed_forward),
+        speed_controller: parts.speed_controller.and_then(|part| controller(part, parts.feed_forward)),
+        feed_forward: parts.feed_forward.and_then(|part| feed_forward(part, parts.speed_controller?.sample_time_s)),
         torque_control: torque_control.as_ref().and_then(torque_control_model),
         torque_limit_nm: facts.torque_limit_nm,
         encoder_gate_s: parts.encoder_gate_s,
@@ -86,20 +86,25 @@ fn value(estimate: &Estimate, which: ModelParameter) -> Option<f64> {
     Some(estimate.parameter(which.quantity())?.value)
 }
 
-fn controller(part: &SpeedController) -> Option<PiController> {
+/// With the delay of N_d* that the feed-forward's recording shows; without one, as if the delay acted on the speed error.
+fn controller(part: &SpeedController, feed_forward: Option<&FeedForward>) -> Option<PiController> {
     let value = |which| value(&part.estimate, which);
+    let delay_s = value(ModelParameter::ControllerDelay)?.max(0.0);
+    let of_lags = |found: &FeedForward| f64::from(found.lags.speed_error) * part.sample_time_s;
     Some(PiController {
         proportional_nm_s_per_rad: value(ModelParameter::Proportional)?,
         integral_nm_per_rad: value(ModelParameter::Integral)?,
-        delay_s: value(ModelParameter::ControllerDelay)?.max(0.0),
+        delay_s,
+        demand_delay_s: feed_forward.map_or(delay_s, of_lags),
         sample_time_s: part.sample_time_s,
     })
 }
 
-fn feed_forward(part: &FeedForward) -> Option<FeedForwardGains> {
+fn feed_forward(part: &FeedForward, sample_time_s: f64) -> Option<FeedForwardGains> {
     Some(FeedForwardGains {
         speed_nm_s_per_rad: value(&part.estimate, ModelParameter::SpeedFeedForward)?,
         acceleration_nm_s2_per_rad: value(&part.estimate, ModelParameter::AccelerationFeedForward)?,
+        delay_s: f64::from(part.lags.feed_forward) * sample_time_s,
     })
 }
 

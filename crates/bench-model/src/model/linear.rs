@@ -47,11 +47,20 @@ impl Mechanics {
 }
 
 impl PiController {
-    /// ω_d − ω_d* → T_d*, Nm s/rad: the difference equation at e^{jωT}, and e^{−jωτ}.
+    /// ω_d → T_d*, Nm s/rad: the difference equation at e^{jωT}, and e^{−jωτ}.
     pub fn response(&self, omega_rad_s: f64) -> Complex64 {
+        self.immediate_response(omega_rad_s) * Complex64::cis(-omega_rad_s * self.delay_s)
+    }
+
+    /// −ω_d* → T_d*, Nm s/rad: the same with the delay of the demand.
+    pub fn demand_response(&self, omega_rad_s: f64) -> Complex64 {
+        self.immediate_response(omega_rad_s) * Complex64::cis(-omega_rad_s * self.demand_delay_s)
+    }
+
+    fn immediate_response(&self, omega_rad_s: f64) -> Complex64 {
         let back = Complex64::cis(-omega_rad_s * self.sample_time_s);
         let integral = self.integral_nm_per_rad * self.sample_time_s * back / (ONE - back);
-        (integral + self.proportional_nm_s_per_rad) * Complex64::cis(-omega_rad_s * self.delay_s)
+        integral + self.proportional_nm_s_per_rad
     }
 
     /// Sample and hold, (1 − e^{−sT})/(sT).
@@ -64,7 +73,8 @@ impl FeedForwardGains {
     /// ω_d* → T_d*, Nm s/rad; the derivative is the controller's backward difference.
     pub fn response(&self, omega_rad_s: f64, sample_time_s: f64) -> Complex64 {
         let difference = (ONE - Complex64::cis(-omega_rad_s * sample_time_s)) / sample_time_s;
-        difference * self.acceleration_nm_s2_per_rad + self.speed_nm_s_per_rad
+        let immediate = difference * self.acceleration_nm_s2_per_rad + self.speed_nm_s_per_rad;
+        immediate * Complex64::cis(-omega_rad_s * self.delay_s)
     }
 }
 
@@ -97,7 +107,7 @@ impl BenchModel {
         let pi = self.speed_controller.as_ref()?;
         let zero = Complex64::new(0.0, 0.0);
         let feed_forward = self.feed_forward.map_or(zero, |f| f.response(omega_rad_s, pi.sample_time_s));
-        let forward = self.demand_to_speed(omega_rad_s)? * (feed_forward - pi.response(omega_rad_s));
+        let forward = self.demand_to_speed(omega_rad_s)? * (feed_forward - pi.demand_response(omega_rad_s));
         Some(forward / (self.open_loop(omega_rad_s)? + 1.0))
     }
 

@@ -41,18 +41,22 @@ pub struct PiController {
     pub integral_nm_per_rad: f64,
     /// τ, s.
     pub delay_s: f64,
+    /// The delay of ω_d* in the speed error, s: τ where the delay acts on that error, less where it acts on the measured speed.
+    pub demand_delay_s: f64,
     /// Time between updates, s.
     pub sample_time_s: f64,
 }
 
-/// Feed-forward k ω_d* + k_a dω_d*/dt (6.7 and the acceleration term), not delayed. The constant m is part of the
-/// integrator's initial state.
+/// Feed-forward k ω_d* + k_a dω_d*/dt (6.7 and the acceleration term). The constant m is part of the integrator's
+/// initial state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FeedForwardGains {
     /// k, Nm s/rad.
     pub speed_nm_s_per_rad: f64,
     /// k_a, Nm s²/rad.
     pub acceleration_nm_s2_per_rad: f64,
+    /// Its delay, s: zero where it acts at once.
+    pub delay_s: f64,
 }
 
 /// Torque control: T_d = e^{−s d} a/(s + a) T_d*.

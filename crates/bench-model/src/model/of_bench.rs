@@ -22,11 +22,13 @@ impl BenchModel {
                 proportional_nm_s_per_rad: bench.controller.proportional_nm_s_per_rad,
                 integral_nm_per_rad: bench.controller.integral_nm_per_rad,
                 delay_s: bench.controller.delay_s,
+                demand_delay_s: bench.controller.delay_s,
                 sample_time_s: UPDATE_S,
             }),
             feed_forward: Some(FeedForwardGains {
                 speed_nm_s_per_rad: bench.controller.speed_feed_forward_nm_s_per_rad,
                 acceleration_nm_s2_per_rad: bench.controller.acceleration_feed_forward_nm_s2_per_rad,
+                delay_s: 0.0,
             }),
             torque_control: Some(TorqueControlModel { delay_s: bench.drive.delay_s, bandwidth_rad_s: Some(bandwidth) }),
             torque_limit_nm: Some(bench.drive.torque_limit_nm),

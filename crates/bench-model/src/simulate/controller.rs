@@ -15,7 +15,8 @@ pub(super) struct Pi {
     feed_forward: Option<FeedForwardGains>,
     limit_nm: f64,
     integral_nm: f64,
-    last_demand_rad_s: Option<f64>,
+    /// Samples by which N_d* is later in the speed error than N_d, and late in the feed-forward.
+    lags: (isize, isize),
 }
 
 impl Pi {
@@ -24,19 +25,30 @@ impl Pi {
         if (gains.sample_time_s - sample_time_s).abs() > SAME_CLOCK * sample_time_s {
             return Err(SimulationError::Clock { inputs_s: sample_time_s, controller_s: gains.sample_time_s });
         }
+        let samples = |time_s: f64| (time_s / gains.sample_time_s).round() as isize;
         Ok(Pi {
             gains,
             feed_forward: model.feed_forward,
             limit_nm: model.torque_limit_nm.unwrap_or(f64::INFINITY),
             integral_nm: start.integrator_nm,
-            last_demand_rad_s: None,
+            lags: (
+                samples(gains.demand_delay_s - gains.delay_s),
+                samples(model.feed_forward.map_or(0.0, |f| f.delay_s)),
+            ),
         })
     }
 
-    /// One update; returns T_d* at this sample.
-    pub(super) fn update(&mut self, reading_rad_s: f64, demand_rad_s: f64, streams: &mut Streams) -> Option<f64> {
-        let feed_forward = self.feed_forward_nm(demand_rad_s);
-        let output = self.pi_nm(reading_rad_s - demand_rad_s, feed_forward);
+    /// The update at sample `k` of the demand; returns T_d* at this sample.
+    pub(super) fn update(
+        &mut self,
+        reading_rad_s: f64,
+        (demand, k): (&[f64], usize),
+        streams: &mut Streams,
+    ) -> Option<f64> {
+        let late = |lag: isize| demand[k.saturating_add_signed(-lag).min(demand.len() - 1)];
+        let (in_error, in_feed) = self.lags;
+        let feed_forward = self.feed_forward_nm(late(in_feed), late(in_feed + 1));
+        let output = self.pi_nm(reading_rad_s - late(in_error), feed_forward);
         let updates = self.gains.delay_s / self.gains.sample_time_s;
         streams.push_controller(output, feed_forward, updates)
     }
@@ -52,9 +64,8 @@ impl Pi {
         output
     }
 
-    fn feed_forward_nm(&mut self, demand: f64) -> f64 {
-        let last = self.last_demand_rad_s.replace(demand).unwrap_or(demand);
-        let acceleration = (demand - last) / self.gains.sample_time_s;
+    fn feed_forward_nm(&self, demand: f64, before: f64) -> f64 {
+        let acceleration = (demand - before) / self.gains.sample_time_s;
         self.feed_forward.map_or(0.0, |f| f.speed_nm_s_per_rad * demand + f.acceleration_nm_s2_per_rad * acceleration)
     }
 }

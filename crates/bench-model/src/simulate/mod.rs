@@ -153,7 +153,7 @@ fn run(
         }
         let inputs = &Inputs { engine_torque_nm: &engine_torque_nm, ..*inputs };
         let demand = match (inputs.dyno, pi.as_mut()) {
-            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(reading, demand[k], &mut streams),
+            (DynoInput::SpeedDemand(demand), Some(pi)) => pi.update(reading, (demand, k), &mut streams),
             (DynoInput::TorqueDemand(demand), _) => streams.push_demand(demand[k]),
             _ => None,
         };

@@ -85,7 +85,7 @@ pub(super) fn by_demand(model: &BenchModel, excited: ExcitedDemand, hold_s: f64,
         ExcitedDemand::Speed => {
             let pi = model.speed_controller.as_ref()?;
             let feed_forward = model.feed_forward.map(|f| f.response(omega, pi.sample_time_s)).unwrap_or_default();
-            let controller = (feed_forward - pi.response(omega)) / (model.open_loop(omega)? + 1.0);
+            let controller = (feed_forward - pi.demand_response(omega)) / (model.open_loop(omega)? + 1.0);
             // The demand is held over several updates, the controller's output over one.
             let demand = controller * (mean_over(hold_s, omega) / pi.hold(omega));
             Some(Motion::of_torque(&model.mechanics, omega, demand, torque_control * pi.hold(omega) * demand))

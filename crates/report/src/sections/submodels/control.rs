@@ -1,6 +1,6 @@
 //! Speed control, feed-forward and torque control.
 
-use rig::results::{Estimate, FeedForward, Part, Quantity, SpeedController, TorqueControl};
+use rig::results::{DelayPlace, Estimate, FeedForward, Part, Quantity, SpeedController, TorqueControl};
 use study::Study;
 
 use page::{Block, Blocks};
@@ -85,10 +85,34 @@ pub(crate) fn feed_forward(study: &Study) -> Blocks {
         parameters(&part.estimate, &[]),
         fit_line(&part.validation).into(),
         Block::paragraph(note).into(),
+        Block::paragraph(delay_places(&part.delay_places)).into(),
         comparison(title, &part.validation, Some(("PI alone", &part.pi_alone))).into(),
         residual_test(&part.validation).into(),
     ];
     all.into_iter().collect()
+}
+
+/// Where the controller's delay acts, as far as the recording shows it.
+fn delay_places(places: &[DelayPlace]) -> String {
+    let named = |place: &DelayPlace| match place {
+        DelayPlace::MeasuredSpeed => "the measured speed alone",
+        DelayPlace::SpeedError => "the speed error, so that the feed-forward acts at once",
+        DelayPlace::WholeOutput => "the whole output",
+    };
+    match places {
+        [] => {
+            "N_d* is delayed in a way that no usual controller explains. Check the clocks of N_d* and T_d*.".to_owned()
+        }
+        [one] => format!("The delay of the controller acts on {}.", named(one)),
+        several => {
+            let all: Vec<&str> = several.iter().map(named).collect();
+            format!(
+                "The recording cannot show where the delay of the controller acts: on {}. The intervals of k and k_a hold for \
+                 each of them.",
+                all.join(", or on ")
+            )
+        }
+    }
 }
 
 /// What a delay below zero means, where one is.
