@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use part_controller::speed_controller::{estimate, estimate_feed_forward};
 use rig::estimation::EstimateError;
-use rig::results::{Estimate, Quantity};
+use rig::results::{DelayPlace, Estimate, Quantity};
 use rig::{Experiment, Role};
 use signal::Signal;
 use signal::excitation::Random;
@@ -27,6 +27,10 @@ struct Case {
     noise_rad_s: f64,
     eccentricity: f64,
     ramps: bool,
+    /// Where the delay acts.
+    place: DelayPlace,
+    /// Whether dN_d*/dt is the change to the next sample, not from the last.
+    looks_ahead: bool,
     /// The recorded T_d* is rounded to multiples of this, Nm; zero: not rounded.
     demand_step_nm: f64,
     seed: u64,
@@ -41,6 +45,8 @@ impl Default for Case {
             noise_rad_s: 0.0,
             eccentricity: 0.0,
             ramps: false,
+            place: DelayPlace::SpeedError,
+            looks_ahead: false,
             demand_step_nm: 0.0,
             seed: 1,
         }
@@ -94,9 +100,12 @@ fn record(case: Case) -> Experiment {
     let (mut demand, mut logged, mut set) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..count {
         let time = k as f64 * T;
-        let error = speed.at(time - case.delay_s) - reference(&case, k.saturating_sub(lag));
-        let step = reference(&case, k) - reference(&case, k.saturating_sub(1));
-        let feed = if case.ramps { K * reference(&case, k) + K_A * step / T } else { 0.0 };
+        let in_error = if case.place == DelayPlace::MeasuredSpeed { 0 } else { lag };
+        let error = speed.at(time - case.delay_s) - reference(&case, k.saturating_sub(in_error));
+        let fed = if case.place == DelayPlace::WholeOutput { k.saturating_sub(lag) } else { k };
+        let (from, to) = if case.looks_ahead { (fed, fed + 1) } else { (fed.saturating_sub(1), fed) };
+        let step = reference(&case, to) - reference(&case, from);
+        let feed = if case.ramps { K * reference(&case, fed) + K_A * step / T } else { 0.0 };
         let torque = K_P * error + integral + feed;
         let step = case.demand_step_nm;
         demand.push(if step > 0.0 { (torque / step).round() * step } else { torque });
@@ -164,6 +173,40 @@ fn exact_feed_forward_is_found_beside_the_controller() {
     assert!((value(&found.estimate, Quantity::SpeedFeedForward) / 0.012 - 1.0).abs() < 1e-2, "{:?}", found.estimate);
     assert!((value(&found.estimate, Quantity::AccelerationFeedForward) / -0.085 - 1.0).abs() < 1e-2);
     assert!(found.validation.fit_percent > found.pi_alone.fit_percent + 5.0);
+}
+
+#[test]
+fn exact_the_place_of_the_delay_is_found_or_its_doubt_is_in_the_intervals() {
+    for (place, looks_ahead) in [
+        (DelayPlace::MeasuredSpeed, false),
+        (DelayPlace::MeasuredSpeed, true),
+        (DelayPlace::SpeedError, false),
+        (DelayPlace::SpeedError, true),
+        (DelayPlace::WholeOutput, false),
+        (DelayPlace::WholeOutput, true),
+    ] {
+        for samples in 1..=3 {
+            let case =
+                Case { delay_s: f64::from(samples) * T, place, looks_ahead, noise_rad_s: 1e-3, ..Case::default() };
+            let controller = estimate(&record(case), None).unwrap();
+            let ramp = record(Case { ramps: true, seconds: 16.0, seed: 2, ..case });
+            let found = estimate_feed_forward(&ramp, None, &controller, None).unwrap();
+            let what = format!(
+                "{place:?}, {looks_ahead}, {samples} ms: {found:?}",
+                found = (&found.lags, &found.delay_places, &found.estimate)
+            );
+            assert!(found.delay_places.contains(&place), "{what}");
+            // Beside a delay of one sample some places look the same.
+            assert!(samples == 1 || found.delay_places == [place], "{what}");
+            for (quantity, truth) in [(Quantity::SpeedFeedForward, 0.012), (Quantity::AccelerationFeedForward, -0.085)]
+            {
+                let parameter = found.estimate.parameter(quantity).unwrap().written();
+                let (low, high) = parameter.interval;
+                assert!(low < truth && truth < high, "{what}");
+                assert!(samples == 1 || high - low < 0.05 * f64::abs(truth), "{what}");
+            }
+        }
+    }
 }
 
 #[test]
