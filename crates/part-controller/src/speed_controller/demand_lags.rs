@@ -13,6 +13,7 @@ use rig::results::{DelayPlace, DemandLags};
 
 use super::data::Data;
 use super::inverse::{self, InverseController, recursion};
+use super::lag::shifted;
 
 /// Samples that the search takes at most; more cost memory and decide nothing.
 const MOST_SAMPLES: usize = 300_000;
@@ -118,17 +119,6 @@ impl Columns {
         }
         triangle.finish()[(free.len(), free.len())].powi(2)
     }
-}
-
-/// A series later by some samples; its ends are repeated.
-pub(super) fn shifted(series: &[f64], lag: i32) -> Vec<f64> {
-    (0..series.len()).map(|k| lagged(series, k, lag)).collect()
-}
-
-/// The value of a series some samples before `k`; its ends are repeated.
-pub(super) fn lagged(series: &[f64], k: usize, lag: i32) -> f64 {
-    let last = series.len() as i64 - 1;
-    series[(k as i64 - i64::from(lag)).clamp(0, last) as usize]
 }
 
 /// One way to read a sequence of T_d*.

@@ -12,9 +12,9 @@ use signal::Signal;
 use signal::spline::UniformSpline;
 
 use super::data::{Data, ident_error, signal_error, starting_point};
-use super::demand_lags::lagged;
 use super::encoder::Encoder;
 use super::inverse::{self, COUNT};
+use super::lag::lagged;
 
 /// Share of a recording that is estimated from; the rest judges.
 pub(super) const ESTIMATION_SHARE: f64 = 0.7;

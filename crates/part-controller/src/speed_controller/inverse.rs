@@ -8,7 +8,7 @@ use rig::results::DemandLags;
 use signal::Signal;
 use signal::spline::UniformSpline;
 
-use super::demand_lags::{lagged, shifted};
+use super::lag::{lagged, shifted};
 
 /// Samples at both ends that the spline's ends and the delay spoil.
 const EDGE: usize = 20;

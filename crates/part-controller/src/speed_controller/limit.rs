@@ -19,9 +19,9 @@ use serde::Serialize;
 use signal::spline::UniformSpline;
 
 use super::data::signal_error;
-use super::demand_lags::{lagged, shifted};
 use super::fit::SpeedControllerFit;
 use super::inverse;
+use super::lag::{lagged, shifted};
 use super::terms::LEVEL;
 
 /// Within this part of the highest |T_d*| a sample counts as being at the limit.

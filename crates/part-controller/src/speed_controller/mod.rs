@@ -25,6 +25,7 @@ mod feed_forward;
 mod fit;
 mod forward;
 mod inverse;
+mod lag;
 mod limit;
 mod terms;
 
