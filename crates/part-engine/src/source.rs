@@ -6,7 +6,7 @@ use rig::BenchFile;
 use rig::estimation::Chosen;
 use rig::experiment::Sought;
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, Need, Quantity, Untold};
+use rig::results::{Estimate, Quantity, Reason};
 use serde::Serialize;
 
 /// A J_e that is less certain than this is no better than the bench file's.
@@ -73,8 +73,8 @@ impl TwoMasses {
     ///
     /// # Errors
     /// No shaft: why the last recording that was tried does not give it, or that there is none to give it.
-    pub(super) fn of(parts: &Parts<'_>) -> Result<Self, Untold> {
-        let shaft = parts.chosen_shaft().map_err(|needs| missing(needs))?;
+    pub(super) fn of(parts: &Parts<'_>) -> Result<Self, Vec<Reason>> {
+        let shaft = parts.chosen_shaft().map_err(|needs| needs.last().cloned().into_iter().collect::<Vec<_>>())?;
         let certain = |both: &Chosen<'_, Estimate>| uncertainty(&both.fit, Quantity::EngineInertia) < TOLD;
         let both = parts.chosen_inertias().ok().filter(certain);
         let both = both.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
@@ -126,18 +126,6 @@ impl TwoMasses {
         };
         let moves = |values: &[f64; PARAMETERS]| values != &self.values;
         (0..PARAMETERS).map(direction).filter(moves).collect()
-    }
-}
-
-/// Why there is no shaft, by the recording that was tried last.
-fn missing(needs: &[Need]) -> Untold {
-    match needs.last() {
-        Some(Need::Channel { role, .. }) => Untold::Missing { role: *role },
-        Some(Need::UsableData { reason, .. }) => Untold::Failed { reason: reason.clone() },
-        _ => {
-            let reason = format!("no recording gives the shaft; give one of {}", Sought::Shaft.missing().join(", "));
-            Untold::Failed { reason }
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A study in short: verdict, key numbers, what is missing and why, doubts.
 
 use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
-use rig::results::{Need, Parameter, Part, Quantity};
+use rig::results::{Part, Parameter, Quantity, Reason};
 use rig::{Diagnostic, Severity};
 use study::Study;
 
@@ -89,7 +89,7 @@ pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
     if let Some(part) = study.shaft.estimated() {
         let mut parameters: Vec<_> = [Quantity::Stiffness, Quantity::Damping].map(|quantity| part.estimate.parameter(quantity)).into();
         parameters.push(Some(&part.zero));
-        add("shaft", parameters);
+        add(Part::Shaft, parameters);
     }
     if let Some(part) = study.whole.estimated() {
         let resonance = [&part.resonance_hz, &part.resonance_gain, &part.damping_ratio];
@@ -99,26 +99,20 @@ pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
 }
 
 /// Every part that is not estimated, in plain words, with what it needs.
-pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Need])> {
-    fn needs<T>(part: &Part<T>) -> Option<&[Need]> {
-        match part {
-            Part::Estimated(_) => None,
-            Part::NotEstimated { needs } => Some(needs),
-        }
-    }
+pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Reason])> {
     let parts = [
-        ("timing", needs(&study.timing)),
-        ("speed_controller", needs(&study.speed_controller)),
-        ("feed_forward", needs(&study.feed_forward)),
-        ("torque_control", needs(&study.torque_control)),
-        ("shaft", needs(&study.shaft)),
-        ("whole", needs(&study.whole)),
+        (Part::Timing, study.timing.as_ref().err()),
+        (Part::SpeedController, study.speed_controller.as_ref().err()),
+        (Part::FeedForward, study.feed_forward.as_ref().err()),
+        (Part::TorqueControl, study.torque_control.as_ref().err()),
+        (Part::Shaft, study.shaft.as_ref().err()),
+        (Part::Whole, study.whole.as_ref().err()),
     ];
     parts.into_iter().filter_map(|(name, needs)| Some((wording::part(name), needs?))).collect()
 }
 
 fn missing(study: &Study) -> Blocks {
-    let row = |(part, needs): (&str, &[Need])| -> Vec<Cell> {
+    let row = |(part, needs): (&str, &[Reason])| -> Vec<Cell> {
         vec![Cell::toned(part, Tone::Caution), format!("needs {}", wording::needs(needs)).into()]
     };
     let table =

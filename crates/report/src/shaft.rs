@@ -5,7 +5,7 @@ use part_shaft::shaft::{Beyond, Term, TermTest, Weight};
 use part_shaft::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
 use part_shaft::shaft_routes::black_box::{BlackBoxRoute, Untold};
 use part_shaft::shaft_routes::multisine::{CostTest, MultisineRoute};
-use rig::results::{Estimate, Notation, Parameter, Quantity, Shaft, Told, Untold as NotTold, WrittenParameter};
+use rig::results::{Estimate, Notation, Outcome, Parameter, Quantity, Reason, Shaft, WrittenParameter};
 
 use crate::wording::number;
 
@@ -119,7 +119,7 @@ pub fn routes(recording: &ShaftRecording) -> Vec<Route<'_>> {
     std::iter::once(own).chain(others.into_iter().flatten()).collect()
 }
 
-fn route<'a, T>(name: &'static str, told: Option<&'a Told<T>>, of: fn(&T) -> &Estimate) -> Option<Route<'a>> {
+fn route<'a, T>(name: &'static str, told: Option<&'a Outcome<T>>, of: fn(&T) -> &Estimate) -> Option<Route<'a>> {
     told.map(|told| Route { name, told: told.as_ref().map(of) })
 }
 
@@ -134,14 +134,14 @@ pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
             number::duration(apart_s)
         ));
     }
-    if state_space.as_ref().is_some_and(|told| told.found().is_some()) {
+    if state_space.as_ref().is_some_and(|told| told.estimated().is_some()) {
         remarks.push(
             "State space: intervals somewhat narrow, on 40 virtual benches they held K of 36 and B of 34 to 36"
                 .to_owned(),
         );
     }
-    remarks.extend(black_box.as_ref().and_then(Told::found).map(black_box_doubts).unwrap_or_default());
-    remarks.extend(multisine.as_ref().and_then(Told::found).map(multisine_doubts).unwrap_or_default());
+    remarks.extend(black_box.as_ref().and_then(Outcome::estimated).map(black_box_doubts).unwrap_or_default());
+    remarks.extend(multisine.as_ref().and_then(Outcome::estimated).map(multisine_doubts).unwrap_or_default());
     remarks
 }
 
@@ -198,7 +198,7 @@ fn multisine_doubts(found: &MultisineRoute) -> Vec<String> {
 /// Routes that none of the recordings allows, and what would.
 pub fn routes_not_taken(study: &ShaftAnalysis) -> Vec<&'static str> {
     let taken = |is: fn(&Routes) -> bool| study.recordings.iter().any(|recording| is(&recording.routes));
-    let with_shaft = study.recordings.iter().any(|recording| recording.shaft.found().is_some());
+    let with_shaft = study.recordings.iter().any(|recording| recording.shaft.estimated().is_some());
     let absent = [
         (
             taken(|routes| routes.state_space.is_some()),
@@ -248,7 +248,7 @@ pub fn together(of: &Together) -> String {
 /// All recordings side by side, then response, values by band and by route, and errors of each.
 pub fn figures(study: &ShaftAnalysis) -> Vec<Figure> {
     let of_each = study.recordings.iter().flat_map(|recording| {
-        let shaft = recording.shaft.found();
+        let shaft = recording.shaft.estimated();
         let response = shaft.map(|shaft| response_figure(recording, shaft));
         let bands = shaft.filter(|_| !recording.bands.is_empty()).map(|shaft| band_figure(recording, shaft));
         let by_route = shaft.and_then(|_| route_figure(recording));

@@ -5,7 +5,7 @@ use part_torque::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck};
 use part_torque::torque_smoother::TorqueSource;
 use rig::Role;
-use rig::results::{Parameter, SignalDelay, Trace, Untold};
+use rig::results::{Parameter, Reason, SignalDelay, Trace};
 
 use crate::wording::{self, number};
 
@@ -15,32 +15,6 @@ const HEIGHT: u32 = 220;
 const SHOWN_S: f64 = 0.5;
 /// Half the width of a 95 % band in standard deviations.
 const BAND: f64 = 1.96;
-
-/// Why a recording does not tell something, with what would.
-pub fn untold(why: &Untold) -> String {
-    match why {
-        Untold::Missing { role } => missing(*role),
-        Untold::WrongSign { role } => format!(
-            "{} brakes with a negative sign, against what it does to the speed, and is not used; write sign = -1 for {} in the \
-             bench file",
-            wording::role(*role),
-            role.key()
-        ),
-        Untold::NotExcited => "T_d* does not move T_d by itself here; run WhiteNoise_T_TN or Step_T_TN".to_owned(),
-        Untold::NotExplained => {
-            "neither a moving average, a lag nor a delay of N_d explains it; check J_d and the channels".to_owned()
-        }
-        Untold::Failed { reason } => reason.clone(),
-    }
-}
-
-/// A signal that is not there, or was and is of no use: which of the two, the warnings say.
-pub fn missing(role: Role) -> String {
-    format!(
-        "there is no {} that can be used; record it, or, where a warning names its channel, mend that",
-        wording::role(role)
-    )
-}
 
 /// A filter with its delay, e.g. `moving average over 16 samples, 7.5 ms late`.
 pub fn filter(candidate: &FilterCandidate) -> String {

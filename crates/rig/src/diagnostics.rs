@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::Role;
-use crate::results::{Quantity, write_symbol};
+use crate::results::{Part, Quantity, write_symbol};
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -222,14 +222,14 @@ pub enum Finding {
     /// The residuals of a submodel are correlated with its input beyond the 99 % region.
     ResidualsCorrelated {
         /// Which submodel.
-        submodel: String,
+        submodel: Part,
         /// Share of the lags outside, 0…1.
         share_outside: f64,
     },
     /// A fit did not converge.
     NotConverged {
         /// Which submodel.
-        submodel: String,
+        submodel: Part,
     },
     /// A signal is recorded in steps so coarse that part of an estimate had to be assumed.
     CoarseResolution {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use part_shaft::Parts;
 use part_engine::{EngineRecording, EngineTorque, engine_torque};
-use report::torque::untold;
-use rig::results::Told;
+use report::wording::reasons;
+use rig::results::Outcome;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -37,18 +37,18 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
         terminal.page(&page);
         [&arguments.out, &arguments.result.plot].into_iter().for_each(|path| written(path, terminal));
     }
-    let tells = found.recordings.iter().any(|recording| recording.engine.found().is_some());
+    let tells = found.recordings.iter().any(|recording| recording.engine.estimated().is_some());
     Ok(Outcome::of(tells, &refused))
 }
 
 /// A recording's results without the samples.
 fn short(recording: &EngineRecording) -> serde_json::Value {
     let engine = match &recording.engine {
-        Told::Found(engine) => json!({"found": {
+        Outcome::Estimated(engine) => json!({"found": {
             "start_s": engine.start_s, "sample_time_s": engine.sample_time_s, "samples": engine.smoothed_nm.len(),
             "torque": engine.torque, "noise": engine.noise, "once_a_turn_nm": engine.once_a_turn_nm,
         }}),
-        Told::Untold(why) => json!({"untold": why}),
+        Outcome::NotEstimated { needs } => json!({"untold": needs.first()}),
     };
     json!({"file": recording.file, "label": recording.label, "engine": engine, "cycles": recording.cycles})
 }
@@ -57,9 +57,9 @@ fn short(recording: &EngineRecording) -> serde_json::Value {
 fn write(found: &EngineTorque, out: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
     let recording = rebuilt::only(&found.recordings, "the engine torque", out)?;
     let engine = match &recording.engine {
-        Told::Found(engine) => engine,
-        Told::Untold(why) => {
-            return Err(CliError::Usage { what: format!("{}: no engine torque: {}", recording.file, untold(why)) });
+        Outcome::Estimated(engine) => engine,
+        Outcome::NotEstimated { needs } => {
+            return Err(CliError::Usage { what: format!("{}: no engine torque: {}", recording.file, reasons(needs)) });
         }
     };
     let rebuilt = Rebuilt {

@@ -6,8 +6,8 @@ use part_controller::SpeedControllers;
 use part_torque::TorqueControls;
 use rig::Experiment;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals, torque_signals};
-use report::torque::untold;
-use rig::results::Told;
+use report::wording::reasons;
+use rig::results::Outcome;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -46,19 +46,19 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
 
 /// Whether a recording tells anything at all.
 fn tells(recording: &TorqueRecording) -> bool {
-    let filter = recording.filter.as_ref().is_some_and(|told| told.found().is_some());
-    let shaft = recording.shaft.as_ref().is_some_and(|told| told.found().is_some());
-    recording.delays.found().is_some() || filter || shaft
+    let filter = recording.filter.as_ref().is_some_and(|told| told.estimated().is_some());
+    let shaft = recording.shaft.as_ref().is_some_and(|told| told.estimated().is_some());
+    recording.delays.estimated().is_some() || filter || shaft
 }
 
 /// A recording's results without the samples of the shaft torque.
 fn short(recording: &TorqueRecording) -> serde_json::Value {
     let shaft = recording.shaft.as_ref().map(|told| match told {
-        Told::Found(shaft) => json!({"found": {
+        Outcome::Estimated(shaft) => json!({"found": {
             "start_s": shaft.start_s, "sample_time_s": shaft.sample_time_s, "samples": shaft.smoothed_nm.len(),
             "torque": shaft.torque, "noise": shaft.noise, "once_a_turn": shaft.once_a_turn,
         }}),
-        Told::Untold(why) => json!({"untold": why}),
+        Outcome::NotEstimated { needs } => json!({"untold": needs.first()}),
     });
     json!({"file": recording.file, "label": recording.label, "delays": recording.delays, "filter": recording.filter,
         "shaft": shaft})
@@ -68,9 +68,9 @@ fn short(recording: &TorqueRecording) -> serde_json::Value {
 fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
     let recording = rebuilt::only(&signals.recordings, "the shaft torque", out)?;
     let shaft = match &recording.shaft {
-        Some(Told::Found(shaft)) => shaft,
-        Some(Told::Untold(why)) => {
-            return Err(CliError::Usage { what: format!("{}: no shaft torque: {}", recording.file, untold(why)) });
+        Some(Outcome::Estimated(shaft)) => shaft,
+        Some(Outcome::NotEstimated { needs }) => {
+            return Err(CliError::Usage { what: format!("{}: no shaft torque: {}", recording.file, reasons(needs)) });
         }
         None => {
             return Err(CliError::Usage {

@@ -6,7 +6,7 @@ use report::brief::{key_numbers, not_estimated};
 use report::verdict::{Level, Rule, verdict};
 use report::wording;
 use rig::Diagnostic;
-use rig::results::{Need, Parameter};
+use rig::results::{Parameter, Part, Reason};
 use serde::Serialize;
 use study::RecordingSummary;
 
@@ -67,7 +67,7 @@ struct ShortRecording<'a> {
     file: &'a str,
     sha256: &'a str,
     label: Option<&'a str>,
-    used_for: &'a [String],
+    used_for: &'a [Part],
 }
 
 /// A study in short, for programs.
@@ -81,7 +81,7 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
         Level::Insufficient => "insufficient",
     };
     let estimate = |(part, parameter)| ShortEstimate { part, parameter };
-    let need = |(part, needs): (&'static str, &[Need])| ShortNeed { part, needs: wording::needs(needs) };
+    let need = |(part, needs): (&'static str, &[Reason])| ShortNeed { part, needs: wording::needs(needs) };
     Short {
         bench: &study.bench.name,
         verdict: ShortVerdict {

@@ -59,7 +59,7 @@ struct Told<'a> {
 
 /// `None` with fewer than two recordings that show the shaft.
 pub(super) fn of(recordings: &[ShaftRecording]) -> Option<Together> {
-    let told: Vec<Told<'_>> = recordings.iter().filter_map(|r| pair(&r.file, &r.shaft.found()?.estimate)).collect();
+    let told: Vec<Told<'_>> = recordings.iter().filter_map(|r| pair(&r.file, &r.shaft.estimated()?.estimate)).collect();
     if told.len() < 2 {
         return None;
     }

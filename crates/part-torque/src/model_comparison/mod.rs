@@ -18,7 +18,7 @@ mod visibility;
 
 use numerics::parallel;
 use rig::experiment::Sought;
-use rig::results::{Parameter, ResidualTest, Stretch, Trace, Untold};
+use rig::results::{Parameter, Reason, ResidualTest, Stretch, Trace};
 use rig::{ControlMode, Excitation, Experiment};
 use serde::Serialize;
 
@@ -53,7 +53,7 @@ pub struct ModelComparison {
     /// delay and lag are not found.
     pub visibility: Option<Visibility>,
     /// Recordings that were meant but do not show it, by file.
-    pub untold: Vec<(String, Untold)>,
+    pub untold: Vec<(String, Reason)>,
 }
 
 /// What one recording shows.
@@ -218,7 +218,7 @@ pub fn compare_models(
                 }
                 Err(error) => {
                     reason.get_or_insert_with(|| error.to_string());
-                    untold.push((experiment.file.clone(), Untold::from(&error)));
+                    untold.push((experiment.file.clone(), Reason::from(error)));
                 }
             }
         }

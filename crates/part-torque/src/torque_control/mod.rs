@@ -20,7 +20,7 @@ use faer::Mat;
 use ident::{Bounds, IdentError, Minimum};
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::experiment::Sought;
-use rig::results::{Estimate, Parameter, Quantity, ResidualTest, Stretch, TorqueControl};
+use rig::results::{Estimate, Parameter, Part, Quantity, ResidualTest, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
 use serde::Serialize;
 use signal::Signal;
@@ -291,9 +291,9 @@ fn doubts(
     demand_sample_time_s: f64,
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let submodel = || "torque control".to_owned();
+    let submodel = Part::TorqueControl;
     if !lagged.fit.termination.converged() || lagged.fit.at_bound[..2].contains(&true) {
-        found.push(warning(experiment, Finding::NotConverged { submodel: submodel() }));
+        found.push(warning(experiment, Finding::NotConverged { submodel }));
     }
     let (advance_s, uncertainty_s) = (-lagged.model.delay_s, lagged.covariance[(0, 0)].sqrt());
     if advance_s > EARLY * uncertainty_s.max(timing_floor_s(demand_sample_time_s)) {
@@ -309,7 +309,7 @@ fn doubts(
     }
     let share_outside = validation.residuals.as_ref().map_or(0.0, ResidualTest::share_outside);
     if share_outside > ResidualTest::MANY_OUTSIDE {
-        found.push(warning(experiment, Finding::ResidualsCorrelated { submodel: submodel(), share_outside }));
+        found.push(warning(experiment, Finding::ResidualsCorrelated { submodel, share_outside }));
     }
     found
 }

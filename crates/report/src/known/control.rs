@@ -68,7 +68,7 @@ fn delay_seen(part: &SpeedController) -> String {
 /// What stands beside PI and delay in the longest recording that tells it.
 fn beside_pi(found: &Analyses) -> Option<String> {
     let all = found.speed_control.controllers.iter();
-    all.filter_map(|one| one.found.found()?.structure.found()).next().map(controller::structure)
+    all.filter_map(|one| one.found.estimated()?.structure.estimated()).next().map(controller::structure)
 }
 
 /// k, k_a, and m which no recording tells.
@@ -76,7 +76,7 @@ pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Kn
     of_part(&study.feed_forward, ("k, k_a", "feed-forward"), |part| {
         let bends = analyses.and_then(|found| {
             let all = found.speed_control.feed_forward.iter();
-            all.filter_map(|one| one.found.found()?.terms.found()).next().map(controller::bends)
+            all.filter_map(|one| one.found.estimated()?.terms.estimated()).next().map(controller::bends)
         });
         let known = |quantity: &Quantity| {
             let own = part.estimate.parameter(*quantity)?;

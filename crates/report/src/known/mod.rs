@@ -6,7 +6,7 @@ mod shaft;
 mod signals;
 mod whole;
 
-use rig::results::{Estimate, Need, Parameter, Part, Stretch};
+use rig::results::{Estimate, Outcome, Parameter, Reason, Stretch};
 use study::{Analyses, RecordingSummary, Study};
 
 use crate::wording::{self, number};
@@ -108,7 +108,7 @@ impl Known {
     }
 
     /// Something that was not estimated, for want of what it needs.
-    fn missing(symbol: &str, name: &str, needs: &[Need]) -> Self {
+    fn missing(symbol: &str, name: &str, needs: &[Reason]) -> Self {
         let why = vec![format!("It needs {}.", wording::needs(needs).trim_end_matches('.'))];
         Known::new(symbol, name, Grade::NotAtAll, "–".to_owned(), why)
     }
@@ -153,10 +153,10 @@ fn fastest_sample_s(study: &Study) -> f64 {
 }
 
 /// The parameters of a part that was estimated, or that the part was not.
-fn of_part<T>(part: &Part<T>, (symbol, name): (&str, &str), known: impl FnOnce(&T) -> Vec<Known>) -> Vec<Known> {
+fn of_part<T>(part: &Outcome<T>, (symbol, name): (&str, &str), known: impl FnOnce(&T) -> Vec<Known>) -> Vec<Known> {
     match part {
-        Part::Estimated(part) => known(part),
-        Part::NotEstimated { needs } => vec![Known::missing(symbol, name, needs)],
+        Outcome::Estimated(part) => known(part),
+        Outcome::NotEstimated { needs } => vec![Known::missing(symbol, name, needs)],
     }
 }
 

@@ -1,7 +1,7 @@
 //! Delays of signals, friction, and the engine's torque.
 
 use rig::ExperimentLabel;
-use rig::results::{SignalDelay, Told};
+use rig::results::{Outcome, SignalDelay};
 use study::{Analyses, Study};
 
 use super::{Grade, Known, grade, of_part};
@@ -88,22 +88,22 @@ pub(super) fn engine_torque(study: &Study, analyses: Option<&Analyses>) -> Known
         };
         return known(Grade::NotAtAll, "not looked at here".to_owned(), why.to_owned());
     };
-    let rebuilt = found.recordings.iter().filter_map(|one| Some((one, one.engine.found()?)));
+    let rebuilt = found.recordings.iter().filter_map(|one| Some((one, one.engine.estimated()?)));
     let widths =
         rebuilt.map(|(one, engine)| (one, engine, relative(&engine.standard_deviation_nm, &engine.smoothed_nm)));
     match (widths.min_by(|a, b| a.2.total_cmp(&b.2)), &found.masses) {
         (Some((one, engine, width)), _) => {
             let value = format!(
                 "rebuilt in {} recordings",
-                found.recordings.iter().filter(|r| r.engine.found().is_some()).count()
+                found.recordings.iter().filter(|r| r.engine.estimated().is_some()).count()
             );
             let why = format!("No bench records it. Best in {}: {}.", one.file, engine::rebuilt(engine));
             known(Grade::of_width(width, super::WIDTHS), value, why)
         }
-        (None, Told::Untold(why)) => {
-            known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{}.", torque::untold(why))))
+        (None, Outcome::NotEstimated { needs: why }) => {
+            known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{}.", wording::reasons(why))))
         }
-        (None, Told::Found(_)) => {
+        (None, Outcome::Estimated(_)) => {
             known(Grade::NotAtAll, "–".to_owned(), "It could be rebuilt in no recording.".to_owned())
         }
     }

@@ -96,8 +96,8 @@ pub fn finding(finding: &Finding) -> String {
             )
         }
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
-        Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
-        Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
+        Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(*submodel), *share_outside),
+        Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(*submodel)),
         Finding::CoarseResolution { role: of, step } => {
             format!(
                 "The {} is recorded in steps of {} (SI), too coarse beside the speed’s noise to show the encoder’s gate.",

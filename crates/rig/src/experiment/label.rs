@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::Test;
 
@@ -48,6 +48,22 @@ impl fmt::Display for ExperimentLabel {
         };
         write!(f, "{}_{excitation}_{mode}", self.test)
     }
+}
+
+/// Serialises a label as text, e.g. `BS_T_NT`.
+///
+/// # Errors
+/// Those of the serialiser.
+pub fn write_label<S: Serializer>(label: &ExperimentLabel, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(label)
+}
+
+/// Serialises labels as texts.
+///
+/// # Errors
+/// Those of the serialiser.
+pub fn write_labels<S: Serializer>(labels: &[ExperimentLabel], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(labels.iter().map(ToString::to_string))
 }
 
 /// A text is not an experiment label.

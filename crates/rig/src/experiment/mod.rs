@@ -20,7 +20,7 @@ mod waveform;
 pub use choice::{Choice, PassedOver, Sought};
 pub use demands::{DemandKind, Demands, NamedDemand};
 pub use error::PlanError;
-pub use label::{ControlMode, Excitation, ExperimentLabel, LabelError};
+pub use label::{ControlMode, Excitation, ExperimentLabel, LabelError, write_label, write_labels};
 pub use plan::{ExperimentPlan, TorqueTarget};
 pub use recorded::Experiment;
 pub use spectrum::ExcitationSpectrum;

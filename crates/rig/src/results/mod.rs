@@ -3,13 +3,15 @@
 mod estimate;
 mod notation;
 mod outcome;
+mod part;
 mod parts;
 mod quantity;
 mod validation;
 
 pub use estimate::{Estimate, Parameter, Stretch, WrittenParameter};
 pub use notation::{Notation, write_notation, write_symbol};
-pub use outcome::{Need, Part, Told, Untold};
+pub use outcome::{Outcome, Reason, write_found, write_if_sought};
+pub use part::Part;
 pub use parts::{
     DelayRoute, FeedForward, MeasuredResponse, ResidualSpectrum, Shaft, SignalDelay, SpeedController, Timing,
     TorqueControl,

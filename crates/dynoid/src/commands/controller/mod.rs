@@ -5,7 +5,7 @@ mod noise_test;
 use part_controller::SpeedControllers;
 use rig::Experiment;
 use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
-use rig::results::{Told, Validation};
+use rig::results::{Outcome, Validation};
 use serde_json::{Value, json};
 
 use super::experiments::{self, Campaign};
@@ -46,7 +46,7 @@ fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Te
         terminal.page(&page);
         written(&result.plot, terminal);
     }
-    let tells = found.controllers.iter().any(|one| one.found.found().is_some());
+    let tells = found.controllers.iter().any(|one| one.found.estimated().is_some());
     Ok(Outcome::of(tells, &refused))
 }
 
@@ -59,24 +59,24 @@ fn short(found: &SpeedControl, refused: &[String]) -> Value {
 
 fn short_controller(one: &ControllerRecording) -> Value {
     let found = match &one.found {
-        Told::Found(c) => json!({"found": {
+        Outcome::Estimated(c) => json!({"found": {
             "with_delay": c.with_delay, "without_delay": c.without_delay,
             "validation": without_traces(&c.validation),
             "validation_without_delay": without_traces(&c.validation_without_delay),
             "si": report::controller::gains_in_si(c).collect::<Vec<_>>(), "discrete": c.discrete, "structure": c.structure,
         }}),
-        Told::Untold(why) => json!({"untold": why}),
+        Outcome::NotEstimated { needs } => json!({"untold": needs.first()}),
     };
     json!({"file": one.file, "label": one.label, "found": found})
 }
 
 fn short_feed_forward(one: &FeedForwardRecording) -> Value {
     let found = match &one.found {
-        Told::Found(f) => json!({"found": {
+        Outcome::Estimated(f) => json!({"found": {
             "estimate": f.straight.estimate, "validation": without_traces(&f.straight.validation),
             "pi_alone": without_traces(&f.straight.pi_alone), "terms": f.terms,
         }}),
-        Told::Untold(why) => json!({"untold": why}),
+        Outcome::NotEstimated { needs } => json!({"untold": needs.first()}),
     };
     json!({"file": one.file, "label": one.label, "found": found})
 }

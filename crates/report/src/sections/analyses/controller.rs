@@ -4,7 +4,7 @@ use page::Blocks;
 use part_controller::speed_control::{Controller, ControllerRecording, SpeedControl};
 use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
 use rig::estimation::EstimateError;
-use rig::results::{Notation, Parameter, Told, WrittenParameter};
+use rig::results::{Notation, Outcome, Parameter, WrittenParameter};
 use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
 
@@ -31,8 +31,8 @@ pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, 
 fn one(recording: &ControllerRecording) -> Blocks {
     let mut all = of_recording(&recording.file, &recording.label);
     match &recording.found {
-        Told::Found(found) => all.push(found_in(found)),
-        Told::Untold(why) => all.push(untold("Speed controller", &words::untold(why))),
+        Outcome::Estimated(found) => all.push(found_in(found)),
+        Outcome::NotEstimated { needs: why } => all.push(untold("Speed controller", &wording::reasons(why))),
     }
     all
 }
@@ -53,7 +53,7 @@ fn found_in(found: &Controller) -> Blocks {
         words::rules(found)
     )));
     match &found.structure {
-        Told::Found(tested) => {
+        Outcome::Estimated(tested) => {
             all.push(rounds("PI and delay", &tested.rounds));
             all.push(sentence(&words::structure(tested)));
             if let Some(with) = &tested.with_terms {
@@ -61,7 +61,7 @@ fn found_in(found: &Controller) -> Blocks {
                 all.push(sentence(&format!("Together: {}", values.collect::<Vec<_>>().join(", "))));
             }
         }
-        Told::Untold(why) => all.push(untold("Terms beside PI and delay", &words::untold(why))),
+        Outcome::NotEstimated { needs: why } => all.push(untold("Terms beside PI and delay", &wording::reasons(why))),
     }
     all
 }
@@ -106,13 +106,13 @@ pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
     for one in &found.feed_forward {
         all.push(of_recording(&one.file, &one.label));
         match &one.found {
-            Told::Untold(why) => all.push(untold("Feed-forward", &words::untold(why))),
-            Told::Found(found) => {
+            Outcome::NotEstimated { needs: why } => all.push(untold("Feed-forward", &wording::reasons(why))),
+            Outcome::Estimated(found) => {
                 all.push(parameters(&found.straight.estimate.parameters));
                 all.push(sentence(&words::improvement(found)));
                 match &found.terms {
-                    Told::Found(terms) => all.push(bends(terms)),
-                    Told::Untold(why) => all.push(untold("Terms beside k and k_a", &words::untold(why))),
+                    Outcome::Estimated(terms) => all.push(bends(terms)),
+                    Outcome::NotEstimated { needs: why } => all.push(untold("Terms beside k and k_a", &wording::reasons(why))),
                 }
             }
         }

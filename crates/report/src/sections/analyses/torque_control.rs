@@ -35,7 +35,7 @@ pub(crate) fn torque_control(studied: &ModelComparison) -> Blocks {
         "Every model is compared with the simplest: T_d is T_d* one sample of T_d,calc ago. That is the bar to beat",
     ));
     studied.recordings.iter().for_each(|recording| all.push(one(studied, recording)));
-    studied.untold.iter().for_each(|(file, why)| all.push(untold(file, &torque::untold(why))));
+    studied.untold.iter().for_each(|(file, why)| all.push(untold(file, &wording::reason_of(why))));
     studied.visibility.iter().for_each(|one| all.push(visibility(one)));
     all.push(figures(words::figures(studied)));
     all

@@ -1,6 +1,8 @@
 //! Why a part of the bench cannot be estimated.
 
-use crate::Role;
+use serde::Serializer;
+
+use crate::role::Role;
 
 /// Why a part of the bench cannot be estimated from a recording.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -67,4 +69,28 @@ pub enum EstimateError {
         /// The reason.
         source: signal::SignalError,
     },
+}
+
+impl EstimateError {
+    /// The recording it is about.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        match self {
+            EstimateError::MissingSignal { file, .. }
+            | EstimateError::TooShort { file, .. }
+            | EstimateError::WeakExcitation { file, .. }
+            | EstimateError::Saturated { file, .. }
+            | EstimateError::WrongSign { file, .. }
+            | EstimateError::Ident { file, .. }
+            | EstimateError::Signal { file, .. } => file,
+        }
+    }
+}
+
+/// Serialises an error as its words.
+///
+/// # Errors
+/// Those of the serialiser.
+pub fn write_words<S: Serializer>(error: &EstimateError, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(error)
 }
