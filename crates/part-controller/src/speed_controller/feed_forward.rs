@@ -58,7 +58,8 @@ pub fn estimate_feed_forward(
     check_gains(&smooth, lags, controller)?;
     let found = Found { data: &smooth, lags, fit, controller };
     let others = found.other_lags(&candidates)?;
-    let readings: Vec<Reading> = others.iter().chain([&lags]).flat_map(|lags| Reading::of(*lags, delay)).collect();
+    let readings: Vec<Reading> =
+        [&lags].into_iter().chain(&others).flat_map(|lags| Reading::of(*lags, delay)).collect();
     let alone: Vec<f64> =
         (0..inverse::COUNT).map(|j| if j >= inverse::K { 0.0 } else { controller.theta[j] }).collect();
     Ok(FeedForward {
