@@ -11,7 +11,8 @@
 //! 1963, for the recursion; Berk, *Consistent autoregressive spectral estimates*, Ann. Statist. 2, 1974, for how certain
 //! the spectrum is.
 
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, MatRef};
+use numerics::linalg::{self, Cholesky};
 
 use crate::IdentError;
 use crate::covariance_root::root;
@@ -47,8 +48,8 @@ impl Colour {
             if order > 0 {
                 now.extend(&moments.reversed(order));
             }
-            let Ok(factor) = now.forward_error.llt(Side::Lower) else { break };
-            let lower = factor.L().to_owned();
+            let Ok(factor) = Cholesky::new(now.forward_error.as_ref()) else { break };
+            let lower = factor.lower().to_owned();
             let log_determinant = 2.0 * (0..outputs).map(|i| lower[(i, i)].ln()).sum::<f64>();
             let criterion = moments.rows as f64 * log_determinant + (2 * order * outputs * outputs) as f64;
             if criterion.is_finite() && criterion < chosen.0 {
@@ -164,13 +165,12 @@ impl Recursion {
 
     /// Takes in the autocovariance at the next lag.
     fn extend(&mut self, moment: &Mat<f64>) {
-        use faer::linalg::solvers::DenseSolveCore;
         let order = self.forward.len();
         self.moments.push(moment.clone());
         let explained = self.forward.iter().enumerate().map(|(k, a)| a * &self.moments[order - k]);
         let cross = explained.fold(moment.clone(), |left, part| left - part);
-        let forward = &cross * self.backward_error.partial_piv_lu().inverse();
-        let backward = cross.transpose() * self.forward_error.partial_piv_lu().inverse();
+        let forward = &cross * linalg::inverse(self.backward_error.as_ref());
+        let backward = cross.transpose() * linalg::inverse(self.forward_error.as_ref());
         let (old_forward, old_backward) = (self.forward.clone(), self.backward.clone());
         for k in 0..order {
             self.forward[k] -= &forward * &old_backward[order - 1 - k];
@@ -359,7 +359,7 @@ mod tests {
         assert!(!colour.is_white());
         let mut recursion = Recursion::new(moments[0].clone());
         recursion.extend(&moments[1].transpose().to_owned());
-        let lower = recursion.forward_error.llt(Side::Lower).unwrap().L().to_owned();
+        let lower = Cholesky::new(recursion.forward_error.as_ref()).unwrap().lower().to_owned();
         let known = Colour { coefficients: recursion.forward, root: lower, moments: recursion.moments, rows: 0 };
         for (lag, found) in known.autocovariances(40).iter().enumerate() {
             assert!((found - &moments[lag]).norm_max() < 1e-9, "{lag}");

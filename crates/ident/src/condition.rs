@@ -1,6 +1,7 @@
 //! The condition number of a regression.
 
-use faer::Mat;
+use faer::MatRef;
+use numerics::linalg;
 
 use crate::IdentError;
 
@@ -11,8 +12,8 @@ const RANK_TOLERANCE: f64 = 1e-12;
 ///
 /// # Errors
 /// Rank below the number of columns.
-pub(crate) fn checked_condition(scaled: &Mat<f64>) -> Result<f64, IdentError> {
-    let values = scaled.singular_values().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+pub(crate) fn checked_condition(scaled: MatRef<'_, f64>) -> Result<f64, IdentError> {
+    let values = linalg::singular_values(scaled)?;
     let largest = values.first().copied().unwrap_or(0.0);
     let smallest = values.last().copied().unwrap_or(0.0);
     let rank = values.iter().filter(|v| **v > RANK_TOLERANCE * largest && **v > 0.0).count();

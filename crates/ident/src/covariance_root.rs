@@ -1,6 +1,7 @@
 //! Square roots of covariances that may be singular.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use numerics::linalg;
 
 use crate::IdentError;
 
@@ -21,10 +22,8 @@ impl Correlation {
         let deviations: Vec<f64> = (0..n).map(|i| at(i, i).max(0.0).sqrt()).collect();
         let unit = |i: usize| if deviations[i] > 0.0 { deviations[i].recip() } else { 0.0 };
         let scaled = Mat::from_fn(n, n, |i, j| unit(i) * at(i, j) * unit(j));
-        let eigen =
-            scaled.self_adjoint_eigen(Side::Lower).map_err(|_| IdentError::Decomposition { what: "eigenvalue" })?;
-        let values = (0..n).map(|k| eigen.S().column_vector()[k]).collect();
-        Ok(Correlation { vectors: eigen.U().to_owned(), values, deviations })
+        let eigen = linalg::symmetric_eigen(scaled.as_ref())?;
+        Ok(Correlation { vectors: eigen.vectors, values: eigen.values, deviations })
     }
 
     /// The directions with more than this part of the largest variance.

@@ -1,6 +1,7 @@
 //! What an estimate from degenerate data is to be doubted for.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use numerics::linalg::{self, Cholesky};
 
 use crate::equation::factor_of;
 use crate::{Dataset, Doubt, Fit, Triangle};
@@ -40,7 +41,7 @@ fn dependent_outputs(covariance: &Mat<f64>) -> Option<usize> {
     let size = |i: usize| covariance[(i, i)].sqrt();
     let of = |n: usize| Mat::from_fn(n, n, |i, j| covariance[(i, j)] / size(i) / size(j));
     (2..=covariance.nrows()).find_map(|n| {
-        let independent = of(n).llt(Side::Lower).is_ok_and(|factor| factor.L()[(n - 1, n - 1)] > SAME_ERROR);
+        let independent = Cholesky::new(of(n).as_ref()).is_ok_and(|factor| factor.lower()[(n - 1, n - 1)] > SAME_ERROR);
         (!independent).then_some(n - 1)
     })
 }
@@ -99,11 +100,7 @@ pub(crate) fn dependent_inputs(data: &Dataset) -> Vec<Combination> {
 fn combination(own: &Mat<f64>, sizes: &[f64], named: &[usize], input: usize) -> Combination {
     let n = named.len();
     let mut weights = own.get(..n, n..).to_owned();
-    faer::linalg::triangular_solve::solve_upper_triangular_in_place(
-        own.get(..n, ..n),
-        weights.as_mut(),
-        faer::Par::Seq,
-    );
+    linalg::solve_upper(own.get(..n, ..n), weights.as_mut());
     let size = sizes[input];
     let matters = |(_, weight): &(usize, f64)| weight.is_finite() && weight.abs() > SHARE;
     let of = named.iter().enumerate().skip(1).map(|(i, column)| (column - 1, weights[(i, 0)])).filter(matters);

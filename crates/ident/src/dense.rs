@@ -1,36 +1,16 @@
-//! Dense helpers: truncated least squares and the stationary Kalman filter.
+//! Dense helpers: whitening and the stationary Kalman filter.
 
-use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::{Mat, MatRef};
+use numerics::linalg::{self, Cholesky, DecompositionError, Lu};
 
 use crate::IdentError;
-
-/// The solution of least norm of `min ‖M X − R‖`, singular values below `tolerance` times the largest taken as zero.
-pub(crate) fn solve_truncated(
-    m: MatRef<'_, f64>,
-    right: MatRef<'_, f64>,
-    tolerance: f64,
-) -> Result<Mat<f64>, IdentError> {
-    if m.ncols() == 0 || m.nrows() == 0 {
-        return Ok(Mat::zeros(m.ncols(), right.ncols()));
-    }
-    let svd = m.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-    let floor = tolerance * values.first().copied().unwrap_or(0.0);
-    let mut inner = svd.U().transpose() * right;
-    for i in 0..inner.nrows() {
-        let factor = if values[i] > floor { 1.0 / values[i] } else { 0.0 };
-        inner.row_mut(i).iter_mut().for_each(|v| *v *= factor);
-    }
-    Ok(svd.V() * inner)
-}
 
 /// Largest modulus of the eigenvalues.
 pub(crate) fn spectral_radius(m: MatRef<'_, f64>) -> Result<f64, IdentError> {
     if m.nrows() == 0 {
         return Ok(0.0);
     }
-    let values = m.eigenvalues().map_err(|_| IdentError::Decomposition { what: "eigenvalue" })?;
+    let values = linalg::eigenvalues(m)?;
     Ok(values.iter().map(|v| v.norm()).fold(0.0, f64::max))
 }
 
@@ -44,20 +24,15 @@ pub(crate) fn whitening(covariance: MatRef<'_, f64>) -> Result<Mat<f64>, IdentEr
     }
     for raise in [0.0, 1e-14, 1e-12, 1e-9, 1.0] {
         let raised = Mat::from_fn(p, p, |i, j| covariance[(i, j)] + if i == j { raise * trace } else { 0.0 });
-        if let Ok(factor) = raised.llt(faer::Side::Lower) {
-            let lower = factor.L().to_owned();
+        if let Ok(factor) = Cholesky::new(raised.as_ref()) {
             let mut inverse = Mat::<f64>::identity(p, p);
-            faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-                lower.as_ref(),
-                inverse.as_mut(),
-                faer::Par::Seq,
-            );
+            linalg::solve_lower(factor.lower(), inverse.as_mut());
             if (0..p).all(|i| inverse[(i, i)].is_finite()) {
                 return Ok(inverse);
             }
         }
     }
-    Err(IdentError::Decomposition { what: "Cholesky" })
+    Err(DecompositionError::NotPositiveDefinite.into())
 }
 
 /// The gain `K` and the innovations' covariance `Λ` of the stationary Kalman filter of
@@ -76,14 +51,14 @@ pub(crate) fn kalman(
 ) -> Option<(Mat<f64>, Mat<f64>)> {
     const DOUBLINGS: usize = 60;
     let n = a.nrows();
-    let precision = r.partial_piv_lu().inverse();
+    let precision = linalg::inverse(r);
     let gain = s * &precision;
     let mut f = (a - &gain * c).transpose().to_owned();
     let mut g = c.transpose() * (&precision * c);
     let mut h = q - &gain * s.transpose();
     for _ in 0..DOUBLINGS {
-        let lu = (Mat::<f64>::identity(n, n) + &g * &h).partial_piv_lu();
-        let (through_f, through_g) = (lu.solve(&f), lu.solve(&g));
+        let lu = Lu::new((Mat::<f64>::identity(n, n) + &g * &h).as_ref());
+        let (through_f, through_g) = (lu.solve(f.as_ref()), lu.solve(g.as_ref()));
         let added = f.transpose() * (&h * &through_f);
         g = &g + &f * (&through_g * f.transpose());
         h = &h + &added;
@@ -97,7 +72,7 @@ pub(crate) fn kalman(
         }
     }
     let covariance = c * (&h * c.transpose()) + r;
-    let gain = (a * (&h * c.transpose()) + s) * covariance.partial_piv_lu().inverse();
+    let gain = (a * (&h * c.transpose()) + s) * linalg::inverse(covariance.as_ref());
     let closed = a - &gain * c;
     let usable = closed.norm_max().is_finite() && spectral_radius(closed.as_ref()).is_ok_and(|radius| radius < 1.0);
     usable.then_some((gain, covariance))

@@ -1,7 +1,7 @@
 //! Solving the equations of a regression from its triangular factor, and how certain the solution is.
 
-use faer::linalg::solvers::SolveLstsq;
 use faer::{Mat, MatRef};
+use numerics::linalg::{self, Qr};
 
 use crate::IdentError;
 use crate::condition::checked_condition;
@@ -90,7 +90,7 @@ fn norms(matrix: MatRef<'_, f64>, range: std::ops::Range<usize>) -> Vec<f64> {
 
 /// The pseudo-inverse of a matrix of full column rank, by QR with scaled columns.
 struct Pseudo {
-    qr: Option<faer::linalg::solvers::Qr<f64>>,
+    qr: Option<Qr>,
     scale: Vec<f64>,
     rows: usize,
     condition: f64,
@@ -105,14 +105,14 @@ impl Pseudo {
         }
         let scaled = |i, j| if scale[j] > 0.0 { matrix[(i, j)] / scale[j] } else { 0.0 };
         let scaled = Mat::from_fn(rows, count, scaled);
-        let qr = scaled.qr();
-        let condition = checked_condition(&qr.thin_R().to_owned())?;
+        let qr = Qr::new(scaled.as_ref());
+        let condition = checked_condition(qr.r())?;
         Ok(Pseudo { qr: Some(qr), scale, rows, condition })
     }
 
     fn solve(&self, right: MatRef<'_, f64>) -> Mat<f64> {
         let Some(qr) = &self.qr else { return Mat::zeros(0, right.ncols()) };
-        let solution = qr.solve_lstsq(right);
+        let solution = qr.least_squares(right);
         Mat::from_fn(self.scale.len(), right.ncols(), |i, j| solution[(i, j)] / self.scale[i])
     }
 
@@ -147,7 +147,7 @@ pub(crate) fn noise_covariance(
     let count = equations.len();
     let noise = Mat::from_fn(count, count, |i, j| products[(i, j)] / (free[i] * free[j]).sqrt());
     let mean = faer::Scale(1.0 / rows as f64) * products;
-    (noise, if count == 1 { mean[(0, 0)] } else { mean.determinant().max(0.0) })
+    (noise, if count == 1 { mean[(0, 0)] } else { linalg::determinant(mean.as_ref()).max(0.0) })
 }
 
 /// The covariance of all parameters, equation by equation, where the errors are white: blocks `Λ_ij G_i Z_iᵀZ_j G_jᵀ`.

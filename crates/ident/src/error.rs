@@ -1,5 +1,7 @@
 //! Why an estimate cannot be made.
 
+use crate::structure_error::StructureError;
+
 /// Why an estimate cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum IdentError {
@@ -58,11 +60,8 @@ pub enum IdentError {
         upper: f64,
     },
     /// The decomposition of a matrix failed.
-    #[error("a {what} decomposition failed")]
-    Decomposition {
-        /// Which one.
-        what: &'static str,
-    },
+    #[error(transparent)]
+    Decomposition(#[from] numerics::linalg::DecompositionError),
     /// The sample time is not a positive finite number.
     #[error("sample time {sample_time_s} s is not a positive finite number")]
     SampleTime {
@@ -72,12 +71,9 @@ pub enum IdentError {
     /// Data without an output.
     #[error("the data have no output")]
     NoOutput,
-    /// A structure that is none, such as no parameter at all.
-    #[error("{what}")]
-    Structure {
-        /// What is wrong with it, and what to do.
-        what: &'static str,
-    },
+    /// A structure, its options and its data that do not fit together.
+    #[error(transparent)]
+    Structure(#[from] StructureError),
     /// Samples are missing where the method needs every one.
     #[error("{what} has a missing sample at index {index}; fill it, or split the data there")]
     Missing {

@@ -1,9 +1,11 @@
 //! Persistence of excitation: how many parameters the inputs can separate.
 
 use faer::Mat;
+use numerics::linalg;
 
 use crate::data::check_range;
 use crate::regression::{Lagged, Regression};
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, Experiment, IdentError};
 
 /// How to look for excitation.
@@ -88,7 +90,7 @@ impl ExcitationOptions {
         signals: impl Fn(&Experiment) -> Vec<&[f64]>,
     ) -> Result<Excitation, IdentError> {
         if width == 0 {
-            return Err(IdentError::Structure { what: "a time series has no input whose excitation could be judged" });
+            return Err(StructureError::inputs("a judgement of excitation", Count::AtLeast(1), 0).into());
         }
         check_range("highest_order", self.highest_order as f64, 1.0, 1e4)?;
         check_range("tolerance", self.tolerance, 0.0, 1.0)?;
@@ -122,7 +124,7 @@ impl ExcitationOptions {
         let mut levels = Vec::with_capacity(orders);
         for n in 1..=orders {
             let leading = Mat::from_fn(n * width, n * width, |i, j| factor[(i, j)] * scale(j));
-            let values = leading.singular_values().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+            let values = linalg::singular_values(leading.as_ref())?;
             levels.push(values.last().copied().unwrap_or(0.0));
         }
         let order = levels.iter().take_while(|level| **level > threshold).count();

@@ -96,8 +96,7 @@ impl Modulated {
                 dt * (values[i] - mean) * window_derivative(order, position, window.duration_s)
             };
             let weighted: Vec<f64> = (0..count).map(weigh).collect();
-            let mut spectrum =
-                signal::spectrum::fft_real(&weighted).map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
+            let mut spectrum = signal::spectrum::fft_real(&weighted)?;
             spectrum.truncate(last_bin + 1);
             for (k, value) in spectrum.iter_mut().enumerate() {
                 *value *= Complex64::cis(-TAU * k as f64 * offset / window.duration_s);

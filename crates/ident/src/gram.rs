@@ -1,7 +1,7 @@
 //! Gram matrices, and the triangular factor they give where that is accurate.
 
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::Mat;
+use numerics::linalg::Cholesky;
 use numerics::parallel;
 use numerics::vector::{add_scaled, dot};
 
@@ -20,20 +20,12 @@ pub(crate) fn cholesky(gram: &Mat<f64>, least: f64) -> Option<Mat<f64>> {
         return None;
     }
     let scaled = Mat::from_fn(n, n, |i, j| if j <= i { gram[(i, j)] / (size[i] * size[j]) } else { 0.0 });
-    let factor = scaled.llt(Side::Lower).ok()?;
-    let lower = factor.L();
+    let factor = Cholesky::new(scaled.as_ref()).ok()?;
+    let lower = factor.lower();
     if (0..n).any(|i| lower[(i, i)].is_nan() || lower[(i, i)] < least) {
         return None;
     }
     Some(Mat::from_fn(n, n, |i, j| if i <= j { lower[(j, i)] * size[j] } else { 0.0 }))
-}
-
-/// The lower half of `AᵀA`.
-pub(crate) fn of_columns(a: MatRef<'_, f64>) -> Mat<f64> {
-    let mut gram = Mat::zeros(a.ncols(), a.ncols());
-    let (lower, full) = (BlockStructure::TriangularLower, BlockStructure::Rectangular);
-    matmul(gram.as_mut(), lower, Accum::Replace, a.transpose(), full, a, full, 1.0, Par::Seq);
-    gram
 }
 
 /// `Σ_t x_c(t + i) x_d(t + j)` over all windows of `width` samples, at row `i q + c` and column `j q + d` of q channels

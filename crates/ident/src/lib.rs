@@ -88,6 +88,7 @@ mod regression;
 pub mod smoothing;
 mod state_space;
 mod state_space_pem;
+mod structure_error;
 mod subspace;
 mod summary;
 mod termination;
@@ -118,8 +119,9 @@ pub use grey_box::{
 pub use impulse_response::{Hyperparameters, ImpulseFit, ResponseEstimate};
 pub use lti::ChannelPair;
 pub use state_space::StateSpaceModel;
+pub use structure_error::{ChannelKind, Count, RefinedLimit, StructureError, UnstablePart};
 
-// Estimators, and what they are told.
+// Estimators and their options.
 pub use arx::{Arx, ArxOrders, Criterion, OrderScan, OrderTable, ScannedStructure};
 pub use continuous::{ContinuousTransferFunction, TransferFunctionMethod};
 pub use focus::Focus;

@@ -1,8 +1,7 @@
 //! The triangular factor of a tall matrix, gathered a block of rows at a time.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::qr::no_pivoting::factor::{qr_in_place, qr_in_place_scratch, recommended_block_size};
-use faer::{Mat, MatRef, Par};
+use faer::{Mat, MatRef};
+use numerics::linalg;
 
 use crate::gram;
 
@@ -114,7 +113,7 @@ impl Triangle {
     fn fold(&mut self) {
         let (rows, columns) = (self.filled, self.block.ncols());
         if self.well_conditioned && rows >= TALL * columns {
-            if let Some(factor) = gram::cholesky(&gram::of_columns(self.block.get(..rows, ..)), WELL_CONDITIONED) {
+            if let Some(factor) = gram::cholesky(&linalg::gram(self.block.get(..rows, ..)), WELL_CONDITIONED) {
                 self.block.get_mut(..columns, ..).copy_from(&factor);
                 self.filled = columns;
                 return;
@@ -122,34 +121,12 @@ impl Triangle {
             // One block is like the next: what failed is not tried again.
             self.well_conditioned = false;
         }
-        self.filled = triangularise(&mut self.block, rows);
+        self.filled = linalg::triangularise(self.block.get_mut(..rows, ..));
     }
-}
-
-/// Replaces the first `rows` rows of `block` by their triangular factor; returns how many rows that has.
-fn triangularise(block: &mut Mat<f64>, rows: usize) -> usize {
-    let columns = block.ncols();
-    let kept = rows.min(columns);
-    if kept == 0 {
-        return 0;
-    }
-    let size = recommended_block_size::<f64>(rows, columns);
-    let mut coefficients = Mat::zeros(size, kept);
-    let scratch = qr_in_place_scratch::<f64>(rows, columns, size, Par::Seq, Default::default());
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    qr_in_place(block.get_mut(..rows, ..), coefficients.as_mut(), Par::Seq, stack, Default::default());
-    for j in 0..columns {
-        for i in j + 1..kept {
-            block[(i, j)] = 0.0;
-        }
-    }
-    kept
 }
 
 /// The upper triangular factor of a matrix of few rows, as many rows as the smaller of its sizes.
 pub(crate) fn upper_factor(mut matrix: Mat<f64>) -> Mat<f64> {
-    let rows = matrix.nrows();
-    let kept = triangularise(&mut matrix, rows);
+    let kept = linalg::triangularise(matrix.as_mut());
     matrix.get(..kept, ..).to_owned()
 }

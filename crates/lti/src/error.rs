@@ -1,5 +1,7 @@
 //! The one error type of the crate.
 
+use numerics::linalg::DecompositionError;
+
 use crate::dimensions::Dimensions;
 
 /// Why an operation on a system cannot proceed.
@@ -152,6 +154,12 @@ pub enum LtiError {
         /// Which roots.
         what: &'static str,
     },
+}
+
+impl From<DecompositionError> for LtiError {
+    fn from(_: DecompositionError) -> Self {
+        LtiError::NoConvergence
+    }
 }
 
 impl LtiError {

@@ -1,7 +1,7 @@
 //! The matrix exponential.
 
-use faer::prelude::Solve;
 use faer::{Mat, MatRef, Scale};
+use numerics::linalg;
 
 use crate::error::{LtiError, check_finite, check_shape};
 use crate::matrix::{balance, elements, identity, norm_1};
@@ -71,5 +71,5 @@ fn pade(a: Mat<f64>) -> Mat<f64> {
     };
     let odd = &a * (&a6 * high(8) + low(1));
     let even = &a6 * high(7) + low(0);
-    (&even - &odd).partial_piv_lu().solve(&even + &odd)
+    linalg::solve((&even - &odd).as_ref(), (&even + &odd).as_ref())
 }

@@ -1,7 +1,7 @@
 //! The matrix logarithm.
 
-use faer::prelude::Solve;
 use faer::{Mat, MatRef, Scale};
+use numerics::linalg;
 
 use crate::Complex64;
 use crate::error::{LtiError, check_finite, check_shape};
@@ -87,7 +87,7 @@ fn triangular(mut t: Mat<Complex64>) -> Result<Mat<Complex64>, LtiError> {
     for (node, weight) in GAUSS.iter().flat_map(|(x, w)| [(-x, *w), (*x, *w)]) {
         let at = 0.5 * (1.0 + node);
         let shifted = Mat::from_fn(n, n, |i, j| less_one[(i, j)] * at + f64::from(u8::from(i == j)));
-        sum += shifted.partial_piv_lu().solve(&less_one) * Scale(Complex64::from(0.5 * weight));
+        sum += linalg::complex_solve(shifted.as_ref(), less_one.as_ref()) * Scale(Complex64::from(0.5 * weight));
     }
     let factor = 2_f64.powi(halvings);
     Ok(Mat::from_fn(n, n, |i, j| if i == j { logs[i] } else { sum[(i, j)] * factor }))

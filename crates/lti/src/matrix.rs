@@ -1,7 +1,7 @@
 //! Small dense helpers on faer matrices.
 
-use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, MatRef};
+use numerics::linalg;
 
 use crate::Complex64;
 use crate::error::{LtiError, check_finite, check_shape};
@@ -13,7 +13,7 @@ pub(crate) fn complex(m: MatRef<'_, f64>) -> Mat<Complex64> {
 
 /// Whether a square matrix is singular to working precision.
 pub(crate) fn is_singular(m: MatRef<'_, f64>) -> Result<bool, LtiError> {
-    let values = m.singular_values().map_err(|_| LtiError::NoConvergence)?;
+    let values = linalg::singular_values(m)?;
     let (Some(largest), Some(smallest)) = (values.first(), values.last()) else { return Ok(false) };
     Ok(*smallest <= f64::EPSILON * m.nrows() as f64 * largest)
 }
@@ -84,7 +84,7 @@ pub(crate) fn inverse(m: MatRef<'_, f64>) -> Option<Mat<f64>> {
     if m.nrows() == 0 {
         return Some(Mat::zeros(0, 0));
     }
-    let inverse = m.partial_piv_lu().inverse();
+    let inverse = linalg::inverse(m);
     let reciprocal_condition = 1.0 / (norm_1(m) * norm_1(inverse.as_ref()));
     let usable = reciprocal_condition >= f64::EPSILON && elements(inverse.as_ref()).all(f64::is_finite);
     usable.then_some(inverse)
@@ -102,7 +102,7 @@ pub(crate) fn eigenvalues(m: MatRef<'_, f64>) -> Result<Vec<Complex64>, LtiError
         if !elements(balanced.as_ref()).all(f64::is_finite) {
             return Err(LtiError::NonFinite { what: "matrix of an eigenvalue problem" });
         }
-        values.extend(balanced.eigenvalues().map_err(|_| LtiError::NoConvergence)?);
+        values.extend(linalg::eigenvalues(balanced.as_ref())?);
     }
     Ok(values)
 }

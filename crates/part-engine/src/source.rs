@@ -1,6 +1,7 @@
 //! The two masses and the shaft between them, with what is uncertain of them.
 
 use faer::Mat;
+use numerics::linalg;
 use part_shaft::Parts;
 use rig::BenchFile;
 use rig::estimation::Chosen;
@@ -120,10 +121,10 @@ impl TwoMasses {
             scale => self.covariance[i][j] / scale,
         };
         let correlations = Mat::from_fn(PARAMETERS, PARAMETERS, correlation);
-        let Ok(eigen) = correlations.self_adjoint_eigen(faer::Side::Lower) else { return Vec::new() };
+        let Ok(eigen) = linalg::symmetric_eigen(correlations.as_ref()) else { return Vec::new() };
         let direction = |k: usize| {
-            let length = eigen.S()[k].max(0.0).sqrt();
-            std::array::from_fn(|i| self.values[i] + length * eigen.U()[(i, k)] * deviations[i])
+            let length = eigen.values[k].max(0.0).sqrt();
+            std::array::from_fn(|i| self.values[i] + length * eigen.vectors[(i, k)] * deviations[i])
         };
         let moves = |values: &[f64; PARAMETERS]| values != &self.values;
         (0..PARAMETERS).map(direction).filter(moves).collect()

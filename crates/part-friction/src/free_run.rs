@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use numerics::order;
 use part_torque::torque_control;
 use rig::estimation::timing_floor_s;
 use rig::prepare::wrong_sign;
@@ -314,9 +315,8 @@ fn without_drop_outs(speed: &Signal) -> (Signal, Vec<bool>) {
     let x = &speed.samples;
     let is_dropped = |i: usize| {
         let mut about = x[i.saturating_sub(ABOUT)..(i + ABOUT + 1).min(x.len())].to_vec();
-        about.sort_by(f64::total_cmp);
-        let median = about[about.len() / 2];
-        (x[i] - median).abs() > DROPPED * median.abs() && median.abs() > SLOWEST.1
+        let dropped = |median: f64| (x[i] - median).abs() > DROPPED * median.abs() && median.abs() > SLOWEST.1;
+        order::upper_median(&mut about).is_some_and(dropped)
     };
     let dropped: Vec<bool> = (0..x.len()).map(is_dropped).collect();
     let mut mended = x.clone();

@@ -1,8 +1,8 @@
 //! Fisher's information of lines, and what it makes of the parameters.
 
 use bench_model::model::BenchModel;
-use faer::linalg::solvers::{DenseSolveCore, Llt};
-use faer::{Mat, Side};
+use faer::Mat;
+use numerics::linalg::{self, Cholesky};
 use signal::Complex64;
 
 use super::signals::{Neighbours, OUTPUTS, disturbances, limited};
@@ -158,8 +158,8 @@ impl Judge {
         let (value, sensitivity) = match self.criterion {
             Criterion::RelativeVariance => ((0..m).map(|i| block[(i, i)]).sum(), &columns * columns.transpose()),
             Criterion::Determinant => {
-                let factor = Llt::new(block.as_ref(), Side::Lower).map_err(|_| 0_usize)?;
-                let determinant = (0..m).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum();
+                let factor = Cholesky::new(block.as_ref()).map_err(|_| 0_usize)?;
+                let determinant = (0..m).map(|i| 2.0 * factor.lower()[(i, i)].ln()).sum();
                 (determinant, &columns * factor.inverse() * columns.transpose())
             }
         };
@@ -170,13 +170,13 @@ impl Judge {
 /// Inverse of a matrix with a unit diagonal, or the place it says least of.
 fn inverse(scaled: &Mat<f64>) -> Result<Mat<f64>, usize> {
     let n = scaled.nrows();
-    if let Ok(factor) = Llt::new(scaled.as_ref(), Side::Lower) {
+    if let Ok(factor) = Cholesky::new(scaled.as_ref()) {
         let inverse = factor.inverse();
         let worst = (0..n).max_by(|a, b| inverse[(*a, *a)].total_cmp(&inverse[(*b, *b)])).unwrap_or(0);
         return if inverse[(worst, worst)] < SINGULAR { Ok(inverse) } else { Err(worst) };
     }
-    let Ok(eigen) = scaled.self_adjoint_eigen(Side::Lower) else { return Err(0) };
-    let of = |i: usize| eigen.U()[(i, 0)].abs();
+    let Ok(eigen) = linalg::symmetric_eigen(scaled.as_ref()) else { return Err(0) };
+    let of = |i: usize| eigen.vectors[(i, 0)].abs();
     Err((0..n).max_by(|a, b| of(*a).total_cmp(&of(*b))).unwrap_or(0))
 }
 

@@ -1,5 +1,6 @@
 //! What a check of an experiment gives.
 
+use numerics::order;
 use serde::Serialize;
 
 use super::quantity::Quantity;
@@ -26,10 +27,7 @@ pub struct Checked {
 impl Checked {
     /// The value that a share of the benches stays below, SI (linear between them).
     pub fn quantile(&self, probability: f64) -> f64 {
-        let place = probability.clamp(0.0, 1.0) * (self.values.len().saturating_sub(1)) as f64;
-        let (below, part) = (place.floor() as usize, place.fract());
-        let at = |index: usize| self.values.get(index).copied().unwrap_or(f64::NAN);
-        if part == 0.0 { at(below) } else { at(below) * (1.0 - part) + at(below + 1) * part }
+        order::quantile_of_sorted(&self.values, probability).unwrap_or(f64::NAN)
     }
 
     /// Verdict of its limit alone.

@@ -89,11 +89,11 @@ pub enum SafetyError {
     NoSamples,
 }
 
-/// Checks an experiment. `told` hears from any thread how many runs of how many are done.
+/// Checks an experiment. `progress` hears from any thread how many runs of how many are done.
 ///
 /// # Errors
 /// The nominal bench cannot be predicted, no samples, an uncertainty without possible benches.
-pub fn check(inputs: &SafetyInputs<'_>, told: &(dyn Fn(u64, u64) + Sync)) -> Result<SafetyCheck, SafetyError> {
+pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) -> Result<SafetyCheck, SafetyError> {
     if inputs.samples == 0 {
         return Err(SafetyError::NoSamples);
     }
@@ -106,10 +106,10 @@ pub fn check(inputs: &SafetyInputs<'_>, told: &(dyn Fn(u64, u64) + Sync)) -> Res
             Ok(Drawn { model, engine: spread::slowed(inputs.prediction.engine, speed) })
         })
         .collect::<Result<Vec<_>, SafetyError>>()?;
-    let outcomes = outcomes(&inputs.prediction, &benches, told)?;
+    let outcomes = outcomes(&inputs.prediction, &benches, progress)?;
     let checked = checked(&inputs.prediction, &outcomes);
     let unstable = Proportion::new(outcomes.iter().filter(|outcome| outcome.is_unstable).count(), outcomes.len());
-    let sines = sines::propose(&inputs.prediction, &benches, &outcomes, told)?;
+    let sines = sines::propose(&inputs.prediction, &benches, &outcomes, progress)?;
     Ok(SafetyCheck {
         safety: checked::overall(&checked, unstable),
         thermal: thermal(&inputs.prediction),

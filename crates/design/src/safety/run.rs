@@ -22,10 +22,10 @@ pub(super) struct Outcome {
 pub(super) fn outcomes(
     inputs: &PredictionInputs<'_>,
     benches: &[Drawn],
-    told: &(dyn Fn(u64, u64) + Sync),
+    progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Vec<Outcome>, PredictionError> {
     let run = |bench: &Drawn| outcome(&PredictionInputs { model: &bench.model, engine: &bench.engine, ..*inputs });
-    parallel::map_with_progress(benches, run, told).into_iter().collect()
+    parallel::map_with_progress(benches, run, progress).into_iter().collect()
 }
 
 fn outcome(inputs: &PredictionInputs<'_>) -> Result<Outcome, PredictionError> {

@@ -56,7 +56,7 @@ pub(super) fn propose(
     inputs: &PredictionInputs<'_>,
     benches: &[Drawn],
     outcomes: &[Outcome],
-    told: &(dyn Fn(u64, u64) + Sync),
+    progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<Option<Proposal>, PredictionError> {
     let Some(ladder) = Ladder::of(inputs.plan) else { return Ok(None) };
     let is_bound = outcomes.iter().all(|outcome| outcome.allowed_nm.iter().all(|allowed| allowed.is_finite()));
@@ -81,7 +81,7 @@ pub(super) fn propose(
     }
     for _ in 0..ROUNDS {
         let Some(demands) = proposal.demands(inputs.plan, inputs.demands) else { break };
-        let lowered = run::outcomes(&PredictionInputs { demands: &demands, ..*inputs }, benches, told)?;
+        let lowered = run::outcomes(&PredictionInputs { demands: &demands, ..*inputs }, benches, progress)?;
         proposal.holds = are_kept(inputs, &lowered);
         if proposal.holds {
             break;

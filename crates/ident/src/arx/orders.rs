@@ -1,6 +1,7 @@
 //! [`ArxOrders`]: how many coefficients every polynomial of an ARX model has.
 
 use crate::regression::Lagged;
+use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError};
 
 /// Orders and delays of an ARX model: `na[i][j]` coefficients of output `j` in equation `i`, `nb[i][k]` of input `k`, the
@@ -49,7 +50,7 @@ impl ArxOrders {
             return Err(IdentError::TooFewSamples { samples: data.samples(), parameters: reach });
         }
         if self.parameters() == 0 {
-            return Err(IdentError::Structure { what: "every order is zero: there is no parameter to estimate" });
+            return Err(StructureError::NoParameters.into());
         }
         Ok(())
     }

@@ -3,10 +3,12 @@
 use std::ops::RangeInclusive;
 
 use faer::Mat;
+use numerics::linalg;
 
 use super::{Arx, ArxOrders, index_of};
 use crate::equation::factor_of;
 use crate::regression::{Lagged, Regression, outputs_then_inputs};
+use crate::structure_error::StructureError;
 use crate::{Criteria, Dataset, IdentError};
 
 /// A diagonal element of the factor below this fraction of its column: the column depends on those before it.
@@ -140,7 +142,7 @@ impl OrderScan {
     /// [`IdentError::Structure`] for an empty range or no parameter at all, [`IdentError::TooFewSamples`],
     /// [`IdentError::RankDeficient`] where the data determine no structure of the grid.
     pub fn run(&self, data: &Dataset) -> Result<OrderTable, IdentError> {
-        self.run_told(data, None, |_, _| ())
+        self.run_with_progress(data, None, |_, _| ())
     }
 
     /// Fits every structure to `data` and predicts `validation` with it.
@@ -148,7 +150,7 @@ impl OrderScan {
     /// # Errors
     /// Those of [`OrderScan::run`], for either data; [`IdentError::Length`] where their channels differ.
     pub fn run_validated(&self, data: &Dataset, validation: &Dataset) -> Result<OrderTable, IdentError> {
-        self.run_told(data, Some(validation), |_, _| ())
+        self.run_with_progress(data, Some(validation), |_, _| ())
     }
 
     /// Structures of the grid.
@@ -162,13 +164,13 @@ impl OrderScan {
     ///
     /// # Errors
     /// Theirs.
-    pub fn run_told(
+    pub fn run_with_progress(
         &self,
         data: &Dataset,
         validation: Option<&Dataset>,
-        told: impl FnMut(usize, usize),
+        progress: impl FnMut(usize, usize),
     ) -> Result<OrderTable, IdentError> {
-        let Some(validation) = validation else { return self.scan(data, None, told) };
+        let Some(validation) = validation else { return self.scan(data, None, progress) };
         for (what, expected, found) in [
             ("inputs of the validation data", data.inputs(), validation.inputs()),
             ("outputs of the validation data", data.outputs(), validation.outputs()),
@@ -177,14 +179,14 @@ impl OrderScan {
                 return Err(IdentError::Length { what, expected, found });
             }
         }
-        self.scan(data, Some(validation), told)
+        self.scan(data, Some(validation), progress)
     }
 
     fn scan(
         &self,
         data: &Dataset,
         validation: Option<&Dataset>,
-        mut told: impl FnMut(usize, usize),
+        mut progress: impl FnMut(usize, usize),
     ) -> Result<OrderTable, IdentError> {
         let widest = self.widest(data)?;
         let (outputs, inputs) = (data.outputs(), data.inputs());
@@ -193,7 +195,7 @@ impl OrderScan {
         let (mut structures, all, mut done) = (Vec::new(), self.structures(), 0);
         for nk in self.nk.clone() {
             for nb in self.nb.clone() {
-                told(done, all);
+                progress(done, all);
                 done += length(&self.na);
                 // Without coefficients of inputs their number and delay make no difference: the first stands for all.
                 let undriven = inputs == 0 || nb == 0;
@@ -216,8 +218,10 @@ impl OrderScan {
 
     /// The structure that holds all others. Delays of fewer samples have their columns in it too.
     fn widest(&self, data: &Dataset) -> Result<ArxOrders, IdentError> {
-        if self.na.is_empty() || self.nb.is_empty() || self.nk.is_empty() {
-            return Err(IdentError::Structure { what: "a range of orders is empty" });
+        for (what, range) in [("na", &self.na), ("nb", &self.nb), ("nk", &self.nk)] {
+            if range.is_empty() {
+                return Err(StructureError::EmptyRange { what, from: *range.start(), to: *range.end() }.into());
+            }
         }
         let reach = self.nk.end().saturating_add(*self.nb.end()).max(*self.na.end());
         if reach >= data.samples() {
@@ -330,7 +334,7 @@ impl<'a> Nest<'a> {
         let first = self.factor.ncols() - self.estimation.outputs;
         let mut theta = self.factor.get(..width, first..).to_owned();
         let triangle = self.factor.get(..width, ..width);
-        faer::linalg::triangular_solve::solve_upper_triangular_in_place(triangle, theta.as_mut(), faer::Par::Seq);
+        linalg::solve_upper(triangle, theta.as_mut());
         let errors = unseen.get(.., first..) - unseen.get(.., ..width) * &theta;
         Some(errors.transpose() * &errors)
     }
@@ -338,5 +342,5 @@ impl<'a> Nest<'a> {
 
 fn determinant_of_mean(products: Mat<f64>, rows: usize) -> f64 {
     let mean = faer::Scale(1.0 / rows as f64) * products;
-    if mean.nrows() == 1 { mean[(0, 0)] } else { mean.determinant().max(0.0) }
+    if mean.nrows() == 1 { mean[(0, 0)] } else { linalg::determinant(mean.as_ref()).max(0.0) }
 }

@@ -5,6 +5,7 @@ use lti::polynomial::multiply;
 use lti::{LtiError, PolynomialEquation, PolynomialModel, TransferFunction};
 
 use super::{REFERENCE, check_loop};
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, Fit, IdentError};
 
 /// Fits a model from `r` to `y`, `T = G S`, and solves it for the plant: `G = T/(1 − T R)`.
@@ -45,8 +46,12 @@ impl Indirect {
     /// `1 − T R` vanishes at once.
     pub fn solve(&self, closed: &Fit<PolynomialModel>) -> Result<Fit<PolynomialModel>, IdentError> {
         let model = &closed.model;
-        if (model.inputs(), model.outputs()) != (1, 1) {
-            return Err(IdentError::Structure { what: "the plant is solved for from one reference and one output" });
+        let method = "the plant of a closed loop";
+        if model.inputs() != 1 {
+            return Err(StructureError::inputs(method, Count::Exactly(1), model.inputs()).into());
+        }
+        if model.outputs() != 1 {
+            return Err(StructureError::outputs(method, Count::Exactly(1), model.outputs()).into());
         }
         let (p, q) = self.regulator_polynomials(model.sample_time_s())?;
         let loops = ClosedLoop::new(&model.equations()[0]);

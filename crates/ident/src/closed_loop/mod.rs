@@ -26,6 +26,7 @@ pub use indirect::Indirect;
 pub use joint::{ClosedLoopResponse, JointInputOutput};
 pub use two_stage::TwoStage;
 
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, ExcitationOptions, Fit, IdentError};
 
 /// Index of the plant's input.
@@ -77,8 +78,12 @@ pub fn direct<M>(
 
 /// Refuses data without input, reference and one output.
 fn check_loop(data: &Dataset) -> Result<(), IdentError> {
-    if (data.inputs(), data.outputs()) == (2, 1) {
-        return Ok(());
+    let method = "a loop with input u and reference r";
+    if data.inputs() != 2 {
+        return Err(StructureError::inputs(method, Count::Exactly(2), data.inputs()).into());
     }
-    Err(IdentError::Structure { what: "closed-loop data have the inputs u and r, and one output" })
+    if data.outputs() != 1 {
+        return Err(StructureError::outputs(method, Count::Exactly(1), data.outputs()).into());
+    }
+    Ok(())
 }

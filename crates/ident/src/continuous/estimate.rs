@@ -8,6 +8,7 @@ use super::output_error::{Nuisance, OutputError};
 use super::record::{Record, records};
 use crate::band_limited::Ground;
 use crate::colour::{Colour, Sandwich};
+use crate::structure_error::StructureError;
 use crate::{Bounds, Dataset, Doubt, Fit, IdentError, Minimum, NonlinearOptions, Parametric, Termination, minimise};
 
 /// Samples that starting models are compared on.
@@ -89,7 +90,7 @@ pub(crate) fn fit_output<C: ContinuousChannel>(
         }
     }
     let Some((_, theta)) = best else {
-        return Err(failure.unwrap_or(IdentError::Structure { what: "no starting model" }));
+        return Err(failure.unwrap_or(StructureError::NoStart.into()));
     };
     let mut problem = errors(&starts[0], records, data, settings);
     let minimum = minimise(&mut problem, &theta, bounds, settings.search)?;

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use lti::Simulator;
+use numerics::linalg;
 
 use super::channel::ContinuousChannel;
 use super::model::ContinuousModel;
@@ -85,11 +86,7 @@ fn least_change(factor: &Mat<f64>, unknown: usize) -> Result<Vec<f64>, IdentErro
     let scale: Vec<f64> =
         (0..unknown).map(|j| factor.col(j).norm_l2()).map(|length| if length > 0.0 { length } else { 1.0 }).collect();
     let matrix = Mat::from_fn(unknown, unknown, |i, j| factor[(i, j)] / scale[j]);
-    let svd = matrix.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let s = svd.S().column_vector();
-    let largest = s.iter().fold(0.0_f64, |m, v| m.max(*v));
-    let along = svd.U().transpose() * Mat::from_fn(unknown, 1, |i, _| factor[(i, unknown)]);
-    let kept = |i: usize| if s[i] > UNSEEN * largest { along[(i, 0)] / s[i] } else { 0.0 };
-    let solution = svd.V() * Mat::from_fn(unknown, 1, |i, _| kept(i));
+    let right = factor.get(..unknown, unknown..unknown + 1);
+    let solution = linalg::least_norm(matrix.as_ref(), right, UNSEEN)?;
     Ok((0..unknown).map(|j| solution[(j, 0)] / scale[j]).collect())
 }

@@ -20,6 +20,7 @@ pub use channel::{ContinuousChannel, Degrees};
 pub use model::{ContinuousModel, ProcessSystem, RationalChannel, TransferFunctionModel};
 
 use crate::band_limited::Ground;
+use crate::structure_error::{RefinedLimit, StructureError};
 use crate::{Bounds, Dataset, Fit, IdentError, Intersample, NonlinearOptions};
 use estimate::{OutputFit, Settings, combine, fit_output, judge_at};
 use output_error::Nuisance;
@@ -228,13 +229,11 @@ impl ContinuousTransferFunction {
     }
 
     fn check(&self, intersample: Intersample) -> Result<(), IdentError> {
-        let refuse = |what| Err(IdentError::Structure { what });
         for (m, n) in self.numerator_degree.iter().zip(&self.poles) {
-            if m > n {
-                return refuse("the numerator may not have a higher degree than the denominator");
-            }
-            if self.integrators > *n {
-                return refuse("more integrators than poles");
+            for (what, found) in [("zeros", *m), ("integrators", self.integrators)] {
+                if found > *n {
+                    return Err(StructureError::TooMany { what, found, most: *n }.into());
+                }
             }
         }
         check_delays(&self.delay_s)?;
@@ -242,24 +241,24 @@ impl ContinuousTransferFunction {
         let proper = self.numerator_degree.iter().zip(&self.poles).zip(&self.delay_s);
         let jumps = intersample == Intersample::ZeroOrderHold;
         if jumps && proper.into_iter().any(|((m, n), (low, high))| m == n && low < high) {
-            return refuse("with held inputs and as many zeros as poles the delay can only be given, not searched");
+            return Err(StructureError::DelayNotSearchable.into());
         }
         Ok(())
     }
 
     fn check_method(&self) -> Result<(), IdentError> {
-        let refuse = |what| Err(IdentError::Structure { what });
+        let refuse = |limit| Err(StructureError::Refined(limit).into());
         if self.method == TransferFunctionMethod::OutputError {
             return Ok(());
         }
         if self.numerator_degree.len() > 1 {
-            return refuse("refined instrumental variables take one input; take output error for several");
+            return refuse(RefinedLimit::Inputs);
         }
         if self.delay_s.iter().any(|(low, high)| low < high) {
-            return refuse("refined instrumental variables take a known delay; search for it by output error");
+            return refuse(RefinedLimit::SearchedDelay);
         }
         if self.at_rest || self.unstable {
-            return refuse("refined instrumental variables estimate the initial state, and stable poles");
+            return refuse(RefinedLimit::RestOrUnstable);
         }
         Ok(())
     }
@@ -370,10 +369,13 @@ pub(crate) fn one_each<T: Clone>(what: &'static str, given: &[T], inputs: usize)
 }
 
 pub(crate) fn check_delays(delay_s: &[(f64, f64)]) -> Result<(), IdentError> {
-    if delay_s.iter().all(|(low, high)| *low >= 0.0 && low <= high && high.is_finite()) {
-        return Ok(());
+    let is_none = |(low, high): &&(f64, f64)| !(*low >= 0.0 && low <= high && high.is_finite());
+    match delay_s.iter().find(is_none) {
+        None => Ok(()),
+        Some(&(low_s, high_s)) => {
+            Err(StructureError::Bounds { what: "the delay", low_s, high_s, positive: false }.into())
+        }
     }
-    Err(IdentError::Structure { what: "bounds of a delay must be finite, not negative, the lower one first" })
 }
 
 /// The first sample at which every delayed input is known.

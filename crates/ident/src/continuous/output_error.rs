@@ -14,6 +14,7 @@ use super::companion::Companion;
 use super::model::ContinuousModel;
 use super::projection::Basis;
 use super::record::Record;
+use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Intersample, Parametric, ResidualModel};
 
 /// What is assumed of the time before a record.
@@ -51,7 +52,7 @@ impl<C: ContinuousChannel> OutputError<'_, C> {
         for (channel, first_parameter) in model.channels().iter().zip(model.offsets()) {
             let companion = Companion::new(channel, self.sample_time_s)?;
             if self.stable && !companion.is_stable()? {
-                return Err(IdentError::Structure { what: "the model is not stable" });
+                return Err(StructureError::Unstable(UnstablePart::Model).into());
             }
             let slopes = if with_slopes { slopes(channel)? } else { Mat::zeros(0, 0) };
             ready.push(Ready { companion, first_parameter, slopes });

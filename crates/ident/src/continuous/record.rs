@@ -1,6 +1,7 @@
 //! What one output of one experiment gives to the search.
 
 use crate::band_limited::Ground;
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, IdentError};
 
 /// Inputs and one output of one experiment, from the first sample on at which every delayed input is known.
@@ -44,7 +45,7 @@ impl<'a> Record<'a> {
 pub(crate) fn records<'a>(ground: &'a Ground<'_>, output: usize, first: usize) -> Result<Vec<Record<'a>>, IdentError> {
     let inputs = ground.plain.inputs();
     if inputs == 0 {
-        return Err(IdentError::Structure { what: "a transfer function needs an input; model a time series as noise" });
+        return Err(StructureError::inputs("a transfer function", Count::AtLeast(1), 0).into());
     }
     for k in 0..inputs {
         check_input(ground.plain, k)?;

@@ -18,7 +18,7 @@ const MAX_SAMPLES: f64 = 1e9;
 /// `x_{k+1} = Φ x_k + γ₊ u_{k−w+1} + Γ c_{k−w} + Γ₋ c_{k−w−1}`, `v_k = s c_{k−w} + s₋ c_{k−w−1}`.
 ///
 /// Between samples `u` is held, or runs straight, and `c_k = u_k`; or it is band-limited, and `c_k` are the coefficients of
-/// its [course](crate::course) from sample k on. A fractional delay puts the change from one interval's `u` to the next
+/// its [course](crate::band_limited) from sample k on. A fractional delay puts the change from one interval's `u` to the next
 /// within the interval.
 ///
 /// # Source

@@ -9,8 +9,8 @@
 //! J. Control 31; Garnier & Wang (eds.), *Identification of Continuous-time Models from Sampled Data*, 2008, ch. 4.
 
 use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
 use lti::Complex64;
+use numerics::linalg::{self, Qr};
 
 use super::companion::Companion;
 use super::record::Record;
@@ -203,16 +203,8 @@ fn solve(factor: &Mat<f64>, instruments: usize, unknown: usize) -> Vec<f64> {
         .collect();
     let matrix = Mat::from_fn(unknown, unknown, |i, j| factor[(i, column(j))] / scale[j]);
     let right = Mat::from_fn(unknown, 1, |i, _| factor[(i, instruments + unknown)]);
-    let solution = match matrix.svd() {
-        Ok(svd) => {
-            let s = svd.S().column_vector();
-            let largest = s.iter().fold(0.0_f64, |m, v| m.max(*v));
-            let along = svd.U().transpose() * &right;
-            let kept = |i: usize| if s[i] > NEGLIGIBLE * largest { along[(i, 0)] / s[i] } else { 0.0 };
-            svd.V() * Mat::from_fn(unknown, 1, |i, _| kept(i))
-        }
-        Err(_) => matrix.qr().solve_lstsq(&right),
-    };
+    let solution = linalg::least_norm(matrix.as_ref(), right.as_ref(), NEGLIGIBLE)
+        .unwrap_or_else(|_| Qr::new(matrix.as_ref()).least_squares(right.as_ref()));
     (0..unknown).map(|j| solution[(j, 0)] / scale[j]).collect()
 }
 

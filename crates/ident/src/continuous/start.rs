@@ -4,6 +4,7 @@ use super::companion::Companion;
 use super::projection::Basis;
 use super::record::Record;
 use super::srivc::{Estimate, Structure, stable_filter};
+use crate::structure_error::StructureError;
 use crate::{IdentError, Termination};
 
 /// Samples that a starting value may rest on, and a comparison of delays.
@@ -62,7 +63,7 @@ fn explore(structure: &Structure<'_>, records: &[Record<'_>], rounds: usize) -> 
     }
     found.sort_by(|x, y| x.cost.total_cmp(&y.cost));
     if found.is_empty() {
-        return Err(IdentError::Structure { what: "no starting value found; try fewer poles, or give more data" });
+        return Err(StructureError::NoStart.into());
     }
     Ok(found)
 }
@@ -186,7 +187,7 @@ pub(crate) fn candidates_over_delays(
                 tried.extend(explore(&at, &short, 3).ok().and_then(|c| c.into_iter().next()));
             }
             tried.sort_by(|x: &Candidate, y| x.cost.total_cmp(&y.cost));
-            let best = tried.first().ok_or(IdentError::Structure { what: "no starting value found at any delay" })?;
+            let best = tried.first().ok_or(StructureError::NoStart)?;
             delays = best.delays.clone();
             ranked = tried;
         }

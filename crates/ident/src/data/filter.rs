@@ -6,6 +6,7 @@ use signal::Sos;
 
 use super::{Dataset, Experiment, column};
 use crate::IdentError;
+use crate::structure_error::{StructureError, UnstablePart};
 
 /// A filter `L(q)` for all channels.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +119,7 @@ fn checked_ratio(ratio: &TransferFunction, sample_time_s: f64) -> Result<(Vec<f6
         return Err(LtiError::Improper { numerator: num.len() - 1, denominator: den.len() - 1 }.into());
     }
     if ratio.poles()?.iter().any(|p| p.norm() >= 1.0) {
-        return Err(IdentError::Structure { what: "the prefilter has a pole on or outside the unit circle" });
+        return Err(StructureError::Unstable(UnstablePart::Prefilter).into());
     }
     let padded = std::iter::repeat_n(0.0, den.len() - num.len()).chain(num.iter().copied());
     Ok((padded.map(|b| b / den[0]).collect(), den.iter().map(|a| a / den[0]).collect()))

@@ -8,6 +8,7 @@ use signal::SignalError;
 
 use super::{Dataset, Experiment, Label};
 use crate::IdentError;
+use crate::structure_error::StructureError;
 
 /// Data to estimate on and data to judge on.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,9 +110,7 @@ impl Dataset {
     pub fn merge(&self, other: &Self) -> Result<Self, IdentError> {
         crate::data::check_clock(self.sample_time_s, other.sample_time_s)?;
         if self.intersample != other.intersample {
-            return Err(IdentError::Structure {
-                what: "the inputs of the data sets differ in their intersample behaviour",
-            });
+            return Err(StructureError::IntersampleDiffers.into());
         }
         other.experiments.iter().try_fold(self.clone(), |merged, e| merged.with_experiment(e.clone()))
     }

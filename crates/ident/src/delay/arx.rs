@@ -6,6 +6,7 @@ use super::{past_outputs, signals};
 use crate::data::check_range;
 use crate::equation::factor_of;
 use crate::regression::{Lagged, Regression, Signals};
+use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError};
 
 /// Most combinations of delays that are compared jointly.
@@ -95,7 +96,7 @@ impl ArxDelay {
         let signals = signals(data)?;
         check_range("highest", self.highest as f64, self.lowest as f64, 1e5)?;
         if self.nb == 0 {
-            return Err(IdentError::Structure { what: "a delay needs at least one numerator coefficient" });
+            return Err(StructureError::NoNumerator.into());
         }
         let comparison = Comparison::new(self, &signals, data.inputs())?;
         let mut candidates = comparison.search(data.inputs());

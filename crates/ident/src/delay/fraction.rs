@@ -70,8 +70,8 @@ impl FractionalDelay {
         let (below, at, above) = (loss(fraction - STEP)?, loss(fraction)?, loss(fraction + STEP)?);
         let curvature = (below - 2.0 * at + above) / (STEP * STEP);
         let variance = 2.0 * at / (ranking.samples as f64 * curvature);
-        let is_told = curvature > 0.0 && self.leaves_white_errors(data, whole, fraction)?;
-        let standard_error = if is_told { variance.sqrt() } else { f64::INFINITY };
+        let is_determined = curvature > 0.0 && self.leaves_white_errors(data, whole, fraction)?;
+        let standard_error = if is_determined { variance.sqrt() } else { f64::INFINITY };
         Ok(DelayEstimate { samples: whole + fraction, standard_error })
     }
 

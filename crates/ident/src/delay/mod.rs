@@ -32,6 +32,7 @@ pub use peak::{CorrelationPeak, PeakDelay};
 pub use phase::PhaseDelay;
 
 use crate::regression::Lagged;
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, IdentError};
 
 /// A delay to a fraction of a sample.
@@ -46,10 +47,10 @@ pub struct DelayEstimate {
 /// The signals of each experiment: the output, then the inputs.
 fn signals(data: &Dataset) -> Result<Vec<Vec<&[f64]>>, IdentError> {
     if data.outputs() != 1 {
-        return Err(IdentError::Structure { what: "a delay is estimated for one output: choose one of them" });
+        return Err(StructureError::outputs("the estimate of a delay", Count::Exactly(1), data.outputs()).into());
     }
     if data.inputs() == 0 {
-        return Err(IdentError::Structure { what: "a delay needs an input" });
+        return Err(StructureError::inputs("the estimate of a delay", Count::AtLeast(1), 0).into());
     }
     let varies = |x: &[f64]| {
         let mut known = x.iter().filter(|v| !v.is_nan());
@@ -75,5 +76,5 @@ fn check_one_input(data: &Dataset) -> Result<(), IdentError> {
     if data.inputs() == 1 {
         return Ok(());
     }
-    Err(IdentError::Structure { what: "this delay is estimated from one input: choose one of them" })
+    Err(StructureError::inputs("this estimate of a delay", Count::Exactly(1), data.inputs()).into())
 }

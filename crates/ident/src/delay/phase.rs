@@ -9,6 +9,7 @@ use signal::spectrum::{Welch, cross_spectrum};
 use super::{DelayEstimate, check_one_input, signals};
 use crate::data::check_range;
 use crate::distributions::chi_squared_quantile;
+use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError};
 
 /// Confidence of the test whether a phase is a straight line, as that of a delay.
@@ -149,7 +150,7 @@ impl PhaseDelay {
         // Without the mean, which each segment lost, and without the end, whose phase is 0 or π.
         let lines: Vec<Line> = (1..bins - 1).filter_map(line).collect();
         if lines.is_empty() {
-            return Err(IdentError::Structure { what: "the band holds no frequency of the spectrum" });
+            return Err(StructureError::EmptyBand { low_hz: low, high_hz: high }.into());
         }
         // Overlap and window bring no information: it is that of segments side by side.
         Ok((lines, rows as f64 / self.segment as f64))

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use faer::Mat;
 use lti::{from_rows, to_rows};
+use numerics::linalg;
 
+use crate::structure_error::StructureError;
 use crate::{Doubt, Fit, IdentError, Parametric, Termination};
 
 /// Data that an estimate rests on.
@@ -97,10 +99,10 @@ impl EstimateRecord {
             }
         }
         if self.parameters != parameters {
-            return Err(IdentError::Structure { what: "the estimate is of other parameters than the model's" });
+            return Err(StructureError::OtherParameters.into());
         }
         if self.degrees_of_freedom.is_nan() || self.degrees_of_freedom <= 0.0 {
-            return Err(IdentError::Structure { what: "the estimate has no positive number of degrees of freedom" });
+            return Err(StructureError::DegreesOfFreedom { found: self.degrees_of_freedom }.into());
         }
         let covariance = from_rows("covariance", &self.covariance, count, count)?;
         let outputs = self.noise_covariance.len();
@@ -135,7 +137,7 @@ const ROUNDING: f64 = 1e-8;
 
 fn check_covariance(m: &Mat<f64>) -> Result<(), IdentError> {
     let n = m.nrows();
-    let not_one = IdentError::Structure { what: "a covariance of the estimate is not symmetric and non-negative" };
+    let not_one = IdentError::Structure(StructureError::NotACovariance);
     if (0..n).any(|i| (0..n).any(|j| !m[(i, j)].is_finite())) {
         return Err(not_one);
     }
@@ -143,9 +145,7 @@ fn check_covariance(m: &Mat<f64>) -> Result<(), IdentError> {
     let size = |i: usize| if m[(i, i)] > 0.0 { m[(i, i)].sqrt() } else { 1.0 };
     let scaled = Mat::from_fn(n, n, |i, j| m[(i, j)] / (size(i) * size(j)));
     let skewed = (0..n).any(|i| (0..n).any(|j| (scaled[(i, j)] - scaled[(j, i)]).abs() > ROUNDING));
-    let values = scaled
-        .self_adjoint_eigenvalues(faer::Side::Lower)
-        .map_err(|_| IdentError::Decomposition { what: "eigenvalue" })?;
+    let values = linalg::symmetric_eigenvalues(scaled.as_ref())?;
     let smallest = values.iter().copied().fold(0.0, f64::min);
     if skewed || smallest < -ROUNDING * n as f64 { Err(not_one) } else { Ok(()) }
 }

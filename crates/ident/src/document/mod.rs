@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 pub use estimate::{EstimateRecord, Source};
 pub use model::AnyModel;
 
+use crate::structure_error::StructureError;
 use crate::{Fit, IdentError, Intersample, Label, Trend};
 
 /// What the `format` field of a document says.
@@ -136,10 +137,10 @@ impl AnyModel {
         let AnyModel::Polynomial(model) = self else { return Ok(()) };
         let coefficients = model.coefficients().len();
         let delays = model.equations().iter().flat_map(|e| &e.nk).fold(0_usize, |sum, nk| sum.saturating_add(*nk));
-        if coefficients.saturating_add(delays) > MOST_STATES {
-            return Err(IdentError::Structure {
-                what: "the orders and delays of the model add up to over 5000 samples",
-            });
+        let found = coefficients.saturating_add(delays);
+        if found > MOST_STATES {
+            let what = "samples that the orders and delays of the model add up to";
+            return Err(StructureError::TooMany { what, found, most: MOST_STATES }.into());
         }
         Ok(())
     }

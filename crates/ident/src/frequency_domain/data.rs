@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use signal::Complex64;
 use signal::frf::{FrequencyResponse, LocalEstimate, PeriodicSpectra, periodic_spectra};
 
+use crate::structure_error::StructureError;
 use crate::{ChannelPair, Dataset, IdentError};
 
 /// A measured frequency response: gains with the variance of each.
@@ -51,9 +52,7 @@ impl FrequencyData {
         ChannelPair { output, input }: ChannelPair,
         averages: Option<usize>,
     ) -> Result<Self, IdentError> {
-        if input >= response.inputs || output >= response.outputs {
-            return Err(IdentError::Structure { what: "no such channel" });
-        }
+        check_channel(ChannelPair { output, input }, response.inputs, response.outputs)?;
         Ok(FrequencyData {
             omega_rad_s: response.freq_hz.iter().map(|f| TAU * f).collect(),
             response: response.response_of(output, input),
@@ -100,9 +99,7 @@ impl SpectralData {
         ChannelPair { output, input }: ChannelPair,
     ) -> Result<Self, IdentError> {
         let channels = spectra.channels;
-        if input >= channels || output >= channels {
-            return Err(IdentError::Structure { what: "no such channel" });
-        }
+        check_channel(ChannelPair { output, input }, channels, channels)?;
         let lines = 0..spectra.freq_hz.len();
         let mean = |c: usize| lines.clone().map(|k| spectra.mean[k * channels + c]).collect();
         let covariance = |a: usize, b: usize| {
@@ -136,10 +133,8 @@ impl SpectralData {
         period: usize,
         harmonics: &[usize],
     ) -> Result<Self, IdentError> {
-        if input >= data.inputs() || output >= data.outputs() {
-            return Err(IdentError::Structure { what: "no such channel" });
-        }
-        let experiment = data.experiments().first().ok_or(IdentError::Structure { what: "no experiment" })?;
+        check_channel(ChannelPair { output, input }, data.inputs(), data.outputs())?;
+        let experiment = data.experiments().first().ok_or(StructureError::NoExperiment)?;
         let (u, y) = (experiment.input(input), experiment.output(output));
         if y.len() / period.max(1) < 6 {
             return Err(IdentError::TooFewSamples { samples: y.len(), parameters: period.saturating_mul(6) });
@@ -224,6 +219,14 @@ impl Measured for SpectralData {
     }
 }
 
+fn check_channel(channel: ChannelPair, inputs: usize, outputs: usize) -> Result<(), IdentError> {
+    let ChannelPair { output, input } = channel;
+    if input < inputs && output < outputs {
+        return Ok(());
+    }
+    Err(StructureError::NoChannel { output, input, outputs, inputs }.into())
+}
+
 fn check_lengths(expected: usize, found: &[usize]) -> Result<(), IdentError> {
     match found.iter().find(|n| **n != expected) {
         Some(found) => Err(IdentError::Length { what: "values at the frequencies", expected, found: *found }),
@@ -238,16 +241,15 @@ fn check(lines: Vec<Line>, averages: Option<usize>) -> Result<Lines, IdentError>
             return Err(IdentError::NotFinite { what: "the frequency data", index });
         }
         if l.omega < 0.0 || l.var_u < 0.0 || l.var_y < 0.0 || l.var_u + l.var_y == 0.0 || l.u == Complex64::default() {
-            let what = "every frequency needs an input, a positive variance, and may not be negative";
-            return Err(IdentError::Structure { what });
+            return Err(StructureError::Frequency { index }.into());
         }
         // Equality is a correlation of one: noise that the input brought and the system passed on.
         if l.cov_yu.norm_sqr() > (1.0 + 1e-9) * l.var_u * l.var_y {
-            return Err(IdentError::Structure { what: "a covariance is larger than its variances allow" });
+            return Err(StructureError::CovarianceTooLarge { index }.into());
         }
     }
-    if averages.is_some_and(|n| n < 6) {
-        return Err(IdentError::Structure { what: "variances from fewer than six averages say too little" });
+    if let Some(found) = averages.filter(|n| *n < 6) {
+        return Err(StructureError::TooFew { what: "averages behind the variances", found, least: 6 }.into());
     }
     Ok(Lines { lines, averages })
 }

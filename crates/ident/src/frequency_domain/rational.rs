@@ -9,6 +9,7 @@ use super::data::{Lines, Measured};
 use super::misfit::{Misfit, Response, SpectralFit, search, spectral_fit};
 use super::start;
 use crate::continuous::RationalChannel;
+use crate::structure_error::{StructureError, UnstablePart};
 use crate::uncertainty::{Dynamics, Ratio};
 use crate::{Bounds, Doubt, IdentError, NonlinearOptions, Parametric};
 
@@ -232,8 +233,7 @@ impl FrequencyTransferFunction {
                 best = Some(found);
             }
         }
-        let what = "no starting value found: too few frequencies for the order, or no stable model near the data";
-        best.ok_or(IdentError::Structure { what })
+        best.ok_or(StructureError::NoStart.into())
     }
 }
 
@@ -284,7 +284,7 @@ impl Rational {
         values.extend((0..n - 1).rev().map(|i| sum(&self.den, &a, i) / lead));
         values.push(delay_s);
         if values.iter().any(|v| !v.is_finite()) {
-            return Err(IdentError::Structure { what: "the denominator lost its highest power; try fewer poles" });
+            return Err(StructureError::LostDegree.into());
         }
         let mut jacobian = Mat::zeros(m + n, m + n);
         for j in 0..m {
@@ -318,7 +318,7 @@ impl Response for Rational {
         if let Some(discrete) = self.stable
             && !start::is_stable(&self.den, &a, discrete)
         {
-            return Err(IdentError::Structure { what: "the model is not stable" });
+            return Err(StructureError::Unstable(UnstablePart::Model).into());
         }
         let mut slopes = slopes;
         for k in 0..gains.len() {

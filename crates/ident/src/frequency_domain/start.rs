@@ -1,6 +1,7 @@
 //! Starting values by iterated weighted linear least squares.
 
 use faer::Mat;
+use numerics::linalg;
 use signal::Complex64;
 
 use super::basis::Basis;
@@ -79,8 +80,8 @@ fn round(lines: &Lines, points: &[Complex64], weights: &[f64], (m, n): (usize, u
 /// The numerator and the unit denominator that the triangle `[R₁₁ R₁₂; 0 R₂₂]` sends nearest to zero.
 fn null_vector(factor: &Mat<f64>, m: usize, n: usize) -> Option<(Vec<f64>, Vec<f64>)> {
     let lower = factor.submatrix(m, m, n, n).to_owned();
-    let svd = lower.svd().ok()?;
-    let a: Vec<f64> = (0..n).map(|j| svd.V()[(j, n - 1)]).collect();
+    let svd = linalg::svd(lower.as_ref()).ok()?;
+    let a: Vec<f64> = (0..n).map(|j| svd.v[(j, n - 1)]).collect();
     let mut b = vec![0.0; m];
     for i in (0..m).rev() {
         let known: f64 = (i + 1..m).map(|j| factor[(i, j)] * b[j]).sum::<f64>()

@@ -14,6 +14,7 @@ use crate::band_limited::{REACH, with_courses};
 use crate::data::check_missing;
 use crate::prediction::{InitialState, residuals};
 use crate::state_space::{Information, Known, Search, Searchable, gather};
+use crate::structure_error::StructureError;
 use crate::{Dataset, Doubt, Experiment, Fit, IdentError, Intersample, Parametric, Termination};
 
 pub use formula::Formula;
@@ -24,7 +25,7 @@ pub use structure::{Entry, GreyNoise, GreyParameter, Structure, StructuredMatric
 
 /// Beyond this condition the data cannot separate the parameters: only the errors of the derivatives by differences are left
 /// of a direction.
-const UNTOLD: f64 = 1e9;
+const UNDETERMINED: f64 = 1e9;
 
 /// Grey-box estimation: the parameters of a [`Structure`] by minimising the prediction error.
 ///
@@ -153,15 +154,17 @@ impl<S: Structure> GreyBox<S> {
         crate::fit::check_channels(start, data)?;
         let parameters = self.structure.parameters();
         if parameters.iter().all(|p| p.fixed) {
-            return Err(IdentError::Structure { what: "no parameter is free, so there is nothing to estimate" });
+            return Err(StructureError::NoParameters.into());
         }
         for (index, p) in parameters.iter().enumerate() {
             let (lower, upper) = (p.bounds.lower, p.bounds.upper);
             if !(p.value.is_finite() && lower <= p.value && p.value <= upper) {
                 return Err(IdentError::StartOutsideBounds { index, start: p.value, lower, upper });
             }
-            if p.prior.is_some_and(|(mean, deviation)| !(mean.is_finite() && deviation > 0.0)) {
-                return Err(IdentError::Structure { what: "a prior needs a finite mean and a positive spread" });
+            if let Some((mean, deviation)) = p.prior
+                && !(mean.is_finite() && deviation > 0.0)
+            {
+                return Err(StructureError::Prior { index, mean, deviation }.into());
             }
         }
         let InitialState::Given(states) = &self.initial_state else { return Ok(()) };
@@ -216,7 +219,7 @@ impl<S: Structure> GreyBox<S> {
         let prior: Vec<f64> = kept.iter().map(|j| found.prior_weight(*j)).collect();
         let known = Known { free: found.free(), basis: basis.as_ref(), prior: &prior };
         let gathered = gather(data, &innovations, &known, &all_states, estimated, Information::All)?;
-        if gathered.condition > UNTOLD {
+        if gathered.condition > UNDETERMINED {
             let (parameters, condition) = (kept.len(), gathered.condition);
             return Err(IdentError::RankDeficient { rank: parameters - 1, parameters, condition });
         }

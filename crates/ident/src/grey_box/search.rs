@@ -6,6 +6,7 @@ use signal::excitation::Random;
 
 use super::{GreyBoxModel, GreyNoise, GreyParameter, Structure};
 use crate::state_space::{Free, Searchable, entries};
+use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError, LinearModel, Parametric};
 
 /// Steps of central differences, as a part of the parameter: the cube root of the rounding.
@@ -110,9 +111,7 @@ impl<S: Structure> Searchable for Parameters<S> {
             let (above, below) = ((values[*j] + step).min(bounds.upper), (values[*j] - step).max(bounds.lower));
             let (high, low) = (at(*j, above)?, at(*j, below)?);
             if high.len() != low.len() {
-                return Err(IdentError::Structure {
-                    what: "a delay is at a whole number of samples, where the number of states changes: start beside it",
-                });
+                return Err(StructureError::WholeDelay.into());
             }
             columns.push(high.iter().zip(&low).map(|(h, l)| (h - l) / (above - below)).collect::<Vec<f64>>());
         }

@@ -17,6 +17,7 @@ use crate::arx::{ArxOrders, ILL_CONDITIONED, filter, layout, whitening_filter};
 use crate::equation::{Equation, factor_of, noise_covariance};
 use crate::least_squares::solve_factor;
 use crate::regression::{Regression, Signals, outputs_then_inputs};
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, Doubt, Fit, IdentError, LinearFit, Origin, Termination};
 
 /// Estimates finite impulse responses, from every input to every output:
@@ -100,8 +101,11 @@ impl ImpulseResponse {
     /// channel that is zero throughout; without a kernel [`IdentError::RankDeficient`] where the inputs do not excite
     /// every coefficient.
     pub fn fit(&self, data: &Dataset) -> Result<ImpulseFit, IdentError> {
-        if self.taps == 0 || data.inputs() == 0 {
-            return Err(IdentError::Structure { what: "an impulse response needs an input and at least one tap" });
+        if data.inputs() == 0 {
+            return Err(StructureError::inputs("an impulse response", Count::AtLeast(1), 0).into());
+        }
+        if self.taps == 0 {
+            return Err(StructureError::TooFew { what: "taps", found: 0, least: 1 }.into());
         }
         let orders = ArxOrders::uniform(data.outputs(), data.inputs(), 0, self.taps, self.delay);
         orders.check(data)?;

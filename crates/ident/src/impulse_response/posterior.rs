@@ -1,7 +1,7 @@
 //! The posterior of a response under a Gaussian prior, and the likelihood of the prior.
 
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Mat, Par};
+use faer::Mat;
+use numerics::linalg;
 
 use crate::IdentError;
 use crate::triangle::upper_factor;
@@ -68,13 +68,13 @@ impl Evidence {
         let n = self.coefficients();
         let augmented = self.augmented(root);
         let triangle = augmented.get(..n, ..n);
-        let values = triangle.singular_values().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+        let values = linalg::singular_values(triangle)?;
         let mut weights = augmented.get(..n, n..).to_owned();
-        solve_upper_triangular_in_place(triangle, weights.as_mut(), Par::Seq);
+        linalg::solve_upper(triangle, weights.as_mut());
         let mean = root * &weights;
         // L R⁻¹, by columns of its transpose R⁻ᵀ Lᵀ.
         let mut spread = root.transpose().to_owned();
-        solve_lower_triangular_in_place(triangle.transpose(), spread.as_mut(), Par::Seq);
+        linalg::solve_lower(triangle.transpose(), spread.as_mut());
         let variance = augmented[(n, n)].powi(2) / self.rows as f64;
         Ok(Posterior {
             mean: (0..n).map(|i| mean[(i, 0)]).collect(),

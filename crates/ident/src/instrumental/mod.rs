@@ -8,6 +8,7 @@ use lti::PolynomialModel;
 
 use self::equations::{Instrumented, simulate, stabilised};
 use crate::arx::{ArxOrders, Noise};
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, Fit, IdentError};
 
 pub use four_step::Iv4;
@@ -91,7 +92,7 @@ impl InstrumentalVariables {
     pub fn fit(&self, data: &Dataset) -> Result<Fit<PolynomialModel>, IdentError> {
         self.orders.check(data)?;
         if self.prefilter.iter().all(|l| *l == 0.0) {
-            return Err(IdentError::Structure { what: "the prefilter is zero" });
+            return Err(StructureError::ZeroPrefilter.into());
         }
         if let Some(index) = self.prefilter.iter().position(|l| !l.is_finite()) {
             return Err(IdentError::NotFinite { what: "the prefilter", index });
@@ -125,7 +126,7 @@ fn usual_batches(rows: usize, parameters: usize) -> Noise {
 /// Instruments made of inputs need some.
 fn check_inputs(orders: &ArxOrders) -> Result<(), IdentError> {
     if orders.nb.iter().flatten().all(|count| *count == 0) {
-        return Err(IdentError::Structure { what: "instruments are made of inputs, and the model has none" });
+        return Err(StructureError::inputs("a model with instruments", Count::AtLeast(1), 0).into());
     }
     Ok(())
 }

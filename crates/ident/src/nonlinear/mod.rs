@@ -6,6 +6,7 @@ mod search;
 use faer::{Mat, MatMut};
 use numerics::vector::sum_of_squares;
 
+use crate::structure_error::StructureError;
 use crate::{IdentError, Termination, Triangle};
 pub use problem::{Bounds, NonlinearOptions};
 pub(crate) use problem::{Lowest, SumOfSquares};
@@ -160,7 +161,7 @@ pub(crate) fn descend<O: SumOfSquares>(
     options: NonlinearOptions,
 ) -> Result<Lowest, IdentError> {
     let all_the_way = descend_unless(objective, start, bounds, options, |_, _| false)?;
-    all_the_way.ok_or(IdentError::Structure { what: "the search was given up" })
+    all_the_way.ok_or(StructureError::GivenUp.into())
 }
 
 /// [`descend`], given up where θ and its cost fulfil `idle`.

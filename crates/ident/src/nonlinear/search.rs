@@ -1,7 +1,7 @@
 //! The search itself: damped steps over the parameters that no bound holds.
 
 use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
+use numerics::linalg::Qr;
 
 use super::problem::{Bounds, Lowest, NonlinearOptions, SumOfSquares};
 use crate::condition::checked_condition;
@@ -175,7 +175,7 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
             Some(_) => 0.0,
         });
         let right = Mat::from_fn(2 * n, 1, |i, _| if i < n { -factor[(i, n)] } else { 0.0 });
-        let solution = stacked.qr().solve_lstsq(&right);
+        let solution = Qr::new(stacked.as_ref()).least_squares(right.as_ref());
         (0..n).map(|j| solution[(j, 0)] / self.scale[free[j]]).collect()
     }
 
@@ -215,8 +215,8 @@ impl<'a, O: SumOfSquares> Search<'a, O> {
         let (n, total) = (free.len(), self.parameters.len());
         let norms: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).collect();
         let scaled = Mat::from_fn(n, n, |i, j| if norms[j] > 0.0 { factor[(i, j)] / norms[j] } else { 0.0 });
-        let condition = if n == 0 { 1.0 } else { checked_condition(&scaled)? };
-        let inverse = scaled.qr().solve_lstsq(Mat::<f64>::identity(n, n));
+        let condition = if n == 0 { 1.0 } else { checked_condition(scaled.as_ref())? };
+        let inverse = Qr::new(scaled.as_ref()).least_squares(Mat::identity(n, n).as_ref());
         let product = &inverse * inverse.transpose();
         let mut unscaled_covariance = Mat::zeros(total, total);
         for (a, i) in free.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 use lti::StateSpace;
+use numerics::linalg;
 
 use super::form::Form;
 use super::gain::Gain;
@@ -187,13 +188,13 @@ fn smallest_solution(triangle: Triangle, n: usize) -> Result<Vec<f64>, IdentErro
     }
     let scale: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).collect();
     let scaled = Mat::from_fn(n, n, |i, j| if scale[j] > 0.0 { factor[(i, j)] / scale[j] } else { 0.0 });
-    let svd = scaled.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let singular = |k: usize| svd.S().column_vector()[k];
+    let svd = linalg::svd(scaled.as_ref())?;
+    let singular = |k: usize| svd.values[k];
     let mut solution = vec![0.0; n];
     for k in (0..n).filter(|k| singular(*k) > UNSEEN * singular(0)) {
-        let along: f64 = (0..n).map(|i| svd.U()[(i, k)] * factor[(i, n)]).sum::<f64>() / singular(k);
+        let along: f64 = (0..n).map(|i| svd.u[(i, k)] * factor[(i, n)]).sum::<f64>() / singular(k);
         for (j, slot) in solution.iter_mut().enumerate() {
-            *slot += svd.V()[(j, k)] * along;
+            *slot += svd.v[(j, k)] * along;
         }
     }
     Ok(solution.iter().zip(&scale).map(|(v, s)| if *s > 0.0 { v / s } else { 0.0 }).collect())
@@ -232,12 +233,12 @@ fn modal_basis(a: MatRef<'_, f64>) -> Mat<f64> {
     if n == 0 {
         return identity;
     }
-    let Ok(eigen) = a.eigen() else {
+    let Ok(eigen) = linalg::eigen(a) else {
         return identity;
     };
-    let (vectors, values) = (eigen.U(), eigen.S().column_vector());
+    let (vectors, values) = (eigen.vectors, eigen.values);
     let basis = Mat::from_fn(n, n, |i, j| if values[j].im < 0.0 { vectors[(i, j)].im } else { vectors[(i, j)].re });
-    let Ok(singular) = basis.singular_values() else {
+    let Ok(singular) = linalg::singular_values(basis.as_ref()) else {
         return identity;
     };
     let usable = singular.iter().all(|s| s.is_finite()) && singular[n - 1] * WORST_COORDINATES > singular[0];

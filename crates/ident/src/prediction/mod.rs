@@ -12,6 +12,7 @@ use faer::Mat;
 
 use crate::fit::check_channels;
 use crate::on_data::OnData;
+use crate::structure_error::StructureError;
 use crate::{Dataset, Experiment, IdentError, LinearModel};
 use form::Form;
 use gain::Gain;
@@ -94,7 +95,7 @@ pub fn predict<M: LinearModel + ?Sized>(
     initial: &InitialState,
 ) -> Result<Response, IdentError> {
     if horizon == 0 {
-        return Err(IdentError::Structure { what: "a horizon of no samples predicts nothing; take one or more" });
+        return Err(StructureError::TooFew { what: "samples of the horizon", found: 0, least: 1 }.into());
     }
     Ok(respond(model, data, initial, Some(horizon))?.0)
 }

@@ -2,11 +2,12 @@
 
 use faer::Mat;
 use lti::PolynomialModel;
+use numerics::linalg;
 
-use super::edge;
 use super::equation::Equation;
 use super::joint;
 use super::orders::Orders;
+use super::stability_boundary;
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
 
 /// From this condition number on, the coefficients can hardly be separated.
@@ -35,7 +36,7 @@ pub(super) fn fit(
     let left = |i: usize| (rows as f64 - taken[i]).max(1.0).sqrt();
     let noise_covariance = Mat::from_fn(outputs, outputs, |i, j| moments[(i, j)] / (left(i) * left(j)));
     // Rounding may take the determinant of a singular covariance below zero.
-    let loss = (faer::Scale(1.0 / rows as f64) * &moments).determinant().max(0.0);
+    let loss = linalg::determinant((faer::Scale(1.0 / rows as f64) * &moments).as_ref()).max(0.0);
     let free = |e: &Equation<'_>| e.lowest.at_bound.iter().filter(|b| !**b).count();
     let stages: Vec<&[joint::Stage<'_>]> = equations.iter().map(|e| e.stages.as_slice()).collect();
     let (covariance, degrees_of_freedom) = joint::covariance(&stages, data)?;
@@ -95,7 +96,7 @@ fn termination(equations: &[Equation<'_>]) -> Termination {
 fn doubts(orders: &Orders, equations: &[Equation<'_>], of: usize, rows: usize) -> Result<Vec<Doubt>, IdentError> {
     let mut doubts = Vec::new();
     for (output, equation) in equations.iter().enumerate().filter(|(_, e)| !e.lowest.termination.converged()) {
-        let reason = edge::reason(orders, equation, output)?.unwrap_or(Doubt::NotConverged);
+        let reason = stability_boundary::reason(orders, equation, output)?.unwrap_or(Doubt::NotConverged);
         if !doubts.contains(&reason) {
             doubts.push(reason);
         }

@@ -5,19 +5,20 @@ use std::borrow::Cow;
 use faer::Mat;
 use signal::Sos;
 
-use super::basin::Basin;
 use super::evaluate::Evaluator;
 use super::excerpt::{excerpt, interpolated};
+use super::high_order_arx::HighOrderArx;
 use super::joint::{Errors, Stage};
 use super::options::Polynomial;
 use super::orders::Orders;
+use super::quadratic_region::QuadraticRegion;
 use super::reduced::{lowered, raised};
 use super::segment::{Segment, segments};
 use super::signals::Aim;
 use super::slower::{quickened, slow_orders, slowed};
 use super::start::{self, Long, candidates};
-use super::yardstick::Yardstick;
 use crate::nonlinear::{Lowest, SumOfSquares, descend, descend_unless};
+use crate::structure_error::StructureError;
 use crate::{Bounds, Dataset, Focus, IdentError, NonlinearOptions};
 
 /// Rows that starting values are sought on.
@@ -149,12 +150,12 @@ impl Task<'_> {
             return None;
         }
         let rows: usize = all.iter().map(Segment::known).sum();
-        let yardstick = (rows >= LEAST_ROWS).then(|| Yardstick::new(self.orders, all)).flatten()?;
-        if !yardstick.is_settled() {
+        let high_order = (rows >= LEAST_ROWS).then(|| HighOrderArx::new(self.orders, all)).flatten()?;
+        if !high_order.is_settled() {
             return None;
         }
         let few = excerpt(all, DIRECT_ROWS);
-        let long = Long::of(self.orders, &few, yardstick.order, yardstick.theta.clone());
+        let long = Long::of(self.orders, &few, high_order.order, high_order.theta.clone());
         let mut theta = self.held(start::by_noise(self.orders, &few, &long)?);
         if few.iter().map(Segment::len).sum::<usize>() < rows
             && let Ok(lowest) = self.descended(&few, Aim::Prediction, &theta, self.some_way())
@@ -164,7 +165,7 @@ impl Task<'_> {
         let lowest = self.descended(all, Aim::Prediction, &theta, self.search).ok()?;
         let free = lowest.at_bound.iter().filter(|b| !**b).count();
         let residuals = Evaluator::new(self.orders, all, Aim::Prediction, self.estimate_states).residual_count();
-        let met = lowest.termination.converged() && yardstick.is_met(lowest.cost, residuals, free);
+        let met = lowest.termination.converged() && high_order.is_met(lowest.cost, residuals, free);
         Some((lowest, met))
     }
 
@@ -177,7 +178,7 @@ impl Task<'_> {
         };
         let start = self.start(all, Aim::Prediction, guesses)?;
         let mut evaluator = Evaluator::new(self.orders, all, Aim::Prediction, self.estimate_states);
-        if evaluator.cost(&start).is_ok_and(|cost| Basin(&lowest).holds(&start, cost)) {
+        if evaluator.cost(&start).is_ok_and(|cost| QuadraticRegion(&lowest).holds(&start, cost)) {
             return Ok(lowest);
         }
         let other = self.descended(all, Aim::Prediction, &start, self.search);
@@ -398,7 +399,7 @@ impl Task<'_> {
         let mut minima: Vec<Lowest> = Vec::new();
         let mut ends = Vec::new();
         for (cost, theta) in ranked {
-            let known = |theta: &[f64], cost: f64| minima.iter().any(|m| Basin(m).holds(theta, cost));
+            let known = |theta: &[f64], cost: f64| minima.iter().any(|m| QuadraticRegion(m).holds(theta, cost));
             match descend_unless(&mut evaluator, &theta, &self.bounds, self.some_way(), known) {
                 Ok(Some(lowest)) => minima.push(lowest),
                 Ok(None) => {}
@@ -407,8 +408,7 @@ impl Task<'_> {
         }
         ends.extend(minima.into_iter().map(|m| (m.cost, m.parameters)));
         let best = ends.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
-        let (_, theta) =
-            best.ok_or(IdentError::Structure { what: "the held coefficients make no stable predictor" })?;
+        let (_, theta) = best.ok_or(StructureError::HeldUnstable)?;
         Ok(theta)
     }
 }

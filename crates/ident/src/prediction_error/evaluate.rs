@@ -12,6 +12,7 @@ use super::segment::Segment;
 use super::signals::{Aim, Block, Column, Lines, Polynomials, columns};
 use super::split::Split;
 use crate::nonlinear::SumOfSquares;
+use crate::structure_error::{StructureError, UnstablePart};
 use crate::{IdentError, Triangle};
 
 /// How much farther from the unit circle a search may go on its way.
@@ -78,7 +79,7 @@ impl<'a> Evaluator<'a> {
         if self.is_stable(theta) {
             return Ok(());
         }
-        Err(IdentError::Structure { what: "the predictor of the starting model is not stable" })
+        Err(StructureError::Unstable(UnstablePart::StartingPredictor).into())
     }
 
     /// Number of columns of the initial state.

@@ -1,24 +1,24 @@
 //! Prediction-error estimation of polynomial models: ARMAX, output error, Box–Jenkins and everything between.
 
 mod assemble;
-mod basin;
-mod edge;
 mod equation;
 mod evaluate;
 mod excerpt;
 #[cfg(test)]
 mod gradient;
+mod high_order_arx;
 mod joint;
 mod line;
 mod options;
 mod orders;
+mod quadratic_region;
 mod reduced;
 mod segment;
 mod signals;
 mod slower;
 mod split;
+mod stability_boundary;
 mod start;
-mod yardstick;
 
 use lti::PolynomialModel;
 use numerics::parallel;
@@ -27,6 +27,7 @@ use signal::filter::Sos;
 pub use self::options::Polynomial;
 use self::orders::Orders;
 pub use self::orders::PerInput;
+use crate::structure_error::StructureError;
 use crate::{Dataset, Fit, Focus, IdentError, NonlinearOptions};
 
 impl Polynomial {
@@ -146,15 +147,13 @@ impl Polynomial {
             nk: self.nk.spread("delays nk", inputs)?,
         };
         if orders.nb.contains(&0) {
-            return Err(IdentError::Structure { what: "nb is zero: leave out an input that has no effect" });
+            return Err(StructureError::NoNumerator.into());
         }
         if inputs == 0 && (self.prefilter.is_some() || self.focus == Focus::Simulation) {
-            return Err(IdentError::Structure {
-                what: "without inputs there are no dynamics to simulate or to filter",
-            });
+            return Err(StructureError::NoDynamics.into());
         }
         if orders.count() == 0 {
-            return Err(IdentError::Structure { what: "the model has no coefficient: raise an order" });
+            return Err(StructureError::NoParameters.into());
         }
         Ok(orders)
     }
@@ -166,7 +165,7 @@ impl Polynomial {
         let mut held = vec![Vec::new(); data.outputs()];
         for (name, value) in &self.held {
             let Some(index) = names.iter().position(|n| n == name) else {
-                return Err(IdentError::Structure { what: "a coefficient to be held is none of the model's" });
+                return Err(StructureError::UnknownHeld { name: name.clone(), parameters: names }.into());
             };
             if !value.is_finite() {
                 return Err(IdentError::NotFinite { what: "the value of a coefficient to be held", index });

@@ -1,6 +1,7 @@
 //! What the initial state explains of the errors and of their gradient, and what it leaves.
 
 use faer::Mat;
+use numerics::linalg;
 
 use crate::{IdentError, Triangle};
 
@@ -22,10 +23,9 @@ impl Split {
         let norms = (0..count).map(|j| factor.col(j).norm_l2());
         let scale: Vec<f64> = norms.map(|n| if n > 0.0 { n } else { 1.0 }).collect();
         let scaled = Mat::from_fn(count, count, |i, j| factor[(i, j)] / scale[j]);
-        let svd = scaled.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-        let strengths: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-        let along = svd.U().transpose() * factor.get(..count, count..);
-        Ok(Split { scale, directions: svd.V().to_owned(), strengths, along, factor: factor.clone() })
+        let svd = linalg::svd(scaled.as_ref())?;
+        let along = svd.u.transpose() * factor.get(..count, count..);
+        Ok(Split { scale, directions: svd.v, strengths: svd.values, along, factor: factor.clone() })
     }
 
     fn is_felt(&self, direction: usize) -> bool {

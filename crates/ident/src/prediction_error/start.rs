@@ -1,6 +1,7 @@
 //! Starting values: a long ARX model, from which the noise and the noise-free outputs are read, then linear regressions.
 
 use faer::Mat;
+use numerics::linalg;
 
 use super::evaluate::Evaluator;
 use super::line::{divide, is_stable, stabilised};
@@ -25,7 +26,7 @@ const TOLERANCE: f64 = 1e-11;
 const TOLD_ORDER: usize = 16;
 const TOLD_ROWS: usize = 10;
 /// A fraction of what is left is noticeable from here on, and where chance makes a larger one with this probability only.
-const TOLD: f64 = 0.02;
+const CLEAR: f64 = 0.02;
 const CHANCE: f64 = 1e-3;
 
 /// Starting values of θ, the best guess not necessarily first.
@@ -205,7 +206,7 @@ pub(super) fn inputs_tell_more(orders: &Orders, segments: &[Segment<'_>], left: 
     let energy = |rows: std::ops::RangeInclusive<usize>| rows.map(|i| factor[(i, terms.len())].powi(2)).sum::<f64>();
     let (gain, rest) = (energy(order..=terms.len() - 1), energy(terms.len()..=terms.len()));
     let chance = chi_squared_quantile(1.0 - CHANCE, (terms.len() - order) as f64) / rows as f64;
-    gain > rest * chance.max(TOLD)
+    gain > rest * chance.max(CLEAR)
 }
 
 /// The solution of least norm (with scaled columns) of the problem whose factor of [Φ y] is given: data without noise
@@ -214,12 +215,11 @@ fn solve(factor: &Mat<f64>) -> Result<Vec<f64>, IdentError> {
     let n = factor.ncols() - 1;
     let norms: Vec<f64> = (0..n).map(|j| factor.col(j).norm_l2()).map(|v| if v > 0.0 { v } else { 1.0 }).collect();
     let scaled = Mat::from_fn(n, n, |i, j| factor[(i, j)] / norms[j]);
-    let svd = scaled.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let strengths: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-    let along = svd.U().transpose() * factor.get(..n, n);
+    let svd = linalg::svd(scaled.as_ref())?;
+    let strengths = &svd.values;
+    let along = svd.u.transpose() * factor.get(..n, n);
     let felt = |i: usize| strengths[i] > 0.0 && strengths[i] >= TOLERANCE * strengths[0];
-    let inverse =
-        |j: usize| (0..n).filter(|i| felt(*i)).map(|i| svd.V()[(j, i)] * along[i] / strengths[i]).sum::<f64>();
+    let inverse = |j: usize| (0..n).filter(|i| felt(*i)).map(|i| svd.v[(j, i)] * along[i] / strengths[i]).sum::<f64>();
     Ok((0..n).map(|j| inverse(j) / norms[j]).collect())
 }
 

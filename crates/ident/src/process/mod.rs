@@ -12,6 +12,7 @@ use crate::continuous::estimate::{OutputFit, Settings, combine, fit_output};
 use crate::continuous::output_error::Nuisance;
 use crate::continuous::record::{Record, records};
 use crate::continuous::{ProcessSystem, first_sample, one_each};
+use crate::structure_error::StructureError;
 use crate::{Dataset, Fit, IdentError, Intersample, NonlinearOptions, Parametric};
 
 /// Longest delay searched by default, in samples.
@@ -167,7 +168,8 @@ impl ProcessFit {
         let delay_s = one_each("delays", self.delay_s.as_deref().unwrap_or(&[usual]), data.inputs())?;
         let lag_s = self.lag_s.unwrap_or((0.01 * t, 10.0 * longest.max(1.0) * t));
         if !(lag_s.0 > 0.0 && lag_s.0 < lag_s.1 && lag_s.1.is_finite()) {
-            return Err(IdentError::Structure { what: "bounds of lags must be positive, the lower one first" });
+            let (low_s, high_s) = lag_s;
+            return Err(StructureError::Bounds { what: "the lags", low_s, high_s, positive: true }.into());
         }
         let jumps = data.intersample() == Intersample::ZeroOrderHold;
         let each = self.held_values(&structure, data.outputs())?;
@@ -182,7 +184,7 @@ impl ProcessFit {
         let mut held = vec![vec![None; each]; outputs];
         for (name, value) in &self.held {
             let Some(index) = names.iter().position(|n| n == name) else {
-                return Err(IdentError::Structure { what: "a parameter to be held is none of the model's" });
+                return Err(StructureError::UnknownHeld { name: name.clone(), parameters: names }.into());
             };
             if !value.is_finite() {
                 return Err(IdentError::NotFinite { what: "the value of a parameter to be held", index });
@@ -194,19 +196,19 @@ impl ProcessFit {
 }
 
 fn structure(name: &str) -> Result<ProcessModel, IdentError> {
-    let unknown = IdentError::Structure { what: "a process model is named P0 to P3, then letters of D, Z, U, I" };
+    let unknown = StructureError::ProcessName { name: name.to_owned() };
     let mut letters = name.chars();
     let poles = match (letters.next(), letters.next().and_then(|c| c.to_digit(10))) {
         (Some('P'), Some(poles @ 0..=3)) => poles as usize,
-        _ => return Err(unknown),
+        _ => return Err(unknown.into()),
     };
     let rest = letters.as_str();
     if rest.chars().any(|c| !"DZUI".contains(c)) {
-        return Err(unknown);
+        return Err(unknown.into());
     }
     let pair = rest.contains('U');
     let lags = poles.checked_sub(if pair { 2 } else { 0 });
-    let lags = lags.ok_or(IdentError::Structure { what: "U needs two poles" })?;
+    let lags = lags.ok_or(unknown)?;
     let mut model = ProcessModel::new(1.0)?.with_lags(vec![1.0; lags])?;
     if pair {
         model = model.with_pair(1.0, 0.5)?;

@@ -4,6 +4,7 @@ use faer::Mat;
 use lti::ProcessModel;
 
 use crate::continuous::{ProcessSystem, check_delays};
+use crate::structure_error::StructureError;
 use crate::{Bounds, IdentError, Parametric};
 
 /// Damping of a pair of poles is searched up to here.
@@ -78,11 +79,10 @@ impl Ranges {
 fn check_zero(model: &ProcessModel, delayed_jumps: bool) -> Result<(), IdentError> {
     let (zeros, poles) = (usize::from(model.zero_s().is_some()), model.order() + usize::from(model.integrates()));
     if zeros > poles {
-        return Err(IdentError::Structure { what: "a zero needs a pole" });
+        return Err(StructureError::TooMany { what: "zeros", found: zeros, most: poles }.into());
     }
     if zeros == poles && delayed_jumps {
-        let what = "with held inputs and as many zeros as poles the delay can only be given, not searched";
-        return Err(IdentError::Structure { what });
+        return Err(StructureError::DelayNotSearchable.into());
     }
     Ok(())
 }

@@ -8,6 +8,7 @@ use crate::continuous::estimate::{Settings, errors};
 use crate::continuous::record::Record;
 use crate::continuous::start::grid;
 use crate::least_squares::least_squares;
+use crate::structure_error::StructureError;
 use crate::{Dataset, IdentError, Parametric, ResidualModel};
 
 /// Samples that starting values rest on.
@@ -51,7 +52,7 @@ pub(super) fn candidates(
                 }
             }
             tried.sort_by(|x, y| x.cost.total_cmp(&y.cost));
-            let best = tried.first().ok_or(IdentError::Structure { what: "no starting value found" })?;
+            let best = tried.first().ok_or(StructureError::NoStart)?;
             (delay_s, longest_s) = (best.delay_s.clone(), best.longest_s.clone());
             ranked = tried;
         }

@@ -60,7 +60,7 @@ impl Information {
             return None;
         }
         let scaled = Mat::from_fn(n, n, |i, j| if i <= j { self.factor[(i, j)] / scale[j] } else { 0.0 });
-        if checked_condition(&scaled).is_ok_and(|condition| condition < CONDITION) {
+        if checked_condition(scaled.as_ref()).is_ok_and(|condition| condition < CONDITION) {
             let root = inverse_upper(&self.factor, n);
             let solution = (0..n).map(|i| (i..n).map(|j| root[(i, j)] * self.factor[(j, n)]).sum()).collect();
             return Some((solution, root, self.factor[(n, n)].powi(2)));

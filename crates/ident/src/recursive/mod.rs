@@ -17,6 +17,7 @@ use faer::Mat;
 use lti::PolynomialModel;
 use regressor::Regressor;
 
+use crate::structure_error::{Count, StructureError};
 use crate::{Dataset, IdentError};
 
 /// How often a step that would leave an unstable predictor is halved before it is given up.
@@ -140,7 +141,7 @@ impl Recursive {
     /// [`IdentError::Structure`] for several outputs; [`IdentError::Length`] for a wrong number of inputs.
     pub fn run(&mut self, data: &Dataset) -> Result<Trajectory, IdentError> {
         if data.outputs() != 1 {
-            return Err(IdentError::Structure { what: "one output is followed at a time: choose one of them" });
+            return Err(StructureError::outputs("a recursive estimate", Count::Exactly(1), data.outputs()).into());
         }
         let (count, rows) = (self.parameters.len(), data.samples());
         let mut trajectory = Trajectory {

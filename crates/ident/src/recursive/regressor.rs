@@ -4,6 +4,7 @@ use lti::PolynomialEquation;
 
 use super::stability::is_stable;
 use crate::IdentError;
+use crate::structure_error::StructureError;
 
 /// The structure followed, with one output. Lists have one entry an input; see [`PolynomialEquation`] for the signs.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -93,15 +94,13 @@ impl Regressor {
             RecursiveStructure::OutputError { nb, nf, nk } => (0, nb, 0, nf, nk),
         };
         if nb.len() != nk.len() || (!nf.is_empty() && nf.len() != nb.len()) {
-            return Err(IdentError::Structure { what: "the orders and delays need one entry an input each" });
+            return Err(StructureError::EntriesDiffer { nb: nb.len(), nf: nf.len(), nk: nk.len() }.into());
         }
         if na + nb.iter().sum::<usize>() + nc + nf.iter().sum::<usize>() == 0 {
-            return Err(IdentError::Structure { what: "a structure without parameters" });
+            return Err(StructureError::NoParameters.into());
         }
         if nf.windows(2).any(|w| w[0] != w[1]) {
-            return Err(IdentError::Structure {
-                what: "the denominators of all inputs are followed with equal orders",
-            });
+            return Err(StructureError::UnequalOrders { nf }.into());
         }
         let depth = na.max(nc).max(nf.iter().copied().max().unwrap_or(0)) + 1;
         let past_input = |(b, k): (&usize, &usize)| Past::new((b + k).max(depth));

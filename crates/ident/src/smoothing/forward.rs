@@ -6,8 +6,9 @@ use numerics::vector::dot;
 use super::steady::Memory;
 use super::system::{Belief, NoisySystem, check_length, check_square};
 use crate::IdentError;
+use crate::structure_error::StructureError;
 
-const NO_ROOM: IdentError = IdentError::Structure { what: "noise and start leave a measurement no room" };
+const CERTAIN: IdentError = IdentError::Structure(StructureError::CertainMeasurement);
 
 /// A measurement against what was expected of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,7 +105,7 @@ impl Forward {
                 let expected = filter.expected(&forward.output, *output, inputs, sample);
                 let value = outputs[(sample, *output)] - expected;
                 if !value.is_finite() {
-                    return Err(NO_ROOM);
+                    return Err(CERTAIN);
                 }
                 let gain = &made.gains[i * n..(i + 1) * n];
                 filter.x.iter_mut().zip(gain).for_each(|(x, gain)| *x += gain * value);
@@ -165,7 +166,7 @@ impl Filter<'_> {
         }
         let variance = dot(c, &self.column) + self.system.measurement_variance[output];
         if !(variance > 0.0 && variance.is_finite()) {
-            return Err(NO_ROOM);
+            return Err(CERTAIN);
         }
         self.column.iter_mut().for_each(|gain| *gain /= variance);
         self.joseph(c, self.system.measurement_variance[output]);

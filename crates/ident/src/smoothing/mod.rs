@@ -11,6 +11,7 @@ use faer::{Mat, MatRef};
 use lti::StateSpace;
 
 use crate::IdentError;
+use crate::structure_error::StructureError;
 use forward::Forward;
 pub use likelihood::{Likeliest, likeliest};
 pub use system::{Belief, NoisySystem, Smoothed};
@@ -33,11 +34,11 @@ impl NoisySystem {
         let n = system.states();
         check_length("measurement variances", system.outputs(), measurement_variance.len())?;
         check_square("process covariance", n, process_covariance.as_ref())?;
-        let is_variance = |v: f64| v.is_finite() && v >= 0.0;
-        let variances = (0..n).map(|i| process_covariance[(i, i)]).chain(measurement_variance.iter().copied());
-        match variances.into_iter().all(is_variance) {
-            true => Ok(NoisySystem { system, process_covariance, measurement_variance }),
-            false => Err(IdentError::Structure { what: "a variance of the noise is below zero or not finite" }),
+        let is_none = |v: &f64| !(v.is_finite() && *v >= 0.0);
+        let mut variances = (0..n).map(|i| process_covariance[(i, i)]).chain(measurement_variance.iter().copied());
+        match variances.find(is_none) {
+            None => Ok(NoisySystem { system, process_covariance, measurement_variance }),
+            Some(value) => Err(StructureError::NoiseVariance { value }.into()),
         }
     }
 

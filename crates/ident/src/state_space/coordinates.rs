@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use lti::Innovations;
+use numerics::linalg;
 
 use super::predictor::{Free, Predictor};
 use crate::{Dataset, IdentError};
@@ -58,10 +59,9 @@ pub(super) fn directions(model: &Innovations, free: Free, scales: &[f64]) -> Res
             turns[(i, column)] = entry / scales[i];
         }
     }
-    let svd = turns.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-    let largest = values.first().copied().unwrap_or(0.0);
-    let rank = values.iter().filter(|v| **v > RANK_TOLERANCE * largest).count();
-    let kept = svd.U().subcols(rank, scales.len() - rank);
+    let svd = linalg::svd(turns.as_ref())?;
+    let largest = svd.values.first().copied().unwrap_or(0.0);
+    let rank = svd.values.iter().filter(|v| **v > RANK_TOLERANCE * largest).count();
+    let kept = svd.u.subcols(rank, scales.len() - rank);
     Ok(Mat::from_fn(scales.len(), kept.ncols(), |i, j| scales[i] * kept[(i, j)]))
 }

@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 use lti::{Complex64, polynomial};
+use numerics::linalg;
 
 use super::lineariser::Linearised;
 use super::predictor::Predictor;
@@ -34,7 +35,7 @@ pub(super) fn factor(
     if spectral_radius(closed).ok()? > 1.0 - INSIDE {
         return None;
     }
-    let poles: Vec<Complex64> = closed.eigenvalues().ok()?;
+    let poles: Vec<Complex64> = linalg::eigenvalues(closed).ok()?;
     let shape = Shape { predictor, closed, feedthrough, whitening, denominator: polynomial::from_roots(&poles) };
     let columns = shape.columns();
     let width = columns.first()?.ncols();

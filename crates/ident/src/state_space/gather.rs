@@ -2,6 +2,7 @@
 
 use faer::{Mat, MatRef};
 use lti::{Innovations, StateSpace};
+use numerics::linalg;
 
 use super::coordinates::{directions, entry_scales};
 use super::lineariser::{Linearised, Lineariser};
@@ -10,7 +11,8 @@ use super::{StateSpaceModel, correlated};
 use crate::colour::{Colour, Sandwich};
 use crate::condition::checked_condition;
 use crate::data::Experiment;
-use crate::dense::{solve_truncated, whitening};
+use crate::dense::whitening;
+use crate::structure_error::{StructureError, UnstablePart};
 use crate::{Dataset, Doubt, Fit, IdentError, Termination};
 
 /// Longer data give the information per sample from stretches: so many of them, of so many samples.
@@ -60,7 +62,7 @@ pub(super) fn check_finite(factor: &Mat<f64>) -> Result<(), IdentError> {
     if factor.norm_max().is_finite() {
         return Ok(());
     }
-    Err(IdentError::Structure { what: "the predictor is unstable: estimate a noise model, or ask for a stable model" })
+    Err(StructureError::Unstable(UnstablePart::Predictor).into())
 }
 
 /// The least-squares solution of the factor of `[Φ, y]`.
@@ -70,9 +72,9 @@ fn regression(factor: &Mat<f64>) -> Result<Vec<f64>, IdentError> {
         return Ok(Vec::new());
     }
     let (scaled, norms) = scaled_columns(factor.submatrix(0, 0, n, n));
-    checked_condition(&scaled)?;
+    checked_condition(scaled.as_ref())?;
     let right = Mat::from_fn(n, 1, |i, _| factor[(i, n)]);
-    let solution = solve_truncated(scaled.as_ref(), right.as_ref(), 0.0)?;
+    let solution = linalg::least_norm(scaled.as_ref(), right.as_ref(), 0.0)?;
     Ok((0..n).map(|i| solution[(i, 0)] / norms[i]).collect())
 }
 
@@ -166,7 +168,7 @@ pub(crate) fn gather(
         covariance,
         noise_covariance,
         // Rounding may take the determinant of a singular covariance below zero.
-        loss: (&sum * faer::Scale(1.0 / instants as f64)).determinant().max(0.0),
+        loss: linalg::determinant((&sum * faer::Scale(1.0 / instants as f64)).as_ref()).max(0.0),
         samples: instants,
         free_parameters,
         degrees_of_freedom,
@@ -270,10 +272,10 @@ fn inverse_information(factor: &Mat<f64>, prior: &[f64], share: f64) -> Result<(
         Some(_) => 0.0,
     });
     let (scaled, norms) = scaled_columns(root.as_ref());
-    let svd = scaled.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+    let svd = linalg::thin_svd(scaled.as_ref())?;
+    let values = &svd.values;
     let inverse = |j: usize| 1.0 / values[j].max(FLOOR * values[0]);
-    let unit = Mat::from_fn(n, n, |i, j| svd.V()[(i, j)] * inverse(j) / norms[i]);
+    let unit = Mat::from_fn(n, n, |i, j| svd.v[(i, j)] * inverse(j) / norms[i]);
     Ok((unit, values[0] / values[n - 1]))
 }
 

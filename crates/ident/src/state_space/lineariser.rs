@@ -1,12 +1,12 @@
 //! The prediction errors of an innovations form and their derivatives, streamed through a triangular factor.
 
 use faer::{Mat, MatRef};
+use numerics::linalg;
 use numerics::parallel;
 
 use super::derivatives::Derivatives;
 use super::predictor::{Free, Predictor, Walk};
 use crate::data::Experiment;
-use crate::dense::solve_truncated;
 use crate::{Dataset, IdentError, Triangle};
 
 /// Instants whose derivatives are held before they are folded away, at most ...
@@ -32,9 +32,9 @@ impl Linearised {
     pub(crate) fn explained(&self) -> Result<Vec<Mat<f64>>, IdentError> {
         let solve = |top: &Mat<f64>| {
             let (n, columns) = (top.nrows(), top.ncols() - 1);
-            solve_truncated(top.subcols(0, n), top.subcols(n, columns - n), STATE_TOLERANCE)
+            linalg::least_norm(top.subcols(0, n), top.subcols(n, columns - n), STATE_TOLERANCE)
         };
-        self.tops.iter().map(solve).collect()
+        Ok(self.tops.iter().map(solve).collect::<Result<_, _>>()?)
     }
 
     /// What each initial state changes by when the parameters change by `step`; parts the data do not show stay.
@@ -44,7 +44,7 @@ impl Linearised {
             let right = Mat::from_fn(n, 1, |i, _| {
                 top[(i, n + step.len())] - step.iter().enumerate().map(|(j, s)| top[(i, n + j)] * s).sum::<f64>()
             });
-            let solution = solve_truncated(top.subcols(0, n), right.as_ref(), STATE_TOLERANCE)?;
+            let solution = linalg::least_norm(top.subcols(0, n), right.as_ref(), STATE_TOLERANCE)?;
             Ok((0..n).map(|i| solution[(i, 0)]).collect())
         };
         self.tops.iter().map(solve).collect()

@@ -2,13 +2,14 @@
 
 use faer::{Mat, MatRef};
 use lti::Innovations;
+use numerics::linalg;
 
 use super::StateSpaceModel;
 use super::coordinates::{directions, entry_scales};
 use super::gather::{check_finite, scaled_columns};
 use super::lineariser::Lineariser;
 use super::predictor::{Free, Predictor, Scatter};
-use crate::dense::{solve_truncated, spectral_radius, whitening};
+use crate::dense::{spectral_radius, whitening};
 use crate::{Dataset, IdentError, Parametric, Termination};
 
 /// Converged when the criterion falls, or is expected to fall, by less than this part ...
@@ -129,7 +130,8 @@ impl<'a, M: Searchable> Search<'a, M> {
 
     /// What is minimised: `N ln det (Σ ε εᵀ/N + floor)` and the prior's part.
     pub(crate) fn criterion(&self) -> f64 {
-        self.scatter.instants as f64 * self.error_covariance().determinant().ln() + prior_cost(&self.model)
+        self.scatter.instants as f64 * linalg::determinant(self.error_covariance().as_ref()).ln()
+            + prior_cost(&self.model)
     }
 
     /// `Σ ε εᵀ/N` that errors are weighed by, not less than the floor.
@@ -277,7 +279,7 @@ fn damped_step(equations: &Mat<f64>, damping: f64) -> Result<(Vec<f64>, f64), Id
         Some(_) => 0.0,
     });
     let right = Mat::from_fn(rows + n, 1, |i, _| if i < rows { equations[(i, n)] } else { 0.0 });
-    let solution = solve_truncated(stacked.as_ref(), right.as_ref(), RANK_TOLERANCE)?;
+    let solution = linalg::least_norm(stacked.as_ref(), right.as_ref(), RANK_TOLERANCE)?;
     let along = &scaled * &solution;
     let expected = (0..rows).map(|i| along[(i, 0)] * (2.0 * equations[(i, n)] - along[(i, 0)])).sum();
     Ok(((0..n).map(|j| solution[(j, 0)] / norms[j]).collect(), expected))

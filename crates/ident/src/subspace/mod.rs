@@ -5,9 +5,11 @@ mod realise;
 mod weighting;
 
 use lti::Innovations;
+use numerics::linalg;
 
 use crate::data::Experiment;
 use crate::state_space::{Information, StateSpaceModel, estimate, regress_inputs};
+use crate::structure_error::StructureError;
 use crate::{Dataset, Doubt, Fit, IdentError};
 use hankel::{Hankel, HankelFactor, Horizons};
 use realise::Projection;
@@ -174,7 +176,7 @@ impl Subspace {
             StateOrder::Auto { largest } => largest,
         };
         if order == 0 {
-            return Err(IdentError::Structure { what: "a subspace model needs at least one state" });
+            return Err(StructureError::TooFew { what: "states", found: 0, least: 1 }.into());
         }
         let least = order.div_ceil(p) + 1;
         let longest = data.experiments().iter().map(Experiment::len).max().unwrap_or(0);
@@ -184,9 +186,9 @@ impl Subspace {
         let horizons = Horizons { past, future: self.future.unwrap_or(past) };
         if horizons.past == 0 || horizons.past * (data.inputs() + p) < order || (horizons.future.max(1) - 1) * p < order
         {
-            return Err(IdentError::Structure {
-                what: "the horizons cannot hold the order: (future − 1) · outputs must reach it; lengthen them",
-            });
+            let Horizons { past, future } = horizons;
+            let channels = data.inputs() + p;
+            return Err(StructureError::Horizons { past, future, order, outputs: p, channels }.into());
         }
         let columns = horizons.total() * (data.inputs() + p);
         let windows: usize = data.experiments().iter().map(|e| (e.len() + 1).saturating_sub(horizons.total())).sum();
@@ -281,7 +283,7 @@ fn check_excitation(hankel: &Hankel<'_>, factor: &HankelFactor, order: usize) ->
         return Ok(());
     }
     let block = factor.r.submatrix(0, 0, columns, columns);
-    let values = block.singular_values().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
+    let values = linalg::singular_values(block)?;
     let rank = values.iter().filter(|v| **v > TOLERANCE * values[0]).count();
     let needed = columns.min(hankel.inputs * (order + 1));
     if rank < needed {

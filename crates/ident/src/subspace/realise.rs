@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use faer::{Mat, MatRef};
 use lti::{Innovations, StateSpace};
+use numerics::linalg;
 
 use super::hankel::{Hankel, HankelFactor, Horizons};
 use super::weighting::Weighting;
-use crate::dense::{kalman, solve_truncated, spectral_radius};
+use crate::dense::{kalman, spectral_radius};
 use crate::{Dataset, IdentError};
 
 /// Singular values below this part of the largest are rounding.
@@ -49,9 +50,9 @@ impl<'a> Projection<'a> {
                 (white.subrows(0, pasts).transpose().to_owned(), colour)
             }
         };
-        let svd = projected.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-        let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-        let rooted = Mat::from_fn(projected.nrows(), values.len(), |i, j| svd.U()[(i, j)] * values[j].max(0.0).sqrt());
+        let svd = linalg::thin_svd(projected.as_ref())?;
+        let values = svd.values;
+        let rooted = Mat::from_fn(projected.nrows(), values.len(), |i, j| svd.u[(i, j)] * values[j].max(0.0).sqrt());
         let scale = if weighting == Weighting::Cva { 1.0 } else { 1.0 / (factor.windows as f64).sqrt() };
         Ok(Projection {
             hankel,
@@ -77,7 +78,7 @@ impl<'a> Projection<'a> {
         let gamma = self.directions.subcols(0, order);
         let shorter = gamma.nrows() - p;
         let (above, below) = (gamma.subrows(0, shorter), gamma.subrows(p, shorter));
-        let a = solve_truncated(above, below, ROUNDING)?;
+        let a = linalg::least_norm(above, below, ROUNDING)?;
         if spectral_radius(a.as_ref())? >= 1.0 {
             return self.realise_unstable(gamma, a, stable, noise_model);
         }
@@ -118,7 +119,7 @@ impl<'a> Projection<'a> {
         let (hankel, factor) = (self.hankel, self.factor);
         let (m, q, past) = (hankel.inputs, hankel.channels(), hankel.horizons.past);
         let oblique = oblique_coefficients(hankel, factor, past)?;
-        let states = solve_truncated(gamma, oblique.transpose(), ROUNDING)?.transpose().to_owned();
+        let states = linalg::least_norm(gamma, oblique.transpose(), ROUNDING)?.transpose().to_owned();
         let now = gather(factor, &columns(hankel, 0..past, 0..q)) * &states;
         let next = gather(factor, &columns(hankel, 1..past + 1, 0..q)) * &states;
         let inputs = gather(factor, &columns(hankel, past..past + 1, 0..m));
@@ -131,9 +132,9 @@ impl<'a> Projection<'a> {
         let (hankel, factor) = (self.hankel, self.factor);
         let past = hankel.horizons.past;
         let shorter = gamma.nrows() - hankel.outputs;
-        let now = solve_truncated(gamma, self.oblique.transpose(), ROUNDING)?;
+        let now = linalg::least_norm(gamma, self.oblique.transpose(), ROUNDING)?;
         let later = oblique(hankel, factor, past + 1)?;
-        let next = solve_truncated(gamma.subrows(0, shorter), later.transpose(), ROUNDING)?;
+        let next = linalg::least_norm(gamma.subrows(0, shorter), later.transpose(), ROUNDING)?;
         let (m, q, future) = (hankel.inputs, hankel.channels(), hankel.horizons.future);
         let inputs = gather(factor, &columns(hankel, past..past + future, 0..m));
         let outputs = gather(factor, &columns(hankel, past..past + 1, m..q));
@@ -144,7 +145,7 @@ impl<'a> Projection<'a> {
 
 /// Coefficients of least squares, and the covariance of the residuals.
 fn regress(factor: &HankelFactor, regressors: Mat<f64>, targets: Mat<f64>) -> Result<(Mat<f64>, Mat<f64>), IdentError> {
-    let coefficients = solve_truncated(regressors.as_ref(), targets.as_ref(), ROUNDING)?;
+    let coefficients = linalg::least_norm(regressors.as_ref(), targets.as_ref(), ROUNDING)?;
     let residuals = targets - regressors * &coefficients;
     let covariance = residuals.transpose() * &residuals * faer::Scale(1.0 / factor.windows as f64);
     Ok((coefficients, covariance))
@@ -165,7 +166,7 @@ fn beside(left: &Mat<f64>, right: &Mat<f64>) -> Mat<f64> {
 fn stable_shift(gamma: MatRef<'_, f64>, p: usize) -> Result<Mat<f64>, IdentError> {
     let shifted =
         Mat::from_fn(gamma.nrows(), gamma.ncols(), |i, j| if i + p < gamma.nrows() { gamma[(i + p, j)] } else { 0.0 });
-    let a = solve_truncated(gamma, shifted.as_ref(), ROUNDING)?;
+    let a = linalg::least_norm(gamma, shifted.as_ref(), ROUNDING)?;
     // On the circle by rounding: drawn in by the least there is.
     let radius = spectral_radius(a.as_ref())?;
     Ok(if radius < 1.0 { a } else { a * faer::Scale((1.0 - 1e-9) / radius) })
@@ -184,7 +185,7 @@ fn oblique_coefficients(hankel: &Hankel<'_>, factor: &HankelFactor, now: usize) 
     let past = regressors.len();
     regressors.extend(columns(hankel, now..total, 0..m));
     let outputs = gather(factor, &columns(hankel, now..total, m..q));
-    let coefficients = solve_truncated(gather(factor, &regressors).as_ref(), outputs.as_ref(), ROUNDING)?;
+    let coefficients = linalg::least_norm(gather(factor, &regressors).as_ref(), outputs.as_ref(), ROUNDING)?;
     Ok(coefficients.subrows(0, past).to_owned())
 }
 
@@ -199,11 +200,11 @@ fn gather(factor: &HankelFactor, list: &[usize]) -> Mat<f64> {
 
 /// Orthonormal `W` and the matrix `Z` with `M = W Zᵀ`, directions that are rounding left out.
 fn whiten(m: MatRef<'_, f64>) -> Result<(Mat<f64>, Mat<f64>), IdentError> {
-    let svd = m.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+    let svd = linalg::thin_svd(m)?;
+    let values = &svd.values;
     let kept = values.iter().filter(|v| **v > ROUNDING * values[0]).count();
-    let colour = Mat::from_fn(m.ncols(), kept, |i, j| svd.V()[(i, j)] * values[j]);
-    Ok((svd.U().subcols(0, kept).to_owned(), colour))
+    let colour = Mat::from_fn(m.ncols(), kept, |i, j| svd.v[(i, j)] * values[j]);
+    Ok((svd.u.subcols(0, kept).to_owned(), colour))
 }
 
 /// The Kalman gain and the innovations' covariance; a gain of zero where there is no stable filter.

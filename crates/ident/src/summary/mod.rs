@@ -7,6 +7,7 @@ mod residuals;
 use std::fmt;
 
 use lti::text::{Written, indented, number};
+use numerics::linalg;
 
 use crate::{Criteria, Fit, Parametric, SpectralFit};
 
@@ -68,7 +69,7 @@ impl<M> Fit<M> {
             return vec![self.loss];
         }
         // The noise covariance has the degrees of freedom taken off, by which the loss is smaller.
-        let scale = (self.loss / self.noise_covariance.determinant()).powf(1.0 / outputs as f64);
+        let scale = (self.loss / linalg::determinant(self.noise_covariance.as_ref())).powf(1.0 / outputs as f64);
         let scale = if scale.is_finite() && scale < 1.0 { scale } else { 1.0 };
         (0..outputs).map(|i| scale * self.noise_covariance[(i, i)]).collect()
     }

@@ -2,6 +2,7 @@
 
 use crate::covariance_root::inverse_root;
 use crate::distributions::f_tail;
+use crate::structure_error::StructureError;
 use crate::{Fit, IdentError, Parametric};
 
 /// Directions with less than this part of the largest variance count as certain.
@@ -54,7 +55,8 @@ pub fn nested<S: Parametric, L: Parametric>(small: &Fit<S>, large: &Fit<L>) -> R
         });
     }
     let Some(added) = large.free_parameters.checked_sub(small.free_parameters).filter(|d| *d > 0) else {
-        return Err(IdentError::Structure { what: "the larger of two nested models must have more free parameters" });
+        let (larger, smaller) = (large.free_parameters, small.free_parameters);
+        return Err(StructureError::NotNested { larger, smaller }.into());
     };
     if large.samples <= large.free_parameters {
         return Err(IdentError::TooFewSamples { samples: large.samples, parameters: large.free_parameters });

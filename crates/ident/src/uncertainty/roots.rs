@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use lti::{Complex64, LtiError, StateSpace, polynomial};
+use numerics::linalg;
 
 use super::{Derived, Dynamics};
 use crate::distributions::f_quantile;
@@ -194,9 +195,9 @@ impl Shifted {
         });
         let (rows, columns) = scales(entries, states, root.norm());
         let scaled = Mat::from_fn(n, n, |i, j| whole[(i, j)] * rows[i] * columns[j]);
-        let svd = scaled.svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-        let last = |m: faer::MatRef<'_, Complex64>| (0..n).map(|i| m[(i, n - 1)]).collect::<Vec<_>>();
-        let (left, right) = (last(svd.U()), last(svd.V()));
+        let svd = linalg::complex_svd(scaled.as_ref())?;
+        let last = |m: &Mat<Complex64>| (0..n).map(|i| m[(i, n - 1)]).collect::<Vec<_>>();
+        let (left, right) = (last(&svd.u), last(&svd.v));
         let weight = (0..states).map(|i| left[i].conj() * right[i] * (rows[i] * columns[i])).sum();
         Ok(Shifted { rows, columns, left, right, weight })
     }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use faer::Mat;
+use numerics::linalg;
 
 use super::{fit_percent, rms_error};
 use crate::prediction::{InitialState, Response, predict, simulate};
@@ -175,5 +176,5 @@ fn loss(data: &Dataset, modelled: &[Mat<f64>]) -> (f64, usize) {
             }
         }
     }
-    ((faer::Scale(1.0 / samples as f64) * sum).determinant(), samples)
+    (linalg::determinant((faer::Scale(1.0 / samples as f64) * sum).as_ref()), samples)
 }

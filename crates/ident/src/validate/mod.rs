@@ -1,7 +1,7 @@
 //! Judging a model on data: fit, residual tests, comparison of models.
 
 mod compare;
-mod footing;
+mod linearised_residuals;
 mod quadratic;
 mod residual_test;
 mod sensitivity;

@@ -1,6 +1,7 @@
 //! Quadratic forms with the inverse of a covariance of many sums that may be singular.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use numerics::linalg;
 use numerics::vector::dot;
 
 use super::JointTest;
@@ -152,10 +153,10 @@ fn basis(columns: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
     let scaled = Mat::from_fn(columns.nrows(), moving.len(), |i, k| columns[(i, moving[k])] / norms[moving[k]]);
     // By way of the triangular factor: the columns are few and may be very long.
     let factor = upper_factor(scaled.clone());
-    let svd = factor.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let values = svd.S().column_vector();
-    let rank = (0..values.nrows()).filter(|k| values[*k] > ROUNDING * values[0]).count();
-    let turn = Mat::from_fn(moving.len(), rank, |i, k| svd.V()[(i, k)] / values[k]);
+    let svd = linalg::thin_svd(factor.as_ref())?;
+    let values = &svd.values;
+    let rank = values.iter().filter(|value| **value > ROUNDING * values[0]).count();
+    let turn = Mat::from_fn(moving.len(), rank, |i, k| svd.v[(i, k)] / values[k]);
     Ok(scaled * turn)
 }
 
@@ -164,9 +165,9 @@ fn over_eigenvectors(c: &Mat<f64>, a: &Mat<f64>) -> Result<(f64, usize), IdentEr
     if c.nrows() == 0 {
         return Ok((0.0, 0));
     }
-    let eigen = c.self_adjoint_eigen(Side::Lower).map_err(|_| IdentError::Decomposition { what: "eigenvalue" })?;
-    let along = eigen.U().transpose() * a;
-    let values = eigen.S().column_vector();
+    let eigen = linalg::symmetric_eigen(c.as_ref())?;
+    let along = eigen.vectors.transpose() * a;
+    let values = &eigen.values;
     let kept: Vec<usize> = (0..c.nrows()).filter(|k| values[*k] > HELD).collect();
     Ok((kept.iter().map(|k| along[(*k, 0)].powi(2) / values[*k]).sum(), kept.len()))
 }
@@ -281,9 +282,10 @@ mod tests {
         let mut normal = |rows: usize, columns: usize| Mat::from_fn(rows, columns, |_, _| random.normal());
         let (rows, m) = (60, 8);
         let u = normal(rows, m);
-        let q = normal(rows, 3).qr().compute_thin_Q();
+        let q = linalg::Qr::new(normal(rows, 3).as_ref()).thin_q();
         // The first lag lies within what is taken out.
-        let q = Mat::from_fn(rows, 4, |i, j| if j < 3 { q[(i, j)] } else { u[(i, 0)] }).qr().compute_thin_Q();
+        let all = Mat::from_fn(rows, 4, |i, j| if j < 3 { q[(i, j)] } else { u[(i, 0)] });
+        let q = linalg::Qr::new(all.as_ref()).thin_q();
         let w = &u - &q * (q.transpose() * &u);
         let (j, values) = (normal(m, 1), normal(m, 1));
         let b = u.transpose() * &q;
@@ -302,7 +304,7 @@ mod tests {
         }
         let test = sums.test(1, 7).unwrap();
         let part = written.submatrix(1, 1, 7, 7);
-        let inverse = faer::linalg::solvers::DenseSolveCore::inverse(&part.partial_piv_lu());
+        let inverse = linalg::inverse(part.as_ref());
         let form = values.subrows(1, 7).transpose() * inverse * values.subrows(1, 7);
         assert_eq!(test.degrees_of_freedom, 7.0);
         assert!((test.statistic / form[(0, 0)] - 1.0).abs() < 1e-9, "{} {}", test.statistic, form[(0, 0)]);

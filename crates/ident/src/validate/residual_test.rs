@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use super::JointTest;
-use super::footing::{Columns, Footing};
+use super::linearised_residuals::{Columns, LinearisedResiduals};
 use super::sensitivity::{self, Stack};
 use super::series::{Series, pair_counts};
 use super::whiteness::PastSums;
@@ -232,15 +232,15 @@ impl ResidualTest {
     fn all_independence(
         &self,
         residuals: &Residuals<'_>,
-        together: Footing,
+        together: LinearisedResiduals,
         reach: usize,
     ) -> Result<Vec<Vec<Independence>>, IdentError> {
         let outputs = &residuals.outputs;
         if residuals.inputs.is_empty() {
             return Ok(vec![Vec::new(); outputs.len()]);
         }
-        let of = |footing: &Footing, place: usize, i: usize| -> Result<Vec<Independence>, IdentError> {
-            residuals.inputs.iter().map(|u| self.independence(footing, place, (&outputs[i], u), reach)).collect()
+        let of = |linearised: &LinearisedResiduals, place: usize, i: usize| -> Result<Vec<Independence>, IdentError> {
+            residuals.inputs.iter().map(|u| self.independence(linearised, place, (&outputs[i], u), reach)).collect()
         };
         if residuals.meet() {
             return (0..outputs.len()).map(|i| of(&together, i, i)).collect();
@@ -251,7 +251,7 @@ impl ResidualTest {
 
     fn independence(
         &self,
-        footing: &Footing,
+        linearised: &LinearisedResiduals,
         output: usize,
         (e, u): (&Series, &Series),
         reach: usize,
@@ -264,7 +264,7 @@ impl ResidualTest {
             return Err(IdentError::Constant { what: "an input" });
         }
         let scale = (size_e * size_u).sqrt();
-        let (sums, pairs) = (footing.sums(output, e, u, reach)?, pair_counts(u, e, reach)?);
+        let (sums, pairs) = (linearised.sums(output, e, u, reach)?, pair_counts(u, e, reach)?);
         let quantile = normal_quantile(0.5 + self.level / 2.0);
         let at_lags = |values: &[f64]| {
             let mut all = vec![f64::NAN; 2 * self.lags + 1];
@@ -324,18 +324,18 @@ impl<'a> Residuals<'a> {
         self.outputs.iter().all(|e| e.there == self.outputs[0].there)
     }
 
-    fn together(&self) -> Result<Footing, IdentError> {
+    fn together(&self) -> Result<LinearisedResiduals, IdentError> {
         let stack = Stack::new(self.lengths.clone(), self.outputs.len());
-        Footing::new(stack, &self.stacked, &self.missing, self.columns, &self.noise_covariance)
+        LinearisedResiduals::new(stack, &self.stacked, &self.missing, self.columns, &self.noise_covariance)
     }
 
-    /// The footing of an output by itself.
-    fn alone(&self, i: usize) -> Result<Footing, IdentError> {
+    /// The linearised residuals of an output by itself.
+    fn alone(&self, i: usize) -> Result<LinearisedResiduals, IdentError> {
         let stack = Stack::new(self.lengths.clone(), self.outputs.len());
         let missing: Vec<bool> =
             (0..self.lengths.len()).flat_map(|m| self.missing[stack.range(m, i)].iter().copied()).collect();
         let noise = self.noise_covariance.submatrix(i, i, 1, 1).to_owned();
         let (own, columns) = (Stack::new(self.lengths.clone(), 1), self.columns.alone(&stack, i));
-        Footing::new(own, &stack.alone(&self.stacked, i), &missing, &columns, &noise)
+        LinearisedResiduals::new(own, &stack.alone(&self.stacked, i), &missing, &columns, &noise)
     }
 }

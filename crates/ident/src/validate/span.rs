@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use faer::Mat;
+use numerics::linalg;
 use numerics::vector::dot;
 
 use super::sensitivity::Stack;
@@ -84,18 +85,18 @@ pub(super) fn orthonormal(columns: &[Vec<f64>], stack: &Stack, whiten: &Mat<f64>
     triangle.push_columns(stack.rows(), |j, start, slot| {
         slot.copy_from_slice(&white.col_as_slice(j)[start..start + slot.len()]);
     });
-    let svd = triangle.finish().svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let values = svd.S().column_vector();
-    let rank = (0..values.nrows()).filter(|k| values[*k] > UNSEEN * values[0]).count();
-    let turn = Mat::from_fn(moving.len(), rank, |i, k| svd.V()[(i, k)] / values[k]);
+    let svd = linalg::svd(triangle.finish().as_ref())?;
+    let values = &svd.values;
+    let rank = values.iter().filter(|value| **value > UNSEEN * values[0]).count();
+    let turn = Mat::from_fn(moving.len(), rank, |i, k| svd.v[(i, k)] / values[k]);
     Ok(unit * turn)
 }
 
 /// The symmetric root of `W Wᵀ`: as good as `Wᵀ`, and square where that is not.
 pub(super) fn square_root_of(whiten: &Mat<f64>) -> Result<Mat<f64>, IdentError> {
-    let svd = whiten.thin_svd().map_err(|_| IdentError::Decomposition { what: "singular value" })?;
-    let values = svd.S().column_vector();
+    let svd = linalg::thin_svd(whiten.as_ref())?;
+    let (u, values) = (&svd.u, &svd.values);
     Ok(Mat::from_fn(whiten.nrows(), whiten.nrows(), |i, j| {
-        (0..values.nrows()).map(|k| svd.U()[(i, k)] * values[k] * svd.U()[(j, k)]).sum()
+        (0..values.len()).map(|k| u[(i, k)] * values[k] * u[(j, k)]).sum()
     }))
 }

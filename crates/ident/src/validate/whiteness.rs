@@ -4,7 +4,7 @@ use faer::Mat;
 use numerics::vector::dot;
 
 use super::JointTest;
-use super::footing::Footing;
+use super::linearised_residuals::LinearisedResiduals;
 use super::quadratic::{Covariance, HELD, STILL, Sums};
 use super::series::{Series, later_products, pair_counts};
 use super::span::{Block, square_root_of, weigh};
@@ -47,28 +47,33 @@ pub(super) struct OwnPast {
 }
 
 impl PastSums {
-    /// Of residuals on their footing, at the samples of each output that are there, up to a lag.
+    /// Of linearised residuals, at the samples of each output that are there, up to a lag.
     ///
     /// # Errors
     /// [`IdentError::Constant`] where a residual does not vary; those of the correlations.
-    pub(super) fn new(footing: &Footing, outputs: &[Series], lags: usize) -> Result<Self, IdentError> {
-        let sizes: Vec<f64> = (0..outputs.len()).map(|i| size(footing, i, &outputs[i])).collect::<Result<_, _>>()?;
-        let units = Units { footing, past: unit_series(footing, &sizes), sizes, lags };
+    pub(super) fn new(linearised: &LinearisedResiduals, outputs: &[Series], lags: usize) -> Result<Self, IdentError> {
+        let sizes: Vec<f64> = (0..outputs.len()).map(|i| size(linearised, i, &outputs[i])).collect::<Result<_, _>>()?;
+        let units = Units { linearised, past: unit_series(linearised, &sizes), sizes, lags };
         let pairs = all_pairs(outputs, lags)?;
         let correlation = units.at_once(&pairs[0])?;
         let covariance =
             Mat::from_fn(outputs.len(), outputs.len(), |i, j| units.sizes[i] * correlation[(i, j)] * units.sizes[j]);
-        let mut through = weigh(&footing.weights, &footing.stack, &covariance);
+        let mut through = weigh(&linearised.weights, &linearised.stack, &covariance);
         for k in 0..through.ncols() {
             units.mask(through.col_as_slice_mut(k), outputs);
         }
         let of = |m: &Mat<f64>| (0..m.ncols()).map(|k| units.sums(m.col_as_slice(k))).collect::<Result<Vec<_>, _>>();
-        let parts = [vec![units.sums(&footing.errors)?], of(&through)?, of(&footing.removed)?, of(&footing.uncertain)?];
+        let parts = [
+            vec![units.sums(&linearised.errors)?],
+            of(&through)?,
+            of(&linearised.removed)?,
+            of(&linearised.uncertain)?,
+        ];
         let columns = parts.concat();
         let sums = columns[0].len();
         let mut columns = Mat::from_fn(sums, columns.len(), |i, c| columns[c][i]);
         let mut blocks = None;
-        if !footing.blocks.is_empty() && sums <= MOST_SUMS {
+        if !linearised.blocks.is_empty() && sums <= MOST_SUMS {
             let (change, crossing) = units.change_by_blocks(outputs, &covariance, &through);
             let mut with_errors = columns.subcols_mut(1, through.ncols());
             with_errors += crossing;
@@ -78,10 +83,10 @@ impl PastSums {
             outputs: outputs.len(),
             pairs,
             correlation,
-            inflation: footing.inflation,
+            inflation: linearised.inflation,
             columns,
-            taken: footing.removed.ncols(),
-            k: footing.weights.transpose() * &through,
+            taken: linearised.removed.ncols(),
+            k: linearised.weights.transpose() * &through,
             blocks,
         })
     }
@@ -184,7 +189,7 @@ impl Turned {
 
 /// Residuals in units of their deviations.
 struct Units<'a> {
-    footing: &'a Footing,
+    linearised: &'a LinearisedResiduals,
     sizes: Vec<f64>,
     /// Of each output.
     past: Vec<Series>,
@@ -197,7 +202,7 @@ impl Units<'_> {
         let p = self.past.len();
         let mut sums = vec![0.0; p * p * self.lags];
         for i in 0..p {
-            let x = Series::raw(&self.footing.stack.series(column, i));
+            let x = Series::raw(&self.linearised.stack.series(column, i));
             for (j, past) in self.past.iter().enumerate() {
                 let found = later_products(past, &x, self.lags)?;
                 let places = sums.iter_mut().skip(i * p + j).step_by(p * p);
@@ -219,9 +224,9 @@ impl Units<'_> {
 
     /// Zero where an output is not there.
     fn mask(&self, column: &mut [f64], outputs: &[Series]) {
-        let lengths = self.footing.stack.lengths();
+        let lengths = self.linearised.stack.lengths();
         for (m, i) in (0..lengths.len()).flat_map(|m| (0..outputs.len()).map(move |i| (m, i))) {
-            let part = &mut column[self.footing.stack.range(m, i)];
+            let part = &mut column[self.linearised.stack.range(m, i)];
             part.iter_mut().enumerate().filter(|(t, _)| !outputs[i].is_there(m, *t)).for_each(|(_, v)| *v = 0.0);
         }
     }
@@ -236,7 +241,7 @@ impl Units<'_> {
     ) -> (Mat<f64>, Mat<f64>) {
         let sums = self.past.len().pow(2) * self.lags;
         let (mut change, mut crossing) = (Mat::<f64>::zeros(sums, sums), Mat::zeros(sums, through_all.ncols()));
-        for (m, block) in self.footing.blocks.iter().enumerate() {
+        for (m, block) in self.linearised.blocks.iter().enumerate() {
             let through = self.through(m, block, outputs, covariance);
             let (z, b) = (self.block_sums(m, &through), self.block_sums(m, &block.removed));
             let k = block.weights.transpose() * &through;
@@ -251,7 +256,7 @@ impl Units<'_> {
 
     /// `R E` of a block.
     fn through(&self, m: usize, block: &Block, outputs: &[Series], covariance: &Mat<f64>) -> Mat<f64> {
-        let length = self.footing.stack.lengths()[m];
+        let length = self.linearised.stack.lengths()[m];
         Mat::from_fn(block.weights.nrows(), block.weights.ncols(), |row, q| {
             let (i, t) = (row / length, row % length);
             let mixed = (0..outputs.len()).map(|j| covariance[(i, j)] * block.weights[(j * length + t, q)]);
@@ -261,7 +266,7 @@ impl Units<'_> {
 
     /// [`Units::sums`] of columns that show in one experiment.
     fn block_sums(&self, m: usize, columns: &Mat<f64>) -> Mat<f64> {
-        let (p, length) = (self.past.len(), self.footing.stack.lengths()[m]);
+        let (p, length) = (self.past.len(), self.linearised.stack.lengths()[m]);
         Mat::from_fn(p * p * self.lags, columns.ncols(), |place, q| {
             let (lag, i, j) = (place / (p * p) + 1, place / p % p, place % p);
             let x = &columns.col_as_slice(q)[i * length..(i + 1) * length];
@@ -272,9 +277,9 @@ impl Units<'_> {
 }
 
 /// The root of the mean square of a residual.
-fn size(footing: &Footing, output: usize, raw: &Series) -> Result<f64, IdentError> {
+fn size(linearised: &LinearisedResiduals, output: usize, raw: &Series) -> Result<f64, IdentError> {
     let energy = |part: &[f64]| part.iter().map(|v| v * v).sum::<f64>();
-    let left: f64 = footing.stack.series(&footing.errors, output).into_iter().map(energy).sum();
+    let left: f64 = linearised.stack.series(&linearised.errors, output).into_iter().map(energy).sum();
     let before = raw.energy() + raw.present * raw.mean.powi(2);
     let size = (left / raw.present.max(1.0)).sqrt();
     if !size.is_normal() || left <= VARYING * VARYING * before {
@@ -283,10 +288,10 @@ fn size(footing: &Footing, output: usize, raw: &Series) -> Result<f64, IdentErro
     Ok(size)
 }
 
-fn unit_series(footing: &Footing, sizes: &[f64]) -> Vec<Series> {
+fn unit_series(linearised: &LinearisedResiduals, sizes: &[f64]) -> Vec<Series> {
     let of = |(i, size): (usize, &f64)| {
         let scaled = |part: &[f64]| part.iter().map(|v| v / size).collect::<Vec<_>>();
-        let parts: Vec<Vec<f64>> = footing.stack.series(&footing.errors, i).into_iter().map(scaled).collect();
+        let parts: Vec<Vec<f64>> = linearised.stack.series(&linearised.errors, i).into_iter().map(scaled).collect();
         Series::raw(&parts.iter().map(Vec::as_slice).collect::<Vec<_>>())
     };
     sizes.iter().enumerate().map(of).collect()

@@ -122,7 +122,7 @@ impl ResidualModel for Fenced {
         jacobian: Option<MatMut<'_, f64>>,
     ) -> Result<(), IdentError> {
         if p[0] >= 1.0 {
-            return Err(IdentError::Structure { what: "beyond the fence" });
+            return Err(ident::StructureError::GivenUp.into());
         }
         residuals.copy_from_slice(&[p[0] - 2.0, p[0] - 3.0]);
         if let Some(mut j) = jacobian {

@@ -1,6 +1,7 @@
 //! Minimal realisation.
 
 use faer::{Mat, MatRef, concat};
+use numerics::linalg;
 
 use crate::error::LtiError;
 use crate::matrix::balance;
@@ -63,8 +64,7 @@ fn directions(m: Mat<f64>, limit: f64) -> Result<Mat<f64>, LtiError> {
     if m.nrows() == 0 || m.ncols() == 0 {
         return Ok(Mat::zeros(m.nrows(), 0));
     }
-    let svd = m.thin_svd().map_err(|_| LtiError::NoConvergence)?;
-    let (u, s) = (svd.U(), svd.S());
-    let rank = (0..m.nrows().min(m.ncols())).take_while(|i| s[*i] > limit).count();
-    Ok(u.subcols(0, rank).to_owned())
+    let svd = linalg::thin_svd(m.as_ref())?;
+    let rank = svd.values.iter().take_while(|value| **value > limit).count();
+    Ok(svd.u.subcols(0, rank).to_owned())
 }

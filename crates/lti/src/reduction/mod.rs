@@ -3,7 +3,8 @@
 mod gramian;
 mod minimal;
 
-use faer::{Mat, MatRef};
+use faer::Mat;
+use numerics::linalg;
 use serde::{Deserialize, Serialize};
 
 use crate::error::LtiError;
@@ -136,11 +137,12 @@ impl Balancing {
         if n == 0 {
             return Ok(Self { values: Vec::new(), t: Mat::zeros(0, 0), w: Mat::zeros(0, 0) });
         }
-        let svd = (sight.transpose() * &reach).svd().map_err(|_| LtiError::NoConvergence)?;
-        let values: Vec<f64> = (0..n).map(|i| svd.S()[i]).collect();
+        let svd = linalg::svd((sight.transpose() * &reach).as_ref())?;
+        let mut values = svd.values;
+        values.truncate(n);
         let seen = values.iter().take_while(|v| **v > HIDDEN * values[0]).count();
-        let scaled = |m: MatRef<'_, f64>| Mat::from_fn(m.nrows(), seen, |i, j| m[(i, j)] / values[j].sqrt());
-        let (t, w) = (reach * scaled(svd.V()), sight * scaled(svd.U()));
+        let scaled = |m: &Mat<f64>| Mat::from_fn(m.nrows(), seen, |i, j| m[(i, j)] / values[j].sqrt());
+        let (t, w) = (reach * scaled(&svd.v), sight * scaled(&svd.u));
         Ok(Self { values, t, w: w.transpose().to_owned() })
     }
 

@@ -4,8 +4,8 @@ mod connect;
 mod discretise;
 mod zeros;
 
-use faer::prelude::Solve;
 use faer::{Mat, MatRef};
+use numerics::linalg;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use connect::{check_same_clock, is_algebraic_loop};
@@ -215,7 +215,7 @@ impl StateSpace {
         let resolvent =
             Mat::from_fn(n, n, |i, j| if i == j { point - self.a[(i, j)] } else { complex(-self.a[(i, j)]) });
         let b = Mat::from_fn(n, self.inputs(), |i, j| complex(self.b[(i, j)]));
-        let x = resolvent.partial_piv_lu().solve(b);
+        let x = linalg::complex_solve(resolvent.as_ref(), b.as_ref());
         for i in 0..self.outputs() {
             for j in 0..self.inputs() {
                 gain[(i, j)] += (0..n).map(|k| x[(k, j)] * self.c[(i, k)]).sum::<Complex64>();

@@ -10,8 +10,8 @@
 use std::ops::Range;
 
 use faer::Mat;
-use faer::prelude::Solve;
 use ident::distributions::f_tail;
+use numerics::linalg;
 use rig::estimation::{EstimateError, need};
 use rig::results::{FeedForward, Quantity};
 use rig::{Experiment, Role};
@@ -217,7 +217,7 @@ impl Judge {
         let own = |a: usize, b: usize| if a == b { self.reading_nm.powi(2) } else { 0.0 };
         let spread = Mat::from_fn(n, n, |a, b| own(a, b) + self.doubts.iter().map(|d| d[a] * d[b]).sum::<f64>());
         let misses_column = Mat::from_fn(n, 1, |a, _| misses[a]);
-        let squares = (misses_column.transpose() * spread.partial_piv_lu().solve(&misses_column))[(0, 0)];
+        let squares = (misses_column.transpose() * linalg::solve(spread.as_ref(), misses_column.as_ref()))[(0, 0)];
         let p_value = f_tail(squares / freedom, freedom, self.count as f64);
         let adjusted_p_value = (p_value * LAWS).min(1.0);
         LawTest { law, misses_nm: root_mean_square(misses), p_value, adjusted_p_value }

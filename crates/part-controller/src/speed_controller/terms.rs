@@ -10,10 +10,10 @@
 //! 1931.
 
 use faer::Mat;
-use faer::prelude::Solve;
 use ident::Minimum;
 use ident::covariance::at_least_white;
 use ident::distributions::{f_tail, interval, student_t_quantile};
+use numerics::linalg;
 use rig::Experiment;
 use rig::estimation::{EstimateError, ReadOut, timing_floor_s, transformed};
 use rig::results::{DemandLags, Estimate, Parameter, Quantity, Stretch};
@@ -353,7 +353,7 @@ fn joint_p_value(fit: &Minimum, covariance: &Mat<f64>, freedom: f64, tested: &[u
     let m = tested.len();
     let block = Mat::from_fn(m, m, |a, b| covariance[(tested[a], tested[b])]);
     let theta = Mat::from_fn(m, 1, |a, _| fit.parameters[tested[a]]);
-    let statistic = (theta.transpose() * block.partial_piv_lu().solve(&theta))[(0, 0)];
+    let statistic = (theta.transpose() * linalg::solve(block.as_ref(), theta.as_ref()))[(0, 0)];
     let (count, rest) = (m as f64, freedom - m as f64 + 1.0);
     let p_value = f_tail(statistic * rest / (freedom * count), count, rest);
     if p_value.is_finite() { p_value } else { 1.0 }

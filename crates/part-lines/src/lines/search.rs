@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::{LN_2, LN_10, TAU};
 use std::rc::Rc;
 
-use faer::linalg::solvers::{DenseSolveCore, SolveLstsq};
 use faer::{Mat, c64};
+use numerics::{linalg, order};
 use signal::Signal;
 use signal::periodicity::find_sinusoids;
 use signal::spectrum::fft_real;
@@ -259,7 +259,7 @@ impl<'a> Seen<'a> {
         let about = &self.powers[bins(shown_hz - reach_hz)..bins(shown_hz + reach_hz)];
         let wide = &self.powers[bins(shown_hz - WIDE * reach_hz)..bins(shown_hz + WIDE * reach_hz)];
         let top = about.iter().copied().fold(0.0, f64::max);
-        top > RISE * median(wide)
+        order::upper_median(&mut wide.to_vec()).is_some_and(|median| top > RISE * median)
     }
 
     /// The reference where a line follows it; its frequency refined as far as it is not known.
@@ -326,11 +326,11 @@ impl<'a> Seen<'a> {
         };
         let columns = Mat::from_fn(count, 2 * group.len(), |k, j| self.window[k] * wave(k, j));
         let target = Mat::from_fn(count, 1, |k, _| self.window[k] * self.samples[k]);
-        let solution = columns.qr().solve_lstsq(&target);
+        let solution = linalg::Qr::new(columns.as_ref()).least_squares(target.as_ref());
         // Noise of even density has this variance in a column's amplitude, by the power that was found about the line.
         let alone = (0..columns.ncols()).map(|j| columns.col(j).squared_norm_l2());
         let alone: Vec<f64> = alone.collect();
-        let inverse = (columns.transpose() * &columns).partial_piv_lu().inverse();
+        let inverse = linalg::inverse((columns.transpose() * &columns).as_ref());
         let line = |i: usize| {
             let (cosine, sine) = (solution[(2 * i, 0)], solution[(2 * i + 1, 0)]);
             let widening =
@@ -492,15 +492,10 @@ fn grouped(seen: &Seen<'_>, candidates: Vec<Candidate>) -> Vec<Vec<Vec<Candidate
 /// Mean of noise powers, whose distribution is exponential, by their median and by what a tenth of them exceeds: few lines
 /// among them do not count, but the comb does that steps leave, which cannot be separated from lines.
 fn mean_noise(powers: &[f64]) -> f64 {
-    (median(powers) / LN_2).max(quantile(powers, 0.9) / LN_10)
-}
-
-fn median(values: &[f64]) -> f64 {
-    quantile(values, 0.5)
-}
-
-fn quantile(values: &[f64], share: f64) -> f64 {
-    let mut values = values.to_vec();
-    let place = (share * values.len() as f64) as usize;
-    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(place, f64::total_cmp).1 }
+    let mut powers = powers.to_vec();
+    let mut exceeded = |share: f64| {
+        let place = (share * powers.len() as f64) as usize;
+        order::select(&mut powers, place).unwrap_or(0.0)
+    };
+    (exceeded(0.5) / LN_2).max(exceeded(0.9) / LN_10)
 }

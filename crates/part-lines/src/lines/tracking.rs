@@ -15,8 +15,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, c64};
+use numerics::linalg;
 use rig::facts::Engine;
 use signal::Signal;
 
@@ -219,7 +219,7 @@ impl<'a> Window<'a> {
         let weighted = Mat::from_fn(rows, columns, |k, j| weights[k] * regressors[(k, j)]);
         let samples = Mat::from_fn(rows, 1, |k, _| self.samples[k]);
         let information = weighted.transpose() * &regressors;
-        let inverse = information.partial_piv_lu().inverse();
+        let inverse = linalg::inverse(information.as_ref());
         let solution = &inverse * (weighted.transpose() * &samples);
         let left = &samples - &regressors * &solution;
         let freedom = rows as f64 / (rows - columns) as f64;

@@ -153,8 +153,7 @@ pub(super) fn tapered(signal: &Signal, window: Window, last_bin: usize) -> Resul
         sample_time_s * (value - mean) * taper(position)
     };
     let weighted: Vec<f64> = values.iter().enumerate().map(weigh).collect();
-    let mut spectrum =
-        ::signal::spectrum::fft_real(&weighted).map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
+    let mut spectrum = ::signal::spectrum::fft_real(&weighted)?;
     spectrum.truncate(last_bin + 1);
     for (k, value) in spectrum.iter_mut().enumerate() {
         *value *= Complex64::cis(-TAU * window.frequency_hz(k) * offset_s);

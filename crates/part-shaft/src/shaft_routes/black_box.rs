@@ -27,7 +27,8 @@ use faer::{Mat, MatMut, mat};
 use ident::distributions::chi_squared_tail;
 use ident::{Bounds, Dataset, Fit, IdentError, Minimum, NonlinearOptions, Polynomial, ResidualModel, minimise};
 use lti::{LtiError, PolynomialModel, StateSpace};
-use rig::estimation::{EstimateError, timing_floor_s};
+use numerics::linalg;
+use rig::estimation::{EstimateError, Unsuitable, timing_floor_s};
 use rig::experiment::ControlMode;
 use rig::facts::Engine;
 use rig::results::{Estimate, Quantity};
@@ -35,7 +36,7 @@ use serde::Serialize;
 use signal::Complex64;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch};
-use super::{Timing, estimate_of};
+use super::{Timing, estimate_of, flange_torque};
 use crate::shaft::ShaftInputs;
 
 /// Orders go up to so many firing orders.
@@ -57,9 +58,6 @@ const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 /// Intervals that reach zero within so many standard errors mean nothing.
 const TOLD: f64 = 2.0;
 
-/// Why coefficients say nothing about a shaft.
-const NO_TWO_MASSES: &str = "the coefficients are far from those of two masses and a spring, so they show neither K and B nor the \
-    inertias; take the shaft from another route, and check the sign and unit of T_d";
 
 /// What controls the engine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -129,9 +127,9 @@ pub fn estimate(
     mode: ControlMode,
 ) -> Result<BlackBoxRoute, EstimateError> {
     let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
+    let unsuitable = |reason| EstimateError::Unsuitable { file: inputs.file.to_owned(), reason };
     let Some((inertia, _)) = inputs.inertia_kg_m2 else {
-        let what = "the black box needs T_d, but the torque is that of a flange";
-        return Err(of(IdentError::Structure { what }));
+        return Err(flange_torque(inputs, "black box"));
     };
     let stretch = inner_stretch(inputs)?;
     let clocks = Clocks { engine_s: timing.engine_skew_s.0, torque_s: timing.torque_skew_s.0, gate_s: timing.gate_s.0 };
@@ -146,10 +144,10 @@ pub fn estimate(
     // What is uncertain of the gate shifts the torque's mean by half of it.
     let skew_s =
         timing.torque_skew_s.1.hypot(0.5 * timing.gate_s.1).hypot(timing_floor_s(inputs.dyno_speed.sample_time_s));
-    let whitened = Whitened::new(&measured, signals.sample_time_s, control, skew_s).map_err(of)?;
+    let whitened = Whitened::new(&measured, signals.sample_time_s, control, skew_s).map_err(unsuitable)?;
     let starts = START_PARTS.map(|part| control.start(&measured, inertia, part * inertia, signals.sample_time_s));
     let found = starts.iter().filter_map(|start| whitened.fit(start).ok()).min_by(|a, b| a.cost.total_cmp(&b.cost));
-    let found = found.ok_or(IdentError::Structure { what: NO_TWO_MASSES }).map_err(of)?;
+    let found = found.ok_or(Unsuitable::NotTwoMasses).map_err(unsuitable)?;
     let freedom = measured.values.len() as f64 - control.unknowns() as f64;
     let probability = chi_squared_tail(found.cost, freedom);
     let quantities = [
@@ -161,7 +159,7 @@ pub fn estimate(
         Quantity::EngineIntegralGain,
     ];
     if found.cost > FAR * FAR * freedom {
-        return Err(of(IdentError::Structure { what: NO_TWO_MASSES }));
+        return Err(unsuitable(Unsuitable::NotTwoMasses));
     }
     // Where two masses do not explain the coefficients, they miss by more than these scatter.
     let explained = probability >= LEAST_PROBABILITY;
@@ -216,20 +214,13 @@ impl EngineControl {
         }
     }
 
-    /// Why coefficients with a singular covariance mean nothing, and what to do.
-    fn untold(self) -> &'static str {
-        match self {
-            EngineControl::None => {
-                "T_d cannot separate the 3 poles and 5 coefficients of the black box: some of them can change together without an \
-                 effect on ω_d, because T_d moves at few frequencies or follows ω_d alone; record Unfired_N_NT for longer and \
-                 with larger steps of N_d*, or take the shaft from another route (BS_T_NT, WhiteNoise_T_TN)"
-            }
-            EngineControl::Speed => {
-                "T_d cannot separate the 4 poles and 6 coefficients of the black box (the engine's own speed control takes one \
-                 pole): some of them can change together without an effect on ω_d, because T_d moves at few frequencies; record it \
-                 with a wide-band T_d*, or motored in speed control (Unfired_N_NT), or take the shaft from another route"
-            }
-        }
+    /// Why coefficients with a singular covariance mean nothing.
+    fn not_separated(self) -> Unsuitable {
+        let (poles, coefficients) = match self {
+            EngineControl::None => (3, 5),
+            EngineControl::Speed => (4, 6),
+        };
+        Unsuitable::CoefficientsNotSeparated { poles, coefficients, speed_control: self == EngineControl::Speed }
     }
 
     fn unknowns(self) -> usize {
@@ -414,17 +405,17 @@ impl<'a> Whitened<'a> {
         sample_time_s: f64,
         control: EngineControl,
         skew_s: f64,
-    ) -> Result<Self, IdentError> {
+    ) -> Result<Self, Unsuitable> {
         let n = measured.values.len();
         let scale: Vec<f64> = (0..n).map(|i| measured.covariance[(i, i)].sqrt()).collect();
         let correlation = Mat::from_fn(n, n, |i, j| measured.covariance[(i, j)] / (scale[i] * scale[j]));
-        let untold = IdentError::Structure { what: control.untold() };
-        let eigen = correlation.self_adjoint_eigen(faer::Side::Lower).map_err(|_| untold.clone())?;
-        let largest = (0..n).map(|i| eigen.S()[i]).fold(0.0, f64::max);
-        if !(0..n).all(|i| eigen.S()[i] > 1e-14 * largest) {
-            return Err(untold);
+        let not_separated = control.not_separated();
+        let eigen = linalg::symmetric_eigen(correlation.as_ref()).map_err(|_| not_separated)?;
+        let largest = (0..n).map(|i| eigen.values[i]).fold(0.0, f64::max);
+        if !(0..n).all(|i| eigen.values[i] > 1e-14 * largest) {
+            return Err(not_separated);
         }
-        let factor = Mat::from_fn(n, n, |i, j| eigen.U()[(j, i)] / (eigen.S()[i].sqrt() * scale[j]));
+        let factor = Mat::from_fn(n, n, |i, j| eigen.vectors[(j, i)] / (eigen.values[i].sqrt() * scale[j]));
         Ok(Whitened { measured, factor, sample_time_s, control, skew_s })
     }
 
@@ -437,8 +428,8 @@ impl<'a> Whitened<'a> {
     }
 
     fn residuals(&self, p: &[f64]) -> Result<Vec<f64>, IdentError> {
-        if p[..2].iter().any(|inertia| *inertia <= 0.0) {
-            return Err(IdentError::Structure { what: "an inertia has to be positive" });
+        if let Some(index) = p[..2].iter().position(|inertia| *inertia <= 0.0) {
+            return Err(IdentError::StartOutsideBounds { index, start: p[index], lower: 0.0, upper: f64::INFINITY });
         }
         let Some((skew_s, p)) = p.split_last() else { return Ok(Vec::new()) };
         let rho = self.control.coefficients(p, *skew_s, self.sample_time_s)?;
@@ -501,7 +492,7 @@ mod tests {
                 let Err(error) = Whitened::new(&measured, SAMPLE_TIME_S, control, 1e-4) else {
                     panic!("a singular covariance was taken")
                 };
-                let text = EstimateError::Ident { file: "Unfired_N_NT.mf4".to_owned(), source: error }.to_string();
+                let text = EstimateError::Unsuitable { file: "Unfired_N_NT.mf4".to_owned(), reason: error }.to_string();
                 for words in ["Unfired_N_NT.mf4: T_d", poles, "record", "another route"] {
                     assert!(text.contains(words), "{words}: {text}");
                 }

@@ -11,8 +11,11 @@ pub mod black_box;
 pub mod multisine;
 pub mod state_space;
 
+use rig::estimation::{EstimateError, Unsuitable};
 use rig::results::{Estimate, Parameter, Quantity, Stretch};
 use serde::Serialize;
+
+use crate::shaft::ShaftInputs;
 
 /// When the signals were taken, each with its standard uncertainty, s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -42,6 +45,10 @@ impl Timing {
             gate_s: found(Quantity::EncoderGates)?,
         })
     }
+}
+
+fn flange_torque(inputs: &ShaftInputs<'_>, route: &'static str) -> EstimateError {
+    EstimateError::Unsuitable { file: inputs.file.to_owned(), reason: Unsuitable::FlangeTorque { route } }
 }
 
 /// Parameters with their covariance, as the study keeps them.

@@ -16,7 +16,6 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use faer::linalg::solvers::Solve;
 use faer::{Mat, mat};
 use ident::prediction::simulate;
 use ident::validate::{fit_percent, rms_error};
@@ -25,6 +24,7 @@ use ident::{
     least_squares,
 };
 use lti::{LtiError, StateSpace};
+use numerics::linalg::FullyPivotedLu;
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::results::{Estimate, Quantity, Stretch, Trace, Validation};
 use serde::Serialize;
@@ -32,7 +32,7 @@ use signal::{Complex64, Sos};
 use units::RPM_RAD_S;
 
 use super::aligned::{Aligned, Clocks, TorqueSample, inner_stretch, once_a_turn};
-use super::{Timing, estimate_of};
+use super::{Timing, estimate_of, flange_torque};
 use crate::shaft::ShaftInputs;
 
 /// Share of the recording that is estimated from; the rest judges.
@@ -95,8 +95,7 @@ pub struct StateSpaceRoute {
 pub fn estimate(inputs: &ShaftInputs<'_>, timing: &Timing, skews: Skews) -> Result<StateSpaceRoute, EstimateError> {
     let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
     let Some(inertia) = inputs.inertia_kg_m2 else {
-        let what = "the state space needs T_d and J_d, but the torque is that of a flange";
-        return Err(of(IdentError::Structure { what }));
+        return Err(flange_torque(inputs, "state space"));
     };
     let stretch = inner_stretch(inputs)?;
     let free = |uncertainty: f64| if skews == Skews::Estimated { f64::INFINITY } else { uncertainty };
@@ -333,14 +332,14 @@ impl Record {
         }
         let scale: Vec<f64> = (0..free.len()).map(|j| slopes.col(j).norm_l2()).collect();
         let scaled = Mat::from_fn(slopes.nrows(), free.len(), |i, j| slopes[(i, j)] / scale[j]);
-        let hessian = (scaled.transpose() * &scaled).full_piv_lu();
-        let solution = hessian.solve(&Mat::from_fn(free.len(), 1, |i, _| gradient[(i, 0)] / scale[i]));
+        let hessian = FullyPivotedLu::new((scaled.transpose() * &scaled).as_ref());
+        let solution = hessian.solve(Mat::from_fn(free.len(), 1, |i, _| gradient[(i, 0)] / scale[i]).as_ref());
         let errors = self.errors(&fit.model, &data)?;
         let length = rows / BATCHES;
         let sums = Mat::from_fn(free.len(), BATCHES, |j, batch| {
             (batch * length..(batch + 1) * length).map(|i| scaled[(i, j)] * errors[i]).sum::<f64>()
         });
-        let scatter = hessian.solve(&sums);
+        let scatter = hessian.solve(sums.as_ref());
         let mut judged = Judged { bias: vec![0.0; theta.len()], inflation: vec![1.0; theta.len()] };
         for (column, j) in free.iter().enumerate() {
             let squares = (0..BATCHES).map(|batch| scatter[(column, batch)].powi(2)).sum::<f64>();

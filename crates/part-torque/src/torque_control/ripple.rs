@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use ident::distributions::chi_squared_quantile;
+use numerics::order;
 use signal::SignalError;
 use signal::spectrum::fft_real;
 
@@ -57,11 +58,7 @@ fn floor(power: &[f64], peak: usize, bin_hz: f64, width_hz: f64) -> f64 {
     let beside = |k: &usize| k.abs_diff(peak) as f64 * bin_hz > width_hz;
     let mut around: Vec<f64> =
         (peak.saturating_sub(reach)..(peak + reach).min(power.len())).filter(beside).map(|k| power[k]).collect();
-    let middle = around.len() / 2;
-    if around.is_empty() {
-        return f64::INFINITY;
-    }
-    *around.select_nth_unstable_by(middle, f64::total_cmp).1 / std::f64::consts::LN_2
+    order::upper_median(&mut around).map_or(f64::INFINITY, |median| median / std::f64::consts::LN_2)
 }
 
 /// Whether a further line lowers the cost by more than chance would, considering that its frequency was searched for.

@@ -67,6 +67,14 @@ pub enum EstimateError {
         /// The same from the other recording.
         known: (f64, f64),
     },
+    /// A recording that this way to the shaft cannot use.
+    #[error("{file}: {reason}")]
+    Unsuitable {
+        /// File.
+        file: String,
+        /// Why.
+        reason: Unsuitable,
+    },
     /// Numbers do not allow an estimate.
     #[error("{file}: {source}")]
     Ident {
@@ -83,4 +91,50 @@ pub enum EstimateError {
         /// The reason.
         source: signal::SignalError,
     },
+}
+
+/// Why a way to the shaft cannot use a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Unsuitable {
+    /// The torque is that of a flange, and T_d is needed.
+    #[error("the {route} needs T_d, but the torque is that of a flange")]
+    FlangeTorque {
+        /// The way to the shaft.
+        route: &'static str,
+    },
+    /// The demand does not repeat.
+    #[error(
+        "T_d* does not repeat, or too seldom: record Multisine_T_TN with two seconds to settle and, after them, at least \
+         {periods} periods of the demand, better ten"
+    )]
+    NotPeriodic {
+        /// Periods that are needed.
+        periods: usize,
+    },
+    /// The excitation does not separate the coefficients of a black box.
+    #[error(
+        "T_d cannot separate the {poles} poles and {coefficients} coefficients of the black box{}: some of them can change \
+         together without an effect on ω_d, because T_d moves at few frequencies{}",
+        if *.speed_control { " (the engine's own speed control takes one pole)" } else { "" },
+        if *.speed_control {
+            "; record it with a wide-band T_d*, or motored in speed control (Unfired_N_NT), or take the shaft from another route"
+        } else {
+            " or follows ω_d alone; record Unfired_N_NT for longer and with larger steps of N_d*, or take the shaft from \
+             another route (BS_T_NT, WhiteNoise_T_TN)"
+        }
+    )]
+    CoefficientsNotSeparated {
+        /// Poles of the black box.
+        poles: usize,
+        /// Its coefficients.
+        coefficients: usize,
+        /// Whether the engine controls its speed.
+        speed_control: bool,
+    },
+    /// The coefficients are not those of two masses.
+    #[error(
+        "the coefficients are far from those of two masses and a spring, so they show neither K and B nor the inertias; \
+         take the shaft from another route, and check the sign and unit of T_d"
+    )]
+    NotTwoMasses,
 }

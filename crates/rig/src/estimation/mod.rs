@@ -7,7 +7,7 @@ mod parameter;
 mod precision;
 mod stretch;
 
-pub use error::EstimateError;
+pub use error::{EstimateError, Unsuitable};
 pub use once::{Chosen, OncePerRecording, first, once};
 pub use parameter::{ReadOut, transformed};
 pub use precision::{noise_floor, timing_floor_s};

@@ -6,7 +6,7 @@ use ident::delay::{
 };
 use ident::distributions::normal_quantile;
 use ident::validate::{ResidualTest, TestData};
-use ident::{Arx, ArxOrders, Dataset, IdentError, Intersample, Label};
+use ident::{Arx, ArxOrders, Dataset, IdentError, Intersample, Label, StructureError};
 use page::decimal::{digits, range, significant};
 use page::{Abscissa, Axis, Figure, Layer, Panel, Rounded, Style, Table, rounded};
 use serde_json::{Value, json};
@@ -42,7 +42,7 @@ pub(super) struct Others {
 
 impl Others {
     pub(super) fn of(data: &Dataset, spacing: Option<usize>, longest: usize) -> Result<Self, IdentError> {
-        let uneven = || IdentError::Structure { what: "the output is not known every so many samples" };
+        let uneven = || IdentError::from(StructureError::UnevenOutput);
         let intersample = data.intersample();
         let Some(spacing) = spacing else {
             let (ranking, starts) = (None, Err(uneven()));

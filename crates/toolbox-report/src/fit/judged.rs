@@ -2,7 +2,7 @@
 
 use ident::prediction::{InitialState, Response};
 use ident::validate::{Judgement, ResidualReport, ResidualTest, TestData, fit_percent, judge};
-use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError};
+use ident::{AnyModel, Criteria, Dataset, Doubt, Fit, IdentError, StructureError};
 
 use crate::figures::{Shown, comparison};
 use crate::residuals::{self, REGION};
@@ -47,7 +47,7 @@ impl Verdict {
         Verdict {
             criteria: Criteria::of(fit.loss, fit.free_parameters, fit.samples, data.outputs()),
             residuals: match is_singular(fit) {
-                true => Err(IdentError::Structure { what: "the errors of the outputs follow from each other" }),
+                true => Err(StructureError::DependentErrors.into()),
                 false => test.run(fit, tested, which),
             },
             judged: std::iter::once(estimation).chain(unseen_judged).collect(),

@@ -9,6 +9,7 @@ mod structure;
 use super::signals;
 use crate::data::check_range;
 use crate::distributions::{chi_squared_quantile, normal_quantile};
+use crate::structure_error::StructureError;
 use crate::{Dataset, Experiment, IdentError, Intersample};
 use lines::Lines;
 pub use model::{DelayFault, DelayModel, ModelledDelay};
@@ -98,7 +99,7 @@ impl ModelledDelay {
             }
         }
         if models.is_empty() {
-            return Err(failure.unwrap_or(IdentError::Structure { what: "no model could be fitted" }));
+            return Err(failure.unwrap_or(StructureError::NoModel.into()));
         }
         let outdone = outdone(&models);
         let best = choice(&models).unwrap_or_else(|| outdone.iter().position(|is| !is).unwrap_or(models.len() - 1));

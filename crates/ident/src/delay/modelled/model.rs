@@ -35,7 +35,7 @@ pub(super) const ROUNDING: f64 = 1e-18;
 /// # y.rotate_right(1);
 /// # y[0] = 0.0;
 /// let found = ident::delay::ModelledDelay::default().estimate(&ident::Dataset::siso(0.001, &u, &y)?)?;
-/// let model = found.claimed().ok_or(ident::IdentError::Structure { what: "no claim" })?;
+/// let model = found.claimed().ok_or(ident::StructureError::NoModel)?;
 /// assert!((model.dead_times[0].samples - 1.3).abs() < 1e-3);
 /// # Ok::<(), ident::IdentError>(())
 /// ```

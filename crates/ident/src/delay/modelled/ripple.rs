@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use faer::Mat;
+use numerics::order;
 use signal::periodicity::find_sinusoids;
 use signal::spectrum::fft_real;
 
@@ -122,9 +123,7 @@ fn stands_out(power: &[f64], bin: usize) -> bool {
     let about = |reach: usize| bin.saturating_sub(reach)..(bin + reach + 1).min(power.len());
     let top = about(1).map(|k| power[k]).fold(0.0, f64::max);
     let mut beside: Vec<f64> = about(BESIDE).filter(|k| k.abs_diff(bin) > LOBE).map(|k| power[k]).collect();
-    let middle = beside.len() / 2;
-    !beside.is_empty()
-        && top * std::f64::consts::LN_2 > SHARP * *beside.select_nth_unstable_by(middle, f64::total_cmp).1
+    order::upper_median(&mut beside).is_some_and(|median| top * std::f64::consts::LN_2 > SHARP * median)
 }
 
 fn gain(found: &OutputFit<RationalChannel>, input: usize) -> f64 {

@@ -1,8 +1,8 @@
 //! What the demand makes of the engine's side, as an orthonormal basis on which errors are projected.
 
 use faer::Mat;
-use faer::linalg::solvers::Solve;
 use ident::IdentError;
+use numerics::linalg;
 use signal::Complex64;
 
 use super::equation::{Control, UNKNOWNS, laplace};
@@ -96,10 +96,9 @@ fn orthonormal(mut columns: Mat<f64>) -> Result<Mat<f64>, IdentError> {
         }
         column /= faer::Scale(norm);
     }
-    let svd = columns.thin_svd().map_err(|_| SILENT)?;
-    let singular = svd.S().column_vector();
-    let rank = singular.iter().take_while(|value| **value > NEGLIGIBLE * singular[0]).count();
-    if rank < UNKNOWNS { Err(SILENT) } else { Ok(svd.U().get(.., ..rank).to_owned()) }
+    let svd = linalg::thin_svd(columns.as_ref()).map_err(|_| SILENT)?;
+    let rank = svd.values.iter().take_while(|value| **value > NEGLIGIBLE * svd.values[0]).count();
+    if rank < UNKNOWNS { Err(SILENT) } else { Ok(svd.u.get(.., ..rank).to_owned()) }
 }
 
 /// The solution of a small system whose rows and columns differ in scale.
@@ -113,7 +112,7 @@ pub(super) fn solved(left: &Mat<f64>, right: &Mat<f64>) -> Result<Mat<f64>, Iden
     }
     let scaled = Mat::from_fn(n, n, |i, j| left[(i, j)] / (rows[i] * columns[j]));
     let target = Mat::from_fn(n, right.ncols(), |i, j| right[(i, j)] / rows[i]);
-    let solution = scaled.full_piv_lu().solve(&target);
+    let solution = linalg::FullyPivotedLu::new(scaled.as_ref()).solve(target.as_ref());
     if (0..n).any(|i| !solution[(i, 0)].is_finite()) {
         return Err(IdentError::Constant { what: "the demand" });
     }

@@ -15,9 +15,9 @@ mod equation;
 mod instruments;
 
 use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
 use ident::IdentError;
 use ident::frequency::{Modulated, OVERLAP};
+use numerics::linalg;
 use numerics::search;
 use signal::{Complex64, Signal};
 
@@ -115,7 +115,7 @@ impl Search<'_> {
             return Err(IdentError::Constant { what: "the demand" });
         }
         let scaled = Mat::from_fn(slopes.nrows(), DELAY, |i, j| slopes[(i, j)] / scale[j]);
-        let found = scaled.qr().solve_lstsq(&error);
+        let found = linalg::Qr::new(scaled.as_ref()).least_squares(error.as_ref());
         let left = (&error - &scaled * &found).squared_norm_l2();
         let prior = self.prior() * (delay_s - self.half_firing_s).powi(2);
         let [inertia, p, i] = std::array::from_fn(|j| -found[(j, 0)] / scale[j]);

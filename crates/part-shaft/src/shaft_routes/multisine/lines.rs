@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use ident::IdentError;
 use ident::frequency::{Window, samples_in};
-use rig::estimation::EstimateError;
+use rig::estimation::{EstimateError, Unsuitable};
 use rig::facts::Engine;
 use rig::results::Stretch;
 use signal::periodicity::detect_period;
@@ -76,9 +76,9 @@ impl Lines {
         let end_s = stretch.end_s.min(demand.end_s());
         let used = demand.slice(start_s, end_s);
         let not_periodic = || {
-            let what = "T_d* does not repeat, or too seldom: record Multisine_T_TN with two seconds to settle and, after them, \
-                        at least four periods of the demand, better ten";
-            of(IdentError::Structure { what })
+            // The last window falls within the period after it.
+            let reason = Unsuitable::NotPeriodic { periods: FEWEST_PERIODS + 1 };
+            EstimateError::Unsuitable { file: inputs.file.to_owned(), reason }
         };
         let period = detect_period(&used.samples, UNREPEATED).map_err(|_| not_periodic())?.ok_or_else(not_periodic)?;
         let period_s = period.period as f64 * demand.sample_time_s;
@@ -204,7 +204,7 @@ impl Grid<'_> {
         }
         let spectra: Vec<Vec<Complex64>> = weighed
             .iter()
-            .map(|w| signal::spectrum::fft_real(w).map_err(|_| IdentError::Decomposition { what: "Fourier" }))
+            .map(|w| signal::spectrum::fft_real(w).map_err(IdentError::from))
             .collect::<Result<_, _>>()?;
         let orders = |k: &usize| {
             let omega = TAU * *k as f64 / self.period_s;
@@ -259,7 +259,7 @@ pub(super) fn once_a_turn(speed: &Signal) -> [Signal; 2] {
 /// Harmonics that the demand excites.
 pub(super) fn excited(demand: &Signal, window: Window, highest_hz: f64) -> Result<Vec<usize>, IdentError> {
     let values = samples_in(demand, window)?.values;
-    let spectrum = signal::spectrum::fft_real(&values).map_err(|_| IdentError::Decomposition { what: "Fourier" })?;
+    let spectrum = signal::spectrum::fft_real(&values)?;
     let bins = window.bins(LOWEST_HZ, highest_hz.min(0.45 / demand.sample_time_s));
     let strongest = bins.clone().map(|k| spectrum[k].norm()).fold(0.0, f64::max);
     Ok(bins.filter(|k| spectrum[*k].norm() > EXCITED * strongest && strongest > 0.0).collect())

@@ -29,14 +29,13 @@ mod engine;
 mod lines;
 mod shaft;
 
-use ident::IdentError;
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::facts::Engine;
 use rig::results::{Estimate, Quantity};
 use serde::Serialize;
 use signal::Signal;
 
-use super::{Timing, estimate_of};
+use super::{Timing, estimate_of, flange_torque};
 use crate::shaft::ShaftInputs;
 pub use cost::CostTest;
 use engine::EngineSide;
@@ -92,8 +91,7 @@ pub fn estimate(
 ) -> Result<MultisineRoute, EstimateError> {
     let of = |source| EstimateError::Ident { file: inputs.file.to_owned(), source };
     let Some(stated) = inputs.inertia_kg_m2 else {
-        let what = "the multisine route needs T_d, but the torque is that of a flange";
-        return Err(of(IdentError::Structure { what }));
+        return Err(flange_torque(inputs, "multisine route"));
     };
     let lines = Lines::new(inputs, demand, timing, engine)?;
     let prior = (inertia == DynoInertia::Stated).then_some(stated);

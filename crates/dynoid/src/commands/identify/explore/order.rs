@@ -31,9 +31,9 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
     let table = match arguments.split {
         Some(share) => {
             let split = data.split(share).map_err(failed)?;
-            scan.run_told(&split.estimation, Some(&split.validation), told)
+            scan.run_with_progress(&split.estimation, Some(&split.validation), told)
         }
-        None => scan.run_told(&data, None, told),
+        None => scan.run_with_progress(&data, None, told),
     };
     let table = table.map_err(failed)?;
     drop(progress);

@@ -5,7 +5,9 @@ mod method;
 mod orders;
 
 use dataset::CommonClock;
-use ident::{AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source};
+use ident::{
+    AnyModel, Dataset, EstimateRecord, Fit, FormulaStructure, IdentError, ModelDocument, Source, StructureError,
+};
 
 use toolbox_report::data::Purpose;
 use toolbox_report::fit::{Estimated, Verdict};
@@ -151,7 +153,7 @@ fn refused(error: CliError, command: &FitCommand, estimation: &Loaded) -> CliErr
         IdentError::TooFewSamples { .. } | IdentError::RankDeficient { .. } => {
             format!("; lower {}, or give more data", orders::options(command))
         }
-        IdentError::Structure { what } if what.contains("held") => {
+        IdentError::Structure(StructureError::UnknownHeld { .. }) => {
             "; --hold takes K, Tw, zeta, Tp1, Tp2, Tp3, Tz and Td as far as --structure has them, with several inputs K[1], K[2] …".into()
         }
         _ => String::new(),

@@ -19,7 +19,7 @@ const WELL_CONDITIONED: f64 = 1e-5;
 const CHANCE: f64 = 0.05;
 
 /// The long model `y(t) = −Σ a_l y(t−l) + Σ_k Σ_l b_kl u_k(t − nk_k − l + 1) + e(t)`, l = 1 … n, and its loss.
-pub(super) struct Yardstick {
+pub(super) struct HighOrderArx {
     pub(super) order: usize,
     /// Coefficients of the past outputs, then of each input.
     pub(super) theta: Vec<f64>,
@@ -29,7 +29,7 @@ pub(super) struct Yardstick {
     channels: usize,
 }
 
-impl Yardstick {
+impl HighOrderArx {
     /// `None` where the data are too few, too broken or too little excited.
     pub(super) fn new(orders: &Orders, segments: &[Segment<'_>]) -> Option<Self> {
         let rows: usize = segments.iter().map(Segment::len).sum();
@@ -44,7 +44,7 @@ impl Yardstick {
         let factor = gram::cholesky(&gram, WELL_CONDITIONED)?;
         let last = factor.ncols() - 1;
         let tail = |from: usize| (from..=last).map(|i| factor[(i, last)].powi(2)).sum::<f64>();
-        Some(Yardstick {
+        Some(HighOrderArx {
             order,
             theta: sorted(&solved(&factor), order, channels),
             left: (0..=order).map(|l| tail(l * channels)).collect(),
@@ -147,28 +147,28 @@ mod tests {
     #[test]
     fn stat_long_model_finds_the_coefficients_and_is_met_by_the_truth_alone() {
         let (segments, energy) = segments();
-        let yardstick = Yardstick::new(&orders(), &segments).unwrap();
-        assert!(yardstick.is_settled());
+        let high_order = HighOrderArx::new(&orders(), &segments).unwrap();
+        assert!(high_order.is_settled());
         let expected = |j: usize| match j {
             0 => 1.5,
             1 => -0.7,
-            j if j == yardstick.order => 1.0,
+            j if j == high_order.order => 1.0,
             _ => 0.0,
         };
-        for (j, value) in yardstick.theta.iter().enumerate() {
+        for (j, value) in high_order.theta.iter().enumerate() {
             assert!((value - expected(j)).abs() < 0.06, "{j}: {value}");
         }
-        assert!(yardstick.is_met(energy, 8000, 4));
-        assert!(!yardstick.is_met(1.03 * energy, 8000, 4));
+        assert!(high_order.is_met(energy, 8000, 4));
+        assert!(!high_order.is_met(1.03 * energy, 8000, 4));
     }
 
     #[test]
     fn regress_data_that_cannot_tell_give_none() {
         let (segments, _) = segments();
-        assert!(Yardstick::new(&orders(), &[segments[0].part(0, 300)]).is_none());
+        assert!(HighOrderArx::new(&orders(), &[segments[0].part(0, 300)]).is_none());
         let still = Segment { inputs: vec![Cow::Owned(vec![1.0; 3000])], ..segments[0].clone() };
-        assert!(Yardstick::new(&orders(), &[still]).is_none());
+        assert!(HighOrderArx::new(&orders(), &[still]).is_none());
         let broken = Segment { missing: vec![7], ..segments[0].clone() };
-        assert!(Yardstick::new(&orders(), &[broken]).is_none());
+        assert!(HighOrderArx::new(&orders(), &[broken]).is_none());
     }
 }

@@ -10,9 +10,9 @@ const NEAR: f64 = 0.01;
 const EQUAL: f64 = 1e-6;
 
 /// A minimum and the parabola around it.
-pub(super) struct Basin<'a>(pub(super) &'a Lowest);
+pub(super) struct QuadraticRegion<'a>(pub(super) &'a Lowest);
 
-impl Basin<'_> {
+impl QuadraticRegion<'_> {
     /// Whether θ with this cost lies where the minimum's parabola holds, so that a search from there would end in it.
     pub(super) fn holds(&self, theta: &[f64], cost: f64) -> bool {
         let Lowest { parameters, factor, cost: least, termination, .. } = self.0;

@@ -21,7 +21,7 @@ const LEFT: f64 = 1e-7;
 
 /// Residuals of outputs that are there at the same instants, in the first order of what the estimate did to them:
 /// `ε = M v − Ψ δ` with errors `v` of covariance `R`, `M = I − A Eᵀ`, and `δ` of covariance one.
-pub(super) struct Footing {
+pub(super) struct LinearisedResiduals {
     pub(super) stack: Stack,
     /// `M ε`.
     pub(super) errors: Vec<f64>,
@@ -76,7 +76,7 @@ impl Columns {
     }
 }
 
-impl Footing {
+impl LinearisedResiduals {
     /// Of residuals, zero where `missing`, with what is taken out of them (a constant besides) and what is uncertain.
     ///
     /// # Errors
@@ -125,7 +125,7 @@ impl Footing {
         if rows <= directions {
             return Err(IdentError::TooFewSamples { samples: rows, parameters: directions });
         }
-        Ok(Footing {
+        Ok(LinearisedResiduals {
             colour: Colour::of(&by_instants(&stack, &errors, missing), stack.outputs()),
             uncertain: Mat::from_fn(stack.rows(), uncertain.len(), |i, k| uncertain[k][i]),
             inflation: rows as f64 / (rows - directions) as f64,
@@ -344,7 +344,7 @@ mod tests {
     use crate::validate::whiteness::PastSums;
 
     /// Stretches of unlike length, two outputs with errors that depend on each other, a gap in both.
-    fn footing(few_states: usize) -> (Footing, Vec<Series>, Series) {
+    fn linearised(few_states: usize) -> (LinearisedResiduals, Vec<Series>, Series) {
         let mut random = Random::new(4);
         let lengths = vec![40, 3, 25, 60, 30];
         let stack = Stack::new(lengths.clone(), 2);
@@ -378,25 +378,27 @@ mod tests {
         };
         let outputs = (0..2).map(output).collect();
         let noise = faer::mat![[1.0, 0.3], [0.3, 0.5]];
-        let found = Footing::with_few_states(stack, &errors, &missing, &columns, &noise, few_states).unwrap();
+        let found =
+            LinearisedResiduals::with_few_states(stack, &errors, &missing, &columns, &noise, few_states).unwrap();
         (found, outputs, input)
     }
 
     #[test]
     fn exact_states_are_taken_out_one_stretch_at_a_time_as_all_at_once() {
-        let (whole, outputs, input) = footing(1000);
-        let (blocks, ..) = footing(0);
+        let (whole, outputs, input) = linearised(1000);
+        let (blocks, ..) = linearised(0);
         assert!(whole.blocks.is_empty() && blocks.blocks.len() == 5);
         assert_eq!(whole.inflation, blocks.inflation);
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-8 * (1.0 + a.abs().max(b.abs()));
         for output in 0..2 {
-            let sums = [&whole, &blocks].map(|footing| footing.sums(output, &outputs[output], &input, 6).unwrap());
+            let sums =
+                [&whole, &blocks].map(|linearised| linearised.sums(output, &outputs[output], &input, 6).unwrap());
             assert!(sums[0].variances().iter().zip(sums[1].variances()).all(|(a, b)| near(*a, b)));
             let tests = sums.map(|sums| sums.test(6, 7).unwrap());
             assert!(near(tests[0].statistic, tests[1].statistic), "{tests:?}");
             assert_eq!(tests[0].degrees_of_freedom, tests[1].degrees_of_freedom);
         }
-        let past = [&whole, &blocks].map(|footing| PastSums::new(footing, &outputs, 6).unwrap());
+        let past = [&whole, &blocks].map(|linearised| PastSums::new(linearised, &outputs, 6).unwrap());
         let own = [0, 1].map(|k| past[k].own(1).unwrap());
         assert!(own[0].deviations.iter().zip(&own[1].deviations).all(|(a, b)| near(*a, *b)));
         let joint = past.map(|past| past.joint().unwrap());
