@@ -58,7 +58,6 @@ const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 /// Intervals that reach zero within so many standard errors mean nothing.
 const TOLD: f64 = 2.0;
 
-
 /// What controls the engine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
