@@ -15,7 +15,8 @@ use super::engine_side::{self, EngineInertia};
 use super::equation::{Dating, ShaftEquation};
 use super::inputs::{LARGEST_SKEW_S, ShaftInputs};
 use super::response::{measured_response, validate};
-use super::spectra::{Spectra, whole_band_hz};
+use super::skew_search;
+use super::spectra::{Spectra, turn_band_hz, whole_band_hz};
 use super::terms::{Beyond, TermTest};
 use crate::shaft::places;
 use crate::shaft::places::COUNT;
@@ -122,7 +123,7 @@ pub fn estimate_by_band(
     let timing = [places::SKEW_ENGINE, places::SKEW_TORQUE, places::GATE, places::FRICTION];
     let timing: Vec<Prior> = timing.into_iter().filter_map(known).collect();
     let of_band = |band_hz: (f64, f64)| {
-        let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing, from: None };
+        let timed = Dated { dating: whole.spectra.dating, band_hz, known: &timing, from: Some(theta) };
         let own = Solution::dated(inputs, &stretch, Unknowns::Shaft, timed).ok()?;
         if [places::K, places::B].iter().any(|at| own.fit.fit.at_bound[*at]) {
             return None;
@@ -444,11 +445,34 @@ fn solve(
     let fit = |start: &[f64]| {
         ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(start, &bounds)
     };
-    match (from, unknowns.term()) {
-        (Some(from), _) => fit(from),
-        (None, Some(Term::DualMass)) => best_of(flywheels(start).iter().map(|start| fit(start))),
-        (None, _) => fit(&start),
+    if let Some(from) = from {
+        return fit(from);
     }
+    let starts = match unknowns {
+        Unknowns::ShaftWithoutTiming => vec![start],
+        _ => with_skews(start, inputs, spectra),
+    };
+    match unknowns.term() {
+        Some(Term::DualMass) => best_of(starts.into_iter().flat_map(flywheels).map(|start| fit(&start))),
+        _ => best_of(starts.iter().map(|start| fit(start))),
+    }
+}
+
+/// A start with the skews, K and B that fit best on a grid; several where they are rivals.
+fn with_skews(start: [f64; COUNT], inputs: &ShaftInputs<'_>, spectra: &Spectra) -> Vec<[f64; COUNT]> {
+    let known = skew_search::Known {
+        inertia_kg_m2: start[places::INERTIA],
+        gate_s: start[places::GATE],
+        stiffness: start[places::K],
+        turns_hz: turn_band_hz(inputs.dyno_speed),
+    };
+    let moved = |found: skew_search::Start| {
+        let mut moved = start;
+        (moved[places::K], moved[places::B]) = (found.stiffness, found.damping);
+        (moved[places::SKEW_ENGINE], moved[places::SKEW_TORQUE]) = (found.engine_skew_s, found.torque_skew_s);
+        moved
+    };
+    skew_search::starts(spectra, &known).into_iter().map(moved).collect()
 }
 
 /// The fit that leaves least; the last failure where all fail.

@@ -15,6 +15,7 @@ mod estimate;
 mod inputs;
 mod places;
 mod response;
+mod skew_search;
 mod spectra;
 mod springs;
 mod term;

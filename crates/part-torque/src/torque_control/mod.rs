@@ -32,6 +32,7 @@ pub use model::{AirGapTorqueModel, ResidualStatistics};
 pub(super) use observed::Observed;
 use observed::check_finite;
 pub(crate) use observed::usable_samples;
+use ripple::folded_to_zero_hz;
 use rippled::{DelayAndLag, RippledModel};
 pub use search::batches;
 use search::fit_with_ripple;
@@ -49,6 +50,8 @@ const WEAK_NM: f64 = 0.1;
 const MOST_SATURATED: f64 = 0.5;
 /// A delay that is negative by this many standard errors is no accident.
 const EARLY: f64 = 4.0;
+/// How far beside a delay its uncertainty is looked at, in samples of the demand.
+const BESIDE: f64 = 0.02;
 /// Level at which the gain is tested against one.
 const GAIN_LEVEL: f64 = 0.99;
 
@@ -107,6 +110,9 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let held = HeldDemand::new(demand, torque_limit_nm);
     let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
     let lagged = fit_lagged(&held, &observed, torque_limit_nm).map_err(failed)?;
+    if lagged.delay_error_s() > LONGEST_DELAY_S {
+        return Err(EstimateError::Inseparable { file: experiment.file.clone() });
+    }
     let stretch = stretch_of(experiment, torque, 0..split);
     let mut delay_and_lag = lagged.estimate(&stretch);
     let (mut pure_delay, delayed) = pure_delay::fit(&held, &observed, &lagged.model, &stretch).map_err(failed)?;
@@ -116,7 +122,12 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let seen = held_out.part(held_out.longest_run());
     let delay_and_lag_validation = judge(&lagged.model.torque_at(&held, &seen.times_s), &seen)?;
     let pure_delay_validation = judge(&delayed.torque_at(&held, &seen.times_s), &seen)?;
-    diagnostics.extend(doubts(experiment, &lagged, &delay_and_lag_validation, demand.sample_time_s));
+    diagnostics.extend(doubts(
+        experiment,
+        &lagged,
+        &delay_and_lag_validation,
+        (demand.sample_time_s, torque.sample_time_s),
+    ));
     // Both delays are read off the same two clocks.
     let floor = timing_floor_s(demand.sample_time_s);
     delay_and_lag.add_systematic(&[Quantity::TorqueControlDelay, Quantity::TorqueControlTotalDelay], floor);
@@ -220,13 +231,14 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     let bounds = [Bounds::new(-EARLIEST_S, LONGEST_DELAY_S), Bounds::new(LAG_RAD_S.0, LAG_RAD_S.1)];
     let mut model = RippledModel::new(DelayAndLag::new(held), observed);
     let fit = fit_with_ripple(&mut model, &starts(held.sample_time_s()), &bounds)?;
-    let (covariance, freedom) = robust_covariance(&fit, observed.sample_time_s)?;
-    let (offset_nm, lines) = model.linear_of(&fit.parameters);
+    let reach_s = BESIDE * held.sample_time_s();
+    let (covariance, freedom) = search::covariance_beside_kinks(&mut model, &fit, &bounds, reach_s)?;
+    let ripple = model.ripple(&fit.parameters);
     let gain = free_gain(&mut model, &fit, &bounds, observed.sample_time_s)?;
     let model = AirGapTorqueModel {
         delay_s: fit.parameters[0],
         lag_rad_s: fit.parameters[1],
-        ripple: DriveRipple { offset_nm, lines, reference_s: observed.reference_s },
+        ripple,
         torque_limit_nm: limit,
         residual: model::statistics(&fit.residuals, observed)?,
     };
@@ -255,6 +267,11 @@ fn starts(sample_time_s: f64) -> Vec<Vec<f64>> {
 }
 
 impl Lagged {
+    /// Standard error of τ, s; none where τ is at a bound.
+    fn delay_error_s(&self) -> f64 {
+        if self.fit.at_bound[0] { 0.0 } else { self.covariance[(0, 0)].sqrt() }
+    }
+
     /// τ, a and τ + 1/a with their joint covariance.
     fn estimate(&self, stretch: &Stretch) -> Estimate {
         let (delay, lag) = (self.model.delay_s, self.model.lag_rad_s);
@@ -287,7 +304,7 @@ fn doubts(
     experiment: &Experiment,
     lagged: &Lagged,
     validation: &rig::results::Validation,
-    demand_sample_time_s: f64,
+    (demand_sample_time_s, torque_sample_time_s): (f64, f64),
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
     let submodel = || "torque control".to_owned();
@@ -299,9 +316,11 @@ fn doubts(
         found.push(warning(experiment, Finding::EarlySignal { role: Role::AirGapTorque, advance_s }));
     }
     let gain = &lagged.gain;
+    // Ripple that the samples fold to zero frequency is a gain of theirs, and none of T_d.
+    let is_expected = folded_to_zero_hz(torque_sample_time_s).is_some();
     let (low, high) =
         ident::distributions::interval(gain.value, gain.standard_error, gain.degrees_of_freedom, GAIN_LEVEL);
-    if !(low..=high).contains(&1.0) {
+    if !is_expected && !(low..=high).contains(&1.0) {
         let quantity = Quantity::TorqueControlGain;
         let (first, second) = ((gain.value, gain.standard_error), (1.0, 0.0));
         found.push(warning(experiment, Finding::RoutesDisagree { quantity, first, second }));

@@ -9,6 +9,7 @@ use signal::{Complex64, Signal};
 
 use super::held::{HeldDemand, Mode};
 use super::observed::{Observed, demand_at, usable_samples};
+use super::ripple::stands_still;
 use super::rippled::{DelayAndLag, RippledModel};
 use super::search::fit_with_lines;
 
@@ -84,10 +85,8 @@ impl AirGapTorqueModel {
         let mut model = RippledModel::new(DelayAndLag::new(&held), &observed);
         let frequencies = self.find_lines_again(&held, &observed)?;
         let fit = fit_with_lines(&mut model, &response, &fixed, &frequencies)?;
-        let (offset_nm, ripple) = model.linear_of(&fit.parameters);
         let residual = statistics(&fit.residuals, &observed)?;
-        let ripple = DriveRipple { offset_nm, lines: ripple, reference_s: observed.reference_s };
-        Ok(AirGapTorqueModel { ripple, residual, ..self.clone() })
+        Ok(AirGapTorqueModel { ripple: model.ripple(&fit.parameters), residual, ..self.clone() })
     }
 
     /// The frequencies near the known ones at which the residuals without ripple have most power.
@@ -101,7 +100,9 @@ impl AirGapTorqueModel {
         if span.is_nan() || span <= 0.0 {
             return Err(IdentError::TooFewSamples { samples: observed.len(), parameters: 1 });
         }
-        Ok(self.ripple.lines.iter().map(|line| strongest_near(&errors, observed, line.frequency_hz, span)).collect())
+        let known = self.ripple.lines.iter().map(|line| line.frequency_hz);
+        let seen = known.filter(|frequency_hz| !stands_still(*frequency_hz, observed.sample_time_s));
+        Ok(seen.map(|frequency_hz| strongest_near(&errors, observed, frequency_hz, span)).collect())
     }
 
     /// T_d at any instants.

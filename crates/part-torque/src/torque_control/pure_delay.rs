@@ -1,6 +1,6 @@
 //! The bar to beat: the torque follows the demand after a delay and nothing else.
 
-use bench_model::drive_ripple::DriveRipple;
+use bench_model::drive_ripple::{DriveRipple, RippleLine};
 use faer::Mat;
 use ident::{IdentError, Minimum, Termination};
 use rig::results::{Estimate, Parameter, Quantity, Stretch};
@@ -8,6 +8,7 @@ use rig::results::{Estimate, Parameter, Quantity, Stretch};
 use super::held::HeldDemand;
 use super::model::{AirGapTorqueModel, PureDelay};
 use super::observed::Observed;
+use super::ripple::stands_still;
 use super::rippled::linear_part;
 use super::search::robust_covariance;
 use crate::torque_control::bounds::{EARLIEST_S, LONGEST_DELAY_S};
@@ -33,8 +34,13 @@ pub(super) fn fit(
 ) -> Result<(Estimate, PureDelay), IdentError> {
     let (delay_s, step_s) = best_step(held, observed, lagged);
     let modelled = delayed(held, observed, delay_s);
-    let frequencies: Vec<f64> = lagged.ripple.lines.iter().map(|l| l.frequency_hz).collect();
-    let (offset_nm, lines) = linear_part(&modelled, observed, &frequencies)?;
+    let is_folded = |line: &RippleLine| stands_still(line.frequency_hz, observed.sample_time_s);
+    let (folded, seen): (Vec<_>, Vec<_>) = lagged.ripple.lines.iter().copied().partition(is_folded);
+    let first_s = observed.times_s.first().map_or(0.0, |first| first - lagged.ripple.reference_s);
+    let gain = folded.iter().fold(1.0, |gain, line| gain + line.parts(first_s).0);
+    let frequencies: Vec<f64> = seen.iter().map(|line| line.frequency_hz).collect();
+    let (offset_nm, mut lines) = linear_part(&modelled, gain, observed, &frequencies)?;
+    lines.extend(folded);
     let ripple = DriveRipple { offset_nm, lines, reference_s: lagged.ripple.reference_s };
     let dressing = AirGapTorqueModel { ripple, ..lagged.clone() };
     let model = PureDelay { delay_s, dressing };
@@ -86,7 +92,8 @@ fn noise_variance(held: &HeldDemand, observed: &Observed, model: &PureDelay) -> 
     let residuals: Vec<f64> = observed.values.iter().zip(&modelled).map(|(y, m)| y - m).collect();
     let information = jacobian.col(0).squared_norm_l2();
     if information.is_nan() || information <= 0.0 {
-        return Err(IdentError::Constant { what: "the demand" });
+        // A demand that is held longer than that, and sampled between its steps alone: noise does not move the delay.
+        return Ok((0.0, (observed.len() as f64 - 1.0).max(1.0)));
     }
     let fit = Minimum {
         parameters: vec![model.delay_s],

@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use bench_model::drive_ripple::RippleLine;
+use bench_model::drive_ripple::{DriveRipple, RippleLine};
 use faer::{Mat, MatMut};
 use ident::{Bounds, IdentError, ResidualModel, least_squares};
 use signal::Complex64;
 
 use super::held::{HeldDemand, Mode};
 use super::observed::Observed;
+use super::ripple::folded_to_zero_hz;
 
 /// Parameters of one line: frequency, additive cosine and sine, relative cosine and sine.
 const LINE: usize = 5;
@@ -68,6 +69,8 @@ pub(crate) struct RippledModel<'a, R> {
     response: R,
     observed: &'a Observed,
     lines: usize,
+    /// The ripple that the samples fold to zero frequency, Hz: the gain is then free.
+    folded_hz: Option<f64>,
     values: Vec<f64>,
     derivatives: Vec<Vec<f64>>,
 }
@@ -76,7 +79,8 @@ impl<'a, R: Response> RippledModel<'a, R> {
     pub(crate) fn new(response: R, observed: &'a Observed) -> Self {
         let rows = observed.len();
         let derivatives = vec![vec![0.0; rows]; response.parameter_count()];
-        RippledModel { response, observed, lines: 0, values: vec![0.0; rows], derivatives }
+        let folded_hz = folded_to_zero_hz(observed.sample_time_s);
+        RippledModel { response, observed, lines: 0, folded_hz, values: vec![0.0; rows], derivatives }
     }
 
     pub(crate) fn observed(&self) -> &Observed {
@@ -93,12 +97,14 @@ impl<'a, R: Response> RippledModel<'a, R> {
         self.lines = lines;
     }
 
-    /// Bounds: the response's, the gain fixed, frequencies within `reach_hz` of where they are.
+    /// Bounds: the response's, the gain fixed unless ripple folds to it, frequencies within `reach_hz` of where they are.
     pub(crate) fn bounds(&self, response: &[Bounds], parameters: &[f64], reach_hz: f64) -> Vec<Bounds> {
         let n = self.response_count();
         let mut bounds = response.to_vec();
         bounds.resize(parameters.len(), Bounds::NONE);
-        bounds[n] = Bounds::new(parameters[n], parameters[n]);
+        if self.folded_hz.is_none() {
+            bounds[n] = Bounds::new(parameters[n], parameters[n]);
+        }
         for line in 0..self.lines {
             let at = n + 2 + LINE * line;
             bounds[at] = Bounds::new(parameters[at] - reach_hz, parameters[at] + reach_hz);
@@ -136,7 +142,7 @@ impl<'a, R: Response> RippledModel<'a, R> {
     ) -> Result<Vec<f64>, IdentError> {
         self.lines = frequencies_hz.len();
         self.response.evaluate(response, &self.observed.times_s, &mut self.values, None);
-        let (offset, lines) = linear_part(&self.values, self.observed, frequencies_hz)?;
+        let (offset, lines) = linear_part(&self.values, 1.0, self.observed, frequencies_hz)?;
         let mut parameters = response.to_vec();
         parameters.extend([1.0, offset]);
         for line in lines {
@@ -145,6 +151,16 @@ impl<'a, R: Response> RippledModel<'a, R> {
             parameters.extend(line.relative);
         }
         Ok(parameters)
+    }
+
+    /// Offset, lines and, where there is one, the line that the samples fold to zero frequency.
+    pub(crate) fn ripple(&self, parameters: &[f64]) -> DriveRipple {
+        let (offset_nm, mut lines) = self.linear_of(parameters);
+        lines.extend(self.folded_hz.map(|frequency_hz| {
+            let gain = parameters[self.response_count()];
+            folded_line(frequency_hz, gain, self.observed)
+        }));
+        DriveRipple { offset_nm, lines, reference_s: self.observed.reference_s }
     }
 
     /// Offset and lines out of all parameters.
@@ -159,12 +175,21 @@ impl<'a, R: Response> RippledModel<'a, R> {
     }
 }
 
-/// Offset and ripple that bring the model values `m` closest to the samples.
+/// The line at a multiple of the sample rate that multiplies the torque by `gain` at the samples. What it does between them, and
+/// what it adds, the samples do not show.
+fn folded_line(frequency_hz: f64, gain: f64, observed: &Observed) -> RippleLine {
+    let first_s = observed.times_s.first().map_or(0.0, |first| first - observed.reference_s);
+    let (sin, cos) = (TAU * frequency_hz * first_s).sin_cos();
+    RippleLine { frequency_hz, additive_nm: [0.0; 2], relative: [(gain - 1.0) * cos, (gain - 1.0) * sin] }
+}
+
+/// Offset and ripple that bring the model values `m`, times a gain, closest to the samples.
 ///
 /// # Errors
 /// Too few samples or dependent regressors.
 pub(crate) fn linear_part(
     m: &[f64],
+    gain: f64,
     observed: &Observed,
     frequencies_hz: &[f64],
 ) -> Result<(f64, Vec<RippleLine>), IdentError> {
@@ -177,7 +202,7 @@ pub(crate) fn linear_part(
             }
         }
     }
-    let target: Vec<f64> = observed.values.iter().zip(m).map(|(y, m)| y - m).collect();
+    let target: Vec<f64> = observed.values.iter().zip(m).map(|(y, m)| y - gain * m).collect();
     let fit = least_squares(regressors.as_ref(), &target)?;
     let line = |(frequency_hz, p): (&f64, &[f64])| RippleLine {
         frequency_hz: *frequency_hz,

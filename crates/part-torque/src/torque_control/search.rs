@@ -129,6 +129,35 @@ pub(crate) fn robust_covariance(fit: &Minimum, sample_time_s: f64) -> Result<(Ma
     batched_sandwich(fit, batches(fit.residuals.len(), sample_time_s))
 }
 
+/// [`robust_covariance`], but the widest of those at the fit and `reach` beside its first parameter, a delay.
+///
+/// Where samples and steps of a held demand fall on the same instants, the cost has a kink: to one side of it a delay meets the
+/// next step, to the other it moves along the one before, which may show next to nothing of it.
+///
+/// # Errors
+/// Those of [`robust_covariance`].
+pub(crate) fn covariance_beside_kinks<R: Response>(
+    model: &mut RippledModel<'_, R>,
+    fit: &Minimum,
+    bounds: &[Bounds],
+    reach: f64,
+) -> Result<(Mat<f64>, f64), IdentError> {
+    let sample_time_s = model.observed().sample_time_s;
+    let mut widest = robust_covariance(fit, sample_time_s)?;
+    let all = model.bounds(bounds, &fit.parameters, line_reach_hz(model));
+    for side in [-reach, reach] {
+        let mut beside = fit.parameters.clone();
+        beside[0] = (beside[0] + side).clamp(all[0].lower, all[0].upper);
+        let still = NonlinearOptions { iteration_limit: 0, ..NonlinearOptions::default() };
+        let Ok(there) = minimise(model, &beside, &all, still) else { continue };
+        let found = robust_covariance(&Minimum { residuals: fit.residuals.clone(), ..there }, sample_time_s)?;
+        if found.0[(0, 0)] > widest.0[(0, 0)] {
+            widest = found;
+        }
+    }
+    Ok(widest)
+}
+
 /// Into how many batches so many samples are cut for a covariance robust to what is left in them.
 pub fn batches(samples: usize, sample_time_s: f64) -> usize {
     ((samples as f64 * sample_time_s / BATCH_S) as usize).clamp(BATCHES.0, BATCHES.1)

@@ -52,6 +52,15 @@ pub enum EstimateError {
         /// Role.
         role: Role,
     },
+    /// Delay and lag of the torque control cannot be separated.
+    #[error(
+        "{file}: the samples of T_d,calc are too few between the steps of T_d* to separate delay and lag of the torque control; \
+         record T_d,calc at a higher rate, or a T_d* that changes more often"
+    )]
+    Inseparable {
+        /// File.
+        file: String,
+    },
     /// A number that is known from another recording comes out quite different.
     #[error(
         "{file}: {} comes out as {:.4e} ± {:.1e} (SI), and another recording gives {:.4e} ± {:.1e}; the two contradict each other",
