@@ -6,22 +6,22 @@ use part_shaft::Parts;
 use rig::BenchFile;
 use rig::estimation::Chosen;
 use rig::experiment::Sought;
-use rig::facts::BenchVariant;
 use rig::results::{Estimate, Need, Quantity, Untold};
 use serde::Serialize;
 
 /// A J_e that is less certain than this is no better than the bench file's.
 const TOLD: f64 = 0.05;
-/// K, B, c_1, δ_e and δ_T as the shaft's estimate names them.
-const OF_SHAFT: [Quantity; 5] = [
+/// K, B, c_1, δ_e, δ_T and J_d as the shaft's estimate names them.
+const OF_SHAFT: [Quantity; 6] = [
     Quantity::Stiffness,
     Quantity::Damping,
     Quantity::FrictionSlope,
     Quantity::EngineSpeedSkew,
     Quantity::AirGapTorqueSkew,
+    Quantity::DynoInertia,
 ];
-/// J_d and J_e come after them.
-pub(super) const PARAMETERS: usize = OF_SHAFT.len() + 2;
+/// J_e comes after them.
+pub(super) const PARAMETERS: usize = OF_SHAFT.len() + 1;
 
 /// Where J_e comes from.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -29,7 +29,7 @@ pub(super) const PARAMETERS: usize = OF_SHAFT.len() + 2;
 pub enum InertiaSource {
     /// Estimated from this recording.
     Estimated(String),
-    /// The bench file states it; its uncertainty is unknown and in no interval.
+    /// The bench file states it.
     BenchFile,
 }
 
@@ -93,22 +93,22 @@ impl TwoMasses {
                 covariance[i][j] = other.map_or(0.0, |other| shaft.covariance[at][other]);
             }
         }
-        let [dyno, engine] = [PARAMETERS - 2, PARAMETERS - 1];
-        let stated = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0;
-        (values[dyno], values[engine]) = (bench.dynamometer_inertia_kg_m2, bench.engine_inertia_kg_m2);
-        // Behind a torque flange J_d stands in no equation of the shaft.
-        covariance[dyno][dyno] =
-            if bench.variant == BenchVariant::LoadCell { (stated * values[dyno]).powi(2) } else { 0.0 };
-        let inertia_from = match both {
-            None => InertiaSource::BenchFile,
-            Some((file, found)) => {
-                let engine_inertia = found
-                    .parameter(Quantity::EngineInertia)
-                    .map_or((values[engine], 0.0), |p| (p.value, p.standard_error));
-                (values[engine], covariance[engine][engine]) = (engine_inertia.0, engine_inertia.1.powi(2));
-                InertiaSource::Estimated(file)
-            }
+        let (dyno, engine) = (OF_SHAFT.len() - 1, OF_SHAFT.len());
+        if shaft.place(Quantity::DynoInertia).is_none() {
+            // Behind a torque flange J_d stands in no equation of the shaft; without one it is exact.
+            values[dyno] = bench.dynamometer_inertia_kg_m2;
+        }
+        let stated = bench.engine_inertia();
+        let seen = |found: &Estimate| {
+            let seen = found.parameter(Quantity::EngineInertia)?;
+            Some(stated.with_seen((seen.value, seen.standard_error)))
         };
+        let (inertia_from, found) = match both {
+            None => (InertiaSource::BenchFile, None),
+            Some((file, found)) => (InertiaSource::Estimated(file), seen(&found)),
+        };
+        let (value, uncertainty) = found.unwrap_or((stated.kg_m2, stated.standard_uncertainty_kg_m2()));
+        (values[engine], covariance[engine][engine]) = (value, uncertainty.powi(2));
         TwoMasses { shaft_from: file, inertia_from, values, covariance }
     }
 

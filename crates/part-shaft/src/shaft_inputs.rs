@@ -38,9 +38,9 @@ pub fn shaft_inputs<'a>(
 ) -> Result<ShaftInputs<'a>, EstimateError> {
     let dyno_speed = need(experiment, Role::DynoSpeed)?;
     let encoder = Encoder::known_or_assumed(controller.map(|c| c.encoder), dyno_speed, stated_gate(bench));
-    let inertia = bench.dynamometer_inertia_kg_m2;
-    let uncertainty = bench.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0 * inertia;
-    let inertia_kg_m2 = (bench.variant == BenchVariant::LoadCell).then_some((inertia, uncertainty));
+    let inertia = bench.dynamometer_inertia();
+    let inertia_kg_m2 =
+        (bench.variant == BenchVariant::LoadCell).then(|| (inertia.kg_m2, inertia.standard_uncertainty_kg_m2()));
     Ok(ShaftInputs {
         file: &experiment.file,
         dyno_speed,

@@ -33,9 +33,8 @@ pub fn masses(masses: &TwoMasses) -> String {
             format!("J_e = {} from {file}", number::plus_minus(inertia, BAND * deviation, "kg m²"))
         }
         InertiaSource::BenchFile => format!(
-            "J_e = {} as the bench file states it, whose error is in no interval: each per cent of it is as much of the \
-             torque that turns the engine's own mass; a wide-band T_d* in torque control (WhiteNoise_T_TN) shows J_e",
-            number::measure(inertia, "kg m²")
+            "J_e = {} from the bench file; a wide-band T_d* in torque control (WhiteNoise_T_TN) shows it better",
+            number::plus_minus(inertia, BAND * deviation, "kg m²")
         ),
     };
     format!("Shaft from {}; {from}.", masses.shaft_from)

@@ -2,6 +2,7 @@
 
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use part_friction::{Friction, Inertia, Term, TorqueUsed, Undetermined};
+use rig::facts::StatedInertia;
 use rig::results::{Parameter, Quantity};
 use units::RPM_RAD_S;
 
@@ -30,15 +31,6 @@ pub fn term(term: Term) -> &'static str {
 /// A choice of terms, e.g. `Coulomb + viscous`.
 pub fn terms(all: &[Term]) -> String {
     all.iter().map(|one| term(*one)).collect::<Vec<_>>().join(" + ")
-}
-
-/// J_d of a bench file.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StatedInertia {
-    /// J_d, kg m².
-    pub kg_m2: f64,
-    /// Its standard uncertainty, %, where the bench file states one.
-    pub uncertainty_percent: Option<f64>,
 }
 
 /// What is to be known beside the numbers.
@@ -88,16 +80,16 @@ pub fn doubts(friction: &Friction, stated: StatedInertia) -> Vec<String> {
 /// J_d against that of the bench file, where the difference is more than both uncertainties allow.
 fn against_stated(inertia: &Parameter, stated: StatedInertia) -> Option<String> {
     let own = 0.5 * (inertia.interval.1 - inertia.interval.0);
-    let theirs = BAND * stated.uncertainty_percent.unwrap_or(0.0) / 100.0 * stated.kg_m2;
+    let theirs = BAND * stated.uncertainty_percent / 100.0 * stated.kg_m2;
     let apart = inertia.value - stated.kg_m2;
     (apart.abs() > own.hypot(theirs)).then(|| {
         let way = if apart > 0.0 { "above" } else { "below" };
-        let exact = match stated.uncertainty_percent {
-            Some(_) => "",
-            None => " (which counts as exact: state its uncertainty as dynamometer_inertia_uncertainty_percent)",
+        let doubt = match stated.is_uncertainty_stated {
+            true => String::new(),
+            false => format!(" (taken with a standard uncertainty of {} %, as none is stated)", stated.uncertainty_percent),
         };
         format!(
-            "J_d comes out {} % {way} the {} of the bench file{exact}, more than the intervals allow: if the shaft was off and \
+            "J_d comes out {} % {way} the {} of the bench file{doubt}, more than the intervals allow: if the shaft was off and \
              the gain of T_d is right, correct dynamometer_inertia in the bench file",
             number::significant(100.0 * apart.abs() / stated.kg_m2, 2),
             number::measure(stated.kg_m2, "kg m²"),

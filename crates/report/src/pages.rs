@@ -11,8 +11,8 @@ use part_torque::torque_signals::TorqueSignals;
 use study::NextExperiments;
 use study::noise_test::NoiseTest;
 
-use crate::friction::StatedInertia;
 use crate::sections::analyses;
+use rig::facts::StatedInertia;
 
 fn titled(title: &str, blocks: Blocks) -> Page {
     Page::new(title, blocks.into_vec())

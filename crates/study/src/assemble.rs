@@ -34,13 +34,14 @@ const FEED_FORWARD: &[ModelParameter] = &[ModelParameter::SpeedFeedForward, Mode
 const TORQUE_CONTROL: &[ModelParameter] = &[ModelParameter::TorqueControlDelay, ModelParameter::TorqueControlBandwidth];
 
 /// Assembles the model and its uncertainty; `None` where the shaft's estimate lacks K or B. A part whose estimate lacks
-/// one of its numbers is left out. The gate is taken as exact, and so is an inertia without a stated uncertainty.
+/// one of its numbers is left out. The gate is taken as exact, and so is an inertia whose stated uncertainty is zero.
 pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     let (shaft, facts) = (&parts.shaft.estimate, parts.facts);
     let inertia = shaft.parameter(Quantity::DynoInertia);
+    let engine_inertia = engine_inertia(parts);
     let mechanics = Mechanics {
         dyno_inertia_kg_m2: inertia.map_or(facts.dynamometer_inertia_kg_m2, |p| p.value),
-        engine_inertia_kg_m2: facts.engine_inertia_kg_m2,
+        engine_inertia_kg_m2: engine_inertia.0,
         stiffness_nm_per_rad: value(shaft, ModelParameter::Stiffness)?,
         damping_nm_s_per_rad: value(shaft, ModelParameter::Damping)?,
     };
@@ -61,25 +62,33 @@ pub fn assemble(parts: &StudyParts<'_>) -> Option<AssembledModel> {
     ]
     .into_iter()
     .flatten()
-    .filter_map(|(estimate, parameters)| block(estimate, parameters))
-    .chain(stated_inertias(&mechanics, facts, inertia.is_some()))
+    .map(|(estimate, parameters)| block(estimate, parameters))
+    .chain([alone(ModelParameter::EngineInertia, engine_inertia.1)])
+    .chain(inertia.is_none().then(|| {
+        let stated = facts.dynamometer_inertia();
+        alone(ModelParameter::DynoInertia, stated.standard_uncertainty_kg_m2())
+    }))
+    .flatten()
     .collect();
     Some(AssembledModel { model, uncertainty: ModelUncertainty::new(&blocks).ok()? })
 }
 
-/// Inertias of which the bench file alone shows how well they are known.
-fn stated_inertias(mechanics: &Mechanics, facts: &BenchFacts, is_estimated: bool) -> Vec<PartCovariance> {
-    let of_dyno = facts.dynamometer_inertia_uncertainty_percent.filter(|_| !is_estimated);
-    let stated = [
-        (ModelParameter::DynoInertia, mechanics.dyno_inertia_kg_m2, of_dyno),
-        (ModelParameter::EngineInertia, mechanics.engine_inertia_kg_m2, facts.engine_inertia_uncertainty_percent),
-    ];
-    let part = |(parameter, inertia, percent): (ModelParameter, f64, Option<f64>)| PartCovariance {
+/// J_e and its standard uncertainty, kg m²: as the bench file states it, with what the recordings show.
+fn engine_inertia(parts: &StudyParts<'_>) -> (f64, f64) {
+    let stated = parts.facts.engine_inertia();
+    let seen = parts.shaft.inertias.as_ref().and_then(|(_, both)| both.parameter(Quantity::EngineInertia));
+    seen.map_or((stated.kg_m2, stated.standard_uncertainty_kg_m2()), |seen| {
+        stated.with_seen((seen.value, seen.standard_error))
+    })
+}
+
+/// An inertia that is uncertain by itself; nothing where it is exact.
+fn alone(parameter: ModelParameter, uncertainty_kg_m2: f64) -> Option<PartCovariance> {
+    (uncertainty_kg_m2 > 0.0).then(|| PartCovariance {
         parameters: vec![parameter],
-        covariance: vec![vec![(percent.unwrap_or(0.0) / 100.0 * inertia).powi(2)]],
+        covariance: vec![vec![uncertainty_kg_m2.powi(2)]],
         degrees_of_freedom: f64::INFINITY,
-    };
-    stated.into_iter().filter(|(.., percent)| percent.is_some_and(|percent| percent > 0.0)).map(part).collect()
+    })
 }
 
 fn value(estimate: &Estimate, which: ModelParameter) -> Option<f64> {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bench_model::analysis::WholeModel;
 use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
+use numerics::order::upper_median;
 use numerics::parallel::{join, map};
 use part_controller::speed_controller::SpeedControllerFit;
 use part_shaft::{Parts, shaft};
@@ -12,7 +13,8 @@ use part_torque::timing;
 use part_torque::torque_control::TorqueControlFit;
 use rig::estimation::first;
 use rig::experiment::{Choice, Sought};
-use rig::results::{FeedForward, Need, Part, Quantity, Shaft, SpeedController, Timing, TorqueControl};
+use rig::facts::StatedInertia;
+use rig::results::{FeedForward, Need, Parameter, Part, Quantity, Shaft, SpeedController, Timing, TorqueControl};
 use rig::{Experiment, Finding, Role, Severity};
 
 use crate::Progress;
@@ -25,6 +27,8 @@ use crate::whole::{self, Pieces, Whole};
 const EXCHANGED: f64 = 3.0;
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);
+/// Two values this many standard errors of their difference apart contradict each other.
+const APART: f64 = 4.0;
 /// Disagreement, as a share, beyond which the stated inertia is wrong rather than doubtful: K and B scale with it.
 const INERTIA_CONTRADICTED: f64 = 0.3;
 
@@ -199,13 +203,13 @@ fn doubt_pulses(findings: &mut Findings<'_>, experiment: &Experiment) {
     }
 }
 
-fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
+fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &mut Shaft, inertia: Option<(f64, f64)>) {
     let excluded = &shaft.residual_spectrum.excluded_hz;
     if !excluded.is_empty() {
         let finding = Finding::ExcludedLines { frequencies_hz: excluded.clone() };
         findings.doubt(&experiment.file, Severity::Note, finding);
     }
-    doubt_inertias(findings, experiment, shaft, inertia);
+    let contradiction = doubt_inertias(findings, experiment, shaft, inertia);
     let checks: Vec<_> = [Quantity::Stiffness, Quantity::Damping]
         .into_iter()
         .flat_map(|quantity| {
@@ -215,7 +219,7 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
         })
         .filter(|(_, own, other)| {
             let spread = own.standard_error.hypot(other.standard_error);
-            (own.value - other.value).abs() > 4.0 * spread
+            (own.value - other.value).abs() > APART * spread
         })
         .map(|(file, own, other)| (file, own.clone(), other.clone()))
         .collect();
@@ -227,10 +231,37 @@ fn doubt_shaft(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Sha
         };
         findings.doubt(&file, Severity::Warning, finding);
     }
+    cover_contradictions(shaft, contradiction);
+}
+
+/// Widens the intervals of K and B by what contradicts them: where J_d and the data disagree, an error of the torque may be the
+/// cause as well, and K and B are proportional to either; where half or more of the other recordings give another value, nothing
+/// shows which of them is right.
+fn cover_contradictions(shaft: &mut Shaft, of_inertia: f64) {
+    for quantity in [Quantity::Stiffness, Quantity::Damping] {
+        let Some(own) = shaft.estimate.parameter(quantity).cloned() else { continue };
+        let others = shaft.cross_checks.iter().filter_map(|(_, other)| other.parameter(quantity));
+        let apart = |other: &Parameter| (own.value - other.value).abs();
+        let all: Vec<&Parameter> = others.collect();
+        let contradicts = |other: &&&Parameter| apart(other) > APART * own.standard_error.hypot(other.standard_error);
+        let mut distances: Vec<f64> = all.iter().filter(contradicts).map(|other| apart(other)).collect();
+        let by_others =
+            if 2 * distances.len() >= all.len() { upper_median(&mut distances).unwrap_or(0.0) } else { 0.0 };
+        let uncovered = by_others.max(of_inertia * own.value.abs());
+        if uncovered > 0.0 {
+            shaft.estimate.add_systematic(&[quantity], uncovered);
+        }
+    }
 }
 
 /// Compares the stated inertias with the recording that shows each best: that of the shaft, or one that shows both.
-fn doubt_inertias(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &Shaft, inertia: Option<(f64, f64)>) {
+/// By how large a part of itself J_d is contradicted, zero where it is not.
+fn doubt_inertias(
+    findings: &mut Findings<'_>,
+    experiment: &Experiment,
+    shaft: &Shaft,
+    inertia: Option<(f64, f64)>,
+) -> f64 {
     let bench = findings.bench;
     let both = shaft.inertias.as_ref();
     let found = |quantity| {
@@ -238,27 +269,31 @@ fn doubt_inertias(findings: &mut Findings<'_>, experiment: &Experiment, shaft: &
     };
     let alone = inertia.map(|estimated| (experiment.file.as_str(), estimated));
     let better = |a: &(&str, (f64, f64)), b: &(&str, (f64, f64))| a.1.1.total_cmp(&b.1.1);
+    let mut contradiction = 0.0;
     if let Some((file, estimated)) = alone.into_iter().chain(found(Quantity::DynoInertia)).min_by(better) {
-        let stated = (bench.dynamometer_inertia_kg_m2, bench.dynamometer_inertia_uncertainty_percent);
-        doubt_inertia(findings, file, (Quantity::DynoInertia, stated), estimated);
+        contradiction = doubt_inertia(findings, file, (Quantity::DynoInertia, bench.dynamometer_inertia()), estimated);
     }
     if let Some((file, estimated)) = found(Quantity::EngineInertia) {
-        let stated = (bench.engine_inertia_kg_m2, bench.engine_inertia_uncertainty_percent);
-        doubt_inertia(findings, file, (Quantity::EngineInertia, stated), estimated);
+        doubt_inertia(findings, file, (Quantity::EngineInertia, bench.engine_inertia()), estimated);
     }
+    contradiction
 }
 
+/// By how large a part of itself the stated value is contradicted.
 fn doubt_inertia(
     findings: &mut Findings<'_>,
     file: &str,
-    (inertia, (given_kg_m2, uncertainty_percent)): (Quantity, (f64, Option<f64>)),
+    (inertia, stated): (Quantity, StatedInertia),
     (estimated_kg_m2, standard_error_kg_m2): (f64, f64),
-) {
+) -> f64 {
+    let given_kg_m2 = stated.kg_m2;
     let difference = (estimated_kg_m2 - given_kg_m2).abs();
-    let spread = standard_error_kg_m2.hypot(uncertainty_percent.unwrap_or(0.0) / 100.0 * given_kg_m2);
+    let spread = standard_error_kg_m2.hypot(stated.standard_uncertainty_kg_m2());
     if difference > INERTIA_DOUBT.0 * spread && difference > INERTIA_DOUBT.1 * given_kg_m2 {
         let finding = Finding::ImplausibleInertia { inertia, given_kg_m2, estimated_kg_m2, standard_error_kg_m2 };
         let contradicts = difference > INERTIA_CONTRADICTED * given_kg_m2;
         findings.doubt(file, if contradicts { Severity::Error } else { Severity::Warning }, finding);
+        return difference / given_kg_m2;
     }
+    0.0
 }

@@ -1,8 +1,9 @@
 //! `dynoid friction`: friction and inertia of the dynamometer.
 
 use part_friction::{FrictionOptions, estimate};
-use report::friction::{StatedInertia, doubts};
+use report::friction::doubts;
 use rig::Experiment;
+use rig::facts::StatedInertia;
 use serde_json::json;
 use units::RPM_RAD_S;
 
@@ -15,16 +16,13 @@ use crate::terminal::Terminal;
 pub(crate) fn run(arguments: &FrictionArguments, terminal: &mut Terminal) -> Result<Outcome, CliError> {
     let mut used: Vec<Experiment> = Vec::new();
     let mut options = FrictionOptions { inertia_kg_m2: f64::NAN, slowest_rad_s: None, torque_limit_nm: None };
-    let mut stated = StatedInertia { kg_m2: f64::NAN, uncertainty_percent: None };
+    let mut stated = StatedInertia::of_dynamometer(f64::NAN, None);
     let all_named = !arguments.given.recordings.is_empty();
     let refused =
         experiments::each((&arguments.given, &arguments.result), "reading", terminal, |bench, experiment| {
             let slowest_rad_s = arguments.slowest.map(|rpm| rpm * RPM_RAD_S);
             options = FrictionOptions { slowest_rad_s, ..FrictionOptions::of(bench) };
-            stated = StatedInertia {
-                kg_m2: bench.dynamometer_inertia_kg_m2,
-                uncertainty_percent: bench.dynamometer_inertia_uncertainty_percent,
-            };
+            stated = bench.dynamometer_inertia();
             // Of a whole campaign those without shaft are meant; a recording that is named is meant whatever it is.
             if all_named || experiment.label.is_without_shaft() {
                 used.push(experiment);

@@ -87,16 +87,17 @@ fn on_inertia(study: &Study, part: &Shaft) -> Option<String> {
     if study.bench.variant != BenchVariant::LoadCell {
         return None;
     }
-    let stated_kg_m2 = study.bench.dynamometer_inertia_kg_m2;
-    let stated = number::measure(stated_kg_m2, "kg m²");
-    let checked = match part.inertias.as_ref().and_then(|(file, e)| Some((file, e.parameter(Quantity::DynoInertia)?))) {
-        Some((file, found)) if holds(found, stated_kg_m2) => {
-            format!("which {file} confirms within 1 % or its interval ({})", number::parameter(found))
-        }
-        Some((file, found)) => format!("where {file} gives {}", number::parameter(found)),
-        None => "which no recording checks".to_owned(),
+    let stated = study.bench.dynamometer_inertia();
+    let value = number::measure(stated.kg_m2, "kg m²");
+    let how = match part.estimate.parameter(Quantity::DynoInertia) {
+        Some(own) => format!(
+            "estimated with it: {}. The bench file states {value}, used with a standard uncertainty of {} %",
+            number::parameter(own),
+            stated.uncertainty_percent
+        ),
+        None => format!("taken as exact: {value}, as the bench file states it"),
     };
-    Some(format!("The shaft’s torque is not measured but computed with J_d = {stated} of the bench file, {checked}."))
+    Some(format!("The shaft’s torque is not measured but computed with J_d, which is {how}."))
 }
 
 /// Whether a value lies in the interval, or as near to the estimate as matters.

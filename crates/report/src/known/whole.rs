@@ -1,7 +1,7 @@
 //! Resonance and replays.
 
 use bench_model::analysis::{Influence, WholeModel};
-use rig::facts::BenchFacts;
+use rig::facts::{BenchFacts, StatedInertia};
 use rig::results::{Parameter, Part};
 use study::Study;
 
@@ -32,16 +32,16 @@ pub(super) fn resonance(study: &Study) -> Vec<Known> {
 
 /// What the intervals hold of the inertias.
 fn of_inertias(bench: &BenchFacts) -> String {
-    let known = (bench.dynamometer_inertia_uncertainty_percent, bench.engine_inertia_uncertainty_percent);
-    let exact = match known {
-        (Some(_), Some(_)) => {
-            return "How well the bench file says that the inertias are known is in the interval.".to_owned();
-        }
-        (Some(_), None) => "J_e is",
-        (None, Some(_)) => "J_d is",
-        (None, None) => "The inertias are",
+    let of = |symbol: &str, stated: StatedInertia| match (stated.uncertainty_percent, stated.is_uncertainty_stated) {
+        (0.0, _) => format!("{symbol} as exact"),
+        (percent, true) => format!("{symbol} with the stated {percent} %"),
+        (percent, false) => format!("{symbol} with the usual {percent} %, as none is stated"),
     };
-    format!("{exact} taken as the bench file states, without uncertainty: an error there is in no interval.")
+    format!(
+        "The interval contains the standard uncertainty of the inertias: {}, and {}.",
+        of("J_d", bench.dynamometer_inertia()),
+        of("J_e", bench.engine_inertia())
+    )
 }
 
 /// The parameter that most of the uncertainty is owed to.

@@ -1,7 +1,7 @@
 //! Where the study came from: recordings, bench facts, the bench file.
 
 use rig::experiment::Choice;
-use rig::facts::BenchFacts;
+use rig::facts::{BenchFacts, StatedInertia};
 use study::{RecordingSummary, Study};
 
 use page::{Block, Blocks, Cell, Prose, Table};
@@ -70,11 +70,13 @@ fn rasters(recording: &RecordingSummary) -> Prose {
     all
 }
 
-fn inertia(kg_m2: f64, uncertainty_percent: Option<f64>) -> String {
-    let value = number::measure(kg_m2, "kg m²");
-    match uncertainty_percent {
-        Some(percent) => format!("{value}, standard uncertainty {percent} %"),
-        None => value,
+fn inertia(stated: StatedInertia) -> String {
+    let value = number::measure(stated.kg_m2, "kg m²");
+    let percent = stated.uncertainty_percent;
+    match stated.is_uncertainty_stated {
+        true if percent == 0.0 => format!("{value}, exact"),
+        true => format!("{value}, standard uncertainty {percent} %"),
+        false => format!("{value}; no uncertainty is stated, so {percent} % is taken as its standard uncertainty"),
     }
 }
 
@@ -87,12 +89,8 @@ fn facts(bench: &BenchFacts) -> Table {
         ("", "Name", bench.name.clone()),
         ("", "Torque measurement", variant(bench.variant).to_owned()),
         ("", "Engine", format!("{} cylinders, {} strokes", bench.cylinders, bench.strokes)),
-        (
-            "J_d",
-            "Inertia of the dynamometer",
-            inertia(bench.dynamometer_inertia_kg_m2, bench.dynamometer_inertia_uncertainty_percent),
-        ),
-        ("J_e", "Inertia of the engine", inertia(bench.engine_inertia_kg_m2, bench.engine_inertia_uncertainty_percent)),
+        ("J_d", "Inertia of the dynamometer", inertia(bench.dynamometer_inertia())),
+        ("J_e", "Inertia of the engine", inertia(bench.engine_inertia())),
         ("", "Torque limit", optional(bench.torque_limit_nm, "Nm")),
         ("", "Shaft torque limit", optional(bench.shaft_torque_limit_nm, "Nm")),
         ("", "Speed limit", bench.speed_limit_rad_s.map(number::rpm).unwrap_or_else(|| "not stated".to_owned())),

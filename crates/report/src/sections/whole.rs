@@ -97,8 +97,7 @@ fn influences(whole: &WholeModel) -> Blocks {
     let heads =
         ["", "Result", "Parameter", "1 % of it moves the result by", "Part of the variance, were it known exactly"];
     let text = "What every parameter does to the results of the model. The last column is the most that a better experiment for \
-                this parameter could gain; parameters that are estimated together share what they take away. The \
-                inertias are taken as the bench file states them: their uncertainty is in no interval here.";
+                this parameter could gain; parameters that are estimated together share what they take away.";
     vec![Block::paragraph(text), Block::Table(Table::of_text(&heads).with_rows(rows))].into()
 }
 

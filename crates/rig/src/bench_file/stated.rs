@@ -6,7 +6,7 @@ use units;
 
 use crate::ExperimentLabel;
 use crate::channels::ChannelMapping;
-use crate::facts::{BenchFacts, BenchVariant, Engine};
+use crate::facts::{BenchFacts, BenchVariant, Engine, StatedInertia};
 use crate::role::Role;
 
 /// A bench file, checked and in SI.
@@ -117,6 +117,16 @@ impl BenchFile {
     /// The firing of its engine.
     pub fn engine(&self) -> Engine {
         Engine { cylinders: self.cylinders, strokes: self.strokes }
+    }
+
+    /// J_d, with the uncertainty that is usual where none is stated.
+    pub fn dynamometer_inertia(&self) -> StatedInertia {
+        StatedInertia::of_dynamometer(self.dynamometer_inertia_kg_m2, self.dynamometer_inertia_uncertainty_percent)
+    }
+
+    /// J_e, with the uncertainty that is usual where none is stated.
+    pub fn engine_inertia(&self) -> StatedInertia {
+        StatedInertia::of_engine(self.engine_inertia_kg_m2, self.engine_inertia_uncertainty_percent)
     }
 
     /// What the file states about the bench, for the study.

@@ -41,12 +41,13 @@ cylinders = "{PLACEHOLDER}" # a number, e.g. 4
 strokes = 4
 # Inertia of the dynamometer's rotor with everything on its side of the shaft, e.g. "0.6 kg m²".
 dynamometer_inertia = "{PLACEHOLDER}"
-# How well it is known, if it is: standard uncertainty in % of it.
+# How well it is known: standard uncertainty in % of it, 0 for an exact value. Without it dynoid takes 1 %.
 # dynamometer_inertia_uncertainty_percent = 2
 # Slope of its bearing friction over speed (c_1 of `dynoid friction`), if it is known.
 # dynamometer_friction = "0.01 Nm s/rad"
 # Inertia of the engine, flywheel included, e.g. "0.2 kg m²".
 engine_inertia = "{PLACEHOLDER}"
+# Without it dynoid takes 2 %.
 # engine_inertia_uncertainty_percent = 5
 
 # What the bench must not exceed. Leave out what you do not know.

@@ -5,6 +5,7 @@ use std::path::Path;
 use bench_model::model::{AssembledModel, BenchModel};
 use rig::BenchFile;
 use rig::experiment::ExperimentPlan;
+use rig::facts::StatedInertia;
 use virtual_bench::StatedBench;
 
 use crate::commands::study::read_bench;
@@ -38,11 +39,11 @@ impl Bench {
             .map_err(|source| CliError::VirtualBench { path: path.to_owned(), source })?;
         if let (Some(assembled), Some(study)) = (&assembled, study) {
             let model = &assembled.model.mechanics;
-            // Where J_d is uncertain, the study estimates it within that.
-            let doubt = 3.0 * file.dynamometer_inertia_uncertainty_percent.unwrap_or(0.0) / 100.0;
+            // Where an inertia is uncertain, the study estimates it within that.
+            let doubt = |stated: StatedInertia| SAME_INERTIA.max(3.0 * stated.uncertainty_percent / 100.0);
             let differs = |a: f64, b: f64, within: f64| (a - b).abs() > within * b;
-            if differs(model.dyno_inertia_kg_m2, file.dynamometer_inertia_kg_m2, SAME_INERTIA.max(doubt))
-                || differs(model.engine_inertia_kg_m2, file.engine_inertia_kg_m2, SAME_INERTIA)
+            if differs(model.dyno_inertia_kg_m2, file.dynamometer_inertia_kg_m2, doubt(file.dynamometer_inertia()))
+                || differs(model.engine_inertia_kg_m2, file.engine_inertia_kg_m2, doubt(file.engine_inertia()))
             {
                 terminal.warning(&format!(
                     "{}: the study was made with other inertias than {} states; stiffness and damping scale with them: run \

@@ -2,7 +2,7 @@
 
 use page::Blocks;
 use part_friction::{Friction, FrictionError, Inertia};
-use rig::facts::BenchFacts;
+use rig::facts::{BenchFacts, StatedInertia};
 
 use super::{figures, parameters, plain_table, sentence, untold};
 use crate::friction as words;
@@ -14,15 +14,11 @@ pub(crate) fn friction(found: &Result<Friction, FrictionError>, bench: &BenchFac
         Ok(found) => found,
         Err(why) => return untold("Friction and inertia of the dynamometer are not known", &why.to_string()),
     };
-    let stated = words::StatedInertia {
-        kg_m2: bench.dynamometer_inertia_kg_m2,
-        uncertainty_percent: bench.dynamometer_inertia_uncertainty_percent,
-    };
-    friction_of(found, stated)
+    friction_of(found, bench.dynamometer_inertia())
 }
 
 /// Friction and inertia as they were found.
-pub(crate) fn friction_of(found: &Friction, stated: words::StatedInertia) -> Blocks {
+pub(crate) fn friction_of(found: &Friction, stated: StatedInertia) -> Blocks {
     let inertia = match &found.inertia {
         Inertia::Estimated { inertia, delay } => vec![inertia.as_ref(), delay.as_ref()],
         Inertia::Stated { .. } => Vec::new(),
