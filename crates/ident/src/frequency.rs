@@ -244,6 +244,8 @@ pub struct ErrorsInVariables<'a, E> {
     window: Window,
     bins: &'a [usize],
     priors: &'a [Prior],
+    /// What the residual of each bin is multiplied by; all ones where empty.
+    weights: &'a [f64],
     at_bin: AtBin,
 }
 
@@ -301,7 +303,17 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
         priors: &'a [Prior],
     ) -> Self {
         let at_bin = AtBin::new(E::SIGNALS, E::PARAMETERS);
-        ErrorsInVariables { equation, signals, window, bins, priors, at_bin }
+        ErrorsInVariables { equation, signals, window, bins, priors, weights: &[], at_bin }
+    }
+
+    /// With a weight for each bin: one over the standard deviation of e/σ there, where the equation leaves more than the noise.
+    #[must_use]
+    pub fn with_weights(self, weights: &'a [f64]) -> Self {
+        ErrorsInVariables { weights, ..self }
+    }
+
+    fn weight(&self, k: usize) -> f64 {
+        self.weights.get(k).copied().unwrap_or(1.0)
     }
 
     /// Minimises from `start` within `bounds`.
@@ -311,13 +323,13 @@ impl<'a, E: Equation> ErrorsInVariables<'a, E> {
     pub fn fit(mut self, start: &[f64], bounds: &[Bounds]) -> Result<FrequencyFit, IdentError> {
         let fit = minimise(&mut self, start, bounds, NonlinearOptions::default())?;
         let bins = self.bins;
-        let normalised: Vec<f64> =
-            (0..bins.len()).map(|k| fit.residuals[2 * k].hypot(fit.residuals[2 * k + 1])).collect();
+        let weighted = |k: usize| fit.residuals[2 * k].hypot(fit.residuals[2 * k + 1]);
+        let normalised: Vec<f64> = (0..bins.len()).map(|k| weighted(k) / self.weight(k)).collect();
         let information = 2.0 * bins.len() as f64 / OVERLAP;
         let degrees_of_freedom = (information - E::PARAMETERS as f64).max(1.0);
-        let power = normalised.iter().map(|q| q * q).sum::<f64>() / bins.len() as f64;
-        let scale = power * information / degrees_of_freedom;
-        let covariance = covariance(&fit, bins, scale);
+        let mean = |power: f64| power / bins.len() as f64 * information / degrees_of_freedom;
+        let scale = mean(normalised.iter().map(|q| q * q).sum());
+        let covariance = covariance(&fit, bins, mean((0..bins.len()).map(|k| weighted(k).powi(2)).sum()));
         Ok(FrequencyFit { fit, covariance, degrees_of_freedom, scale, normalised })
     }
 }
@@ -425,7 +437,7 @@ impl<E: Equation> ResidualModel for ErrorsInVariables<'_, E> {
     ) -> Result<(), IdentError> {
         for (k, bin) in self.bins.iter().enumerate() {
             let (error, variance) = self.error_and_variance(*bin, theta, jacobian.is_some());
-            let deviation = variance.sqrt();
+            let deviation = variance.sqrt() / self.weight(k);
             let residual = error / deviation;
             (residuals[2 * k], residuals[2 * k + 1]) = (residual.re, residual.im);
             if let Some(jacobian) = jacobian.as_mut() {

@@ -14,7 +14,7 @@ const FINER: usize = 8;
 
 /// T_d as a sampled record, its noise read from the top of its spectrum.
 pub fn sampled_torque(torque: &Signal) -> NoisyTorque {
-    NoisyTorque { noise_nm: noise_floor(torque), signal: torque.clone() }
+    NoisyTorque::new(torque.clone(), noise_floor(torque))
 }
 
 /// T_d between the samples of T_d,calc: the model's response to T_d*, which is known every millisecond, with the
@@ -30,9 +30,10 @@ pub fn air_gap_torque(
     };
     let noise = model.residual.standard_deviation_nm;
     let signal = model.finer_air_gap_torque(demand, FINER);
-    let mut records = vec![NoisyTorque { signal, noise_nm: noise / MODEL_ADVANTAGE }];
+    let unseen_hz = model.unseen_lines_hz(measured.sample_time_s);
+    let mut records = vec![NoisyTorque { unseen_hz, ..NoisyTorque::new(signal, noise / MODEL_ADVANTAGE) }];
     if !model.residual.white {
-        records.push(NoisyTorque { signal: difference(measured, &records[0].signal), noise_nm: noise });
+        records.push(NoisyTorque::new(difference(measured, &records[0].signal), noise));
     }
     Ok(records)
 }
@@ -71,4 +72,13 @@ pub struct NoisyTorque {
     pub signal: Signal,
     /// Standard deviation of its white noise, Nm.
     pub noise_nm: f64,
+    /// Where the torque has lines of which the record shows too little, Hz.
+    pub unseen_hz: Vec<f64>,
+}
+
+impl NoisyTorque {
+    /// A record that shows the torque at all frequencies.
+    pub fn new(signal: Signal, noise_nm: f64) -> Self {
+        NoisyTorque { signal, noise_nm, unseen_hz: Vec::new() }
+    }
 }

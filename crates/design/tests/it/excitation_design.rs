@@ -279,7 +279,7 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         file,
         dyno_speed: experiment.signal(Role::DynoSpeed).unwrap(),
         engine_speed: experiment.signal(Role::EngineSpeed).unwrap(),
-        torque: vec![NoisyTorque { signal, noise_nm: torque.residual.standard_deviation_nm / 30.0 }],
+        torque: vec![NoisyTorque::new(signal, torque.residual.standard_deviation_nm / 30.0)],
         inertia_kg_m2: Some((bench.mechanics.dyno_inertia_kg_m2, 0.0)),
         friction_slope_nm_s_per_rad: (0.0, KNOWN_FRICTION),
         encoder_noise_rad_s: bench.sensors.speed_noise_rad_s,

@@ -90,7 +90,7 @@ fn shaft_of(plan: &ExperimentPlan, seed: usize, estimate: impl Fn(&ShaftInputs<'
     let noise = Measurements::of_bench(&Default::default(), AT).dyno_speed.unwrap().standard_deviation;
     let dyno = recorded(&response.dyno_speed_rad_s, 1, noise, &mut random);
     let engine = recorded(&response.engine_speed_rad_s, 2, noise, &mut random);
-    let torque = NoisyTorque { signal: recorded(&response.air_gap_torque_nm, 1, 0.0, &mut random), noise_nm: 1e-3 };
+    let torque = NoisyTorque::new(recorded(&response.air_gap_torque_nm, 1, 0.0, &mut random), 1e-3);
     estimate(&ShaftInputs {
         file: "Multisine_T_TN_1500.mf4",
         dyno_speed: &dyno,

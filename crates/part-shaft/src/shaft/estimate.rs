@@ -31,6 +31,11 @@ const OUTLIER: f64 = 20.0;
 const OUTLIER_REACH: usize = 4;
 /// Times that outliers are looked for.
 const OUTLIER_ROUNDS: usize = 3;
+/// Frequencies this near, Hz, show what the equation leaves about one of them.
+const LEVEL_REACH_HZ: f64 = 2.5;
+/// Mean of |error|²/σ² about a frequency from which that counts as noise there: by chance it is never reached, with a hundred
+/// bins about each frequency.
+const RAISED: f64 = 2.0;
 /// Standard uncertainty of the once-a-turn errors beforehand, as a part of the speed.
 const ECCENTRICITY: f64 = 1e-3;
 /// A second mass is determined by the first term of a series that holds up to its resonance; one below 40 Hz is no small change.
@@ -281,7 +286,7 @@ impl Solution {
             spectra = spectra.with_wave(&wave).map_err(error)?;
         }
         let mut excluded_hz = Vec::new();
-        let mut fit = solve(inputs, &spectra, unknowns, known, from).map_err(error)?;
+        let mut fit = solve(inputs, &spectra, &[], unknowns, known, from).map_err(error)?;
         // Outliers of a model known to be wrong say nothing about the data.
         if unknowns != Unknowns::ShaftWithoutTiming {
             for _ in 0..OUTLIER_ROUNDS {
@@ -290,7 +295,11 @@ impl Solution {
                     break;
                 }
                 excluded_hz.extend(lines);
-                fit = solve(inputs, &spectra, unknowns, known, Some(&fit.fit.parameters)).map_err(error)?;
+                fit = solve(inputs, &spectra, &[], unknowns, known, Some(&fit.fit.parameters)).map_err(error)?;
+            }
+            if let Some(weights) = weights(&spectra, &fit) {
+                let unweighted = &fit.fit.parameters;
+                fit = solve(inputs, &spectra, &weights, unknowns, known, Some(unweighted)).map_err(error)?;
             }
         }
         Ok(Solution { spectra, fit, excluded_hz })
@@ -388,6 +397,7 @@ fn check_moved(inputs: &ShaftInputs<'_>) -> Result<(), EstimateError> {
 fn solve(
     inputs: &ShaftInputs<'_>,
     spectra: &Spectra,
+    weights: &[f64],
     unknowns: Unknowns,
     known: &[Prior],
     from: Option<&[f64]>,
@@ -443,7 +453,9 @@ fn solve(
     priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
     let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };
     let fit = |start: &[f64]| {
-        ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors).fit(start, &bounds)
+        ErrorsInVariables::new(&equation, &spectra.signals, spectra.window, &spectra.bins, &priors)
+            .with_weights(weights)
+            .fit(start, &bounds)
     };
     if let Some(from) = from {
         return fit(from);
@@ -475,14 +487,14 @@ fn with_skews(start: [f64; COUNT], inputs: &ShaftInputs<'_>, spectra: &Spectra) 
     skew_search::starts(spectra, &known).into_iter().map(moved).collect()
 }
 
-/// The fit that leaves least; the last failure where all fail.
+/// The fit that leaves least of data and of what was known before; the last failure where all fail.
 fn best_of(
     fits: impl Iterator<Item = Result<FrequencyFit, ident::IdentError>>,
 ) -> Result<FrequencyFit, ident::IdentError> {
     let better = |best: Result<FrequencyFit, ident::IdentError>, next: Result<FrequencyFit, ident::IdentError>| match (
         &best, &next,
     ) {
-        (Ok(a), Ok(b)) if b.scale < a.scale => next,
+        (Ok(a), Ok(b)) if b.fit.cost < a.fit.cost => next,
         (Err(_), _) => next,
         _ => best,
     };
@@ -514,6 +526,26 @@ fn starting_stiffness(spectra: &Spectra, inertia: f64) -> f64 {
         power += twist.norm_sqr();
     }
     (product / power).max(1.0)
+}
+
+/// Weights by which frequencies where the equation leaves more than the noise count less; none where it does so nowhere.
+fn weights(spectra: &Spectra, fit: &FrequencyFit) -> Option<Vec<f64>> {
+    let (bins, reach) = (&spectra.bins, (LEVEL_REACH_HZ * spectra.window.duration_s) as usize);
+    let (mut first, mut end, mut sum) = (0, 0, 0.0);
+    let level = |k: &usize| {
+        while end < bins.len() && bins[end] <= k + reach {
+            sum += fit.normalised[end].powi(2);
+            end += 1;
+        }
+        while bins[first] + reach < *k {
+            sum -= fit.normalised[first].powi(2);
+            first += 1;
+        }
+        (sum / (end - first) as f64).max(1.0)
+    };
+    let levels: Vec<f64> = bins.iter().map(level).collect();
+    let is_raised = levels.iter().any(|level| *level > RAISED);
+    is_raised.then(|| levels.iter().map(|level| level.powf(-0.5)).collect())
 }
 
 /// Removes bins that hold lines the model does not know, with their neighbours; returns the lines' frequencies.

@@ -20,6 +20,8 @@ pub(super) const HIGHEST_HZ: f64 = 110.0;
 const CLEAN_PART: f64 = 0.44;
 /// Half-width of the band left out of the traces about the rotational frequency, Hz: the encoders' once-a-turn error.
 const TURN_MARGIN_HZ: f64 = 3.0;
+/// How far about a line that the torque's record does not show the frequencies are left out, Hz.
+const UNSEEN_MARGIN_HZ: f64 = 2.0;
 /// Length of the moving mean that follows the rotational frequency, s.
 const TURN_MEAN_S: f64 = 0.5;
 
@@ -72,7 +74,9 @@ impl Spectra {
             });
         }
         signals.push(NoisySpectrum { modulated: torque, errors: Vec::new(), noise_density: torque_density });
-        Ok(Spectra { window, signals, bins: bins.collect(), dating })
+        let unseen: Vec<f64> = inputs.torque.iter().flat_map(|t| t.unseen_hz.iter().copied()).collect();
+        let is_seen = |k: &usize| unseen.iter().all(|line| (window.frequency_hz(*k) - line).abs() > UNSEEN_MARGIN_HZ);
+        Ok(Spectra { window, signals, bins: bins.filter(is_seen).collect(), dating })
     }
 
     /// With what a term multiplies, on the clock of N_d.

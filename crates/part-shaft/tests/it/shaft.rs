@@ -32,7 +32,7 @@ fn speed(run: &VirtualRun, name: &str) -> Signal {
 fn torque(run: &VirtualRun, values: &[f64], late_s: f64, noise_nm: f64) -> NoisyTorque {
     let mut random = Random::new(5);
     let samples = values.iter().map(|t| t + noise_nm * random.normal()).collect();
-    NoisyTorque { signal: Signal::new(late_s, run.hidden.sample_time_s, samples).unwrap(), noise_nm }
+    NoisyTorque::new(Signal::new(late_s, run.hidden.sample_time_s, samples).unwrap(), noise_nm)
 }
 
 fn inputs<'a>(speeds: &'a [Signal; 2], torque: NoisyTorque, inertia_kg_m2: Option<(f64, f64)>) -> ShaftInputs<'a> {

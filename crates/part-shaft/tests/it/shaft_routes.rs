@@ -139,7 +139,7 @@ impl Recorded {
         let signal = |role| experiment.signal(role).unwrap();
         let demand = signal(Role::DynoTorqueDemand);
         let torque_model = torque_model.refit_ripple(demand, signal(Role::AirGapTorque)).unwrap();
-        let torque = NoisyTorque { signal: torque_model.finer_air_gap_torque(demand, 8), noise_nm: 0.005 };
+        let torque = NoisyTorque::new(torque_model.finer_air_gap_torque(demand, 8), 0.005);
         Recorded { experiment, torque, inertia_kg_m2, encoder_noise_rad_s }
     }
 
@@ -260,6 +260,7 @@ fn in_other_unit<'a>(inputs: &ShaftInputs<'a>, part: f64) -> ShaftInputs<'a> {
     let smaller = |torque: &NoisyTorque| NoisyTorque {
         signal: torque.signal.with_samples(torque.signal.samples.iter().map(|x| x / part).collect()),
         noise_nm: torque.noise_nm / part,
+        ..torque.clone()
     };
     let (slope, uncertainty) = inputs.friction_slope_nm_s_per_rad;
     ShaftInputs {

@@ -105,6 +105,13 @@ impl AirGapTorqueModel {
         Ok(seen.map(|frequency_hz| strongest_near(&errors, observed, frequency_hz, span)).collect())
     }
 
+    /// Lines of the ripple that samples of T_d,calc so far apart fold to zero frequency: what the torque does there by itself, they do
+    /// not show.
+    pub(crate) fn unseen_lines_hz(&self, sample_time_s: f64) -> Vec<f64> {
+        let lines = self.ripple.lines.iter().map(|line| line.frequency_hz);
+        lines.filter(|frequency_hz| stands_still(*frequency_hz, sample_time_s)).collect()
+    }
+
     /// T_d at any instants.
     pub(crate) fn torque_at(&self, held: &HeldDemand, times_s: &[f64]) -> Vec<f64> {
         let mut mode = Mode::new(held);

@@ -107,7 +107,7 @@ pub(crate) fn inputs(experiment: &Experiment, inertia_kg_m2: f64) -> ShaftInputs
         file: &experiment.file,
         dyno_speed: signal(Role::DynoSpeed),
         engine_speed: signal(Role::EngineSpeed),
-        torque: vec![NoisyTorque { signal: torque, noise_nm: 0.005 }],
+        torque: vec![NoisyTorque::new(torque, 0.005)],
         inertia_kg_m2: Some((inertia_kg_m2, 0.0)),
         friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(inertia_kg_m2),
         encoder_noise_rad_s: 0.03 * RPM_RAD_S,
