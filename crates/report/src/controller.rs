@@ -85,7 +85,7 @@ pub fn untold_terms(tests: &[TermTest]) -> Vec<String> {
 /// How the residual depends on T_d*, e.g. `outside the 99 % region at 88 % of the lags`.
 pub fn dependence(test: &ResidualTest) -> String {
     let share = test.share_outside();
-    let place = if share > ResidualTest::MANY_OUTSIDE { "outside" } else { "inside" };
+    let place = if test.depends_on_input() { "outside" } else { "inside, or too near to matter," };
     format!(
         "{place} the {} region ({} of the lags 0 to {} beyond it)",
         number::share(test.level),

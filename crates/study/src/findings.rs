@@ -1,7 +1,7 @@
 //! A study's data, the doubts about them, and what was used for what, as they grow.
 
 use rig::experiment::{Choice, Sought, Test};
-use rig::results::{Need, ResidualTest, Validation};
+use rig::results::{Need, Validation};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
 
 use crate::Progress;
@@ -55,8 +55,8 @@ impl<'a> Findings<'a> {
 
     /// Doubts a part whose residuals depend on its input on the held-out stretch.
     pub(super) fn doubt_residuals(&mut self, submodel: &str, validation: &Validation) {
-        let share_outside = validation.residuals.as_ref().map_or(0.0, ResidualTest::share_outside);
-        if share_outside > ResidualTest::MANY_OUTSIDE {
+        if let Some(test) = validation.residuals.as_ref().filter(|test| test.depends_on_input()) {
+            let share_outside = test.share_outside();
             let finding = Finding::ResidualsCorrelated { submodel: submodel.to_owned(), share_outside };
             self.doubt(&validation.stretch.file, Severity::Warning, finding);
         }

@@ -20,7 +20,7 @@ use faer::Mat;
 use ident::{Bounds, IdentError, Minimum};
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::experiment::Sought;
-use rig::results::{Estimate, Parameter, Quantity, ResidualTest, Stretch, TorqueControl};
+use rig::results::{Estimate, Parameter, Quantity, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
 use serde::Serialize;
 use signal::Signal;
@@ -325,8 +325,8 @@ fn doubts(
         let (first, second) = ((gain.value, gain.standard_error), (1.0, 0.0));
         found.push(warning(experiment, Finding::RoutesDisagree { quantity, first, second }));
     }
-    let share_outside = validation.residuals.as_ref().map_or(0.0, ResidualTest::share_outside);
-    if share_outside > ResidualTest::MANY_OUTSIDE {
+    if let Some(test) = validation.residuals.as_ref().filter(|test| test.depends_on_input()) {
+        let share_outside = test.share_outside();
         found.push(warning(experiment, Finding::ResidualsCorrelated { submodel: submodel(), share_outside }));
     }
     found

@@ -1,7 +1,7 @@
 //! Speed control, feed-forward, torque control.
 
 use rig::Role;
-use rig::results::{Estimate, Parameter, Quantity, SpeedController, TorqueControl, Validation};
+use rig::results::{Estimate, Parameter, Quantity, ResidualTest, SpeedController, TorqueControl, Validation};
 use study::{Analyses, Study};
 
 use super::grade::{Grade, Known, grade, of_part, recording, source};
@@ -44,7 +44,7 @@ fn judged(study: &Study, estimate: &Estimate, validation: &Validation) -> Vec<St
         number::fit(validation.fit_percent)
     ));
     if let Some(test) = &validation.residuals
-        && test.share_outside() > rig::results::ResidualTest::MANY_OUTSIDE
+        && test.depends_on_input()
     {
         why.push(format!("What it leaves still depends on {}: something is missing in the model.", test.input));
     }
@@ -52,9 +52,7 @@ fn judged(study: &Study, estimate: &Estimate, validation: &Validation) -> Vec<St
 }
 
 fn with_residuals(grade: Grade, validation: &Validation) -> Grade {
-    let is_doubted =
-        |test: &rig::results::ResidualTest| test.share_outside() > rig::results::ResidualTest::MANY_OUTSIDE;
-    if validation.residuals.as_ref().is_some_and(is_doubted) { grade.contradicted() } else { grade }
+    if validation.residuals.as_ref().is_some_and(ResidualTest::depends_on_input) { grade.contradicted() } else { grade }
 }
 
 fn delay_seen(part: &SpeedController) -> String {

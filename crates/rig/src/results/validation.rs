@@ -56,13 +56,25 @@ pub struct ResidualTest {
 }
 
 impl ResidualTest {
-    /// Share of lags outside the region beyond which residuals are called correlated with the input: at 99 % and 26 lags,
-    /// chance puts two or more outside less than once in thirty recordings.
-    pub const MANY_OUTSIDE: f64 = 0.05;
+    /// Share of lags outside the region beyond which residuals may depend on the input. The lags of a slow input stand or fall
+    /// together: by chance that happens in one recording of a hundred, whatever their number.
+    const MANY_OUTSIDE: f64 = 0.05;
+    /// A correlation that explains less than 1 % of the residual's variance moves no result, however certain many samples make it.
+    const RELEVANT: f64 = 0.1;
+
+    /// Whether the residual depends on present and past input, by more than chance and by enough to matter.
+    pub fn depends_on_input(&self) -> bool {
+        let matters = self.past().iter().any(|c| c.abs() > Self::RELEVANT);
+        matters && self.share_outside() > Self::MANY_OUTSIDE
+    }
+
+    fn past(&self) -> &[f64] {
+        &self.cross_correlation[self.cross_correlation.len() / 2..]
+    }
 
     /// Share of the lags 0…M at which the residual depends on present and past input beyond the region.
     pub fn share_outside(&self) -> f64 {
-        let past = &self.cross_correlation[self.cross_correlation.len() / 2..];
+        let past = self.past();
         let outside = past.iter().filter(|c| c.abs() > self.cross_correlation_bound).count();
         outside as f64 / past.len().max(1) as f64
     }
