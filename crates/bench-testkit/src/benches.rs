@@ -1,7 +1,5 @@
 //! Bench files of simulated benches, and work on several of them at once.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use rig::BenchFile;
 
 use crate::recordings::BENCH_A;
@@ -33,17 +31,7 @@ pub fn default_bench() -> BenchFile {
     bench_file("0.6", "0.28", "400 Nm", BENCH_A)
 }
 
-/// What `work` makes of 0, 1, … on two threads, in order.
+/// What `work` makes of 0, 1, … on all processors, in order.
 pub fn in_parallel<T: Send>(count: usize, work: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let worker = || {
-        let indices = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed)).take_while(|i| *i < count);
-        indices.map(|i| (i, work(i))).collect::<Vec<_>>()
-    };
-    let mut done: Vec<(usize, T)> = std::thread::scope(|scope| {
-        let handles = [scope.spawn(worker), scope.spawn(worker)];
-        handles.into_iter().flat_map(|handle| handle.join().unwrap()).collect()
-    });
-    done.sort_by_key(|(i, _)| *i);
-    done.into_iter().map(|(_, value)| value).collect()
+    numerics::parallel::map(&(0..count).collect::<Vec<_>>(), |i| work(*i))
 }

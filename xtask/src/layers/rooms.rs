@@ -29,7 +29,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("report", REPORT),
     ("dynoid", DYNOID),
     ("testdata", &[]),
-    ("bench-testkit", &["rig", "bench-model", "virtual-bench", "recording", "signal", "testdata"]),
+    ("bench-testkit", &["numerics", "rig", "bench-model", "virtual-bench", "recording", "signal", "testdata"]),
     ("testkit", &["numerics", "signal", "lti", "ident"]),
     ("xtask", &[]),
 ];

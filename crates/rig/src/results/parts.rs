@@ -1,6 +1,6 @@
 //! The results of the bench's parts.
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use super::estimate::{Estimate, Parameter, Stretch};
 use super::quantity::Quantity;
@@ -115,7 +115,7 @@ pub struct DemandLags {
 }
 
 /// Where the delay of a speed controller acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DelayPlace {
     /// On the measured speed alone.

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use rig::bench_parameters::ControllerParameters;
+use rig::results::DelayPlace;
 
 use crate::drive::TimedDemand;
 
@@ -18,8 +19,8 @@ pub(crate) struct SpeedController {
     update_s: f64,
     integral_nm: f64,
     last_demand_rad_s: f64,
-    /// PI outputs from the oldest still needed to the newest.
-    outputs_nm: VecDeque<f64>,
+    /// What is late, from the oldest still needed to the newest: PI outputs, whole outputs or measured speeds.
+    late: VecDeque<f64>,
     /// Whole updates in τ, and the rest as a time.
     whole_updates: usize,
     rest_s: f64,
@@ -52,12 +53,17 @@ impl SpeedController {
             update_s,
             integral_nm: 0.0,
             last_demand_rad_s: speed_rad_s,
-            outputs_nm: VecDeque::new(),
+            late: VecDeque::new(),
             whole_updates: whole as usize,
             rest_s: if rest > WHOLE { rest * update_s } else { 0.0 },
         };
         controller.integral_nm = torque_nm - controller.feed_forward_nm(speed_rad_s);
-        controller.outputs_nm.resize(controller.whole_updates + 1, controller.integral_nm);
+        let at_rest = match parameters.delay_place {
+            DelayPlace::SpeedError => controller.integral_nm,
+            DelayPlace::WholeOutput => torque_nm,
+            DelayPlace::MeasuredSpeed => speed_rad_s,
+        };
+        controller.late.resize(controller.whole_updates + 1, at_rest);
         controller
     }
 
@@ -65,19 +71,37 @@ impl SpeedController {
     pub(crate) fn update(&mut self, time_s: f64, speed_rad_s: f64, demand_rad_s: f64) -> Update {
         let feed_forward_nm = self.feed_forward_nm(demand_rad_s);
         self.last_demand_rad_s = demand_rad_s;
-        let output_nm = self.pi_nm(speed_rad_s - demand_rad_s, feed_forward_nm);
-        self.outputs_nm.push_back(output_nm);
-        let previous = self.outputs_nm.pop_front().unwrap_or(output_nm);
-        let current = self.outputs_nm.front().copied().unwrap_or(output_nm);
-        let demand = |time_s, pi_nm: f64| TimedDemand {
+        let ((previous, current), at_once_nm) = match self.parameters.delay_place {
+            DelayPlace::SpeedError => {
+                let output_nm = self.pi_nm(speed_rad_s - demand_rad_s, feed_forward_nm);
+                (self.late(output_nm), feed_forward_nm)
+            }
+            DelayPlace::WholeOutput => {
+                let output_nm = self.pi_nm(speed_rad_s - demand_rad_s, feed_forward_nm) + feed_forward_nm;
+                (self.late(output_nm), 0.0)
+            }
+            DelayPlace::MeasuredSpeed => {
+                let (_, late_rad_s) = self.late(speed_rad_s);
+                let output_nm = self.pi_nm(late_rad_s - demand_rad_s, feed_forward_nm);
+                ((output_nm, output_nm), feed_forward_nm)
+            }
+        };
+        let demand = |time_s, late_nm: f64| TimedDemand {
             time_s,
-            torque_nm: (pi_nm + feed_forward_nm).clamp(-self.limit_nm, self.limit_nm),
+            torque_nm: (late_nm + at_once_nm).clamp(-self.limit_nm, self.limit_nm),
         };
         if self.rest_s > 0.0 {
             Update { now: demand(time_s, previous), later: Some(demand(time_s + self.rest_s, current)) }
         } else {
             Update { now: demand(time_s, current), later: None }
         }
+    }
+
+    /// What came in τ ago, in whole updates: before and from this update on.
+    fn late(&mut self, value: f64) -> (f64, f64) {
+        self.late.push_back(value);
+        let previous = self.late.pop_front().unwrap_or(value);
+        (previous, self.late.front().copied().unwrap_or(value))
     }
 
     /// v_j = K_p e_j + I_j; then I_{j+1} = I_j + K_i T e_j unless that drives an exceeded limit further.

@@ -1,8 +1,6 @@
 //! The demo's experiments and their simulation.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
+use numerics::parallel;
 use recording::encode_mdf4;
 use rig::bench_file::{ChannelMapping, Limits, RecordingList, ShaftPrior};
 use rig::bench_parameters::BenchParameters;
@@ -47,26 +45,13 @@ pub(super) fn simulate_all(
     seed: u64,
     progress: &Progress,
 ) -> Result<Vec<Vec<u8>>, CliError> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(planned) = plans.get(index) else { return done };
-            done.push((index, record(parameters, &planned.plan, seed.wrapping_add(index as u64))));
-            progress.step();
-        }
+    let seeded: Vec<(&Planned, u64)> = plans.iter().zip(seed..).collect();
+    let record = |(planned, seed): &(&Planned, u64)| {
+        let recorded = record(parameters, &planned.plan, *seed);
+        progress.step();
+        recorded
     };
-    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(plans.len());
-    let results = std::thread::scope(|scope| {
-        let handles: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
-        handles.into_iter().map(|handle| handle.join()).collect::<Vec<_>>()
-    });
-    let mut recordings = BTreeMap::new();
-    for result in results {
-        recordings.extend(result.map_err(|_| CliError::internal("the simulation stopped"))?);
-    }
-    recordings.into_values().collect()
+    parallel::map(&seeded, record).into_iter().collect()
 }
 
 fn record(parameters: &BenchParameters, plan: &ExperimentPlan, seed: u64) -> Result<Vec<u8>, CliError> {

@@ -15,6 +15,7 @@ use crate::error::{CliError, Outcome};
 use crate::output::{self, OutputFolder};
 use crate::summary::{self, Written, shown};
 use crate::terminal::Terminal;
+use numerics::parallel;
 use page::{Page, Tone};
 
 const RECORDINGS: &str = "recordings";
@@ -54,11 +55,7 @@ pub(crate) fn run(arguments: &DemoArguments, terminal: &mut Terminal) -> Result<
 /// The page of what the bench shows, its two parts at the same time.
 fn effects(parameters: &BenchParameters, seed: u64) -> Result<Page, CliError> {
     let file = campaign::bench_file(parameters, RECORDINGS);
-    let (effects, zeros) = std::thread::scope(|scope| {
-        let zeros = scope.spawn(|| ShaftZeros::of(parameters, &file, seed));
-        (Effects::of(parameters, seed), zeros.join())
-    });
-    let zeros = zeros.map_err(|_| CliError::internal("the simulation stopped"))?;
+    let (effects, zeros) = parallel::join(|| Effects::of(parameters, seed), || ShaftZeros::of(parameters, &file, seed));
     Ok(report::effects(&effects.map_err(CliError::internal)?, &zeros.map_err(CliError::internal)?))
 }
 
