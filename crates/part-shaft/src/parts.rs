@@ -100,7 +100,8 @@ impl<'a> Parts<'a> {
             .shafts
             .torques
             .get(experiment, || shaft_torque(experiment, self.bench, self.torque_controls.best()))?;
-        shaft_inputs(experiment, self.bench, self.controllers.best(), torque.as_ref().clone())
+        let torque_control = self.torque_controls.best();
+        shaft_inputs(experiment, self.bench, self.controllers.best(), torque.as_ref().clone(), torque_control)
     }
 
     /// The shaft from the first part of a recording, judged on the rest.

@@ -35,12 +35,17 @@ pub fn shaft_inputs<'a>(
     bench: &BenchFile,
     controller: Option<&SpeedControllerFit>,
     torque: Vec<NoisyTorque>,
+    torque_control: Option<&TorqueControlFit>,
 ) -> Result<ShaftInputs<'a>, EstimateError> {
     let dyno_speed = need(experiment, Role::DynoSpeed)?;
     let encoder = Encoder::known_or_assumed(controller.map(|c| c.encoder), dyno_speed, stated_gate(bench));
     let inertia = bench.dynamometer_inertia();
     let inertia_kg_m2 =
         (bench.variant == BenchVariant::LoadCell).then(|| (inertia.kg_m2, inertia.standard_uncertainty_kg_m2()));
+    // A second record is what the samples hold beyond the model: the torque is then no model's alone.
+    let is_modelled = bench.variant == BenchVariant::LoadCell
+        && experiment.signal(Role::DynoTorqueDemand).is_some()
+        && torque.len() == 1;
     Ok(ShaftInputs {
         file: &experiment.file,
         dyno_speed,
@@ -50,6 +55,8 @@ pub fn shaft_inputs<'a>(
         friction_slope_nm_s_per_rad: friction_slope(bench),
         encoder_noise_rad_s: encoder.noise_rad_s,
         gate_s: (encoder.gate_s, encoder.gate_standard_error_s),
+        torque_lag_s: torque_control.filter(|_| is_modelled).map(TorqueControlFit::lag_s),
+        firings_per_turn: bench.engine().firings_per_turn(),
     })
 }
 

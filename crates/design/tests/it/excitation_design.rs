@@ -284,6 +284,9 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         friction_slope_nm_s_per_rad: (0.0, KNOWN_FRICTION),
         encoder_noise_rad_s: bench.sensors.speed_noise_rad_s,
         gate_s: (1e-3, 1e-4),
+
+        torque_lag_s: None,
+        firings_per_turn: 0.0,
     };
     let (found, truth) = (estimate_parameters(&inputs).unwrap(), virtual_bench::Truth::of(bench));
     let error = |quantity, truth: f64| found.parameter(quantity).unwrap().value / truth - 1.0;

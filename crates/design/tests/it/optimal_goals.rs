@@ -100,6 +100,9 @@ fn shaft_of(plan: &ExperimentPlan, seed: usize, estimate: impl Fn(&ShaftInputs<'
         friction_slope_nm_s_per_rad: (0.0, KNOWN_FRICTION),
         encoder_noise_rad_s: noise,
         gate_s: (1e-3, 1e-4),
+
+        torque_lag_s: None,
+        firings_per_turn: 0.0,
     })
 }
 

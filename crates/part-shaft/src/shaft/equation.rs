@@ -4,7 +4,8 @@ use ident::frequency::{Equation, ORDERS, Slope};
 use signal::Complex64;
 
 use super::places::{
-    COUNT, DYNO, ENGINE, FRICTION, GATE, INERTIA, K, SKEW_ENGINE, SKEW_TORQUE, TERM, TERM_WAVE, TORQUE,
+    COMPUTED_LAG, COUNT, DYNO, ENGINE, FRICTION, GATE, INERTIA, K, LAG, SKEW_ENGINE, SKEW_TORQUE, TERM, TERM_WAVE,
+    TORQUE,
 };
 use super::springs::Springs;
 use crate::shaft::term::Term;
@@ -13,7 +14,8 @@ use crate::shaft::term::Term;
 /// the friction over speed, without which it would be taken for B: both brake ω_d) and J_d = c = 0 when a flange measures it.
 ///
 /// A logged speed holds the once-a-turn error of its encoder, ω (a cos θ + b sin θ), which is taken from it; and it is the mean over a gate that ends at its time stamp, (1 − e^{−sT})/(sT) =
-/// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample.
+/// e^{−sT/2} sinc; the common factor e^{−sT/2} is divided out, which leaves e^{−sT/2} on the torque, a point sample. Where
+/// the torque is what the torque control makes of its demand, its lag may be another than it was computed with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ShaftEquation {
     pub(super) dating: Dating,
@@ -56,6 +58,8 @@ pub(super) struct Corrections {
     pub(super) engine: Complex64,
     pub(super) torque: Complex64,
     speed_by_gate: f64,
+    /// Derivative of the logarithm of `torque` by the lag.
+    torque_by_lag: Complex64,
 }
 
 impl Corrections {
@@ -63,11 +67,14 @@ impl Corrections {
     pub(super) fn at(s: Complex64, theta: &[f64], dating: Dating) -> Self {
         let rest = Dating::of(theta);
         let (speed, speed_by_gate) = gate_correction(s, theta[GATE]);
+        let lag = 1.0 + s * theta[LAG];
+        let lagged = (1.0 + s * theta[COMPUTED_LAG]) / lag;
         Corrections {
             speed,
             engine: speed * Complex64::cis(s.im * (rest.engine_s - dating.engine_s)),
-            torque: Complex64::cis(s.im * (rest.torque_s - dating.torque_s)),
+            torque: lagged * Complex64::cis(s.im * (rest.torque_s - dating.torque_s)),
             speed_by_gate,
+            torque_by_lag: -s / lag,
         }
     }
 }
@@ -112,7 +119,7 @@ impl ShaftEquation {
         (corrections, springs): (&Corrections, &Springs),
         slopes: &mut Vec<Slope>,
     ) {
-        let Corrections { speed, engine, speed_by_gate, .. } = *corrections;
+        let Corrections { speed, engine, speed_by_gate, torque_by_lag, .. } = *corrections;
         let mut add = |parameter, signal, by_order| slopes.push(Slope { parameter, signal, by_order });
         add(INERTIA, DYNO, [ZERO, ZERO, speed.into()]);
         add(FRICTION, DYNO, [ZERO, speed.into(), ZERO]);
@@ -126,6 +133,7 @@ impl ShaftEquation {
             add(GATE, signal, polynomials[signal].map(|c| speed_by_gate / speed * c));
         }
         add(GATE, TORQUE, polynomials[TORQUE].map(|c| -0.5 * s * c));
+        add(LAG, TORQUE, polynomials[TORQUE].map(|c| torque_by_lag * c));
         match self.term {
             Some(Term::OfStiffness(_)) => {
                 add(TERM, TERM_WAVE, [Complex64::from(-theta[K]), ZERO, ZERO]);
@@ -153,6 +161,8 @@ mod tests {
         theta[GATE] = (1.1e-3, 1e-7);
         theta[INERTIA] = (0.6, 1e-5);
         theta[FRICTION] = (0.01, 1e-5);
+        theta[LAG] = (2e-3, 1e-8);
+        theta[COMPUTED_LAG] = (1.5e-3, 0.0);
         theta[TERM] = (0.02, 1e-5);
         if term == Some(Term::DualMass) {
             for (place, value) in DUAL_MASS.into_iter().zip([(0.08, 1e-6), (900.0, 0.05), (4.0, 1e-3)]) {

@@ -423,6 +423,11 @@ fn solve(
         start[places::FRICTION] = value;
         priors.push(Prior { parameter: places::FRICTION, value, standard_uncertainty });
     }
+    let (lag, lag_uncertainty) = inputs.torque_lag_s.unwrap_or((0.0, 0.0));
+    (start[places::LAG], start[places::COMPUTED_LAG]) = (lag, lag);
+    bounds[places::COMPUTED_LAG] = Bounds::new(lag, lag);
+    let is_lag_known = lag_uncertainty == 0.0 || unknowns == Unknowns::ShaftWithoutTiming;
+    bounds[places::LAG] = if is_lag_known { Bounds::new(lag, lag) } else { Bounds::new(0.0, LARGEST_SKEW_S) };
     bounds[places::DUAL_MASS[1]..=places::DUAL_MASS[2]].fill(Bounds::new(0.0, 0.0));
     match unknowns.term() {
         Some(Term::DualMass) => places::DUAL_MASS.iter().for_each(|i| bounds[*i] = positive),
@@ -449,6 +454,9 @@ fn solve(
     }
     priors.retain(|prior| known.iter().all(|k| k.parameter != prior.parameter));
     priors.extend(known);
+    if !is_lag_known {
+        priors.push(Prior { parameter: places::LAG, value: lag, standard_uncertainty: lag_uncertainty });
+    }
     let turns = [places::DYNO_TURN, places::ENGINE_TURN].into_iter().flatten();
     priors.extend(turns.map(|parameter| Prior { parameter, value: 0.0, standard_uncertainty: ECCENTRICITY }));
     let equation = ShaftEquation { dating: spectra.dating, term: unknowns.term() };

@@ -30,6 +30,10 @@ pub struct ShaftInputs<'a> {
     pub encoder_noise_rad_s: f64,
     /// Gate of the encoders and its standard uncertainty, s.
     pub gate_s: (f64, f64),
+    /// Where the torque is computed from its demand: lag 1/a of the torque control, and its standard uncertainty, s.
+    pub torque_lag_s: Option<(f64, f64)>,
+    /// Firings of the engine a turn; zero where nothing fires.
+    pub firings_per_turn: f64,
 }
 
 /// Time constant, s, with which a dynamometer left alone runs out: electric ones take a minute or more.

@@ -20,7 +20,11 @@ pub(super) const FRICTION: usize = 10;
 pub(super) const TERM: usize = 11;
 /// Of a [`Term::DualMass`], in place of a term's one: inertia of the mass, kg m², stiffness and damping of the spring behind it.
 pub(super) const DUAL_MASS: [usize; 3] = [11, 12, 13];
-pub(super) const COUNT: usize = 14;
+/// Lag 1/a of the torque control, s.
+pub(super) const LAG: usize = 14;
+/// The lag that the torque was computed with, s: known, and zero where the torque is no model's.
+pub(super) const COMPUTED_LAG: usize = 15;
+pub(super) const COUNT: usize = 16;
 /// Places of the signals: N_d, N_e, torque.
 pub(super) const DYNO: usize = 0;
 pub(super) const ENGINE: usize = 1;

@@ -22,6 +22,16 @@ const CLEAN_PART: f64 = 0.44;
 const TURN_MARGIN_HZ: f64 = 3.0;
 /// How far about a line that the torque's record does not show the frequencies are left out, Hz.
 const UNSEEN_MARGIN_HZ: f64 = 2.0;
+/// A speed sampled more slowly than this, s, folds pulses of the engine into the band.
+const SLOW_S: f64 = 1.1e-3;
+/// Pulses above this frequency hardly move a speed, Hz.
+const HIGHEST_PULSE_HZ: f64 = 600.0;
+/// How far about a folded pulse the frequencies are left out, Hz.
+const PULSE_MARGIN_HZ: f64 = 1.5;
+/// Length of the means that follow the firing frequency, s.
+const PULSE_MEAN_S: f64 = 0.25;
+/// Least part of the frequencies that must be free of folded pulses.
+const LEAST_SHARE: f64 = 0.3;
 /// Length of the moving mean that follows the rotational frequency, s.
 const TURN_MEAN_S: f64 = 0.5;
 
@@ -75,8 +85,14 @@ impl Spectra {
         }
         signals.push(NoisySpectrum { modulated: torque, errors: Vec::new(), noise_density: torque_density });
         let unseen: Vec<f64> = inputs.torque.iter().flat_map(|t| t.unseen_hz.iter().copied()).collect();
+        let folded = folded_pulses(inputs, window, last);
         let is_seen = |k: &usize| unseen.iter().all(|line| (window.frequency_hz(*k) - line).abs() > UNSEEN_MARGIN_HZ);
-        Ok(Spectra { window, signals, bins: bins.filter(is_seen).collect(), dating })
+        let all = bins.clone().count();
+        let bins: Vec<usize> = bins.filter(is_seen).filter(|k| !folded[*k]).collect();
+        if (bins.len() as f64) < LEAST_SHARE * all as f64 {
+            return Err(EstimateError::FoldedPulses { file: inputs.file.to_owned() });
+        }
+        Ok(Spectra { window, signals, bins, dating })
     }
 
     /// With what a term multiplies, on the clock of N_d.
@@ -101,6 +117,29 @@ fn once_a_turn(speed: &Signal) -> [Signal; 2] {
     });
     let (cosine, sine) = waves.unzip();
     [speed.with_samples(cosine), speed.with_samples(sine)]
+}
+
+/// Bins onto which a speed's sampling folds pulses of the engine: they look like motion, and no noise level makes up for them.
+fn folded_pulses(inputs: &ShaftInputs<'_>, window: Window, last_bin: usize) -> Vec<bool> {
+    let mut folded = vec![false; last_bin + 1];
+    let speed = inputs.dyno_speed.slice(window.start_s, window.start_s + window.duration_s);
+    let length = ((PULSE_MEAN_S / speed.sample_time_s) as usize).max(1);
+    let means: Vec<f64> = speed.samples.chunks(length).map(|c| c.iter().sum::<f64>() / c.len() as f64).collect();
+    let slow = [inputs.dyno_speed, inputs.engine_speed].into_iter().filter(|s| s.sample_time_s > SLOW_S);
+    for rate_hz in slow.map(|s| 1.0 / s.sample_time_s) {
+        for pair in means.windows(2) {
+            let firing_hz = pair.iter().map(|speed| inputs.firings_per_turn * speed.abs() / TAU).fold(0.0, f64::max);
+            let sweep_hz = inputs.firings_per_turn * (pair[1] - pair[0]).abs() / TAU;
+            let harmonics = if firing_hz > 0.0 { (HIGHEST_PULSE_HZ / firing_hz) as usize } else { 0 };
+            for harmonic in (1..=harmonics).map(|h| h as f64).filter(|h| h * firing_hz > 0.5 * rate_hz) {
+                let alias_hz = (harmonic * firing_hz - (harmonic * firing_hz / rate_hz).round() * rate_hz).abs();
+                let reach_hz = PULSE_MARGIN_HZ + harmonic * sweep_hz;
+                let bin = |hz: f64| ((hz * window.duration_s).max(0.0) as usize).min(last_bin);
+                folded[bin(alias_hz - reach_hz)..=bin(alias_hz + reach_hz)].fill(true);
+            }
+        }
+    }
+    folded
 }
 
 /// The frequencies that may be used, Hz.

@@ -45,6 +45,9 @@ fn inputs<'a>(speeds: &'a [Signal; 2], torque: NoisyTorque, inertia_kg_m2: Optio
         friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(INERTIA),
         encoder_noise_rad_s: ENCODER_NOISE,
         gate_s: (1e-3, 1e-4),
+
+        torque_lag_s: None,
+        firings_per_turn: 0.0,
     }
 }
 

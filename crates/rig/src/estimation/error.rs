@@ -61,6 +61,15 @@ pub enum EstimateError {
         /// File.
         file: String,
     },
+    /// Sampling folds pulses of the engine onto most of the frequencies that show the shaft.
+    #[error(
+        "{file}: the rate of N_d or N_e is too low for the engine's pulses at these speeds, and they fold onto most frequencies that \
+         show the shaft; record the speeds at 1 kHz, or at a constant speed"
+    )]
+    FoldedPulses {
+        /// File.
+        file: String,
+    },
     /// A number that is known from another recording comes out quite different.
     #[error(
         "{file}: {} comes out as {:.4e} ± {:.1e} (SI), and another recording gives {:.4e} ± {:.1e}; the two contradict each other",

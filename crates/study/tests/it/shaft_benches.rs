@@ -112,6 +112,9 @@ pub(crate) fn inputs(experiment: &Experiment, inertia_kg_m2: f64) -> ShaftInputs
         friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(inertia_kg_m2),
         encoder_noise_rad_s: 0.03 * RPM_RAD_S,
         gate_s: (1e-3, 1e-4),
+
+        torque_lag_s: None,
+        firings_per_turn: 0.0,
     }
 }
 
