@@ -18,7 +18,7 @@ const MARGIN: f64 = 0.03;
 /// Truths that differ by less than this part of themselves are the same.
 const SAME: f64 = 1e-9;
 
-/// Why a recording does not tell something of the speed controller, with what would.
+/// Why a recording cannot show something of the speed controller, and which experiment can.
 pub fn untold(why: &Untold) -> String {
     match why {
         Untold::Missing { .. } | Untold::WrongSign { .. } => crate::torque::untold(why),
@@ -61,7 +61,7 @@ pub fn probability(p: f64) -> String {
     }
 }
 
-/// Which experiment tells a term that is untold.
+/// The experiment that can show a term.
 fn remedy(of: Term) -> &'static str {
     match of {
         Term::Filter | Term::Derivative => {
@@ -76,7 +76,7 @@ fn remedy(of: Term) -> &'static str {
     }
 }
 
-/// What is untold among the tests, each with the experiment that would tell it.
+/// The terms that these data cannot show, each with the experiment that can.
 pub fn untold_terms(tests: &[TermTest]) -> Vec<String> {
     let untold = tests.iter().filter(|test| test.verdict == Verdict::Untold);
     untold.map(|test| format!("{}: these data cannot show it; {}", term(test.term), remedy(test.term))).collect()
@@ -114,7 +114,7 @@ pub fn gains_in_si(found: &Controller) -> impl Iterator<Item = WrittenParameter>
     gains.filter_map(|gain| Some(found.with_delay.parameter(gain)?.written_in_si()))
 }
 
-/// The rules of integration that no data tell apart.
+/// The rules of integration, which the recordings cannot distinguish.
 pub fn rules(found: &Controller) -> String {
     let rule = |rule: IntegrationRule| match rule {
         IntegrationRule::Forward => "forward Euler",
@@ -195,7 +195,7 @@ pub fn law(law: AntiWindup) -> String {
     }
 }
 
-/// What the recordings tell of the limit of T_d*, one text a recording that reaches it, and one for all others.
+/// What the recordings show of the limit of T_d*, one text a recording that reaches it, and one for all others.
 pub fn limits(found: &SpeedControl) -> Vec<String> {
     let mut all = Vec::new();
     let (mut highest, mut is_reached) = (None, false);
@@ -250,7 +250,7 @@ fn at_limit(found: &LimitReached) -> String {
     format!("{rests}, {} episodes; {verdict}", found.episodes)
 }
 
-/// What of the feed-forward no recording tells.
+/// The part of the feed-forward that no recording shows.
 pub const M_IS_UNTOLD: &str =
     "m, the constant part of the feed-forward, cannot be estimated: the integrator's initial state takes it up.";
 

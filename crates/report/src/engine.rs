@@ -15,7 +15,7 @@ use crate::wording::number;
 const HEIGHT: u32 = 220;
 /// Working cycles of which the torque is drawn.
 const SHOWN_CYCLES: f64 = 3.0;
-/// How much of the torque is drawn where cycles are not told, s.
+/// How much of the torque is drawn where cycles cannot be separated, s.
 const SHOWN_S: f64 = 0.25;
 /// Cycles whose means are drawn: more of them cover each other.
 const DRAWN_CYCLES: usize = 75;
@@ -49,9 +49,9 @@ pub fn rebuilt(engine: &RebuiltEngine) -> String {
     let half = |deviations: &[f64]| number::significant_with_unit(BAND * median(deviations), 2, "Nm");
     let doubt = if engine.noise.converged { "" } else { "; its noise levels did not settle" };
     format!(
-        "known to ±{} (95 %, half of the time better), ±{} of it by shaft and inertias, from N_d, N_e and {from}; beyond that, \
-         each 0.01 % of a once-a-turn error of the engine's encoder stands in it as {} at order 1, and bearing friction of \
-         the dynamometer counts as engine torque{doubt}",
+        "known to ±{} (95 %, half of the time better), ±{} of it from shaft and inertias; computed from N_d, N_e and {from}. Not \
+         included: each 0.01 % of a once-a-turn error of the engine's encoder adds {} at order 1, and bearing friction of the \
+         dynamometer counts as engine torque{doubt}",
         half(&engine.standard_deviation_nm),
         half(&engine.of_masses_nm),
         number::significant_with_unit(engine.once_a_turn_nm, 2, "Nm"),

@@ -46,9 +46,9 @@ pub fn remarks(friction: &Friction) -> Vec<String> {
     };
     let uses = |source| friction.run_outs.iter().any(|run_out| run_out.torque == Some(source));
     let calculated = uses(TorqueUsed::Calculated).then(|| {
-        "T_d is T_d,calc as it was recorded, since no T_d* shows what it does between its samples: means \
-         over several of them were compared, and J_d is told less well for it; a recording with T_d*, named in the bench file \
-         as dyno_torque_demand, makes its interval narrower"
+        "T_d is T_d,calc as recorded. No T_d* shows what it does between its samples, so means over several samples were \
+         compared, and the interval of J_d is wider. A recording with T_d*, named in the bench file as dyno_torque_demand, \
+         makes it narrower"
             .to_owned()
     });
     told.into_iter().chain(calculated).chain(undecided(friction)).collect()

@@ -103,7 +103,7 @@ fn backlash(best: &TermTest) -> Option<String> {
 pub struct Route<'a> {
     /// From what to what.
     pub name: &'static str,
-    /// K, B and, where it tells them, the inertias.
+    /// K, B and, where it shows them, the inertias.
     pub told: Result<&'a Estimate, &'a NotTold>,
 }
 
@@ -123,7 +123,7 @@ fn route<'a, T>(name: &'static str, told: Option<&'a Told<T>>, of: fn(&T) -> &Es
     told.map(|told| Route { name, told: told.as_ref().map(of) })
 }
 
-/// What has to be known to read the routes: where one does not meet the recording's own estimate, and what each cannot tell.
+/// What one has to know to read the routes: where one contradicts the recording's own estimate, and what each cannot show.
 pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
     let Routes { state_space, black_box, multisine, torque_sample_time_s } = &recording.routes;
     let mut remarks = apart(&routes(recording));
@@ -179,7 +179,7 @@ fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
     found.untold.iter().map(doubt).collect()
 }
 
-/// Reasons to doubt what means over periods tell.
+/// Reasons to doubt the estimate from means over periods.
 fn multisine_doubts(found: &MultisineRoute) -> Vec<String> {
     let too_large = |test: &CostTest, of: &str| {
         let [achieved, limit] = [test.achieved, test.limits.1].map(|cost| number::significant(cost, 3));
@@ -292,7 +292,7 @@ fn band_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
         )
 }
 
-/// K and B by every route that tells them; none where there is one alone.
+/// K and B by every route that shows them; none where there is one alone.
 fn route_figure(recording: &ShaftRecording) -> Option<Figure> {
     let found: Vec<(&str, &Estimate)> =
         routes(recording).into_iter().filter_map(|route| Some((route.name, route.told.ok()?))).collect();

@@ -16,7 +16,7 @@ const SHOWN_S: f64 = 0.5;
 /// Half the width of a 95 % band in standard deviations.
 const BAND: f64 = 1.96;
 
-/// Why a recording does not tell something, with what would.
+/// Why a recording cannot show something, and what can.
 pub fn untold(why: &Untold) -> String {
     match why {
         Untold::Missing { role } => missing(*role),
@@ -152,7 +152,7 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
     let once = match shaft.once_a_turn {
         OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),
         OnceATurn::Unknown(nm) => format!(
-            "beyond that, each 0.01 % of a once-a-turn error of the encoder stands in it as {} at order 1",
+            "not included: each 0.01 % of a once-a-turn error of the encoder adds {} at order 1",
             worth(nm)
         ),
     };

@@ -1,4 +1,4 @@
-//! What the torque control can be told to be, in words and figures.
+//! The models of the torque control, in words and figures.
 
 use page::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
 use part_torque::model_comparison::{
@@ -139,7 +139,7 @@ pub fn circular(recording: &ComparedRecording) -> Option<String> {
     ))
 }
 
-/// What a black box of a recording believes the delay to be, beside what the sampling tells.
+/// The delay of a black box of a recording, and the delay with the sampling modelled.
 pub fn belief(recording: &ComparedRecording, black_box: &BlackBox) -> Option<String> {
     let believed = black_box.delay.as_ref()?;
     let mode = black_box.lag_rad_s.map_or_else(
@@ -149,7 +149,7 @@ pub fn belief(recording: &ComparedRecording, black_box: &BlackBox) -> Option<Str
     let [_, lag, total] = recording.delay_and_lag.as_slice() else { return None };
     let told = [total, lag].map(number::parameter);
     Some(format!(
-        "{} believes in {} of delay at 10 Hz, {mode}; with the sampling modelled they are {} and {}",
+        "{} has a delay of {} at 10 Hz, {mode}; with the sampling modelled they are {} and {}",
         structure(&black_box.structure),
         number::parameter(believed),
         told[0],
@@ -162,7 +162,7 @@ pub fn early(recording: &ComparedRecording) -> Vec<String> {
     torque::early_delays(std::iter::once(&recording.pure_delay).chain(&recording.delay_and_lag))
 }
 
-/// What is told beyond delay and lag.
+/// What is found beyond delay and lag.
 pub fn beyond(recording: &ComparedRecording) -> String {
     let Some(test) = &recording.second_order else {
         return "a second-order term cannot be tested: no lag was found to begin from".to_owned();
@@ -188,7 +188,7 @@ pub fn recording_needed(seconds: f64) -> String {
     }
 }
 
-/// The first rate and hold at which a loop of second order is told from a lag, and what is told at all.
+/// The first rate and hold that distinguish a loop of second order from a lag, and the least term that any of them shows.
 pub fn first_visible(visibility: &Visibility) -> String {
     let hertz = |case: &VisibilityCase| {
         let held = number::duration(case.hold_s);
@@ -216,7 +216,7 @@ pub fn first_visible(visibility: &Visibility) -> String {
     )
 }
 
-/// What models make of T_d, pole–zero maps, fit against order, and what other rates and demands would tell.
+/// What models make of T_d, pole–zero maps, fit against order, and what other rates and demands would show.
 pub fn figures(study: &ModelComparison) -> Vec<Figure> {
     let of_recording = |recording: &ComparedRecording| {
         let shown = study.shown.iter().filter(|shown| shown.judged_on == recording.excited);

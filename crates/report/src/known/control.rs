@@ -66,13 +66,13 @@ fn delay_seen(part: &SpeedController) -> String {
     )
 }
 
-/// What stands beside PI and delay in the longest recording that tells it.
+/// The terms found beyond PI and delay, in the longest recording that shows them.
 fn beside_pi(found: &Analyses) -> Option<String> {
     let all = found.speed_control.controllers.iter();
     all.filter_map(|one| one.found.found()?.structure.found()).next().map(controller::structure)
 }
 
-/// k, k_a, and m which no recording tells.
+/// k, k_a, and m, which no recording shows.
 pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
     of_part(&study.feed_forward, ("k, k_a", "feed-forward"), |part| {
         let bends = analyses.and_then(|found| {

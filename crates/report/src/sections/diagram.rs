@@ -12,7 +12,7 @@ use page::{Blocks, Symbol};
 const WIDTH: i32 = 880;
 const HEIGHT: i32 = 356;
 
-/// A block: where it is, what it is, and what stands in it.
+/// A block: where it is, what it is, and its text.
 struct Block {
     x: i32,
     y: i32,

@@ -182,8 +182,8 @@ fn resonance_layers(resonance: &Parameter) -> Vec<Layer> {
     ]
 }
 
-/// The sine tests as points, freed of what the engine did; those at an engine order, where that cannot be told apart, as a
-/// series of their own. `scale` turns a gain into what the axis shows.
+/// The sine tests as points, without the contribution of the engine. Those at an engine order, where the two cannot be
+/// separated, are a series of their own. `scale` turns a gain into what the axis shows.
 fn sine_layers(points: &[SinePoint], scale: impl Fn(f64) -> Rounded) -> Vec<Layer> {
     let (at_order, clear): (Vec<&SinePoint>, Vec<&SinePoint>) = points.iter().partition(|p| p.at_engine_order);
     let series = |name: &str, style: Style, points: &[&SinePoint]| {

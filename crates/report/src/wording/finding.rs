@@ -109,8 +109,8 @@ pub fn finding(finding: &Finding) -> String {
         Finding::PulsesFoldToRest { role: speed, rate_hz, firing_hz, multiple } => {
             let (rate, firing) = (measure(*rate_hz, "Hz"), measure(*firing_hz, "Hz"));
             format!(
-                "The engine fires at {firing}; {multiple} times that is a multiple of the {rate} at which {} is recorded, so that \
-                 its pulses fold onto slow changes of their own strength, and no residual shows it.",
+                "The engine fires at {firing}; {multiple} times that is a multiple of the sample rate of the {}, {rate}. The alias of \
+                 its pulses is at zero frequency and looks like slow changes. No residual shows it.",
                 role(*speed)
             )
         }

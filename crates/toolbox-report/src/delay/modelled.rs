@@ -184,7 +184,7 @@ fn unexcited(found: Result<&DelayModels, &IdentError>, data: &Dataset, input: us
     let name = &data.input_labels()[input].name;
     if let Some(hz) = single_line(data, input) {
         return Some(format!(
-            "\"{name}\" is one sine of {} Hz: a delay and a phase shift cannot be told apart; excite with steps or noise",
+            "\"{name}\" is one sine of {} Hz, which cannot separate a delay from a phase shift; excite with steps or noise",
             digits(hz)
         ));
     }
@@ -285,12 +285,12 @@ fn words(fault: &DelayFault, name: &str) -> String {
         }
         DelayFault::Undetermined { .. } => {
             format!(
-                "the data do not tell the delay{of}: the input may have no effect, or too little of it is in the output"
+                "the data cannot show the delay{of}: the input may have no effect, or too little of it is in the output"
             )
         }
         DelayFault::FewLines { lines, needed, strongest_hz, .. } => format!(
-            "the input{of} moves the output by {} of frequency alone, the strongest at {} Hz, and a delay beside these dynamics \
-             asks for {needed}: it cannot be told from a phase shift; excite with steps or noise",
+            "the input{of} has only {} in the output, the strongest at {} Hz; with these dynamics a delay needs {needed}, \
+             otherwise it looks like a phase shift; excite with steps or noise",
             counted(*lines, "line"),
             digits(*strongest_hz)
         ),

@@ -12,7 +12,7 @@ use super::{figures, heading, of_recording, parameters, plain_table, sentence, u
 use crate::controller as words;
 use crate::wording::number;
 
-/// PI and delay in every recording with constant N_d*, what stands beside them, the limit of T_d*, and what noise does.
+/// PI and delay in every recording with constant N_d*, further terms, the limit of T_d*, and what noise does.
 pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
     let mut all: Blocks = found.controllers.iter().map(one).collect();
     all.push(figures(words::correlation_figures(found)));

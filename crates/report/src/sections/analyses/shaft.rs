@@ -13,7 +13,7 @@ use crate::wording::number;
 const WHICH: &str = "The values of each recording come from its first part, and the rest judges them. A comparison of whole recordings \
     gives values that differ a little";
 
-/// What all recordings with a shaft tell of it.
+/// What all recordings with a shaft show of it.
 pub(crate) fn shaft(found: &ShaftAnalysis) -> Blocks {
     let mut all = match found.recordings.len() {
         0 => sentence("None of these recordings has a shaft: run BS_T_NT or WhiteNoise_T_TN with the shaft on"),

@@ -52,8 +52,8 @@ fn delay_evidence(part: &SpeedController) -> Blocks {
     };
     let extent = Extent::of(&[with, without]);
     let text = format!(
-        "Leaving the delay out and estimating K_p and K_i anew gives a fit of {}; with the delay it is {}. The residuals \
-         tell more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
+        "Without the delay, and with K_p and K_i estimated again, the fit is {}; with the delay it is {}. The residuals \
+         show more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
          with it.",
         number::fit(part.without_delay.fit_percent),
         number::fit(part.validation.fit_percent),
