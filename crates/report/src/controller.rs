@@ -67,7 +67,7 @@ fn remedy(of: Term) -> &'static str {
         Term::Filter | Term::Derivative => {
             "run BS_T_NT longer, with the engine's torque switched as fast as it fires, so that N_d moves at 10 to 50 Hz"
         }
-        Term::SecondIntegrator | Term::SpeedOffset => "run BS_T_NT for some minutes: it shows in what drifts",
+        Term::SecondIntegrator | Term::SpeedOffset => "run BS_T_NT for some minutes, so that slow drift shows it",
         Term::StaticMap => "run Levels_N_NT over all speeds that matter",
         Term::Hysteresis => "run Levels_N_NT, which comes to its levels from both sides",
         Term::Friction => {
@@ -124,8 +124,8 @@ pub fn rules(found: &Controller) -> String {
     let gains = &found.discrete.proportional_gains;
     let each = gains.iter().map(|(by, gain)| format!("{} {}", rule(*by), number::parameter(gain)));
     format!(
-        "The recordings cannot show which integration rule the controller uses: all give the same b_0 and b_1, and the same K_i. K_p would \
-         be, by {}.",
+        "The recordings cannot show which integration rule the controller uses: all give the same b_0 and b_1, and \
+         the same K_i. K_p by rule: {}.",
         each.collect::<Vec<_>>().join("; ")
     )
 }
@@ -137,12 +137,12 @@ pub fn structure(found: &Structure) -> String {
     let terms = found.found();
     if terms.is_empty() {
         return format!(
-            "Nothing beside PI and delay is seen at the {level} level; they leave {} of N_d unexplained.",
+            "No term beyond PI and delay is found at the {level} level; {} of N_d stays unexplained.",
             rpm(found.left_rad_s.0)
         );
     }
     format!(
-        "Found at the {level} level beside PI and delay: {}. N_d is left unexplained by {} without, by {} with that.",
+        "Found at the {level} level beyond PI and delay: {}. Without it {} of N_d stays unexplained, with it {}.",
         names(&terms),
         rpm(found.left_rad_s.0),
         rpm(found.left_rad_s.1)
@@ -165,8 +165,8 @@ pub fn round(base: &str, round: &Round) -> String {
 /// What was found of the feed-forward beside k and k_a.
 pub fn bends(found: &FeedForwardTerms) -> String {
     match found.found().as_slice() {
-        [] => "Nothing beside k and k_a is seen.".to_owned(),
-        terms => format!("Found beside k and k_a: {}.", names(terms)),
+        [] => "No term beyond k and k_a is found.".to_owned(),
+        terms => format!("Found beyond k and k_a: {}.", names(terms)),
     }
 }
 
@@ -175,7 +175,7 @@ pub fn negligible(tests: &[TermTest]) -> Option<String> {
     let is_said = tests.iter().any(|test| test.verdict == Verdict::Negligible);
     is_said.then(|| {
         format!(
-            "Too small to matter: differs from zero, but explains less than {} % of the variance of what is left of N_d.",
+            "Too small to matter: differs from zero, but explains less than {} % of the variance of the residual of N_d.",
             number::significant(100.0 * MATTERS, 2)
         )
     })
@@ -187,7 +187,7 @@ pub fn law(law: AntiWindup) -> String {
         AntiWindup::None => "none: the integrator runs on".to_owned(),
         AntiWindup::Clamping => "clamping: it rests at the limit".to_owned(),
         AntiWindup::ConditionalIntegration => {
-            "conditional integration: it rests where it would be driven further".to_owned()
+            "conditional integration: it rests if the error would drive it further".to_owned()
         }
         AntiWindup::BackCalculation { tracking_s } => {
             format!("back-calculation, tracking time {}", number::duration(tracking_s))

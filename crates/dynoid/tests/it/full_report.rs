@@ -21,12 +21,12 @@ const COUNTERPARTS: [(&str, &str, &str); 26] = [
     (
         "figure 6.13: black boxes on white noise",
         "torque-control",
-        "WhiteNoise_T_TN: T_d as models have it from T_d* alone",
+        "WhiteNoise_T_TN: T_d of models, from T_d* alone",
     ),
     (
         "figure 6.14: black boxes on the binary sequence",
         "torque-control",
-        "BS_T_NT: T_d as models have it from T_d* alone",
+        "BS_T_NT: T_d of models, from T_d* alone",
     ),
     ("figures 6.16, 6.17: the shaft by band", "shaft", "by band of frequencies"),
     ("§6.3.5.1: the shaft of a motored engine", "shaft", "Black box T_d → ω_d"),

@@ -60,7 +60,7 @@ fn delay_seen(part: &SpeedController) -> String {
         validation.residuals.as_ref().map_or_else(|| number::NOT_KNOWN.to_owned(), |t| number::share(t.share_outside()))
     };
     format!(
-        "Without the delay, what PI leaves depends on the input at {} of the lags; with the delay, at {}.",
+        "Without the delay, the residual of PI depends on the input at {} of the lags; with the delay, at {}.",
         share(&part.without_delay),
         share(&part.validation)
     )
@@ -132,7 +132,7 @@ fn sampling(study: &Study, part: &TorqueControl, own: &Parameter) -> Option<Stri
     let (_, sample_s) = times.iter().find(|(role, _)| *role == Role::AirGapTorque)?;
     (lag_s < *sample_s).then(|| {
         format!(
-            "The lag of {} is short beside the {} between samples of T_d,calc: their sum is known better than delay and lag alone.",
+            "The lag of {} is shorter than the {} between samples of T_d,calc, so the sum of delay and lag is known better than each alone.",
             number::duration(lag_s),
             number::duration(*sample_s)
         )

@@ -50,7 +50,7 @@ impl Grade {
             Grade::Roughly => {
                 "Within ±20 % (a time: half of the fastest sample; a replay: a fit of 70 %). Or within ±5 %, but something else contradicts it."
             }
-            Grade::Poorly => "Less well than that: good for an order of magnitude.",
+            Grade::Poorly => "Less accurately than that: good for an order of magnitude.",
             Grade::OnTrust => "Stated in the bench file. No recording says whether it is true.",
             Grade::NotAtAll => "No recording shows it.",
         }
@@ -144,7 +144,7 @@ pub(super) fn of_part<T>(
 pub(super) fn source(study: &Study, estimate: &Estimate) -> String {
     let from: Vec<String> = estimate.stretches.iter().map(|stretch| stretch_words(study, stretch)).collect();
     match from.as_slice() {
-        [] => "From data that were not stated.".to_owned(),
+        [] => "The study does not state from which data.".to_owned(),
         _ => format!("From {}.", wording::join(&from, "and")),
     }
 }

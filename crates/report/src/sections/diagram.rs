@@ -39,7 +39,7 @@ pub(crate) fn section(study: &Study) -> Blocks {
     page::Block::Drawing {
         svg: svg.into_string(),
         description:
-            "Block diagram of the bench: speed control demands a torque of the torque control, which acts on the \
+            "Block diagram of the bench: speed control demands a torque from the torque control, which acts on the \
                       dynamometer; the shaft connects it with the engine."
                 .to_owned(),
         caption:

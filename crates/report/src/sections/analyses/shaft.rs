@@ -58,7 +58,7 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
         Some(Told::Untold(why)) => all.push(untold("Inertias", &torque::untold(why))),
         None if recording.routes.black_box.is_some() => {}
         None => all.push(sentence(
-            "This recording does not show J_e: that takes WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell",
+            "This recording does not show J_e; run WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell",
         )),
     }
     match &recording.beyond {

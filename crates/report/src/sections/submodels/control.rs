@@ -130,7 +130,7 @@ pub(crate) fn torque_control(study: &Study) -> Blocks {
     };
     let equation = "T_d = e^(−s τ) {a}/{s + a} T_d*";
     let bar = format!(
-        "A delay alone is the bar to beat: on the same stretch it fits with {}, delay and lag with {}.",
+        "The reference is a delay alone: on the same stretch it has a fit of {}, delay and lag have {}.",
         number::fit(part.pure_delay_validation.fit_percent),
         number::fit(part.delay_and_lag_validation.fit_percent)
     );
