@@ -41,7 +41,8 @@ pub fn page(checked: &CheckedPlan<'_>) -> Page {
     let drawn = check.unstable.of;
     all.push(Block::paragraph(format!("{drawn} benches drawn: {}.", spread_words(checked.has_study))));
     if plan.label.mode == ControlMode::Tn && checked.assumptions.contains(&Assumption::Engine) {
-        let drawn = "The bandwidth of the engine's speed control is drawn between a tenth of the assumed value and that value.";
+        let drawn =
+            "The bandwidth of the engine's speed control is drawn between a tenth of the assumed value and that value.";
         all.push(Block::paragraph(drawn));
     }
     all.push(findings(check));

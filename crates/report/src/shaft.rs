@@ -361,9 +361,8 @@ fn error_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
         Layer::VerticalMarks { x: rounded(&errors.excluded_hz), label: "left out".to_owned() },
     ];
     let panel = Panel::new(Axis::linear("|error|", "σ"), HEIGHT, layers);
-    Figure::new(&format!("{}: residual of K and B", recording.file), Axis::frequency(), vec![panel]).with_caption(
-        "Residual of the shaft's equation by frequency, divided by the part that noise explains.",
-    )
+    Figure::new(&format!("{}: residual of K and B", recording.file), Axis::frequency(), vec![panel])
+        .with_caption("Residual of the shaft's equation by frequency, divided by the part that noise explains.")
 }
 
 /// An axis of 1, 2, …, with room at both ends.

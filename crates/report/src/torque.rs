@@ -36,10 +36,7 @@ pub fn untold(why: &Untold) -> String {
 
 /// A signal that is not there, or was and is of no use: which of the two, the warnings say.
 pub fn missing(role: Role) -> String {
-    format!(
-        "no {} can be used; record it, or correct its channel if a warning names it",
-        wording::role(role)
-    )
+    format!("no {} can be used; record it, or correct its channel if a warning names it", wording::role(role))
 }
 
 /// A filter with its delay, e.g. `moving average over 16 samples, 7.5 ms late`.
@@ -152,10 +149,9 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
     let worth = |nm: f64| number::significant_with_unit(nm, 2, "Nm");
     let once = match shaft.once_a_turn {
         OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),
-        OnceATurn::Unknown(nm) => format!(
-            "not included: each 0.01 % of a once-a-turn error of the encoder adds {} at order 1",
-            worth(nm)
-        ),
+        OnceATurn::Unknown(nm) => {
+            format!("not included: each 0.01 % of a once-a-turn error of the encoder adds {} at order 1", worth(nm))
+        }
     };
     let doubt = if shaft.noise.converged { "" } else { "; its noise levels did not settle" };
     format!("{certain}; {once}{doubt}")

@@ -39,7 +39,10 @@ fn one(study: &Study, analyses: Option<&Analyses>, part: &Shaft, own: &Parameter
     let above = spectrum.normalised_magnitude.iter().filter(|m| **m > spectrum.bound).count();
     let share = above as f64 / spectrum.normalised_magnitude.len().max(1) as f64;
     if share > MANY_ABOVE {
-        why.push(format!("At {} of the frequencies the residual of the shaft is larger than noise explains.", number::share(share)));
+        why.push(format!(
+            "At {} of the frequencies the residual of the shaft is larger than noise explains.",
+            number::share(share)
+        ));
         grade = grade.contradicted();
     }
     if analyses.and_then(|found| found.shaft.together.as_ref()).is_some_and(|all| all.apart) {
@@ -109,11 +112,8 @@ fn holds(found: &Parameter, value: f64) -> bool {
 fn together(found: &Analyses, own: &Parameter) -> Option<String> {
     let all = found.shaft.together.as_ref()?;
     let common = if own.quantity == Quantity::Stiffness { &all.stiffness } else { &all.damping };
-    let verdict = if all.apart {
-        "which differ in K and B by more than their own intervals allow"
-    } else {
-        "which agree"
-    };
+    let verdict =
+        if all.apart { "which differ in K and B by more than their own intervals allow" } else { "which agree" };
     Some(format!(
         "All {} recordings together, {verdict}, give {} = {}.",
         common.by_recording.len(),
