@@ -303,13 +303,14 @@ pub fn estimator(of: Estimator) -> &'static str {
 }
 
 /// How noise and SNR are meant.
-pub const NOISE_TEST_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
-     sees, and not to the N_d it is estimated from. The thesis (§7.1) gives neither its bands nor its definition of SNR; \
-     its table 7.1 is one draw of each, estimated T_d* from N_d. Coverage: the share of the 95 % intervals that hold the truth; in \
-     brackets its own 95 % interval, by the number of draws (Clopper–Pearson).";
+pub const NOISE_TEST_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The \
+     noise is added to the N_d that the controller sees, and not to the N_d of the estimate. The thesis (§7.1) gives \
+     neither its bands nor its definition of SNR; its table 7.1 is one draw of each, estimated T_d* from N_d. \
+     Coverage: the share of the 95 % intervals that contain the true value; in brackets its own 95 % interval, from \
+     the number of draws (Clopper–Pearson).";
 /// What the two estimators are good for.
-pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: it takes \
-     noise to be the logged encoder's alone, which would bias T_d* from N_d.";
+pub const ESTIMATORS: &str = "dynoid estimates N_d from T_d*, because the recorded encoder has noise, which would \
+     bias T_d* from N_d. Noise that the controller sees, but no channel records, biases N_d from T_d*.";
 
 /// Cross-correlations side by side, then static maps.
 pub fn figures(found: &SpeedControl) -> Vec<Figure> {
@@ -415,7 +416,7 @@ fn histogram(study: &NoiseTest, case: &Case, summary: &Summary) -> Figure {
     let panel = Panel::new(Axis::linear("draws", ""), HEIGHT, std::iter::once(stems).chain(marks).collect());
     let title = format!("{symbol} over all draws: {}", noise(study, case.noise));
     let caption = format!(
-        "Estimated {}: mean {}, standard deviation {}, {} of the 95 % intervals hold the truth.",
+        "Estimated {}: mean {}, standard deviation {}, {} of the 95 % intervals contain the true value.",
         estimator(case.estimator),
         number::significant_with_unit(summary.mean, 5, summary.unit),
         number::significant_with_unit(summary.standard_deviation, 2, summary.unit),

@@ -37,7 +37,7 @@ pub fn cause(cause: &Cause) -> String {
     match cause {
         Cause::Order { order, is_firing: true } => format!("order {order}, firing"),
         Cause::Order { order, is_firing: false } => format!("order {order}"),
-        Cause::FoldedOrder { order, from_hz } => format!("order {order}, folded from {} Hz", hz(*from_hz)),
+        Cause::FoldedOrder { order, from_hz } => format!("order {order}, alias of {} Hz", hz(*from_hz)),
         Cause::Demanded => "demanded".to_owned(),
         Cause::HoldImage { of_hz, held_hz } => {
             format!("image of {} Hz, by a demand that changes {} times a second", hz(*of_hz), hz(*held_hz))
