@@ -25,9 +25,9 @@ const USAGE: &str = "usage: cargo xtask <task>
            --graph counts modules, arrows and circles by crate; --graph CRATE lists its circles.
   wording  count the worst patterns of wording against the ceilings in xtask/wording.json
            PATTERN or PATH lists the places; --record lowers the ceilings.
-  bench    time the estimators; with --peers other packages on the same data too (see benchmarks/README.md)
-           [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME]
-           or, with --mdf alone, the reading of MDF files of a gigabyte beside asammdf";
+  bench    time the estimators; --peers also times other packages on the same data (see benchmarks/README.md)
+           [--peers] [--quick] [--samples N] [--write-data FOLDER] [--results FILE] [NAME].
+           --mdf alone times the reading of MDF files of a gigabyte, and compares it with asammdf.";
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args().skip(1);

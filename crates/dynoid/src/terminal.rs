@@ -224,7 +224,7 @@ pub(crate) struct Long {
 }
 
 impl Long {
-    /// So much of so much is done; may be told from any thread.
+    /// `done` of `all` is done. Any thread may call it.
     pub(crate) fn told(&self, done: u64, all: u64) {
         let Some(bar) = self.bar.as_ref().filter(|_| self.since.elapsed() > SHORT) else { return };
         bar.set_length(all);

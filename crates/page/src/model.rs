@@ -126,7 +126,7 @@ pub enum Weight {
 pub struct Card {
     /// What it is.
     pub label: Prose,
-    /// The number, or what stands in its place.
+    /// The number, or why there is none.
     pub value: Result<Quantity, Prose>,
 }
 

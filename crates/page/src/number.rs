@@ -139,7 +139,7 @@ impl Scale {
         }
     }
 
-    /// What stands behind the number: a power of ten, a unit, both or nothing.
+    /// The text after the number: a power of ten, a unit, both or nothing.
     pub(crate) fn suffix(&self) -> String {
         let unit = if self.unit == "1" { "" } else { &self.unit };
         match self.power {

@@ -25,7 +25,7 @@ pub struct Column {
     pub align: Align,
 }
 
-/// What stands in a cell.
+/// The content of a cell.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
@@ -40,7 +40,7 @@ pub enum Content {
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cell {
-    /// What stands in it.
+    /// What it shows.
     pub content: Content,
     /// What its colour says.
     pub tone: Tone,

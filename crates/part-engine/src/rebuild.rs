@@ -26,8 +26,8 @@ const BAND_HZ: f64 = 120.0;
 const START: (f64, f64) = (1.0, 300.0);
 /// Least noise of a speed, rad/s.
 const LEAST_NOISE_RAD_S: f64 = 1e-6;
-/// The highest multiple of the firing frequency that is modelled, as a part of half the rate of N_d: what folds in N_e is
-/// told from what does not as far as N_d and the drift of the speed allow.
+/// The highest multiple of the firing frequency that is modelled, as a part of half the rate of N_d. N_d and the drift of
+/// the speed separate the aliases in N_e from true lines, as far as they can.
 const HIGHEST_LINE: f64 = 0.95;
 /// The noise levels are estimated from so much of the recording's middle, s.
 const FOR_LEVELS_S: f64 = 4.0;

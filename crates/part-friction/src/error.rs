@@ -25,8 +25,8 @@ pub enum FrictionError {
     },
     /// A signal is missing.
     #[error(
-        "{file}: friction needs {} ({}), and there is none that can be used; record it, or, where a warning names its channel, \
-         mend that",
+        "{file}: friction needs {} ({}), and none can be used; record it, or correct its channel if a warning names \
+         it",
         .role.symbol(), .role.key()
     )]
     MissingSignal {
@@ -67,7 +67,7 @@ pub enum FrictionError {
     },
     /// A torque has the wrong sign.
     #[error(
-        "{file}: {} brakes with a negative sign, against what it does to the speed; write sign = -1 for {} in the bench file",
+        "{file}: {} is negative when it brakes, as its effect on the speed shows; write sign = -1 for {} in the bench file",
         .role.symbol(), .role.key()
     )]
     WrongSign {

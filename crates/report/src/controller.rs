@@ -18,7 +18,7 @@ const MARGIN: f64 = 0.03;
 /// Truths that differ by less than this part of themselves are the same.
 const SAME: f64 = 1e-9;
 
-/// Why a recording does not tell something of the speed controller, with what would.
+/// Why a recording cannot show something of the speed controller, and which experiment can.
 pub fn untold(why: &Untold) -> String {
     match why {
         Untold::Missing { .. } | Untold::WrongSign { .. } => crate::torque::untold(why),
@@ -61,13 +61,13 @@ pub fn probability(p: f64) -> String {
     }
 }
 
-/// Which experiment tells a term that is untold.
+/// The experiment that can show a term.
 fn remedy(of: Term) -> &'static str {
     match of {
         Term::Filter | Term::Derivative => {
             "run BS_T_NT longer, with the engine's torque switched as fast as it fires, so that N_d moves at 10 to 50 Hz"
         }
-        Term::SecondIntegrator | Term::SpeedOffset => "run BS_T_NT for some minutes: it shows in what drifts",
+        Term::SecondIntegrator | Term::SpeedOffset => "run BS_T_NT for some minutes, so that slow drift shows it",
         Term::StaticMap => "run Levels_N_NT over all speeds that matter",
         Term::Hysteresis => "run Levels_N_NT, which comes to its levels from both sides",
         Term::Friction => {
@@ -76,7 +76,7 @@ fn remedy(of: Term) -> &'static str {
     }
 }
 
-/// What is untold among the tests, each with the experiment that would tell it.
+/// The terms that these data cannot show, each with the experiment that can.
 pub fn untold_terms(tests: &[TermTest]) -> Vec<String> {
     let untold = tests.iter().filter(|test| test.verdict == Verdict::Untold);
     untold.map(|test| format!("{}: these data cannot show it; {}", term(test.term), remedy(test.term))).collect()
@@ -114,7 +114,7 @@ pub fn gains_in_si(found: &Controller) -> impl Iterator<Item = WrittenParameter>
     gains.filter_map(|gain| Some(found.with_delay.parameter(gain)?.written_in_si()))
 }
 
-/// The rules of integration that no data tell apart.
+/// The rules of integration, which the recordings cannot distinguish.
 pub fn rules(found: &Controller) -> String {
     let rule = |rule: IntegrationRule| match rule {
         IntegrationRule::Forward => "forward Euler",
@@ -124,8 +124,8 @@ pub fn rules(found: &Controller) -> String {
     let gains = &found.discrete.proportional_gains;
     let each = gains.iter().map(|(by, gain)| format!("{} {}", rule(*by), number::parameter(gain)));
     format!(
-        "The recordings cannot show which integration rule the controller uses: all give the same b_0 and b_1, and the same K_i. K_p would \
-         be, by {}.",
+        "The recordings cannot show which integration rule the controller uses: all give the same b_0 and b_1, and \
+         the same K_i. K_p by rule: {}.",
         each.collect::<Vec<_>>().join("; ")
     )
 }
@@ -137,12 +137,12 @@ pub fn structure(found: &Structure) -> String {
     let terms = found.found();
     if terms.is_empty() {
         return format!(
-            "Nothing beside PI and delay is seen at the {level} level; they leave {} of N_d unexplained.",
+            "No term beyond PI and delay is found at the {level} level; {} of N_d stays unexplained.",
             rpm(found.left_rad_s.0)
         );
     }
     format!(
-        "Found at the {level} level beside PI and delay: {}. N_d is left unexplained by {} without, by {} with that.",
+        "Found at the {level} level beyond PI and delay: {}. Without it {} of N_d stays unexplained, with it {}.",
         names(&terms),
         rpm(found.left_rad_s.0),
         rpm(found.left_rad_s.1)
@@ -165,8 +165,8 @@ pub fn round(base: &str, round: &Round) -> String {
 /// What was found of the feed-forward beside k and k_a.
 pub fn bends(found: &FeedForwardTerms) -> String {
     match found.found().as_slice() {
-        [] => "Nothing beside k and k_a is seen.".to_owned(),
-        terms => format!("Found beside k and k_a: {}.", names(terms)),
+        [] => "No term beyond k and k_a is found.".to_owned(),
+        terms => format!("Found beyond k and k_a: {}.", names(terms)),
     }
 }
 
@@ -175,7 +175,7 @@ pub fn negligible(tests: &[TermTest]) -> Option<String> {
     let is_said = tests.iter().any(|test| test.verdict == Verdict::Negligible);
     is_said.then(|| {
         format!(
-            "Too small to matter: differs from zero, but explains less than {} % of the variance of what is left of N_d.",
+            "Too small to matter: differs from zero, but explains less than {} % of the variance of the residual of N_d.",
             number::significant(100.0 * MATTERS, 2)
         )
     })
@@ -187,7 +187,7 @@ pub fn law(law: AntiWindup) -> String {
         AntiWindup::None => "none: the integrator runs on".to_owned(),
         AntiWindup::Clamping => "clamping: it rests at the limit".to_owned(),
         AntiWindup::ConditionalIntegration => {
-            "conditional integration: it rests where it would be driven further".to_owned()
+            "conditional integration: it rests if the error would drive it further".to_owned()
         }
         AntiWindup::BackCalculation { tracking_s } => {
             format!("back-calculation, tracking time {}", number::duration(tracking_s))
@@ -195,7 +195,7 @@ pub fn law(law: AntiWindup) -> String {
     }
 }
 
-/// What the recordings tell of the limit of T_d*, one text a recording that reaches it, and one for all others.
+/// What the recordings show of the limit of T_d*, one text a recording that reaches it, and one for all others.
 pub fn limits(found: &SpeedControl) -> Vec<String> {
     let mut all = Vec::new();
     let (mut highest, mut is_reached) = (None, false);
@@ -250,7 +250,7 @@ fn at_limit(found: &LimitReached) -> String {
     format!("{rests}, {} episodes; {verdict}", found.episodes)
 }
 
-/// What of the feed-forward no recording tells.
+/// The part of the feed-forward that no recording shows.
 pub const M_IS_UNTOLD: &str =
     "m, the constant part of the feed-forward, cannot be estimated: the integrator's initial state takes it up.";
 
@@ -303,13 +303,14 @@ pub fn estimator(of: Estimator) -> &'static str {
 }
 
 /// How noise and SNR are meant.
-pub const NOISE_TEST_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The noise is added to the N_d that the controller \
-     sees, and not to the N_d it is estimated from. The thesis (§7.1) gives neither its bands nor its definition of SNR; \
-     its table 7.1 is one draw of each, estimated T_d* from N_d. Coverage: the share of the 95 % intervals that hold the truth; in \
-     brackets its own 95 % interval, by the number of draws (Clopper–Pearson).";
+pub const NOISE_TEST_DEFINITIONS: &str = "SNR: variance of the speed error N_d − N_d* over that of the noise. The \
+     noise is added to the N_d that the controller sees, and not to the N_d of the estimate. The thesis (§7.1) gives \
+     neither its bands nor its definition of SNR; its table 7.1 is one draw of each, estimated T_d* from N_d. \
+     Coverage: the share of the 95 % intervals that contain the true value; in brackets its own 95 % interval, from \
+     the number of draws (Clopper–Pearson).";
 /// What the two estimators are good for.
-pub const ESTIMATORS: &str = "Noise that the controller sees and nobody logs biases N_d from T_d*, by which dynoid estimates recordings: it takes \
-     noise to be the logged encoder's alone, which would bias T_d* from N_d.";
+pub const ESTIMATORS: &str = "dynoid estimates N_d from T_d*, because the recorded encoder has noise, which would \
+     bias T_d* from N_d. Noise that the controller sees, but no channel records, biases N_d from T_d*.";
 
 /// Cross-correlations side by side, then static maps.
 pub fn figures(found: &SpeedControl) -> Vec<Figure> {
@@ -415,7 +416,7 @@ fn histogram(study: &NoiseTest, case: &Case, summary: &Summary) -> Figure {
     let panel = Panel::new(Axis::linear("draws", ""), HEIGHT, std::iter::once(stems).chain(marks).collect());
     let title = format!("{symbol} over all draws: {}", noise(study, case.noise));
     let caption = format!(
-        "Estimated {}: mean {}, standard deviation {}, {} of the 95 % intervals hold the truth.",
+        "Estimated {}: mean {}, standard deviation {}, {} of the 95 % intervals contain the true value.",
         estimator(case.estimator),
         number::significant_with_unit(summary.mean, 5, summary.unit),
         number::significant_with_unit(summary.standard_deviation, 2, summary.unit),

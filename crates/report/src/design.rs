@@ -62,7 +62,7 @@ pub fn page(designed: &Designed<'_>) -> Page {
         all.push(learns(optimal.excitation));
         let binding = wording::limited(optimal.excitation.binding);
         let peak = binding_peak(optimal);
-        all.push(Block::paragraph(format!("scaled until its first peak is met: {binding} {peak}")));
+        all.push(Block::paragraph(format!("scaled until the first peak reaches its limit: {binding} {peak}")));
     }
     if let Some(prediction) = designed.prediction {
         all.push(peaks(prediction, designed.errors));
@@ -287,7 +287,7 @@ fn predicted(designed: &Designed<'_>, prediction: &Prediction) -> Figure {
         panels.push(Panel::new(Axis::linear("T_shaft", "Nm"), HEIGHT, shaft));
     }
     Figure::new("What the bench will do", Axis::time(), panels).with_caption(
-        "The linear bench model under these demands. Firing pulses of the engine are no part of it: they add to the \
-         shaft torque.",
+        "The linear bench model under these demands. It has no firing pulses of the engine: they add to the shaft \
+         torque.",
     )
 }

@@ -36,8 +36,8 @@ fn figures(effects: &Effects, shaft_zeros: &ShaftZeros) -> [Figure; 7] {
             "Four cylinders and four strokes fire twice a turn: 40, 100 and 150 Hz. Unequal cylinders add half and a \
              quarter of that.",
         ),
-        spectra("Firing at 4500 rpm folds from 150 to 100 Hz", "Nm", &effects.folding).with_caption(
-            "Recorded at 250 Hz, everything above 125 Hz comes back below it. The drive's own ripple is off here.",
+        spectra("Firing at 4500 rpm: the alias of 150 Hz is at 100 Hz", "Nm", &effects.folding).with_caption(
+            "Recorded at 250 Hz, everything above 125 Hz appears below it. The drive's own ripple is off here.",
         ),
         spectra("A sine of 8 Hz comes with lines at 92 and 108 Hz", "Nm", &effects.side_lines).with_caption(
             "Two causes: a demand held for 10 ms has them in T_d* already; a ripple in proportion to the torque puts \
@@ -98,7 +98,7 @@ fn zeros(zeros: &ShaftZeros) -> Figure {
         vec![panel],
     )
     .with_caption(
-        "Least squares on one common clock moves the zero with every fraction of a millisecond, and with \
-             the band that is looked at. dynoid estimates the delay along with stiffness and damping.",
+        "Least squares on one common clock shifts the zero with every fraction of a millisecond, and with the \
+             frequency band. dynoid estimates the delay along with stiffness and damping.",
     )
 }

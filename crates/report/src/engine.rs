@@ -15,7 +15,7 @@ use crate::wording::number;
 const HEIGHT: u32 = 220;
 /// Working cycles of which the torque is drawn.
 const SHOWN_CYCLES: f64 = 3.0;
-/// How much of the torque is drawn where cycles are not told, s.
+/// How much of the torque is drawn where cycles cannot be separated, s.
 const SHOWN_S: f64 = 0.25;
 /// Cycles whose means are drawn: more of them cover each other.
 const DRAWN_CYCLES: usize = 75;
@@ -49,9 +49,9 @@ pub fn rebuilt(engine: &RebuiltEngine) -> String {
     let half = |deviations: &[f64]| number::significant_with_unit(BAND * median(deviations), 2, "Nm");
     let doubt = if engine.noise.converged { "" } else { "; its noise levels did not settle" };
     format!(
-        "known to ±{} (95 %, half of the time better), ±{} of it by shaft and inertias, from N_d, N_e and {from}; beyond that, \
-         each 0.01 % of a once-a-turn error of the engine's encoder stands in it as {} at order 1, and bearing friction of \
-         the dynamometer counts as engine torque{doubt}",
+        "known to ±{} (95 %, half of the time better), ±{} of it from shaft and inertias; computed from N_d, N_e and {from}. Not \
+         included: each 0.01 % of a once-a-turn error of the engine's encoder adds {} at order 1, and bearing friction of the \
+         dynamometer counts as engine torque{doubt}",
         half(&engine.standard_deviation_nm),
         half(&engine.of_masses_nm),
         number::significant_with_unit(engine.once_a_turn_nm, 2, "Nm"),
@@ -68,7 +68,7 @@ pub fn cycles(cycles: &Cycles) -> String {
         false => "no more than that".to_owned(),
     };
     format!(
-        "{} cycles of {} on average, each known to ±{} by noise; from one to the next they vary {variation}",
+        "{} cycles of {} on average, each known to ±{} (noise alone); from one to the next they vary {variation}",
         cycles.cycles.len(),
         number::significant_with_unit(mean, 3, "Nm"),
         number::significant_with_unit(BAND * median(&each), 2, "Nm"),
@@ -83,7 +83,7 @@ pub fn cylinders(cylinders: &Cylinders) -> String {
     };
     let turn = &cylinders.once_a_turn;
     let of_turn = format!(
-        "{} of it (root mean square) comes back with every turn, as an error of the encoder of {} would; the encoder's part \
+        "{} of it (root mean square) repeats with every turn, as an encoder error of {} would; the encoder's part \
          grows with the square of the speed, so a recording at another speed decides",
         number::significant_with_unit(turn.rms_nm, 2, "Nm"),
         number::significant_with_unit(100.0 * turn.encoder_error, 2, "%"),
@@ -101,9 +101,10 @@ pub fn cylinders(cylinders: &Cylinders) -> String {
 }
 
 /// How the cylinders' parts are cut, and what their intervals hold.
-pub const CUT: &str = "A cylinder's part is cut from one trough of the firing order to the next, without a mark of top dead centre: \
-    neighbours reach into it, so that it is no cylinder's torque alone. The ± (95 %) holds noise and a once-a-turn error of the \
-    engine's encoder, as large as what comes back with every turn and at least 0.01 %";
+pub const CUT: &str = "A cylinder's part lasts from one trough of the firing order to the next, as no mark shows top \
+    dead centre. It therefore contains torque of the neighbouring cylinders. The ± (95 %) contains noise and a \
+    once-a-turn error of the engine's encoder: as large as the torque that repeats with every turn, and at least \
+    0.01 %";
 
 /// A cylinder's row: place in the order of firing, mean torque less the cycle's with its interval, scatter.
 pub fn cylinder_rows(cylinders: &Cylinders) -> Vec<[String; 3]> {
@@ -226,7 +227,7 @@ fn by_cylinder(file: &str, cycles: &Cycles) -> Figure {
 
 fn by_order(file: &str, cycles: &Cycles) -> Figure {
     let row = |o: &Order| (o.order, o.amplitude_nm, o.standard_error_nm);
-    let layer = bars("amplitude that all cycles have alike, 95 %", cycles.orders.iter().map(row));
+    let layer = bars("amplitude common to all cycles, 95 %", cycles.orders.iter().map(row));
     let panel = Panel::new(Axis::linear("amplitude", "Nm"), HEIGHT, vec![layer]);
     Figure::new(
         &format!("{file}: orders of the engine torque"),

@@ -46,9 +46,9 @@ pub fn remarks(friction: &Friction) -> Vec<String> {
     };
     let uses = |source| friction.run_outs.iter().any(|run_out| run_out.torque == Some(source));
     let calculated = uses(TorqueUsed::Calculated).then(|| {
-        "T_d is T_d,calc as it was recorded, since no T_d* shows what it does between its samples: means \
-         over several of them were compared, and J_d is told less well for it; a recording with T_d*, named in the bench file \
-         as dyno_torque_demand, makes its interval narrower"
+        "T_d is T_d,calc as recorded. No T_d* shows what it does between its samples, so means over several samples were \
+         compared, and the interval of J_d is wider. A recording with T_d*, named in the bench file as dyno_torque_demand, \
+         makes it narrower"
             .to_owned()
     });
     told.into_iter().chain(calculated).chain(undecided(friction)).collect()
@@ -67,9 +67,9 @@ pub fn doubts(friction: &Friction, stated: StatedInertia) -> Vec<String> {
         files.dedup();
         (!files.is_empty()).then(|| {
             format!(
-                "{}: T_d is taken from the load cell, T_d,meas, since there is no T_d,calc that can be used: δ_T holds how \
-                 late the load cell is, and what it adds to T_d beyond that shows in J_d; record T_d,calc with T_d*, which makes the interval of J_d narrower, or mend what a \
-                 warning says of it",
+                "{}: T_d is taken from the load cell, T_d,meas, since no T_d,calc can be used. δ_T contains the \
+                 delay of the load cell; its other errors show in J_d. For a narrower interval of J_d record \
+                 T_d,calc with T_d*, or correct what a warning says about it",
                 files.join(", ")
             )
         })
@@ -101,7 +101,7 @@ fn against_stated(inertia: &Parameter, stated: StatedInertia) -> Option<String> 
 fn below_zero(friction: &Friction) -> Option<String> {
     let coulomb = friction.friction.parameter(Quantity::CoulombFriction).filter(|c| c.interval.1 < 0.0)?;
     Some(format!(
-        "c_0 is below zero ({}), which no friction is: T_fric holds over the speeds seen, not below them; record slower speeds",
+        "c_0 is below zero ({}), which no friction is: T_fric is valid at the recorded speeds, not below them; record slower speeds",
         number::interval(coulomb)
     ))
 }
@@ -129,7 +129,7 @@ fn undecided(friction: &Friction) -> Option<String> {
         .collect();
     (!rivals.is_empty()).then(|| {
         format!(
-            "{} would do as well over the speeds seen: record a wider range of speeds to decide",
+            "{} would fit as well at the recorded speeds: record a wider range of speeds to decide",
             crate::wording::join(&rivals, "or")
         )
     })
@@ -173,8 +173,8 @@ pub fn figures(friction: &Friction) -> Vec<Figure> {
         ];
         let panel = Panel::new(Axis::linear("N_d", "rpm"), HEIGHT, layers);
         Figure::new(&run_out.stretch.file, Axis::time(), vec![panel]).with_caption(format!(
-            "Dots: some of the measured speeds; line: the model, which runs from the first sample on, driven by T_d alone; what T_d \
-             lacks adds up. Used: {}.",
+            "Dots: some of the measured speeds; line: the model, which runs from the first sample on, driven by T_d \
+             alone; errors of T_d add up. Used: {}.",
             torque_used(run_out.torque)
         ))
     });

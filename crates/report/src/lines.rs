@@ -37,7 +37,7 @@ pub fn cause(cause: &Cause) -> String {
     match cause {
         Cause::Order { order, is_firing: true } => format!("order {order}, firing"),
         Cause::Order { order, is_firing: false } => format!("order {order}"),
-        Cause::FoldedOrder { order, from_hz } => format!("order {order}, folded from {} Hz", hz(*from_hz)),
+        Cause::FoldedOrder { order, from_hz } => format!("order {order}, alias of {} Hz", hz(*from_hz)),
         Cause::Demanded => "demanded".to_owned(),
         Cause::HoldImage { of_hz, held_hz } => {
             format!("image of {} Hz, by a demand that changes {} times a second", hz(*of_hz), hz(*held_hz))
@@ -116,8 +116,8 @@ pub fn figure(look: &RecordingLines, part: &PartLines) -> Figure {
         _ => String::new(),
     };
     let title = format!("{}, {}{demanded}", look.file, number::rpm(part.speed_rad_s));
-    let caption = "Numbers at lines are orders: multiples of the engine's speed. Upright lines: the firing and its multiples; dashed \
-                   where they fold from above half the sample rate.";
+    let caption = "Numbers at lines are orders: multiples of the engine's speed. Vertical lines: the firing and its \
+                   multiples; dashed lines: their aliases from above half the sample rate.";
     Figure::new(&title, Axis::linear("frequency", "Hz"), panels).with_caption(caption)
 }
 
@@ -192,14 +192,14 @@ pub fn over_speed_figures(title: &str, signals: &[OverSpeed]) -> Vec<Figure> {
     let speed = Axis::linear("speed", "rpm");
     let maps = signals.iter().map(campbell).collect();
     let maps = Figure::new(&format!("{title}: Campbell map"), speed.clone(), maps).with_caption(
-        "Darker is stronger. Numbers are orders, multiples of the engine's speed; dashed where they fold from above half the \
-         sample rate. What stays at its frequency is level: resonances, multiples of the mains.",
+        "Darker is stronger. Numbers are orders, multiples of the engine's speed; dashed lines are aliases from \
+         above half the sample rate. Constant frequencies are level lines: resonances, multiples of the mains.",
     );
     let curves = signals.iter().filter(|signal| !signal.orders.is_empty());
     let amplitudes: Vec<Panel> = curves.clone().map(amplitudes).collect();
     let amplitudes = Figure::new(&format!("{title}: orders over the speed"), speed.clone(), amplitudes).with_caption(
-        "Amplitudes by least squares, all orders at once, in windows of ten turns; the bands are two standard errors \
-         to either side.",
+        "Amplitudes by least squares, all orders at once, in windows of ten turns; the bands are ± two standard \
+         errors.",
     );
     let phases: Vec<Panel> = curves.filter_map(phases).collect();
     let phases = Figure::new(&format!("{title}: phases of the orders"), speed, phases)

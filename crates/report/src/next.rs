@@ -45,8 +45,8 @@ pub fn recommendation(found: &NextExperiments) -> String {
 pub fn instead(other: &Candidate) -> String {
     let demand = if other.is_designed { "designed for this shaft" } else { "with the demand of the method" };
     match other.is_worth_while() {
-        true => format!("{demand}, the same experiment buys: {}", reasons(other)),
-        false => format!("{demand}, the same experiment buys nothing"),
+        true => format!("{demand}, the same experiment gains: {}", reasons(other)),
+        false => format!("{demand}, the same experiment gains nothing"),
     }
 }
 
@@ -58,7 +58,7 @@ fn reasons(candidate: &Candidate) -> String {
     let narrower: Vec<String> = gains(true).map(narrowed).collect();
     let mut buys = Vec::new();
     if !new.is_empty() {
-        buys.push(format!("it shows {}, which no recording does", listed(&new)));
+        buys.push(format!("it shows {}, which no recording shows", listed(&new)));
     }
     if !narrower.is_empty() {
         buys.push(listed(&narrower));
@@ -77,8 +77,8 @@ fn nothing_to_gain(found: &NextExperiments) -> String {
     match wide.is_empty() {
         true => format!("Nothing: every number below is known within {}.", number::share(found.enough)),
         false => format!(
-            "None of these experiments narrows the interval of {} by a fifth. A longer one may; what stays whatever the length \
-             is the trust in time stamps and in the inertias stated.",
+            "None of these experiments narrows the interval of {} by a fifth. A longer one may. The uncertainty of \
+             time stamps and of the stated inertias does not fall with the length.",
             listed(&wide)
         ),
     }
@@ -86,7 +86,7 @@ fn nothing_to_gain(found: &NextExperiments) -> String {
 
 fn narrowed(gain: &Gain) -> String {
     let (now, then) = (relative(gain.now, gain.value), relative(Some(gain.then), gain.value));
-    format!("{} gets known within {then} in place of {now}", gain.quantity.symbol())
+    format!("{} becomes known within {then} instead of {now}", gain.quantity.symbol())
 }
 
 /// Half an interval as a part of the value, `± 3.5 %`.

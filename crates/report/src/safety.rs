@@ -41,7 +41,8 @@ pub fn page(checked: &CheckedPlan<'_>) -> Page {
     let drawn = check.unstable.of;
     all.push(Block::paragraph(format!("{drawn} benches drawn: {}.", spread_words(checked.has_study))));
     if plan.label.mode == ControlMode::Tn && checked.assumptions.contains(&Assumption::Engine) {
-        let drawn = "The engine's speed control is drawn between a tenth of the assumed bandwidth and all of it.";
+        let drawn =
+            "The bandwidth of the engine's speed control is drawn between a tenth of the assumed value and that value.";
         all.push(Block::paragraph(drawn));
     }
     all.push(findings(check));
@@ -76,7 +77,7 @@ fn findings(check: &SafetyCheck) -> Blocks {
 fn spread_words(has_study: bool) -> String {
     let percent = |share: f64| format!("±{} %", decimal::fixed(100.0 * share, 0));
     match has_study {
-        true => "by the covariance of the study's estimates; what it did not estimate is taken as exact".to_owned(),
+        true => "by the covariance of the study's estimates; all other parameters are taken as exact".to_owned(),
         false => {
             let Prior { resonance, damping, engine_inertia } = Prior::default();
             format!(
@@ -157,8 +158,8 @@ fn propose(proposal: &Proposal) -> Blocks {
         ]);
     }
     let sentence = match proposal.holds {
-        true => "With these amplitudes, and all others as planned, the test keeps the limits on the benches drawn.",
-        false => "Even with these amplitudes a limit is not kept; the mean or the speed of the test is at fault.",
+        true => "With these amplitudes, and all others as planned, the test keeps the limits on the random benches.",
+        false => "Even with these amplitudes the test reaches a limit; change its mean torque or its speed.",
     };
     [Block::Table(table), Block::paragraph(sentence)].into_iter().collect()
 }
@@ -185,8 +186,8 @@ fn distribution(checked: &Checked) -> Figure {
     layers.push(Layer::HorizontalMark { y: Rounded(95.0), label: "95 %".to_owned() });
     let panel = Panel::new(Axis::linear("share of benches", "%"), HEIGHT, layers);
     Figure::new("How the peak spreads", Axis::linear(name, unit), vec![panel]).with_caption(
-        "Every bench drawn runs the experiment; the curve says on how many the peak stays below a value. Firing pulses are \
-         no part of it.",
+        "Every random bench runs the experiment; the curve shows on how many the peak stays below a value. Firing \
+         pulses are not included.",
     )
 }
 

@@ -78,11 +78,11 @@ pub fn beyond(found: &Beyond) -> String {
     let simple = format!("errors of the simple shaft are {misfit} times what the noise explains");
     match found.best() {
         None if found.simple_misfit < MISFIT => format!("nothing beyond K and B is significant; {simple}"),
-        None => format!("{simple}, and none of these terms accounts for it: check the channels and J_d"),
+        None => format!("{simple}, and none of these terms explains it: check the channels and J_d"),
         Some(best) => {
             let left = number::significant(best.misfit.unwrap_or(f64::NAN), 2);
             let others = if found.tests.iter().filter(|t| t.found).count() > 1 {
-                "; the others that are found may be the same seen through another term"
+                "; the other terms that are found may be the same effect in another form"
             } else {
                 ""
             };
@@ -103,7 +103,7 @@ fn backlash(best: &TermTest) -> Option<String> {
 pub struct Route<'a> {
     /// From what to what.
     pub name: &'static str,
-    /// K, B and, where it tells them, the inertias.
+    /// K, B and, where it shows them, the inertias.
     pub told: Result<&'a Estimate, &'a NotTold>,
 }
 
@@ -123,20 +123,20 @@ fn route<'a, T>(name: &'static str, told: Option<&'a Told<T>>, of: fn(&T) -> &Es
     told.map(|told| Route { name, told: told.as_ref().map(of) })
 }
 
-/// What has to be known to read the routes: where one does not meet the recording's own estimate, and what each cannot tell.
+/// What one has to know to read the routes: where one contradicts the recording's own estimate, and what each cannot show.
 pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
     let Routes { state_space, black_box, multisine, torque_sample_time_s } = &recording.routes;
     let mut remarks = apart(&routes(recording));
     if let Some(apart_s) = torque_sample_time_s.filter(|apart_s| *apart_s > COARSE_S) {
         remarks.push(format!(
-            "T_d is known by its samples alone, {} apart: what folds in them is in no interval; give WhiteNoise_T_TN or \
-             Step_T_TN along, which show what T_d does between them",
+            "T_d is known only at its samples, {} apart, and no interval includes their aliasing; add \
+             WhiteNoise_T_TN or Step_T_TN, which show T_d between the samples",
             number::duration(apart_s)
         ));
     }
     if state_space.as_ref().is_some_and(|told| told.found().is_some()) {
         remarks.push(
-            "State space: intervals somewhat narrow, on 40 virtual benches they held K of 36 and B of 34 to 36"
+            "State space: the intervals are slightly narrow; on 40 virtual benches they contained K in 36 cases and B in 34 to 36"
                 .to_owned(),
         );
     }
@@ -158,7 +158,7 @@ fn apart(routes: &[Route<'_>]) -> Vec<String> {
         let symbols: Vec<&str> = apart.map(Quantity::symbol).collect();
         let (name, which) = (other.name, symbols.join(" and "));
         let text =
-            format!("{name}: {which} apart from that of {first}; one of them errs by more than its interval says");
+            format!("{name}: its {which} and that of {first} disagree; one of them is wrong by more than its interval");
         (!symbols.is_empty()).then_some(text)
     };
     others.iter().filter_map(remark).collect()
@@ -168,23 +168,23 @@ fn apart(routes: &[Route<'_>]) -> Vec<String> {
 fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
     let doubt = |untold: &Untold| match untold {
         Untold::NotTwoMasses => format!(
-            "Black box: its coefficients are not those of two masses and a spring (χ² = {} with {} degrees of freedom); its \
-             intervals are wider by √(χ²/degrees of freedom) and may still miss the truth",
+            "Black box: its coefficients are not those of two masses and a spring (χ² = {} with {} degrees of \
+             freedom); its intervals are wider by √(χ²/degrees of freedom) and may still miss the true values",
             number::significant(found.chi_squared.0, 3),
             found.chi_squared.1,
         ),
-        Untold::EngineInertiaTooSmall => "Black box: J_e is too small to be seen beside J_d".to_owned(),
+        Untold::EngineInertiaTooSmall => "Black box: J_e is too small compared with J_d to be estimated".to_owned(),
         Untold::ModesNotTold => "Black box: the antiresonance cannot be separated from the resonance".to_owned(),
     };
     found.untold.iter().map(doubt).collect()
 }
 
-/// Reasons to doubt what means over periods tell.
+/// Reasons to doubt the estimate from means over periods.
 fn multisine_doubts(found: &MultisineRoute) -> Vec<String> {
     let too_large = |test: &CostTest, of: &str| {
         let [achieved, limit] = [test.achieved, test.limits.1].map(|cost| number::significant(cost, 3));
         let text = format!(
-            "Means over periods: {of} leaves more than the scatter between periods explains (cost {achieved}, 95 % below {limit}); \
+            "Means over periods: the residual of {of} is larger than the scatter between periods explains (cost {achieved}, 95 % below {limit}); \
              its intervals are wider by √(cost/expected)"
         );
         (!test.passed()).then_some(text)
@@ -222,8 +222,8 @@ pub fn dual_mass(found: &DualMass, simple_misfit: Option<f64>) -> String {
     let without = simple_misfit.map(|misfit| format!(", {} times without", number::significant(misfit, 2)));
     let verdict = match simple_misfit {
         Some(simple) if found.misfit < MISFIT && simple > MISFIT => "this is a shaft with a dual-mass flywheel",
-        Some(simple) if simple < MISFIT => "the simple shaft does as well",
-        _ => "a dual-mass flywheel does not account for it either",
+        Some(simple) if simple < MISFIT => "the simple shaft fits as well",
+        _ => "a dual-mass flywheel does not explain it either",
     };
     format!(
         "with a dual-mass flywheel errors are {with} times what the noise explains{}: {verdict}",
@@ -238,7 +238,7 @@ pub fn together(of: &Together) -> String {
     let distance = format!("χ² = {chi} with {} degrees of freedom", of.degrees_of_freedom);
     if of.apart {
         format!(
-            "the {count} recordings are not of one shaft by their own intervals ({distance}); the intervals above are wider by √(χ²/degrees of freedom), and the terms beyond K and B may say why"
+            "by their own intervals the {count} recordings do not show the same shaft ({distance}); the intervals above are wider by √(χ²/degrees of freedom), and the terms beyond K and B may show why"
         )
     } else {
         format!("the {count} recordings agree ({distance})")
@@ -288,11 +288,11 @@ fn band_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
     });
     Figure::new(&format!("{}: by band of frequencies", recording.file), Axis::frequency().within(1.0, 110.0), panels.into())
         .with_caption(
-            "At the middle of each band, with 95 % intervals, gate and skews being those of the whole band. An error of timing is taken for damping, differently in each band.",
+            "At the middle of each band, with 95 % intervals. Gate and skews are those of the whole band. An error of timing looks like damping, differently in each band.",
         )
 }
 
-/// K and B by every route that tells them; none where there is one alone.
+/// K and B by every route that shows them; none where there is one alone.
 fn route_figure(recording: &ShaftRecording) -> Option<Figure> {
     let found: Vec<(&str, &Estimate)> =
         routes(recording).into_iter().filter_map(|route| Some((route.name, route.told.ok()?))).collect();
@@ -361,9 +361,8 @@ fn error_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
         Layer::VerticalMarks { x: rounded(&errors.excluded_hz), label: "left out".to_owned() },
     ];
     let panel = Panel::new(Axis::linear("|error|", "σ"), HEIGHT, layers);
-    Figure::new(&format!("{}: what K and B leave", recording.file), Axis::frequency(), vec![panel]).with_caption(
-        "Errors of the equation of the shaft by frequency, over what the noise of the signals makes of it.",
-    )
+    Figure::new(&format!("{}: residual of K and B", recording.file), Axis::frequency(), vec![panel])
+        .with_caption("Residual of the shaft's equation by frequency, divided by the part that noise explains.")
 }
 
 /// An axis of 1, 2, …, with room at both ends.

@@ -16,13 +16,13 @@ const SHOWN_S: f64 = 0.5;
 /// Half the width of a 95 % band in standard deviations.
 const BAND: f64 = 1.96;
 
-/// Why a recording does not tell something, with what would.
+/// Why a recording cannot show something, and what can.
 pub fn untold(why: &Untold) -> String {
     match why {
         Untold::Missing { role } => missing(*role),
         Untold::WrongSign { role } => format!(
-            "{} brakes with a negative sign, against what it does to the speed, and is not used; write sign = -1 for {} in the \
-             bench file",
+            "{} is negative when it brakes, as its effect on the speed shows, and is not used; write sign = -1 for \
+             {} in the bench file",
             wording::role(*role),
             role.key()
         ),
@@ -36,10 +36,7 @@ pub fn untold(why: &Untold) -> String {
 
 /// A signal that is not there, or was and is of no use: which of the two, the warnings say.
 pub fn missing(role: Role) -> String {
-    format!(
-        "there is no {} that can be used; record it, or, where a warning names its channel, mend that",
-        wording::role(role)
-    )
+    format!("no {} can be used; record it, or correct its channel if a warning names it", wording::role(role))
 }
 
 /// A filter with its delay, e.g. `moving average over 16 samples, 7.5 ms late`.
@@ -81,9 +78,10 @@ pub fn shaft_filter(found: &ShaftFilter) -> String {
 pub fn early(what: &str, delay: &Parameter) -> Option<String> {
     (delay.interval.1 < 0.0).then(|| {
         format!(
-            "{what} is below zero ({}), which is not physical, since nothing answers T_d* before T_d* asks: their clocks are apart by \
-             as much and by the true delay, which is not known. What is estimated of the shaft takes this out; to know the delay, \
-             record both on one clock, and where what is left depends on T_d*, doubt that a delay and a lag describe it",
+            "{what} is below zero ({}). No torque can react before T_d* changes, so the clocks differ by this and by \
+             the true delay, which is not known. The estimate of the shaft includes the difference. To know the \
+             delay, record both on one clock. If the residual depends on T_d*, delay and lag may not describe the \
+             torque control",
             number::interval(delay)
         )
     })
@@ -130,7 +128,7 @@ pub fn lateness(delays: &[SignalDelay]) -> Option<String> {
     let (calculated, measured) = (late(Role::AirGapTorque)?, late(Role::LoadCellTorque)?);
     let behind = number::duration(measured.value - calculated.value);
     Some(format!(
-        "T_d,calc is {} behind T_d*, T_d,meas {behind} later still: identify with T_d,calc",
+        "T_d,calc is {} behind T_d*, and T_d,meas is {behind} later than that: identify with T_d,calc",
         number::duration(calculated.value)
     ))
 }
@@ -145,23 +143,22 @@ pub fn rebuilt(shaft: &RebuiltShaft) -> String {
         TorqueSource::Calculated => "T_d,calc",
     };
     let certain = format!(
-        "known to ±{} (95 %) from N_d and {from}, bearing friction and clocks apart left out",
+        "known to ±{} (95 %) from N_d and {from}, without bearing friction and differences of clocks",
         number::significant_with_unit(BAND * median, 2, "Nm")
     );
     let worth = |nm: f64| number::significant_with_unit(nm, 2, "Nm");
     let once = match shaft.once_a_turn {
         OnceATurn::TakenOut(nm) => format!("the encoder's once-a-turn error, worth {}, was taken out", worth(nm)),
-        OnceATurn::Unknown(nm) => format!(
-            "beyond that, each 0.01 % of a once-a-turn error of the encoder stands in it as {} at order 1",
-            worth(nm)
-        ),
+        OnceATurn::Unknown(nm) => {
+            format!("not included: each 0.01 % of a once-a-turn error of the encoder adds {} at order 1", worth(nm))
+        }
     };
     let doubt = if shaft.noise.converged { "" } else { "; its noise levels did not settle" };
     format!("{certain}; {once}{doubt}")
 }
 
 /// What it takes to hold T_d,calc against the load cell.
-pub const NO_TRUST: &str = "that takes both, near rest for 6 s or more; run Step_T_TN with long dwells";
+pub const NO_TRUST: &str = "both are needed, near standstill for 6 s or more; run Step_T_TN with long dwells";
 
 /// Whether T_d,calc can be trusted at rest, in plain words.
 pub fn trust(check: &TrustCheck) -> String {

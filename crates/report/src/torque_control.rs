@@ -1,4 +1,4 @@
-//! What the torque control can be told to be, in words and figures.
+//! The models of the torque control, in words and figures.
 
 use page::{Axis, Figure, Layer, Marker, Panel, Rounded, Style, rounded};
 use part_torque::model_comparison::{
@@ -82,7 +82,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
 pub fn closed(closed: Closed) -> Option<&'static str> {
     match closed {
         Closed::Stable => None,
-        Closed::Unstable => Some("runs away once its loop is closed"),
+        Closed::Unstable => Some("diverges with its loop closed"),
         Closed::Circular => Some("is T_d = T_d* − (T_d* − T_d), no model"),
     }
 }
@@ -103,8 +103,8 @@ pub fn against_bar(study: &ModelComparison, recording: &ComparedRecording) -> St
     let all = judged().count();
     match least {
         None => format!(
-            "{bar}, and nothing beats it: none of {all} models has smaller squared errors there (99 %, {tested} tests in pairs \
-             together)"
+            "{bar}, and no model is better: none of {all} models has smaller squared errors there (99 %, {tested} \
+             tests in pairs together)"
         ),
         Some(least) => format!(
             "{bar}; {} of {all} models leave less (99 %, {tested} tests in pairs together), least {}: {}, {} of the bar's error",
@@ -127,29 +127,29 @@ pub fn circular(recording: &ComparedRecording) -> Option<String> {
     let flattered = undelayed().filter_map(|s| s.fed_percent).max_by(f64::total_cmp)?;
     let honest = undelayed().filter_map(|s| s.fit_percent).max_by(f64::total_cmp);
     let closes = honest.map_or_else(
-        || "closed, none of them follows T_d*".to_owned(),
-        |fit| format!("closed, the best follows T_d* to {}", number::fit(fit)),
+        || "none of them follows T_d*".to_owned(),
+        |fit| format!("the best follows T_d* with a fit of {}", number::fit(fit)),
     );
     Some(format!(
-        "T_d* − T_d holds T_d itself: with nk = 0 a model can be T_d = T_d* − (T_d* − T_d), with T_d* from the sample before. Fed \
-         with T_d* − T_d as measured, the best of {} such models fits to {}; {closes}, and {unusable} run away or close upon \
-         themselves. All are judged closed",
+        "T_d* − T_d contains T_d itself: with nk = 0 a model can be T_d = T_d* − (T_d* − T_d), with T_d* from the \
+         sample before. With the measured T_d* − T_d as input, the best of {} such models has a fit of {}. With the \
+         loop closed, {closes}, and {unusable} diverge or contain themselves. All are judged with the loop closed",
         undelayed().count(),
         number::fit(flattered),
     ))
 }
 
-/// What a black box of a recording believes the delay to be, beside what the sampling tells.
+/// The delay of a black box of a recording, and the delay with the sampling modelled.
 pub fn belief(recording: &ComparedRecording, black_box: &BlackBox) -> Option<String> {
     let believed = black_box.delay.as_ref()?;
     let mode = black_box.lag_rad_s.map_or_else(
-        || "its slowest mode is no lag".to_owned(),
-        |a| format!("its slowest mode a lag of {}", number::significant_with_unit(a, 3, "rad/s")),
+        || "and its slowest mode is no lag".to_owned(),
+        |a| format!("and its slowest mode is a lag of {}", number::significant_with_unit(a, 3, "rad/s")),
     );
     let [_, lag, total] = recording.delay_and_lag.as_slice() else { return None };
     let told = [total, lag].map(number::parameter);
     Some(format!(
-        "{} believes in {} of delay at 10 Hz, {mode}; with the sampling modelled they are {} and {}",
+        "{} has a delay of {} at 10 Hz, {mode}; with the sampling modelled, the values are {} and {}",
         structure(&black_box.structure),
         number::parameter(believed),
         told[0],
@@ -162,10 +162,10 @@ pub fn early(recording: &ComparedRecording) -> Vec<String> {
     torque::early_delays(std::iter::once(&recording.pure_delay).chain(&recording.delay_and_lag))
 }
 
-/// What is told beyond delay and lag.
+/// What is found beyond delay and lag.
 pub fn beyond(recording: &ComparedRecording) -> String {
     let Some(test) = &recording.second_order else {
-        return "a second-order term cannot be tested: no lag was found to begin from".to_owned();
+        return "a second-order term cannot be tested, because no lag was found".to_owned();
     };
     let ruled_out = |p_value: f64| p_value < 1.0 - LEVEL;
     let told = match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {
@@ -175,7 +175,7 @@ pub fn beyond(recording: &ComparedRecording) -> String {
         }
         (false, false) => "neither a lag (κ = 0) nor a critically damped loop (κ = 0.25) is ruled out".to_owned(),
     };
-    let doubt = if test.white { "" } else { "; what is left is not white, so that this is to be doubted" };
+    let doubt = if test.white { "" } else { "; the residual is not white, so this is doubtful" };
     format!("Second order, 1/(1 + s/a + κ (s/a)²): {told}{doubt}")
 }
 
@@ -188,7 +188,7 @@ pub fn recording_needed(seconds: f64) -> String {
     }
 }
 
-/// The first rate and hold at which a loop of second order is told from a lag, and what is told at all.
+/// The first rate and hold that distinguish a loop of second order from a lag, and the least term that any of them shows.
 pub fn first_visible(visibility: &Visibility) -> String {
     let hertz = |case: &VisibilityCase| {
         let held = number::duration(case.hold_s);
@@ -216,7 +216,7 @@ pub fn first_visible(visibility: &Visibility) -> String {
     )
 }
 
-/// What models make of T_d, pole–zero maps, fit against order, and what other rates and demands would tell.
+/// What models make of T_d, pole–zero maps, fit against order, and what other rates and demands would show.
 pub fn figures(study: &ModelComparison) -> Vec<Figure> {
     let of_recording = |recording: &ComparedRecording| {
         let shown = study.shown.iter().filter(|shown| shown.judged_on == recording.excited);
@@ -257,9 +257,9 @@ fn trace_figure(recording: &ComparedRecording, shown: &Shown) -> Figure {
         ),
         Panel::new(Axis::linear("measured − model", "Nm"), ERROR_HEIGHT, drawn(&left)),
     ];
-    Figure::new(&format!("{}: T_d as models have it from T_d* alone", recording.label), Axis::time(), panels).with_caption(
-        "The beginning of the part that no model has seen, without mean and ripple. Of the black boxes of each recording that which errs least \
-         there.",
+    Figure::new(&format!("{}: T_d of models, from T_d* alone", recording.label), Axis::time(), panels).with_caption(
+        "The beginning of the part that no model has seen, without mean and ripple. Of each recording the black box \
+         with the smallest errors there.",
     )
 }
 
@@ -303,9 +303,9 @@ fn map(recording: &ComparedRecording, input: Input) -> Option<Figure> {
     let panel = Panel::new(Axis::linear("imaginary part", ""), 420, layers);
     let title = format!("{}: poles and zeros of black boxes on {}", recording.label, driven_by(input));
     let caption = format!(
-        "Crosses are poles, rings zeros, in a colour a model; ellipses of the same colour hold the true root with {:.0} %; inside the \
-         grey circle models are stable. Estimated from {}; in z at {} Hz{loop_}. A pole and a zero whose regions meet explain \
-         noise.{left_out}",
+        "Crosses are poles, rings zeros, with one colour per model; ellipses of the same colour contain the true \
+         root with {:.0} %. Inside the grey circle models are stable. Estimated from {}; in z at {} Hz{loop_}. A \
+         pole and a zero whose regions meet explain noise.{left_out}",
         100.0 * ELLIPSE_LEVEL,
         recording.file,
         number::significant(1.0 / recording.sample_time_s, 4)

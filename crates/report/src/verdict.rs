@@ -1,7 +1,7 @@
 //! The verdict on a study, by rules that are stated and shown with their outcome.
 //!
-//! Nothing is estimated here: every rule compares numbers the study holds with a threshold that stands in the rule's
-//! own words. The headline is the worst outcome of all rules.
+//! Nothing is estimated here: every rule compares numbers of the study with a threshold, and states that threshold.
+//! The headline is the worst outcome of all rules.
 
 use rig::results::{Parameter, Part, Quantity, Validation};
 use rig::{Diagnostic, Finding, Severity};

@@ -22,8 +22,8 @@ use crate::findings::Findings;
 use crate::folded_pulses::Folded;
 use crate::whole::{self, Pieces, Whole};
 
-/// Times by which the shaft's equation leaves less with the speeds exchanged that tell that their channels are: rightly named
-/// speeds have 10⁻³ and exchanged ones 10³, with a dual-mass flywheel behind a flange, which the equation lacks, 0.3 and 9.
+/// The channels of the speeds are exchanged if the shaft's equation leaves this many times less with exchanged speeds. Rightly
+/// named speeds have 10⁻³ and exchanged ones 10³; with a dual-mass flywheel, which the equation lacks, 0.3 and 9.
 const EXCHANGED: f64 = 3.0;
 /// Disagreement of the inertia in the bench file with the data that is worth a warning: standard errors, and share.
 const INERTIA_DOUBT: (f64, f64) = (5.0, 0.01);

@@ -24,21 +24,21 @@ pub fn hint(document: &ModelDocument, data: &Dataset, response: &Response, taken
     let remedy = match (taken_off, &document.trend) {
         (TakenOff::Own, Some(_)) | (TakenOff::Nothing, None) => return None,
         (TakenOff::Own, None) => {
-            "nothing was taken off the model's own data; with --detrend model nothing is taken off here either"
+            "nothing was subtracted from the model's own data; with --detrend model nothing is subtracted here either"
         }
         (TakenOff::Nothing, Some(_)) => {
-            "the model holds about the operating point of its data; --detrend model takes that off, --detrend mean the level of each recording"
+            "the model is valid near the operating point of its data; --detrend model subtracts that point, --detrend mean subtracts the mean of each recording"
         }
         (TakenOff::OfModel, Some(_)) => {
-            "the recording rests elsewhere than the data of the model did; --detrend mean judges the dynamics alone"
+            "the recording has another operating point than the data of the model; --detrend mean judges the dynamics alone"
         }
         (TakenOff::OfModel, None) => {
-            "nothing was taken off the data of the model, nor is anything here; --detrend mean judges the dynamics alone"
+            "nothing was subtracted from the data of the model, nor here; --detrend mean judges the dynamics alone"
         }
     };
     let names: Vec<String> = beside(data, response).ok()?.into_iter().map(|name| format!("\"{name}\"")).collect();
     let names = names.join(", ");
-    (!names.is_empty()).then(|| format!("most of what the model misses of {names} is a level or a drift: {remedy}"))
+    (!names.is_empty()).then(|| format!("most of the residual of {names} is an offset or a drift: {remedy}"))
 }
 
 /// Outputs whose errors are mostly a straight line in one of the recordings, and one that matters.

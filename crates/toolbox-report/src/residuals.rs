@@ -45,7 +45,7 @@ pub(crate) fn findings(report: &ResidualReport, (inputs, outputs): (&[Label], &[
 fn of_input(test: &Independence, input: &str, name: &str) -> [Block; 2] {
     let missing = match test.past.passes(REGION) {
         true => format!(
-            "residuals of {name} go with {input} of the same sample only: {input} acts at once, or follows {name} \
+            "residuals of {name} depend only on {input} of the same sample: {input} acts at once, or follows {name} \
              within the sample, as a controller's output does"
         ),
         false => format!("residuals of {name} depend on past {input}: dynamics are missing"),
@@ -56,8 +56,8 @@ fn of_input(test: &Independence, input: &str, name: &str) -> [Block; 2] {
         true => "there is feedback",
         false => "feedback, or the missing dynamics again, as with an input that is not white",
     };
-    let unseen = format!("residuals of {name} do not show in future {input}: no feedback");
-    let seen = format!("residuals of {name} show in future {input}: {seen}");
+    let unseen = format!("residuals of {name} are not correlated with future {input}: no feedback");
+    let seen = format!("residuals of {name} are correlated with future {input}: {seen}");
     [finding(&test.dynamics, captured, missing), finding(&test.feedback, unseen, seen)]
 }
 

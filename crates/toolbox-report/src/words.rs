@@ -12,21 +12,21 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
                 .into()
         }
         Doubt::IllConditioned { condition } => format!(
-            "the data barely tell the parameters apart (condition number {}); lower the order or excite the system better",
+            "the data barely separate the parameters (condition number {}); lower the order or excite the system better",
             scientific(*condition, 1)
         ),
         Doubt::RowsLeftOut { rows, of } => format!(
-            "{rows} of {of} rows were left out: samples are missing there (those of a slower output count so), or what the model needs of the past, or of the time around a record with band-limited inputs, was not recorded"
+            "{rows} of {of} rows were left out, because a sample is missing there or the model needs more of the past; samples between those of a slower output count as missing, and band-limited inputs also need the time around a record"
         ),
         Doubt::AtBound { parameter } => format!(
             "{} rests on its bound, so its interval means nothing; widen the bound or leave the parameter out",
             parameters.get(*parameter).map_or("a parameter", String::as_str)
         ),
         Doubt::Unstable => {
-            "the model is not stable: simulating it runs away, and it has no gain at rest and no final value; where the system itself is stable, change the order or the channels, or fit the simulated output (oe, tf, ss --simulation)".into()
+            "the model is not stable: its simulation diverges, and it has no static gain and no final value; if the system itself is stable, change the order or the channels, or fit the simulated output (oe, tf, ss --simulation)".into()
         }
         Doubt::LargerThanNoise { ratio } => format!(
-            "what the model leaves is {} times what the measured noise explains, and the intervals rest on that noise: true errors are larger; try another structure",
+            "the residual is {} times what the measured noise explains, but the intervals follow from that noise; true errors are larger; try another structure",
             fixed(*ratio, 3)
         ),
         Doubt::CovarianceIsLowerBound => {
@@ -40,7 +40,7 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
             )
         }
         Doubt::DependentInputs { input } => format!(
-            "input {} is a linear combination of the inputs before it, so the data cannot tell their effects apart; leave it out",
+            "input {} is a linear combination of the inputs before it, so the data cannot separate their effects; leave it out",
             input + 1
         ),
         Doubt::DependentOutputs { output } => {
@@ -52,7 +52,7 @@ pub(crate) fn doubt(doubt: &Doubt, parameters: &[String], outputs: &[Label]) -> 
         Doubt::NothingLeft { output } => {
             let name = outputs.get(*output).map_or("an output", |label| label.name.as_str());
             format!(
-                "the model leaves nothing of {name}, or nothing that can be squared, so intervals and criteria mean nothing; check the channel, and the scale of its values"
+                "the residual of {name} is zero, or too small to be squared, so intervals and criteria mean nothing; check the channel, and the scale of its values"
             )
         }
         Doubt::RootAtEdge { output, polynomial, input, magnitude, angle, cancelled_by } => {

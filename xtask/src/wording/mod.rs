@@ -172,5 +172,7 @@ mod tests {
             in_markdown("README.md", &format!("`{long}` is code.\n\n{}", "- six words in this item\n".repeat(6)))
                 .is_empty()
         );
+        let options = "  --quick  so few samples\n".repeat(8);
+        assert!(in_markdown("crates/lti/src/a.rs", &format!("const HELP: &str = {options:?};\n")).is_empty());
     }
 }

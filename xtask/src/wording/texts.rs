@@ -11,6 +11,8 @@ use regex_lite::Regex;
 use super::expression::compiled;
 
 static CODE: LazyLock<Regex> = LazyLock::new(|| compiled("`[^`]*`"));
+/// A line with a gap inside: an option with its meaning, or a value with its comment.
+static COLUMNS: LazyLock<Regex> = LazyLock::new(|| compiled(r"(?m)^(.*\S {2,}\S.*)$"));
 static COMMAND: LazyLock<Regex> = LazyLock::new(|| compiled(r"(?m)^\s+(dynoid|cargo) .*$"));
 static LINK: LazyLock<Regex> = LazyLock::new(|| compiled(r"!?\[([^\]]*)\]\([^)]*\)"));
 static PLACEHOLDER: LazyLock<Regex> = LazyLock::new(|| compiled(r"`[^`]*`|\{[^{}]*\}"));
@@ -43,7 +45,7 @@ fn gather(folder: &Path, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
             if !name.starts_with('.') && !left_out.contains(&name.as_str()) {
                 gather(&path, found)?;
             }
-        } else if matches!(path.extension().and_then(|e| e.to_str()), Some("rs" | "md" | "js" | "html")) {
+        } else if name == "methods.txt" || matches!(name.rsplit('.').next(), Some("rs" | "md" | "js" | "html")) {
             found.push(path);
         }
     }
@@ -54,7 +56,7 @@ fn gather(folder: &Path, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
 pub(super) fn of_file(name: &str, content: &str) -> Result<Vec<Text>, String> {
     match name.rsplit('.').next() {
         Some("rs") => of_rust(name, content),
-        Some("md") => Ok(vec![of_markdown(content)]),
+        Some("md" | "txt") => Ok(vec![of_markdown(content)]),
         Some("html") => Ok(vec![Text { line: 1, words: without(&TAG, content), sentences: true }]),
         _ => Ok(of_script(content)),
     }
@@ -78,7 +80,7 @@ fn literals(tokens: TokenStream, docs_are_help: bool, texts: &mut Vec<Text>) {
                 if let Some(words) = words {
                     texts.push(Text {
                         line,
-                        words: without(&TAG, &without(&PLACEHOLDER, &without_commands(&words))),
+                        words: without(&TAG, &without(&PLACEHOLDER, &in_sentences(&words))),
                         sentences: true,
                     });
                 }
@@ -117,7 +119,7 @@ fn spoken(literal: &str) -> Option<String> {
     syn::parse_str::<syn::LitStr>(literal).ok().map(|literal| literal.value())
 }
 
-/// Headings, items and cells end a sentence; code is one word; fenced code is none. Every line stays in its place.
+/// Headings, items and cells end a sentence; code is one word; fenced code and formulas are none. Every line keeps its place.
 fn of_markdown(content: &str) -> Text {
     let mut fenced = false;
     let mut words = String::new();
@@ -125,8 +127,9 @@ fn of_markdown(content: &str) -> Text {
         let trimmed = line.trim_start();
         let fence = trimmed.starts_with("```");
         fenced ^= fence;
-        if !fenced && !fence {
-            let own = trimmed.starts_with(['-', '#', '|', '*', '>', '!'])
+        let formula = trimmed.starts_with("= ");
+        if !fenced && !fence && !formula {
+            let own = trimmed.starts_with(['-', '#', '|', '*', '>', '!', '~'])
                 || trimmed.starts_with(|c: char| c.is_ascii_digit()) && trimmed.contains(". ");
             if own && !words.is_empty() {
                 words.pop();
@@ -151,9 +154,10 @@ fn of_script(content: &str) -> Vec<Text> {
     content.lines().enumerate().flat_map(quoted).collect()
 }
 
-/// The lines of examples in help, which are commands, end a sentence.
-fn without_commands(text: &str) -> String {
-    COMMAND.replace_all(text, ". ").into_owned()
+/// Commands in help are no words. They end a sentence, as lines with columns do.
+fn in_sentences(text: &str) -> String {
+    let text = COMMAND.replace_all(text, ". ");
+    COLUMNS.replace_all(&text, ". $1. ").into_owned()
 }
 
 /// With one word in place of each match.

@@ -38,14 +38,14 @@ pub(crate) fn run(arguments: &LinesArguments, terminal: &mut Terminal) -> Result
 fn nothing_seen(look: &RecordingLines) -> Option<String> {
     if look.parts.is_empty() {
         let remedy = "name the channel of N_e or N_d in the bench file";
-        return Some(format!("{}: no speed is recorded, and lines are told by what follows it; {remedy}", look.file));
+        return Some(format!("{}: no speed is recorded, and the causes of lines follow from it; {remedy}", look.file));
     }
     let is_empty = look.parts.iter().all(|part| part.signals.is_empty());
     let needs = format!("a signal needs {FEWEST_SAMPLES} samples in a row, and has to change");
     is_empty.then(|| format!("{}: nothing in it makes a spectrum; {needs}", look.file))
 }
 
-/// The lines without the spectra they stand in.
+/// The lines without their spectra.
 fn short(look: &RecordingLines) -> serde_json::Value {
     let signal = |signal: &SignalLines| {
         json!({"role": signal.role, "unit": si_spelling(signal.role.quantity()),
@@ -58,7 +58,7 @@ fn short(look: &RecordingLines) -> serde_json::Value {
     json!({"file": look.file, "label": look.label, "parts": look.parts.iter().map(part).collect::<Vec<_>>()})
 }
 
-/// The orders over the speed without the map they stand in.
+/// The orders over the speed without their map.
 fn orders(signal: &OverSpeed) -> serde_json::Value {
     json!({"role": signal.role, "unit": si_spelling(signal.role.quantity()), "speed_rad_s": signal.speed_rad_s,
         "bandwidth_orders": BANDWIDTH_ORDERS, "orders": signal.orders, "staying": signal.staying})

@@ -1,4 +1,4 @@
-//! `dynoid torque-control`: what the torque control can be told to be.
+//! `dynoid torque-control`: models of the torque control, compared.
 
 use part_torque::TorqueControls;
 use part_torque::model_comparison::{ModelComparison, OrdersTried, compare_models};

@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
     Ok(Outcome::of(signals.recordings.iter().any(tells) || signals.trust.is_some(), &refused))
 }
 
-/// Whether a recording tells anything at all.
+/// Whether a recording gives any result.
 fn tells(recording: &TorqueRecording) -> bool {
     let filter = recording.filter.as_ref().is_some_and(|told| told.found().is_some());
     let shaft = recording.shaft.as_ref().is_some_and(|told| told.found().is_some());

@@ -35,7 +35,7 @@ fn stat_friction_and_inertia_are_said_of_the_recordings_without_shaft() {
 #[test]
 fn regress_what_narrows_the_inertia_is_said_where_t_d_demand_is_missing() {
     let campaign = campaign();
-    let remedy = "a recording with T_d*, named in the bench file as dyno_torque_demand, makes its interval narrower";
+    let remedy = "A recording with T_d*, named in the bench file as dyno_torque_demand, makes it narrower";
     let width = |bench: &str| {
         let interval = campaign.run(&["friction", bench, "--json"]).json()["inertia"]["inertia"]["interval"].clone();
         interval[1].as_f64().unwrap() - interval[0].as_f64().unwrap()

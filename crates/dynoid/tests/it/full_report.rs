@@ -18,16 +18,8 @@ const COUNTERPARTS: [(&str, &str, &str); 26] = [
     ("figure 6.5: residuals of PI", "speed-control", "correlation of residual and T_d*"),
     ("figure 6.9: feed-forward over speed", "feed-forward", "static feed-forward over N_d*"),
     ("figure 6.12: poles and zeros", "torque-control", "poles and zeros of black boxes on T_d*"),
-    (
-        "figure 6.13: black boxes on white noise",
-        "torque-control",
-        "WhiteNoise_T_TN: T_d as models have it from T_d* alone",
-    ),
-    (
-        "figure 6.14: black boxes on the binary sequence",
-        "torque-control",
-        "BS_T_NT: T_d as models have it from T_d* alone",
-    ),
+    ("figure 6.13: black boxes on white noise", "torque-control", "WhiteNoise_T_TN: T_d of models, from T_d* alone"),
+    ("figure 6.14: black boxes on the binary sequence", "torque-control", "BS_T_NT: T_d of models, from T_d* alone"),
     ("figures 6.16, 6.17: the shaft by band", "shaft", "by band of frequencies"),
     ("§6.3.5.1: the shaft of a motored engine", "shaft", "Black box T_d → ω_d"),
     ("§6.3.5.3: the shaft in state space", "shaft", "State space (T_d, ω_e) → ω_d"),

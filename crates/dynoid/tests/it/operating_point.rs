@@ -31,15 +31,15 @@ fn another_operating_point_is_told_from_a_bad_model() {
     let own = result["judged"][0]["fit_percent_simulated"][0][0].as_f64().unwrap();
     let (again, silent) = fit_percent(&folder, "model compare model.json --on run.csv");
     assert!((own - again).abs() < 1e-9, "on its own recording the model is as good as the fit said: {own}, {again}");
-    assert!(!silent.contains("level or a drift"), "{silent}");
+    assert!(!silent.contains("offset or a drift"), "{silent}");
     let (elsewhere, said) = fit_percent(&folder, "model compare model.json --on shifted.csv");
-    assert!(elsewhere < -1000.0 && said.contains("level or a drift") && said.contains("--detrend mean"), "{said}");
+    assert!(elsewhere < -1000.0 && said.contains("offset or a drift") && said.contains("--detrend mean"), "{said}");
     let (dynamics, silent) = fit_percent(&folder, "model compare model.json --on shifted.csv --detrend mean");
-    assert!(dynamics > 80.0 && !silent.contains("level or a drift"), "{dynamics} {silent}");
+    assert!(dynamics > 80.0 && !silent.contains("offset or a drift"), "{dynamics} {silent}");
     let (_, said) = fit_percent(&folder, "model compare model.json --on unseen.csv --detrend none");
     assert!(said.contains("--detrend model"), "{said}");
     let said = run(&folder, "model residuals model.json --on shifted.csv").stderr;
-    assert!(said.contains("level or a drift"), "{said}");
+    assert!(said.contains("offset or a drift"), "{said}");
 }
 
 #[test]

@@ -20,8 +20,8 @@ fn stat_models_are_held_against_the_bar_on_both_excitations() {
         "ripple at 100 Hz was taken out",
         "(the bar)",
         "least delay and lag",
-        "believes in",
-        "T_d* − T_d holds T_d itself",
+        "has a delay of",
+        "T_d* − T_d contains T_d itself",
         "What 60 s of other rates and demands would show",
         "A critically damped loop (κ = 0.25) is distinguished from a lag from 250 Hz",
     ] {

@@ -121,7 +121,7 @@ impl Style {
         Self::MODELS[index % Self::MODELS.len()]
     }
 
-    /// Whether lines are dashed, so that more models can be told apart than colours can.
+    /// Whether lines are dashed: there are more models than colours that can be distinguished.
     pub(crate) fn is_dashed(self) -> bool {
         Self::MODELS[5..].contains(&self)
     }
@@ -137,7 +137,7 @@ pub enum Marker {
     Ring,
 }
 
-/// Something drawn in a panel. A layer's `name` stands in the legend, one entry a name; `x` and `y` are as long as each
+/// Something drawn in a panel. A layer's `name` is in the legend, one entry a name; `x` and `y` are as long as each
 /// other, and so are `low` and `high`.
 #[allow(missing_docs)] // the fields are what their names say, and what the variant says of them
 #[derive(Debug, Clone, Serialize)]

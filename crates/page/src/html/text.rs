@@ -63,7 +63,7 @@ fn first_fraction(text: &str) -> Option<(&str, &str, &str, &str)> {
     Some((&text[..start], over, under, &behind[under.len() + 3..]))
 }
 
-/// What stands between a brace at the start and the one that closes it.
+/// The text between a brace at the start and the one that closes it.
 fn braced(text: &str) -> Option<&str> {
     let mut depth = 0_usize;
     for (at, c) in text.char_indices() {

@@ -131,8 +131,8 @@ fn frame(figure: &Figure, panel: &Panel, domain: (f64, f64), (top, bottom): (f64
     }
 }
 
-/// A panel: axes, then what is drawn between them, then names. What the page's script needs to show another part of it
-/// stands in `data-` attributes: the scales, the frame, and of each group whether it moves along x, y or both.
+/// A panel: axes, then what is drawn between them, then names. Attributes `data-` have what the page's script needs to show
+/// another part of it: the scales, the frame, and of each group whether it moves along x, y or both.
 fn draw_panel(out: &mut String, figure: &Figure, panel: &Panel, frame: &Frame, clip: &str, last: bool) {
     let Frame { left, right, top, bottom, .. } = *frame;
     let _ = writeln!(

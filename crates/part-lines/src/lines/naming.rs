@@ -18,7 +18,7 @@ const RIPPLED: f64 = 0.1;
 /// what its control lets through: what changes that by less than half is not counted as a cause.
 const FOLLOWED: f64 = 1.5;
 const ADDED: f64 = 0.5;
-/// Images that the torque control makes less than this share of tell its bandwidth.
+/// Images that the torque control makes less than this share of show its bandwidth.
 const DAMPED: f64 = 0.95;
 /// Torques, which follow their demand.
 const TORQUES: [Role; 4] = [Role::AirGapTorque, Role::LoadCellTorque, Role::SystemShaftTorque, Role::FlangeTorque];

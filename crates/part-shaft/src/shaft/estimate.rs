@@ -140,7 +140,7 @@ pub fn estimate_by_band(
     Ok(bands_hz.iter().map(|band_hz| of_band(*band_hz)).collect())
 }
 
-/// Holds every [`Term`] beyond the simple shaft against the whole of a recording, each by itself.
+/// Tests every [`Term`] beyond the simple shaft on the whole of a recording, each by itself.
 ///
 /// # Errors
 /// Those of [`estimate`].

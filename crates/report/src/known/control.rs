@@ -60,19 +60,19 @@ fn delay_seen(part: &SpeedController) -> String {
         validation.residuals.as_ref().map_or_else(|| number::NOT_KNOWN.to_owned(), |t| number::share(t.share_outside()))
     };
     format!(
-        "Without the delay, what PI leaves depends on the input at {} of the lags; with the delay, at {}.",
+        "Without the delay, the residual of PI depends on the input at {} of the lags; with the delay, at {}.",
         share(&part.without_delay),
         share(&part.validation)
     )
 }
 
-/// What stands beside PI and delay in the longest recording that tells it.
+/// The terms found beyond PI and delay, in the longest recording that shows them.
 fn beside_pi(found: &Analyses) -> Option<String> {
     let all = found.speed_control.controllers.iter();
     all.filter_map(|one| one.found.found()?.structure.found()).next().map(controller::structure)
 }
 
-/// k, k_a, and m which no recording tells.
+/// k, k_a, and m, which no recording shows.
 pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Known> {
     of_part(&study.feed_forward, ("k, k_a", "feed-forward"), |part| {
         let bends = analyses.and_then(|found| {
@@ -132,7 +132,7 @@ fn sampling(study: &Study, part: &TorqueControl, own: &Parameter) -> Option<Stri
     let (_, sample_s) = times.iter().find(|(role, _)| *role == Role::AirGapTorque)?;
     (lag_s < *sample_s).then(|| {
         format!(
-            "The lag of {} is short beside the {} between samples of T_d,calc: their sum is known better than delay and lag alone.",
+            "The lag of {} is shorter than the {} between samples of T_d,calc, so the sum of delay and lag is known better than each alone.",
             number::duration(lag_s),
             number::duration(*sample_s)
         )

@@ -44,13 +44,13 @@ impl Grade {
     pub fn meaning(self) -> &'static str {
         match self {
             Grade::Well => {
-                "The recordings pin it down to within 5 % to either side (a time to a tenth of the fastest sample, friction to 1 Nm, \
-                 a replay to a fit of 90 %), and nothing else in them contradicts it."
+                "The recordings determine it within ±5 %, and nothing else in them contradicts it. For a time the limit is a tenth \
+                 of the fastest sample, for friction 1 Nm, for a replay a fit of 90 %."
             }
             Grade::Roughly => {
-                "Within 20 % (a time within half of the fastest sample, a replay to 70 %); or within 5 %, but something else contradicts it."
+                "Within ±20 % (a time: half of the fastest sample; a replay: a fit of 70 %). Or within ±5 %, but something else contradicts it."
             }
-            Grade::Poorly => "Less well than that: good for an order of magnitude.",
+            Grade::Poorly => "Less accurately than that: good for an order of magnitude.",
             Grade::OnTrust => "Stated in the bench file. No recording says whether it is true.",
             Grade::NotAtAll => "No recording shows it.",
         }
@@ -86,7 +86,7 @@ pub struct Known {
     pub name: String,
     /// How well it is known.
     pub grade: Grade,
-    /// Its value with its uncertainty, or what stands in its place.
+    /// Its value with its uncertainty, or why there is none.
     pub value: String,
     /// Why, a sentence each.
     pub why: Vec<String>,
@@ -144,7 +144,7 @@ pub(super) fn of_part<T>(
 pub(super) fn source(study: &Study, estimate: &Estimate) -> String {
     let from: Vec<String> = estimate.stretches.iter().map(|stretch| stretch_words(study, stretch)).collect();
     match from.as_slice() {
-        [] => "From data that were not stated.".to_owned(),
+        [] => "The study does not state from which data.".to_owned(),
         _ => format!("From {}.", wording::join(&from, "and")),
     }
 }

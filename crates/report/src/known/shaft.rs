@@ -39,7 +39,10 @@ fn one(study: &Study, analyses: Option<&Analyses>, part: &Shaft, own: &Parameter
     let above = spectrum.normalised_magnitude.iter().filter(|m| **m > spectrum.bound).count();
     let share = above as f64 / spectrum.normalised_magnitude.len().max(1) as f64;
     if share > MANY_ABOVE {
-        why.push(format!("At {} of the frequencies the shaft leaves more than noise explains.", number::share(share)));
+        why.push(format!(
+            "At {} of the frequencies the residual of the shaft is larger than noise explains.",
+            number::share(share)
+        ));
         grade = grade.contradicted();
     }
     if analyses.and_then(|found| found.shaft.together.as_ref()).is_some_and(|all| all.apart) {
@@ -76,7 +79,7 @@ fn timing(part: &Shaft, own: &Parameter) -> Option<String> {
     let plain = plain.written();
     (moved.abs() > MOVED).then(|| {
         format!(
-            "It hangs on the timing of the signals, which is estimated with it: with time stamps taken at their word it would be {}.",
+            "It depends on the timing of the signals, which is estimated with it. If the time stamps were exact, it would be {}.",
             number::significant_with_unit(plain.value, 3, plain.notation.unit)
         )
     })
@@ -109,11 +112,8 @@ fn holds(found: &Parameter, value: f64) -> bool {
 fn together(found: &Analyses, own: &Parameter) -> Option<String> {
     let all = found.shaft.together.as_ref()?;
     let common = if own.quantity == Quantity::Stiffness { &all.stiffness } else { &all.damping };
-    let verdict = if all.apart {
-        "which in K and B together differ by more than their own intervals allow"
-    } else {
-        "which agree"
-    };
+    let verdict =
+        if all.apart { "which differ in K and B by more than their own intervals allow" } else { "which agree" };
     Some(format!(
         "All {} recordings together, {verdict}, give {} = {}.",
         common.by_recording.len(),
@@ -146,7 +146,7 @@ fn inertia(study: &Study, analyses: Option<&Analyses>, quantity: Quantity, kg_m2
             BenchVariant::LoadCell => "WhiteNoise_T_TN or Multisine_T_TN would show it",
             BenchVariant::TorqueFlange => "behind a dual-mass flywheel no recording with the shaft on can",
         };
-        let why = vec![format!("No recording was there to say whether it is true; {remedy}.")];
+        let why = vec![format!("No recording shows whether it is true; {remedy}.")];
         return Known::new(symbol, name, Grade::OnTrust, format!("{stated}, stated"), why);
     };
     let agree = checks.iter().all(|(_, found)| holds(found, kg_m2));
@@ -173,7 +173,7 @@ pub(super) fn skews(study: &Study) -> Vec<Known> {
     let known = |quantity: &Quantity| {
         let own = part.estimate.parameter(*quantity)?;
         let why = vec![
-            "Estimated with K and B from how the signals answer one another; no second route checks it.".to_owned(),
+            "Estimated together with K and B; no second route checks it.".to_owned(),
             source(study, &part.estimate),
         ];
         Some(Known::of(own, grade(study, own), why))

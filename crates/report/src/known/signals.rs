@@ -24,12 +24,12 @@ fn one(study: &Study, delay: &SignalDelay) -> Option<Known> {
     let mut by_width = grade(study, own);
     let mut why = vec![format!("Measured against T_d* in {}.", stretch_words(study, &delay.stretch))];
     why.push(match delay.routes_agree() {
-        Some(true) => format!("{} routes were taken to it, and they agree.", delay.routes.len()),
+        Some(true) => format!("{} methods estimate it, and they agree.", delay.routes.len()),
         Some(false) => {
             by_width = by_width.contradicted();
-            format!("The {} routes to it do not agree.", delay.routes.len())
+            format!("The {} methods that estimate it do not agree.", delay.routes.len())
         }
-        None => "There is no second route to check it by.".to_owned(),
+        None => "No second method checks it.".to_owned(),
     });
     if let Some(bend) = &delay.against_speed_bend {
         why.push(format!(
@@ -57,7 +57,7 @@ pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
             let files: Vec<String> = found.run_outs.iter().map(|run_out| run_out.stretch.file.clone()).collect();
             let mut why = format!("From {}, with the shaft off.", wording::join(&files, "and"));
             if middle.half_width_nm >= middle.torque_nm.abs() {
-                why.push_str(" It does not differ significantly from zero, and is small whatever it is.");
+                why.push_str(" It does not differ significantly from zero, and is small in any case.");
             }
             let torque = number::plus_minus(middle.torque_nm, middle.half_width_nm, "Nm");
             let width = middle.half_width_nm / middle.torque_nm.abs().max(FRICTION_NM / WIDTHS.0);

@@ -48,7 +48,7 @@ fn of_inertias(bench: &BenchFacts) -> String {
 fn uncertain_by(influence: &Influence) -> Option<String> {
     let shares = influence.parameters.iter().filter_map(|one| Some((one, one.variance_share?)));
     let (most, share) = shares.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(format!("Most of its uncertainty, {}, is owed to {}.", number::share(share), most.parameter.symbol()))
+    Some(format!("Most of its uncertainty, {}, comes from {}.", number::share(share), most.parameter.symbol()))
 }
 
 /// How far measured gains are from the model on average, and in words.
@@ -63,7 +63,7 @@ fn sine_tests(whole: &WholeModel) -> (Option<f64>, String) {
     }
     let mean = clear.iter().sum::<f64>() / clear.len() as f64;
     let words = format!(
-        "{} sine tests clear of engine orders, none of which the model was made from, differ from it by {} on average.",
+        "{} sine tests away from engine orders differ from it by {} on average. The model was not estimated from them.",
         clear.len(),
         number::share(mean)
     );

@@ -12,7 +12,7 @@ use page::{Blocks, Symbol};
 const WIDTH: i32 = 880;
 const HEIGHT: i32 = 356;
 
-/// A block: where it is, what it is, and what stands in it.
+/// A block: where it is, what it is, and its text.
 struct Block {
     x: i32,
     y: i32,
@@ -39,7 +39,7 @@ pub(crate) fn section(study: &Study) -> Blocks {
     page::Block::Drawing {
         svg: svg.into_string(),
         description:
-            "Block diagram of the bench: speed control demands a torque of the torque control, which acts on the \
+            "Block diagram of the bench: speed control demands a torque from the torque control, which acts on the \
                       dynamometer; the shaft connects it with the engine."
                 .to_owned(),
         caption:

@@ -11,9 +11,10 @@ pub(crate) fn section(study: &Study, analyses: Option<&Analyses>) -> Blocks {
     let all = known(study, analyses);
     let well = all.iter().filter(|one| one.grade == Grade::Well).count();
     let text = format!(
-        "Of {} quantities that make up the model, {well} are known well. ± is half of the 95 % interval: were the campaign repeated many \
-         times, 19 of 20 such intervals would hold the truth, provided that the model is of the right kind. The last column says why each is known as well as \
-         it is; what contradicts a value counts against it.",
+        "Of {} quantities that make up the model, {well} are known well. ± is half of the 95 % interval: if the \
+         campaign were repeated many times, 19 of 20 such intervals would contain the true value. This assumes that \
+         the model is of the right kind. The last column says why each is known as well as it is; what contradicts a \
+         value counts against it.",
         all.len()
     );
     let mut section = Blocks::from(Block::lead(text));

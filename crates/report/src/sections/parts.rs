@@ -61,7 +61,7 @@ pub(crate) fn seconds(value: f64) -> String {
     if value.is_finite() { format!("{value:.1}") } else { "?".to_owned() }
 }
 
-/// What stands in place of a part that was not estimated.
+/// The text in place of a part that was not estimated.
 pub(crate) fn not_estimated(what: &str, needs: &[Need]) -> Blocks {
     let items = match needs {
         [] => vec![wording::needs(needs).into()],

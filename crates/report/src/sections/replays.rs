@@ -12,8 +12,8 @@ use crate::wording::{capitalised, experiment, mode, number};
 
 /// The section on replays.
 pub(crate) fn section(study: &Study) -> Blocks {
-    let what = "The whole model is driven with the recorded demand and with the engine torque reconstructed from N_e and \
-                T_shaft; what it answers is compared with what was measured.";
+    let what = "The whole model runs on the recorded demand and on the engine torque reconstructed from N_e and \
+                T_shaft. Its response is compared with the measurement.";
     if study.replays.is_empty() {
         return vec![
             Block::lead(what),

@@ -16,7 +16,7 @@ const QUANTILE_95: f64 = 1.96;
 
 /// The section on the whole model.
 pub(crate) fn section(study: &Study) -> Blocks {
-    let what = "All parts connected: what the bench does to a demand, and where it resonates.";
+    let what = "All parts connected: how the bench responds to a demand, and where it resonates.";
     let whole = match &study.whole {
         Part::Estimated(whole) => whole,
         Part::NotEstimated { needs } => return not_estimated(what, needs),
@@ -35,9 +35,9 @@ pub(crate) fn section(study: &Study) -> Blocks {
 
 fn notes(study: &Study, whole: &WholeModel) -> Blocks {
     let gain = format!(
-        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque. J_e is taken from the \
-         bench file: resonance and static gain hang on it, and neither replays nor sine tests can show it wrong, since the \
-         engine’s torque is reconstructed with it.",
+        "Far below the resonance the shaft carries J_e/(J_d + J_e) = {} of the dynamometer’s torque. J_e is taken \
+         from the bench file. Resonance and static gain depend on it. Neither replays nor sine tests can show that \
+         it is wrong, since the engine’s torque is reconstructed with it.",
         number::significant(whole.static_gain, 3)
     );
     vec![Block::paragraph(format!("{gain} {}", firing(study, whole))), margins(whole.speed_loop_margins.as_ref())]
@@ -96,8 +96,8 @@ fn influences(whole: &WholeModel) -> Blocks {
     });
     let heads =
         ["", "Result", "Parameter", "1 % of it moves the result by", "Part of the variance, were it known exactly"];
-    let text = "What every parameter does to the results of the model. The last column is the most that a better experiment for \
-                this parameter could gain; parameters that are estimated together share what they take away.";
+    let text = "The effect of every parameter on the results of the model. The last column is the most that a better \
+                experiment for this parameter could gain. Parameters that are estimated together share it.";
     vec![Block::paragraph(text), Block::Table(Table::of_text(&heads).with_rows(rows))].into()
 }
 
@@ -182,8 +182,8 @@ fn resonance_layers(resonance: &Parameter) -> Vec<Layer> {
     ]
 }
 
-/// The sine tests as points, freed of what the engine did; those at an engine order, where that cannot be told apart, as a
-/// series of their own. `scale` turns a gain into what the axis shows.
+/// The sine tests as points, without the contribution of the engine. Those at an engine order, where the two cannot be
+/// separated, are a series of their own. `scale` turns a gain into what the axis shows.
 fn sine_layers(points: &[SinePoint], scale: impl Fn(f64) -> Rounded) -> Vec<Layer> {
     let (at_order, clear): (Vec<&SinePoint>, Vec<&SinePoint>) = points.iter().partition(|p| p.at_engine_order);
     let series = |name: &str, style: Style, points: &[&SinePoint]| {

@@ -12,7 +12,7 @@ use virtual_bench::Assumption;
 
 use super::number::significant_with_unit;
 
-/// What stands in for something that nobody stated.
+/// What is assumed where nobody stated a value.
 pub fn assumption(assumption: &Assumption) -> String {
     let number = |value: f64, unit: &str| significant_with_unit(value, 4, unit);
     match *assumption {

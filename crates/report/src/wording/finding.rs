@@ -71,7 +71,7 @@ pub fn finding(finding: &Finding) -> String {
         Finding::SpeedsExchanged { misfit_ratio } => {
             let times = significant(*misfit_ratio, 2);
             format!(
-                "The channels of N_d and N_e seem exchanged: that way round the shaft’s equation leaves {times} times less."
+                "The channels of N_d and N_e seem exchanged: the other way round the residual of the shaft’s equation is {times} times smaller."
             )
         }
         Finding::TooShort { duration_s, needed_s } => {
@@ -91,7 +91,7 @@ pub fn finding(finding: &Finding) -> String {
         Finding::EarlySignal { role: early, advance_s } => {
             let advance = duration(*advance_s);
             format!(
-                "The {} is dated {advance} before the torque demand T_d* that it follows: their clocks are apart.",
+                "The time stamps of the {} are {advance} before the torque demand T_d* that it follows: their clocks differ.",
                 role(*early)
             )
         }
@@ -100,7 +100,7 @@ pub fn finding(finding: &Finding) -> String {
         Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
         Finding::CoarseResolution { role: of, step } => {
             format!(
-                "The {} is recorded in steps of {} (SI), too coarse beside the speed’s noise to show the encoder’s gate.",
+                "The {} is recorded in steps of {} (SI), too coarse compared with the noise to show the encoder’s gate.",
                 role(*of),
                 si(*step)
             )
@@ -109,8 +109,8 @@ pub fn finding(finding: &Finding) -> String {
         Finding::PulsesFoldToRest { role: speed, rate_hz, firing_hz, multiple } => {
             let (rate, firing) = (measure(*rate_hz, "Hz"), measure(*firing_hz, "Hz"));
             format!(
-                "The engine fires at {firing}; {multiple} times that is a multiple of the {rate} at which {} is recorded, so that \
-                 its pulses fold onto slow changes of their own strength, and no residual shows it.",
+                "The engine fires at {firing}; {multiple} times that is a multiple of the sample rate of the {}, {rate}. The alias of \
+                 its pulses is at zero frequency and looks like slow changes. No residual shows it.",
                 role(*speed)
             )
         }
@@ -148,10 +148,10 @@ pub fn advice(finding: &Finding) -> &'static str {
         Finding::TimeNotIncreasing => "Check how the file was exported or joined, and export it again.",
         Finding::Jitter { .. } => "Record with hardware time stamps; delays below the jitter cannot be trusted.",
         Finding::ClockOffset { .. } => {
-            "Check that all devices start on one trigger; only the time that both share is used, as it is stamped."
+            "Check that all devices start on one trigger; only the time that both share is used, with its own time stamps."
         }
         Finding::ClockDrift { .. } => {
-            "Synchronise the devices, or record for a shorter time: delays and the shaft’s damping are off by a part of it."
+            "Synchronise the devices, or record for a shorter time: a part of it is an error of delays and of the shaft’s damping."
         }
         Finding::Constant { .. } => {
             "Check that the sensor is connected and that the right channel is named in the bench file."
@@ -169,11 +169,11 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::Saturated { .. } => "These stretches were left out. Lower the excitation to use the whole recording.",
         Finding::EarlySignal { .. } => {
-            "Nothing to do for the model: the shaft’s estimate finds the skew and takes it out. Record both on one clock to compare them."
+            "Nothing to do for the model: the estimate of the shaft includes the skew. Record both on one clock to compare them."
         }
         Finding::ExcludedLines { .. } => "Nothing to do; the figure of the residual spectrum shows where they are.",
         Finding::ResidualsCorrelated { .. } => {
-            "Do not trust the intervals of this part: the model lacks something. RecordingLines at its residual plots."
+            "Do not trust the intervals of this part: the model lacks something. Look at its residual plots."
         }
         Finding::NotConverged { .. } => "Do not use this part. Record a longer or stronger excitation.",
         Finding::CoarseResolution { .. } => {
@@ -181,10 +181,10 @@ pub fn advice(finding: &Finding) -> &'static str {
         }
         Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
         Finding::PulsesFoldToRest { .. } => {
-            "K of this recording may be off by some times its interval (on virtual benches, by twice: a part in a thousand). Record at a speed 5 % higher or lower."
+            "The error of K may be several times its interval (on virtual benches twice, which is 0.1 %). Record at a speed 5 % higher or lower."
         }
         Finding::RoutesDisagree { .. } => {
-            "Find out which route is disturbed before using the number; the truth may lie outside both intervals."
+            "Find out which method is disturbed before you use the value; the true value may lie outside both intervals."
         }
     }
 }
@@ -225,8 +225,8 @@ fn inertia(symbol: &str, given_kg_m2: f64, estimated_kg_m2: f64, standard_error_
 fn residuals(submodel: &str, share_outside: f64) -> String {
     let outside = share(share_outside);
     format!(
-        "What the model of the {submodel} leaves unexplained is correlated with its input: \
-         {outside} of the lags lie outside the 99 % region."
+        "The residual of the {submodel} is correlated with its input: {outside} of the lags lie outside the 99 % \
+         region."
     )
 }
 
@@ -242,7 +242,7 @@ fn routes(quantity: Quantity, first: (f64, f64), second: (f64, f64)) -> String {
     let per_si = quantity.notation().per_si;
     let quantity = twice_estimated(quantity);
     let [first, second] = [first, second].map(|(value, error)| plus_minus(per_si * value, per_si * 2.0 * error, ""));
-    format!("Two ways of finding {quantity} disagree: {first} and {second} (± two standard errors).")
+    format!("Two methods for {quantity} disagree: {first} and {second} (± two standard errors).")
 }
 
 fn excluded_lines(frequencies_hz: &[f64]) -> String {

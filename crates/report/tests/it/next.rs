@@ -32,11 +32,11 @@ fn regress_an_experiment_with_two_demands_is_one_entry() {
     assert_eq!(best(&found).len(), 2);
     assert_eq!(
         recommendation(&found),
-        "Record Multisine_T_TN (designed for this shaft), 60 s at 1200 rpm next: it shows J_e, which no recording does; K \
-         gets known within ± 1 % in place of ± 10 %. With the demand of the method, the same experiment buys: K gets known \
-         within ± 5 % in place of ± 10 %."
+        "Record Multisine_T_TN (designed for this shaft), 60 s at 1200 rpm next: it shows J_e, which no recording shows; K \
+         becomes known within ± 1 % instead of ± 10 %. With the demand of the method, the same experiment gains: K becomes \
+         known within ± 5 % instead of ± 10 %."
     );
     found.candidates[1].gains.clear();
     let told = recommendation(&found);
-    assert!(told.ends_with("With the demand of the method, the same experiment buys nothing."), "{told}");
+    assert!(told.ends_with("With the demand of the method, the same experiment gains nothing."), "{told}");
 }

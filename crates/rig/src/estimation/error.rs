@@ -45,7 +45,7 @@ pub enum EstimateError {
         share: f64,
     },
     /// A torque brakes with a negative sign, against what it does to the speed.
-    #[error("{file}: {} brakes with a negative sign, against what it does to the speed", .role.symbol())]
+    #[error("{file}: {} is negative when it brakes, as its effect on the speed shows", .role.symbol())]
     WrongSign {
         /// File.
         file: String,

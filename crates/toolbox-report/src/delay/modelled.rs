@@ -171,7 +171,7 @@ impl Modelled {
         let ripple = |found: &DelayModels| found.best().ripple_hz.first().copied();
         let said = |hz: f64| {
             format!(
-                "the output has ripple that no input has, at {} Hz; it was estimated along, added and in proportion",
+                "the output has ripple that no input has, at {} Hz; it was estimated too, as additive and as proportional",
                 significant(hz)
             )
         };
@@ -184,7 +184,7 @@ fn unexcited(found: Result<&DelayModels, &IdentError>, data: &Dataset, input: us
     let name = &data.input_labels()[input].name;
     if let Some(hz) = single_line(data, input) {
         return Some(format!(
-            "\"{name}\" is one sine of {} Hz: a delay and a phase shift cannot be told apart; excite with steps or noise",
+            "\"{name}\" is one sine of {} Hz, which cannot separate a delay from a phase shift; excite with steps or noise",
             digits(hz)
         ));
     }
@@ -197,8 +197,8 @@ fn unknown_between(data: &Dataset, input: usize) -> Option<String> {
     let is_open = data.intersample() == Intersample::ZeroOrderHold && is_restless(data, input);
     is_open.then(|| {
         format!(
-            "\"{}\" changes with nearly every sample, and whether it is held in between or runs on, as what is measured does, \
-             makes half a sample of difference; say which with --between held or --between straight",
+            "\"{}\" changes with nearly every sample; held values and straight lines between the samples differ by \
+             half a sample of delay; choose with --between held or --between straight",
             data.input_labels()[input].name
         )
     })
@@ -285,12 +285,12 @@ fn words(fault: &DelayFault, name: &str) -> String {
         }
         DelayFault::Undetermined { .. } => {
             format!(
-                "the data do not tell the delay{of}: the input may have no effect, or too little of it is in the output"
+                "the data cannot show the delay{of}: the input may have no effect, or too little of it is in the output"
             )
         }
         DelayFault::FewLines { lines, needed, strongest_hz, .. } => format!(
-            "the input{of} moves the output by {} of frequency alone, the strongest at {} Hz, and a delay beside these dynamics \
-             asks for {needed}: it cannot be told from a phase shift; excite with steps or noise",
+            "the input{of} has only {} in the output, the strongest at {} Hz; with these dynamics a delay needs {needed}, \
+             otherwise it looks like a phase shift; excite with steps or noise",
             counted(*lines, "line"),
             digits(*strongest_hz)
         ),
@@ -299,12 +299,12 @@ fn words(fault: &DelayFault, name: &str) -> String {
              output acts on it"
         ),
         DelayFault::DynamicsMissing { p_value } => {
-            format!("its errors depend on past inputs: dynamics are missing ({})", probability(*p_value))
+            format!("its residuals depend on past inputs: dynamics are missing ({})", probability(*p_value))
         }
         DelayFault::Feedback { p_value } => {
-            format!("its errors show in inputs to come, as in a closed loop ({})", probability(*p_value))
+            format!("its residuals depend on future inputs, as in a closed loop ({})", probability(*p_value))
         }
-        DelayFault::Untested => "too few data to test what it leaves".to_owned(),
+        DelayFault::Untested => "too few data to test its residuals".to_owned(),
         other => format!("{other:?}"),
     }
 }

@@ -125,7 +125,7 @@ impl Others {
     fn certainty(&self, ranking: &DelayRanking, input: usize) -> String {
         let (low, high) = Self::compared(ranking, input);
         match (low == high, self.is_white) {
-            _ if self.starts.is_err() => "lags cannot be told apart: no more than a hint".to_owned(),
+            _ if self.starts.is_err() => "the data cannot separate the lags: no more than a hint".to_owned(),
             (_, Some(false)) => "its errors are not white: no more than a hint".to_owned(),
             (true, _) => "whole samples; no rival among the delays tried".to_owned(),
             (false, _) => format!("whole samples; {low} to {high} fit nearly as well"),

@@ -69,7 +69,7 @@ fn summary(model: &Model, (output, input): (usize, usize), omega: &[f64], level:
     };
     let growing = model.growing_mode()?;
     let mut facts = match &growing {
-        Some(mode) => vec![unstable(mode, "nothing rests, so that there is no gain at rest and no bandwidth")],
+        Some(mode) => vec![unstable(mode, "it has no static gain and no bandwidth")],
         None => vec![gain_at_rest(model, &features, (output, input), level)?],
     };
     for resonance in features.resonances(omega)? {

@@ -116,7 +116,7 @@ fn summary(
     let features = model.features(output, input);
     let unit = &model.document.outputs[output].unit;
     let step = match model.growing_mode()? {
-        Some(mode) => return Ok(vec![unstable(&mode, "the response runs away, and ends at no value")]),
+        Some(mode) => return Ok(vec![unstable(&mode, "the response diverges and has no final value")]),
         None => features.step(grid)?,
     };
     let mut facts = match step {

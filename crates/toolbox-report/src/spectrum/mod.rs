@@ -132,7 +132,7 @@ fn text(s: &Spectrum) -> Blocks {
     all.push(s.coherence.iter().map(|coherence| line(coherence.sentence())).collect::<Blocks>());
     let mut found = s.peaks();
     if found.is_empty() {
-        let above = format!("nothing stands {PROMINENCE_DB} dB, and more than chance, above what is around it");
+        let above = format!("no peak is {PROMINENCE_DB} dB, and more than chance, above its surroundings");
         all.push(line(format!("no peaks: {above}")));
         return all;
     }

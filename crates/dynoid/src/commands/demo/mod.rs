@@ -96,7 +96,7 @@ fn stranger(folder: &Path, expected: impl Fn(&str) -> bool) -> Option<PathBuf> {
 }
 
 fn print(written: &Written, bench: &Path, rows: &[comparison::Row], terminal: &mut Terminal) {
-    terminal.line("A bench was simulated, recorded and studied. The estimates beside the truth:");
+    terminal.line("A bench was simulated, recorded and studied. The estimates and the true values:");
     terminal.gap();
     terminal.table(&comparison::table(rows));
     terminal.gap();
@@ -107,7 +107,7 @@ fn print(written: &Written, bench: &Path, rows: &[comparison::Row], terminal: &m
     terminal.heading("Next", Tone::Strong);
     terminal.line(&format!("  open {} in a browser", shown(&written.report)));
     let effects = shown(&written.report.with_file_name(EFFECTS));
-    terminal.line(&format!("  open {effects}: firing, folding and late sensors in the recordings"));
+    terminal.line(&format!("  open {effects}: firing, aliases and late sensors in the recordings"));
     terminal.line(&format!("  dynoid inspect {}", shown(&written.report.with_file_name(RECORDINGS))));
     terminal.line(&format!("  change {} and: dynoid study {0}", shown(bench)));
     terminal.line("  your own recordings: dynoid init FOLDER");

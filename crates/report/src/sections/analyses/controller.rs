@@ -12,7 +12,7 @@ use super::{figures, heading, of_recording, parameters, plain_table, sentence, u
 use crate::controller as words;
 use crate::wording::number;
 
-/// PI and delay in every recording with constant N_d*, what stands beside them, the limit of T_d*, and what noise does.
+/// PI and delay in every recording with constant N_d*, further terms, the limit of T_d*, and what noise does.
 pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
     let mut all: Blocks = found.controllers.iter().map(one).collect();
     all.push(figures(words::correlation_figures(found)));
@@ -22,7 +22,7 @@ pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, 
     }
     match study {
         Some(Ok(study)) => all.push(pi_study(study)),
-        Some(Err(error)) => all.push(untold("What noise does to a PI that is known", &error.to_string())),
+        Some(Err(error)) => all.push(untold("What noise does to a known PI", &error.to_string())),
         None => {}
     }
     all
@@ -155,7 +155,7 @@ fn map(terms: &FeedForwardTerms) -> Blocks {
 pub(crate) fn pi_study(found: &NoiseTest) -> Blocks {
     let mut all = heading("Could noise be why a PI does not explain a recording?");
     all.push(sentence(&format!(
-        "A PI that is known runs on the speeds of {}, with each noise in {} draws, and is estimated again",
+        "A known PI runs on the speeds of {}, with each noise in {} draws, and is estimated again",
         found.file, found.options.draws
     )));
     let heads = ["Estimated", "", "Truth", "Mean", "Bias", "St. dev.", "Claimed", "Coverage", "Table 7.1"];

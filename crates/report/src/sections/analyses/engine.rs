@@ -11,8 +11,8 @@ use crate::torque;
 /// The section on the engine's torque.
 pub(crate) fn engine(found: &EngineTorque) -> Blocks {
     let mut all = sentence(
-        "No bench records what the engine delivers. It is rebuilt from both speeds and T_d, with the shaft and the inertias \
-         that follow from the recordings",
+        "No bench records the torque of the engine. It is computed from both speeds and T_d, with the shaft and the \
+         inertias estimated from the recordings",
     );
     match &found.masses {
         Told::Found(masses) => all.push(sentence(&words::masses(masses))),

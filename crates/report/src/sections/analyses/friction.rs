@@ -24,8 +24,8 @@ pub(crate) fn friction_of(found: &Friction, stated: StatedInertia) -> Blocks {
         Inertia::Stated { .. } => Vec::new(),
     };
     let mut all = sentence(
-        "What the dynamometer loses by itself, T_fric(ω) = −(J_d dω_d/dt + T_d), from recordings without a shaft. With a shaft it \
-         cannot be separated from engine torque",
+        "The torque lost in the dynamometer itself, T_fric(ω) = −(J_d dω_d/dt + T_d), from recordings without a \
+         shaft. With a shaft it cannot be separated from engine torque",
     );
     all.push(parameters(inertia.into_iter().chain(&found.friction.parameters).chain(&found.per_inertia.parameters)));
     let said = words::doubts(found, stated).into_iter().chain(words::remarks(found));

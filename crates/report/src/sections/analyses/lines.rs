@@ -15,8 +15,8 @@ const DRAWN_PARTS: usize = 1;
 /// The section on lines.
 pub(crate) fn lines(looks: &[RecordingLines], signals: &[OverSpeed]) -> Blocks {
     let mut all = sentence(
-        "What every signal holds at which frequency, before any model, each line named by what it follows: the crank angle \
-         (orders), the demand, the mains. What is not plainly of the engine or demanded stands in the table",
+        "The lines of every signal, found without a model. Each line is named after its cause: the crank angle (orders), the \
+         demand, the mains. The table lists the lines that are not plainly of the engine or demanded",
     );
     all.push(to_mind(looks));
     all.push(figures(over_speed_figures("All recordings", signals)));
@@ -39,7 +39,7 @@ fn of_recording(look: &RecordingLines) -> Blocks {
     all
 }
 
-/// Lines that fold, that come of the demand's hold or the drive, and those whose cause is not told.
+/// Aliases, lines from the demand's hold or the drive, and lines whose cause is not known.
 fn to_mind(looks: &[RecordingLines]) -> Blocks {
     let rows: Vec<Vec<String>> = looks.iter().flat_map(rows_of).collect();
     if rows.is_empty() {

@@ -76,7 +76,7 @@ pub(crate) fn of_recording(file: &str, label: &str) -> Blocks {
     Block::heading(Prose::verbatim(label).then(" ").then(Prose::code(file))).into()
 }
 
-/// What stands in place of an analysis that a recording, or the whole campaign, does not allow.
+/// The note in place of an analysis that a recording, or the whole campaign, does not allow.
 pub(crate) fn untold(what: &str, why: &str) -> Blocks {
     Block::note(format!("{what}: {}.", why.trim_end_matches('.'))).into()
 }

@@ -20,8 +20,8 @@ pub(crate) fn next(found: &Result<NextExperiments, NextError>) -> Blocks {
 pub(crate) fn next_experiment(found: &NextExperiments) -> Blocks {
     let mut all = sentence(&words::recommendation(found));
     all.push(sentence(
-        "Each experiment was run on a virtual bench that is like this one, and studied together with the recordings there are. \
-         The table shows half a 95 % interval, as a part of the value, now and after it",
+        "Each experiment was simulated on a virtual bench like this one, and studied together with the present \
+         recordings. The table shows half a 95 % interval, as a part of the value, now and after the experiment",
     ));
     all.push(widths(found));
     let choices = words::choices(found);

@@ -42,8 +42,8 @@ impl Row<'_> {
 /// Every recording from its beginning to its end.
 pub(crate) fn courses(all: &[RecordedCourse]) -> Blocks {
     let mut section = sentence(
-        "Speeds and torques as the estimates got them: in one unit, without gaps, before any model. A part that looks wrong \
-         here is wrong everywhere below",
+        "Speeds and torques as the estimates use them: in one unit and without gaps. A part that looks wrong here is \
+         wrong everywhere below",
     );
     section.push(figures(all.iter().map(course).collect()));
     section
@@ -99,8 +99,8 @@ fn step_figure(found: &StepResponse) -> Figure {
     let panels = rows.iter().filter_map(|row| row.panel(Some(at_step()), layer));
     Figure::new("A step of T_d*, and what followed it", Axis::linear("time after the step", "ms"), panels.collect())
         .with_caption(format!(
-            "{} at {}, as recorded, each signal at its own samples. A torque that bends before N_d does is dated too early, one that \
-             bends after it is late.",
+            "{} at {}, as recorded, each signal at its own samples. A torque that bends before N_d has time stamps \
+             that are too early. A torque that bends after N_d is late.",
             found.file,
             number::time(found.at_s)
         ))

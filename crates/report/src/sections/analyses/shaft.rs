@@ -13,7 +13,7 @@ use crate::wording::number;
 const WHICH: &str = "The values of each recording come from its first part, and the rest judges them. A comparison of whole recordings \
     gives values that differ a little";
 
-/// What all recordings with a shaft tell of it.
+/// What all recordings with a shaft show of it.
 pub(crate) fn shaft(found: &ShaftAnalysis) -> Blocks {
     let mut all = match found.recordings.len() {
         0 => sentence("None of these recordings has a shaft: run BS_T_NT or WhiteNoise_T_TN with the shaft on"),
@@ -58,7 +58,7 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
         Some(Told::Untold(why)) => all.push(untold("Inertias", &torque::untold(why))),
         None if recording.routes.black_box.is_some() => {}
         None => all.push(sentence(
-            "This recording does not show J_e: that takes WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell",
+            "This recording does not show J_e; run WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell",
         )),
     }
     match &recording.beyond {

@@ -11,8 +11,8 @@ use crate::wording::number;
 /// The section on the torque signals.
 pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
     let mut all = sentence(
-        "Which torque signals are right, and how late they are. Each is compared with T_d*, with the bend in N_d, and with the \
-         load cell at rest. The shaft torque is rebuilt from N_d and T_d, with its own standard deviation",
+        "Accuracy and delay of the torque signals. Each is compared with T_d*, with the bend in N_d, and with the \
+         load cell at rest. The shaft torque is computed from N_d and T_d, with its standard deviation",
     );
     all.push(match &found.trust {
         Some(check) => sentence(&torque::trust(check)),

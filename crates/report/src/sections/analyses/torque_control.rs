@@ -32,7 +32,7 @@ pub(crate) fn torque_control_in_report(found: &Result<ModelComparison, ModelComp
 pub(crate) fn torque_control(studied: &ModelComparison) -> Blocks {
     let mut all = heading("Delay, lag or black box?");
     all.push(sentence(
-        "Every model is compared with the simplest: T_d is T_d* one sample of T_d,calc ago. That is the bar to beat",
+        "Every model is compared with the simplest one, the reference: T_d is T_d* one sample of T_d,calc ago",
     ));
     studied.recordings.iter().for_each(|recording| all.push(one(studied, recording)));
     studied.untold.iter().for_each(|(file, why)| all.push(untold(file, &torque::untold(why))));

@@ -52,8 +52,8 @@ fn delay_evidence(part: &SpeedController) -> Blocks {
     };
     let extent = Extent::of(&[with, without]);
     let text = format!(
-        "Leaving the delay out and estimating K_p and K_i anew gives a fit of {}; with the delay it is {}. The residuals \
-         tell more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
+        "Without the delay, and with K_p and K_i estimated again, the fit is {}; with the delay it is {}. The residuals \
+         show more than the fit: their correlation with {} lies outside the region at {} without the delay, and at {} \
          with it.",
         number::fit(part.without_delay.fit_percent),
         number::fit(part.validation.fit_percent),
@@ -130,7 +130,7 @@ pub(crate) fn torque_control(study: &Study) -> Blocks {
     };
     let equation = "T_d = e^(−s τ) {a}/{s + a} T_d*";
     let bar = format!(
-        "A delay alone is the bar to beat: on the same stretch it fits with {}, delay and lag with {}.",
+        "The reference is a delay alone: on the same stretch it has a fit of {}, delay and lag have {}.",
         number::fit(part.pure_delay_validation.fit_percent),
         number::fit(part.delay_and_lag_validation.fit_percent)
     );

@@ -47,8 +47,8 @@ fn response(response: &MeasuredResponse) -> Figure {
         equal_axes: false,
         symbols: true,
         title: "Frequency response from twist speed to shaft torque".to_owned(),
-        caption: "Δω = ω_e − ω_d to T_shaft, gain relative to 1 Nm s/rad. The falling part is the stiffness; where it \
-                  levels off, the damping takes over."
+        caption: "Δω = ω_e − ω_d to T_shaft, gain relative to 1 Nm s/rad. The falling part is the stiffness; the \
+                  level part is the damping."
             .to_owned(),
         x: Axis::frequency(),
         panels: vec![
@@ -60,9 +60,10 @@ fn response(response: &MeasuredResponse) -> Figure {
 
 /// The residual's test: by frequency, since that is how the shaft is fitted.
 fn residuals(spectrum: &ResidualSpectrum) -> Blocks {
-    let text = "The shaft is fitted frequency by frequency, with the noise of all three signals known as a function of frequency. \
-                Its residual is tested in the same way. Where the model is right, every frequency is as likely as any other to lie \
-                above the bound, and one in a hundred does. Several frequencies in a row above it speak against the model.";
+    let text = "The shaft is fitted frequency by frequency, with the noise of all three signals known as a function \
+                of frequency. Its residual is tested in the same way. If the model is right, one frequency in a \
+                hundred lies above the bound, each with the same probability. Several frequencies in a row above it \
+                speak against the model.";
     vec![Block::note(text), Block::Figure(spectrum_figure(spectrum))].into()
 }
 
@@ -80,7 +81,7 @@ fn spectrum_figure(spectrum: &ResidualSpectrum) -> Figure {
     Figure {
         equal_axes: false,
         symbols: true,
-        title: "What the shaft model leaves over, by frequency".to_owned(),
+        title: "Residual of the shaft model by frequency".to_owned(),
         caption: format!(
             "Equation error over its standard deviation; {above} of {} frequencies lie above the 99 % bound. Dashed lines: \
              {} left out of the fit.",
@@ -109,8 +110,8 @@ fn ignoring_timing(part: &Shaft) -> Blocks {
             number::quantity(plain).into(),
         ]
     });
-    let text = "Speed and torque arrive through different gates and at different times. A fit that trusts their time stamps puts \
-                the difference into the damping; its intervals do not show that.";
+    let text = "Speed and torque pass different gates and arrive at different times. A fit that trusts their time \
+                stamps takes the difference for damping, and its intervals do not show that.";
     let headings = ["", "Parameter", "With gate and skew", "Ignoring them"];
     vec![
         Block::heading("What ignoring the timing would give"),
@@ -146,8 +147,8 @@ fn inertias(study: &Study, part: &Shaft) -> Blocks {
                  such as WhiteNoise_T_TN or Multisine_T_TN. Both are those of the bench file."
             }
             BenchVariant::TorqueFlange => {
-                "J_d and J_e are those of the bench file: torque is measured between them, and behind a dual-mass \
-                 flywheel there is no one J_e to be found."
+                "J_d and J_e are those of the bench file. Torque is measured between them, and a dual-mass flywheel \
+                 splits the inertia of the engine."
             }
         };
         return Block::note(why).into();
@@ -168,12 +169,12 @@ fn inertias(study: &Study, part: &Shaft) -> Blocks {
         ])
     });
     let text = format!(
-        "From {file}, with nothing known of them beforehand. J_e follows from what the torque demand makes both sides of the \
-         shaft do. The engine’s own torque is not recorded, and does not follow that demand. Where the engine’s speed control \
-         does, it is estimated too."
+        "From {file}, with nothing known of them beforehand. J_e follows from the response of both sides of the \
+         shaft to the torque demand. The engine’s own torque is not recorded, and does not follow that demand. If \
+         the engine’s speed control reacts to it, that control is estimated too."
     );
     vec![
-        Block::heading("The inertias as the data see them"),
+        Block::heading("The inertias estimated from the data"),
         Block::paragraph(text),
         Block::Table(Table::of_text(&["", "Parameter", "Bench file", "Data"]).with_rows(rows)),
     ]

@@ -103,7 +103,7 @@ fn check_once(files: &[InputFile]) -> Result<(), CliError> {
     }
 }
 
-/// What recordings are called: by their file's name alone where that tells them apart.
+/// What recordings are called: by their file's name alone if no two files share it.
 fn short_names(files: &[InputFile]) -> Vec<String> {
     let short = |file: &InputFile| file.path.file_name().map(|n| n.to_string_lossy().into_owned());
     let names: Vec<Option<String>> = files.iter().map(short).collect();

@@ -6,8 +6,8 @@ use super::loaded::{Loaded, named};
 use super::note::Note;
 use crate::error::CliError;
 
-/// Stretches between gaps that are shorter than this, in samples, are left out: their initial states would cost what they
-/// tell.
+/// Stretches between gaps that are shorter than this, in samples, are left out: they add hardly more than their own initial
+/// states need.
 const SHORTEST: usize = 20;
 
 /// Where data have to be without gaps.
