@@ -6,10 +6,10 @@ use part_torque::torque_control::TorqueControlFit;
 use rig::estimation::{EstimateError, need};
 use rig::facts::BenchVariant;
 use rig::prepare::believable;
-use rig::results::Estimate;
+use rig::results::{Estimate, Quantity};
 use rig::{BenchFile, Experiment, Role};
 
-use crate::shaft::{self, NoisyTorque, ShaftInputs};
+use crate::shaft::{self, NoisyTorque, ShaftInputs, TorqueDelay};
 
 /// Standard uncertainty of a stated slope of friction unless that is stated, % of it: friction changes with the oil's temperature.
 const FRICTION_DOUBT_PERCENT: f64 = 20.0;
@@ -55,9 +55,24 @@ pub fn shaft_inputs<'a>(
         friction_slope_nm_s_per_rad: friction_slope(bench),
         encoder_noise_rad_s: encoder.noise_rad_s,
         gate_s: (encoder.gate_s, encoder.gate_standard_error_s),
-        torque_lag_s: torque_control.filter(|_| is_modelled).map(TorqueControlFit::lag_s),
+        torque_control: torque_control.filter(|_| is_modelled).map(torque_delay),
         firings_per_turn: bench.engine().firings_per_turn(),
     })
+}
+
+/// Standard uncertainty of a lag or delay of which a recording shows nothing, s.
+const UNKNOWN_S: f64 = 1e-3;
+
+/// What the torque control leaves uncertain of the torque.
+fn torque_delay(control: &TorqueControlFit) -> TorqueDelay {
+    let lag_s = 1.0 / control.model.lag_rad_s;
+    let error = |quantity| control.result.delay_and_lag.parameter(quantity).map_or(f64::INFINITY, |p| p.standard_error);
+    let or_unknown = |error: f64| if error < UNKNOWN_S { error } else { UNKNOWN_S };
+    TorqueDelay {
+        lag_s,
+        lag_uncertainty_s: or_unknown(error(Quantity::TorqueControlBandwidth) * lag_s * lag_s),
+        delay_uncertainty_s: or_unknown(error(Quantity::TorqueControlDelay)),
+    }
 }
 
 /// The slope of the dynamometer's friction with its standard uncertainty, Nm s/rad: as stated, or what is usual.

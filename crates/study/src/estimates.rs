@@ -139,7 +139,7 @@ fn doubt_controllers(findings: &mut Findings<'_>, fits: &Fits<'_>) {
         findings.doubt_residuals("speed_controller", &fit.result.validation);
         if let Some(step) = fit.coarse_demand_nm {
             let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
-            findings.doubt(&fit.result.validation.stretch.file, Severity::Warning, finding);
+            findings.doubt(&fit.result.validation.stretch.file, Severity::Note, finding);
         }
     }
     if let Ok(feed_forward) = &fits.feed_forward {

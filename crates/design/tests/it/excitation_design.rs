@@ -285,7 +285,7 @@ fn errors(bench: &BenchParameters, seed: u64, demand: &[f64]) -> [f64; 2] {
         encoder_noise_rad_s: bench.sensors.speed_noise_rad_s,
         gate_s: (1e-3, 1e-4),
 
-        torque_lag_s: None,
+        torque_control: None,
         firings_per_turn: 0.0,
     };
     let (found, truth) = (estimate_parameters(&inputs).unwrap(), virtual_bench::Truth::of(bench));

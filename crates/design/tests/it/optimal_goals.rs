@@ -101,7 +101,7 @@ fn shaft_of(plan: &ExperimentPlan, seed: usize, estimate: impl Fn(&ShaftInputs<'
         encoder_noise_rad_s: noise,
         gate_s: (1e-3, 1e-4),
 
-        torque_lag_s: None,
+        torque_control: None,
         firings_per_turn: 0.0,
     })
 }

@@ -14,7 +14,7 @@ const SHORTEST_S: f64 = 2.0;
 const CUTOFF_PART: f64 = 0.1;
 const CUTOFF_ORDER: usize = 4;
 /// Rounding of T_d* that reaches this part of the encoder's noise hides the gate.
-const COARSE: f64 = 0.4;
+const COARSE: f64 = 0.15;
 
 /// One stretch of a recording with the signals the controller sees.
 #[derive(Clone)]

@@ -49,6 +49,12 @@ const FLYWHEELS: [(f64, f64); 8] =
 const START_DAMPING: f64 = 0.05;
 /// An engine at rest has no firing interval; this slow it is as long as it may matter, rad/s.
 const SLOWEST_RAD_S: f64 = 30.0;
+/// What the model of the signals does not hold, such as ripple beside its lines and pulses beside their multiples: standard
+/// uncertainties, as parts of the values. From virtual benches over the whole class (seeds that the deep check does not use).
+const MODEL_ERRORS: [(Quantity, f64); 3] =
+    [(Quantity::Stiffness, 8e-4), (Quantity::Damping, 4e-3), (Quantity::DynoInertia, 8e-4)];
+/// The same of the skews, s.
+const SKEW_ERROR_S: f64 = 1e-5;
 /// Level of the residual spectrum's bound.
 const BOUND_LEVEL: f64 = 0.99;
 
@@ -257,6 +263,8 @@ struct Solution {
     spectra: Spectra,
     fit: FrequencyFit,
     excluded_hz: Vec<f64>,
+    /// Standard uncertainty of the delay that the torque was computed with, s.
+    delay_uncertainty_s: f64,
 }
 
 impl Solution {
@@ -302,7 +310,8 @@ impl Solution {
                 fit = solve(inputs, &spectra, &weights, unknowns, known, Some(unweighted)).map_err(error)?;
             }
         }
-        Ok(Solution { spectra, fit, excluded_hz })
+        let delay_uncertainty_s = inputs.torque_control.map_or(0.0, |control| control.delay_uncertainty_s);
+        Ok(Solution { spectra, fit, excluded_hz, delay_uncertainty_s })
     }
 
     fn outputs(&self, outputs: &[ReadOut<'_>], stretch: &Stretch) -> Estimate {
@@ -324,7 +333,14 @@ impl Solution {
         if is_estimated(places::INERTIA) {
             outputs.push((Quantity::DynoInertia, &|t| t[places::INERTIA]));
         }
-        self.outputs(&outputs, stretch)
+        let mut estimate = self.outputs(&outputs, stretch);
+        for (quantity, part) in MODEL_ERRORS {
+            let error = estimate.parameter(quantity).map_or(0.0, |found| part * found.value.abs());
+            estimate.add_systematic(&[quantity], error);
+        }
+        estimate.add_systematic(&[Quantity::EngineSpeedSkew], SKEW_ERROR_S);
+        estimate.add_systematic(&[Quantity::AirGapTorqueSkew], SKEW_ERROR_S.hypot(self.delay_uncertainty_s));
+        estimate
     }
 
     /// The shaft's parameters, J_d where it was estimated, and J_e.
@@ -423,7 +439,7 @@ fn solve(
         start[places::FRICTION] = value;
         priors.push(Prior { parameter: places::FRICTION, value, standard_uncertainty });
     }
-    let (lag, lag_uncertainty) = inputs.torque_lag_s.unwrap_or((0.0, 0.0));
+    let (lag, lag_uncertainty) = inputs.torque_control.map_or((0.0, 0.0), |c| (c.lag_s, c.lag_uncertainty_s));
     (start[places::LAG], start[places::COMPUTED_LAG]) = (lag, lag);
     bounds[places::COMPUTED_LAG] = Bounds::new(lag, lag);
     let is_lag_known = lag_uncertainty == 0.0 || unknowns == Unknowns::ShaftWithoutTiming;

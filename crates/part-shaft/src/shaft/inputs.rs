@@ -30,10 +30,21 @@ pub struct ShaftInputs<'a> {
     pub encoder_noise_rad_s: f64,
     /// Gate of the encoders and its standard uncertainty, s.
     pub gate_s: (f64, f64),
-    /// Where the torque is computed from its demand: lag 1/a of the torque control, and its standard uncertainty, s.
-    pub torque_lag_s: Option<(f64, f64)>,
+    /// The torque control, where the torque is computed from its demand.
+    pub torque_control: Option<TorqueDelay>,
     /// Firings of the engine a turn; zero where nothing fires.
     pub firings_per_turn: f64,
+}
+
+/// What of a torque that is computed from its demand is uncertain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TorqueDelay {
+    /// Lag 1/a of the torque control that it was computed with, s.
+    pub lag_s: f64,
+    /// Standard uncertainty of that, s.
+    pub lag_uncertainty_s: f64,
+    /// Standard uncertainty of the delay τ, s.
+    pub delay_uncertainty_s: f64,
 }
 
 /// Time constant, s, with which a dynamometer left alone runs out: electric ones take a minute or more.

@@ -25,7 +25,7 @@ pub use estimate::{
     estimate, estimate_by_band, estimate_dual_mass, estimate_inertia, estimate_parameters, estimate_with_inertias,
     gain_by_exchange, test_terms,
 };
-pub use inputs::ShaftInputs;
+pub use inputs::{ShaftInputs, TorqueDelay};
 pub use part_torque::air_gap_torque::NoisyTorque;
 pub use term::{Term, Weight};
 pub use terms::{Beyond, TermTest};

@@ -24,8 +24,8 @@ const TURN_MARGIN_HZ: f64 = 3.0;
 const UNSEEN_MARGIN_HZ: f64 = 2.0;
 /// A speed sampled more slowly than this, s, folds pulses of the engine into the band.
 const SLOW_S: f64 = 1.1e-3;
-/// Pulses above this frequency hardly move a speed, Hz.
-const HIGHEST_PULSE_HZ: f64 = 600.0;
+/// Multiples of the firing frequency that move a speed.
+const HARMONICS: u32 = 5;
 /// How far about a folded pulse the frequencies are left out, Hz.
 const PULSE_MARGIN_HZ: f64 = 1.5;
 /// Length of the means that follow the firing frequency, s.
@@ -130,8 +130,7 @@ fn folded_pulses(inputs: &ShaftInputs<'_>, window: Window, last_bin: usize) -> V
         for pair in means.windows(2) {
             let firing_hz = pair.iter().map(|speed| inputs.firings_per_turn * speed.abs() / TAU).fold(0.0, f64::max);
             let sweep_hz = inputs.firings_per_turn * (pair[1] - pair[0]).abs() / TAU;
-            let harmonics = if firing_hz > 0.0 { (HIGHEST_PULSE_HZ / firing_hz) as usize } else { 0 };
-            for harmonic in (1..=harmonics).map(|h| h as f64).filter(|h| h * firing_hz > 0.5 * rate_hz) {
+            for harmonic in (1..=HARMONICS).map(f64::from).filter(|h| h * firing_hz > 0.5 * rate_hz) {
                 let alias_hz = (harmonic * firing_hz - (harmonic * firing_hz / rate_hz).round() * rate_hz).abs();
                 let reach_hz = PULSE_MARGIN_HZ + harmonic * sweep_hz;
                 let bin = |hz: f64| ((hz * window.duration_s).max(0.0) as usize).min(last_bin);

@@ -46,7 +46,7 @@ fn inputs<'a>(speeds: &'a [Signal; 2], torque: NoisyTorque, inertia_kg_m2: Optio
         encoder_noise_rad_s: ENCODER_NOISE,
         gate_s: (1e-3, 1e-4),
 
-        torque_lag_s: None,
+        torque_control: None,
         firings_per_turn: 0.0,
     }
 }

@@ -154,7 +154,7 @@ impl Recorded {
             friction_slope_nm_s_per_rad: ShaftInputs::usual_friction(self.inertia_kg_m2),
             encoder_noise_rad_s: self.encoder_noise_rad_s,
             gate_s: (1e-3, 1e-5),
-            torque_lag_s: None,
+            torque_control: None,
             firings_per_turn: 0.0,
         }
     }

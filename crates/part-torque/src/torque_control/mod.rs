@@ -69,14 +69,6 @@ pub struct TorqueControlFit {
 }
 
 impl TorqueControlFit {
-    /// 1/a and its standard uncertainty, s.
-    pub fn lag_s(&self) -> (f64, f64) {
-        let lag_s = 1.0 / self.model.lag_rad_s;
-        let error = self.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth).map(|a| a.standard_error);
-        let known = error.map(|error| error * lag_s * lag_s).filter(|error| *error < UNKNOWN_LAG_S);
-        (lag_s, known.unwrap_or(UNKNOWN_LAG_S))
-    }
-
     /// Whether a lag was found: one that is known to no better than half of itself, or rests on a bound, is as good as none.
     pub fn has_lag(&self) -> bool {
         let lag = self.result.delay_and_lag.parameter(Quantity::TorqueControlBandwidth);
@@ -84,9 +76,6 @@ impl TorqueControlFit {
         is_known && (1.01 * LAG_RAD_S.0..0.99 * LAG_RAD_S.1).contains(&self.model.lag_rad_s)
     }
 }
-
-/// Standard uncertainty of a lag of which a recording shows nothing, s.
-const UNKNOWN_LAG_S: f64 = 1e-3;
 
 /// The experiment to estimate the torque control from: WhiteNoise_T_TN, else Multisine_T_TN, Binary_T_TN, Step_T_TN, BS_T_NT.
 pub fn choose<'a>(experiments: &[&'a Experiment]) -> Option<&'a Experiment> {

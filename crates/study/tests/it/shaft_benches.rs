@@ -113,7 +113,7 @@ pub(crate) fn inputs(experiment: &Experiment, inertia_kg_m2: f64) -> ShaftInputs
         encoder_noise_rad_s: 0.03 * RPM_RAD_S,
         gate_s: (1e-3, 1e-4),
 
-        torque_lag_s: None,
+        torque_control: None,
         firings_per_turn: 0.0,
     }
 }
