@@ -14,7 +14,9 @@ const SHORTEST_S: f64 = 2.0;
 const CUTOFF_PART: f64 = 0.1;
 const CUTOFF_ORDER: usize = 4;
 /// Rounding of T_d* that reaches this part of the encoder's noise hides the gate.
-const COARSE: f64 = 0.15;
+const COARSE: f64 = 0.4;
+/// Rounding that reaches this part of it may look like some of the gate.
+const NOTICEABLE: f64 = 0.1;
 
 /// One stretch of a recording with the signals the controller sees.
 #[derive(Clone)]
@@ -94,9 +96,18 @@ impl Data {
 
     /// The step of T_d* where its rounding puts noise onto the speed error that can be mistaken for a gate.
     pub(super) fn coarse_demand_nm(&self) -> Result<Option<f64>, EstimateError> {
+        Ok((self.rounding()? > COARSE).then(|| resolution(&self.demand.samples)))
+    }
+
+    /// Whether rounding of T_d* may look like some of the gate.
+    pub(super) fn is_rounding_noticeable(&self) -> Result<bool, EstimateError> {
+        Ok(self.rounding()? > NOTICEABLE)
+    }
+
+    /// Noise on the speed error by rounding of T_d*, as a part of the encoder's.
+    fn rounding(&self) -> Result<f64, EstimateError> {
         let step = resolution(&self.demand.samples);
-        let rounding_rad_s = step / 12f64.sqrt() * starting_point(self)?[inverse::P];
-        Ok((rounding_rad_s > COARSE * noise_floor(&self.speed)).then_some(step))
+        Ok(step / 12f64.sqrt() * starting_point(self)?[inverse::P] / noise_floor(&self.speed))
     }
 
     pub(super) fn window(&self) -> (f64, f64) {

@@ -135,6 +135,9 @@ fn described(
         // A gate of nought to one sample, all alike; half of it is in the delay.
         encoder.gate_standard_error_s = data.demand.sample_time_s / 12f64.sqrt();
         estimate.add_systematic(&[Quantity::ControllerDelay], encoder.gate_standard_error_s);
+    } else if data.is_rounding_noticeable()? {
+        // Of the gate that was found all or nothing may be rounding; half of it is in the delay.
+        estimate.add_systematic(&[Quantity::ControllerDelay], encoder.gate_s / 12f64.sqrt());
     }
     Ok((estimate, encoder))
 }

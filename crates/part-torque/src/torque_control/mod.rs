@@ -50,6 +50,10 @@ const WEAK_NM: f64 = 0.1;
 const MOST_SATURATED: f64 = 0.5;
 /// A delay that is negative by this many standard errors is no accident.
 const EARLY: f64 = 4.0;
+/// A lag that is known to no better than this part of itself may be even less certain than the slopes at the minimum say.
+const WEAK_LAG: f64 = 0.02;
+/// Samples of T_d,calc this far apart, s, may miss what separates delay and lag.
+const COARSE_S: f64 = 5e-3;
 /// How far beside a delay its uncertainty is looked at, in samples of the demand.
 const BESIDE: f64 = 0.02;
 /// Level at which the gain is tested against one.
@@ -110,7 +114,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let held = HeldDemand::new(demand, torque_limit_nm);
     let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
     let lagged = fit_lagged(&held, &observed, torque_limit_nm).map_err(failed)?;
-    if lagged.delay_error_s() > LONGEST_DELAY_S {
+    let has_no_lag = lagged.fit.at_bound[1] && torque.sample_time_s > COARSE_S;
+    if has_no_lag || lagged.delay_error_s() > LONGEST_DELAY_S {
         return Err(EstimateError::Inseparable { file: experiment.file.clone() });
     }
     let stretch = stretch_of(experiment, torque, 0..split);
@@ -233,6 +238,7 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     let fit = fit_with_ripple(&mut model, &starts(held.sample_time_s()), &bounds)?;
     let reach_s = BESIDE * held.sample_time_s();
     let (covariance, freedom) = search::covariance_beside_kinks(&mut model, &fit, &bounds, reach_s)?;
+    let covariance = widened(&mut model, &fit, &bounds, covariance);
     let ripple = model.ripple(&fit.parameters);
     let gain = free_gain(&mut model, &fit, &bounds, observed.sample_time_s)?;
     let model = AirGapTorqueModel {
@@ -245,6 +251,22 @@ fn fit_lagged(held: &HeldDemand, observed: &Observed, limit: Option<f64>) -> Res
     let covariance =
         Mat::from_fn(2, 2, |i, j| if fit.at_bound[i] && i == j { f64::INFINITY } else { covariance[(i, j)] });
     Ok(Lagged { model, covariance, freedom, gain, fit })
+}
+
+/// The covariance, wider where the cost about the minimum is flatter than its slopes say.
+fn widened(
+    model: &mut RippledModel<'_, DelayAndLag<'_>>,
+    fit: &Minimum,
+    bounds: &[Bounds],
+    covariance: Mat<f64>,
+) -> Mat<f64> {
+    let variance = covariance[(1, 1)];
+    let is_weak = variance.sqrt() > WEAK_LAG * fit.parameters[1];
+    if !is_weak || !variance.is_finite() || fit.at_bound[1] {
+        return covariance;
+    }
+    let factor = search::flatness(model, fit, bounds, variance).powi(2);
+    covariance * faer::Scale(factor)
 }
 
 fn free_gain(

@@ -158,6 +158,37 @@ pub(crate) fn covariance_beside_kinks<R: Response>(
     Ok(widest)
 }
 
+/// By how much the standard error of the second parameter, a lag, has to be larger than the slopes at the minimum say: two of
+/// these errors away to either side the cost should have risen by what two standard errors are worth. Where delay and lag hardly
+/// differ in their effect, it rises less.
+///
+/// # Source
+/// Profile likelihood: Bates & Watts, *Nonlinear Regression Analysis and Its Applications*, 1988, ch. 6.
+pub(crate) fn flatness<R: Response>(
+    model: &mut RippledModel<'_, R>,
+    fit: &Minimum,
+    bounds: &[Bounds],
+    variance: f64,
+) -> f64 {
+    let all = model.bounds(bounds, &fit.parameters, line_reach_hz(model));
+    let (lag, error) = (fit.parameters[1], variance.sqrt());
+    let freedom = (fit.residuals.len() - fit.parameters.len()).max(1) as f64;
+    let white = fit.cost / freedom * fit.unscaled_covariance[(1, 1)];
+    let mut flatness: f64 = 1.0;
+    for factor in [-2.0, 2.0].map(|errors: f64| (errors * error / lag).exp()) {
+        let moved = (factor * lag).clamp(all[1].lower, all[1].upper);
+        let (mut start, mut fixed) = (fit.parameters.clone(), all.clone());
+        (start[1], fixed[1]) = (moved, Bounds::new(moved, moved));
+        let Ok(there) = minimise(model, &start, &fixed, NonlinearOptions::default()) else { continue };
+        let errors = ((there.cost - fit.cost) / (fit.cost / freedom) * white / variance).max(0.0).sqrt();
+        flatness = flatness.max((moved / lag).ln().abs() * lag / error / errors.max(LEAST_ERRORS));
+    }
+    flatness
+}
+
+/// A cost that rises by less than this many standard errors is flat.
+const LEAST_ERRORS: f64 = 0.02;
+
 /// Into how many batches so many samples are cut for a covariance robust to what is left in them.
 pub fn batches(samples: usize, sample_time_s: f64) -> usize {
     ((samples as f64 * sample_time_s / BATCH_S) as usize).clamp(BATCHES.0, BATCHES.1)
