@@ -52,6 +52,8 @@ const MOST_SATURATED: f64 = 0.5;
 const EARLY: f64 = 4.0;
 /// A lag that is known to no better than this part of itself may be even less certain than the slopes at the minimum say.
 const WEAK_LAG: f64 = 0.02;
+/// Parts of a weak lag from which another minimum is looked for.
+const RIVAL_LAGS: [f64; 3] = [0.5, 2.0, 4.0];
 /// Samples of T_d,calc this far apart, s, may miss what separates delay and lag.
 const COARSE_S: f64 = 5e-3;
 /// How far beside a delay its uncertainty is looked at, in samples of the demand.
@@ -115,7 +117,8 @@ pub fn estimate(experiment: &Experiment, torque_limit_nm: Option<f64>) -> Result
     let failed = |source: IdentError| EstimateError::Ident { file: experiment.file.clone(), source };
     let lagged = fit_lagged(&held, &observed, torque_limit_nm).map_err(failed)?;
     let has_no_lag = lagged.fit.at_bound[1] && torque.sample_time_s > COARSE_S;
-    if has_no_lag || lagged.delay_error_s() > LONGEST_DELAY_S {
+    let is_separated = lagged.delay_error_s() <= LONGEST_DELAY_S && !lagged.covariance[(1, 1)].is_nan();
+    if has_no_lag || !is_separated {
         return Err(EstimateError::Inseparable { file: experiment.file.clone() });
     }
     let stretch = stretch_of(experiment, torque, 0..split);
@@ -266,7 +269,14 @@ fn widened(
         return covariance;
     }
     let factor = search::flatness(model, fit, bounds, variance).powi(2);
-    covariance * faer::Scale(factor)
+    let mut covariance = covariance * faer::Scale(factor);
+    for rival in RIVAL_LAGS.iter().filter_map(|factor| search::rival(model, fit, bounds, *factor)) {
+        let apart = [rival[0] - fit.parameters[0], rival[1] - fit.parameters[1]];
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            covariance[(i, j)] += apart[i] * apart[j];
+        }
+    }
+    covariance
 }
 
 fn free_gain(

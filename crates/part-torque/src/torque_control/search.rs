@@ -186,6 +186,26 @@ pub(crate) fn flatness<R: Response>(
     flatness
 }
 
+/// The delay and lag of another minimum with the same total delay, beyond a step of the held demand, that fits about as well.
+pub(crate) fn rival<R: Response>(
+    model: &mut RippledModel<'_, R>,
+    fit: &Minimum,
+    bounds: &[Bounds],
+    factor: f64,
+) -> Option<[f64; 2]> {
+    let all = model.bounds(bounds, &fit.parameters, line_reach_hz(model));
+    let mut start = fit.parameters.clone();
+    let lag = (factor * start[1]).clamp(all[1].lower, all[1].upper);
+    let delay = start[0] + 1.0 / start[1] - 1.0 / lag;
+    (start[0], start[1]) = (delay.clamp(all[0].lower, all[0].upper), lag);
+    let there = minimise(model, &start, &all, NonlinearOptions::default()).ok()?;
+    let freedom = (fit.residuals.len() - fit.parameters.len()).max(1) as f64;
+    let errors = ((there.cost - fit.cost) / (fit.cost / freedom)).max(0.0).sqrt();
+    (errors < RIVAL_ERRORS).then_some([there.parameters[0], there.parameters[1]])
+}
+
+/// A minimum whose cost is larger by no more than so many standard errors are worth is a rival.
+const RIVAL_ERRORS: f64 = 3.0;
 /// A cost that rises by less than this many standard errors is flat.
 const LEAST_ERRORS: f64 = 0.02;
 
