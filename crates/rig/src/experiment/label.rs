@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Test;
 
@@ -25,8 +26,8 @@ pub enum ControlMode {
     Tn,
 }
 
-/// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1).
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1). Written and read as this text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct ExperimentLabel {
     /// What is done.
     pub test: Test,
@@ -47,6 +48,18 @@ impl fmt::Display for ExperimentLabel {
             ControlMode::Tn => "TN",
         };
         write!(f, "{}_{excitation}_{mode}", self.test)
+    }
+}
+
+impl Serialize for ExperimentLabel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for ExperimentLabel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
     }
 }
 
