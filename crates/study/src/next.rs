@@ -24,8 +24,15 @@ use crate::whole::model_of;
 use crate::{Progress, Source, StudyError};
 
 /// Experiments of the method that a study learns from.
-const CANDIDATES: [&str; 7] =
-    ["BS_T_NT", "WhiteNoise_T_TN", "Multisine_T_TN", "Multisine_N_NT", "Levels_N_NT", "Ramp_N_NT", "Step_T_TN"];
+const CANDIDATES: [ExperimentLabel; 7] = [
+    ExperimentLabel::BS_T_NT,
+    ExperimentLabel::WHITE_NOISE_T_TN,
+    ExperimentLabel::MULTISINE_T_TN,
+    ExperimentLabel::MULTISINE_N_NT,
+    ExperimentLabel::LEVELS_N_NT,
+    ExperimentLabel::RAMP_N_NT,
+    ExperimentLabel::STEP_T_TN,
+];
 /// Torque at which a designed experiment runs, Nm: that of the method's others.
 const DESIGNED_AT_NM: f64 = 60.0;
 /// How far a designed experiment may move the speed, rad/s.
@@ -294,7 +301,7 @@ fn adopt_sensors(stated: &mut StatedBench, experiments: &[&Experiment], encoder:
 
 fn of_the_method(speed_rpm: f64, duration_s: f64) -> impl Iterator<Item = ExperimentPlan> {
     CANDIDATES.into_iter().filter_map(move |label| {
-        let template = catalogue::find(label).ok()?;
+        let template = catalogue::of(&label)?;
         let (speed, duration) = (speed_rpm.to_string(), duration_s.to_string());
         let settings = Settings::parse(&template.parameters(), &[("speed", &speed), ("duration", &duration)]).ok()?;
         template.plan(&settings).ok()

@@ -24,7 +24,6 @@ pub struct Apart {
     /// The other raster.
     pub raster: usize,
     /// The channels that show it: one of this raster, and one of that.
-    #[serde(rename = "told_by")]
     pub shown_by: [String; 2],
     /// This clock counts so many seconds too much for each of the other's.
     pub rate: f64,

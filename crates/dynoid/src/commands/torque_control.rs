@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -
     let json = || {
         json!({
             "recordings": studied.recordings, "judgements": studied.judgements, "visibility": studied.visibility,
-            "untold": studied.unusable, "refused": refused,
+            "unusable": studied.unusable, "refused": refused,
         })
     };
     show(&arguments.result, page, json, terminal)?;

@@ -70,7 +70,6 @@ pub enum Verdict {
     /// The data show none.
     NotFound,
     /// The data do not decide.
-    #[serde(rename = "untold")]
     Undecided,
 }
 

@@ -88,7 +88,6 @@ pub enum BlackBoxDoubt {
     /// J_e is too small to be seen beside J_d: zero lies in its interval, or K in one that is open.
     EngineInertiaTooSmall,
     /// The antiresonance is not separated from the resonance.
-    #[serde(rename = "modes_not_told")]
     ModesNotSeparated,
 }
 
@@ -110,7 +109,6 @@ pub struct BlackBoxRoute {
     /// Resonance, as above.
     pub resonance_hz: (f64, f64),
     /// Reasons not to take the parameters for the bench's; none where they are determined.
-    #[serde(rename = "untold")]
     pub doubts: Vec<BlackBoxDoubt>,
     /// Sample time of the model, s.
     pub sample_time_s: f64,

@@ -54,7 +54,6 @@ pub struct ModelComparison {
     /// delay and lag are not found.
     pub visibility: Option<Visibility>,
     /// Recordings that were meant but do not show it, by file.
-    #[serde(rename = "untold")]
     pub unusable: Vec<(String, Reason)>,
 }
 
@@ -121,7 +120,6 @@ pub enum Verdict {
     /// Its errors are larger.
     Worse,
     /// The two are not separated.
-    #[serde(rename = "not_told")]
     NotSeparated,
     /// It does not settle.
     NoModel,

@@ -37,6 +37,6 @@ fn regress_an_experiment_with_two_demands_is_one_entry() {
          known within ± 5 % instead of ± 10 %."
     );
     found.candidates[1].gains.clear();
-    let told = recommendation(&found);
-    assert!(told.ends_with("With the demand of the method, the same experiment gains nothing."), "{told}");
+    let words = recommendation(&found);
+    assert!(words.ends_with("With the demand of the method, the same experiment gains nothing."), "{words}");
 }

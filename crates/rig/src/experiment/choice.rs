@@ -37,23 +37,22 @@ struct Rule {
     missing: &'static [ExperimentLabel],
 }
 
-const BS: ExperimentLabel = ExperimentLabel::new(Test::Bs, Excitation::Torque, ControlMode::Nt);
-const LEVELS: ExperimentLabel = ExperimentLabel::new(Test::Levels, Excitation::Speed, ControlMode::Nt);
-const RAMP: ExperimentLabel = ExperimentLabel::new(Test::Ramp, Excitation::Speed, ControlMode::Nt);
-const WHITE_NOISE: ExperimentLabel = ExperimentLabel::new(Test::WhiteNoise, Excitation::Torque, ControlMode::Tn);
-const STEP: ExperimentLabel = ExperimentLabel::new(Test::Step, Excitation::Torque, ControlMode::Tn);
-const MULTISINE: ExperimentLabel = ExperimentLabel::new(Test::Multisine, Excitation::Torque, ControlMode::Tn);
-
 const RULES: [Rule; 6] = [
     // With a constant N_d* the feed-forward rests, and the engine moves N_d.
-    Rule { sought: Sought::SpeedController, tests: &[Test::Bs], excitation: None, mode: None, missing: &[BS] },
+    Rule {
+        sought: Sought::SpeedController,
+        tests: &[Test::Bs],
+        excitation: None,
+        mode: None,
+        missing: &[ExperimentLabel::BS_T_NT],
+    },
     // Many levels and slopes tell k and k_a apart; ramps have one slope.
     Rule {
         sought: Sought::FeedForward,
         tests: &[Test::Levels, Test::Ramp],
         excitation: None,
         mode: None,
-        missing: &[LEVELS, RAMP],
+        missing: &[ExperimentLabel::LEVELS_N_NT, ExperimentLabel::RAMP_N_NT],
     },
     // The wider the band of T_d*, the better; behind the engine's torque T_d* moves slowly.
     Rule {
@@ -61,14 +60,14 @@ const RULES: [Rule; 6] = [
         tests: &[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step, Test::Bs],
         excitation: Some(Excitation::Torque),
         mode: None,
-        missing: &[WHITE_NOISE, STEP, BS],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::STEP_T_TN, ExperimentLabel::BS_T_NT],
     },
     Rule {
         sought: Sought::Timing,
         tests: &[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step],
         excitation: None,
         mode: None,
-        missing: &[WHITE_NOISE, STEP],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::STEP_T_TN],
     },
     // A designed excitation holds its power where it shows the shaft. A torque demand that does not answer to the engine shows J_d
     // with the shaft; BS moves the shaft more, and leaves J_d as stated.
@@ -77,7 +76,7 @@ const RULES: [Rule; 6] = [
         tests: &[Test::Multisine, Test::Binary, Test::WhiteNoise, Test::Bs, Test::Levels, Test::Ramp, Test::Step],
         excitation: None,
         mode: None,
-        missing: &[WHITE_NOISE, BS],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::BS_T_NT],
     },
     // A T_d* that does not answer to the engine shows J_e, if it moves the bench over a wide band.
     Rule {
@@ -85,7 +84,7 @@ const RULES: [Rule; 6] = [
         tests: &[Test::Multisine, Test::Binary, Test::WhiteNoise],
         excitation: None,
         mode: Some(ControlMode::Tn),
-        missing: &[WHITE_NOISE, MULTISINE],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::MULTISINE_T_TN],
     },
 ];
 

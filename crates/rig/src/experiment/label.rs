@@ -83,6 +83,21 @@ impl FromStr for ExperimentLabel {
 }
 
 impl ExperimentLabel {
+    /// Engine torque switched between two ignition angles.
+    pub const BS_T_NT: Self = Self::new(Test::Bs, Excitation::Torque, ControlMode::Nt);
+    /// Many levels and slopes of the speed.
+    pub const LEVELS_N_NT: Self = Self::new(Test::Levels, Excitation::Speed, ControlMode::Nt);
+    /// Sum of sines of the speed.
+    pub const MULTISINE_N_NT: Self = Self::new(Test::Multisine, Excitation::Speed, ControlMode::Nt);
+    /// Sum of sines of the torque.
+    pub const MULTISINE_T_TN: Self = Self::new(Test::Multisine, Excitation::Torque, ControlMode::Tn);
+    /// Ramps of the speed.
+    pub const RAMP_N_NT: Self = Self::new(Test::Ramp, Excitation::Speed, ControlMode::Nt);
+    /// Steps of the torque.
+    pub const STEP_T_TN: Self = Self::new(Test::Step, Excitation::Torque, ControlMode::Tn);
+    /// White torque.
+    pub const WHITE_NOISE_T_TN: Self = Self::new(Test::WhiteNoise, Excitation::Torque, ControlMode::Tn);
+
     /// The label of a test that excites something in a mode.
     pub const fn new(test: Test, excitation: Excitation, mode: ControlMode) -> Self {
         ExperimentLabel { test, excitation, mode }

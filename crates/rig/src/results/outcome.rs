@@ -47,7 +47,7 @@ impl<T> Outcome<T> {
 
     /// The form of single analyses, with what `written` makes of the estimate.
     pub fn found_as<'a, U>(&'a self, written: impl FnOnce(&'a T) -> U) -> Found<'a, U> {
-        self.as_ref().map_or_else(|needs| Found::NotFound(needs.first()), |value| Found::Found(written(value)))
+        self.as_ref().map_or_else(|needs| Found::NotEstimated(needs.first()), |value| Found::Found(written(value)))
     }
 
     /// Why there is no estimate; empty if there is one.
@@ -162,15 +162,14 @@ impl From<EstimateError> for Reason {
     }
 }
 
-/// The form of an outcome in single analyses: `{"found": …}`, or `{"untold": …}` with the first reason.
+/// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Found<'a, T> {
     /// The estimate, or what is written of it.
     Found(T),
     /// Why there is none.
-    #[serde(rename = "untold")]
-    NotFound(Option<&'a Reason>),
+    NotEstimated(Option<&'a Reason>),
 }
 
 /// Serialises an outcome as [`Found`].

@@ -27,8 +27,8 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     let since = Instant::now();
     let progress = terminal.long(&format!("simulating {}", plan.label));
     let seed = settings.seed();
-    let on = &mut |done, all| progress.told(done, all);
-    let simulated = simulate_with_progress(&bench.stated.parameters, &plan, seed, Numerics::default(), on);
+    let at = &mut |done, all| progress.at(done, all);
+    let simulated = simulate_with_progress(&bench.stated.parameters, &plan, seed, Numerics::default(), at);
     drop(progress);
     let VirtualRun { mut recording, hidden } =
         simulated.map_err(|source| CliError::VirtualBench { path: path.clone(), source })?;

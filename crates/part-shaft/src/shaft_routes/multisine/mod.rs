@@ -74,7 +74,7 @@ pub struct MultisineRoute {
     /// The test of the cost of the engine's side, where J_e is determined.
     pub engine_cost: Option<CostTest>,
     /// Why J_e is not determined; it serialises as its words.
-    #[serde(rename = "engine_untold", serialize_with = "write_words_if_any")]
+    #[serde(serialize_with = "write_words_if_any")]
     pub engine_error: Option<EngineError>,
 }
 
