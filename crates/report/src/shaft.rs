@@ -173,8 +173,12 @@ fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
             number::significant(found.chi_squared.0, 3),
             found.chi_squared.1,
         ),
-        BlackBoxDoubt::EngineInertiaTooSmall => "Black box: J_e is too small compared with J_d to be estimated".to_owned(),
-        BlackBoxDoubt::ModesNotSeparated => "Black box: the antiresonance cannot be separated from the resonance".to_owned(),
+        BlackBoxDoubt::EngineInertiaTooSmall => {
+            "Black box: J_e is too small compared with J_d to be estimated".to_owned()
+        }
+        BlackBoxDoubt::ModesNotSeparated => {
+            "Black box: the antiresonance cannot be separated from the resonance".to_owned()
+        }
     };
     found.doubts.iter().map(doubt).collect()
 }
