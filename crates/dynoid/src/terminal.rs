@@ -225,7 +225,7 @@ pub(crate) struct Long {
 
 impl Long {
     /// `done` of `all` is done. Any thread may call it.
-    pub(crate) fn told(&self, done: u64, all: u64) {
+    pub(crate) fn at(&self, done: u64, all: u64) {
         let Some(bar) = self.bar.as_ref().filter(|_| self.since.elapsed() > SHORT) else { return };
         bar.set_length(all);
         bar.set_position(done);

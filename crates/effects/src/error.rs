@@ -1,5 +1,6 @@
 //! Why an effect cannot be shown.
 
+use study::StudyError;
 use virtual_bench::VirtualBenchError;
 
 /// Why an effect cannot be shown.
@@ -12,9 +13,9 @@ pub enum EffectsError {
     #[error("virtual bench: {0}")]
     Filter(#[from] signal::SignalError),
     /// A study of simulated recordings has no result.
-    #[error("virtual bench: the study of what was simulated failed: {reason}")]
-    Study {
-        /// Why.
-        reason: String,
-    },
+    #[error("virtual bench: the study of what was simulated failed: {0}")]
+    Study(#[from] StudyError),
+    /// The study of simulated recordings has no shaft.
+    #[error("virtual bench: the study of what was simulated failed: the shaft was not estimated")]
+    NoShaft,
 }

@@ -52,7 +52,7 @@ impl ShaftZeros {
     /// Simulates a bench with a binary demand and with white noise, at each skew, and estimates the zero from both in both ways.
     ///
     /// # Errors
-    /// As [`simulate`]; [`EffectsError::Study`] where a study finds no shaft.
+    /// As [`simulate`]; [`EffectsError::NoShaft`] where a study finds no shaft.
     pub fn of(bench: &BenchParameters, file: &BenchFile, seed: u64) -> Result<Self, EffectsError> {
         let filters = bands()?;
         let mut naive: Vec<NaiveZeros> =
@@ -97,9 +97,8 @@ fn studied(bench: &BenchFile, recordings: [(&str, Recording); 2], seed: u64) -> 
     };
     let sources = recordings.into_iter().map(source).collect();
     let campaign = Campaign { bench, bench_file: ("", ""), sources, seed: Some(seed) };
-    let study = run(campaign, &mut |_| {}).map_err(|error| EffectsError::Study { reason: error.to_string() })?;
-    let none = || EffectsError::Study { reason: "the shaft was not estimated".to_owned() };
-    zero(&study.shaft.estimated().ok_or_else(none)?.estimate).ok_or_else(none)
+    let study = run(campaign, &mut |_| {})?;
+    study.shaft.estimated().and_then(|shaft| zero(&shaft.estimate)).ok_or(EffectsError::NoShaft)
 }
 
 fn zero(shaft: &Estimate) -> Option<(f64, f64, f64)> {

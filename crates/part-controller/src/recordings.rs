@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use crate::speed_controller::{SpeedControllerFit, estimate, estimate_feed_forward};
 use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::{Experiment, Sought};
-use rig::results::{FeedForward, Need};
+use rig::results::{FeedForward, Part, Reason};
 
 /// The speed controller as recordings give it.
 #[derive(Debug)]
@@ -16,7 +16,7 @@ pub struct SpeedControllers<'a> {
     pub torque_limit_nm: Option<f64>,
     fits: OncePerRecording<'a, SpeedControllerFit>,
     feed_forwards: OncePerRecording<'a, FeedForward>,
-    chosen: OnceLock<Result<Chosen<'a, SpeedControllerFit>, Vec<Need>>>,
+    chosen: OnceLock<Result<Chosen<'a, SpeedControllerFit>, Vec<Reason>>>,
 }
 
 impl<'a> SpeedControllers<'a> {
@@ -68,7 +68,7 @@ impl<'a> SpeedControllers<'a> {
     ///
     /// # Errors
     /// What would be needed.
-    pub fn chosen(&self) -> Result<&Chosen<'a, SpeedControllerFit>, &Vec<Need>> {
+    pub fn chosen(&self) -> Result<&Chosen<'a, SpeedControllerFit>, &Vec<Reason>> {
         once(&self.chosen, || first(Sought::SpeedController, &self.experiments, |e| self.fit(e))).as_ref()
     }
 
@@ -97,8 +97,8 @@ impl<'a> SpeedControllers<'a> {
     ///
     /// # Errors
     /// What would be needed.
-    pub fn chosen_feed_forward(&self) -> Result<Chosen<'a, FeedForward>, Vec<Need>> {
-        let controller = self.best().ok_or_else(|| vec![Need::Part { name: "speed controller".to_owned() }])?;
+    pub fn chosen_feed_forward(&self) -> Result<Chosen<'a, FeedForward>, Vec<Reason>> {
+        let controller = self.best().ok_or_else(|| vec![Reason::Part { part: Part::SpeedController }])?;
         first(Sought::FeedForward, &self.experiments, |e| self.feed_forward(e, controller))
     }
 }

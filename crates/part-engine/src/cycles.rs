@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use numerics::vector::dot;
 use rig::facts::Engine;
-use rig::results::Untold;
+use rig::results::Reason;
 use serde::Serialize;
 use signal::{Complex64, distributions};
 
@@ -123,27 +123,24 @@ pub struct Order {
 ///
 /// # Errors
 /// Firings too fast for the rate of N_d, or too few cycles.
-pub(super) fn of(engine: &RebuiltEngine, motion: &Motion, kind: Engine) -> Result<Cycles, Untold> {
+pub(super) fn of(engine: &RebuiltEngine, motion: &Motion, kind: Engine) -> Result<Cycles, Reason> {
     let crank = Crank::new(engine, motion);
     let turns_a_cycle = 0.5 * f64::from(kind.strokes);
     let turn_s = TAU / crank.mean_speed_rad_s().max(f64::MIN_POSITIVE);
     let firing_s = turn_s / kind.firings_per_turn();
     if firing_s < FEWEST_SAMPLES * engine.sample_time_s {
-        let reason = format!(
-            "firings come every {:.1} ms, which takes speeds at {:.0} Hz or more; they are at {:.0} Hz: run slower or record faster",
-            1e3 * firing_s,
-            FEWEST_SAMPLES / firing_s,
-            1.0 / engine.sample_time_s
-        );
-        return Err(Untold::Failed { reason });
+        return Err(Reason::FiringsTooFast {
+            firing_s,
+            needed_hz: FEWEST_SAMPLES / firing_s,
+            rate_hz: 1.0 / engine.sample_time_s,
+        });
     }
     let parts = crank.parts(kind.firings_per_turn());
     let cylinders = kind.cylinders as usize;
     let whole = parts.chunks_exact(cylinders);
     if whole.len() < FEWEST_CYCLES {
         let needed_s = FEWEST_CYCLES as f64 * turns_a_cycle * turn_s + 2.0 * EDGE_S;
-        let reason = format!("it holds {} whole cycles, {FEWEST_CYCLES} are needed: {needed_s:.1} s", whole.len());
-        return Err(Untold::Failed { reason });
+        return Err(Reason::TooFewCycles { found: whole.len(), needed: FEWEST_CYCLES, needed_s });
     }
     let cycles: Vec<Cycle> = whole.clone().map(|parts| crank.cycle(parts)).collect();
     let apart: Vec<Vec<f64>> = whole.clone().zip(&cycles).map(|(parts, cycle)| crank.apart(parts, cycle)).collect();

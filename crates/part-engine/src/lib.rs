@@ -12,9 +12,9 @@ mod source;
 use numerics::parallel;
 use part_shaft::Parts;
 use part_shaft::shaft_inputs::stated_gate;
-use rig::Experiment;
 use rig::prepare::believable;
-use rig::results::{Told, Untold};
+use rig::results::{Outcome, Reason, write_found};
+use rig::{Experiment, ExperimentLabel};
 use serde::Serialize;
 
 pub use self::cycles::{Cycle, Cycles, Cylinder, Cylinders, CylindersOnceATurn, Order, Profile};
@@ -25,7 +25,8 @@ pub use self::source::{InertiaSource, TwoMasses};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EngineTorque {
     /// The masses and the shaft that all recordings are rebuilt with, or why there are none.
-    pub masses: Told<TwoMasses>,
+    #[serde(serialize_with = "write_found")]
+    pub masses: Outcome<TwoMasses>,
     /// One entry a recording with a shaft; none without masses.
     pub recordings: Vec<EngineRecording>,
 }
@@ -36,11 +37,13 @@ pub struct EngineRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// The engine's torque.
-    pub engine: Told<RebuiltEngine>,
+    #[serde(serialize_with = "write_found")]
+    pub engine: Outcome<RebuiltEngine>,
     /// The same by cycle and cylinder; not estimated where firings are too fast for the rate of N_d.
-    pub cycles: Told<Cycles>,
+    #[serde(serialize_with = "write_found")]
+    pub cycles: Outcome<Cycles>,
 }
 
 /// Rebuilds the engine's torque of every recording with a shaft; `step` hears of each before its turn comes.
@@ -51,10 +54,10 @@ pub struct EngineRecording {
 pub fn engine_torque(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> EngineTorque {
     let all: Vec<&Experiment> = parts.experiments.iter().copied().filter(|e| !e.label.is_without_shaft()).collect();
     let unbelievable = || all.iter().map(|experiment| believable(experiment)).collect::<Result<Vec<()>, _>>().err();
-    let masses = TwoMasses::of(parts).map_err(|why| unbelievable().map_or(why, |error| Untold::from(&error)));
+    let masses = TwoMasses::of(parts).map_err(|needs| unbelievable().map_or(needs, |error| vec![error.into()]));
     let masses = match masses {
         Ok(masses) => masses,
-        Err(why) => return EngineTorque { masses: Told::Untold(why), recordings: Vec::new() },
+        Err(needs) => return EngineTorque { masses: Outcome::NotEstimated { needs }, recordings: Vec::new() },
     };
     let known = rebuild::Known {
         engine: parts.bench.engine(),
@@ -67,19 +70,18 @@ pub fn engine_torque(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> EngineT
         of_recording(experiment, &masses, &known)
     };
     let recordings = parallel::map(&all, look);
-    EngineTorque { masses: Told::Found(masses), recordings }
+    EngineTorque { masses: Outcome::Estimated(masses), recordings }
 }
 
 fn of_recording(experiment: &Experiment, masses: &TwoMasses, known: &rebuild::Known<'_>) -> EngineRecording {
-    let rebuilt = believable(experiment)
-        .and_then(|()| rebuild::rebuild(experiment, masses, known))
-        .map_err(|error| Untold::from(&error));
+    let rebuilt =
+        believable(experiment).and_then(|()| rebuild::rebuild(experiment, masses, known)).map_err(Reason::from);
     let (engine, cycles) = match rebuilt {
         Ok((engine, motion)) => {
-            let cycles = cycles::of(&engine, &motion, known.engine).map_or_else(Told::Untold, Told::Found);
-            (Told::Found(engine), cycles)
+            let cycles = cycles::of(&engine, &motion, known.engine).into();
+            (Outcome::Estimated(engine), cycles)
         }
-        Err(why) => (Told::Untold(why.clone()), Told::Untold(why)),
+        Err(why) => (Outcome::because(why.clone()), Outcome::because(why)),
     };
-    EngineRecording { file: experiment.file.clone(), label: experiment.label.to_string(), engine, cycles }
+    EngineRecording { file: experiment.file.clone(), label: experiment.label.clone(), engine, cycles }
 }

@@ -5,12 +5,11 @@ use numerics::linalg;
 use part_shaft::Parts;
 use rig::BenchFile;
 use rig::estimation::Chosen;
-use rig::experiment::Sought;
-use rig::results::{Estimate, Need, Quantity, Untold};
+use rig::results::{Estimate, Quantity, Reason};
 use serde::Serialize;
 
 /// A J_e that is less certain than this is no better than the bench file's.
-const TOLD: f64 = 0.05;
+const CERTAIN: f64 = 0.05;
 /// K, B, c_1, δ_e, δ_T and J_d as the shaft's estimate names them.
 const OF_SHAFT: [Quantity; 6] = [
     Quantity::Stiffness,
@@ -34,7 +33,7 @@ pub enum InertiaSource {
 }
 
 /// A recording and what it shows.
-type Told = (String, Estimate);
+type Found = (String, Estimate);
 
 /// Two masses with a shaft between them. SI.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -74,15 +73,15 @@ impl TwoMasses {
     ///
     /// # Errors
     /// No shaft: why the last recording that was tried does not give it, or that there is none to give it.
-    pub(super) fn of(parts: &Parts<'_>) -> Result<Self, Untold> {
-        let shaft = parts.chosen_shaft().map_err(|needs| missing(needs))?;
-        let certain = |both: &Chosen<'_, Estimate>| uncertainty(&both.fit, Quantity::EngineInertia) < TOLD;
+    pub(super) fn of(parts: &Parts<'_>) -> Result<Self, Vec<Reason>> {
+        let shaft = parts.chosen_shaft().map_err(|needs| needs.last().cloned().into_iter().collect::<Vec<_>>())?;
+        let certain = |both: &Chosen<'_, Estimate>| uncertainty(&both.fit, Quantity::EngineInertia) < CERTAIN;
         let both = parts.chosen_inertias().ok().filter(certain);
         let both = both.map(|both| (both.experiment.file.clone(), both.fit.as_ref().clone()));
         Ok(Self::assembled((shaft.experiment.file.clone(), &shaft.fit.estimate), both, parts.bench))
     }
 
-    fn assembled((file, shaft): (String, &Estimate), both: Option<Told>, bench: &BenchFile) -> Self {
+    fn assembled((file, shaft): (String, &Estimate), both: Option<Found>, bench: &BenchFile) -> Self {
         let mut values = [0.0; PARAMETERS];
         let mut covariance = vec![vec![0.0; PARAMETERS]; PARAMETERS];
         let places = OF_SHAFT.map(|quantity| shaft.place(quantity));
@@ -128,18 +127,6 @@ impl TwoMasses {
         };
         let moves = |values: &[f64; PARAMETERS]| values != &self.values;
         (0..PARAMETERS).map(direction).filter(moves).collect()
-    }
-}
-
-/// Why there is no shaft, by the recording that was tried last.
-fn missing(needs: &[Need]) -> Untold {
-    match needs.last() {
-        Some(Need::Channel { role, .. }) => Untold::Missing { role: *role },
-        Some(Need::UsableData { reason, .. }) => Untold::Failed { reason: reason.clone() },
-        _ => {
-            let reason = format!("no recording gives the shaft; give one of {}", Sought::Shaft.missing().join(", "));
-            Untold::Failed { reason }
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Why friction cannot be estimated.
 
-use rig::Role;
+use rig::{ExperimentLabel, Role};
 use units::RPM_RAD_S;
 
 /// Why friction cannot be estimated.
@@ -21,7 +21,7 @@ pub enum FrictionError {
         /// File.
         file: String,
         /// Its label.
-        label: String,
+        label: ExperimentLabel,
     },
     /// A signal is missing.
     #[error(

@@ -50,12 +50,12 @@ impl Fitted {
     }
 
     /// Whether the term of highest order is separated from zero.
-    pub(crate) fn is_last_told(&self, level: f64) -> bool {
-        self.terms.last().is_some_and(|last| self.is_told(*last, level))
+    pub(crate) fn is_last_significant(&self, level: f64) -> bool {
+        self.terms.last().is_some_and(|last| self.is_significant(*last, level))
     }
 
     /// Whether a term is there and differs from zero.
-    pub(crate) fn is_told(&self, term: Term, level: f64) -> bool {
+    pub(crate) fn is_significant(&self, term: Term, level: f64) -> bool {
         let Some(place) = self.terms.iter().position(|own| *own == term) else { return false };
         let at = self.first_term() + place;
         let (low, high) = interval(self.linear.parameters[at], self.covariance[(at, at)].sqrt(), self.freedom, level);

@@ -74,7 +74,7 @@ struct Torque {
 pub(super) fn free_runs(experiment: &Experiment, options: FrictionOptions) -> Result<Vec<FreeRun>, FrictionError> {
     let file = || experiment.file.clone();
     if !experiment.label.is_without_shaft() {
-        return Err(FrictionError::ShaftOn { file: file(), label: experiment.label.to_string() });
+        return Err(FrictionError::ShaftOn { file: file(), label: experiment.label.clone() });
     }
     let role = Role::DynoSpeed;
     let measured = experiment.signal(role).ok_or_else(|| FrictionError::MissingSignal { file: file(), role })?;

@@ -136,7 +136,7 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
     let directions = free_run::directions(&free_runs);
     let (drive, inertia) = drive(&mut problem, directions, options.inertia_kg_m2).map_err(failed)?;
     let whole = problem.fit(&directions.with(&Term::ALL), drive);
-    let has_offset = whole.is_ok_and(|fit| fit.is_told(Term::Offset, TERM_LEVEL));
+    let has_offset = whole.is_ok_and(|fit| fit.is_significant(Term::Offset, TERM_LEVEL));
     let directions = if has_offset { Directions::Both } else { Directions::One };
     let mut fits = Vec::new();
     for count in (2..=Term::ALL.len()).rev() {
@@ -148,7 +148,7 @@ pub fn estimate(experiments: &[&Experiment], options: FrictionOptions) -> Result
         }
     }
     let is_least = |fit: &Fitted| fit.terms.last() == Some(&Term::Viscous);
-    let chosen = fits.iter().position(|fit| is_least(fit) || fit.is_last_told(TERM_LEVEL)).unwrap_or(0);
+    let chosen = fits.iter().position(|fit| is_least(fit) || fit.is_last_significant(TERM_LEVEL)).unwrap_or(0);
     for terms in [&[Term::Coulomb][..], &[Term::Viscous]] {
         fits.push(problem.fit(&directions.with(terms), drive).map_err(failed)?);
     }

@@ -10,7 +10,7 @@ use part_torque::TorqueControls;
 use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::Sought;
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, Need, Shaft};
+use rig::results::{Estimate, Reason, Shaft};
 use rig::{BenchFile, Experiment};
 
 /// The parts of a bench that are estimated from single recordings.
@@ -25,7 +25,7 @@ pub struct Parts<'a> {
     /// Torque control.
     pub torque_controls: TorqueControls<'a>,
     shafts: ShaftEstimates<'a>,
-    chosen: OnceLock<Result<Chosen<'a, Shaft>, Vec<Need>>>,
+    chosen: OnceLock<Result<Chosen<'a, Shaft>, Vec<Reason>>>,
 }
 
 /// Estimates of the shaft beside one controller and one torque control.
@@ -124,7 +124,7 @@ impl<'a> Parts<'a> {
     ///
     /// # Errors
     /// What would be needed.
-    pub fn chosen_shaft(&self) -> Result<&Chosen<'a, Shaft>, &Vec<Need>> {
+    pub fn chosen_shaft(&self) -> Result<&Chosen<'a, Shaft>, &Vec<Reason>> {
         once(&self.chosen, || first(Sought::Shaft, &self.experiments, |e| self.shaft(e))).as_ref()
     }
 
@@ -147,13 +147,13 @@ impl<'a> Parts<'a> {
     ///
     /// # Errors
     /// What would be needed.
-    pub fn chosen_inertias(&self) -> Result<Chosen<'a, Estimate>, Vec<Need>> {
+    pub fn chosen_inertias(&self) -> Result<Chosen<'a, Estimate>, Vec<Reason>> {
         let giving: Vec<&Experiment> = self.experiments.iter().copied().filter(|e| self.gives_inertias(e)).collect();
         first(Sought::Inertias, &giving, |e| self.inertias(e))
     }
 }
 
-fn is_same<T>(one: Result<&Chosen<'_, T>, &Vec<Need>>, other: Result<&Chosen<'_, T>, &Vec<Need>>) -> bool {
+fn is_same<T>(one: Result<&Chosen<'_, T>, &Vec<Reason>>, other: Result<&Chosen<'_, T>, &Vec<Reason>>) -> bool {
     match (one, other) {
         (Ok(one), Ok(other)) => Arc::ptr_eq(&one.fit, &other.fit),
         (one, other) => one.is_err() && other.is_err(),

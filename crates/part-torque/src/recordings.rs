@@ -6,7 +6,7 @@ use crate::torque_control::{TorqueControlFit, estimate};
 use rig::estimation::{Chosen, EstimateError, OncePerRecording, first, once};
 use rig::experiment::{Experiment, Sought};
 use rig::prepare::believable;
-use rig::results::Need;
+use rig::results::Reason;
 
 /// The torque control as recordings give it.
 #[derive(Debug)]
@@ -16,7 +16,7 @@ pub struct TorqueControls<'a> {
     /// What the inverter gives, Nm.
     pub torque_limit_nm: Option<f64>,
     fits: OncePerRecording<'a, TorqueControlFit>,
-    chosen: OnceLock<Result<Chosen<'a, TorqueControlFit>, Vec<Need>>>,
+    chosen: OnceLock<Result<Chosen<'a, TorqueControlFit>, Vec<Reason>>>,
 }
 
 impl<'a> TorqueControls<'a> {
@@ -55,7 +55,7 @@ impl<'a> TorqueControls<'a> {
     ///
     /// # Errors
     /// What would be needed.
-    pub fn chosen(&self) -> Result<&Chosen<'a, TorqueControlFit>, &Vec<Need>> {
+    pub fn chosen(&self) -> Result<&Chosen<'a, TorqueControlFit>, &Vec<Reason>> {
         once(&self.chosen, || first(Sought::TorqueControl, &self.experiments, |e| self.fit(e))).as_ref()
     }
 

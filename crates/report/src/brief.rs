@@ -1,7 +1,7 @@
 //! A study in short: verdict, key numbers, what is missing and why, doubts.
 
 use page::{Align, Block, Blocks, Cell, Page, Prose, Table, Tone};
-use rig::results::{Need, Parameter, Part, Quantity};
+use rig::results::{Parameter, Part, Quantity, Reason};
 use rig::{Diagnostic, Severity};
 use study::Study;
 
@@ -70,12 +70,12 @@ fn estimates(study: &Study) -> Blocks {
 /// The numbers people ask for first, each with the part it belongs to.
 pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
     let mut numbers = Vec::new();
-    let mut add = |part: &'static str, parameters: Vec<Option<&'a Parameter>>| {
-        numbers.extend(parameters.into_iter().flatten().map(|parameter| (part, parameter)));
+    let mut add = |part: Part, parameters: Vec<Option<&'a Parameter>>| {
+        numbers.extend(parameters.into_iter().flatten().map(|parameter| (wording::part(part), parameter)));
     };
     if let Some(part) = study.speed_controller.estimated() {
         add(
-            "speed control",
+            Part::SpeedController,
             [Quantity::ProportionalGain, Quantity::IntegralGain, Quantity::ControllerDelay]
                 .map(|quantity| part.estimate.parameter(quantity))
                 .into(),
@@ -83,49 +83,43 @@ pub fn key_numbers<'a>(study: &'a Study) -> Vec<(&'static str, &'a Parameter)> {
     }
     if let Some(part) = study.feed_forward.estimated() {
         add(
-            "feed-forward",
+            Part::FeedForward,
             [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]
                 .map(|quantity| part.estimate.parameter(quantity))
                 .into(),
         );
     }
     if let Some(part) = study.torque_control.estimated() {
-        add("torque control", part.delay_and_lag.parameters.iter().map(Some).collect());
+        add(Part::TorqueControl, part.delay_and_lag.parameters.iter().map(Some).collect());
     }
     if let Some(part) = study.shaft.estimated() {
         let mut parameters: Vec<_> =
             [Quantity::Stiffness, Quantity::Damping].map(|quantity| part.estimate.parameter(quantity)).into();
         parameters.push(Some(&part.zero));
-        add("shaft", parameters);
+        add(Part::Shaft, parameters);
     }
     if let Some(part) = study.whole.estimated() {
         let resonance = [&part.resonance_hz, &part.resonance_gain, &part.damping_ratio];
-        add("whole model", resonance.into_iter().chain([&part.firing_meets_resonance]).map(Some).collect());
+        add(Part::Whole, resonance.into_iter().chain([&part.firing_meets_resonance]).map(Some).collect());
     }
     numbers
 }
 
 /// Every part that is not estimated, in plain words, with what it needs.
-pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Need])> {
-    fn needs<T>(part: &Part<T>) -> Option<&[Need]> {
-        match part {
-            Part::Estimated(_) => None,
-            Part::NotEstimated { needs } => Some(needs),
-        }
-    }
+pub fn not_estimated(study: &Study) -> Vec<(&'static str, &[Reason])> {
     let parts = [
-        ("timing", needs(&study.timing)),
-        ("speed_controller", needs(&study.speed_controller)),
-        ("feed_forward", needs(&study.feed_forward)),
-        ("torque_control", needs(&study.torque_control)),
-        ("shaft", needs(&study.shaft)),
-        ("whole", needs(&study.whole)),
+        (Part::Timing, study.timing.as_ref().err()),
+        (Part::SpeedController, study.speed_controller.as_ref().err()),
+        (Part::FeedForward, study.feed_forward.as_ref().err()),
+        (Part::TorqueControl, study.torque_control.as_ref().err()),
+        (Part::Shaft, study.shaft.as_ref().err()),
+        (Part::Whole, study.whole.as_ref().err()),
     ];
     parts.into_iter().filter_map(|(name, needs)| Some((wording::part(name), needs?))).collect()
 }
 
 fn missing(study: &Study) -> Blocks {
-    let row = |(part, needs): (&str, &[Need])| -> Vec<Cell> {
+    let row = |(part, needs): (&str, &[Reason])| -> Vec<Cell> {
         vec![Cell::toned(part, Tone::Caution), format!("needs {}", wording::needs(needs)).into()]
     };
     let table =

@@ -5,7 +5,7 @@ use part_controller::speed_control::{Controller, FeedForwardFound, IntegrationRu
 use part_controller::speed_controller::{
     AntiWindup, FeedForwardTerms, Limit, LimitReached, MATTERS, MapPoint, Round, Structure, Term, TermTest, Verdict,
 };
-use rig::results::{Quantity, ResidualTest, Told, Untold, WrittenParameter};
+use rig::results::{Outcome, Quantity, ResidualTest, WrittenParameter};
 use study::noise_test::{Case, Estimator, Noise, NoiseTest, PUBLISHED, PublishedRow, Summary};
 use units::RPM_RAD_S;
 
@@ -17,17 +17,6 @@ const HEIGHT: u32 = 220;
 const MARGIN: f64 = 0.03;
 /// Truths that differ by less than this part of themselves are the same.
 const SAME: f64 = 1e-9;
-
-/// Why a recording cannot show something of the speed controller, and which experiment can.
-pub fn untold(why: &Untold) -> String {
-    match why {
-        Untold::Missing { .. } | Untold::WrongSign { .. } => crate::torque::untold(why),
-        Untold::NotExcited | Untold::NotExplained => {
-            "N_d* hardly moves where T_d* is below its limit; run Levels_N_NT".to_owned()
-        }
-        Untold::Failed { reason } => reason.clone(),
-    }
-}
 
 /// A term in a few words.
 pub fn term(term: Term) -> &'static str {
@@ -48,7 +37,7 @@ pub fn verdict(test: &TermTest) -> &'static str {
         Verdict::Found => "found",
         Verdict::Negligible => "too small to matter",
         Verdict::NotFound => "none seen",
-        Verdict::Untold => "not testable",
+        Verdict::Undecided => "not testable",
     }
 }
 
@@ -77,9 +66,9 @@ fn remedy(of: Term) -> &'static str {
 }
 
 /// The terms that these data cannot show, each with the experiment that can.
-pub fn untold_terms(tests: &[TermTest]) -> Vec<String> {
-    let untold = tests.iter().filter(|test| test.verdict == Verdict::Untold);
-    untold.map(|test| format!("{}: these data cannot show it; {}", term(test.term), remedy(test.term))).collect()
+pub fn undecided_terms(tests: &[TermTest]) -> Vec<String> {
+    let undecided = tests.iter().filter(|test| test.verdict == Verdict::Undecided);
+    undecided.map(|test| format!("{}: these data cannot show it; {}", term(test.term), remedy(test.term))).collect()
 }
 
 /// How the residual depends on T_d*, e.g. `outside the 99 % region at 88 % of the lags`.
@@ -201,14 +190,14 @@ pub fn limits(found: &SpeedControl) -> Vec<String> {
     let (mut highest, mut is_reached) = (None, false);
     for one in &found.limits {
         match &one.found {
-            Told::Found(Limit::Reached(reached)) => {
+            Outcome::Estimated(Limit::Reached(reached)) => {
                 is_reached = true;
                 all.push(format!("{}: {}", one.file, at_limit(reached)));
             }
-            Told::Found(Limit::NotReached { highest_nm }) => {
+            Outcome::Estimated(Limit::NotReached { highest_nm }) => {
                 highest = Some(highest.map_or(*highest_nm, |highest: f64| highest.max(*highest_nm)));
             }
-            Told::Untold(why) => all.push(format!("{}: {}", one.file, untold(why))),
+            Outcome::NotEstimated { needs: why } => all.push(format!("{}: {}", one.file, wording::reasons(why))),
         }
     }
     all.extend(highest.filter(|_| !is_reached).map(|highest| {
@@ -251,7 +240,7 @@ fn at_limit(found: &LimitReached) -> String {
 }
 
 /// The part of the feed-forward that no recording shows.
-pub const M_IS_UNTOLD: &str =
+pub const M_IS_NOT_SHOWN: &str =
     "m, the constant part of the feed-forward, cannot be estimated: the integrator's initial state takes it up.";
 
 /// The feed-forward beside PI alone.
@@ -319,14 +308,14 @@ pub fn figures(found: &SpeedControl) -> Vec<Figure> {
 
 /// Residuals of PI without and with delay against T_d*, one figure a recording with constant N_d*.
 pub fn correlation_figures(found: &SpeedControl) -> Vec<Figure> {
-    let controllers = found.controllers.iter().filter_map(|one| Some((one.file.as_str(), one.found.found()?)));
+    let controllers = found.controllers.iter().filter_map(|one| Some((one.file.as_str(), one.found.estimated()?)));
     controllers.filter_map(|(file, controller)| correlation_figure(file, controller)).collect()
 }
 
 /// The static feed-forward over N_d*, one figure a recording in which it moves.
 pub fn map_figures(found: &SpeedControl) -> Vec<Figure> {
     let maps = found.feed_forward.iter().filter_map(|one| {
-        let terms = one.found.found()?.terms.found()?;
+        let terms = one.found.estimated()?.terms.estimated()?;
         (!terms.map.is_empty()).then(|| map_figure(&one.file, terms))
     });
     maps.collect()

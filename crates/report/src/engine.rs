@@ -6,10 +6,9 @@ use part_engine::{
     TwoMasses,
 };
 use part_torque::torque_smoother::TorqueSource;
-use rig::results::Told;
+use rig::results::Outcome;
 
-use crate::torque::untold;
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
@@ -131,14 +130,14 @@ pub fn figures(found: &EngineTorque) -> Vec<Figure> {
 
 /// Those of one recording.
 pub fn figures_of(recording: &EngineRecording) -> Vec<Figure> {
-    let Told::Found(engine) = &recording.engine else { return Vec::new() };
-    let mut all = vec![over_time(&recording.file, engine, recording.cycles.found())];
+    let Outcome::Estimated(engine) = &recording.engine else { return Vec::new() };
+    let mut all = vec![over_time(&recording.file, engine, recording.cycles.estimated())];
     match &recording.cycles {
-        Told::Untold(why) => {
+        Outcome::NotEstimated { needs: why } => {
             let last = all.len() - 1;
-            all[last].caption.push_str(&format!(" Cycles and cylinders: {}.", untold(why)));
+            all[last].caption.push_str(&format!(" Cycles and cylinders: {}.", wording::reasons(why)));
         }
-        Told::Found(found) => all.extend([
+        Outcome::Estimated(found) => all.extend([
             over_angle(&recording.file, found, &found.profile),
             by_cycle(&recording.file, found),
             by_cylinder(&recording.file, found),

@@ -35,7 +35,7 @@ pub fn terms(all: &[Term]) -> String {
 
 /// What is to be known beside the numbers.
 pub fn remarks(friction: &Friction) -> Vec<String> {
-    let told = match &friction.inertia {
+    let of_inertia = match &friction.inertia {
         Inertia::Estimated { .. } => None,
         Inertia::Stated { inertia_kg_m2, why } => Some(format!(
             "{}: these recordings show friction over inertia alone; torques hold for the {} of the bench file. For J_d, step \
@@ -51,7 +51,7 @@ pub fn remarks(friction: &Friction) -> Vec<String> {
          makes it narrower"
             .to_owned()
     });
-    told.into_iter().chain(calculated).chain(undecided(friction)).collect()
+    of_inertia.into_iter().chain(calculated).chain(undecided(friction)).collect()
 }
 
 /// What casts doubt on the numbers, with what to do.

@@ -68,11 +68,16 @@ struct Head<'a> {
     findings: &'a [String],
 }
 
+/// What the experiment of a label does.
+fn described(label: &str) -> Option<&'static str> {
+    experiment(&label.parse().ok()?)
+}
+
 fn head(facts: &Head<'_>) -> Blocks {
     let mut all = vec![Block::heading(Prose::verbatim(facts.file))];
     let start = facts.start.as_ref().map(|start| format!(", started {start}")).unwrap_or_default();
     all.push(line(format!("{}{start}", facts.format)));
-    let label = match facts.label.as_deref().map(|label| (label, experiment(label))) {
+    let label = match facts.label.as_deref().map(|label| (label, described(label))) {
         Some((label, Some(words))) => format!("{label}: {words}"),
         Some((label, None)) => label.to_owned(),
         None => "no label in the file name (such as BS_T_NT); the bench file can give one".to_owned(),
@@ -197,7 +202,7 @@ fn remarks(channel: &Values) -> Vec<String> {
 
 /// That a clock runs apart, and what to do.
 fn apart(found: &Apart) -> String {
-    let [own, other] = &found.told_by;
+    let [own, other] = &found.shown_by;
     let against = format!("raster {} (seen in {own} and {other})", found.raster);
     let &Apart { rate, standard_error, apart_s, .. } = found;
     let finding = Found::ClockDrift { against, rate, standard_error, apart_s };

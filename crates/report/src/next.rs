@@ -106,7 +106,7 @@ pub fn what(candidate: &Candidate) -> String {
 
 /// The command that makes its demands, with the model of a study if there is one.
 pub fn command(candidate: &Candidate, bench: &str, study: Option<&str>) -> String {
-    let which = if candidate.is_designed { "--optimal K,B".to_owned() } else { candidate.label.clone() };
+    let which = if candidate.is_designed { "--optimal K,B".to_owned() } else { candidate.label.to_string() };
     let (length, speed) = (number::significant(candidate.duration_s, 6), number::significant(candidate.speed_rpm, 6));
     let model = study.map(|study| format!(" --model {study}")).unwrap_or_default();
     format!("dynoid experiment design {bench} {which} --speed {speed} --duration {length}{model}")

@@ -3,9 +3,9 @@
 use page::{Abscissa, Axis, Figure, Layer, Panel, Style, rounded};
 use part_shaft::shaft::{Beyond, Term, TermTest, Weight};
 use part_shaft::shaft_analysis::{Band, DualMass, Routes, ShaftAnalysis, ShaftRecording, Together};
-use part_shaft::shaft_routes::black_box::{BlackBoxRoute, Untold};
+use part_shaft::shaft_routes::black_box::{BlackBoxDoubt, BlackBoxRoute};
 use part_shaft::shaft_routes::multisine::{CostTest, MultisineRoute};
-use rig::results::{Estimate, Notation, Parameter, Quantity, Shaft, Told, Untold as NotTold, WrittenParameter};
+use rig::results::{Estimate, Notation, Outcome, Parameter, Quantity, Reason, Shaft, WrittenParameter};
 
 use crate::wording::number;
 
@@ -104,13 +104,13 @@ pub struct Route<'a> {
     /// From what to what.
     pub name: &'static str,
     /// K, B and, where it shows them, the inertias.
-    pub told: Result<&'a Estimate, &'a NotTold>,
+    pub estimate: Result<&'a Estimate, &'a [Reason]>,
 }
 
 /// The recording's own estimate, then the other routes that its experiment allows.
 pub fn routes(recording: &ShaftRecording) -> Vec<Route<'_>> {
     let Routes { state_space, black_box, multisine, .. } = &recording.routes;
-    let own = Route { name: "Δω → T_shaft", told: recording.shaft.as_ref().map(|shaft| &shaft.estimate) };
+    let own = Route { name: "Δω → T_shaft", estimate: recording.shaft.as_ref().map(|shaft| &shaft.estimate) };
     let others = [
         route("State space (T_d, ω_e) → ω_d", state_space.as_ref(), |found| &found.estimate),
         route("Black box T_d → ω_d", black_box.as_ref(), |found| &found.estimate),
@@ -119,8 +119,8 @@ pub fn routes(recording: &ShaftRecording) -> Vec<Route<'_>> {
     std::iter::once(own).chain(others.into_iter().flatten()).collect()
 }
 
-fn route<'a, T>(name: &'static str, told: Option<&'a Told<T>>, of: fn(&T) -> &Estimate) -> Option<Route<'a>> {
-    told.map(|told| Route { name, told: told.as_ref().map(of) })
+fn route<'a, T>(name: &'static str, found: Option<&'a Outcome<T>>, of: fn(&T) -> &Estimate) -> Option<Route<'a>> {
+    found.map(|found| Route { name, estimate: found.as_ref().map(of) })
 }
 
 /// What one has to know to read the routes: where one contradicts the recording's own estimate, and what each cannot show.
@@ -134,27 +134,27 @@ pub fn route_remarks(recording: &ShaftRecording) -> Vec<String> {
             number::duration(apart_s)
         ));
     }
-    if state_space.as_ref().is_some_and(|told| told.found().is_some()) {
+    if state_space.as_ref().is_some_and(|found| found.estimated().is_some()) {
         remarks.push(
             "State space: the intervals are slightly narrow; on 40 virtual benches they contained K in 36 cases and B in 34 to 36"
                 .to_owned(),
         );
     }
-    remarks.extend(black_box.as_ref().and_then(Told::found).map(black_box_doubts).unwrap_or_default());
-    remarks.extend(multisine.as_ref().and_then(Told::found).map(multisine_doubts).unwrap_or_default());
+    remarks.extend(black_box.as_ref().and_then(Outcome::estimated).map(black_box_doubts).unwrap_or_default());
+    remarks.extend(multisine.as_ref().and_then(Outcome::estimated).map(multisine_doubts).unwrap_or_default());
     remarks
 }
 
 /// Routes whose interval of K or B lies wholly outside that of the first.
 fn apart(routes: &[Route<'_>]) -> Vec<String> {
-    let Some((Route { name: first, told: Ok(own) }, others)) = routes.split_first() else { return Vec::new() };
+    let Some((Route { name: first, estimate: Ok(own) }, others)) = routes.split_first() else { return Vec::new() };
     let disjoint = |other: &Estimate, quantity| {
         let intervals = own.parameter(quantity).zip(other.parameter(quantity)).map(|(a, b)| (a.interval, b.interval));
         intervals.is_some_and(|(a, b)| a.1 < b.0 || b.1 < a.0)
     };
     let remark = |other: &Route<'_>| {
         let both = [Quantity::Stiffness, Quantity::Damping].into_iter();
-        let apart = both.filter(|quantity| other.told.is_ok_and(|estimate| disjoint(estimate, *quantity)));
+        let apart = both.filter(|quantity| other.estimate.is_ok_and(|estimate| disjoint(estimate, *quantity)));
         let symbols: Vec<&str> = apart.map(Quantity::symbol).collect();
         let (name, which) = (other.name, symbols.join(" and "));
         let text =
@@ -166,17 +166,21 @@ fn apart(routes: &[Route<'_>]) -> Vec<String> {
 
 /// Reasons not to take a black box's parameters for the bench's.
 fn black_box_doubts(found: &BlackBoxRoute) -> Vec<String> {
-    let doubt = |untold: &Untold| match untold {
-        Untold::NotTwoMasses => format!(
+    let doubt = |doubt: &BlackBoxDoubt| match doubt {
+        BlackBoxDoubt::NotTwoMasses => format!(
             "Black box: its coefficients are not those of two masses and a spring (χ² = {} with {} degrees of \
              freedom); its intervals are wider by √(χ²/degrees of freedom) and may still miss the true values",
             number::significant(found.chi_squared.0, 3),
             found.chi_squared.1,
         ),
-        Untold::EngineInertiaTooSmall => "Black box: J_e is too small compared with J_d to be estimated".to_owned(),
-        Untold::ModesNotTold => "Black box: the antiresonance cannot be separated from the resonance".to_owned(),
+        BlackBoxDoubt::EngineInertiaTooSmall => {
+            "Black box: J_e is too small compared with J_d to be estimated".to_owned()
+        }
+        BlackBoxDoubt::ModesNotSeparated => {
+            "Black box: the antiresonance cannot be separated from the resonance".to_owned()
+        }
     };
-    found.untold.iter().map(doubt).collect()
+    found.doubts.iter().map(doubt).collect()
 }
 
 /// Reasons to doubt the estimate from means over periods.
@@ -191,14 +195,14 @@ fn multisine_doubts(found: &MultisineRoute) -> Vec<String> {
     };
     let shaft = too_large(&found.cost, "the shaft");
     let engine = found.engine_cost.as_ref().and_then(|test| too_large(test, "the engine’s side"));
-    let untold = found.engine_untold.as_ref().map(|why| format!("Means over periods: {why}"));
-    [shaft, engine, untold].into_iter().flatten().collect()
+    let no_inertia = found.engine_error.as_ref().map(|why| format!("Means over periods: {why}"));
+    [shaft, engine, no_inertia].into_iter().flatten().collect()
 }
 
 /// Routes that none of the recordings allows, and what would.
 pub fn routes_not_taken(study: &ShaftAnalysis) -> Vec<&'static str> {
     let taken = |is: fn(&Routes) -> bool| study.recordings.iter().any(|recording| is(&recording.routes));
-    let with_shaft = study.recordings.iter().any(|recording| recording.shaft.found().is_some());
+    let with_shaft = study.recordings.iter().any(|recording| recording.shaft.estimated().is_some());
     let absent = [
         (
             taken(|routes| routes.state_space.is_some()),
@@ -248,7 +252,7 @@ pub fn together(of: &Together) -> String {
 /// All recordings side by side, then response, values by band and by route, and errors of each.
 pub fn figures(study: &ShaftAnalysis) -> Vec<Figure> {
     let of_each = study.recordings.iter().flat_map(|recording| {
-        let shaft = recording.shaft.found();
+        let shaft = recording.shaft.estimated();
         let response = shaft.map(|shaft| response_figure(recording, shaft));
         let bands = shaft.filter(|_| !recording.bands.is_empty()).map(|shaft| band_figure(recording, shaft));
         let by_route = shaft.and_then(|_| route_figure(recording));
@@ -295,7 +299,7 @@ fn band_figure(recording: &ShaftRecording, shaft: &Shaft) -> Figure {
 /// K and B by every route that shows them; none where there is one alone.
 fn route_figure(recording: &ShaftRecording) -> Option<Figure> {
     let found: Vec<(&str, &Estimate)> =
-        routes(recording).into_iter().filter_map(|route| Some((route.name, route.told.ok()?))).collect();
+        routes(recording).into_iter().filter_map(|route| Some((route.name, route.estimate.ok()?))).collect();
     if found.len() < 2 {
         return None;
     }

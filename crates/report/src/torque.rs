@@ -5,9 +5,9 @@ use part_torque::timing::{Difference, Filter, FilterCandidate, ShaftFilter};
 use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueRecording, TorqueSignals, Trust, TrustCheck};
 use part_torque::torque_smoother::TorqueSource;
 use rig::Role;
-use rig::results::{Parameter, SignalDelay, Trace, Untold};
+use rig::results::{Parameter, SignalDelay, Trace};
 
-use crate::wording::{self, number};
+use crate::wording::number;
 
 /// Height of a panel on the page.
 const HEIGHT: u32 = 220;
@@ -15,29 +15,6 @@ const HEIGHT: u32 = 220;
 const SHOWN_S: f64 = 0.5;
 /// Half the width of a 95 % band in standard deviations.
 const BAND: f64 = 1.96;
-
-/// Why a recording cannot show something, and what can.
-pub fn untold(why: &Untold) -> String {
-    match why {
-        Untold::Missing { role } => missing(*role),
-        Untold::WrongSign { role } => format!(
-            "{} is negative when it brakes, as its effect on the speed shows, and is not used; write sign = -1 for \
-             {} in the bench file",
-            wording::role(*role),
-            role.key()
-        ),
-        Untold::NotExcited => "T_d* does not move T_d by itself here; run WhiteNoise_T_TN or Step_T_TN".to_owned(),
-        Untold::NotExplained => {
-            "neither a moving average, a lag nor a delay of N_d explains it; check J_d and the channels".to_owned()
-        }
-        Untold::Failed { reason } => reason.clone(),
-    }
-}
-
-/// A signal that is not there, or was and is of no use: which of the two, the warnings say.
-pub fn missing(role: Role) -> String {
-    format!("no {} can be used; record it, or correct its channel if a warning names it", wording::role(role))
-}
 
 /// A filter with its delay, e.g. `moving average over 16 samples, 7.5 ms late`.
 pub fn filter(candidate: &FilterCandidate) -> String {
@@ -70,8 +47,8 @@ pub fn shaft_filter(found: &ShaftFilter) -> String {
             format!("leaves {} unexplained, the best {}", rest(second.residual_nm), rest(found.best.residual_nm));
         format!("the next best, {}, {left}", filter(second))
     });
-    let told = if found.is_told() { "" } else { "; the data cannot decide between the two: record longer" };
-    best + &second.map(|second| format!("; {second}{told}")).unwrap_or_default()
+    let doubt = if found.is_decided() { "" } else { "; the data cannot decide between the two: record longer" };
+    best + &second.map(|second| format!("; {second}{doubt}")).unwrap_or_default()
 }
 
 /// What it means that a delay behind T_d* is below zero by more than its interval; none where it is not.
@@ -188,7 +165,7 @@ fn scaled((low, high): (f64, f64), by: f64) -> String {
 /// The rebuilt shaft torque of every recording, and T_d,calc against the load cell.
 pub fn figures(signals: &TorqueSignals) -> Vec<Figure> {
     let shafts = signals.recordings.iter().filter_map(|recording| {
-        let shaft = recording.shaft.as_ref()?.found()?;
+        let shaft = recording.shaft.as_ref()?.estimated()?;
         Some(shaft_figure(recording, shaft))
     });
     shafts.chain(signals.trust.as_ref().map(trust_figure)).collect()

@@ -73,7 +73,7 @@ pub fn verdict(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Better => "better",
         Verdict::Worse => "worse",
-        Verdict::NotTold => "no difference seen",
+        Verdict::NotSeparated => "no difference seen",
         Verdict::NoModel => "no model",
     }
 }
@@ -147,13 +147,13 @@ pub fn belief(recording: &ComparedRecording, black_box: &BlackBox) -> Option<Str
         |a| format!("and its slowest mode is a lag of {}", number::significant_with_unit(a, 3, "rad/s")),
     );
     let [_, lag, total] = recording.delay_and_lag.as_slice() else { return None };
-    let told = [total, lag].map(number::parameter);
+    let written = [total, lag].map(number::parameter);
     Some(format!(
         "{} has a delay of {} at 10 Hz, {mode}; with the sampling modelled, the values are {} and {}",
         structure(&black_box.structure),
         number::parameter(believed),
-        told[0],
-        told[1],
+        written[0],
+        written[1],
     ))
 }
 
@@ -168,7 +168,7 @@ pub fn beyond(recording: &ComparedRecording) -> String {
         return "a second-order term cannot be tested, because no lag was found".to_owned();
     };
     let ruled_out = |p_value: f64| p_value < 1.0 - LEVEL;
-    let told = match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {
+    let shown = match (ruled_out(test.lag_p_value), ruled_out(test.damped_p_value)) {
         (true, _) => format!("more than a lag is seen (99 %), κ = {}", number::significant(test.term, 2)),
         (false, true) => {
             "no more than a lag is seen, and a critically damped loop (κ = 0.25) is ruled out (99 %)".to_owned()
@@ -176,7 +176,7 @@ pub fn beyond(recording: &ComparedRecording) -> String {
         (false, false) => "neither a lag (κ = 0) nor a critically damped loop (κ = 0.25) is ruled out".to_owned(),
     };
     let doubt = if test.white { "" } else { "; the residual is not white, so this is doubtful" };
-    format!("Second order, 1/(1 + s/a + κ (s/a)²): {told}{doubt}")
+    format!("Second order, 1/(1 + s/a + κ (s/a)²): {shown}{doubt}")
 }
 
 /// The length of a recording; below a second, which no estimate of this takes, and above a day it says no more than that.

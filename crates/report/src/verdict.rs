@@ -3,7 +3,7 @@
 //! Nothing is estimated here: every rule compares numbers of the study with a threshold, and states that threshold.
 //! The headline is the worst outcome of all rules.
 
-use rig::results::{Parameter, Part, Quantity, Validation};
+use rig::results::{Outcome, Parameter, Part, Quantity, Validation};
 use rig::{Diagnostic, Finding, Severity};
 use study::Study;
 
@@ -68,24 +68,24 @@ pub fn verdict(study: &Study) -> Verdict {
     Verdict { level, rules }
 }
 
-/// Every part of the study by field name, with whether it was estimated, in the order of the report.
-pub(crate) fn part_states(study: &Study) -> [(&'static str, bool); 6] {
+/// Every part of the study with whether it was estimated, in the order of the report.
+pub(crate) fn part_states(study: &Study) -> [(Part, bool); 6] {
     [
-        ("timing", study.timing.estimated().is_some()),
-        ("speed_controller", study.speed_controller.estimated().is_some()),
-        ("feed_forward", study.feed_forward.estimated().is_some()),
-        ("torque_control", study.torque_control.estimated().is_some()),
-        ("shaft", study.shaft.estimated().is_some()),
-        ("whole", study.whole.estimated().is_some()),
+        (Part::Timing, study.timing.estimated().is_some()),
+        (Part::SpeedController, study.speed_controller.estimated().is_some()),
+        (Part::FeedForward, study.feed_forward.estimated().is_some()),
+        (Part::TorqueControl, study.torque_control.estimated().is_some()),
+        (Part::Shaft, study.shaft.estimated().is_some()),
+        (Part::Whole, study.whole.estimated().is_some()),
     ]
 }
 
 fn parts(study: &Study) -> Rule {
     let states = part_states(study);
     let missing: Vec<String> =
-        states.iter().filter(|(_, there)| !there).map(|(name, _)| wording::part(name).to_owned()).collect();
+        states.iter().filter(|(_, there)| !there).map(|(name, _)| wording::part(*name).to_owned()).collect();
     let core_missing =
-        states.iter().any(|(name, there)| !there && matches!(*name, "shaft" | "torque_control" | "whole"));
+        states.iter().any(|(name, there)| !there && matches!(name, Part::Shaft | Part::TorqueControl | Part::Whole));
     let level = match (core_missing, missing.is_empty()) {
         (true, _) => Level::Insufficient,
         (false, false) => Level::Reservations,
@@ -147,22 +147,22 @@ fn held_out(study: &Study) -> Rule {
 }
 
 /// Fit of each estimated part on its held-out stretch.
-pub(crate) fn held_out_fits(study: &Study) -> Vec<(&'static str, f64)> {
-    fn fit<'a, T>(part: &'a Part<T>, validation: impl Fn(&'a T) -> &'a Validation) -> Option<f64> {
+pub(crate) fn held_out_fits(study: &Study) -> Vec<(Part, f64)> {
+    fn fit<'a, T>(part: &'a Outcome<T>, validation: impl Fn(&'a T) -> &'a Validation) -> Option<f64> {
         part.estimated().map(|estimated| validation(estimated).fit_percent)
     }
     [
-        ("speed_controller", fit(&study.speed_controller, |part| &part.validation)),
-        ("feed_forward", fit(&study.feed_forward, |part| &part.validation)),
-        ("torque_control", fit(&study.torque_control, |part| &part.delay_and_lag_validation)),
-        ("shaft", fit(&study.shaft, |part| &part.validation)),
+        (Part::SpeedController, fit(&study.speed_controller, |part| &part.validation)),
+        (Part::FeedForward, fit(&study.feed_forward, |part| &part.validation)),
+        (Part::TorqueControl, fit(&study.torque_control, |part| &part.delay_and_lag_validation)),
+        (Part::Shaft, fit(&study.shaft, |part| &part.validation)),
     ]
     .into_iter()
     .filter_map(|(name, fit)| Some((name, fit?)))
     .collect()
 }
 
-fn worse_fit<'a>(a: (&'a str, f64), b: (&'a str, f64)) -> (&'a str, f64) {
+fn worse_fit(a: (Part, f64), b: (Part, f64)) -> (Part, f64) {
     if a.1.is_nan() || a.1 <= b.1 { a } else { b }
 }
 
@@ -211,7 +211,7 @@ fn residuals(study: &Study) -> Rule {
 fn doubted_part(finding: &Finding) -> Option<String> {
     match finding {
         Finding::ResidualsCorrelated { submodel, .. } | Finding::NotConverged { submodel } => {
-            Some(wording::part(submodel).to_owned())
+            Some(wording::part(*submodel).to_owned())
         }
         Finding::RoutesDisagree { quantity, .. } => Some(wording::twice_estimated(*quantity).to_owned()),
         _ => None,

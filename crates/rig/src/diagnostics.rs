@@ -1,9 +1,11 @@
 //! What is usable but with doubts: structured findings, each with its place. Their wording belongs to the report.
 
+use recording::RecordingError;
 use serde::Serialize;
 
 use crate::Role;
-use crate::results::{Quantity, write_symbol};
+use crate::results::{Part, Quantity, write_symbol};
+use crate::words::write_words;
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -43,15 +45,17 @@ pub struct Diagnostic {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Finding {
-    /// The recording could not be decoded; the reader's own words are given.
+    /// The recording could not be decoded.
     UnreadableRecording {
-        /// The reader's error.
-        reason: String,
+        /// The reader's error; it serialises as its words.
+        #[serde(rename = "reason", serialize_with = "write_words")]
+        error: RecordingError,
     },
     /// The reader returned data, with a reservation.
     ReaderDoubt {
-        /// The reader's finding.
-        reason: String,
+        /// The reader's finding; it serialises as its words.
+        #[serde(rename = "reason", serialize_with = "write_words")]
+        doubt: recording::Finding,
     },
     /// Neither file name nor bench file gives the experiment's label.
     NoLabel,
@@ -222,14 +226,14 @@ pub enum Finding {
     /// The residuals of a submodel are correlated with its input beyond the 99 % region.
     ResidualsCorrelated {
         /// Which submodel.
-        submodel: String,
+        submodel: Part,
         /// Share of the lags outside, 0…1.
         share_outside: f64,
     },
     /// A fit did not converge.
     NotConverged {
         /// Which submodel.
-        submodel: String,
+        submodel: Part,
     },
     /// A signal is recorded in steps so coarse that part of an estimate had to be assumed.
     CoarseResolution {

@@ -71,7 +71,7 @@ pub(super) fn analyses(experiments: &[Experiment], parts: &Parts<'_>, progress: 
     let lines = on_one_mains(parallel::map(experiments, |experiment| find_lines(experiment, engine)));
     analysing("torque signals");
     let torque_signals = torque_signals((controllers, torque_controls), bench, &|_| ());
-    analysing("speed controller");
+    analysing("speed control");
     let speed_control = speed_control(controllers, &|_| ());
     let pi_study = held_speed(parts).map(|experiment| {
         let options = NoiseTestOptions { draws: DRAWS, ..NoiseTestOptions::default() };

@@ -14,7 +14,9 @@ use part_torque::torque_control::TorqueControlFit;
 use rig::estimation::first;
 use rig::experiment::{Choice, Sought};
 use rig::facts::StatedInertia;
-use rig::results::{FeedForward, Need, Parameter, Part, Quantity, Shaft, SpeedController, Timing, TorqueControl};
+use rig::results::{
+    FeedForward, Outcome, Parameter, Part, Quantity, Reason, Shaft, SpeedController, Timing, TorqueControl,
+};
 use rig::{Experiment, Finding, Role, Severity};
 
 use crate::Progress;
@@ -35,30 +37,22 @@ const INERTIA_CONTRADICTED: f64 = 0.3;
 /// Everything that was estimated.
 pub(super) struct Estimates {
     pub(super) choices: Vec<Choice>,
-    pub(super) timing: Part<Timing>,
-    pub(super) speed_controller: Part<SpeedController>,
-    pub(super) feed_forward: Part<FeedForward>,
-    pub(super) torque_control: Part<TorqueControl>,
-    pub(super) shaft: Part<Shaft>,
-    pub(super) whole: Part<WholeModel>,
+    pub(super) timing: Outcome<Timing>,
+    pub(super) speed_controller: Outcome<SpeedController>,
+    pub(super) feed_forward: Outcome<FeedForward>,
+    pub(super) torque_control: Outcome<TorqueControl>,
+    pub(super) shaft: Outcome<Shaft>,
+    pub(super) whole: Outcome<WholeModel>,
     pub(super) model: Option<AssembledModel>,
     pub(super) replays: Vec<Replay>,
 }
 
-/// A part from the outcome of its estimate.
-fn part<T>(outcome: Result<T, Vec<Need>>) -> Part<T> {
-    match outcome {
-        Ok(value) => Part::Estimated(value),
-        Err(needs) => Part::NotEstimated { needs },
-    }
-}
-
 /// The parts that the recordings allow.
 pub(super) struct Fits<'p> {
-    pub(super) controller: Result<&'p SpeedControllerFit, Vec<Need>>,
-    pub(super) feed_forward: Result<FeedForward, Vec<Need>>,
-    pub(super) torque_control: Result<&'p TorqueControlFit, Vec<Need>>,
-    pub(super) shaft: Result<Shaft, Vec<Need>>,
+    pub(super) controller: Result<&'p SpeedControllerFit, Vec<Reason>>,
+    pub(super) feed_forward: Result<FeedForward, Vec<Reason>>,
+    pub(super) torque_control: Result<&'p TorqueControlFit, Vec<Reason>>,
+    pub(super) shaft: Result<Shaft, Vec<Reason>>,
     /// From which recording each is, and why.
     pub(super) choices: Vec<Choice>,
 }
@@ -102,7 +96,7 @@ impl<'p> Fits<'p> {
 
 /// Estimates every part the recordings allow, checks one recording by another, and replays the model.
 pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
-    for part in ["speed controller", "feed-forward", "torque control", "shaft"] {
+    for part in [Part::SpeedController, Part::FeedForward, Part::TorqueControl, Part::Shaft] {
         (findings.progress)(Progress::Estimating { part });
     }
     let mut fits = Fits::of(parts);
@@ -122,12 +116,12 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
     };
     Estimates {
         choices: fits.choices,
-        timing: part(timing),
-        speed_controller: part(fits.controller.map(|c| c.result.clone())),
-        feed_forward: part(fits.feed_forward),
-        torque_control: part(fits.torque_control.map(|t| t.result.clone())),
-        shaft: part(fits.shaft),
-        whole: part(analysis),
+        timing: timing.into(),
+        speed_controller: fits.controller.map(|c| c.result.clone()).into(),
+        feed_forward: fits.feed_forward.into(),
+        torque_control: fits.torque_control.map(|t| t.result.clone()).into(),
+        shaft: fits.shaft.into(),
+        whole: analysis.into(),
         model,
         replays,
     }
@@ -136,14 +130,14 @@ pub(super) fn all(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Estimates {
 /// The doubts about speed controller, feed-forward and torque control.
 fn doubt_controllers(findings: &mut Findings<'_>, fits: &Fits<'_>) {
     if let Ok(fit) = fits.controller {
-        findings.doubt_residuals("speed_controller", &fit.result.validation);
+        findings.doubt_residuals(Part::SpeedController, &fit.result.validation);
         if let Some(step) = fit.coarse_demand_nm {
             let finding = Finding::CoarseResolution { role: Role::DynoTorqueDemand, step };
             findings.doubt(&fit.result.validation.stretch.file, Severity::Note, finding);
         }
     }
     if let Ok(feed_forward) = &fits.feed_forward {
-        findings.doubt_residuals("feed_forward", &feed_forward.validation);
+        findings.doubt_residuals(Part::FeedForward, &feed_forward.validation);
     }
     if let Ok(fit) = fits.torque_control {
         findings.diagnostics.extend(fit.diagnostics.iter().cloned());
@@ -165,8 +159,8 @@ fn doubt_exchange(findings: &mut Findings<'_>, parts: &Parts<'_>) {
     }
 }
 
-fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<Need>> {
-    (findings.progress)(Progress::Estimating { part: "timing" });
+fn timing(findings: &mut Findings<'_>, parts: &Parts<'_>) -> Result<Timing, Vec<Reason>> {
+    (findings.progress)(Progress::Estimating { part: Part::Timing });
     let inertia = findings.bench.dynamometer_inertia_kg_m2;
     let torque_control = parts.torque_controls.best();
     let found =

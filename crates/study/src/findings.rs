@@ -1,7 +1,7 @@
 //! A study's data, the doubts about them, and what was used for what, as they grow.
 
 use rig::experiment::{Choice, Sought, Test};
-use rig::results::{Need, Validation};
+use rig::results::{Part, Validation};
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, Severity};
 
 use crate::Progress;
@@ -13,7 +13,7 @@ pub(super) struct Findings<'a> {
     pub(super) diagnostics: Vec<Diagnostic>,
     pub(super) progress: &'a mut dyn FnMut(Progress),
     /// File and what it was used for.
-    uses: Vec<(String, &'static str)>,
+    uses: Vec<(String, Part)>,
 }
 
 impl<'a> Findings<'a> {
@@ -27,8 +27,8 @@ impl<'a> Findings<'a> {
     }
 
     /// What a file was used for.
-    pub(super) fn uses_of(&self, file: &str) -> Vec<String> {
-        self.uses.iter().filter(|(f, _)| f == file).map(|(_, use_)| (*use_).to_owned()).collect()
+    pub(super) fn uses_of(&self, file: &str) -> Vec<Part> {
+        self.uses.iter().filter(|(f, _)| f == file).map(|(_, part)| *part).collect()
     }
 
     /// Whether any part was estimated from a file.
@@ -38,11 +38,11 @@ impl<'a> Findings<'a> {
 
     pub(super) fn note_use(&mut self, choice: &Choice) {
         let part = match choice.sought {
-            Sought::SpeedController => "speed controller",
-            Sought::FeedForward => "feed-forward",
-            Sought::TorqueControl => "torque control",
-            Sought::Timing => "timing",
-            Sought::Shaft => "shaft",
+            Sought::SpeedController => Part::SpeedController,
+            Sought::FeedForward => Part::FeedForward,
+            Sought::TorqueControl => Part::TorqueControl,
+            Sought::Timing => Part::Timing,
+            Sought::Shaft => Part::Shaft,
             Sought::Inertias => return,
         };
         self.uses.push((choice.file.clone(), part));
@@ -54,10 +54,10 @@ impl<'a> Findings<'a> {
     }
 
     /// Doubts a part whose residuals depend on its input on the held-out stretch.
-    pub(super) fn doubt_residuals(&mut self, submodel: &str, validation: &Validation) {
+    pub(super) fn doubt_residuals(&mut self, submodel: Part, validation: &Validation) {
         if let Some(test) = validation.residuals.as_ref().filter(|test| test.depends_on_input()) {
             let share_outside = test.share_outside();
-            let finding = Finding::ResidualsCorrelated { submodel: submodel.to_owned(), share_outside };
+            let finding = Finding::ResidualsCorrelated { submodel, share_outside };
             self.doubt(&validation.stretch.file, Severity::Warning, finding);
         }
     }
@@ -68,8 +68,4 @@ impl<'a> Findings<'a> {
         found.sort_by(|a, b| b.duration_s().total_cmp(&a.duration_s()));
         found
     }
-}
-
-pub(super) fn needs_part(name: &str) -> Vec<Need> {
-    vec![Need::Part { name: name.to_owned() }]
 }

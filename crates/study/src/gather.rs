@@ -45,7 +45,7 @@ pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn
     for (summary, outcome) in gathered.recordings.iter_mut().zip(prepared) {
         match outcome {
             Ok((experiment, diagnostics)) => {
-                summary.label = Some(experiment.label.to_string());
+                summary.label = Some(experiment.label.clone());
                 summary.mean_speed_rad_s = experiment.signal(Role::DynoSpeed).and_then(signal::Signal::mean);
                 summary.sample_times_s = experiment.signals.iter().map(|(r, s)| (*r, s.sample_time_s)).collect();
                 gathered.diagnostics.extend(diagnostics);
@@ -82,7 +82,7 @@ fn first_of_its_kind(source: &Source, earlier: &[RecordingSummary]) -> Result<()
 pub fn experiment_of(bench: &BenchFile, source: &Source) -> Result<(Experiment, Vec<Diagnostic>), Vec<Diagnostic>> {
     let recording = match &source.recording {
         Ok(recording) => recording,
-        Err(error) => return Err(refused(source, Finding::UnreadableRecording { reason: error.to_string() })),
+        Err(error) => return Err(refused(source, Finding::UnreadableRecording { error: error.clone() })),
     };
     let Some(label) = bench.label_of(&source.file) else {
         return Err(refused(source, Finding::NoLabel));

@@ -14,9 +14,9 @@ use part_shaft::Parts;
 use rig::experiment::catalogue::{self, Settings};
 use rig::experiment::{ExperimentPlan, Test, UPDATE_S};
 use rig::results::{Estimate, Notation, Parameter, Quantity};
-use rig::{BenchFile, Experiment, Role};
+use rig::{BenchFile, Experiment, ExperimentLabel, Role};
 use units::RPM_RAD_S;
-use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_told};
+use virtual_bench::{Assumption, Numerics, StatedBench, VirtualBenchError, VirtualRun, rename, simulate_with_progress};
 
 use crate::estimates::Fits;
 use crate::gather::{experiment_of, usable};
@@ -24,8 +24,15 @@ use crate::whole::model_of;
 use crate::{Progress, Source, StudyError};
 
 /// Experiments of the method that a study learns from.
-const CANDIDATES: [&str; 7] =
-    ["BS_T_NT", "WhiteNoise_T_TN", "Multisine_T_TN", "Multisine_N_NT", "Levels_N_NT", "Ramp_N_NT", "Step_T_TN"];
+const CANDIDATES: [ExperimentLabel; 7] = [
+    ExperimentLabel::BS_T_NT,
+    ExperimentLabel::WHITE_NOISE_T_TN,
+    ExperimentLabel::MULTISINE_T_TN,
+    ExperimentLabel::MULTISINE_N_NT,
+    ExperimentLabel::LEVELS_N_NT,
+    ExperimentLabel::RAMP_N_NT,
+    ExperimentLabel::STEP_T_TN,
+];
 /// Torque at which a designed experiment runs, Nm: that of the method's others.
 const DESIGNED_AT_NM: f64 = 60.0;
 /// How far a designed experiment may move the speed, rad/s.
@@ -97,7 +104,7 @@ pub struct NextExperiments {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Candidate {
     /// Its label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// Whether its demand was designed for this bench, see [`design::excitation_design`].
     pub is_designed: bool,
     /// Speed, rpm.
@@ -182,7 +189,7 @@ pub fn next_experiments(
     sources: Vec<Source>,
     options: NextOptions,
     progress: &mut dyn FnMut(Progress),
-    told: &(dyn Fn(u64, u64) + Sync),
+    tried: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<NextExperiments, NextError> {
     let experiments = match usable(bench, sources, progress) {
         Ok(gathered) => gathered.experiments,
@@ -190,14 +197,14 @@ pub fn next_experiments(
         Err(error) => return Err(error.into()),
     };
     let all: Vec<&Experiment> = experiments.iter().collect();
-    beside(&Parts::of(&all, bench), options, told)
+    beside(&Parts::of(&all, bench), options, tried)
 }
 
 /// The same, beside recordings that were prepared.
 pub(super) fn beside(
     parts: &Parts<'_>,
     options: NextOptions,
-    told: &(dyn Fn(u64, u64) + Sync),
+    progress: &(dyn Fn(u64, u64) + Sync),
 ) -> Result<NextExperiments, NextError> {
     if options.duration_s.is_nan() || options.duration_s < SHORTEST_S {
         return Err(NextError::TooShort { duration_s: options.duration_s });
@@ -218,7 +225,7 @@ pub(super) fn beside(
     let tried = |(plan, is_designed): &(ExperimentPlan, bool)| {
         let (then, peak_shaft_torque_nm) = try_out(parts, &stated, plan, options.seed)?;
         Ok(Candidate {
-            label: plan.label.to_string(),
+            label: plan.label.clone(),
             is_designed: *is_designed,
             speed_rpm: options.speed_rpm,
             duration_s: plan.duration_s,
@@ -226,7 +233,7 @@ pub(super) fn beside(
             gains: then.iter().map(|p| gain(p, &known.numbers, options.enough)).collect(),
         })
     };
-    let candidates = parallel::map_with_progress(&plans, tried, told);
+    let candidates = parallel::map_with_progress(&plans, tried, progress);
     let mut candidates = candidates.into_iter().collect::<Result<Vec<Candidate>, VirtualBenchError>>()?;
     candidates.sort_by(|a, b| b.worth().partial_cmp(&a.worth()).unwrap_or(std::cmp::Ordering::Equal));
     Ok(NextExperiments { now: known.numbers, candidates, enough: options.enough, assumptions: stated.assumptions })
@@ -294,7 +301,7 @@ fn adopt_sensors(stated: &mut StatedBench, experiments: &[&Experiment], encoder:
 
 fn of_the_method(speed_rpm: f64, duration_s: f64) -> impl Iterator<Item = ExperimentPlan> {
     CANDIDATES.into_iter().filter_map(move |label| {
-        let template = catalogue::find(label).ok()?;
+        let template = catalogue::of(&label)?;
         let (speed, duration) = (speed_rpm.to_string(), duration_s.to_string());
         let settings = Settings::parse(&template.parameters(), &[("speed", &speed), ("duration", &duration)]).ok()?;
         template.plan(&settings).ok()
@@ -322,7 +329,7 @@ fn try_out(
     seed: u64,
 ) -> Result<(Vec<Parameter>, f64), VirtualBenchError> {
     let VirtualRun { mut recording, hidden } =
-        simulate_told(&stated.parameters, plan, seed, Numerics::default(), &mut |_, _| {})?;
+        simulate_with_progress(&stated.parameters, plan, seed, Numerics::default(), &mut |_, _| {})?;
     rename(&mut recording, &parts.bench.channels);
     // No file of the recordings is called so.
     let file = format!("{0}_next/{0}.mf4", plan.label);

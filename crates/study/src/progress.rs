@@ -1,5 +1,7 @@
 //! What is being worked on, for a progress display.
 
+use rig::results::Part;
+
 /// What is being worked on, for a progress display.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Progress {
@@ -8,11 +10,10 @@ pub enum Progress {
         /// File.
         file: String,
     },
-    /// A part of the bench is estimated: `speed controller`, `feed-forward`, `torque control`, `timing`, `shaft`,
-    /// `whole model`.
+    /// A part of the bench is estimated.
     Estimating {
         /// The part.
-        part: &'static str,
+        part: Part,
     },
     /// A recording is replayed on the model.
     Replaying {

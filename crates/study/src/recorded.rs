@@ -1,7 +1,7 @@
 //! Recordings as they are: their courses, and a step of T_d* with what followed it (thesis, chapter 4, and figures 6.1, 6.2).
 
 use rig::results::Trace;
-use rig::{ControlMode, Experiment, Role};
+use rig::{ControlMode, Experiment, ExperimentLabel, Role};
 use signal::Signal;
 
 /// What is shown before and after a step, s.
@@ -24,7 +24,7 @@ pub struct RecordedCourse {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// Each signal, in SI.
     pub signals: Vec<(Role, Trace)>,
 }
@@ -44,7 +44,7 @@ pub struct StepResponse {
 pub(super) fn courses(experiments: &[&Experiment]) -> Vec<RecordedCourse> {
     let course = |experiment: &&Experiment| RecordedCourse {
         file: experiment.file.clone(),
-        label: experiment.label.to_string(),
+        label: experiment.label.clone(),
         signals: experiment.signals.iter().map(|(role, signal)| (*role, trace(signal, 0..signal.len(), 0.0))).collect(),
     };
     experiments.iter().map(course).collect()

@@ -5,8 +5,8 @@ use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
 use rig::experiment::Choice;
 use rig::facts::BenchFacts;
-use rig::results::{FeedForward, Part, Shaft, SpeedController, Timing, TorqueControl};
-use rig::{Diagnostic, Role};
+use rig::results::{FeedForward, Outcome, Part, Shaft, SpeedController, Timing, TorqueControl};
+use rig::{Diagnostic, ExperimentLabel, Role};
 use serde::Serialize;
 
 /// Everything learnt from one campaign.
@@ -21,17 +21,17 @@ pub struct Study {
     /// Which recording each part is from, and why.
     pub choices: Vec<Choice>,
     /// Delay of each torque signal.
-    pub timing: Part<Timing>,
+    pub timing: Outcome<Timing>,
     /// PI with delay.
-    pub speed_controller: Part<SpeedController>,
+    pub speed_controller: Outcome<SpeedController>,
     /// Feed-forward of the speed controller.
-    pub feed_forward: Part<FeedForward>,
+    pub feed_forward: Outcome<FeedForward>,
     /// Torque control, closed loop from T_d* to T_d.
-    pub torque_control: Part<TorqueControl>,
+    pub torque_control: Outcome<TorqueControl>,
     /// Stiffness and damping, with gate and skew.
-    pub shaft: Part<Shaft>,
+    pub shaft: Outcome<Shaft>,
     /// The assembled model's analysis.
-    pub whole: Part<WholeModel>,
+    pub whole: Outcome<WholeModel>,
     /// The assembled model itself, in SI, for those who compute with it.
     pub model: Option<AssembledModel>,
     /// Replays of recordings on the assembled model.
@@ -61,13 +61,13 @@ pub struct RecordingSummary {
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
     /// Label, if it has one.
-    pub label: Option<String>,
+    pub label: Option<ExperimentLabel>,
     /// Length, s.
     pub duration_s: f64,
     /// Mean dynamometer speed, rad/s.
     pub mean_speed_rad_s: Option<f64>,
     /// Sample times by role.
     pub sample_times_s: Vec<(Role, f64)>,
-    /// What it was used for.
-    pub used_for: Vec<String>,
+    /// The parts that were estimated from it.
+    pub used_for: Vec<Part>,
 }

@@ -10,12 +10,12 @@ use part_torque::air_gap_torque::modelled_torque;
 use part_torque::torque_control::TorqueControlFit;
 use rig::experiment::Test;
 use rig::facts::BenchFacts;
-use rig::results::{FeedForward, Need, Quantity, Shaft};
+use rig::results::{FeedForward, Part, Quantity, Reason, Shaft};
 use rig::{ControlMode, Experiment, Finding, Severity};
 
 use crate::Progress;
 use crate::assemble::{StudyParts, assemble as assemble_model};
-use crate::findings::{Findings, needs_part};
+use crate::findings::Findings;
 
 /// Tests worth replaying in each control mode, best first.
 const REPLAYED_NT: [Test; 4] = [Test::Bs, Test::Ramp, Test::Levels, Test::Unfired];
@@ -50,13 +50,13 @@ impl Pieces<'_> {
 /// The model that the parts make up, and its analysis.
 pub(super) struct Whole {
     pub(super) model: Option<AssembledModel>,
-    pub(super) analysis: Result<WholeModel, Vec<Need>>,
+    pub(super) analysis: Result<WholeModel, Vec<Reason>>,
 }
 
 impl Whole {
     /// Without a shaft there is no model.
     pub(super) fn missing() -> Self {
-        Whole { model: None, analysis: Err(needs_part("shaft")) }
+        Whole { model: None, analysis: Err(vec![Reason::Part { part: Part::Shaft }]) }
     }
 }
 
@@ -74,7 +74,7 @@ pub(super) fn model_of(facts: &BenchFacts, pieces: &Pieces<'_>) -> Option<Assemb
 
 /// The model that the parts make up, analysed.
 pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whole {
-    (findings.progress)(Progress::Estimating { part: "whole model" });
+    (findings.progress)(Progress::Estimating { part: Part::Whole });
     let facts = findings.bench.facts();
     let Some(assembled) = model_of(&facts, pieces) else { return Whole::missing() };
     let AssembledModel { model, uncertainty } = &assembled;
@@ -87,10 +87,7 @@ pub(super) fn assemble(findings: &mut Findings<'_>, pieces: &Pieces<'_>) -> Whol
     });
     let points = measured.collect::<Result<Vec<_>, _>>().map(|points| points.concat());
     let analysed = |sine_points: &[_]| whole_model(&WholeInputs { model, uncertainty, engine, sine_points });
-    let whole = points.map(|points| analysed(&points)).map_err(|error| {
-        let file = sines.first().map_or_else(String::new, |e| e.file.clone());
-        vec![Need::UsableData { file, reason: error.to_string() }]
-    });
+    let whole = points.map(|points| analysed(&points)).map_err(|error| vec![Reason::from(error)]);
     Whole { model: Some(assembled), analysis: whole }
 }
 

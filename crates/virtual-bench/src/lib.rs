@@ -104,7 +104,7 @@ pub fn simulate_hidden(
     seed: u64,
     numerics: Numerics,
 ) -> Result<VirtualRun, VirtualBenchError> {
-    simulate_told(parameters, plan, seed, numerics, &mut |_, _| {})
+    simulate_with_progress(parameters, plan, seed, numerics, &mut |_, _| {})
 }
 
 /// As [`simulate_hidden`]; reports now and then how many updates of how many are done.
@@ -112,16 +112,16 @@ pub fn simulate_hidden(
 /// # Errors
 ///
 /// As [`simulate_hidden`].
-pub fn simulate_told(
+pub fn simulate_with_progress(
     parameters: &BenchParameters,
     plan: &ExperimentPlan,
     seed: u64,
     numerics: Numerics,
-    told: &mut dyn FnMut(u64, u64),
+    progress: &mut dyn FnMut(u64, u64),
 ) -> Result<VirtualRun, VirtualBenchError> {
     parameters.check()?;
     plan.check()?;
     numerics.check(parameters.drive.machine.is_some())?;
-    let (registers, hidden) = run::run(parameters, plan, seed, &numerics, told)?;
+    let (registers, hidden) = run::run(parameters, plan, seed, &numerics, progress)?;
     Ok(VirtualRun { recording: write::recording(parameters, plan, &registers), hidden })
 }

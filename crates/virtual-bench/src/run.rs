@@ -17,7 +17,7 @@ use crate::hidden::HiddenTruth;
 use crate::numerics::Numerics;
 
 /// Updates from one word about progress to the next.
-const TOLD_EVERY: usize = 500;
+const PROGRESS_EVERY: usize = 500;
 
 /// What the automation system holds in its registers at every update of the recording. SI.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,7 +36,7 @@ pub(super) fn run(
     plan: &ExperimentPlan,
     seed: u64,
     numerics: &Numerics,
-    told: &mut dyn FnMut(u64, u64),
+    progress: &mut dyn FnMut(u64, u64),
 ) -> Result<(Registers, HiddenTruth), VirtualBenchError> {
     let updates = plan.updates();
     let settling = (plan.settling_s / UPDATE_S).round() as usize;
@@ -44,8 +44,8 @@ pub(super) fn run(
     let mut bench = Bench::new(parameters, plan, seed, numerics, &demands, settling)?;
     bench.reserve(updates);
     for update in 0..settling + updates {
-        if update.is_multiple_of(TOLD_EVERY) {
-            told(update as u64, (settling + updates) as u64);
+        if update.is_multiple_of(PROGRESS_EVERY) {
+            progress(update as u64, (settling + updates) as u64);
         }
         bench.update(&demands, update.checked_sub(settling));
         bench.advance(numerics, update >= settling);

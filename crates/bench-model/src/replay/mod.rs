@@ -56,7 +56,7 @@ pub fn replay(experiment: &Experiment, model: &BenchModel, inputs: &ReplayInputs
     let (acted, comparison) = (&run.acted, run.comparison(&start));
     Ok(Replay {
         stretch: Stretch { file: experiment.file.clone(), start_s: acted.start_s, end_s: acted.end_s() },
-        label: experiment.label.to_string(),
+        label: experiment.label.clone(),
         mode: experiment.label.mode,
         seen_in_estimation: inputs.seen_in_estimation,
         signals: comparison.all(response)?,

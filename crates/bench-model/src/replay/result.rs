@@ -1,7 +1,7 @@
 //! A recording replayed on the assembled model, as data.
 
-use rig::ControlMode;
 use rig::results::{Stretch, Validation};
+use rig::{ControlMode, ExperimentLabel};
 use serde::Serialize;
 
 /// A recording replayed on the assembled model.
@@ -10,7 +10,7 @@ pub struct Replay {
     /// The recording's file and label.
     pub stretch: Stretch,
     /// Label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// Control mode.
     pub mode: ControlMode,
     /// Whether any part of the model was estimated from this recording.

@@ -24,7 +24,7 @@ pub struct Apart {
     /// The other raster.
     pub raster: usize,
     /// The channels that show it: one of this raster, and one of that.
-    pub told_by: [String; 2],
+    pub shown_by: [String; 2],
     /// This clock counts so many seconds too much for each of the other's.
     pub rate: f64,
     /// Standard error of the rate.
@@ -86,18 +86,18 @@ impl Clock {
 
 fn apart(recording: &Recording, (reference, fast): (usize, Clock), (own, clock): (usize, Clock)) -> Option<Apart> {
     let pairs = pairs(recording, reference, own);
-    let told = pairs.into_iter().filter_map(|(there, here)| {
+    let drifts = pairs.into_iter().filter_map(|(there, here)| {
         let drift = relative_drift(fast.signal(there)?, clock.signal(here)?).ok()?;
         Some((there, here, drift))
     });
-    let (there, here, drift) = told.min_by(|a, b| a.2.standard_error.total_cmp(&b.2.standard_error))?;
+    let (there, here, drift) = drifts.min_by(|a, b| a.2.standard_error.total_cmp(&b.2.standard_error))?;
     let Drift { rate, standard_error } = drift;
     let standard_error = standard_error.hypot(fast.rate_error).hypot(clock.rate_error);
     let apart_s = rate * (fast.end_s().min(clock.end_s()) - fast.start_s.max(clock.start_s));
     let counts =
         rate.abs() > SIGNIFICANCE * standard_error && apart_s.abs() > SHARE_OF_SAMPLE_TIME * fast.sample_time_s;
-    let told_by = [here.name.clone(), there.name.clone()];
-    counts.then_some(Apart { raster: reference, told_by, rate, standard_error, apart_s })
+    let shown_by = [here.name.clone(), there.name.clone()];
+    counts.then_some(Apart { raster: reference, shown_by, rate, standard_error, apart_s })
 }
 
 /// Channels of two rasters that measure the same quantity, those of the same name first.

@@ -99,7 +99,7 @@ fn regress_filtered_inputs_are_band_limited() {
 }
 
 #[test]
-fn exact_inputs_of_which_one_is_filtered_are_told() {
+fn exact_inputs_of_which_one_is_filtered_are_named() {
     let fast: Vec<String> =
         (0..400).map(|n| format!("{},{}", 0.005 * f64::from(n), (0.3 * f64::from(n)).sin())).collect();
     let rows = fast.iter().enumerate().map(|(n, row)| match n {
@@ -115,7 +115,7 @@ fn exact_inputs_of_which_one_is_filtered_are_told() {
 }
 
 #[test]
-fn regress_a_recording_filtered_among_others_is_told() {
+fn regress_a_recording_filtered_among_others_is_named() {
     let every = |step_s: f64| {
         let row = |n: u32| format!("{},{},{n}\n", step_s * f64::from(n), (0.3 * f64::from(n)).sin());
         recorded(&format!("time [s],u,y\n{}", (0..400).map(row).collect::<String>()))

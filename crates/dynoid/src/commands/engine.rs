@@ -4,8 +4,8 @@ use std::path::Path;
 
 use part_engine::{EngineRecording, EngineTorque, engine_torque};
 use part_shaft::Parts;
-use report::torque::untold;
-use rig::results::Told;
+use report::wording::reasons;
+use rig::results::Reason;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -34,31 +34,28 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
         json!({"masses": found.masses, "recordings": recordings, "refused": refused})
     };
     show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
-    let tells = found.recordings.iter().any(|recording| recording.engine.found().is_some());
+    let tells = found.recordings.iter().any(|recording| recording.engine.estimated().is_some());
     Ok(Outcome::of(tells, &refused))
 }
 
 /// A recording's results without the samples.
 fn short(recording: &EngineRecording) -> serde_json::Value {
-    let engine = match &recording.engine {
-        Told::Found(engine) => json!({"found": {
+    let engine = recording.engine.found_as(|engine| {
+        json!({
             "start_s": engine.start_s, "sample_time_s": engine.sample_time_s, "samples": engine.smoothed_nm.len(),
             "torque": engine.torque, "noise": engine.noise, "once_a_turn_nm": engine.once_a_turn_nm,
-        }}),
-        Told::Untold(why) => json!({"untold": why}),
-    };
+        })
+    });
     json!({"file": recording.file, "label": recording.label, "engine": engine, "cycles": recording.cycles})
 }
 
 /// Writes the engine torque of the one recording there is.
 fn write(found: &EngineTorque, out: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
     let recording = rebuilt::only(&found.recordings, "the engine torque", out)?;
-    let engine = match &recording.engine {
-        Told::Found(engine) => engine,
-        Told::Untold(why) => {
-            return Err(CliError::Usage { what: format!("{}: no engine torque: {}", recording.file, untold(why)) });
-        }
+    let missing = |needs: &[Reason]| CliError::Usage {
+        what: format!("{}: no engine torque: {}", recording.file, reasons(needs)),
     };
+    let engine = recording.engine.as_ref().map_err(missing)?;
     let rebuilt = Rebuilt {
         comment: format!("engine torque rebuilt from {}", recording.file),
         start_s: engine.start_s,

@@ -53,8 +53,8 @@ fn look(file: &InputFile, arguments: &InspectArguments, terminal: &Terminal) -> 
         return Ok(Shown::Listing(Listing::of(&file.name, label(&file.name), &catalogue, &input::extras(file)?)));
     }
     let progress = terminal.long(&format!("reading {}", file.name));
-    let told = |done: u64, all: u64| progress.told(done, all);
-    let read = input::read_recording(file, &input::selection(&arguments.channels), None, &told);
+    let at = |done: u64, all: u64| progress.at(done, all);
+    let read = input::read_recording(file, &input::selection(&arguments.channels), None, &at);
     let Read { recording, .. } = read.map_err(|error| match error {
         // There is no option for it here.
         CliError::Recording { source, .. } => CliError::Recording { source, untimed: false },

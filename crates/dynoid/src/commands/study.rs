@@ -119,9 +119,9 @@ fn bench_text(bench: &Path) -> Result<String, CliError> {
 pub(in crate::commands) fn show(progress: &Progress, step: &StudyProgress) {
     match step {
         StudyProgress::Preparing { file } => progress.say(&format!("checking {file}")),
-        StudyProgress::Estimating { part } => progress.say(&format!("estimating: {}", wording::part(part))),
+        StudyProgress::Estimating { part } => progress.say(&format!("estimating: {}", wording::part(*part))),
         StudyProgress::Replaying { file } => progress.say(&format!("replaying {file}")),
-        StudyProgress::Analysing { what } => progress.say(&format!("analysing: {}", wording::part(what))),
+        StudyProgress::Analysing { what } => progress.say(&format!("analysing: {what}")),
     }
     progress.step();
 }

@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &TorqueControlArguments, terminal: &mut Terminal) -
     let json = || {
         json!({
             "recordings": studied.recordings, "judgements": studied.judgements, "visibility": studied.visibility,
-            "untold": studied.untold, "refused": refused,
+            "unusable": studied.unusable, "refused": refused,
         })
     };
     show(&arguments.result, page, json, terminal)?;
@@ -37,13 +37,13 @@ fn studied(
 ) -> Result<ModelComparison, CliError> {
     let progress = terminal.progress(STEPS);
     let mut done = 0;
-    let mut told = |file: &str, share: f64| {
+    let mut shown = |file: &str, share: f64| {
         progress.say(&format!("trying orders on {file}"));
         let now = (share * STEPS as f64) as u64;
         (done..now.min(STEPS)).for_each(|_| progress.step());
         done = done.max(now);
     };
     let all: Vec<&Experiment> = experiments.iter().collect();
-    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, &mut told)
+    compare_models(&TorqueControls::of(&all, bench.limits.torque_nm), orders, &mut shown)
         .map_err(|source| CliError::TorqueControl { source })
 }

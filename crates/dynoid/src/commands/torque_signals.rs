@@ -5,9 +5,8 @@ use std::path::Path;
 use part_controller::SpeedControllers;
 use part_torque::TorqueControls;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals, torque_signals};
-use report::torque::untold;
+use report::wording::reasons;
 use rig::Experiment;
-use rig::results::Told;
 use serde_json::json;
 
 use super::experiments::{self, Campaign};
@@ -38,24 +37,25 @@ pub(crate) fn run(arguments: &TorqueSignalsArguments, terminal: &mut Terminal) -
         json!({"recordings": recordings, "trust": signals.trust, "refused": refused})
     };
     show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
-    Ok(Outcome::of(signals.recordings.iter().any(tells) || signals.trust.is_some(), &refused))
+    Ok(Outcome::of(signals.recordings.iter().any(shows) || signals.trust.is_some(), &refused))
 }
 
 /// Whether a recording gives any result.
-fn tells(recording: &TorqueRecording) -> bool {
-    let filter = recording.filter.as_ref().is_some_and(|told| told.found().is_some());
-    let shaft = recording.shaft.as_ref().is_some_and(|told| told.found().is_some());
-    recording.delays.found().is_some() || filter || shaft
+fn shows(recording: &TorqueRecording) -> bool {
+    let filter = recording.filter.as_ref().is_some_and(|outcome| outcome.estimated().is_some());
+    let shaft = recording.shaft.as_ref().is_some_and(|outcome| outcome.estimated().is_some());
+    recording.delays.estimated().is_some() || filter || shaft
 }
 
 /// A recording's results without the samples of the shaft torque.
 fn short(recording: &TorqueRecording) -> serde_json::Value {
-    let shaft = recording.shaft.as_ref().map(|told| match told {
-        Told::Found(shaft) => json!({"found": {
-            "start_s": shaft.start_s, "sample_time_s": shaft.sample_time_s, "samples": shaft.smoothed_nm.len(),
-            "torque": shaft.torque, "noise": shaft.noise, "once_a_turn": shaft.once_a_turn,
-        }}),
-        Told::Untold(why) => json!({"untold": why}),
+    let shaft = recording.shaft.as_ref().map(|outcome| {
+        outcome.found_as(|shaft| {
+            json!({
+                "start_s": shaft.start_s, "sample_time_s": shaft.sample_time_s, "samples": shaft.smoothed_nm.len(),
+                "torque": shaft.torque, "noise": shaft.noise, "once_a_turn": shaft.once_a_turn,
+            })
+        })
     });
     json!({"file": recording.file, "label": recording.label, "delays": recording.delays, "filter": recording.filter,
         "shaft": shaft})
@@ -64,17 +64,11 @@ fn short(recording: &TorqueRecording) -> serde_json::Value {
 /// Writes the shaft torque of the one recording there is.
 fn write(signals: &TorqueSignals, out: &Path, terminal: &mut Terminal) -> Result<(), CliError> {
     let recording = rebuilt::only(&signals.recordings, "the shaft torque", out)?;
-    let shaft = match &recording.shaft {
-        Some(Told::Found(shaft)) => shaft,
-        Some(Told::Untold(why)) => {
-            return Err(CliError::Usage { what: format!("{}: no shaft torque: {}", recording.file, untold(why)) });
-        }
-        None => {
-            return Err(CliError::Usage {
-                what: format!("{}: the shaft is off, so there is no shaft torque", recording.file),
-            });
-        }
+    let unusable = |why: String| CliError::Usage { what: format!("{}: {why}", recording.file) };
+    let Some(shaft) = &recording.shaft else {
+        return Err(unusable("the shaft is off, so there is no shaft torque".to_owned()));
     };
+    let shaft = shaft.as_ref().map_err(|needs| unusable(format!("no shaft torque: {}", reasons(needs))))?;
     let rebuilt = Rebuilt {
         comment: format!("shaft torque rebuilt from {}", recording.file),
         start_s: shaft.start_s,

@@ -5,8 +5,8 @@ use std::path::Path;
 use report::brief::{key_numbers, not_estimated};
 use report::verdict::{Level, Rule, verdict};
 use report::wording;
-use rig::Diagnostic;
-use rig::results::{Need, Parameter};
+use rig::results::{Parameter, Part, Reason};
+use rig::{Diagnostic, ExperimentLabel};
 use serde::Serialize;
 use study::RecordingSummary;
 
@@ -66,8 +66,8 @@ struct ShortFinding {
 struct ShortRecording<'a> {
     file: &'a str,
     sha256: &'a str,
-    label: Option<&'a str>,
-    used_for: &'a [String],
+    label: Option<&'a ExperimentLabel>,
+    used_for: &'a [Part],
 }
 
 /// A study in short, for programs.
@@ -81,7 +81,7 @@ pub(crate) fn short(written: &Written) -> Short<'_> {
         Level::Insufficient => "insufficient",
     };
     let estimate = |(part, parameter)| ShortEstimate { part, parameter };
-    let need = |(part, needs): (&'static str, &[Need])| ShortNeed { part, needs: wording::needs(needs) };
+    let need = |(part, needs): (&'static str, &[Reason])| ShortNeed { part, needs: wording::needs(needs) };
     Short {
         bench: &study.bench.name,
         verdict: ShortVerdict {
@@ -113,7 +113,7 @@ fn short_recording(recording: &RecordingSummary) -> ShortRecording<'_> {
     ShortRecording {
         file: &recording.file,
         sha256: &recording.sha256,
-        label: recording.label.as_deref(),
+        label: recording.label.as_ref(),
         used_for: &recording.used_for,
     }
 }

@@ -112,7 +112,7 @@ fn a_torque_of_the_wrong_sign_is_noticed() {
 }
 
 #[test]
-fn two_recordings_of_one_name_are_told_apart_and_twins_are_used_once() {
+fn two_recordings_of_one_name_are_kept_apart_and_twins_are_used_once() {
     let campaign = Campaign::whole();
     std::fs::create_dir(campaign.path("recordings/more")).unwrap();
     let campaign = campaign.with("more/BS_T_NT_1200.mf4", &bs());

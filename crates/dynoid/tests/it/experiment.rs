@@ -102,10 +102,10 @@ fn exact_demands_of_a_design_are_those_that_are_recorded() {
         assert!(largest_difference(samples(&one, recorded_as), samples(&other, recorded_as)) < 1e-9, "{name}");
         assert!(largest_difference(samples(&one, "DynoSpeed"), samples(&other, "DynoSpeed")) < 0.011, "{name}");
         // What is recorded every millisecond is what the file says, each of its values held.
-        let (told, every) = (recorded(&campaign, &csv), samples(&one, recorded_as));
-        let step = every.len() / samples(&told, demand).len();
+        let (taken, every) = (recorded(&campaign, &csv), samples(&one, recorded_as));
+        let step = every.len() / samples(&taken, demand).len();
         let held: Vec<f64> = every.iter().step_by(step).copied().collect();
-        assert!(largest_difference(&held, samples(&told, demand)) <= tolerance, "{name}");
+        assert!(largest_difference(&held, samples(&taken, demand)) <= tolerance, "{name}");
     }
 }
 

@@ -139,7 +139,7 @@ fn an_order_at_the_end_of_the_scan_is_said() {
 }
 
 #[test]
-fn a_delay_before_a_resonance_is_told_from_its_lag() {
+fn a_delay_before_a_resonance_is_separated_from_its_lag() {
     let folder = folder();
     let delay = run(&folder, "data delay T_TN.csv -u u -y two --between held --json").json();
     // Three samples, one of which is that of the hold.

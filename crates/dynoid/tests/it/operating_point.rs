@@ -24,7 +24,7 @@ fn fit_percent(folder: &TempDir, line: &str) -> (f64, String) {
 }
 
 #[test]
-fn another_operating_point_is_told_from_a_bad_model() {
+fn another_operating_point_is_separated_from_a_bad_model() {
     let folder = folder();
     shifted(&folder);
     let result = fitted(&folder, "fit oe --out model.json");

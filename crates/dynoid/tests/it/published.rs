@@ -33,7 +33,7 @@ fn run(campaign: &Campaign, line: &[&str]) -> Value {
 }
 
 /// A parameter's value and interval.
-fn told(parameters: &Value, symbol: &str) -> (f64, [f64; 2]) {
+fn estimate_of(parameters: &Value, symbol: &str) -> (f64, [f64; 2]) {
     let parameter = parameters.as_array().unwrap().iter().find(|p| p["symbol"] == symbol).expect(symbol);
     println!("{symbol} = {} in {}", parameter["value"], parameter["interval"]);
     (parameter["value"].as_f64().unwrap(), [0, 1].map(|i| parameter["interval"][i].as_f64().unwrap()))
@@ -60,13 +60,13 @@ fn ref_two_motors_by_the_command_shaft() {
     let whole = &recording["inertias"]["found"]["parameters"];
     let periods = &recording["routes"]["multisine"]["found"];
     for parameters in [whole, &periods["estimate"]["parameters"]] {
-        let [stiffness, motor, load] = ["K", "J_d", "J_e"].map(|symbol| told(parameters, symbol).0);
+        let [stiffness, motor, load] = ["K", "J_d", "J_e"].map(|symbol| estimate_of(parameters, symbol).0);
         near(stiffness, 551.0, 0.025);
         near(motor, 0.00482, 0.02);
         near(load, 0.00479, 0.04);
         near((stiffness / load).sqrt() / TAU, 53.5, 0.015);
         near((stiffness * (1.0 / motor + 1.0 / load)).sqrt() / TAU, 76.6, 0.02);
-        near(-told(parameters, "δ_T").0, 1.2e-4, 0.25);
+        near(-estimate_of(parameters, "δ_T").0, 1.2e-4, 0.25);
     }
     // A delay below zero is not left without a word.
     let ran = campaign.run(&["torque-control", "bench.toml", "--highest-order", "1", "--longest-delay", "1"]);
@@ -80,7 +80,7 @@ fn ref_two_motors_by_the_command_shaft() {
     );
     campaign.write("friction.toml", text.as_bytes());
     let free = run(&campaign, &["shaft", "friction.toml"]);
-    let (_, [low, high]) = told(&free["recordings"][0]["inertias"]["found"]["parameters"], "B");
+    let (_, [low, high]) = estimate_of(&free["recordings"][0]["inertias"]["found"]["parameters"], "B");
     let published = 2.0 * 0.005 * (551.0_f64 * 0.00482 * 0.00479 / (0.00482 + 0.00479)).sqrt();
     assert!(low < published && published < high, "{low} … {high}, published {published}");
     // More than K and B is in this shaft, and it is said.
@@ -99,13 +99,13 @@ fn ref_positioning_system_by_the_command_friction() {
     let found = run(&campaign, &["friction", "bench.toml"]);
     let mass = found["inertia"]["inertia"]["value"].as_f64().unwrap();
     near(mass, 95.109, 0.005);
-    let (_, offset) = told(&found["friction"]["parameters"], "T_0");
+    let (_, offset) = estimate_of(&found["friction"]["parameters"], "T_0");
     assert!(offset[0] < -3.165 && -3.165 < offset[1], "{offset:?}");
     // The terms that were published, beside which others explain this speed better.
     let candidates = found["candidates"].as_array().unwrap();
     let plain = candidates.iter().find(|c| c["terms"] == serde_json::json!(["offset", "coulomb", "viscous"])).unwrap();
     for (symbol, published) in [("c_0/J", 20.39), ("c_1/J", 203.5)] {
-        let (_, [low, high]) = told(&plain["per_inertia"], symbol);
+        let (_, [low, high]) = estimate_of(&plain["per_inertia"], symbol);
         assert!(low < published / mass && published / mass < high, "{symbol}: {low} … {high}");
     }
     for point in found["curve"].as_array().unwrap() {

@@ -1,4 +1,4 @@
-//! `dynoid torque-control`: what the torque control of simulated recordings can be told to be.
+//! `dynoid torque-control`: what the torque control of simulated recordings is.
 
 use crate::support::Campaign;
 

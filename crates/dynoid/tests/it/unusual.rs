@@ -163,7 +163,7 @@ fn numbers_that_are_none_are_refused_with_what_is_wanted() {
 }
 
 #[test]
-fn model_files_are_told_from_recordings_and_by_their_version() {
+fn model_files_are_separated_from_recordings_and_by_their_version() {
     let folder = folder();
     run(&folder, "fit arx run.csv -u valve -y speed --out m.json");
     for line in ["inspect m.json", "inspect m.json --list", "fit arx m.json -u valve -y speed"] {

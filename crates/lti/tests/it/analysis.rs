@@ -202,7 +202,7 @@ fn exact_a_common_grid_spans_every_system_and_its_nyquist_frequency() {
 }
 
 #[test]
-fn exact_growing_modes_are_told_from_integrators() {
+fn exact_growing_modes_are_separated_from_integrators() {
     let system = |den: Vec<f64>| TransferFunction::continuous(vec![1.0], den).unwrap().to_state_space().unwrap();
     // s², s(s + 1), (s − 0.01)(s + 1), and a pair.
     assert_eq!(system(vec![1.0, 0.0, 0.0]).growing_mode().unwrap(), None);

@@ -90,7 +90,7 @@ fn captions_stand_below_in_lines() {
 }
 
 #[test]
-fn ten_models_are_told_apart_by_colour_and_dashes() {
+fn ten_models_are_kept_apart_by_colour_and_dashes() {
     let strokes = |index: usize| {
         let text = svg(&[one(
             "",

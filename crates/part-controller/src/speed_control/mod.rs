@@ -6,8 +6,8 @@ mod discrete;
 
 use numerics::parallel;
 use rig::experiment::Sought;
-use rig::results::{Estimate, FeedForward, Told, Validation};
-use rig::{ControlMode, Excitation, Experiment};
+use rig::results::{Estimate, FeedForward, Outcome, Validation, write_found};
+use rig::{ControlMode, Excitation, Experiment, ExperimentLabel};
 use serde::Serialize;
 
 use crate::SpeedControllers;
@@ -33,9 +33,10 @@ pub struct ControllerRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// The controller.
-    pub found: Told<Box<Controller>>,
+    #[serde(serialize_with = "write_found")]
+    pub found: Outcome<Box<Controller>>,
 }
 
 /// PI without and with delay.
@@ -52,7 +53,8 @@ pub struct Controller {
     /// The same as the controller computes it.
     pub discrete: Discrete,
     /// What may be added to PI and delay.
-    pub structure: Told<Structure>,
+    #[serde(serialize_with = "write_found")]
+    pub structure: Outcome<Structure>,
 }
 
 /// What one recording with moving N_d* shows.
@@ -61,9 +63,10 @@ pub struct FeedForwardRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// k and k_a, and whether there is more.
-    pub found: Told<Box<FeedForwardFound>>,
+    #[serde(serialize_with = "write_found")]
+    pub found: Outcome<Box<FeedForwardFound>>,
 }
 
 /// A straight feed-forward, and tests for what bends it.
@@ -72,7 +75,8 @@ pub struct FeedForwardFound {
     /// k and k_a, with the PI alone beside them.
     pub straight: FeedForward,
     /// Static map, hysteresis, friction compensation.
-    pub terms: Told<FeedForwardTerms>,
+    #[serde(serialize_with = "write_found")]
+    pub terms: Outcome<FeedForwardTerms>,
 }
 
 /// The limit of T_d* in one recording.
@@ -81,7 +85,8 @@ pub struct LimitRecording {
     /// The file.
     pub file: String,
     /// The limit.
-    pub found: Told<Limit>,
+    #[serde(serialize_with = "write_found")]
+    pub found: Outcome<Limit>,
 }
 
 /// Looks at the speed controller in recordings in speed control; `step` hears of each before its turn comes.
@@ -96,7 +101,7 @@ pub fn speed_control(controllers: &SpeedControllers<'_>, step: &(dyn Fn(&str) + 
     let of_held = |experiment: &&Experiment| {
         step(&experiment.file);
         let found = controllers.fit(experiment).map(|fit| Box::new(controller(experiment, &fit, torque_limit_nm)));
-        ControllerRecording { file: experiment.file.clone(), label: experiment.label.to_string(), found: found.into() }
+        ControllerRecording { file: experiment.file.clone(), label: experiment.label.clone(), found: found.into() }
     };
     let found = parallel::map(&held, of_held);
     let Some(best) = controllers.best() else {
@@ -108,11 +113,11 @@ pub fn speed_control(controllers: &SpeedControllers<'_>, step: &(dyn Fn(&str) + 
             let terms = feed_forward_terms(experiment, (best, straight.lags), torque_limit_nm).into();
             Box::new(FeedForwardFound { straight: straight.as_ref().clone(), terms })
         });
-        let (file, label) = (experiment.file.clone(), experiment.label.to_string());
+        let (file, label) = (experiment.file.clone(), experiment.label.clone());
         FeedForwardRecording { file, label, found: found.into() }
     };
     let feed_forward = parallel::map(&moved, of_moved);
-    let straight = feed_forward.iter().find_map(|one| one.found.found()).map(|found| &found.straight);
+    let straight = feed_forward.iter().find_map(|one| one.found.estimated()).map(|found| &found.straight);
     let all: Vec<&Experiment> = held.iter().chain(&moved).copied().collect();
     let limits = parallel::map(&all, |experiment| LimitRecording {
         file: experiment.file.clone(),

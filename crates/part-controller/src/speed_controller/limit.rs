@@ -141,9 +141,9 @@ pub fn limit(
     let reading_nm = root_mean_square(&quiet);
     let apart = of_law(AntiWindup::None).iter().zip(of_law(AntiWindup::Clamping)).map(|(a, b)| (a - b).abs()).collect();
     let at_stake_nm = largest(apart);
-    let is_told = episodes.len() > 1 && quiet.len() >= FEWEST_QUIET && at_stake_nm >= AT_STAKE * reading_nm;
+    let is_decided = episodes.len() > 1 && quiet.len() >= FEWEST_QUIET && at_stake_nm >= AT_STAKE * reading_nm;
     let judge = Judge { reading_nm, count: quiet.len(), doubts };
-    let laws = if is_told { judge.laws(&of_law) } else { Vec::new() };
+    let laws = if is_decided { judge.laws(&of_law) } else { Vec::new() };
     Ok(Limit::Reached(LimitReached {
         limit_nm: highest_nm,
         share: limited.iter().filter(|is| **is).count() as f64 / limited.len().max(1) as f64,

@@ -31,7 +31,7 @@ pub const LEVEL: f64 = 0.01;
 /// of noise, what is estimated differs from zero by what is only almost right in the description of an encoder, too.
 pub const MATTERS: f64 = 0.01;
 /// A term is not estimated where its 95 % interval would let it move the speed by more than this part of its standard deviation.
-const UNTOLD: f64 = 0.1;
+const SHORT: f64 = 0.1;
 /// Terms that are added to PI and delay at most.
 const MOST_TERMS: usize = 2;
 /// Speeds at which the static map is estimated.
@@ -70,7 +70,7 @@ pub enum Verdict {
     /// The data show none.
     NotFound,
     /// The data do not decide.
-    Untold,
+    Undecided,
 }
 
 /// A term against zero.
@@ -227,8 +227,8 @@ pub fn feed_forward_terms(
         Ok((smooth, fit))
     };
     let Searched { rounds, base, .. } = search(&[Term::StaticMap, Term::Hysteresis, Term::Friction], &fit, &start)?;
-    let is_told = |test: &TermTest| test.term == Term::StaticMap && test.verdict != Verdict::Untold;
-    let map = match rounds.first().is_some_and(|round| round.tests.iter().any(is_told)) {
+    let is_decided = |test: &TermTest| test.term == Term::StaticMap && test.verdict != Verdict::Undecided;
+    let map = match rounds.first().is_some_and(|round| round.tests.iter().any(is_decided)) {
         true => {
             let (data, fit) = fit(&[Term::StaticMap], &base.parameters)?;
             map_points(&data, &knots, &fit)?
@@ -307,21 +307,21 @@ fn tested(term: Term, fit: &Minimum) -> Vec<usize> {
 
 /// Tests a term in the fit that has it against the one that has not; not yet corrected for the number of terms.
 fn test(term: Term, base: &Minimum, fit: Option<&(Data, Minimum)>) -> TermTest {
-    let untold = TermTest {
+    let undecided = TermTest {
         term,
         estimate: None,
         p_value: 1.0,
         adjusted_p_value: 1.0,
         explains_rad_s: 0.0,
-        verdict: Verdict::Untold,
+        verdict: Verdict::Undecided,
     };
-    let Some((data, fit)) = fit else { return untold };
+    let Some((data, fit)) = fit else { return undecided };
     let tested = tested(term, fit);
-    let Ok((covariance, freedom)) = at_least_white(fit, BATCHES) else { return untold };
+    let Ok((covariance, freedom)) = at_least_white(fit, BATCHES) else { return undecided };
     let p_value = one_sided(term, &fit.parameters, joint_p_value(fit, &covariance, freedom, &tested));
-    let is_told = tested.iter().all(|j| is_told(data, fit, &covariance, freedom, *j));
-    if tested.iter().any(|j| fit.at_bound[*j]) || !(is_told || p_value < LEVEL) {
-        return untold;
+    let all_short = tested.iter().all(|j| is_short(data, fit, &covariance, freedom, *j));
+    if tested.iter().any(|j| fit.at_bound[*j]) || !(all_short || p_value < LEVEL) {
+        return undecided;
     }
     let estimate = quantity(term).map(|quantity| {
         let (t, index) = (data.demand.sample_time_s, tested[0]);
@@ -334,7 +334,7 @@ fn test(term: Term, base: &Minimum, fit: Option<&(Data, Minimum)>) -> TermTest {
         adjusted_p_value: p_value,
         explains_rad_s: ((base.cost - fit.cost).max(0.0) / fit.residuals.len() as f64).sqrt(),
         verdict: Verdict::NotFound,
-        ..untold
+        ..undecided
     }
 }
 
@@ -360,13 +360,13 @@ fn joint_p_value(fit: &Minimum, covariance: &Mat<f64>, freedom: f64, tested: &[u
 }
 
 /// Whether the interval of a coefficient is short: what it lets the term move is small beside how the speed moves.
-fn is_told(data: &Data, fit: &Minimum, covariance: &Mat<f64>, freedom: f64, j: usize) -> bool {
+fn is_short(data: &Data, fit: &Minimum, covariance: &Mat<f64>, freedom: f64, j: usize) -> bool {
     let half_width = student_t_quantile(0.5 + INTERVAL_LEVEL / 2.0, freedom) * covariance[(j, j)].sqrt();
     let rows = fit.residuals.len() as f64;
     let moves = half_width * fit.jacobian.col(j).norm_l2() / rows.sqrt();
     let mean = data.speed.mean().unwrap_or(0.0);
     let spread = (data.speed.samples.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / data.speed.len() as f64).sqrt();
-    moves < UNTOLD * spread
+    moves < SHORT * spread
 }
 
 /// Holm's correction, and with it the verdict; `left_rad_s` is what is left of the speed without the terms.

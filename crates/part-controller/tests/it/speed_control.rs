@@ -57,7 +57,7 @@ fn exact_the_discrete_form_follows_from_the_gains_by_any_rule_of_integration() {
     let bs =
         Hidden::default().rewrite(&recorded(&BenchParameters::default(), &ExperimentPlan::bs_t_nt(1200.0, 20.0), 3));
     let found = speed_control(&SpeedControllers::of(&[&bs], bench_file("", &[]).limits.torque_nm), &|_| ());
-    let controller = found.controllers[0].found.found().unwrap();
+    let controller = found.controllers[0].found.estimated().unwrap();
     let discrete = &controller.discrete;
     let [b_0, b_1] = &discrete.coefficients.parameters[..] else { panic!("{discrete:?}") };
     let (b_0, b_1) = (b_0.written(), b_1.written());
@@ -154,7 +154,7 @@ fn exact_the_static_map_is_that_of_the_controller() {
 fn regress_one_slope_does_not_tell_friction_compensation_and_says_so() {
     let found = bent(&Hidden::default(), &ExperimentPlan::ramp_n_nt(1200.0, 30.0));
     let friction = found.test(Term::Friction).unwrap();
-    assert_eq!((friction.verdict, &friction.estimate), (Verdict::Untold, &None), "{friction:?}");
+    assert_eq!((friction.verdict, &friction.estimate), (Verdict::Undecided, &None), "{friction:?}");
     assert_eq!(found.test(Term::Hysteresis).unwrap().verdict, Verdict::NotFound);
 }
 
@@ -184,7 +184,7 @@ fn reached(found: Limit) -> LimitReached {
 }
 
 #[test]
-fn stat_anti_windup_is_told_where_the_limit_is_reached_for_long() {
+fn stat_anti_windup_is_found_where_the_limit_is_reached_for_long() {
     // The virtual bench itself integrates conditionally.
     let own = reached(limit_in(None, 800.0));
     assert!((own.limit_nm - LIMIT_NM).abs() < 0.01 && own.longest_s > 0.05, "{own:?}");
@@ -311,7 +311,7 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
     let found = speed_control(&SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm), &|_| ());
     assert_eq!(found.controllers.len(), 3);
     for one in &found.controllers {
-        let controller = one.found.found().unwrap();
+        let controller = one.found.estimated().unwrap();
         // truth.json: Kp 0.9385, Ki 1.865, delay 1 ms.
         for (quantity, truth, tolerance) in [
             (Quantity::ProportionalGain, 0.9385, 1e-3),
@@ -323,12 +323,12 @@ fn ref_bench_a_has_pi_delay_and_straight_feed_forward() {
         }
         let outside = |v: &rig::results::Validation| v.residuals.as_ref().unwrap().share_outside();
         assert!(outside(&controller.validation_without_delay) > 0.05 && outside(&controller.validation) < 0.05);
-        assert_eq!(controller.structure.found().unwrap().found(), [], "{}: {:#?}", one.file, controller.structure);
+        assert_eq!(controller.structure.estimated().unwrap().found(), [], "{}: {:#?}", one.file, controller.structure);
     }
-    let feed_forward: Vec<_> = found.feed_forward.iter().filter_map(|one| one.found.found()).collect();
+    let feed_forward: Vec<_> = found.feed_forward.iter().filter_map(|one| one.found.estimated()).collect();
     assert_eq!(feed_forward.len(), 2);
     for one in feed_forward {
-        let terms = one.terms.found().unwrap();
+        let terms = one.terms.estimated().unwrap();
         assert_eq!(terms.found(), [], "{:#?}", terms.rounds);
         for point in &terms.map {
             // truth.json: ff_speed 0.012 Nm/rpm.
@@ -355,10 +355,10 @@ fn ref_bench_b_has_pi_delay_and_straight_feed_forward() {
         return;
     }
     let found = speed_control(&SpeedControllers::of(&all.iter().collect::<Vec<_>>(), file.limits.torque_nm), &|_| ());
-    let controller = found.controllers[0].found.found().unwrap();
-    assert_eq!(controller.structure.found().unwrap().found(), [], "{:#?}", controller.structure);
-    let agree = found.feed_forward.iter().filter_map(|one| one.found.found()).map(|one| {
-        assert_eq!(one.terms.found().unwrap().found(), []);
+    let controller = found.controllers[0].found.estimated().unwrap();
+    assert_eq!(controller.structure.estimated().unwrap().found(), [], "{:#?}", controller.structure);
+    let agree = found.feed_forward.iter().filter_map(|one| one.found.estimated()).map(|one| {
+        assert_eq!(one.terms.estimated().unwrap().found(), []);
         one.straight.estimate.parameter(Quantity::SpeedFeedForward).unwrap().interval
     });
     let intervals: Vec<(f64, f64)> = agree.collect();

@@ -159,7 +159,7 @@ fn exact_controller_that_reads_the_logged_speed_shows_no_gate() {
 }
 
 #[test]
-fn exact_once_a_turn_error_is_told_from_the_gains() {
+fn exact_once_a_turn_error_is_separated_from_the_gains() {
     let found = estimate(&record(Case { eccentricity: 3e-4, ..Case::default() }), None).unwrap();
     assert!((found.encoder.eccentricity() / 3e-4 - 1.0).abs() < 0.01, "{:?}", found.encoder);
     assert!((value(&found.result.estimate, Quantity::ProportionalGain) / 0.94 - 1.0).abs() < 1e-4);

@@ -4,7 +4,7 @@ use part_engine::{Cycle, EngineRecording, EngineTorque, InertiaSource, engine_to
 use part_shaft::Parts;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
-use rig::results::{Told, Untold};
+use rig::results::Reason;
 use rig::{BenchFile, Experiment, prepare};
 use virtual_bench::{HiddenTruth, Numerics, simulate_hidden};
 
@@ -59,7 +59,7 @@ struct Judged {
 }
 
 fn judged(recording: &EngineRecording, truth: &HiddenTruth) -> Judged {
-    let engine = recording.engine.found().unwrap();
+    let engine = recording.engine.estimated().unwrap();
     let edge = (0.5 / engine.sample_time_s) as usize;
     let (mut smoothed, mut filtered, mut inside, mut count) = (0.0, 0.0, 0.0, 0.0);
     for k in edge..engine.smoothed_nm.len() - edge {
@@ -72,7 +72,7 @@ fn judged(recording: &EngineRecording, truth: &HiddenTruth) -> Judged {
         count += 1.0;
     }
     let (mut squares, mut held, mut cycles) = (0.0, 0.0, 0.0);
-    for cycle in recording.cycles.found().iter().flat_map(|all| &all.cycles) {
+    for cycle in recording.cycles.estimated().iter().flat_map(|all| &all.cycles) {
         let error = cycle.mean_nm - true_mean(truth, cycle.start_s, cycle.duration_s);
         squares += error * error;
         held += f64::from(u8::from(error.abs() < 1.96 * cycle.standard_deviation_nm));
@@ -106,7 +106,7 @@ fn stat_the_smoother_is_nearer_to_the_engine_torque_than_the_filter_and_knows_ho
         (judged(&recording, &truth), recording)
     });
     for (plan, (judged, recording)) in plans.iter().zip(&found) {
-        let engine = recording.engine.found().unwrap();
+        let engine = recording.engine.estimated().unwrap();
         println!(
             "{}: smoother {:.3} Nm, filter {:.3} Nm, inside {:.3}; cycles {:.3} Nm, inside {:.3}; {:?}\n{:?}",
             plan.label,
@@ -116,7 +116,7 @@ fn stat_the_smoother_is_nearer_to_the_engine_torque_than_the_filter_and_knows_ho
             judged.cycles_nm,
             judged.cycles_inside,
             engine.noise,
-            recording.cycles.found().map(|c| (c.variation_nm, &c.cylinders, &c.orders)),
+            recording.cycles.estimated().map(|c| (c.variation_nm, &c.cylinders, &c.orders)),
         );
     }
     for (plan, (judged, _)) in plans.iter().zip(&found) {
@@ -128,14 +128,14 @@ fn stat_the_smoother_is_nearer_to_the_engine_torque_than_the_filter_and_knows_ho
 
 /// The first of them is any cylinder; what is held against each is the true torque over its part of the cycle.
 #[test]
-fn stat_unequal_cylinders_are_told_in_the_order_in_which_they_fire() {
+fn stat_unequal_cylinders_are_found_in_the_order_in_which_they_fire() {
     let found = in_parallel(4, |i| {
         let mut bench = centred(BenchParameters::default());
         let is_equal = i >= 2;
         bench.engine.cylinder_factors = if is_equal { vec![1.0; 4] } else { vec![1.05, 1.0, 0.93, 1.02] };
         let (experiment, truth) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(1200.0, 16.0), i as u64);
         let engine = of(&experiment, &default_bench());
-        let cycles = engine.recordings[0].cycles.found().unwrap().clone();
+        let cycles = engine.recordings[0].cycles.estimated().unwrap().clone();
         let apart = |c: usize| {
             let of_cycle = |cycle: &Cycle| {
                 let quarter_s = 0.25 * cycle.duration_s;
@@ -167,7 +167,7 @@ fn stat_an_encoder_error_is_not_taken_for_cylinders() {
     bench.sensors.engine_eccentricity = 3e-4;
     let (experiment, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(2000.0, 12.0), 5);
     let engine = of(&experiment, &default_bench());
-    let cylinders = &engine.recordings[0].cycles.found().unwrap().cylinders;
+    let cylinders = &engine.recordings[0].cycles.estimated().unwrap().cylinders;
     assert!(cylinders.alike_probability < 1e-6, "{cylinders:?}");
     let turn = &cylinders.once_a_turn;
     assert!(turn.alike_probability.unwrap() > 0.001, "{turn:?}");
@@ -186,25 +186,26 @@ fn stat_the_engine_inertia_is_estimated_where_it_can_be_and_else_the_bench_files
     let (steps, _) = recorded(&bench, &ExperimentPlan::bs_t_nt(1200.0, 12.0), 1);
     let wrong = bench_file("0.6", "0.35", "400 Nm", BENCH_A);
     let alone = of(&steps, &wrong);
-    let masses = alone.masses.found().unwrap();
+    let masses = alone.masses.estimated().unwrap();
     assert_eq!(masses.inertia_from, InertiaSource::BenchFile);
     assert_eq!(masses.values[6], 0.35);
     let (noise, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(1500.0, 30.0), 2);
     let both = engine_torque(&Parts::of(&[&steps, &noise], &wrong), &|_| ());
-    let masses = both.masses.found().unwrap();
+    let masses = both.masses.estimated().unwrap();
     assert_eq!(masses.inertia_from, InertiaSource::Estimated(noise.file.clone()));
     assert!((masses.values[6] - 0.28).abs() < 0.01, "{masses:?}");
 }
 
 #[test]
-fn exact_what_cannot_be_told_is_said() {
+fn exact_what_cannot_be_estimated_is_said() {
     let bench = centred(BenchParameters::default());
     let (fast, _) = recorded(&bench, &ExperimentPlan::white_noise_t_tn(5700.0, 8.0), 1);
     let found = of(&fast, &default_bench());
-    let Told::Untold(Untold::Failed { reason }) = &found.recordings[0].cycles else {
-        panic!("{:?}", found.recordings[0].cycles)
-    };
-    assert!(reason.contains("run slower or record faster"), "{reason}");
+    let cycles = &found.recordings[0].cycles;
+    assert!(
+        matches!(cycles.needs(), [Reason::FiringsTooFast { needed_hz, rate_hz, .. }] if needed_hz > rate_hz),
+        "{cycles:?}"
+    );
     let none = engine_torque(&Parts::of(&[], &default_bench()), &|_| ());
-    assert!(matches!(none.masses, Told::Untold(Untold::Failed { .. })) && none.recordings.is_empty());
+    assert!(matches!(none.masses.needs(), [Reason::Recording { .. }]) && none.recordings.is_empty());
 }

@@ -79,7 +79,7 @@ fn exact_inertia_friction_and_delay_of_a_motion_without_noise() {
 }
 
 #[test]
-fn stat_an_offset_is_told_where_both_directions_are_seen() {
+fn stat_an_offset_is_found_where_both_directions_are_seen() {
     let mut swung = made([1.5, 0.02, 0.0, 0.0], |t| 150.0 * (1.5 * t).sin(), 0.0, 0.003, 5);
     let torque = swung.signals.get_mut(&Role::AirGapTorque).unwrap();
     *torque = torque.map(|t| t - 2.0);

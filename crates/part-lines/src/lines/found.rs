@@ -1,6 +1,6 @@
 //! Lines as they are found in a recording.
 
-use rig::Role;
+use rig::{ExperimentLabel, Role};
 use serde::Serialize;
 
 use super::campbell::ShortSpectrum;
@@ -26,7 +26,7 @@ pub struct RecordingLines {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// The order of the firing; none without the shaft.
     pub firing_order: Option<f64>,
     /// Its parts: each sine of a sine test, or the whole.

@@ -97,7 +97,7 @@ pub fn find_lines(experiment: &Experiment, engine: Engine) -> RecordingLines {
         .flat_map(|looker| demand::stretches(experiment).iter().map(|s| looker.part(s)).collect::<Vec<_>>());
     RecordingLines {
         file: experiment.file.clone(),
-        label: experiment.label.to_string(),
+        label: experiment.label.clone(),
         firing_order: engine.map(|engine| engine.firings_per_turn()),
         parts: parts.collect(),
     }

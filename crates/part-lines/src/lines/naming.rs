@@ -58,8 +58,8 @@ impl<'a> Naming<'a> {
         let mut causes: Vec<Reference> = found.causes.clone();
         causes.dedup_by(|a, b| a.cause == b.cause);
         causes.retain(|r| self.is_plausible(&r.cause, found.amplitude, one));
-        causes = match (self.told_by_the_torque(&causes, one), self.asked_for(found, one)) {
-            (Some(told), _) => told,
+        causes = match (self.named_by_the_torque(&causes, one), self.asked_for(found, one)) {
+            (Some(named), _) => named,
             (None, Some(asked)) => self.with_asked(causes, &asked, found.amplitude),
             (None, None) => causes,
         };
@@ -70,7 +70,7 @@ impl<'a> Naming<'a> {
             // What a sine's own images add to it where they fold onto it is little.
             causes = vec![causes.swap_remove(demanded)];
         }
-        if let Some(order) = self.told_by_a_faster_signal(&causes, one.role) {
+        if let Some(order) = self.named_by_a_faster_signal(&causes, one.role) {
             causes = vec![order];
         }
         match &causes[..] {
@@ -130,7 +130,7 @@ impl<'a> Naming<'a> {
     }
 
     /// Of an image and a sideband of the ripple, those that the torque of the drive has, which moves all else.
-    fn told_by_the_torque(&self, causes: &[Reference], one: &Shown) -> Option<Vec<Reference>> {
+    fn named_by_the_torque(&self, causes: &[Reference], one: &Shown) -> Option<Vec<Reference>> {
         let is_open = one.role != Role::AirGapTorque && causes.iter().any(is_sideband);
         let image = causes.iter().find(|r| is_open && is_image(r))?;
         let torque = self.all.iter().find(|shown| shown.role == Role::AirGapTorque)?;
@@ -139,8 +139,8 @@ impl<'a> Naming<'a> {
             Cause::Undecided { between, .. } => between.contains(cause),
             one => one == *cause,
         };
-        let told: Vec<Reference> = causes.iter().filter(|r| has(&r.cause)).cloned().collect();
-        (!told.is_empty()).then_some(told)
+        let named: Vec<Reference> = causes.iter().filter(|r| has(&r.cause)).cloned().collect();
+        (!named.is_empty()).then_some(named)
     }
 
     /// What a line of a torque may come from, beside what the demand holds of it.
@@ -161,25 +161,25 @@ impl<'a> Naming<'a> {
     fn bandwidth_hz(&self) -> Option<f64> {
         let of = |role: Role| self.all.iter().find(|shown| shown.role == role);
         let (demand, torque) = (of(Role::DynoTorqueDemand)?, of(Role::AirGapTorque)?);
-        let told = |line: &Found| {
+        let of_line = |line: &Found| {
             let [image] = &line.causes[..] else { return None };
             let held = demand.lines.found.iter().find(|held| is_image(image) && held.causes.contains(image))?;
             let left = line.amplitude / held.amplitude;
             (left < DAMPED).then(|| image.law.frequency_hz.abs() / (left.powi(-2) - 1.0).sqrt())
         };
-        let mut told: Vec<f64> = torque.lines.found.iter().filter_map(told).collect();
-        told.sort_by(f64::total_cmp);
-        told.get(told.len() / 2).copied()
+        let mut found: Vec<f64> = torque.lines.found.iter().filter_map(of_line).collect();
+        found.sort_by(f64::total_cmp);
+        found.get(found.len() / 2).copied()
     }
 
     /// Of orders that fold onto each other, the one that stands out where N_d, the fastest signal, shows them apart.
-    fn told_by_a_faster_signal(&self, causes: &[Reference], role: Role) -> Option<Reference> {
+    fn named_by_a_faster_signal(&self, causes: &[Reference], role: Role) -> Option<Reference> {
         let faster = self.all.iter().find(|shown| shown.role == Role::DynoSpeed && shown.role != role)?;
-        let is_told = |r: &Reference| {
+        let is_shown_apart = |r: &Reference| {
             matches!(r.cause, Cause::Order { .. } | Cause::FoldedOrder { .. })
                 && r.law.at_hz(self.turns_hz) < faster.signal.nyquist_hz()
         };
-        if causes.len() < 2 || !causes.iter().all(is_told) {
+        if causes.len() < 2 || !causes.iter().all(is_shown_apart) {
             return None;
         }
         // T_shaft is to N_d as frequency, N_e above the resonance as its square.

@@ -228,7 +228,7 @@ impl<'a> Window<'a> {
             let widening = |j: usize| inverse[(j, j)] * information[(j, j)];
             let widened = 0.5 * (widening(2 * i) + widening(2 * i + 1));
             let noise = freedom * self.noise(&phases[i], &weights, |k| left[(k, 0)]);
-            let is_told = widened.is_finite() && widened < INSEPARABLE && cosine.is_finite() && sine.is_finite();
+            let is_separable = widened.is_finite() && widened < INSEPARABLE && cosine.is_finite() && sine.is_finite();
             let point = TrackPoint {
                 time_s: self.time_s,
                 speed_rad_s: TAU * self.turns_hz,
@@ -236,7 +236,7 @@ impl<'a> Window<'a> {
                 phase_rad: (-sine).atan2(cosine),
                 standard_error: 0.0,
             };
-            is_told.then_some(Fitted { point, noise, widened })
+            is_separable.then_some(Fitted { point, noise, widened })
         };
         (0..wanted).map(point).collect()
     }

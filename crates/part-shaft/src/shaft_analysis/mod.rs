@@ -8,7 +8,7 @@ use numerics::parallel;
 use rig::estimation::{EstimateError, need};
 use rig::experiment::{Sought, Test};
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, Shaft, Told, Untold};
+use rig::results::{Estimate, Outcome, Reason, Shaft};
 use rig::{BenchFile, Experiment, Role};
 use serde::Serialize;
 use signal::Signal;
@@ -63,36 +63,32 @@ pub fn shaft_analysis(parts: &Parts<'_>, step: &(dyn Fn(&str) + Sync)) -> ShaftA
 fn of_recording(experiment: &Experiment, parts: &Parts<'_>) -> ShaftRecording {
     let bench = parts.bench;
     let inputs = parts.shaft_inputs(experiment);
-    let folded = inputs.as_ref().ok().and_then(|inputs| folded_torque(inputs, bench));
+    let folded = inputs.as_ref().ok().and_then(|inputs| folded_torque(&experiment.file, inputs, bench));
     let shaft = match &folded {
-        Some(why) if !Sought::Shaft.is_given_by(experiment) => Told::Untold(why.clone()),
-        _ => told(parts.shaft(experiment).map(|shaft| shaft.as_ref().clone())),
+        Some(why) if !Sought::Shaft.is_given_by(experiment) => Outcome::because(why.clone()),
+        _ => Outcome::from(parts.shaft(experiment).map(|shaft| shaft.as_ref().clone())),
     };
-    let (mut bands, mut beyond, mut inertias) = (Vec::new(), Told::Untold(Untold::NotExcited), None);
+    let not_excited = Reason::NotExcited { file: experiment.file.clone(), role: Role::DynoTorqueDemand };
+    let (mut bands, mut beyond, mut inertias) = (Vec::new(), Outcome::because(not_excited), None);
     let (mut dual_mass, mut routes) = (None, Routes::default());
-    if let (Ok(inputs), Told::Found(shaft)) = (&inputs, &shaft) {
+    if let (Ok(inputs), Outcome::Estimated(shaft)) = (&inputs, &shaft) {
         routes = by_other_routes(experiment, inputs, shaft, bench);
         bands = shaft::estimate_by_band(inputs, &BANDS_HZ).map(by_band).unwrap_or_default();
-        beyond = folded.map_or_else(|| told(shaft::test_terms(inputs)), Told::Untold);
-        dual_mass = needs_dual_mass(bench, &beyond).then(|| told(with_dual_mass(inputs)));
-        let both = || told(parts.inertias(experiment).map(|both| both.as_ref().clone()));
+        beyond = folded.map_or_else(|| shaft::test_terms(inputs).into(), Outcome::because);
+        dual_mass = needs_dual_mass(bench, &beyond).then(|| with_dual_mass(inputs).into());
+        let both = || Outcome::from(parts.inertias(experiment).map(|both| both.as_ref().clone()));
         inertias = parts.gives_inertias(experiment).then(both);
     }
-    let (file, label) = (experiment.file.clone(), experiment.label.to_string());
+    let (file, label) = (experiment.file.clone(), experiment.label.clone());
     ShaftRecording { file, label, shaft, bands, beyond, dual_mass, routes, inertias }
 }
 
 /// Why T_d is not known between its samples, where it is not and they are far apart. What folds in them is taken for the shaft:
 /// beside a demand that moves T_d it is little, beside a motored engine alone it is most of T_d.
-fn folded_torque(inputs: &ShaftInputs<'_>, bench: &BenchFile) -> Option<Untold> {
+fn folded_torque(file: &str, inputs: &ShaftInputs<'_>, bench: &BenchFile) -> Option<Reason> {
     let apart_s = inputs.torque.iter().map(|torque| torque.signal.sample_time_s).fold(f64::INFINITY, f64::min);
     let is_coarse = bench.variant == BenchVariant::LoadCell && apart_s > COARSE_S;
-    let reason = format!(
-        "T_d is known by its samples alone, {} ms apart, and its aliases cannot be separated from the shaft; record T_d*, and \
-         add WhiteNoise_T_TN or Step_T_TN, which shows what T_d does between its samples",
-        1e3 * apart_s
-    );
-    is_coarse.then_some(Untold::Failed { reason })
+    is_coarse.then(|| Reason::FoldedTorque { file: file.to_owned(), apart_s })
 }
 
 fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Shaft, bench: &BenchFile) -> Routes {
@@ -103,30 +99,26 @@ fn by_other_routes(experiment: &Experiment, inputs: &ShaftInputs<'_>, shaft: &Sh
     let multisine = |demand: &Signal| multisine::estimate(inputs, demand, &timing, DynoInertia::Stated, engine);
     let demand = need(experiment, Role::DynoTorqueDemand);
     Routes {
-        state_space: Some(told(state_space::estimate(inputs, &timing, Skews::Estimated))),
+        state_space: Some(state_space::estimate(inputs, &timing, Skews::Estimated).into()),
         black_box: experiment
             .is_test(&Test::Unfired)
-            .then(|| told(black_box::estimate(inputs, &timing, engine, experiment.label.mode))),
-        multisine: experiment.is_test(&Test::Multisine).then(|| told(demand.and_then(multisine))),
+            .then(|| black_box::estimate(inputs, &timing, engine, experiment.label.mode).into()),
+        multisine: experiment.is_test(&Test::Multisine).then(|| demand.and_then(multisine).into()),
         torque_sample_time_s: inputs.torque.iter().map(|torque| torque.signal.sample_time_s).min_by(f64::total_cmp),
     }
 }
 
-fn needs_dual_mass(bench: &BenchFile, beyond: &Told<Beyond>) -> bool {
-    let is_told = |beyond: &Beyond| {
+fn needs_dual_mass(bench: &BenchFile, beyond: &Outcome<Beyond>) -> bool {
+    let shows_more = |beyond: &Beyond| {
         let second_mass = |test: &TermTest| test.found && test.term == Term::SecondMass;
         beyond.simple_misfit > MISFIT || beyond.tests.iter().any(second_mass)
     };
-    bench.variant == BenchVariant::TorqueFlange || beyond.found().is_some_and(is_told)
+    bench.variant == BenchVariant::TorqueFlange || beyond.estimated().is_some_and(shows_more)
 }
 
 fn with_dual_mass(inputs: &ShaftInputs<'_>) -> Result<DualMass, EstimateError> {
     let (estimate, misfit) = shaft::estimate_dual_mass(inputs)?;
     Ok(DualMass { estimate, misfit })
-}
-
-fn told<T>(outcome: Result<T, EstimateError>) -> Told<T> {
-    outcome.into()
 }
 
 fn by_band(found: Vec<Option<(Estimate, Estimate)>>) -> Vec<Band> {

@@ -1,6 +1,7 @@
 //! What one recording shows of the shaft.
 
-use rig::results::{Estimate, Shaft, Told};
+use rig::ExperimentLabel;
+use rig::results::{Estimate, Outcome, Shaft, write_found, write_if_sought};
 use serde::Serialize;
 
 use crate::shaft::Beyond;
@@ -14,20 +15,24 @@ pub struct ShaftRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// The shaft by Δω → T_shaft with gate and skew, from 70 % of the recording, the rest judging it.
-    pub shaft: Told<Shaft>,
+    #[serde(serialize_with = "write_found")]
+    pub shaft: Outcome<Shaft>,
     /// The same by band; a band that shows nothing is left out.
     pub bands: Vec<Band>,
     /// What may be in the shaft beyond K and B.
-    pub beyond: Told<Beyond>,
+    #[serde(serialize_with = "write_found")]
+    pub beyond: Outcome<Beyond>,
     /// The shaft with a dual-mass flywheel, where the simple one does not do or the bench has a torque flange, which goes
     /// with such a flywheel.
-    pub dual_mass: Option<Told<DualMass>>,
+    #[serde(serialize_with = "write_if_sought")]
+    pub dual_mass: Option<Outcome<DualMass>>,
     /// K and B by other routes, each of which errs in its own way.
     pub routes: Routes,
     /// Both inertias with K and B as if nothing were known of them; `None` where the experiment cannot show them.
-    pub inertias: Option<Told<Estimate>>,
+    #[serde(serialize_with = "write_if_sought")]
+    pub inertias: Option<Outcome<Estimate>>,
 }
 
 /// Two springs with a mass between them, thesis §3.3.
@@ -43,11 +48,14 @@ pub struct DualMass {
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct Routes {
     /// (T_d, ω_e) → ω_d in the time domain, thesis (6.11).
-    pub state_space: Option<Told<StateSpaceRoute>>,
+    #[serde(serialize_with = "write_if_sought")]
+    pub state_space: Option<Outcome<StateSpaceRoute>>,
     /// T_d → ω_d alone, with the engine motored (Unfired_N_NT): a fired one hides K and B behind its torque.
-    pub black_box: Option<Told<BlackBoxRoute>>,
+    #[serde(serialize_with = "write_if_sought")]
+    pub black_box: Option<Outcome<BlackBoxRoute>>,
     /// Means over the periods of a demand that repeats (Multisine_T_TN).
-    pub multisine: Option<Told<MultisineRoute>>,
+    #[serde(serialize_with = "write_if_sought")]
+    pub multisine: Option<Outcome<MultisineRoute>>,
     /// How far apart T_d is known, s. What folds where it is known by its own samples alone is in no interval.
     pub torque_sample_time_s: Option<f64>,
 }

@@ -51,7 +51,7 @@ type Vector = [f64; 2];
 type Matrix = [[f64; 2]; 2];
 
 /// What recording a pair of values is from.
-struct Told<'a> {
+struct Shown<'a> {
     file: &'a str,
     values: Vector,
     covariance: Matrix,
@@ -59,12 +59,13 @@ struct Told<'a> {
 
 /// `None` with fewer than two recordings that show the shaft.
 pub(super) fn of(recordings: &[ShaftRecording]) -> Option<Together> {
-    let told: Vec<Told<'_>> = recordings.iter().filter_map(|r| pair(&r.file, &r.shaft.found()?.estimate)).collect();
-    if told.len() < 2 {
+    let shown: Vec<Shown<'_>> =
+        recordings.iter().filter_map(|r| pair(&r.file, &r.shaft.estimated()?.estimate)).collect();
+    if shown.len() < 2 {
         return None;
     }
     let (mut information, mut weighted) = ([[0.0; 2]; 2], [0.0; 2]);
-    for one in &told {
+    for one in &shown {
         let precision = inverse(one.covariance)?;
         let part = times(precision, one.values);
         for i in 0..2 {
@@ -74,21 +75,21 @@ pub(super) fn of(recordings: &[ShaftRecording]) -> Option<Together> {
     }
     let covariance = inverse(information)?;
     let common = times(covariance, weighted);
-    let distance = |one: &Told<'_>| {
+    let distance = |one: &Shown<'_>| {
         let apart = [one.values[0] - common[0], one.values[1] - common[1]];
         inverse(one.covariance).map_or(0.0, |precision| {
             let weighted = times(precision, apart);
             apart[0] * weighted[0] + apart[1] * weighted[1]
         })
     };
-    let chi_squared: f64 = told.iter().map(distance).sum();
-    let degrees_of_freedom = 2 * (told.len() - 1);
+    let chi_squared: f64 = shown.iter().map(distance).sum();
+    let degrees_of_freedom = 2 * (shown.len() - 1);
     let p_value = chi_squared_tail(chi_squared, degrees_of_freedom as f64);
     let apart = p_value < APART;
     let wider = if apart { (chi_squared / degrees_of_freedom as f64).sqrt() } else { 1.0 };
     let value = |quantity: Quantity, i: usize| CommonValue {
         parameter: Parameter::new(quantity, common[i], wider * covariance[i][i].sqrt(), MANY),
-        by_recording: told
+        by_recording: shown
             .iter()
             .map(|one| (one.file.to_owned(), one.values[i], one.covariance[i][i].sqrt()))
             .collect(),
@@ -103,9 +104,9 @@ pub(super) fn of(recordings: &[ShaftRecording]) -> Option<Together> {
     })
 }
 
-fn pair<'a>(file: &'a str, estimate: &Estimate) -> Option<Told<'a>> {
+fn pair<'a>(file: &'a str, estimate: &Estimate) -> Option<Shown<'a>> {
     let at = [estimate.place(Quantity::Stiffness)?, estimate.place(Quantity::Damping)?];
-    Some(Told {
+    Some(Shown {
         file,
         values: at.map(|i| estimate.parameters[i].value),
         covariance: at.map(|i| at.map(|j| estimate.covariance[i][j])),

@@ -56,7 +56,7 @@ const STEP: f64 = 1e-5;
 /// Parts of J_d that J_e is started from.
 const START_PARTS: [f64; 4] = [0.1, 0.3, 1.0, 3.0];
 /// Intervals that reach zero within so many standard errors mean nothing.
-const TOLD: f64 = 2.0;
+const SEPARATED: f64 = 2.0;
 
 /// What controls the engine.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -79,16 +79,16 @@ pub struct BlackBoxOrders {
     pub crank: Vec<f64>,
 }
 
-/// Why the black box does not show a bench's parameters.
+/// Why not to take a black box's parameters for the bench's.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Untold {
+pub enum BlackBoxDoubt {
     /// The coefficients are not those of a two-mass system.
     NotTwoMasses,
     /// J_e is too small to be seen beside J_d: zero lies in its interval, or K in one that is open.
     EngineInertiaTooSmall,
     /// The antiresonance is not separated from the resonance.
-    ModesNotTold,
+    ModesNotSeparated,
 }
 
 /// A bench's parameters by a black box.
@@ -109,7 +109,7 @@ pub struct BlackBoxRoute {
     /// Resonance, as above.
     pub resonance_hz: (f64, f64),
     /// Reasons not to take the parameters for the bench's; none where they are determined.
-    pub untold: Vec<Untold>,
+    pub doubts: Vec<BlackBoxDoubt>,
     /// Sample time of the model, s.
     pub sample_time_s: f64,
 }
@@ -174,15 +174,16 @@ pub fn estimate(
     let antiresonance_hz = hertz(|p| (p[2] / p[1]).sqrt() / std::f64::consts::TAU);
     let resonance_hz = hertz(|p| (p[2] * (1.0 / p[0] + 1.0 / p[1])).sqrt() / std::f64::consts::TAU);
     let part = hertz(|p| 1.0 - (p[0] / (p[0] + p[1])).sqrt());
-    let reaches_zero = |i: usize| found.parameters[i] < TOLD * covariance[(i, i)].max(0.0).sqrt() || found.at_bound[i];
-    let mut untold = Vec::new();
+    let reaches_zero =
+        |i: usize| found.parameters[i] < SEPARATED * covariance[(i, i)].max(0.0).sqrt() || found.at_bound[i];
+    let mut doubts = Vec::new();
     if !explained {
-        untold.push(Untold::NotTwoMasses);
+        doubts.push(BlackBoxDoubt::NotTwoMasses);
     }
     if reaches_zero(1) || reaches_zero(2) {
-        untold.push(Untold::EngineInertiaTooSmall);
-    } else if part.0 < TOLD * part.1 {
-        untold.push(Untold::ModesNotTold);
+        doubts.push(BlackBoxDoubt::EngineInertiaTooSmall);
+    } else if part.0 < SEPARATED * part.1 {
+        doubts.push(BlackBoxDoubt::ModesNotSeparated);
     }
     Ok(BlackBoxRoute {
         estimate: estimate_of(&values, rows, fit.degrees_of_freedom, stretch, (found.iterations, found.condition)),
@@ -192,7 +193,7 @@ pub fn estimate(
         probability,
         antiresonance_hz,
         resonance_hz,
-        untold,
+        doubts,
         sample_time_s: signals.sample_time_s,
     })
 }

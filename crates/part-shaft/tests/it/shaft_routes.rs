@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use part_shaft::shaft::{ShaftInputs, estimate_parameters};
 use part_shaft::shaft_routes::Timing;
-use part_shaft::shaft_routes::black_box::{self, BlackBoxRoute, Untold};
+use part_shaft::shaft_routes::black_box::{self, BlackBoxDoubt, BlackBoxRoute};
 use part_shaft::shaft_routes::multisine::{self, DynoInertia, MultisineRoute};
 use part_shaft::shaft_routes::state_space::{self, Skews, StateSpaceRoute};
 use part_torque::air_gap_torque::NoisyTorque;
@@ -188,14 +188,14 @@ fn is_near(estimate: &Estimate, quantity: Quantity, truth: f64, part: f64) {
 fn judged(rows: &[(Drawn, Estimate)], quantity: Quantity) -> (f64, f64) {
     let mut largest: f64 = 0.0;
     let mut held = 0;
-    let told: Vec<_> =
+    let pairs: Vec<_> =
         rows.iter().filter_map(|(bench, e)| Some((bench.truth(quantity), e.parameter(quantity)?))).collect();
-    for (truth, found) in &told {
+    for (truth, found) in &pairs {
         largest = largest.max((found.value / truth - 1.0).abs());
         held += usize::from(found.interval.0 <= *truth && *truth <= found.interval.1);
     }
-    println!("{quantity}: {held} of {} in the interval, largest error {largest:.1e}", told.len());
-    (held as f64 / told.len() as f64, largest)
+    println!("{quantity}: {held} of {} in the interval, largest error {largest:.1e}", pairs.len());
+    (held as f64 / pairs.len() as f64, largest)
 }
 
 #[test]
@@ -227,7 +227,7 @@ fn stat_black_box_of_a_motored_engine_tells_both_inertias() {
     }
     println!("{:?} {}", found.chi_squared, found.probability);
     assert_eq!(found.chi_squared.1, 4.0);
-    assert!(!found.untold.contains(&Untold::EngineInertiaTooSmall), "{found:?}");
+    assert!(!found.doubts.contains(&BlackBoxDoubt::EngineInertiaTooSmall), "{found:?}");
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn stat_the_engine_s_speed_control_is_no_two_mass_bench() {
     let found = bench.white(20.0, 4).black_box(&Timing::synchronous(1e-3));
     is_near(&found.estimate, Quantity::Stiffness, bench.truth(Quantity::Stiffness), 0.06);
     // The control acts a firing late, which the model does not know and the coefficients show.
-    assert!(found.untold.contains(&Untold::NotTwoMasses), "{found:?}");
+    assert!(found.doubts.contains(&BlackBoxDoubt::NotTwoMasses), "{found:?}");
 }
 
 #[test]
@@ -363,7 +363,7 @@ fn ref_bench_a_by_state_space_and_black_box() {
     }
     let motored = recorded(bench_a(&all, "Unfired"));
     let found = motored.black_box(&motored.timing());
-    println!("{:?} {} {:?}", found.chi_squared, found.probability, found.untold);
+    println!("{:?} {} {:?}", found.chi_squared, found.probability, found.doubts);
     for (quantity, truth) in [
         (Quantity::DynoInertia, 0.6),
         (Quantity::EngineInertia, 0.28),

@@ -17,9 +17,10 @@ mod record;
 mod visibility;
 
 use numerics::parallel;
+use rig::estimation::EstimateError;
 use rig::experiment::Sought;
-use rig::results::{Parameter, ResidualTest, Stretch, Trace, Untold};
-use rig::{ControlMode, Excitation, Experiment};
+use rig::results::{Parameter, Reason, ResidualTest, Stretch, Trace};
+use rig::{ControlMode, Excitation, Experiment, ExperimentLabel};
 use serde::Serialize;
 
 use crate::TorqueControls;
@@ -53,7 +54,7 @@ pub struct ModelComparison {
     /// delay and lag are not found.
     pub visibility: Option<Visibility>,
     /// Recordings that were meant but do not show it, by file.
-    pub untold: Vec<(String, Untold)>,
+    pub unusable: Vec<(String, Reason)>,
 }
 
 /// What one recording shows.
@@ -64,7 +65,7 @@ pub struct ComparedRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// Sample time of T_d,calc, s.
     pub sample_time_s: f64,
     /// What the chosen models are estimated from.
@@ -119,7 +120,7 @@ pub enum Verdict {
     /// Its errors are larger.
     Worse,
     /// The two are not separated.
-    NotTold,
+    NotSeparated,
     /// It does not settle.
     NoModel,
 }
@@ -183,10 +184,10 @@ pub enum ModelComparisonError {
     )]
     NoRecording,
     /// No recording that does can be used.
-    #[error("{reason}")]
+    #[error("{error}")]
     NoneUsable {
         /// Why the first of them cannot.
-        reason: String,
+        error: EstimateError,
     },
 }
 
@@ -206,7 +207,7 @@ pub fn compare_models(
     step: &mut dyn FnMut(&str, f64),
 ) -> Result<ModelComparison, ModelComparisonError> {
     let limit = controls.torque_limit_nm;
-    let (mut records, mut untold, mut reason) = (Vec::new(), Vec::new(), None);
+    let (mut records, mut unusable, mut first) = (Vec::new(), Vec::new(), None);
     let candidates = Sought::TorqueControl.candidates(&controls.experiments);
     for (excited, mode) in MOVED {
         let meant = |e: &&&Experiment| e.label.excitation == Excitation::Torque && e.label.mode == mode;
@@ -217,15 +218,15 @@ pub fn compare_models(
                     break;
                 }
                 Err(error) => {
-                    reason.get_or_insert_with(|| error.to_string());
-                    untold.push((experiment.file.clone(), Untold::from(&error)));
+                    first.get_or_insert_with(|| error.clone());
+                    unusable.push((experiment.file.clone(), Reason::from(error)));
                 }
             }
         }
     }
     if records.is_empty() {
-        return Err(match reason {
-            Some(reason) => ModelComparisonError::NoneUsable { reason },
+        return Err(match first {
+            Some(error) => ModelComparisonError::NoneUsable { error },
             None => ModelComparisonError::NoRecording,
         });
     }
@@ -242,11 +243,11 @@ pub fn compare_models(
         judgements.extend(judged);
     }
     let visibility = records.iter().find_map(Visibility::of);
-    Ok(ModelComparison { recordings, judgements, shown, visibility, untold })
+    Ok(ModelComparison { recordings, judgements, shown, visibility, unusable })
 }
 
-fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> ComparedRecording {
-    let scanned = scan(record, orders, told);
+fn studied(record: &Record, orders: OrdersTried, done: &mut dyn FnMut(f64)) -> ComparedRecording {
+    let scanned = scan(record, orders, done);
     let result = &record.control.result;
     let bar = record.one_sample_late();
     let fit = |range: std::ops::Range<usize>| {
@@ -274,14 +275,14 @@ fn studied(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> C
 }
 
 /// Every structure that the data determine.
-fn scan(record: &Record, orders: OrdersTried, told: &mut dyn FnMut(f64)) -> Vec<Scanned> {
+fn scan(record: &Record, orders: OrdersTried, done: &mut dyn FnMut(f64)) -> Vec<Scanned> {
     let families = [Family::Arx, Family::OutputError];
     let pairs = families.into_iter().flat_map(|family| [Input::Demand, Input::Error].map(|input| (family, input)));
     let all: Vec<Structure> = pairs.flat_map(|(family, input)| Structure::all((family, input), orders)).collect();
     let mut found = Vec::new();
     for (n, structures) in all.chunks(BATCH).enumerate() {
         found.extend(parallel::map(structures, |structure| structure.scan(record)).into_iter().flatten());
-        told(((n + 1) * BATCH) as f64 / all.len() as f64);
+        done(((n + 1) * BATCH) as f64 / all.len() as f64);
     }
     found
 }
@@ -391,7 +392,7 @@ fn raise(judgements: &mut [Judgement]) {
         judgement.verdict = match difference {
             d if p_value < 1.0 - LEVEL && d > 0.0 => Verdict::Better,
             _ if p_value < 1.0 - LEVEL => Verdict::Worse,
-            _ => Verdict::NotTold,
+            _ => Verdict::NotSeparated,
         };
     }
 }

@@ -73,7 +73,7 @@ mod tests {
 
     /// Errors that hang together for 20 samples, equal in size: false alarms at 5 % of the tests.
     #[test]
-    fn stat_errors_of_one_size_are_not_told_apart() {
+    fn stat_errors_of_one_size_are_not_separated() {
         let mut random = signal::excitation::Random::new(9);
         let mut coloured = || {
             let (mut x, keep) = (0.0, 0.95_f64);

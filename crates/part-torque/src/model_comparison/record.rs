@@ -6,7 +6,7 @@ use std::sync::Arc;
 use ident::{Dataset, IdentError};
 use rig::estimation::{EstimateError, need};
 use rig::results::{Stretch, Trace};
-use rig::{Experiment, Role};
+use rig::{Experiment, ExperimentLabel, Role};
 
 use crate::TorqueControls;
 use crate::model_comparison::excited::Excited;
@@ -25,7 +25,7 @@ const ROUNDING: f64 = 1e-6;
 pub(super) struct Record {
     pub(super) excited: Excited,
     pub(super) file: String,
-    pub(super) label: String,
+    pub(super) label: ExperimentLabel,
     pub(super) sample_time_s: f64,
     pub(super) control: Arc<TorqueControlFit>,
     /// None without a lag, or where no fit is found.
@@ -59,7 +59,7 @@ impl Record {
         let mut record = Record {
             excited,
             file: experiment.file.clone(),
-            label: experiment.label.to_string(),
+            label: experiment.label.clone(),
             sample_time_s: torque.sample_time_s,
             demand: times_s.iter().map(|t| held.at(t + late)).collect(),
             torque: times_s.iter().zip(&torque.samples).map(smooth).collect(),

@@ -77,8 +77,9 @@ impl Visibility {
     pub(super) fn of(record: &Record) -> Option<Self> {
         let model = &record.control.model;
         let noise_nm = model.residual.standard_deviation_nm;
-        let told = || visibility((model.delay_s, model.lag_rad_s), (rms(&record.demand), noise_nm), CRITICALLY_DAMPED);
-        record.control.has_lag().then(told)
+        let visible =
+            || visibility((model.delay_s, model.lag_rad_s), (rms(&record.demand), noise_nm), CRITICALLY_DAMPED);
+        record.control.has_lag().then(visible)
     }
 }
 
@@ -118,14 +119,14 @@ fn case(truth: SecondOrder, (rate_hz, hold_s): (f64, f64), (demand_nm, noise_nm)
 }
 
 /// The least κ that is found, to a few per cent.
-fn least_term(is_told: impl Fn(f64) -> bool) -> f64 {
+fn least_term(is_seen: impl Fn(f64) -> bool) -> f64 {
     let (mut low, mut high) = TERMS;
-    if !is_told(high) {
+    if !is_seen(high) {
         return f64::INFINITY;
     }
     for _ in 0..STEPS {
         let middle = (low * high).sqrt();
-        (low, high) = if is_told(middle) { (low, middle) } else { (middle, high) };
+        (low, high) = if is_seen(middle) { (low, middle) } else { (middle, high) };
     }
     high
 }

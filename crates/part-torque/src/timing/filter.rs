@@ -17,7 +17,7 @@ const MOST: usize = 20_000;
 /// The best must leave less than this part of the spread of T_d,shaft,calc − T_d,calc.
 const EXPLAINED: f64 = 0.3;
 /// It is separated from the second best by this difference of log-likelihood.
-const TOLD: f64 = 5.0;
+const DECIDED: f64 = 5.0;
 
 /// What the system does to the speed before, or after, it differentiates it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -89,8 +89,8 @@ impl ShaftFilter {
 
     /// Whether the best is separated from all others.
     #[must_use]
-    pub fn is_told(&self) -> bool {
-        self.log_likelihood_ahead > TOLD
+    pub fn is_decided(&self) -> bool {
+        self.log_likelihood_ahead > DECIDED
     }
 }
 

@@ -25,7 +25,7 @@ const FLANGE_HZ: (f64, f64) = (1.0, 40.0);
 /// Band in which the dynamometer's own inertia takes nearly all of T_d, Hz.
 const INERTIA_HZ: (f64, f64) = (50.0, 90.0);
 /// A delay less certain than this, s, is not known.
-const TOLD_S: f64 = 2e-3;
+const KNOWN_S: f64 = 2e-3;
 /// What phase slope and correlation peak may be off by: both take lag and ringing for delay, each in its own way, s.
 const OFF_S: (f64, f64) = (3e-4, 1.5e-3);
 /// Level of the routes' intervals.
@@ -113,7 +113,7 @@ impl Bench<'_> {
     fn settled_torque_control(&self) -> Option<&TorqueControlFit> {
         let settled = |fit: &&TorqueControlFit| {
             let total = fit.result.delay_and_lag.parameters.get(2);
-            total.is_some_and(|total| total.standard_error < TOLD_S)
+            total.is_some_and(|total| total.standard_error < KNOWN_S)
                 && !fit.diagnostics.iter().any(|d| matches!(d.finding, Finding::NotConverged { .. }))
         };
         self.torque_control.filter(settled)

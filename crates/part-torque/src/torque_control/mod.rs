@@ -20,7 +20,7 @@ use faer::Mat;
 use ident::{Bounds, IdentError, Minimum};
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::experiment::Sought;
-use rig::results::{Estimate, Parameter, Quantity, Stretch, TorqueControl};
+use rig::results::{Estimate, Parameter, Part, Quantity, Stretch, TorqueControl};
 use rig::{Diagnostic, Excitation, Experiment, Finding, Place, Role, Severity};
 use serde::Serialize;
 use signal::Signal;
@@ -339,9 +339,9 @@ fn doubts(
     (demand_sample_time_s, torque_sample_time_s): (f64, f64),
 ) -> Vec<Diagnostic> {
     let mut found = Vec::new();
-    let submodel = || "torque control".to_owned();
+    let submodel = Part::TorqueControl;
     if !lagged.fit.termination.converged() || lagged.fit.at_bound[..2].contains(&true) {
-        found.push(warning(experiment, Finding::NotConverged { submodel: submodel() }));
+        found.push(warning(experiment, Finding::NotConverged { submodel }));
     }
     let (advance_s, uncertainty_s) = (-lagged.model.delay_s, lagged.covariance[(0, 0)].sqrt());
     if advance_s > EARLY * uncertainty_s.max(timing_floor_s(demand_sample_time_s)) {
@@ -359,7 +359,7 @@ fn doubts(
     }
     if let Some(test) = validation.residuals.as_ref().filter(|test| test.depends_on_input()) {
         let share_outside = test.share_outside();
-        found.push(warning(experiment, Finding::ResidualsCorrelated { submodel: submodel(), share_outside }));
+        found.push(warning(experiment, Finding::ResidualsCorrelated { submodel, share_outside }));
     }
     found
 }

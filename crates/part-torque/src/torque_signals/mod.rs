@@ -9,9 +9,8 @@ use part_controller::SpeedControllers;
 use part_controller::speed_controller::SpeedControllerFit;
 use rig::experiment::{Excitation, Sought};
 use rig::prepare::believable;
-use rig::results::{Parameter, SignalDelay};
-use rig::results::{Told, Untold};
-use rig::{BenchFile, Experiment, Role};
+use rig::results::{Outcome, Parameter, Reason, SignalDelay, write_found, write_if_sought};
+use rig::{BenchFile, Experiment, ExperimentLabel, Role};
 use serde::Serialize;
 
 use crate::TorqueControls;
@@ -39,13 +38,16 @@ pub struct TorqueRecording {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// Delays of its torque signals.
-    pub delays: Told<Vec<SignalDelay>>,
+    #[serde(serialize_with = "write_found")]
+    pub delays: Outcome<Vec<SignalDelay>>,
     /// The filter in T_d,shaft,calc; `None` where that was not recorded.
-    pub filter: Option<Told<ShaftFilter>>,
+    #[serde(serialize_with = "write_if_sought")]
+    pub filter: Option<Outcome<ShaftFilter>>,
     /// The shaft torque; `None` without a shaft.
-    pub shaft: Option<Told<RebuiltShaft>>,
+    #[serde(serialize_with = "write_if_sought")]
+    pub shaft: Option<Outcome<RebuiltShaft>>,
 }
 
 impl TorqueSignals {
@@ -53,7 +55,7 @@ impl TorqueSignals {
     #[must_use]
     pub fn load_cell(&self) -> Option<(&str, &[Parameter])> {
         let all = self.recordings.iter().filter_map(|recording| {
-            let delays = recording.delays.found()?;
+            let delays = recording.delays.estimated()?;
             let cell = delays.iter().find_map(|delay| delay.dynamics.as_ref())?;
             Some((recording.file.as_str(), cell.parameters.as_slice()))
         });
@@ -95,7 +97,7 @@ fn of_recording(
     bench: &BenchFile,
 ) -> TorqueRecording {
     if let Err(error) = believable(experiment) {
-        return with_wrong_sign(experiment, &Untold::from(&error), bench);
+        return with_wrong_sign(experiment, &Reason::from(error), bench);
     }
     let is_known = torque_control::choose(&[experiment]).is_some();
     let control = if is_known { torque_controls.fit(experiment).ok() } else { None };
@@ -104,8 +106,8 @@ fn of_recording(
     let controller = if gives_controller { controllers.fit(experiment).ok() } else { None };
     TorqueRecording {
         file: experiment.file.clone(),
-        label: experiment.label.to_string(),
-        delays: if is_known { delays(experiment, control, bench) } else { Told::Untold(Untold::NotExcited) },
+        label: experiment.label.clone(),
+        delays: if is_known { delays(experiment, control, bench) } else { Outcome::because(not_excited(experiment)) },
         filter: filter(experiment),
         shaft: (!experiment.label.is_without_shaft())
             .then(|| rebuilt(experiment, control.or(torque_controls.best()), controller.as_deref(), bench)),
@@ -113,34 +115,43 @@ fn of_recording(
 }
 
 /// What is left where T_d,calc cannot be believed: how late the other torques are.
-fn with_wrong_sign(experiment: &Experiment, why: &Untold, bench: &BenchFile) -> TorqueRecording {
+fn with_wrong_sign(experiment: &Experiment, why: &Reason, bench: &BenchFile) -> TorqueRecording {
     let mut others = experiment.clone();
     others.signals.remove(&Role::AirGapTorque);
     let others_tell = others.label.excitation == Excitation::Torque;
-    let delays = if others_tell { delays(&others, None, bench) } else { Told::Untold(why.clone()) };
+    let delays = if others_tell { delays(&others, None, bench) } else { Outcome::because(why.clone()) };
     TorqueRecording {
         file: experiment.file.clone(),
-        label: experiment.label.to_string(),
-        delays: if delays.found().is_some() { delays } else { Told::Untold(why.clone()) },
-        filter: Some(Told::Untold(why.clone())),
-        shaft: (!experiment.label.is_without_shaft()).then(|| Told::Untold(why.clone())),
+        label: experiment.label.clone(),
+        delays: if delays.estimated().is_some() { delays } else { Outcome::because(why.clone()) },
+        filter: Some(Outcome::because(why.clone())),
+        shaft: (!experiment.label.is_without_shaft()).then(|| Outcome::because(why.clone())),
     }
 }
 
-fn delays(experiment: &Experiment, control: Option<&TorqueControlFit>, bench: &BenchFile) -> Told<Vec<SignalDelay>> {
+/// T_d* does not move T_d by itself, or hardly.
+fn not_excited(experiment: &Experiment) -> Reason {
+    Reason::NotExcited { file: experiment.file.clone(), role: Role::DynoTorqueDemand }
+}
+
+fn missing(experiment: &Experiment, role: Role) -> Reason {
+    Reason::Channel { file: experiment.file.clone(), role }
+}
+
+fn delays(experiment: &Experiment, control: Option<&TorqueControlFit>, bench: &BenchFile) -> Outcome<Vec<SignalDelay>> {
     if !TORQUES.iter().any(|role| experiment.signal(*role).is_some()) {
-        return Told::Untold(Untold::Missing { role: Role::AirGapTorque });
+        return Outcome::because(missing(experiment, Role::AirGapTorque));
     }
     timing::estimate(&[experiment], control, bench.dynamometer_inertia_kg_m2).map(|timing| timing.delays).into()
 }
 
-fn filter(experiment: &Experiment) -> Option<Told<ShaftFilter>> {
+fn filter(experiment: &Experiment) -> Option<Outcome<ShaftFilter>> {
     experiment.signal(Role::SystemShaftTorque)?;
     let missing = [Role::DynoSpeed, Role::AirGapTorque].into_iter().find(|role| experiment.signal(*role).is_none());
     Some(match (missing, timing::shaft_filter(experiment)) {
-        (Some(role), _) => Told::Untold(Untold::Missing { role }),
-        (None, Some(filter)) => Told::Found(filter),
-        (None, None) => Told::Untold(Untold::NotExplained),
+        (Some(role), _) => Outcome::because(self::missing(experiment, role)),
+        (None, Some(filter)) => Outcome::Estimated(filter),
+        (None, None) => Outcome::because(Reason::NotExplained { file: experiment.file.clone() }),
     })
 }
 
@@ -149,7 +160,7 @@ fn rebuilt(
     control: Option<&TorqueControlFit>,
     controller: Option<&SpeedControllerFit>,
     bench: &BenchFile,
-) -> Told<RebuiltShaft> {
+) -> Outcome<RebuiltShaft> {
     let known = Known {
         inertia_kg_m2: bench.dynamometer_inertia_kg_m2,
         engine: bench.engine(),

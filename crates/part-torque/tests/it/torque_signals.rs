@@ -8,7 +8,7 @@ use part_torque::torque_signals::{OnceATurn, RebuiltShaft, TorqueSignals, Trust,
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
 use rig::facts::BenchVariant;
-use rig::results::{Told, Untold};
+use rig::results::{Outcome, Reason};
 use rig::{Experiment, Role, prepare};
 use signal::excitation::Random;
 use virtual_bench::{HiddenTruth, Numerics, simulate, simulate_hidden};
@@ -50,7 +50,7 @@ fn against_truth(shaft: &RebuiltShaft, truth: &HiddenTruth) -> (f64, f64, f64) {
 
 fn rebuilt(signals: &TorqueSignals) -> &RebuiltShaft {
     match &signals.recordings[0].shaft {
-        Some(Told::Found(shaft)) => shaft,
+        Some(Outcome::Estimated(shaft)) => shaft,
         other => panic!("{other:?}"),
     }
 }
@@ -121,7 +121,7 @@ fn exact_the_length_of_the_moving_average() {
         let own = 1e-3 * (*length as f64 - 1.0) / 2.0;
         assert!((filter.best.filter_delay_s - own).abs() < 1e-12);
         assert!((filter.best.inertia_kg_m2 - 0.6).abs() < 1e-3, "{filter:?}");
-        assert!(filter.is_told(), "{filter:?}");
+        assert!(filter.is_decided(), "{filter:?}");
     }
 }
 
@@ -149,8 +149,8 @@ fn stat_the_length_of_the_moving_average_of_every_length_under_noise() {
         *shaft = shaft.map(|t| t + 0.1 * spread * random.normal());
         let found = shaft_filter(&experiment);
         let length = found.as_ref().and_then(|filter| filter.moving_average_length());
-        let told = found.as_ref().is_some_and(|filter| filter.is_told());
-        (length == Some(1 + i % 64), told, i)
+        let decided = found.as_ref().is_some_and(|filter| filter.is_decided());
+        (length == Some(1 + i % 64), decided, i)
     });
     let wrong: Vec<usize> = right.iter().filter(|r| !r.0).map(|r| r.2).collect();
     let claimed_wrong: Vec<usize> = right.iter().filter(|r| !r.0 && r.1).map(|r| r.2).collect();
@@ -189,7 +189,7 @@ fn stat_a_lag_and_a_delay_are_not_taken_for_an_average() {
 fn stat_delays_of_the_default_bench_agree_and_the_load_cell_is_late() {
     let (experiment, _) = recorded(&BenchParameters::default(), &ExperimentPlan::white_noise_t_tn(1200.0, 30.0), 2);
     let signals = of(&experiment);
-    let delays = signals.recordings[0].delays.found().unwrap();
+    let delays = signals.recordings[0].delays.estimated().unwrap();
     let late = |role: Role| delays.iter().find(|d| d.role == role).unwrap();
     for delay in delays {
         println!(
@@ -253,7 +253,7 @@ fn stat_the_bend_of_the_speed_is_found_between_engine_orders() {
             recorded(&BenchParameters::default(), &ExperimentPlan::white_noise_t_tn(1200.0, 30.0), seed as u64);
         let signals = of(&experiment);
         let delay =
-            signals.recordings[0].delays.found().unwrap().iter().find(|d| d.role == Role::AirGapTorque).unwrap();
+            signals.recordings[0].delays.estimated().unwrap().iter().find(|d| d.role == Role::AirGapTorque).unwrap();
         let bend = delay.against_speed_bend.clone().unwrap();
         ((bend.value + 0.5e-3).abs(), bend.standard_error)
     });
@@ -289,7 +289,7 @@ fn regress_a_bench_without_load_cell_has_no_trust_check() {
     let (experiment, _) = prepare("WhiteNoise_T_TN.mf4", &recording, &default_bench(), plan.label).unwrap();
     let signals = of(&experiment);
     assert!(signals.trust.is_none() && signals.recordings[0].filter.is_none());
-    assert!(matches!(signals.recordings[0].shaft, Some(Told::Found(_))));
+    assert!(matches!(signals.recordings[0].shaft, Some(Outcome::Estimated(_))));
 }
 
 #[test]
@@ -301,20 +301,21 @@ fn regress_what_a_recording_does_not_tell_is_said() {
         of(&other).recordings.remove(0)
     };
     let recording = without(Role::DynoSpeed);
-    assert_eq!(recording.shaft.map(|told| told.found().is_some()), Some(false));
-    assert_eq!(recording.filter.map(|told| told.found().is_some()), Some(false));
+    assert_eq!(recording.shaft.map(|shaft| shaft.estimated().is_some()), Some(false));
+    assert_eq!(recording.filter.map(|shaft| shaft.estimated().is_some()), Some(false));
     let recording = without(Role::DynoTorqueDemand);
-    assert!(recording.delays.found().is_none());
-    assert!(matches!(recording.delays, Told::Untold(Untold::Missing { role: Role::DynoTorqueDemand })));
-    assert!(recording.shaft.is_some_and(|told| told.found().is_some()));
+    assert!(recording.delays.estimated().is_none());
+    assert!(matches!(recording.delays.needs(), [Reason::Channel { role: Role::DynoTorqueDemand, .. }]));
+    assert!(recording.shaft.is_some_and(|shaft| shaft.estimated().is_some()));
     let mut still = whole.clone();
     let demand = still.signals.get_mut(&Role::DynoTorqueDemand).unwrap();
     *demand = demand.map(|_| 60.0);
-    assert!(of(&still).recordings[0].delays.found().is_none());
+    assert!(of(&still).recordings[0].delays.estimated().is_none());
     let mut unrelated = whole.clone();
     let shaft = unrelated.signals.get_mut(&Role::SystemShaftTorque).unwrap();
     *shaft = shaft.with_samples((0..shaft.len()).map(|i| (0.37 * i as f64).sin()).collect());
-    assert_eq!(of(&unrelated).recordings[0].filter, Some(Told::Untold(Untold::NotExplained)));
+    let not_explained = Reason::NotExplained { file: unrelated.file.clone() };
+    assert_eq!(of(&unrelated).recordings[0].filter, Some(Outcome::because(not_explained)));
 }
 
 /// Of the first samples, about which less is known than about those in the middle.
@@ -349,12 +350,12 @@ fn regress_a_torque_of_the_wrong_sign_tells_no_delay_and_no_shaft_torque() {
     *torque = torque.map(|t| -t);
     let signals = of(&experiment);
     let recording = &signals.recordings[0];
-    let wrong = Untold::WrongSign { role: Role::AirGapTorque };
-    assert_eq!(recording.shaft, Some(Told::Untold(wrong.clone())));
-    assert_eq!(recording.filter, Some(Told::Untold(wrong.clone())));
-    let delays = recording.delays.found().unwrap();
+    let wrong = Reason::WrongSign { file: experiment.file.clone(), role: Role::AirGapTorque };
+    assert_eq!(recording.shaft, Some(Outcome::because(wrong.clone())));
+    assert_eq!(recording.filter, Some(Outcome::because(wrong.clone())));
+    let delays = recording.delays.estimated().unwrap();
     assert!(delays.iter().all(|delay| delay.role != Role::AirGapTorque), "{delays:?}");
     assert!(signals.trust.is_none());
     let engine = part_engine::engine_torque(&part_shaft::Parts::of(&[&experiment], &default_bench()), &|_| ());
-    assert_eq!(engine.masses, Told::Untold(wrong));
+    assert_eq!(engine.masses, Outcome::because(wrong));
 }

@@ -69,7 +69,7 @@ fn delay_seen(part: &SpeedController) -> String {
 /// The terms found beyond PI and delay, in the longest recording that shows them.
 fn beside_pi(found: &Analyses) -> Option<String> {
     let all = found.speed_control.controllers.iter();
-    all.filter_map(|one| one.found.found()?.structure.found()).next().map(controller::structure)
+    all.filter_map(|one| one.found.estimated()?.structure.estimated()).next().map(controller::structure)
 }
 
 /// k, k_a, and m, which no recording shows.
@@ -77,7 +77,7 @@ pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Kn
     of_part(&study.feed_forward, ("k, k_a", "feed-forward"), |part| {
         let bends = analyses.and_then(|found| {
             let all = found.speed_control.feed_forward.iter();
-            all.filter_map(|one| one.found.found()?.terms.found()).next().map(controller::bends)
+            all.filter_map(|one| one.found.estimated()?.terms.estimated()).next().map(controller::bends)
         });
         let known = |quantity: &Quantity| {
             let own = part.estimate.parameter(*quantity)?;
@@ -86,7 +86,7 @@ pub(super) fn feed_forward(study: &Study, analyses: Option<&Analyses>) -> Vec<Kn
             why.extend(bends.clone());
             Some(Known::of(own, with_residuals(grade(study, own), &part.validation), why))
         };
-        let why = vec![controller::M_IS_UNTOLD.to_owned()];
+        let why = vec![controller::M_IS_NOT_SHOWN.to_owned()];
         let m = Known::new("m", "constant part of the feed-forward", Grade::NotAtAll, "–".to_owned(), why);
         [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward].iter().filter_map(known).chain([m]).collect()
     })

@@ -1,6 +1,6 @@
 //! Grades, and what they are given by.
 
-use rig::results::{Estimate, Need, Parameter, Part, Stretch};
+use rig::results::{Estimate, Outcome, Parameter, Reason, Stretch};
 use study::{RecordingSummary, Study};
 
 use crate::wording::{self, number};
@@ -102,7 +102,7 @@ impl Known {
     }
 
     /// Something that was not estimated, for want of what it needs.
-    pub(super) fn missing(symbol: &str, name: &str, needs: &[Need]) -> Self {
+    pub(super) fn missing(symbol: &str, name: &str, needs: &[Reason]) -> Self {
         let why = vec![format!("It needs {}.", wording::needs(needs).trim_end_matches('.'))];
         Known::new(symbol, name, Grade::NotAtAll, "–".to_owned(), why)
     }
@@ -130,13 +130,13 @@ fn fastest_sample_s(study: &Study) -> f64 {
 
 /// The parameters of a part that was estimated, or that the part was not.
 pub(super) fn of_part<T>(
-    part: &Part<T>,
+    part: &Outcome<T>,
     (symbol, name): (&str, &str),
     known: impl FnOnce(&T) -> Vec<Known>,
 ) -> Vec<Known> {
     match part {
-        Part::Estimated(part) => known(part),
-        Part::NotEstimated { needs } => vec![Known::missing(symbol, name, needs)],
+        Outcome::Estimated(part) => known(part),
+        Outcome::NotEstimated { needs } => vec![Known::missing(symbol, name, needs)],
     }
 }
 
@@ -150,7 +150,7 @@ pub(super) fn source(study: &Study, estimate: &Estimate) -> String {
 }
 
 pub(super) fn stretch_words(study: &Study, stretch: &Stretch) -> String {
-    let label = recording(study, &stretch.file).and_then(|recording| recording.label.as_deref());
+    let label = recording(study, &stretch.file).and_then(|recording| recording.label.as_ref());
     let done = label.and_then(wording::experiment).map(|words| format!(" ({words})")).unwrap_or_default();
     format!("{} of {}{done}", number::duration(stretch.end_s - stretch.start_s), stretch.file)
 }

@@ -1,12 +1,11 @@
 //! Delays of signals, friction, and the engine's torque.
 
 use rig::ExperimentLabel;
-use rig::results::{SignalDelay, Told};
+use rig::results::{Outcome, SignalDelay};
 use study::{Analyses, Study};
 
 use super::grade::{Grade, Known, WIDTHS, grade, of_part, stretch_words};
 use crate::engine;
-use crate::torque;
 use crate::wording::{self, number};
 
 /// Friction known to within this is known well, however little there is of it, Nm.
@@ -45,10 +44,10 @@ fn one(study: &Study, delay: &SignalDelay) -> Option<Known> {
 /// Friction of the dynamometer.
 pub(super) fn friction(study: &Study, analyses: Option<&Analyses>) -> Known {
     let known = |grade, value: String, why| Known::new("", "friction of the dynamometer", grade, value, vec![why]);
-    let without_shaft = study.recordings.iter().find(|recording| {
-        let label = recording.label.as_deref().and_then(|label| label.parse::<ExperimentLabel>().ok());
-        label.is_some_and(|label| label.is_without_shaft())
-    });
+    let without_shaft = study
+        .recordings
+        .iter()
+        .find(|recording| recording.label.as_ref().is_some_and(ExperimentLabel::is_without_shaft));
     match (analyses.map(|found| &found.friction), without_shaft) {
         (Some(Ok(found)), _) => {
             let Some(middle) = found.curve.get(found.curve.len() / 2) else {
@@ -88,22 +87,22 @@ pub(super) fn engine_torque(study: &Study, analyses: Option<&Analyses>) -> Known
         };
         return known(Grade::NotAtAll, "not looked at here".to_owned(), why.to_owned());
     };
-    let rebuilt = found.recordings.iter().filter_map(|one| Some((one, one.engine.found()?)));
+    let rebuilt = found.recordings.iter().filter_map(|one| Some((one, one.engine.estimated()?)));
     let widths =
         rebuilt.map(|(one, engine)| (one, engine, relative(&engine.standard_deviation_nm, &engine.smoothed_nm)));
     match (widths.min_by(|a, b| a.2.total_cmp(&b.2)), &found.masses) {
         (Some((one, engine, width)), _) => {
             let value = format!(
                 "rebuilt in {} recordings",
-                found.recordings.iter().filter(|r| r.engine.found().is_some()).count()
+                found.recordings.iter().filter(|r| r.engine.estimated().is_some()).count()
             );
             let why = format!("No bench records it. Best in {}: {}.", one.file, engine::rebuilt(engine));
             known(Grade::of_width(width, WIDTHS), value, why)
         }
-        (None, Told::Untold(why)) => {
-            known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{}.", torque::untold(why))))
+        (None, Outcome::NotEstimated { needs: why }) => {
+            known(Grade::NotAtAll, "–".to_owned(), wording::capitalised(&format!("{}.", wording::reasons(why))))
         }
-        (None, Told::Found(_)) => {
+        (None, Outcome::Estimated(_)) => {
             known(Grade::NotAtAll, "–".to_owned(), "It could be rebuilt in no recording.".to_owned())
         }
     }

@@ -2,7 +2,7 @@
 
 use bench_model::analysis::{Influence, WholeModel};
 use rig::facts::{BenchFacts, StatedInertia};
-use rig::results::{Parameter, Part};
+use rig::results::{Outcome, Parameter};
 use study::Study;
 
 use super::grade::{Grade, Known, WIDTHS, grade};
@@ -14,8 +14,8 @@ const FITS: (f64, f64) = (90.0, 70.0);
 /// Frequency, gain and damping of the resonance.
 pub(super) fn resonance(study: &Study) -> Vec<Known> {
     let whole = match &study.whole {
-        Part::Estimated(whole) => whole,
-        Part::NotEstimated { needs } => return vec![Known::missing("", "resonance of the bench", needs)],
+        Outcome::Estimated(whole) => whole,
+        Outcome::NotEstimated { needs } => return vec![Known::missing("", "resonance of the bench", needs)],
     };
     let sines = sine_tests(whole);
     let known = |own: &Parameter, is_gain: bool| {

@@ -1,9 +1,9 @@
 //! The block diagram of the bench with the estimated numbers in its blocks, as inline SVG.
 
-use rig::results::{Estimate, Need, Part, Quantity};
+use rig::results::{Estimate, Outcome, Quantity, Reason};
 use study::Study;
 
-use crate::wording::{join, number};
+use crate::wording::{join, listed, number};
 use page::markup;
 use page::markup::Markup;
 use page::{Blocks, Symbol};
@@ -66,43 +66,43 @@ fn blocks(study: &Study) -> [Block; 5] {
 
 fn speed_control(study: &Study) -> (Vec<Markup>, bool) {
     let part = match &study.speed_controller {
-        Part::Estimated(part) => part,
-        Part::NotEstimated { needs } => return (absent(needs), false),
+        Outcome::Estimated(part) => part,
+        Outcome::NotEstimated { needs } => return (absent(needs), false),
     };
     let [k_p, k_i] =
         [Quantity::ProportionalGain, Quantity::IntegralGain].map(|quantity| digits(&part.estimate, quantity));
     let law = markup!("{} ({} + {}/s) (N − N*)", delay(&part.estimate, Quantity::ControllerDelay), k_p, k_i);
     let feed_forward = match &study.feed_forward {
-        Part::Estimated(part) => {
+        Outcome::Estimated(part) => {
             let [k, k_a] = [Quantity::SpeedFeedForward, Quantity::AccelerationFeedForward]
                 .map(|quantity| signed(&digits(&part.estimate, quantity)));
             markup!("{} N* {} dN*/dt", k, k_a)
         }
-        Part::NotEstimated { needs } => markup!("<tspan class=\"absent\">feed-forward {}</tspan>", short(needs)),
+        Outcome::NotEstimated { needs } => markup!("<tspan class=\"absent\">feed-forward {}</tspan>", short(needs)),
     };
     (vec![law, feed_forward], true)
 }
 
 fn torque_control(study: &Study) -> (Vec<Markup>, bool) {
     match &study.torque_control {
-        Part::Estimated(part) => {
+        Outcome::Estimated(part) => {
             let a = digits(&part.delay_and_lag, Quantity::TorqueControlBandwidth);
             let lag = markup!("{} · {}/(s + {})", delay(&part.delay_and_lag, Quantity::TorqueControlDelay), a, a);
             let total = part.delay_and_lag.parameter(Quantity::TorqueControlTotalDelay).map(number::parameter);
             (vec![lag, total.map(|total| markup!("total delay {}", total)).unwrap_or_default()], true)
         }
-        Part::NotEstimated { needs } => (absent(needs), false),
+        Outcome::NotEstimated { needs } => (absent(needs), false),
     }
 }
 
 fn shaft(study: &Study) -> (Vec<Markup>, bool) {
     match &study.shaft {
-        Part::Estimated(part) => {
+        Outcome::Estimated(part) => {
             let [k, b] = [Quantity::Stiffness, Quantity::Damping].map(|quantity| digits(&part.estimate, quantity));
             let zero = number::significant(part.zero.value, 3);
             (vec![markup!("({} + {} s)/s", k, b), markup!("zero at {} rad/s", zero)], true)
         }
-        Part::NotEstimated { needs } => (absent(needs), false),
+        Outcome::NotEstimated { needs } => (absent(needs), false),
     }
 }
 
@@ -131,14 +131,14 @@ fn signed(digits: &str) -> String {
     }
 }
 
-fn absent(needs: &[Need]) -> Vec<Markup> {
+fn absent(needs: &[Reason]) -> Vec<Markup> {
     vec![markup!("<tspan class=\"absent\">not estimated</tspan>"), markup!("{}", short(needs))]
 }
 
 /// The labels that are needed, short enough for a block.
-fn short(needs: &[Need]) -> String {
+fn short(needs: &[Reason]) -> String {
     let first = needs.iter().find_map(|need| match need {
-        Need::Recording { any_of } => Some(join(any_of, "or")),
+        Reason::Recording { any_of } => Some(join(&listed(any_of), "or")),
         _ => None,
     });
     match first {

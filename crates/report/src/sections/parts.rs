@@ -1,7 +1,7 @@
 //! Pieces several sections share: parameter tables, what is missing, where data came from.
 
 use page::{Align, Block, Blocks, Cell, Prose, Table};
-use rig::results::{Estimate, Need, Parameter, Stretch, Validation};
+use rig::results::{Estimate, Parameter, Reason, Stretch, Validation};
 
 use crate::wording::{self, number};
 
@@ -62,7 +62,7 @@ pub(crate) fn seconds(value: f64) -> String {
 }
 
 /// The text in place of a part that was not estimated.
-pub(crate) fn not_estimated(what: &str, needs: &[Need]) -> Blocks {
+pub(crate) fn not_estimated(what: &str, needs: &[Reason]) -> Blocks {
     let items = match needs {
         [] => vec![wording::needs(needs).into()],
         _ => needs.iter().map(|need| wording::need(need).into()).collect(),

@@ -37,7 +37,7 @@ pub(crate) fn section(study: &Study) -> Blocks {
 
 fn recording(recording: &RecordingSummary) -> Vec<Cell> {
     let label = recording.label.as_ref().map_or_else(|| "no label".into(), |label| Prose::strong(label.to_string()));
-    let used: Vec<String> = recording.used_for.iter().map(|name| part(name).to_owned()).collect();
+    let used: Vec<String> = recording.used_for.iter().map(|used| part(*used).to_owned()).collect();
     let short: String = recording.sha256.chars().take(12).collect();
     vec![
         label.into(),

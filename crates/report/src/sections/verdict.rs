@@ -1,6 +1,6 @@
 //! The first page: can the model be used, what are its numbers, what is missing, what to look at.
 
-use rig::results::{Need, Parameter, Part, Quantity};
+use rig::results::{Parameter, Part, Quantity, Reason};
 use rig::{Diagnostic, Severity};
 use study::Study;
 
@@ -71,7 +71,7 @@ struct KeyNumber<'a> {
     symbol: &'a str,
     name: &'a str,
     parameter: Option<&'a Parameter>,
-    needs: &'a [Need],
+    needs: &'a [Reason],
 }
 
 fn key_numbers(study: &Study) -> Blocks {
@@ -89,8 +89,8 @@ fn collect_key_numbers(study: &Study) -> Vec<KeyNumber<'_>> {
     let controller = |quantity| study.speed_controller.estimated().and_then(|part| part.estimate.parameter(quantity));
     let torque = |quantity| study.torque_control.estimated().and_then(|part| part.delay_and_lag.parameter(quantity));
     let number = |symbol, name, parameter, needs| KeyNumber { symbol, name, parameter, needs };
-    let (of_whole, of_shaft) = (needs(&study.whole), needs(&study.shaft));
-    let (of_controller, of_torque) = (needs(&study.speed_controller), needs(&study.torque_control));
+    let (of_whole, of_shaft) = (study.whole.needs(), study.shaft.needs());
+    let (of_controller, of_torque) = (study.speed_controller.needs(), study.torque_control.needs());
     vec![
         number("", "resonance", whole.map(|w| &w.resonance_hz), of_whole),
         number("", "engine speed where firing meets it", whole.map(|w| &w.firing_meets_resonance), of_whole),
@@ -103,13 +103,6 @@ fn collect_key_numbers(study: &Study) -> Vec<KeyNumber<'_>> {
     ]
 }
 
-fn needs<T>(part: &Part<T>) -> &[Need] {
-    match part {
-        Part::Estimated(_) => &[],
-        Part::NotEstimated { needs } => needs,
-    }
-}
-
 fn card(number: &KeyNumber<'_>) -> Card {
     let label = match number.symbol {
         "" => number.name.into(),
@@ -119,11 +112,11 @@ fn card(number: &KeyNumber<'_>) -> Card {
 }
 
 /// The labels of the recordings that are needed, or a pointer to the list below.
-fn short_needs(needs: &[Need]) -> String {
+fn short_needs(needs: &[Reason]) -> String {
     let labels: Vec<String> = needs
         .iter()
         .filter_map(|need| match need {
-            Need::Recording { any_of } => Some(wording::join(any_of, "or")),
+            Reason::Recording { any_of } => Some(wording::join(&wording::listed(any_of), "or")),
             _ => None,
         })
         .collect();
@@ -132,17 +125,17 @@ fn short_needs(needs: &[Need]) -> String {
 
 fn missing(study: &Study) -> Blocks {
     let parts = [
-        ("timing", needs(&study.timing), study.timing.estimated().is_some()),
-        ("speed_controller", needs(&study.speed_controller), study.speed_controller.estimated().is_some()),
-        ("feed_forward", needs(&study.feed_forward), study.feed_forward.estimated().is_some()),
-        ("torque_control", needs(&study.torque_control), study.torque_control.estimated().is_some()),
-        ("shaft", needs(&study.shaft), study.shaft.estimated().is_some()),
-        ("whole", needs(&study.whole), study.whole.estimated().is_some()),
+        (Part::Timing, study.timing.needs(), study.timing.estimated().is_some()),
+        (Part::SpeedController, study.speed_controller.needs(), study.speed_controller.estimated().is_some()),
+        (Part::FeedForward, study.feed_forward.needs(), study.feed_forward.estimated().is_some()),
+        (Part::TorqueControl, study.torque_control.needs(), study.torque_control.estimated().is_some()),
+        (Part::Shaft, study.shaft.needs(), study.shaft.estimated().is_some()),
+        (Part::Whole, study.whole.needs(), study.whole.estimated().is_some()),
     ];
     let rows: Vec<Vec<Cell>> = parts
         .iter()
         .filter(|(_, _, there)| !there)
-        .map(|(name, needs, _)| vec![Prose::strong(wording::part(name)).into(), wording::needs(needs).into()])
+        .map(|(name, needs, _)| vec![Prose::strong(wording::part(*name)).into(), wording::needs(needs).into()])
         .collect();
     if rows.is_empty() {
         return Blocks::default();

@@ -3,7 +3,7 @@
 use bench_model::analysis::{BodeCurve, Margins, SinePoint, WholeModel};
 use rig::ControlMode;
 use rig::facts::BenchFacts;
-use rig::results::{Parameter, Part};
+use rig::results::{Outcome, Parameter};
 use study::Study;
 
 use page::{Abscissa, Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
@@ -18,8 +18,8 @@ const QUANTILE_95: f64 = 1.96;
 pub(crate) fn section(study: &Study) -> Blocks {
     let what = "All parts connected: how the bench responds to a demand, and where it resonates.";
     let whole = match &study.whole {
-        Part::Estimated(whole) => whole,
-        Part::NotEstimated { needs } => return not_estimated(what, needs),
+        Outcome::Estimated(whole) => whole,
+        Outcome::NotEstimated { needs } => return not_estimated(what, needs),
     };
     let equation =
         "{T_shaft}/{T_d} = {H_d H_s}/{1 + H_s (H_d + H_e)}, H_d = 1/(J_d s), H_e = 1/(J_e s), H_s = (K + B s)/s";

@@ -25,6 +25,6 @@ pub fn choice(choice: &Choice) -> String {
         place => format!("choice {place} among the experiments"),
     };
     let passed_over: Vec<String> =
-        choice.passed_over.iter().map(|other| format!(" {} was tried first: {}.", other.file, other.reason)).collect();
+        choice.passed_over.iter().map(|other| format!(" {} was tried first: {}.", other.file, other.error)).collect();
     format!("{among}, {preference} for this part.{}", passed_over.concat())
 }

@@ -3,10 +3,9 @@
 use rig::ExperimentLabel;
 use rig::experiment::Test;
 
-/// What an experiment does, from its label (`BS_T_NT` → `engine torque switched between two ignition angles, …`);
-/// `None` for a test that is not one of the method's.
-pub fn experiment(label: &str) -> Option<&'static str> {
-    let label: ExperimentLabel = label.parse().ok()?;
+/// What an experiment does (`BS_T_NT` → `engine torque switched between two ignition angles, …`); `None` for a test that is
+/// not one of the method's.
+pub fn experiment(label: &ExperimentLabel) -> Option<&'static str> {
     match label.test {
         Test::Bs => {
             Some("engine torque switched between two ignition angles, dynamometer holding a constant speed demand")

@@ -20,8 +20,12 @@ pub fn remark(found: &Diagnostic) -> String {
 /// What was found, as a sentence.
 pub fn finding(finding: &Finding) -> String {
     match finding {
-        Finding::UnreadableRecording { reason } => format!("The recording cannot be read: {}.", phrase(reason)),
-        Finding::ReaderDoubt { reason } => format!("The recording was read with a reservation: {}.", phrase(reason)),
+        Finding::UnreadableRecording { error } => {
+            format!("The recording cannot be read: {}.", phrase(&error.to_string()))
+        }
+        Finding::ReaderDoubt { doubt } => {
+            format!("The recording was read with a reservation: {}.", phrase(&doubt.to_string()))
+        }
         Finding::NoLabel => "Neither the file name nor the bench file says which experiment this is.".to_owned(),
         Finding::DuplicateRecording { other } => format!("The recording is there twice: the same as {other}."),
         Finding::MissingChannel { role: missing, closest } => missing_channel(&role(*missing), closest),
@@ -96,8 +100,8 @@ pub fn finding(finding: &Finding) -> String {
             )
         }
         Finding::ExcludedLines { frequencies_hz } => excluded_lines(frequencies_hz),
-        Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(submodel), *share_outside),
-        Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(submodel)),
+        Finding::ResidualsCorrelated { submodel, share_outside } => residuals(part(*submodel), *share_outside),
+        Finding::NotConverged { submodel } => format!("The fit of the {} did not converge.", part(*submodel)),
         Finding::CoarseResolution { role: of, step } => {
             format!(
                 "The {} is recorded in steps of {} (SI), too coarse compared with the noise to show the encoder’s gate.",

@@ -7,16 +7,17 @@ mod assumption;
 mod choice;
 mod experiment;
 mod finding;
-mod need;
 pub mod number;
+mod reason;
 
 pub use assumption::{assumption, limited, model_parameter, peak, quantity, safety};
 pub use choice::{choice, sought};
 pub use experiment::experiment;
 pub use finding::{advice, diagnostic, finding, remark, twice_estimated};
-pub use need::{need, needs};
+pub use reason::{listed, missing, need, needs, reason_of, reasons};
 
 use rig::facts::BenchVariant;
+use rig::results::Part;
 use rig::{ControlMode, Place, Role, Severity};
 
 /// The severity as one word: `error`, `warning`, `note`.
@@ -37,18 +38,15 @@ pub fn severity_meaning(severity: Severity) -> &'static str {
     }
 }
 
-/// A part of the study in plain words, from its field name (`speed_controller` → `speed control`). Another name is
-/// returned as it is.
-pub fn part(name: &str) -> &str {
-    match name {
-        "timing" => "timing of the signals",
-        "speed_controller" | "speed controller" => "speed control",
-        "feed_forward" => "feed-forward",
-        "torque_control" => "torque control",
-        "shaft" => "shaft",
-        "whole" => "whole model",
-        "replays" | "replay" => "replay",
-        other => other,
+/// A part of the study in plain words.
+pub fn part(part: Part) -> &'static str {
+    match part {
+        Part::Timing => "timing of the signals",
+        Part::SpeedController => "speed control",
+        Part::FeedForward => "feed-forward",
+        Part::TorqueControl => "torque control",
+        Part::Shaft => "shaft",
+        Part::Whole => "whole model",
     }
 }
 

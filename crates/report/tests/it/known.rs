@@ -1,7 +1,7 @@
 //! What is known, and how well.
 
 use report::known::{Grade, Known, known};
-use rig::results::{Estimate, Parameter, Part, Quantity, Shaft};
+use rig::results::{Estimate, Outcome, Parameter, Quantity, Shaft};
 use study::{Analyses, Study};
 
 use crate::fixture;
@@ -22,8 +22,8 @@ fn why(study: &Study, symbol: &str) -> String {
 
 fn shaft(study: &mut Study) -> Option<&mut Shaft> {
     match &mut study.shaft {
-        Part::Estimated(shaft) => Some(shaft),
-        Part::NotEstimated { .. } => None,
+        Outcome::Estimated(shaft) => Some(shaft),
+        Outcome::NotEstimated { .. } => None,
     }
 }
 

@@ -10,7 +10,7 @@ fn gain(quantity: Quantity, now: Option<f64>, then: f64) -> Gain {
 
 fn candidate(label: &str, is_designed: bool, gains: Vec<Gain>) -> Candidate {
     let (speed_rpm, duration_s) = (1200.0, 60.0);
-    Candidate { label: label.to_owned(), is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, gains }
+    Candidate { label: label.parse().unwrap(), is_designed, speed_rpm, duration_s, peak_shaft_torque_nm: 100.0, gains }
 }
 
 /// An experiment that was tried with two demands is one entry, which says what each of them buys.
@@ -27,7 +27,7 @@ fn regress_an_experiment_with_two_demands_is_one_entry() {
         candidate("Step_T_TN", false, Vec::new()),
     ];
     let mut found = NextExperiments { now: Vec::new(), candidates, enough: 0.01, assumptions: Vec::new() };
-    let labels: Vec<&str> = choices(&found).iter().map(|choice| choice.candidate.label.as_str()).collect();
+    let labels: Vec<String> = choices(&found).iter().map(|choice| choice.candidate.label.to_string()).collect();
     assert_eq!(labels, ["Multisine_T_TN", "BS_T_NT", "Step_T_TN"]);
     assert_eq!(best(&found).len(), 2);
     assert_eq!(
@@ -37,6 +37,6 @@ fn regress_an_experiment_with_two_demands_is_one_entry() {
          known within ± 5 % instead of ± 10 %."
     );
     found.candidates[1].gains.clear();
-    let told = recommendation(&found);
-    assert!(told.ends_with("With the demand of the method, the same experiment gains nothing."), "{told}");
+    let words = recommendation(&found);
+    assert!(words.ends_with("With the demand of the method, the same experiment gains nothing."), "{words}");
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use bench_model::model::ModelUncertainty;
-use rig::results::Part;
+use rig::results::Outcome;
 use study::Study;
 
 use crate::fixture;
@@ -121,7 +121,7 @@ fn skeleton(page: &str) -> Vec<String> {
 
 /// A study with NaN or infinity wherever a curve or a number can hold one.
 fn with_non_finite(mut study: Study) -> Study {
-    if let Part::Estimated(shaft) = &mut study.shaft {
+    if let Outcome::Estimated(shaft) = &mut study.shaft {
         shaft.validation.fit_percent = f64::NAN;
         shaft.validation.measured.values[100] = f64::NAN;
         shaft.validation.modelled.values[5000] = f64::INFINITY;
@@ -130,7 +130,7 @@ fn with_non_finite(mut study: Study) -> Study {
         shaft.estimate.parameters[0].value = f64::NAN;
         shaft.estimate.parameters[1].interval = (f64::NEG_INFINITY, f64::INFINITY);
     }
-    if let Part::Estimated(whole) = &mut study.whole {
+    if let Outcome::Estimated(whole) = &mut study.whole {
         whole.resonance_hz.value = f64::INFINITY;
         whole.resonance_hz.interval = (f64::NAN, f64::NAN);
         whole.sine_points[0].gain = 0.0;
@@ -166,7 +166,7 @@ fn exact_json_names_its_format_and_keeps_full_precision() {
 #[test]
 fn exact_thinned_traces_keep_their_peaks_and_times() {
     let mut study = fixture::complete();
-    if let Part::Estimated(shaft) = &mut study.shaft {
+    if let Outcome::Estimated(shaft) = &mut study.shaft {
         shaft.validation.measured.values[12_345] = 4321.0;
     }
     let page = report::study(&study);

@@ -1,16 +1,18 @@
 //! Wording and structure, word for word.
 
 use design::safety::Proportion;
+use recording::RecordingError;
 use report::wording::{self, number};
-use rig::results::{Need, Notation, Quantity, WrittenParameter};
-use rig::{Diagnostic, Finding, Place, Role, Severity};
+use rig::estimation::EstimateError;
+use rig::results::{Notation, Part, Quantity, Reason, WrittenParameter};
+use rig::{Diagnostic, ExperimentLabel, Finding, Place, Role, Severity};
 
 use crate::fixture;
 
 fn findings() -> Vec<Finding> {
     vec![
-        Finding::UnreadableRecording { reason: "block DT at offset 4096 is cut off.".into() },
-        Finding::ReaderDoubt { reason: "".into() },
+        Finding::UnreadableRecording { error: RecordingError::Empty { file: "bs.mf4".into() } },
+        Finding::ReaderDoubt { doubt: recording::Finding::NotFinalised },
         Finding::NoLabel,
         Finding::DuplicateRecording { other: "bs.mf4".into() },
         Finding::MissingChannel { role: Role::DynoSpeed, closest: vec!["N_dyn".into(), "Ndyno".into()] },
@@ -41,8 +43,8 @@ fn findings() -> Vec<Finding> {
         Finding::EarlySignal { role: Role::AirGapTorque, advance_s: 0.0009 },
         Finding::ExcludedLines { frequencies_hz: vec![25.0, 50.0, 74.8] },
         Finding::PulsesFoldToRest { role: Role::EngineSpeed, rate_hz: 500.0, firing_hz: 100.003, multiple: 5 },
-        Finding::ResidualsCorrelated { submodel: "speed_controller".into(), share_outside: 0.21 },
-        Finding::NotConverged { submodel: "shaft".into() },
+        Finding::ResidualsCorrelated { submodel: Part::SpeedController, share_outside: 0.21 },
+        Finding::NotConverged { submodel: Part::Shaft },
         Finding::RoutesDisagree { quantity: Quantity::Stiffness, first: (2438.0, 6.0), second: (2391.0, 5.2) },
     ]
 }
@@ -59,13 +61,14 @@ fn snap_findings() {
 
 #[test]
 fn snap_needs() {
+    let label = |text: &str| text.parse::<ExperimentLabel>().unwrap();
     let needs = [
-        Need::Recording { any_of: vec!["BS_T_NT".into(), "WhiteNoise_T_TN".into()] },
-        Need::Recording { any_of: vec!["Custom_T_NT".into()] },
-        Need::Recording { any_of: Vec::new() },
-        Need::Channel { file: "bs.mf4".into(), role: Role::AirGapTorque },
-        Need::Part { name: "speed_controller".into() },
-        Need::UsableData { file: "bs.mf4".into(), reason: "the regressors are linearly dependent.".into() },
+        Reason::Recording { any_of: ["BS_T_NT", "WhiteNoise_T_TN"].map(label).to_vec() },
+        Reason::Recording { any_of: vec![label("Custom_T_NT")] },
+        Reason::Recording { any_of: Vec::new() },
+        Reason::Channel { file: "bs.mf4".into(), role: Role::AirGapTorque },
+        Reason::Part { part: Part::SpeedController },
+        EstimateError::TooShort { file: "bs.mf4".into(), duration_s: 0.5, needed_s: 2.0 }.into(),
     ];
     let lines: Vec<String> = needs.iter().map(|need| format!("needs {}", wording::need(need))).collect();
     insta::assert_snapshot!(lines.join("\n"));

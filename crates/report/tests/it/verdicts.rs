@@ -1,7 +1,7 @@
 //! The verdict's rules.
 
 use report::verdict::{Level, verdict};
-use rig::results::Part;
+use rig::results::{Outcome, Part};
 use rig::{Diagnostic, Finding, Place, Severity};
 
 use crate::fixture;
@@ -34,9 +34,9 @@ fn exact_exchanged_speeds_are_insufficient() {
 #[test]
 fn exact_no_shaft_is_insufficient_and_no_feed_forward_a_reservation() {
     let mut study = without_errors();
-    study.feed_forward = Part::NotEstimated { needs: Vec::new() };
+    study.feed_forward = Outcome::NotEstimated { needs: Vec::new() };
     assert_eq!(verdict(&study).level, Level::Reservations);
-    study.shaft = Part::NotEstimated { needs: Vec::new() };
+    study.shaft = Outcome::NotEstimated { needs: Vec::new() };
     assert_eq!(verdict(&study).level, Level::Insufficient);
 }
 
@@ -44,7 +44,7 @@ fn exact_no_shaft_is_insufficient_and_no_feed_forward_a_reservation() {
 fn exact_poor_or_unknown_fits_lower_the_verdict() {
     for (fit, level) in [(79.9, Level::Reservations), (49.0, Level::Insufficient), (f64::NAN, Level::Insufficient)] {
         let mut study = without_errors();
-        if let Part::Estimated(shaft) = &mut study.shaft {
+        if let Outcome::Estimated(shaft) = &mut study.shaft {
             shaft.validation.fit_percent = fit;
         }
         assert_eq!(verdict(&study).level, level, "{fit}");
@@ -55,7 +55,7 @@ fn exact_poor_or_unknown_fits_lower_the_verdict() {
 fn exact_wide_or_unknown_intervals_lower_the_verdict() {
     for (half, level) in [(0.2, Level::Reservations), (0.5, Level::Insufficient), (f64::NAN, Level::Insufficient)] {
         let mut study = without_errors();
-        if let Part::Estimated(whole) = &mut study.whole {
+        if let Outcome::Estimated(whole) = &mut study.whole {
             let value = whole.resonance_hz.value;
             whole.resonance_hz.interval = (value * (1.0 - half), value * (1.0 + half));
         }
@@ -73,6 +73,6 @@ fn exact_only_unseen_replays_count() {
 #[test]
 fn exact_correlated_residuals_are_a_reservation() {
     let mut study = without_errors();
-    study.diagnostics[0].finding = Finding::ResidualsCorrelated { submodel: "shaft".into(), share_outside: 0.3 };
+    study.diagnostics[0].finding = Finding::ResidualsCorrelated { submodel: Part::Shaft, share_outside: 0.3 };
     assert_eq!(verdict(&study).level, Level::Reservations);
 }

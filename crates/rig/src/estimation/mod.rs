@@ -1,13 +1,11 @@
 //! What all estimators share: which data they may use, what can go wrong, and numbers made into [`crate::results`].
 
-mod error;
 mod once;
-mod outcome;
 mod parameter;
 mod precision;
 mod stretch;
 
-pub use error::{EstimateError, Unsuitable};
+pub use crate::error::{EstimateError, Unsuitable};
 pub use once::{Chosen, OncePerRecording, first, once};
 pub use parameter::{ReadOut, transformed};
 pub use precision::{noise_floor, timing_floor_s};

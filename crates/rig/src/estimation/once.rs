@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::EstimateError;
+use crate::error::EstimateError;
 use crate::experiment::{Choice, Experiment, PassedOver, Sought};
-use crate::results::Need;
+use crate::results::Reason;
 
 type Cell<T> = Arc<OnceLock<Result<Arc<T>, EstimateError>>>;
 
@@ -83,7 +83,7 @@ pub fn first<'a, T>(
     sought: Sought,
     experiments: &[&'a Experiment],
     mut estimate: impl FnMut(&'a Experiment) -> Result<Arc<T>, EstimateError>,
-) -> Result<Chosen<'a, T>, Vec<Need>> {
+) -> Result<Chosen<'a, T>, Vec<Reason>> {
     let (mut needs, mut passed_over) = (Vec::new(), Vec::new());
     for experiment in sought.candidates(experiments) {
         match estimate(experiment) {
@@ -91,20 +91,13 @@ pub fn first<'a, T>(
                 return Ok(Chosen { experiment, fit, choice: sought.choice(experiment, experiments, passed_over) });
             }
             Err(error) => {
-                passed_over.push(PassedOver { file: experiment.file.clone(), reason: error.to_string() });
-                needs.push(need_of(&error, &experiment.file));
+                passed_over.push(PassedOver { file: experiment.file.clone(), error: error.clone() });
+                needs.push(Reason::from(error));
             }
         }
     }
     if needs.is_empty() {
-        needs.push(Need::Recording { any_of: sought.missing().iter().map(|label| (*label).to_owned()).collect() });
+        needs.push(Reason::Recording { any_of: sought.missing().to_vec() });
     }
     Err(needs)
-}
-
-fn need_of(error: &EstimateError, file: &str) -> Need {
-    match error {
-        EstimateError::MissingSignal { role, .. } => Need::Channel { file: file.to_owned(), role: *role },
-        other => Need::UsableData { file: file.to_owned(), reason: other.to_string() },
-    }
 }

@@ -2,7 +2,9 @@
 
 use serde::Serialize;
 
-use super::{ControlMode, Excitation, Experiment, Test};
+use super::{ControlMode, Excitation, Experiment, ExperimentLabel, Test};
+use crate::error::EstimateError;
+use crate::words::write_words;
 
 /// What is estimated from one recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -32,19 +34,25 @@ struct Rule {
     /// The mode that it needs.
     mode: Option<ControlMode>,
     /// Experiments to ask for where there is none.
-    missing: &'static [&'static str],
+    missing: &'static [ExperimentLabel],
 }
 
 const RULES: [Rule; 6] = [
     // With a constant N_d* the feed-forward rests, and the engine moves N_d.
-    Rule { sought: Sought::SpeedController, tests: &[Test::Bs], excitation: None, mode: None, missing: &["BS_T_NT"] },
+    Rule {
+        sought: Sought::SpeedController,
+        tests: &[Test::Bs],
+        excitation: None,
+        mode: None,
+        missing: &[ExperimentLabel::BS_T_NT],
+    },
     // Many levels and slopes tell k and k_a apart; ramps have one slope.
     Rule {
         sought: Sought::FeedForward,
         tests: &[Test::Levels, Test::Ramp],
         excitation: None,
         mode: None,
-        missing: &["Levels_N_NT", "Ramp_N_NT"],
+        missing: &[ExperimentLabel::LEVELS_N_NT, ExperimentLabel::RAMP_N_NT],
     },
     // The wider the band of T_d*, the better; behind the engine's torque T_d* moves slowly.
     Rule {
@@ -52,14 +60,14 @@ const RULES: [Rule; 6] = [
         tests: &[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step, Test::Bs],
         excitation: Some(Excitation::Torque),
         mode: None,
-        missing: &["WhiteNoise_T_TN", "Step_T_TN", "BS_T_NT"],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::STEP_T_TN, ExperimentLabel::BS_T_NT],
     },
     Rule {
         sought: Sought::Timing,
         tests: &[Test::WhiteNoise, Test::Multisine, Test::Binary, Test::Step],
         excitation: None,
         mode: None,
-        missing: &["WhiteNoise_T_TN", "Step_T_TN"],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::STEP_T_TN],
     },
     // A designed excitation holds its power where it shows the shaft. A torque demand that does not answer to the engine shows J_d
     // with the shaft; BS moves the shaft more, and leaves J_d as stated.
@@ -68,15 +76,15 @@ const RULES: [Rule; 6] = [
         tests: &[Test::Multisine, Test::Binary, Test::WhiteNoise, Test::Bs, Test::Levels, Test::Ramp, Test::Step],
         excitation: None,
         mode: None,
-        missing: &["WhiteNoise_T_TN", "BS_T_NT"],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::BS_T_NT],
     },
-    // J_e is told by a T_d* that does not answer to the engine and moves the bench over a wide band.
+    // A T_d* that does not answer to the engine shows J_e, if it moves the bench over a wide band.
     Rule {
         sought: Sought::Inertias,
         tests: &[Test::Multisine, Test::Binary, Test::WhiteNoise],
         excitation: None,
         mode: Some(ControlMode::Tn),
-        missing: &["WhiteNoise_T_TN", "Multisine_T_TN"],
+        missing: &[ExperimentLabel::WHITE_NOISE_T_TN, ExperimentLabel::MULTISINE_T_TN],
     },
 ];
 
@@ -88,7 +96,7 @@ pub struct Choice {
     /// The file.
     pub file: String,
     /// The experiment's label.
-    pub label: String,
+    pub label: ExperimentLabel,
     /// Its test's place in the order of preference, from one.
     pub preference: usize,
     /// How many recordings of this test there are; the longest of them is tried first.
@@ -102,8 +110,9 @@ pub struct Choice {
 pub struct PassedOver {
     /// The file.
     pub file: String,
-    /// Why it did not do.
-    pub reason: String,
+    /// Why it did not do; it serialises as its words.
+    #[serde(rename = "reason", serialize_with = "write_words")]
+    pub error: EstimateError,
 }
 
 impl Sought {
@@ -113,7 +122,7 @@ impl Sought {
     }
 
     /// Labels of experiments that give it, to be asked for where there is none.
-    pub fn missing(self) -> &'static [&'static str] {
+    pub fn missing(self) -> &'static [ExperimentLabel] {
         self.rule().missing
     }
 
@@ -142,7 +151,7 @@ impl Sought {
         Choice {
             sought: self,
             file: chosen.file.clone(),
-            label: chosen.label.to_string(),
+            label: chosen.label.clone(),
             preference: self.preference(chosen) + 1,
             of_the_test: experiments.iter().filter(same).count(),
             passed_over,

@@ -3,7 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::Test;
 
@@ -25,8 +26,8 @@ pub enum ControlMode {
     Tn,
 }
 
-/// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1).
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+/// The label of an experiment, `{test}_{T|N}_{NT|TN}`, e.g. `BS_T_NT` (thesis §4.1). Written and read as this text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct ExperimentLabel {
     /// What is done.
     pub test: Test,
@@ -50,6 +51,18 @@ impl fmt::Display for ExperimentLabel {
     }
 }
 
+impl Serialize for ExperimentLabel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for ExperimentLabel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?.parse().map_err(D::Error::custom)
+    }
+}
+
 /// A text is not an experiment label.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{text}` holds no experiment label of the form {{test}}_{{T|N}}_{{NT|TN}}, such as BS_T_NT")]
@@ -70,6 +83,21 @@ impl FromStr for ExperimentLabel {
 }
 
 impl ExperimentLabel {
+    /// Engine torque switched between two ignition angles.
+    pub const BS_T_NT: Self = Self::new(Test::Bs, Excitation::Torque, ControlMode::Nt);
+    /// Many levels and slopes of the speed.
+    pub const LEVELS_N_NT: Self = Self::new(Test::Levels, Excitation::Speed, ControlMode::Nt);
+    /// Sum of sines of the speed.
+    pub const MULTISINE_N_NT: Self = Self::new(Test::Multisine, Excitation::Speed, ControlMode::Nt);
+    /// Sum of sines of the torque.
+    pub const MULTISINE_T_TN: Self = Self::new(Test::Multisine, Excitation::Torque, ControlMode::Tn);
+    /// Ramps of the speed.
+    pub const RAMP_N_NT: Self = Self::new(Test::Ramp, Excitation::Speed, ControlMode::Nt);
+    /// Steps of the torque.
+    pub const STEP_T_TN: Self = Self::new(Test::Step, Excitation::Torque, ControlMode::Tn);
+    /// White torque.
+    pub const WHITE_NOISE_T_TN: Self = Self::new(Test::WhiteNoise, Excitation::Torque, ControlMode::Tn);
+
     /// The label of a test that excites something in a mode.
     pub const fn new(test: Test, excitation: Excitation, mode: ControlMode) -> Self {
         ExperimentLabel { test, excitation, mode }

@@ -50,12 +50,12 @@ fn ends(time_s: &[f64]) -> Option<(f64, f64)> {
 /// A clock that runs apart, by the channel of the raster that shows it best.
 fn check_drift(first: &Source<'_>, raster: &[&Source<'_>], signals: &BTreeMap<Role, Signal>, log: &mut Log) {
     let reference = &signals[&first.role];
-    let told = raster.iter().filter_map(|source| {
+    let drifts = raster.iter().filter_map(|source| {
         let signal = &signals[&source.role];
         let duration_s = signal.end_s().min(reference.end_s()) - signal.start_s.max(reference.start_s);
         Some((source, relative_drift(reference, signal).ok()?, duration_s))
     });
-    let Some((source, drift, duration_s)) = told.min_by(|a, b| a.1.standard_error.total_cmp(&b.1.standard_error))
+    let Some((source, drift, duration_s)) = drifts.min_by(|a, b| a.1.standard_error.total_cmp(&b.1.standard_error))
     else {
         return;
     };

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::notation::Notation;
-use super::quantity::Quantity;
+use crate::quantity::{Notation, Quantity};
 
 /// One estimated number, in SI.
 ///

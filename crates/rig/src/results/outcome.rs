@@ -1,114 +1,192 @@
 //! A result, or why there is none.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
+use super::part::Part;
+use crate::error::EstimateError;
+use crate::experiment::ExperimentLabel;
 use crate::role::Role;
+use crate::words::write_words;
 
-/// A part of the study, estimated or not.
+/// What became of an estimate.
+///
+/// It serialises with a `status`; [`Found`] is the form of single analyses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "status", rename_all = "snake_case")]
-pub enum Part<T> {
+pub enum Outcome<T> {
     /// The estimate.
     Estimated(T),
-    /// What is needed before it can be estimated.
+    /// There is none.
     NotEstimated {
-        /// Each need; any one of the alternatives inside fulfils it.
-        needs: Vec<Need>,
+        /// Why: what is needed before there can be one.
+        needs: Vec<Reason>,
     },
 }
 
-impl<T> Part<T> {
+impl<T> Outcome<T> {
+    /// There is none, because of this.
+    pub fn because(reason: Reason) -> Self {
+        Outcome::NotEstimated { needs: vec![reason] }
+    }
+
     /// The estimate, if there is one.
     pub fn estimated(&self) -> Option<&T> {
+        self.as_ref().ok()
+    }
+
+    /// The estimate by reference, or why there is none.
+    ///
+    /// # Errors
+    /// That there is none.
+    pub fn as_ref(&self) -> Result<&T, &[Reason]> {
         match self {
-            Part::Estimated(value) => Some(value),
-            Part::NotEstimated { .. } => None,
+            Outcome::Estimated(value) => Ok(value),
+            Outcome::NotEstimated { needs } => Err(needs),
         }
+    }
+
+    /// The form of single analyses, with what `written` makes of the estimate.
+    pub fn found_as<'a, U>(&'a self, written: impl FnOnce(&'a T) -> U) -> Found<'a, U> {
+        self.as_ref().map_or_else(|needs| Found::NotEstimated(needs.first()), |value| Found::Found(written(value)))
+    }
+
+    /// Why there is no estimate; empty if there is one.
+    pub fn needs(&self) -> &[Reason] {
+        self.as_ref().err().unwrap_or_default()
     }
 }
 
-/// Something a part needs.
+impl<T> From<Result<T, Vec<Reason>>> for Outcome<T> {
+    fn from(result: Result<T, Vec<Reason>>) -> Self {
+        result.map_or_else(|needs| Outcome::NotEstimated { needs }, Outcome::Estimated)
+    }
+}
+
+impl<T> From<Result<T, Reason>> for Outcome<T> {
+    fn from(result: Result<T, Reason>) -> Self {
+        result.map_or_else(Outcome::because, Outcome::Estimated)
+    }
+}
+
+impl<T> From<Result<T, EstimateError>> for Outcome<T> {
+    fn from(result: Result<T, EstimateError>) -> Self {
+        result.map_err(Reason::from).into()
+    }
+}
+
+/// Why there is no estimate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Need {
-    /// A recording of one of these experiments, e.g. `BS_T_NT`.
+pub enum Reason {
+    /// There is no recording of any of these experiments.
     Recording {
         /// Labels, any one of which will do.
-        any_of: Vec<String>,
+        any_of: Vec<ExperimentLabel>,
     },
-    /// A channel in the recording that is there.
+    /// A channel is missing in the recording that is there.
     Channel {
         /// File.
         file: String,
         /// Role.
         role: Role,
     },
-    /// Another part of the study.
+    /// Another part of the bench is not estimated.
     Part {
-        /// Its name.
-        name: String,
+        /// Which.
+        #[serde(rename = "name")]
+        part: Part,
     },
-    /// Data on which the estimate converges to something usable.
-    UsableData {
+    /// A signal hardly varies, or another one does not follow it.
+    NotExcited {
         /// File.
         file: String,
-        /// The estimator's own words.
-        reason: String,
-    },
-}
-
-/// A result, or why there is none.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Told<T> {
-    /// The result.
-    Found(T),
-    /// Why there is none.
-    Untold(Untold),
-}
-
-/// Why a recording does not show a quantity.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Untold {
-    /// A signal was not recorded.
-    Missing {
-        /// Its role.
+        /// The signal that should move.
         role: Role,
     },
-    /// T_d* does not move T_d by itself in this experiment, or hardly.
-    NotExcited,
-    /// No filter explains T_d,shaft,calc.
-    NotExplained,
     /// A torque brakes with a negative sign, against what it does to the speed.
     WrongSign {
+        /// File.
+        file: String,
         /// Its role.
         role: Role,
     },
-    /// The estimator's own words.
+    /// No filter explains T_d,shaft,calc.
+    NotExplained {
+        /// File.
+        file: String,
+    },
+    /// T_d is known by its samples alone, and what folds in them cannot be separated from the shaft.
+    FoldedTorque {
+        /// File.
+        file: String,
+        /// Time between the samples, s.
+        apart_s: f64,
+    },
+    /// The engine fires too fast for the rate of N_d.
+    FiringsTooFast {
+        /// Time between firings, s.
+        firing_s: f64,
+        /// The lowest rate that would do, Hz.
+        needed_hz: f64,
+        /// The rate of N_d, Hz.
+        rate_hz: f64,
+    },
+    /// The recording holds too few cycles of the engine.
+    TooFewCycles {
+        /// Whole cycles.
+        found: usize,
+        /// Cycles that are needed.
+        needed: usize,
+        /// The length that has them, s.
+        needed_s: f64,
+    },
+    /// The estimator failed.
+    #[serde(rename = "usable_data")]
     Failed {
-        /// They.
-        reason: String,
+        /// File.
+        file: String,
+        /// The estimator's error; it serialises as its words.
+        #[serde(rename = "reason", serialize_with = "write_words")]
+        error: EstimateError,
     },
 }
 
-impl<T> Told<T> {
-    /// The result by reference, or why there is none.
-    ///
-    /// # Errors
-    /// That there is none.
-    pub fn as_ref(&self) -> Result<&T, &Untold> {
-        match self {
-            Told::Found(value) => Ok(value),
-            Told::Untold(why) => Err(why),
+impl From<EstimateError> for Reason {
+    fn from(error: EstimateError) -> Self {
+        match error {
+            EstimateError::MissingSignal { file, role } => Reason::Channel { file, role },
+            EstimateError::WrongSign { file, role } => Reason::WrongSign { file, role },
+            EstimateError::WeakExcitation { file, role, .. } => Reason::NotExcited { file, role },
+            error => Reason::Failed { file: error.file().to_owned(), error },
         }
     }
+}
 
-    /// The result, where there is one.
-    pub fn found(&self) -> Option<&T> {
-        match self {
-            Told::Found(value) => Some(value),
-            Told::Untold(_) => None,
-        }
-    }
+/// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Found<'a, T> {
+    /// The estimate, or what is written of it.
+    Found(T),
+    /// Why there is none.
+    NotEstimated(Option<&'a Reason>),
+}
+
+/// Serialises an outcome as [`Found`].
+///
+/// # Errors
+/// Those of the serialiser.
+pub fn write_found<T: Serialize, S: Serializer>(outcome: &Outcome<T>, serializer: S) -> Result<S::Ok, S::Error> {
+    outcome.found_as(|value| value).serialize(serializer)
+}
+
+/// The same of an outcome that is not sought everywhere.
+///
+/// # Errors
+/// Those of the serialiser.
+pub fn write_if_sought<T: Serialize, S: Serializer>(
+    outcome: &Option<Outcome<T>>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    outcome.as_ref().map(|outcome| outcome.found_as(|value| value)).serialize(serializer)
 }

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::estimate::{Estimate, Parameter, Stretch};
-use super::quantity::Quantity;
 use super::validation::Validation;
+use crate::quantity::Quantity;
 use crate::role::Role;
 
 /// Delays of the torque signals.

@@ -185,7 +185,7 @@ fn regress_two_channels_for_one_role_are_ambiguous() {
 }
 
 #[test]
-fn regress_names_that_say_nothing_are_told_by_samples_with_low_confidence() {
+fn regress_names_that_say_nothing_are_named_by_samples_with_low_confidence() {
     let recording = named(["n1", "n2", "n3", "T1", "T2", "T3", "T4"], "rpm", "Nm");
     let guess = guess_roles(&[("a.mf4", &recording)]);
     let channel = |role: Role| guess.choices.get(&role).map(|choice| choice.channel.as_str());

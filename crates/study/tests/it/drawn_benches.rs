@@ -8,7 +8,7 @@ use rig::BenchFile;
 use rig::Severity;
 use rig::bench_parameters::BenchParameters;
 use rig::experiment::ExperimentPlan;
-use rig::results::{DelayPlace, Estimate, Parameter, Part, Quantity};
+use rig::results::{DelayPlace, Estimate, Outcome, Parameter, Quantity};
 use signal::excitation::Random;
 use study::Study;
 use virtual_bench::simulate;
@@ -295,7 +295,7 @@ fn stat_studies_of_benches_drawn_over_the_whole_class() {
         JUDGED.iter().map(|quantity| (*quantity, Tally::of(*quantity, &rows))).collect();
     tallies.iter().for_each(|(quantity, tally)| tally.print(*quantity, benches));
     let without = |part: fn(&Study) -> bool| rows.iter().filter(|(_, study)| part(study)).count();
-    println!("without a feed-forward: {}", without(|study| matches!(study.feed_forward, Part::NotEstimated { .. })));
+    println!("without a feed-forward: {}", without(|study| matches!(study.feed_forward, Outcome::NotEstimated { .. })));
     let alarms = alarms(&rows);
     println!("studies with a warning of each kind, of {benches} clean ones: {alarms:?}");
     for (quantity, tally) in &tallies {

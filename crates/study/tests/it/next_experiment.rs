@@ -32,7 +32,7 @@ fn binary() -> Source {
 }
 
 fn gain<'a>(found: &'a NextExperiments, label: &str, quantity: Quantity) -> &'a Gain {
-    let candidate = found.candidates.iter().find(|c| c.label == label && !c.is_designed).unwrap();
+    let candidate = found.candidates.iter().find(|c| c.label.to_string() == label && !c.is_designed).unwrap();
     candidate.gains.iter().find(|gain| gain.quantity == quantity).unwrap()
 }
 
@@ -75,7 +75,7 @@ fn stat_what_is_missing_is_recommended() {
     assert!(gain(&found, "Levels_N_NT", Quantity::SpeedFeedForward).is_worth_while());
     let best = &found.candidates[0];
     assert!(best.gains.iter().filter(|gain| gain.now.is_none()).count() >= 2, "{best:?}");
-    let steps = found.candidates.iter().find(|c| c.label == "Step_T_TN").unwrap();
+    let steps = found.candidates.iter().find(|c| c.label.to_string() == "Step_T_TN").unwrap();
     assert!(
         !steps
             .gains

@@ -7,7 +7,7 @@ use part_torque::air_gap_torque::NoisyTorque;
 use part_torque::torque_control;
 use rig::bench_parameters::{BenchParameters, Harmonic};
 use rig::experiment::{ExperimentPlan, Waveform};
-use rig::results::{Estimate, Part, Quantity};
+use rig::results::{Estimate, Outcome, Quantity};
 use rig::{BenchFile, Experiment, Role};
 use signal::excitation::Random;
 use study::Source;
@@ -76,8 +76,8 @@ impl Drawn {
         };
         let sources: Vec<Source> = plans.iter().zip(2 * seed..).map(recorded).collect();
         match studied(&self.file, sources).shaft {
-            Part::Estimated(shaft) => shaft.estimate,
-            Part::NotEstimated { needs } => panic!("{needs:?}"),
+            Outcome::Estimated(shaft) => shaft.estimate,
+            Outcome::NotEstimated { needs } => panic!("{needs:?}"),
         }
     }
 
@@ -196,11 +196,11 @@ fn stat_all_four_parameters_with_a_strong_engine() {
         assert!(judged.within(0.05) == 1.0, "{quantity}: {:?}", judged.errors);
         assert!(judged.coverage() >= 0.85, "{quantity}: {}", judged.coverage());
     }
-    let told = rows.iter().filter(|(_, estimate)| {
+    let held = rows.iter().filter(|(_, estimate)| {
         let inertia = estimate.parameter(Quantity::EngineInertia).unwrap();
         inertia.standard_error < 0.05 * inertia.value
     });
-    assert!(told.count() >= 38);
+    assert!(held.count() >= 38);
     let judged = Judged::of(Quantity::EngineInertia, &rows, true);
     assert!(judged.within(0.05) >= 0.95, "{:?}", judged.errors);
     assert!(judged.coverage() >= 0.85, "{}", judged.coverage());

@@ -7,7 +7,7 @@ use bench_model::model::ModelParameter;
 use recording::{Recording, RecordingError};
 use rig::bench_parameters::{BenchParameters, ClockParameters};
 use rig::experiment::ExperimentPlan;
-use rig::results::{Estimate, Need, Parameter, Part, Quantity};
+use rig::results::{Estimate, Outcome, Parameter, Part, Quantity, Reason};
 use rig::{BenchFile, Finding, Role, Severity};
 use study::{Campaign, Source, Study, StudyError, run};
 use virtual_bench::simulate;
@@ -63,7 +63,7 @@ pub(crate) fn source(file: &str, recording: Result<Recording, RecordingError>) -
 
 #[test]
 fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
-    let told = |stated: &str| {
+    let found = |stated: &str| {
         let bench = bench_file("0.6", stated, "400 Nm", BENCH_A);
         let study = studied(&bench, sources(|file| file.starts_with("BS") || file.starts_with("White")));
         let found = study.diagnostics.into_iter().filter_map(|d| match d.finding {
@@ -72,8 +72,8 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
         });
         found.collect::<Vec<_>>()
     };
-    assert_eq!(told("0.28"), []);
-    let wrong = told("0.35");
+    assert_eq!(found("0.28"), []);
+    let wrong = found("0.35");
     assert!(
         wrong.len() == 1 && wrong[0].0 == Quantity::EngineInertia && (wrong[0].1 - 0.28).abs() < 0.014,
         "{wrong:?}"
@@ -83,7 +83,7 @@ fn stat_a_wrong_inertia_of_the_engine_is_noticed() {
 #[test]
 fn exact_pulses_that_fold_to_rest_are_noticed() {
     let bench = bench_file("0.6", "0.28", "400 Nm", BENCH_A);
-    let told = |plan: ExperimentPlan| {
+    let found = |plan: ExperimentPlan| {
         let recording = simulate(&BenchParameters::default(), &plan, 3).unwrap();
         let found = studied(&bench, vec![source(&format!("{}.mf4", plan.label), Ok(recording))]).diagnostics;
         let found = found.into_iter().filter_map(|d| match d.finding {
@@ -94,21 +94,21 @@ fn exact_pulses_that_fold_to_rest_are_noticed() {
     };
     // Four cylinders and four strokes fire at 100 Hz, and N_e is recorded at 500 Hz.
     for plan in [ExperimentPlan::bs_t_nt, ExperimentPlan::white_noise_t_tn] {
-        assert_eq!(told(plan(3000.0, 15.0)), [(Role::EngineSpeed, 500.0, 5)]);
-        assert_eq!(told(plan(2850.0, 15.0)), []);
+        assert_eq!(found(plan(3000.0, 15.0)), [(Role::EngineSpeed, 500.0, 5)]);
+        assert_eq!(found(plan(2850.0, 15.0)), []);
     }
 }
 
 #[test]
 fn stat_exchanged_speeds_are_noticed() {
-    let told = |bench: &BenchFile, source: Source| {
+    let found = |bench: &BenchFile, source: Source| {
         let study = studied(bench, vec![source]);
         let found = study.diagnostics.into_iter().filter(|d| matches!(d.finding, Finding::SpeedsExchanged { .. }));
         found.map(|d| (d.severity, d.place.file)).collect::<Vec<_>>()
     };
     let exchanged = [(Severity::Error, Some("BS_T_NT_1200.mf4".to_owned()))];
     let cell =
-        |names| told(&bench_file("0.6", "0.28", "400 Nm", names), sources(|file| file.starts_with("BS")).remove(0));
+        |names| found(&bench_file("0.6", "0.28", "400 Nm", names), sources(|file| file.starts_with("BS")).remove(0));
     assert_eq!(cell(BENCH_A), []);
     let mut mixed_up = BENCH_A;
     mixed_up.swap(0, 1);
@@ -121,7 +121,7 @@ fn stat_exchanged_speeds_are_noticed() {
              engine_speed = \"{engine}\"\ndyno_torque_demand = \"DynoTorqueDemand\"\n\
              air_gap_torque = \"DynoTorqueCalc\"\nflange_torque = \"FlangeTorque\"\n"
         );
-        told(&text.parse().unwrap(), source("BS_T_NT_1200.mf4", Ok(recording.clone())))
+        found(&text.parse().unwrap(), source("BS_T_NT_1200.mf4", Ok(recording.clone())))
     };
     assert_eq!(flange(["DynoSpeed", "EngineSpeed"]), []);
     assert_eq!(flange(["EngineSpeed", "DynoSpeed"]), exchanged);
@@ -140,19 +140,14 @@ fn near(found: &Parameter, truth: f64, tolerance: f64) {
     assert!(error < found.interval.1 - found.interval.0 + 1e-9 * truth.abs(), "{found:?}, truth {truth}");
 }
 
-fn needs<T>(part: &Part<T>) -> &[Need] {
-    match part {
-        Part::Estimated(_) => &[],
-        Part::NotEstimated { needs } => needs,
-    }
+fn needs_recording(needs: &[Reason], label: &str) -> bool {
+    needs
+        .iter()
+        .any(|reason| matches!(reason, Reason::Recording { any_of } if any_of.iter().any(|l| l.to_string() == label)))
 }
 
-fn needs_recording(needs: &[Need], label: &str) -> bool {
-    needs.iter().any(|need| matches!(need, Need::Recording { any_of } if any_of.iter().any(|l| l == label)))
-}
-
-fn needs_part<T>(part: &Part<T>, name: &str) -> bool {
-    needs(part) == [Need::Part { name: name.to_owned() }]
+fn needs_part<T>(outcome: &Outcome<T>, part: Part) -> bool {
+    outcome.needs() == [Reason::Part { part }]
 }
 
 /// Every estimated number of a study is a number.
@@ -210,22 +205,27 @@ fn stat_numbers_are_finite_and_say_where_they_came_from() {
     let provenance = &study.provenance;
     assert_eq!((provenance.bench_file_name.as_str(), provenance.bench_file.as_str()), ("bench.toml", "as written"));
     assert_eq!((provenance.seed, study.recordings.len()), (Some(3), 6));
-    let uses = |file: &str| -> Vec<&str> {
+    let uses = |file: &str| -> Vec<Part> {
         let found = study.recordings.iter().find(|r| r.file.starts_with(file)).unwrap();
         assert_eq!(found.sha256, format!("hash of {}", found.file));
-        found.used_for.iter().map(String::as_str).collect()
+        found.used_for.clone()
     };
-    assert_eq!(uses("BS"), ["speed controller", "shaft"]);
-    assert_eq!(uses("WhiteNoise"), ["torque control", "timing"]);
-    assert_eq!(uses("Levels"), ["feed-forward"]);
-    assert_eq!(uses("Sine"), [""; 0]);
+    assert_eq!(uses("BS"), [Part::SpeedController, Part::Shaft]);
+    assert_eq!(uses("WhiteNoise"), [Part::TorqueControl, Part::Timing]);
+    assert_eq!(uses("Levels"), [Part::FeedForward]);
+    assert_eq!(uses("Sine"), []);
 }
 
 #[test]
 fn stat_one_recording_of_each_test_is_replayed_the_unseen_first() {
     let study = whole();
-    let replayed: Vec<(&str, bool)> = study.replays.iter().map(|r| (r.label.as_str(), r.seen_in_estimation)).collect();
-    assert_eq!(replayed, [("Ramp_N_NT", false), ("BS_T_NT", true), ("Step_T_TN", false), ("Sine_T_TN", false)]);
+    let replayed: Vec<(String, bool)> =
+        study.replays.iter().map(|r| (r.label.to_string(), r.seen_in_estimation)).collect();
+    assert_eq!(
+        replayed,
+        [("Ramp_N_NT", false), ("BS_T_NT", true), ("Step_T_TN", false), ("Sine_T_TN", false)]
+            .map(|(label, seen)| (label.to_owned(), seen))
+    );
     for replay in &study.replays {
         for signal in &replay.signals {
             println!("{} {} {:.2} %", replay.label, signal.quantity, signal.fit_percent);
@@ -262,12 +262,12 @@ fn exact_a_recording_left_out_leaves_its_part_unestimated() {
     for (left_out, _) in recorded() {
         let study = studied(&default_bench(), sources(|file| file != *left_out));
         assert_finite(&study);
-        let controller = needs(&study.speed_controller);
+        let controller = study.speed_controller.needs();
         if left_out.starts_with("BS") {
             assert!(needs_recording(controller, "BS_T_NT"), "{controller:?}");
-            assert!(needs_part(&study.feed_forward, "speed controller"));
+            assert!(needs_part(&study.feed_forward, Part::SpeedController));
         } else {
-            assert_eq!((controller, needs(&study.feed_forward)), (&[][..], &[][..]), "without {left_out}");
+            assert_eq!((controller, study.feed_forward.needs()), (&[][..], &[][..]), "without {left_out}");
         }
         assert!(study.torque_control.estimated().is_some(), "without {left_out}");
         assert!(study.shaft.estimated().is_some() && study.whole.estimated().is_some(), "without {left_out}");
@@ -282,19 +282,19 @@ fn exact_one_recording_alone_gives_what_it_can() {
         let study = studied(&default_bench(), sources(|file| file == *only));
         assert_finite(&study);
         let is = |test: &str| only.starts_with(test);
-        assert_eq!(needs_recording(needs(&study.speed_controller), "BS_T_NT"), !is("BS"), "{only}");
-        let feed_forward = needs(&study.feed_forward);
+        assert_eq!(needs_recording(study.speed_controller.needs(), "BS_T_NT"), !is("BS"), "{only}");
+        let feed_forward = study.feed_forward.needs();
         if is("BS") {
             assert!(needs_recording(feed_forward, "Levels_N_NT"), "{feed_forward:?}");
         } else {
-            assert!(needs_part(&study.feed_forward, "speed controller"), "{only}");
+            assert!(needs_part(&study.feed_forward, Part::SpeedController), "{only}");
         }
         let excites = is("WhiteNoise") || is("Step") || is("BS");
-        assert_eq!(needs_recording(needs(&study.torque_control), "WhiteNoise_T_TN"), !excites, "{only}");
+        assert_eq!(needs_recording(study.torque_control.needs(), "WhiteNoise_T_TN"), !excites, "{only}");
         let excites = is("WhiteNoise") || is("Step");
-        assert_eq!(needs_recording(needs(&study.timing), "Step_T_TN"), !excites, "{only}");
+        assert_eq!(needs_recording(study.timing.needs(), "Step_T_TN"), !excites, "{only}");
         if is("Sine") {
-            assert!(needs_recording(needs(&study.shaft), "BS_T_NT") && needs_part(&study.whole, "shaft"));
+            assert!(needs_recording(study.shaft.needs(), "BS_T_NT") && needs_part(&study.whole, Part::Shaft));
         }
     }
 }
@@ -335,7 +335,7 @@ fn regress_a_missing_engine_speed_is_named_and_nothing_panics() {
     recording.channels.retain(|channel| channel.name != "EngineSpeed");
     let study = studied(&default_bench(), given);
     let file = "WhiteNoise_T_TN_1200.mf4".to_owned();
-    assert_eq!(needs(&study.shaft), [Need::Channel { file, role: Role::EngineSpeed }]);
+    assert_eq!(study.shaft.needs(), [Reason::Channel { file, role: Role::EngineSpeed }]);
     assert!(study.torque_control.estimated().is_some());
 }
 
@@ -386,7 +386,7 @@ fn exact_uncertain_inertias_widen_the_resonance() {
         let bench: BenchFile =
             default_bench().to_toml().replace("engine_inertia = \"0.28 kg m²\"", &text).parse().unwrap();
         let study = studied(&bench, sources(|file| file.starts_with("White")));
-        let Part::Estimated(whole) = study.whole else { panic!("{:?}", study.whole) };
+        let Outcome::Estimated(whole) = study.whole else { panic!("{:?}", study.whole) };
         let shares =
             whole.influences.iter().find(|i| i.quantity == whole.resonance_hz.quantity).unwrap().parameters.clone();
         (whole.resonance_hz.clone(), shares)

@@ -41,7 +41,7 @@ pub struct Delays {
 }
 
 impl Delays {
-    /// Delays of up to `longest` samples; `told` hears what is done next.
+    /// Delays of up to `longest` samples; `step` hears what is done next.
     ///
     /// # Errors
     /// Where the data are too short.
@@ -49,11 +49,11 @@ impl Delays {
         data: Dataset,
         known: &Known<'_>,
         longest: usize,
-        told: impl Fn(&'static str),
+        step: impl Fn(&'static str),
     ) -> Result<Self, IdentError> {
-        told("comparing delays");
+        step("comparing delays");
         let others = Others::of(&data, known.spacing, longest)?;
-        told("fitting models with a delay");
+        step("fitting models with a delay");
         let dating = dating(known.adjustments, data.sample_time_s());
         let options = ModelledDelay { longest, dating, level: LEVEL };
         let modelled = Modelled::of(&options, (&data, known.adjustments), &others, known.between_is_given);

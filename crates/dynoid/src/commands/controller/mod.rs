@@ -5,7 +5,7 @@ mod noise_test;
 use part_controller::SpeedControllers;
 use part_controller::speed_control::{ControllerRecording, FeedForwardRecording, SpeedControl, speed_control};
 use rig::Experiment;
-use rig::results::{Told, Validation};
+use rig::results::Validation;
 use serde_json::{Value, json};
 
 use super::experiments::{self, Campaign};
@@ -41,7 +41,7 @@ fn identify(given: &GivenRecordings, result: &ResultArguments, terminal: &mut Te
     let page = || report::pages::controller(&found);
     let json = || short(&found, &refused);
     show(result, page, json, terminal)?;
-    let tells = found.controllers.iter().any(|one| one.found.found().is_some());
+    let tells = found.controllers.iter().any(|one| one.found.estimated().is_some());
     Ok(Outcome::of(tells, &refused))
 }
 
@@ -53,26 +53,24 @@ fn short(found: &SpeedControl, refused: &[String]) -> Value {
 }
 
 fn short_controller(one: &ControllerRecording) -> Value {
-    let found = match &one.found {
-        Told::Found(c) => json!({"found": {
+    let found = one.found.found_as(|c| {
+        json!({
             "with_delay": c.with_delay, "without_delay": c.without_delay,
             "validation": without_traces(&c.validation),
             "validation_without_delay": without_traces(&c.validation_without_delay),
             "si": report::controller::gains_in_si(c).collect::<Vec<_>>(), "discrete": c.discrete, "structure": c.structure,
-        }}),
-        Told::Untold(why) => json!({"untold": why}),
-    };
+        })
+    });
     json!({"file": one.file, "label": one.label, "found": found})
 }
 
 fn short_feed_forward(one: &FeedForwardRecording) -> Value {
-    let found = match &one.found {
-        Told::Found(f) => json!({"found": {
+    let found = one.found.found_as(|f| {
+        json!({
             "estimate": f.straight.estimate, "validation": without_traces(&f.straight.validation),
             "pi_alone": without_traces(&f.straight.pi_alone), "terms": f.terms,
-        }}),
-        Told::Untold(why) => json!({"untold": why}),
-    };
+        })
+    });
     json!({"file": one.file, "label": one.label, "found": found})
 }
 

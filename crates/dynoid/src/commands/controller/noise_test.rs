@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &NoiseTestArguments, terminal: &mut Terminal) -> Re
         }
     };
     let progress = terminal.long("estimating draw after draw");
-    let found = noise_test(&experiment, &options, &|done, all| progress.told(done, all));
+    let found = noise_test(&experiment, &options, &|done, all| progress.at(done, all));
     drop(progress);
     let found = found.map_err(|source| CliError::NoiseTest { source })?;
     show(&arguments.result, || report::pages::controller_noise(&found), || &found, terminal)?;

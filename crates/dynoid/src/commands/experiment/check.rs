@@ -53,7 +53,7 @@ fn checked(
         if bench.stated.assumptions.contains(&Assumption::Engine) { ASSUMED_ENGINE } else { 1.0 };
     let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples, seed: arguments.on.plan.seed() };
     let progress = terminal.long("running the experiment on benches");
-    check(&inputs, &|done, all| progress.told(done, all)).map_err(|error| not_checkable(error.to_string()))
+    check(&inputs, &|done, all| progress.at(done, all)).map_err(|error| not_checkable(error.to_string()))
 }
 
 fn facts(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, doubts: &[String]) -> serde_json::Value {

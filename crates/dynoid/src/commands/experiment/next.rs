@@ -33,8 +33,8 @@ pub(crate) fn run(arguments: &NextArguments, terminal: &mut Terminal) -> Result<
         seed: arguments.seed,
     };
     let found = {
-        let (mut show, told) = (|step| show(&progress, &step), |done, all| trying.told(done, all));
-        next_experiments(&file, sources, options, &mut show, &told)
+        let (mut show, at) = (|step| show(&progress, &step), |done, all| trying.at(done, all));
+        next_experiments(&file, sources, options, &mut show, &at)
     };
     drop((progress, trying));
     let found = found.map_err(|error| refused(&arguments.bench, error))?;

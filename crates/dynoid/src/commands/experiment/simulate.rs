@@ -6,7 +6,7 @@ use std::time::Instant;
 use recording::Recording;
 use rig::ExperimentLabel;
 use serde_json::json;
-use virtual_bench::{Numerics, VirtualRun, rename, simulate_told};
+use virtual_bench::{Numerics, VirtualRun, rename, simulate_with_progress};
 
 use super::planned::{self, Planned};
 use super::stated::Bench;
@@ -27,8 +27,8 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     let since = Instant::now();
     let progress = terminal.long(&format!("simulating {}", plan.label));
     let seed = settings.seed();
-    let told = &mut |done, all| progress.told(done, all);
-    let simulated = simulate_told(&bench.stated.parameters, &plan, seed, Numerics::default(), told);
+    let at = &mut |done, all| progress.at(done, all);
+    let simulated = simulate_with_progress(&bench.stated.parameters, &plan, seed, Numerics::default(), at);
     drop(progress);
     let VirtualRun { mut recording, hidden } =
         simulated.map_err(|source| CliError::VirtualBench { path: path.clone(), source })?;

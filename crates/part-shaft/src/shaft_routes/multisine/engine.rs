@@ -44,6 +44,30 @@ pub(super) enum Control {
     Delayed,
 }
 
+/// Why J_e is not determined by the means over the periods.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EngineError {
+    /// Too few periods.
+    #[error(
+        "J_e needs {needed} periods to weigh the engine's torque by its scatter, and {recorded} were recorded; record longer"
+    )]
+    TooFewPeriods {
+        /// Periods that are needed.
+        needed: usize,
+        /// Periods that were recorded.
+        recorded: usize,
+    },
+    /// The engine's cycles repeat with the demand.
+    #[error(
+        "J_e is not estimated: the engine's cycles repeat with the demand, so its torque does not average out; \
+         record at a speed some 1 % higher"
+    )]
+    Coherent,
+    /// The numbers do not allow an estimate.
+    #[error("J_e: {0}")]
+    Ident(#[from] IdentError),
+}
+
 pub(super) const ENGINE_UNKNOWNS: usize = 4;
 pub(super) const HOLD: usize = 3;
 pub(super) const ENGINE_SIZES: [f64; ENGINE_UNKNOWNS] = [1e-2, 0.1, 0.1, 1e-3];
@@ -54,19 +78,14 @@ const WITHOUT_FIRING_S: f64 = 1e-5;
 pub(super) const SLOWEST_RAD_S: f64 = 30.0;
 
 impl<'a> EngineSide<'a> {
-    pub(super) fn new(shaft: &'a Shaft<'a>, inputs: &ShaftInputs<'_>, engine: Engine) -> Result<Self, String> {
+    pub(super) fn new(shaft: &'a Shaft<'a>, inputs: &ShaftInputs<'_>, engine: Engine) -> Result<Self, EngineError> {
         let periods = shaft.lines.periods();
         if periods < FEWEST_FOR_ENGINE {
-            return Err(format!(
-                "J_e needs {FEWEST_FOR_ENGINE} periods to weigh the engine's torque by its scatter, and {periods} were \
-                 recorded; record longer"
-            ));
+            return Err(EngineError::TooFewPeriods { needed: FEWEST_FOR_ENGINE, recorded: periods });
         }
         let turns_per_s = inputs.engine_speed.mean().unwrap_or(0.0).abs().max(SLOWEST_RAD_S) / TAU;
         if shaft.lines.coherence > COHERENT {
-            return Err("J_e is not estimated: the engine's cycles repeat with the demand, so its torque does not average out; \
-                        record at a speed some 1 % higher"
-                .to_owned());
+            return Err(EngineError::Coherent);
         }
         let half_firing_s = match engine.cylinders {
             0 => WITHOUT_FIRING_S,
@@ -75,11 +94,10 @@ impl<'a> EngineSide<'a> {
         Ok(EngineSide { shaft, half_firing_s, control: Control::Held, theta: Vec::new() })
     }
 
-    pub(super) fn fit(mut self, theta: &[f64], covariance: &Mat<f64>) -> Result<EngineFit, String> {
-        let failed = |e: IdentError| format!("J_e: {e}");
-        let held = self.solve(theta).map_err(failed)?;
+    pub(super) fn fit(mut self, theta: &[f64], covariance: &Mat<f64>) -> Result<EngineFit, EngineError> {
+        let held = self.solve(theta)?;
         self.control = Control::Delayed;
-        let delayed = self.solve(theta).map_err(failed)?.parameters[0];
+        let delayed = self.solve(theta)?.parameters[0];
         self.control = Control::Held;
         let gradient: Vec<f64> = (0..COUNT)
             .map(|i| {
@@ -94,8 +112,7 @@ impl<'a> EngineSide<'a> {
                 }
                 Ok((moved(&mut self, step)? - moved(&mut self, -step)?) / (2.0 * step))
             })
-            .collect::<Result<_, IdentError>>()
-            .map_err(failed)?;
+            .collect::<Result<_, IdentError>>()?;
         let with_shaft: Vec<f64> =
             (0..COUNT).map(|i| (0..COUNT).map(|j| covariance[(i, j)] * gradient[j]).sum()).collect();
         let through: f64 = with_shaft.iter().zip(&gradient).map(|(c, g)| c * g).sum();

@@ -32,12 +32,14 @@ mod shaft;
 use rig::estimation::{EstimateError, timing_floor_s};
 use rig::facts::Engine;
 use rig::results::{Estimate, Quantity};
+use rig::write_words_if_any;
 use serde::Serialize;
 use signal::Signal;
 
 use super::{Timing, estimate_of, flange_torque};
 use crate::shaft::ShaftInputs;
 pub use cost::CostTest;
+pub use engine::EngineError;
 use engine::EngineSide;
 use lines::Lines;
 use shaft::{ENGINE_SKEW, Shaft, TORQUE_SKEW};
@@ -71,8 +73,9 @@ pub struct MultisineRoute {
     pub cost: CostTest,
     /// The test of the cost of the engine's side, where J_e is determined.
     pub engine_cost: Option<CostTest>,
-    /// Why J_e is not determined, in the user's words.
-    pub engine_untold: Option<String>,
+    /// Why J_e is not determined; it serialises as its words.
+    #[serde(serialize_with = "write_words_if_any")]
+    pub engine_error: Option<EngineError>,
 }
 
 /// Estimates the shaft from a recording under a periodic torque demand, T_d* on the clock of N_d. `timing` gives the gate;
@@ -115,7 +118,7 @@ pub fn estimate(
         rows[skew][skew] += (0.5 * timing.gate_s.1).powi(2) + timing_floor_s(inputs.dyno_speed.sample_time_s).powi(2);
     }
     let engine = EngineSide::new(&model, inputs, engine).and_then(|engine| engine.fit(&theta, &covariance));
-    let (engine_cost, engine_untold) = match engine {
+    let (engine_cost, engine_error) = match engine {
         Ok(engine) => {
             let with: Vec<f64> = chosen.iter().map(|(_, i)| engine.with_shaft[*i]).collect();
             rows.iter_mut().zip(&with).for_each(|(row, c)| row.push(*c));
@@ -123,7 +126,7 @@ pub fn estimate(
             found.push((Quantity::EngineInertia, engine.inertia_kg_m2));
             (Some(engine.cost), None)
         }
-        Err(reason) => (None, Some(reason)),
+        Err(error) => (None, Some(error)),
     };
     let normalised =
         fit.residuals.chunks_exact(2).take(lines.count()).map(|r| r[0].hypot(r[1]) / 2f64.sqrt()).collect();
@@ -143,6 +146,6 @@ pub fn estimate(
         variance_freedom: lines.freedom(),
         cost,
         engine_cost,
-        engine_untold,
+        engine_error,
     })
 }

@@ -110,8 +110,8 @@ impl Shaft<'_> {
     /// The test of the cost; what is known of J_d and of the encoders beforehand counts for itself.
     pub(super) fn cost(&self, fit: &Minimum) -> CostTest {
         let (residuals, known) = fit.residuals.split_at(2 * self.lines.count());
-        let told = known.iter().filter(|r| **r != 0.0).count();
-        let free = fit.at_bound.iter().filter(|b| !**b).count().saturating_sub(told);
+        let from_prior = known.iter().filter(|r| **r != 0.0).count();
+        let free = fit.at_bound.iter().filter(|b| !**b).count().saturating_sub(from_prior);
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
         cost_test(0.5 * squares, (residuals.len() as f64 - free as f64).max(1.0), self.lines.freedom())
     }

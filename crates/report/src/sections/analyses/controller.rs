@@ -4,13 +4,13 @@ use page::Blocks;
 use part_controller::speed_control::{Controller, ControllerRecording, SpeedControl};
 use part_controller::speed_controller::{FeedForwardTerms, Round, TermTest};
 use rig::estimation::EstimateError;
-use rig::results::{Notation, Parameter, Told, WrittenParameter};
+use rig::results::{Notation, Outcome, Parameter, WrittenParameter};
 use study::noise_test::{Case, Estimator, NoiseTest, Summary};
 use units::RPM_RAD_S;
 
-use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
+use super::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
 use crate::controller as words;
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// PI and delay in every recording with constant N_d*, further terms, the limit of T_d*, and what noise does.
 pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, EstimateError>>) -> Blocks {
@@ -22,7 +22,7 @@ pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, 
     }
     match study {
         Some(Ok(study)) => all.push(pi_study(study)),
-        Some(Err(error)) => all.push(untold("What noise does to a known PI", &error.to_string())),
+        Some(Err(error)) => all.push(no_result("What noise does to a known PI", &error.to_string())),
         None => {}
     }
     all
@@ -31,8 +31,8 @@ pub(crate) fn controller(found: &SpeedControl, study: Option<&Result<NoiseTest, 
 fn one(recording: &ControllerRecording) -> Blocks {
     let mut all = of_recording(&recording.file, &recording.label);
     match &recording.found {
-        Told::Found(found) => all.push(found_in(found)),
-        Told::Untold(why) => all.push(untold("Speed controller", &words::untold(why))),
+        Outcome::Estimated(found) => all.push(found_in(found)),
+        Outcome::NotEstimated { needs: why } => all.push(no_result("Speed controller", &wording::reasons(why))),
     }
     all
 }
@@ -53,7 +53,7 @@ fn found_in(found: &Controller) -> Blocks {
         words::rules(found)
     )));
     match &found.structure {
-        Told::Found(tested) => {
+        Outcome::Estimated(tested) => {
             all.push(rounds("PI and delay", &tested.rounds));
             all.push(sentence(&words::structure(tested)));
             if let Some(with) = &tested.with_terms {
@@ -62,7 +62,9 @@ fn found_in(found: &Controller) -> Blocks {
                 all.push(sentence(&format!("Together: {}", values.collect::<Vec<_>>().join(", "))));
             }
         }
-        Told::Untold(why) => all.push(untold("Terms beside PI and delay", &words::untold(why))),
+        Outcome::NotEstimated { needs: why } => {
+            all.push(no_result("Terms beside PI and delay", &wording::reasons(why)))
+        }
     }
     all
 }
@@ -80,14 +82,14 @@ fn rounds(base: &str, all: &[Round]) -> Blocks {
         section.push(plain_table(&heads, round.tests.iter().map(test_row)));
     }
     let last = all.last().map(|round| round.tests.as_slice()).unwrap_or_default();
-    words::untold_terms(last).iter().chain(&words::negligible(last)).for_each(|text| section.push(sentence(text)));
+    words::undecided_terms(last).iter().chain(&words::negligible(last)).for_each(|text| section.push(sentence(text)));
     section
 }
 
 fn test_row(test: &TermTest) -> Vec<String> {
     let estimate = test.estimate.as_ref();
     let is_tested = test.p_value < 1.0;
-    let or_dash = |is_told: bool, text: String| if is_told { text } else { "–".to_owned() };
+    let or_dash = |is_known: bool, text: String| if is_known { text } else { "–".to_owned() };
     vec![
         words::term(test.term).to_owned(),
         estimate.map_or_else(String::new, |p| p.quantity.symbol().to_owned()),
@@ -107,13 +109,15 @@ pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
     for one in &found.feed_forward {
         all.push(of_recording(&one.file, &one.label));
         match &one.found {
-            Told::Untold(why) => all.push(untold("Feed-forward", &words::untold(why))),
-            Told::Found(found) => {
+            Outcome::NotEstimated { needs: why } => all.push(no_result("Feed-forward", &wording::reasons(why))),
+            Outcome::Estimated(found) => {
                 all.push(parameters(&found.straight.estimate.parameters));
                 all.push(sentence(&words::improvement(found)));
                 match &found.terms {
-                    Told::Found(terms) => all.push(bends(terms)),
-                    Told::Untold(why) => all.push(untold("Terms beside k and k_a", &words::untold(why))),
+                    Outcome::Estimated(terms) => all.push(bends(terms)),
+                    Outcome::NotEstimated { needs: why } => {
+                        all.push(no_result("Terms beside k and k_a", &wording::reasons(why)))
+                    }
                 }
             }
         }
@@ -121,7 +125,7 @@ pub(crate) fn feed_forward(found: &SpeedControl) -> Blocks {
     if found.feed_forward.is_empty() {
         all.push(sentence("No recording moves N_d*, so the feed-forward is not known; run Levels_N_NT"));
     }
-    all.push(sentence(words::M_IS_UNTOLD));
+    all.push(sentence(words::M_IS_NOT_SHOWN));
     all.push(figures(words::map_figures(found)));
     all
 }

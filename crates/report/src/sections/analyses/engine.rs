@@ -2,11 +2,11 @@
 
 use page::Blocks;
 use part_engine::{EngineRecording, EngineTorque};
-use rig::results::Told;
+use rig::results::Outcome;
 
-use super::{figures, of_recording, plain_table, sentence, untold};
+use super::{figures, no_result, of_recording, plain_table, sentence};
 use crate::engine as words;
-use crate::torque;
+use crate::wording;
 
 /// The section on the engine's torque.
 pub(crate) fn engine(found: &EngineTorque) -> Blocks {
@@ -15,8 +15,10 @@ pub(crate) fn engine(found: &EngineTorque) -> Blocks {
          inertias estimated from the recordings",
     );
     match &found.masses {
-        Told::Found(masses) => all.push(sentence(&words::masses(masses))),
-        Told::Untold(why) => all.push(untold("No recording shows the shaft", &torque::untold(why))),
+        Outcome::Estimated(masses) => all.push(sentence(&words::masses(masses))),
+        Outcome::NotEstimated { needs: why } => {
+            all.push(no_result("No recording shows the shaft", &wording::reasons(why)))
+        }
     }
     found.recordings.iter().for_each(|recording| all.push(one(recording)));
     all
@@ -25,21 +27,21 @@ pub(crate) fn engine(found: &EngineTorque) -> Blocks {
 fn one(recording: &EngineRecording) -> Blocks {
     let mut all = of_recording(&recording.file, &recording.label);
     match &recording.engine {
-        Told::Found(engine) => all.push(sentence(&format!("T_e is {}", words::rebuilt(engine)))),
-        Told::Untold(why) => {
-            all.push(untold("T_e", &torque::untold(why)));
+        Outcome::Estimated(engine) => all.push(sentence(&format!("T_e is {}", words::rebuilt(engine)))),
+        Outcome::NotEstimated { needs: why } => {
+            all.push(no_result("T_e", &wording::reasons(why)));
             return all;
         }
     }
     match &recording.cycles {
-        Told::Found(found) => {
+        Outcome::Estimated(found) => {
             all.push(sentence(&words::cycles(found)));
             all.push(sentence(&words::cylinders(&found.cylinders)));
             all.push(sentence(words::CUT));
             let heads = ["Fires as", "T_e less the cycle’s mean", "Varies from cycle to cycle by"];
             all.push(plain_table(&heads, words::cylinder_rows(&found.cylinders).into_iter().map(Vec::from)));
         }
-        Told::Untold(why) => all.push(untold("Cycles and cylinders", &torque::untold(why))),
+        Outcome::NotEstimated { needs: why } => all.push(no_result("Cycles and cylinders", &wording::reasons(why))),
     }
     all.push(figures(words::figures_of(recording)));
     all

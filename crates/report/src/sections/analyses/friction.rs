@@ -4,7 +4,7 @@ use page::Blocks;
 use part_friction::{Friction, FrictionError, Inertia};
 use rig::facts::{BenchFacts, StatedInertia};
 
-use super::{figures, parameters, plain_table, sentence, untold};
+use super::{figures, no_result, parameters, plain_table, sentence};
 use crate::friction as words;
 use crate::wording::number;
 
@@ -12,7 +12,7 @@ use crate::wording::number;
 pub(crate) fn friction(found: &Result<Friction, FrictionError>, bench: &BenchFacts) -> Blocks {
     let found = match found {
         Ok(found) => found,
-        Err(why) => return untold("Friction and inertia of the dynamometer are not known", &why.to_string()),
+        Err(why) => return no_result("Friction and inertia of the dynamometer are not known", &why.to_string()),
     };
     friction_of(found, bench.dynamometer_inertia())
 }

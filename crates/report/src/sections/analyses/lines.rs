@@ -3,7 +3,7 @@
 use page::{Align, Block, Blocks, Prose, Table};
 use part_lines::lines::{BANDWIDTH_ORDERS, Cause, Line, OverSpeed, PartLines, RecordingLines, SignalLines, TURNS};
 
-use super::{figures, heading, plain_table, sentence, untold};
+use super::{figures, heading, no_result, plain_table, sentence};
 use crate::lines::{cause, figure, over_speed_figures, unit};
 use crate::wording::number;
 
@@ -26,7 +26,10 @@ pub(crate) fn lines(looks: &[RecordingLines], signals: &[OverSpeed]) -> Blocks {
 
 fn of_recording(look: &RecordingLines) -> Blocks {
     if look.parts.iter().all(|part| part.signals.is_empty()) {
-        return untold(&format!("{} has no spectrum", look.file), "no speed is recorded, or every signal is too short");
+        return no_result(
+            &format!("{} has no spectrum", look.file),
+            "no speed is recorded, or every signal is too short",
+        );
     }
     let mut all = figures(look.parts.iter().take(DRAWN_PARTS).map(|part| figure(look, part)).collect());
     if look.parts.len() > DRAWN_PARTS {

@@ -21,6 +21,7 @@ pub(crate) use torque::torque;
 pub(crate) use torque_control::{torque_control, torque_control_in_report};
 
 use page::{Block, Blocks, Cell, Figure, Panel, Prose, Table};
+use rig::ExperimentLabel;
 use rig::results::Parameter;
 
 use super::parts::parameter_table;
@@ -72,12 +73,12 @@ pub(crate) fn heading(text: &str) -> Blocks {
 }
 
 /// A heading that names a recording.
-pub(crate) fn of_recording(file: &str, label: &str) -> Blocks {
-    Block::heading(Prose::verbatim(label).then(" ").then(Prose::code(file))).into()
+pub(crate) fn of_recording(file: &str, label: &ExperimentLabel) -> Blocks {
+    Block::heading(Prose::verbatim(label.to_string()).then(" ").then(Prose::code(file))).into()
 }
 
 /// The note in place of an analysis that a recording, or the whole campaign, does not allow.
-pub(crate) fn untold(what: &str, why: &str) -> Blocks {
+pub(crate) fn no_result(what: &str, why: &str) -> Blocks {
     Block::note(format!("{what}: {}.", why.trim_end_matches('.'))).into()
 }
 

@@ -3,7 +3,7 @@
 use page::{Block, Blocks, Cell, Prose, Table, Tone};
 use study::{Candidate, NextError, NextExperiments};
 
-use super::{sentence, untold};
+use super::{no_result, sentence};
 use crate::next::{self as words, Choice};
 use crate::wording::{self, number};
 
@@ -11,7 +11,7 @@ use crate::wording::{self, number};
 pub(crate) fn next(found: &Result<NextExperiments, NextError>) -> Blocks {
     let found = match found {
         Ok(found) => found,
-        Err(why) => return untold("What to record next cannot be said", &why.to_string()),
+        Err(why) => return no_result("What to record next cannot be said", &why.to_string()),
     };
     next_experiment(found)
 }

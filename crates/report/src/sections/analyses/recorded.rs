@@ -75,7 +75,7 @@ fn of(signals: &[(Role, Trace)], role: Role) -> Option<&Trace> {
 pub(crate) fn step(found: Option<&StepResponse>) -> Blocks {
     match found {
         Some(found) => figures(vec![step_figure(found)]),
-        None => super::untold(
+        None => super::no_result(
             "A step of T_d* with what follows it is not shown",
             "no recording in torque control holds T_d* constant, steps it and holds it again; run Step_T_TN",
         ),

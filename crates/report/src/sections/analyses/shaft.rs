@@ -2,12 +2,11 @@
 
 use page::Blocks;
 use part_shaft::shaft_analysis::{Band, ShaftAnalysis, ShaftRecording};
-use rig::results::{Estimate, Quantity, Shaft, Told};
+use rig::results::{Estimate, Outcome, Quantity, Shaft};
 
-use super::{figures, heading, of_recording, parameters, plain_table, sentence, untold};
+use super::{figures, heading, no_result, of_recording, parameters, plain_table, sentence};
 use crate::shaft as words;
-use crate::torque;
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// Why a recording may have two values.
 const WHICH: &str = "The values of each recording come from its first part, and the rest judges them. A comparison of whole recordings \
@@ -35,11 +34,11 @@ pub(crate) fn shaft(found: &ShaftAnalysis) -> Blocks {
 /// One recording; a remark that holds of several is `said` once.
 fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
     let mut all = of_recording(&recording.file, &recording.label);
-    if let Told::Untold(why) = &recording.shaft {
-        all.push(untold("Shaft", &torque::untold(why)));
+    if let Outcome::NotEstimated { needs: why } = &recording.shaft {
+        all.push(no_result("Shaft", &wording::reasons(why)));
         return all;
     }
-    if let Told::Found(shaft) = &recording.shaft {
+    if let Outcome::Estimated(shaft) = &recording.shaft {
         all.push(parameters(shaft.estimate.parameters.iter().chain([&shaft.zero])));
         all.push(bands(recording, shaft));
     }
@@ -51,18 +50,18 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
         }
     }
     match &recording.inertias {
-        Some(Told::Found(estimate)) => {
+        Some(Outcome::Estimated(estimate)) => {
             all.push(sentence("As if nothing were known of the inertias:"));
             all.push(parameters(MASSES_AND_SHAFT.iter().filter_map(|quantity| estimate.parameter(*quantity))));
         }
-        Some(Told::Untold(why)) => all.push(untold("Inertias", &torque::untold(why))),
+        Some(Outcome::NotEstimated { needs: why }) => all.push(no_result("Inertias", &wording::reasons(why))),
         None if recording.routes.black_box.is_some() => {}
         None => all.push(sentence(
             "This recording does not show J_e; run WhiteNoise_T_TN or Multisine_T_TN on a bench with load cell",
         )),
     }
     match &recording.beyond {
-        Told::Found(found) => {
+        Outcome::Estimated(found) => {
             let row = |test: &part_shaft::shaft::TermTest| {
                 vec![
                     words::term(test.term).to_owned(),
@@ -74,15 +73,15 @@ fn one(recording: &ShaftRecording, said: &mut Vec<String>) -> Blocks {
             all.push(plain_table(&["Beyond K and B", "Estimate", "95 % interval", ""], found.tests.iter().map(row)));
             all.push(sentence(&words::beyond(found)));
         }
-        Told::Untold(why) => all.push(untold("Beyond K and B", &torque::untold(why))),
+        Outcome::NotEstimated { needs: why } => all.push(no_result("Beyond K and B", &wording::reasons(why))),
     }
     match &recording.dual_mass {
-        Some(Told::Found(found)) => {
+        Some(Outcome::Estimated(found)) => {
             all.push(parameters(&found.estimate.parameters));
-            let simple = recording.beyond.found().map(|beyond| beyond.simple_misfit);
+            let simple = recording.beyond.estimated().map(|beyond| beyond.simple_misfit);
             all.push(sentence(&words::dual_mass(found, simple)));
         }
-        Some(Told::Untold(why)) => all.push(untold("Dual-mass flywheel", &torque::untold(why))),
+        Some(Outcome::NotEstimated { needs: why }) => all.push(no_result("Dual-mass flywheel", &wording::reasons(why))),
         None => {}
     }
     all
@@ -111,7 +110,7 @@ fn bands(recording: &ShaftRecording, shaft: &Shaft) -> Blocks {
 }
 
 fn routes(recording: &ShaftRecording) -> Blocks {
-    let rows = words::routes(recording).into_iter().map(|route| match route.told {
+    let rows = words::routes(recording).into_iter().map(|route| match route.estimate {
         Ok(estimate) => {
             let shown = |quantity| estimate.parameter(quantity).map_or_else(|| "–".to_owned(), number::parameter);
             let [k, b, dyno, engine] = MASSES_AND_SHAFT.map(shown);
@@ -119,7 +118,7 @@ fn routes(recording: &ShaftRecording) -> Blocks {
         }
         Err(why) => {
             let blank = || "–".to_owned();
-            vec![format!("{}: {}", route.name, torque::untold(why)), blank(), blank(), blank(), blank()]
+            vec![format!("{}: {}", route.name, wording::reasons(why)), blank(), blank(), blank(), blank()]
         }
     });
     plain_table(&["Route", "K", "B", "J_d", "J_e"], rows)

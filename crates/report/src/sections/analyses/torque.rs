@@ -2,11 +2,11 @@
 
 use page::Blocks;
 use part_torque::torque_signals::{TorqueRecording, TorqueSignals};
-use rig::results::Told;
+use rig::results::Outcome;
 
-use super::{figures, heading, parameters, plain_table, sentence, untold};
+use super::{figures, heading, no_result, parameters, plain_table, sentence};
 use crate::torque;
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// The section on the torque signals.
 pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
@@ -16,7 +16,7 @@ pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
     );
     all.push(match &found.trust {
         Some(check) => sentence(&torque::trust(check)),
-        None => untold("T_d,calc is not compared with the load cell", torque::NO_TRUST),
+        None => no_result("T_d,calc is not compared with the load cell", torque::NO_TRUST),
     });
     all.push(delays(found));
     if let Some((file, cell)) = found.load_cell() {
@@ -32,7 +32,7 @@ pub(crate) fn torque(found: &TorqueSignals) -> Blocks {
 fn delays(found: &TorqueSignals) -> Blocks {
     let shown = |p: &Option<rig::results::Parameter>| p.as_ref().map_or_else(|| "–".to_owned(), number::parameter);
     let of_recording = |recording: &TorqueRecording| {
-        let delays = recording.delays.found().into_iter().flatten();
+        let delays = recording.delays.estimated().into_iter().flatten();
         let row = |delay| -> Vec<String> {
             let delay: &rig::results::SignalDelay = delay;
             vec![
@@ -48,13 +48,13 @@ fn delays(found: &TorqueSignals) -> Blocks {
     };
     let rows: Vec<Vec<String>> = found.recordings.iter().flat_map(of_recording).collect();
     if rows.is_empty() {
-        return untold("Delays", "no recording moves T_d* by itself; run WhiteNoise_T_TN or Step_T_TN");
+        return no_result("Delays", "no recording moves T_d* by itself; run WhiteNoise_T_TN or Step_T_TN");
     }
     let heads =
         ["Recording", "Signal", "Behind T_d*", "Behind the bend of N_d", "Agree", "By each route, 95 % intervals"];
     let mut all = heading("Delays in every recording that shows them");
     all.push(plain_table(&heads, rows));
-    let found = found.recordings.iter().filter_map(|recording| recording.delays.found());
+    let found = found.recordings.iter().filter_map(|recording| recording.delays.estimated());
     found.for_each(|delays| {
         torque::lateness(delays).into_iter().for_each(|text| all.push(sentence(&text)));
         torque::early_signals(delays).iter().for_each(|text| all.push(sentence(text)));
@@ -67,8 +67,8 @@ fn delays(found: &TorqueSignals) -> Blocks {
 fn by_recording(found: &TorqueSignals) -> Blocks {
     let filters = found.recordings.iter().filter_map(|recording| {
         let filter = match recording.filter.as_ref()? {
-            Told::Found(filter) => torque::shaft_filter(filter),
-            Told::Untold(why) => torque::untold(why),
+            Outcome::Estimated(filter) => torque::shaft_filter(filter),
+            Outcome::NotEstimated { needs: why } => wording::reasons(why),
         };
         Some(vec![recording.file.clone(), filter])
     });
@@ -76,16 +76,16 @@ fn by_recording(found: &TorqueSignals) -> Blocks {
     for recording in &found.recordings {
         let name = &recording.file;
         match &recording.shaft {
-            Some(Told::Found(shaft)) => {
+            Some(Outcome::Estimated(shaft)) => {
                 all.push(sentence(&format!("{name}: T_shaft rebuilt: {}", torque::rebuilt(shaft))));
             }
-            Some(Told::Untold(why)) => {
-                all.push(untold(&format!("{name}: T_shaft is not rebuilt"), &torque::untold(why)))
+            Some(Outcome::NotEstimated { needs: why }) => {
+                all.push(no_result(&format!("{name}: T_shaft is not rebuilt"), &wording::reasons(why)))
             }
             None => {}
         }
-        if let Told::Untold(why) = &recording.delays {
-            all.push(untold(&format!("{name}: delays"), &torque::untold(why)));
+        if let Outcome::NotEstimated { needs: why } = &recording.delays {
+            all.push(no_result(&format!("{name}: delays"), &wording::reasons(why)));
         }
     }
     all

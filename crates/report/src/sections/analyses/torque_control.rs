@@ -8,16 +8,15 @@ use part_torque::model_comparison::{
 use rig::results::{Parameter, ResidualTest};
 use study::Analyses;
 
-use super::{figures, heading, of_recording, plain_table, sentence, untold};
-use crate::torque;
+use super::{figures, heading, no_result, of_recording, plain_table, sentence};
 use crate::torque_control as words;
-use crate::wording::number;
+use crate::wording::{self, number};
 
 /// Models of the torque control, with the orders that a report tries.
 pub(crate) fn torque_control_in_report(found: &Result<ModelComparison, ModelComparisonError>) -> Blocks {
     let studied = match found {
         Ok(studied) => studied,
-        Err(why) => return untold("Models of the torque control beyond delay and lag", &why.to_string()),
+        Err(why) => return no_result("Models of the torque control beyond delay and lag", &why.to_string()),
     };
     let orders = Analyses::ORDERS_TRIED;
     let mut all = sentence(&format!(
@@ -35,7 +34,7 @@ pub(crate) fn torque_control(studied: &ModelComparison) -> Blocks {
         "Every model is compared with the simplest one, the reference: T_d is T_d* one sample of T_d,calc ago",
     ));
     studied.recordings.iter().for_each(|recording| all.push(one(studied, recording)));
-    studied.untold.iter().for_each(|(file, why)| all.push(untold(file, &torque::untold(why))));
+    studied.unusable.iter().for_each(|(file, why)| all.push(no_result(file, &wording::reason_of(why))));
     studied.visibility.iter().for_each(|one| all.push(visibility(one)));
     all.push(figures(words::figures(studied)));
     all

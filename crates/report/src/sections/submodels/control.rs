@@ -1,6 +1,6 @@
 //! Speed control, feed-forward and torque control.
 
-use rig::results::{DelayPlace, Estimate, FeedForward, Part, Quantity, SpeedController, TorqueControl};
+use rig::results::{DelayPlace, Estimate, FeedForward, Outcome, Quantity, SpeedController, TorqueControl};
 use study::Study;
 
 use page::{Block, Blocks};
@@ -15,8 +15,8 @@ pub(crate) fn speed_controller(study: &Study) -> Blocks {
     let what = "The controller that holds the dynamometer’s speed: it turns the speed error N_d − N_d* into a torque \
                 demand T_d*.";
     let part = match &study.speed_controller {
-        Part::Estimated(part) => part,
-        Part::NotEstimated { needs } => return not_estimated(what, needs),
+        Outcome::Estimated(part) => part,
+        Outcome::NotEstimated { needs } => return not_estimated(what, needs),
     };
     let equation = "T_d* = e^(−s τ) (K_p + {K_i}/{s}) (N_d − N_d*) + I_0";
     let title = "Speed control on the held-out stretch";
@@ -70,8 +70,8 @@ fn delay_evidence(part: &SpeedController) -> Blocks {
 pub(crate) fn feed_forward(study: &Study) -> Blocks {
     let what = "The torque the controller adds from the speed demand N_d* alone, without waiting for an error.";
     let part: &FeedForward = match &study.feed_forward {
-        Part::Estimated(part) => part,
-        Part::NotEstimated { needs } => return not_estimated(what, needs),
+        Outcome::Estimated(part) => part,
+        Outcome::NotEstimated { needs } => return not_estimated(what, needs),
     };
     let equation = "FF = k N_d* + m + k_a {dN_d*}/{dt}";
     let note = format!(
@@ -125,8 +125,8 @@ fn early(estimate: &Estimate) -> Blocks {
 pub(crate) fn torque_control(study: &Study) -> Blocks {
     let what = "How the air-gap torque T_d follows its demand T_d*.";
     let part: &TorqueControl = match &study.torque_control {
-        Part::Estimated(part) => part,
-        Part::NotEstimated { needs } => return not_estimated(what, needs),
+        Outcome::Estimated(part) => part,
+        Outcome::NotEstimated { needs } => return not_estimated(what, needs),
     };
     let equation = "T_d = e^(−s τ) {a}/{s + a} T_d*";
     let bar = format!(

@@ -1,7 +1,7 @@
 //! The shaft: stiffness and damping, and why to believe them.
 
 use rig::facts::BenchVariant;
-use rig::results::{Estimate, MeasuredResponse, Part, Quantity, ResidualSpectrum, Shaft};
+use rig::results::{Estimate, MeasuredResponse, Outcome, Quantity, ResidualSpectrum, Shaft};
 use study::Study;
 
 use page::{Axis, Block, Blocks, Cell, Figure, Layer, Panel, Prose, Rounded, Style, Table, rounded};
@@ -18,8 +18,8 @@ pub(crate) fn shaft(study: &Study) -> Blocks {
     let what = "The elastic connection between engine and dynamometer: it carries torque when the two are twisted against \
                 each other.";
     let part = match &study.shaft {
-        Part::Estimated(part) => part,
-        Part::NotEstimated { needs } => return not_estimated(what, needs),
+        Outcome::Estimated(part) => part,
+        Outcome::NotEstimated { needs } => return not_estimated(what, needs),
     };
     let equation = "T_shaft = K ∫(ω_e − ω_d) dt + B (ω_e − ω_d)";
     let all: Vec<Blocks> = vec![

@@ -1,7 +1,7 @@
 //! Delays of the torque signals.
 
 use rig::Role;
-use rig::results::{DelayRoute, Parameter, Part, SignalDelay};
+use rig::results::{DelayRoute, Outcome, Parameter, SignalDelay};
 use study::Study;
 
 use page::{Block, Blocks, Cell, Prose, Table};
@@ -15,8 +15,8 @@ const WHAT: &str = "How late each torque signal is, against the torque demand T_
 /// The timing table.
 pub(crate) fn timing(study: &Study) -> Blocks {
     let timing = match &study.timing {
-        Part::Estimated(timing) => timing,
-        Part::NotEstimated { needs } => return not_estimated(WHAT, needs),
+        Outcome::Estimated(timing) => timing,
+        Outcome::NotEstimated { needs } => return not_estimated(WHAT, needs),
     };
     let rows = timing.delays.iter().map(row);
     let heads =

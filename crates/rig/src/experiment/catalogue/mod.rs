@@ -17,7 +17,7 @@ mod templates;
 
 use recording::names::likely_meant;
 
-use super::Test;
+use super::{ExperimentLabel, Test};
 pub use error::CatalogueError;
 pub use parameter::Parameter;
 pub use settings::Settings;
@@ -29,6 +29,11 @@ pub const OPTIMAL: &[Parameter] = templates::OPTIMAL;
 /// Every template, in the order of the method's table.
 pub fn all() -> &'static [Template] {
     templates::ALL
+}
+
+/// The template of a label, if it is one of the method.
+pub fn of(label: &ExperimentLabel) -> Option<&'static Template> {
+    all().iter().find(|template| template.label() == *label)
 }
 
 /// The template of a label such as `BS_T_NT`; letter case does not matter, and the test's name will do where one alone has

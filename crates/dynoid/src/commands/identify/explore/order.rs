@@ -27,13 +27,13 @@ pub(crate) fn order(arguments: &OrderArguments, terminal: &mut Terminal) -> Resu
     let data = loaded.data;
     let failed = |source| CliError::identify("the order scan", source);
     let progress = terminal.long("comparing the structures");
-    let told = |done: usize, all: usize| progress.told(done as u64, all as u64);
+    let at = |done: usize, all: usize| progress.at(done as u64, all as u64);
     let table = match arguments.split {
         Some(share) => {
             let split = data.split(share).map_err(failed)?;
-            scan.run_with_progress(&split.estimation, Some(&split.validation), told)
+            scan.run_with_progress(&split.estimation, Some(&split.validation), at)
         }
-        None => scan.run_with_progress(&data, None, told),
+        None => scan.run_with_progress(&data, None, at),
     };
     let table = table.map_err(failed)?;
     drop(progress);

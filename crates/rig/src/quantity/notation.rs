@@ -7,7 +7,7 @@ use std::fmt;
 use serde::{Serialize, Serializer};
 use units::RPM_RAD_S;
 
-use super::quantity::Quantity;
+use super::Quantity;
 
 /// Symbol, name and units of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]

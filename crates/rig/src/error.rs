@@ -1,7 +1,7 @@
 //! Why a part of the bench cannot be estimated.
 
-use crate::Role;
-use crate::results::Quantity;
+use crate::quantity::Quantity;
+use crate::role::Role;
 
 /// Why a part of the bench cannot be estimated from a recording.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -109,6 +109,26 @@ pub enum EstimateError {
         /// The reason.
         source: signal::SignalError,
     },
+}
+
+impl EstimateError {
+    /// The recording it is about.
+    #[must_use]
+    pub fn file(&self) -> &str {
+        match self {
+            EstimateError::MissingSignal { file, .. }
+            | EstimateError::TooShort { file, .. }
+            | EstimateError::WeakExcitation { file, .. }
+            | EstimateError::Saturated { file, .. }
+            | EstimateError::WrongSign { file, .. }
+            | EstimateError::Inseparable { file }
+            | EstimateError::FoldedPulses { file }
+            | EstimateError::Contradiction { file, .. }
+            | EstimateError::Unsuitable { file, .. }
+            | EstimateError::Ident { file, .. }
+            | EstimateError::Signal { file, .. } => file,
+        }
+    }
 }
 
 /// Why a way to the shaft cannot use a recording.

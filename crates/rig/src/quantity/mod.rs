@@ -1,6 +1,10 @@
 //! What can be estimated, each by one name.
 
+mod notation;
+
 use serde::Serialize;
+
+pub use notation::{Notation, write_notation, write_symbol};
 
 /// A quantity that is estimated or computed from estimates, in SI.
 ///
