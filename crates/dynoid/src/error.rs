@@ -102,6 +102,19 @@ pub(crate) enum CliError {
     /// A bench file that must not be overwritten.
     #[error("{}: the bench file exists already; write another with --out, or replace it with --force", .path.display())]
     BenchFileExists { path: PathBuf },
+    /// A recording that must not be overwritten.
+    #[error(
+        "{}: there is a file of this name, and dynoid cannot say that it wrote it; choose another name, or delete the file first",
+        .path.display()
+    )]
+    RecordingExists { path: PathBuf },
+    /// A simulation among measured recordings.
+    #[error(
+        "{}: {} lists this place among its recordings, and a study would take the simulation for a measurement; write it to \
+         another folder",
+        .path.display(), .bench.display()
+    )]
+    AmongRecordings { path: PathBuf, bench: PathBuf },
     /// The demo's folder holds other things.
     #[error(
         "{}: the folder contains other files ({found}); choose another folder with --out",
@@ -228,6 +241,8 @@ impl CliError {
             CliError::Write { .. }
             | CliError::InTheWay { .. }
             | CliError::BenchFileExists { .. }
+            | CliError::RecordingExists { .. }
+            | CliError::AmongRecordings { .. }
             | CliError::NotADemoFolder { .. }
             | CliError::Encode { .. }
             | CliError::StandardOutput { .. } => OUTPUT,

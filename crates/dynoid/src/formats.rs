@@ -1,6 +1,7 @@
 //! The formats that recordings are written in.
 
-use std::io::{self, Write};
+use std::fs::File;
+use std::io::{self, Read, Write};
 use std::path::Path;
 
 use clap::ValueEnum;
@@ -29,6 +30,14 @@ pub(crate) enum FileFormat {
 
 const ENDINGS: &str = ".mf4, .csv, .tsv, .mat, .parquet or .arrow";
 
+/// Whether dynoid wrote an MDF file: its identification block names the program (ASAM MDF 4.1, §6.2). Other formats do not show
+/// it.
+pub(crate) fn is_own(path: &Path) -> bool {
+    let mut identification = [0; 24];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut identification));
+    read.is_ok() && identification[16..] == *b"dynoid  "
+}
+
 impl FileFormat {
     /// The ending of its files.
     pub(crate) fn ending(self) -> &'static str {
@@ -55,12 +64,16 @@ impl FileFormat {
         })
     }
 
-    /// As [`Self::of`], of a file to be written.
+    /// As [`Self::of`], of a file to be written: none that is there already, unless dynoid wrote it.
     pub(crate) fn of_output(path: &Path) -> Result<Self, CliError> {
         let unknown = || CliError::Usage {
             what: format!("{}: the ending of the output says what it is: {ENDINGS}", path.display()),
         };
-        Self::of(path).ok_or_else(unknown)
+        let format = Self::of(path).ok_or_else(unknown)?;
+        if path.is_file() && !is_own(path) {
+            return Err(CliError::RecordingExists { path: path.to_owned() });
+        }
+        Ok(format)
     }
 
     /// Whether its files are text.

@@ -235,6 +235,22 @@ fn matches(bench: &Path, folder: &Path, pattern: &str) -> Result<Vec<PathBuf>, C
     Ok(files)
 }
 
+/// Whether a bench file would list a file of this name, and lists one already that dynoid did not write.
+pub(crate) fn is_among_measured(bench: &Path, patterns: &[String], file: &Path) -> bool {
+    let Ok(folder) = std::path::absolute(paths::folder_of(bench)) else { return false };
+    let Ok(file) = std::path::absolute(file) else { return false };
+    let lists = |pattern: &String| {
+        let place = folder.join(pattern);
+        let full = format!("{}/{pattern}", glob::Pattern::escape(&folder.to_string_lossy()));
+        let full = if Path::new(pattern).is_absolute() { pattern.clone() } else { full };
+        place == file
+            || file.parent() == Some(&place)
+            || glob::Pattern::new(&full).is_ok_and(|full| full.matches_path(&file))
+    };
+    let is_measured = |input: &InputFile| !crate::formats::is_own(&input.path);
+    patterns.iter().any(lists) && listed(bench, patterns).is_ok_and(|files| files.iter().any(is_measured))
+}
+
 /// The folders of a pattern that hold no wildcard.
 fn fixed_part(pattern: &str) -> PathBuf {
     let is_fixed = |part: &Component<'_>| !part.as_os_str().to_string_lossy().contains(['*', '?', '[']);

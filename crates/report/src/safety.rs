@@ -31,11 +31,10 @@ pub struct CheckedPlan<'a> {
 /// The verdict with what it rests on.
 pub fn page(checked: &CheckedPlan<'_>) -> Page {
     let CheckedPlan { plan, check, .. } = *checked;
-    let verdict = wording::safety(check.safety).to_uppercase();
     let mut all = Blocks::from(Block::Callout {
-        tone: tone(check.safety),
+        tone: overall_tone(check),
         kicker: "Safety check".to_owned(),
-        title: format!("{}, {} s: {verdict}", plan.label, plan.duration_s),
+        title: format!("{}, {} s: {}", plan.label, plan.duration_s, verdict(check)),
         blocks: vec![Block::Table(limits(check))],
     });
     let drawn = check.unstable.of;
@@ -52,12 +51,41 @@ pub fn page(checked: &CheckedPlan<'_>) -> Page {
     Page::new(format!("{}, checked", plan.label), all.into_vec())
 }
 
+/// The verdict, and of how many limits it speaks.
+fn verdict(check: &SafetyCheck) -> String {
+    let verdict = wording::safety(check.safety).to_uppercase();
+    let checked = check.checked.iter().filter(|one| one.reached.is_some()).count();
+    match (checked, check.unchecked.len()) {
+        (0, _) | (_, 0) => verdict,
+        (checked, unchecked) => {
+            format!("{verdict} for {checked} of {} limits, {unchecked} not checked", checked + unchecked)
+        }
+    }
+}
+
+/// Green is a verdict on all limits alone.
+fn overall_tone(check: &SafetyCheck) -> Tone {
+    match check.safety {
+        Safety::Safe if !check.unchecked.is_empty() => Tone::Caution,
+        safety => tone(safety),
+    }
+}
+
 fn findings(check: &SafetyCheck) -> Blocks {
     let finding = |tone, what: &str, words: String| Block::Finding(Finding::new(tone, what, words));
     let mut all = Blocks::default();
     if check.safety == Safety::NotChecked {
         let words = "the bench file states no limit that bears on this; add [limits]";
         all.push(finding(Tone::Caution, "not checked", words.to_owned()));
+    }
+    if check.checked.iter().any(|one| one.reached.is_some()) {
+        let words = format!("{} of the benches drawn", number::proportion(&check.any));
+        all.push(finding(tone(check.safety), "any limit reached", words));
+    }
+    if check.safety != Safety::NotChecked && !check.unchecked.is_empty() {
+        let names: Vec<String> = check.unchecked.iter().map(|of| wording::quantity(*of).0.to_owned()).collect();
+        let words = format!("the bench file states no limit of {}; add it to [limits]", wording::join(&names, "and"));
+        all.push(finding(Tone::Caution, "not checked", words));
     }
     if check.unstable.count > 0 {
         let words = format!("{} of the benches drawn", number::proportion(&check.unstable));

@@ -211,6 +211,13 @@ pub enum Finding {
         /// Centre frequencies, Hz.
         frequencies_hz: Vec<f64>,
     },
+    /// Recordings that a virtual bench made.
+    Simulated {
+        /// They.
+        files: Vec<String>,
+        /// Whether others were measured.
+        beside_measured: bool,
+    },
     /// A multiple of the firing frequency is one of a speed's sample rate: the engine's pulses fold onto slow changes of their own
     /// strength.
     PulsesFoldToRest {

@@ -30,4 +30,6 @@ pub use diagnostics::{Diagnostic, Finding, Place, Severity};
 pub use experiment::{ControlMode, Excitation, Experiment, ExperimentLabel};
 pub use prepare::{PrepareError, prepare};
 pub use role::Role;
+/// How the comment of a recording ends that a virtual bench made.
+pub const SIMULATED: &str = "virtual bench";
 pub use words::{write_words, write_words_if_any};

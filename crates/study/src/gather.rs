@@ -2,6 +2,7 @@
 
 use numerics::parallel::map;
 use recording::{Recording, RecordingError};
+use rig::SIMULATED;
 use rig::{BenchFile, Diagnostic, Experiment, Finding, Place, PrepareError, Role, Severity, prepare};
 
 use crate::{Progress, RecordingSummary};
@@ -54,7 +55,26 @@ pub(super) fn gather(bench: &BenchFile, sources: Vec<Source>, progress: &mut dyn
             Err(diagnostics) => gathered.diagnostics.extend(diagnostics),
         }
     }
+    gathered.diagnostics.extend(simulated(&sources));
     gathered
+}
+
+/// That recordings are from a virtual bench: a warning where others are measured.
+fn simulated(sources: &[Source]) -> Option<Diagnostic> {
+    let readable = || sources.iter().filter(|source| source.recording.is_ok());
+    let files: Vec<String> = readable().filter(|source| is_simulated(source)).map(|s| s.file.clone()).collect();
+    let beside_measured = files.len() < readable().count();
+    let severity = if beside_measured { Severity::Warning } else { Severity::Note };
+    (!files.is_empty()).then(|| Diagnostic {
+        severity,
+        place: Place::default(),
+        finding: Finding::Simulated { files, beside_measured },
+    })
+}
+
+fn is_simulated(source: &Source) -> bool {
+    let comment = source.recording.as_ref().ok().and_then(|recording| recording.comment.as_deref());
+    comment.is_some_and(|comment| comment.ends_with(SIMULATED))
 }
 
 fn duration_s(recording: &Recording) -> f64 {

@@ -1,10 +1,10 @@
 //! From the automation system's registers to a recording: rasters, names, units.
 
 use recording::{Channel, Format, Raster, Recording};
-use rig::ControlMode;
 use rig::bench_parameters::{BenchParameters, ClockParameters};
 use rig::experiment::{ExperimentPlan, TorqueTarget, UPDATE_S};
 use rig::facts::BenchVariant;
+use rig::{ControlMode, SIMULATED};
 use units::RPM_RAD_S;
 
 use super::run::Registers;
@@ -35,7 +35,7 @@ pub(super) fn recording(parameters: &BenchParameters, plan: &ExperimentPlan, reg
     }
     Recording {
         format: Format::Mdf { version: 410 },
-        comment: Some(format!("{}, virtual bench", plan.label)),
+        comment: Some(format!("{}, {SIMULATED}", plan.label)),
         start_time: None,
         rasters: writer.rasters,
         channels: writer.channels,

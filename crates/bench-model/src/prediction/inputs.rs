@@ -17,6 +17,8 @@ pub struct PredictionInputs<'a> {
     pub model: &'a BenchModel,
     /// The engine: motored torque, throttle map, intake, speed control.
     pub engine: &'a EngineParameters,
+    /// Whether an engine that fires adds its pulses.
+    pub has_pulses: bool,
     /// What the bench must not exceed.
     pub limits: Limits,
 }

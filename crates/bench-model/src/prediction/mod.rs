@@ -1,11 +1,12 @@
 //! What a bench will do in an experiment, before it is run: the bench model under the plan's demands, and its peaks against
 //! the limits that the bench file states.
 //!
-//! The engine gives its mean torque: firing pulses are no part of a linear prediction, and neither is what a virtual bench
-//! adds beyond the model. In TN mode the engine's speed control is that of the virtual bench.
+//! The engine gives its mean torque and, where they are asked for, its firing pulses at the crank's angle of a run without them: they
+//! hardly change the speed. What a virtual bench adds beyond the model is no part of it. In TN mode the engine's speed control is that of the virtual bench.
 
 mod inputs;
 mod peaks;
+mod pulses;
 
 use std::cell::RefCell;
 
@@ -103,31 +104,59 @@ fn respond(inputs: &PredictionInputs<'_>, model: &BenchModel) -> Result<Response
         (true, false, ControlMode::Tn) => vec![demands.dyno_torque_nm[0]; speed.len()],
     };
     let start = start(model, speed[0], engine_torque[0]);
-    let response = match plan.label.mode {
+    let run = |engine_torque: &[f64]| {
+        let mean = run(inputs, model, (&speed, engine_torque), &start)?;
+        is_bounded(&mean).then_some(mean).ok_or(PredictionError::Unstable)
+    };
+    let mean = run(&engine_torque)?;
+    let is_fired = plan.has_shaft && !plan.is_motored;
+    if !inputs.has_pulses || !is_fired {
+        return Ok(mean);
+    }
+    // In torque control the engine's torque follows the dynamometer's.
+    let level = match plan.label.mode {
+        ControlMode::Nt => engine_torque.clone(),
+        ControlMode::Tn => on_clock(&demands.dyno_torque_nm),
+    };
+    let pulses = pulses::of(engine, &level, &mean.engine_speed_rad_s, sample_time_s);
+    let pulsed: Vec<f64> = engine_torque.iter().zip(&pulses).map(|(torque, pulse)| torque + pulse).collect();
+    run(&pulsed)
+}
+
+fn is_bounded(response: &Response) -> bool {
+    let is_finite = |values: &[f64]| values.iter().all(|value| value.abs() < 1e6);
+    is_finite(&response.dyno_speed_rad_s) && is_finite(&response.shaft_torque_nm)
+}
+
+/// One run with this torque of the engine, upon which its speed control acts in torque control.
+fn run(
+    inputs: &PredictionInputs<'_>,
+    model: &BenchModel,
+    (speed, engine_torque): (&[f64], &[f64]),
+    start: &InitialState,
+) -> Result<Response, PredictionError> {
+    let PredictionInputs { plan, demands, engine, .. } = *inputs;
+    let sample_time_s = sample_time_s(inputs);
+    Ok(match plan.label.mode {
         ControlMode::Nt => {
-            let dyno = DynoInput::SpeedDemand(&speed);
-            simulate(model, &Inputs { sample_time_s, engine_torque_nm: &engine_torque, dyno }, &start)?
+            let dyno = DynoInput::SpeedDemand(speed);
+            simulate(model, &Inputs { sample_time_s, engine_torque_nm: engine_torque, dyno }, start)?
         }
         ControlMode::Tn => {
-            let torque = on_clock(&demands.dyno_torque_nm);
+            let torque = resampled(&demands.dyno_torque_nm, sample_time_s);
             let inputs =
-                Inputs { sample_time_s, engine_torque_nm: &engine_torque, dyno: DynoInput::TorqueDemand(&torque) };
+                Inputs { sample_time_s, engine_torque_nm: engine_torque, dyno: DynoInput::TorqueDemand(&torque) };
             let control = EngineSpeedControl {
-                demand_rad_s: &speed,
+                demand_rad_s: speed,
                 proportional_nm_s_per_rad: engine.speed_control_proportional_nm_s_per_rad,
                 integral_nm_per_rad: engine.speed_control_integral_nm_per_rad,
             };
             match plan.is_motored || !plan.has_shaft {
-                true => simulate(model, &inputs, &start)?,
-                false => simulate_governed(model, &inputs, &control, &start)?,
+                true => simulate(model, &inputs, start)?,
+                false => simulate_governed(model, &inputs, &control, start)?,
             }
         }
-    };
-    let is_finite = |values: &[f64]| values.iter().all(|value| value.abs() < 1e6);
-    if is_finite(&response.dyno_speed_rad_s) && is_finite(&response.shaft_torque_nm) {
-        return Ok(response);
-    }
-    Err(PredictionError::Unstable)
+    })
 }
 
 /// The dynamometer alone.

@@ -22,7 +22,14 @@ fn with_inputs<T>(
 ) -> T {
     let demands = Demands::of(plan, 7, DEMAND_HOLD_S);
     let model = bench_model::model::BenchModel::of(parameters);
-    act(&PredictionInputs { plan, demands: &demands, model: &model, engine: &parameters.engine, limits })
+    act(&PredictionInputs {
+        plan,
+        demands: &demands,
+        model: &model,
+        engine: &parameters.engine,
+        has_pulses: false,
+        limits,
+    })
 }
 
 /// Largest errors of N_d in rpm and of T_shaft in Nm.

@@ -14,8 +14,10 @@ pub(crate) fn allowed_nm(
     ladder: &Ladder<'_>,
     prediction: &Prediction,
 ) -> Result<Vec<f64>, PredictionError> {
-    if prediction.response.limited_share > 0.0 {
+    // What a sine adds is compared with a rest that stands still; its pulses are in the probabilities.
+    if prediction.response.limited_share > 0.0 || inputs.has_pulses {
         let linear = BenchModel { torque_limit_nm: None, ..inputs.model.clone() };
+        let inputs = &PredictionInputs { has_pulses: false, ..*inputs };
         return match predict(&PredictionInputs { model: &linear, ..*inputs }) {
             Ok(free) => Ok(allowed_of(inputs, ladder, &free)),
             Err(PredictionError::Unstable) => Ok(vec![0.0; ladder.frequencies_hz.len()]),

@@ -36,18 +36,8 @@ impl Checked {
     }
 }
 
-/// The worst of all verdicts; benches that are not stable count as a limit reached.
-pub(crate) fn overall(checked: &[Checked], unstable: Proportion) -> Safety {
-    let mut stated: Vec<Safety> =
-        checked.iter().map(Checked::safety).filter(|safety| *safety != Safety::NotChecked).collect();
-    if stated.is_empty() && unstable.count == 0 {
-        return Safety::NotChecked;
-    }
-    stated.push(unstable.safety());
-    let has = |safety: Safety| stated.contains(&safety);
-    match (has(Safety::Unsafe), has(Safety::Risky)) {
-        (true, _) => Safety::Unsafe,
-        (false, true) => Safety::Risky,
-        (false, false) => Safety::Safe,
-    }
+/// The verdict of all limits together, by how many benches reach any of them or are not stable.
+pub(crate) fn overall(checked: &[Checked], any: Proportion) -> Safety {
+    let is_stated = checked.iter().any(|one| one.reached.is_some());
+    if !is_stated && any.count == 0 { Safety::NotChecked } else { any.safety() }
 }

@@ -1,7 +1,8 @@
 //! Whether an experiment is safe on a bench that is not known exactly: many benches are drawn, each runs the demands, and
 //! every limit of the bench file gets the probability of being reached.
 //!
-//! Firing pulses are no part of the prediction, see [`bench_model::prediction`]: they add to the shaft torque.
+//! An engine that fires adds its pulses, see [`bench_model::prediction`]. What counts in the end is how many benches reach any limit at
+//! all.
 
 mod allowed;
 mod checked;
@@ -63,6 +64,10 @@ pub struct SafetyCheck {
     pub checked: Vec<Checked>,
     /// How many of the benches drawn are not stable.
     pub unstable: Proportion,
+    /// How many reach any of the stated limits or are not stable.
+    pub any: Proportion,
+    /// Quantities whose limit is not stated, so that nothing is said of them.
+    pub unchecked: Vec<Quantity>,
     /// Verdict of all together.
     pub safety: Safety,
     /// Retarded ignition, if the plan has any.
@@ -109,14 +114,28 @@ pub fn check(inputs: &SafetyInputs<'_>, progress: &(dyn Fn(u64, u64) + Sync)) ->
     let outcomes = outcomes(&inputs.prediction, &benches, progress)?;
     let checked = checked(&inputs.prediction, &outcomes);
     let unstable = Proportion::new(outcomes.iter().filter(|outcome| outcome.is_unstable).count(), outcomes.len());
+    let any = Proportion::new(
+        outcomes.iter().filter(|outcome| is_beyond(&inputs.prediction, outcome)).count(),
+        outcomes.len(),
+    );
     let sines = sines::propose(&inputs.prediction, &benches, &outcomes, progress)?;
     Ok(SafetyCheck {
-        safety: checked::overall(&checked, unstable),
+        safety: checked::overall(&checked, any),
+        unchecked: checked.iter().filter(|one| one.of.has_limit() && one.limit.is_none()).map(|one| one.of).collect(),
+        any,
         thermal: thermal(&inputs.prediction),
         checked,
         unstable,
         sines,
     })
+}
+
+/// Whether a bench reaches any limit, or is not stable.
+fn is_beyond(inputs: &PredictionInputs<'_>, outcome: &Outcome) -> bool {
+    let reaches = |of: &Quantity| {
+        of.limit(&inputs.limits).is_some_and(|limit| quantity::reaches(outcome.values[*of as usize], limit))
+    };
+    outcome.is_unstable || Quantity::of_plan(inputs.plan).iter().any(reaches)
 }
 
 /// Every quantity of the plan, judged.

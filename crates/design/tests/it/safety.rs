@@ -42,6 +42,7 @@ impl Case<'_> {
             demands,
             model: &model,
             engine: &parameters.engine,
+            has_pulses: false,
             limits: self.limits,
         };
         let inputs =
@@ -181,7 +182,8 @@ fn prop_an_engine_of_slow_speed_control_damps_less() {
     let (demands, model) = (Demands::of(&plan, 1, DEMAND_HOLD_S), bench_model::model::BenchModel::of(&sharp()));
     let engine = BenchParameters::default().engine;
     let limits = shaft_limit(140.0);
-    let prediction = PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, limits };
+    let prediction =
+        PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &engine, has_pulses: false, limits };
     let peak = |slowest_engine_control: f64| {
         let spread = BenchSpread::Prior(EXACT);
         let inputs = SafetyInputs { prediction, spread, slowest_engine_control, samples: 20, seed: 3 };
@@ -234,8 +236,14 @@ fn regress_control_of_the_shaft_torque_is_refused() {
     plan.torque_target = TorqueTarget::Shaft;
     let (parameters, demands) = (sharp(), Demands::of(&plan, 1, DEMAND_HOLD_S));
     let (model, limits) = (bench_model::model::BenchModel::of(&parameters), Limits::default());
-    let prediction =
-        PredictionInputs { plan: &plan, demands: &demands, model: &model, engine: &parameters.engine, limits };
+    let prediction = PredictionInputs {
+        plan: &plan,
+        demands: &demands,
+        model: &model,
+        engine: &parameters.engine,
+        has_pulses: false,
+        limits,
+    };
     let inputs = SafetyInputs {
         prediction,
         spread: BenchSpread::Prior(Prior::default()),

@@ -110,6 +110,10 @@ pub fn finding(finding: &Finding) -> String {
             )
         }
         Finding::NotReplayed { reason } => format!("The recording was not replayed on the model: {}.", phrase(reason)),
+        Finding::Simulated { files, beside_measured } => {
+            let all = if *beside_measured { "" } else { "All recordings are simulated: " };
+            format!("{all}{} from a virtual bench.", join(files, "and"))
+        }
         Finding::PulsesFoldToRest { role: speed, rate_hz, firing_hz, multiple } => {
             let (rate, firing) = (measure(*rate_hz, "Hz"), measure(*firing_hz, "Hz"));
             format!(
@@ -184,6 +188,10 @@ pub fn advice(finding: &Finding) -> &'static str {
             "The controller’s delay is less certain for it. Record the signal with finer steps."
         }
         Finding::NotReplayed { .. } => "Nothing to do unless you need this replay: then record what is missing.",
+        Finding::Simulated { beside_measured: true, .. } => {
+            "Take the simulated recordings out of [recordings], or the results mix both benches."
+        }
+        Finding::Simulated { .. } => "Nothing to do; the results show a simulation and no real bench.",
         Finding::PulsesFoldToRest { .. } => {
             "The error of K may be several times its interval (on virtual benches twice, which is 0.1 %). Record at a speed 5 % higher or lower."
         }

@@ -244,53 +244,6 @@ fn stat_studies_of_benches_drawn_over_the_whole_class() {
         let study = bench.study(first + i as u64);
         (bench, study)
     });
-    for (i, (bench, study)) in rows.iter().enumerate() {
-        let p = &bench.parameters;
-        let z = |q: Quantity| {
-            found(study, q).map_or("-".to_owned(), |f| {
-                format!(
-                    "{:+.2}%({:+.1})",
-                    100.0 * (f.value / bench.truth(q) - 1.0),
-                    (f.value - bench.truth(q)) / f.standard_error
-                )
-            })
-        };
-        println!(
-            "DBG {i} cyl {} ne {} T {} rpm {} ripple {:.2} stated Jd {:+.2}% | K {} B {} J_d {} a {} tauT {} tau {} misfit {:.2} excl {:?} {:?}",
-            p.engine.cylinder_factors.len(),
-            p.clocks.engine_speed_decimation,
-            p.clocks.torque_decimation,
-            bench.speed_rpm,
-            p.drive.multiplicative_ripple,
-            100.0 * (bench.file.dynamometer_inertia_kg_m2 / p.mechanics.dyno_inertia_kg_m2 - 1.0),
-            z(Quantity::Stiffness),
-            z(Quantity::Damping),
-            z(Quantity::DynoInertia),
-            z(Quantity::TorqueControlBandwidth),
-            z(Quantity::TorqueControlDelay),
-            z(Quantity::ControllerDelay),
-            study.shaft.estimated().map_or(0.0, |s| s
-                .residual_spectrum
-                .normalised_magnitude
-                .iter()
-                .map(|m| m * m)
-                .sum::<f64>()
-                / s.residual_spectrum.normalised_magnitude.len() as f64),
-            study.shaft.estimated().map(|s| s
-                .residual_spectrum
-                .excluded_hz
-                .iter()
-                .map(|f| f.round())
-                .collect::<Vec<_>>()),
-            study
-                .diagnostics
-                .iter()
-                .filter(|d| d.severity != Severity::Note)
-                .map(|d| format!("{:?}", d))
-                .map(|s| s[..s.len().min(330)].to_owned())
-                .collect::<Vec<_>>()
-        );
-    }
     let tallies: Vec<(Quantity, Tally)> =
         JUDGED.iter().map(|quantity| (*quantity, Tally::of(*quantity, &rows))).collect();
     tallies.iter().for_each(|(quantity, tally)| tally.print(*quantity, benches));

@@ -28,6 +28,9 @@ pub(super) fn plan(files: Vec<InputFile>, arguments: &ConvertArguments) -> Resul
         None => vec![alone(files, out)?],
     };
     check_apart(&targets)?;
+    for target in &targets {
+        FileFormat::of_output(&target.out)?;
+    }
     for target in targets.iter().filter(|target| arguments.to.is_none() || target.out.exists()) {
         check_file(&target.out)?;
     }

@@ -30,7 +30,8 @@ pub(crate) fn run(arguments: &CheckArguments, terminal: &mut Terminal) -> Result
     };
     let json = || facts(&bench, &plan, &checked, &doubts);
     show(&arguments.on.result, || report::safety::page(&shown), json, terminal)?;
-    Ok(if checked.safety == Safety::Safe { Outcome::Done } else { Outcome::NotSafe })
+    let is_complete = checked.unchecked.is_empty() || arguments.allow_unchecked;
+    Ok(if checked.safety == Safety::Safe && is_complete { Outcome::Done } else { Outcome::NotSafe })
 }
 
 fn checked(
@@ -43,7 +44,14 @@ fn checked(
     let model = bench.model_for(plan).map_err(|reason| not_checkable(reason.to_owned()))?;
     let demands = Demands::of(plan, arguments.on.plan.seed(), DEMAND_HOLD_S);
     let engine = &bench.stated.parameters.engine;
-    let prediction = PredictionInputs { plan, demands: &demands, model: &model, engine, limits: bench.file.limits };
+    let prediction = PredictionInputs {
+        plan,
+        demands: &demands,
+        model: &model,
+        engine,
+        has_pulses: true,
+        limits: bench.file.limits,
+    };
     let spread = match &bench.assembled {
         Some(assembled) => BenchSpread::Estimated(&assembled.uncertainty),
         None => BenchSpread::Prior(Prior::default()),
@@ -76,6 +84,8 @@ fn facts(bench: &Bench, plan: &ExperimentPlan, checked: &SafetyCheck, doubts: &[
         "spread": from,
         "limits": checked.checked.iter().map(quantity).collect::<Vec<_>>(),
         "unstable": checked.unstable,
+        "any_limit": checked.any,
+        "unchecked": checked.unchecked,
         "thermal": checked.thermal,
         "sines": checked.sines,
         "assumptions": bench.stated.assumed_for(plan),

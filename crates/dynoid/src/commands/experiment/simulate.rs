@@ -14,6 +14,7 @@ use crate::cli::experiment::{OnBenchArguments, SimulateArguments};
 use crate::commands::result::{check_plot, check_targets, show_with};
 use crate::error::{CliError, Outcome};
 use crate::formats::FileFormat;
+use crate::input;
 use crate::paths;
 use crate::terminal::Terminal;
 
@@ -21,6 +22,11 @@ pub(crate) fn run(arguments: &SimulateArguments, terminal: &mut Terminal) -> Res
     check(arguments)?;
     let OnBenchArguments { bench: path, plan: settings, result } = &arguments.on;
     let bench = Bench::read(path, settings.study.as_deref(), terminal)?;
+    for out in [&arguments.out, &arguments.truth].into_iter().flatten() {
+        if input::is_among_measured(path, &bench.file.recordings.files, out) {
+            return Err(CliError::AmongRecordings { path: out.clone(), bench: path.clone() });
+        }
+    }
     let Planned { plan, .. } = planned::plan(&arguments.experiment, settings, terminal)?;
     let doubts = planned::doubts(&plan, &bench.file);
     doubts.iter().for_each(|doubt| terminal.warning(doubt));
