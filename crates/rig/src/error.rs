@@ -63,8 +63,8 @@ pub enum EstimateError {
     },
     /// Sampling folds pulses of the engine onto most of the frequencies that show the shaft.
     #[error(
-        "{file}: the rate of N_d or N_e is too low for the engine's pulses at these speeds, and they fold onto most frequencies that \
-         show the shaft; record the speeds at 1 kHz, or at a constant speed"
+        "{file}: the engine's pulses fold onto most frequencies that show the shaft, as the rate of N_d or N_e is too low at \
+         these speeds. Record the speeds at 1 kHz, or at a constant speed"
     )]
     FoldedPulses {
         /// File.
