@@ -5,7 +5,7 @@ use bench_model::model::AssembledModel;
 use bench_model::replay::Replay;
 use rig::experiment::Choice;
 use rig::facts::BenchFacts;
-use rig::results::{FeedForward, Outcome, Part, Shaft, SpeedController, Timing, TorqueControl};
+use rig::results::{FeedForward, Outcome, Part, Shaft, SpeedController, Timing, TorqueControl, write_status};
 use rig::{Diagnostic, ExperimentLabel, Role};
 use serde::Serialize;
 
@@ -21,16 +21,22 @@ pub struct Study {
     /// Which recording each part is from, and why.
     pub choices: Vec<Choice>,
     /// Delay of each torque signal.
+    #[serde(serialize_with = "write_status")]
     pub timing: Outcome<Timing>,
     /// PI with delay.
+    #[serde(serialize_with = "write_status")]
     pub speed_controller: Outcome<SpeedController>,
     /// Feed-forward of the speed controller.
+    #[serde(serialize_with = "write_status")]
     pub feed_forward: Outcome<FeedForward>,
     /// Torque control, closed loop from T_d* to T_d.
+    #[serde(serialize_with = "write_status")]
     pub torque_control: Outcome<TorqueControl>,
     /// Stiffness and damping, with gate and skew.
+    #[serde(serialize_with = "write_status")]
     pub shaft: Outcome<Shaft>,
     /// The assembled model's analysis.
+    #[serde(serialize_with = "write_status")]
     pub whole: Outcome<WholeModel>,
     /// The assembled model itself, in SI, for those who compute with it.
     pub model: Option<AssembledModel>,

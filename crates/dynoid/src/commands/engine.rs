@@ -31,7 +31,7 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
     let page = || report::pages::engine(&found);
     let json = || {
         let recordings: Vec<_> = found.recordings.iter().map(short).collect();
-        json!({"masses": found.masses, "recordings": recordings, "refused": refused})
+        json!({"masses": found.masses.written(), "recordings": recordings, "refused": refused})
     };
     show_with(&arguments.result, &[&arguments.out], page, json, terminal)?;
     let tells = found.recordings.iter().any(|recording| recording.engine.estimated().is_some());
@@ -40,13 +40,13 @@ pub(crate) fn run(arguments: &EngineArguments, terminal: &mut Terminal) -> Resul
 
 /// A recording's results without the samples.
 fn short(recording: &EngineRecording) -> serde_json::Value {
-    let engine = recording.engine.found_as(|engine| {
+    let engine = recording.engine.written_as(|engine| {
         json!({
             "start_s": engine.start_s, "sample_time_s": engine.sample_time_s, "samples": engine.smoothed_nm.len(),
             "torque": engine.torque, "noise": engine.noise, "once_a_turn_nm": engine.once_a_turn_nm,
         })
     });
-    json!({"file": recording.file, "label": recording.label, "engine": engine, "cycles": recording.cycles})
+    json!({"file": recording.file, "label": recording.label, "engine": engine, "cycles": recording.cycles.written()})
 }
 
 /// Writes the engine torque of the one recording there is.

@@ -50,14 +50,15 @@ fn shows(recording: &TorqueRecording) -> bool {
 /// A recording's results without the samples of the shaft torque.
 fn short(recording: &TorqueRecording) -> serde_json::Value {
     let shaft = recording.shaft.as_ref().map(|outcome| {
-        outcome.found_as(|shaft| {
+        outcome.written_as(|shaft| {
             json!({
                 "start_s": shaft.start_s, "sample_time_s": shaft.sample_time_s, "samples": shaft.smoothed_nm.len(),
                 "torque": shaft.torque, "noise": shaft.noise, "once_a_turn": shaft.once_a_turn,
             })
         })
     });
-    json!({"file": recording.file, "label": recording.label, "delays": recording.delays, "filter": recording.filter,
+    let filter = recording.filter.as_ref().map(|outcome| outcome.written());
+    json!({"file": recording.file, "label": recording.label, "delays": recording.delays.written(), "filter": filter,
         "shaft": shaft})
 }
 

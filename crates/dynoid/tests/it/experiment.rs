@@ -277,7 +277,7 @@ fn an_optimal_excitation_is_designed_checked_and_run() {
     campaign.run(&["study", "bench.toml", "--quiet"]);
     let study: serde_json::Value = serde_json::from_str(&campaign.read("study/study.json")).unwrap();
     let used = study["study"]["recordings"][0]["used_for"].to_string();
-    assert!(used.contains("shaft") && used.contains("torque control"), "{used}");
+    assert!(used.contains("shaft") && used.contains("torque_control"), "{used}");
     let binary = of(&["PI,FF,J_e", "--form", "binary"]).json();
     assert_eq!(binary["label"], "Binary_N_NT");
     assert_eq!(binary["optimal"]["parameters"].as_array().map(Vec::len), Some(5));

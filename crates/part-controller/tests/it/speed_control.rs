@@ -78,7 +78,7 @@ fn exact_the_discrete_form_follows_from_the_gains_by_any_rule_of_integration() {
 }
 
 #[test]
-fn exact_noise_free_terms_are_found_as_they_are() {
+fn exact_noise_free_terms_are_written_as_they_are() {
     let quiet = Hidden { noise_rad_s: 0.0, demand_step_nm: 0.0, ..Hidden::default() };
     let cases = [
         (Hidden { filter_s: 3e-3, ..quiet.clone() }, Term::Filter, 3e-3),

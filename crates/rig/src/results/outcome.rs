@@ -10,9 +10,8 @@ use crate::words::write_words;
 
 /// What became of an estimate.
 ///
-/// It serialises with a `status`; [`Found`] is the form of single analyses.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(tag = "status", rename_all = "snake_case")]
+/// It has two forms in JSON: [`write_status`] is that of a study, [`Found`] that of single analyses.
+#[derive(Debug, Clone, PartialEq)]
 pub enum Outcome<T> {
     /// The estimate.
     Estimated(T),
@@ -45,8 +44,13 @@ impl<T> Outcome<T> {
         }
     }
 
+    /// The form of single analyses.
+    pub fn written(&self) -> Found<'_, &T> {
+        self.written_as(|value| value)
+    }
+
     /// The form of single analyses, with what `written` makes of the estimate.
-    pub fn found_as<'a, U>(&'a self, written: impl FnOnce(&'a T) -> U) -> Found<'a, U> {
+    pub fn written_as<'a, U>(&'a self, written: impl FnOnce(&'a T) -> U) -> Found<'a, U> {
         self.as_ref().map_or_else(|needs| Found::NotEstimated(needs.first()), |value| Found::Found(written(value)))
     }
 
@@ -162,6 +166,26 @@ impl From<EstimateError> for Reason {
     }
 }
 
+/// The form of an outcome in a study: the estimate's own fields beside a `status`.
+#[derive(Serialize)]
+#[serde(tag = "status", rename_all = "snake_case")]
+enum Status<'a, T> {
+    Estimated(&'a T),
+    NotEstimated { needs: &'a [Reason] },
+}
+
+/// Serialises an outcome as the fields of the estimate with a `status`, or as `needs` with one.
+///
+/// # Errors
+/// Those of the serialiser.
+pub fn write_status<T: Serialize, S: Serializer>(outcome: &Outcome<T>, serializer: S) -> Result<S::Ok, S::Error> {
+    let status = match outcome.as_ref() {
+        Ok(value) => Status::Estimated(value),
+        Err(needs) => Status::NotEstimated { needs },
+    };
+    status.serialize(serializer)
+}
+
 /// The form of an outcome in single analyses: `{"found": …}`, or `{"not_estimated": …}` with the first reason.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -177,7 +201,7 @@ pub enum Found<'a, T> {
 /// # Errors
 /// Those of the serialiser.
 pub fn write_found<T: Serialize, S: Serializer>(outcome: &Outcome<T>, serializer: S) -> Result<S::Ok, S::Error> {
-    outcome.found_as(|value| value).serialize(serializer)
+    outcome.written().serialize(serializer)
 }
 
 /// The same of an outcome that is not sought everywhere.
@@ -188,5 +212,5 @@ pub fn write_if_sought<T: Serialize, S: Serializer>(
     outcome: &Option<Outcome<T>>,
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
-    outcome.as_ref().map(|outcome| outcome.found_as(|value| value)).serialize(serializer)
+    outcome.as_ref().map(Outcome::written).serialize(serializer)
 }

@@ -49,7 +49,7 @@ fn print_replays(study: &Study) {
 }
 
 #[test]
-fn ref_bench_a_is_found_as_it_was_simulated() {
+fn ref_bench_a_is_written_as_it_was_simulated() {
     let sources = sources("bench-a");
     if sources.is_empty() {
         return;

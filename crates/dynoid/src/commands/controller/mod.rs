@@ -53,22 +53,22 @@ fn short(found: &SpeedControl, refused: &[String]) -> Value {
 }
 
 fn short_controller(one: &ControllerRecording) -> Value {
-    let found = one.found.found_as(|c| {
+    let found = one.found.written_as(|c| {
         json!({
             "with_delay": c.with_delay, "without_delay": c.without_delay,
             "validation": without_traces(&c.validation),
             "validation_without_delay": without_traces(&c.validation_without_delay),
-            "si": report::controller::gains_in_si(c).collect::<Vec<_>>(), "discrete": c.discrete, "structure": c.structure,
+            "si": report::controller::gains_in_si(c).collect::<Vec<_>>(), "discrete": c.discrete, "structure": c.structure.written(),
         })
     });
     json!({"file": one.file, "label": one.label, "found": found})
 }
 
 fn short_feed_forward(one: &FeedForwardRecording) -> Value {
-    let found = one.found.found_as(|f| {
+    let found = one.found.written_as(|f| {
         json!({
             "estimate": f.straight.estimate, "validation": without_traces(&f.straight.validation),
-            "pi_alone": without_traces(&f.straight.pi_alone), "terms": f.terms,
+            "pi_alone": without_traces(&f.straight.pi_alone), "terms": f.terms.written(),
         })
     });
     json!({"file": one.file, "label": one.label, "found": found})
