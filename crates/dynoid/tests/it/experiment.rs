@@ -269,7 +269,9 @@ fn an_optimal_excitation_is_designed_checked_and_run() {
     let torque = samples(&demand, "dyno_torque_demand");
     assert!((torque.len(), torque[0]) == (800, 60.0) && torque[1] != 60.0, "it starts at its mean");
     assert!(campaign.read("experiments/Multisine_T_TN_1500_K_B.html").contains("Lines of the excitation"));
-    let checked = campaign.run(&["experiment", "check", "bench.toml", csv, "--samples", "80"]);
+    let check = ["experiment", "check", "bench.toml", csv, "--samples", "80"];
+    assert_eq!(campaign.run(&check).code, Some(1), "three of six limits are not stated");
+    let checked = campaign.run(&[&check[..], &["--allow-unchecked"]].concat());
     assert_eq!(checked.code, Some(0), "{}{}", checked.stdout, checked.stderr);
     let run = "recordings/Multisine_T_TN_1500.mf4";
     done(&campaign, &["experiment", "simulate", "bench.toml", csv, "--out", run]);
